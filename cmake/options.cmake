@@ -1,0 +1,74 @@
+# Compiler settings shared by every target. No -march=native and no AVX here: Debian's PCL and Eigen are built
+# for baseline x86-64, and mixing alignments breaks their ABI. Vector kernels set their own flags per file.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+find_program(SPARSHA_CCACHE ccache)
+if(SPARSHA_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SPARSHA_CCACHE})
+endif()
+
+add_library(sparsha_options INTERFACE)
+target_include_directories(sparsha_options INTERFACE ${PROJECT_SOURCE_DIR})
+if(MSVC)
+  target_compile_options(sparsha_options INTERFACE /W4 /WX /utf-8)
+else()
+  target_compile_options(sparsha_options INTERFACE
+    -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -ffp-contract=off)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(sparsha_options INTERFACE -Wno-restrict)  # false alarms on std::string + in GCC 12 (PR 105651)
+  endif()
+endif()
+if(SPARSHA_SANITIZE)
+  target_compile_options(sparsha_options INTERFACE
+    -fsanitize=${SPARSHA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(sparsha_options INTERFACE -fsanitize=${SPARSHA_SANITIZE})
+endif()
+find_package(Threads REQUIRED)
+target_link_libraries(sparsha_options INTERFACE Threads::Threads)
+
+# sparsha_library(name SOURCES ... [PUBLIC libs...] [PRIVATE libs...]): one static library of a room.
+function(sparsha_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE sparsha_options ${ARG_PRIVATE})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+endfunction()
+
+# sparsha_test(name SOURCES ... LIBS ...): a GoogleTest program whose cases CTest sees one by one.
+function(sparsha_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;PROPERTIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE sparsha_options ${ARG_LIBS} GTest::gmock GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600 ${ARG_PROPERTIES})
+endfunction()
+
+# sparsha_folder_library(name folder... [PUBLIC ...] [PRIVATE ...]): one static library of the .cpp files of some folders.
+function(sparsha_folder_library name)
+  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE" ${ARGN})
+  set(sources)
+  foreach(folder ${ARG_UNPARSED_ARGUMENTS})
+    file(GLOB found CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+    list(APPEND sources ${found})
+  endforeach()
+  if(sources)
+    sparsha_library(${name} SOURCES ${sources} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  else()
+    add_library(${name} INTERFACE)
+    target_include_directories(${name} INTERFACE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${name} INTERFACE ${ARG_PUBLIC})
+  endif()
+endfunction()
+
+# sparsha_folder_test(folder libs...): the folder's *_test.cpp (and helpers) as one test program.
+function(sparsha_folder_test folder)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+  if(sources)
+    string(REPLACE "/" "_" name ${folder})
+    sparsha_test(${name}_test SOURCES ${sources} LIBS ${ARGN})
+  endif()
+endfunction()

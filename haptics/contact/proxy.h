@@ -1,0 +1,52 @@
+// The point proxy on a bilinear Monge surface: where a fingertip would rest (docs/architecture.md, "Proxy").
+// Everything here is in the surface's local frame, metres, and runs on the servo thread: no allocation, no locks, no
+// exceptions.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "haptics/surface/monge_surface.h"
+
+namespace sparsha::haptics {
+
+/// What carries over from tick to tick.
+struct ProxyState {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  bool contact = false;
+  bool sticking = false;
+};
+
+/// What one update found.
+struct ProxyUpdate {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit; zero when free
+  double mu_dynamic = 0.0;
+  double mu_static = 0.0;
+  bool contact = false;
+  bool sticking = false;
+  bool unfinished = false;   ///< segment limit reached; goes on next tick
+  std::int32_t segments = 0; ///< cells and pieces visited
+  std::uint8_t cell_flags = 0;
+};
+
+struct SolverOptions {
+  double tolerance_cells = 1e-9;  ///< rest tolerance, of a cell
+  int segment_limit = 4000;
+  double paper_rho = 0.5;         ///< the paper's solver: step factor
+  int paper_iterations = 100;     ///< and iterations a tick
+};
+
+/// Starts at or above the HIP at height max(z, f).
+[[nodiscard]] ProxyState start_proxy(const MongeSurface& surface, const Eigen::Vector3d& hip) noexcept;
+
+/// The exact active-set solver. A HIP that is not finite leaves the state as it was and reports no contact.
+[[nodiscard]] ProxyUpdate update_exact(const MongeSurface& surface, const Eigen::Vector3d& hip, ProxyState& state,
+                                       const SolverOptions& options) noexcept;
+
+/// The source paper's iteration (Aniyath et al., eq. 1 to 6).
+[[nodiscard]] ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip, ProxyState& state,
+                                       const SolverOptions& options) noexcept;
+
+}  // namespace sparsha::haptics

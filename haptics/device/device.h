@@ -1,0 +1,45 @@
+// The one real interface: a thing with a hand position, buttons and a force.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "haptics/contact/governor.h"
+
+namespace sparsha::haptics {
+
+/// One reading. Device frame, metres.
+struct DeviceSample {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  std::uint64_t buttons = 0;
+  double time_s = 0.0;     ///< when it was measured, on the servo's clock
+  bool fresh = false;      ///< false: nothing new; the servo then commands zero
+  bool homed = true;       ///< false: positions are not absolute yet; the servo then commands zero
+  bool connected = true;   ///< false: unplugged
+  bool finished = false;   ///< playback and simulated rounds: no more samples will come
+};
+
+struct DeviceInfo {
+  std::string name;            ///< "simulated", "Novint Falcon", ...
+  double workspace_width_m = 0.1;
+  DeviceLimits limits;
+  bool paced = false;          ///< true: wait() paces the loop by the device's answers, else the servo's clock does
+};
+
+/// All calls but open-time ones come from the servo thread and must not allocate, lock or throw.
+class Device {
+ public:
+  virtual ~Device() = default;
+  [[nodiscard]] virtual DeviceInfo info() const = 0;
+  /// The newest hand position. `time_s`: the servo's time of this tick, `period_s` the tick's length.
+  [[nodiscard]] virtual DeviceSample read(double time_s, double period_s) noexcept = 0;
+  /// Force to hold until the next call, newtons, device frame.
+  virtual void write(const Eigen::Vector3d& force_n) noexcept = 0;
+  /// Zero force now; may be called from the watchdog's thread while the servo is silent.
+  virtual void zero() noexcept = 0;
+};
+
+}  // namespace sparsha::haptics

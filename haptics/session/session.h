@@ -1,0 +1,80 @@
+// Owns scene, servo, window loader and recorder; the one place where buttons, keys and requests become level, window and
+// scene changes, and words.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptics/contact/proxy.h"
+#include "haptics/device/device.h"
+#include "haptics/shared/requests.h"
+#include "haptics/shared/seqlock.h"
+#include "haptics/shared/spsc_queue.h"
+#include "haptics/shared/state.h"
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::haptics {
+
+struct SessionOptions {
+  pipeline::HapticsConfig haptics;     ///< wishes; the device limits them
+  bool texture = true;
+  bool friction = true;
+  std::filesystem::path record;        ///< run.csv; empty = none
+  bool real_time = true;               ///< ask for SCHED_FIFO and locked memory
+};
+
+/// What a run amounted to; printed at its end and used by user studies.
+struct SessionSummary {
+  std::uint64_t ticks = 0;
+  std::uint64_t missed_ticks = 0;
+  double share_in_time = 1.0;          ///< ticks begun within 1 ms of plan
+  bool real_time = false;              ///< SCHED_FIFO was granted
+  double duration_s = 0.0;
+  double contact_s = 0.0;
+  std::uint64_t contacts = 0;
+  double path_m = 0.0;                 ///< of the hand, device frame
+  double mean_force_n = 0.0;           ///< while in contact
+  double peak_force_n = 0.0;
+  double area_m2 = 0.0;                ///< scene cells touched, grid frame
+  std::vector<int> levels;             ///< used
+  double tick_ns_p50 = 0, tick_ns_p99 = 0, tick_ns_p999 = 0, tick_ns_max = 0;
+  std::vector<std::uint64_t> lateness_histogram;  ///< 20 bins of 100 us, the last one open
+  std::uint64_t unfinished = 0;
+  std::uint64_t faults = 0;
+  std::uint64_t dropped_records = 0;
+};
+
+/// Construct, start(), poll() about every 10 ms from one thread until finished(), stop().
+class Session {
+ public:
+  /// Loads the first window. Throws Error.
+  Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  void start();
+  /// Serves requests, buttons, window changes and announcements.
+  void poll();
+  [[nodiscard]] bool finished() const;
+  /// Ends in zero force and writes what was promised. Throws Error when the recording could not be written.
+  SessionSummary stop();
+
+  [[nodiscard]] const Seqlock<State>& state() const;
+  [[nodiscard]] RequestQueue& requests();
+  [[nodiscard]] AnnouncementBoard& announcements();
+  /// A queue of contact events for one more consumer; call before start().
+  [[nodiscard]] std::shared_ptr<ContactQueue> add_contact_consumer();
+  [[nodiscard]] pipeline::ScenePointer scene() const;
+  /// A new scene, e.g. after a new depth scan; the hand keeps its place.
+  void set_scene(pipeline::ScenePointer scene);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,87 @@
+// What viewer, speech and app ask of the session, and what the session has to say.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sparsha::haptics {
+
+/// A wish; Session decides. Values in the unit that the comment names.
+struct Request {
+  enum class Kind {
+    zoom_in,        ///< one level finer
+    zoom_out,       ///< one level coarser
+    pan,            ///< x, y: in window widths
+    move_to,        ///< x, y: new window centre, grid frame, metres
+    set_texture,    ///< on
+    set_friction,   ///< on
+    set_stiffness,  ///< x: N/m
+    describe,       ///< say where the hand is
+    quit
+  };
+  Kind kind = Kind::describe;
+  double x = 0.0;
+  double y = 0.0;
+  bool on = false;
+};
+
+/// Words for the visitor: shown by the viewer, spoken by speech.
+struct Announcement {
+  enum class Priority { information, warning, fault };
+  std::string text;
+  Priority priority = Priority::information;
+  std::uint64_t sequence = 0;  ///< counts from 1
+};
+
+/// Many writers, one reader; a mutex is fine, the servo never comes here.
+class RequestQueue {
+ public:
+  void post(const Request& request) {
+    const std::lock_guard lock(mutex_);
+    if (requests_.size() < kLimit) requests_.push_back(request);
+  }
+  [[nodiscard]] std::optional<Request> take() {
+    const std::lock_guard lock(mutex_);
+    if (requests_.empty()) return std::nullopt;
+    const Request request = requests_.front();
+    requests_.pop_front();
+    return request;
+  }
+
+ private:
+  static constexpr std::size_t kLimit = 1024;
+  std::mutex mutex_;
+  std::deque<Request> requests_;
+};
+
+/// The last announcements, for any number of readers, each of which remembers the sequence number it has seen.
+class AnnouncementBoard {
+ public:
+  void say(std::string text, Announcement::Priority priority = Announcement::Priority::information) {
+    const std::lock_guard lock(mutex_);
+    announcements_.push_back({std::move(text), priority, ++sequence_});
+    if (announcements_.size() > kLimit) announcements_.pop_front();
+  }
+  /// Those newer than `seen`, oldest first.
+  [[nodiscard]] std::vector<Announcement> since(std::uint64_t seen) const {
+    const std::lock_guard lock(mutex_);
+    std::vector<Announcement> result;
+    for (const Announcement& announcement : announcements_)
+      if (announcement.sequence > seen) result.push_back(announcement);
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t kLimit = 64;
+  mutable std::mutex mutex_;
+  std::deque<Announcement> announcements_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace sparsha::haptics

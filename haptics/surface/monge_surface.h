@@ -1,0 +1,52 @@
+// The surface of one haptic window: z = f(x, y), bilinear in every cell, with a height at every node.
+// Coordinates are local: metres relative to node (0,0) and height zero of the window's lattice.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::haptics {
+
+/// Bits per cell, for State::flags.
+enum CellFlag : std::uint8_t { kCellFilled = 1, kCellUnknown = 2, kCellOutside = 4 };
+
+/// Which effects a window is loaded with.
+struct SurfaceOptions {
+  bool texture = true;   ///< false: the envelope f_b
+  bool friction = true;  ///< false: mu = 0 everywhere
+};
+
+/// Immutable; made off the servo thread, read by it.
+struct MongeSurface {
+  pipeline::Lattice lattice;          ///< of the window, grid frame
+  std::vector<float> height_m;        ///< every node known: holes and the outside continue the nearest edge smoothly
+  std::vector<float> mu_dynamic;      ///< per node, 0 on unknown nodes
+  std::vector<float> mu_static;       ///< per node, >= mu_dynamic
+  std::vector<std::uint8_t> cell_flags;  ///< (nx-1)*(ny-1) CellFlag bits
+  std::uint64_t id = 0;
+  int level = 0;
+  double scale = 1.0;                 ///< device metres per grid metre
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< grid point at the device frame's origin
+
+  [[nodiscard]] double width_m() const { return (lattice.nx - 1) * lattice.spacing_m; }
+  [[nodiscard]] double depth_m() const { return (lattice.ny - 1) * lattice.spacing_m; }
+  /// Bilinear height at local (x, y), clamped to the window. Local frame.
+  [[nodiscard]] double height(double x, double y) const noexcept;
+};
+
+/// Continues heights into NaN nodes smoothly from the nearest known ones (pull-push, Gortler et al. 1996). In place.
+/// Everything unknown gives 0.
+void continue_heights(std::vector<float>& height_m, int nx, int ny);
+
+/// Builds the surface from a window's layers. `device_width_m` is the workspace's width; scale = device width / window
+/// width. Off the servo thread.
+[[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene,
+                                                               const pipeline::Layers& window, int level,
+                                                               double scale, const SurfaceOptions& options);
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,142 @@
+// POSIX and Windows calls; nothing else of the pipeline includes system headers.
+#include "pipeline/base/system.h"
+
+#include "pipeline/base/error.h"
+
+#if defined(_WIN32)
+#define NOMINMAX
+#include <windows.h>
+// clang-format off
+#include <psapi.h>
+#include <io.h>
+// clang-format on
+#else
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#endif
+#if defined(__linux__)
+#include <linux/fs.h>
+#include <malloc.h>
+#include <stdio.h>
+#endif
+
+namespace sparsha::system {
+
+#if defined(_WIN32)
+
+Mapping map_file(const std::filesystem::path& file) {
+  const HANDLE handle =
+      CreateFileW(file.c_str(), GENERIC_READ, FILE_SHARE_READ, nullptr, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
+  if (handle == INVALID_HANDLE_VALUE) throw input_error(file.string(), "cannot open the file", "a readable file");
+  LARGE_INTEGER size{};
+  GetFileSizeEx(handle, &size);
+  Mapping mapping;
+  if (size.QuadPart > 0) {
+    const HANDLE section = CreateFileMappingW(handle, nullptr, PAGE_READONLY, 0, 0, nullptr);
+    if (section != nullptr) {
+      mapping.data = static_cast<const std::byte*>(MapViewOfFile(section, FILE_MAP_READ, 0, 0, 0));
+      CloseHandle(section);
+    }
+    mapping.size = static_cast<std::size_t>(size.QuadPart);
+  }
+  CloseHandle(handle);
+  if (size.QuadPart > 0 && mapping.data == nullptr) throw input_error(file.string(), "cannot map the file");
+  return mapping;
+}
+
+void unmap_file(const Mapping& mapping) noexcept {
+  if (mapping.data != nullptr) UnmapViewOfFile(mapping.data);
+}
+
+void release_pages(const Mapping&, std::size_t, std::size_t) noexcept {}
+
+std::uint64_t peak_rss_bytes() noexcept {
+  PROCESS_MEMORY_COUNTERS counters{};
+  GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof(counters));
+  return counters.PeakWorkingSetSize;
+}
+
+bool exchange_paths(const std::filesystem::path&, const std::filesystem::path&) noexcept { return false; }
+unsigned process_id() noexcept { return GetCurrentProcessId(); }
+bool stderr_is_terminal() noexcept { return _isatty(2) != 0; }
+void trim_heap() noexcept {}
+
+#else
+
+Mapping map_file(const std::filesystem::path& file) {
+  // O_NONBLOCK: a named pipe must be refused, not waited for.
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) {
+    throw input_error(file.string(), "cannot open the file: " + std::string(std::strerror(errno)), "a readable file");
+  }
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(descriptor);
+    throw input_error(file.string(), "this is not a regular file", "a readable file");
+  }
+  Mapping mapping;
+  mapping.size = static_cast<std::size_t>(status.st_size);
+  if (mapping.size > 0) {
+    void* address = ::mmap(nullptr, mapping.size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    ::close(descriptor);
+    if (address == MAP_FAILED) {
+      throw input_error(file.string(), "cannot map the file: " + std::string(std::strerror(errno)));
+    }
+    mapping.data = static_cast<const std::byte*>(address);
+    ::madvise(address, mapping.size, MADV_SEQUENTIAL);
+  } else {
+    ::close(descriptor);
+  }
+  return mapping;
+}
+
+void unmap_file(const Mapping& mapping) noexcept {
+  if (mapping.data != nullptr) ::munmap(const_cast<std::byte*>(mapping.data), mapping.size);
+}
+
+void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) noexcept {
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  begin = (begin + page - 1) / page * page;
+  end = end / page * page;
+  if (mapping.data == nullptr || end > mapping.size || begin >= end) return;
+  ::madvise(const_cast<std::byte*>(mapping.data + begin), end - begin, MADV_DONTNEED);
+}
+
+std::uint64_t peak_rss_bytes() noexcept {
+  struct rusage usage {};
+  ::getrusage(RUSAGE_SELF, &usage);
+#if defined(__APPLE__)
+  return static_cast<std::uint64_t>(usage.ru_maxrss);
+#else
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;
+#endif
+}
+
+bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept {
+#if defined(__linux__) && defined(RENAME_EXCHANGE)
+  return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
+#else
+  static_cast<void>(a);
+  static_cast<void>(b);
+  return false;
+#endif
+}
+
+unsigned process_id() noexcept { return static_cast<unsigned>(::getpid()); }
+bool stderr_is_terminal() noexcept { return ::isatty(STDERR_FILENO) == 1; }
+
+void trim_heap() noexcept {
+#if defined(__linux__)
+  ::malloc_trim(0);
+#endif
+}
+
+#endif
+
+}  // namespace sparsha::system

@@ -1,0 +1,32 @@
+// What differs between operating systems, behind one file: memory maps, peak memory, durable renames, terminals.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+
+namespace sparsha::system {
+
+struct Mapping {
+  const std::byte* data = nullptr;
+  std::size_t size = 0;
+};
+
+/// Maps a regular file read-only; throws Error{input}. An empty file maps to {nullptr, 0}.
+[[nodiscard]] Mapping map_file(const std::filesystem::path& file);
+void unmap_file(const Mapping& mapping) noexcept;
+/// Drops the pages of [begin, end) from memory; they are read again when touched.
+void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) noexcept;
+
+/// Highest resident set size of this process so far, bytes.
+[[nodiscard]] std::uint64_t peak_rss_bytes() noexcept;
+/// Swaps two existing paths as one step where the system can; false when it cannot.
+[[nodiscard]] bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept;
+/// Number that tells concurrent writers apart (process id).
+[[nodiscard]] unsigned process_id() noexcept;
+/// True when standard error is a terminal.
+[[nodiscard]] bool stderr_is_terminal() noexcept;
+/// Returns freed heap memory to the system.
+void trim_heap() noexcept;
+
+}  // namespace sparsha::system

@@ -1,0 +1,40 @@
+// The kd-tree cross-check of a depth grid against the raw points, through PCL's FLANN tree.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "pipeline/base/progress.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/grid/project.h"
+#include "pipeline/scan/cloud.h"
+#include "pipeline/scene/config.h"
+#include "pipeline/scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// Unsigned Euclidean distances; all empty when nothing was sampled. `signed_mean_m` stands beside.
+struct DistanceStatistics {
+  std::uint64_t samples = 0;
+  double mean_m = 0, rms_m = 0, median_m = 0, mad_m = 0, p95_m = 0, p99_m = 0, max_m = 0;
+  double signed_mean_m = 0;
+  double mean_ci95_m = 0;  ///< half width of the mean's 95 % confidence interval; 0 when every point was taken
+};
+
+struct CheckResult {
+  DistanceStatistics cloud_to_surface;  ///< each point that is not occluded, outside or invalid, to the bilinear surface
+  DistanceStatistics surface_to_cloud;  ///< each measured node to its nearest point
+  std::optional<double> completeness;
+  double tolerance_m = 0.0;             ///< max(spacing, 3 noise)
+  std::vector<float> node_error_m;      ///< per node, NaN where nothing was sampled; for the error map
+  std::vector<std::uint64_t> cloud_histogram;  ///< 64 equal bins up to p99 * 1.5
+  double histogram_bin_m = 0.0;
+};
+
+/// `projection` says which points count. Scene frame: grid = scan_to_grid * scan.
+[[nodiscard]] CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
+                                      const Projection& projection, const std::optional<FillConfig>& fill,
+                                      const CheckConfig& config, ThreadPool& pool, Progress& progress);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,24 @@
+// The filters a configuration can name, in its order. All keep colour, intensity and the origin.
+#pragma once
+
+#include <cstdint>
+
+#include "pipeline/base/progress.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/scan/cloud.h"
+#include "pipeline/scene/config.h"
+
+namespace sparsha::pipeline {
+
+/// How many points each kind of filter took away.
+struct FilterCounts {
+  std::uint64_t filtered = 0;  ///< by crop and voxel
+  std::uint64_t outlier = 0;   ///< by outliers
+};
+
+/// Applies `filters` in order. Faces survive only while no point is taken away. Throws Error{usage} when a voxel leaf is
+/// too small for the extent, Error{input} when nothing is left.
+FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool,
+                           Progress& progress);
+
+}  // namespace sparsha::pipeline

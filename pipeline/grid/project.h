@@ -1,0 +1,38 @@
+// From an oriented cloud to a depth grid: front layer, robust local fit, exact triangles (ALGORITHMS in
+// docs/architecture.md).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pipeline/base/progress.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/scan/cloud.h"
+#include "pipeline/scene/config.h"
+#include "pipeline/scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// What became of each point that reached the projection.
+enum class PointFate : std::uint8_t { used, occluded, outlier, outside };
+
+struct Projection {
+  DepthGrid grid;
+  double noise_m = 0.0;            ///< standard deviation of the points about the fits, from samples
+  double point_spacing_m = 0.0;    ///< median spacing of front points
+  double gap_m = 0.0;              ///< the depth gap that separates front from back
+  std::uint64_t used = 0, occluded = 0, outlier = 0, outside = 0;
+  std::vector<PointFate> fate;     ///< one a point of the cloud
+  std::vector<std::uint32_t> colour_rgba;  ///< when asked for and present
+  std::vector<float> intensity;
+};
+
+/// Projects `cloud` as seen along -z of the grid frame, grid = scan_to_grid * scan. `resolution_m` bounds the automatic
+/// spacing from below. The result depends neither on the pool's threads nor on the order of the points.
+/// Throws Error{input} when no node can be measured, Error{usage} when the grid would exceed 2^31 nodes or memory.
+[[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
+                                 double resolution_m, ThreadPool& pool, Progress& progress);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,40 @@
+// A scan in memory: a PCL cloud with its double origin and what else the file had.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace pcl {
+struct PointXYZ;
+template <typename PointT>
+class PointCloud;
+}  // namespace pcl
+
+namespace sparsha {
+class Progress;
+class ThreadPool;
+}  // namespace sparsha
+
+namespace sparsha::pipeline {
+
+/// Points are float32, relative to a double origin, so that a georeferenced scan keeps 0.1 mm. Points are finite;
+/// what was not is counted in `invalid`.
+struct Cloud {
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
+  std::shared_ptr<pcl::PointCloud<pcl::PointXYZ>> points;
+  std::vector<std::uint32_t> rgba;               ///< 0xAABBGGRR, empty or one a point
+  std::vector<float> intensity;                  ///< empty or one a point
+  std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points
+  std::uint64_t invalid = 0;                     ///< records of the file that were not finite or flagged invalid
+
+  Cloud();
+  [[nodiscard]] std::size_t size() const;
+};
+
+}  // namespace sparsha::pipeline

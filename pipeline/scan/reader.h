@@ -1,0 +1,63 @@
+// Checked readers for scan files. None trusts a header: sizes are compared with the file before memory is taken.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pipeline/scan/cloud.h"
+#include "pipeline/scene/config.h"
+
+namespace sparsha::pipeline {
+
+/// One scan as the file has it: file units, double, before any pose but with the file's own.
+struct RawScan {
+  std::string format;                     ///< "PLY binary little-endian", "LAS 1.2 pf3", ...
+  std::vector<Eigen::Vector3d> points;    ///< finite ones only
+  std::vector<std::uint32_t> rgba;        ///< 0xAABBGGRR, empty or one a point
+  std::vector<float> intensity;           ///< empty or one a point
+  std::vector<std::array<std::uint32_t, 3>> faces;
+  std::uint64_t records = 0;              ///< point records (STL: distinct vertices), invalid ones included
+  std::uint64_t invalid = 0;              ///< records not finite or flagged invalid
+  std::vector<std::string> fields;        ///< "x", "y", "z", "red", ...
+  std::optional<LengthUnit> unit;         ///< what the format says
+  std::size_t scans = 1;                  ///< scans within the file
+  std::optional<std::array<double, 7>> viewpoint;  ///< PCD: tx ty tz qw qx qy qz; shown, never applied
+  std::vector<std::string> warnings;
+};
+
+/// Reads any supported file, told by content first and ending second. Throws Error{input} with file, line where there is
+/// one, and what was expected.
+[[nodiscard]] RawScan read_scan(const std::filesystem::path& file);
+
+/// Reads, scales and poses one configured scan: scan = pose * units * p. The origin is `origin_m` when given, else the
+/// rounded centre. Throws Error{input}; warns of implausible units through `progress`.
+[[nodiscard]] Cloud load_scan(const ScanConfig& scan, Progress& progress,
+                              const std::optional<Eigen::Vector3d>& origin_m = std::nullopt);
+
+/// Reads all scans of a configuration into one cloud with one origin.
+[[nodiscard]] Cloud load_scans(const std::vector<ScanConfig>& scans, Progress& progress,
+                               std::vector<struct ScanSource>* sources = nullptr);
+
+/// What `sparsha info` prints of a scan.
+struct ScanInfo {
+  std::string format;
+  std::uint64_t points = 0;
+  std::uint64_t invalid = 0;
+  Eigen::Vector3d min_m, max_m;  ///< file units when `units` is unknown
+  double spacing_m = 0.0;        ///< median nearest-neighbour distance of a sample
+  std::vector<std::string> fields;
+  std::string units;             ///< "m", "ft", "unknown", ...
+  std::uint64_t duplicates = 0;
+  std::size_t scans = 1;
+  std::optional<std::array<double, 7>> viewpoint;
+  std::vector<std::string> warnings;
+};
+[[nodiscard]] ScanInfo inspect_scan(const std::filesystem::path& file);
+
+}  // namespace sparsha::pipeline

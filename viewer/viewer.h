@@ -1,0 +1,47 @@
+// The picture: a lit relief with the proxy ball, an overview with the window's frame, the GUI. In a window (GLFW) or
+// without any display (EGL).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "haptics/shared/requests.h"
+#include "haptics/shared/seqlock.h"
+#include "haptics/shared/state.h"
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::viewer {
+
+struct ViewerOptions {
+  bool kiosk = false;  ///< full screen, no windows' own controls
+  int width = 1280;
+  int height = 720;
+};
+
+/// What the viewer reads and writes; all outlive it.
+struct Connections {
+  const haptics::Seqlock<haptics::State>* state = nullptr;
+  haptics::RequestQueue* requests = nullptr;
+  const haptics::AnnouncementBoard* announcements = nullptr;
+  std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< null unless the pointer device is used
+  std::function<void()> poll;           ///< called once a frame (the session's)
+  std::function<bool()> finished;       ///< the session's
+  std::function<pipeline::ScenePointer()> scene;  ///< the session's present scene
+  std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;  ///< empty without scans
+};
+
+/// True when a window could be opened.
+[[nodiscard]] bool display_available();
+
+/// Opens a window and runs until the user or the session ends. Throws Error{failure} when no window can be opened.
+void run_window(const Connections& connections, const ViewerOptions& options);
+
+/// Draws one 1280x720 picture of scene and state without a display and writes it as PNG, atomically.
+/// Throws Error{failure} when no off-screen context can be made.
+void write_screenshot(const pipeline::ScenePointer& scene, const haptics::State& state,
+                      const pipeline::ViewerConfig& config, const std::filesystem::path& file);
+
+}  // namespace sparsha::viewer
