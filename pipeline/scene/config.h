@@ -140,7 +140,7 @@ struct Config {
 [[nodiscard]] Config parse_config(const yaml::Node& root, const std::filesystem::path& folder);
 [[nodiscard]] Config load_config(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
-/// The same configuration as YAML text that parse_config reads back to equal values; paths as `shorten` returns them.
+/// The same configuration as YAML text that parse_config reads back to equal values.
 [[nodiscard]] std::string to_yaml(const Config& config);
 
 }  // namespace sparsha::pipeline
