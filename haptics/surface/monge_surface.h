@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,21 +19,24 @@ enum CellFlag : std::uint8_t { kCellFilled = 1, kCellUnknown = 2, kCellOutside =
 
 /// Which effects a window is loaded with.
 struct SurfaceOptions {
-  bool texture = true;   ///< false: the envelope f_b
-  bool friction = true;  ///< false: mu = 0 everywhere
+  bool texture = true;                      ///< false: the envelope f_b
+  bool friction = true;                     ///< false: mu = 0 everywhere
+  std::uint64_t id = 0;                     ///< becomes MongeSurface::id
+  std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the window's middle, mid-height
 };
 
-/// Immutable; made off the servo thread, read by it.
+/// Immutable; made off the servo thread, read by it. Beyond its border the surface goes on level and frictionless.
 struct MongeSurface {
-  pipeline::Lattice lattice;          ///< of the window, grid frame
-  std::vector<float> height_m;        ///< every node known: holes and the outside continue the nearest edge smoothly
-  std::vector<float> mu_dynamic;      ///< per node, 0 on unknown nodes
-  std::vector<float> mu_static;       ///< per node, >= mu_dynamic
-  std::vector<std::uint8_t> cell_flags;  ///< (nx-1)*(ny-1) CellFlag bits
+  pipeline::Lattice lattice;             ///< of the window, grid frame
+  std::vector<float> height_m;           ///< every node known: holes and the outside continue the nearest edge smoothly
+  std::vector<float> mu_dynamic;         ///< per node, 0 on unknown nodes; empty: frictionless
+  std::vector<float> mu_static;          ///< per node, >= mu_dynamic; empty when mu_dynamic is
+  std::vector<std::uint8_t> cell_flags;  ///< (nx-1)*(ny-1) CellFlag bits; empty: none set
   std::uint64_t id = 0;
   int level = 0;
-  double scale = 1.0;                 ///< device metres per grid metre
-  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< grid point at the device frame's origin
+  double scale = 1.0;                                          ///< device metres per grid metre
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();          ///< grid point at the device frame's origin
+  double highest_m = std::numeric_limits<double>::infinity();  ///< no node is higher; above it nothing is searched
 
   [[nodiscard]] double width_m() const { return (lattice.nx - 1) * lattice.spacing_m; }
   [[nodiscard]] double depth_m() const { return (lattice.ny - 1) * lattice.spacing_m; }
@@ -39,14 +44,14 @@ struct MongeSurface {
   [[nodiscard]] double height(double x, double y) const noexcept;
 };
 
+/// Builds the surface from a window's layers: friction by the scene's law, evaluated here at the window's scale (device
+/// metres per grid metre). Off the servo thread. Throws Error{failure} when layers and lattice do not match.
+[[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene,
+                                                               const pipeline::Layers& window, int level, double scale,
+                                                               const SurfaceOptions& options);
+
 /// Continues heights into NaN nodes smoothly from the nearest known ones (pull-push, Gortler et al. 1996). In place.
 /// Everything unknown gives 0.
 void continue_heights(std::vector<float>& height_m, int nx, int ny);
-
-/// Builds the surface from a window's layers. `device_width_m` is the workspace's width; scale = device width / window
-/// width. Off the servo thread.
-[[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene,
-                                                               const pipeline::Layers& window, int level,
-                                                               double scale, const SurfaceOptions& options);
 
 }  // namespace sparsha::haptics
