@@ -28,13 +28,21 @@ namespace sparsha::pipeline {
 struct Cloud {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   std::shared_ptr<pcl::PointCloud<pcl::PointXYZ>> points;
-  std::vector<std::uint32_t> rgba;               ///< 0xAABBGGRR, empty or one a point
-  std::vector<float> intensity;                  ///< empty or one a point
+  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one a point
+  std::vector<float> intensity;                     ///< empty or one a point
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points
-  std::uint64_t invalid = 0;                     ///< records of the file that were not finite or flagged invalid
+  std::uint64_t invalid = 0;                        ///< records of the file that were not finite or flagged invalid
 
+  /// An empty cloud; `points` is never null.
   Cloud();
   [[nodiscard]] std::size_t size() const;
+
+  /// The points as PCL stores them, four floats each: x, y, z in metres relative to origin_m, then 1. For files that
+  /// need no more of PCL than its numbers.
+  [[nodiscard]] const float* xyz1() const;
+  [[nodiscard]] float* xyz1();
+  /// Makes room for `count` points (width = count, height = 1); new points are (0, 0, 0, 1).
+  void resize_points(std::size_t count);
 };
 
 }  // namespace sparsha::pipeline

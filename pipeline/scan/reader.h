@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,30 +19,45 @@ namespace sparsha::pipeline {
 
 /// One scan as the file has it: file units, double, before any pose but with the file's own.
 struct RawScan {
-  std::string format;                     ///< "PLY binary little-endian", "LAS 1.2 pf3", ...
-  std::vector<Eigen::Vector3d> points;    ///< finite ones only
-  std::vector<std::uint32_t> rgba;        ///< 0xAABBGGRR, empty or one a point
-  std::vector<float> intensity;           ///< empty or one a point
-  std::vector<std::array<std::uint32_t, 3>> faces;
-  std::uint64_t records = 0;              ///< point records (STL: distinct vertices), invalid ones included
-  std::uint64_t invalid = 0;              ///< records not finite or flagged invalid
-  std::vector<std::string> fields;        ///< "x", "y", "z", "red", ...
-  std::optional<LengthUnit> unit;         ///< what the format says
-  std::size_t scans = 1;                  ///< scans within the file
+  std::string format;                               ///< "PLY binary little-endian", "LAS 1.2 pf3", ...
+  std::vector<Eigen::Vector3d> points;              ///< finite ones only
+  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one a point
+  std::vector<float> intensity;                     ///< empty or one a point
+  std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles of valid points, indices into `points`
+  std::uint64_t records = 0;                        ///< point records (STL: distinct vertices), invalid ones included
+  std::uint64_t invalid = 0;                        ///< records not finite or flagged invalid
+  std::vector<std::string> fields;                  ///< "x", "y", "z", "red", ...
+  std::optional<LengthUnit> unit;                   ///< what the format says
+  bool degrees = false;   ///< x and y are longitude and latitude: shown by info, refused by load_scan
+  std::size_t scans = 1;  ///< scans within the file
   std::optional<std::array<double, 7>> viewpoint;  ///< PCD: tx ty tz qw qx qy qz; shown, never applied
   std::vector<std::string> warnings;
 };
 
-/// Reads any supported file, told by content first and ending second. Throws Error{input} with file, line where there is
-/// one, and what was expected.
+/// Reads any supported file, told by content first and ending second. Throws Error{input} with file, line where there
+/// is one, and what was expected. A file that declares zero points gives zero points.
 [[nodiscard]] RawScan read_scan(const std::filesystem::path& file);
 
-/// Reads, scales and poses one configured scan: scan = pose * units * p. The origin is `origin_m` when given, else the
-/// rounded centre. Throws Error{input}; warns of implausible units through `progress`.
+/// Some consecutive valid points of a scan; spans are good during the call only.
+struct PointBlock {
+  std::span<const Eigen::Vector3d> points;  ///< file units, the file's own pose applied
+  std::span<const std::uint32_t> rgba;      ///< empty or one a point
+  std::span<const float> intensity;         ///< empty or one a point
+};
+using PointSink = std::function<void(const PointBlock&)>;
+
+/// read_scan in constant memory for the points: they go to `sink` block by block, in the file's order, and the result
+/// holds all the rest (faces too). Several threads may stream different files.
+RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink);
+
+/// Reads, scales and poses one configured scan: scan = pose * units * p. The origin is `origin_m` when given, else
+/// common_origin's choice. Throws Error{input}, also on an empty scan; warns of implausible units through `progress`.
 [[nodiscard]] Cloud load_scan(const ScanConfig& scan, Progress& progress,
                               const std::optional<Eigen::Vector3d>& origin_m = std::nullopt);
 
-/// Reads all scans of a configuration into one cloud with one origin.
+/// Reads all scans of a configuration into one cloud with one origin, in the configuration's order. The origin depends
+/// on the set of points only, neither on the order of files nor on that of points, and no outlier moves it far: the
+/// median of the points in whole metres, so that a scan near its own zero keeps its float32 coordinates bit for bit.
 [[nodiscard]] Cloud load_scans(const std::vector<ScanConfig>& scans, Progress& progress,
                                std::vector<struct ScanSource>* sources = nullptr);
 
@@ -49,11 +66,12 @@ struct ScanInfo {
   std::string format;
   std::uint64_t points = 0;
   std::uint64_t invalid = 0;
-  Eigen::Vector3d min_m, max_m;  ///< file units when `units` is unknown
-  double spacing_m = 0.0;        ///< median nearest-neighbour distance of a sample
+  Eigen::Vector3d min_m = Eigen::Vector3d::Zero();  ///< metres; file units when `units` is unknown or degrees
+  Eigen::Vector3d max_m = Eigen::Vector3d::Zero();
+  double spacing_m = 0.0;  ///< median nearest-neighbour distance of a sample, duplicates left out; 0 when unknown
   std::vector<std::string> fields;
   std::string units;             ///< "m", "ft", "unknown", ...
-  std::uint64_t duplicates = 0;
+  std::uint64_t duplicates = 0;  ///< valid points that repeat another one exactly
   std::size_t scans = 1;
   std::optional<std::array<double, 7>> viewpoint;
   std::vector<std::string> warnings;

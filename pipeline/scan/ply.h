@@ -1,0 +1,76 @@
+// PLY: header, ASCII and both binary bodies. Turk 1994, "The PLY Polygon File Format", with what the wild adds to it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/scan/scalar.h"
+#include "pipeline/scan/scan_file.h"
+#include "pipeline/scan/scan_writer.h"
+
+namespace sparsha::pipeline {
+
+/// True when the bytes begin as a PLY file does.
+[[nodiscard]] bool is_ply(const ScanFile& file);
+void read_ply(const ScanFile& file, ScanWriter& out);
+
+namespace ply {
+
+struct Property {
+  std::string name;  ///< lower case
+  ScalarType type = ScalarType::f32;
+  std::optional<ScalarType> count_type;  ///< of a list
+};
+
+struct Element {
+  std::string name;  ///< lower case
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+  int line = 0;
+
+  [[nodiscard]] bool has_lists() const;
+  /// Fewest bytes of one record: lists empty in binary, one digit and one separator a value in ASCII.
+  [[nodiscard]] std::size_t least_size(bool ascii) const;
+  /// Index of the first property with one of the names, -1 without.
+  [[nodiscard]] int find(std::initializer_list<std::string_view> names) const;
+};
+
+enum class Encoding : std::uint8_t { ascii, little, big };
+
+struct Header {
+  Encoding encoding = Encoding::ascii;
+  std::vector<Element> elements;
+  std::size_t body = 0;  ///< offset of the first byte behind the header
+  int lines = 0;
+};
+
+[[nodiscard]] Header parse_header(const ScanFile& file);
+
+/// Which properties of the vertex element are what; -1 where it has none.
+struct VertexColumns {
+  int x = -1, y = -1, z = -1;
+  int red = -1, green = -1, blue = -1, alpha = -1;
+  int intensity = -1;
+
+  [[nodiscard]] bool has_colour() const { return red >= 0 && green >= 0 && blue >= 0; }
+};
+[[nodiscard]] VertexColumns vertex_columns(const ScanFile& file, const Element& vertex);
+
+/// What an element is to us.
+enum class Role : std::uint8_t { vertex, face, strips, other };
+[[nodiscard]] Role role_of(const Element& element);
+/// The list of vertex numbers of a face or strip element, -1 without.
+[[nodiscard]] int index_list(const Element& element);
+
+/// Triangles of a strip, -1 beginning a new one.
+void add_strip(const std::vector<std::int64_t>& strip, ScanWriter& out);
+/// A face whose vertex numbers may be anything.
+void add_face(const std::vector<std::int64_t>& corners, ScanWriter& out);
+
+void read_ascii_body(const ScanFile& file, const Header& header, ScanWriter& out);
+void read_binary_body(const ScanFile& file, const Header& header, ScanWriter& out);
+
+}  // namespace ply
+}  // namespace sparsha::pipeline

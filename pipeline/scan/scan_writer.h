@@ -1,0 +1,73 @@
+// Where every reader puts its records: checks that they are finite, blocks them, and turns polygons into triangles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pipeline/scan/reader.h"
+
+namespace sparsha::pipeline {
+
+/// 0xAABBGGRR.
+[[nodiscard]] constexpr std::uint32_t pack_rgba(std::uint32_t r, std::uint32_t g, std::uint32_t b,
+                                                std::uint32_t a = 255) {
+  return r | g << 8 | b << 16 | a << 24;
+}
+inline constexpr std::uint32_t kWhite = 0xFFFFFFFFu;
+
+class ScanWriter {
+ public:
+  /// Points go to `sink`, or into `scan` when it is empty.
+  ScanWriter(RawScan& scan, const PointSink& sink);
+
+  /// Everything about the scan but its points; the reader fills it in.
+  [[nodiscard]] RawScan& scan() { return scan_; }
+
+  /// To be called once before the first record, with a number already checked against the file's size.
+  void begin(std::uint64_t records, bool colour, bool intensity);
+  [[nodiscard]] bool has_colour() const { return colour_; }
+
+  /// One record. Counted as invalid when a coordinate is not finite.
+  void add(double x, double y, double z, std::uint32_t rgba = kWhite, float intensity = 0.0F) {
+    if (!(((x - x) + (y - y) + (z - z)) == 0.0)) {
+      add_invalid();
+      return;
+    }
+    points_[filled_] = {x, y, z};
+    rgba_[filled_] = rgba;
+    intensity_[filled_] = intensity;
+    if (++filled_ == kBlock) flush();
+  }
+  /// One record that the file itself flags as invalid.
+  void add_invalid();
+
+  /// A face over records (valid or not), which may be read before its points. Faces with vertices that do not exist are
+  /// left out by finish() and counted in a warning.
+  void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { scan_.faces.push_back({a, b, c}); }
+  void add_polygon(std::span<const std::uint32_t> corners);
+
+  /// Hands over the last block, triangulates and renumbers the faces.
+  void finish();
+
+ private:
+  static constexpr std::size_t kBlock = 4096;
+  void flush();
+  void triangulate_polygons();
+  void renumber_faces();
+
+  RawScan& scan_;
+  const PointSink& sink_;
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<std::uint32_t> rgba_;
+  std::vector<float> intensity_;
+  std::size_t filled_ = 0;
+  std::uint64_t valid_ = 0;  ///< already handed over
+  bool colour_ = false;
+  bool has_intensity_ = false;
+  std::vector<std::uint64_t> dropped_;   ///< numbers of invalid records, ascending
+  std::vector<std::uint32_t> polygons_;  ///< corner count, then corners, of faces with more than three
+};
+
+}  // namespace sparsha::pipeline

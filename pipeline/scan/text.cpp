@@ -1,0 +1,184 @@
+#include "pipeline/scan/text.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                                 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+constexpr std::uint64_t kExactMantissa = std::uint64_t{1} << 53;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// Matches `word` (lower case) at p in any case.
+const char* match(const char* p, const char* end, std::string_view word) {
+  if (static_cast<std::size_t>(end - p) < word.size()) return nullptr;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    if (lower(p[i]) != word[i]) return nullptr;
+  }
+  return p + word.size();
+}
+
+const char* parse_special(const char* p, const char* end, double& value) {
+  for (const std::string_view word : {"infinity", "inf", "1.#inf"}) {
+    if (const char* q = match(p, end, word)) {
+      value = std::numeric_limits<double>::infinity();
+      return q;
+    }
+  }
+  for (const std::string_view word : {"nan", "1.#qnan", "1.#snan", "1.#ind"}) {
+    if (const char* q = match(p, end, word)) {
+      value = std::numeric_limits<double>::quiet_NaN();
+      if (q < end && *q == '(') {
+        const void* close = std::memchr(q, ')', static_cast<std::size_t>(end - q));
+        if (close != nullptr) q = static_cast<const char*>(close) + 1;
+      }
+      return q;
+    }
+  }
+  return nullptr;
+}
+
+/// Correctly rounded value of the unsigned number in [p, end), for those the quick way cannot do.
+double slow_value(const char* p, const char* end) {
+  double value = 0.0;
+  std::string copy;
+  for (const char* q = p; q < end; ++q) {
+    if (lower(*q) == 'd') {  // Fortran's exponent letter
+      copy.assign(p, end);
+      copy[static_cast<std::size_t>(q - p)] = 'e';
+      p = copy.data();
+      end = p + copy.size();
+      break;
+    }
+  }
+  // from_chars knows no '+' in front of the digits, but takes one in the exponent.
+  const auto [stop, error] = std::from_chars(p, end, value);
+  if (error == std::errc::result_out_of_range) {
+    const void* exponent = nullptr;
+    for (const char* q = p; q < end; ++q) {
+      if (lower(*q) == 'e') exponent = q;
+    }
+    const bool tiny = exponent != nullptr && static_cast<const char*>(exponent)[1] == '-';
+    return tiny ? 0.0 : std::numeric_limits<double>::infinity();
+  }
+  return value;
+}
+
+}  // namespace
+
+const char* parse_number(const char* p, const char* end, double& value) {
+  bool negative = false;
+  if (p < end && (*p == '-' || *p == '+')) negative = *p++ == '-';
+  const char* const first = p;
+  std::uint64_t mantissa = 0;
+  int exponent = 0;
+  bool exact = true;
+  int digits = 0;
+  for (; p < end && is_digit(*p); ++p, ++digits) {
+    exact = exact && mantissa < kExactMantissa;
+    mantissa = mantissa * 10 + static_cast<std::uint64_t>(*p - '0');
+  }
+  if (p < end && *p == '.') {
+    const char* const point = p++;
+    for (; p < end && is_digit(*p); ++p, ++digits) {
+      exact = exact && mantissa < kExactMantissa;
+      mantissa = mantissa * 10 + static_cast<std::uint64_t>(*p - '0');
+      --exponent;
+    }
+    if (p < end && *p == '#') digits = 0;
+    if (digits == 0) p = point;
+  }
+  if (digits == 0) {
+    const char* const stop = parse_special(first, end, value);
+    if (stop != nullptr && negative) value = -value;
+    return stop;
+  }
+  if (p < end && (lower(*p) == 'e' || lower(*p) == 'd')) {
+    const char* q = p + 1;
+    bool down = false;
+    if (q < end && (*q == '-' || *q == '+')) down = *q++ == '-';
+    if (q < end && is_digit(*q)) {
+      int power = 0;
+      for (; q < end && is_digit(*q); ++q) power = power < 100000 ? power * 10 + (*q - '0') : power;
+      exponent += down ? -power : power;
+      p = q;
+    }
+  }
+  if (exact && mantissa <= kExactMantissa && exponent >= -22 && exponent <= 22) {
+    // Both factors are exact doubles, so one correctly rounded operation gives the correctly rounded number.
+    const double m = static_cast<double>(mantissa);
+    value = exponent < 0 ? m / kPowersOfTen[static_cast<std::size_t>(-exponent)]
+                         : m * kPowersOfTen[static_cast<std::size_t>(exponent)];
+  } else {
+    value = slow_value(first, p);
+  }
+  if (negative) value = -value;
+  return p;
+}
+
+const char* parse_integer(const char* p, const char* end, std::int64_t& value) {
+  if (p < end && *p == '+') ++p;
+  const auto [stop, error] = std::from_chars(p, end, value);
+  return error == std::errc() ? stop : nullptr;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = lower(c);
+  return result;
+}
+
+std::string_view take_word(std::string_view& text) {
+  const char* const end = text.data() + text.size();
+  const char* const begin = skip_blanks(text.data(), end);
+  const char* stop = begin;
+  while (stop < end && !is_blank(*stop)) ++stop;
+  text = {stop, static_cast<std::size_t>(end - stop)};
+  return {begin, static_cast<std::size_t>(stop - begin)};
+}
+
+std::string in_quotes(std::string_view word) {
+  constexpr std::size_t kLongest = 32;
+  std::string result = "'";
+  for (const char c : word.substr(0, kLongest)) result += c >= ' ' && c < 127 ? c : '?';
+  if (word.size() > kLongest) result += "...";
+  return result + "'";
+}
+
+bool looks_binary(std::string_view bytes) {
+  std::size_t strange = 0;
+  const std::string_view head = bytes.substr(0, 4096);
+  for (const char c : head) {
+    if (c == 0) return true;
+    if (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\r' && c != '\t' && c != '\f' && c != '\v') ++strange;
+  }
+  return strange * 50 > head.size();
+}
+
+LineReader::LineReader(std::string_view text, std::size_t offset, int lines_before)
+    : text_(text), offset_(offset), number_(lines_before), end_('\n') {
+  const std::string_view body = text.substr(offset);
+  if (body.find('\n') == std::string_view::npos && body.find('\r') != std::string_view::npos) end_ = '\r';
+}
+
+bool LineReader::next(std::string_view& line) {
+  if (offset_ >= text_.size()) return false;
+  const char* const begin = text_.data() + offset_;
+  const std::size_t left = text_.size() - offset_;
+  const void* found = std::memchr(begin, end_, left);
+  std::size_t length = found != nullptr ? static_cast<std::size_t>(static_cast<const char*>(found) - begin) : left;
+  offset_ += found != nullptr ? length + 1 : length;
+  if (length > 0 && end_ == '\n' && begin[length - 1] == '\r') --length;
+  line = {begin, length};
+  if (number_ < std::numeric_limits<int>::max()) ++number_;
+  return true;
+}
+
+}  // namespace sparsha::pipeline

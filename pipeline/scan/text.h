@@ -1,0 +1,48 @@
+// Numbers and lines of scan files in text, fast and without a terminating zero.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace sparsha::pipeline {
+
+/// Parses the number at `p`: sign, digits, point, exponent (e, E, d, D), inf and nan in any case and in Microsoft's
+/// spellings (1.#INF, 1.#QNAN). Correctly rounded. Returns the first character behind it, or null when there is none.
+[[nodiscard]] const char* parse_number(const char* p, const char* end, double& value);
+
+/// Parses a decimal integer; null when there is none or it does not fit.
+[[nodiscard]] const char* parse_integer(const char* p, const char* end, std::int64_t& value);
+
+[[nodiscard]] inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+[[nodiscard]] inline const char* skip_blanks(const char* p, const char* end) {
+  while (p < end && is_blank(*p)) ++p;
+  return p;
+}
+[[nodiscard]] std::string lower_case(std::string_view text);
+/// The next word between blanks, taken off the front of `text`; empty at the end.
+[[nodiscard]] std::string_view take_word(std::string_view& text);
+/// A word as it may stand in a message: at most 32 characters, unprintable ones replaced.
+[[nodiscard]] std::string in_quotes(std::string_view word);
+/// True when the bytes cannot be text of a scan: zero bytes or too many control characters among the first 4096.
+[[nodiscard]] bool looks_binary(std::string_view bytes);
+
+/// Walks the lines of a text; ends are LF, CRLF or, in files without any LF, CR.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text, std::size_t offset = 0, int lines_before = 0);
+  /// The next line without its end; false behind the last one.
+  bool next(std::string_view& line);
+  /// Number of the line last returned, from 1.
+  [[nodiscard]] int number() const { return number_; }
+  /// Where the next line begins in the whole text.
+  [[nodiscard]] std::size_t offset() const { return offset_; }
+
+ private:
+  std::string_view text_;
+  std::size_t offset_;
+  int number_;
+  char end_;
+};
+
+}  // namespace sparsha::pipeline

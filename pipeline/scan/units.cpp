@@ -1,0 +1,81 @@
+#include "pipeline/scan/units.h"
+
+#include <fmt/format.h>
+
+#include "pipeline/scan/origin.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kLargestObject_m = 60.0;     // beyond, an object that is not georeferenced is rather in mm
+constexpr double kGeoreferenced_m = 10000.0;  // nobody's local coordinates are so far from zero
+constexpr double kSmallestObject_m = 0.002;
+
+std::string length(double metres) {
+  if (metres >= 1.0) return fmt::format("{:.3g} m", metres);
+  return metres >= 0.01 ? fmt::format("{:.3g} cm", metres * 100.0) : fmt::format("{:.3g} mm", metres * 1000.0);
+}
+
+}  // namespace
+
+std::string to_string(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::m:
+      return "m";
+    case LengthUnit::cm:
+      return "cm";
+    case LengthUnit::mm:
+      return "mm";
+    case LengthUnit::ft:
+      return "ft";
+    case LengthUnit::us_ft:
+      return "us_ft";
+    case LengthUnit::longest_side:
+      return "longest_side_mm";
+    default:
+      return "unknown";
+  }
+}
+
+double metres_in(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::cm:
+      return 0.01;
+    case LengthUnit::mm:
+      return 0.001;
+    case LengthUnit::ft:
+      return 0.3048;
+    case LengthUnit::us_ft:
+      return 1200.0 / 3937.0;
+    default:
+      return 1.0;
+  }
+}
+
+std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  const double side = (high - low).maxCoeff();
+  const double away = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+  if (side > kLargestObject_m && away < kGeoreferenced_m) {
+    return UnitGuess{LengthUnit::mm,
+                     fmt::format("it would be {} long in metres, {} in mm", length(side), length(side * 0.001))};
+  }
+  if (side > 0.0 && side < kSmallestObject_m) {
+    return UnitGuess{LengthUnit::m, fmt::format("it would be only {} long in metres", length(side))};
+  }
+  return std::nullopt;
+}
+
+std::optional<UnitGuess> guess_unit(const RawScan& scan) {
+  if (scan.unit || scan.degrees || scan.points.empty()) return std::nullopt;
+  PointSample sample;
+  for (const Eigen::Vector3d& point : scan.points) sample.add(point);
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = sample.quantile(axis, 0.01);
+    high[axis] = sample.quantile(axis, 0.99);
+  }
+  return doubt_metres(low, high);
+}
+
+}  // namespace sparsha::pipeline

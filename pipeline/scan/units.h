@@ -1,0 +1,30 @@
+// What a scan's numbers mean in metres, and whether that can be true.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "pipeline/scan/reader.h"
+
+namespace sparsha::pipeline {
+
+/// "m", "cm", "mm", "ft", "us_ft"; "unknown" for automatic.
+[[nodiscard]] std::string to_string(LengthUnit unit);
+
+/// Metres in one unit; 1 for automatic.
+[[nodiscard]] double metres_in(LengthUnit unit);
+
+/// A unit that fits better than metres, and why; nothing when metres are plausible. `low` and `high` bound the scan
+/// without its outliers, in file units.
+struct UnitGuess {
+  LengthUnit unit = LengthUnit::m;
+  std::string reason;
+};
+[[nodiscard]] std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
+
+/// The same for a scan in memory whose format names no unit; nothing when it does. For `sparsha new`.
+[[nodiscard]] std::optional<UnitGuess> guess_unit(const RawScan& scan);
+
+}  // namespace sparsha::pipeline
