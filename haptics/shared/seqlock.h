@@ -1,6 +1,7 @@
 // A value of 64-bit words that one thread publishes and any thread reads without locks.
-// Words are relaxed atomics between two sequence numbers (Boehm 2012, "Can seqlocks get along with programming language
-// memory models?").
+// Words are atomics between two readings of a sequence number (Boehm 2012, "Can seqlocks get along with programming
+// language memory models?"). Release stores and acquire loads of the words stand where fences would: they cost nothing on
+// x86, and thread sanitizers understand them.
 #pragma once
 
 #include <array>
@@ -27,22 +28,16 @@ class Seqlock {
     std::memcpy(words.data(), &value, sizeof(Value));
     const std::uint64_t sequence = sequence_.load(std::memory_order_relaxed);
     sequence_.store(sequence + 1, std::memory_order_relaxed);
-    std::atomic_thread_fence(std::memory_order_release);
-    for (std::size_t i = 0; i < kWords; ++i) words_[i].store(words[i], std::memory_order_relaxed);
+    // A reader that sees one of these words sees the odd sequence number too.
+    for (std::size_t i = 0; i < kWords; ++i) words_[i].store(words[i], std::memory_order_release);
     sequence_.store(sequence + 2, std::memory_order_release);
   }
 
   /// A consistent copy; retries while the writer is at work.
   [[nodiscard]] Value read() const noexcept {
-    std::array<std::uint64_t, kWords> words;
-    for (;;) {
-      const std::uint64_t before = sequence_.load(std::memory_order_acquire);
-      for (std::size_t i = 0; i < kWords; ++i) words[i] = words_[i].load(std::memory_order_relaxed);
-      std::atomic_thread_fence(std::memory_order_acquire);
-      if ((before & 1U) == 0 && sequence_.load(std::memory_order_relaxed) == before) break;
-    }
     Value value;
-    std::memcpy(&value, words.data(), sizeof(Value));
+    while (!try_read(value)) {
+    }
     return value;
   }
 
@@ -50,10 +45,9 @@ class Seqlock {
   [[nodiscard]] bool try_read(Value& value) const noexcept {
     std::array<std::uint64_t, kWords> words;
     const std::uint64_t before = sequence_.load(std::memory_order_acquire);
-    for (std::size_t i = 0; i < kWords; ++i) words[i] = words_[i].load(std::memory_order_relaxed);
-    std::atomic_thread_fence(std::memory_order_acquire);
+    for (std::size_t i = 0; i < kWords; ++i) words[i] = words_[i].load(std::memory_order_acquire);
     if ((before & 1U) != 0 || sequence_.load(std::memory_order_relaxed) != before) return false;
-    std::memcpy(&value, words.data(), sizeof(Value));
+    std::memcpy(static_cast<void*>(&value), words.data(), sizeof(Value));
     return true;
   }
 
