@@ -1,0 +1,98 @@
+// Bilateral-filtered heights (Tomasi & Manduchi 1998), aware of unknown nodes and a pure function of a node's
+// neighbourhood.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "pipeline/grid/bilateral_kernel.h"
+#include "pipeline/grid/layers.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kReach = 3.0;  // sigmas of space; the ring beyond holds 1.1 % of the Gaussian
+constexpr std::size_t kRowsPerPiece = 16;
+
+/// Heights with a border of NaN, so that the kernel never asks where the lattice ends.
+struct Padded {
+  std::vector<float> values;
+  std::size_t stride = 0;
+  int margin = 0;
+
+  Padded(const DepthGrid& grid, int border)
+      : stride(static_cast<std::size_t>(grid.lattice.nx + 2 * border)), margin(border) {
+    values.assign(stride * static_cast<std::size_t>(grid.lattice.ny + 2 * border), kUnknownHeight);
+    for (int j = 0; j < grid.lattice.ny; ++j) {
+      const auto row = grid.height_m.begin() + static_cast<std::ptrdiff_t>(grid.lattice.index(0, j));
+      std::copy_n(row, grid.lattice.nx, values.begin() + (at(0, j) - values.data()));
+    }
+  }
+  [[nodiscard]] const float* at(int i, int j) const {
+    return values.data() + static_cast<std::size_t>(j + margin) * stride + static_cast<std::size_t>(i + margin);
+  }
+};
+
+/// All nodes within `reach` (in spacings) but the centre, with their Gaussian weights.
+std::vector<kernel::BilateralTap> make_taps(double sigma, double reach, std::size_t stride) {
+  std::vector<kernel::BilateralTap> taps;
+  const int radius = static_cast<int>(reach);
+  for (int dy = -radius; dy <= radius; ++dy)
+    for (int dx = -radius; dx <= radius; ++dx) {
+      const double squared = static_cast<double>(dx) * dx + static_cast<double>(dy) * dy;
+      if (squared == 0 || squared > reach * reach) continue;
+      taps.push_back({static_cast<std::ptrdiff_t>(dy) * static_cast<std::ptrdiff_t>(stride) + dx,
+                      static_cast<float>(std::exp(-squared / (2 * sigma * sigma)))});
+    }
+  return taps;
+}
+
+std::vector<float> direct(const DepthGrid& grid, double sigma_space, double sigma_range_m, ThreadPool& pool) {
+  const double reach = kReach * sigma_space;
+  const Padded padded(grid, static_cast<int>(reach));
+  const std::vector<kernel::BilateralTap> taps = make_taps(sigma_space, reach, padded.stride);
+  const auto range = static_cast<float>(1.0 / (2 * sigma_range_m * sigma_range_m));
+  const kernel::BilateralRow row = kernel::bilateral_row();
+  const auto nx = static_cast<std::size_t>(grid.lattice.nx);
+  std::vector<float> envelope(grid.lattice.count());
+  pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> sums(2 * nx);
+    for (std::size_t j = begin; j < end; ++j)
+      row(padded.at(0, static_cast<int>(j)), nx, taps.data(), taps.size(), range, sums.data(),
+          envelope.data() + j * nx);
+  });
+  return envelope;
+}
+
+/// OpenCV's filter. Its range table spans the image, and it knows no NaN: unknown nodes take a height so far below that
+/// they weigh nothing.
+std::vector<float> opencv(const DepthGrid& grid, double sigma_space, double sigma_range_m) {
+  float low = std::numeric_limits<float>::infinity();
+  for (const float z : grid.height_m)
+    if (z < low) low = z;
+  std::vector<float> envelope(grid.lattice.count(), kUnknownHeight);
+  if (!std::isfinite(low)) return envelope;
+  const auto beyond = static_cast<float>(low - 20 * sigma_range_m);
+  cv::Mat source(grid.lattice.ny, grid.lattice.nx, CV_32F);
+  for (std::size_t n = 0; n < envelope.size(); ++n)
+    source.ptr<float>()[n] = std::isnan(grid.height_m[n]) ? beyond : grid.height_m[n];
+  cv::Mat filtered;
+  const int diameter = 2 * static_cast<int>(kReach * sigma_space) + 1;
+  cv::bilateralFilter(source, filtered, diameter, sigma_range_m, sigma_space, cv::BORDER_REFLECT_101);
+  for (std::size_t n = 0; n < envelope.size(); ++n)
+    if (!std::isnan(grid.height_m[n])) envelope[n] = filtered.ptr<float>()[n];
+  return envelope;
+}
+
+}  // namespace
+
+std::vector<float> bilateral_envelope(const DepthGrid& grid, const TextureConfig& config, ThreadPool& pool) {
+  const double sigma_space = config.sigma_space_m / grid.lattice.spacing_m;
+  if (kReach * sigma_space < 1) return grid.height_m;
+  if (config.method == TextureConfig::Method::opencv) return opencv(grid, sigma_space, config.sigma_range_m);
+  return direct(grid, sigma_space, config.sigma_range_m, pool);
+}
+
+}  // namespace sparsha::pipeline

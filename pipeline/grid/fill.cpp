@@ -1,0 +1,193 @@
+// Gaps inside the closing of the measured nodes get the height of a distance-weighted plane through the measured nodes
+// around them; where those lie on two sides of a step, the lower side wins, since it is the one that a scanner's shadow
+// hides.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "pipeline/grid/fill_closing.h"
+#include "pipeline/grid/layers.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr int kRays = 16;           // directions in which a gap's border is looked for
+constexpr int kRimWidth = 3;        // measured nodes this near to a gap (in spacings) support its planes
+constexpr double kMinSpread = 0.5;  // spacings^2; a narrower support says nothing of the slope across it
+constexpr std::size_t kRowsPerPiece = 8;
+
+/// A measured node seen from the gap node: offset in spacings, height relative to z0.
+struct Support {
+  double dx, dy, z, weight;
+};
+
+/// z = height + slope_x dx + slope_y dy; dx = dy = 0 is the gap node.
+struct Plane {
+  double height = 0, slope_x = 0, slope_y = 0;
+  [[nodiscard]] double at(double dx, double dy) const { return height + slope_x * dx + slope_y * dy; }
+};
+
+/// Weighted least squares about the centroid. Along directions in which the support is narrower than kMinSpread the
+/// slope is drawn towards 0, so that a one-sided or collinear rim is continued level and not by its noise.
+Plane fit_plane(const std::vector<Support>& support) {
+  double w = 0, x = 0, y = 0, z = 0;
+  for (const Support& s : support) {
+    w += s.weight;
+    x += s.weight * s.dx;
+    y += s.weight * s.dy;
+    z += s.weight * s.z;
+  }
+  x /= w;
+  y /= w;
+  z /= w;
+  double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+  for (const Support& s : support) {
+    const double dx = s.dx - x, dy = s.dy - y, dz = s.z - z, weight = s.weight / w;
+    xx += weight * dx * dx;
+    xy += weight * dx * dy;
+    yy += weight * dy * dy;
+    xz += weight * dx * dz;
+    yz += weight * dy * dz;
+  }
+  const double half_trace = (xx + yy) / 2;
+  const double smallest = half_trace - std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
+  const double ridge = std::max(0.0, kMinSpread - smallest);
+  xx += ridge;
+  yy += ridge;
+  const double determinant = xx * yy - xy * xy;
+  Plane plane;
+  plane.slope_x = (yy * xz - xy * yz) / determinant;
+  plane.slope_y = (xx * yz - xy * xz) / determinant;
+  plane.height = z - plane.slope_x * x - plane.slope_y * y;
+  return plane;
+}
+
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+};
+
+class Filler {
+ public:
+  Filler(const DepthGrid& grid, double radius, double step_m)
+      : grid_(grid), step_m_(step_m), reach_(static_cast<int>(2 * radius) + kRimWidth), rim_(0, 0) {
+    for (int k = 0; k < kRays; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kRays;
+      directions_[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+    }
+  }
+
+  void set_rim(NodeSet rim) { rim_ = std::move(rim); }
+
+  /// Height of gap node (i, j), or NaN when nothing supports one.
+  [[nodiscard]] double height(int i, int j, std::vector<Support>& scratch) const {
+    border(i, j, scratch);
+    const Range side = lower_side(scratch);
+    gather(i, j, side, scratch);
+    if (scratch.empty()) return std::numeric_limits<double>::quiet_NaN();
+    return fit_plane(scratch).height;
+  }
+
+ private:
+  [[nodiscard]] bool inside(int i, int j) const {
+    return i >= 0 && j >= 0 && i < grid_.lattice.nx && j < grid_.lattice.ny;
+  }
+
+  /// First measured node along each ray: the border of the gap as this node sees it.
+  void border(int i, int j, std::vector<Support>& hits) const {
+    hits.clear();
+    for (const auto& [cosine, sine] : directions_) {
+      for (int t = 1; t <= reach_; ++t) {
+        const int di = static_cast<int>(std::lround(t * cosine)), dj = static_cast<int>(std::lround(t * sine));
+        if (!inside(i + di, j + dj)) break;
+        const std::size_t n = grid_.lattice.index(i + di, j + dj);
+        if (grid_.state[n] != NodeState::measured) continue;
+        hits.push_back({static_cast<double>(di), static_cast<double>(dj), grid_.height_m[n],
+                        1.0 / (static_cast<double>(di) * di + static_cast<double>(dj) * dj)});
+        break;
+      }
+    }
+  }
+
+  /// Heights that belong to the lower side of a step through the border, or everything when there is none. A slope is
+  /// no step: the border is judged against its own plane first.
+  [[nodiscard]] Range lower_side(std::vector<Support>& hits) const {
+    if (hits.size() < 2 || !(step_m_ > 0)) return {};
+    const Plane plane = fit_plane(hits);
+    double worst = 0;
+    for (const Support& s : hits) worst = std::max(worst, std::abs(s.z - plane.at(s.dx, s.dy)));
+    if (worst <= step_m_ / 2) return {};
+    std::sort(hits.begin(), hits.end(), [](const Support& a, const Support& b) { return a.z < b.z; });
+    for (std::size_t k = 1; k < hits.size(); ++k)
+      if (hits[k].z - hits[k - 1].z > step_m_) return {hits.front().z - step_m_ / 2, hits[k - 1].z + step_m_ / 2};
+    return {};
+  }
+
+  /// Measured nodes of the rim within reach whose heights lie in `side`, weighted by 1/distance^2 and fading to 0.
+  void gather(int i, int j, const Range& side, std::vector<Support>& support) const {
+    support.clear();
+    const double fade = 1.0 / ((reach_ + 1.0) * (reach_ + 1.0));
+    const int i0 = std::max(0, i - reach_), i1 = std::min(grid_.lattice.nx - 1, i + reach_);
+    const int j0 = std::max(0, j - reach_), j1 = std::min(grid_.lattice.ny - 1, j + reach_);
+    for (int y = j0; y <= j1; ++y) {
+      const std::uint64_t* words = rim_.row(y);
+      for (int k = i0 >> 6; k <= i1 >> 6; ++k) {
+        for (std::uint64_t word = words[k]; word != 0; word &= word - 1) {
+          const int x = k * 64 + std::countr_zero(word);
+          if (x < i0 || x > i1) continue;
+          const double dx = x - i, dy = y - j, squared = dx * dx + dy * dy;
+          const double taper = 1 - squared * fade;
+          const double z = grid_.height_m[grid_.lattice.index(x, y)];
+          if (taper > 0 && z >= side.low && z <= side.high) support.push_back({dx, dy, z, taper * taper / squared});
+        }
+      }
+    }
+  }
+
+  const DepthGrid& grid_;
+  double step_m_;
+  int reach_;
+  NodeSet rim_;
+  std::array<std::array<double, 2>, kRays> directions_{};
+};
+
+NodeSet intersection(const NodeSet& a, const NodeSet& b) {
+  NodeSet result = a;
+  for (int j = 0; j < a.ny(); ++j)
+    for (std::size_t k = 0; k < a.words_per_row(); ++k) result.row(j)[k] &= b.row(j)[k];
+  return result;
+}
+
+}  // namespace
+
+void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadPool& pool) {
+  const double diameter =
+      std::min(config.max_gap_m / grid.lattice.spacing_m, 2.0 * (grid.lattice.nx + grid.lattice.ny));
+  const NodeSet measured = nodes_of(grid, NodeState::measured);
+  // A small disc closes what a larger one may not (its own pixels differ), hence the explicit intersection.
+  const NodeSet closed = close_by_disc(measured, diameter, pool);
+  const NodeSet inside = intersection(closed, outline_nodes(grid, config.max_gap_m, pool));
+  NodeSet gaps = intersection(inside, nodes_of(grid, NodeState::unknown));
+  if (gaps.count() == 0) return;
+
+  Filler filler(grid, diameter / 2, step_m);
+  filler.set_rim(intersection(dilate_by_disc(gaps, kRimWidth, pool), measured));
+  std::vector<float> height(grid.height_m);
+  pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+    std::vector<Support> scratch;
+    for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j)
+      for (int i = 0; i < grid.lattice.nx; ++i)
+        if (gaps.contains(i, j)) height[grid.lattice.index(i, j)] = static_cast<float>(filler.height(i, j, scratch));
+  });
+  for (int j = 0; j < grid.lattice.ny; ++j)
+    for (int i = 0; i < grid.lattice.nx; ++i) {
+      const std::size_t n = grid.lattice.index(i, j);
+      if (gaps.contains(i, j) && !std::isnan(height[n])) grid.state[n] = NodeState::filled;
+    }
+  grid.height_m = std::move(height);
+}
+
+}  // namespace sparsha::pipeline
