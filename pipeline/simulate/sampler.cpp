@@ -3,7 +3,6 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/base/error.h"
 #include "pipeline/simulate/frames.h"
 #include "pipeline/simulate/generate.h"
 #include "pipeline/simulate/plain_math.h"

@@ -52,6 +52,7 @@ struct SimulationConfig {
   bool double_precision = false;  ///< PLY coordinates
   bool intensity = false;         ///< PLY: float intensity, 0 to 1
   bool colour = false;            ///< PLY: red green blue
+  bool write_truth = true;        ///< truth.tif; 8 bytes a node
   bool station_frame = false;     ///< files in the stations' own frames, poses in the configuration
 };
 
@@ -86,7 +87,7 @@ class Truth {
   [[nodiscard]] const Eigen::Matrix4d& scan_to_grid() const { return scan_to_grid_; }
   /// Where the surface's local origin lies in the grid frame.
   [[nodiscard]] const Eigen::Vector3d& grid_origin_m() const { return grid_origin_m_; }
-  /// Lattice of the truth, grid frame; what `grid: {size: nodes, bounds_m: bounds_m()}` gives.
+  /// Lattice of the truth, grid frame; what `grid: {spacing_mm, bounds_m: bounds_m()}` gives.
   [[nodiscard]] const Lattice& lattice() const { return lattice_; }
   [[nodiscard]] std::array<double, 4> bounds_m() const;
   /// True height at (x, y), grid frame, metres.

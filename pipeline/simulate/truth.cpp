@@ -1,26 +1,10 @@
 // The truth in the grid frame.
 #include <cmath>
 
-#include "pipeline/base/error.h"
 #include "pipeline/simulate/frames.h"
 #include "pipeline/simulate/simulate.h"
 
 namespace sparsha::pipeline {
-
-Eigen::Matrix3d grid_from_scan_rotation(const SimulationConfig& config) {
-  const auto length = [](const Eigen::Vector3d& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z()); };
-  const double look = length(config.look_from);
-  const double up = length(config.up);
-  if (!(look > 0.0) || !(up > 0.0))
-    throw usage_error("a direction of the placement is zero", "expected a vector with a length");
-  const Eigen::Vector3d z = config.look_from / look;
-  const Eigen::Vector3d across = (config.up / up).cross(z);
-  if (!(length(across) > 1e-6)) throw usage_error("placement: up is parallel to look_from", "expected two directions");
-  const Eigen::Vector3d x = across / length(across);
-  Eigen::Matrix3d rotation;
-  rotation << x.transpose(), z.cross(x).transpose(), z.transpose();
-  return rotation;
-}
 
 Truth::Truth(const SimulationConfig& config) : surface_(config.surface), scan_to_grid_(Eigen::Matrix4d::Identity()) {
   const Eigen::Matrix3d rotation = grid_from_scan_rotation(config);
@@ -35,8 +19,9 @@ Truth::Truth(const SimulationConfig& config) : surface_(config.surface), scan_to
 }
 
 std::array<double, 4> Truth::bounds_m() const {
-  return {grid_origin_m_.x(), grid_origin_m_.y(), grid_origin_m_.x() + surface_.width_m(),
-          grid_origin_m_.y() + surface_.height_m()};
+  constexpr double kSpare = 0.25;  // of a spacing, so that rounding at 5e6 m cannot lose the last node
+  return {grid_origin_m_.x(), grid_origin_m_.y(), lattice_.x_m(lattice_.nx - 1) + kSpare * lattice_.spacing_m,
+          lattice_.y_m(lattice_.ny - 1) + kSpare * lattice_.spacing_m};
 }
 
 double Truth::height_m(double x, double y) const {

@@ -1,0 +1,125 @@
+// Truth as TIFF and JSON, configuration as YAML.
+#include "pipeline/simulate/outputs.h"
+
+#include <tiffio.h>
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "pipeline/base/error.h"
+#include "pipeline/simulate/frames.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr int kTile = 256;  // nodes
+
+Error cannot_write(const std::filesystem::path& file) {
+  return {ErrorKind::failure, {file.string(), 0, 0}, "cannot be written", "expected a folder with room for it"};
+}
+
+/// Shortest text that reads back as the same double.
+std::string number(double value) { return fmt::format("{}", value); }
+
+template <typename Vector>
+std::string list(const Vector& vector) {
+  std::string text = "[";
+  for (const double value : vector) text += (text.size() > 1 ? ", " : "") + number(value);
+  return text + "]";
+}
+std::array<double, 3> array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+const char* form_name(const Form& form) {
+  constexpr std::array<const char*, 6> kNames{"plane", "sinusoid", "accuracy", "bars", "relief", "facade"};
+  return kNames[form.index()];
+}
+
+}  // namespace
+
+void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, ThreadPool& pool, Progress& progress) {
+  const Lattice& lattice = truth.lattice();
+  const bool big = lattice.count() > (std::size_t{1} << 28U);  // 2 GB of doubles
+  const std::unique_ptr<TIFF, decltype(&TIFFClose)> tiff(TIFFOpen(file.c_str(), big ? "w8" : "w"), &TIFFClose);
+  if (!tiff) throw cannot_write(file);
+  TIFFSetField(tiff.get(), TIFFTAG_IMAGEWIDTH, lattice.nx);
+  TIFFSetField(tiff.get(), TIFFTAG_IMAGELENGTH, lattice.ny);
+  TIFFSetField(tiff.get(), TIFFTAG_TILEWIDTH, kTile);
+  TIFFSetField(tiff.get(), TIFFTAG_TILELENGTH, kTile);
+  TIFFSetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, 64);
+  TIFFSetField(tiff.get(), TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+  TIFFSetField(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(tiff.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  std::vector<double> tile(static_cast<std::size_t>(kTile) * kTile);
+  for (int top = 0; top < lattice.ny; top += kTile) {
+    progress.at(static_cast<double>(top) / lattice.ny);
+    for (int left = 0; left < lattice.nx; left += kTile) {
+      pool.for_ranges(kTile, 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+          const int j = lattice.ny - 1 - std::min(top + static_cast<int>(row), lattice.ny - 1);
+          for (int column = 0; column < kTile; ++column) {
+            const int i = std::min(left + column, lattice.nx - 1);
+            tile[row * kTile + static_cast<std::size_t>(column)] = truth.height_m(lattice.x_m(i), lattice.y_m(j));
+          }
+        }
+      });
+      if (TIFFWriteTile(tiff.get(), tile.data(), static_cast<std::uint32_t>(left), static_cast<std::uint32_t>(top), 0,
+                        0) < 0) {
+        throw cannot_write(file);
+      }
+    }
+  }
+  if (TIFFFlush(tiff.get()) == 0) throw cannot_write(file);
+}
+
+std::string truth_world_file(const Truth& truth) {
+  const Lattice& l = truth.lattice();
+  return fmt::format("{}\n0\n0\n{}\n{}\n{}\n", l.spacing_m, -l.spacing_m, l.x_m(0), l.y_m(l.ny - 1));
+}
+
+std::string truth_json(const SimulationConfig& config, const Truth& truth, const std::vector<SimulatedFile>& files) {
+  const Lattice& l = truth.lattice();
+  const Eigen::Matrix4d inverse = [&] {
+    Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+    m.topLeftCorner<3, 3>() = truth.scan_to_grid().topLeftCorner<3, 3>().transpose();
+    return m;
+  }();
+  std::string matrix;
+  for (int row = 0; row < 4; ++row) {
+    matrix += (row > 0 ? ", " : "") +
+              list(std::array<double, 4>{inverse(row, 0), inverse(row, 1), inverse(row, 2), inverse(row, 3)});
+  }
+  std::string text = fmt::format(
+      "{{\n  \"form\": \"{}\",\n  \"seed\": {},\n  \"grid\": {{\"nx\": {}, \"ny\": {}, \"spacing_m\": {}, "
+      "\"origin_m\": {}}},\n"
+      "  \"scan_from_grid\": [{}],\n  \"noise_m\": {},\n  \"outlier_fraction\": {},\n  \"outlier_spread_m\": {},\n"
+      "  \"files\": [",
+      form_name(config.surface.form), config.seed, l.nx, l.ny, number(l.spacing_m), list(array_of(l.origin_m)), matrix,
+      number(config.noise_m), number(config.outlier_fraction), number(config.outlier_spread_m));
+  for (const SimulatedFile& file : files) {
+    text += fmt::format("{}\n    {{\"file\": \"{}\", \"points\": {}, \"back\": {}, \"outliers\": {}}}",
+                        &file == files.data() ? "" : ",", file.name, file.points, file.back, file.outliers);
+  }
+  return text + "\n  ]\n}\n";
+}
+
+std::string build_yaml(const SimulationConfig& config, const Truth& truth, const std::vector<SimulatedFile>& files) {
+  std::string text = fmt::format(
+      "# Builds the simulated scan beside it on the lattice of truth.tif: `sparsha build sparsha.yaml`\nscans:\n");
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    text += fmt::format("  - file: \"{}\"\n    units: m\n", files[k].name);
+    if (config.station_frame) {
+      const StationPose pose = scan_from_station(config, std::get<ScannerConfig>(config.scan).stations[k]);
+      text += fmt::format("    pose: {{translate: {}, quaternion: {}}}\n", list(array_of(pose.translation_m)),
+                          list(quaternion_of(pose.rotation)));
+    }
+  }
+  text += fmt::format("orientation: {{look_from: {}, up: {}, scale: 1.0}}\n", list(array_of(config.look_from)),
+                      list(array_of(config.up)));
+  text += fmt::format("grid: {{spacing_mm: {}, bounds_m: {}}}\n", number(1e3 * truth.lattice().spacing_m),
+                      list(truth.bounds_m()));
+  return text + "fill: {max_gap_mm: 5}\ncheck: {samples: 50000}\n";
+}
+
+}  // namespace sparsha::pipeline
