@@ -1,0 +1,42 @@
+# The front door: `make run` and `make test` do all the set-up themselves.
+BUILD ?= build
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+CTEST_FLAGS ?=
+
+.PHONY: run test build setup nightly bench bench-quick soak format clean
+
+run: setup
+	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release > $(BUILD)-configure.log 2>&1 \
+	  || { cat $(BUILD)-configure.log; exit 1; }
+	@rm -f $(BUILD)-configure.log
+	cmake --build $(BUILD) -j$(JOBS) --target sparsha
+	@tools/main-job.sh $(BUILD)
+
+test: setup
+	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_TESTS=ON
+	cmake --build $(BUILD) -j$(JOBS)
+	ctest --test-dir $(BUILD) -j$(JOBS) --output-on-failure --no-tests=error $(CTEST_FLAGS)
+
+setup:
+	@tools/setup.sh packages.txt
+
+nightly: setup
+	@tools/nightly.sh
+
+soak: setup
+	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_BENCH=ON
+	cmake --build $(BUILD) -j$(JOBS) --target haptics_soak
+	$(BUILD)/bin/haptics_soak --moves 100000000
+
+bench: setup
+	@tools/setup.sh packages-bench.txt
+	@tools/bench.sh $(BUILD) full
+
+bench-quick: setup
+	@tools/bench.sh $(BUILD) quick
+
+format:
+	git ls-files '*.h' '*.cpp' | xargs clang-format -i
+
+clean:
+	rm -rf $(BUILD)
