@@ -1,4 +1,4 @@
-// The point proxy on a bilinear Monge surface: where a fingertip would rest (docs/architecture.md, "Proxy").
+// The point proxy on a Monge surface: where a fingertip would rest (docs/architecture.md, "Proxy").
 // Everything here is in the surface's local frame, metres, and runs on the servo thread: no allocation, no locks, no
 // exceptions.
 #pragma once
@@ -11,11 +11,22 @@
 
 namespace sparsha::haptics {
 
-/// What carries over from tick to tick.
+/// The proxy's place by cell and share of a cell, in cells; finer than metres can be far from the origin.
+struct ProxyCell {
+  std::int32_t i = 0;
+  std::int32_t j = 0;
+  double s = 0.0;
+  double t = 0.0;
+  double z = 0.0;
+};
+
+/// What carries over from tick to tick. Set `position` and `contact` to move a proxy by hand, e.g. to another surface;
+/// a position below the surface is lifted onto it at the next update.
 struct ProxyState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   bool contact = false;
   bool sticking = false;
+  ProxyCell cell;  ///< the solvers' own; used as long as it agrees with `position`
 };
 
 /// What one update found.
@@ -26,22 +37,23 @@ struct ProxyUpdate {
   double mu_static = 0.0;
   bool contact = false;
   bool sticking = false;
-  bool unfinished = false;   ///< segment limit reached; goes on next tick
-  std::int32_t segments = 0; ///< cells and pieces visited
+  bool unfinished = false;    ///< segment limit reached; goes on next tick
+  std::int32_t segments = 0;  ///< cells and pieces visited
   std::uint8_t cell_flags = 0;
 };
 
 struct SolverOptions {
   double tolerance_cells = 1e-9;  ///< rest tolerance, of a cell
   int segment_limit = 4000;
-  double paper_rho = 0.5;         ///< the paper's solver: step factor
-  int paper_iterations = 100;     ///< and iterations a tick
+  double paper_rho = 0.5;      ///< the paper's solver: step factor
+  int paper_iterations = 100;  ///< and iterations a tick
 };
 
 /// Starts at or above the HIP at height max(z, f).
 [[nodiscard]] ProxyState start_proxy(const MongeSurface& surface, const Eigen::Vector3d& hip) noexcept;
 
-/// The exact active-set solver. A HIP that is not finite leaves the state as it was and reports no contact.
+/// The exact active-set solver. A HIP that is not finite, or 1e12 cells away, leaves the state as it was and reports no
+/// contact.
 [[nodiscard]] ProxyUpdate update_exact(const MongeSurface& surface, const Eigen::Vector3d& hip, ProxyState& state,
                                        const SolverOptions& options) noexcept;
 

@@ -1,0 +1,129 @@
+// One cell of a bilinear Monge surface and the surface as the proxy solvers see it. All lengths are in cells, so that
+// tolerances and conditioning do not depend on the scene's size.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "haptics/surface/monge_surface.h"
+
+namespace sparsha::haptics {
+
+/// A point by its cell and its place in it: x = i + s, y = j + t. Cells (-1, j) and (nx-1, j), (i, -1) and (i, ny-1)
+/// lie beyond the border and have no outer edge. Kept this way because s and t resolve 1e-16 of a cell however far
+/// from the origin the cell is.
+struct CellPoint {
+  int i = 0;
+  int j = 0;
+  double s = 0.0;
+  double t = 0.0;
+  double z = 0.0;
+};
+
+/// The hand's position in cells, from node (0,0).
+struct CellVector {
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+};
+
+/// hip - p without losing p's resolution.
+[[nodiscard]] inline CellVector operator-(const CellVector& hip, const CellPoint& p) noexcept {
+  return {(hip.x - p.i) - p.s, (hip.y - p.j) - p.t, hip.z - p.z};
+}
+
+/// f(s, t) = z + a s + b t + c s t.
+struct BilinearPatch {
+  double z = 0.0;
+  double a = 0.0;
+  double b = 0.0;
+  double c = 0.0;
+
+  [[nodiscard]] double height(double s, double t) const noexcept { return z + s * a + t * (b + s * c); }
+  [[nodiscard]] double slope_s(double, double t) const noexcept { return a + c * t; }
+  [[nodiscard]] double slope_t(double s, double) const noexcept { return b + c * s; }
+};
+
+/// A MongeSurface in cells; cheap to make, for one update.
+class BilinearSurface {
+ public:
+  using Patch = BilinearPatch;
+
+  explicit BilinearSurface(const MongeSurface& surface) noexcept
+      : height_(surface.height_m.data()),
+        mu_dynamic_(surface.mu_dynamic.empty() ? nullptr : surface.mu_dynamic.data()),
+        mu_static_(surface.mu_static.empty() ? nullptr : surface.mu_static.data()),
+        nx_(surface.lattice.nx),
+        ny_(surface.lattice.ny),
+        cell_m_(surface.lattice.spacing_m),
+        cells_per_m_(1.0 / surface.lattice.spacing_m),
+        highest_(surface.highest_m * cells_per_m_) {}
+
+  [[nodiscard]] int nx() const noexcept { return nx_; }
+  [[nodiscard]] int ny() const noexcept { return ny_; }
+  [[nodiscard]] double cell_m() const noexcept { return cell_m_; }
+  [[nodiscard]] double cells_per_m() const noexcept { return cells_per_m_; }
+  [[nodiscard]] double highest() const noexcept { return highest_; }
+  [[nodiscard]] bool has_friction() const noexcept { return mu_dynamic_ != nullptr && mu_static_ != nullptr; }
+
+  [[nodiscard]] bool is_inner(int i, int j) const noexcept {
+    return static_cast<unsigned>(i) < static_cast<unsigned>(nx_ - 1) &&
+           static_cast<unsigned>(j) < static_cast<unsigned>(ny_ - 1);
+  }
+  [[nodiscard]] bool has_low_s(int i) const noexcept { return i >= 0; }
+  [[nodiscard]] bool has_high_s(int i) const noexcept { return i < nx_ - 1; }
+  [[nodiscard]] bool has_low_t(int j) const noexcept { return j >= 0; }
+  [[nodiscard]] bool has_high_t(int j) const noexcept { return j < ny_ - 1; }
+
+  [[nodiscard]] Patch patch(int i, int j) const noexcept {
+    double z00, z10, z01, z11;
+    if (is_inner(i, j)) [[likely]] {
+      const float* low = height_ + node(i, j);
+      const float* high = low + nx_;
+      z00 = low[0], z10 = low[1], z01 = high[0], z11 = high[1];
+    } else {
+      const int i0 = std::clamp(i, 0, nx_ - 1);
+      const int j0 = std::clamp(j, 0, ny_ - 1);
+      const int i1 = std::clamp(i + 1, 0, nx_ - 1);
+      const int j1 = std::clamp(j + 1, 0, ny_ - 1);
+      z00 = height_[node(i0, j0)], z10 = height_[node(i1, j0)];
+      z01 = height_[node(i0, j1)], z11 = height_[node(i1, j1)];
+    }
+    z00 *= cells_per_m_, z10 *= cells_per_m_, z01 *= cells_per_m_, z11 *= cells_per_m_;
+    return {z00, z10 - z00, z01 - z00, (z11 - z10) - (z01 - z00)};
+  }
+
+  /// Coefficients in a cell, bilinear between nodes, 0 beyond the border. Only with has_friction().
+  [[nodiscard]] double mu_dynamic(int i, int j, double s, double t) const noexcept {
+    return interpolate(mu_dynamic_, i, j, s, t);
+  }
+  [[nodiscard]] double mu_static(int i, int j, double s, double t) const noexcept {
+    return interpolate(mu_static_, i, j, s, t);
+  }
+
+ private:
+  [[nodiscard]] std::size_t node(int i, int j) const noexcept {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i);
+  }
+  [[nodiscard]] double interpolate(const float* values, int i, int j, double s, double t) const noexcept {
+    if (!is_inner(i, j)) return 0.0;
+    const float* low = values + node(i, j);
+    const float* high = low + nx_;
+    const double at_low = static_cast<double>(low[0]) + s * (static_cast<double>(low[1]) - static_cast<double>(low[0]));
+    const double at_high =
+        static_cast<double>(high[0]) + s * (static_cast<double>(high[1]) - static_cast<double>(high[0]));
+    return at_low + t * (at_high - at_low);
+  }
+
+  const float* height_;
+  const float* mu_dynamic_;
+  const float* mu_static_;
+  int nx_;
+  int ny_;
+  double cell_m_;
+  double cells_per_m_;
+  double highest_;
+};
+
+}  // namespace sparsha::haptics

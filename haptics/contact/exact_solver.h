@@ -1,0 +1,285 @@
+// The exact active-set proxy solver: descends D = |hip - p|^2 / 2 over z >= f(x, y) from where the proxy was, so that
+// it ends in the local minimum a finger would find. One class a surface type; friction is a template parameter because
+// frictionless solving needs no coefficients at all.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptics/contact/descent.h"
+#include "haptics/contact/proxy_place.h"
+#include "haptics/contact/ray_march.h"
+#include "haptics/contact/tangent_cone.h"
+#include "haptics/contact/touching_cells.h"
+
+namespace sparsha::haptics {
+
+template <class Surface, bool kFriction>
+class ExactSolver {
+ public:
+  ExactSolver(const Surface& surface, const CellVector& hip, const SolverOptions& options) noexcept
+      : surface_(surface), hip_(hip), tolerance_(options.tolerance_cells), limit_(options.segment_limit) {}
+
+  /// Moves `p` to rest. `contact` and `sticking` as in ProxyState.
+  void solve(CellPoint& p, bool& contact, bool& sticking) noexcept {
+    bool landed = false;
+    settle_on_surface(p, contact);
+    bool may_stick_again = kFriction && contact && !sticking;
+    if (!contact) sticking = false;
+    while (segments_ < limit_) {
+      if (!contact) {
+        if (!fly(p, contact)) return;
+        landed = contact;
+        sticking = contact;
+        may_stick_again = false;
+        continue;
+      }
+      const CellVector w = hip_ - p;
+      if (is_inside_cell(surface_, p)) {
+        const auto patch = surface_.patch(p.i, p.j);
+        const Pull pull(patch.slope_s(p.s, p.t), patch.slope_t(p.s, p.t), w);
+        if (leaves(pull, w) && !landed) {
+          take_off(contact, sticking);
+          continue;
+        }
+        const double tangent = std::sqrt(pull.squared_tangent() / pull.area);
+        const double threshold = rest_tolerance(w);
+        if (holds(pull, tangent, p, threshold, sticking, may_stick_again)) return;
+        const Piece piece{
+            p, patch, pull, project_on_quadrant(pull, Freedom::both, Freedom::both), Freedom::both, Freedom::both};
+        if (advance(piece, w, threshold, p)) return;
+      } else {
+        const TouchingCells touching = touching_cells(surface_, p);
+        if (!landed && leaves_from_edge(touching, w, p)) {
+          take_off(contact, sticking);
+          continue;
+        }
+        Piece piece;
+        const double threshold = rest_tolerance(w);
+        if (holds_on_edge(touching, w, threshold, sticking, may_stick_again, piece)) return;
+        if (advance(piece, w, threshold, p)) return;
+      }
+      landed = false;
+      ++segments_;
+    }
+    unfinished_ = true;
+  }
+
+  [[nodiscard]] int segments() const noexcept { return segments_; }
+  [[nodiscard]] bool unfinished() const noexcept { return unfinished_; }
+
+ private:
+  using Patch = typename Surface::Patch;
+
+  /// A cell from which a step is taken.
+  struct Piece {
+    CellPoint point;
+    Patch patch;
+    Pull pull{0.0, 0.0, {}};
+    TangentProjection tangent;
+    Freedom s = Freedom::both;
+    Freedom t = Freedom::both;
+  };
+
+  /// Lifts a point that is below the surface onto it; drops the contact of one that is above.
+  void settle_on_surface(CellPoint& p, bool& contact) const noexcept {
+    constexpr double kSame = 64.0 * std::numeric_limits<double>::epsilon();
+    const double floor = surface_.patch(p.i, p.j).height(p.s, p.t);
+    contact = p.z < floor || (contact && p.z <= floor + kSame * (1.0 + std::abs(floor)));
+    if (contact) p.z = floor;
+  }
+
+  /// Free flight; true when there is more to do.
+  bool fly(CellPoint& p, bool& contact) noexcept {
+    if (p.z >= surface_.highest() && hip_.z >= surface_.highest()) {
+      p = locate(surface_, hip_);
+      return false;
+    }
+    switch (march_to_hand(surface_, hip_, p, leaving_, segments_, limit_)) {
+      case MarchEnd::hand:
+        return false;
+      case MarchEnd::limit:
+        unfinished_ = true;
+        return false;
+      case MarchEnd::surface:
+        leaving_ = false;
+        contact = true;
+        return true;
+    }
+    return false;
+  }
+
+  void take_off(bool& contact, bool& sticking) noexcept {
+    contact = false;
+    sticking = false;
+    leaving_ = true;
+  }
+
+  [[nodiscard]] double rest_tolerance(const CellVector& w) const noexcept {
+    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+    return tolerance_ + kRounding * std::max({std::abs(w.x), std::abs(w.y), std::abs(w.z)});
+  }
+
+  /// Does w rise faster than the patch, by more than rounding?
+  [[nodiscard]] static bool leaves(const Pull& pull, const CellVector& w) noexcept {
+    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+    return pull.normal > 0.0 &&
+           pull.normal > kRounding * (std::abs(w.z) + std::abs(pull.fs * w.x) + std::abs(pull.ft * w.y));
+  }
+
+  /// On edges and nodes the cell that w points into decides; p moves there.
+  [[nodiscard]] bool leaves_from_edge(const TouchingCells& touching, const CellVector& w, CellPoint& p) const noexcept {
+    for (int k = 0; k < touching.count; ++k) {
+      const TouchingCell& cell = touching.cell[k];
+      if (!allows(cell.s, w.x) || !allows(cell.t, w.y)) continue;
+      const Patch patch = surface_.patch(cell.point.i, cell.point.j);
+      const Pull pull(patch.slope_s(cell.point.s, cell.point.t), patch.slope_t(cell.point.s, cell.point.t), w);
+      if (!leaves(pull, w)) return false;
+      p = cell.point;
+      return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] double mu(const CellPoint& p, bool sticking) const noexcept {
+    if constexpr (!kFriction) return 0.0;
+    return sticking ? surface_.mu_static(p.i, p.j, p.s, p.t) : surface_.mu_dynamic(p.i, p.j, p.s, p.t);
+  }
+
+  /// Two-state friction inside a cell: true when the proxy rests where it is.
+  bool holds(const Pull& pull, double tangent, const CellPoint& p, double threshold, bool& sticking,
+             bool& may_stick_again) const noexcept {
+    if constexpr (!kFriction) return tangent <= threshold;
+    const double press = std::max(0.0, -pull.normal) / std::sqrt(pull.area);
+    if (sticking) {
+      if (tangent - mu(p, true) * press <= threshold) return true;
+      sticking = false;
+    }
+    const double mu_d = mu(p, false);
+    if (may_stick_again && tangent < kStickAgain * mu_d * press) sticking = true;
+    may_stick_again = false;
+    return sticking || tangent - mu_d * press <= threshold;
+  }
+
+  /// The same over all touching cells; else the cell of largest excess is the piece to move on.
+  bool holds_on_edge(const TouchingCells& touching, const CellVector& w, double threshold, bool& sticking,
+                     bool& may_stick_again, Piece& piece) const noexcept {
+    Piece pieces[4];
+    for (int k = 0; k < touching.count; ++k) {
+      const TouchingCell& cell = touching.cell[k];
+      Piece& here = pieces[k];
+      here.point = cell.point;
+      here.patch = surface_.patch(cell.point.i, cell.point.j);
+      here.pull =
+          Pull(here.patch.slope_s(cell.point.s, cell.point.t), here.patch.slope_t(cell.point.s, cell.point.t), w);
+      here.s = cell.s;
+      here.t = cell.t;
+      here.tangent = project_on_quadrant(here.pull, cell.s, cell.t);
+    }
+    const auto largest_excess = [&](bool stick, double factor, int& largest) {
+      double excess = -std::numeric_limits<double>::infinity();
+      for (int k = 0; k < touching.count; ++k) {
+        const double mine =
+            friction_excess(pieces[k].pull, pieces[k].tangent.length, factor * mu(pieces[k].point, stick));
+        if (mine > excess) excess = mine, largest = k;
+      }
+      return excess;
+    };
+    int largest = 0;
+    if (kFriction && sticking) {
+      if (largest_excess(true, 1.0, largest) <= threshold) return true;
+      sticking = false;
+    }
+    if (may_stick_again && largest_excess(false, kStickAgain, largest) < 0.0) sticking = true;
+    may_stick_again = false;
+    if (sticking || largest_excess(false, 1.0, largest) <= threshold) return true;
+    piece = pieces[largest];
+    return false;
+  }
+
+  /// One segment of descent in the piece's cell, stopped where friction holds; true when the proxy then rests.
+  bool advance(const Piece& piece, const CellVector& w, double threshold, CellPoint& p) const noexcept {
+    const Segment d = descent_direction(piece.patch, piece.pull, w, piece.tangent, piece.s, piece.t);
+    const double end = length_in_cell(surface_, piece.point, d);
+    const double tau = descent_length(SegmentSlope(piece.patch, piece.pull, w, d), end);
+    p = moved(surface_, piece.point, d, tau, end);
+    p.z = piece.patch.height(p.s, p.t);
+    if constexpr (kFriction) {
+      // The sliding edge's or cell's own excess, without the freedoms that end at the segment's end.
+      const double excess = sliding_excess(piece, p);
+      if (excess < -threshold) return stop_by_friction(piece, d, tau, end, excess, threshold, p);
+    }
+    return false;
+  }
+
+  /// Excess at q, on the piece's cell or, when the piece slides along an edge, over both cells of that edge.
+  [[nodiscard]] double sliding_excess(const Piece& piece, const CellPoint& q) const noexcept {
+    const CellVector w = hip_ - q;
+    const Pull pull(piece.patch.slope_s(q.s, q.t), piece.patch.slope_t(q.s, q.t), w);
+    const bool along_s = piece.tangent.dt == 0.0 && piece.t != Freedom::both;
+    const bool along_t = piece.tangent.ds == 0.0 && piece.s != Freedom::both;
+    if (!along_s && !along_t) return friction_excess(pull, mu(q, false));
+    const Freedom s = along_t ? piece.s : Freedom::both;
+    const Freedom t = along_s ? piece.t : Freedom::both;
+    const double here = friction_excess(pull, project_on_quadrant(pull, s, t).length, mu(q, false));
+    CellPoint other = q;
+    if (along_t) {
+      other.i += s == Freedom::up ? -1 : 1;
+      other.s = s == Freedom::up ? 1.0 : 0.0;
+    } else {
+      other.j += t == Freedom::up ? -1 : 1;
+      other.t = t == Freedom::up ? 1.0 : 0.0;
+    }
+    const auto reversed = [](Freedom f) { return static_cast<Freedom>(-static_cast<int>(f)); };
+    const Patch patch = surface_.patch(other.i, other.j);
+    const Pull beyond(patch.slope_s(other.s, other.t), patch.slope_t(other.s, other.t), w);
+    const double there =
+        friction_excess(beyond, project_on_quadrant(beyond, reversed(s), reversed(t)).length, mu(other, false));
+    return std::max(here, there);
+  }
+
+  /// The excess is positive at the segment's start and negative at tau_end: rests at a zero between (Illinois).
+  bool stop_by_friction(const Piece& piece, const Segment& d, double tau_end, double end, double excess_end,
+                        double threshold, CellPoint& p) const noexcept {
+    double low = 0.0;
+    double high = tau_end;
+    double at_low = friction_excess(piece.pull, piece.tangent.length, mu(piece.point, false));
+    double at_high = excess_end;
+    int same_side = 0;
+    for (int k = 0; k < kRootIterations; ++k) {
+      double tau = low + (high - low) * (at_low / (at_low - at_high));
+      if (!(tau > low && tau < high)) tau = 0.5 * (low + high);
+      const bool exhausted = !(tau > low && tau < high);
+      p = moved(surface_, piece.point, d, exhausted ? high : tau, end);
+      p.z = piece.patch.height(p.s, p.t);
+      if (exhausted) return false;
+      const double excess = sliding_excess(piece, p);
+      if (std::abs(excess) <= kRootShare * threshold) return true;
+      if (excess > 0.0) {
+        low = tau, at_low = excess;
+        if (same_side > 0) at_high *= 0.5;
+        same_side = 1;
+      } else {
+        high = tau, at_high = excess;
+        if (same_side < 0) at_low *= 0.5;
+        same_side = -1;
+      }
+    }
+    return false;
+  }
+
+  static constexpr double kStickAgain = 0.9;  // of mu_dynamic
+  static constexpr double kRootShare = 0.25;  // of the rest tolerance
+  static constexpr int kRootIterations = 80;
+
+  const Surface& surface_;
+  CellVector hip_;
+  double tolerance_;
+  int limit_;
+  int segments_ = 0;
+  bool leaving_ = false;
+  bool unfinished_ = false;
+};
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,66 @@
+// Between metres and cells: where the state's proxy lies on the surface, and back.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/contact/bilinear_patch.h"
+#include "haptics/contact/proxy.h"
+
+namespace sparsha::haptics {
+
+inline constexpr double kFarthestCell = 1e12;  ///< a hand beyond is no hand
+
+/// The hand in cells.
+template <class Surface>
+[[nodiscard]] inline CellVector to_cells(const Surface& surface, const Eigen::Vector3d& local_m) noexcept {
+  return {local_m.x() * surface.cells_per_m(), local_m.y() * surface.cells_per_m(),
+          local_m.z() * surface.cells_per_m()};
+}
+
+/// False for NaN too.
+[[nodiscard]] inline bool is_reachable(const CellVector& v) noexcept {
+  return std::abs(v.x) < kFarthestCell && std::abs(v.y) < kFarthestCell && std::abs(v.z) < kFarthestCell;
+}
+
+/// The cell that holds (x, y).
+template <class Surface>
+[[nodiscard]] inline CellPoint locate(const Surface& surface, const CellVector& v) noexcept {
+  const auto cell = [](double x, int nodes) {
+    if (x < 0.0) return -1;
+    return x < nodes - 1 ? static_cast<int>(x) : nodes - 1;
+  };
+  CellPoint p;
+  p.i = cell(v.x, surface.nx());
+  p.j = cell(v.y, surface.ny());
+  p.s = v.x - p.i;
+  p.t = v.y - p.j;
+  p.z = v.z;
+  return p;
+}
+
+template <class Surface>
+[[nodiscard]] inline Eigen::Vector3d to_metres(const Surface& surface, const CellPoint& p) noexcept {
+  return {(p.i + p.s) * surface.cell_m(), (p.j + p.t) * surface.cell_m(), p.z * surface.cell_m()};
+}
+
+/// The state's proxy in cells: as the solver left it, or from metres when somebody moved it or changed the surface.
+template <class Surface>
+[[nodiscard]] inline CellPoint place_of(const Surface& surface, const ProxyState& state) noexcept {
+  const ProxyCell& c = state.cell;
+  const CellPoint kept{c.i, c.j, c.s, c.t, c.z};
+  const bool in_range = c.i >= -1 && c.i < surface.nx() && c.j >= -1 && c.j < surface.ny();
+  const Eigen::Vector3d kept_m = to_metres(surface, kept);
+  if (in_range && kept_m.x() == state.position.x() && kept_m.y() == state.position.y() &&
+      kept_m.z() == state.position.z())
+    return kept;
+  return locate(surface, to_cells(surface, state.position));
+}
+
+template <class Surface>
+inline void keep_place(const Surface& surface, const CellPoint& p, ProxyState& state) noexcept {
+  state.cell = {p.i, p.j, p.s, p.t, p.z};
+  state.position = to_metres(surface, p);
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,106 @@
+// Free space: the straight way from the proxy to the hand, cell by cell, with the exact root of ray and patch.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "haptics/contact/bilinear_patch.h"
+
+namespace sparsha::haptics {
+
+/// The smallest tau in [0, end] at which the ray p + tau w dips below the patch; a value beyond `end` when it does not.
+/// `leaving`: p is on the surface, the root tau = 0 is divided out.
+[[nodiscard]] inline double ray_patch_hit(const BilinearPatch& patch, const CellPoint& p, const CellVector& w,
+                                          double end, bool leaving) noexcept {
+  constexpr double kMiss = std::numeric_limits<double>::infinity();
+  const double g1 = w.z - patch.slope_s(p.s, p.t) * w.x - patch.slope_t(p.s, p.t) * w.y;
+  const double g2 = -patch.c * w.x * w.y;
+  const double g0 = leaving ? 0.0 : p.z - patch.height(p.s, p.t);
+  if (g0 <= 0.0) {
+    // On the surface: gap = tau (g1 + tau g2).
+    if (g1 > 0.0) return g1 + end * g2 < 0.0 ? -g1 / g2 : kMiss;
+    if (g1 < 0.0 || g2 < 0.0) return 0.0;
+    return kMiss;
+  }
+  const double at_end = g0 + end * (g1 + end * g2);
+  if (at_end >= 0.0) {
+    if (g2 <= 0.0 || g1 >= 0.0 || -g1 >= 2.0 * g2 * end) return kMiss;
+    if (g1 * g1 <= 4.0 * g2 * g0) return kMiss;
+  }
+  const double root = std::sqrt(std::max(0.0, g1 * g1 - 4.0 * g2 * g0));
+  return std::min(2.0 * g0 / (root - g1), end);
+}
+
+/// What a march came to.
+enum class MarchEnd { hand, surface, limit };
+
+/// Moves `p`, feasible, along the straight way to the hand until it is there, meets the surface or has spent the
+/// segments that are left. `leaving`: p lies on the surface and the way leads off it.
+template <class Surface>
+[[nodiscard]] MarchEnd march_to_hand(const Surface& surface, const CellVector& hip, CellPoint& p, bool leaving,
+                                     int& segments, int limit) noexcept {
+  while (segments < limit) {
+    ++segments;
+    const auto patch = surface.patch(p.i, p.j);
+    const CellVector w = hip - p;
+    // Where the ray leaves the cell.
+    double end = 1.0;
+    int step_i = 0;
+    int step_j = 0;
+    if (w.x > 0.0 && surface.has_high_s(p.i) && p.s + w.x > 1.0) {
+      end = (1.0 - p.s) / w.x;
+      step_i = 1;
+    } else if (w.x < 0.0 && surface.has_low_s(p.i) && p.s + w.x < 0.0) {
+      end = p.s / -w.x;
+      step_i = -1;
+    }
+    double end_t = 2.0;
+    if (w.y > 0.0 && surface.has_high_t(p.j) && p.t + w.y > 1.0) {
+      end_t = (1.0 - p.t) / w.y;
+      step_j = 1;
+    } else if (w.y < 0.0 && surface.has_low_t(p.j) && p.t + w.y < 0.0) {
+      end_t = p.t / -w.y;
+      step_j = -1;
+    }
+    if (end_t < end)
+      end = end_t, step_i = 0;
+    else
+      step_j = 0;
+
+    const double hit = ray_patch_hit(patch, p, w, end, leaving);
+    leaving = false;
+    const auto clamp_to_cell = [&] {
+      if (surface.has_low_s(p.i)) p.s = std::max(p.s, 0.0);
+      if (surface.has_high_s(p.i)) p.s = std::min(p.s, 1.0);
+      if (surface.has_low_t(p.j)) p.t = std::max(p.t, 0.0);
+      if (surface.has_high_t(p.j)) p.t = std::min(p.t, 1.0);
+    };
+    if (hit <= end) {
+      p.s += hit * w.x;
+      p.t += hit * w.y;
+      clamp_to_cell();
+      p.z = patch.height(p.s, p.t);
+      return MarchEnd::surface;
+    }
+    p.s += end * w.x;
+    p.t += end * w.y;
+    clamp_to_cell();
+    const double floor = patch.height(p.s, p.t);
+    if (step_i == 0 && step_j == 0) {
+      // At the hand; rounding may have put it a hair below the patch.
+      p.z = std::max(hip.z, floor);
+      return hip.z < floor ? MarchEnd::surface : MarchEnd::hand;
+    }
+    p.z = std::max(p.z + end * w.z, floor);
+    if (step_i != 0) {
+      p.i += step_i;
+      p.s = step_i > 0 ? 0.0 : 1.0;
+    } else {
+      p.j += step_j;
+      p.t = step_j > 0 ? 0.0 : 1.0;
+    }
+  }
+  return MarchEnd::limit;
+}
+
+}  // namespace sparsha::haptics
