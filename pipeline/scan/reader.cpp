@@ -1,18 +1,54 @@
 // Tells a scan's format, by its content first and its ending second, and hands it to that format's reader.
 #include "pipeline/scan/reader.h"
 
+#include "pipeline/scan/obj.h"
+#include "pipeline/scan/pcd.h"
 #include "pipeline/scan/ply.h"
+#include "pipeline/scan/ptx.h"
 #include "pipeline/scan/scan_file.h"
 #include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/stl.h"
 #include "pipeline/scan/text.h"
+#include "pipeline/scan/xyz.h"
 
 namespace sparsha::pipeline {
 namespace {
 
+constexpr const char* kKnown = "PLY, PCD, OBJ, STL, XYZ, TXT, ASC, CSV, PTS, PTX, LAS, LAZ or E57";
+
+bool is_utf16(std::string_view bytes) {
+  const std::string_view mark = bytes.substr(0, 2);
+  return mark == "\xFE\xFF" || mark == "\xFF\xFE";
+}
+
+/// A file whose ending promises a format whose mark it does not bear.
+void refuse_missing_header(const ScanFile& file) {
+  if (file.extension == "ply") throw file.error("no PLY header", "a first line 'ply'");
+  if (file.extension == "pcd") {
+    throw file.error("no PCD header", "lines such as 'FIELDS x y z'; plain columns of numbers should end in .xyz");
+  }
+  if (file.extension == "las" || file.extension == "laz") throw file.error("no LAS header", "the signature 'LASF'");
+  if (file.extension == "e57") throw file.error("no E57 header", "the signature 'ASTM-E57'");
+}
+
 void read_any(const ScanFile& file, ScanWriter& out) {
-  if (file.bytes.empty()) throw file.error("the file is empty", "a scan");
+  const std::string_view bytes = file.bytes;
+  if (bytes.empty()) throw file.error("the file is empty", "a scan");
   if (is_ply(file)) return read_ply(file, out);
-  throw file.error("no known scan format", "PLY");
+  if (is_binary_stl(file)) return read_stl(file, out);
+  if (is_ascii_stl(file)) return read_stl(file, out);
+  if (is_pcd(file)) return read_pcd(file, out);
+  refuse_missing_header(file);
+  if (is_utf16(bytes)) throw file.error("the text is UTF-16", "ASCII or UTF-8; convert the file first");
+  if (looks_binary(bytes)) {
+    if (file.extension == "stl") return read_stl(file, out);
+    throw file.error("binary data of no known format", kKnown);
+  }
+  if (is_obj(file) || file.extension == "obj") return read_obj(file, out);
+  if (is_ptx(file) || file.extension == "ptx") return read_ptx(file, out);
+  if (file.extension == "stl")
+    throw file.error("neither ASCII nor binary STL", "'solid' and facets, or 84 bytes and more");
+  read_xyz(file, out);
 }
 
 RawScan read_into(const std::filesystem::path& path, const PointSink& sink) {

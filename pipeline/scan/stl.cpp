@@ -1,0 +1,174 @@
+#include "pipeline/scan/stl.h"
+
+#include <array>
+#include <bit>
+
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kHeader = 84;
+constexpr std::size_t kTriangle = 50;
+
+/// Numbers distinct vertices in the order in which they come; equal means equal float32 coordinates. Open addressing.
+class VertexTable {
+ public:
+  VertexTable() : slots_(1024, kFree) {}
+
+  /// Number of the vertex; `is_new` tells whether it had none before.
+  std::uint32_t number(float x, float y, float z, bool& is_new) {
+    if (vertices_.size() * 2 >= slots_.size()) grow();
+    // -0.0 and 0.0 are the same place.
+    const Key key = {std::bit_cast<std::uint32_t>(x + 0.0F), std::bit_cast<std::uint32_t>(y + 0.0F),
+                     std::bit_cast<std::uint32_t>(z + 0.0F)};
+    std::size_t at = place(key);
+    while (slots_[at] != kFree && vertices_[slots_[at]] != key) at = (at + 1) & (slots_.size() - 1);
+    is_new = slots_[at] == kFree;
+    if (is_new) {
+      slots_[at] = static_cast<std::uint32_t>(vertices_.size());
+      vertices_.push_back(key);
+    }
+    return slots_[at];
+  }
+
+ private:
+  using Key = std::array<std::uint32_t, 3>;
+  static constexpr std::uint32_t kFree = ~std::uint32_t{0};
+
+  [[nodiscard]] std::size_t place(const Key& key) const {
+    std::uint64_t h = (std::uint64_t{key[0]} << 32 | key[1]) * 0x9E3779B97F4A7C15ULL;
+    h = (h ^ (h >> 32) ^ key[2]) * 0xD6E8FEB86659FD93ULL;
+    return static_cast<std::size_t>(h ^ (h >> 32)) & (slots_.size() - 1);
+  }
+
+  void grow() {
+    slots_.assign(slots_.size() * 2, kFree);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      std::size_t at = place(vertices_[i]);
+      while (slots_[at] != kFree) at = (at + 1) & (slots_.size() - 1);
+      slots_[at] = static_cast<std::uint32_t>(i);
+    }
+  }
+
+  std::vector<std::uint32_t> slots_;
+  std::vector<Key> vertices_;
+};
+
+class TriangleSink {
+ public:
+  explicit TriangleSink(ScanWriter& out) : out_(out) {}
+
+  std::uint32_t vertex(float x, float y, float z) {
+    bool is_new = false;
+    const std::uint32_t number = table_.number(x, y, z, is_new);
+    if (is_new) out_.add(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+    return number;
+  }
+  void triangle(const std::array<std::uint32_t, 3>& corners) {
+    if (corners[0] != corners[1] && corners[1] != corners[2] && corners[0] != corners[2]) {
+      out_.add_triangle(corners[0], corners[1], corners[2]);
+    }
+  }
+
+ private:
+  ScanWriter& out_;
+  VertexTable table_;
+};
+
+void read_binary(const ScanFile& file, ScanWriter& out) {
+  if (file.bytes.size() < kHeader) throw file.error("too short for a binary STL file", "a header of 84 bytes");
+  const std::uint64_t count = load<std::uint32_t>(file.bytes.data() + 80);
+  const std::uint64_t most = (file.bytes.size() - kHeader) / kTriangle;
+  if (count > most) {
+    throw file.error(
+        "the header promises " + std::to_string(count) + " triangles, the file has room for " + std::to_string(most),
+        "a complete file");
+  }
+  out.scan().format = "STL binary";
+  out.begin(0, false, false);
+  if (file.bytes.size() > kHeader + count * kTriangle) {
+    out.scan().warnings.push_back("bytes behind the last triangle are left out");
+  }
+  TriangleSink sink(out);
+  const char* p = file.bytes.data() + kHeader;
+  for (std::uint64_t i = 0; i < count; ++i, p += kTriangle) {
+    std::array<std::uint32_t, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const char* const v = p + 12 + 12 * k;
+      corners[k] = sink.vertex(load<float>(v), load<float>(v + 4), load<float>(v + 8));
+    }
+    sink.triangle(corners);
+  }
+}
+
+void read_ascii(const ScanFile& file, ScanWriter& out) {
+  out.scan().format = "STL ascii";
+  out.begin(0, false, false);
+  TriangleSink sink(out);
+  LineReader lines(file.bytes);
+  std::string_view line;
+  std::array<std::uint32_t, 3> corners{};
+  std::size_t found = 0;
+  bool in_loop = false;
+  int solids = 0;
+  while (lines.next(line)) {
+    std::string_view rest = line;
+    const std::string word = lower_case(take_word(rest));
+    if (word == "solid") {
+      ++solids;
+    } else if (word == "outer") {
+      found = 0;
+      in_loop = true;
+    } else if (word == "vertex") {
+      std::array<double, 3> v{};
+      for (double& value : v) {
+        const std::string_view number = take_word(rest);
+        const char* const end = number.data() + number.size();
+        if (number.empty() || parse_number(number.data(), end, value) != end) {
+          throw file.error_at(lines.number(), in_quotes(number) + " in a vertex", "'vertex x y z'");
+        }
+      }
+      if (found == 3 || !in_loop) throw file.error_at(lines.number(), "a vertex too many", "three in a loop");
+      corners[found++] = sink.vertex(static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
+    } else if (word == "endloop") {
+      if (found != 3) {
+        throw file.error_at(lines.number(), "a loop of " + std::to_string(found) + " vertices", "three vertices");
+      }
+      sink.triangle(corners);
+      in_loop = false;
+    } else if (word == "endsolid") {
+      --solids;
+    } else if (!word.empty() && word != "facet" && word != "endfacet") {
+      throw file.error_at(lines.number(), "unknown STL line " + in_quotes(word), "'facet', 'vertex', 'endloop'");
+    }
+  }
+  if (in_loop || solids > 0) {
+    throw file.error_at(lines.number(), "the file ends within a solid", "'endsolid'; the file may be cut short");
+  }
+}
+
+}  // namespace
+
+bool is_binary_stl(const ScanFile& file) {
+  if (file.bytes.size() < kHeader) return false;
+  const std::uint64_t count = load<std::uint32_t>(file.bytes.data() + 80);
+  return file.bytes.size() == kHeader + count * kTriangle;
+}
+
+bool is_ascii_stl(const ScanFile& file) {
+  std::string_view head = file.bytes.substr(0, 4096);
+  if (looks_binary(head)) return false;
+  head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
+  const std::string lower = lower_case(head);
+  return lower.rfind("solid", 0) == 0 &&
+         (lower.find("facet") != std::string::npos || lower.find("endsolid") != std::string::npos);
+}
+
+void read_stl(const ScanFile& file, ScanWriter& out) {
+  out.scan().fields = {"x", "y", "z"};
+  const bool ascii = !is_binary_stl(file) && is_ascii_stl(file);
+  ascii ? read_ascii(file, out) : read_binary(file, out);
+}
+
+}  // namespace sparsha::pipeline
