@@ -1,11 +1,10 @@
-// Owns scene, servo, window loader and recorder; the one place where buttons, keys and requests become level, window and
-// scene changes, and words.
+// Owns scene, servo, window loader and recorder; the one place where buttons, keys and requests become level, window
+// and scene changes, and words.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "haptics/contact/proxy.h"
@@ -19,32 +18,38 @@
 namespace sparsha::haptics {
 
 struct SessionOptions {
-  pipeline::HapticsConfig haptics;     ///< wishes; the device limits them
+  pipeline::HapticsConfig haptics;  ///< wishes; the device limits them
   bool texture = true;
   bool friction = true;
-  std::filesystem::path record;        ///< run.csv; empty = none
-  bool real_time = true;               ///< ask for SCHED_FIFO and locked memory
+  std::filesystem::path record;  ///< run.csv; empty = none
+  bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
 };
 
 /// What a run amounted to; printed at its end and used by user studies.
 struct SessionSummary {
   std::uint64_t ticks = 0;
   std::uint64_t missed_ticks = 0;
-  double share_in_time = 1.0;          ///< ticks begun within 1 ms of plan
-  bool real_time = false;              ///< SCHED_FIFO was granted
+  double share_in_time = 1.0;  ///< ticks begun within 1 ms of plan
+  bool real_time = false;      ///< SCHED_FIFO was granted
   double duration_s = 0.0;
   double contact_s = 0.0;
   std::uint64_t contacts = 0;
-  double path_m = 0.0;                 ///< of the hand, device frame
-  double mean_force_n = 0.0;           ///< while in contact
+  double path_m = 0.0;        ///< of the hand, device frame
+  double mean_force_n = 0.0;  ///< while in contact
   double peak_force_n = 0.0;
-  double area_m2 = 0.0;                ///< scene cells touched, grid frame
-  std::vector<int> levels;             ///< used
+  double area_m2 = 0.0;     ///< scene cells touched, grid frame
+  std::vector<int> levels;  ///< used
   double tick_ns_p50 = 0, tick_ns_p99 = 0, tick_ns_p999 = 0, tick_ns_max = 0;
   std::vector<std::uint64_t> lateness_histogram;  ///< 20 bins of 100 us, the last one open
   std::uint64_t unfinished = 0;
   std::uint64_t faults = 0;
   std::uint64_t dropped_records = 0;
+  std::uint64_t watchdog_trips = 0;
+  bool locked_memory = false;
+  double stiffness_n_per_m = 0.0;  ///< rendered at the end: min(requested, what the device can bear)
+  std::uint64_t windows_loaded = 0;
+  double window_load_s_max = 0.0;  ///< off the servo thread
+  double swap_ns_max = 0.0;        ///< what a change of window cost the servo
 };
 
 /// Construct, start(), poll() about every 10 ms from one thread until finished(), stop().

@@ -1,7 +1,7 @@
 // A value of 64-bit words that one thread publishes and any thread reads without locks.
 // Words are atomics between two readings of a sequence number (Boehm 2012, "Can seqlocks get along with programming
-// language memory models?"). Release stores and acquire loads of the words stand where fences would: they cost nothing on
-// x86, and thread sanitizers understand them.
+// language memory models?"). Release stores and acquire loads of the words stand where fences would: they cost nothing
+// on x86, and thread sanitizers understand them.
 #pragma once
 
 #include <array>

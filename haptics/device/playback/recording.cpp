@@ -1,0 +1,185 @@
+#include "haptics/device/playback/recording.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "haptics/shared/state.h"
+#include "pipeline/base/error.h"
+#include "pipeline/base/files.h"
+
+namespace sparsha::haptics {
+namespace {
+
+enum Column : std::size_t {
+  kTime,
+  kX,
+  kY,
+  kZ,
+  kButtons,
+  kCentreX,
+  kCentreY,
+  kCentreZ,
+  kScale,
+  kSurface,
+  kCommand,
+  kFlags,
+  kLevel,
+  kStiffness,
+  kPeriod,
+  kWindowI,
+  kWindowJ,
+  kWindowNx,
+  kWindowNy,
+  kWorkspace,
+  kMaxForce,
+  kSlew,
+  kDamping,
+  kColumns
+};
+constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
+                                                           "device_x_m",
+                                                           "device_y_m",
+                                                           "device_z_m",
+                                                           "buttons",
+                                                           "centre_x_m",
+                                                           "centre_y_m",
+                                                           "centre_z_m",
+                                                           "scale",
+                                                           "surface_id",
+                                                           "command",
+                                                           "flags",
+                                                           "level",
+                                                           "stiffness_n_per_m",
+                                                           "period_s",
+                                                           "window_i",
+                                                           "window_j",
+                                                           "window_nx",
+                                                           "window_ny",
+                                                           "workspace_m",
+                                                           "max_force_n",
+                                                           "slew_n_per_s",
+                                                           "least_damping_n_s_per_m"};
+constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
+
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+std::string_view take_field(std::string_view& line) {
+  const std::size_t end = line.find(',');
+  const std::string_view field = line.substr(0, end);
+  line.remove_prefix(end == std::string_view::npos ? line.size() : end + 1);
+  return field;
+}
+
+// Where each known column stands in the file.
+std::array<std::size_t, kColumns> find_columns(const std::string& file, std::string_view header, std::size_t& count) {
+  std::array<std::size_t, kColumns> place;
+  place.fill(kAbsent);
+  count = 0;
+  while (!header.empty()) {
+    const std::string_view name = take_field(header);
+    const auto known = std::find(kNames.begin(), kNames.end(), name);
+    if (known != kNames.end()) place[static_cast<std::size_t>(known - kNames.begin())] = count;
+    ++count;
+  }
+  for (const Column column : {kTime, kX, kY, kZ})
+    if (place[column] == kAbsent)
+      throw input_error_at(file, 1, "no column " + std::string(kNames[column]),
+                           "a run.csv as `explore --record` writes it");
+  return place;
+}
+
+std::uint64_t whole(double value) { return value > 0.0 ? static_cast<std::uint64_t>(value) : 0; }
+
+double commonest_step(const std::vector<RecordedRow>& rows) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < rows.size() && steps.size() < 1000; ++i)
+    steps.push_back(rows[i].time_s - rows[i - 1].time_s);
+  if (steps.empty()) return 0.001;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle > 0.0 ? *middle : 0.001;
+}
+
+}  // namespace
+
+Recording::Recording(const std::filesystem::path& file) {
+  const MappedFile mapped(file);
+  std::string_view text = mapped.text();
+  const std::string name = file.string();
+  std::size_t count = 0;
+  const auto place = find_columns(name, take_line(text), count);
+  has_replay_ = std::all_of(kNames.begin() + kCentreX, kNames.begin() + kWindowI, [&](const std::string_view& known) {
+    return place[static_cast<std::size_t>(&known - kNames.data())] != kAbsent;
+  });
+  const bool has_windows = has_replay_ && place[kWindowI] != kAbsent && place[kWindowJ] != kAbsent &&
+                           place[kWindowNx] != kAbsent && place[kWindowNy] != kAbsent;
+  std::vector<double> fields(count);
+  int line_number = 1;
+  while (!text.empty()) {
+    std::string_view line = take_line(text);
+    ++line_number;
+    if (line.empty()) continue;
+    for (double& value : fields) {
+      const std::string_view field = take_field(line);
+      const auto result = std::from_chars(field.data(), field.data() + field.size(), value);
+      if (result.ec != std::errc() || result.ptr != field.data() + field.size())
+        throw input_error_at(name, line_number, "`" + std::string(field) + "` is not a number",
+                             std::to_string(count) + " numbers separated by commas");
+    }
+    if (!line.empty())
+      throw input_error_at(name, line_number, "more fields than the header names", std::to_string(count) + " fields");
+    const auto at = [&](Column column, double otherwise) {
+      return place[column] == kAbsent ? otherwise : fields[place[column]];
+    };
+    RecordedRow row;
+    row.time_s = at(kTime, 0.0);
+    if (!rows_.empty() && !(row.time_s > rows_.back().time_s))
+      throw input_error_at(name, line_number, "time does not increase", "t_s above that of the row before");
+    row.position_m = {at(kX, 0.0), at(kY, 0.0), at(kZ, 0.0)};
+    row.buttons = whole(at(kButtons, 0.0));
+    row.replay.centre_m = {at(kCentreX, 0.0), at(kCentreY, 0.0), at(kCentreZ, 0.0)};
+    row.replay.stiffness_n_per_m = at(kStiffness, 0.0);
+    row.replay.period_s = at(kPeriod, 0.001);
+    row.replay.command = whole(at(kCommand, 0.0));
+    row.replay.flags = whole(at(kFlags, static_cast<double>(kFlagHomed)));
+    const std::uint64_t surface_id = whole(at(kSurface, 0.0));
+    if (has_windows && (windows_.empty() || windows_.back().surface_id != surface_id)) {
+      RecordedWindow window;
+      window.row = rows_.size();
+      window.surface_id = surface_id;
+      window.level = static_cast<int>(at(kLevel, 0.0));
+      window.i0 = static_cast<int>(at(kWindowI, 0.0));
+      window.j0 = static_cast<int>(at(kWindowJ, 0.0));
+      window.nx = static_cast<int>(at(kWindowNx, 0.0));
+      window.ny = static_cast<int>(at(kWindowNy, 0.0));
+      window.scale = at(kScale, 1.0);
+      window.texture = (row.replay.flags & kFlagTexture) != 0;
+      window.friction = (row.replay.flags & kFlagFriction) != 0;
+      windows_.push_back(window);
+    }
+    if (rows_.empty()) {
+      info_.name = "playback";
+      info_.workspace_width_m = at(kWorkspace, info_.workspace_width_m);
+      info_.limits.max_force_n = at(kMaxForce, info_.limits.max_force_n);
+      info_.limits.slew_n_per_s = at(kSlew, info_.limits.slew_n_per_s);
+      info_.limits.least_damping_n_s_per_m = at(kDamping, info_.limits.least_damping_n_s_per_m);
+    }
+    rows_.push_back(row);
+  }
+  if (rows_.empty())
+    throw input_error_at(name, line_number, "the recording has no rows", "at least one row below the header");
+  period_s_ = commonest_step(rows_);
+  allowed_.store(rows_.size());
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,70 @@
+// A device in software: the simulated hand explores, feels the force one tick late, and is read through its encoder.
+#include <atomic>
+#include <memory>
+
+#include "haptics/device/devices.h"
+#include "haptics/device/simulated/hand.h"
+#include "haptics/device/simulated/round.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kWorkspaceWidthM = 0.1;
+constexpr double kLongestStepS = 0.1;  // a longer silence of the servo is simulated as this much
+
+class SimulatedDevice final : public Device {
+ public:
+  SimulatedDevice(std::uint64_t seed, double duration_s)
+      : round_(seed, kWorkspaceWidthM), hand_(parameters_, round_.target_m()), duration_s_(duration_s) {}
+
+  [[nodiscard]] DeviceInfo info() const override {
+    DeviceInfo info;
+    info.name = "simulated";
+    info.workspace_width_m = kWorkspaceWidthM;
+    info.limits.max_force_n = parameters_.max_force_n;
+    info.limits.least_damping_n_s_per_m = parameters_.damping_n_s_per_m;
+    return info;
+  }
+
+  [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
+    if (started_ && time_s > time_s_) {
+      if (zeroed_.exchange(false, std::memory_order_acquire)) {
+        held_n_.setZero();
+        next_n_.setZero();
+      }
+      const double dt_s = std::min(time_s - time_s_, kLongestStepS);
+      hand_.advance(round_.advance(held_n_, hand_.position_m(), dt_s), held_n_, dt_s);
+      held_n_ = next_n_;
+    }
+    started_ = true;
+    time_s_ = time_s;
+    DeviceSample sample;
+    sample.position_m = hand_.measured_m();
+    sample.time_s = time_s;
+    sample.fresh = true;
+    sample.finished = duration_s_ > 0.0 && time_s >= duration_s_;
+    return sample;
+  }
+
+  void write(const Eigen::Vector3d& force_n) noexcept override { next_n_ = force_n; }
+  void zero() noexcept override { zeroed_.store(true, std::memory_order_release); }
+
+ private:
+  HandParameters parameters_;
+  ExplorationRound round_;
+  SimulatedHand hand_;
+  double duration_s_;
+  bool started_ = false;
+  double time_s_ = 0.0;
+  Eigen::Vector3d held_n_ = Eigen::Vector3d::Zero();  // what the motors hold
+  Eigen::Vector3d next_n_ = Eigen::Vector3d::Zero();  // what they will hold from the next tick on
+  std::atomic<bool> zeroed_{false};
+};
+
+}  // namespace
+
+std::unique_ptr<Device> make_simulated_device(std::uint64_t seed, double duration_s) {
+  return std::make_unique<SimulatedDevice>(seed, duration_s);
+}
+
+}  // namespace sparsha::haptics

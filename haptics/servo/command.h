@@ -1,0 +1,49 @@
+// What the session tells the servo, through a bounded lock-free queue.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "haptics/shared/spsc_queue.h"
+#include "haptics/surface/monge_surface.h"
+
+namespace sparsha::haptics {
+
+using SurfacePointer = std::shared_ptr<const MongeSurface>;
+
+/// The surface that is touched, and which nodes of which level it is.
+struct HapticWindow {
+  SurfacePointer surface;
+  int i0 = 0;  ///< of the level's lattice; nodes [i0, i0 + lattice.nx) x [j0, j0 + lattice.ny)
+  int j0 = 0;
+  int level_nx = 0;  ///< of the whole level; 0 = the window is all there is
+  int level_ny = 0;
+  std::uint64_t id = 0;  ///< counts swaps of window, level or scene
+  bool texture = true;
+  bool friction = true;
+};
+
+struct Command {
+  enum class Kind {
+    swap,       ///< touch `window`; the hand keeps its place
+    scroll,     ///< let the window's centre move with `scroll_m_per_s` until told otherwise
+    stiffness,  ///< render with `stiffness_n_per_m`
+  };
+  Kind kind = Kind::scroll;
+  HapticWindow window;
+  bool move = false;                                         ///< swap: the new centre is `centre_m`, not the one that
+                                                             ///< keeps the proxy's point of the scene under the hand
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();        ///< grid frame
+  Eigen::Vector2d scroll_m_per_s = Eigen::Vector2d::Zero();  ///< grid frame
+  double stiffness_n_per_m = 0.0;
+  std::uint64_t sequence = 0;  ///< counts commands from 1
+  std::uint64_t at_tick = 0;   ///< not before this tick; 0 = now
+};
+
+using CommandQueue = SpscQueue<Command>;
+/// Surfaces that the servo no longer needs, to be freed elsewhere.
+using RetiredQueue = SpscQueue<SurfacePointer>;
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,55 @@
+// Turns the tick-by-tick contact into events: touch with the predicted strike, lift, slip.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "haptics/shared/state.h"
+
+namespace sparsha::haptics {
+
+/// Servo thread only; no allocation. Positions in the device frame.
+class ContactEvents {
+ public:
+  /// `hand_mass_kg`: what strikes, for the predicted peak force v_n sqrt(k m) of a spring that stops a mass.
+  explicit ContactEvents(double rate_hz, double hand_mass_kg = 0.15) noexcept;
+
+  struct Input {
+    double time_s = 0.0;
+    Eigen::Vector3d hand_m = Eigen::Vector3d::Zero();   ///< device frame
+    Eigen::Vector3d proxy_m = Eigen::Vector3d::Zero();  ///< grid frame
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    double stiffness_n_per_m = 0.0;
+    std::uint64_t level = 0;
+    bool contact = false;
+    bool sticking = false;
+  };
+  /// At most one event a tick.
+  [[nodiscard]] std::optional<ContactEvent> update(const Input& input) noexcept;
+  /// Forgets the hand's way, e.g. after a fault; the next touch starts anew.
+  void reset() noexcept;
+
+ private:
+  [[nodiscard]] Eigen::Vector3d velocity() const noexcept;
+
+  static constexpr std::size_t kLongest = 256;
+  struct Place {
+    double time_s = 0.0;
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  };
+  double hand_mass_kg_;
+  std::size_t length_;  // samples that the velocity is fitted to
+  std::array<Place, kLongest> places_{};
+  std::size_t count_ = 0;
+  std::size_t next_ = 0;
+  bool touching_ = false;  // between a touch and a lift event
+  bool was_sticking_ = false;
+  double last_contact_s_ = 0.0;
+  double last_slip_s_ = -1.0;
+  Eigen::Vector3d last_proxy_m_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace sparsha::haptics

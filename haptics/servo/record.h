@@ -1,0 +1,19 @@
+// One tick's row for the recorder: the State and what a replay needs besides.
+#pragma once
+
+#include <type_traits>
+
+#include "haptics/shared/state.h"
+
+namespace sparsha::haptics {
+
+struct Record {
+  State state;
+  std::array<double, 3> raw_device_m{};  ///< as the device gave it, NaN included
+  double stiffness_n_per_m = 0.0;
+  double period_s = 0.0;  ///< that the governor saw
+  std::int32_t window_i = 0, window_j = 0, window_nx = 0, window_ny = 0;
+};
+static_assert(std::is_trivially_copyable_v<Record>);
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,108 @@
+// The real-time loop: reads the hand, decides the force, writes it, a thousand times a second and more.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "haptics/device/device.h"
+#include "haptics/servo/command.h"
+#include "haptics/servo/histogram.h"
+#include "haptics/servo/recorder.h"
+#include "haptics/servo/tick_engine.h"
+#include "haptics/servo/watchdog.h"
+#include "haptics/shared/seqlock.h"
+#include "haptics/shared/spsc_queue.h"
+#include "haptics/shared/state.h"
+
+namespace sparsha::haptics {
+
+struct ServoOptions {
+  EngineOptions engine;
+  bool real_time = true;     ///< ask for SCHED_FIFO and locked memory
+  double silence_s = 0.010;  ///< the watchdog's patience
+};
+
+/// Read after stop().
+struct ServoFigures {
+  std::uint64_t ticks = 0;
+  std::uint64_t missed_ticks = 0;
+  std::uint64_t faults = 0;  ///< ticks with NaN, unplugging or after the watchdog has bitten
+  std::uint64_t watchdog_trips = 0;
+  double share_in_time = 1.0;  ///< ticks begun within 1 ms of plan, missed ones in the count
+  bool real_time = false;      ///< SCHED_FIFO was granted
+  bool locked_memory = false;
+  double swap_ns_max = 0.0;  ///< longest command
+  TimeHistogram tick_ns;
+  LatenessHistogram lateness;
+};
+
+/// One thread calls start(), post(), collect() and stop(); the servo's own thread does the rest.
+class Servo {
+ public:
+  /// `device`, `state`, `consumers` and `recorder` outlive the servo. `recorder` may be null.
+  Servo(Device& device, const ServoOptions& options, HapticWindow window, Seqlock<State>& state,
+        std::vector<std::shared_ptr<ContactQueue>> consumers, Recorder* recorder);
+  ~Servo();
+  Servo(const Servo&) = delete;
+  Servo& operator=(const Servo&) = delete;
+
+  void start();
+  /// Ends in zero force.
+  void stop();
+
+  /// False when the queue is full; the command is then unchanged.
+  [[nodiscard]] bool post(Command&& command) noexcept { return commands_.push(std::move(command)); }
+  /// Frees what the servo has retired.
+  void collect() noexcept;
+
+  /// The device has no more samples.
+  [[nodiscard]] bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
+  /// Whether the thread has asked for real time, and what came of it.
+  [[nodiscard]] bool asked_for_real_time() const noexcept { return asked_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool real_time() const noexcept { return real_time_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool locked_memory() const noexcept { return locked_.load(std::memory_order_relaxed); }
+  /// Ticks with a fault so far.
+  [[nodiscard]] std::uint64_t faults() const noexcept { return faults_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t watchdog_trips() const noexcept { return watchdog_.trips(); }
+  [[nodiscard]] bool unplugged() const noexcept { return unplugged_.load(std::memory_order_relaxed); }
+  /// Only after stop().
+  [[nodiscard]] const ServoFigures& figures() const noexcept { return figures_; }
+
+ private:
+  void run() noexcept;
+  void prepare_thread() noexcept;
+  void tick(std::int64_t late_ns, double time_s) noexcept;
+  void take_commands() noexcept;
+  void publish() noexcept;
+
+  Device& device_;
+  ServoOptions options_;
+  double period_s_;
+  std::int64_t period_ns_;
+  TickEngine engine_;
+  Seqlock<State>& state_;
+  std::vector<std::shared_ptr<ContactQueue>> consumers_;
+  Recorder* recorder_;
+  Watchdog watchdog_;
+  CommandQueue commands_{64};
+  RetiredQueue retired_{128};
+  Command pending_;  // taken from the queue, waiting for its tick
+  bool has_pending_ = false;
+  SurfacePointer leaving_;  // waiting for room in the queue of retired surfaces
+  std::uint64_t in_time_ = 0;
+  ServoFigures figures_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> finished_{false};
+  std::atomic<bool> asked_{false};
+  std::atomic<bool> real_time_{false};
+  std::atomic<bool> locked_{false};
+  std::atomic<bool> unplugged_{false};
+  std::atomic<std::uint64_t> faults_{0};
+  std::thread thread_;
+};
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,79 @@
+// Everything between a hand position and a force, for one tick: no allocation, no locks, no system calls, no
+// exceptions. The servo's thread drives it in real time; tests and offline tools may drive it by hand.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "haptics/contact/governor.h"
+#include "haptics/contact/proxy.h"
+#include "haptics/device/device.h"
+#include "haptics/servo/command.h"
+#include "haptics/servo/contact_events.h"
+#include "haptics/servo/record.h"
+#include "haptics/shared/state.h"
+#include "pipeline/scene/config.h"
+
+namespace sparsha::haptics {
+
+struct EngineOptions {
+  double rate_hz = 1000.0;
+  double stiffness_n_per_m = 800.0;  ///< governed already: min(requested, stiffness_limit())
+  pipeline::HapticsConfig::Solver solver = pipeline::HapticsConfig::Solver::exact;
+  SolverOptions solver_options;
+};
+
+class TickEngine {
+ public:
+  /// The device frame's origin begins at `window`'s centre, z of the surface there.
+  TickEngine(const DeviceInfo& device, const EngineOptions& options, HapticWindow window);
+
+  /// Takes a sample to a force: state().commanded_force_n. `nominal_period_s` stands for the first tick's length.
+  void update(const DeviceSample& sample, double nominal_period_s) noexcept;
+
+  /// Obeys a command; a surface that is no longer needed is moved into the return value.
+  [[nodiscard]] SurfacePointer obey(Command& command) noexcept;
+
+  /// Zero force from now on until the hand has been in free space (watchdog, unplugging); this tick is flagged.
+  void fault() noexcept { fault_ = true; }
+
+  [[nodiscard]] const State& state() const noexcept { return record_.state; }
+  [[nodiscard]] State& state() noexcept { return record_.state; }
+  [[nodiscard]] const Record& record() const noexcept { return record_; }
+  /// What the last update had to say.
+  [[nodiscard]] const std::optional<ContactEvent>& event() const noexcept { return event_; }
+  [[nodiscard]] const HapticWindow& window() const noexcept { return window_; }
+  [[nodiscard]] std::uint64_t faults() const noexcept { return faults_; }
+
+ private:
+  void swap(Command& command) noexcept;
+  void render(const DeviceSample& sample) noexcept;
+  [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
+  void go_safe(const DeviceSample& sample, bool is_fault) noexcept;
+  [[nodiscard]] std::uint64_t place_flags(const Eigen::Vector3d& local) const noexcept;
+
+  DeviceInfo device_;
+  EngineOptions options_;
+  HapticWindow window_;
+  const MongeSurface* surface_;  // window_.surface.get()
+  Eigen::Vector3d centre_m_;     // grid point at the device frame's origin
+  Eigen::Vector2d scroll_m_per_s_ = Eigen::Vector2d::Zero();
+  double stiffness_n_per_m_;
+  Governor governor_;
+  ContactEvents events_;
+  std::optional<ContactEvent> event_;
+  ProxyState proxy_;
+  ProxyUpdate found_;
+  Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();  // last finite hand position, device frame
+  bool placed_ = false;                               // the proxy has been started
+  bool fault_ = false;
+  bool has_time_ = false;
+  double last_time_s_ = 0.0;
+  double slip_speed_ = 0.0;
+  std::uint64_t faults_ = 0;
+  Record record_;
+};
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,51 @@
+#include "haptics/servo/watchdog.h"
+
+#include <algorithm>
+
+#include "haptics/servo/real_time.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr std::int64_t kRepeatNs = 2'000'000;
+
+}  // namespace
+
+Watchdog::Watchdog(Device& device, double silence_s)
+    : device_(device), silence_ns_(static_cast<std::int64_t>(silence_s * 1e9)) {}
+
+Watchdog::~Watchdog() { stop(); }
+
+void Watchdog::start(int priority) {
+  stop();
+  stopping_.store(false);
+  tripped_.store(false);
+  feed(now_ns());
+  thread_ = std::thread([this, priority] { run(priority); });
+}
+
+void Watchdog::stop() {
+  stopping_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+void Watchdog::run(int priority) {
+  if (priority > 0) static_cast<void>(request_real_time(priority));
+  bool silent = false;
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    const std::int64_t now = now_ns();
+    const std::int64_t deadline = fed_ns_.load(std::memory_order_relaxed) + silence_ns_;
+    if (now < deadline) {
+      silent = false;
+      sleep_until_ns(std::min(deadline, now + silence_ns_));
+      continue;
+    }
+    tripped_.store(true, std::memory_order_release);
+    device_.zero();
+    if (!silent) trips_.fetch_add(1, std::memory_order_relaxed);
+    silent = true;
+    sleep_until_ns(now + kRepeatNs);
+  }
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,168 @@
+#include "haptics/session/navigator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace sparsha::haptics {
+namespace {
+
+// Tiles are renewed when the proxy is closer to the window's border than this share of its nodes.
+constexpr double kFollowShare = 0.08;
+// The bubble technique (Dominjon et al. 2005): position control inside, rate control in the rim.
+constexpr double kBubble = 0.42;        // half-width of the inside, in workspace widths
+constexpr double kFastestScroll = 0.5;  // workspace widths a second, at the very edge
+constexpr double kScrollStep = 0.05;    // changes smaller than this share of the fastest are not sent
+
+Eigen::Vector2d across(const std::array<double, 3>& v) { return {v[0], v[1]}; }
+
+}  // namespace
+
+Navigator::Navigator(pipeline::ScenePointer scene, double workspace_width_m, bool texture, bool friction,
+                     Narrator& narrator)
+    : scene_(std::move(scene)),
+      workspace_width_m_(workspace_width_m),
+      texture_(texture),
+      friction_(friction),
+      narrator_(narrator),
+      plan_(first_plan()) {}
+
+const pipeline::Lattice& Navigator::level(int index) const {
+  return scene_->description().levels.at(static_cast<std::size_t>(index));
+}
+
+WindowPlan Navigator::plan_at(int index, const Eigen::Vector2d& centre_m) const {
+  WindowPlan plan = plan_window(scene_->description(), index, centre_m, workspace_width_m_);
+  plan.texture = texture_;
+  plan.friction = friction_;
+  return plan;
+}
+
+WindowPlan Navigator::first_plan() const {
+  const int overview = overview_level(scene_->description());
+  return plan_at(overview, middle_of(level(overview)));
+}
+
+WindowLoader::Job Navigator::job(const WindowPlan& plan) const {
+  WindowLoader::Job result;
+  result.scene = scene_;
+  result.plan = plan;
+  result.command.kind = Command::Kind::swap;
+  return result;
+}
+
+std::optional<WindowLoader::Job> Navigator::zoom(int step, const State& state) {
+  const int next = plan_.level + step;
+  if (next < 0) {
+    narrator_.say("Finest level");
+    return std::nullopt;
+  }
+  if (next > overview_level(scene_->description())) {
+    narrator_.say("Whole scene");
+    return std::nullopt;
+  }
+  // Where the centre will be when the point under the proxy stays under the hand.
+  const Eigen::Vector2d point = across(state.proxy_m);
+  const Eigen::Vector2d device = (point - across(state.centre_m)) * state.scale;
+  const double scale = plan_at(next, point).scale;
+  const WindowPlan plan = plan_at(next, point - device / scale);
+  narrator_.say_level(next, workspace_width_m_ / plan.scale);
+  return job(plan);
+}
+
+WindowLoader::Job Navigator::move(Eigen::Vector2d centre_m) const {
+  const pipeline::Lattice& lattice = level(plan_.level);
+  centre_m.x() = std::clamp(centre_m.x(), lattice.x_m(0), lattice.x_m(lattice.nx - 1));
+  centre_m.y() = std::clamp(centre_m.y(), lattice.y_m(0), lattice.y_m(lattice.ny - 1));
+  WindowLoader::Job result = job(plan_at(plan_.level, centre_m));
+  result.command.move = true;
+  result.command.centre_m = centre_m;
+  return result;
+}
+
+std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const State& state) {
+  const Eigen::Vector2d centre_m = across(state.centre_m);
+  const auto finite = [&] { return std::isfinite(request.x) && std::isfinite(request.y); };
+  switch (request.kind) {
+    case Request::Kind::zoom_in:
+      return zoom(-1, state);
+    case Request::Kind::zoom_out:
+      return zoom(+1, state);
+    case Request::Kind::pan:
+      if (!finite()) return std::nullopt;
+      return move(centre_m + Eigen::Vector2d(request.x, request.y) * width_m());
+    case Request::Kind::move_to:
+      if (!finite()) return std::nullopt;
+      return move({request.x, request.y});
+    case Request::Kind::set_texture:
+    case Request::Kind::set_friction: {
+      const bool texture = request.kind == Request::Kind::set_texture;
+      bool& present = texture ? texture_ : friction_;
+      if (present == request.on) return std::nullopt;
+      present = request.on;
+      narrator_.say(std::string(texture ? "Texture " : "Friction ") + (request.on ? "on" : "off"));
+      WindowPlan plan = plan_;
+      plan.texture = texture_;
+      plan.friction = friction_;
+      return job(plan);
+    }
+    default:
+      return std::nullopt;
+  }
+}
+
+WindowLoader::Job Navigator::change_scene(pipeline::ScenePointer scene) {
+  scene_ = std::move(scene);
+  narrator_.set_scene(scene_);
+  WindowLoader::Job result = job(first_plan());
+  result.command.move = true;
+  result.command.centre_m = middle_of(level(result.plan.level));
+  return result;
+}
+
+std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {
+  const pipeline::Lattice& lattice = level(plan_.level);
+  const Eigen::Vector2d node = (across(state.proxy_m) - lattice.origin_m.head<2>()) / lattice.spacing_m;
+  // A border counts only when the level goes on beyond it.
+  const auto near_border = [](double at, int first, int count, int level_count) {
+    const double margin = std::max(2.0, kFollowShare * count);
+    return (at < first + margin && first > 0) || (at > first + count - 1 - margin && first + count < level_count);
+  };
+  if (!near_border(node.x(), plan_.i0, plan_.nx, lattice.nx) && !near_border(node.y(), plan_.j0, plan_.ny, lattice.ny))
+    return std::nullopt;
+  const WindowPlan plan = plan_at(plan_.level, across(state.proxy_m));
+  if (plan.i0 == plan_.i0 && plan.j0 == plan_.j0) return std::nullopt;
+  return job(plan);
+}
+
+std::optional<Command> Navigator::scroll(const State& state) {
+  const pipeline::Lattice& lattice = level(plan_.level);
+  const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * workspace_width_m_ / state.scale);
+  const Eigen::Vector2d low = lattice.origin_m.head<2>() + half;
+  const Eigen::Vector2d high =
+      lattice.origin_m.head<2>() + Eigen::Vector2d(lattice.nx - 1, lattice.ny - 1) * lattice.spacing_m - half;
+  const double fastest = kFastestScroll * workspace_width_m_ / state.scale;
+  Eigen::Vector2d wanted = Eigen::Vector2d::Zero();
+  for (int axis = 0; axis < 2; ++axis) {
+    const double place = state.device_m[static_cast<std::size_t>(axis)] / workspace_width_m_;
+    const double depth = std::clamp((std::abs(place) - kBubble) / (0.5 - kBubble), 0.0, 1.0);
+    const double speed = std::copysign(fastest * depth * depth, place);
+    const double centre = state.centre_m[static_cast<std::size_t>(axis)];
+    if ((speed > 0.0 && centre < high[axis]) || (speed < 0.0 && centre > low[axis])) wanted[axis] = speed;
+  }
+  const bool stops = wanted.isZero(0.0) && !scroll_.isZero(0.0);
+  if (!stops && (wanted - scroll_).norm() <= kScrollStep * fastest) return std::nullopt;
+  if (scroll_.isZero(0.0)) {
+    const bool sideways = std::abs(wanted.x()) > std::abs(wanted.y());
+    narrator_.say(sideways ? (wanted.x() > 0.0 ? "Moving right" : "Moving left")
+                           : (wanted.y() > 0.0 ? "Moving up" : "Moving down"));
+  }
+  scroll_ = wanted;
+  Command command;
+  command.kind = Command::Kind::scroll;
+  command.scroll_m_per_s = wanted;
+  return command;
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,56 @@
+// Where the window is and where it goes: zoom, pan, scrolling at the workspace's rim, fresh tiles near the border.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "haptics/servo/command.h"
+#include "haptics/session/narrator.h"
+#include "haptics/session/window_loader.h"
+#include "haptics/shared/requests.h"
+#include "haptics/shared/state.h"
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::haptics {
+
+/// Session's thread only. Turns wishes and the hand's place into windows to load and commands to post.
+class Navigator {
+ public:
+  Navigator(pipeline::ScenePointer scene, double workspace_width_m, bool texture, bool friction, Narrator& narrator);
+
+  /// The overview.
+  [[nodiscard]] WindowPlan first_plan() const;
+  /// Takes over a plan as the present one.
+  void settle(const WindowPlan& plan) { plan_ = plan; }
+  [[nodiscard]] const WindowPlan& plan() const { return plan_; }
+  /// Width of the present window, grid frame.
+  [[nodiscard]] double width_m() const { return workspace_width_m_ / plan_.scale; }
+
+  /// A wish that changes the window; empty when it changes nothing (and says why).
+  [[nodiscard]] std::optional<WindowLoader::Job> wish(const Request& request, const State& state);
+  /// A change of scene.
+  [[nodiscard]] WindowLoader::Job change_scene(pipeline::ScenePointer scene);
+  /// Fresh tiles when the proxy is near the border of those loaded; empty when it is not or there are none beyond.
+  [[nodiscard]] std::optional<WindowLoader::Job> follow(const State& state) const;
+  /// Scrolling speed that the hand's place at the workspace's rim asks for; a command when it has changed.
+  [[nodiscard]] std::optional<Command> scroll(const State& state);
+
+ private:
+  [[nodiscard]] const pipeline::Lattice& level(int index) const;
+  [[nodiscard]] WindowLoader::Job job(const WindowPlan& plan) const;
+  [[nodiscard]] std::optional<WindowLoader::Job> zoom(int step, const State& state);
+  [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m) const;
+  [[nodiscard]] WindowPlan plan_at(int level, const Eigen::Vector2d& centre_m) const;
+
+  pipeline::ScenePointer scene_;
+  double workspace_width_m_;
+  bool texture_;
+  bool friction_;
+  Narrator& narrator_;
+  WindowPlan plan_;
+  Eigen::Vector2d scroll_ = Eigen::Vector2d::Zero();  // last one commanded, grid frame, m/s
+};
+
+}  // namespace sparsha::haptics

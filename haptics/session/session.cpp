@@ -1,0 +1,327 @@
+#include "haptics/session/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "haptics/device/playback/recording.h"
+#include "haptics/servo/recorder.h"
+#include "haptics/servo/servo.h"
+#include "haptics/session/narrator.h"
+#include "haptics/session/navigator.h"
+#include "haptics/session/window_loader.h"
+#include "pipeline/base/error.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kSlowestHz = 100.0;
+constexpr double kFastestHz = 10000.0;
+
+// Device buttons, from the front of a Falcon's grip.
+constexpr std::uint64_t kButtonPlus = 1U << 0U;
+constexpr std::uint64_t kButtonForward = 1U << 1U;
+constexpr std::uint64_t kButtonCentre = 1U << 2U;
+constexpr std::uint64_t kButtonMinus = 1U << 3U;
+
+double checked_rate(double rate_hz) {
+  if (rate_hz >= kSlowestHz && rate_hz <= kFastestHz) return rate_hz;
+  throw usage_error(fmt::format("a servo rate of {} Hz", rate_hz), "rate_hz from 100 to 10000");
+}
+
+}  // namespace
+
+struct Session::Implementation {
+  Implementation(pipeline::ScenePointer first_scene, std::unique_ptr<Device> hand, SessionOptions session_options)
+      : scene(std::move(first_scene)),
+        device(std::move(hand)),
+        options(std::move(session_options)),
+        info(device->info()),
+        recording(device->recording()),
+        rate_hz(checked_rate(recording != nullptr ? 1.0 / recording->period_s() : options.haptics.rate_hz)),
+        narrator(announcements, scene),
+        navigator(scene, info.workspace_width_m, options.texture, options.friction, narrator),
+        recorder(options.record, info, rate_hz, scene->description().levels.front().spacing_m) {
+    if (recording != nullptr && recording->windows().empty()) recording = nullptr;
+    stiffness_n_per_m = governed(options.haptics.stiffness_n_per_m);
+    if (recording != nullptr) {
+      first_window = load_recorded(0);
+      navigator.settle(recorded_plan(0));
+      allow_recorded();
+    } else {
+      first_window = load_window(*scene, navigator.plan(), next_id++);
+    }
+  }
+
+  [[nodiscard]] double governed(double wish_n_per_m) const {
+    return std::min(wish_n_per_m, stiffness_limit(info.limits, 1.0 / rate_hz));
+  }
+
+  // Playback: the windows of the recording, in its order, each ready before its row may be played.
+  [[nodiscard]] WindowPlan recorded_plan(std::size_t index) const {
+    const RecordedWindow& recorded = recording->windows()[index];
+    return {recorded.level, recorded.i0,    recorded.j0,      recorded.nx,
+            recorded.ny,    recorded.scale, recorded.texture, recorded.friction};
+  }
+  [[nodiscard]] HapticWindow load_recorded(std::size_t index) {
+    const WindowPlan plan = recorded_plan(index);
+    const auto& levels = scene->description().levels;
+    if (plan.level < 0 || plan.level >= static_cast<int>(levels.size()) || plan.nx < 2 || plan.ny < 2)
+      throw Error(ErrorKind::input, {}, "the recording was made with another scene", "the scene that it was made with");
+    return load_window(*scene, plan, recording->windows()[index].surface_id);
+  }
+  void allow_recorded() {
+    const auto& windows = recording->windows();
+    recording->allow_until(next_recorded < windows.size() ? windows[next_recorded].row : recording->rows().size());
+  }
+  void feed_recorded() {
+    while (next_recorded < recording->windows().size()) {
+      if (!recorded_command) {
+        recorded_command.emplace();
+        recorded_command->kind = Command::Kind::swap;
+        recorded_command->window = load_recorded(next_recorded);
+        recorded_command->at_tick = recording->windows()[next_recorded].row + 1;
+        ++windows_loaded;
+      }
+      if (!servo->post(std::move(*recorded_command))) return;
+      recorded_command.reset();
+      navigator.settle(recorded_plan(next_recorded));
+      ++next_recorded;
+      allow_recorded();
+    }
+  }
+
+  void post(Command command) {
+    command.sequence = ++sequence;
+    if (!servo->post(std::move(command))) narrator.say("The servo does not answer", Announcement::Priority::warning);
+  }
+
+  void request_window(std::optional<WindowLoader::Job> job) {
+    if (!job) return;
+    job->id = next_id++;
+    navigator.settle(job->plan);
+    loader.request(std::move(*job));
+  }
+
+  void take_windows() {
+    while (std::optional<WindowLoader::Result> result = loader.take()) {
+      ++windows_loaded;
+      window_load_s_max = std::max(window_load_s_max, result->seconds);
+      if (result->error.empty())
+        post(std::move(result->job.command));
+      else
+        narrator.say("A part of the scene cannot be read: " + result->error, Announcement::Priority::fault);
+    }
+  }
+
+  void serve(const Request& request, const State& now) {
+    switch (request.kind) {
+      case Request::Kind::quit:
+        quit = true;
+        return;
+      case Request::Kind::describe:
+        narrator.describe(now, info.workspace_width_m / now.scale);
+        return;
+      case Request::Kind::set_stiffness: {
+        if (!(request.x >= 0.0) || recording != nullptr) return;
+        stiffness_n_per_m = governed(request.x);
+        Command command;
+        command.kind = Command::Kind::stiffness;
+        command.stiffness_n_per_m = stiffness_n_per_m;
+        post(std::move(command));
+        narrator.say(fmt::format("Stiffness {:.0f} newtons a metre{}", stiffness_n_per_m,
+                                 stiffness_n_per_m < request.x ? ", all the device can bear" : ""));
+        return;
+      }
+      default:
+        if (recording == nullptr) request_window(navigator.wish(request, now));
+    }
+  }
+
+  void press_buttons(const State& now) {
+    const std::uint64_t pressed = now.buttons & ~buttons;
+    buttons = now.buttons;
+    if ((pressed & kButtonPlus) != 0) serve({Request::Kind::zoom_in}, now);
+    if ((pressed & kButtonMinus) != 0) serve({Request::Kind::zoom_out}, now);
+    if ((pressed & kButtonCentre) != 0) serve({Request::Kind::describe}, now);
+    if ((pressed & kButtonForward) != 0 && recording == nullptr) request_window(navigator.change_scene(scene));
+  }
+
+  void watch_faults(const State& now) {
+    if (!told_real_time && servo->asked_for_real_time()) {
+      told_real_time = true;
+      if (options.real_time && !servo->real_time())
+        narrator.say("Real-time scheduling was not granted: ticks may be late", Announcement::Priority::warning);
+      if (options.real_time && !servo->locked_memory())
+        narrator.say("Memory could not be locked: ticks may be late", Announcement::Priority::warning);
+    }
+    if (servo->watchdog_trips() > trips_told) {
+      trips_told = servo->watchdog_trips();
+      narrator.say("The servo fell silent; forces are off until the hand is in the air", Announcement::Priority::fault);
+    } else if (servo->unplugged() && !unplugged_told) {
+      unplugged_told = true;
+      narrator.say("The device is unplugged; forces are off", Announcement::Priority::fault);
+    } else if (servo->faults() > faults_told && now.time_s - fault_said_s > 1.0 && !servo->unplugged()) {
+      narrator.say("The device gave no usable position; forces are off until the hand is in the air",
+                   Announcement::Priority::fault);
+      fault_said_s = now.time_s;
+    }
+    faults_told = servo->faults();
+    if (!servo->unplugged()) unplugged_told = false;
+    if (now.dropped_records > dropped_told) {
+      dropped_told = now.dropped_records;
+      narrator.say("The recording cannot keep up and loses rows", Announcement::Priority::warning);
+    }
+  }
+
+  pipeline::ScenePointer scene;
+  std::unique_ptr<Device> device;
+  SessionOptions options;
+  DeviceInfo info;
+  Recording* recording;
+  double rate_hz;
+  Seqlock<State> state;
+  RequestQueue requests;
+  AnnouncementBoard announcements;
+  std::vector<std::shared_ptr<ContactQueue>> consumers;
+  Narrator narrator;
+  Navigator navigator;
+  Recorder recorder;
+  WindowLoader loader;
+  HapticWindow first_window;
+  std::unique_ptr<Servo> servo;
+  std::optional<SessionSummary> summary;
+
+  std::uint64_t next_id = 1;
+  std::uint64_t sequence = 0;
+  std::uint64_t buttons = 0;
+  double stiffness_n_per_m = 0.0;
+  std::size_t next_recorded = 1;
+  std::optional<Command> recorded_command;
+  bool quit = false;
+  std::uint64_t windows_loaded = 1;
+  double window_load_s_max = 0.0;
+  bool told_real_time = false;
+  bool unplugged_told = false;
+  std::uint64_t trips_told = 0;
+  std::uint64_t faults_told = 0;
+  double fault_said_s = -1e9;
+  std::uint64_t dropped_told = 0;
+};
+
+Session::Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(scene), std::move(device), std::move(options))) {}
+
+Session::~Session() {
+  if (implementation_->servo) implementation_->servo->stop();
+}
+
+void Session::start() {
+  Implementation& self = *implementation_;
+  if (self.servo) throw Error(ErrorKind::failure, {}, "the session has been started before");
+  ServoOptions options;
+  options.engine.rate_hz = self.rate_hz;
+  options.engine.stiffness_n_per_m = self.stiffness_n_per_m;
+  options.engine.solver = self.options.haptics.solver;
+  options.real_time = self.options.real_time;
+  self.servo = std::make_unique<Servo>(*self.device, options, std::move(self.first_window), self.state, self.consumers,
+                                       &self.recorder);
+  self.narrator.say_level(self.navigator.plan().level, self.navigator.width_m());
+  self.recorder.start();
+  self.servo->start();
+}
+
+void Session::poll() {
+  Implementation& self = *implementation_;
+  if (!self.servo || self.summary) return;
+  self.servo->collect();
+  const State now = self.state.read();
+  self.watch_faults(now);
+  if (now.tick > 0) {
+    self.narrator.watch(now);
+    self.press_buttons(now);
+  }
+  while (const std::optional<Request> request = self.requests.take()) self.serve(*request, now);
+  if (self.recording != nullptr) {
+    self.feed_recorded();
+    return;
+  }
+  self.take_windows();
+  if (now.tick == 0 || self.loader.busy() || now.command != self.sequence) return;
+  // Only once the servo has caught up is its State about the present window.
+  self.request_window(self.navigator.follow(now));
+  if (std::optional<Command> command = self.navigator.scroll(now)) self.post(std::move(*command));
+}
+
+bool Session::finished() const {
+  return implementation_->quit || (implementation_->servo && implementation_->servo->finished());
+}
+
+SessionSummary Session::stop() {
+  Implementation& self = *implementation_;
+  if (self.summary) return *self.summary;
+  SessionSummary summary;
+  if (self.servo) {
+    self.servo->stop();
+    const ServoFigures& servo = self.servo->figures();
+    summary.ticks = servo.ticks;
+    summary.missed_ticks = servo.missed_ticks;
+    summary.share_in_time = servo.share_in_time;
+    summary.real_time = servo.real_time;
+    summary.locked_memory = servo.locked_memory;
+    summary.faults = servo.faults;
+    summary.watchdog_trips = servo.watchdog_trips;
+    summary.swap_ns_max = servo.swap_ns_max;
+    summary.tick_ns_p50 = servo.tick_ns.quantile_ns(0.5);
+    summary.tick_ns_p99 = servo.tick_ns.quantile_ns(0.99);
+    summary.tick_ns_p999 = servo.tick_ns.quantile_ns(0.999);
+    summary.tick_ns_max = servo.tick_ns.max_ns();
+    summary.lateness_histogram.assign(servo.lateness.counts().begin(), servo.lateness.counts().end());
+  }
+  const RunFigures figures = self.recorder.finish();
+  summary.duration_s = figures.duration_s;
+  summary.contact_s = figures.contact_s;
+  summary.contacts = figures.contacts;
+  summary.path_m = figures.path_m;
+  summary.mean_force_n = figures.mean_force_n;
+  summary.peak_force_n = figures.peak_force_n;
+  summary.area_m2 = figures.area_m2;
+  summary.levels = figures.levels;
+  summary.unfinished = figures.unfinished;
+  summary.dropped_records = self.recorder.dropped();
+  summary.stiffness_n_per_m = self.stiffness_n_per_m;
+  summary.windows_loaded = self.windows_loaded;
+  summary.window_load_s_max = self.window_load_s_max;
+  self.summary = summary;
+  return summary;
+}
+
+const Seqlock<State>& Session::state() const { return implementation_->state; }
+RequestQueue& Session::requests() { return implementation_->requests; }
+AnnouncementBoard& Session::announcements() { return implementation_->announcements; }
+
+std::shared_ptr<ContactQueue> Session::add_contact_consumer() {
+  constexpr std::size_t kEvents = 1024;
+  auto queue = std::make_shared<ContactQueue>(kEvents);
+  implementation_->consumers.push_back(queue);
+  return queue;
+}
+
+pipeline::ScenePointer Session::scene() const { return implementation_->scene; }
+
+void Session::set_scene(pipeline::ScenePointer scene) {
+  Implementation& self = *implementation_;
+  self.scene = std::move(scene);
+  WindowLoader::Job job = self.navigator.change_scene(self.scene);
+  if (self.servo) {
+    self.request_window(std::move(job));
+  } else {
+    self.navigator.settle(job.plan);
+    self.first_window = load_window(*self.scene, job.plan, self.next_id++);
+  }
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,130 @@
+#include "haptics/session/window_loader.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "pipeline/base/error.h"
+
+namespace sparsha::haptics {
+namespace {
+
+using pipeline::Lattice;
+
+constexpr int kSmallestWindow = 8;  // nodes a side
+
+int window_nodes(const pipeline::SceneDescription& scene) {
+  return std::max(kSmallestWindow, scene.config.levels.window);
+}
+
+/// First node of a run of `window` nodes around `centre`, or all `n` nodes when they fit.
+std::pair<int, int> run_around(double centre_nodes, int n, int window) {
+  if (n <= window) return {0, n};
+  const double first = std::round(centre_nodes - 0.5 * (window - 1));
+  return {static_cast<int>(std::clamp(first, -1e9, 1e9)), window};
+}
+
+}  // namespace
+
+int overview_level(const pipeline::SceneDescription& scene) {
+  const int window = window_nodes(scene);
+  for (std::size_t level = 0; level < scene.levels.size(); ++level)
+    if (std::max(scene.levels[level].nx, scene.levels[level].ny) <= window) return static_cast<int>(level);
+  return static_cast<int>(scene.levels.size()) - 1;
+}
+
+Eigen::Vector2d middle_of(const Lattice& lattice) {
+  return {lattice.origin_m.x() + 0.5 * (lattice.nx - 1) * lattice.spacing_m,
+          lattice.origin_m.y() + 0.5 * (lattice.ny - 1) * lattice.spacing_m};
+}
+
+WindowPlan plan_window(const pipeline::SceneDescription& scene, int level, const Eigen::Vector2d& centre_m,
+                       double workspace_width_m) {
+  const Lattice& lattice = scene.levels.at(static_cast<std::size_t>(level));
+  const int window = window_nodes(scene);
+  WindowPlan plan;
+  plan.level = level;
+  const Eigen::Vector2d nodes = (centre_m - lattice.origin_m.head<2>()) / lattice.spacing_m;
+  std::tie(plan.i0, plan.nx) = run_around(nodes.x(), lattice.nx, window);
+  std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);
+  plan.scale = workspace_width_m / ((std::max(plan.nx, plan.ny) - 1) * lattice.spacing_m);
+  return plan;
+}
+
+HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id) {
+  const pipeline::SceneDescription& description = scene.description();
+  const Lattice& level = description.levels.at(static_cast<std::size_t>(plan.level));
+  const pipeline::Layers layers = scene.read(plan.level, plan.i0, plan.j0, plan.nx, plan.ny);
+  SurfaceOptions options;
+  options.texture = plan.texture;
+  options.friction = plan.friction;
+  options.id = id;
+  HapticWindow window;
+  window.surface = make_surface(description, layers, plan.level, plan.scale, options);
+  window.i0 = plan.i0;
+  window.j0 = plan.j0;
+  window.level_nx = level.nx;
+  window.level_ny = level.ny;
+  window.id = id;
+  window.texture = plan.texture;
+  window.friction = plan.friction;
+  return window;
+}
+
+WindowLoader::WindowLoader() : thread_([this] { run(); }) {}
+
+WindowLoader::~WindowLoader() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void WindowLoader::request(Job job) {
+  {
+    const std::lock_guard lock(mutex_);
+    jobs_.push_back(std::move(job));
+  }
+  wake_.notify_one();
+}
+
+std::optional<WindowLoader::Result> WindowLoader::take() {
+  const std::lock_guard lock(mutex_);
+  if (results_.empty()) return std::nullopt;
+  Result result = std::move(results_.front());
+  results_.pop_front();
+  return result;
+}
+
+bool WindowLoader::busy() const {
+  const std::lock_guard lock(mutex_);
+  return working_ || !jobs_.empty() || !results_.empty();
+}
+
+void WindowLoader::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    wake_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+    if (stopping_) return;
+    Result result;
+    result.job = std::move(jobs_.front());
+    jobs_.pop_front();
+    working_ = true;
+    lock.unlock();
+    const auto begun = std::chrono::steady_clock::now();
+    try {
+      result.job.command.window = load_window(*result.job.scene, result.job.plan, result.job.id);
+    } catch (const std::exception& error) {
+      result.error = error.what();
+    }
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    lock.lock();
+    working_ = false;
+    results_.push_back(std::move(result));
+  }
+}
+
+}  // namespace sparsha::haptics
