@@ -23,13 +23,20 @@ struct DistanceStatistics {
 };
 
 struct CheckResult {
-  DistanceStatistics cloud_to_surface;  ///< each point that is not occluded, outside or invalid, to the bilinear surface
+  DistanceStatistics
+      cloud_to_surface;  ///< each point that is not occluded, outside or invalid, to the bilinear surface
   DistanceStatistics surface_to_cloud;  ///< each measured node to its nearest point
   std::optional<double> completeness;
-  double tolerance_m = 0.0;             ///< max(spacing, 3 noise)
-  std::vector<float> node_error_m;      ///< per node, NaN where nothing was sampled; for the error map
-  std::vector<std::uint64_t> cloud_histogram;  ///< 64 equal bins up to p99 * 1.5
+  double tolerance_m = 0.0;         ///< max(spacing, 3 noise)
+  std::vector<float> node_error_m;  ///< per node, mean distance of its sampled points, NaN where there is none
+  std::vector<std::uint64_t> cloud_histogram;  ///< 64 equal bins up to p99 * 1.5; what lies beyond is not counted
   double histogram_bin_m = 0.0;
+  std::vector<std::uint64_t> surface_histogram;  ///< of surface_to_cloud, in bins of surface_histogram_bin_m
+  double surface_histogram_bin_m = 0.0;
+  /// Points whose distance a second method, which walks the lattice and knows no tree, found too, and the largest
+  /// disagreement.
+  std::uint64_t second_method_samples = 0;
+  double second_method_max_difference_m = 0.0;
 };
 
 /// `projection` says which points count. Scene frame: grid = scan_to_grid * scan.

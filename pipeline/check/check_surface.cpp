@@ -1,0 +1,152 @@
+// The tree holds the centres of blocks of cells; a block that spans much height is cut into slices with a centre each,
+// so that one radius bounds them all and a search by distance plus that radius misses no cell.
+#include "pipeline/check/check_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/check/check_patch.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr int kBlock = 4;            // cells along a block's side
+constexpr double kFirstReach = 1.0;  // spacings; most points are nearer to the surface than this
+constexpr std::size_t kSlicesPerBlock = 4;
+
+double outside(double value, double low, double high) { return std::max({low - value, value - high, 0.0}); }
+
+}  // namespace
+
+SurfaceIndex::SurfaceIndex(const DepthGrid& grid) : grid_(grid), spacing_(grid.lattice.spacing_m) {
+  const int nx = grid.lattice.nx, ny = grid.lattice.ny;
+  for (int j0 = 0; j0 + 1 < ny; j0 += kBlock)
+    for (int i0 = 0; i0 + 1 < nx; i0 += kBlock) {
+      float low = std::numeric_limits<float>::infinity(), high = -low;
+      for (int j = j0; j < std::min(j0 + kBlock, ny - 1); ++j)
+        for (int i = i0; i < std::min(i0 + kBlock, nx - 1); ++i) {
+          const float* z = grid.height_m.data() + grid.lattice.index(i, j);
+          if (std::isnan(z[0] + z[1] + z[nx] + z[nx + 1])) continue;
+          low = std::min({low, z[0], z[1], z[nx], z[nx + 1]});
+          high = std::max({high, z[0], z[1], z[nx], z[nx + 1]});
+        }
+      if (low > high) continue;
+      // Rounded outwards, so that the box holds what it bounds.
+      const auto s = static_cast<float>(spacing_);
+      blocks_.push_back({i0, j0, std::nextafter(low / s, -1e30F), std::nextafter(high / s, 1e30F)});
+    }
+  double slice = kBlock;
+  std::vector<float> points;
+  for (;; slice *= 2) {
+    points = tree_points(slice, (blocks_.size() + 1) * kSlicesPerBlock);
+    if (!points.empty() || blocks_.empty()) break;
+  }
+  // Half the diagonal of a slice, and the rounding of the tree's floats.
+  bound_ = std::sqrt(2.0 * (kBlock / 2.0) * (kBlock / 2.0) + slice * slice / 4) * (1 + 1e-5) + 1e-4;
+  block_of_point_.reserve(points.size() / 3);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const auto slices = static_cast<std::size_t>(std::max(1.0, std::ceil((blocks_[b].high - blocks_[b].low) / slice)));
+    block_of_point_.insert(block_of_point_.end(), slices, static_cast<std::uint32_t>(b));
+  }
+  tree_ = std::make_unique<PointTree>(points);
+}
+
+/// x y z of all slices' centres, metres; empty when there would be more than `limit`.
+std::vector<float> SurfaceIndex::tree_points(double slice, std::size_t limit) const {
+  std::vector<float> points;
+  points.reserve(3 * blocks_.size());
+  for (const Block& block : blocks_) {
+    const double span = static_cast<double>(block.high) - block.low;
+    const double slices = std::max(1.0, std::ceil(span / slice));
+    if (slices + static_cast<double>(points.size() / 3) > static_cast<double>(limit)) return {};
+    for (double k = 0; k < slices; k += 1) {
+      points.push_back(static_cast<float>((block.i + kBlock / 2.0) * spacing_));
+      points.push_back(static_cast<float>((block.j + kBlock / 2.0) * spacing_));
+      points.push_back(static_cast<float>((block.low + (k + 0.5) * span / slices) * spacing_));
+    }
+  }
+  return points;
+}
+
+void SurfaceIndex::offer_cell(int i, int j, double x, double y, double z, Best& best) const {
+  const int nx = grid_.lattice.nx;
+  const float* heights = grid_.height_m.data() + grid_.lattice.index(i, j);
+  const Patch patch{heights[0] / spacing_, heights[1] / spacing_, heights[nx] / spacing_, heights[nx + 1] / spacing_};
+  const double u = x - i, v = y - j;
+  const auto [low, high] = std::minmax({patch.z00, patch.z10, patch.z01, patch.z11});
+  const double dx = outside(u, 0, 1), dy = outside(v, 0, 1), dz = outside(z, low, high);
+  if (!(dx * dx + dy * dy + dz * dz < best.squared)) return;  // also false when a height is NaN
+  if (std::isnan(patch.z00 + patch.z10 + patch.z01 + patch.z11)) return;
+  const PatchPoint nearest = closest_on_patch(patch, u, v, z);
+  if (nearest.squared_distance < best.squared) best = {nearest.squared_distance, nearest.side};
+}
+
+void SurfaceIndex::offer_block(std::uint32_t index, double x, double y, double z, Best& best) const {
+  const Block& block = blocks_[index];
+  const double dx = outside(x, block.i, block.i + kBlock), dy = outside(y, block.j, block.j + kBlock),
+               dz = outside(z, block.low, block.high);
+  if (dx * dx + dy * dy + dz * dz >= best.squared) return;
+  // The cell under the point first: it decides most of the others.
+  const int i1 = std::min(block.i + kBlock, grid_.lattice.nx - 1) - 1;
+  const int j1 = std::min(block.j + kBlock, grid_.lattice.ny - 1) - 1;
+  const int ci = static_cast<int>(std::clamp(x, static_cast<double>(block.i), static_cast<double>(i1)));
+  const int cj = static_cast<int>(std::clamp(y, static_cast<double>(block.j), static_cast<double>(j1)));
+  offer_cell(ci, cj, x, y, z, best);
+  for (int j = block.j; j <= j1; ++j)
+    for (int i = block.i; i <= i1; ++i)
+      if (i != ci || j != cj) offer_cell(i, j, x, y, z, best);
+}
+
+SurfaceDistance SurfaceIndex::result(const Best& best) const {
+  const double distance = std::sqrt(best.squared) * spacing_;
+  return {distance, best.side < 0 ? -distance : distance};
+}
+
+SurfaceDistance SurfaceIndex::distance(double x_m, double y_m, double z_m, Scratch& scratch) const {
+  Best best{std::numeric_limits<double>::infinity(), 0};
+  if (blocks_.empty()) return result(best);
+  const double x = x_m / spacing_, y = y_m / spacing_, z = z_m / spacing_;
+  const auto fx = static_cast<float>(x_m), fy = static_cast<float>(y_m), fz = static_cast<float>(z_m);
+  double reach = bound_ + kFirstReach;
+  scratch.blocks.clear();
+  const auto offer = [&](std::uint32_t block) {
+    if (std::find(scratch.blocks.begin(), scratch.blocks.end(), block) != scratch.blocks.end()) return;
+    scratch.blocks.push_back(block);
+    offer_block(block, x, y, z, best);
+  };
+  tree_->within(fx, fy, fz, reach * spacing_, scratch.answer);
+  if (scratch.answer.index.empty()) {
+    tree_->nearest(fx, fy, fz, scratch.answer);
+    reach = 0;
+  }
+  for (const int k : scratch.answer.index) offer(block_of_point_[static_cast<std::size_t>(k)]);
+  const double needed = std::sqrt(best.squared) + bound_;
+  if (needed > reach) {
+    // Far points are rare; a block met again costs no more than a look at its box.
+    tree_->within(fx, fy, fz, needed * spacing_ * (1 + 1e-6), scratch.answer);
+    for (const int k : scratch.answer.index) offer_block(block_of_point_[static_cast<std::size_t>(k)], x, y, z, best);
+  }
+  return result(best);
+}
+
+SurfaceDistance SurfaceIndex::distance_by_walking(double x_m, double y_m, double z_m, int max_rings) const {
+  Best best{std::numeric_limits<double>::infinity(), 0};
+  const int cells_x = grid_.lattice.nx - 1, cells_y = grid_.lattice.ny - 1;
+  const double x = x_m / spacing_, y = y_m / spacing_, z = z_m / spacing_;
+  if (cells_x < 1 || cells_y < 1) return result(best);
+  const int ci = static_cast<int>(std::clamp(x, 0.0, cells_x - 1.0)),
+            cj = static_cast<int>(std::clamp(y, 0.0, cells_y - 1.0));
+  for (int ring = 0; ring <= max_rings; ++ring) {
+    const double nearest = std::max(0, ring - 1);
+    if (nearest * nearest >= best.squared) return result(best);
+    for (int j = std::max(0, cj - ring); j <= std::min(cells_y - 1, cj + ring); ++j) {
+      const bool whole_row = j == cj - ring || j == cj + ring;
+      for (int i = ci - ring; i <= ci + ring; i += whole_row || ring == 0 ? 1 : 2 * ring)
+        if (i >= 0 && i < cells_x) offer_cell(i, j, x, y, z, best);
+    }
+  }
+  return result({std::numeric_limits<double>::infinity(), 0});
+}
+
+}  // namespace sparsha::pipeline
