@@ -62,6 +62,12 @@ std::uint64_t peak_rss_bytes() noexcept {
   return counters.PeakWorkingSetSize;
 }
 
+std::uint64_t physical_memory_bytes() noexcept {
+  MEMORYSTATUSEX status{};
+  status.dwLength = sizeof(status);
+  return GlobalMemoryStatusEx(&status) != 0 ? status.ullTotalPhys : 0;
+}
+
 bool exchange_paths(const std::filesystem::path&, const std::filesystem::path&) noexcept { return false; }
 unsigned process_id() noexcept { return GetCurrentProcessId(); }
 bool stderr_is_terminal() noexcept { return _isatty(2) != 0; }
@@ -116,6 +122,12 @@ std::uint64_t peak_rss_bytes() noexcept {
 #else
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;
 #endif
+}
+
+std::uint64_t physical_memory_bytes() noexcept {
+  const long pages = ::sysconf(_SC_PHYS_PAGES);
+  const long page = ::sysconf(_SC_PAGESIZE);
+  return pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) : 0;
 }
 
 bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept {

@@ -20,6 +20,8 @@ void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) n
 
 /// Highest resident set size of this process so far, bytes.
 [[nodiscard]] std::uint64_t peak_rss_bytes() noexcept;
+/// Memory of this machine, bytes; 0 when unknown.
+[[nodiscard]] std::uint64_t physical_memory_bytes() noexcept;
 /// Swaps two existing paths as one step where the system can; false when it cannot.
 [[nodiscard]] bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept;
 /// Number that tells concurrent writers apart (process id).
