@@ -269,7 +269,11 @@ const Node* MapReader::optional(std::string_view key) {
 
 const Node& MapReader::required(std::string_view key) {
   if (const Node* node = optional(key)) return *node;
-  finish();  // a misspelt key explains a missing one
+  for (const Entry& entry : node_.entries) {  // a misspelt key explains a missing one
+    if (nearest(entry.key, {std::string(key)}).empty()) continue;
+    throw Error(ErrorKind::usage, entry.place, what_ + " has no key '" + entry.key + "'",
+                "did you mean '" + std::string(key) + "'?");
+  }
   throw error_at(node_, what_ + " has no '" + std::string(key) + "'", "the key '" + std::string(key) + "'");
 }
 
@@ -371,6 +375,14 @@ void set(Node& root, std::string_view path, std::string_view text) {
     node = const_cast<Node*>(node->find(key));
   }
   *node = parse_text(text, name);
+}
+
+void set(Node& root, std::string_view setting) {
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string_view::npos) {
+    throw usage_error("--set " + std::string(setting) + " has no '='", "e.g. --set grid.size=800");
+  }
+  set(root, setting.substr(0, equals), setting.substr(equals + 1));
 }
 
 }  // namespace sparsha::yaml

@@ -96,5 +96,7 @@ class MapReader {
 
 /// Sets `path` ("grid.size", "scans.0.units") to the YAML value `text`, creating maps on the way. Used by --set.
 void set(Node& root, std::string_view path, std::string_view text);
+/// The same from "grid.size=800". Throws Error{usage} without '='.
+void set(Node& root, std::string_view setting);
 
 }  // namespace sparsha::yaml

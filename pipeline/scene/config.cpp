@@ -442,11 +442,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
 
 Config load_config(const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Node root = yaml::parse_file(file);
-  for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) throw usage_error("--set " + setting + " has no '='", "e.g. --set grid.size=800");
-    yaml::set(root, std::string_view(setting).substr(0, equals), std::string_view(setting).substr(equals + 1));
-  }
+  for (const std::string& setting : settings) yaml::set(root, setting);
   return parse_config(root, file.parent_path());
 }
 

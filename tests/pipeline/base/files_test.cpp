@@ -1,0 +1,82 @@
+// Atomic outputs, SHA-256, mapped files.
+#include "pipeline/base/files.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "pipeline/base/error.h"
+
+namespace sparsha {
+namespace {
+namespace fs = std::filesystem;
+
+class Files : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              (std::string("sparsha-files-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+  fs::path folder_;
+};
+
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span<const char>(text.data(), text.size()));
+}
+
+TEST_F(Files, Sha256GivesTheDigestsOfTheStandard) {  // FIPS 180-4 examples
+  EXPECT_EQ(sha256(bytes_of("abc")), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256(bytes_of("")), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+TEST_F(Files, AnUncommittedFileLeavesTheOldOneAndNothingElse) {
+  write_file(folder_ / "a.txt", "old");
+  {
+    const AtomicPath path(folder_ / "a.txt");
+    std::ofstream(path.temporary()) << "new";
+  }
+  EXPECT_EQ(read_file(folder_ / "a.txt", 100), "old");
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(Files, ACommittedFolderReplacesTheOldOneWhole) {
+  fs::create_directories(folder_ / "scene");
+  write_file(folder_ / "scene" / "old.txt", "old");
+  AtomicPath path(folder_ / "scene");
+  fs::create_directories(path.temporary());
+  write_file(path.temporary() / "new.txt", "new");
+  path.commit();
+  EXPECT_FALSE(fs::exists(folder_ / "scene" / "old.txt"));
+  EXPECT_EQ(read_file(folder_ / "scene" / "new.txt", 100), "new");
+}
+
+TEST_F(Files, AFolderDoesNotReplaceAFileOfTheSameName) {
+  write_file(folder_ / "scene", "precious");
+  AtomicPath path(folder_ / "scene");
+  fs::create_directories(path.temporary());
+  EXPECT_THROW(path.commit(), Error);
+  EXPECT_EQ(read_file(folder_ / "scene", 100), "precious");
+}
+
+TEST_F(Files, MissingFilesFoldersAndOversizeAreErrorsThatNameTheFile) {
+  write_file(folder_ / "long", "0123456789");
+  EXPECT_THROW((void)read_file(folder_ / "none", 100), Error);
+  EXPECT_THROW((void)read_file(folder_, 100), Error);
+  EXPECT_THROW((void)read_file(folder_ / "long", 9), Error);
+  EXPECT_THROW(AtomicPath(folder_ / "no" / "such" / "folder.txt"), Error);
+}
+
+TEST_F(Files, AnEmptyFileMapsToNoBytes) {
+  write_file(folder_ / "empty", "");
+  const MappedFile mapped(folder_ / "empty");
+  EXPECT_EQ(mapped.bytes().size(), 0U);
+}
+
+}  // namespace
+}  // namespace sparsha
