@@ -1,0 +1,118 @@
+// The projection's stages in order; each stage has its own file beside this one.
+#include "pipeline/grid/project.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include "pipeline/base/error.h"
+#include "pipeline/grid/project_attributes.h"
+#include "pipeline/grid/project_bins.h"
+#include "pipeline/grid/project_extent.h"
+#include "pipeline/grid/project_fate.h"
+#include "pipeline/grid/project_lattice.h"
+#include "pipeline/grid/project_node.h"
+#include "pipeline/grid/project_points.h"
+#include "pipeline/grid/project_samples.h"
+#include "pipeline/grid/project_triangles.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// One flag a point that is a vertex of a face; empty without faces.
+std::vector<std::uint8_t> flag_vertices(const Cloud& cloud, std::size_t points) {
+  std::vector<std::uint8_t> flags;
+  if (cloud.faces.empty()) return flags;
+  flags.assign(points, 0);
+  for (const std::array<std::uint32_t, 3>& face : cloud.faces) {
+    for (const std::uint32_t v : face) {
+      if (v >= points) throw input_error({}, "a face names point " + std::to_string(v), "faces index existing points");
+      flags[v] = 1;
+    }
+  }
+  return flags;
+}
+
+void fit_nodes(const Bins& bins, const NodeRule& rule, ThreadPool& pool, Progress& progress, DepthGrid& grid) {
+  const Lattice& lattice = grid.lattice;
+  constexpr std::size_t kRows = 8;
+  pool.for_ranges(static_cast<std::size_t>(lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
+    progress.throw_if_cancelled();
+    NodeFitter fitter(bins, rule);
+    for (std::size_t j = begin; j < end; ++j) {
+      for (int i = 0; i < lattice.nx; ++i) {
+        const NodeFit fit = fitter.fit(i, static_cast<int>(j));
+        if (!fit.measured) continue;
+        const std::size_t node = lattice.index(i, static_cast<int>(j));
+        grid.height_m[node] = static_cast<float>(fit.height_m);
+        grid.state[node] = NodeState::measured;
+      }
+    }
+  });
+}
+
+// Where both a mesh and points give a height, the mesh counts unless the points lie in front of it by more than the
+// gap.
+void merge_mesh(const TriangleHeights& mesh, double gap_m, DepthGrid& grid) {
+  for (std::size_t node = 0; node < mesh.height_m.size(); ++node) {
+    if (mesh.face[node] == TriangleHeights::kNone) continue;
+    const bool points_in_front = grid.state[node] == NodeState::measured &&
+                                 static_cast<double>(grid.height_m[node] - mesh.height_m[node]) > gap_m;
+    if (points_in_front) continue;
+    grid.height_m[node] = mesh.height_m[node];
+    grid.state[node] = NodeState::measured;
+  }
+}
+
+}  // namespace
+
+Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& config,
+                   double resolution_m, ThreadPool& pool, Progress& progress) try {
+  const RawPoints raw = raw_points(cloud);
+  if (raw.count == 0) throw input_error({}, "no points to project", "at least four points");
+  const std::vector<std::uint8_t> vertices = flag_vertices(cloud, raw.count);
+  const bool only_mesh = !vertices.empty() && std::find(vertices.begin(), vertices.end(), 0) == vertices.end();
+
+  const OrientedPoints points = orient_points(raw, cloud.origin_m, scan_to_grid, pool);
+  const Extent extent = supported_extent(points, vertices, pool);
+  CloudStatistics statistics = sample_cloud(points, extent, pool);
+  if (only_mesh) statistics.noise_m = 0.0;
+
+  Projection projection;
+  projection.noise_m = statistics.noise_m;
+  projection.point_spacing_m = statistics.point_spacing_m;
+  projection.gap_m = layer_gap_m(statistics.noise_m, statistics.point_spacing_m);
+  projection.grid =
+      DepthGrid(choose_lattice(config, extent, points.origin_m, statistics.point_spacing_m, resolution_m));
+  const Lattice& lattice = projection.grid.lattice;
+  const BinLattice bin_lattice{lattice.nx, lattice.ny, lattice.spacing_m, lattice.origin_m.x() - points.origin_m.x(),
+                               lattice.origin_m.y() - points.origin_m.y()};
+  progress.throw_if_cancelled();
+
+  Bins bins;
+  if (!only_mesh) {
+    bins = sort_into_bins(points, vertices, bin_lattice, pool);
+    const double finer = statistics.point_spacing_m / lattice.spacing_m;
+    const NodeRule rule{statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};
+    fit_nodes(bins, rule, pool, progress, projection.grid);
+  }
+  TriangleHeights mesh;
+  if (!cloud.faces.empty()) {
+    mesh = project_triangles(points, cloud.faces, bin_lattice, pool);
+    merge_mesh(mesh, projection.gap_m, projection.grid);
+  }
+  if (std::find(projection.grid.state.begin(), projection.grid.state.end(), NodeState::measured) ==
+      projection.grid.state.end()) {
+    throw input_error({}, "no node of the depth grid can be measured: too few points near each other",
+                      "four points around a node; a larger grid.spacing_mm, other bounds or another orientation");
+  }
+  classify_points(points, bin_lattice, pool, projection);
+  if (config.colour || config.intensity) {
+    project_attributes(cloud, points, bin_lattice, mesh, config, pool, projection);
+  }
+  return projection;
+} catch (const std::bad_alloc&) {
+  throw usage_error("the depth grid does not fit into memory", "a smaller grid.size or larger grid.spacing_mm");
+}
+
+}  // namespace sparsha::pipeline

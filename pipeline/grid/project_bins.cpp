@@ -1,0 +1,154 @@
+// Counting sort in two steps: to bands of rows that fit the cache, then to bins within a band.
+#include "pipeline/grid/project_bins.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kPiece = 1U << 15U;
+constexpr std::uint32_t kNowhere = 0xffffffffU;
+
+struct Point {
+  float z, x, y;
+  std::uint32_t bin;  // within its band
+};
+
+// Total order by height, then place, on the bits' values: the same for any order of input.
+bool higher(const Point& a, const Point& b) {
+  if (a.z != b.z) return a.z > b.z;
+  if (a.x != b.x) return a.x < b.x;
+  return a.y < b.y;
+}
+
+void sort_bin(Point* first, Point* last) {
+  if (last - first > 24) {
+    std::sort(first, last, higher);
+    return;
+  }
+  for (Point* next = first + 1; next < last; ++next) {
+    const Point moving = *next;
+    Point* hole = next;
+    while (hole > first && higher(moving, hole[-1])) {
+      *hole = hole[-1];
+      --hole;
+    }
+    *hole = moving;
+  }
+}
+
+struct Indexer {
+  explicit Indexer(const BinLattice& lattice)
+      : x_shift(lattice.x0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m),
+        y_shift(lattice.y0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m),
+        per_m(1.0 / lattice.spacing_m),
+        columns(lattice.bins_x()),
+        rows(lattice.bins_y()) {}
+
+  [[nodiscard]] std::uint32_t row(float y) const { return at(y, y_shift, rows); }
+  [[nodiscard]] std::uint32_t column(float x) const { return at(x, x_shift, columns); }
+
+  [[nodiscard]] std::uint32_t at(float p, double shift, int limit) const {
+    const double place = (static_cast<double>(p) - shift) * per_m;
+    if (!(place >= 0.0 && place < static_cast<double>(limit))) return kNowhere;
+    return static_cast<std::uint32_t>(place);
+  }
+
+  double x_shift, y_shift, per_m;
+  int columns, rows;
+};
+
+}  // namespace
+
+Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t>& skip, const BinLattice& lattice,
+                    ThreadPool& pool) {
+  const Indexer indexer(lattice);
+  const std::size_t columns = static_cast<std::size_t>(lattice.bins_x());
+  const std::size_t rows = static_cast<std::size_t>(lattice.bins_y());
+  // Bands of about 16 K points are 256 KB; at most 256 bands keep their write heads in cache.
+  const std::size_t wanted_bands = std::clamp<std::size_t>(points.count / 16384, 1, 256);
+  const std::size_t rows_per_band = std::max<std::size_t>(1, (rows + wanted_bands - 1) / wanted_bands);
+  const std::size_t bands = (rows + rows_per_band - 1) / rows_per_band;
+  const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
+
+  const auto band_of = [&](std::size_t k) -> std::uint32_t {
+    if (!skip.empty() && skip[k] != 0) return kNowhere;
+    const std::uint32_t row = indexer.row(points.y[k]);
+    if (row == kNowhere || indexer.column(points.x[k]) == kNowhere) return kNowhere;
+    return row / static_cast<std::uint32_t>(rows_per_band);
+  };
+
+  // offset[piece * bands + band]: where the piece writes its points of the band.
+  std::vector<std::size_t> offset(pieces * bands, 0);
+  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+    std::size_t* mine = offset.data() + begin / kPiece * bands;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t band = band_of(k);
+      if (band != kNowhere) ++mine[band];
+    }
+  });
+  std::vector<std::size_t> band_start(bands + 1, 0);
+  std::size_t total = 0;
+  for (std::size_t band = 0; band < bands; ++band) {
+    band_start[band] = total;
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+      const std::size_t here = offset[piece * bands + band];
+      offset[piece * bands + band] = total;
+      total += here;
+    }
+  }
+  band_start[bands] = total;
+
+  const auto banded = std::make_unique_for_overwrite<Point[]>(total);
+  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+    std::size_t* mine = offset.data() + begin / kPiece * bands;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t band = band_of(k);
+      if (band == kNowhere) continue;
+      const std::size_t to = mine[band]++;
+      const std::size_t row = indexer.row(points.y[k]) - band * rows_per_band;
+      const std::size_t bin = row * columns + indexer.column(points.x[k]);
+      banded[to] = {points.z[k], points.x[k], points.y[k], static_cast<std::uint32_t>(bin)};
+    }
+  });
+
+  Bins bins;
+  bins.lattice = lattice;
+  bins.points = total;
+  bins.start = std::make_unique_for_overwrite<std::uint32_t[]>(lattice.bin_count() + 1);
+  bins.x = std::make_unique_for_overwrite<float[]>(total);
+  bins.y = std::make_unique_for_overwrite<float[]>(total);
+  bins.z = std::make_unique_for_overwrite<float[]>(total);
+  pool.for_ranges(bands, 1, [&](std::size_t band, std::size_t) {
+    const std::size_t first_row = band * rows_per_band;
+    const std::size_t band_rows = std::min(rows_per_band, rows - first_row);
+    std::uint32_t* start = bins.start.get() + first_row * columns;
+    const std::size_t size = band_rows * columns;
+    std::vector<std::uint32_t> head(size + 1, 0);
+    const std::size_t begin = band_start[band];
+    const std::size_t end = band_start[band + 1];
+    for (std::size_t k = begin; k < end; ++k) ++head[banded[k].bin + 1];
+    for (std::size_t b = 0; b < size; ++b) head[b + 1] += head[b];
+    for (std::size_t b = 0; b < size; ++b) start[b] = static_cast<std::uint32_t>(begin + head[b]);
+    std::vector<Point> sorted(end - begin);
+    for (std::size_t k = begin; k < end; ++k) sorted[head[banded[k].bin]++] = banded[k];
+    // Every head now stands at its bin's end.
+    std::size_t bin_begin = 0;
+    for (std::size_t b = 0; b < size; ++b) {
+      const std::size_t bin_end = head[b];
+      sort_bin(sorted.data() + bin_begin, sorted.data() + bin_end);
+      bin_begin = bin_end;
+    }
+    for (std::size_t k = 0; k < sorted.size(); ++k) {
+      bins.x[begin + k] = sorted[k].x;
+      bins.y[begin + k] = sorted[k].y;
+      bins.z[begin + k] = sorted[k].z;
+    }
+  });
+  bins.start[lattice.bin_count()] = static_cast<std::uint32_t>(total);
+  return bins;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,233 @@
+// Coarse occupancy finds the object among outliers; each side is then the outermost point with neighbours.
+#include "pipeline/grid/project_extent.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "pipeline/base/error.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kPiece = 1U << 17U;
+constexpr int kMostCells = 256;
+
+struct Box {
+  double x0, y0, x1, y1;
+  [[nodiscard]] double longer() const { return std::max(x1 - x0, y1 - y0); }
+};
+
+// Square cells over a box; cell (i, j) counts the points in it.
+struct Occupancy {
+  int nx = 1, ny = 1;
+  double cell_m = 1.0;
+  Box box{};
+  std::vector<std::uint32_t> count;
+  std::vector<std::uint32_t> around;  // sum of the 3x3 cells
+  std::vector<std::uint8_t> kept;
+
+  [[nodiscard]] std::size_t at(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
+  }
+  // -1 outside.
+  [[nodiscard]] std::ptrdiff_t cell_of(float x, float y) const {
+    const double u = (static_cast<double>(x) - box.x0) / cell_m;
+    const double v = (static_cast<double>(y) - box.y0) / cell_m;
+    if (!(u >= 0.0 && v >= 0.0 && u < nx && v < ny)) return -1;
+    return static_cast<std::ptrdiff_t>(at(static_cast<int>(u), static_cast<int>(v)));
+  }
+};
+
+Occupancy count_points(const OrientedPoints& points, const Box& box, ThreadPool& pool) {
+  Occupancy cells;
+  cells.box = box;
+  const double wanted = std::sqrt(static_cast<double>(points.count) / 8.0);
+  const int side = std::clamp(static_cast<int>(wanted), 4, kMostCells);
+  cells.cell_m = std::max(box.longer(), 1e-30) / side * (1.0 + 1e-6);
+  cells.nx = std::min(side, static_cast<int>((box.x1 - box.x0) / cells.cell_m) + 1);
+  cells.ny = std::min(side, static_cast<int>((box.y1 - box.y0) / cells.cell_m) + 1);
+  const std::size_t size = cells.at(0, cells.ny);
+  const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
+  std::vector<std::vector<std::uint32_t>> partial(pieces);
+  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t>& mine = partial[begin / kPiece];
+    mine.assign(size, 0);
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::ptrdiff_t c = cells.cell_of(points.x[k], points.y[k]);
+      if (c >= 0) ++mine[static_cast<std::size_t>(c)];
+    }
+  });
+  cells.count.assign(size, 0);
+  for (const std::vector<std::uint32_t>& mine : partial) {
+    for (std::size_t c = 0; c < size; ++c) cells.count[c] += mine[c];
+  }
+  return cells;
+}
+
+// Keeps cells whose 3x3 neighbourhood is not nearly empty, then drops small groups that stand apart.
+void keep_supported_cells(Occupancy& cells, std::uint64_t points) {
+  cells.around.assign(cells.count.size(), 0);
+  std::vector<std::uint32_t> occupied;
+  for (int j = 0; j < cells.ny; ++j) {
+    for (int i = 0; i < cells.nx; ++i) {
+      std::uint32_t sum = 0;
+      for (int b = std::max(0, j - 1); b <= std::min(cells.ny - 1, j + 1); ++b) {
+        for (int a = std::max(0, i - 1); a <= std::min(cells.nx - 1, i + 1); ++a) sum += cells.count[cells.at(a, b)];
+      }
+      cells.around[cells.at(i, j)] = sum;
+      if (cells.count[cells.at(i, j)] > 0) occupied.push_back(sum);
+    }
+  }
+  cells.kept.assign(cells.count.size(), 0);
+  if (occupied.empty()) return;
+  const auto middle = occupied.begin() + static_cast<std::ptrdiff_t>(occupied.size() / 2);
+  std::nth_element(occupied.begin(), middle, occupied.end());
+  const std::uint32_t least = std::max(std::min<std::uint32_t>(3, *middle), *middle / 64);
+  for (std::size_t c = 0; c < cells.count.size(); ++c) {
+    cells.kept[c] = cells.count[c] > 0 && cells.around[c] >= least ? 1 : 0;
+  }
+
+  const std::uint64_t few = points / 1000;
+  std::vector<std::size_t> group;
+  std::vector<std::uint8_t> seen(cells.count.size(), 0);
+  for (std::size_t first = 0; first < seen.size(); ++first) {
+    if (cells.kept[first] == 0 || seen[first] != 0) continue;
+    group.assign(1, first);
+    seen[first] = 1;
+    std::uint64_t held = 0;
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      held += cells.count[group[k]];
+      const int i = static_cast<int>(group[k] % static_cast<std::size_t>(cells.nx));
+      const int j = static_cast<int>(group[k] / static_cast<std::size_t>(cells.nx));
+      for (int b = std::max(0, j - 2); b <= std::min(cells.ny - 1, j + 2); ++b) {
+        for (int a = std::max(0, i - 2); a <= std::min(cells.nx - 1, i + 2); ++a) {
+          const std::size_t c = cells.at(a, b);
+          if (cells.kept[c] != 0 && seen[c] == 0) {
+            seen[c] = 1;
+            group.push_back(c);
+          }
+        }
+      }
+    }
+    if (held <= few) {
+      for (const std::size_t c : group) cells.kept[c] = 0;
+    }
+  }
+}
+
+// Box of the kept cells, in cells: [i0, i1] x [j0, j1].
+struct CellBox {
+  int i0 = 1 << 30, j0 = 1 << 30, i1 = -1, j1 = -1;
+};
+
+CellBox box_of_kept(const Occupancy& cells) {
+  CellBox box;
+  for (int j = 0; j < cells.ny; ++j) {
+    for (int i = 0; i < cells.nx; ++i) {
+      if (cells.kept[cells.at(i, j)] == 0) continue;
+      box.i0 = std::min(box.i0, i);
+      box.j0 = std::min(box.j0, j);
+      box.i1 = std::max(box.i1, i);
+      box.j1 = std::max(box.j1, j);
+    }
+  }
+  return box;
+}
+
+struct Strip {
+  std::vector<std::array<float, 3>> points;
+  std::vector<float> reach_m;  // two local point spacings
+};
+
+// Outermost coordinate along `axis` (0 x, 1 y) towards `sign` of a point that has at least three neighbours in reach.
+double outermost_supported(const Strip& strip, std::size_t axis, float sign, double otherwise) {
+  std::vector<std::uint32_t> order(strip.points.size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
+  const std::size_t tries = std::min<std::size_t>(order.size(), 512);
+  const auto outer = [&](std::uint32_t a, std::uint32_t b) {
+    const float pa = sign * strip.points[a][axis];
+    const float pb = sign * strip.points[b][axis];
+    return pa != pb ? pa > pb : strip.points[a] < strip.points[b];
+  };
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(tries), order.end(), outer);
+  for (std::size_t t = 0; t < tries; ++t) {
+    const std::array<float, 3>& p = strip.points[order[t]];
+    const float reach = strip.reach_m[order[t]];
+    int neighbours = -1;  // the point finds itself
+    for (const std::array<float, 3>& q : strip.points) {
+      const float dx = q[0] - p[0];
+      const float dy = q[1] - p[1];
+      const float dz = (q[2] - p[2]) / 1.5F;
+      if (dx * dx + dy * dy + dz * dz <= reach * reach) ++neighbours;
+    }
+    if (neighbours >= 3) return static_cast<double>(p[axis]);
+  }
+  return otherwise;
+}
+
+}  // namespace
+
+Extent supported_extent(const OrientedPoints& points, const std::vector<std::uint8_t>& fixed, ThreadPool& pool) {
+  if (!(points.min_m.x() <= points.max_m.x())) throw input_error({}, "no points to project", "at least four");
+  const auto wide = [](float v) { return static_cast<double>(v); };
+  Box box{wide(points.min_m.x()), wide(points.min_m.y()), wide(points.max_m.x()), wide(points.max_m.y())};
+  Occupancy cells;
+  CellBox kept;
+  for (int zoom = 0; zoom < 64; ++zoom) {
+    cells = count_points(points, box, pool);
+    keep_supported_cells(cells, points.count);
+    kept = box_of_kept(cells);
+    if (kept.i1 < 0) break;
+    const Box inner{box.x0 + (kept.i0 - 1) * cells.cell_m, box.y0 + (kept.j0 - 1) * cells.cell_m,
+                    box.x0 + (kept.i1 + 2) * cells.cell_m, box.y0 + (kept.j1 + 2) * cells.cell_m};
+    if (inner.longer() > 0.5 * box.longer() || box.longer() <= 0.0) break;
+    box = inner;
+  }
+  Extent extent{box.x0, box.y0, box.x1, box.y1, box.longer() * box.longer(), points.count};
+  if (kept.i1 >= 0) {
+    extent.covered_area_m2 = 0.0;
+    extent.supported = 0;
+    for (std::size_t c = 0; c < cells.kept.size(); ++c) {
+      if (cells.kept[c] == 0) continue;
+      extent.covered_area_m2 += cells.cell_m * cells.cell_m;
+      extent.supported += cells.count[c];
+    }
+    std::array<Strip, 4> strips;  // left, right, bottom, top
+    for (std::size_t k = 0; k < points.count; ++k) {
+      const std::ptrdiff_t found = cells.cell_of(points.x[k], points.y[k]);
+      if (found < 0) continue;
+      const auto c = static_cast<std::size_t>(found);
+      if (cells.kept[c] == 0) continue;
+      const int i = static_cast<int>(c % static_cast<std::size_t>(cells.nx));
+      const int j = static_cast<int>(c / static_cast<std::size_t>(cells.nx));
+      const std::array<bool, 4> near{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
+      if (!(near[0] || near[1] || near[2] || near[3])) continue;
+      const auto reach = static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
+      for (std::size_t side = 0; side < 4; ++side) {
+        if (!near[side]) continue;
+        strips[side].points.push_back({points.x[k], points.y[k], points.z[k]});
+        strips[side].reach_m.push_back(reach);
+      }
+    }
+    const auto cell_x = [&](int i) { return box.x0 + i * cells.cell_m; };
+    const auto cell_y = [&](int j) { return box.y0 + j * cells.cell_m; };
+    extent.xmin_m = outermost_supported(strips[0], 0, -1.0F, std::max(box.x0, cell_x(kept.i0)));
+    extent.xmax_m = outermost_supported(strips[1], 0, 1.0F, std::min(box.x1, cell_x(kept.i1 + 1)));
+    extent.ymin_m = outermost_supported(strips[2], 1, -1.0F, std::max(box.y0, cell_y(kept.j0)));
+    extent.ymax_m = outermost_supported(strips[3], 1, 1.0F, std::min(box.y1, cell_y(kept.j1 + 1)));
+    extent.xmax_m = std::max(extent.xmin_m, extent.xmax_m);
+    extent.ymax_m = std::max(extent.ymin_m, extent.ymax_m);
+  }
+  for (std::size_t k = 0; k < fixed.size(); ++k) {
+    if (fixed[k] == 0 || !(points.x[k] < OrientedPoints::kFarAway)) continue;
+    extent.xmin_m = std::min(extent.xmin_m, wide(points.x[k]));
+    extent.xmax_m = std::max(extent.xmax_m, wide(points.x[k]));
+    extent.ymin_m = std::min(extent.ymin_m, wide(points.y[k]));
+    extent.ymax_m = std::max(extent.ymax_m, wide(points.y[k]));
+  }
+  return extent;
+}
+
+}  // namespace sparsha::pipeline

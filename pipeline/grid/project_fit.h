@@ -1,0 +1,37 @@
+// Robust local plane or quadric through a few points, evaluated at the origin of their coordinates.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace sparsha::pipeline {
+
+/// A point as a node sees it.
+struct NodePoint {
+  float z;     ///< metres
+  float u, v;  ///< from the node, in spacings
+};
+
+struct LocalFit {
+  double height_m = 0.0;
+  double slope_u_m = 0.0, slope_v_m = 0.0;  ///< metres per spacing
+  double mean_square_m2 = 0.0;              ///< weighted mean square residual
+  std::size_t support = 0;                  ///< points with weight
+};
+
+struct LocalFitRule {
+  double radius = 1.5;     ///< of the compact kernel (1 - r^2/R^2)^2, spacings
+  double scale_m = 0.0;    ///< standard deviation of the points' noise; Tukey's biweight starts at 3 of it
+  double spacing_m = 1.0;  ///< a slope of 1.5 is one standard deviation of the prior that keeps thin supports sane
+};
+
+/// `scratch` is resized as needed. Without support the height is NaN.
+[[nodiscard]] LocalFit fit_locally(std::span<const NodePoint> points, const LocalFitRule& rule,
+                                   std::vector<double>& scratch);
+
+/// Standard deviation of heights about a quadric through all points, robust (median absolute residual); negative when
+/// there are fewer than twelve points.
+[[nodiscard]] double residual_scale_m(std::span<const NodePoint> points, std::vector<double>& scratch);
+
+}  // namespace sparsha::pipeline

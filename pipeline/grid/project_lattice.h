@@ -1,0 +1,18 @@
+// The lattice of a projection from what the configuration asks for and where the points are.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pipeline/grid/project_extent.h"
+#include "pipeline/scene/config.h"
+#include "pipeline/scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// `extent` is relative to `origin_m`; bounds given in the configuration win over it. Automatic spacing is
+/// max(point_spacing_m, resolution_m). Throws Error{usage} when the grid would exceed 2^31 nodes or the machine's
+/// memory.
+[[nodiscard]] Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eigen::Vector3d& origin_m,
+                                     double point_spacing_m, double resolution_m);
+
+}  // namespace sparsha::pipeline

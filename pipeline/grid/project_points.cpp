@@ -1,0 +1,121 @@
+// Orientation: one affine in double, one rounding to float.
+#include "pipeline/grid/project_points.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/grid/project_hash.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kChunk = 1U << 15U;
+constexpr std::size_t kSample = 4096;
+constexpr double kLargest = 1e18;  // metres; squares still fit a float
+
+// Row-major 3x4 affine: grid - origin = linear * p + shift, p relative to the cloud's origin.
+struct Affine {
+  std::array<double, 9> linear;
+  std::array<double, 3> shift;
+
+  Affine(const Eigen::Matrix4d& a, const Eigen::Vector3d& cloud_origin, const Eigen::Vector3d& origin) {
+    const Eigen::Vector3d moved = (a.topLeftCorner<3, 3>() * cloud_origin + a.topRightCorner<3, 1>()) - origin;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        linear[static_cast<std::size_t>(3 * row + column)] = a(row, column);
+      }
+      shift[static_cast<std::size_t>(row)] = moved[row];
+    }
+  }
+
+  [[nodiscard]] std::array<double, 3> operator()(const float* p) const {
+    const double x = static_cast<double>(p[0]);
+    const double y = static_cast<double>(p[1]);
+    const double z = static_cast<double>(p[2]);
+    return {linear[0] * x + linear[1] * y + linear[2] * z + shift[0],
+            linear[3] * x + linear[4] * y + linear[5] * z + shift[1],
+            linear[6] * x + linear[7] * y + linear[8] * z + shift[2]};
+  }
+};
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Eigen::Vector3d robust_origin(const RawPoints& raw, const Affine& affine, const Eigen::Vector3d& scene) {
+  std::array<std::vector<double>, 3> sample;
+  for (std::uint64_t every = std::bit_floor(std::max<std::uint64_t>(1, raw.count / kSample));; every /= 8) {
+    const std::uint64_t mask = std::max<std::uint64_t>(1, every) - 1;
+    for (std::size_t k = 0; k < raw.count; ++k) {
+      const float* p = raw.xyz + k * raw.stride;
+      if ((hash_point(p[0], p[1], p[2]) & mask) != 0) continue;
+      const std::array<double, 3> g = affine(p);
+      for (std::size_t axis = 0; axis < 3; ++axis) sample[axis].push_back(g[axis]);
+    }
+    // A cloud of few distinct points may leave a thin sample or none: take more of it.
+    if (sample[0].size() >= std::min<std::size_t>(raw.count, kSample / 8) || mask == 0) break;
+    for (std::vector<double>& values : sample) values.clear();
+  }
+  if (sample[0].empty()) return scene;
+  return scene + Eigen::Vector3d(median(sample[0]), median(sample[1]), median(sample[2]));
+}
+
+}  // namespace
+
+OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_origin_m,
+                             const Eigen::Matrix4d& scan_to_grid, ThreadPool& pool) {
+  OrientedPoints points;
+  points.count = raw.count;
+  const Eigen::Vector3d cloud_origin_in_grid =
+      scan_to_grid.topLeftCorner<3, 3>() * cloud_origin_m + scan_to_grid.topRightCorner<3, 1>();
+  points.origin_m =
+      robust_origin(raw, Affine(scan_to_grid, cloud_origin_m, cloud_origin_in_grid), cloud_origin_in_grid);
+  const Affine affine(scan_to_grid, cloud_origin_m, points.origin_m);
+
+  points.x = std::make_unique_for_overwrite<float[]>(raw.count);
+  points.y = std::make_unique_for_overwrite<float[]>(raw.count);
+  points.z = std::make_unique_for_overwrite<float[]>(raw.count);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  struct Box {
+    std::array<float, 3> low{kInfinity, kInfinity, kInfinity};
+    std::array<float, 3> high{-kInfinity, -kInfinity, -kInfinity};
+  };
+  std::vector<Box> boxes((raw.count + kChunk - 1) / kChunk);
+  pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
+    Box box;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::array<double, 3> g = affine(raw.xyz + k * raw.stride);
+      const bool fits = std::abs(g[0]) < kLargest && std::abs(g[1]) < kLargest && std::abs(g[2]) < kLargest;
+      if (!fits) {
+        points.x[k] = points.y[k] = points.z[k] = OrientedPoints::kFarAway;
+        continue;
+      }
+      const std::array<float, 3> p{static_cast<float>(g[0]), static_cast<float>(g[1]), static_cast<float>(g[2])};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] = std::min(box.low[axis], p[axis]);
+        box.high[axis] = std::max(box.high[axis], p[axis]);
+      }
+      points.x[k] = p[0];
+      points.y[k] = p[1];
+      points.z[k] = p[2];
+    }
+    boxes[begin / kChunk] = box;
+  });
+  Box all;
+  for (const Box& box : boxes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      all.low[axis] = std::min(all.low[axis], box.low[axis]);
+      all.high[axis] = std::max(all.high[axis], box.high[axis]);
+    }
+  }
+  points.min_m = Eigen::Array3f(all.low[0], all.low[1], all.low[2]);
+  points.max_m = Eigen::Array3f(all.high[0], all.high[1], all.high[2]);
+  return points;
+}
+
+}  // namespace sparsha::pipeline

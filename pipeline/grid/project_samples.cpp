@@ -1,0 +1,123 @@
+// Blocks of about 25 points; in each the front layer is found, fitted and counted.
+#include "pipeline/grid/project_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "pipeline/grid/project_fit.h"
+#include "pipeline/grid/project_hash.h"
+#include "pipeline/grid/project_node.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kBlockSpacings = 5.0;
+constexpr double kBlocks = 2000.0;
+constexpr std::size_t kPiece = 1U << 16U;
+
+struct Sample {
+  std::uint64_t block;
+  NodePoint point;
+
+  bool operator<(const Sample& other) const {
+    if (block != other.block) return block < other.block;
+    if (point.z != other.point.z) return point.z > other.point.z;
+    if (point.u != other.point.u) return point.u < other.point.u;
+    return point.v < other.point.v;
+  }
+};
+
+// The value that half of the weight does not exceed.
+struct Weighted {
+  double value, weight;
+};
+double weighted_median(std::vector<Weighted>& values, double otherwise) {
+  double total = 0.0;
+  for (const Weighted& v : values) total += v.weight;
+  if (!(total > 0.0)) return otherwise;
+  std::sort(values.begin(), values.end(), [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  double below = 0.0;
+  for (const Weighted& v : values) {
+    below += v.weight;
+    if (below >= 0.5 * total) return v.value;
+  }
+  return values.back().value;
+}
+
+// Highest run of points, linked in z by the gap, that has at least max(3, 1/12) of the block's points.
+std::span<const NodePoint> front_layer(std::span<const NodePoint> sorted, double gap_m) {
+  const std::size_t least = std::max<std::size_t>(3, (sorted.size() + 11) / 12);
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= sorted.size(); ++k) {
+    if (k < sorted.size() && static_cast<double>(sorted[k - 1].z - sorted[k].z) <= gap_m) continue;
+    if (k - begin >= least) return sorted.subspan(begin, k - begin);
+    begin = k;
+  }
+  return {};
+}
+
+}  // namespace
+
+CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent, ThreadPool& pool) {
+  CloudStatistics result;
+  const double count = static_cast<double>(std::max<std::uint64_t>(1, extent.supported));
+  const double area = std::min(extent.covered_area_m2, std::max(extent.width_m() * extent.height_m(), 1e-30));
+  const double mean_spacing = std::sqrt(std::max(area, 1e-30) / count);
+  result.point_spacing_m = mean_spacing;
+  if (extent.width_m() * extent.height_m() <= 0.0) {
+    result.point_spacing_m = std::max(extent.width_m(), extent.height_m()) / count;
+    return result;
+  }
+
+  const double side = kBlockSpacings * mean_spacing;
+  const double blocks = area / (side * side);
+  const auto threshold = static_cast<std::uint64_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
+  std::vector<std::vector<Sample>> pieces((points.count + kPiece - 1) / kPiece);
+  const double per_m = 1.0 / side;
+  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+    std::vector<Sample>& mine = pieces[begin / kPiece];
+    for (std::size_t k = begin; k < end; ++k) {
+      const double a = (static_cast<double>(points.x[k]) - extent.xmin_m) * per_m;
+      const double b = (static_cast<double>(points.y[k]) - extent.ymin_m) * per_m;
+      if (!(a >= 0.0 && b >= 0.0 && a < 2e9 && b < 2e9)) continue;
+      const auto i = static_cast<std::uint32_t>(a);
+      const auto j = static_cast<std::uint32_t>(b);
+      const std::uint64_t block = (static_cast<std::uint64_t>(j) << 32U) | i;
+      if ((mix_bits(block + 0x9e3779b97f4a7c15ULL) >> 32U) > threshold) continue;
+      mine.push_back({block, {points.z[k], static_cast<float>(a - i - 0.5), static_cast<float>(b - j - 0.5)}});
+    }
+  });
+  std::vector<Sample> samples;
+  for (const std::vector<Sample>& piece : pieces) samples.insert(samples.end(), piece.begin(), piece.end());
+  std::sort(samples.begin(), samples.end());
+  std::vector<NodePoint> sorted(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) sorted[k] = samples[k].point;
+
+  std::vector<double> scratch;
+  // The gap needs the noise and the noise the gap: from no noise upwards, three rounds settle it.
+  for (int round = 0; round < 3; ++round) {
+    std::vector<Weighted> noises;
+    std::vector<Weighted> spacings;
+    for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+      while (end < samples.size() && samples[end].block == samples[begin].block) ++end;
+      const std::span<const NodePoint> block(sorted.data() + begin, end - begin);
+      const double block_spacing = side / std::sqrt(static_cast<double>(block.size()));
+      const std::span<const NodePoint> front = front_layer(block, layer_gap_m(result.noise_m, block_spacing));
+      if (front.empty()) continue;
+      const auto weight = static_cast<double>(front.size());
+      spacings.push_back({side / std::sqrt(weight), weight});
+      const double noise = residual_scale_m(front, scratch);
+      if (noise >= 0.0) noises.push_back({noise, weight});
+    }
+    result.noise_m = weighted_median(noises, 0.0);
+    result.point_spacing_m = weighted_median(spacings, mean_spacing);
+  }
+  return result;
+}
+
+}  // namespace sparsha::pipeline
