@@ -122,10 +122,7 @@ template <class Surface>
     if (to_s <= end) q.s = d.ds > 0.0 ? 1.0 : 0.0;
     if (to_t <= end) q.t = d.dt > 0.0 ? 1.0 : 0.0;
   }
-  if (surface.has_low_s(p.i)) q.s = std::max(q.s, 0.0);
-  if (surface.has_high_s(p.i)) q.s = std::min(q.s, 1.0);
-  if (surface.has_low_t(p.j)) q.t = std::max(q.t, 0.0);
-  if (surface.has_high_t(p.j)) q.t = std::min(q.t, 1.0);
+  surface.keep_in_cell(q);
   return q;
 }
 

@@ -26,12 +26,12 @@ class ExactSolver {
     bool landed = false;
     settle_on_surface(p, contact);
     bool may_stick_again = kFriction && contact && !sticking;
-    if (!contact) sticking = false;
+    sticking = kFriction && contact && sticking;
     while (segments_ < limit_) {
       if (!contact) {
         if (!fly(p, contact)) return;
         landed = contact;
-        sticking = contact;
+        sticking = kFriction && contact;
         may_stick_again = false;
         continue;
       }
@@ -205,6 +205,8 @@ class ExactSolver {
     const double tau = descent_length(SegmentSlope(piece.patch, piece.pull, w, d), end);
     p = moved(surface_, piece.point, d, tau, end);
     p.z = piece.patch.height(p.s, p.t);
+    // On very steep walls the tolerance can be finer than the coordinates: nothing nearer to rest can be written.
+    if (p.s == piece.point.s && p.t == piece.point.t) return true;
     if constexpr (kFriction) {
       // The sliding edge's or cell's own excess, without the freedoms that end at the segment's end.
       const double excess = sliding_excess(piece, p);

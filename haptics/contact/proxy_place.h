@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "haptics/contact/bilinear_patch.h"
 #include "haptics/contact/proxy.h"
@@ -11,10 +12,18 @@ namespace sparsha::haptics {
 
 inline constexpr double kFarthestCell = 1e12;  ///< a hand beyond is no hand
 
+/// x unless it is a whole number but for rounding: a hand on a line of nodes is exactly on it.
+[[nodiscard]] inline double snapped_to_line(double x) noexcept {
+  constexpr double kRounding = 2.0 * std::numeric_limits<double>::epsilon();
+  constexpr double kToWhole = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to the nearest whole number
+  const double whole = (x + kToWhole) - kToWhole;
+  return std::abs(x - whole) <= kRounding * std::abs(x) ? whole : x;
+}
+
 /// The hand in cells.
 template <class Surface>
 [[nodiscard]] inline CellVector to_cells(const Surface& surface, const Eigen::Vector3d& local_m) noexcept {
-  return {local_m.x() * surface.cells_per_m(), local_m.y() * surface.cells_per_m(),
+  return {snapped_to_line(local_m.x() * surface.cells_per_m()), snapped_to_line(local_m.y() * surface.cells_per_m()),
           local_m.z() * surface.cells_per_m()};
 }
 
@@ -35,6 +44,7 @@ template <class Surface>
   p.j = cell(v.y, surface.ny());
   p.s = v.x - p.i;
   p.t = v.y - p.j;
+  surface.keep_in_cell(p);
   p.z = v.z;
   return p;
 }

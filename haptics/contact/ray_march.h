@@ -69,22 +69,16 @@ template <class Surface>
 
     const double hit = ray_patch_hit(patch, p, w, end, leaving);
     leaving = false;
-    const auto clamp_to_cell = [&] {
-      if (surface.has_low_s(p.i)) p.s = std::max(p.s, 0.0);
-      if (surface.has_high_s(p.i)) p.s = std::min(p.s, 1.0);
-      if (surface.has_low_t(p.j)) p.t = std::max(p.t, 0.0);
-      if (surface.has_high_t(p.j)) p.t = std::min(p.t, 1.0);
-    };
     if (hit <= end) {
       p.s += hit * w.x;
       p.t += hit * w.y;
-      clamp_to_cell();
+      surface.keep_in_cell(p);
       p.z = patch.height(p.s, p.t);
       return MarchEnd::surface;
     }
     p.s += end * w.x;
     p.t += end * w.y;
-    clamp_to_cell();
+    surface.keep_in_cell(p);
     const double floor = patch.height(p.s, p.t);
     if (step_i == 0 && step_j == 0) {
       // At the hand; rounding may have put it a hair below the patch.
