@@ -149,7 +149,7 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   }
   const Eigen::Vector3d before = proxy_.position;
   found_ = solve(hip_local);
-  const Eigen::Vector3d away = found_.position - hip_local;
+  const Eigen::Vector3d away = found_.contact ? Eigen::Vector3d(found_.position - hip_local) : Eigen::Vector3d::Zero();
   const Eigen::Vector3d force_n = stiffness_n_per_m_ * surface_->scale * away;
   const Eigen::Vector3d proxy_m = found_.position + lattice.origin_m;
 

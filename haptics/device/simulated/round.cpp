@@ -17,6 +17,7 @@ constexpr double kSearchSpeed = 0.08;    // m/s downwards when the surface is lo
 constexpr double kLateralLimitN = 2.0;   // a wall: slow down and climb
 constexpr double kClimbSpeed = 0.04;     // m/s
 constexpr double kLongestApproachS = 2.0;
+constexpr double kDeepestM = -0.2;  // nobody reaches through the table
 
 }  // namespace
 
@@ -71,7 +72,7 @@ void ExplorationRound::regulate(const Eigen::Vector3d& felt_force_n, double dt_s
   double rate = -kForceGain * (wanted_force_n_ - up_n);
   if (up_n < kTouchForceN && lateral_n < kTouchForceN) rate = -kSearchSpeed;
   if (lateral_n > kLateralLimitN) rate = kClimbSpeed;
-  target_m_.z() += std::clamp(rate, -kSearchSpeed, kClimbSpeed) * dt_s;
+  target_m_.z() = std::max(kDeepestM, target_m_.z() + std::clamp(rate, -kSearchSpeed, kClimbSpeed) * dt_s);
 }
 
 const Eigen::Vector3d& ExplorationRound::advance(const Eigen::Vector3d& felt_force_n, const Eigen::Vector3d& hand_m,
@@ -115,7 +116,7 @@ const Eigen::Vector3d& ExplorationRound::advance(const Eigen::Vector3d& felt_for
     }
     case Phase::lift:
       // Through the air from where the hand really is: the intended place lies below the surface.
-      if (phase_s_ <= dt_s) goal_m_.z() = std::max(hand_m.z(), target_m_.z()) + kLiftM;
+      if (phase_s_ <= dt_s) goal_m_.z() = std::max(std::max(hand_m.z(), target_m_.z()) + kLiftM, kHoverHeightM);
       target_m_.z() += kTravelSpeed * dt_s;
       if (target_m_.z() >= goal_m_.z()) {
         enter(Phase::hover);
