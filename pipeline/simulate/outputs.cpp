@@ -21,7 +21,7 @@ Error cannot_write(const std::filesystem::path& file) {
 }
 
 /// Shortest text that reads back as the same double.
-std::string number(double value) { return fmt::format("{}", value); }
+std::string number(double value) { return fmt::format("{}", value + 0.0); }  // + 0.0: no negative zero
 
 template <typename Vector>
 std::string list(const Vector& vector) {
