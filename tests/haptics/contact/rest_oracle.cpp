@@ -101,7 +101,8 @@ Judgement judge(const MongeSurface& surface, const Vector3d& proxy, const Vector
       steepest = std::max(steepest, std::sqrt(1.0 + fx * fx + fy * fy));
     }
   result.below_cells = (floor - proxy.z()) / h;
-  const double coordinate = std::max({std::abs(proxy.x()), std::abs(proxy.y()), std::abs(hip.x()), std::abs(hip.y())}) / h;
+  const double coordinate =
+      std::max({std::abs(proxy.x()), std::abs(proxy.y()), std::abs(hip.x()), std::abs(hip.y())}) / h;
   const double height = std::max(std::abs(proxy.z()), std::abs(hip.z())) / h;
   // A coordinate's ulp moves the point by its slope; curvature turns it into tangential pull in proportion to |w|.
   const double ulp = kEps * (coordinate * steepest + height);

@@ -111,7 +111,8 @@ SoakCount run_soak(std::uint64_t moves, std::uint64_t seed) {
         continue;
       }
       if (update.unfinished) ++count.unfinished;
-      const double mu = coefficient_at(surface, update.sticking ? surface.mu_static : surface.mu_dynamic, update.position);
+      const double mu =
+          coefficient_at(surface, update.sticking ? surface.mu_static : surface.mu_dynamic, update.position);
       const Judgement verdict = judge(surface, update.position, hand, mu);
       const char* fault = nullptr;
       count.worst_below_cells = std::max(count.worst_below_cells, verdict.below_cells);

@@ -17,9 +17,9 @@ MongeSurface make_fractal_surface(int nodes, double spacing_m, double amplitude_
     const int half = step / 2;
     for (int j = half; j < nodes; j += step)
       for (int i = half; i < nodes; i += step)
-        at(i, j) = 0.25 * (at(i - half, j - half) + at(i + half, j - half) + at(i - half, j + half) +
-                           at(i + half, j + half)) +
-                   sigma * normal(random);
+        at(i, j) =
+            0.25 * (at(i - half, j - half) + at(i + half, j - half) + at(i - half, j + half) + at(i + half, j + half)) +
+            sigma * normal(random);
     for (int j = 0; j < nodes; j += half)
       for (int i = (j / half) % 2 == 0 ? half : 0; i < nodes; i += step) {
         double sum = 0.0;

@@ -1,0 +1,35 @@
+#include "haptics/contact/rest_residual.h"
+
+#include "haptics/contact/proxy_place.h"
+#include "haptics/contact/tangent_cone.h"
+#include "haptics/contact/touching_cells.h"
+
+namespace sparsha::haptics {
+
+RestResidual rest_residual(const MongeSurface& monge, const ProxyUpdate& update, const Eigen::Vector3d& hip) noexcept {
+  const BilinearSurface surface(monge);
+  const CellPoint p = locate(surface, to_cells(surface, update.position));
+  const CellVector w = to_cells(surface, hip) - p;
+  RestResidual residual;
+  double steepest = 1.0;
+  const TouchingCells touching = touching_cells(surface, p);
+  for (int k = 0; k < touching.count; ++k) {
+    const CellPoint& q = touching.cell[k].point;
+    const BilinearPatch patch = surface.patch(q.i, q.j);
+    const Pull pull(patch.slope_s(q.s, q.t), patch.slope_t(q.s, q.t), w);
+    double mu = 0.0;
+    if (surface.has_friction())
+      mu = update.sticking ? surface.mu_static(q.i, q.j, q.s, q.t) : surface.mu_dynamic(q.i, q.j, q.s, q.t);
+    const TangentProjection tangent = project_on_quadrant(pull, touching.cell[k].s, touching.cell[k].t);
+    residual.excess_cells = std::max(residual.excess_cells, friction_excess(pull, tangent.length, mu));
+    residual.below_cells = std::max(residual.below_cells, patch.height(q.s, q.t) - p.z);
+    steepest = std::max(steepest, std::sqrt(pull.area));
+  }
+  // The coordinates are known to a few ulp, which the slope turns into height.
+  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+  const double known_to = kRounding * (std::abs(p.z) + steepest * (std::abs(p.i + p.s) + std::abs(p.j + p.t)));
+  if (residual.below_cells <= known_to) residual.below_cells = 0.0;
+  return residual;
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,126 @@
+#include "haptics/contact/trace.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "haptics/contact/rest_residual.h"
+#include "pipeline/base/files.h"
+
+namespace sparsha::haptics {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double nanoseconds(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::nano>(end - begin).count();
+}
+
+/// What two readings of the clock cost with nothing between them: the median of many.
+double timer_overhead_ns() {
+  std::vector<double> pauses(2001);
+  for (double& pause : pauses) {
+    const Clock::time_point begin = Clock::now();
+    pause = nanoseconds(begin, Clock::now());
+  }
+  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
+  std::nth_element(pauses.begin(), middle, pauses.end());
+  return *middle;
+}
+
+/// The value below which a share of the sorted values lies.
+double percentile(const std::vector<double>& sorted, double share) {
+  if (sorted.empty()) return 0.0;
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+}
+
+void summarise_times(const std::vector<TraceRow>& rows, TraceSummary& summary) {
+  std::vector<double> times;
+  times.reserve(rows.size());
+  double sum = 0.0;
+  for (const TraceRow& row : rows) {
+    times.push_back(row.tick_ns);
+    sum += row.tick_ns;
+  }
+  std::sort(times.begin(), times.end());
+  summary.ns_p50 = percentile(times, 0.5);
+  summary.ns_p99 = percentile(times, 0.99);
+  summary.ns_p999 = percentile(times, 0.999);
+  summary.ns_max = times.empty() ? 0.0 : times.back();
+  summary.ns_mean = times.empty() ? 0.0 : sum / static_cast<double>(times.size());
+}
+
+}  // namespace
+
+TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
+                  const pipeline::HapticsConfig& haptics, const SolverOptions& options) {
+  TraceResult result;
+  TraceSummary& summary = result.summary;
+  summary.timer_overhead_ns = timer_overhead_ns();
+  summary.updates = path.size();
+  result.rows.reserve(path.size());
+  std::vector<double> residuals;
+  residuals.reserve(path.size());
+
+  const Eigen::Vector3d& origin = surface.lattice.origin_m;
+  const bool paper = haptics.solver == pipeline::HapticsConfig::Solver::paper;
+  const double newtons_per_m = haptics.stiffness_n_per_m * surface.scale;
+  ProxyState state;
+  bool started = false;
+  for (const HipSample& sample : path) {
+    const Eigen::Vector3d hip = sample.position_m - origin;
+    if (!started && hip.allFinite()) {
+      state = start_proxy(surface, hip);
+      started = true;
+    }
+    const Clock::time_point begin = Clock::now();
+    const ProxyUpdate update =
+        paper ? update_paper(surface, hip, state, options) : update_exact(surface, hip, state, options);
+    const double elapsed_ns = nanoseconds(begin, Clock::now());
+
+    TraceRow row;
+    row.t_s = sample.t_s;
+    row.hip_m = sample.position_m;
+    row.proxy_m = update.position == hip ? sample.position_m : Eigen::Vector3d(update.position + origin);
+    row.force_n = update.contact ? Eigen::Vector3d(newtons_per_m * (update.position - hip)) : Eigen::Vector3d::Zero();
+    row.contact = update.contact;
+    row.tick_ns = std::max(0.0, elapsed_ns - summary.timer_overhead_ns);
+    result.rows.push_back(row);
+
+    if (!row.proxy_m.allFinite() || !row.force_n.allFinite()) ++summary.not_a_number;
+    if (update.unfinished) ++summary.unfinished;
+    if (!update.contact) continue;
+    ++summary.contacts;
+    const RestResidual residual = rest_residual(surface, update, hip);
+    residuals.push_back(residual.excess_cells);
+    if (residual.below_cells > 0.0) ++summary.below_surface;
+  }
+  summarise_times(result.rows, summary);
+  std::sort(residuals.begin(), residuals.end());
+  summary.residual_cells_p99 = percentile(residuals, 0.99);
+  summary.residual_cells_max = residuals.empty() ? 0.0 : residuals.back();
+  return result;
+}
+
+void write_trace(const std::filesystem::path& file, const TraceResult& result, int level) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out,
+                 "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,"
+                 "level,tick_ns\n");
+  for (const TraceRow& row : result.rows) {
+    fmt::format_to(out, "{:.17g}", row.t_s);
+    for (const Eigen::Vector3d* v : {&row.hip_m, &row.proxy_m, &row.force_n})
+      fmt::format_to(out, ",{:.17g},{:.17g},{:.17g}", v->x(), v->y(), v->z());
+    fmt::format_to(out, ",{},{},{:.17g}\n", row.contact ? 1 : 0, level, row.tick_ns);
+  }
+  write_file(file, {text.data(), text.size()});
+}
+
+}  // namespace sparsha::haptics
