@@ -119,11 +119,11 @@ std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescriptio
     surface->mu_dynamic = std::move(friction.mu_dynamic);
     surface->mu_static = std::move(friction.mu_static);
   }
-  const auto [lowest, highest] = std::minmax_element(surface->height_m.begin(), surface->height_m.end());
-  surface->highest_m = *highest;
+  surface->highest_m = *std::max_element(surface->height_m.begin(), surface->height_m.end());
+  const double middle_x = 0.5 * surface->width_m();
+  const double middle_y = 0.5 * surface->depth_m();
   surface->centre_m = options.centre_m.value_or(
-      lattice.origin_m + Eigen::Vector3d(0.5 * surface->width_m(), 0.5 * surface->depth_m(),
-                                         0.5 * (static_cast<double>(*lowest) + static_cast<double>(*highest))));
+      lattice.origin_m + Eigen::Vector3d(middle_x, middle_y, surface->height(middle_x, middle_y)));
   return surface;
 }
 

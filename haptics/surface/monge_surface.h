@@ -22,7 +22,7 @@ struct SurfaceOptions {
   bool texture = true;                      ///< false: the envelope f_b
   bool friction = true;                     ///< false: mu = 0 everywhere
   std::uint64_t id = 0;                     ///< becomes MongeSurface::id
-  std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the window's middle, mid-height
+  std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the surface in the window's middle
 };
 
 /// Immutable; made off the servo thread, read by it. Beyond its border the surface goes on level and frictionless.
