@@ -1,0 +1,246 @@
+// Every picture is a field of one value a pixel, painted through a colour map; unknown pixels are hatched.
+#include "pipeline/check/report_images.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "pipeline/check/report_shading.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr int kMaxSide = 1024;   // pixels
+constexpr int kHatchPeriod = 8;  // pixels
+constexpr double kMillimetres = 1000;
+constexpr double kSamplesPerSpot = 4;  // of the error map: samples that one spot should average
+
+Field reduce(const Lattice& lattice, const std::function<float(std::size_t)>& value, ThreadPool& pool) {
+  const int factor = nodes_per_pixel(lattice);
+  Field field((lattice.nx + factor - 1) / factor, (lattice.ny + factor - 1) / factor);
+  pool.for_ranges(static_cast<std::size_t>(field.height), 16, [&](std::size_t begin, std::size_t end) {
+    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row)
+      for (int column = 0; column < field.width; ++column) {
+        double sum = 0;
+        int count = 0;
+        // The top pixel row holds the last node rows.
+        const int j1 = lattice.ny - row * factor, j0 = std::max(0, j1 - factor);
+        for (int j = j0; j < j1; ++j)
+          for (int i = column * factor; i < std::min(lattice.nx, (column + 1) * factor); ++i) {
+            const float v = value(lattice.index(i, j));
+            if (std::isnan(v)) continue;
+            sum += v;
+            ++count;
+          }
+        if (count > 0) field.at(column, row) = static_cast<float>(sum / count);
+      }
+  });
+  return field;
+}
+
+/// Value below which `fraction` of the known pixels lie.
+double quantile(const Field& field, double fraction) {
+  std::vector<float> known;
+  for (const float v : field.values)
+    if (!std::isnan(v)) known.push_back(v);
+  if (known.empty()) return 0;
+  const auto nth = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(known.size() - 1));
+  std::nth_element(known.begin(), known.begin() + nth, known.end());
+  return known[static_cast<std::size_t>(nth)];
+}
+
+std::uint8_t hatch(int column, int row) { return (column + row) % kHatchPeriod < kHatchPeriod / 2 ? 0 : 255; }
+
+/// Pixels from values; `low` and `high` in the field's own unit.
+void paint(Picture& picture, const Field& field, double low, double high) {
+  picture.width = field.width;
+  picture.height = field.height;
+  picture.pixels.resize(field.values.size());
+  const double span = high > low ? high - low : 1;
+  for (int row = 0; row < field.height; ++row)
+    for (int column = 0; column < field.width; ++column) {
+      const auto n =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(field.width) + static_cast<std::size_t>(column);
+      const double t = (field.values[n] - low) / span;
+      picture.pixels[n] = std::isnan(field.values[n])
+                              ? hatch(column, row)
+                              : static_cast<std::uint8_t>(1 + std::lround(253 * std::clamp(t, 0.0, 1.0)));
+    }
+}
+
+Picture relief(const Field& heights, double pixel_m) {
+  Picture picture;
+  picture.name = "relief";
+  picture.title = "Shaded relief";
+  picture.map = ColourMap::relief;
+  picture.legend = Picture::Legend::none;
+  const Shading shading = shade(heights, pixel_m);
+  picture.caption = fmt::format(
+      "The measured surface lit from the upper left, as under raking light; slopes are drawn {:.2g} times as steep as "
+      "they "
+      "are.",
+      shading.exaggeration);
+  picture.alternative = "The object's surface in raking light from the upper left.";
+  paint(picture, shading.light, 0, 1);
+  return picture;
+}
+
+Picture height(const Field& heights) {
+  Picture picture;
+  picture.name = "height";
+  picture.title = "Height";
+  picture.map = ColourMap::height;
+  picture.unit = "mm";
+  const double low = quantile(heights, 0.0005), high = quantile(heights, 0.9995);
+  picture.high = (high - low) * kMillimetres;
+  picture.clipped = true;
+  picture.caption = "Distance towards the viewer, from dark blue (farthest) to light yellow (nearest).";
+  picture.alternative = fmt::format("Height map of the object; heights span {:.3g} mm.", picture.high);
+  paint(picture, heights, low, high);
+  return picture;
+}
+
+Picture texture(const Layers& base, ThreadPool& pool) {
+  Picture picture;
+  picture.name = "texture";
+  picture.title = "Surface texture";
+  picture.map = ColourMap::texture;
+  picture.unit = "mm";
+  const Field field = reduce(
+      base.grid.lattice, [&](std::size_t n) { return base.grid.height_m[n] - base.envelope_m[n]; }, pool);
+  Field magnitude = field;
+  for (float& v : magnitude.values) v = std::abs(v);
+  const double most = std::max(quantile(magnitude, 0.99), 1e-9);
+  picture.low = -most * kMillimetres;
+  picture.high = most * kMillimetres;
+  picture.clipped = true;
+  picture.caption = "What stands out from the smoothed form (brown) or lies below it (blue): tool marks, grain, wear.";
+  picture.alternative =
+      fmt::format("Map of the fine texture; 99 % of it lies within {:.2g} mm of the smoothed form.", picture.high);
+  paint(picture, field, -most, most);
+  return picture;
+}
+
+/// Dynamic friction coefficient of a node at scale 1; docs/architecture.md, "Friction map".
+float friction_at(const Layers& base, const SceneDescription& scene, double scale, double radius_m, std::size_t n) {
+  const FrictionConfig& config = *scene.config.friction;
+  if (std::isnan(base.grid.height_m[n])) return kUnknownHeight;
+  double mu = config.mu_0;
+  if (config.law == FrictionConfig::Law::curvature && !base.curvature_per_m.empty())
+    mu += scene.friction_c_m * base.curvature_per_m[n];
+  if (config.law == FrictionConfig::Law::paper && !base.mean_curvature_per_m.empty())
+    mu = 1 / (radius_m *
+              std::hypot(base.mean_curvature_per_m[n] / scale, base.gaussian_curvature_per_m2[n] / (scale * scale)));
+  return static_cast<float>(std::clamp(mu, 0.0, config.mu_max));
+}
+
+Picture friction(const Layers& base, const SceneDescription& scene, ThreadPool& pool) {
+  constexpr double kWorkspace = 0.1;  // metres, of a common desktop device; only law: paper depends on it
+  Picture picture;
+  picture.name = "friction";
+  picture.title = "Friction";
+  picture.map = ColourMap::friction;
+  const FrictionConfig& config = *scene.config.friction;
+  const double scale = kWorkspace / (std::max(1, std::min(scene.config.levels.window, base.grid.lattice.nx) - 1) *
+                                     base.grid.lattice.spacing_m);
+  const Field field = reduce(
+      base.grid.lattice, [&](std::size_t n) { return friction_at(base, scene, scale, kWorkspace / 2, n); }, pool);
+  picture.high = config.mu_max;
+  picture.caption = config.law == FrictionConfig::Law::paper
+                        ? "Coefficient of sliding friction that the hand feels in a 10 cm workspace, from pale "
+                          "(smooth) to dark (rough)."
+                        : "Coefficient of sliding friction that the hand feels, from pale (smooth) to dark (rough).";
+  picture.alternative =
+      fmt::format("Map of the friction coefficient; its median is {:.2f}, its 95th percentile {:.2f}.",
+                  quantile(field, 0.5), quantile(field, 0.95));
+  paint(picture, field, 0, config.mu_max);
+  return picture;
+}
+
+Picture coverage(const DepthGrid& grid, const Report& report, ThreadPool& pool) {
+  Picture picture;
+  picture.name = "coverage";
+  picture.title = "Coverage";
+  picture.legend = Picture::Legend::states;
+  picture.caption =
+      "Where heights were measured, where small gaps were filled from their surroundings, and where nothing is known.";
+  picture.alternative = fmt::format(
+      "Map of coverage: {:.1f} % of the nodes are measured, {:.1f} % filled, {:.1f} % unknown.", 100 * report.coverage,
+      100 * report.filled_fraction, 100 * (1 - report.coverage - report.filled_fraction));
+  const Field field = reduce(
+      grid.lattice,
+      [&](std::size_t n) {
+        if (grid.state[n] == NodeState::unknown) return kUnknownHeight;
+        return grid.state[n] == NodeState::measured ? 0.0F : 1.0F;
+      },
+      pool);
+  paint(picture, field, 0, 1);
+  for (std::size_t k = 1; k < 255; ++k) picture.palette[k] = k < 128 ? kMeasuredColour : kFilledColour;
+  picture.palette[0] = kHatchLight;
+  picture.palette[255] = kHatchDark;
+  return picture;
+}
+
+Picture error(const Layers& base, const CheckResult& check, ThreadPool& pool) {
+  Picture picture;
+  picture.name = "error";
+  picture.title = "Error";
+  picture.map = ColourMap::error;
+  picture.unit = "mm";
+  const Lattice& lattice = base.grid.lattice;
+  Field field = reduce(
+      lattice, [&](std::size_t n) { return check.node_error_m[n]; }, pool);
+  const auto sampled = static_cast<double>(
+      std::count_if(field.values.begin(), field.values.end(), [](float v) { return !std::isnan(v); }));
+  const Field known = reduce(
+      lattice, [&](std::size_t n) { return base.grid.height_m[n]; }, pool);
+  if (sampled > 0) {
+    const double pixels = static_cast<double>(field.values.size());
+    const int radius = static_cast<int>(std::ceil(std::sqrt(kSamplesPerSpot * pixels / sampled) / 2)) - 1;
+    field = average_about(field, std::clamp(radius, 0, 64));
+    for (std::size_t n = 0; n < field.values.size(); ++n)
+      if (std::isnan(known.values[n])) field.values[n] = kUnknownHeight;
+  }
+  const double most = std::max(check.cloud_to_surface.p95_m, 1e-9);
+  picture.high = most * kMillimetres;
+  picture.clipped = true;
+  picture.caption =
+      "Mean distance between the scan's points and the surface about each place, from pale (small) to dark (large).";
+  picture.alternative = fmt::format(
+      "Map of the distance between points and surface; half of the points lie within {:.2g} mm, "
+      "95 % within {:.2g} mm.",
+      check.cloud_to_surface.median_m * kMillimetres, picture.high);
+  paint(picture, field, 0, most);
+  return picture;
+}
+
+}  // namespace
+
+int nodes_per_pixel(const Lattice& lattice) {
+  return std::max(1, (std::max(lattice.nx, lattice.ny) + kMaxSide - 1) / kMaxSide);
+}
+
+std::vector<Picture> make_pictures(const Layers& base, const SceneDescription& scene, const Report& report,
+                                   ThreadPool& pool) {
+  const Lattice& lattice = base.grid.lattice;
+  const Field heights = reduce(
+      lattice, [&](std::size_t n) { return base.grid.height_m[n]; }, pool);
+  std::vector<Picture> pictures;
+  pictures.push_back(relief(heights, nodes_per_pixel(lattice) * lattice.spacing_m));
+  pictures.push_back(height(heights));
+  if (!base.envelope_m.empty()) pictures.push_back(texture(base, pool));
+  if (scene.config.friction) pictures.push_back(friction(base, scene, pool));
+  pictures.push_back(coverage(base.grid, report, pool));
+  if (report.check && report.check->node_error_m.size() == lattice.count() &&
+      report.check->cloud_to_surface.samples > 0)
+    pictures.push_back(error(base, *report.check, pool));
+  for (Picture& picture : pictures)
+    if (picture.legend != Picture::Legend::states) picture.palette = palette_of(picture.map);
+  return pictures;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,20 @@
+// PNG bytes of a picture with a palette, through libpng.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/check/report_colour.h"
+
+namespace sparsha::pipeline {
+
+/// One byte a pixel, top row first. `pixel_m` (metres a pixel, 0 = unknown) goes into the file as its physical size.
+/// The same pixels give the same bytes. Throws Error{failure}.
+[[nodiscard]] std::string encode_png(const std::vector<std::uint8_t>& pixels, int width, int height,
+                                     const Palette& palette, double pixel_m);
+
+/// Base 64 (RFC 4648).
+[[nodiscard]] std::string base64(const std::string& bytes);
+
+}  // namespace sparsha::pipeline
