@@ -16,8 +16,8 @@ struct FilterCounts {
   std::uint64_t outlier = 0;   ///< by outliers
 };
 
-/// Applies `filters` in order. Faces survive only while no point is taken away. Throws Error{usage} when a voxel leaf is
-/// too small for the extent, Error{input} when nothing is left.
+/// Applies `filters` in order. Faces survive only while no point is taken away. Throws Error{usage} when a voxel leaf
+/// is too small for the extent, Error{input} when nothing is left.
 FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool,
                            Progress& progress);
 

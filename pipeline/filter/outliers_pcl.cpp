@@ -1,0 +1,26 @@
+// The outlier filter that PCL has; the only file of this folder that sees it.
+#include <algorithm>
+
+#include <pcl/filters/statistical_outlier_removal.h>
+#include <pcl/point_types.h>
+
+#include "pipeline/filter/outliers.h"
+
+namespace sparsha::pipeline {
+
+std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config) {
+  std::vector<std::uint8_t> keep(cloud.size(), 1);
+  if (cloud.size() < 2) return keep;
+  pcl::StatisticalOutlierRemoval<pcl::PointXYZ> filter;
+  filter.setInputCloud(cloud.points);
+  // PCL reads past its arrays when it is asked for more neighbours than there are.
+  filter.setMeanK(std::min(config.neighbours, static_cast<int>(cloud.size()) - 1));
+  filter.setStddevMulThresh(config.sigma);
+  pcl::Indices inliers;
+  filter.filter(inliers);
+  std::fill(keep.begin(), keep.end(), std::uint8_t{0});
+  for (const pcl::index_t i : inliers) keep[static_cast<std::size_t>(i)] = 1;
+  return keep;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,141 @@
+#include "pipeline/filter/voxel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "pipeline/base/error.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+struct Voxel {
+  std::array<std::int64_t, 3> cell{};    ///< x, y, z in leaves from the scan frame's zero
+  std::array<std::int64_t, 3> offset{};  ///< sum of the points' places in the cell, 2^-30 of a leaf
+  std::array<std::uint64_t, 4> colour{};
+  double intensity = 0.0;
+  std::uint64_t count = 0;
+};
+
+constexpr double kUnits = 1 << 30;
+
+/// Voxels by cell; open addressing.
+class VoxelTable {
+ public:
+  VoxelTable() : slots_(1024, kFree) {}
+
+  Voxel& at(const std::array<std::int64_t, 3>& cell) {
+    if (voxels_.size() * 2 >= slots_.size()) grow();
+    std::size_t slot = place(cell);
+    while (slots_[slot] != kFree && voxels_[slots_[slot]].cell != cell) slot = (slot + 1) & (slots_.size() - 1);
+    if (slots_[slot] == kFree) {
+      slots_[slot] = static_cast<std::uint32_t>(voxels_.size());
+      voxels_.emplace_back().cell = cell;
+    }
+    return voxels_[slots_[slot]];
+  }
+  [[nodiscard]] std::vector<Voxel>& voxels() { return voxels_; }
+
+ private:
+  static constexpr std::uint32_t kFree = ~std::uint32_t{0};
+
+  [[nodiscard]] std::size_t place(const std::array<std::int64_t, 3>& cell) const {
+    auto h = static_cast<std::uint64_t>(cell[0]) * 0x9E3779B97F4A7C15ULL;
+    h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(cell[1])) * 0xD6E8FEB86659FD93ULL;
+    h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(cell[2])) * 0xBF58476D1CE4E5B9ULL;
+    return static_cast<std::size_t>(h ^ (h >> 32)) & (slots_.size() - 1);
+  }
+  void grow() {
+    slots_.assign(slots_.size() * 2, kFree);
+    for (std::size_t i = 0; i < voxels_.size(); ++i) {
+      std::size_t slot = place(voxels_[i].cell);
+      while (slots_[slot] != kFree) slot = (slot + 1) & (slots_.size() - 1);
+      slots_[slot] = static_cast<std::uint32_t>(i);
+    }
+  }
+
+  std::vector<std::uint32_t> slots_;
+  std::vector<Voxel> voxels_;
+};
+
+void check_leaf(const Cloud& cloud, double leaf_m) {
+  float away = 0.0F;
+  const float* const xyz = cloud.xyz1();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) away = std::max(away, std::fabs(xyz[4 * i + k]));
+  }
+  const double far = static_cast<double>(away) + cloud.origin_m.cwiseAbs().maxCoeff();
+  // Below this the cell's number, or the place in it, has no exact double.
+  const double least = std::ldexp(far, -45);
+  if (leaf_m < least) {
+    throw usage_error(
+        fmt::format("voxel leaf of {} mm is too small for a scan that reaches {} m from zero", leaf_m * 1000.0, far),
+        fmt::format("at least {} mm", least * 1000.0));
+  }
+}
+
+void add_attributes(const Cloud& cloud, std::size_t i, Voxel& voxel) {
+  if (!cloud.rgba.empty()) {
+    for (unsigned k = 0; k < 4; ++k) voxel.colour[k] += cloud.rgba[i] >> (8 * k) & 255;
+  }
+  if (!cloud.intensity.empty()) voxel.intensity += static_cast<double>(cloud.intensity[i]);
+}
+
+std::uint32_t mean_colour(const Voxel& voxel) {
+  std::uint32_t rgba = 0;
+  for (unsigned k = 0; k < 4; ++k) {
+    rgba |= static_cast<std::uint32_t>((voxel.colour[k] + voxel.count / 2) / voxel.count) << (8 * k);
+  }
+  return rgba;
+}
+
+void write_back(const std::vector<Voxel>& voxels, double leaf_m, Cloud& cloud) {
+  cloud.resize_points(voxels.size());
+  if (!cloud.rgba.empty()) cloud.rgba.resize(voxels.size());
+  if (!cloud.intensity.empty()) cloud.intensity.resize(voxels.size());
+  float* const xyz = cloud.xyz1();
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const Voxel& voxel = voxels[i];
+    const double n = static_cast<double>(voxel.count);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double place = static_cast<double>(voxel.offset[k]) / (n * kUnits);
+      const double coordinate = (static_cast<double>(voxel.cell[k]) + place) * leaf_m;
+      xyz[4 * i + k] = static_cast<float>(coordinate - cloud.origin_m[static_cast<Eigen::Index>(k)]);
+    }
+    if (!cloud.rgba.empty()) cloud.rgba[i] = mean_colour(voxel);
+    if (!cloud.intensity.empty()) cloud.intensity[i] = static_cast<float>(voxel.intensity / n);
+  }
+}
+
+}  // namespace
+
+void thin_to_voxels(Cloud& cloud, double leaf_m, Progress& progress) {
+  check_leaf(cloud, leaf_m);
+  VoxelTable table;
+  const float* const xyz = cloud.xyz1();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if ((i & 0xFFFF) == 0) progress.throw_if_cancelled();
+    std::array<std::int64_t, 3> cell{};
+    std::array<std::int64_t, 3> offset{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double leaves =
+          (cloud.origin_m[static_cast<Eigen::Index>(k)] + static_cast<double>(xyz[4 * i + k])) / leaf_m;
+      const double below = std::floor(leaves);
+      cell[k] = static_cast<std::int64_t>(below);
+      offset[k] = static_cast<std::int64_t>((leaves - below) * kUnits);
+    }
+    Voxel& voxel = table.at(cell);
+    for (std::size_t k = 0; k < 3; ++k) voxel.offset[k] += offset[k];
+    add_attributes(cloud, i, voxel);
+    ++voxel.count;
+  }
+  std::vector<Voxel>& voxels = table.voxels();
+  std::sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) {
+    return std::lexicographical_compare(a.cell.rbegin(), a.cell.rend(), b.cell.rbegin(), b.cell.rend());
+  });
+  write_back(voxels, leaf_m, cloud);
+}
+
+}  // namespace sparsha::pipeline

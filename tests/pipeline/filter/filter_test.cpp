@@ -1,0 +1,271 @@
+// Filters against brute force and PCL: the same decisions, whatever the order of points or the number of threads.
+#include "pipeline/filter/filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <pcl/filters/voxel_grid.h>
+#include <pcl/point_types.h>
+
+#include "pipeline/base/error.h"
+#include "pipeline/filter/neighbour_tree.h"
+#include "pipeline/filter/outliers.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using Points = std::vector<std::array<float, 3>>;
+
+Cloud cloud_of(const Points& points, bool attributes = false) {
+  Cloud cloud;
+  cloud.resize_points(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) cloud.xyz1()[4 * i + k] = points[i][k];
+    if (attributes) {
+      cloud.rgba.push_back(static_cast<std::uint32_t>(i));
+      cloud.intensity.push_back(static_cast<float>(i));
+    }
+  }
+  return cloud;
+}
+
+Points points_of(const Cloud& cloud) {
+  Points points(cloud.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) points[i][k] = cloud.xyz1()[4 * i + k];
+  }
+  return points;
+}
+
+/// A noisy relief with outliers, density varying 1:100 and some duplicates.
+Points relief(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+  std::normal_distribution<float> normal(0.0F, 2e-4F);
+  Points points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float u = uniform(random);
+    const float x = u * u * u;
+    const float y = uniform(random);
+    float z = 0.05F * std::sin(6.0F * x) * std::cos(7.0F * y) + normal(random);
+    if (i % 150 == 0) z += uniform(random);
+    if (i % 97 == 1) {
+      points.push_back(points.back());
+    } else {
+      points.push_back({x, y, z});
+    }
+  }
+  points.push_back({1e4F, -1e4F, 3e3F});
+  return points;
+}
+
+/// Mean distance to the k nearest others, by looking at all of them.
+float brute_force_mean(const Points& points, std::size_t i, std::size_t k) {
+  std::vector<double> distances;
+  for (std::size_t j = 0; j < points.size(); ++j) {
+    if (j == i) continue;
+    double sum = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double d = static_cast<double>(points[j][axis]) - static_cast<double>(points[i][axis]);
+      sum += d * d;
+    }
+    distances.push_back(std::sqrt(sum));
+  }
+  std::sort(distances.begin(), distances.end());
+  k = std::min(k, distances.size());
+  return static_cast<float>(
+      std::accumulate(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(k), 0.0) /
+      static_cast<double>(k));
+}
+
+TEST(NeighbourTree, AgreesWithBruteForceOnEveryPoint) {
+  ThreadPool pool(2);
+  Progress progress;
+  for (const std::size_t count : {1U, 2U, 5U, 17U, 300U, 3000U}) {
+    const Points points = relief(count, 5);
+    for (const int k : {1, 8, 20}) {
+      const Cloud cloud = cloud_of(points);
+      const std::vector<float> mean = NeighbourTree(cloud.xyz1(), cloud.size(), pool).mean_distances(k, pool, progress);
+      for (std::size_t i = 0; i < points.size(); i += 1 + count / 200) {
+        const float expected = brute_force_mean(points, i, static_cast<std::size_t>(k));
+        // Squares of float32 differences: a few roundings of the largest coordinate's last place.
+        EXPECT_NEAR(mean[i], expected, 4e-7F * expected + 1e-9F) << "point " << i << " of " << points.size();
+      }
+    }
+  }
+}
+
+TEST(OutlierFilter, DecidesAsPclDoesOnAllButOneInAThousandPoints) {
+  ThreadPool pool(2);
+  Progress progress;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const Cloud cloud = cloud_of(relief(20000, seed));
+    for (const int neighbours : {4, 8, 30}) {
+      OutlierConfig config;
+      config.neighbours = neighbours;
+      config.sigma = 0.1 * seed;
+      const std::vector<std::uint8_t> own = statistical_inliers(cloud, config, pool, progress);
+      const std::vector<std::uint8_t> theirs = statistical_inliers_by_pcl(cloud, config);
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < own.size(); ++i) different += own[i] != theirs[i] ? 1 : 0;
+      EXPECT_LE(different, own.size() / 1000) << "seed " << seed << ", " << neighbours << " neighbours";
+    }
+  }
+}
+
+TEST(OutlierFilter, DependsNeitherOnThreadsNorOnTheOrderOfPoints) {
+  Progress progress;
+  ThreadPool one(1);
+  ThreadPool four(4);
+  Points points = relief(5000, 7);
+  points.resize(points.size() - 1);
+  OutlierConfig config;
+  config.sigma = 1.0;
+  const std::vector<std::uint8_t> expected = statistical_inliers(cloud_of(points), config, one, progress);
+  EXPECT_EQ(expected, statistical_inliers(cloud_of(points), config, four, progress));
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+  Points shuffled;
+  for (const std::size_t i : order) shuffled.push_back(points[i]);
+  const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(shuffled), config, four, progress);
+  for (std::size_t i = 0; i < order.size(); ++i) ASSERT_EQ(keep[i], expected[order[i]]);
+}
+
+TEST(OutlierFilter, KeepsARegularLatticeWhole) {
+  ThreadPool pool(1);
+  Progress progress;
+  Points ring;  // every point has the same distances to its neighbours
+  for (int i = 0; i < 64; ++i) ring.push_back({static_cast<float>(i), 0.0F, 0.0F});
+  OutlierConfig config;
+  config.neighbours = 1;
+  config.sigma = 0.0;
+  const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(ring), config, pool, progress);
+  EXPECT_THAT(keep, testing::Each(1));
+}
+
+TEST(OutlierFilter, TakesAwayThePointsFarFromAllOthersAndTheirAttributes) {
+  ThreadPool pool(2);
+  Progress progress;
+  Points points;
+  for (int i = 0; i < 400; ++i)
+    points.push_back({0.01F * static_cast<float>(i % 20), 0.01F * static_cast<float>(i / 20), 0});
+  points.insert(points.begin() + 7, {5.0F, 5.0F, 5.0F});
+  Cloud cloud = cloud_of(points, true);
+  cloud.faces.push_back({0, 1, 2});
+  const FilterCounts counts = apply_filters(cloud, {OutlierConfig{}}, pool, progress);
+  EXPECT_EQ(counts.outlier, 1U);
+  EXPECT_EQ(counts.filtered, 0U);
+  ASSERT_EQ(cloud.size(), 400U);
+  EXPECT_EQ(cloud.rgba[6], 6U);
+  EXPECT_EQ(cloud.rgba[7], 8U);
+  EXPECT_EQ(cloud.intensity.back(), 400.0F);
+  EXPECT_TRUE(cloud.faces.empty());
+}
+
+TEST(CropFilter, KeepsWhatLiesInTheBoxOfTheScanFrameBordersIncluded) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}, {1.001F, 0, 0}, {0, -0.5F, 0}}, true);
+  cloud.origin_m = {450000, 5412000, 100};
+  cloud.faces.push_back({0, 1, 3});
+  const CropConfig crop{{450000, 5412000, 100}, {450001, 5412001, 101}};
+  const FilterCounts counts = apply_filters(cloud, {crop}, pool, progress);
+  EXPECT_EQ(counts.filtered, 2U);
+  EXPECT_EQ(points_of(cloud), (Points{{0, 0, 0}, {1, 1, 1}}));
+}
+
+TEST(CropFilter, KeepsFacesWhileNoPointGoes) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud = cloud_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  cloud.faces.push_back({0, 1, 2});
+  apply_filters(cloud, {CropConfig{{-1, -1, -1}, {2, 2, 2}}}, pool, progress);
+  EXPECT_EQ(cloud.faces.size(), 1U);
+}
+
+TEST(CropFilter, SaysSoWhenNothingIsLeft) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud = cloud_of({{0, 0, 0}});
+  try {
+    apply_filters(cloud, {CropConfig{{1, 1, 1}, {2, 2, 2}}}, pool, progress);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_THAT(error.what(), testing::HasSubstr("crop"));
+  }
+}
+
+TEST(VoxelFilter, GivesTheCentroidsOfPclsVoxelGrid) {
+  ThreadPool pool(2);
+  Progress progress;
+  Points points = relief(20000, 11);
+  points.pop_back();  // the far one would overflow PCL's indices
+  Cloud cloud = cloud_of(points);
+  pcl::VoxelGrid<pcl::PointXYZ> grid;
+  grid.setInputCloud(std::make_shared<pcl::PointCloud<pcl::PointXYZ>>(*cloud.points));
+  const float leaf = 0.0625F;  // a power of two, so that both find the same cell for every float
+  grid.setLeafSize(leaf, leaf, leaf);
+  pcl::PointCloud<pcl::PointXYZ> expected;
+  grid.filter(expected);
+  const FilterCounts counts = apply_filters(cloud, {VoxelConfig{static_cast<double>(leaf)}}, pool, progress);
+  ASSERT_EQ(cloud.size(), expected.size());
+  EXPECT_EQ(counts.filtered, points.size() - expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    // PCL adds up to some hundred float32 numbers below 1.
+    EXPECT_NEAR(cloud.xyz1()[4 * i], expected[i].x, 2e-5F);
+    EXPECT_NEAR(cloud.xyz1()[4 * i + 1], expected[i].y, 2e-5F);
+    EXPECT_NEAR(cloud.xyz1()[4 * i + 2], expected[i].z, 2e-5F);
+  }
+}
+
+TEST(VoxelFilter, WorksWherePclsIndicesOverflow) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud = cloud_of({{0.1F, 0.1F, 0.1F}, {0.1001F, 0.1001F, 0.1001F}, {9e3F, 0, 0}, {0, 9e3F, 9e3F}}, true);
+  apply_filters(cloud, {VoxelConfig{0.001}}, pool, progress);
+  EXPECT_EQ(cloud.size(), 3U);
+}
+
+TEST(VoxelFilter, DoesNotDependOnTheOrderOfPointsAndAveragesAttributes) {
+  ThreadPool pool(1);
+  Progress progress;
+  Points points = relief(4000, 2);
+  Cloud cloud = cloud_of(points);
+  apply_filters(cloud, {VoxelConfig{0.03}}, pool, progress);
+  std::shuffle(points.begin(), points.end(), std::mt19937(1));
+  Cloud shuffled = cloud_of(points);
+  apply_filters(shuffled, {VoxelConfig{0.03}}, pool, progress);
+  EXPECT_EQ(points_of(cloud), points_of(shuffled));
+
+  Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
+  two.rgba = {0xFF000000U, 0xFF0000FEU};
+  apply_filters(two, {VoxelConfig{1.0}}, pool, progress);
+  EXPECT_EQ(two.rgba, std::vector<std::uint32_t>{0xFF00007FU});
+  EXPECT_EQ(two.intensity, std::vector<float>{0.5F});
+}
+
+TEST(VoxelFilter, RefusesALeafBelowThePrecisionOfTheCoordinates) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}});
+  cloud.origin_m = {5e6, 0, 0};
+  EXPECT_THROW(apply_filters(cloud, {VoxelConfig{1e-9}}, pool, progress), Error);
+}
+
+TEST(Filters, StopWhenCancelled) {
+  ThreadPool pool(2);
+  Progress progress;
+  progress.cancel();
+  Cloud cloud = cloud_of(relief(100, 1));
+  EXPECT_THROW(apply_filters(cloud, {OutlierConfig{}}, pool, progress), Cancelled);
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline
