@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -16,7 +17,7 @@
 namespace sparsha::viewer {
 
 struct ViewerOptions {
-  bool kiosk = false;  ///< full screen, no windows' own controls
+  bool kiosk = false;  ///< full screen, big buttons only; Control+Q leaves
   int width = 1280;
   int height = 720;
 };
@@ -27,10 +28,11 @@ struct Connections {
   haptics::RequestQueue* requests = nullptr;
   const haptics::AnnouncementBoard* announcements = nullptr;
   std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< null unless the pointer device is used
-  std::function<void()> poll;           ///< called once a frame (the session's)
-  std::function<bool()> finished;       ///< the session's
-  std::function<pipeline::ScenePointer()> scene;  ///< the session's present scene
-  std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;  ///< empty without scans
+  std::function<void()> poll;                                         ///< called once a frame (the session's)
+  std::function<bool()> finished;                                     ///< the session's
+  std::function<pipeline::ScenePointer()> scene;                      ///< the session's present scene
+  std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;    ///< empty without scans
+  std::function<void(const std::string& text)> speak;                 ///< says what the keyboard is on; empty: silent
 };
 
 /// True when a window could be opened.

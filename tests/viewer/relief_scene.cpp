@@ -1,0 +1,88 @@
+// Analytic scenes for the viewer's tests.
+#include "relief_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace sparsha::viewer::test {
+
+pipeline::ScenePointer scene_of(const Height& height, const SceneOptions& options,
+                                const std::function<void(pipeline::SceneDescription&)>& edit,
+                                const std::function<void(pipeline::Layers&)>& edit_layers) {
+  pipeline::SceneDescription description;
+  std::vector<pipeline::Layers> levels;
+  description.height_min_m = 1e30;
+  description.height_max_m = -1e30;
+  for (int level = 0; level < options.levels; ++level) {
+    const int factor = 1 << level;
+    pipeline::Lattice lattice{(options.nx - 1) / factor + 1, (options.ny - 1) / factor + 1, options.spacing_m * factor,
+                              options.origin_m};
+    pipeline::Layers layers;
+    layers.grid = pipeline::DepthGrid(lattice);
+    for (int j = 0; j < lattice.ny; ++j)
+      for (int i = 0; i < lattice.nx; ++i) {
+        const double z_m = height(i * lattice.spacing_m, j * lattice.spacing_m);
+        if (!std::isfinite(z_m)) continue;
+        layers.grid.height_m[lattice.index(i, j)] = static_cast<float>(z_m);
+        layers.grid.state[lattice.index(i, j)] = pipeline::NodeState::measured;
+        description.height_min_m = std::min(description.height_min_m, options.origin_m.z() + z_m);
+        description.height_max_m = std::max(description.height_max_m, options.origin_m.z() + z_m);
+      }
+    if (edit_layers) edit_layers(layers);
+    description.levels.push_back(lattice);
+    levels.push_back(std::move(layers));
+  }
+  description.config.levels.window = 100;
+  if (edit) edit(description);
+  return pipeline::make_scene(std::move(description), std::move(levels));
+}
+
+double lotus(double x_m, double y_m) {
+  const double x = (x_m - 0.2) / 0.2, y = (y_m - 0.2) / 0.2;
+  const double r = std::hypot(x, y), a = std::atan2(y, x);
+  const double edge = std::max(std::abs(x), std::abs(y));
+  double h = 0.0;
+  const auto bump = [](double t) { return t > -1.0 && t < 1.0 ? 0.5 + 0.5 * std::cos(std::numbers::pi * t) : 0.0; };
+  for (int ring = 0; ring < 2; ++ring) {
+    const int petals = ring == 0 ? 8 : 16;
+    const double inner = ring == 0 ? 0.14 : 0.40, outer = ring == 0 ? 0.44 : 0.74;
+    const double phase = a * petals / (2.0 * std::numbers::pi) + (ring == 0 ? 0.0 : 0.5);
+    const double across = 2.0 * (phase - std::round(phase));
+    const double along = (r - inner) / (outer - inner);
+    if (along > 0.0 && along < 1.0) {
+      const double width =
+          std::sqrt(std::max(0.0, 1.0 - std::pow(std::abs(along - 0.35) / (along < 0.35 ? 0.6 : 0.65), 2.0)));
+      const double petal = std::max(0.0, 1.0 - std::pow(across / std::max(width, 1e-3), 2.0));
+      h = std::max(h, 0.012 * std::sqrt(petal) * (1.0 - 0.35 * along) - 0.003 * std::exp(-80.0 * across * across));
+    }
+  }
+  h = std::max(h, r < 0.15 ? 0.010 * std::sqrt(std::max(0.0, 1.0 - r * r / 0.0225)) + 0.004 : 0.0);
+  h += 0.005 * bump((r - 0.80) / 0.04);
+  h += 0.007 * bump((edge - 0.93) / 0.05);
+  // Grain of a rough stone, smooth and repeatable.
+  h += 0.00025 * (std::sin(211.0 * x + 3.0 * std::sin(97.0 * y)) * std::sin(187.0 * y + 2.0 * std::sin(83.0 * x)));
+  return h;
+}
+
+haptics::State touching(const pipeline::Scene& scene, double x_m, double y_m, double z_m, double cx_m, double cy_m) {
+  const pipeline::SceneDescription& description = scene.description();
+  haptics::State state;
+  state.tick = 1000;
+  state.time_s = 1.0;
+  const double width_m = (description.config.levels.window - 1) * description.levels.front().spacing_m;
+  state.scale = 0.1 / width_m;
+  state.centre_m = {cx_m, cy_m, z_m};
+  state.proxy_m = {x_m, y_m, z_m};
+  state.hip_m = {x_m, y_m, z_m - 0.002 / state.scale};
+  state.normal = {0.0, 0.0, 1.0};
+  state.force_n = state.commanded_force_n = {0.2, 0.1, 1.6};
+  state.penetration_m = 0.002;
+  state.contact = 1;
+  state.friction_coefficient = 0.42;
+  state.flags = haptics::kFlagTexture | haptics::kFlagFriction | haptics::kFlagArmed;
+  return state;
+}
+
+}  // namespace sparsha::viewer::test

@@ -1,0 +1,153 @@
+// The table of actions and the table of keys.
+#include "viewer/actions.h"
+
+#include <algorithm>
+#include <array>
+
+namespace sparsha::viewer {
+namespace {
+
+constexpr std::array kActions{
+    ActionInfo{Action::zoom_out, Group::touch, "-", "Zoom out", "a wider window, one level coarser", true, true},
+    ActionInfo{Action::zoom_in, Group::touch, "+", "Zoom in", "a smaller window, one level finer", true, true},
+    ActionInfo{Action::pan_left, Group::touch, "\xE2\x86\x90", "Left", "move the window left", false, true},
+    ActionInfo{Action::pan_right, Group::touch, "\xE2\x86\x92", "Right", "move the window right", false, true},
+    ActionInfo{Action::pan_up, Group::touch, "\xE2\x86\x91", "Up", "move the window up", false, true},
+    ActionInfo{Action::pan_down, Group::touch, "\xE2\x86\x93", "Down", "move the window down", false, true},
+    ActionInfo{Action::texture, Group::touch, "T", "Texture", "fine texture on or off", true, true},
+    ActionInfo{Action::friction, Group::touch, "F", "Friction", "friction on or off", true, true},
+    ActionInfo{Action::stiffer, Group::touch, "]", "Harder", "a harder surface", false, false},
+    ActionInfo{Action::softer, Group::touch, "[", "Softer", "a softer surface", false, false},
+    ActionInfo{Action::describe, Group::touch, "Space", "Where am I?", "say where the hand is", true, true},
+    ActionInfo{Action::hand_left, Group::hand, "Shift \xE2\x86\x90", "Hand left", "move the hand left", false, false},
+    ActionInfo{Action::hand_right, Group::hand, "Shift \xE2\x86\x92", "Hand right", "move the hand right", false,
+               false},
+    ActionInfo{Action::hand_up, Group::hand, "Shift \xE2\x86\x91", "Hand up", "move the hand up", false, false},
+    ActionInfo{Action::hand_down, Group::hand, "Shift \xE2\x86\x93", "Hand down", "move the hand down", false, false},
+    ActionInfo{Action::hand_raise, Group::hand, "Page Up", "Raise hand", "raise the hand", false, false},
+    ActionInfo{Action::hand_lower, Group::hand, "Page Down", "Lower hand", "lower the hand", false, false},
+    ActionInfo{Action::press, Group::hand, "Enter", "Press", "press the hand down, or lift it", false, false},
+    ActionInfo{Action::colour, Group::picture, "C", "Colour", "stone, height, scan, friction or texture colours", true,
+               false},
+    ActionInfo{Action::light_turn, Group::picture, "L", "Light", "turn the light", true, false},
+    ActionInfo{Action::light_back, Group::picture, "Shift L", "Light back", "turn the light back", false, false},
+    ActionInfo{Action::light_higher, Group::picture, ".", "Light higher", "raise the light", false, false},
+    ActionInfo{Action::light_lower, Group::picture, ",", "Light lower", "lower the light: it rakes", false, false},
+    ActionInfo{Action::stereo, Group::picture, "S", "Stereo", "red-cyan stereo: grey, colours, off", true, false},
+    ActionInfo{Action::filled, Group::picture, "M", "Mark filled", "dot the areas that were filled in", false, false},
+    ActionInfo{Action::contrast, Group::picture, "X", "Contrast", "high contrast on or off", false, false},
+    ActionInfo{Action::large_type, Group::picture, "G", "Large type", "large type on or off", false, false},
+    ActionInfo{Action::turn_left, Group::camera, "Ctrl \xE2\x86\x90", "Turn left", "turn the picture", false, false},
+    ActionInfo{Action::turn_right, Group::camera, "Ctrl \xE2\x86\x92", "Turn right", "turn the picture back", false,
+               false},
+    ActionInfo{Action::tilt_up, Group::camera, "Ctrl \xE2\x86\x91", "Tilt", "look straight down", false, false},
+    ActionInfo{Action::tilt_down, Group::camera, "Ctrl \xE2\x86\x93", "Tilt back", "look along the surface", false,
+               false},
+    ActionInfo{Action::closer, Group::camera, "Ctrl +", "Closer", "camera closer", false, false},
+    ActionInfo{Action::farther, Group::camera, "Ctrl -", "Farther", "camera farther", false, false},
+    ActionInfo{Action::camera_reset, Group::camera, "0", "Reset view", "camera back to the window", false, false},
+    ActionInfo{Action::rescan, Group::program, "R", "Scan again", "a new depth scan from this side", false, false},
+    ActionInfo{Action::next_item, Group::program, "Tab", "Next button", "go through the buttons; Enter presses", false,
+               false},
+    ActionInfo{Action::previous_item, Group::program, "Shift Tab", "Previous", "back through the buttons", false,
+               false},
+    ActionInfo{Action::help, Group::program, "F1 or H", "Help", "this page", true, true},
+    ActionInfo{Action::escape, Group::program, "Esc", "Close", "close what is open, else leave", false, false},
+    ActionInfo{Action::quit, Group::program, "Q", "Quit", "leave", false, false},
+};
+
+struct Binding {
+  int key;
+  int modifiers;
+  Action action;
+  bool repeats;
+};
+
+constexpr int kAny = -1;  // Shift is part of the character
+
+constexpr std::array kBindings{
+    Binding{'+', kAny, Action::zoom_in, false},
+    Binding{'=', kAny, Action::zoom_in, false},
+    Binding{'-', kAny, Action::zoom_out, false},
+    Binding{key::kLeft, 0, Action::pan_left, true},
+    Binding{key::kRight, 0, Action::pan_right, true},
+    Binding{key::kUp, 0, Action::pan_up, true},
+    Binding{key::kDown, 0, Action::pan_down, true},
+    Binding{key::kLeft, kShift, Action::hand_left, true},
+    Binding{key::kRight, kShift, Action::hand_right, true},
+    Binding{key::kUp, kShift, Action::hand_up, true},
+    Binding{key::kDown, kShift, Action::hand_down, true},
+    Binding{key::kPageUp, 0, Action::hand_raise, true},
+    Binding{key::kPageDown, 0, Action::hand_lower, true},
+    Binding{key::kEnter, 0, Action::press, false},
+    Binding{'T', 0, Action::texture, false},
+    Binding{'F', 0, Action::friction, false},
+    Binding{']', kAny, Action::stiffer, true},
+    Binding{'[', kAny, Action::softer, true},
+    Binding{' ', 0, Action::describe, false},
+    Binding{'C', 0, Action::colour, false},
+    Binding{'L', 0, Action::light_turn, true},
+    Binding{'L', kShift, Action::light_back, true},
+    Binding{'.', kAny, Action::light_higher, true},
+    Binding{',', kAny, Action::light_lower, true},
+    Binding{'S', 0, Action::stereo, false},
+    Binding{'M', 0, Action::filled, false},
+    Binding{'X', 0, Action::contrast, false},
+    Binding{'G', 0, Action::large_type, false},
+    Binding{key::kLeft, kControl, Action::turn_left, true},
+    Binding{key::kRight, kControl, Action::turn_right, true},
+    Binding{key::kUp, kControl, Action::tilt_up, true},
+    Binding{key::kDown, kControl, Action::tilt_down, true},
+    Binding{'+', kControl, Action::closer, true},
+    Binding{'=', kControl, Action::closer, true},
+    Binding{'-', kControl, Action::farther, true},
+    Binding{'0', 0, Action::camera_reset, false},
+    Binding{key::kHome, 0, Action::camera_reset, false},
+    Binding{'R', 0, Action::rescan, false},
+    Binding{key::kTab, 0, Action::next_item, true},
+    Binding{key::kTab, kShift, Action::previous_item, true},
+    Binding{key::kF1, 0, Action::help, false},
+    Binding{'H', 0, Action::help, false},
+    Binding{key::kEscape, 0, Action::escape, false},
+    Binding{'Q', 0, Action::quit, false},
+    Binding{'Q', kControl, Action::quit, false},
+};
+
+}  // namespace
+
+std::span<const ActionInfo> all_actions() { return kActions; }
+
+const ActionInfo& info_of(Action action) {
+  return *std::ranges::find_if(kActions, [&](const ActionInfo& info) { return info.action == action; });
+}
+
+std::optional<Action> action_of(const KeyPress& press, bool kiosk) {
+  for (const Binding& binding : kBindings) {
+    const bool modifiers =
+        binding.modifiers == kAny ? (press.modifiers & kControl) == 0 : binding.modifiers == press.modifiers;
+    const bool with_control = binding.modifiers == kControl && press.modifiers == (kControl | kShift);
+    if (binding.key != press.key || (!modifiers && !with_control)) continue;
+    if (press.repeated && !binding.repeats) return std::nullopt;
+    if (kiosk && binding.action == Action::quit && (press.modifiers & kControl) == 0) return std::nullopt;
+    return binding.action;
+  }
+  return std::nullopt;
+}
+
+const char* name_of(Group group) {
+  switch (group) {
+    case Group::touch:
+      return "Touch";
+    case Group::hand:
+      return "Hand (pointer device)";
+    case Group::picture:
+      return "Picture";
+    case Group::camera:
+      return "Camera";
+    case Group::program:
+      return "Program";
+  }
+  return "";
+}
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,74 @@
+// Where the picture is seen from. World coordinates: the scene shifted to its middle and scaled to about unit size, so
+// that single precision on the graphics card is enough.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::viewer {
+
+/// Grid frame to world and back.
+struct Stage {
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  ///< grid point at the world's origin
+  double unit_m = 1.0;                                 ///< grid metres per world unit
+
+  [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& grid_m) const { return (grid_m - anchor_m) / unit_m; }
+  [[nodiscard]] Eigen::Vector3d to_grid_m(const Eigen::Vector3d& world) const { return world * unit_m + anchor_m; }
+};
+/// The middle of level 0; one world unit is its longer side.
+[[nodiscard]] Stage stage_of(const pipeline::SceneDescription& description);
+
+/// A rectangle of the window in pixels, origin at the TOP left.
+struct Rect {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+  [[nodiscard]] bool contains(double px, double py) const {
+    return px >= x && py >= y && px < x + width && py < y + height;
+  }
+};
+
+/// Turntable camera: looks at `target` from `distance`, tilted from straight above, turned about z.
+struct Camera {
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< world
+  double turn_rad = 0.0;                             ///< about z; 0: the grid's x points right
+  double tilt_rad = 0.0;                             ///< 0 looks straight at the relief, along -z
+  double distance = 3.0;                             ///< world
+  double field_rad = 0.5;                            ///< vertical field of view; 0: parallel projection
+  double half_height = 0.5;                          ///< world, of a parallel projection
+
+  /// Columns: the camera's right, up and backwards directions in the world.
+  [[nodiscard]] Eigen::Matrix3d axes() const;
+};
+
+/// A camera in a rectangle: ready-made matrices. Pixels count from the rectangle's top left.
+struct View {
+  Eigen::Matrix4d projection = Eigen::Matrix4d::Identity();  ///< world to clip
+  Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();     ///< clip to world
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();             ///< world
+  Eigen::Vector3d focus = Eigen::Vector3d::Zero();           ///< world: what the camera looks at
+  int width = 1;
+  int height = 1;
+
+  struct Ray {
+    Eigen::Vector3d origin;
+    Eigen::Vector3d direction;  ///< unit
+  };
+  /// Nothing when the point is behind the camera.
+  [[nodiscard]] std::optional<Eigen::Vector2d> to_pixel(const Eigen::Vector3d& world) const;
+  [[nodiscard]] Ray ray(double x, double y) const;
+  /// Where the pixel's ray meets the plane z = `height` of the world; nothing when it does not.
+  [[nodiscard]] std::optional<Eigen::Vector3d> on_plane(double x, double y, double world_z) const;
+  /// Pixels that one world unit across the line of sight takes at that point.
+  [[nodiscard]] double pixels_per_unit(const Eigen::Vector3d& world) const;
+};
+
+/// `eye_shift`: world distance of this eye to the right of the middle, with an off-axis frustum whose zero parallax
+/// lies at the target (0: one eye).
+[[nodiscard]] View make_view(const Camera& camera, int width, int height, double eye_shift = 0.0);
+
+}  // namespace sparsha::viewer

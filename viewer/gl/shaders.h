@@ -1,0 +1,19 @@
+// The shaders' text (GLSL 3.30). One pair a purpose.
+#pragma once
+
+namespace sparsha::viewer::gl {
+
+extern const char* const kReliefVertex;      ///< lattice and slab sides from a height texture, no vertex buffers
+extern const char* const kReliefFragment;    ///< stone under a key light, sky and bounce; masks; the window's frame
+extern const char* const kWholeVertex;       ///< one triangle over everything
+extern const char* const kBackdropFragment;  ///< what is behind the stone
+extern const char* const kResolveFragment;   ///< 2x2 pixels to one, averaged in linear light
+extern const char* const kCopyFragment;
+extern const char* const kAnaglyphFragment;  ///< two eyes to red and cyan (Dubois 2001)
+extern const char* const kRectVertex;        ///< a rectangle in pixels
+extern const char* const kDecalFragment;     ///< the hand's shadow and the glow of contact, laid on the surface
+extern const char* const kBallFragment;      ///< a sphere, ray by ray, hidden by the surface
+extern const char* const kInkVertex;         ///< flat triangles in pixels with a colour at each corner
+extern const char* const kInkFragment;
+
+}  // namespace sparsha::viewer::gl

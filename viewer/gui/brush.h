@@ -1,0 +1,37 @@
+// Small vocabulary for drawing the interface: colours of the theme, text at a place, rounded shapes. Seen by gui/ only.
+#pragma once
+
+#include <string>
+
+#include <imgui.h>
+
+#include "viewer/gui/fonts.h"
+
+namespace sparsha::viewer {
+
+/// All colours of the interface. High contrast: white and yellow on black.
+struct Theme {
+  ImU32 panel, card, line, text, dim, accent, accent_text, warning, fault, key;
+};
+[[nodiscard]] Theme theme_of(bool high_contrast);
+
+/// Draws on one ImGui draw list; positions in pixels.
+struct Brush {
+  ImDrawList* list = nullptr;
+  Fonts fonts;
+  Theme theme{};
+  float scale = 1.0F;
+
+  [[nodiscard]] float px(float value) const { return value * scale; }
+  [[nodiscard]] ImVec2 size(const ImFont* font, const std::string& words) const;
+  /// Top left at (x, y). Returns the width.
+  float text(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const;
+  void text_right(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const;
+  void text_centred(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const;
+  void card(float x, float y, float width, float height, ImU32 colour, float radius) const;
+  /// A key's cap with its name; returns its width.
+  float key_cap(float x, float y, const std::string& name) const;
+  [[nodiscard]] float key_cap_width(const std::string& name) const;
+};
+
+}  // namespace sparsha::viewer

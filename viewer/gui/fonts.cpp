@@ -1,0 +1,57 @@
+// Fonts come from where systems keep DejaVu or their own sans serif.
+#include "viewer/gui/fonts.h"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include <imgui.h>
+
+namespace sparsha::viewer {
+namespace {
+
+// Latin with the diacritics of Indic transliteration, Greek mu, dashes and quotes, arrows, minus.
+constexpr std::array<ImWchar, 15> kRanges{0x0020, 0x017F, 0x0391, 0x03C9, 0x1E00, 0x1EFF, 0x2010, 0x2026,
+                                          0x2190, 0x2193, 0x2212, 0x2212, 0x25CF, 0x25CF, 0};
+
+std::string first_of(const std::array<const char*, 4>& files) {
+  for (const char* file : files) {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file, ignored)) return file;
+  }
+  return {};
+}
+
+}  // namespace
+
+Fonts load_fonts(double scale) {
+  static const std::string plain =
+      first_of({"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                "/System/Library/Fonts/Helvetica.ttc", "C:/Windows/Fonts/segoeui.ttf"});
+  static const std::string bold = first_of({"/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf",
+                                            "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf",
+                                            "/System/Library/Fonts/Helvetica.ttc", "C:/Windows/Fonts/segoeuib.ttf"});
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  atlas.Clear();
+  atlas.Flags |= ImFontAtlasFlags_NoMouseCursors;
+  const auto load = [&](const std::string& file, double size) {
+    ImFontConfig config;
+    config.OversampleH = 2;
+    config.OversampleV = 1;
+    const auto pixels = static_cast<float>(std::round(size * scale));
+    ImFont* font = file.empty() ? nullptr : atlas.AddFontFromFileTTF(file.c_str(), pixels, &config, kRanges.data());
+    if (font != nullptr) return font;
+    config.SizePixels = pixels;
+    return atlas.AddFontDefault(&config);
+  };
+  Fonts fonts;
+  fonts.text = load(plain, 16.0);
+  fonts.small = load(plain, 13.0);
+  fonts.strong = load(bold, 16.0);
+  fonts.large = load(bold, 27.0);
+  return fonts;
+}
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,18 @@
+// Type for the interface: a plain and a bold face in four sizes.
+#pragma once
+
+struct ImFont;
+
+namespace sparsha::viewer {
+
+struct Fonts {
+  ImFont* small = nullptr;   ///< 13 px at scale 1
+  ImFont* text = nullptr;    ///< 16 px
+  ImFont* strong = nullptr;  ///< 16 px, bold
+  ImFont* large = nullptr;   ///< 27 px, bold: announcements and figures
+};
+
+/// Fills ImGui's atlas for one scale. Without any outline font on the machine ImGui's own bitmap face is used.
+[[nodiscard]] Fonts load_fonts(double scale);
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,39 @@
+// Text, buttons and frames over the picture, drawn with Dear ImGui.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "viewer/actions.h"
+#include "viewer/frame.h"
+
+namespace sparsha::viewer {
+
+class Picture;
+
+/// "12 mm", "3.5 m", "80 µm": three digits at most.
+[[nodiscard]] std::string length_text(double length_m);
+/// The longest of 1, 2, 5 times a power of ten that is at most `limit`.
+[[nodiscard]] double round_length(double limit);
+
+/// One ImGui context with its fonts. Needs a current OpenGL context for its whole life.
+class Gui {
+ public:
+  Gui();
+  ~Gui();
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+
+  /// Draws the interface of one frame over what Picture drew, into the bound framebuffer; returns what was clicked.
+  /// `seconds` is the time since the last frame. A window's input must have been handed to ImGui before.
+  std::vector<Action> draw(const Frame& frame, const std::vector<Action>& buttons, const Picture& picture, int width,
+                           int height, double seconds);
+  /// True when the mouse is over a button or panel and not over the picture.
+  [[nodiscard]] bool wants_mouse() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace sparsha::viewer

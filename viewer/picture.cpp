@@ -1,0 +1,338 @@
+// The stone is drawn into cached pictures, at full quality once camera and data rest; each frame copies them and draws
+// the hand.
+#include "viewer/picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <utility>
+
+#include <epoxy/gl.h>
+
+#include "viewer/gl/shaders.h"
+
+namespace sparsha::viewer {
+namespace {
+
+constexpr int kWholeNodes = 2048;      // longer side of the piece that shows the whole scene
+constexpr int kPieceNodes = 1536;      // and of the finer piece around the window
+constexpr double kRestS = 0.20;        // a camera that has not moved for so long rests
+constexpr double kBallShare = 0.016;   // of the window's width: the ball's radius
+constexpr double kArrowShare = 0.070;  // of the window's width for each newton
+constexpr double kStrongN = 3.0;
+constexpr double kEyeAngle = 0.035;  // half the angle between the eyes as seen from the target, radians
+
+bool same(const View& a, const View& b) {
+  return a.width == b.width && a.height == b.height && a.projection == b.projection;
+}
+
+bool same(const ReliefStyle& a, const ReliefStyle& b) {
+  return a.painted == b.painted && a.high_contrast == b.high_contrast && a.mark_filled == b.mark_filled &&
+         a.window_world == b.window_world && a.hole_world == b.hole_world;
+}
+
+}  // namespace
+
+struct Picture::Surface {
+  View view;
+  ReliefStyle style;
+  std::uint64_t version = 0;
+  double changed_s = 0.0;
+  int supersampling = 0;  ///< of the picture that is there; 0: none
+  bool fine = false;
+  gl::Target large;     ///< as drawn, with depth
+  gl::Target resolved;  ///< one pixel each; empty when large already is
+
+  [[nodiscard]] const gl::Texture& picture() const { return supersampling == 1 ? large.colour() : resolved.colour(); }
+};
+
+struct Picture::DetailPiece {
+  int level = 0;
+  std::array<int, 4> nodes{};  ///< i0, j0, nx, ny
+  bool envelope = false;
+  std::future<ReliefData> data;
+};
+
+Picture::Picture()
+    : software_(gl::is_software()),
+      relief_program_(gl::kReliefVertex, gl::kReliefFragment),
+      backdrop_program_(gl::kWholeVertex, gl::kBackdropFragment),
+      resolve_program_(gl::kWholeVertex, gl::kResolveFragment),
+      copy_program_(gl::kWholeVertex, gl::kCopyFragment),
+      anaglyph_program_(gl::kWholeVertex, gl::kAnaglyphFragment),
+      vertex_array_(gl::make_vertex_array()),
+      hand_painter_(std::make_unique<HandPainter>()) {
+  for (auto& surface : surfaces_) surface = std::make_unique<Surface>();
+}
+
+Picture::~Picture() = default;
+
+void Picture::set_scene(pipeline::ScenePointer scene) {
+  const pipeline::SceneDescription& description = scene->description();
+  const int level = level_within(description, std::min(kWholeNodes, gl::max_texture_size()));
+  ReliefData data = prepare_relief(scene->read_level(level), level, envelope_, description.noise_m, pool_);
+  scene_ = std::move(scene);
+  stage_ = stage_of(description);
+  loading_.reset();
+  piece_.reset();
+  whole_ = std::make_unique<ReliefView>(std::move(data), stage_);
+  whole_->set_light(light_, pool_);
+  const Paint paint = paint_relief(whole_->data(), description, colour_);
+  whole_->set_paint(paint);
+  legend_ = paint.legend;
+  ++version_;
+}
+
+double Picture::height_at(double x_m, double y_m) const {
+  if (!whole_) return 0.0;
+  if (piece_) {
+    const Eigen::Vector3d world = stage_.to_world({x_m, y_m, 0.0});
+    const Box box = piece_->box_world();
+    if (world.x() > box[0] && world.y() > box[1] && world.x() < box[2] && world.y() < box[3])
+      return piece_->data().height_at(x_m, y_m);
+  }
+  return whole_->data().height_at(x_m, y_m);
+}
+
+bool Picture::any_filled() const { return whole_ && whole_->data().any_filled; }
+
+void Picture::prepare_style(const Frame& frame) {
+  const pipeline::SceneDescription& description = scene_->description();
+  // The hand feels the envelope when texture is off: show what it feels.
+  const bool envelope =
+      frame.state.tick != 0 && (frame.state.flags & haptics::kFlagTexture) == 0 && description.has_envelope;
+  if (envelope != envelope_) {
+    envelope_ = envelope;
+    set_scene(scene_);
+  }
+  const KeyLight& light = frame.settings.light;
+  if (light.azimuth_rad != light_.azimuth_rad || light.elevation_rad != light_.elevation_rad) {
+    light_ = light;
+    whole_->set_light(light_, pool_);
+    if (piece_) piece_->set_light(light_, pool_);
+    ++version_;
+  }
+  const ColourMode wanted = has_mode(description, frame.settings.colour) ? frame.settings.colour : ColourMode::relief;
+  if (wanted != colour_) {
+    colour_ = wanted;
+    const Paint paint = paint_relief(whole_->data(), description, colour_);
+    whole_->set_paint(paint);
+    legend_ = paint.legend;
+    if (piece_) piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
+    ++version_;
+  }
+}
+
+void Picture::follow_window(const Frame& frame, const Window& window) {
+  const pipeline::SceneDescription& description = scene_->description();
+  if (loading_ && loading_->data.valid()) {
+    const bool ready = frame.finished || loading_->data.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (ready) {
+      piece_ = std::make_unique<ReliefView>(loading_->data.get(), stage_);
+      piece_->set_light(light_, pool_);
+      piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
+      ++version_;
+    }
+  }
+  const int whole_level = whole_->data().level;
+  if (whole_level == 0) return;
+  // The finest level of which twice the window's width fits a piece.
+  int level = 0;
+  const double width_m = 2.0 * window.width_m;
+  while (level < whole_level && width_m / description.levels[static_cast<std::size_t>(level)].spacing_m > kPieceNodes)
+    ++level;
+  if (level == whole_level) {
+    if (piece_) ++version_;
+    piece_.reset();
+    loading_.reset();
+    return;
+  }
+  const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
+  const auto first = [&](double centre_m, double origin_m) {
+    // Snapped to 64 nodes, so that a hand that drifts does not load for ever.
+    return 64 * static_cast<int>(std::floor((centre_m - 0.5 * width_m - origin_m) / lattice.spacing_m / 64.0));
+  };
+  const int count = static_cast<int>(std::ceil(width_m / lattice.spacing_m)) + 64;
+  const int i0 = std::clamp(first(window.centre_m.x(), lattice.origin_m.x()), 0, lattice.nx - 1);
+  const int j0 = std::clamp(first(window.centre_m.y(), lattice.origin_m.y()), 0, lattice.ny - 1);
+  const std::array<int, 4> nodes{i0, j0, std::min(count, lattice.nx - i0), std::min(count, lattice.ny - j0)};
+  if (nodes[2] < 2 || nodes[3] < 2) return;
+  if (loading_ && loading_->level == level && loading_->nodes == nodes && loading_->envelope == envelope_) return;
+  if (loading_ && loading_->data.valid()) return;  // the next one when this one has come
+  loading_ = std::make_unique<DetailPiece>();
+  loading_->level = level;
+  loading_->nodes = nodes;
+  loading_->envelope = envelope_;
+  loading_->data = std::async(std::launch::async, [scene = scene_, level, nodes, envelope = envelope_,
+                                                   noise_m = description.noise_m] {
+    ThreadPool own(1);
+    return prepare_relief(scene->read(level, nodes[0], nodes[1], nodes[2], nodes[3]), level, envelope, noise_m, own);
+  });
+  if (frame.finished) follow_window(frame, window);
+}
+
+void Picture::draw_surface(Surface& surface, const View& view, ReliefStyle style, int supersampling, bool overview,
+                           const Frame& frame) {
+  const int width = view.width * supersampling, height = view.height * supersampling;
+  if (surface.large.width() != width || surface.large.height() != height)
+    surface.large = gl::Target(width, height, true, gl::Filter::nearest);
+  glBindFramebuffer(GL_FRAMEBUFFER, surface.large.framebuffer());
+  glViewport(0, 0, width, height);
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glClearDepth(1.0);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  backdrop_program_.use();
+  const bool dark = frame.settings.high_contrast;
+  const Eigen::Vector3f upper = dark ? Eigen::Vector3f(0, 0, 0) : Eigen::Vector3f(0.150F, 0.145F, 0.142F);
+  const Eigen::Vector3f lower = dark ? Eigen::Vector3f(0, 0, 0) : Eigen::Vector3f(0.075F, 0.071F, 0.068F);
+  backdrop_program_.set("upper", overview ? Eigen::Vector3f(0.6F * lower) : upper);
+  backdrop_program_.set("lower", overview ? Eigen::Vector3f(0.6F * lower) : lower);
+  glBindVertexArray(vertex_array_.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  style.supersampling = supersampling;
+  if (piece_ && !overview) {
+    ReliefStyle fine = style;
+    fine.walls = false;
+    piece_->draw(relief_program_, view, fine);
+    style.hole_world = piece_->box_world();
+  }
+  whole_->draw(relief_program_, view, style);
+  glDisable(GL_DEPTH_TEST);
+  ++redraws_;
+  surface.supersampling = supersampling;
+  if (supersampling == 1) return;
+  if (surface.resolved.width() != view.width || surface.resolved.height() != view.height)
+    surface.resolved = gl::Target(view.width, view.height, false, gl::Filter::nearest);
+  glBindFramebuffer(GL_FRAMEBUFFER, surface.resolved.framebuffer());
+  glViewport(0, 0, view.width, view.height);
+  resolve_program_.use();
+  resolve_program_.set("source", 0);
+  surface.large.colour().bind(0);
+  glBindVertexArray(vertex_array_.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Picture::refresh(Surface& surface, const View& view, const ReliefStyle& style, bool overview, const Frame& frame) {
+  const bool changed = surface.supersampling == 0 || surface.version != version_ || !same(surface.view, view) ||
+                       !same(surface.style, style);
+  if (changed) surface.changed_s = frame.time_s;
+  const bool rests = frame.finished || !software_ || overview || frame.time_s - surface.changed_s >= kRestS;
+  if (!changed && (surface.fine || !rests)) return;
+  surface.view = view;
+  surface.style = style;
+  surface.version = version_;
+  surface.fine = rests;
+  ReliefStyle used = style;
+  used.node_pixels = rests ? 1.5 : 4.0;
+  draw_surface(surface, view, used, rests ? 2 : 1, overview, frame);
+}
+
+std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& window) const {
+  if (state.tick == 0) return std::nullopt;
+  const auto vector = [](const std::array<double, 3>& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+  Hand hand;
+  hand.proxy = stage_.to_world(vector(state.proxy_m));
+  hand.hip = stage_.to_world(vector(state.hip_m));
+  if (!hand.proxy.allFinite() || !hand.hip.allFinite()) return std::nullopt;
+  const Eigen::Vector3d normal = vector(state.normal);
+  hand.contact = state.contact != 0;
+  if (normal.allFinite() && normal.norm() > 0.5) hand.normal = normal.normalized();
+  const double width = window.width_m / stage_.unit_m;
+  const Eigen::Vector3d force = vector(state.commanded_force_n);
+  if (force.allFinite()) {
+    hand.force = force * std::min(kArrowShare, 0.35 / std::max(force.norm(), 1e-9)) * width;
+    hand.strength = std::clamp(force.norm() / kStrongN, 0.0, 1.0);
+  }
+  hand.radius = kBallShare * width;
+  return hand;
+}
+
+void Picture::copy(const gl::Texture& texture, int left, int bottom) const {
+  copy_program_.use();
+  copy_program_.set("source", 0);
+  copy_program_.set("origin", Eigen::Vector2f(static_cast<float>(left), static_cast<float>(bottom)));
+  texture.bind(0);
+  glBindVertexArray(vertex_array_.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int height) {
+  if (!scene_) return;
+  prepare_style(frame);
+  const Window window = window_of(frame.state, scene_->description());
+  follow_window(frame, window);
+  const Layout layout = layout_of(width, height, frame.settings);
+
+  ReliefStyle style;
+  style.light = light_;
+  style.painted = colour_ != ColourMode::relief;
+  style.high_contrast = frame.settings.high_contrast;
+  style.mark_filled = frame.settings.mark_filled;
+  const double thick = std::max(0.035, 0.12 * (whole_->high_world() - whole_->low_world()));
+  style.floor_z = whole_->low_world() - thick;
+  ReliefStyle framed = style;
+  if (window.meant) {
+    const Eigen::Vector3d centre = stage_.to_world(window.centre_m);
+    const double half = 0.5 * window.width_m / stage_.unit_m;
+    framed.window_world = Box(centre.x() - half, centre.y() - half, centre.x() + half, centre.y() + half);
+  }
+
+  detail_view_ = make_view(frame.camera, layout.detail.width, layout.detail.height);
+  hand_ = hand_of(frame.state, window);
+  const bool stereo = frame.settings.anaglyph;
+  const int left = layout.detail.x, bottom = height - layout.detail.y - layout.detail.height;
+  const double ce = std::cos(light_.elevation_rad);
+  const Eigen::Vector3f light(static_cast<float>(ce * std::cos(light_.azimuth_rad)),
+                              static_cast<float>(ce * std::sin(light_.azimuth_rad)),
+                              static_cast<float>(std::sin(light_.elevation_rad)));
+  for (std::size_t eye = 0; eye < (stereo ? 2U : 1U); ++eye) {
+    const double shift = stereo ? (eye == 0 ? -1.0 : 1.0) * kEyeAngle * frame.camera.distance : 0.0;
+    const View view = make_view(frame.camera, layout.detail.width, layout.detail.height, shift);
+    Surface& surface = *surfaces_[eye];
+    refresh(surface, view, framed, false, frame);
+    if (stereo && (eyes_[eye].width() != view.width || eyes_[eye].height() != view.height))
+      eyes_[eye] = gl::Target(view.width, view.height, false, gl::Filter::nearest);
+    const int at_left = stereo ? 0 : left, at_bottom = stereo ? 0 : bottom;
+    glBindFramebuffer(GL_FRAMEBUFFER, stereo ? eyes_[eye].framebuffer() : framebuffer);
+    glViewport(at_left, at_bottom, view.width, view.height);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    copy(surface.picture(), at_left, at_bottom);
+    if (hand_)
+      hand_painter_->draw(*hand_, view, surface.large.depth(), surface.supersampling, at_left, at_bottom, light,
+                          layout.scale);
+  }
+  if (stereo) {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(left, bottom, layout.detail.width, layout.detail.height);
+    anaglyph_program_.use();
+    eyes_[0].colour().bind(0);
+    eyes_[1].colour().bind(1);
+    anaglyph_program_.set("left", 0);
+    anaglyph_program_.set("right", 1);
+    anaglyph_program_.set("grey", frame.settings.anaglyph_grey ? 1 : 0);
+    anaglyph_program_.set("origin", Eigen::Vector2f(static_cast<float>(left), static_cast<float>(bottom)));
+    glBindVertexArray(vertex_array_.get());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+
+  if (layout.overview.width > 0 && layout.overview.height > 0) {
+    const View view = make_view(overview_camera(scene_->description(), layout.overview), layout.overview.width,
+                                layout.overview.height);
+    style.walls = false;
+    refresh(*surfaces_[2], view, style, true, frame);
+    const int x = layout.overview.x, y = height - layout.overview.y - layout.overview.height;
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(x, y, view.width, view.height);
+    copy(surfaces_[2]->picture(), x, y);
+  }
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, width, height);
+}
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,79 @@
+// Draws stone, hand and overview of one frame; the interface's text and buttons are gui/'s.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "viewer/frame.h"
+#include "viewer/gl/objects.h"
+#include "viewer/overlay.h"
+#include "viewer/surface/relief_view.h"
+
+namespace sparsha::viewer {
+
+/// Needs a current context for its whole life. One thread.
+class Picture {
+ public:
+  Picture();
+  ~Picture();
+  Picture(const Picture&) = delete;
+  Picture& operator=(const Picture&) = delete;
+
+  /// Reads and prepares the scene. Throws Error{input} when its layers cannot be read.
+  void set_scene(pipeline::ScenePointer scene);
+  [[nodiscard]] const pipeline::ScenePointer& scene() const { return scene_; }
+
+  /// Draws detail view and overview into `framebuffer`, `width` x `height` pixels. Surfaces are drawn again only when
+  /// camera or data changed since the last call.
+  void draw(const Frame& frame, unsigned framebuffer, int width, int height);
+
+  /// Height of the drawn surface, grid frame.
+  [[nodiscard]] double height_at(double x_m, double y_m) const;
+  [[nodiscard]] const Legend& legend() const { return legend_; }
+  [[nodiscard]] bool any_filled() const;
+  /// The detail view of the last draw() in its rectangle (middle of both eyes).
+  [[nodiscard]] const View& detail_view() const { return detail_view_; }
+  [[nodiscard]] const Stage& stage() const { return stage_; }
+  /// How often surfaces have been drawn; for tests of the cache.
+  [[nodiscard]] int surface_redraws() const { return redraws_; }
+  /// The hand of the last draw(), or nothing.
+  [[nodiscard]] const std::optional<Hand>& hand() const { return hand_; }
+
+ private:
+  struct Surface;      // a cached picture of the stone from one eye
+  struct DetailPiece;  // a finer piece around the window, read by a worker
+
+  void prepare_style(const Frame& frame);
+  void follow_window(const Frame& frame, const Window& window);
+  void refresh(Surface& surface, const View& view, const ReliefStyle& style, bool overview, const Frame& frame);
+  void draw_surface(Surface& surface, const View& view, ReliefStyle style, int supersampling, bool overview,
+                    const Frame& frame);
+  void copy(const gl::Texture& texture, int left, int bottom) const;
+  [[nodiscard]] std::optional<Hand> hand_of(const haptics::State& state, const Window& window) const;
+
+  pipeline::ScenePointer scene_;
+  Stage stage_;
+  ThreadPool pool_;
+  bool software_ = false;
+  int redraws_ = 0;
+  std::uint64_t version_ = 0;  ///< counts changes of data, light and paint
+  std::uint64_t previous_surface_id_ = 0;
+
+  gl::Program relief_program_, backdrop_program_, resolve_program_, copy_program_, anaglyph_program_;
+  gl::Name vertex_array_;
+  std::unique_ptr<HandPainter> hand_painter_;
+  std::unique_ptr<ReliefView> whole_;
+  std::unique_ptr<ReliefView> piece_;
+  std::unique_ptr<DetailPiece> loading_;
+  KeyLight light_;
+  ColourMode colour_ = ColourMode::relief;
+  bool envelope_ = false;
+  Legend legend_;
+  std::array<std::unique_ptr<Surface>, 3> surfaces_;  ///< one or left eye, right eye, overview
+  std::array<gl::Target, 2> eyes_;
+  View detail_view_;
+  std::optional<Hand> hand_;
+};
+
+}  // namespace sparsha::viewer

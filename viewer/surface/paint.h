@@ -1,0 +1,41 @@
+// Colour modes: a colour for every node and the legend that explains it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "viewer/surface/colour_maps.h"
+#include "viewer/surface/relief_data.h"
+
+namespace sparsha::viewer {
+
+using ColourMode = pipeline::ViewerConfig::Colour;
+
+/// What the colours mean; `unit` is the symbol after the numbers.
+struct Legend {
+  std::string title;
+  std::string unit;
+  ColourMap map = ColourMap::sequential;
+  double low = 0.0;  ///< in `unit`
+  double high = 1.0;
+  bool scale = false;  ///< a colour bar is meant; false: only the title
+};
+
+/// sRGB colour and, as alpha, whether there is one: four bytes a node. Empty for ColourMode::relief.
+struct Paint {
+  std::vector<std::uint8_t> rgba;
+  Legend legend;
+};
+
+/// True when the scene has what the mode shows.
+[[nodiscard]] bool has_mode(const pipeline::SceneDescription& description, ColourMode mode);
+/// `title` of a mode in the interface, e.g. "Height".
+[[nodiscard]] const char* name_of(ColourMode mode);
+/// The next mode after `mode` that the scene has.
+[[nodiscard]] ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode);
+/// `legend`: the range to use instead of the piece's own, so that pieces of one scene agree.
+[[nodiscard]] Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& description,
+                                 ColourMode mode, const Legend* legend = nullptr);
+
+}  // namespace sparsha::viewer

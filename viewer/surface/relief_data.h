@@ -1,0 +1,47 @@
+// What the graphics card is given of a piece of a scene: heights, slopes, baked light and tones, one value a node.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::viewer {
+
+/// Where the key light comes from, grid frame.
+struct KeyLight {
+  double azimuth_rad = 2.35619449019234493;  ///< from +x towards +y: 135 degrees is the upper left
+  double elevation_rad = 0.52;               ///< above the lattice; low, so that it rakes
+};
+
+/// A piece of one level, ready to draw. Vectors hold lattice.count() nodes, row 0 at the bottom.
+struct ReliefData {
+  pipeline::Lattice lattice;
+  int level = 0;
+  pipeline::Layers layers;         ///< as read
+  bool envelope = false;           ///< heights are the envelope's (texture switched off)
+  std::vector<float> height_m;     ///< relative to lattice.origin_m.z; unknown nodes continued smoothly
+  std::vector<float> slope;        ///< dz/dx and dz/dy of each node, interleaved
+  std::vector<std::uint8_t> tone;  ///< four bytes a node: sky light, curvature (128 flat), known, filled
+  double rms_slope = 0.0;
+  double height_min_m = 0.0;  ///< grid frame, of known nodes
+  double height_max_m = 0.0;
+  bool any_filled = false;
+
+  /// Height of the drawn surface at (x, y) of the grid frame, grid frame; clamped to the lattice.
+  [[nodiscard]] double height_at(double x_m, double y_m) const;
+};
+
+/// Reads nothing; all work is on `layers`. `noise_m` keeps noise from being drawn as form. Cost: about 0.2 us a node
+/// and thread.
+[[nodiscard]] ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, double noise_m,
+                                        ThreadPool& pool);
+
+/// The key light's share at each node, 0 to 255.
+[[nodiscard]] std::vector<std::uint8_t> bake_shadow(const ReliefData& relief, const KeyLight& light, ThreadPool& pool);
+
+/// The finest level of which no side exceeds `limit` nodes, or the coarsest.
+[[nodiscard]] int level_within(const pipeline::SceneDescription& description, int limit);
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,169 @@
+// The lattice is drawn in chunks of 64 x 64 cells that share one index buffer; positions come from a texture.
+#include "viewer/surface/relief_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <epoxy/gl.h>
+#include <Eigen/Geometry>
+
+namespace sparsha::viewer {
+namespace {
+
+constexpr int kCells = 64;
+constexpr int kSide = kCells + 1;
+constexpr std::uint16_t kRestart = 0xFFFF;
+
+std::vector<std::uint16_t> chunk_indices() {
+  std::vector<std::uint16_t> indices;
+  for (int j = 0; j < kCells; ++j) {
+    for (int i = 0; i < kSide; ++i) {
+      indices.push_back(static_cast<std::uint16_t>((j + 1) * kSide + i));
+      indices.push_back(static_cast<std::uint16_t>(j * kSide + i));
+    }
+    indices.push_back(kRestart);
+  }
+  return indices;
+}
+
+/// True when the box surely lies outside one side of what the camera sees.
+bool outside(const View& view, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  std::array<int, 5> out{};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d p((corner & 1) != 0 ? high.x() : low.x(), (corner & 2) != 0 ? high.y() : low.y(),
+                            (corner & 4) != 0 ? high.z() : low.z());
+    const Eigen::Vector4d c = view.projection * p.homogeneous();
+    out[0] += c.x() < -c.w() ? 1 : 0;
+    out[1] += c.x() > c.w() ? 1 : 0;
+    out[2] += c.y() < -c.w() ? 1 : 0;
+    out[3] += c.y() > c.w() ? 1 : 0;
+    out[4] += c.z() < -c.w() ? 1 : 0;
+  }
+  return std::ranges::any_of(out, [](int count) { return count == 8; });
+}
+
+}  // namespace
+
+ReliefView::ReliefView(ReliefData data, const Stage& stage) : data_(std::move(data)), stage_(stage) {
+  const pipeline::Lattice& lattice = data_.lattice;
+  const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
+  const double spacing = lattice.spacing_m / stage_.unit_m;
+  box_ = Box(low.x(), low.y(), low.x() + (lattice.nx - 1) * spacing, low.y() + (lattice.ny - 1) * spacing);
+  const auto [least, most] = std::ranges::minmax(data_.height_m);
+  reach_low_ = low.z() + least / stage_.unit_m;
+  reach_high_ = low.z() + most / stage_.unit_m;
+
+  using gl::Filter, gl::Format;
+  heights_ = gl::Texture(lattice.nx, lattice.ny, Format::r32f, Filter::nearest, data_.height_m.data());
+  slopes_ = gl::Texture(lattice.nx, lattice.ny, Format::rg16f, Filter::mipmap, data_.slope.data());
+  tones_ = gl::Texture(lattice.nx, lattice.ny, Format::rgba8, Filter::mipmap, data_.tone.data());
+  const std::vector<std::uint8_t> lit(lattice.count(), 255);
+  shadows_ = gl::Texture(lattice.nx, lattice.ny, Format::r8, Filter::mipmap, lit.data());
+  const std::array<std::uint8_t, 4> none{};
+  paint_ = gl::Texture(1, 1, Format::srgb8, Filter::mipmap, none.data());
+  data_.slope = {};
+  data_.tone = {};
+
+  vertex_array_ = gl::make_vertex_array();
+  indices_ = gl::make_buffer();
+  const std::vector<std::uint16_t> indices = chunk_indices();
+  glBindVertexArray(vertex_array_.get());
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(indices[0])), indices.data(),
+               GL_STATIC_DRAW);
+  glBindVertexArray(0);
+}
+
+void ReliefView::set_light(const KeyLight& light, ThreadPool& pool) {
+  shadows_.upload(bake_shadow(data_, light, pool).data());
+}
+
+void ReliefView::set_paint(const Paint& paint) {
+  if (paint.rgba.empty()) return;
+  if (paint_.width() != data_.lattice.nx || paint_.height() != data_.lattice.ny)
+    paint_ = gl::Texture(data_.lattice.nx, data_.lattice.ny, gl::Format::srgb8, gl::Filter::mipmap, paint.rgba.data());
+  else
+    paint_.upload(paint.rgba.data());
+}
+
+double ReliefView::low_world() const { return (data_.height_min_m - stage_.anchor_m.z()) / stage_.unit_m; }
+double ReliefView::high_world() const { return (data_.height_max_m - stage_.anchor_m.z()) / stage_.unit_m; }
+
+void ReliefView::draw_chunks(const gl::Program& program, const View& view, int stride) const {
+  const pipeline::Lattice& lattice = data_.lattice;
+  const double spacing = lattice.spacing_m / stage_.unit_m;
+  const std::vector<std::uint16_t>::size_type count = (2 * kSide + 1) * kCells;
+  const int chunks_x = (lattice.nx - 1 + kCells * stride - 1) / (kCells * stride);
+  const int chunks_y = (lattice.ny - 1 + kCells * stride - 1) / (kCells * stride);
+  for (int cj = 0; cj < chunks_y; ++cj)
+    for (int ci = 0; ci < chunks_x; ++ci) {
+      const double x0 = box_[0] + ci * kCells * stride * spacing, y0 = box_[1] + cj * kCells * stride * spacing;
+      const double reach = kCells * stride * spacing;
+      if (outside(view, {x0, y0, reach_low_}, {x0 + reach, y0 + reach, reach_high_})) continue;
+      const std::array<int, 2> chunk{ci * kCells, cj * kCells};
+      program.set_pair("chunk", chunk[0], chunk[1]);
+      glDrawElements(GL_TRIANGLE_STRIP, static_cast<GLsizei>(count), GL_UNSIGNED_SHORT, nullptr);
+    }
+}
+
+void ReliefView::draw(const gl::Program& program, const View& view, const ReliefStyle& style) const {
+  const pipeline::Lattice& lattice = data_.lattice;
+  const double spacing = lattice.spacing_m / stage_.unit_m;
+  const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
+  program.use();
+  heights_.bind(0);
+  slopes_.bind(1);
+  tones_.bind(2);
+  shadows_.bind(3);
+  paint_.bind(4);
+  program.set("heights", 0);
+  program.set("slopes", 1);
+  program.set("tones", 2);
+  program.set("shadows", 3);
+  program.set("paint", 4);
+  program.set_pair("nodes", lattice.nx, lattice.ny);
+  program.set("side", kSide);
+  program.set("corner", Eigen::Vector2f(static_cast<float>(low.x()), static_cast<float>(low.y())));
+  program.set("spacing", static_cast<float>(spacing));
+  program.set("rise", Eigen::Vector2f(static_cast<float>(low.z()), static_cast<float>(1.0 / stage_.unit_m)));
+  program.set("floor_z", static_cast<float>(style.floor_z));
+  program.set("projection", Eigen::Matrix4f(view.projection.cast<float>()));
+  program.set("painted", style.painted ? 1 : 0);
+  program.set("plain", style.high_contrast ? 1 : 0);
+  program.set("mark_filled", style.mark_filled ? 1 : 0);
+  program.set("pixel", static_cast<float>(style.supersampling));
+  const double ce = std::cos(style.light.elevation_rad);
+  program.set("light", Eigen::Vector3f(static_cast<float>(ce * std::cos(style.light.azimuth_rad)),
+                                       static_cast<float>(ce * std::sin(style.light.azimuth_rad)),
+                                       static_cast<float>(std::sin(style.light.elevation_rad))));
+  program.set("relief_gain", static_cast<float>(std::clamp(0.22 / std::max(data_.rms_slope, 1e-9), 1.0, 3.0)));
+  program.set("ground",
+              style.high_contrast ? Eigen::Vector3f(0.0F, 0.0F, 0.0F) : Eigen::Vector3f(0.020F, 0.019F, 0.018F));
+  const Box none = Box::Zero();
+  program.set("has_window", style.window_world ? 1 : 0);
+  program.set("window", Eigen::Vector4f(style.window_world.value_or(none).cast<float>()));
+  program.set("has_hole", style.hole_world ? 1 : 0);
+  program.set("hole", Eigen::Vector4f(style.hole_world.value_or(none).cast<float>()));
+
+  // A vertex every few pixels at the middle of the picture is enough: forms between them are in the slopes.
+  const double pixels = view.pixels_per_unit(view.focus) * spacing;
+  const int stride = std::clamp(static_cast<int>(style.node_pixels / std::max(pixels, 1e-9)), 1, 64);
+
+  glBindVertexArray(vertex_array_.get());
+  glEnable(GL_PRIMITIVE_RESTART);
+  glPrimitiveRestartIndex(kRestart);
+  program.set("stride", stride);
+  program.set("wall", 0);
+  draw_chunks(program, view, stride);
+  glDisable(GL_PRIMITIVE_RESTART);
+  if (style.walls) {
+    program.set("wall", 1);
+    const int cells_x = (lattice.nx - 1 + stride - 1) / stride, cells_y = (lattice.ny - 1 + stride - 1) / stride;
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 2 * (2 * (cells_x + cells_y) + 4));
+  }
+  glBindVertexArray(0);
+}
+
+}  // namespace sparsha::viewer

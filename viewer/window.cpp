@@ -1,0 +1,252 @@
+// The window: GLFW's events to the controller, the controller's frames to the screen.
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+#include <backends/imgui_impl_glfw.h>
+#include <epoxy/gl.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include "pipeline/base/error.h"
+#include "viewer/controller.h"
+#include "viewer/gui/gui.h"
+#include "viewer/picture.h"
+
+namespace sparsha::viewer {
+namespace {
+
+std::string last_glfw_error() {
+  const char* words = nullptr;
+  glfwGetError(&words);
+  return words != nullptr ? words : "no reason given";
+}
+
+Error no_window(const std::string& why) {
+  return Error(ErrorKind::failure, {}, "no window can be opened: " + why,
+               "a display with OpenGL 3.3, or --headless with --screenshot");
+}
+
+/// GLFW between construction and destruction.
+struct Library {
+  Library() {
+    if (glfwInit() != GLFW_TRUE) throw no_window(last_glfw_error());
+  }
+  ~Library() { glfwTerminate(); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+};
+
+/// What the callbacks reach through the window's user pointer. Positions are in framebuffer pixels.
+struct Inputs {
+  Controller* controller = nullptr;
+  Picture* picture = nullptr;
+  Gui* gui = nullptr;
+  int width = 1, height = 1;
+  double pixel_ratio = 1.0;
+};
+
+Inputs& inputs_of(GLFWwindow* window) { return *static_cast<Inputs*>(glfwGetWindowUserPointer(window)); }
+
+int modifiers_of(int mods) {
+  return ((mods & GLFW_MOD_SHIFT) != 0 ? kShift : 0) | ((mods & GLFW_MOD_CONTROL) != 0 ? kControl : 0);
+}
+
+/// The key by the name that this keyboard's layout gives it; 0 for keys without a meaning here.
+int key_of(int glfw_key, int scancode) {
+  switch (glfw_key) {
+    case GLFW_KEY_LEFT:
+      return key::kLeft;
+    case GLFW_KEY_RIGHT:
+      return key::kRight;
+    case GLFW_KEY_UP:
+      return key::kUp;
+    case GLFW_KEY_DOWN:
+      return key::kDown;
+    case GLFW_KEY_PAGE_UP:
+      return key::kPageUp;
+    case GLFW_KEY_PAGE_DOWN:
+      return key::kPageDown;
+    case GLFW_KEY_HOME:
+      return key::kHome;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return key::kEnter;
+    case GLFW_KEY_ESCAPE:
+      return key::kEscape;
+    case GLFW_KEY_TAB:
+      return key::kTab;
+    case GLFW_KEY_F1:
+      return key::kF1;
+    case GLFW_KEY_SPACE:
+      return ' ';
+    case GLFW_KEY_KP_ADD:
+      return '+';
+    case GLFW_KEY_KP_SUBTRACT:
+      return '-';
+    default:
+      break;
+  }
+  const char* name = glfwGetKeyName(glfw_key, scancode);
+  if (name != nullptr && name[0] != '\0' && name[1] == '\0') return std::toupper(static_cast<unsigned char>(name[0]));
+  return glfw_key >= GLFW_KEY_A && glfw_key <= GLFW_KEY_Z ? 'A' + glfw_key - GLFW_KEY_A : 0;
+}
+
+void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods) {
+  if (event == GLFW_RELEASE) return;
+  const int key = key_of(glfw_key, scancode);
+  if (key != 0) inputs_of(window).controller->press({key, modifiers_of(mods), event == GLFW_REPEAT});
+}
+
+void on_move(GLFWwindow* window, double x, double y) {
+  Inputs& in = inputs_of(window);
+  in.controller->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio,
+                            layout_of(in.width, in.height, in.controller->settings()), in.picture->detail_view(),
+                            in.picture->stage(), [&](double u, double v) { return in.picture->height_at(u, v); });
+}
+
+void on_button(GLFWwindow* window, int button, int event, int mods) {
+  Inputs& in = inputs_of(window);
+  if (event == GLFW_PRESS && in.gui->wants_mouse()) return;
+  in.controller->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
+}
+
+void on_scroll(GLFWwindow* window, double /*x*/, double y) {
+  int mods = 0;
+  if (glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
+      glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS)
+    mods |= kControl;
+  inputs_of(window).controller->mouse_wheel(y, mods);
+}
+
+/// ImGui's share of the events; callbacks set before it are still called.
+struct GuiInput {
+  explicit GuiInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForOpenGL(window, true); }
+  ~GuiInput() { ImGui_ImplGlfw_Shutdown(); }
+  GuiInput(const GuiInput&) = delete;
+  GuiInput& operator=(const GuiInput&) = delete;
+
+  void begin_frame(double pixel_ratio) const {
+    ImGui_ImplGlfw_NewFrame();
+    // The interface is laid out in framebuffer pixels.
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplayFramebufferScale = ImVec2(1.0F, 1.0F);
+    io.MousePos.x *= static_cast<float>(pixel_ratio);
+    io.MousePos.y *= static_cast<float>(pixel_ratio);
+  }
+};
+
+struct WindowHandle {
+  GLFWwindow* handle = nullptr;
+  ~WindowHandle() {
+    if (handle != nullptr) glfwDestroyWindow(handle);
+  }
+};
+
+void open(WindowHandle& window, const ViewerOptions& options) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  int width = options.width, height = options.height;
+  GLFWmonitor* monitor = nullptr;
+  if (options.kiosk) {
+    monitor = glfwGetPrimaryMonitor();
+    if (const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr) {
+      width = mode->width;
+      height = mode->height;
+    }
+  }
+  window.handle = glfwCreateWindow(width, height, "Sparsha", monitor, nullptr);
+  if (window.handle == nullptr) throw no_window(last_glfw_error());
+  glfwMakeContextCurrent(window.handle);
+  glfwSwapInterval(1);
+}
+
+}  // namespace
+
+bool display_available() {
+#ifdef __linux__
+  const auto set = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+  };
+  // Without either name no connection is tried at all.
+  if (!set("DISPLAY") && !set("WAYLAND_DISPLAY")) return false;
+#endif
+  if (glfwInit() != GLFW_TRUE) return false;
+  glfwTerminate();
+  return true;
+}
+
+void run_window(const Connections& connections, const ViewerOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const Library library;
+  WindowHandle window;
+  open(window, options);
+
+  const pipeline::ScenePointer first = connections.scene();
+  ViewSettings settings;
+  settings.kiosk = options.kiosk;
+  settings.colour = first->description().config.viewer.colour;
+  settings.anaglyph = first->description().config.viewer.stereo == pipeline::ViewerConfig::Stereo::anaglyph;
+  Controller controller(connections, settings);
+  Picture picture;
+  Gui gui;
+  Inputs inputs{&controller, &picture, &gui};
+  glfwSetWindowUserPointer(window.handle, &inputs);
+  glfwSetKeyCallback(window.handle, on_key);
+  glfwSetCursorPosCallback(window.handle, on_move);
+  glfwSetMouseButtonCallback(window.handle, on_button);
+  glfwSetScrollCallback(window.handle, on_scroll);
+  const GuiInput gui_input(window.handle);
+
+  const auto began = Clock::now();
+  const auto height_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
+  double before_s = 0.0;
+  while (glfwWindowShouldClose(window.handle) == GLFW_FALSE && !controller.wants_to_leave()) {
+    constexpr double kFrameS = 1.0 / 60.0;
+    if (connections.poll) connections.poll();
+    if (connections.finished && connections.finished()) break;
+    if (pipeline::ScenePointer scene = connections.scene(); scene != picture.scene()) {
+      picture.set_scene(scene);
+      controller.set_scene(std::move(scene));
+    }
+    int window_width = 1, window_height = 1;
+    glfwGetWindowSize(window.handle, &window_width, &window_height);
+    glfwGetFramebufferSize(window.handle, &inputs.width, &inputs.height);
+    inputs.pixel_ratio = window_width > 0 ? static_cast<double>(inputs.width) / window_width : 1.0;
+    const double now_s = std::chrono::duration<double>(Clock::now() - began).count();
+    const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
+    controller.update(now_s, state, inputs.width, inputs.height, height_at);
+    controller.frame().finished = false;
+    if (inputs.width > 0 && inputs.height > 0) {
+      picture.draw(controller.frame(), 0, inputs.width, inputs.height);
+      gui_input.begin_frame(inputs.pixel_ratio);
+      for (const Action action :
+           gui.draw(controller.frame(), controller.buttons(), picture, inputs.width, inputs.height, now_s - before_s))
+        controller.act(action);
+      glfwSwapBuffers(window.handle);
+    }
+    before_s = now_s;
+    // Drivers without a vertical blank do not wait in the swap.
+    glfwPollEvents();
+    for (;;) {
+      const double left_s = now_s + kFrameS - std::chrono::duration<double>(Clock::now() - began).count();
+      if (left_s < 0.001) break;
+      glfwWaitEventsTimeout(left_s);
+    }
+  }
+  if (!controller.wants_to_leave() && connections.requests != nullptr)
+    connections.requests->post({haptics::Request::Kind::quit});
+  if (connections.poll) connections.poll();
+}
+
+}  // namespace sparsha::viewer
