@@ -102,7 +102,7 @@ std::optional<HeightCaster::Hit> HeightCaster::cast(const Eigen::Vector3d& origi
                                                     const Eigen::Vector3d& direction) const {
   // The part of the beam over the domain and under the highest point.
   double begin = std::max(0.0, (highest_m() - origin.z()) / direction.z());
-  double end = (lowest_m_ - origin.z()) / direction.z();
+  double end = std::numeric_limits<double>::infinity();
   const std::array<double, 2> sizes{width_m_, length_m_};
   for (int axis = 0; axis < 2; ++axis) {
     const double d = direction[axis];
@@ -122,6 +122,7 @@ std::optional<HeightCaster::Hit> HeightCaster::cast(const Eigen::Vector3d& origi
   if (z_at(begin) < height_(origin.x() + begin * direction.x(), origin.y() + begin * direction.y())) {
     return Hit{begin, true};
   }
+  end = std::min(end, (lowest_m_ - origin.z()) / direction.z());
   double t = begin;
   int level = static_cast<int>(levels_.size()) - 1;
   const double nudge = 1e-7 * cell_m_;  // past a border, so that the next square is found
