@@ -1,0 +1,226 @@
+// sparsha explore SCENE|CONFIG|SCAN: touch, see and hear.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "app/commands.h"
+#include "app/device_choice.h"
+#include "app/inputs.h"
+#include "app/run_summary.h"
+#include "app/study.h"
+#include "app/terminal.h"
+#include "audio/engine.h"
+#include "audio/speech/speech.h"
+#include "haptics/session/session.h"
+#include "pipeline/base/error.h"
+#include "viewer/viewer.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Arguments {
+  std::string scene;
+  std::string device = "auto";
+  bool headless = false;
+  double duration_s = 0.0;
+  std::string record;
+  std::string screenshot;
+  std::string audio_out;
+  bool no_texture = false;
+  bool no_friction = false;
+  bool speech = false;
+  bool kiosk = false;
+  std::string study;
+};
+
+// A new depth scan from another side, on a worker; the finished scene goes to the session.
+class Rescan {
+ public:
+  explicit Rescan(haptics::Session& session) : session_(session) {}
+  ~Rescan() {
+    if (!result_.valid()) return;
+    progress_.cancel();
+    result_.wait();
+  }
+  Rescan(const Rescan&) = delete;
+  Rescan& operator=(const Rescan&) = delete;
+
+  void start(const Eigen::Matrix4d& scan_to_grid) {
+    if (result_.valid()) {
+      session_.announcements().say("A depth scan is already running");
+      return;
+    }
+    pipeline::Config config = session_.scene()->description().config;
+    std::error_code code;
+    for (const pipeline::ScanConfig& scan : config.scans) {
+      if (fs::is_regular_file(scan.file, code)) continue;
+      session_.announcements().say("No new depth scan: " + scan.file.filename().string() + " is not there any more",
+                                   haptics::Announcement::Priority::warning);
+      return;
+    }
+    config.orientation.scan_to_grid = scan_to_grid;
+    config.grid.bounds_m.reset();
+    session_.announcements().say("New depth scan");
+    result_ =
+        std::async(std::launch::async, [this, config] { return pipeline::build_scene(config, {}, progress_).scene; });
+  }
+
+  // Takes a finished scene to the session.
+  void poll() {
+    if (!result_.valid() || result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    try {
+      session_.set_scene(result_.get());
+    } catch (const Error& error) {
+      session_.announcements().say("No new depth scan: " + error.wrong(), haptics::Announcement::Priority::warning);
+    }
+  }
+
+ private:
+  haptics::Session& session_;
+  Progress progress_;
+  std::future<pipeline::ScenePointer> result_;
+};
+
+// Remembers the last moment in contact, so that a picture taken after the run shows the touch.
+struct LastTouch {
+  haptics::State state;
+  void see(const haptics::State& now) {
+    if (now.contact == 1 || state.contact == 0) state = now;
+  }
+};
+
+void check_output_folder(const std::string& file, const char* option) {
+  if (file.empty()) return;
+  const fs::path folder = fs::path(file).parent_path();
+  std::error_code code;
+  if (!folder.empty() && !fs::is_directory(folder, code)) {
+    throw usage_error(fmt::format("{} {}: the folder does not exist", option, file), "an existing folder");
+  }
+}
+
+void check_arguments(const Arguments& arguments) {
+  check_output_folder(arguments.record, "--record");
+  check_output_folder(arguments.screenshot, "--screenshot");
+  check_output_folder(arguments.audio_out, "--audio-out");
+  check_study_name(arguments.study);
+}
+
+// Explores until the device, the user or the clock ends it.
+int run_explore(const Arguments& arguments, const CommonOptions& common) {
+  check_arguments(arguments);
+  Terminal terminal(common);
+  const bool window = !arguments.headless && viewer::display_available();
+  if (!arguments.headless && !window && arguments.device != "auto") {
+    terminal.message("no display: running without a window");
+  }
+  ChosenDevice chosen = choose_device(arguments.device, window, arguments.duration_s);
+  const pipeline::ScenePointer scene = scene_from(arguments.scene, terminal.progress());
+  const pipeline::Config& config = scene->description().config;
+
+  haptics::SessionOptions options;
+  options.haptics = config.haptics;
+  options.texture = !arguments.no_texture;
+  options.friction = !arguments.no_friction;
+  options.record = arguments.record;
+  haptics::Session session(scene, std::move(chosen.device), options);
+
+  std::unique_ptr<audio::Engine> engine;
+  if (config.audio || !arguments.audio_out.empty()) {
+    audio::EngineOptions audio_options;
+    audio_options.wav = arguments.audio_out;
+    audio_options.live = config.audio && !arguments.headless;
+    engine = std::make_unique<audio::Engine>(scene, session.add_contact_consumer(), session.state(), audio_options);
+  }
+  std::optional<audio::Speech> speech;
+  if (arguments.speech) {
+    speech.emplace();
+    if (!speech->available()) terminal.message("warning: no speech program is installed (espeak-ng)");
+  }
+
+  Rescan rescan(session);
+  LastTouch touch;
+  std::uint64_t heard = 0;
+  const auto began = std::chrono::steady_clock::now();
+  const auto over = [&] {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
+    return interrupted() || session.finished() ||
+           (arguments.duration_s > 0.0 && elapsed.count() >= arguments.duration_s);
+  };
+  const auto poll = [&] {
+    session.poll();
+    rescan.poll();
+    touch.see(session.state().read());
+    for (const haptics::Announcement& announcement : session.announcements().since(heard)) {
+      heard = announcement.sequence;
+      if (speech) speech->say(announcement);
+      if (announcement.priority != haptics::Announcement::Priority::information) {
+        terminal.message("warning: " + announcement.text);
+      }
+    }
+  };
+
+  session.start();
+  if (engine) engine->start();
+  if (engine && !engine->warning().empty()) terminal.message("warning: " + engine->warning());
+  if (window) {
+    viewer::Connections connections;
+    connections.state = &session.state();
+    connections.requests = &session.requests();
+    connections.announcements = &session.announcements();
+    connections.pointer = chosen.pointer;
+    connections.poll = poll;
+    connections.finished = over;
+    connections.scene = [&session] { return session.scene(); };
+    connections.rescan = [&rescan](const Eigen::Matrix4d& scan_to_grid) { rescan.start(scan_to_grid); };
+    viewer::ViewerOptions viewer_options;
+    viewer_options.kiosk = arguments.kiosk;
+    viewer::run_window(connections, viewer_options);
+  } else {
+    while (!over()) {
+      poll();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  const haptics::SessionSummary summary = session.stop();
+  if (engine) engine->stop();
+  if (!arguments.screenshot.empty()) {
+    viewer::write_screenshot(session.scene(), touch.state, config.viewer, arguments.screenshot);
+  }
+  const std::uint64_t strikes = engine ? engine->strikes() : 0;
+  if (!arguments.study.empty()) append_study(arguments.study, summary, ask_realism());
+  print(common.json ? summary_json(summary, strikes) : summary_text(summary, strikes));
+  return 0;
+}
+
+}  // namespace
+
+void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("explore", "Touch, see and hear a scene");
+  command->add_option("scene", arguments->scene, "scene folder, configuration or scan")->required();
+  command->add_option("--device", arguments->device, "auto | falcon | pointer | simulated | playback:FILE")
+      ->capture_default_str();
+  command->add_flag("--headless", arguments->headless, "no window");
+  command->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
+      ->check(CLI::Range(0.001, 1e7));
+  command->add_option("--record", arguments->record, "run.csv, one row a tick");
+  command->add_option("--screenshot", arguments->screenshot, "view.png, 1280x720, the last touch of the run");
+  command->add_option("--audio-out", arguments->audio_out, "run.wav, its start is t_s = 0");
+  command->add_flag("--no-texture", arguments->no_texture, "render the envelope, without surface effects");
+  command->add_flag("--no-friction", arguments->no_friction, "render without friction");
+  command->add_flag("--speech", arguments->speech, "speak announcements");
+  command->add_flag("--kiosk", arguments->kiosk, "full screen, for exhibitions");
+  command->add_option("--study", arguments->study, "append the session and the visitor's rating to NAME.csv");
+  command->callback(
+      [arguments, &common, &run] { run = [arguments, &common] { return run_explore(*arguments, common); }; });
+}
+
+}  // namespace sparsha::app

@@ -1,0 +1,152 @@
+// sparsha trace SCENE --hip path.csv --out trace.csv: a path of the hand in, proxy and force out, offline.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/inputs.h"
+#include "app/results.h"
+#include "app/terminal.h"
+#include "haptics/contact/trace.h"
+#include "pipeline/base/error.h"
+
+namespace sparsha::app {
+
+namespace {
+
+struct Arguments {
+  std::string scene;
+  std::string hip;
+  std::string out;
+  std::string solver;
+  std::string frame = "grid";
+  int level = -1;
+  std::vector<double> centre;
+  bool no_texture = false;
+  bool no_friction = false;
+  double rho = 0.5;
+  int iterations = 100;
+};
+
+// The device's workspace when a window is asked for, metres: a window then has the scale it has on a device.
+constexpr double kWorkspaceWidth = 0.1;
+
+std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scene& scene, const Arguments& arguments) {
+  const pipeline::SceneDescription& description = scene.description();
+  haptics::SurfaceOptions options;
+  options.texture = !arguments.no_texture;
+  options.friction = !arguments.no_friction;
+  if (arguments.level < 0 && arguments.centre.empty()) {
+    return haptics::make_surface(description, scene.read_level(0), 0, 1.0, options);
+  }
+  const int level = std::max(arguments.level, 0);
+  const auto count = static_cast<int>(description.levels.size());
+  if (level >= count) {
+    throw usage_error(fmt::format("the scene has no level {}", level), fmt::format("0 to {}", count - 1));
+  }
+  const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
+  const int nodes = description.config.levels.window;
+  const auto first = [&](double centre, double origin, int size) {
+    const double middle = (centre - origin) / lattice.spacing_m;
+    if (!(std::abs(middle) < 1e8)) throw usage_error("the centre lies far outside the scene", "a point of the scene");
+    return static_cast<int>(std::lround(middle - 0.5 * (std::min(nodes, size) - 1)));
+  };
+  double x = lattice.origin_m.x() + 0.5 * (lattice.nx - 1) * lattice.spacing_m;
+  double y = lattice.origin_m.y() + 0.5 * (lattice.ny - 1) * lattice.spacing_m;
+  if (!arguments.centre.empty()) {
+    x = arguments.centre[0];
+    y = arguments.centre[1];
+  }
+  const int nx = std::min(nodes, lattice.nx);
+  const int ny = std::min(nodes, lattice.ny);
+  const int i0 = first(x, lattice.origin_m.x(), lattice.nx);
+  const int j0 = first(y, lattice.origin_m.y(), lattice.ny);
+  const double width = (std::max(nx, ny) - 1) * lattice.spacing_m;
+  return haptics::make_surface(description, scene.read(level, i0, j0, nx, ny), level, kWorkspaceWidth / width, options);
+}
+
+void to_grid_frame(std::vector<haptics::HipSample>& path, const Arguments& arguments,
+                   const pipeline::SceneDescription& scene, const haptics::MongeSurface& surface) {
+  if (arguments.frame == "grid") return;
+  const Eigen::Matrix4d grid_from_scan = scene.scan_from_grid.inverse();
+  for (haptics::HipSample& sample : path) {
+    if (arguments.frame == "scan") {
+      sample.position_m = (grid_from_scan * sample.position_m.homogeneous()).head<3>();
+    } else {
+      sample.position_m = sample.position_m / surface.scale + surface.centre_m;
+    }
+  }
+}
+
+nlohmann::ordered_json summary_json(const haptics::TraceSummary& s) {
+  return {{"updates", s.updates},
+          {"contacts", s.contacts},
+          {"ns",
+           {{"p50", s.ns_p50},
+            {"p99", s.ns_p99},
+            {"p999", s.ns_p999},
+            {"max", s.ns_max},
+            {"mean", s.ns_mean},
+            {"timer_overhead", s.timer_overhead_ns}}},
+          {"residual_cells", {{"p99", s.residual_cells_p99}, {"max", s.residual_cells_max}}},
+          {"below_surface", s.below_surface},
+          {"not_a_number", s.not_a_number},
+          {"unfinished", s.unfinished}};
+}
+
+int run_trace(const Arguments& arguments, const CommonOptions& common) {
+  Terminal terminal(common);
+  const pipeline::ScenePointer scene = scene_from(arguments.scene, terminal.progress());
+  const auto surface = traced_surface(*scene, arguments);
+  std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
+  to_grid_frame(path, arguments, scene->description(), *surface);
+  pipeline::HapticsConfig haptics = scene->description().config.haptics;
+  if (arguments.solver == "exact") haptics.solver = pipeline::HapticsConfig::Solver::exact;
+  if (arguments.solver == "paper") haptics.solver = pipeline::HapticsConfig::Solver::paper;
+  haptics::SolverOptions options;
+  options.paper_rho = arguments.rho;
+  options.paper_iterations = arguments.iterations;
+  const haptics::TraceResult result = haptics::trace(*surface, path, haptics, options);
+  haptics::write_trace(arguments.out, result, surface->level);
+  const haptics::TraceSummary& s = result.summary;
+  print(common.json ? summary_json(s).dump(2)
+                    : fmt::format("updates   {}, {} in contact\n"
+                                  "time      {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns at most\n"
+                                  "residual  {:.2g} cells 99 %, {:.2g} at most\n"
+                                  "trouble   {} below the surface, {} not a number, {} unfinished\n"
+                                  "trace     {}\n",
+                                  count_text(s.updates), count_text(s.contacts), s.ns_p50, s.ns_p99, s.ns_max,
+                                  s.residual_cells_p99, s.residual_cells_max, s.below_surface, s.not_a_number,
+                                  s.unfinished, arguments.out));
+  return 0;
+}
+
+}  // namespace
+
+void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("trace", "Render a recorded path of the hand offline: proxy and force");
+  command->add_option("scene", arguments->scene, "scene folder, configuration or scan")->required();
+  command->add_option("--hip", arguments->hip, "path.csv (t_s,x_m,y_m,z_m) or a run.csv")->required();
+  command->add_option("--out,-o", arguments->out, "trace.csv")->required();
+  command->add_option("--solver", arguments->solver, "default: the scene's")->check(CLI::IsMember({"exact", "paper"}));
+  command->add_option("--frame", arguments->frame, "frame of the path")
+      ->check(CLI::IsMember({"grid", "scan", "device"}))
+      ->capture_default_str();
+  command->add_option("--level", arguments->level, "trace a window of this level")->check(CLI::NonNegativeNumber);
+  command->add_option("--centre", arguments->centre, "X Y: centre of the window, grid frame, metres")->expected(2);
+  command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(CLI::Range(0.01, 1.0));
+  command->add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
+      ->check(CLI::Range(1, 1000000));
+  command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
+  command->add_flag("--no-friction", arguments->no_friction, "render without friction");
+  command->callback(
+      [arguments, &common, &run] { run = [arguments, &common] { return run_trace(*arguments, common); }; });
+}
+
+}  // namespace sparsha::app

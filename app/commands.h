@@ -1,0 +1,33 @@
+// The subcommands: each adds itself to the command line and returns what to run.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace sparsha::app {
+
+/// Options every subcommand has.
+struct CommonOptions {
+  bool json = false;   ///< results as JSON on standard output
+  bool quiet = false;  ///< no messages but errors
+  bool plain = false;  ///< plain lines instead of a progress bar
+};
+
+/// Runs a subcommand after parsing; throws Error. Returns the exit code.
+using Run = std::function<int()>;
+
+void add_new(CLI::App& app, const CommonOptions& common, Run& run);
+void add_build(CLI::App& app, const CommonOptions& common, Run& run);
+void add_check(CLI::App& app, const CommonOptions& common, Run& run);
+void add_explore(CLI::App& app, const CommonOptions& common, Run& run);
+void add_trace(CLI::App& app, const CommonOptions& common, Run& run);
+void add_export(CLI::App& app, const CommonOptions& common, Run& run);
+void add_simulate(CLI::App& app, const CommonOptions& common, Run& run);
+void add_info(CLI::App& app, const CommonOptions& common, Run& run);
+void add_device(CLI::App& app, const CommonOptions& common, Run& run);
+
+}  // namespace sparsha::app

@@ -1,0 +1,64 @@
+// Arguments to configurations and scenes.
+#include "app/inputs.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+#include "pipeline/base/error.h"
+#include "pipeline/suggest.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+
+bool is_config(const fs::path& path) { return path.extension() == ".yaml" || path.extension() == ".yml"; }
+
+pipeline::Config config_from(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
+                             Progress& progress) {
+  const bool any = std::any_of(arguments.begin(), arguments.end(), [](const std::string& a) { return is_config(a); });
+  if (any) {
+    if (arguments.size() > 1) throw usage_error("a configuration and something else", "one CONFIG, or SCANs only");
+    return pipeline::load_config(arguments.front(), settings);
+  }
+  const std::vector<fs::path> scans(arguments.begin(), arguments.end());
+  pipeline::Suggestion suggestion = pipeline::suggest_config(scans, {}, progress);
+  if (settings.empty()) return std::move(suggestion.config);
+  yaml::Node root = yaml::parse_text(suggestion.yaml, "the suggested configuration");
+  for (const std::string& setting : settings) yaml::set(root, setting);
+  return pipeline::parse_config(root, {});
+}
+
+pipeline::ScenePointer scene_from(const std::string& argument, Progress& progress) {
+  std::error_code code;
+  if (fs::is_directory(argument, code)) return pipeline::open_scene(argument);
+  if (!fs::exists(argument, code)) {
+    throw input_error(argument, "no such file or folder", "a scene folder, a configuration or a scan");
+  }
+  if (fs::path(argument).filename() == "scene.yaml") return pipeline::open_scene(fs::path(argument).parent_path());
+  const pipeline::Config config = config_from({argument}, {}, progress);
+  return pipeline::build_scene(config, {}, progress).scene;
+}
+
+std::uint64_t parse_bytes(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  std::string unit(end, text.data() + text.size());
+  std::erase(unit, ' ');
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::toupper(c); });
+  double factor = 0.0;
+  if (unit.empty() || unit == "B") factor = 1.0;
+  if (unit == "KB" || unit == "K") factor = 1e3;
+  if (unit == "MB" || unit == "M") factor = 1e6;
+  if (unit == "GB" || unit == "G") factor = 1e9;
+  if (unit == "KIB") factor = 1024.0;
+  if (unit == "MIB") factor = 1048576.0;
+  if (unit == "GIB") factor = 1073741824.0;
+  const double bytes = value * factor;
+  if (error != std::errc{} || !(bytes >= 1.0) || bytes > 1e15) {
+    throw usage_error("'" + text + "' is not an amount of memory", "e.g. 1GB or 800MB");
+  }
+  return static_cast<std::uint64_t>(bytes);
+}
+
+}  // namespace sparsha::app

@@ -1,0 +1,94 @@
+// The `sparsha` program: parses the command line, runs one subcommand, turns errors into messages and exit codes.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/terminal.h"
+#include "pipeline/base/error.h"
+#include "pipeline/base/yaml.h"
+
+namespace {
+
+constexpr int kUsage = 2;
+
+// "error: ...; did you mean --headless?" for an option or subcommand that does not exist.
+std::string usage_message(const CLI::ParseError& error, const CLI::App& app,
+                          const std::vector<std::string>& arguments) {
+  std::string text = std::string("error: ") + error.what();
+  std::vector<std::string> names;
+  for (const CLI::App* subcommand : app.get_subcommands({})) {
+    if (!app.got_subcommand(subcommand)) continue;
+    for (const CLI::Option* option : subcommand->get_options())
+      if (!option->get_lnames().empty()) names.push_back("--" + option->get_lnames().front());
+  }
+  const bool in_subcommand = !names.empty();
+  if (!in_subcommand)
+    for (const CLI::App* subcommand : app.get_subcommands({})) names.push_back(subcommand->get_name());
+  for (const std::string& argument : arguments) {
+    if (in_subcommand != argument.starts_with("--")) continue;
+    const std::string word = argument.substr(0, argument.find('='));
+    if (std::find(names.begin(), names.end(), word) != names.end()) continue;
+    const std::string near = sparsha::yaml::nearest(word, names);
+    if (!near.empty() && near != word) return text + "; did you mean " + near + "?";
+  }
+  return text + "; sparsha --help lists what there is";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace sparsha::app;
+  CLI::App app("Sparsha: touch, see and hear scanned heritage", "sparsha");
+  app.set_version_flag("--version", std::string("sparsha ") + SPARSHA_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+  CommonOptions common;
+  app.add_flag("--json", common.json, "results as JSON");
+  app.add_flag("--quiet,-q", common.quiet, "no messages but errors");
+  app.add_flag("--plain", common.plain, "plain lines instead of a progress bar");
+  Run run;
+  add_new(app, common, run);
+  add_build(app, common, run);
+  add_check(app, common, run);
+  add_explore(app, common, run);
+  add_trace(app, common, run);
+  add_export(app, common, run);
+  add_simulate(app, common, run);
+  add_info(app, common, run);
+  add_device(app, common, run);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    std::fprintf(stderr, "%s\n", usage_message(error, app, arguments).c_str());
+    return kUsage;
+  }
+
+  catch_interrupts();
+  try {
+    const int code = run();
+    flush_output();
+    return code;
+  } catch (const sparsha::Cancelled&) {
+    end_progress_line();
+    std::fprintf(stderr, "stopped; nothing was changed\n");
+    return 1;
+  } catch (const sparsha::Error& error) {
+    end_progress_line();
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(error.kind());
+  } catch (const std::bad_alloc&) {
+    end_progress_line();
+    std::fprintf(stderr, "error: out of memory; a smaller input, a coarser grid or --memory\n");
+    return 1;
+  } catch (const std::exception& error) {
+    end_progress_line();
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,56 @@
+// Lengths, counts and the build's summary.
+#include "app/results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sparsha::app {
+
+std::string length_text(double metres) {
+  const double size = std::abs(metres);
+  if (size == 0.0) return "0 m";
+  if (size < 1e-5) return fmt::format("{:.3g} um", metres * 1e6);
+  if (size < 0.1) return fmt::format("{:.3g} mm", metres * 1e3);
+  if (size < 1000.0) return fmt::format("{:.3g} m", metres);
+  return fmt::format("{:.4g} km", metres * 1e-3);
+}
+
+std::string count_text(std::uint64_t count) {
+  std::string digits = std::to_string(count);
+  for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > 0; place -= 3) {
+    digits.insert(static_cast<std::size_t>(place), 1, ' ');
+  }
+  return digits;
+}
+
+std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& report,
+                          const std::filesystem::path& folder) {
+  const pipeline::SceneDescription& description = scene.description();
+  const pipeline::Lattice& base = description.levels.front();
+  std::string text;
+  text += fmt::format("size      {} x {} x {}\n", length_text((base.nx - 1) * base.spacing_m),
+                      length_text((base.ny - 1) * base.spacing_m),
+                      length_text(description.height_max_m - description.height_min_m));
+  text += fmt::format("grid      {} x {} nodes, {} apart, {} level{}\n", base.nx, base.ny, length_text(base.spacing_m),
+                      description.levels.size(), description.levels.size() == 1 ? "" : "s");
+  const auto& points = report.points;
+  text += fmt::format("points    {} read: {} used, {} occluded, {} outliers, {} outside, {} filtered, {} invalid\n",
+                      count_text(points.read), count_text(points.used), count_text(points.occluded),
+                      count_text(points.outlier), count_text(points.outside), count_text(points.filtered),
+                      count_text(points.invalid));
+  text += fmt::format("coverage  {:.1f} % of the nodes measured, {:.1f} % filled; noise {}\n", 100.0 * report.coverage,
+                      100.0 * report.filled_fraction, length_text(description.noise_m));
+  if (report.check) {
+    const auto& cloud = report.check->cloud_to_surface;
+    text +=
+        fmt::format("check     {} points to surface: median {}, RMS {}, 99 % within {}\n", count_text(cloud.samples),
+                    length_text(cloud.median_m), length_text(cloud.rms_m), length_text(cloud.p99_m));
+  }
+  text += fmt::format("time      {:.2f} s, {} MB at most\n", report.total_seconds, report.peak_rss_bytes / 1000000U);
+  text += fmt::format("scene     {}\n", folder.string());
+  return text;
+}
+
+}  // namespace sparsha::app

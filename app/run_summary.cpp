@@ -1,0 +1,56 @@
+// The session's summary as text and JSON.
+#include "app/run_summary.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/results.h"
+
+namespace sparsha::app {
+
+std::string summary_text(const haptics::SessionSummary& s, std::uint64_t strikes) {
+  std::string levels;
+  for (const int level : s.levels) levels += (levels.empty() ? "" : ", ") + std::to_string(level);
+  std::string text;
+  text += fmt::format("touched   {:.1f} s of {:.1f} s, {} contacts, {} strikes heard\n", s.contact_s, s.duration_s,
+                      s.contacts, strikes);
+  text += fmt::format("hand      path {}, force mean {:.2f} N in contact, peak {:.2f} N\n", length_text(s.path_m),
+                      s.mean_force_n, s.peak_force_n);
+  text += fmt::format("explored  {:.3g} cm2 of the scene, level {}\n", s.area_m2 * 1e4, levels.empty() ? "-" : levels);
+  text += fmt::format("ticks     {}, {:.2f} % within 1 ms of plan, {} missed{}\n", count_text(s.ticks),
+                      100.0 * s.share_in_time, s.missed_ticks,
+                      s.real_time ? "" : " (no real-time priority was granted; see docs/hardware.md)");
+  text += fmt::format("render    {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns 99.9 %, {:.0f} ns at most\n",
+                      s.tick_ns_p50, s.tick_ns_p99, s.tick_ns_p999, s.tick_ns_max);
+  if (s.unfinished + s.faults + s.dropped_records > 0) {
+    text += fmt::format("trouble   {} unfinished ticks, {} faults, {} rows not recorded\n", s.unfinished, s.faults,
+                        s.dropped_records);
+  }
+  return text;
+}
+
+std::string summary_json(const haptics::SessionSummary& s, std::uint64_t strikes) {
+  const nlohmann::ordered_json json = {
+      {"ticks", s.ticks},
+      {"missed_ticks", s.missed_ticks},
+      {"share_in_time", s.share_in_time},
+      {"real_time", s.real_time},
+      {"duration_s", s.duration_s},
+      {"contact_s", s.contact_s},
+      {"contacts", s.contacts},
+      {"strikes", strikes},
+      {"path_m", s.path_m},
+      {"mean_force_n", s.mean_force_n},
+      {"peak_force_n", s.peak_force_n},
+      {"area_m2", s.area_m2},
+      {"levels", s.levels},
+      {"tick_ns", {{"p50", s.tick_ns_p50}, {"p99", s.tick_ns_p99}, {"p999", s.tick_ns_p999}, {"max", s.tick_ns_max}}},
+      {"lateness_histogram_100us", s.lateness_histogram},
+      {"unfinished", s.unfinished},
+      {"faults", s.faults},
+      {"dropped_records", s.dropped_records}};
+  return json.dump(2);
+}
+
+}  // namespace sparsha::app

@@ -1,0 +1,17 @@
+// User studies: the visitor's rating and the session's figures, one row a session.
+#pragma once
+
+#include <string>
+
+#include "haptics/session/session.h"
+
+namespace sparsha::app {
+
+/// Throws Error{usage} when NAME cannot be a file's name.
+void check_study_name(const std::string& name);
+/// Asks on the terminal how real it felt, 1 to 10; 0 when there is no answer.
+[[nodiscard]] int ask_realism();
+/// Appends one row to NAME.csv, with a header when it is new. Throws Error{failure}.
+void append_study(const std::string& name, const haptics::SessionSummary& summary, int realism);
+
+}  // namespace sparsha::app

@@ -1,0 +1,113 @@
+// Progress bar, messages, signals.
+#include "app/terminal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+#include "pipeline/base/error.h"
+#include "pipeline/base/system.h"
+
+namespace sparsha::app {
+namespace {
+
+std::atomic<Progress*> running{nullptr};
+std::atomic<bool> stop_asked{false};
+std::atomic<bool> line_open{false};
+
+static_assert(std::atomic<Progress*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+
+void on_signal(int) {
+  if (stop_asked.exchange(true)) std::_Exit(130);
+  if (Progress* progress = running.load()) progress->cancel();
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+}
+
+bool interrupted() { return stop_asked.load(); }
+
+void end_progress_line() {
+  if (line_open.exchange(false)) std::fputc('\n', stderr);
+}
+
+void print(std::string_view text) {
+  end_progress_line();
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  if (text.empty() || text.back() != '\n') std::fputc('\n', stdout);
+}
+
+void flush_output() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw Error(ErrorKind::failure, {}, "standard output could not be written");
+  }
+}
+
+Terminal::Terminal(const CommonOptions& options)
+    : quiet_(options.quiet),
+      bar_(!options.quiet && !options.plain && system::stderr_is_terminal()),
+      progress_([this](const ProgressUpdate& update) { show(update); }) {
+  running.store(&progress_);
+  if (stop_asked.load()) progress_.cancel();
+}
+
+Terminal::~Terminal() {
+  running.store(nullptr);
+  if (bar_ && line_open.exchange(false)) std::fputs("\r\x1b[K", stderr);
+}
+
+void Terminal::message(std::string_view text) const {
+  if (quiet_) return;
+  end_progress_line();
+  std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
+}
+
+void Terminal::show(const ProgressUpdate& update) {
+  const auto now = std::chrono::steady_clock::now();
+  if (update.kind == ProgressUpdate::Kind::warning) {
+    if (bar_ && line_open.exchange(false)) std::fputs("\r\x1b[K", stderr);
+    if (!quiet_) std::fprintf(stderr, "warning: %.*s\n", static_cast<int>(update.text.size()), update.text.data());
+    return;
+  }
+  if (quiet_) return;
+  if (update.kind == ProgressUpdate::Kind::stage) {
+    stage_ = update.text;
+    stage_began_ = now;
+    last_drawn_ = now;
+    if (bar_) {
+      std::fprintf(stderr, "\r\x1b[K%s ...", stage_.c_str());
+      line_open.store(true);
+    } else {
+      std::fprintf(stderr, "%s\n", stage_.c_str());
+    }
+    return;
+  }
+  constexpr std::chrono::milliseconds kRedraw{100};
+  constexpr std::chrono::seconds kPlainLine{5};
+  if (now - last_drawn_ < (bar_ ? std::chrono::steady_clock::duration(kRedraw) : kPlainLine)) return;
+  last_drawn_ = now;
+  const double elapsed = std::chrono::duration<double>(now - stage_began_).count();
+  const double left = update.fraction > 0.01 ? elapsed * (1.0 - update.fraction) / update.fraction : 0.0;
+  const std::string time = left >= 1.0 ? fmt::format(", {:.0f} s left", left) : "";
+  if (!bar_) {
+    std::fprintf(stderr, "%s %.0f %%%s\n", stage_.c_str(), update.fraction * 100.0, time.c_str());
+    return;
+  }
+  constexpr int kWidth = 30;
+  const int done = std::clamp(static_cast<int>(update.fraction * kWidth), 0, kWidth);
+  std::fprintf(stderr, "\r\x1b[K%-12s [%s%s] %3.0f %%%s", stage_.c_str(),
+               std::string(static_cast<size_t>(done), '#').c_str(),
+               std::string(static_cast<size_t>(kWidth - done), '.').c_str(), update.fraction * 100.0, time.c_str());
+  std::fflush(stderr);
+  line_open.store(true);
+}
+
+}  // namespace sparsha::app

@@ -1,0 +1,47 @@
+// What the user sees: progress on standard error, results on standard output, Ctrl-C.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "app/commands.h"
+#include "pipeline/base/progress.h"
+
+namespace sparsha::app {
+
+/// A Progress that draws a bar with the time left on a terminal, plain lines elsewhere, and is cancelled by Ctrl-C.
+class Terminal {
+ public:
+  explicit Terminal(const CommonOptions& options);
+  ~Terminal();
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  [[nodiscard]] Progress& progress() { return progress_; }
+  /// A message for the user, to standard error; nothing with --quiet.
+  void message(std::string_view text) const;
+
+ private:
+  void show(const ProgressUpdate& update);
+
+  bool quiet_;
+  bool bar_;
+  std::chrono::steady_clock::time_point stage_began_;
+  std::chrono::steady_clock::time_point last_drawn_;
+  std::string stage_;
+  Progress progress_;
+};
+
+/// Routes SIGINT and SIGTERM: the first asks the running Progress to stop, the second ends the program.
+void catch_interrupts();
+/// True once the user asked to stop.
+[[nodiscard]] bool interrupted();
+/// Leaves an unfinished progress line.
+void end_progress_line();
+
+/// A result, to standard output, with a final line feed.
+void print(std::string_view text);
+/// Throws Error{failure} when results could not be written (a full disk, a closed pipe).
+void flush_output();
+
+}  // namespace sparsha::app

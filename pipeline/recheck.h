@@ -1,0 +1,19 @@
+// An existing scene measured against scans: its own again, or others of the same object.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "pipeline/base/progress.h"
+#include "pipeline/check/report.h"
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::pipeline {
+
+/// Cross-checks level 0 against `scans`, or the scene's own when empty. A scan that the scene was made from keeps its
+/// units and pose, told by name or SHA-256; others are taken as they are. The report's `check` is always present.
+/// Throws Error{input} when scans are missing, with the reason.
+[[nodiscard]] Report recheck_scene(const Scene& scene, const std::vector<std::filesystem::path>& scans,
+                                   const CheckConfig& check, unsigned threads, Progress& progress);
+
+}  // namespace sparsha::pipeline
