@@ -3,19 +3,27 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "haptics/shared/requests.h"
 
 namespace sparsha::audio {
 
-/// Newer words interrupt older ones; faults come first. Never blocks the caller.
+struct SpeechOptions {
+  std::vector<std::string> programs{"espeak-ng", "espeak"};  ///< the first one on PATH speaks; text comes on its stdin
+  int words_per_minute = 170;
+  std::string voice;  ///< espeak's voice name, e.g. "en" or "hi"; empty = its default
+};
+
+/// Newer words interrupt older ones; faults come first and are spoken to their end. Never blocks the caller. The
+/// program is started for each announcement, directly and without a shell; it is killed when the object goes.
 class Speech {
  public:
-  Speech();
+  explicit Speech(const SpeechOptions& options = {});
   ~Speech();
   Speech(const Speech&) = delete;
   Speech& operator=(const Speech&) = delete;
-  /// False when no speech program is installed.
+  /// False when no speech program is installed. Starts nothing.
   [[nodiscard]] bool available() const;
   void say(const haptics::Announcement& announcement);
 

@@ -1,0 +1,25 @@
+// A recorded sound in memory, at the rate of the stream it is played on.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+namespace sparsha::audio {
+
+/// Interleaved stereo; a mono file fills both channels.
+struct Clip {
+  std::vector<float> samples;
+  [[nodiscard]] std::size_t frames() const { return samples.size() / 2; }
+};
+
+/// Reads any file that libsndfile reads (mono or stereo, at most 10 minutes) and resamples it to `sample_rate_hz`; at
+/// the file's own rate samples stay as they are. Throws Error{input} with the file and the reason.
+[[nodiscard]] Clip load_clip(const std::filesystem::path& file, int sample_rate_hz);
+
+/// Band-limited resampling of interleaved frames: Kaiser-windowed sinc, 32 zero crossings a side, stop band below -100
+/// dB.
+[[nodiscard]] std::vector<float> resample(const std::vector<float>& samples, int channels, double from_hz,
+                                          double to_hz);
+
+}  // namespace sparsha::audio

@@ -1,0 +1,178 @@
+// Who consumes what: contact events go to the sound card's callback while a stream plays (lowest latency) and on from
+// there to the WAV worker; without a stream the worker takes them itself. Ownership of the queue changes hands only
+// while the stream is stopped.
+#include "audio/engine.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "audio/live_stream.h"
+#include "audio/live_voice.h"
+#include "audio/wav_sink.h"
+#include "pipeline/base/error.h"
+
+namespace sparsha::audio {
+namespace {
+
+constexpr int kWavRate_hz = 48000;
+constexpr auto kPoll = std::chrono::milliseconds(2);
+constexpr std::size_t kForwarded = 4096;
+
+}  // namespace
+
+struct Engine::Implementation {
+  pipeline::ScenePointer scene;
+  std::shared_ptr<haptics::ContactQueue> contacts;
+  const haptics::Seqlock<haptics::State>& state;
+  std::shared_ptr<const SoundBank> bank;
+  bool live_wanted = false;
+
+  std::optional<WavSink> wav;
+  haptics::ContactQueue forwarded{kForwarded};  ///< callback to worker
+  StrikeGate gate;                              ///< counts when nothing sounds
+  std::atomic<std::uint64_t> strikes{0};
+
+  std::unique_ptr<LiveStream> stream;
+  std::unique_ptr<LiveVoice> voice;
+  std::atomic<bool> opened{false};  ///< stream and voice are ready for the worker to start
+  std::atomic<bool> playing{false};
+  std::thread opener;
+
+  mutable std::mutex mutex;
+  std::condition_variable wake;
+  bool stopping = false;
+  std::string warning;
+  std::exception_ptr failure;
+  std::thread worker;
+
+  Implementation(pipeline::ScenePointer the_scene, std::shared_ptr<haptics::ContactQueue> queue,
+                 const haptics::Seqlock<haptics::State>& the_state)
+      : scene(std::move(the_scene)), contacts(std::move(queue)), state(the_state) {}
+
+  void warn(const std::string& text) {
+    const std::lock_guard lock(mutex);
+    warning += (warning.empty() ? "" : "; ") + text;
+  }
+
+  void open_live() {
+    try {
+      auto new_stream = std::make_unique<LiveStream>();
+      const int rate = new_stream->sample_rate_hz();
+      const auto live_bank = rate == bank->sample_rate_hz ? bank : make_sound_bank(*scene, rate);
+      voice = std::make_unique<LiveVoice>(live_bank, *contacts, state, wav ? &forwarded : nullptr, strikes);
+      stream = std::move(new_stream);
+      opened.store(true, std::memory_order_release);
+    } catch (const Error& error) {
+      warn(error.wrong());
+    }
+  }
+
+  void start_live() {
+    playing.store(true, std::memory_order_release);
+    try {
+      stream->start([this](std::span<float> out) { voice->render(out); });
+    } catch (const Error& error) {
+      playing.store(false, std::memory_order_release);
+      warn(error.wrong());
+    }
+  }
+
+  /// What has happened since the last call.
+  void consume() {
+    const haptics::State now = state.read();
+    haptics::ContactEvent event;
+    const bool owner = !playing.load(std::memory_order_acquire);
+    while (forwarded.pop(event))
+      if (wav) wav->contact(event);  // counted by the callback
+    while (owner && contacts->pop(event)) {
+      const bool strikes_now = gate.strike(*bank, event).has_value();
+      if (wav) wav->contact(event);
+      if (strikes_now) strikes.fetch_add(1, std::memory_order_relaxed);
+    }
+    if (wav) wav->state(now);
+  }
+
+  void work() {
+    std::unique_lock lock(mutex);
+    while (!wake.wait_for(lock, kPoll, [this] { return stopping; })) {
+      lock.unlock();
+      if (opened.exchange(false, std::memory_order_acquire)) start_live();
+      if (playing.load(std::memory_order_relaxed) && !stream->playing()) {
+        stream->stop();
+        playing.store(false, std::memory_order_release);
+        warn("the sound device '" + stream->name() + "' went away; the run goes on without live sound");
+      }
+      try {
+        consume();
+      } catch (...) {
+        const std::lock_guard again(mutex);
+        if (!failure) failure = std::current_exception();
+        wav.reset();
+      }
+      lock.lock();
+    }
+  }
+
+  void join() {
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+    }
+    wake.notify_all();
+    if (worker.joinable()) worker.join();
+    if (opener.joinable()) opener.join();
+    if (playing.load(std::memory_order_acquire)) {
+      voice->fade_out();
+      stream->stop();
+      playing.store(false, std::memory_order_release);
+    }
+    stream.reset();
+  }
+};
+
+Engine::Engine(pipeline::ScenePointer scene, std::shared_ptr<haptics::ContactQueue> contacts,
+               const haptics::Seqlock<haptics::State>& state, const EngineOptions& options)
+    : implementation_(std::make_unique<Implementation>(std::move(scene), std::move(contacts), state)) {
+  Implementation& self = *implementation_;
+  self.bank = make_sound_bank(*self.scene, kWavRate_hz);
+  for (const std::string& text : self.bank->warnings) self.warn(text);
+  self.live_wanted = options.live && (!self.bank->regions.empty() || self.bank->scrape_gain > 0.0);
+  if (!options.wav.empty()) self.wav.emplace(self.bank, options.wav, options.wav_bits);
+}
+
+Engine::~Engine() { implementation_->join(); }
+
+void Engine::start() {
+  Implementation& self = *implementation_;
+  if (self.worker.joinable()) return;
+  self.worker = std::thread([&self] { self.work(); });
+  if (self.live_wanted) self.opener = std::thread([&self] { self.open_live(); });
+}
+
+void Engine::stop() {
+  Implementation& self = *implementation_;
+  self.join();
+  if (!self.wav && !self.failure) return;
+  if (!self.failure) {
+    self.consume();
+    // One tick more than the last sample, so that the file is never shorter than the run.
+    self.wav->finish(self.state.read().time_s + 0.001);
+    self.wav.reset();
+  }
+  if (self.failure) std::rethrow_exception(std::exchange(self.failure, nullptr));
+}
+
+std::string Engine::warning() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->warning;
+}
+
+std::uint64_t Engine::strikes() const { return implementation_->strikes.load(std::memory_order_relaxed); }
+
+bool Engine::playing() const { return implementation_->playing.load(std::memory_order_acquire); }
+
+}  // namespace sparsha::audio

@@ -1,0 +1,127 @@
+// PortAudio behind LiveStream.
+#include "audio/live_stream.h"
+
+#include <atomic>
+#include <cmath>
+
+#include <portaudio.h>
+
+#if defined(__linux__)
+#include <dlfcn.h>
+#endif
+
+#include "pipeline/base/error.h"
+
+namespace sparsha::audio {
+namespace {
+
+constexpr int kWishedRate_hz = 48000;
+
+void ignore_alsa(const char*, int, const char*, int, const char*, ...) {}
+void ignore_jack(const char*) {}
+
+/// ALSA and JACK, which PortAudio loads, talk to stderr while they look for devices. Their error handlers are reached
+/// by name, so that neither is a dependency of ours.
+void silence_sound_systems() {
+#if defined(__linux__)
+  using AlsaHandler = void (*)(const char*, int, const char*, int, const char*, ...);
+  using SetAlsaHandler = int (*)(AlsaHandler);
+  using SetJackHandler = void (*)(void (*)(const char*));
+  if (auto* set = reinterpret_cast<SetAlsaHandler>(dlsym(RTLD_DEFAULT, "snd_lib_error_set_handler"))) set(&ignore_alsa);
+  for (const char* name : {"jack_set_error_function", "jack_set_info_function"})
+    if (auto* set = reinterpret_cast<SetJackHandler>(dlsym(RTLD_DEFAULT, name))) set(&ignore_jack);
+#endif
+}
+
+Error device_error(const std::string& what) {
+  return Error(ErrorKind::device, {}, "no sound: " + what, "a sound device; --audio-out writes the sound to a file");
+}
+
+PaDeviceIndex choose_device() {
+  const PaHostApiIndex jack = Pa_HostApiTypeIdToHostApiIndex(paJACK);
+  if (jack >= 0) {
+    const PaDeviceIndex device = Pa_GetHostApiInfo(jack)->defaultOutputDevice;
+    if (device != paNoDevice) return device;
+  }
+  return Pa_GetDefaultOutputDevice();
+}
+
+}  // namespace
+
+struct LiveStream::Implementation {
+  bool initialised = false;
+  PaStream* stream = nullptr;
+  double rate_hz = kWishedRate_hz;
+  std::string name;
+  Callback callback;
+
+  ~Implementation() {
+    if (stream != nullptr) Pa_CloseStream(stream);
+    if (initialised) Pa_Terminate();
+  }
+
+  static int fill(const void*, void* output, unsigned long frames, const PaStreamCallbackTimeInfo*,
+                  PaStreamCallbackFlags, void* self) {
+    const std::span<float> out(static_cast<float*>(output), 2 * static_cast<std::size_t>(frames));
+    static_cast<Implementation*>(self)->callback(out);
+    return paContinue;
+  }
+};
+
+LiveStream::LiveStream() : implementation_(std::make_unique<Implementation>()) {
+  Implementation& self = *implementation_;
+  silence_sound_systems();
+  const PaError started = Pa_Initialize();
+  if (started != paNoError) throw device_error(Pa_GetErrorText(started));
+  self.initialised = true;
+  const PaDeviceIndex device = choose_device();
+  if (device == paNoDevice) throw device_error("this machine has no sound device");
+  const PaDeviceInfo& info = *Pa_GetDeviceInfo(device);
+  self.name = info.name;
+  PaStreamParameters output{};
+  output.device = device;
+  output.channelCount = 2;
+  output.sampleFormat = paFloat32;
+  PaError status = paNoError;
+  // The wished rate first, at the lowest latency; then what the device likes.
+  for (const double rate : {static_cast<double>(kWishedRate_hz), std::round(info.defaultSampleRate)}) {
+    for (const double latency : {info.defaultLowOutputLatency, info.defaultHighOutputLatency}) {
+      output.suggestedLatency = latency;
+      self.stream = nullptr;
+      status = Pa_OpenStream(&self.stream, nullptr, &output, rate, paFramesPerBufferUnspecified, paClipOff,
+                             &Implementation::fill, &self);
+      if (status == paNoError) {
+        self.rate_hz = rate;
+        return;
+      }
+    }
+  }
+  self.stream = nullptr;
+  throw device_error("'" + self.name + "': " + Pa_GetErrorText(status));
+}
+
+LiveStream::~LiveStream() { stop(); }
+
+int LiveStream::sample_rate_hz() const { return static_cast<int>(implementation_->rate_hz); }
+
+double LiveStream::latency_s() const {
+  const PaStreamInfo* info = Pa_GetStreamInfo(implementation_->stream);
+  return info == nullptr ? 0.0 : info->outputLatency;
+}
+
+std::string LiveStream::name() const { return implementation_->name; }
+
+void LiveStream::start(Callback callback) {
+  implementation_->callback = std::move(callback);
+  const PaError status = Pa_StartStream(implementation_->stream);
+  if (status != paNoError) throw device_error("'" + implementation_->name + "': " + Pa_GetErrorText(status));
+}
+
+void LiveStream::stop() noexcept {
+  if (implementation_->stream != nullptr && Pa_IsStreamStopped(implementation_->stream) == 0)
+    Pa_StopStream(implementation_->stream);
+}
+
+bool LiveStream::playing() const noexcept { return Pa_IsStreamActive(implementation_->stream) == 1; }
+
+}  // namespace sparsha::audio

@@ -1,0 +1,121 @@
+// posix_spawn with a socket for stdin: a socket, unlike a pipe, can be written to without SIGPIPE.
+#include "audio/speech/child_process.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sched.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): not every system's unistd.h has it
+
+namespace sparsha::audio {
+namespace {
+
+constexpr std::size_t kMostText = 65536;
+
+/// Attributes and file actions, freed in every case.
+struct SpawnSetup {
+  posix_spawnattr_t attributes{};
+  posix_spawn_file_actions_t files{};
+  SpawnSetup() {
+    posix_spawnattr_init(&attributes);
+    posix_spawn_file_actions_init(&files);
+  }
+  ~SpawnSetup() {
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&attributes);
+  }
+  SpawnSetup(const SpawnSetup&) = delete;
+  SpawnSetup& operator=(const SpawnSetup&) = delete;
+};
+
+}  // namespace
+
+std::optional<std::filesystem::path> find_program(const std::vector<std::string>& names) {
+  const char* path = std::getenv("PATH");
+  if (path == nullptr) return std::nullopt;
+  const std::string_view folders(path);
+  for (const std::string& name : names) {
+    for (std::size_t begin = 0; begin <= folders.size();) {
+      const std::size_t end = std::min(folders.find(':', begin), folders.size());
+      const std::filesystem::path file = std::filesystem::path(folders.substr(begin, end - begin)) / name;
+      std::error_code status;
+      if (end > begin && std::filesystem::is_regular_file(file, status) && access(file.c_str(), X_OK) == 0) return file;
+      begin = end + 1;
+    }
+  }
+  return std::nullopt;
+}
+
+std::unique_ptr<ChildProcess> ChildProcess::start(const std::filesystem::path& program,
+                                                  const std::vector<std::string>& arguments, std::string_view text) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return nullptr;
+  SpawnSetup setup;
+  posix_spawn_file_actions_adddup2(&setup.files, ends[1], STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&setup.files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&setup.files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 34)
+  posix_spawn_file_actions_addclosefrom_np(&setup.files, STDERR_FILENO + 1);
+#endif
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&setup.attributes, &none);
+  posix_spawnattr_setsigdefault(&setup.attributes, &all);
+  posix_spawnattr_setpgroup(&setup.attributes, 0);
+  const sched_param ordinary{};
+  posix_spawnattr_setschedparam(&setup.attributes, &ordinary);
+  posix_spawnattr_setschedpolicy(&setup.attributes, SCHED_OTHER);
+  posix_spawnattr_setflags(&setup.attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP |
+                                                  POSIX_SPAWN_SETSCHEDULER);
+
+  std::vector<std::string> words{program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t process = 0;
+  const int status = posix_spawn(&process, program.c_str(), &setup.files, &setup.attributes, argv.data(), environ);
+  close(ends[1]);
+  if (status == 0) {
+    std::string_view rest = text.substr(0, kMostText);
+    while (!rest.empty()) {
+      const ssize_t sent = send(ends[0], rest.data(), rest.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent < 0 && errno == EINTR) continue;
+      if (sent <= 0) break;
+      rest.remove_prefix(static_cast<std::size_t>(sent));
+    }
+  }
+  close(ends[0]);
+  return status == 0 ? std::unique_ptr<ChildProcess>(new ChildProcess(process)) : nullptr;
+}
+
+ChildProcess::~ChildProcess() { kill(); }
+
+bool ChildProcess::running() {
+  if (process_ <= 0) return false;
+  const pid_t ended = waitpid(process_, nullptr, WNOHANG);
+  if (ended == 0 || (ended < 0 && errno == EINTR)) return true;
+  process_ = 0;
+  return false;
+}
+
+void ChildProcess::kill() {
+  if (process_ <= 0) return;
+  ::kill(-process_, SIGKILL);
+  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  process_ = 0;
+}
+
+}  // namespace sparsha::audio

@@ -1,0 +1,161 @@
+// Events into voices, voices into frames.
+#include "audio/synth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "audio/decibel.h"
+
+namespace sparsha::audio {
+namespace {
+
+/// A 1 N strike: the pillar's fundamental at -17 dB full scale; a clip at -8 dB of its own level.
+const double kPillarLevel = from_decibel(-17.0);
+const double kClipLevel = from_decibel(-8.0);
+constexpr double kLoudest_n = 20.0;
+
+}  // namespace
+
+double strike_level(double force_n) { return force_n > 0.0 ? std::pow(std::min(force_n, kLoudest_n), 0.7) : 0.0; }
+
+ScrapeInput scrape_input(const haptics::State& state) {
+  constexpr std::uint64_t kSilent = haptics::kFlagStale | haptics::kFlagFault;
+  if (state.contact == 0 || (state.flags & kSilent) != 0 || !(state.slip_speed_m_per_s > 0.0)) return {};
+  double normal_force = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) normal_force += state.force_n[i] * state.normal[i];
+  return {state.slip_speed_m_per_s, std::max(0.0, normal_force), state.friction_coefficient};
+}
+
+Synth::Synth(std::shared_ptr<const SoundBank> bank)
+    : bank_(std::move(bank)),
+      clips_(bank_->sample_rate_hz),
+      scrape_(bank_->scrape_gain, bank_->sample_rate_hz),
+      limiter_(kCeiling, bank_->sample_rate_hz) {
+  pillars_.resize(bank_->regions.size());
+  ringing_.reserve(bank_->regions.size());
+  for (std::size_t i = 0; i < pillars_.size(); ++i)
+    if (const auto* modes = std::get_if<PillarModes>(&bank_->regions[i].sound))
+      pillars_[i] = ModalBank(*modes, bank_->sample_rate_hz);
+}
+
+bool Synth::contact(const haptics::ContactEvent& event, std::uint64_t frame) noexcept {
+  const auto strike_now = gate_.strike(*bank_, event);
+  return strike_now && strike(*strike_now, frame);
+}
+
+bool Synth::strike(const Strike& strike, std::uint64_t frame) noexcept {
+  Event event;
+  event.kind = Event::Kind::strike;
+  event.frame = frame;
+  event.strike = strike;
+  return schedule(event);
+}
+
+void Synth::scrape(const ScrapeInput& input, std::uint64_t frame) noexcept {
+  Event event;
+  event.kind = Event::Kind::scrape;
+  event.frame = frame;
+  event.input = input;
+  if (!schedule(event)) scrape_.set(input);
+}
+
+bool Synth::schedule(const Event& event) noexcept {
+  if (event_count_ == kMostEvents) {
+    if (event.kind == Event::Kind::strike) ++dropped_;
+    return false;
+  }
+  std::size_t at = event_count_++;
+  for (; at > 0 && events_[at - 1].frame > event.frame; --at) events_[at] = events_[at - 1];
+  events_[at] = event;
+  return true;
+}
+
+void Synth::begin(const Event& event) noexcept {
+  if (event.kind == Event::Kind::scrape) {
+    scrape_.set(event.input);
+    return;
+  }
+  const Strike& strike = event.strike;
+  const double level = strike_level(strike.force_n);
+  if (const auto* clip = std::get_if<Clip>(&bank_->regions[strike.region].sound)) {
+    if (!clips_.start(*clip, std::min(1.0, kClipLevel * level))) ++dropped_;
+    return;
+  }
+  ModalBank& pillar = pillars_[strike.region];
+  const bool rang = pillar.sounding();
+  if (!pillar.strike(kPillarLevel * level, strike.force_n, strike.position)) {
+    ++dropped_;
+    return;
+  }
+  // In order of regions, so that sums do not depend on how time is cut into blocks; the capacity is reserved.
+  const auto region = static_cast<std::uint32_t>(strike.region);
+  if (!rang) ringing_.insert(std::lower_bound(ringing_.begin(), ringing_.end(), region), region);
+  limit_banks();
+}
+
+void Synth::limit_banks() noexcept {
+  std::size_t open = 0;
+  ModalBank* quietest = nullptr;
+  double least = 0.0;
+  for (const std::uint32_t region : ringing_) {
+    ModalBank& pillar = pillars_[region];
+    if (pillar.damped()) continue;
+    ++open;
+    if (pillar.struck()) continue;
+    const double amplitude = pillar.amplitude();
+    if (quietest == nullptr || amplitude < least) {
+      quietest = &pillar;
+      least = amplitude;
+    }
+  }
+  if (open > kMostBanks && quietest != nullptr) quietest->damp();
+}
+
+void Synth::render_block(float* out, std::size_t count) noexcept {
+  std::array<double, kBlock> left{}, right{};
+  for (std::size_t r = 0; r < ringing_.size();) {
+    ModalBank& pillar = pillars_[ringing_[r]];
+    pillar.render(left.data(), count);
+    if (pillar.sounding()) {
+      ++r;
+    } else {
+      ringing_.erase(ringing_.begin() + static_cast<std::ptrdiff_t>(r));
+    }
+  }
+  if (scrape_.sounding())
+    for (std::size_t i = 0; i < count; ++i) left[i] += scrape_.next();
+  right = left;  // pillars and scrape are in the middle
+  clips_.render(left.data(), right.data(), count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Limiter::Frame frame = limiter_.process({left[i], right[i]});
+    out[2 * i] = static_cast<float>(frame.left);
+    out[2 * i + 1] = static_cast<float>(frame.right);
+  }
+  frame_ += count;
+  if (!ringing_.empty() || clips_.sounding() || scrape_.sounding()) last_sound_ = frame_;
+}
+
+bool Synth::sounding() const noexcept {
+  return event_count_ > 0 || !ringing_.empty() || clips_.sounding() || scrape_.sounding() ||
+         frame_ < last_sound_ + kBlock + latency_frames();
+}
+
+void Synth::render(std::span<float> interleaved) noexcept {
+  const std::size_t frames = interleaved.size() / 2;
+  std::size_t done = 0;
+  while (done < frames) {
+    std::size_t ready = 0;
+    for (; ready < event_count_ && events_[ready].frame <= frame_; ++ready) begin(events_[ready]);
+    if (ready > 0) {
+      std::copy(events_.begin() + static_cast<std::ptrdiff_t>(ready),
+                events_.begin() + static_cast<std::ptrdiff_t>(event_count_), events_.begin());
+      event_count_ -= ready;
+    }
+    std::size_t count = std::min(frames - done, kBlock);
+    if (event_count_ > 0) count = std::min<std::uint64_t>(count, events_[0].frame - frame_);
+    render_block(interleaved.data() + 2 * done, count);
+    done += count;
+  }
+}
+
+}  // namespace sparsha::audio

@@ -1,0 +1,99 @@
+// Scenes that only sound, and folders that vanish.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+#include "audio/sound_bank.h"
+#include "audio/synth.h"
+#include "pipeline/scene/scene.h"
+
+namespace audio_scene {
+
+using namespace sparsha;
+
+/// Removed with all it holds.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "sparsha-audio-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline pipeline::AudioRegionConfig note(const std::string& name, std::array<double, 4> box, double frequency_hz,
+                                        double decay_s) {
+  pipeline::AudioRegionConfig region;
+  region.name = name;
+  region.box_m = box;
+  region.sound = pipeline::ModalConfig{frequency_hz, decay_s};
+  return region;
+}
+
+inline pipeline::AudioRegionConfig clip(const std::string& name, std::array<double, 4> box,
+                                        const std::filesystem::path& file) {
+  pipeline::AudioRegionConfig region;
+  region.name = name;
+  region.box_m = box;
+  region.sound = file;
+  return region;
+}
+
+/// A 2x2 flat scene with these sounds.
+inline pipeline::ScenePointer scene(std::vector<pipeline::AudioRegionConfig> regions,
+                                    std::optional<double> friction_gain = std::nullopt) {
+  pipeline::SceneDescription description;
+  pipeline::AudioConfig audio;
+  audio.regions = std::move(regions);
+  audio.friction_sound_gain = friction_gain;
+  description.config.audio = audio;
+  pipeline::Lattice lattice;
+  lattice.nx = lattice.ny = 2;
+  lattice.spacing_m = 1.0;
+  description.levels = {lattice};
+  pipeline::Layers layers;
+  layers.grid = pipeline::DepthGrid(lattice);
+  layers.grid.height_m.assign(4, 0.0F);
+  layers.grid.state.assign(4, pipeline::NodeState::measured);
+  return pipeline::make_scene(description, {layers});
+}
+
+inline std::shared_ptr<const audio::SoundBank> bank(std::vector<pipeline::AudioRegionConfig> regions,
+                                                    std::optional<double> friction_gain = std::nullopt) {
+  return audio::make_sound_bank(*scene(std::move(regions), friction_gain), 48000);
+}
+
+inline haptics::ContactEvent touch(double time_s, double x, double y, double force_n) {
+  haptics::ContactEvent event;
+  event.time_s = time_s;
+  event.proxy_m = {x, y, 0.0};
+  event.peak_force_n = force_n;
+  return event;
+}
+
+inline haptics::ContactEvent lift(double time_s) {
+  haptics::ContactEvent event;
+  event.kind = haptics::ContactEvent::Kind::lift;
+  event.time_s = time_s;
+  return event;
+}
+
+/// The next `seconds` of a synth, interleaved.
+inline std::vector<float> render(audio::Synth& synth, double seconds, std::size_t block = 256) {
+  std::vector<float> result(2 * static_cast<std::size_t>(seconds * synth.sample_rate_hz()));
+  for (std::size_t at = 0; at < result.size(); at += 2 * block)
+    synth.render(std::span(result).subspan(at, std::min(2 * block, result.size() - at)));
+  return result;
+}
+
+}  // namespace audio_scene

@@ -1,0 +1,160 @@
+// Speech through a program on PATH: a small stand-in that writes down what it hears.
+#include "audio/speech/speech.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include "audio/speech/child_process.h"
+#include "audio_scene.h"
+
+namespace {
+
+using namespace sparsha;
+using namespace sparsha::audio;
+using haptics::Announcement;
+using Priority = Announcement::Priority;
+
+/// PATH holds only this folder's `espeak-ng` (and the shell's own tools for the stand-in).
+class SpeechProgram {
+ public:
+  explicit SpeechProgram(const std::string& script) : old_path_(std::getenv("PATH")) {
+    const auto program = folder_ / "espeak-ng";
+    std::ofstream(program) << "#!/bin/sh\nlog='" << (folder_ / "log").string() << "'\n" << script;
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    setenv("PATH", ((folder_ / "x").parent_path().string() + ":/usr/bin:/bin").c_str(), 1);
+  }
+  ~SpeechProgram() { setenv("PATH", old_path_.c_str(), 1); }
+  SpeechProgram(const SpeechProgram&) = delete;
+  SpeechProgram& operator=(const SpeechProgram&) = delete;
+
+  [[nodiscard]] std::string log() const {
+    std::ifstream in(folder_ / "log");
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// Waits until the log holds `text`, 10 s at most.
+  [[nodiscard]] bool heard(const std::string& text) const {
+    for (int i = 0; i < 1000; ++i) {
+      if (log().find(text) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+
+ private:
+  audio_scene::Folder folder_;
+  std::string old_path_;
+};
+
+constexpr const char* kSpeakAtOnce = "cat >> \"$log\"\necho \"end\" >> \"$log\"\n";
+/// Writes the text, then "speaks" for a minute.
+constexpr const char* kSpeakLong = "cat >> \"$log\"\necho \"pid $$\" >> \"$log\"\nsleep 60\necho \"end\" >> \"$log\"\n";
+
+TEST(Speech, IsNotAvailableWithoutAProgramAndSayingIsHarmless) {
+  SpeechOptions options;
+  options.programs = {"no-such-speech-program"};
+  Speech speech(options);
+  EXPECT_FALSE(speech.available());
+  speech.say({"Lotus medallion", Priority::information, 1});
+}
+
+TEST(Speech, AvailableStartsNothing) {
+  const SpeechProgram program(kSpeakAtOnce);
+  {
+    const Speech speech;
+    EXPECT_TRUE(speech.available());
+  }
+  EXPECT_EQ(program.log(), "");
+}
+
+TEST(Speech, PassesWordsOnStandardInputUntouchedByAnyShell) {
+  const SpeechProgram program(kSpeakAtOnce);
+  Speech speech;
+  speech.say({"Lotus; `touch x` $(reboot) \"medallion\" -v --help \xE0\xA4\xAA", Priority::information, 1});
+  EXPECT_TRUE(program.heard("Lotus; `touch x` $(reboot) \"medallion\" -v --help \xE0\xA4\xAA\nend"));
+}
+
+TEST(Speech, NewerWordsInterruptOlderOnes) {
+  const SpeechProgram program(kSpeakLong);
+  Speech speech;
+  speech.say({"first", Priority::information, 1});
+  ASSERT_TRUE(program.heard("first\npid"));
+  speech.say({"second", Priority::information, 2});
+  EXPECT_TRUE(program.heard("second\npid"));
+  EXPECT_EQ(program.log().find("end"), std::string::npos);
+}
+
+TEST(Speech, OfSeveralWaitingOnlyTheNewestIsSpoken) {
+  const SpeechProgram program("cat >> \"$log\"\nsleep 0.3\n");
+  Speech speech;
+  speech.say({"fault", Priority::fault, 1});
+  ASSERT_TRUE(program.heard("fault"));
+  speech.say({"older", Priority::information, 2});
+  speech.say({"newer", Priority::information, 3});
+  EXPECT_TRUE(program.heard("newer"));
+  EXPECT_EQ(program.log().find("older"), std::string::npos);
+}
+
+TEST(Speech, AFaultComesFirstAndIsNotInterrupted) {
+  const SpeechProgram program(
+      "read -r line\necho \"$line\" >> \"$log\"\ncase $line in chat*) sleep 60;; *) sleep 0.3;; esac\necho \"end "
+      "$line\" >> \"$log\"\n");
+  Speech speech;
+  speech.say({"chatter", Priority::information, 1});
+  ASSERT_TRUE(program.heard("chatter"));
+  speech.say({"Device unplugged", Priority::fault, 2});
+  ASSERT_TRUE(program.heard("Device unplugged"));
+  speech.say({"Lotus", Priority::information, 3});
+  ASSERT_TRUE(program.heard("end Lotus"));
+  const std::string log = program.log();
+  EXPECT_EQ(log.find("end chatter"), std::string::npos);
+  EXPECT_LT(log.find("end Device unplugged"), log.find("Lotus"));
+}
+
+TEST(Speech, KillsItsChildWhenItGoes) {
+  const SpeechProgram program(kSpeakLong);
+  {
+    Speech speech;
+    speech.say({"long story", Priority::information, 1});
+    ASSERT_TRUE(program.heard("pid "));
+  }
+  const std::string log = program.log();
+  const int process = std::stoi(log.substr(log.find("pid ") + 4));
+  EXPECT_EQ(kill(process, 0), -1) << "still there";
+}
+
+TEST(Speech, SayingNeverBlocksTheCaller) {
+  const SpeechProgram program(kSpeakLong);
+  Speech speech;
+  const auto began = std::chrono::steady_clock::now();
+  for (std::uint64_t i = 1; i <= 1000; ++i) speech.say({"words " + std::to_string(i), Priority::information, i});
+  // 1000 starts of a program would take seconds.
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(500));
+  EXPECT_TRUE(program.heard("words 1000\n"));
+}
+
+TEST(Speech, AProgramThatClosesItsInputDoesNoHarm) {
+  const SpeechProgram program("exec 0<&-\necho done >> \"$log\"\n");
+  Speech speech;
+  speech.say({std::string(1900, 'a'), Priority::information, 1});
+  EXPECT_TRUE(program.heard("done"));
+}
+
+TEST(Speech, TheRealProgramTakesWordsFromStandardInput) {
+  const auto program = find_program({"espeak-ng"});
+  if (!program) GTEST_SKIP() << "espeak-ng is not installed";
+  const audio_scene::Folder folder;
+  const auto file = folder / "speech.wav";
+  const auto child =
+      ChildProcess::start(*program, {"--stdin", "-b", "1", "-s", "170", "-w", file.string()}, "Lotus medallion\n");
+  ASSERT_NE(child, nullptr);
+  while (child->running()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(std::filesystem::exists(file));
+  EXPECT_GT(std::filesystem::file_size(file), 20000U);  // about a second at 22 kHz
+}
+
+}  // namespace
