@@ -37,7 +37,8 @@ const std::string& run_csv_header() {
       "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,level,tick_ns,"
       "device_x_m,device_y_m,device_z_m,centre_x_m,centre_y_m,centre_z_m,scale,commanded_force_x_n,"
       "commanded_force_y_n,commanded_force_z_n,surface_id,command,flags,buttons,stiffness_n_per_m,period_s,late_ns,"
-      "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m\n";
+      "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m,delay_"
+      "ticks\n";
   return header;
 }
 
@@ -69,6 +70,7 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   append(text, device.limits.max_force_n);
   append(text, device.limits.slew_n_per_s);
   append(text, device.limits.least_damping_n_s_per_m);
+  append(text, static_cast<std::int32_t>(device.limits.delay_ticks));
   text.back() = '\n';
 }
 

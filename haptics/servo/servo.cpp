@@ -99,12 +99,14 @@ void Servo::tick(std::int64_t late_ns, double time_s) noexcept {
     return;
   }
   const std::int64_t in_hand_ns = now_ns();
-  if (watchdog_.tripped()) engine_.fault();
+  // A replay repeats the recorded faults, not those of this run; nobody holds its motors.
+  const bool watched = sample.replay == nullptr;
+  if (watched && watchdog_.tripped()) engine_.fault();
   engine_.update(sample, period_s_);
   const std::int64_t decided_ns = now_ns();
   State& state = engine_.state();
-  const bool bitten = watchdog_.tripped();  // also when it bit during this very tick
-  if (bitten) state.commanded_force_n = {};
+  // It may have bitten during this very tick: an old force must not overwrite its zero.
+  if (watched && watchdog_.tripped()) state.commanded_force_n = {};
   device_.write({state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]});
   unplugged_.store(!sample.connected, std::memory_order_relaxed);
 

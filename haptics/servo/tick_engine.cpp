@@ -75,6 +75,7 @@ void TickEngine::swap(Command& command) noexcept {
                              : old.lattice.origin_m.z() + old.height(proxy_.position.x(), proxy_.position.y());
   const double surface_device_m = (below_m - centre_m_.z()) * old.scale;
 
+  swapped_ = true;
   std::swap(window_, command.window);  // the old surface leaves with the command
   surface_ = window_.surface.get();
   const MongeSurface& fresh = *surface_;
@@ -112,8 +113,24 @@ SurfacePointer TickEngine::obey(Command& command) noexcept {
   return retired;
 }
 
-// No force, and none again before the hand has been in free space.
-void TickEngine::go_safe(const DeviceSample& sample, bool is_fault) noexcept {
+// A position that cannot be used: no force, no rendering, and no force again before the hand has been in free space.
+void TickEngine::go_blind(const DeviceSample& sample) noexcept {
+  make_safe();
+  State& state = record_.state;
+  state.force_n = {};
+  state.normal = {};
+  state.penetration_m = 0.0;
+  state.slip_speed_m_per_s = 0.0;
+  state.friction_coefficient = 0.0;
+  state.contact = 0;
+  if (!placed_) {
+    state.hip_m = to_array(centre_m_ + hand_m_ / surface_->scale);
+    state.proxy_m = state.hip_m;
+  }
+  if (!sample.fresh) state.flags |= kFlagStale;
+}
+
+void TickEngine::make_safe() noexcept {
   GovernorInput input;
   input.position_m = hand_m_;
   input.fresh = false;
@@ -121,20 +138,8 @@ void TickEngine::go_safe(const DeviceSample& sample, bool is_fault) noexcept {
   static_cast<void>(governor_.update(input));
   governor_.disarm();
   events_.reset();
-  State& state = record_.state;
-  state.force_n = {};
-  state.commanded_force_n = {};
-  state.normal = {};
-  state.penetration_m = 0.0;
-  state.slip_speed_m_per_s = 0.0;
-  state.friction_coefficient = 0.0;
-  state.contact = 0;
-  state.flags &= ~static_cast<std::uint64_t>(kFlagSticking | kFlagSaturated | kFlagArmed | kFlagUnfinished);
-  if (is_fault) {
-    state.flags |= kFlagFault;
-    ++faults_;
-  }
-  if (!sample.fresh) state.flags |= kFlagStale;
+  record_.state.commanded_force_n = {};
+  record_.state.flags &= ~static_cast<std::uint64_t>(kFlagSaturated | kFlagArmed);
 }
 
 void TickEngine::render(const DeviceSample& sample) noexcept {
@@ -151,7 +156,9 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   found_ = solve(hip_local);
   const Eigen::Vector3d away = found_.contact ? Eigen::Vector3d(found_.position - hip_local) : Eigen::Vector3d::Zero();
   const Eigen::Vector3d force_n = stiffness_n_per_m_ * surface_->scale * away;
-  const Eigen::Vector3d proxy_m = found_.position + lattice.origin_m;
+  // A free proxy is the hand itself, to the last bit.
+  const Eigen::Vector3d proxy_m =
+      found_.position == hip_local ? hip_m : Eigen::Vector3d(found_.position + lattice.origin_m);
 
   GovernorInput input;
   input.force_n = force_n;
@@ -210,9 +217,10 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
     record_.period_s = replay.period_s;
     state.command = replay.command;
     fault = fault || (replay.flags & kFlagFault) != 0;
-  } else {
+  } else if (!swapped_) {
     centre_m_.head<2>() += scroll_m_per_s_ * record_.period_s;
   }
+  swapped_ = false;
   has_time_ = true;
   last_time_s_ = sample.time_s;
 
@@ -236,16 +244,23 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
   const bool finite = sample.position_m.allFinite();
   if (finite) hand_m_ = sample.position_m;
   state.device_m = to_array(hand_m_);
+  fault = fault || !finite || !sample.connected;
+  if (fault && sample.homed) {
+    state.flags |= kFlagFault;
+    ++faults_;
+  }
   if (!sample.homed) {
     // Counts from power-up say nothing: not even the renderer may use them, and the proxy starts anew after homing.
     placed_ = false;
-    go_safe(sample, false);
-    state.hip_m = to_array(centre_m_ + hand_m_ / surface_->scale);
-    state.proxy_m = state.hip_m;
-  } else if (!finite || !sample.connected || fault) {
-    go_safe(sample, true);
+    go_blind(sample);
+  } else if (!finite) {
+    go_blind(sample);
   } else {
     render(sample);
+    if (fault) {
+      make_safe();
+      event_.reset();
+    }
   }
 }
 

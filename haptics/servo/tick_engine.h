@@ -51,7 +51,8 @@ class TickEngine {
   void swap(Command& command) noexcept;
   void render(const DeviceSample& sample) noexcept;
   [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
-  void go_safe(const DeviceSample& sample, bool is_fault) noexcept;
+  void go_blind(const DeviceSample& sample) noexcept;
+  void make_safe() noexcept;
   [[nodiscard]] std::uint64_t place_flags(const Eigen::Vector3d& local) const noexcept;
 
   DeviceInfo device_;
@@ -69,6 +70,7 @@ class TickEngine {
   Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();  // last finite hand position, device frame
   bool placed_ = false;                               // the proxy has been started
   bool fault_ = false;
+  bool swapped_ = false;  // since the last update: the recorded centre is then the swap's own
   bool has_time_ = false;
   double last_time_s_ = 0.0;
   double slip_speed_ = 0.0;

@@ -83,7 +83,10 @@ struct Session::Implementation {
         recorded_command.emplace();
         recorded_command->kind = Command::Kind::swap;
         recorded_command->window = load_recorded(next_recorded);
-        recorded_command->at_tick = recording->windows()[next_recorded].row + 1;
+        const std::size_t row = recording->windows()[next_recorded].row;
+        recorded_command->at_tick = row + 1;
+        recorded_command->move = true;
+        recorded_command->centre_m = recording->rows()[row].replay.centre_m.head<2>();
         ++windows_loaded;
       }
       if (!servo->post(std::move(*recorded_command))) return;

@@ -38,6 +38,7 @@ enum Column : std::size_t {
   kMaxForce,
   kSlew,
   kDamping,
+  kDelay,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -62,7 +63,8 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "workspace_m",
                                                            "max_force_n",
                                                            "slew_n_per_s",
-                                                           "least_damping_n_s_per_m"};
+                                                           "least_damping_n_s_per_m",
+                                                           "delay_ticks"};
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
 std::string_view take_line(std::string_view& text) {
@@ -173,6 +175,7 @@ Recording::Recording(const std::filesystem::path& file) {
       info_.limits.max_force_n = at(kMaxForce, info_.limits.max_force_n);
       info_.limits.slew_n_per_s = at(kSlew, info_.limits.slew_n_per_s);
       info_.limits.least_damping_n_s_per_m = at(kDamping, info_.limits.least_damping_n_s_per_m);
+      info_.limits.delay_ticks = static_cast<int>(at(kDelay, info_.limits.delay_ticks));
     }
     rows_.push_back(row);
   }

@@ -1,0 +1,277 @@
+#include "haptics/servo/tick_engine.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/haptics/servo/parts.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kPeriodS = 0.001;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+Eigen::Vector3d vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+/// An engine with a clock.
+class Hand {
+ public:
+  explicit Hand(HapticWindow window, EngineOptions options = {}) : engine(DeviceInfo{}, options, std::move(window)) {}
+  const State& go(const Eigen::Vector3d& device_m) {
+    engine.update(sample_at(device_m, kPeriodS * static_cast<double>(tick_++)), kPeriodS);
+    return engine.state();
+  }
+  const State& go(DeviceSample sample) {
+    sample.time_s = kPeriodS * static_cast<double>(tick_++);
+    engine.update(sample, kPeriodS);
+    return engine.state();
+  }
+  /// 60 ms in the air arm the governor.
+  void arm() {
+    for (int i = 0; i < 60; ++i) go({0.0, 0.0, 0.02});
+  }
+  /// Slowly to a place, so that the slew limit does not show.
+  const State& press(const Eigen::Vector3d& device_m, int ticks = 200) {
+    const Eigen::Vector3d from = vector_of(engine.state().device_m);
+    for (int i = 1; i <= ticks; ++i) go(Eigen::Vector3d(from + (device_m - from) * (static_cast<double>(i) / ticks)));
+    for (int i = 0; i < 20; ++i) go(device_m);
+    return engine.state();
+  }
+
+  TickEngine engine;
+
+ private:
+  std::uint64_t tick_ = 0;
+};
+
+TEST(TickEngine, PutsTheDevicesOriginOnTheSurfaceAtTheWindowsCentre) {
+  Hand hand(window_on(testing::flat_scene(0.25)));
+  const State& state = hand.go({0.0, 0.0, 0.01});
+  EXPECT_NEAR(state.centre_m[2], 0.25, 0.25 * 1e-7);  // heights are stored as floats
+  EXPECT_NEAR(state.centre_m[0], 0.05, kEpsilon);
+  EXPECT_EQ(state.contact, 0U);
+  EXPECT_EQ(state.penetration_m, 0.0);
+  EXPECT_EQ(vector_of(state.hip_m), vector_of(state.proxy_m));
+}
+
+TEST(TickEngine, PushesWithStiffnessTimesDepthInTheDeviceFrameAtAnyScale) {
+  for (const double width_m : {1e-3, 0.1, 10.0, 1000.0}) {
+    Hand hand(window_on(testing::flat_scene(0.0, 101, width_m)));
+    hand.arm();
+    const State& state = hand.press({0.001, 0.002, -0.002});
+    EXPECT_NEAR(state.force_n[2], 800.0 * 0.002, 1e-9) << width_m;
+    EXPECT_NEAR(state.penetration_m, 0.002, 1e-12) << width_m;
+    EXPECT_NEAR(state.commanded_force_n[2], 800.0 * 0.002, 0.01 * 1.6) << width_m;
+    EXPECT_EQ(state.contact, 1U);
+    EXPECT_TRUE((state.flags & kFlagArmed) != 0);
+  }
+}
+
+TEST(TickEngine, GivesNoForceBeforeTheHandHasBeenInFreeSpaceForFiftyMilliseconds) {
+  Hand hand(window_on(testing::flat_scene()));
+  for (int i = 0; i < 500; ++i) {
+    const State& state = hand.go({0.0, 0.0, -0.003});  // starts inside the stone
+    ASSERT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+    ASSERT_GT(state.force_n[2], 0.0) << "the renderer itself knows the force";
+  }
+  for (int i = 0; i < 40; ++i) hand.go({0.0, 0.0, 0.003});
+  EXPECT_EQ(hand.go({0.0, 0.0, -0.001}).commanded_force_n[2], 0.0) << "40 ms are not enough";
+  for (int i = 0; i < 60; ++i) hand.go({0.0, 0.0, 0.003});
+  for (int i = 0; i < 10; ++i) hand.go({0.0, 0.0, -0.001});
+  EXPECT_GT(hand.engine.state().commanded_force_n[2], 0.5);
+}
+
+TEST(TickEngine, AnswersNotANumberWithZeroForceAtOnceAndArmsAnew) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    Hand hand(window_on(testing::flat_scene()));
+    hand.arm();
+    const State before = hand.press({0.0, 0.0, -0.002});
+    ASSERT_GT(before.commanded_force_n[2], 1.0);
+    const State& fault = hand.go(Eigen::Vector3d(0.0, bad, -0.002));
+    EXPECT_EQ(vector_of(fault.commanded_force_n).norm(), 0.0);
+    EXPECT_TRUE((fault.flags & kFlagFault) != 0);
+    EXPECT_TRUE((fault.flags & kFlagArmed) == 0);
+    EXPECT_EQ(vector_of(fault.device_m), vector_of(before.device_m)) << "the last good place stays";
+    EXPECT_TRUE(std::isfinite(fault.proxy_m[0]) && std::isfinite(fault.hip_m[1]));
+    for (int i = 0; i < 100; ++i)
+      ASSERT_EQ(vector_of(hand.go({0.0, 0.0, -0.002}).commanded_force_n).norm(), 0.0) << "still in the stone";
+    hand.arm();
+    EXPECT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+    EXPECT_EQ(hand.engine.faults(), 1U);
+  }
+}
+
+TEST(TickEngine, GivesNoForceOnAStaleSampleAndGoesOnWithTheNext) {
+  Hand hand(window_on(testing::flat_scene()));
+  hand.arm();
+  hand.press({0.0, 0.0, -0.002});
+  DeviceSample stale = sample_at({0.0, 0.0, -0.002}, 0.0);
+  stale.fresh = false;
+  const State& state = hand.go(stale);
+  EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((state.flags & kFlagStale) != 0);
+  EXPECT_TRUE((state.flags & kFlagFault) == 0);
+  EXPECT_TRUE((hand.go({0.0, 0.0, -0.002}).flags & kFlagStale) == 0);
+}
+
+TEST(TickEngine, GivesNoForceWhenUnpluggedOrNotHomed) {
+  Hand hand(window_on(testing::flat_scene()));
+  hand.arm();
+  hand.press({0.0, 0.0, -0.002});
+  DeviceSample gone = sample_at({0.0, 0.0, -0.002}, 0.0);
+  gone.connected = false;
+  EXPECT_EQ(vector_of(hand.go(gone).commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((hand.engine.state().flags & kFlagFault) != 0);
+  DeviceSample unknown = sample_at({0.3, 0.0, -0.5}, 0.0);
+  unknown.homed = false;
+  const State& state = hand.go(unknown);
+  EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+  EXPECT_EQ(vector_of(state.force_n).norm(), 0.0) << "positions that are not absolute render nothing";
+  EXPECT_TRUE((state.flags & kFlagHomed) == 0);
+  EXPECT_EQ(hand.go({0.0, 0.0, 0.02}).contact, 0U) << "after homing the proxy starts where the hand is";
+}
+
+TEST(TickEngine, ForceEndsWithContactAndNeverPulls) {
+  Hand hand(window_on(testing::scene_of(testing::hills_m, 101, 0.1)));
+  hand.arm();
+  for (int i = 0; i < 4000; ++i) {
+    const double t = i * 0.001;
+    const State& state =
+        hand.go(Eigen::Vector3d(0.03 * std::sin(2.1 * t), 0.03 * std::cos(1.7 * t), 0.004 * std::sin(9.0 * t)));
+    const Eigen::Vector3d force = vector_of(state.commanded_force_n);
+    if (state.contact == 0)
+      ASSERT_EQ(force.norm(), 0.0);
+    else
+      ASSERT_GE(force.dot(vector_of(state.normal)), -1e-9);
+  }
+}
+
+TEST(TickEngine, ASwapInContactKeepsTheHandTheProxyAndTheForceWhereTheyWere) {
+  const auto scene = testing::scene_of(testing::hills_m, 401, 0.1, 101);  // levels 0, 1, 2
+  Hand hand(window_on(scene, 2));
+  hand.arm();
+  const State before = hand.press({0.012, -0.017, -0.003});
+  ASSERT_EQ(before.contact, 1U);
+  const Eigen::Vector3d proxy_before = (vector_of(before.proxy_m) - vector_of(before.centre_m)) * before.scale;
+
+  // Level 0 around the hand, four times larger in the hand.
+  const pipeline::Lattice& fine = scene->description().levels[0];
+  const int i0 = 180;
+  const int j0 = 80;
+  Command command;
+  command.kind = Command::Kind::swap;
+  command.sequence = 5;
+  command.window.surface = make_surface(scene->description(), scene->read(0, i0, j0, 101, 101), 0,
+                                        0.1 / (100 * fine.spacing_m), SurfaceOptions{});
+  command.window.i0 = i0;
+  command.window.j0 = j0;
+  command.window.id = 2;
+  const SurfacePointer retired = hand.engine.obey(command);
+  ASSERT_NE(retired, nullptr);
+  EXPECT_EQ(retired->level, 2);
+  const State after = hand.go({0.012, -0.017, -0.003});
+  EXPECT_EQ(after.command, 5U);
+  EXPECT_EQ(after.surface_id, 2U);
+  EXPECT_EQ(after.level, 0U);
+  EXPECT_NEAR(after.scale / before.scale, 4.0, 1e-12);
+  EXPECT_EQ(after.contact, 1U);
+  // Before the first update the proxy is where it was to rounding; the update lets it slide on the finer relief, by no
+  // more than the way that the difference of slopes asks for: the relief is 0.4 steep at most.
+  const Eigen::Vector3d proxy_after = (vector_of(after.proxy_m) - vector_of(after.centre_m)) * after.scale;
+  EXPECT_LT((proxy_after - proxy_before).norm(), 0.5 * before.penetration_m);
+  EXPECT_NEAR(after.penetration_m, before.penetration_m, 0.25 * before.penetration_m);
+  // What is under the finger stays under the finger.
+  EXPECT_NEAR(after.proxy_m[0], before.proxy_m[0], 0.5 * before.penetration_m / after.scale + 1e-12);
+  const double growth = vector_of(after.commanded_force_n).norm() - vector_of(before.commanded_force_n).norm();
+  EXPECT_LE(growth, 1500.0 * kPeriodS * (1.0 + 1e-9)) << "the slew limit of 1.5 N a millisecond";
+}
+
+TEST(TickEngine, ASwapInTheAirKeepsTheClearance) {
+  const auto scene = testing::scene_of(testing::hills_m, 201, 0.1, 101);
+  Hand hand(window_on(scene, 1));
+  const Eigen::Vector3d place(0.02, 0.01, 0.006);
+  const State before = hand.go(place);
+  ASSERT_EQ(before.contact, 0U);
+  Command command;
+  command.kind = Command::Kind::swap;
+  command.window = window_on(scene, 0, 2);
+  static_cast<void>(hand.engine.obey(command));
+  const State after = hand.go(place);
+  EXPECT_EQ(after.contact, 0U);
+  const auto clearance = [&](const State& s) {
+    return (s.hip_m[2] - testing::hills_m(s.hip_m[0], s.hip_m[1])) * s.scale;
+  };
+  // Interpolation error of the coarser grid: h^2 kappa / 8 both ways.
+  EXPECT_NEAR(clearance(after), clearance(before), 2.0 * 0.001 * 0.001 * 0.004 * (80.0 * 80.0 + 65.0 * 65.0) / 8.0);
+}
+
+TEST(TickEngine, AMoveInContactPutsTheNewPlaceUnderTheHandWithoutAStepInForce) {
+  const auto scene = testing::scene_of(testing::hills_m, 401, 0.1, 101);
+  Hand hand(window_on(scene, 2));
+  hand.arm();
+  const State before = hand.press({0.01, 0.01, -0.002});
+  Command command;
+  command.kind = Command::Kind::swap;
+  command.window = window_on(scene, 2, 9);
+  command.move = true;
+  command.centre_m = {0.03, 0.04};
+  static_cast<void>(hand.engine.obey(command));
+  const State after = hand.go({0.01, 0.01, -0.002});
+  EXPECT_EQ(after.centre_m[0], 0.03);
+  EXPECT_EQ(after.centre_m[1], 0.04);
+  EXPECT_EQ(after.contact, 1U);
+  EXPECT_LE(vector_of(after.commanded_force_n).norm() - vector_of(before.commanded_force_n).norm(), 1.5 + 1e-9);
+  EXPECT_LT(after.penetration_m, 2.0 * before.penetration_m);
+}
+
+TEST(TickEngine, ScrollsTheWindowSmoothlyUnderTheHand) {
+  Hand hand(window_on(testing::flat_scene()));
+  hand.go({0.045, 0.0, 0.01});
+  Command command;
+  command.kind = Command::Kind::scroll;
+  command.scroll_m_per_s = {0.02, 0.0};
+  static_cast<void>(hand.engine.obey(command));
+  const double start = hand.engine.state().centre_m[0];
+  for (int i = 0; i < 100; ++i) hand.go({0.045, 0.0, 0.01});
+  EXPECT_NEAR(hand.engine.state().centre_m[0] - start, 0.02 * 0.1, 1e-9);
+}
+
+TEST(TickEngine, FlagsBorderOutsideUnknownAndFilled) {
+  const auto scene =
+      testing::scene_of([](double x, double y) { return x < 0.03 && y < 0.03 ? std::nan("") : 0.0; }, 101, 0.1);
+  Hand hand(window_on(scene));
+  hand.go({0.0, 0.0, 0.01});
+  EXPECT_EQ(hand.engine.state().flags & (kFlagWindowBorder | kFlagOutside | kFlagUnknownArea | kFlagFilledArea), 0U);
+  hand.go({-0.04, -0.04, 0.01});
+  EXPECT_TRUE((hand.engine.state().flags & kFlagUnknownArea) != 0);
+  EXPECT_TRUE((hand.engine.state().flags & kFlagOutside) == 0);
+  hand.go({0.0495, 0.0, 0.01});
+  EXPECT_TRUE((hand.engine.state().flags & kFlagWindowBorder) != 0);
+  EXPECT_TRUE((hand.engine.state().flags & kFlagOutside) == 0);
+  hand.go({0.0505, 0.0, 0.01});
+  EXPECT_TRUE((hand.engine.state().flags & kFlagWindowBorder) != 0);
+  EXPECT_TRUE((hand.engine.state().flags & kFlagOutside) != 0);
+}
+
+TEST(TickEngine, IdenticalSamplesGiveIdenticalBits) {
+  const auto scene = testing::scene_of(testing::hills_m, 201, 0.1);
+  Hand first(window_on(scene));
+  Hand second(window_on(scene));
+  for (int i = 0; i < 3000; ++i) {
+    const double t = i * 0.001;
+    const Eigen::Vector3d place(0.03 * std::sin(2.1 * t), 0.03 * std::cos(1.7 * t), 0.004 * std::cos(5.0 * t));
+    const State a = first.go(place);
+    const State b = second.go(place);
+    ASSERT_EQ(a.proxy_m, b.proxy_m);
+    ASSERT_EQ(a.force_n, b.force_n);
+    ASSERT_EQ(a.commanded_force_n, b.commanded_force_n);
+  }
+}
+
+}  // namespace
+}  // namespace sparsha::haptics
