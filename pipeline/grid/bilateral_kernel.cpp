@@ -15,8 +15,12 @@ namespace sparsha::pipeline::kernel {
 /// exp(-t) = 2^-n exp(r), n = round(t / ln 2), |r| <= ln 2 / 2; ln 2 in two parts (Cody & Waite 1980), Taylor to r^7,
 /// whose remainder is 5e-9.
 SPARSHA_INLINE float exp_minus_inline(float t) {
+  constexpr int kBitsOf64 = 0x42800000;
   constexpr float kRound = 12582912.0F;  // 1.5 * 2^23: adding it rounds to an integer
-  t = t < 87.0F ? t : 87.0F;
+  // e^-64 weighs nothing, and what follows stays clear of slow denormal numbers. Bits compare like the non-negative
+  // floats that they are, and leave the vectoriser no floating-point trap to preserve.
+  const int bits = __builtin_bit_cast(int, t);
+  t = __builtin_bit_cast(float, bits < kBitsOf64 ? bits : kBitsOf64);
   const float shifted = t * 1.44269504F + kRound;
   const float n = shifted - kRound;
   const float r = (n * 0.693359375F - t) + n * -2.12194440e-4F;
@@ -34,6 +38,7 @@ SPARSHA_INLINE float exp_minus_inline(float t) {
 SPARSHA_INLINE void bilateral_row_inline(const float* __restrict centre, std::size_t count, const BilateralTap* taps,
                                          std::size_t tap_count, float range, float* __restrict sums,
                                          float* __restrict out) {
+  constexpr int kBitsOfInfinity = 0x7F800000;
   float* __restrict weighted = sums;
   float* __restrict weights = sums + count;
   for (std::size_t i = 0; i < count; ++i) {
@@ -46,9 +51,11 @@ SPARSHA_INLINE void bilateral_row_inline(const float* __restrict centre, std::si
     for (std::size_t i = 0; i < count; ++i) {
       const float difference = neighbour[i] - centre[i];
       const float weight = spatial * exp_minus_inline(difference * difference * range);
-      const bool known = difference == difference;
-      weights[i] += known ? weight : 0.0F;
-      weighted[i] += known ? weight * difference : 0.0F;
+      const float product = weight * difference;
+      // All ones where the difference is known: a NaN's magnitude has larger bits than infinity.
+      const int known = ((__builtin_bit_cast(int, difference) & 0x7FFFFFFF) - (kBitsOfInfinity + 1)) >> 31;
+      weights[i] += __builtin_bit_cast(float, __builtin_bit_cast(int, weight) & known);
+      weighted[i] += __builtin_bit_cast(float, __builtin_bit_cast(int, product) & known);
     }
   }
   for (std::size_t i = 0; i < count; ++i) out[i] = centre[i] + weighted[i] / weights[i];

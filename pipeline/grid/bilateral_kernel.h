@@ -24,7 +24,7 @@ void bilateral_row_avx2(const float* centre, std::size_t count, const BilateralT
 /// The fastest that this processor runs.
 [[nodiscard]] BilateralRow bilateral_row() noexcept;
 
-/// exp(-t) as the filter computes it, t in [0, 87], relative error below 1e-7; larger t and NaN count as 87.
+/// exp(-t) as the filter computes it, t in [0, 64], relative error below 1e-7; larger t and NaN count as 64.
 [[nodiscard]] float exp_minus(float t) noexcept;
 
 }  // namespace sparsha::pipeline::kernel
