@@ -121,6 +121,18 @@ class BilinearSurface {
   [[nodiscard]] double mu_static(int i, int j, double s, double t) const noexcept {
     return interpolate(mu_static_, i, j, s, t);
   }
+  /// mu_dynamic at p + tau (ds, dt) = mu + tau (mu1 + tau mu2), p in an inner cell.
+  void mu_dynamic_along(const CellPoint& p, double ds, double dt, double& mu, double& mu1, double& mu2) const noexcept {
+    const float* low = mu_dynamic_ + node(p.i, p.j);
+    const float* high = low + nx_;
+    const double m00 = low[0];
+    const double a = static_cast<double>(low[1]) - m00;
+    const double b = static_cast<double>(high[0]) - m00;
+    const double c = (static_cast<double>(high[1]) - static_cast<double>(high[0])) - a;
+    mu = m00 + p.s * a + p.t * (b + p.s * c);
+    mu1 = ds * (a + c * p.t) + dt * (b + c * p.s);
+    mu2 = c * ds * dt;
+  }
 
  private:
   [[nodiscard]] std::size_t node(int i, int j) const noexcept {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "haptics/contact/descent.h"
+#include "haptics/contact/glide.h"
 #include "haptics/contact/proxy_place.h"
 #include "haptics/contact/ray_march.h"
 #include "haptics/contact/tangent_cone.h"
@@ -34,6 +35,10 @@ class ExactSolver {
         sticking = kFriction && contact;
         may_stick_again = false;
         continue;
+      }
+      if (!landed && surface_.is_inner(p.i, p.j) && is_inside_cell(surface_, p)) {
+        Glide<Surface, kFriction> glide(surface_, hip_, tolerance_, limit_);
+        if (glide.run(p, sticking, may_stick_again, segments_) == GlideEnd::rest) return;
       }
       const CellVector w = hip_ - p;
       if (is_inside_cell(surface_, p)) {
