@@ -1,0 +1,202 @@
+// Between hand position and force the servo thread allocates nothing, locks nothing and calls nothing of the system:
+// counted on the live loop by wrapping the functions, and by the kernel's own hook for system calls.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <ucontext.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+#include <thread>
+
+#include "haptics/servo/servo.h"
+#include "tests/haptics/servo/parts.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SPARSHA_SANITIZED 1
+#else
+#define SPARSHA_SANITIZED 0
+#endif
+
+namespace {
+
+constexpr char kAllow = 0;  // SYSCALL_DISPATCH_FILTER_ALLOW
+constexpr char kBlock = 1;
+
+// Set by the device in read() and cleared in write(): exactly the stretch that is promised free.
+thread_local bool watching = false;
+std::atomic<std::uint64_t> allocations{0};
+std::atomic<std::uint64_t> locks{0};
+std::atomic<std::uint64_t> system_calls{0};
+volatile char selector = kAllow;
+
+}  // namespace
+
+#if !SPARSHA_SANITIZED
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void __libc_free(void* memory);
+void* malloc(std::size_t size) {
+  if (watching) allocations.fetch_add(1);
+  return __libc_malloc(size);
+}
+void free(void* memory) {
+  if (watching && memory != nullptr) allocations.fetch_add(1);
+  __libc_free(memory);
+}
+int pthread_mutex_lock(pthread_mutex_t* mutex) {
+  if (watching) locks.fetch_add(1);
+  using Lock = int (*)(pthread_mutex_t*);
+  static const auto real = reinterpret_cast<Lock>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
+  return real(mutex);
+}
+}
+#endif
+
+namespace sparsha::haptics {
+namespace {
+
+void count_system_call(int, siginfo_t*, void*) {
+  system_calls.fetch_add(1);
+  selector = kAllow;  // the rest of this tick goes uncounted, one is enough to fail
+}
+
+/// A hand that strokes hills, watches itself, and can ask the kernel to trap every system call of the servo's thread.
+class WatchingDevice final : public Device {
+ public:
+  explicit WatchingDevice(bool trap) : trap_(trap) {}
+  [[nodiscard]] DeviceInfo info() const override { return {}; }
+  [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
+    if (trap_ && !asked_) {
+      asked_ = true;
+      trapping_.store(prctl(PR_SET_SYSCALL_USER_DISPATCH, PR_SYS_DISPATCH_ON, 0UL, 0UL, &selector) == 0);
+    }
+    const double t = time_s;
+    const DeviceSample sample = sample_at(
+        {0.03 * std::sin(2.1 * t), 0.03 * std::cos(1.7 * t), t < 0.1 ? 0.02 : 0.005 * std::sin(6.0 * t)}, time_s);
+    ticks_.fetch_add(1);
+    watching = true;
+    if (trapping_.load()) selector = kBlock;
+    return sample;
+  }
+  void write(const Eigen::Vector3d& force_n) noexcept override {
+    selector = kAllow;
+    watching = false;
+    if (force_n.norm() > 0.0) pushed_.fetch_add(1);
+  }
+  void zero() noexcept override {}
+
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_.load(); }
+  [[nodiscard]] std::uint64_t pushed() const { return pushed_.load(); }
+  [[nodiscard]] bool trapping() const { return trapping_.load(); }
+
+ private:
+  bool trap_;
+  bool asked_ = false;
+  std::atomic<bool> trapping_{false};
+  std::atomic<std::uint64_t> ticks_{0};
+  std::atomic<std::uint64_t> pushed_{0};
+};
+
+pipeline::ScenePointer hills() {
+  return testing::scene_of(testing::hills_m, 201, 0.1, 200, Eigen::Vector3d::Zero(),
+                           [](pipeline::SceneDescription& d) { d.config.friction = pipeline::FrictionConfig{}; });
+}
+
+/// Two seconds of stroking with window changes on the way.
+void run(WatchingDevice& device) {
+  const auto scene = hills();
+  Seqlock<State> state;
+  const auto consumer = std::make_shared<ContactQueue>(1024);
+  Recorder recorder({}, device.info(), 1000.0, 0.0005);
+  recorder.start();
+  Servo servo(device, ServoOptions{}, window_on(scene), state, {consumer}, &recorder);
+  servo.start();
+  for (std::uint64_t id = 2; id < 6; ++id) {
+    Command command;
+    command.kind = Command::Kind::swap;
+    command.window = window_on(scene, 0, id);
+    command.sequence = id;
+    ASSERT_TRUE(servo.post(std::move(command)));
+    ASSERT_TRUE(eventually([&] { return state.read().time_s > 0.5 * static_cast<double>(id - 1); }));
+    servo.collect();
+  }
+  servo.stop();
+  static_cast<void>(recorder.finish());
+}
+
+TEST(ServoFreedom, FromHandPositionToForceNothingIsAllocatedOrFreedOrLocked) {
+  if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers bring their own malloc";
+  allocations.store(0);
+  locks.store(0);
+  WatchingDevice device(false);
+  run(device);
+  EXPECT_GT(device.ticks(), 500U);
+  EXPECT_GT(device.pushed(), 100U);
+  EXPECT_EQ(allocations.load(), 0U);
+  EXPECT_EQ(locks.load(), 0U);
+}
+
+TEST(ServoFreedom, TheCountersWouldSeeAnAllocationAndALock) {
+  if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers bring their own malloc";
+  allocations.store(0);
+  locks.store(0);
+  pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+  watching = true;
+  void* memory = std::malloc(100);
+  std::free(memory);
+  pthread_mutex_lock(&mutex);
+  watching = false;
+  pthread_mutex_unlock(&mutex);
+  EXPECT_GE(allocations.load(), 1U);
+  EXPECT_EQ(locks.load(), 1U);
+}
+
+TEST(ServoFreedom, FromHandPositionToForceNothingOfTheSystemIsCalled) {
+  if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers make system calls of their own";
+  struct sigaction action {};
+  struct sigaction before {};
+  action.sa_sigaction = count_system_call;
+  action.sa_flags = SA_SIGINFO;
+  ASSERT_EQ(sigaction(SIGSYS, &action, &before), 0);
+  system_calls.store(0);
+  WatchingDevice device(true);
+  run(device);
+  sigaction(SIGSYS, &before, nullptr);
+  if (!device.trapping()) GTEST_SKIP() << "this kernel cannot trap system calls for a thread (needs Linux 5.11)";
+  EXPECT_GT(device.ticks(), 500U);
+  EXPECT_GT(device.pushed(), 100U);
+  EXPECT_EQ(system_calls.load(), 0U);
+}
+
+TEST(ServoFreedom, TheTrapWouldSeeASystemCall) {
+  if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers make system calls of their own";
+  struct sigaction action {};
+  struct sigaction before {};
+  action.sa_sigaction = count_system_call;
+  action.sa_flags = SA_SIGINFO;
+  ASSERT_EQ(sigaction(SIGSYS, &action, &before), 0);
+  system_calls.store(0);
+  bool trapping = false;
+  std::thread thread([&] {
+    trapping = prctl(PR_SET_SYSCALL_USER_DISPATCH, PR_SYS_DISPATCH_ON, 0UL, 0UL, &selector) == 0;
+    if (!trapping) return;
+    selector = kBlock;
+    syscall(SYS_getppid);
+    selector = kAllow;
+  });
+  thread.join();
+  sigaction(SIGSYS, &before, nullptr);
+  if (!trapping) GTEST_SKIP() << "this kernel cannot trap system calls for a thread (needs Linux 5.11)";
+  EXPECT_EQ(system_calls.load(), 1U);
+}
+
+}  // namespace
+}  // namespace sparsha::haptics
