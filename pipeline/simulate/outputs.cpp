@@ -1,24 +1,15 @@
 // Truth as TIFF and JSON, configuration as YAML.
 #include "pipeline/simulate/outputs.h"
 
-#include <tiffio.h>
-
 #include <algorithm>
-#include <memory>
 
 #include <fmt/format.h>
 
-#include "pipeline/base/error.h"
+#include "pipeline/export/height_tiff.h"
 #include "pipeline/simulate/frames.h"
 
 namespace sparsha::pipeline {
 namespace {
-
-constexpr int kTile = 256;  // nodes
-
-Error cannot_write(const std::filesystem::path& file) {
-  return {ErrorKind::failure, {file.string(), 0, 0}, "cannot be written", "expected a folder with room for it"};
-}
 
 /// Shortest text that reads back as the same double.
 std::string number(double value) { return fmt::format("{}", value + 0.0); }  // + 0.0: no negative zero
@@ -38,39 +29,26 @@ const char* form_name(const Form& form) {
 
 }  // namespace
 
-void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, ThreadPool& pool, Progress& progress) {
+void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown, ThreadPool& pool,
+                      Progress& progress) {
   const Lattice& lattice = truth.lattice();
-  const bool big = lattice.count() > (std::size_t{1} << 28U);  // 2 GB of doubles
-  const std::unique_ptr<TIFF, decltype(&TIFFClose)> tiff(TIFFOpen(file.c_str(), big ? "w8" : "w"), &TIFFClose);
-  if (!tiff) throw cannot_write(file);
-  TIFFSetField(tiff.get(), TIFFTAG_IMAGEWIDTH, lattice.nx);
-  TIFFSetField(tiff.get(), TIFFTAG_IMAGELENGTH, lattice.ny);
-  TIFFSetField(tiff.get(), TIFFTAG_TILEWIDTH, kTile);
-  TIFFSetField(tiff.get(), TIFFTAG_TILELENGTH, kTile);
-  TIFFSetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, 64);
-  TIFFSetField(tiff.get(), TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
-  TIFFSetField(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, 1);
-  TIFFSetField(tiff.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-  std::vector<double> tile(static_cast<std::size_t>(kTile) * kTile);
-  for (int top = 0; top < lattice.ny; top += kTile) {
+  const auto nx = static_cast<std::size_t>(lattice.nx);
+  HeightTiff tiff(file, shown, lattice.nx, lattice.ny, true);
+  std::vector<double> band;
+  for (int top = 0; top < lattice.ny; top += HeightTiff::kBand) {
     progress.at(static_cast<double>(top) / lattice.ny);
-    for (int left = 0; left < lattice.nx; left += kTile) {
-      pool.for_ranges(kTile, 8, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) {
-          const int j = lattice.ny - 1 - std::min(top + static_cast<int>(row), lattice.ny - 1);
-          for (int column = 0; column < kTile; ++column) {
-            const int i = std::min(left + column, lattice.nx - 1);
-            tile[row * kTile + static_cast<std::size_t>(column)] = truth.height_m(lattice.x_m(i), lattice.y_m(j));
-          }
-        }
-      });
-      if (TIFFWriteTile(tiff.get(), tile.data(), static_cast<std::uint32_t>(left), static_cast<std::uint32_t>(top), 0,
-                        0) < 0) {
-        throw cannot_write(file);
+    const auto rows = static_cast<std::size_t>(std::min(HeightTiff::kBand, lattice.ny - top));
+    band.resize(rows * nx);
+    pool.for_ranges(rows, 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) {
+        const double y = lattice.y_m(lattice.ny - 1 - top - static_cast<int>(row));
+        for (int i = 0; i < lattice.nx; ++i)
+          band[row * nx + static_cast<std::size_t>(i)] = truth.height_m(lattice.x_m(i), y);
       }
-    }
+    });
+    tiff.write_band(top, band);
   }
-  if (TIFFFlush(tiff.get()) == 0) throw cannot_write(file);
+  tiff.close();
 }
 
 std::string truth_world_file(const Truth& truth) {

@@ -69,7 +69,7 @@ void simulate(const std::filesystem::path& config_file, const std::filesystem::p
   if (config.write_truth) {
     progress.begin("truth");
     written.push_back(std::make_unique<AtomicPath>(out / "truth.tif"));
-    write_truth_tiff(truth, written.back()->temporary(), pool, progress);
+    write_truth_tiff(truth, written.back()->temporary(), (out / "truth.tif").string(), pool, progress);
   }
   for (const auto& path : written) path->commit();
   if (config.write_truth) write_file(out / "truth.tfw", truth_world_file(truth));
