@@ -19,6 +19,8 @@ constexpr double kShear = 2.0 * (1.0 + 0.2) / 0.9;
 /// -140 dB full scale: below this a pillar is silent.
 constexpr double kSilence = 1e-7;
 constexpr double kDampTime_s = 0.005;
+/// exp(-20): a pulse's end that nobody hears.
+constexpr double kPulseEnd = 2e-9;
 
 /// Wavenumber times length of mode n (from 0) of a clamped-clamped bar: roots of cos x cosh x = 1.
 double wavenumber(std::size_t mode) {
@@ -45,20 +47,10 @@ double deflection(std::size_t mode, double position) {
   return sign * (std::cosh(x) - std::cos(x) - sigma * (std::sinh(x) - std::sin(x)));
 }
 
-double pulse_value(std::size_t at, std::size_t length) {
-  return 0.5 - 0.5 * std::cos(2.0 * kPi * (static_cast<double>(at) + 0.5) / static_cast<double>(length));
-}
-
-/// |sum of the pulse times e^{-i omega n}|.
-double pulse_spectrum(std::size_t length, double omega) {
-  // Hann window = three Dirichlet kernels; each is a geometric sum about the window's middle.
-  const double n = static_cast<double>(length);
-  const auto dirichlet = [n](double w) {
-    const double half = 0.5 * w;
-    return std::abs(std::sin(half)) < 1e-12 ? n : std::sin(n * half) / std::sin(half);
-  };
-  const double step = 2.0 * kPi / n;
-  return std::abs(0.5 * dirichlet(omega) + 0.25 * (dirichlet(omega - step) + dirichlet(omega + step)));
+/// |sum over n of (n + 1/2)/time * exp(-(n + 1/2)/time) e^{-i omega n}|, a geometric sum and its derivative.
+double pulse_spectrum(double time, double omega) {
+  const std::complex<double> q = std::polar(std::exp(-1.0 / time), -omega);
+  return std::abs(q / ((1.0 - q) * (1.0 - q)) + 0.5 / (1.0 - q)) * std::exp(-0.5 / time) / time;
 }
 
 }  // namespace
@@ -80,9 +72,8 @@ double relative_deflection(std::size_t mode, double position) {
   return deflection(mode, x) / deflection(0, x);
 }
 
-double contact_time_s(double force_n, double fundamental_hz) {
-  const double felt = 0.003 / std::cbrt(std::max(force_n, 1e-3));
-  return std::min(std::clamp(felt, 0.0005, 0.006), 1.0 / fundamental_hz);
+double contact_time_s(double force_n) {
+  return std::clamp(0.00025 / std::cbrt(std::max(force_n, 1e-3)), 0.00005, 0.001);
 }
 
 ModalBank::ModalBank(const PillarModes& modes, double sample_rate_hz)
@@ -100,12 +91,12 @@ ModalBank::ModalBank(const PillarModes& modes, double sample_rate_hz)
 bool ModalBank::strike(double amplitude, double force_n, double position) noexcept {
   if (pulse_count_ == kMaxPulses || count_ == 0) return false;
   Pulse& pulse = pulses_[pulse_count_++];
-  const double time_s = contact_time_s(force_n, fundamental_hz_);
   pulse.at = 0;
-  pulse.length = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(time_s * sample_rate_hz_)));
-  const double omega = 2.0 * kPi / sample_rate_hz_;
+  pulse.time = contact_time_s(force_n) * sample_rate_hz_;
+  pulse.ratio = std::exp(-1.0 / pulse.time);
+  pulse.decay = std::exp(-0.5 / pulse.time);
   // The fundamental reaches `amplitude` whatever the pulse's length; the pulse's spectrum shapes only what lies above.
-  const double unit = amplitude / pulse_spectrum(pulse.length, omega * frequency_hz_[0]);
+  const double unit = amplitude / pulse_spectrum(pulse.time, 2.0 * kPi * frequency_hz_[0] / sample_rate_hz_);
   for (std::size_t n = 0; n < count_; ++n) pulse.gain[n] = unit * relative_deflection(n, position);
   if (damping_) {  // goes on from where the fade has come
     const double left = fade(damped_, damp_length_);
@@ -131,9 +122,11 @@ void ModalBank::render(double* out, std::size_t count) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t p = 0; p < pulse_count_;) {
       Pulse& pulse = pulses_[p];
-      const double value = pulse_value(pulse.at, pulse.length);
+      const double value = (static_cast<double>(pulse.at) + 0.5) / pulse.time * pulse.decay;
+      pulse.decay *= pulse.ratio;
+      ++pulse.at;
       for (std::size_t n = 0; n < kMaxPartials; ++n) re_[n] += value * pulse.gain[n];
-      if (++pulse.at == pulse.length) {
+      if (pulse.decay < kPulseEnd) {
         pulse = pulses_[--pulse_count_];
       } else {
         ++p;
@@ -144,7 +137,7 @@ void ModalBank::render(double* out, std::size_t count) noexcept {
       const double re = re_[n] * rotate_re_[n] - im_[n] * rotate_im_[n];
       im_[n] = re_[n] * rotate_im_[n] + im_[n] * rotate_re_[n];
       re_[n] = re;
-      sum += im_[n];
+      sum += re;  // what radiates is velocity: cosine phase, no push of the air while in contact
     }
     if (damping_) sum *= fade(damped_++, damp_length_);
     out[i] += sum;

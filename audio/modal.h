@@ -32,9 +32,9 @@ struct PillarModes {
 /// fundamental's there. `position` is kept within 0.2 to 0.8, where the fundamental speaks.
 [[nodiscard]] double relative_deflection(std::size_t mode, double position);
 
-/// Length of the contact pulse of a strike, seconds: 3 ms at 1 N, proportional to force^(-1/3), within [0.5 ms, 6 ms]
-/// and at most one period of the fundamental (a longer pulse would not ring it).
-[[nodiscard]] double contact_time_s(double force_n, double fundamental_hz);
+/// Time constant tau of a strike's contact pulse, seconds: 0.25 ms at 1 N, proportional to force^(-1/3), within 0.05 to
+/// 1 ms.
+[[nodiscard]] double contact_time_s(double force_n);
 
 /// The resonators of one pillar. Striking it again adds to what still rings, as on the real thing: no voice is ever
 /// cut. No allocation; one thread.
@@ -62,7 +62,9 @@ class ModalBank {
   static constexpr std::size_t kMaxPulses = 8;
   struct Pulse {
     std::size_t at = 0;
-    std::size_t length = 0;
+    double time = 0.0;   ///< tau in samples
+    double decay = 0.0;  ///< exp(-t/tau) at the present sample
+    double ratio = 0.0;  ///< exp(-1/tau)
     std::array<double, kMaxPartials> gain{};
   };
 

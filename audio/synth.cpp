@@ -9,8 +9,8 @@
 namespace sparsha::audio {
 namespace {
 
-/// A 1 N strike: the pillar's fundamental at -17 dB full scale; a clip at -8 dB of its own level.
-const double kPillarLevel = from_decibel(-17.0);
+/// A 1 N strike: the pillar's fundamental at -20 dB full scale; a clip at -8 dB of its own level.
+const double kPillarLevel = from_decibel(-20.0);
 const double kClipLevel = from_decibel(-8.0);
 constexpr double kLoudest_n = 20.0;
 
