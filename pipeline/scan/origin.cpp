@@ -46,7 +46,7 @@ double PointSample::quantile(int axis, double rank) const {
   std::vector<double> values;
   values.reserve(entries.size());
   for (const Entry& entry : entries) values.push_back(entry.point[axis]);
-  const auto at = static_cast<std::ptrdiff_t>(rank * static_cast<double>(values.size() - 1));
+  const auto at = static_cast<std::ptrdiff_t>(std::lround(rank * static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[static_cast<std::size_t>(at)];
 }

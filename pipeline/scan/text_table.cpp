@@ -78,8 +78,8 @@ void guess_unnamed(TableColumns& columns, const std::vector<TableRow>& sample, b
   } else if (usual == 4) {
     columns.intensity = 3;
   }
-  columns.fields.assign(usual, "");
-  for (std::size_t i = 0; i < usual; ++i) columns.fields[i] = "column " + std::to_string(i + 1);
+  columns.fields.assign(std::max<std::size_t>(usual, 3), "");
+  for (std::size_t i = 0; i < columns.fields.size(); ++i) columns.fields[i] = "column " + std::to_string(i + 1);
   const auto label = [&](int column, const char* name) {
     if (column >= 0) columns.fields[static_cast<std::size_t>(column)] = name;
   };
@@ -110,7 +110,8 @@ void use_names(TableColumns& columns, const std::vector<std::string>& names) {
 
 }  // namespace
 
-RowKind parse_table_row(std::string_view line, bool decimal_comma, TableRow& row) {
+RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow& row) {
+  const bool decimal_comma = style.decimal_comma;
   row.count = 0;
   const char* p = line.data();
   const char* const end = p + line.size();
@@ -134,7 +135,7 @@ RowKind parse_table_row(std::string_view line, bool decimal_comma, TableRow& row
         while (p < end && !is_space(*p) && !is_comma(*p, decimal_comma)) ++p;
         word = {begin, static_cast<std::size_t>(p - begin)};
         value = kNaN;
-        if (row.count == 0) return RowKind::words;
+        if (row.count == 0 && !style.leading_words) return RowKind::words;
       }
     }
     if (row.count < kMostColumns) {
@@ -183,12 +184,15 @@ std::vector<std::string> header_names(std::string_view line) {
   return names;
 }
 
+bool name_coordinates(const std::vector<std::string>& names) {
+  return find(names, {"x", "easting"}) >= 0 && find(names, {"y", "northing"}) >= 0 &&
+         find(names, {"z", "elevation", "height"}) >= 0;
+}
+
 TableColumns guess_columns(const std::vector<std::string>& names, const std::vector<TableRow>& sample, bool pts) {
   TableColumns columns;
   columns.usual = usual_count(sample);
-  const bool named = find(names, {"x", "easting"}) >= 0 && find(names, {"y", "northing"}) >= 0 &&
-                     find(names, {"z", "elevation", "height"}) >= 0;
-  if (named) {
+  if (name_coordinates(names)) {
     use_names(columns, names);
   } else {
     guess_unnamed(columns, sample, pts);

@@ -23,9 +23,14 @@ struct TableRow {
 
 enum class RowKind : std::uint8_t { blank, comment, words, numbers };
 
-/// Splits a line. `words` when it does not begin with a number (or an empty or quoted field before one).
-/// With `decimal_comma`, commas belong to the numbers.
-RowKind parse_table_row(std::string_view line, bool decimal_comma, TableRow& row);
+/// How a file writes its rows.
+struct TableStyle {
+  bool decimal_comma = false;  ///< commas belong to the numbers, semicolons part them
+  bool leading_words = false;  ///< a row may begin with a name; else such a line is no row
+};
+
+/// Splits a line.
+RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow& row);
 
 /// Which column is what; -1 where there is none.
 struct TableColumns {
@@ -40,6 +45,9 @@ struct TableColumns {
   [[nodiscard]] bool has_colour() const { return red >= 0; }
   [[nodiscard]] int last() const;
 };
+
+/// True when the names tell where x, y and z are.
+[[nodiscard]] bool name_coordinates(const std::vector<std::string>& names);
 
 /// From the header's names (may be empty) and the first rows. `pts`: a fourth column is an intensity before colours.
 [[nodiscard]] TableColumns guess_columns(const std::vector<std::string>& names, const std::vector<TableRow>& sample,

@@ -1,5 +1,7 @@
 #include "pipeline/scan/xyz.h"
 
+#include <algorithm>
+
 #include "pipeline/scan/text.h"
 #include "pipeline/scan/text_table.h"
 
@@ -35,7 +37,7 @@ class Reader {
     TableRow row;
     std::size_t told = 0;
     while (lines.next(line)) {
-      switch (parse_table_row(line, decimal_comma_, row)) {
+      switch (parse_table_row(line, style_, row)) {
         case RowKind::blank:
         case RowKind::comment:
           break;
@@ -72,8 +74,8 @@ class Reader {
     TableRow row;
     bool declared_empty = false;
     while (sample.size() < kSample && lines.next(line)) {
-      if (sample.empty()) decimal_comma_ = uses_decimal_comma(line);
-      const RowKind kind = parse_table_row(line, decimal_comma_, row);
+      if (sample.empty()) style_.decimal_comma = uses_decimal_comma(line);
+      const RowKind kind = parse_table_row(line, style_, row);
       if (kind == RowKind::numbers && is_count(row)) {
         declared_empty = declared_empty || row.values[0] == 0.0;
       } else if (kind == RowKind::numbers) {
@@ -81,6 +83,7 @@ class Reader {
       } else if (kind != RowKind::blank && sample.empty()) {
         std::vector<std::string> found = header_names(line);
         if (found.size() >= 3) names = std::move(found);
+        style_.leading_words = name_coordinates(names);
       }
     }
     RawScan& scan = out_.scan();
@@ -100,7 +103,9 @@ class Reader {
     out_.begin(0, columns_.has_colour(), columns_.intensity >= 0);
   }
 
-  [[nodiscard]] std::string expected_row() const { return std::to_string(columns_.usual) + " numbers"; }
+  [[nodiscard]] std::string expected_row() const {
+    return std::to_string(std::max<std::size_t>(columns_.usual, 3)) + " numbers";
+  }
 
   void point(const TableRow& row, int line) {
     if (row.count < needed_) {
@@ -149,7 +154,7 @@ class Reader {
   const ScanFile& file_;
   ScanWriter& out_;
   std::size_t begin_ = 0;
-  bool decimal_comma_ = false;
+  TableStyle style_;
   TableColumns columns_;
   std::size_t needed_ = 3;
   std::uint64_t rows_ = 0;

@@ -1,0 +1,245 @@
+// Units, poses and the common origin: scan = pose * units * p, rounded once.
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <Eigen/Geometry>
+
+#include "pipeline/base/files.h"
+#include "pipeline/base/progress.h"
+#include "pipeline/scan/units.h"
+#include "pipeline/scene/scene.h"
+#include "scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::ScanFolder;
+
+ScanConfig config_of(const std::filesystem::path& file, LengthUnit unit = LengthUnit::automatic) {
+  ScanConfig config;
+  config.file = file;
+  config.units.unit = unit;
+  return config;
+}
+
+Eigen::Vector3d point(const Cloud& cloud, std::size_t i) {
+  return cloud.origin_m + Eigen::Map<const Eigen::Vector3f>(cloud.xyz1() + 4 * i).cast<double>();
+}
+
+TEST(LoadScan, AppliesUnitsThenPose) {
+  const ScanFolder folder;
+  ScanConfig config = config_of(folder.write("a.xyz", "1000 0 0\n0 2000 0\n"), LengthUnit::mm);
+  config.pose.topLeftCorner<3, 3>() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  config.pose.topRightCorner<3, 1>() = Eigen::Vector3d(0, 0, 5);
+  Progress progress;
+  const Cloud cloud = load_scan(config, progress);
+  ASSERT_EQ(cloud.size(), 2U);
+  const double rounding = 5.0 * 1.2e-7;  // float32 of numbers up to 5
+  EXPECT_LT((point(cloud, 0) - Eigen::Vector3d(0, 1, 5)).norm(), rounding);
+  EXPECT_LT((point(cloud, 1) - Eigen::Vector3d(-2, 0, 5)).norm(), rounding);
+}
+
+TEST(LoadScan, KnowsAllUnits) {
+  const ScanFolder folder;
+  const auto file = folder.write("a.xyz", "0 0 0\n1 0 0\n");
+  Progress progress;
+  const auto x_of = [&](LengthUnit unit) {
+    ScanConfig config = config_of(file, unit);
+    config.units.longest_side_m = 0.3;
+    return point(load_scan(config, progress), 1).x();
+  };
+  EXPECT_EQ(x_of(LengthUnit::m), 1.0);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::cm)), 0.01F);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::mm)), 0.001F);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::ft)), 0.3048F);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::us_ft)), static_cast<float>(1200.0 / 3937.0));
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::longest_side)), 0.3F);
+}
+
+TEST(LoadScan, KeepsATenthOfAMillimetreOfGeoreferencedPoints) {
+  const ScanFolder folder;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> offset(-200.0, 200.0);
+  std::ostringstream text;
+  text.precision(15);
+  std::vector<Eigen::Vector3d> truth;
+  for (int i = 0; i < 1000; ++i) {
+    truth.emplace_back(450000.0 + offset(random), 5412000.0 + offset(random), 300.0 + offset(random));
+    text << truth.back().x() << ' ' << truth.back().y() << ' ' << truth.back().z() << '\n';
+  }
+  Progress progress;
+  const Cloud cloud = load_scan(config_of(folder.write("utm.xyz", text.str())), progress);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_LT((point(cloud, i) - truth[i]).cwiseAbs().maxCoeff(), 1e-4 / 2);
+  }
+  EXPECT_THAT(progress.warnings(), IsEmpty()) << "georeferenced scans may be long";
+}
+
+TEST(LoadScan, KeepsTheBitsOfAFloatScanNearItsOwnZero) {
+  const ScanFolder folder;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n";
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> coordinate(-0.4F, 0.4F);
+  std::vector<float> numbers(3000);
+  for (float& v : numbers) testing::put(bytes, v = coordinate(random));
+  Progress progress;
+  const Cloud cloud = load_scan(config_of(folder.write("a.ply", bytes)), progress);
+  EXPECT_EQ(cloud.origin_m, Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < 1000; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(cloud.xyz1()[4 * i + k], numbers[3 * i + k]);
+    ASSERT_EQ(cloud.xyz1()[4 * i + 3], 1.0F) << "as PCL has it";
+  }
+}
+
+TEST(LoadScans, ChooseAnOriginFromTheSetOfPointsAlone) {
+  const ScanFolder folder;
+  std::mt19937 random(9);
+  std::normal_distribution<double> spread(0.0, 3.0);
+  std::vector<std::string> rows;
+  for (int i = 0; i < 20000; ++i) {
+    std::ostringstream row;
+    row.precision(15);
+    row << 1000.3 + spread(random) << ' ' << -77.8 + spread(random) << ' ' << 5.5 + spread(random) << '\n';
+    rows.push_back(row.str());
+  }
+  for (int i = 0; i < 40; ++i) rows.push_back("1e9 1e9 -1e9\n");  // far outliers must not matter
+  const auto join = [&](std::size_t begin, std::size_t end) {
+    std::string text;
+    for (std::size_t i = begin; i < end; ++i) text += rows[i];
+    return text;
+  };
+  Progress progress;
+  const Cloud first = load_scans(
+      {config_of(folder.write("a.xyz", join(0, 7000))), config_of(folder.write("b.xyz", join(7000, rows.size())))},
+      progress);
+  const Cloud swapped = load_scans(
+      {config_of(folder.write("b2.xyz", join(7000, rows.size()))), config_of(folder.write("a2.xyz", join(0, 7000)))},
+      progress);
+  std::shuffle(rows.begin(), rows.end(), random);
+  const Cloud shuffled = load_scans({config_of(folder.write("c.xyz", join(0, rows.size())))}, progress);
+  EXPECT_EQ(first.origin_m, swapped.origin_m);
+  EXPECT_EQ(first.origin_m, shuffled.origin_m);
+  EXPECT_EQ(first.origin_m, first.origin_m.array().round().matrix()) << "whole metres";
+  EXPECT_LT((first.origin_m - Eigen::Vector3d(1000.3, -77.8, 5.5)).cwiseAbs().maxCoeff(), 1.0);
+  EXPECT_EQ(first.size(), rows.size());
+}
+
+TEST(LoadScans, JoinColoursFacesAndCountsOfAllFiles) {
+  const ScanFolder folder;
+  const auto a = folder.write("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n");
+  const auto b = folder.write("b.obj", "v nan 0 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 2 3 4\n");
+  Progress progress;
+  std::vector<ScanSource> sources;
+  const Cloud cloud = load_scans({config_of(a), config_of(b)}, progress, &sources);
+  EXPECT_EQ(cloud.size(), 6U);
+  EXPECT_EQ(cloud.invalid, 1U);
+  EXPECT_THAT(cloud.rgba, ElementsAre(0xFF0000FFU, 0xFF0000FFU, 0xFF0000FFU, 0xFFFFFFFFU, 0xFFFFFFFFU, 0xFFFFFFFFU));
+  using Face = std::array<std::uint32_t, 3>;
+  EXPECT_THAT(cloud.faces, ElementsAre(Face{0, 1, 2}, Face{3, 4, 5}));
+  ASSERT_EQ(sources.size(), 2U);
+  EXPECT_EQ(sources[1].file, b);
+  EXPECT_EQ(sources[1].points, 4U);
+  EXPECT_EQ(sources[1].sha256,
+            sha256(std::as_bytes(std::span(std::string_view("v nan 0 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 2 3 4\n")))));
+}
+
+TEST(LoadScan, WarnsOfMetresThatCannotBe) {
+  const ScanFolder folder;
+  const auto bust = folder.write("bust.xyz", "0 0 0\n250 0 0\n0 467 0\n");
+  Progress progress;
+  (void)load_scan(config_of(bust), progress);
+  EXPECT_THAT(progress.warnings(), ElementsAre(HasSubstr("467 m long in metres")));
+  Progress silent;
+  (void)load_scan(config_of(bust, LengthUnit::mm), silent);
+  EXPECT_THAT(silent.warnings(), IsEmpty()) << "the user has said so";
+}
+
+TEST(LoadScan, RefusesEmptyScansAndScansWithoutAValidPoint) {
+  const ScanFolder folder;
+  Progress progress;
+  const auto refuse = [&](const std::filesystem::path& file, const char* message) {
+    try {
+      (void)load_scan(config_of(file), progress);
+      ADD_FAILURE() << message;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      EXPECT_THAT(error.what(), HasSubstr(message));
+    }
+  };
+  refuse(folder.write("n.obj", "v nan 0 0\n"), "none of the 1 points is valid");
+  refuse(folder.write("z.pts", "0\n"), "no points");
+  refuse("/nowhere/at/all.ply", "all.ply");
+  ScanConfig config = config_of(folder.write("same.xyz", "1 1 1\n1 1 1\n"), LengthUnit::longest_side);
+  config.units.longest_side_m = 1.0;
+  EXPECT_THROW((void)load_scan(config, progress), Error);
+}
+
+TEST(LoadScan, CountsPointsBeyondFloatAsInvalidAndDropsTheirFaces) {
+  const ScanFolder folder;
+  Progress progress;
+  const Cloud cloud = load_scan(
+      config_of(folder.write("f.obj", "v 1e200 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 4\n")), progress);
+  EXPECT_EQ(cloud.size(), 3U);
+  EXPECT_EQ(cloud.invalid, 1U);
+  EXPECT_THAT(cloud.faces, ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2}));
+}
+
+TEST(StreamScan, GivesTheSamePointsAsReadingAtOnce) {
+  const ScanFolder folder;
+  std::string text = "v 0 0 0 1 0 0\n";
+  for (int i = 0; i < 10000; ++i) text += "v " + std::to_string(i) + " 1 " + (i % 7 == 0 ? "nan" : "2") + " 0 0 1\n";
+  text += "f 1 2 3\nf 3 4 5\n";
+  const auto file = folder.write("a.obj", text);
+  const RawScan whole = read_scan(file);
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::uint32_t> rgba;
+  const RawScan rest = stream_scan(file, [&](const PointBlock& block) {
+    points.insert(points.end(), block.points.begin(), block.points.end());
+    rgba.insert(rgba.end(), block.rgba.begin(), block.rgba.end());
+  });
+  EXPECT_EQ(points, whole.points);
+  EXPECT_EQ(rgba, whole.rgba);
+  EXPECT_EQ(rest.faces, whole.faces);
+  EXPECT_EQ(rest.records, whole.records);
+  EXPECT_EQ(rest.invalid, whole.invalid);
+  EXPECT_TRUE(rest.points.empty());
+}
+
+TEST(InspectScan, FindsExtentSpacingAndDuplicates) {
+  const ScanFolder folder;
+  std::string text;
+  for (int i = 0; i < 50; ++i) {
+    for (int j = 0; j < 40; ++j) text += std::to_string(0.25 * i) + " " + std::to_string(0.25 * j) + " 0\n";
+  }
+  text += "0.25 0.25 0\n0.25 0.25 0\n0.5 0.5 0\n";
+  const ScanInfo info = inspect_scan(folder.write("g.xyz", text));
+  EXPECT_EQ(info.points, 2003U);
+  EXPECT_EQ(info.duplicates, 3U);
+  EXPECT_FLOAT_EQ(static_cast<float>(info.spacing_m), 0.25F);
+  EXPECT_EQ(info.min_m, Eigen::Vector3d(0, 0, 0));
+  EXPECT_EQ(info.max_m, Eigen::Vector3d(12.25, 9.75, 0));
+  EXPECT_EQ(info.units, "unknown");
+}
+
+TEST(GuessUnit, DoubtsMetresOnlyWhereTheyAreImplausible) {
+  const auto doubt = [](double side, double away = 0.0) {
+    return doubt_metres(Eigen::Vector3d::Constant(away), Eigen::Vector3d::Constant(away + side));
+  };
+  EXPECT_FALSE(doubt(0.15));
+  EXPECT_FALSE(doubt(30.0));
+  EXPECT_FALSE(doubt(300.0, 450000.0));
+  EXPECT_FALSE(doubt(0.0));
+  ASSERT_TRUE(doubt(467.0));
+  EXPECT_EQ(doubt(467.0)->unit, LengthUnit::mm);
+  EXPECT_TRUE(doubt(1e-4));
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

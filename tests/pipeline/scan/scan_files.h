@@ -1,0 +1,74 @@
+// Small scan files that tests write themselves, and the real ones where they are.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <random>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "pipeline/base/error.h"
+#include "pipeline/scan/reader.h"
+
+namespace sparsha::pipeline::testing {
+
+/// A folder of its own for each test, removed at the end.
+class ScanFolder {
+ public:
+  ScanFolder() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    path_ = std::filesystem::temp_directory_path() / (std::string("sparsha-") + info->test_suite_name() + "-" +
+                                                      info->name() + "-" + std::to_string(std::random_device()()));
+    std::filesystem::create_directories(path_);
+  }
+  ~ScanFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScanFolder(const ScanFolder&) = delete;
+  ScanFolder& operator=(const ScanFolder&) = delete;
+
+  std::filesystem::path write(const std::string& name, std::string_view bytes) const {
+    const std::filesystem::path file = path_ / name;
+    std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return file;
+  }
+  RawScan read(const std::string& name, std::string_view bytes) const { return read_scan(write(name, bytes)); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Appends the bytes of a value in either order.
+template <typename T>
+void put(std::string& bytes, T value, bool big = false) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  if (big) std::reverse(raw, raw + sizeof(T));
+  bytes.append(raw, sizeof(T));
+}
+
+/// The error that reading gives; nothing when it succeeds. Other exceptions fail the test by passing through.
+inline std::optional<Error> error_of(const std::filesystem::path& file) {
+  try {
+    (void)read_scan(file);
+  } catch (const Error& error) {
+    return error;
+  }
+  return std::nullopt;
+}
+
+/// Folder of the real scans; skips the test when it is not there.
+#define SPARSHA_REAL_SCANS_OR_SKIP(folder)                                                        \
+  const char* const folder##_variable = std::getenv("SPARSHA_SCANS_DIR");                         \
+  if (folder##_variable == nullptr) GTEST_SKIP() << "SPARSHA_SCANS_DIR names no folder of scans"; \
+  const std::filesystem::path folder(folder##_variable)
+
+}  // namespace sparsha::pipeline::testing
