@@ -202,6 +202,18 @@ TEST(SimulationConfig, WrongKeysAndValuesAreNamedWithTheirPlace) {
   EXPECT_EQ(complaint("surface: {form: plane}\nsampler: {}\n"), "");
 }
 
+TEST(SimulationConfig, EveryExampleInTheDocumentationIsAccepted) {
+  const std::string page = bytes_of(fs::path(__FILE__).parent_path() / "../../../docs/simulation.md");
+  const std::string fence = "```yaml\n";
+  int examples = 0;
+  for (std::size_t at = page.find(fence); at != std::string::npos; at = page.find(fence, at + 1)) {
+    const std::string example = page.substr(at + fence.size(), page.find("```", at + 3) - at - fence.size());
+    EXPECT_EQ(complaint(example), "") << example;
+    ++examples;
+  }
+  EXPECT_GE(examples, 5);
+}
+
 TEST(Relief, LettersAreCutIntoThePanelAndPetalsStandAboveTheGround) {
   SurfaceConfig config;
   config.width_m = 0.36;
