@@ -12,9 +12,10 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kFirstReach = 1.6;  // point spacings; most nodes have a point this near
-constexpr double kGrowth = 4.0;      // of the reach from try to try
-constexpr double kWorthwhile = 0.7;  // share of the lattice above which leaving points out saves nothing
+constexpr double kLeastReach = 0.5;  // spacings, of the first try
+constexpr double kFirstReach = 1.0;  // point spacings, of the first try; most nodes have a point this near
+constexpr double kGrowth = 2.0;      // of the reach from try to try
+constexpr double kWorthwhile = 1.2;  // lattices' worth of area above which leaving points out saves nothing
 constexpr int kCellsPerReach = 2;    // resolution of the mask of kept places
 constexpr std::size_t kNodesPerPiece = 1024;
 
@@ -47,6 +48,23 @@ class Mask {
   std::vector<std::uint8_t> marked_;
 };
 
+/// A band of node rows with its own tree: small trees are built and asked out of the cache, and bands run side by side.
+class Bands {
+ public:
+  Bands(const Lattice& lattice, double reach)
+      : rows_(std::max(kLeastRows, static_cast<int>(std::ceil(reach)) + 1)), count_((lattice.ny + rows_ - 1) / rows_) {}
+
+  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(count_); }
+  /// The band of a row or of a y in spacings; what lies beyond the lattice belongs to the nearest band.
+  [[nodiscard]] std::size_t of(double row) const {
+    return static_cast<std::size_t>(std::clamp(row / rows_, 0.0, count_ - 1.0));
+  }
+
+ private:
+  static constexpr int kLeastRows = 48;
+  int rows_, count_;
+};
+
 }  // namespace
 
 std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
@@ -58,36 +76,50 @@ std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vec
   std::vector<std::uint32_t> open(nodes.size());
   for (std::size_t k = 0; k < open.size(); ++k) open[k] = static_cast<std::uint32_t>(k);
 
-  double reach = std::max(0.5, kFirstReach * point_spacing_m / h);
-  while (!open.empty() && !xyz.empty()) {
+  const auto ask = [&](const PointTree& tree, std::span<const float> points, std::uint32_t k,
+                       PointTree::Answer& answer) {
+    const std::uint32_t node = nodes[k];
+    const double x = (node % nx) * h, y = (node / nx) * h, z = grid.height_m[node];
+    if (!tree.nearest(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), answer)) return;
+    const float* point = points.data() + 3 * static_cast<std::size_t>(answer.index[0]);
+    const double dx = point[0] - x, dy = point[1] - y, dz = point[2] - z;
+    result[k] = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
+  };
+
+  double reach = std::max(kLeastReach, kFirstReach * point_spacing_m / h);
+  for (; !open.empty() && !xyz.empty(); reach *= kGrowth) {
     const double kept = static_cast<double>(open.size()) * 4 * reach * reach / static_cast<double>(lattice.count());
-    const bool everything = reach > longest || 1 - std::exp(-kept) > kWorthwhile;
-    std::vector<float> near;
-    if (!everything) {
-      Mask mask(lattice, reach);
-      for (const std::uint32_t k : open) mask.mark(nodes[k] % nx, static_cast<double>(nodes[k] / nx));
-      for (std::size_t p = 0; p + 2 < xyz.size(); p += 3)
-        if (mask.holds(xyz[p] / h, xyz[p + 1] / h))
-          near.insert(near.end(), xyz.begin() + static_cast<std::ptrdiff_t>(p),
-                      xyz.begin() + static_cast<std::ptrdiff_t>(p + 3));
+    if (reach > longest || kept > kWorthwhile) {
+      const PointTree tree(xyz);
+      pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
+        PointTree::Answer answer;
+        for (std::size_t n = begin; n < end; ++n) ask(tree, xyz, open[n], answer);
+      });
+      break;
     }
-    const std::span<const float> points = everything ? xyz : std::span<const float>(near);
-    const PointTree tree(points);
-    pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
-      PointTree::Answer answer;
-      for (std::size_t n = begin; n < end; ++n) {
-        const std::uint32_t node = nodes[open[n]];
-        const auto x = static_cast<float>((node % nx) * h), y = static_cast<float>((node / nx) * h);
-        const float z = grid.height_m[node];
-        if (!tree.nearest(x, y, z, answer)) continue;
-        const float* point = points.data() + 3 * static_cast<std::size_t>(answer.index[0]);
-        const double dx = point[0] - (node % nx) * h, dy = point[1] - (node / nx) * h, dz = point[2] - z;
-        result[open[n]] = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
+    Mask mask(lattice, reach);
+    for (const std::uint32_t k : open) mask.mark(nodes[k] % nx, static_cast<double>(nodes[k] / nx));
+    const Bands bands(lattice, reach);
+    std::vector<std::vector<float>> points(bands.count());
+    for (std::size_t p = 0; p + 2 < xyz.size(); p += 3) {
+      if (!mask.holds(xyz[p] / h, xyz[p + 1] / h)) continue;
+      // A band also needs what its neighbours' points within reach of its border can tell.
+      const double row = xyz[p + 1] / h;
+      for (std::size_t band = bands.of(row - reach); band <= bands.of(row + reach); ++band)
+        points[band].insert(points[band].end(), xyz.begin() + static_cast<std::ptrdiff_t>(p),
+                            xyz.begin() + static_cast<std::ptrdiff_t>(p + 3));
+    }
+    std::vector<std::vector<std::uint32_t>> members(bands.count());
+    for (const std::uint32_t k : open) members[bands.of(nodes[k] / nx)].push_back(k);
+    pool.for_ranges(bands.count(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t band = begin; band < end; ++band) {
+        if (members[band].empty()) continue;
+        const PointTree tree(points[band]);
+        PointTree::Answer answer;
+        for (const std::uint32_t k : members[band]) ask(tree, points[band], k, answer);
       }
     });
-    if (everything) break;
     std::erase_if(open, [&](std::uint32_t k) { return std::abs(result[k]) <= reach * h; });
-    reach *= kGrowth;
   }
   return result;
 }

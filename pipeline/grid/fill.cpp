@@ -14,9 +14,11 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr int kRays = 16;           // directions in which a gap's border is looked for
-constexpr int kRimWidth = 3;        // measured nodes this near to a gap (in spacings) support its planes
-constexpr double kMinSpread = 0.5;  // spacings^2; a narrower support says nothing of the slope across it
+constexpr int kRays = 16;              // directions in which a gap's border is looked for
+constexpr int kRimWidth = 3;           // measured nodes this near to a gap (in spacings) support its planes
+constexpr int kTangentReach = 2;       // spacings about a border node that its tangent plane is fitted to
+constexpr std::size_t kLeastHits = 2;  // of the border, to make a side of a step
+constexpr double kMinSpread = 0.15;    // spacings^2; a narrower support says nothing of the slope across it
 constexpr std::size_t kRowsPerPiece = 8;
 
 /// A measured node seen from the gap node: offset in spacings, height relative to z0.
@@ -65,9 +67,19 @@ Plane fit_plane(const std::vector<Support>& support) {
   return plane;
 }
 
-struct Range {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
+/// What a node of the gap's border says: its offset, its height, and the height and slope of its own tangent plane at
+/// the gap node.
+struct Hit {
+  int dx, dy;
+  double z;
+  Plane tangent;
+};
+
+/// Heights within `tolerance` of a plane; everything when there is no step.
+struct Side {
+  Plane plane;
+  double tolerance = std::numeric_limits<double>::infinity();
+  [[nodiscard]] bool holds(double dx, double dy, double z) const { return std::abs(z - plane.at(dx, dy)) <= tolerance; }
 };
 
 class Filler {
@@ -82,13 +94,18 @@ class Filler {
 
   void set_rim(NodeSet rim) { rim_ = std::move(rim); }
 
+  struct Scratch {
+    std::vector<Hit> hits;
+    std::vector<Support> support;
+  };
+
   /// Height of gap node (i, j), or NaN when nothing supports one.
-  [[nodiscard]] double height(int i, int j, std::vector<Support>& scratch) const {
-    border(i, j, scratch);
-    const Range side = lower_side(scratch);
-    gather(i, j, side, scratch);
-    if (scratch.empty()) return std::numeric_limits<double>::quiet_NaN();
-    return fit_plane(scratch).height;
+  [[nodiscard]] double height(int i, int j, Scratch& scratch) const {
+    border(i, j, scratch.hits);
+    const Side side = lower_side(i, j, scratch);
+    gather(i, j, side, scratch.support);
+    if (scratch.support.empty()) return std::numeric_limits<double>::quiet_NaN();
+    return fit_plane(scratch.support).height;
   }
 
  private:
@@ -97,7 +114,7 @@ class Filler {
   }
 
   /// First measured node along each ray: the border of the gap as this node sees it.
-  void border(int i, int j, std::vector<Support>& hits) const {
+  void border(int i, int j, std::vector<Hit>& hits) const {
     hits.clear();
     for (const auto& [cosine, sine] : directions_) {
       for (int t = 1; t <= reach_; ++t) {
@@ -105,29 +122,55 @@ class Filler {
         if (!inside(i + di, j + dj)) break;
         const std::size_t n = grid_.lattice.index(i + di, j + dj);
         if (grid_.state[n] != NodeState::measured) continue;
-        hits.push_back({static_cast<double>(di), static_cast<double>(dj), grid_.height_m[n],
-                        1.0 / (static_cast<double>(di) * di + static_cast<double>(dj) * dj)});
+        hits.push_back({di, dj, grid_.height_m[n], {}});
         break;
       }
     }
   }
 
-  /// Heights that belong to the lower side of a step through the border, or everything when there is none. A slope is
-  /// no step: the border is judged against its own plane first.
-  [[nodiscard]] Range lower_side(std::vector<Support>& hits) const {
-    if (hits.size() < 2 || !(step_m_ > 0)) return {};
-    const Plane plane = fit_plane(hits);
-    double worst = 0;
-    for (const Support& s : hits) worst = std::max(worst, std::abs(s.z - plane.at(s.dx, s.dy)));
-    if (worst <= step_m_ / 2) return {};
-    std::sort(hits.begin(), hits.end(), [](const Support& a, const Support& b) { return a.z < b.z; });
-    for (std::size_t k = 1; k < hits.size(); ++k)
-      if (hits[k].z - hits[k - 1].z > step_m_) return {hits.front().z - step_m_ / 2, hits[k - 1].z + step_m_ / 2};
+  /// Tangent plane of the measured surface at a hit, carried on to the gap node.
+  [[nodiscard]] Plane tangent(int i, int j, const Hit& hit, std::vector<Support>& support) const {
+    support.clear();
+    for (int dy = -kTangentReach; dy <= kTangentReach; ++dy)
+      for (int dx = -kTangentReach; dx <= kTangentReach; ++dx) {
+        const int x = i + hit.dx + dx, y = j + hit.dy + dy;
+        if (!inside(x, y)) continue;
+        const std::size_t n = grid_.lattice.index(x, y);
+        if (grid_.state[n] != NodeState::measured) continue;
+        const double z = grid_.height_m[n], far = std::max(1.0, std::hypot(dx, dy));
+        if (std::abs(z - hit.z) > step_m_ * far) continue;  // beyond a step of the measured surface itself
+        support.push_back({static_cast<double>(hit.dx + dx), static_cast<double>(hit.dy + dy), z, 1});
+      }
+    return fit_plane(support);
+  }
+
+  /// The lower side of a step through the border, or everything when there is none. Two sides of a slope may lie as far
+  /// apart as those of a step, so their tangent planes are compared, at the gap node.
+  [[nodiscard]] Side lower_side(int i, int j, Scratch& scratch) const {
+    std::vector<Hit>& hits = scratch.hits;
+    if (!(step_m_ > 0) || hits.size() < 2 * kLeastHits) return {};
+    const auto [low, high] =
+        std::minmax_element(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.z < b.z; });
+    if (high->z - low->z <= step_m_) return {};
+    for (Hit& hit : hits) hit.tangent = tangent(i, j, hit, scratch.support);
+    std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.tangent.height < b.tangent.height; });
+    for (std::size_t k = kLeastHits; k < hits.size(); ++k) {
+      const double gap = hits[k].tangent.height - hits[k - 1].tangent.height;
+      if (gap <= step_m_) continue;
+      Side side;
+      for (std::size_t n = 0; n < k; ++n) {
+        side.plane.height += hits[n].tangent.height / static_cast<double>(k);
+        side.plane.slope_x += hits[n].tangent.slope_x / static_cast<double>(k);
+        side.plane.slope_y += hits[n].tangent.slope_y / static_cast<double>(k);
+      }
+      side.tolerance = gap / 2;
+      return side;
+    }
     return {};
   }
 
-  /// Measured nodes of the rim within reach whose heights lie in `side`, weighted by 1/distance^2 and fading to 0.
-  void gather(int i, int j, const Range& side, std::vector<Support>& support) const {
+  /// Measured nodes of the rim within reach whose heights belong to `side`, weighted by 1/distance^2 and fading to 0.
+  void gather(int i, int j, const Side& side, std::vector<Support>& support) const {
     support.clear();
     const double fade = 1.0 / ((reach_ + 1.0) * (reach_ + 1.0));
     const int i0 = std::max(0, i - reach_), i1 = std::min(grid_.lattice.nx - 1, i + reach_);
@@ -141,7 +184,7 @@ class Filler {
           const double dx = x - i, dy = y - j, squared = dx * dx + dy * dy;
           const double taper = 1 - squared * fade;
           const double z = grid_.height_m[grid_.lattice.index(x, y)];
-          if (taper > 0 && z >= side.low && z <= side.high) support.push_back({dx, dy, z, taper * taper / squared});
+          if (taper > 0 && side.holds(dx, dy, z)) support.push_back({dx, dy, z, taper * taper / squared});
         }
       }
     }
@@ -177,7 +220,7 @@ void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadP
   filler.set_rim(intersection(dilate_by_disc(gaps, kRimWidth, pool), measured));
   std::vector<float> height(grid.height_m);
   pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    std::vector<Support> scratch;
+    Filler::Scratch scratch;
     for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j)
       for (int i = 0; i < grid.lattice.nx; ++i)
         if (gaps.contains(i, j)) height[grid.lattice.index(i, j)] = static_cast<float>(filler.height(i, j, scratch));

@@ -1,0 +1,156 @@
+// The envelope against a double-precision definition, against OpenCV, and the exponential against the C library's.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "grids.h"
+#include "pipeline/grid/bilateral_kernel.h"
+#include "pipeline/grid/layers.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using testing::add_noise;
+using testing::forget;
+using testing::grid_of;
+using testing::lattice_of;
+
+constexpr double kFloat = 6e-8;  // relative rounding of a float
+
+DepthGrid relief(int nx, int ny, double spacing_m) {
+  DepthGrid grid = grid_of(lattice_of(nx, ny, spacing_m), [](double x, double y) {
+    return 0.02 * std::sin(30 * x) * std::cos(25 * y) + 0.0004 * std::sin(900 * x + 700 * y) + (x > 0.05 ? 0.01 : 0.0);
+  });
+  add_noise(grid, 1e-4, 11);
+  return grid;
+}
+
+double by_definition(const DepthGrid& grid, const TextureConfig& config, int i, int j) {
+  const double h = grid.lattice.spacing_m, centre = grid.height_m[grid.lattice.index(i, j)];
+  double sum = 0, weights = 0;
+  const int reach = static_cast<int>(3 * config.sigma_space_m / h);
+  for (int dy = -reach; dy <= reach; ++dy)
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const int x = i + dx, y = j + dy;
+      const double squared = (dx * dx + dy * dy) * h * h;
+      if (x < 0 || y < 0 || x >= grid.lattice.nx || y >= grid.lattice.ny ||
+          squared > std::pow(3 * config.sigma_space_m, 2) * (1 + 1e-12))
+        continue;
+      const double z = grid.height_m[grid.lattice.index(x, y)];
+      if (std::isnan(z)) continue;
+      const double weight = std::exp(-squared / (2 * config.sigma_space_m * config.sigma_space_m) -
+                                     (z - centre) * (z - centre) / (2 * config.sigma_range_m * config.sigma_range_m));
+      sum += weight * (z - centre);
+      weights += weight;
+    }
+  return centre + sum / weights;
+}
+
+TEST(ExponentialKernel, StaysWithin1e7OfTheTruth) {
+  double worst = 0;
+  for (int k = 0; k <= 4000000; ++k) {
+    const float t = static_cast<float>(k) * 1.6e-5F;
+    const double truth = std::exp(-static_cast<double>(t));
+    worst = std::max(worst, std::abs(kernel::exp_minus(t) - truth) / truth);
+  }
+  EXPECT_LT(worst, 1e-7);
+  EXPECT_EQ(kernel::exp_minus(0.0F), 1.0F);
+}
+
+TEST(Bilateral, FollowsItsDefinitionWithUnknownNodesAndBorders) {
+  DepthGrid grid = relief(90, 70, 0.00125);
+  std::mt19937 random(5);
+  for (int k = 0; k < 900; ++k) forget(grid, static_cast<int>(random() % 90), static_cast<int>(random() % 70));
+  ThreadPool pool(2);
+  const TextureConfig config;
+  const std::vector<float> envelope = bilateral_envelope(grid, config, pool);
+  for (int j = 0; j < 70; ++j)
+    for (int i = 0; i < 90; ++i) {
+      const std::size_t n = grid.lattice.index(i, j);
+      if (grid.state[n] == NodeState::unknown) {
+        EXPECT_TRUE(std::isnan(envelope[n]));
+        continue;
+      }
+      // One rounding of the height itself; the correction, some 3 sigma_range, carries relative errors of a few
+      // roundings.
+      EXPECT_NEAR(envelope[n], by_definition(grid, config, i, j),
+                  kFloat * std::abs(grid.height_m[n]) + 40 * kFloat * config.sigma_range_m);
+    }
+}
+
+TEST(Bilateral, AgreesWithOpenCvWhereNothingIsUnknown) {
+  const DepthGrid grid = relief(160, 120, 0.001);
+  ThreadPool pool(1);
+  TextureConfig config;  // 2 nodes: both windows are the disc of 6 nodes
+  const std::vector<float> direct = bilateral_envelope(grid, config, pool);
+  cv::Mat source(120, 160, CV_32F, const_cast<float*>(grid.height_m.data())), peer;
+  cv::bilateralFilter(source, peer, 13, config.sigma_range_m, 2.0);
+  config.method = TextureConfig::Method::opencv;
+  const std::vector<float> selectable = bilateral_envelope(grid, config, pool);
+  // OpenCV interpolates the range weight in a table of 4096 steps over the image's range r. Linear interpolation of a
+  // Gaussian errs by (r / 4096)^2 / (8 sigma^2) at most, relative to its peak, and heights differ by some sigma.
+  const auto [low, high] = std::minmax_element(grid.height_m.begin(), grid.height_m.end());
+  const double bin = (*high - *low) / 4096.0;
+  const double tolerance = 8 * bin * bin / (8 * config.sigma_range_m) + kFloat;
+  for (int j = 6; j < 114; ++j)
+    for (int i = 6; i < 154; ++i) {
+      EXPECT_NEAR(direct[grid.lattice.index(i, j)], peer.at<float>(j, i), tolerance);
+      EXPECT_NEAR(selectable[grid.lattice.index(i, j)], peer.at<float>(j, i), tolerance);
+    }
+}
+
+TEST(Bilateral, IsNotMovedByAFarSpike) {
+  DepthGrid grid = relief(120, 60, 0.00125);
+  ThreadPool pool(1);
+  const std::vector<float> before = bilateral_envelope(grid, {}, pool);
+  grid.height_m[grid.lattice.index(5, 5)] = 40.0F;
+  const std::vector<float> after = bilateral_envelope(grid, {}, pool);
+  for (int j = 0; j < 60; ++j)
+    for (int i = 20; i < 120; ++i) EXPECT_EQ(before[grid.lattice.index(i, j)], after[grid.lattice.index(i, j)]);
+}
+
+TEST(Bilateral, KeepsStepsAndTakesSmallTextureAway) {
+  const double amplitude = 0.00005, step = 0.01;
+  const DepthGrid grid = grid_of(lattice_of(200, 60, 0.0005), [&](double x, double y) {
+    return amplitude * std::sin(2 * std::numbers::pi * (x + y) / 0.002) + (x > 0.05 ? step : 0.0);
+  });
+  ThreadPool pool(1);
+  const std::vector<float> envelope = bilateral_envelope(grid, {}, pool);
+  for (int j = 15; j < 45; ++j)
+    for (int i = 15; i < 185; ++i)
+      EXPECT_NEAR(envelope[grid.lattice.index(i, j)], i * 0.0005 > 0.05 ? step : 0.0, amplitude / 3) << i << ' ' << j;
+}
+
+TEST(Bilateral, IsTheHeightItselfWhenTheWindowHoldsNoOtherNode) {
+  const DepthGrid grid = relief(30, 30, 0.01);
+  ThreadPool pool(1);
+  EXPECT_EQ(bilateral_envelope(grid, {}, pool), grid.height_m);
+}
+
+TEST(BilateralKernel, GivesTheSameBitsInPortableAndVectorCode) {
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this processor has no AVX2";
+  std::mt19937 random(9);
+  std::normal_distribution<float> normal(0.0F, 1e-3F);
+  constexpr std::size_t kCount = 1003, kMargin = 40;
+  std::vector<float> row(kCount + 2 * kMargin);
+  for (float& z : row) z = random() % 9 == 0 ? kUnknownHeight : (random() % 50 == 0 ? 30.0F : 0.0F) + normal(random);
+  std::vector<kernel::BilateralTap> taps;
+  for (int k = -40; k <= 40; k += 3) taps.push_back({k, std::exp(-static_cast<float>(k * k) / 200.0F)});
+  std::vector<float> sums(2 * kCount), portable(kCount), vector(kCount);
+  kernel::bilateral_row_portable(row.data() + kMargin, kCount, taps.data(), taps.size(), 2e6F, sums.data(),
+                                 portable.data());
+  kernel::bilateral_row_avx2(row.data() + kMargin, kCount, taps.data(), taps.size(), 2e6F, sums.data(), vector.data());
+  for (std::size_t k = 0; k < kCount; ++k) {
+    if (std::isnan(row[k + kMargin])) {
+      EXPECT_TRUE(std::isnan(portable[k]) && std::isnan(vector[k]));
+    } else {
+      EXPECT_EQ(std::memcmp(&portable[k], &vector[k], sizeof(float)), 0) << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

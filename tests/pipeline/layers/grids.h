@@ -1,0 +1,43 @@
+// Depth grids for the tests of this folder.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <random>
+
+#include "pipeline/scene/depth_grid.h"
+
+namespace sparsha::pipeline::testing {
+
+inline Lattice lattice_of(int nx, int ny, double spacing_m) {
+  Lattice lattice;
+  lattice.nx = nx;
+  lattice.ny = ny;
+  lattice.spacing_m = spacing_m;
+  return lattice;
+}
+
+/// Heights z(x, y), all measured; x and y are relative to node (0, 0).
+inline DepthGrid grid_of(const Lattice& lattice, const std::function<double(double, double)>& z) {
+  DepthGrid grid(lattice);
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) {
+      grid.height_m[lattice.index(i, j)] = static_cast<float>(z(i * lattice.spacing_m, j * lattice.spacing_m));
+      grid.state[lattice.index(i, j)] = NodeState::measured;
+    }
+  return grid;
+}
+
+inline void forget(DepthGrid& grid, int i, int j) {
+  grid.height_m[grid.lattice.index(i, j)] = kUnknownHeight;
+  grid.state[grid.lattice.index(i, j)] = NodeState::unknown;
+}
+
+inline void add_noise(DepthGrid& grid, double sigma_m, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, sigma_m);
+  for (float& z : grid.height_m) z = static_cast<float>(z + normal(random));
+}
+
+}  // namespace sparsha::pipeline::testing

@@ -1,0 +1,35 @@
+// The AVX law: an object compiled for a newer processor must not lend inline functions to the rest of the program.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+namespace {
+
+std::string output_of(const std::string& command) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (pipe && std::fgets(buffer.data(), buffer.size(), pipe.get()) != nullptr) text += buffer.data();
+  return text;
+}
+
+TEST(KernelObjects, DefineNoWeakSymbol) {
+  const std::string symbols = output_of("nm -A -C '" SPARSHA_GRID_LIBRARY "' 2>/dev/null");
+  if (symbols.empty()) GTEST_SKIP() << "nm is not installed";
+  int kernels = 0;
+  for (std::size_t begin = 0; begin < symbols.size();) {
+    const std::size_t end = std::min(symbols.find('\n', begin), symbols.size());
+    const std::string line = symbols.substr(begin, end - begin);
+    begin = end + 1;
+    if (line.find("_kernel") == std::string::npos || line.find(".cpp.o") == std::string::npos) continue;
+    if (line.find("_kernel") > line.find(".cpp.o")) continue;  // a kernel's user
+    ++kernels;
+    for (const char* weak : {" W ", " V ", " u ", " w ", " v "}) EXPECT_EQ(line.find(weak), std::string::npos) << line;
+  }
+  EXPECT_GT(kernels, 0);
+}
+
+}  // namespace
