@@ -23,7 +23,8 @@ struct Seen {
   std::vector<Eigen::Vector3d> points_m;             // a sample of all scans
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();  // sum of triangle area vectors
   double area = 0.0;                                 // sum of triangle areas
-  bool survey_format = false;                        // formats whose z is up
+  bool z_up_format = false;                          // formats whose z is up
+  bool depth_camera_format = false;                  // formats that depth cameras write in their own frame
 };
 
 struct Guess {
@@ -43,8 +44,9 @@ void look_at(const RawScan& scan, double metres, Seen& seen) {
     seen.facing += normal;
     seen.area += normal.norm();
   }
-  for (const char* name : {"LAS", "LAZ", "E57", "PTX", "PTS"})
-    if (scan.format.starts_with(name)) seen.survey_format = true;
+  for (const char* name : {"LAS", "LAZ", "E57", "PTX", "PTS", "STL"})
+    if (scan.format.starts_with(name)) seen.z_up_format = true;
+  if (scan.format.starts_with("PCD")) seen.depth_camera_format = true;
 }
 
 // The 1st to 99th percentile box: a far outlier says nothing about the object.
@@ -96,11 +98,16 @@ Guess guess_view(const Seen& seen) {
   const double flatness = std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / std::max(axes.eigenvalues()[1], 1e-300));
 
   Guess guess;
-  bool z_up = seen.survey_format;
+  bool z_up = seen.z_up_format;
   if (seen.area > 0.0 && seen.facing.norm() > 0.3 * seen.area) {
     guess.look_from = snapped(seen.facing);
     guess.reason =
         fmt::format("the triangles face this way ({:.0f} % of the area, net)", 100.0 * seen.facing.norm() / seen.area);
+  } else if (seen.depth_camera_format && box[0].z() > 0.1 * size) {
+    guess.look_from = -Eigen::Vector3d::UnitZ();
+    guess.up = -Eigen::Vector3d::UnitY();
+    guess.reason = "all points lie before the origin along z, as depth cameras see them: x right, y down, z away";
+    return guess;
   } else if (flatness < 0.3) {
     Eigen::Vector3d thin = axes.eigenvectors().col(0);
     const bool scanner_side = centre.norm() < 100.0 * size && std::abs(thin.dot(centre)) > 0.5 * size;
@@ -113,7 +120,7 @@ Guess guess_view(const Seen& seen) {
     guess.reason = "the scan's origin, where scanners stand, lies on this side";
   } else if (z_up) {
     guess.look_from = -Eigen::Vector3d::UnitY();
-    guess.reason = "a solid object from a survey format, whose z is up: its front is a guess, look at it and turn it";
+    guess.reason = "a solid object in a format whose z is up: its front is a guess, look at it and turn it";
   } else {
     guess.reason = "a solid object, y up by custom: its front is a guess, look at it and turn it";
   }
@@ -169,6 +176,11 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   if (spacing_m < floor_m) {
     spacing_m = floor_m;
     spacing_reason = "finer than this neither grid nor hand gains";
+  }
+  constexpr double kMeshNodes = 500.0;
+  if (seen.area > 0.0 && spacing_m > longest_m / kMeshNodes) {
+    spacing_m = std::max(longest_m / kMeshNodes, HapticsConfig{}.resolution_m);
+    spacing_reason = "triangles are exact between their corners: 500 nodes along the longest side show their form";
   }
   if (!(spacing_m > 0.0)) spacing_m = 0.001;
   const double spacing_mm = spacing_m * 1e3;

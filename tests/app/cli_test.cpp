@@ -1,0 +1,210 @@
+// The program as a user meets it: exit codes, messages with places, JSON, files whole or not there.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+namespace sparsha {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+class Program : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              (std::string("sparsha-cli-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    const fs::path config = fs::path(SPARSHA_SOURCE_DIR) / "configs" / "relief.yaml";
+    relief_ = "\"" + config.string() + "\" --set \"grid={spacing_mm: 3}\"";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // Runs in the test's own folder, without a display.
+  Outcome run(const std::string& arguments) {
+    const std::string command = "cd \"" + folder_.string() + "\" && env -u DISPLAY -u WAYLAND_DISPLAY \"" +
+                                SPARSHA_PROGRAM + "\" " + arguments + " > .out 2> .err < /dev/null";
+    const int status = std::system(command.c_str());
+    Outcome outcome;
+    outcome.code = WEXITSTATUS(status);
+    outcome.out = text_of(folder_ / ".out");
+    outcome.err = text_of(folder_ / ".err");
+    fs::remove(folder_ / ".out");
+    fs::remove(folder_ / ".err");
+    return outcome;
+  }
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+  [[nodiscard]] std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+  std::string relief_;
+};
+
+constexpr const char* kTetrahedron =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+    "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0.1\n0 1 0.2\n1 1 0\n3 0 1 2\n3 1 3 2\n";
+
+TEST_F(Program, UsageErrorsExitWithTwoAndNameTheNearestWord) {
+  EXPECT_EQ(run("").code, 2);
+  const Outcome command = run("bild x.yaml");
+  EXPECT_EQ(command.code, 2);
+  EXPECT_THAT(command.err, HasSubstr("did you mean build?"));
+  const Outcome option = run("build x.yaml --thread 2");
+  EXPECT_EQ(option.code, 2);
+  EXPECT_THAT(option.err, HasSubstr("did you mean --threads?"));
+  EXPECT_EQ(run("export x --to y.ply --nodess").code, 2);
+  EXPECT_EQ(run("--help").code, 0);
+  EXPECT_THAT(run("--version").out, HasSubstr("sparsha "));
+}
+
+TEST_F(Program, AMissingFileExitsWithThreeAndWritesNothing) {
+  for (const char* arguments :
+       {"build none.ply --out s", "info none.ply", "explore none --device simulated --headless",
+        "export none --to x.ply", "check none", "trace none --hip p.csv --out t.csv", "new none.ply"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 3) << arguments;
+    EXPECT_THAT(outcome.err, HasSubstr("none")) << arguments;
+    EXPECT_THAT(outcome.err, HasSubstr("error: ")) << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+  }
+  EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(Program, AConfigurationsErrorsCarryFileLineAndColumnAndExitWithTwo) {
+  write("scan.ply", kTetrahedron);
+  const std::vector<std::array<const char*, 3>> cases = {
+      {"scans: [{file: scan.ply}]\ngridd: {size: 8}\n", "c.yaml:2:1: error:", "did you mean 'grid'?"},
+      {"scans: [{file: scan.ply, units: inch}]\n", "c.yaml:1:33: error: units is 'inch'", "m | cm | mm"},
+      {"scans: [{file: scan.ply}]\ngrid: {size: 8}\ngrid: {size: 9}\n", "c.yaml:3:1: error:", "given twice"},
+      {"scans: [{file: scan.ply}]\ngrid: {size: -8}\n", "c.yaml:2:14: error:", "from 2 to"},
+  };
+  for (const auto& [text, place, hint] : cases) {
+    write("c.yaml", text);
+    const Outcome outcome = run("build c.yaml --out scene");
+    EXPECT_EQ(outcome.code, 2) << text;
+    EXPECT_THAT(outcome.err, HasSubstr(place));
+    EXPECT_THAT(outcome.err, HasSubstr(hint));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "scene"));
+}
+
+TEST_F(Program, AnEmptyCloudIsInformationButNotAScene) {
+  write("empty.ply",
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
+  const Outcome info = run("info empty.ply --json");
+  EXPECT_EQ(info.code, 0);
+  EXPECT_EQ(nlohmann::json::parse(info.out)["points"], 0);
+  const Outcome build = run("build empty.ply --out scene");
+  EXPECT_EQ(build.code, 3);
+  EXPECT_THAT(build.err, HasSubstr("empty.ply"));
+  EXPECT_FALSE(fs::exists(folder_ / "scene"));
+}
+
+TEST_F(Program, InfoGivesOneObjectForOneFileAndAnArrayForSeveral) {
+  write("a.ply", kTetrahedron);
+  const auto one = nlohmann::json::parse(run("info a.ply --json").out);
+  EXPECT_EQ(one["points"], 4);
+  EXPECT_EQ(one["invalid"], 0);
+  EXPECT_EQ(one["extent_m"]["max"][0], 1.0);
+  for (const char* key : {"file", "format", "spacing_m", "fields", "units", "duplicates", "scans", "viewpoint"}) {
+    EXPECT_TRUE(one.contains(key)) << key;
+  }
+  EXPECT_EQ(nlohmann::json::parse(run("info a.ply a.ply --json").out).size(), 2U);
+}
+
+TEST_F(Program, WithoutADisplayAutoIsADeviceErrorThatNamesTheChoices) {
+  write("a.ply", kTetrahedron);
+  const Outcome outcome = run("explore a.ply --duration 1");
+  EXPECT_EQ(outcome.code, 4);
+  for (const char* choice : {"falcon", "pointer", "simulated", "playback:FILE"}) {
+    EXPECT_THAT(outcome.err, HasSubstr(choice));
+  }
+  EXPECT_EQ(run("explore a.ply --device pointer --headless").code, 4);
+  EXPECT_EQ(run("explore a.ply --device glove --headless").code, 2);
+}
+
+TEST_F(Program, TheReliefGoesFromScansToSceneToTouchPictureSoundAndExports) {
+  const Outcome build = run("build " + relief_ + " --out scene --json");
+  ASSERT_EQ(build.code, 0) << build.err;
+  EXPECT_GT(nlohmann::json::parse(build.out)["coverage"], 0.9);
+
+  const Outcome explore =
+      run("explore scene --device simulated --headless --duration 4 --record run.csv "
+          "--screenshot view.png --audio-out run.wav --json");
+  ASSERT_EQ(explore.code, 0) << explore.err;
+  const auto summary = nlohmann::json::parse(explore.out);
+  EXPECT_GT(summary["contact_s"], 0.0);
+  const std::string csv = text_of(folder_ / "run.csv");
+  EXPECT_TRUE(
+      csv.starts_with("t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,"
+                      "contact,level,tick_ns,"));
+  EXPECT_EQ(static_cast<std::uint64_t>(std::count(csv.begin(), csv.end(), '\n')),
+            summary["ticks"].get<std::uint64_t>() + 1);
+  EXPECT_TRUE(text_of(folder_ / "view.png").starts_with("\x89PNG"));
+  EXPECT_TRUE(text_of(folder_ / "run.wav").starts_with("RIFF"));
+
+  const Outcome trace = run("trace scene --hip run.csv --out trace.csv --json");
+  ASSERT_EQ(trace.code, 0) << trace.err;
+  const auto figures = nlohmann::json::parse(trace.out);
+  EXPECT_EQ(figures["below_surface"], 0);
+  EXPECT_EQ(figures["not_a_number"], 0);
+  EXPECT_EQ(figures["updates"], summary["ticks"]);
+
+  for (const char* file : {"mesh.ply", "mesh.obj", "points.xyz", "heights.tif", "heights.png"}) {
+    EXPECT_EQ(run(std::string("export scene --to ") + file).code, 0) << file;
+    EXPECT_GT(fs::file_size(folder_ / file), 1000U) << file;
+  }
+  EXPECT_EQ(run("export scene --nodes --to x.tif").code, 2);
+  EXPECT_EQ(run("export scene --to x.gif").code, 2);
+  EXPECT_EQ(run("check scene --json").code, 0);
+  EXPECT_EQ(run("info scene --json").code, 0);
+}
+
+TEST_F(Program, NewWritesAConfigurationThatBuildValidates) {
+  write("a.ply", kTetrahedron);
+  const Outcome suggestion = run("new a.ply");
+  ASSERT_EQ(suggestion.code, 0) << suggestion.err;
+  write("a.yaml", suggestion.out);
+  EXPECT_EQ(run("build a.yaml --validate").code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "a.scene"));
+  EXPECT_EQ(run("build a.yaml --quiet").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "a.scene" / "scene.yaml"));
+}
+
+TEST_F(Program, AFolderThatIsNoSceneIsNotOverwritten) {
+  write("a.ply", kTetrahedron);
+  fs::create_directories(folder_ / "photos");
+  write("photos/precious.txt", "kept");
+  EXPECT_EQ(run("build a.ply --out photos").code, 2);
+  EXPECT_EQ(text_of(folder_ / "photos" / "precious.txt"), "kept");
+}
+
+}  // namespace
+}  // namespace sparsha

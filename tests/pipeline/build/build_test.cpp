@@ -1,0 +1,172 @@
+// The whole pipeline on the sample relief: sums, bytes, blocks that are absent, failure that keeps the old scene.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/base/error.h"
+#include "pipeline/base/files.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/recheck.h"
+#include "pipeline/suggest.h"
+
+namespace sparsha::pipeline {
+namespace {
+namespace fs = std::filesystem;
+
+fs::path source_folder() { return SPARSHA_SOURCE_DIR; }
+
+// The sample at a coarse spacing: the same code in a tenth of the time.
+Config sample_config(const std::vector<std::string>& settings = {}) {
+  std::vector<std::string> all = {"grid={spacing_mm: 2}"};
+  all.insert(all.end(), settings.begin(), settings.end());
+  return load_config(source_folder() / "configs" / "relief.yaml", all);
+}
+
+class Build : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              (std::string("sparsha-build-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+  Progress progress_;
+};
+
+void expect_same_layers_and_description(const fs::path& a, const fs::path& b) {
+  std::size_t compared = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(a)) {
+    const fs::path relative = entry.path().lexically_relative(a);
+    const bool counts = relative == "scene.yaml" || relative.string().starts_with("level-");
+    if (!entry.is_regular_file() || !counts) continue;
+    EXPECT_EQ(read_file(entry.path(), 1U << 30U), read_file(b / relative, 1U << 30U)) << relative;
+    ++compared;
+  }
+  EXPECT_GT(compared, 4U);
+}
+
+TEST_F(Build, EveryPointReadIsAccountedForOnce) {
+  const BuildResult result = build_scene(sample_config(), {}, progress_);
+  const Report::Points& points = result.report.points;
+  EXPECT_EQ(points.read,
+            points.used + points.occluded + points.outlier + points.outside + points.filtered + points.invalid);
+  std::uint64_t sources = 0;
+  for (const ScanSource& source : result.scene->description().sources) sources += source.points;
+  EXPECT_EQ(points.read, sources);
+  EXPECT_GT(result.report.coverage, 0.95);
+  ASSERT_TRUE(result.report.check.has_value());
+  EXPECT_LT(result.report.check->cloud_to_surface.median_m, 3.0 * result.scene->description().noise_m);
+}
+
+TEST_F(Build, NeitherThreadsNorTheOrderOfScansChangeAByteOfTheScene) {
+  Config config = sample_config();
+  BuildOptions options;
+  options.threads = 1;
+  build_scene_folder(config, options, folder_ / "one", progress_);
+  std::reverse(config.scans.begin(), config.scans.end());
+  options.threads = 3;
+  build_scene_folder(config, options, folder_ / "three", progress_);
+  expect_same_layers_and_description(folder_ / "one", folder_ / "three");
+}
+
+TEST_F(Build, TheSceneOnDiskIsTheSceneInMemory) {
+  const BuildResult result = build_scene_folder(sample_config(), {}, folder_ / "scene", progress_);
+  const ScenePointer disk = open_scene(folder_ / "scene");
+  ASSERT_EQ(disk->description().levels.size(), result.scene->description().levels.size());
+  const Layers a = disk->read_level(0);
+  const Layers b = result.scene->read_level(0);
+  EXPECT_EQ(a.grid.state, b.grid.state);
+  EXPECT_EQ(a.curvature_per_m, b.curvature_per_m);
+  // scene.yaml is a configuration again.
+  EXPECT_EQ(disk->description().config.grid.spacing_m, result.scene->description().config.grid.spacing_m);
+  EXPECT_TRUE(fs::exists(folder_ / "scene" / "report.html"));
+}
+
+TEST_F(Build, BlocksThatAreAbsentLeaveNoLayersAndNoStages) {
+  Config config = sample_config();
+  config.fill.reset();
+  config.texture.reset();
+  config.friction.reset();
+  config.check.reset();
+  const BuildResult result = build_scene(config, {}, progress_);
+  const SceneDescription& description = result.scene->description();
+  EXPECT_FALSE(description.has_envelope || description.has_curvature);
+  EXPECT_EQ(result.report.filled_fraction, 0.0);
+  EXPECT_FALSE(result.report.check.has_value());
+  for (const StageTime& stage : result.report.stages) {
+    EXPECT_TRUE(stage.name == "read" || stage.name == "filter" || stage.name == "project" || stage.name == "pyramid")
+        << stage.name;
+  }
+}
+
+TEST_F(Build, FailureAndCancellingKeepTheOldSceneAndLeaveNothingElse) {
+  build_scene_folder(sample_config(), {}, folder_ / "scene", progress_);
+  const std::string before = read_file(folder_ / "scene" / "scene.yaml", 1U << 20U);
+  Config broken = sample_config();
+  broken.scans[1].file = folder_ / "missing.ply";
+  EXPECT_THROW(build_scene_folder(broken, {}, folder_ / "scene", progress_), Error);
+  Progress cancelled;
+  cancelled.cancel();
+  EXPECT_THROW(build_scene_folder(sample_config(), {}, folder_ / "scene", cancelled), Cancelled);
+  EXPECT_EQ(read_file(folder_ / "scene" / "scene.yaml", 1U << 20U), before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(Build, AnEmptyCloudIsRefusedByName) {
+  std::ofstream(folder_ / "empty.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  Config config;
+  ScanConfig scan;
+  scan.file = folder_ / "empty.ply";
+  config.scans = {scan};
+  try {
+    (void)build_scene(config, {}, progress_);
+    FAIL() << "an empty cloud was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_NE(std::string(error.what()).find("empty.ply"), std::string::npos);
+  }
+}
+
+TEST_F(Build, ReportJsonSaysWhatTheReportSays) {
+  const BuildResult result = build_scene(sample_config(), {}, progress_);
+  const auto json = nlohmann::json::parse(report_json(*result.scene, result.report));
+  EXPECT_EQ(json["points"]["read"], result.report.points.read);
+  EXPECT_EQ(json["grid"]["nx"], result.scene->description().levels[0].nx);
+  EXPECT_EQ(json["check"]["cloud_to_surface"]["samples"], result.report.check->cloud_to_surface.samples);
+  for (const char* key : {"size_m", "coverage", "filled_fraction", "noise_m", "stages", "total_seconds",
+                          "peak_rss_bytes", "inputs", "warnings", "version"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+}
+
+TEST_F(Build, ASceneCheckedAgainAgreesWithItsBuild) {
+  // No filter takes points away here, so that both see the same cloud.
+  Config config = sample_config();
+  config.filters.clear();
+  const BuildResult result = build_scene_folder(config, {}, folder_ / "scene", progress_);
+  Progress progress;
+  const Report again = recheck_scene(*open_scene(folder_ / "scene"), {}, *config.check, 0, progress);
+  const double built = result.report.check->cloud_to_surface.rms_m;
+  EXPECT_NEAR(again.check->cloud_to_surface.rms_m, built, 0.02 * built);
+  EXPECT_EQ(again.check->cloud_to_surface.samples, result.report.check->cloud_to_surface.samples);
+}
+
+TEST_F(Build, TheSuggestedConfigurationBuilds) {
+  const Suggestion suggestion =
+      suggest_config({source_folder() / "data" / "relief" / "station-1.ply"}, folder_, progress_);
+  EXPECT_NE(suggestion.yaml.find("look_from"), std::string::npos);
+  write_file(folder_ / "new.yaml", suggestion.yaml);
+  Config config = load_config(folder_ / "new.yaml");
+  EXPECT_EQ(to_yaml(config), to_yaml(suggestion.config));
+  config.check.reset();
+  EXPECT_GT(build_scene(config, {}, progress_).report.coverage, 0.5);
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline
