@@ -102,9 +102,10 @@ struct Engine::Implementation {
       lock.unlock();
       if (opened.exchange(false, std::memory_order_acquire)) start_live();
       if (playing.load(std::memory_order_relaxed) && !stream->playing()) {
+        const std::string name = stream->name();
         stream->stop();
         playing.store(false, std::memory_order_release);
-        warn("the sound device '" + stream->name() + "' went away; the run goes on without live sound");
+        warn("the sound device '" + name + "' went away; the run goes on without live sound");
       }
       try {
         consume();

@@ -1,8 +1,11 @@
 // PortAudio behind LiveStream.
 #include "audio/live_stream.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include <portaudio.h>
 
@@ -15,7 +18,10 @@
 namespace sparsha::audio {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 constexpr int kWishedRate_hz = 48000;
+/// A device that has not asked for sound for so long is gone (buffers are a tenth of it).
+constexpr auto kGone = std::chrono::milliseconds(400);
 
 void ignore_alsa(const char*, int, const char*, int, const char*, ...) {}
 void ignore_jack(const char*) {}
@@ -54,6 +60,12 @@ struct LiveStream::Implementation {
   double rate_hz = kWishedRate_hz;
   std::string name;
   Callback callback;
+  std::atomic<Clock::rep> asked{0};    ///< when the device last asked for sound
+  std::atomic<bool> abandoned{false};  ///< it may ask no more
+
+  [[nodiscard]] Clock::duration silence() const {
+    return Clock::now().time_since_epoch() - Clock::duration(asked.load(std::memory_order_relaxed));
+  }
 
   ~Implementation() {
     if (stream != nullptr) Pa_CloseStream(stream);
@@ -63,7 +75,13 @@ struct LiveStream::Implementation {
   static int fill(const void*, void* output, unsigned long frames, const PaStreamCallbackTimeInfo*,
                   PaStreamCallbackFlags, void* self) {
     const std::span<float> out(static_cast<float*>(output), 2 * static_cast<std::size_t>(frames));
-    static_cast<Implementation*>(self)->callback(out);
+    auto& stream = *static_cast<Implementation*>(self);
+    if (stream.abandoned.load(std::memory_order_acquire)) {
+      std::fill(out.begin(), out.end(), 0.0F);
+      return paAbort;
+    }
+    stream.asked.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed);
+    stream.callback(out);
     return paContinue;
   }
 };
@@ -113,15 +131,29 @@ std::string LiveStream::name() const { return implementation_->name; }
 
 void LiveStream::start(Callback callback) {
   implementation_->callback = std::move(callback);
+  implementation_->asked.store(Clock::now().time_since_epoch().count());
   const PaError status = Pa_StartStream(implementation_->stream);
   if (status != paNoError) throw device_error("'" + implementation_->name + "': " + Pa_GetErrorText(status));
 }
 
 void LiveStream::stop() noexcept {
-  if (implementation_->stream != nullptr && Pa_IsStreamStopped(implementation_->stream) == 0)
+  if (!implementation_ || implementation_->stream == nullptr || Pa_IsStreamStopped(implementation_->stream) != 0)
+    return;
+  // A pause is either the device's buffer or its end; look until it is clear which.
+  const Clock::duration before = implementation_->silence();
+  while (implementation_->silence() >= before && implementation_->silence() < kGone)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (implementation_->silence() < kGone) {
     Pa_StopStream(implementation_->stream);
+    return;
+  }
+  // Stopping or closing the stream of a dead sound server waits for ever: leave it alone, and its memory with it.
+  implementation_->abandoned.store(true, std::memory_order_release);
+  (void)implementation_.release();
 }
 
-bool LiveStream::playing() const noexcept { return Pa_IsStreamActive(implementation_->stream) == 1; }
+bool LiveStream::playing() const noexcept {
+  return implementation_ && Pa_IsStreamActive(implementation_->stream) == 1 && implementation_->silence() < kGone;
+}
 
 }  // namespace sparsha::audio

@@ -28,8 +28,10 @@ class LiveStream {
 
   /// Starts the stream primed with silence. Throws Error{device}.
   void start(Callback callback);
+  /// Plays what is buffered and ends. The stream of a device that went away is left behind; only playing() and this
+  /// function may be called then.
   void stop() noexcept;
-  /// False when the device went away.
+  /// False when the device went away (it has not asked for sound for 0.4 s).
   [[nodiscard]] bool playing() const noexcept;
 
  private:
