@@ -71,6 +71,7 @@ Judgement judge(const MongeSurface& surface, const Vector3d& proxy, const Vector
   Judgement result;
   result.excess_cells = -std::numeric_limits<double>::infinity();
   double steepest = 0.0;
+  double twist = 0.0;  // change of slope per cell
   const std::vector<int> cells_x = cells_along(proxy.x(), h, surface.lattice.nx);
   const std::vector<int> cells_y = cells_along(proxy.y(), h, surface.lattice.ny);
   double floor = -std::numeric_limits<double>::infinity();
@@ -99,14 +100,15 @@ Judgement judge(const MongeSurface& surface, const Vector3d& proxy, const Vector
       result.tangent_cells = std::max(result.tangent_cells, tangent);
       if (sign_s * w.x() >= 0.0 && sign_t * w.y() >= 0.0) result.pull_cells = w.dot(n) / h;
       steepest = std::max(steepest, std::sqrt(1.0 + fx * fx + fy * fy));
+      twist = std::max(twist, std::abs((z11 - z10) - (z01 - z00)) / h);
     }
   result.below_cells = (floor - proxy.z()) / h;
   const double coordinate =
       std::max({std::abs(proxy.x()), std::abs(proxy.y()), std::abs(hip.x()), std::abs(hip.y())}) / h;
   const double height = std::max(std::abs(proxy.z()), std::abs(hip.z())) / h;
-  // A coordinate's ulp moves the point by its slope; curvature turns it into tangential pull in proportion to |w|.
-  const double ulp = kEps * (coordinate * steepest + height);
-  result.allowance_cells = 1e-9 + 4.0 * kEps * w.norm() / h + 4.0 * ulp * (1.0 + w.norm() / h);
+  // An ulp of x or y moves the point along the slope and turns the tangent plane by the twist, and w with it.
+  const double ulps = kEps * (coordinate * (steepest + twist * w.norm() / h) + height);
+  result.allowance_cells = 1e-9 + 4.0 * kEps * w.norm() / h + 4.0 * ulps;
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <random>
 
 #include "haptics/contact/proxy.h"
@@ -16,10 +17,17 @@ using Eigen::Vector3d;
 
 constexpr std::uint64_t kMovesASurface = 20000;
 
-MongeSurface random_surface(std::mt19937_64& random) {
+struct Ground {
+  MongeSurface surface;
+  double ridge_x = 0.0;  ///< metres; with a ridge along y
+  double ridge_top = -std::numeric_limits<double>::infinity();
+};
+
+Ground random_ground(std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const double spacing = std::pow(10.0, std::uniform_real_distribution<double>(-4.0, 0.0)(random));
-  MongeSurface surface;
+  Ground ground;
+  MongeSurface& surface = ground.surface;
   switch (std::uniform_int_distribution<int>(0, 6)(random)) {
     case 0:
       surface = make_sinusoid(200);
@@ -46,9 +54,11 @@ MongeSurface random_surface(std::mt19937_64& random) {
     case 5:  // two valleys under a sheet-thin ridge
       surface = make_surface_of(60, 60, spacing, [&](double x, double y) {
         const double u = x / spacing - 30.0;
-        const double ridge = std::abs(u) < 0.5 ? 30.0 : 0.0;
+        const double ridge = std::abs(u) < 0.5 ? 60.0 : 0.0;
         return spacing * (0.1 * (std::abs(u) - 15.0) * (std::abs(u) - 15.0) + ridge + 0.2 * std::sin(y / spacing));
       });
+      ground.ridge_x = 30.0 * spacing;
+      ground.ridge_top = 80.0 * spacing;
       break;
     default:
       surface = make_surface_of(30, 90, spacing, [](double, double) { return 0.0; });
@@ -62,7 +72,7 @@ MongeSurface random_surface(std::mt19937_64& random) {
   } else {
     set_random_friction(surface, 0.9, random);
   }
-  return surface;
+  return ground;
 }
 
 /// The next hand: steps from 1e-4 of a cell to the whole width, sometimes onto exact nodes and edges.
@@ -95,7 +105,8 @@ SoakCount run_soak(std::uint64_t moves, std::uint64_t seed) {
   int described = 0;
   for (std::uint64_t first = 0; first < moves; first += kMovesASurface) {
     std::mt19937_64 random(seed + 0x9E3779B97F4A7C15ULL * (first / kMovesASurface + 1));
-    const MongeSurface surface = random_surface(random);
+    const Ground ground = random_ground(random);
+    const MongeSurface& surface = ground.surface;
     const double h = surface.lattice.spacing_m;
     Vector3d hand(0.5 * surface.width_m(), 0.5 * surface.depth_m(), 0.0);
     ProxyState state = start_proxy(surface, hand);
@@ -103,6 +114,7 @@ SoakCount run_soak(std::uint64_t moves, std::uint64_t seed) {
     const std::uint64_t end = std::min(moves, first + kMovesASurface);
     for (std::uint64_t k = first; k < end; ++k) {
       hand = next_hand(surface, hand, random);
+      const Vector3d before = state.position;
       const ProxyUpdate update = update_exact(surface, hand, state, options);
       ++count.moves;
       count.most_segments = std::max(count.most_segments, static_cast<std::uint64_t>(update.segments));
@@ -117,6 +129,11 @@ SoakCount run_soak(std::uint64_t moves, std::uint64_t seed) {
       const char* fault = nullptr;
       count.worst_below_cells = std::max(count.worst_below_cells, verdict.below_cells);
       if (verdict.below_cells > verdict.allowance_cells) ++count.below, fault = "below the surface";
+      const double way = (hand - before).norm();
+      const double slack = 1e-12 * (hand.norm() + before.norm() + h);
+      if ((hand - update.position).norm() > way + slack) ++count.rose, fault = "farther from the hand than before";
+      if ((before.x() < ground.ridge_x) != (update.position.x() < ground.ridge_x) && way < ground.ridge_top - hand.z())
+        ++count.tunnelled, fault = "through the ridge";
       if (!update.contact && !update.unfinished && update.position != hand) ++count.stuck, fault = "stuck in the air";
       if (update.contact) {
         ++count.contacts;

@@ -18,6 +18,8 @@ TEST(ExactProxy, RestsAtEveryOneOfAMillionRandomMoves) {
   EXPECT_EQ(count.below, 0U);
   EXPECT_EQ(count.not_a_number, 0U);
   EXPECT_EQ(count.stuck, 0U);
+  EXPECT_EQ(count.rose, 0U);
+  EXPECT_EQ(count.tunnelled, 0U);
   EXPECT_GT(count.contacts, count.moves / 2);
 }
 
