@@ -2,6 +2,7 @@
 #include "pipeline/grid/project.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
 
@@ -10,6 +11,7 @@
 #include "pipeline/grid/project_bins.h"
 #include "pipeline/grid/project_extent.h"
 #include "pipeline/grid/project_fate.h"
+#include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/project_lattice.h"
 #include "pipeline/grid/project_node.h"
 #include "pipeline/grid/project_points.h"
@@ -33,19 +35,54 @@ std::vector<std::uint8_t> flag_vertices(const Cloud& cloud, std::size_t points) 
   return flags;
 }
 
+std::vector<float> kernel_radii(double window_area) {
+  std::vector<float> per_r2(NodeKernel::kMostPoints + 1, 0.0F);
+  for (std::size_t points = 1; points < per_r2.size(); ++points) {
+    const double radius =
+        kernel_radius(std::max(1.0, std::sqrt(window_area / static_cast<double>(points))), points, window_area);
+    per_r2[points] = static_cast<float>(1.0 / (radius * radius));
+  }
+  return per_r2;
+}
+
+// Simple nodes by the kernel, row by row; the others by NodeFitter.
 void fit_nodes(const Bins& bins, const NodeRule& rule, ThreadPool& pool, Progress& progress, DepthGrid& grid) {
   const Lattice& lattice = grid.lattice;
+  const std::array<std::vector<float>, 2> per_r2{kernel_radii(9.0), kernel_radii(25.0)};
+  const double scale = residual_scale(rule.noise_m, lattice.spacing_m);
+  NodeKernel kernel;
+  kernel.start = bins.start.get();
+  kernel.top = bins.top.get();
+  kernel.x = bins.x.get();
+  kernel.y = bins.y.get();
+  kernel.z = bins.z.get();
+  kernel.bins_x = static_cast<std::size_t>(bins.lattice.bins_x());
+  kernel.margin = BinLattice::kMargin;
+  kernel.nx = static_cast<std::size_t>(lattice.nx);
+  kernel.x0_m = bins.lattice.x0_m;
+  kernel.y0_m = bins.lattice.y0_m;
+  kernel.spacing_m = lattice.spacing_m;
+  kernel.band_m = static_cast<float>(6.0 * rule.noise_m + 2.25 * lattice.spacing_m);
+  kernel.scale_m = static_cast<float>(scale);
+  kernel.ridge = static_cast<float>(slope_ridge(scale, lattice.spacing_m));
+  for (std::size_t reach = 0; reach < 2; ++reach) kernel.per_r2[reach] = per_r2[reach].data();
+  const NodeKernelRow fit_row = fastest_node_kernel();
+
   constexpr std::size_t kRows = 8;
   pool.for_ranges(static_cast<std::size_t>(lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
     progress.throw_if_cancelled();
     NodeFitter fitter(bins, rule);
+    std::vector<std::uint8_t> decided(kernel.nx);
     for (std::size_t j = begin; j < end; ++j) {
-      for (int i = 0; i < lattice.nx; ++i) {
-        const NodeFit fit = fitter.fit(i, static_cast<int>(j));
-        if (!fit.measured) continue;
-        const std::size_t node = lattice.index(i, static_cast<int>(j));
-        grid.height_m[node] = static_cast<float>(fit.height_m);
-        grid.state[node] = NodeState::measured;
+      const std::size_t row = lattice.index(0, static_cast<int>(j));
+      fit_row(kernel, j, grid.height_m.data() + row, decided.data());
+      for (std::size_t i = 0; i < kernel.nx; ++i) {
+        if (decided[i] == 0) {
+          const NodeFit fit = fitter.fit(static_cast<int>(i), static_cast<int>(j));
+          if (!fit.measured) continue;
+          grid.height_m[row + i] = static_cast<float>(fit.height_m);
+        }
+        grid.state[row + i] = NodeState::measured;
       }
     }
   });

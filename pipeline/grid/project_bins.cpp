@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kPiece = 1U << 15U;
 constexpr std::uint32_t kNowhere = 0xffffffffU;
+constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 struct Point {
   float z, x, y;
@@ -39,25 +41,28 @@ void sort_bin(Point* first, Point* last) {
   }
 }
 
+// Bin of a point, or kNowhere. In float: a point on a border may go to either bin, the same one always.
 struct Indexer {
   explicit Indexer(const BinLattice& lattice)
-      : x_shift(lattice.x0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m),
-        y_shift(lattice.y0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m),
-        per_m(1.0 / lattice.spacing_m),
-        columns(lattice.bins_x()),
-        rows(lattice.bins_y()) {}
+      : x_shift(static_cast<float>(lattice.x0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
+        y_shift(static_cast<float>(lattice.y0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
+        per_m(static_cast<float>(1.0 / lattice.spacing_m)),
+        columns(static_cast<float>(lattice.bins_x())),
+        rows(static_cast<float>(lattice.bins_y())),
+        row_length(static_cast<std::uint32_t>(lattice.bins_x())) {}
 
-  [[nodiscard]] std::uint32_t row(float y) const { return at(y, y_shift, rows); }
-  [[nodiscard]] std::uint32_t column(float x) const { return at(x, x_shift, columns); }
-
-  [[nodiscard]] std::uint32_t at(float p, double shift, int limit) const {
-    const double place = (static_cast<double>(p) - shift) * per_m;
-    if (!(place >= 0.0 && place < static_cast<double>(limit))) return kNowhere;
-    return static_cast<std::uint32_t>(place);
+  [[nodiscard]] std::uint32_t operator()(float x, float y) const {
+    const float u = (x - x_shift) * per_m;
+    const float v = (y - y_shift) * per_m;
+    const bool inside = u >= 0.0F && v >= 0.0F && u < columns && v < rows;
+    // Through int32: lattices have fewer than 2^31 columns and rows, and SSE converts nothing wider.
+    const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(inside ? v : 0.0F));
+    const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(inside ? u : 0.0F));
+    return inside ? row * row_length + column : kNowhere;
   }
 
-  double x_shift, y_shift, per_m;
-  int columns, rows;
+  float x_shift, y_shift, per_m, columns, rows;
+  std::uint32_t row_length;
 };
 
 }  // namespace
@@ -73,20 +78,18 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   const std::size_t bands = (rows + rows_per_band - 1) / rows_per_band;
   const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
 
-  const auto band_of = [&](std::size_t k) -> std::uint32_t {
-    if (!skip.empty() && skip[k] != 0) return kNowhere;
-    const std::uint32_t row = indexer.row(points.y[k]);
-    if (row == kNowhere || indexer.column(points.x[k]) == kNowhere) return kNowhere;
-    return row / static_cast<std::uint32_t>(rows_per_band);
-  };
-
-  // offset[piece * bands + band]: where the piece writes its points of the band.
+  // Bins of all points; offset[piece * bands + band]: where the piece writes its points of the band.
+  const auto bin_of = std::make_unique_for_overwrite<std::uint32_t[]>(points.count);
+  const auto bins_per_band = static_cast<std::uint32_t>(rows_per_band * columns);
   std::vector<std::size_t> offset(pieces * bands, 0);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::size_t* mine = offset.data() + begin / kPiece * bands;
+    for (std::size_t k = begin; k < end; ++k) bin_of[k] = indexer(points.x[k], points.y[k]);
+    if (!skip.empty()) {
+      for (std::size_t k = begin; k < end; ++k) bin_of[k] = skip[k] != 0 ? kNowhere : bin_of[k];
+    }
     for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t band = band_of(k);
-      if (band != kNowhere) ++mine[band];
+      if (bin_of[k] != kNowhere) ++mine[bin_of[k] / bins_per_band];
     }
   });
   std::vector<std::size_t> band_start(bands + 1, 0);
@@ -105,12 +108,9 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::size_t* mine = offset.data() + begin / kPiece * bands;
     for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t band = band_of(k);
-      if (band == kNowhere) continue;
-      const std::size_t to = mine[band]++;
-      const std::size_t row = indexer.row(points.y[k]) - band * rows_per_band;
-      const std::size_t bin = row * columns + indexer.column(points.x[k]);
-      banded[to] = {points.z[k], points.x[k], points.y[k], static_cast<std::uint32_t>(bin)};
+      if (bin_of[k] == kNowhere) continue;
+      const std::uint32_t band = bin_of[k] / bins_per_band;
+      banded[mine[band]++] = {points.z[k], points.x[k], points.y[k], bin_of[k] - band * bins_per_band};
     }
   });
 
@@ -118,9 +118,12 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   bins.lattice = lattice;
   bins.points = total;
   bins.start = std::make_unique_for_overwrite<std::uint32_t[]>(lattice.bin_count() + 1);
-  bins.x = std::make_unique_for_overwrite<float[]>(total);
-  bins.y = std::make_unique_for_overwrite<float[]>(total);
-  bins.z = std::make_unique_for_overwrite<float[]>(total);
+  bins.top = std::make_unique_for_overwrite<float[]>(lattice.bin_count() + Bins::kReadAhead);
+  for (std::unique_ptr<float[]>* array : {&bins.x, &bins.y, &bins.z}) {
+    *array = std::make_unique_for_overwrite<float[]>(total + Bins::kReadAhead);
+    std::fill_n(array->get() + total, Bins::kReadAhead, 0.0F);
+  }
+  std::fill_n(bins.top.get() + lattice.bin_count(), Bins::kReadAhead, kNothing);
   pool.for_ranges(bands, 1, [&](std::size_t band, std::size_t) {
     const std::size_t first_row = band * rows_per_band;
     const std::size_t band_rows = std::min(rows_per_band, rows - first_row);
@@ -139,6 +142,7 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
     for (std::size_t b = 0; b < size; ++b) {
       const std::size_t bin_end = head[b];
       sort_bin(sorted.data() + bin_begin, sorted.data() + bin_end);
+      bins.top[first_row * columns + b] = bin_begin < bin_end ? sorted[bin_begin].z : kNothing;
       bin_begin = bin_end;
     }
     for (std::size_t k = 0; k < sorted.size(); ++k) {

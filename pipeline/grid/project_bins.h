@@ -37,8 +37,12 @@ struct BinLattice {
 struct Bins {
   BinLattice lattice;
   std::unique_ptr<std::uint32_t[]> start;  ///< bin_count() + 1 values
+  std::unique_ptr<float[]> top;            ///< highest z of each bin, -infinity when it is empty
   std::unique_ptr<float[]> x, y, z;        ///< metres relative to the oriented points' origin
   std::size_t points = 0;
+
+  /// Zeros (infinities in `top`) beyond the arrays' ends, for vector reads.
+  static constexpr std::size_t kReadAhead = 16;
 };
 
 /// `skip` (empty or one flag a point) names points that stay out. At most 2^32 - 1 points.

@@ -23,6 +23,7 @@ struct Box {
 struct Occupancy {
   int nx = 1, ny = 1;
   double cell_m = 1.0;
+  double per_m = 1.0;
   Box box{};
   std::vector<std::uint32_t> count;
   std::vector<std::uint32_t> around;  // sum of the 3x3 cells
@@ -33,8 +34,8 @@ struct Occupancy {
   }
   // -1 outside.
   [[nodiscard]] std::ptrdiff_t cell_of(float x, float y) const {
-    const double u = (static_cast<double>(x) - box.x0) / cell_m;
-    const double v = (static_cast<double>(y) - box.y0) / cell_m;
+    const double u = (static_cast<double>(x) - box.x0) * per_m;
+    const double v = (static_cast<double>(y) - box.y0) * per_m;
     if (!(u >= 0.0 && v >= 0.0 && u < nx && v < ny)) return -1;
     return static_cast<std::ptrdiff_t>(at(static_cast<int>(u), static_cast<int>(v)));
   }
@@ -46,6 +47,7 @@ Occupancy count_points(const OrientedPoints& points, const Box& box, ThreadPool&
   const double wanted = std::sqrt(static_cast<double>(points.count) / 8.0);
   const int side = std::clamp(static_cast<int>(wanted), 4, kMostCells);
   cells.cell_m = std::max(box.longer(), 1e-30) / side * (1.0 + 1e-6);
+  cells.per_m = 1.0 / cells.cell_m;
   cells.nx = std::min(side, static_cast<int>((box.x1 - box.x0) / cells.cell_m) + 1);
   cells.ny = std::min(side, static_cast<int>((box.y1 - box.y0) / cells.cell_m) + 1);
   const std::size_t size = cells.at(0, cells.ny);
@@ -141,6 +143,44 @@ struct Strip {
   std::vector<float> reach_m;  // two local point spacings
 };
 
+// The supported points of the two outermost columns and rows of kept cells: left, right, bottom, top.
+std::array<Strip, 4> border_strips(const OrientedPoints& points, const Occupancy& cells, const CellBox& kept,
+                                   ThreadPool& pool) {
+  // Most points are inside by a plain comparison; one cell to spare keeps its rounding harmless.
+  const auto border = [](double corner, double cells_m) { return static_cast<float>(corner + cells_m); };
+  const float left = border(cells.box.x0, (kept.i0 + 3) * cells.cell_m);
+  const float right = border(cells.box.x0, (kept.i1 - 2) * cells.cell_m);
+  const float bottom = border(cells.box.y0, (kept.j0 + 3) * cells.cell_m);
+  const float top = border(cells.box.y0, (kept.j1 - 2) * cells.cell_m);
+  std::vector<std::vector<std::size_t>> pieces((points.count + kPiece - 1) / kPiece);
+  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      if (points.x[k] > left && points.x[k] < right && points.y[k] > bottom && points.y[k] < top) [[likely]]
+        continue;
+      pieces[begin / kPiece].push_back(k);
+    }
+  });
+  std::array<Strip, 4> strips;
+  for (const std::vector<std::size_t>& piece : pieces) {
+    for (const std::size_t k : piece) {
+      const std::ptrdiff_t found = cells.cell_of(points.x[k], points.y[k]);
+      if (found < 0) continue;
+      const auto c = static_cast<std::size_t>(found);
+      if (cells.kept[c] == 0) continue;
+      const int i = static_cast<int>(c % static_cast<std::size_t>(cells.nx));
+      const int j = static_cast<int>(c / static_cast<std::size_t>(cells.nx));
+      const std::array<bool, 4> near{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
+      const auto reach = static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
+      for (std::size_t side = 0; side < 4; ++side) {
+        if (!near[side]) continue;
+        strips[side].points.push_back({points.x[k], points.y[k], points.z[k]});
+        strips[side].reach_m.push_back(reach);
+      }
+    }
+  }
+  return strips;
+}
+
 // Outermost coordinate along `axis` (0 x, 1 y) towards `sign` of a point that has at least three neighbours in reach.
 double outermost_supported(const Strip& strip, std::size_t axis, float sign, double otherwise) {
   std::vector<std::uint32_t> order(strip.points.size());
@@ -194,23 +234,7 @@ Extent supported_extent(const OrientedPoints& points, const std::vector<std::uin
       extent.covered_area_m2 += cells.cell_m * cells.cell_m;
       extent.supported += cells.count[c];
     }
-    std::array<Strip, 4> strips;  // left, right, bottom, top
-    for (std::size_t k = 0; k < points.count; ++k) {
-      const std::ptrdiff_t found = cells.cell_of(points.x[k], points.y[k]);
-      if (found < 0) continue;
-      const auto c = static_cast<std::size_t>(found);
-      if (cells.kept[c] == 0) continue;
-      const int i = static_cast<int>(c % static_cast<std::size_t>(cells.nx));
-      const int j = static_cast<int>(c / static_cast<std::size_t>(cells.nx));
-      const std::array<bool, 4> near{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
-      if (!(near[0] || near[1] || near[2] || near[3])) continue;
-      const auto reach = static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
-      for (std::size_t side = 0; side < 4; ++side) {
-        if (!near[side]) continue;
-        strips[side].points.push_back({points.x[k], points.y[k], points.z[k]});
-        strips[side].reach_m.push_back(reach);
-      }
-    }
+    const std::array<Strip, 4> strips = border_strips(points, cells, kept, pool);
     const auto cell_x = [&](int i) { return box.x0 + i * cells.cell_m; };
     const auto cell_y = [&](int j) { return box.y0 + j * cells.cell_m; };
     extent.xmin_m = outermost_supported(strips[0], 0, -1.0F, std::max(box.x0, cell_x(kept.i0)));

@@ -10,7 +10,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kTukey = 4.685;  // 95 % efficiency under Gaussian noise
-constexpr int kRounds = 4;
+constexpr int kRounds = 3;
 constexpr double kSlopePrior = 1.5;
 
 // z = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2, metres and spacings; a plane has c3 = c4 = c5 = 0.
@@ -85,20 +85,27 @@ bool fit_plane(std::span<const NodePoint> points, const double* w, double ridge,
 }
 
 bool fit_quadric(std::span<const NodePoint> points, const double* w, double ridge, double z0, Coefficients& c) {
-  std::array<std::array<double, 6>, 6> a{};
-  std::array<double, 6> b{};
+  std::array<double, 27> sums{};
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (w[k] <= 0.0) continue;
     const double u = static_cast<double>(points[k].u);
     const double v = static_cast<double>(points[k].v);
     const double z = static_cast<double>(points[k].z) - z0;
     const std::array<double, 6> row{1.0, u, v, u * u, u * v, v * v};
+    std::size_t s = 0;
     for (std::size_t i = 0; i < 6; ++i) {
       const double wi = w[k] * row[i];
-      b[i] += wi * z;
-      for (std::size_t j = 0; j <= i; ++j) a[i][j] += wi * row[j];
+      for (std::size_t j = 0; j <= i; ++j) sums[s++] += wi * row[j];
     }
+    for (std::size_t i = 0; i < 6; ++i) sums[s++] += w[k] * row[i] * z;
   }
+  std::array<std::array<double, 6>, 6> a{};
+  std::array<double, 6> b{};
+  std::size_t s = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) a[i][j] = sums[s++];
+  }
+  for (std::size_t i = 0; i < 6; ++i) b[i] = sums[s++];
   for (std::size_t i = 1; i < 6; ++i) a[i][i] += ridge;
   if (!solve(a, b)) return false;
   b[0] += z0;
@@ -130,6 +137,13 @@ void tukey_weights(std::span<const NodePoint> points, const double* kernel, doub
 
 }  // namespace
 
+double residual_scale(double noise_m, double spacing_m) { return std::max(noise_m, 0.01 * spacing_m); }
+
+double slope_ridge(double scale_m, double spacing_m) {
+  const double ratio = scale_m / (kSlopePrior * spacing_m);
+  return ratio * ratio;
+}
+
 LocalFit fit_locally(std::span<const NodePoint> points, const LocalFitRule& rule, std::vector<double>& scratch) {
   LocalFit result;
   result.height_m = std::numeric_limits<double>::quiet_NaN();
@@ -150,10 +164,8 @@ LocalFit fit_locally(std::span<const NodePoint> points, const LocalFitRule& rule
   }
   if (!(total > 0.0)) return result;
   z0 /= total;
-  // Below a hundredth of the spacing, form and not noise decides what fits.
-  const double scale = std::max(rule.scale_m, 0.01 * rule.spacing_m);
-  const double steep = scale / (kSlopePrior * rule.spacing_m);
-  const double ridge = steep * steep;
+  const double scale = residual_scale(rule.noise_m, rule.spacing_m);
+  const double ridge = slope_ridge(scale, rule.spacing_m);
   Coefficients plane{};
   if (!fit_plane(points, kernel, ridge, z0, plane)) return result;
   double worst = 0.0;
@@ -167,9 +179,11 @@ LocalFit fit_locally(std::span<const NodePoint> points, const LocalFitRule& rule
       tukey_weights(points, kernel, scale, best, w);
       if (!fit_plane(points, w, ridge, z0, best)) break;
     }
-    double best_loss = loss(points, kernel, scale, best);
+    const double best_loss = loss(points, kernel, scale, best);
+    result.loss = best_loss;
     Coefficients quadric{};
-    if (result.support >= 10 && fit_quadric(points, kernel, ridge, z0, quadric)) {
+    // Four and a half sigma are not noise any more: the surface may be bent.
+    if (result.support >= 10 && worst > 4.5 * scale && fit_quadric(points, kernel, ridge, z0, quadric)) {
       for (int round = 0; round < kRounds; ++round) {
         tukey_weights(points, kernel, scale, quadric, w);
         if (!fit_quadric(points, w, ridge, z0, quadric)) break;
@@ -178,19 +192,13 @@ LocalFit fit_locally(std::span<const NodePoint> points, const LocalFitRule& rule
       const double quadric_loss = loss(points, kernel, scale, quadric);
       if (quadric_loss * (1.0 + 6.0 / static_cast<double>(result.support)) < best_loss) {
         best = quadric;
-        best_loss = quadric_loss;
+        result.loss = quadric_loss;
       }
     }
-  }
-  double squares = 0.0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const double r = static_cast<double>(points[k].z) - value(best, points[k]);
-    squares += kernel[k] * r * r;
   }
   result.height_m = best[0];
   result.slope_u_m = best[1];
   result.slope_v_m = best[2];
-  result.mean_square_m2 = squares / total;
   return result;
 }
 

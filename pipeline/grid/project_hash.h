@@ -13,10 +13,12 @@ namespace sparsha::pipeline {
   return h ^ (h >> 31U);
 }
 
-[[nodiscard]] inline std::uint64_t hash_point(float x, float y, float z) {
+/// Good enough to draw a sample by, and quick enough to ask every point.
+[[nodiscard]] inline std::uint32_t quick_hash(float x, float y, float z) {
   const std::uint64_t xy = (static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(x)) << 32U) |
                            static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(y));
-  return mix_bits(xy + 0x9e3779b97f4a7c15ULL * (std::bit_cast<std::uint32_t>(z) + 1ULL));
+  const std::uint64_t h = (xy ^ (std::bit_cast<std::uint32_t>(z) * 0x9e3779b97f4a7c15ULL)) * 0xbf58476d1ce4e5b9ULL;
+  return static_cast<std::uint32_t>((h ^ (h >> 29U)) * 0x94d049bb133111ebULL >> 32U);
 }
 
 }  // namespace sparsha::pipeline

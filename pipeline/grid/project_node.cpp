@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "pipeline/grid/project_step.h"
@@ -13,12 +14,12 @@ namespace {
 // With nine points of the front in a window, 1.5 of their spacings fit into it, and chance has not hidden a layer.
 constexpr std::size_t kSafe = 9;
 constexpr std::size_t kLeastFit = 4;
-
-bool higher(const NodePoint& a, const NodePoint& b) {
-  if (a.z != b.z) return a.z > b.z;
-  if (a.u != b.u) return a.u < b.u;
-  return a.v < b.v;
-}
+// Mean loss of Tukey's biweight: 0.14 is what Gaussian noise costs.
+constexpr double kExplained = 0.3;
+// A front of average density has more than two points among so many.
+constexpr std::size_t kSureOfOutliers = 24;
+// So many points of two interleaved layers part along a line once in 30 000 times.
+constexpr std::size_t kLocal = 24;
 
 // True when the node is inside the hull of the points within `radius`, but for `tolerance`, seen in eight directions.
 bool surrounds(std::span<const NodePoint> points, double radius, double tolerance) {
@@ -44,16 +45,14 @@ bool surrounds(std::span<const NodePoint> points, double radius, double toleranc
   return true;
 }
 
-// 1.5 spacings, less where there are points to spare.
-double kernel_radius(double spacing, std::size_t points, double window_area) {
-  const double density = static_cast<double>(points) / window_area;
-  const double spare = density * spacing * spacing / 4.0;
-  return 1.5 * spacing * (spare > 1.0 ? std::max(0.7, std::pow(spare, -1.0 / 6.0)) : 1.0);
-}
-
 }  // namespace
 
 double layer_gap_m(double noise_m, double point_spacing_m) { return 6.0 * noise_m + 1.5 * point_spacing_m; }
+
+double kernel_radius(double spacing, std::size_t points, double window_area) {
+  const double density = static_cast<double>(points) / window_area * spacing * spacing / 4.0;
+  return 1.5 * spacing * std::clamp(std::pow(density, density > 1.0 ? -1.0 / 12.0 : -0.25), 0.7, 1.4);
+}
 
 std::size_t NodeFitter::count_window(int i, int j, int reach) const {
   const BinLattice& lattice = bins_.lattice;
@@ -75,25 +74,86 @@ void NodeFitter::gather(int i, int j, int reach) {
   const auto x = static_cast<float>(lattice.x0_m + i * lattice.spacing_m);
   const auto y = static_cast<float>(lattice.y0_m + j * lattice.spacing_m);
   const auto per_m = static_cast<float>(1.0 / lattice.spacing_m);
-  points_.clear();
+  gathered_.clear();
   for (int b = j0; b <= j1; ++b) {
     const std::size_t end = bins_.start[lattice.bin(i1, b) + 1];
     for (std::size_t k = bins_.start[lattice.bin(i0, b)]; k < end; ++k) {
-      points_.push_back({bins_.z[k], (bins_.x[k] - x) * per_m, (bins_.y[k] - y) * per_m});
+      gathered_.push_back({bins_.z[k], (bins_.x[k] - x) * per_m, (bins_.y[k] - y) * per_m});
     }
   }
-  std::sort(points_.begin(), points_.end(), higher);
 }
 
-void NodeFitter::split_layers(double gap_m, std::size_t least) {
+// Layers in the heights that are left when the slope is taken out; at the node these are the heights themselves.
+void NodeFitter::split_layers(Slope slope, double gap_m) {
+  const auto slope_u = static_cast<float>(slope.u);
+  const auto slope_v = static_cast<float>(slope.v);
+  const auto rise = [&](const NodePoint& p) { return p.z - slope_u * p.u - slope_v * p.v; };
+  // Descending heights as ascending integers; equal ones stay in the order of the bins, which is that of coordinates.
+  keys_.resize(gathered_.size());
+  for (std::size_t k = 0; k < gathered_.size(); ++k) {
+    const auto bits = std::bit_cast<std::uint32_t>(rise(gathered_[k]) + 0.0F);
+    const std::uint32_t ascending = (bits >> 31U) != 0 ? ~bits : bits | 0x80000000U;
+    keys_[k] = (static_cast<std::uint64_t>(~ascending) << 32U) | k;
+  }
+  std::sort(keys_.begin(), keys_.end());
+  points_.resize(gathered_.size());
+  for (std::size_t k = 0; k < keys_.size(); ++k) points_[k] = gathered_[keys_[k] & 0xffffffffU];
+
   layers_.clear();
   const auto gap = static_cast<float>(gap_m);
+  const std::size_t least = std::max<std::size_t>(3, (points_.size() + 11) / 12);
   std::size_t begin = 0;
   for (std::size_t k = 1; k <= points_.size(); ++k) {
-    if (k < points_.size() && points_[k - 1].z - points_[k].z <= gap) continue;
+    if (k < points_.size() && rise(points_[k - 1]) - rise(points_[k]) <= gap) continue;
     if (k - begin >= least) layers_.push_back({begin, k});
     begin = k;
   }
+}
+
+// Share of the window's points that lie in thin layers.
+double NodeFitter::compactness(Slope slope, double thickness_m) const {
+  const auto rise = [&](const NodePoint& p) {
+    return static_cast<double>(p.z) - slope.u * static_cast<double>(p.u) - slope.v * static_cast<double>(p.v);
+  };
+  std::size_t thin = 0;
+  for (const Layer& layer : layers_) {
+    // The fifth at either end may be outliers or the wall of a step.
+    const std::size_t fifth = layer.size() / 5;
+    const double thickness = rise(points_[layer.begin + fifth]) - rise(points_[layer.end - 1 - fifth]);
+    if (thickness <= thickness_m) thin += layer.size();
+  }
+  return static_cast<double>(thin) / static_cast<double>(points_.size());
+}
+
+// A slope makes one layer look like several, or several like one: tries no slope, that of a first fit to the front, and
+// that of the front under a wider gap, and keeps the one under which the layers are thinnest.
+void NodeFitter::split_along_best_slope(Slope plain_fit, double total_spacing_m) {
+  const double step_m = bins_.lattice.spacing_m;
+  const double narrow = 6.0 * rule_.noise_m + 0.75 * total_spacing_m;
+  const double thickness = 6.0 * rule_.noise_m + 0.25 * step_m;
+  const double plain_gap = layer_gap_m(rule_.noise_m, total_spacing_m);
+  const auto bounded = [&](Slope s) {
+    const double most = 4.0 * step_m;
+    return Slope{std::clamp(s.u, -most, most), std::clamp(s.v, -most, most)};
+  };
+  split_layers({}, 2.0 * plain_gap);
+  Slope wide;
+  if (!layers_.empty()) {
+    const LocalFit fit = fit_locally(points_of(layers_.front()), {4.0, rule_.noise_m, step_m}, scratch_);
+    if (std::isfinite(fit.height_m)) wide = {fit.slope_u_m, fit.slope_v_m};
+  }
+  const std::array<Slope, 3> candidates{Slope{}, bounded(plain_fit), bounded(wide)};
+  std::size_t best = 0;
+  double best_compactness = -1.0;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    split_layers(candidates[c], c == 0 ? plain_gap : narrow);
+    const double compact = compactness(candidates[c], thickness);
+    if (compact > best_compactness + 1e-9) {
+      best = c;
+      best_compactness = compact;
+    }
+  }
+  split_layers(candidates[best], best == 0 ? plain_gap : narrow);
 }
 
 // Local spacing of a layer's points, in nodes: from the density around the points, not around the node, so that the
@@ -112,42 +172,84 @@ double NodeFitter::point_spacing(int i, int j, int reach, const Layer& layer) co
   return std::max(1.0, sum / static_cast<double>(layer.size()) * std::sqrt(share));
 }
 
-// The front, unless it lies to one side and a line parts it from the next layer on the node's side: then it is a step.
-const NodeFitter::Layer* NodeFitter::layer_at_node(double spacing) const {
-  const Layer& front = layers_.front();
-  if (layers_.size() == 1) return &front;
+// Distance of a layer's centroid from the node, spacings of the lattice.
+double NodeFitter::off_centre(const Layer& layer) const {
   double u = 0.0;
   double v = 0.0;
-  for (const NodePoint& p : points_of(front)) {
+  for (const NodePoint& p : points_of(layer)) {
     u += static_cast<double>(p.u);
     v += static_cast<double>(p.v);
   }
-  const auto count = static_cast<double>(front.size());
-  if (std::hypot(u, v) / count <= 0.5 * spacing) return &front;
-  const Separation line = separate(points_of(front), points_of(layers_[1]));
-  return line.separable && line.node_side < 0.0 ? &layers_[1] : &front;
+  return std::hypot(u, v) / static_cast<double>(layer.size());
 }
 
-NodeFit NodeFitter::fit(int i, int j) {
+// The front, unless it lies to one side and a line parts it from the next layer on the node's side: then it is a step.
+const NodeFitter::Layer& NodeFitter::layer_at_node(double spacing) {
+  const Layer& front = layers_.front();
+  if (layers_.size() == 1 || off_centre(front) <= 0.5 * spacing) return front;
+  const Layer& next = layers_[1];
+  Separation line = separate(points_of(front), points_of(next));
+  if (!line.separable && front.size() + next.size() > kLocal) {
+    // A curved edge, or an outlier: the nearest points see it straight. Fewer than kLocal would part by chance.
+    const auto r2 = [](const NodePoint& p) { return p.u * p.u + p.v * p.v; };
+    std::vector<double>& distances = scratch_;
+    distances.clear();
+    for (const Layer* layer : {&front, &next}) {
+      for (const NodePoint& p : points_of(*layer)) distances.push_back(static_cast<double>(r2(p)));
+    }
+    std::nth_element(distances.begin(), distances.begin() + kLocal - 1, distances.end());
+    const double limit = distances[kLocal - 1];
+    const std::array<const Layer*, 2> pair{&front, &next};
+    for (std::size_t side = 0; side < 2; ++side) {
+      near_[side].clear();
+      for (const NodePoint& p : points_of(*pair[side])) {
+        if (static_cast<double>(r2(p)) <= limit) near_[side].push_back(p);
+      }
+    }
+    if (near_[0].empty()) {
+      // Were the front in front here too, chance would have to have kept all of its points away.
+      const double share = static_cast<double>(front.size()) / static_cast<double>(front.size() + next.size());
+      return std::pow(1.0 - share, static_cast<double>(near_[1].size())) < 1e-5 ? next : front;
+    }
+    if (near_[1].empty()) return front;
+    line = separate(near_[0], near_[1]);
+  }
+  return line.separable && line.node_side < 0.0 ? next : front;
+}
+
+NodeFit NodeFitter::fit(int i, int j, int least_reach) {
   const double step_m = bins_.lattice.spacing_m;
-  for (int reach = 1; reach <= rule_.widest_window; ++reach) {
+  for (int reach = least_reach; reach <= rule_.widest_window; ++reach) {
     const std::size_t count = count_window(i, j, reach);
     const bool last = reach == rule_.widest_window;
     if (count < kLeastFit || (count < kSafe && !last)) continue;
     gather(i, j, reach);
     const double side = 2.0 * reach + 1.0;
-    const double total_spacing = std::sqrt(side * side / static_cast<double>(count));
-    split_layers(layer_gap_m(rule_.noise_m, total_spacing * step_m), std::max<std::size_t>(3, (count + 11) / 12));
+    const double total_spacing_m = std::sqrt(side * side / static_cast<double>(count)) * step_m;
+    split_layers({}, layer_gap_m(rule_.noise_m, total_spacing_m));
     if (layers_.empty()) continue;
-    const double spacing = point_spacing(i, j, reach, layers_.front());
-    const Layer& layer = *layer_at_node(spacing);
-    const double radius = kernel_radius(spacing, layer.size(), side * side);
-    const bool whole = surrounds(points_of(layer), 1.5 * spacing, 0.5 * spacing);
+    // One or two points above the front may be a front that chance has thinned.
+    if (!last && reach < 3 && layers_.front().begin > 0 && count < kSureOfOutliers) continue;
+
+    double spacing = point_spacing(i, j, reach, layers_.front());
+    double radius = kernel_radius(spacing, layers_.front().size(), side * side);
+    LocalFit fit = fit_locally(points_of(layers_.front()), {radius, rule_.noise_m, step_m}, scratch_);
+    // A fit that explains its layer needs no other slope; one that may stand at a step needs the step's.
+    const bool simple =
+        fit.loss <= kExplained && layers_.front().size() * 2 > count && off_centre(layers_.front()) <= 0.5 * spacing;
+    const Layer* layer = &layers_.front();
+    if (!simple) {
+      split_along_best_slope({fit.slope_u_m, fit.slope_v_m}, total_spacing_m);
+      if (layers_.empty()) continue;
+      spacing = point_spacing(i, j, reach, layers_.front());
+      layer = &layer_at_node(spacing);
+      radius = kernel_radius(spacing, layer->size(), side * side);
+      fit = fit_locally(points_of(*layer), {radius, rule_.noise_m, step_m}, scratch_);
+    }
+    const bool whole = surrounds(points_of(*layer), 1.5 * spacing, 0.5 * spacing);
     if (!last && 1.5 * spacing > reach + 0.5 && (!whole || layers_.front().size() < kSafe)) continue;
     if (!last && reach < 3 && layers_.front().size() < kSafe && layers_.size() > 1) continue;
-    if (!whole) return {};
-    const LocalFit fit = fit_locally(points_of(layer), {radius, rule_.noise_m, step_m}, scratch_);
-    if (!std::isfinite(fit.height_m) || fit.support < kLeastFit) return {};
+    if (!whole || !std::isfinite(fit.height_m) || fit.support < kLeastFit) return {};
     return {true, fit.height_m, fit.slope_u_m / step_m, fit.slope_v_m / step_m};
   }
   return {};

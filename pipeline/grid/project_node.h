@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "pipeline/grid/project_bins.h"
@@ -26,33 +27,49 @@ struct NodeFit {
 /// of 56 degrees descends from one point to the next.
 [[nodiscard]] double layer_gap_m(double noise_m, double point_spacing_m);
 
+/// Radius of the kernel in spacings: 1.5 local ones at four points a node, wider where points are few, less where there
+/// are points to spare. `window_area` in nodes.
+[[nodiscard]] double kernel_radius(double spacing, std::size_t points, double window_area);
+
 /// Decides nodes one at a time; holds scratch memory, so every thread has its own.
 class NodeFitter {
  public:
   NodeFitter(const Bins& bins, const NodeRule& rule) : bins_(bins), rule_(rule) {}
 
-  [[nodiscard]] NodeFit fit(int i, int j);
+  /// `least_reach` is the smallest window, nodes to each side.
+  [[nodiscard]] NodeFit fit(int i, int j, int least_reach = 1);
+
+  /// Points in the window of `reach` nodes to each side.
+  [[nodiscard]] std::size_t count_window(int i, int j, int reach) const;
 
  private:
   struct Layer {
     std::size_t begin, end;
     [[nodiscard]] std::size_t size() const { return end - begin; }
   };
+  struct Slope {
+    double u = 0.0, v = 0.0;  // metres per spacing
+  };
 
-  [[nodiscard]] std::size_t count_window(int i, int j, int reach) const;
   void gather(int i, int j, int reach);
-  void split_layers(double gap_m, std::size_t least);
+  void split_layers(Slope slope, double gap_m);
+  [[nodiscard]] double compactness(Slope slope, double thickness_m) const;
+  void split_along_best_slope(Slope plain_fit, double total_spacing_m);
   [[nodiscard]] double point_spacing(int i, int j, int reach, const Layer& layer) const;
-  [[nodiscard]] const Layer* layer_at_node(double spacing) const;
+  [[nodiscard]] double off_centre(const Layer& layer) const;
+  [[nodiscard]] const Layer& layer_at_node(double spacing);
   [[nodiscard]] std::span<const NodePoint> points_of(const Layer& layer) const {
     return {points_.data() + layer.begin, layer.size()};
   }
 
   const Bins& bins_;
   NodeRule rule_;
-  std::vector<NodePoint> points_;
+  std::vector<NodePoint> gathered_;  // in the order of the bins
+  std::vector<NodePoint> points_;    // in layers, highest first
+  std::vector<std::uint64_t> keys_;
   std::vector<Layer> layers_;  // supported ones, the highest first
   std::vector<double> scratch_;
+  std::vector<NodePoint> near_[2];
 };
 
 }  // namespace sparsha::pipeline

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "pipeline/grid/project_hash.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::size_t kChunk = 1U << 15U;
 constexpr std::size_t kSample = 4096;
-constexpr double kLargest = 1e18;  // metres; squares still fit a float
+constexpr float kLargest = 1e18F;  // metres; squares still fit a float
 
 // Row-major 3x4 affine: grid - origin = linear * p + shift, p relative to the cloud's origin.
 struct Affine {
@@ -47,18 +48,25 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-Eigen::Vector3d robust_origin(const RawPoints& raw, const Affine& affine, const Eigen::Vector3d& scene) {
+Eigen::Vector3d robust_origin(const RawPoints& raw, const Affine& affine, const Eigen::Vector3d& scene,
+                              ThreadPool& pool) {
   std::array<std::vector<double>, 3> sample;
   for (std::uint64_t every = std::bit_floor(std::max<std::uint64_t>(1, raw.count / kSample));; every /= 8) {
-    const std::uint64_t mask = std::max<std::uint64_t>(1, every) - 1;
-    for (std::size_t k = 0; k < raw.count; ++k) {
-      const float* p = raw.xyz + k * raw.stride;
-      if ((hash_point(p[0], p[1], p[2]) & mask) != 0) continue;
-      const std::array<double, 3> g = affine(p);
-      for (std::size_t axis = 0; axis < 3; ++axis) sample[axis].push_back(g[axis]);
-    }
+    const auto limit = static_cast<std::uint32_t>(0xffffffffULL / std::max<std::uint64_t>(1, every));
+    std::mutex mutex;
+    pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::array<double, 3>> mine;
+      for (std::size_t k = begin; k < end; ++k) {
+        const float* p = raw.xyz + k * raw.stride;
+        if (quick_hash(p[0], p[1], p[2]) <= limit) mine.push_back(affine(p));
+      }
+      const std::lock_guard lock(mutex);
+      for (const std::array<double, 3>& g : mine) {
+        for (std::size_t axis = 0; axis < 3; ++axis) sample[axis].push_back(g[axis]);
+      }
+    });
     // A cloud of few distinct points may leave a thin sample or none: take more of it.
-    if (sample[0].size() >= std::min<std::size_t>(raw.count, kSample / 8) || mask == 0) break;
+    if (sample[0].size() >= std::min<std::size_t>(raw.count, kSample / 8) || every <= 1) break;
     for (std::vector<double>& values : sample) values.clear();
   }
   if (sample[0].empty()) return scene;
@@ -74,7 +82,7 @@ OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_
   const Eigen::Vector3d cloud_origin_in_grid =
       scan_to_grid.topLeftCorner<3, 3>() * cloud_origin_m + scan_to_grid.topRightCorner<3, 1>();
   points.origin_m =
-      robust_origin(raw, Affine(scan_to_grid, cloud_origin_m, cloud_origin_in_grid), cloud_origin_in_grid);
+      robust_origin(raw, Affine(scan_to_grid, cloud_origin_m, cloud_origin_in_grid), cloud_origin_in_grid, pool);
   const Affine affine(scan_to_grid, cloud_origin_m, points.origin_m);
 
   points.x = std::make_unique_for_overwrite<float[]>(raw.count);
@@ -90,15 +98,14 @@ OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_
     Box box;
     for (std::size_t k = begin; k < end; ++k) {
       const std::array<double, 3> g = affine(raw.xyz + k * raw.stride);
-      const bool fits = std::abs(g[0]) < kLargest && std::abs(g[1]) < kLargest && std::abs(g[2]) < kLargest;
-      if (!fits) {
-        points.x[k] = points.y[k] = points.z[k] = OrientedPoints::kFarAway;
-        continue;
-      }
-      const std::array<float, 3> p{static_cast<float>(g[0]), static_cast<float>(g[1]), static_cast<float>(g[2])};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.low[axis] = std::min(box.low[axis], p[axis]);
-        box.high[axis] = std::max(box.high[axis], p[axis]);
+      std::array<float, 3> p{static_cast<float>(g[0]), static_cast<float>(g[1]), static_cast<float>(g[2])};
+      if (std::abs(p[0]) < kLargest && std::abs(p[1]) < kLargest && std::abs(p[2]) < kLargest) [[likely]] {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          box.low[axis] = std::min(box.low[axis], p[axis]);
+          box.high[axis] = std::max(box.high[axis], p[axis]);
+        }
+      } else {
+        p.fill(OrientedPoints::kFarAway);
       }
       points.x[k] = p[0];
       points.y[k] = p[1];

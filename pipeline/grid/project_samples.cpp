@@ -17,7 +17,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kBlockSpacings = 5.0;
-constexpr double kBlocks = 2000.0;
+constexpr double kBlocks = 1000.0;
 constexpr std::size_t kPiece = 1U << 16U;
 
 struct Sample {
@@ -78,18 +78,22 @@ CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent,
   const double blocks = area / (side * side);
   const auto threshold = static_cast<std::uint64_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
   std::vector<std::vector<Sample>> pieces((points.count + kPiece - 1) / kPiece);
-  const double per_m = 1.0 / side;
+  const auto per_m = static_cast<float>(1.0 / side);
+  const auto x0 = static_cast<float>(extent.xmin_m);
+  const auto y0 = static_cast<float>(extent.ymin_m);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::vector<Sample>& mine = pieces[begin / kPiece];
     for (std::size_t k = begin; k < end; ++k) {
-      const double a = (static_cast<double>(points.x[k]) - extent.xmin_m) * per_m;
-      const double b = (static_cast<double>(points.y[k]) - extent.ymin_m) * per_m;
-      if (!(a >= 0.0 && b >= 0.0 && a < 2e9 && b < 2e9)) continue;
-      const auto i = static_cast<std::uint32_t>(a);
-      const auto j = static_cast<std::uint32_t>(b);
-      const std::uint64_t block = (static_cast<std::uint64_t>(j) << 32U) | i;
-      if ((mix_bits(block + 0x9e3779b97f4a7c15ULL) >> 32U) > threshold) continue;
-      mine.push_back({block, {points.z[k], static_cast<float>(a - i - 0.5), static_cast<float>(b - j - 0.5)}});
+      const float a = (points.x[k] - x0) * per_m;
+      const float b = (points.y[k] - y0) * per_m;
+      if (!(a >= 0.0F && b >= 0.0F && a < 1e9F && b < 1e9F)) continue;
+      const auto i = static_cast<std::int32_t>(a);
+      const auto j = static_cast<std::int32_t>(b);
+      const std::uint64_t block =
+          (static_cast<std::uint64_t>(j) << 32U) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(i));
+      if ((mix_bits(block + 0x9e3779b97f4a7c15ULL) >> 32U) > threshold) [[likely]]
+        continue;
+      mine.push_back({block, {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
     }
   });
   std::vector<Sample> samples;

@@ -1,0 +1,464 @@
+// The kernel's body in vectors of eight floats, included once for each instruction set. No inline function or template
+// leaves the file that includes it: a weak symbol compiled with AVX could be linked into code that runs without.
+#include "pipeline/grid/project_kernel.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace {
+
+typedef float Floats __attribute__((vector_size(32)));
+typedef std::int32_t Ints __attribute__((vector_size(32)));
+
+#define SPARSHA_INLINE static inline __attribute__((always_inline))
+
+constexpr std::size_t kLanes = 8;
+constexpr float kTukey = 4.685F;
+
+struct alignas(32) Window {
+  float u[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // from the node, in spacings
+  float v[sparsha::pipeline::NodeKernel::kMostPoints + 16];
+  float z[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // metres, relative to the reference height
+};
+
+SPARSHA_INLINE Floats load(const float* p) {
+  Floats value;
+  __builtin_memcpy(&value, p, sizeof(value));
+  return value;
+}
+SPARSHA_INLINE void store(float* p, Floats value) { __builtin_memcpy(p, &value, sizeof(value)); }
+SPARSHA_INLINE Floats all(float value) { return Floats{} + value; }
+SPARSHA_INLINE Floats masked(Ints mask, Floats value) {
+  return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(value));
+}
+SPARSHA_INLINE Floats absolute(Floats value) {
+  return reinterpret_cast<Floats>(reinterpret_cast<Ints>(value) & 0x7fffffff);
+}
+
+// The smaller and the larger of a and b; b when they do not compare.
+#if defined(__AVX2__)
+SPARSHA_INLINE Floats least(Floats a, Floats b) { return (Floats)_mm256_min_ps((__m256)a, (__m256)b); }
+SPARSHA_INLINE Floats most(Floats a, Floats b) { return (Floats)_mm256_max_ps((__m256)a, (__m256)b); }
+#elif defined(__SSE2__)
+struct Halves {
+  __m128 low, high;
+};
+SPARSHA_INLINE Floats least(Floats a, Floats b) {
+  const auto x = __builtin_bit_cast(Halves, a);
+  const auto y = __builtin_bit_cast(Halves, b);
+  return __builtin_bit_cast(Floats, Halves{_mm_min_ps(x.low, y.low), _mm_min_ps(x.high, y.high)});
+}
+SPARSHA_INLINE Floats most(Floats a, Floats b) {
+  const auto x = __builtin_bit_cast(Halves, a);
+  const auto y = __builtin_bit_cast(Halves, b);
+  return __builtin_bit_cast(Floats, Halves{_mm_max_ps(x.low, y.low), _mm_max_ps(x.high, y.high)});
+}
+#else
+SPARSHA_INLINE Floats least(Floats a, Floats b) { return a < b ? a : b; }
+SPARSHA_INLINE Floats most(Floats a, Floats b) { return a > b ? a : b; }
+#endif
+SPARSHA_INLINE Floats choose(Ints mask, Floats yes, Floats no) {
+  return reinterpret_cast<Floats>((mask & reinterpret_cast<Ints>(yes)) | (~mask & reinterpret_cast<Ints>(no)));
+}
+
+// Sum of the lanes in a fixed order.
+SPARSHA_INLINE float total(Floats a) {
+  const Floats half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
+  const Floats quarter = half + __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5});
+  return quarter[0] + quarter[1];
+}
+SPARSHA_INLINE std::int32_t total(Ints a) {
+  const Ints half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
+  return (half[0] + half[1]) + (half[2] + half[3]);
+}
+SPARSHA_INLINE float largest(Floats a) {
+  const Floats half = most(a, __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3}));
+  const Floats quarter = most(half, __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5}));
+  return quarter[0] > quarter[1] ? quarter[0] : quarter[1];
+}
+
+struct Plane {
+  float c, gu, gv;  // metres, metres per spacing
+  float mu, mv;     // centroid of the weights
+  bool good;
+};
+
+struct Moments {
+  Floats w, u, v, z, uu, uv, vv, uz, vz;
+};
+
+SPARSHA_INLINE void add(Moments& m, Floats w, Floats u, Floats v, Floats z) {
+  const Floats wu = w * u;
+  const Floats wv = w * v;
+  m.w += w;
+  m.u += wu;
+  m.v += wv;
+  m.z += w * z;
+  m.uu += wu * u;
+  m.uv += wu * v;
+  m.vv += wv * v;
+  m.uz += wu * z;
+  m.vz += wv * z;
+}
+
+SPARSHA_INLINE Plane solve(const Moments& m, float ridge) {
+  Plane plane{};
+  const float w = total(m.w);
+  if (!(w > 0.0F)) return plane;
+  const float per_w = 1.0F / w;
+  const float u = total(m.u);
+  const float v = total(m.v);
+  plane.mu = u * per_w;
+  plane.mv = v * per_w;
+  const float mz = total(m.z) * per_w;
+  const float prior = ridge + 1e-6F * w;
+  const float uu = total(m.uu) - u * plane.mu + prior;
+  const float vv = total(m.vv) - v * plane.mv + prior;
+  const float uv = total(m.uv) - u * plane.mv;
+  const float uz = total(m.uz) - u * mz;
+  const float vz = total(m.vz) - v * mz;
+  const float determinant = uu * vv - uv * uv;
+  if (!(determinant > 0.0F)) return plane;
+  const float per_determinant = 1.0F / determinant;
+  plane.gu = (uz * vv - vz * uv) * per_determinant;
+  plane.gv = (vz * uu - uz * uv) * per_determinant;
+  plane.c = mz - plane.gu * plane.mu - plane.gv * plane.mv;
+  plane.good = true;
+  return plane;
+}
+
+// Copies the points of bins [begin[r], end[r]) of each row, relative to node and reference height; returns how many.
+SPARSHA_INLINE std::size_t gather(const sparsha::pipeline::NodeKernel& k, const std::uint32_t* first_bin,
+                                  std::size_t reach, float node_x, float node_y, float per_spacing, float reference,
+                                  Window& window) {
+  std::size_t count = 0;
+  for (std::size_t row = 0; row <= 2 * reach; ++row) {
+    const std::size_t begin = first_bin[row * k.bins_x];
+    const std::size_t end = first_bin[row * k.bins_x + 2 * reach + 1];
+    for (std::size_t p = begin; p < end; p += kLanes) {
+      store(window.u + count + (p - begin), (load(k.x + p) - node_x) * per_spacing);
+      store(window.v + count + (p - begin), (load(k.y + p) - node_y) * per_spacing);
+      store(window.z + count + (p - begin), load(k.z + p) - reference);
+    }
+    count += end - begin;
+  }
+  // What was read beyond the last point is far outside every kernel and band.
+  store(window.u + count, all(1e3F));
+  store(window.v + count, all(1e3F));
+  store(window.z + count, all(-1e18F));
+  return count;
+}
+
+SPARSHA_INLINE std::size_t count_points(const sparsha::pipeline::NodeKernel& k, const std::uint32_t* first_bin,
+                                        std::size_t reach) {
+  std::size_t count = 0;
+  for (std::size_t row = 0; row <= 2 * reach; ++row) {
+    count += first_bin[row * k.bins_x + 2 * reach + 1] - first_bin[row * k.bins_x];
+  }
+  return count;
+}
+
+// Fourth highest of the nine bins' highest points, for eight nodes from column i on: robust against empty bins, bins
+// that show the back, and outliers.
+SPARSHA_INLINE Floats reference_heights(const float* const* tops, std::size_t i) {
+  Floats first = all(-__builtin_inff());
+  Floats second = first;
+  Floats third = first;
+  Floats fourth = first;
+  for (int row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      Floats next = load(tops[row] + i + column);
+      Floats lower = least(first, next);
+      first = most(first, next);
+      next = least(second, lower);
+      second = most(second, lower);
+      lower = least(third, next);
+      third = most(third, next);
+      fourth = most(fourth, lower);
+    }
+  }
+  return fourth;
+}
+
+// True when the points out of the band lie to another side of the node than those in it: perhaps a step.
+SPARSHA_INLINE bool lopsided(const Window& window, std::size_t count, float band) {
+  Floats in_count{};
+  Floats in_u{};
+  Floats in_v{};
+  Floats out_count{};
+  Floats out_u{};
+  Floats out_v{};
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const Ints in = absolute(load(window.z + p)) <= band;
+    const Floats u = load(window.u + p);
+    const Floats v = load(window.v + p);
+    const Ints out = ~in & (u < 100.0F);
+    in_count += masked(in, all(1.0F));
+    in_u += masked(in, u);
+    in_v += masked(in, v);
+    out_count += masked(out, all(1.0F));
+    out_u += masked(out, u);
+    out_v += masked(out, v);
+  }
+  const float per_in = 1.0F / total(in_count);
+  const float per_out = 1.0F / total(out_count);
+  const float du = total(in_u) * per_in - total(out_u) * per_out;
+  const float dv = total(in_v) * per_in - total(out_v) * per_out;
+  return du * du + dv * dv > 0.8F;
+}
+
+// True when the node lies inside the hull of the band's points within `radius` but for `tolerance`, in eight
+// directions.
+SPARSHA_INLINE bool surrounded(const Window& window, std::size_t count, float band, float radius, float tolerance) {
+  constexpr float kHalfRoot = 0.70710678F;
+  Floats high[4];
+  Floats low[4];
+  for (int d = 0; d < 4; ++d) {
+    high[d] = all(-1e9F);
+    low[d] = all(1e9F);
+  }
+  Ints near{};
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const Floats u = load(window.u + p);
+    const Floats v = load(window.v + p);
+    const Ints inside = (absolute(load(window.z + p)) <= band) & (u * u + v * v <= radius * radius);
+    near -= inside;
+    const Floats along[4] = {u, v, (u + v) * kHalfRoot, (u - v) * kHalfRoot};
+    for (int d = 0; d < 4; ++d) {
+      high[d] = most(high[d], choose(inside, along[d], all(-1e9F)));
+      low[d] = least(low[d], choose(inside, along[d], all(1e9F)));
+    }
+  }
+  if (total(near) < 4) return false;
+  for (int d = 0; d < 4; ++d) {
+    if (largest(high[d]) < -tolerance || largest(-low[d]) < -tolerance) return false;
+  }
+  return true;
+}
+
+// z = c[0] + c[1] u + c[2] v + c[3] u^2 + c[4] u v + c[5] v^2; a plane has no more than three terms.
+struct Quadric {
+  float c[6];
+};
+
+SPARSHA_INLINE Floats residuals(const Quadric& q, Floats u, Floats v, Floats z) {
+  return z - q.c[0] - u * (q.c[1] + q.c[3] * u + q.c[4] * v) - v * (q.c[2] + q.c[5] * v);
+}
+
+// Weighted least squares; `per_scale` = 0 weights by the kernel alone, else Tukey's biweight about `about` as well.
+SPARSHA_INLINE bool fit_quadric(const Window& window, std::size_t count, float band, float per_r2, float per_scale,
+                                float ridge, const Quadric& about, Quadric& result) {
+  Floats sums[27];
+  for (int s = 0; s < 27; ++s) sums[s] = Floats{};
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const Floats u = load(window.u + p);
+    const Floats v = load(window.v + p);
+    const Ints inside = absolute(load(window.z + p)) <= band;
+    const Floats z = masked(inside, load(window.z + p));
+    const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+    const Floats r = residuals(about, u, v, z) * per_scale;
+    const Floats b = masked(inside, most(Floats{}, 1.0F - r * r));
+    const Floats w = t * t * b * b;
+    const Floats uu = u * u;
+    const Floats uv = u * v;
+    const Floats vv = v * v;
+    const Floats terms[6] = {all(1.0F), u, v, uu, uv, vv};
+    int s = 0;
+    for (int i = 0; i < 6; ++i) {
+      const Floats wi = w * terms[i];
+      for (int j = 0; j <= i; ++j) sums[s++] += wi * terms[j];
+    }
+    for (int i = 0; i < 6; ++i) sums[s++] += w * terms[i] * z;
+  }
+  float a[6][6];
+  int s = 0;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j <= i; ++j) a[i][j] = total(sums[s++]);
+  }
+  for (int i = 0; i < 6; ++i) result.c[i] = total(sums[s++]);
+  const float weight = a[0][0];
+  for (int i = 1; i < 6; ++i) a[i][i] += ridge + 1e-6F * weight;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      float sum = a[i][j];
+      for (int m = 0; m < j; ++m) sum -= a[i][m] * a[j][m];
+      if (i == j) {
+        if (!(sum > 1e-5F * a[i][i])) return false;
+        a[i][i] = __builtin_sqrtf(sum);
+      } else {
+        a[i][j] = sum / a[j][j];
+      }
+    }
+  }
+  for (int i = 0; i < 6; ++i) {
+    for (int m = 0; m < i; ++m) result.c[i] -= a[i][m] * result.c[m];
+    result.c[i] /= a[i][i];
+  }
+  for (int i = 5; i >= 0; --i) {
+    for (int m = i + 1; m < 6; ++m) result.c[i] -= a[m][i] * result.c[m];
+    result.c[i] /= a[i][i];
+  }
+  return true;
+}
+
+// Weighted mean of Tukey's loss, 0 to 1, and how many points have weight.
+SPARSHA_INLINE float mean_loss(const Window& window, std::size_t count, float band, float per_r2, float per_scale,
+                               const Quadric& q, float& support) {
+  Floats sum{};
+  Floats weight{};
+  Floats points{};
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const Floats u = load(window.u + p);
+    const Floats v = load(window.v + p);
+    const Ints inside = absolute(load(window.z + p)) <= band;
+    const Floats z = masked(inside, load(window.z + p));
+    const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+    const Floats r = residuals(q, u, v, z) * per_scale;
+    const Floats b = most(Floats{}, 1.0F - r * r);
+    sum += t * t * (1.0F - b * b * b);
+    weight += t * t;
+    points += masked(t > 0.0F, all(1.0F));
+  }
+  support = total(points);
+  return total(sum) / total(weight);
+}
+
+SPARSHA_INLINE bool fit_tukey_plane(const Window& window, std::size_t count, float band, float per_r2, float per_scale,
+                                    float ridge, Plane& plane) {
+  for (int round = 0; round < 3; ++round) {
+    Moments robust{};
+    for (std::size_t p = 0; p < count; p += kLanes) {
+      const Floats u = load(window.u + p);
+      const Floats v = load(window.v + p);
+      const Ints inside = absolute(load(window.z + p)) <= band;
+      const Floats z = masked(inside, load(window.z + p));
+      const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+      const Floats r = (z - plane.gu * u - plane.gv * v - plane.c) * per_scale;
+      const Floats b = masked(inside, most(Floats{}, 1.0F - r * r));
+      add(robust, t * t * b * b, u, v, z);
+    }
+    plane = solve(robust, ridge);
+    if (!plane.good) return false;
+  }
+  return true;
+}
+
+enum Verdict { kDecided, kWider, kHard };
+
+// Decides a window of 2 reach + 1 nodes a side, unless it is not one simple layer.
+SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, const Window& window, std::size_t count,
+                                std::size_t reach, float& height) {
+  Ints in_count{};
+  Ints above_count{};
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const Floats z = load(window.z + p);
+    in_count -= absolute(z) <= k.band_m;
+    above_count -= z > k.band_m;
+  }
+  const auto in = static_cast<std::size_t>(total(in_count));
+  const auto above = static_cast<std::size_t>(total(above_count));
+  if (in < 9) return kWider;
+  if (in * 4 < count) return kHard;
+  // One or two points above the front may be a front that chance has thinned.
+  if (above > 0 && count < 24) return kWider;
+  if (above >= 3 && above * 12 >= count) return kHard;
+  const bool step = count - in - above >= 3 && lopsided(window, count, k.band_m);
+
+  const float per_r2 = k.per_r2[reach - 1][in];
+  Moments moments{};
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const Floats u = load(window.u + p);
+    const Floats v = load(window.v + p);
+    const Ints inside = absolute(load(window.z + p)) <= k.band_m;
+    const Floats z = masked(inside, load(window.z + p));
+    const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+    add(moments, t * t, u, v, z);
+  }
+  Plane plane = solve(moments, k.ridge);
+  if (!plane.good) return kHard;
+  const float off_centre2 = plane.mu * plane.mu + plane.mv * plane.mv;
+  if (step && off_centre2 > 0.0625F) return kHard;
+  // A centroid within half a spacing proves that the node is surrounded.
+  if (off_centre2 > 0.25F || reach > 1) {
+    const float nodes = reach > 1 ? 25.0F : 9.0F;
+    const float spacing2 = nodes / static_cast<float>(in);
+    const float spacing = spacing2 > 1.0F ? __builtin_sqrtf(spacing2) : 1.0F;
+    if (!surrounded(window, count, k.band_m, 1.5F * spacing, 0.5F * spacing)) return kHard;
+  }
+
+  Floats residual{};
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const Floats u = load(window.u + p);
+    const Floats v = load(window.v + p);
+    const Floats z = load(window.z + p);
+    const Ints inside = (absolute(z) <= k.band_m) & (1.0F - (u * u + v * v) * per_r2 > 0.0F);
+    residual = most(residual, masked(inside, absolute(z - plane.gu * u - plane.gv * v - plane.c)));
+  }
+  const float worst = largest(residual);
+  if (!(worst <= 3.0F * k.scale_m)) {
+    const float per_scale = 1.0F / (kTukey * k.scale_m);
+    Quadric bent{};
+    const bool may_bend = worst > 4.5F * k.scale_m;
+    bool bends = may_bend && fit_quadric(window, count, k.band_m, per_r2, 0.0F, k.ridge, bent, bent);
+    if (!fit_tukey_plane(window, count, k.band_m, per_r2, per_scale, k.ridge, plane)) return kHard;
+    if (may_bend) {
+      for (int round = 0; round < 3 && bends; ++round) {
+        const Quadric about = bent;
+        bends = fit_quadric(window, count, k.band_m, per_r2, per_scale, k.ridge, about, bent);
+      }
+      float support = 0.0F;
+      float loss =
+          mean_loss(window, count, k.band_m, per_r2, per_scale, {{plane.c, plane.gu, plane.gv, 0, 0, 0}}, support);
+      if (bends && support >= 10.0F) {
+        // Three more coefficients earn their variance only with a clearly better fit.
+        const float bent_loss = mean_loss(window, count, k.band_m, per_r2, per_scale, bent, support);
+        if (bent_loss * (1.0F + 6.0F / support) < loss) {
+          loss = bent_loss;
+          plane.c = bent.c[0];
+        }
+      }
+      // Gaussian noise alone costs 0.14: here something else than noise and a bend is at work.
+      if (!(loss <= 0.3F)) return kHard;
+    }
+  }
+  height = plane.c;
+  return kDecided;
+}
+
+SPARSHA_INLINE void fit_row(const sparsha::pipeline::NodeKernel& k, std::size_t j, float* height,
+                            std::uint8_t* decided) {
+  Window window;
+  // Column i of these is the bin at the left of node i's 3x3 window; bin of the first of its 5x5 window.
+  const std::size_t bin = (j + k.margin - 1) * k.bins_x + k.margin - 1;
+  const std::uint32_t* first_bin = k.start + bin;
+  const float* tops[3] = {k.top + bin, k.top + bin + k.bins_x, k.top + bin + 2 * k.bins_x};
+  const float per_spacing = static_cast<float>(1.0 / k.spacing_m);
+  const float node_y = static_cast<float>(k.y0_m + static_cast<double>(j) * k.spacing_m);
+  for (std::size_t first = 0; first < k.nx; first += kLanes) {
+    float reference[kLanes];
+    store(reference, reference_heights(tops, first));
+    const std::size_t last = first + kLanes < k.nx ? first + kLanes : k.nx;
+    for (std::size_t i = first; i < last; ++i) {
+      decided[i] = 0;
+      const float z = reference[i - first];
+      if (!(z > -1e18F)) continue;
+      const float node_x = static_cast<float>(k.x0_m + static_cast<double>(i) * k.spacing_m);
+      Verdict verdict = kWider;
+      float above_reference = 0.0F;
+      for (std::size_t reach = 1; reach <= 2 && verdict == kWider; ++reach) {
+        const std::uint32_t* corner = reach == 1 ? first_bin + i : first_bin + i - k.bins_x - 1;
+        const std::size_t count = count_points(k, corner, reach);
+        if (count < 9) continue;
+        if (count > static_cast<std::size_t>(sparsha::pipeline::NodeKernel::kMostPoints)) break;
+        gather(k, corner, reach, node_x, node_y, per_spacing, z, window);
+        verdict = fit_node(k, window, count, reach, above_reference);
+      }
+      if (verdict != kDecided) continue;
+      height[i] = z + above_reference;
+      decided[i] = 1;
+    }
+  }
+}
+
+}  // namespace
