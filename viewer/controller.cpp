@@ -348,7 +348,9 @@ void Controller::take_announcements(double time_s) {
 }
 
 void Controller::ease_camera(double seconds, int width, int height) {
-  const Window window = window_of(frame_.state, scene_->description());
+  Window window = window_of(frame_.state, scene_->description());
+  const Window whole = window_of({}, scene_->description());
+  if (window.width_m > whole.width_m) window = whole;
   const Layout layout = layout_of(width, height, frame_.settings);
   const Camera goal = camera_for(window, stage_, turn_rad_, tilt_rad_, zoom_, shift_, layout.detail);
   Camera& now = frame_.camera;
@@ -396,8 +398,10 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
   if (state.tick != 0 && state.contact != 0)
     for (const pipeline::PartConfig& part : scene_->description().config.parts)
       if (state.proxy_m[0] >= part.box_m[0] && state.proxy_m[1] >= part.box_m[1] && state.proxy_m[0] <= part.box_m[2] &&
-          state.proxy_m[1] <= part.box_m[3])
+          state.proxy_m[1] <= part.box_m[3]) {
         frame_.part = part.say.empty() ? part.name : part.say;
+        break;
+      }
   take_announcements(time_s);
   ease_camera(seconds, width, height);
   move_hand(seconds, height_at);

@@ -40,8 +40,7 @@ Layout layout_of(int width, int height, const ViewSettings& settings) {
   layout.detail = {0, 0, width - panel, height};
   layout.panel = {width - panel, 0, panel, height};
   const int margin = px(18);
-  const int side = std::min(panel - 2 * margin, std::max(height - px(372), 48));
-  layout.overview = {width - panel + margin, px(64), panel - 2 * margin, side};
+  layout.overview = {width - panel + margin, px(62), panel - 2 * margin, std::max(height - px(62 + 254), 48)};
   return layout;
 }
 

@@ -166,7 +166,7 @@ void HandPainter::draw(const Hand& hand, const View& view, const gl::Texture& de
   ball_.set("radius", static_cast<float>(hand.radius));
   ball_.set("solid", 1.0F);
   ball_.set("light", light);
-  ball_.set("tint", hand.contact ? Eigen::Vector3f(0.95F, 0.30F, 0.03F) : Eigen::Vector3f(0.03F, 0.24F, 0.62F));
+  ball_.set("tint", hand.contact ? Eigen::Vector3f(0.02F, 0.30F, 0.85F) : Eigen::Vector3f(0.03F, 0.13F, 0.36F));
   draw_rect(ball_, around(*middle, 1.6 * pixels * hand.radius + 2.0, 1.6 * pixels * hand.radius + 2.0, view));
   glDisable(GL_BLEND);
   glBindVertexArray(0);
@@ -190,7 +190,7 @@ void HandPainter::arrow(const Hand& hand, const View& view, double scale) {
   const double half = 2.6 * scale, head = std::min(15.0 * scale, 0.55 * pixels),
                wide = std::min(8.0 * scale, 0.4 * pixels);
   const Eigen::Vector2d neck = *to - head * forwards;
-  const Colour dark(0.10F, 0.07F, 0.04F, 0.85F), light(1.0F, 0.93F, 0.78F, 1.0F), amber(0.98F, 0.64F, 0.16F, 1.0F);
+  const Colour dark(0.03F, 0.07F, 0.14F, 0.85F), light(1.0F, 1.0F, 1.0F, 1.0F), cool(0.70F, 0.90F, 1.0F, 1.0F);
   const auto body = [&](double grow, const Colour& a, const Colour& b) {
     const double h = half + grow, w = wide + 1.6 * grow;
     const Eigen::Vector2d start = *from - grow * forwards, back = neck - grow * forwards,
@@ -199,7 +199,7 @@ void HandPainter::arrow(const Hand& hand, const View& view, double scale) {
     ink_.polygon({back - w * across, tip, back + w * across}, {a, a, b});
   };
   body(1.6 * scale, dark, dark);
-  body(0.0, light, amber);
+  body(0.0, light, cool);
 }
 
 }  // namespace sparsha::viewer

@@ -61,8 +61,20 @@ double lotus(double x_m, double y_m) {
   h = std::max(h, r < 0.15 ? 0.010 * std::sqrt(std::max(0.0, 1.0 - r * r / 0.0225)) + 0.004 : 0.0);
   h += 0.005 * bump((r - 0.80) / 0.04);
   h += 0.007 * bump((edge - 0.93) / 0.05);
-  // Grain of a rough stone, smooth and repeatable.
-  h += 0.00025 * (std::sin(211.0 * x + 3.0 * std::sin(97.0 * y)) * std::sin(187.0 * y + 2.0 * std::sin(83.0 * x)));
+  // Grain of a rough stone: value noise in four octaves, smooth and repeatable.
+  const auto hash = [](int i, int j) {
+    unsigned k = static_cast<unsigned>(i) * 374761393U + static_cast<unsigned>(j) * 668265263U;
+    k = (k ^ (k >> 13)) * 1274126177U;
+    return static_cast<double>(k ^ (k >> 16)) / 4294967295.0 - 0.5;
+  };
+  double frequency = 18.0, amplitude = 0.0007;
+  for (int octave = 0; octave < 5; ++octave, frequency *= 2.0, amplitude *= 0.55) {
+    const double u = frequency * (x + 2.0), v = frequency * (y + 2.0);
+    const int i = static_cast<int>(u), j = static_cast<int>(v);
+    const auto ease = [](double t) { return t * t * (3.0 - 2.0 * t); };
+    const double s = ease(u - i), t = ease(v - j);
+    h += amplitude * ((1 - t) * ((1 - s) * hash(i, j) + s * hash(i + 1, j)) + t * ((1 - s) * hash(i, j + 1) + s * hash(i + 1, j + 1)));
+  }
   return h;
 }
 

@@ -97,13 +97,13 @@ void main() {
   vec4 w = inverse_projection * vec4(2.0 * p / size - 1.0, 2.0 * d - 1.0, 1.0);
   vec3 world = w.xyz / w.w;
   float above = max(hand.z - radius - world.z, 0.0);
-  float reach = radius * 1.15 + 0.35 * above;
+  float reach = radius * 1.05 + 0.12 * above;
   float far = length(world.xy - hand.xy) / reach;
-  float shade = 0.62 * exp(-1.6 * far * far) / (1.0 + 0.10 * above / radius);
+  float shade = 0.80 * exp(-1.3 * far * far * far) / (1.0 + 0.06 * above / radius);
   float ring = length(world - touch) / radius;
   float line = exp(-pow((ring - 2.35) * 3.4, 2.0));
-  float glow = press * (0.85 * line + 0.50 * exp(-0.30 * ring * ring));
-  colour = vec4(vec3(1.0, 0.58, 0.14) * glow, clamp(shade * (1.0 - glow) + 0.35 * glow, 0.0, 1.0));
+  float glow = press * (0.90 * line + 0.30 * exp(-0.22 * ring * ring));
+  colour = vec4(vec3(0.62, 0.93, 1.0) * glow, clamp(shade * (1.0 - glow) + 0.5 * glow, 0.0, 1.0));
 }
 )";
 

@@ -84,7 +84,7 @@ void main() {
   }
 
   float ridge = 2.0 * tone.g - 1.0;
-  vec3 stone = vec3(0.565, 0.385, 0.235);
+  vec3 stone = vec3(0.52, 0.325, 0.185);
   if (plain) stone = vec3(0.46);
   // Grooves keep old dirt and shade: darker and redder; ridges are worn: lighter.
   vec3 albedo = ridge < 0.0 ? mix(stone, stone * vec3(0.50, 0.40, 0.34), -ridge) : mix(stone, stone * vec3(1.30, 1.28, 1.22), ridge);
@@ -95,20 +95,20 @@ void main() {
   }
 
   float facing = max(dot(normal, light), 0.0);
-  // A rough surface throws more light back towards its edges than Lambert's law says.
-  facing = mix(facing, sqrt(facing), 0.25);
+  // A little more contrast than Lambert's law: raking light is read by its shades.
+  facing = mix(facing, facing * facing, 0.20);
   float sky = tone.r;
-  sky *= sky;
-  vec3 key = vec3(2.05, 1.84, 1.52) * facing * lit;
-  vec3 fill = vec3(0.30, 0.36, 0.47) * sky * (0.62 + 0.38 * normal.z);
-  vec3 side = vec3(0.15, 0.13, 0.11) * max(dot(normal, normalize(vec3(-light.x, -light.y, 0.55))), 0.0) * sky;
-  vec3 bounce = vec3(0.10, 0.062, 0.036) * (1.0 - sky);
+  sky *= sky * sky;
+  vec3 key = vec3(2.05, 1.70, 1.25) * facing * lit;
+  vec3 fill = vec3(0.15, 0.20, 0.30) * sky * (0.62 + 0.38 * normal.z);
+  vec3 side = vec3(0.13, 0.11, 0.09) * max(dot(normal, normalize(vec3(-light.x, -light.y, 0.55))), 0.0) * sky;
+  vec3 bounce = vec3(0.085, 0.05, 0.03) * (1.0 - sky);
   if (painted) { key = key * 0.8 + 0.22 * lit; fill *= 1.35; }
   vec3 c = albedo * (key + fill + side + bounce);
   if (wall) c *= mix(0.42, 0.16, smoothstep(0.0, 1.0, place.y * 0.0 + clamp(-world.z * 6.0 + 0.2, 0.0, 1.0)));
   // Highlights roll off instead of clipping.
-  c = c * (1.0 + c / 2.4) / (1.0 + c);
-  c *= 1.28;
+  c = 1.22 * c * (1.0 + 0.40 * c) / (1.0 + c);
+  c = mix(c, c * c * (3.0 - 2.0 * c), 0.35);
 
   float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (11.0 * pixel)) - 0.5) * 11.0;
   if (known < 1.0) {
@@ -129,7 +129,7 @@ void main() {
     float width = max(length(vec2(dFdx(outside), dFdy(outside))), 1e-9);
     float share = smoothstep(-0.5, 0.5, outside / width);
     float grey = dot(c, vec3(0.30, 0.59, 0.11));
-    c = mix(c, mix(vec3(grey), c, 0.55) * 0.42, share);
+    c = mix(c, mix(vec3(grey), c, 0.80) * 0.50, share);
     float line = 1.0 - smoothstep(1.0 * pixel, 1.8 * pixel, abs(outside) / width);
     c = mix(c, plain ? vec3(1.0, 1.0, 0.0) : vec3(1.0, 0.62, 0.16), line);
   }

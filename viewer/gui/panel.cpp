@@ -110,7 +110,7 @@ void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& l
     brush.list->AddCircleFilled(at, brush.px(6.0F), dark);
     brush.list->AddCircleFilled(at, brush.px(4.5F), IM_COL32(255, 255, 255, 255));
     brush.list->AddCircleFilled(at, brush.px(3.0F),
-                                state.contact != 0 ? IM_COL32(226, 98, 20, 255) : IM_COL32(36, 110, 190, 255));
+                                state.contact != 0 ? IM_COL32(20, 120, 230, 255) : IM_COL32(30, 60, 110, 255));
   }
   brush.list->PopClipRect();
 }

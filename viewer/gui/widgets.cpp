@@ -42,6 +42,8 @@ std::vector<std::string> wrap(const Brush& brush, const ImFont* font, const std:
   return lines;
 }
 
+float button_height(const Brush& brush, bool kiosk) { return brush.px(kiosk ? 84.0F : 34.0F); }
+
 }  // namespace
 
 std::vector<Action> draw_buttons(const Brush& brush, const Frame& frame, const Layout& layout,
@@ -53,34 +55,50 @@ std::vector<Action> draw_buttons(const Brush& brush, const Frame& frame, const L
   const float gap = brush.px(kiosk ? 12.0F : 5.0F);
   const float room = static_cast<float>(layout.detail.width) - brush.px(24.0F);
   std::vector<float> widths;
-  float total = -gap;
   for (const Action action : buttons) {
     const ActionInfo& info = info_of(action);
     const float cap = kiosk ? 0.0F : brush.key_cap_width(action == Action::help ? "F1" : info.keys) + brush.px(6.0F);
     float width = brush.size(font, info.label).x + cap + brush.px(kiosk ? 36.0F : 14.0F);
     if (kiosk) width = std::max(width, brush.px(104.0F));
-    widths.push_back(width);
-    total += width + gap;
+    widths.push_back(std::min(width, room));
   }
-  float squeeze = 1.0F;
-  if (total > room) squeeze = room / total;
-  const float height = brush.px(kiosk ? 84.0F : 34.0F);
-  float x = static_cast<float>(layout.detail.x) + 0.5F * (static_cast<float>(layout.detail.width) - total * squeeze);
-  const float y = static_cast<float>(layout.detail.y + layout.detail.height) - height - brush.px(kiosk ? 24.0F : 14.0F);
+  // As many rows as it takes.
+  std::vector<std::size_t> row_starts{0};
+  float row_width = 0.0F;
+  for (std::size_t k = 0; k < buttons.size(); ++k) {
+    if (k > row_starts.back() && row_width + widths[k] > room) {
+      row_starts.push_back(k);
+      row_width = 0.0F;
+    }
+    row_width += widths[k] + gap;
+  }
+  const float height = button_height(brush, kiosk);
+  const float bar_height = static_cast<float>(row_starts.size()) * (height + gap) - gap;
+  const float top =
+      static_cast<float>(layout.detail.y + layout.detail.height) - bar_height - brush.px(kiosk ? 24.0F : 14.0F);
+  row_starts.push_back(buttons.size());
 
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0.0F, 0.0F));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1.0F, 1.0F));
-  ImGui::SetNextWindowPos(ImVec2(x, y));
-  ImGui::SetNextWindowSize(ImVec2(total * squeeze, height));
+  ImGui::SetNextWindowPos(ImVec2(static_cast<float>(layout.detail.x), top));
+  ImGui::SetNextWindowSize(ImVec2(static_cast<float>(layout.detail.width), bar_height));
   ImGui::Begin("bar", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
   Brush bar = brush;
   bar.list = ImGui::GetWindowDrawList();
-  for (std::size_t k = 0; k < buttons.size(); ++k) {
+  float x = 0.0F, y = top - height - gap;
+  for (std::size_t k = 0, row = 0; k < buttons.size(); ++k) {
+    if (k == row_starts[row]) {
+      ++row;
+      float row_total = -gap;
+      for (std::size_t r = k; r < row_starts[row]; ++r) row_total += widths[r] + gap;
+      x = static_cast<float>(layout.detail.x) + 0.5F * (static_cast<float>(layout.detail.width) - row_total);
+      y += height + gap;
+    }
     const ActionInfo& info = info_of(buttons[k]);
-    const float width = widths[k] * squeeze;
+    const float width = widths[k];
     ImGui::SetCursorScreenPos(ImVec2(x, y));
     ImGui::PushID(static_cast<int>(k));
     if (ImGui::InvisibleButton(info.label, ImVec2(width, height))) clicked.push_back(buttons[k]);
@@ -111,7 +129,7 @@ std::vector<Action> draw_buttons(const Brush& brush, const Frame& frame, const L
       inside += cap.key_cap(inside, cap_y, cap_name) + bar.px(6.0F);
       bar.text(font, inside, middle, ink, info.label);
     }
-    x += width + gap * squeeze;
+    x += width + gap;
   }
   ImGui::End();
   ImGui::PopStyleVar(3);
@@ -122,7 +140,9 @@ void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout) {
   const ImFont* font = brush.fonts.large;
   const float room = 0.82F * static_cast<float>(layout.detail.width);
   float bottom =
-      static_cast<float>(layout.detail.y + layout.detail.height) - brush.px(frame.settings.kiosk ? 128.0F : 64.0F);
+      static_cast<float>(layout.detail.y + layout.detail.height) - brush.px(frame.settings.kiosk        ? 128.0F
+                                                                            : frame.settings.large_type ? 100.0F
+                                                                                                        : 64.0F);
   for (auto toast = frame.toasts.rbegin(); toast != frame.toasts.rend(); ++toast) {
     const auto priority = toast->announcement.priority;
     const bool bad = priority == haptics::Announcement::Priority::fault;
@@ -157,11 +177,12 @@ void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout) {
 void draw_help(const Brush& brush, const Frame& frame, int width, int height) {
   const auto w = static_cast<float>(width), h = static_cast<float>(height);
   brush.list->AddRectFilled(ImVec2(0.0F, 0.0F), ImVec2(w, h), IM_COL32(0, 0, 0, 150));
-  const float row = brush.fonts.small->FontSize + brush.px(11.0F);
   const float margin = brush.px(28.0F);
   const float card_w = std::min(w - 2.0F * brush.px(16.0F), brush.px(1120.0F));
   const float card_h = std::min(h - 2.0F * brush.px(16.0F), brush.px(640.0F));
   const float left = 0.5F * (w - card_w), top = 0.5F * (h - card_h);
+  // The longer column has 22 rows and three headings.
+  const float row = std::min(brush.fonts.small->FontSize + brush.px(11.0F), (card_h - brush.px(84.0F)) / 23.5F);
   brush.card(left, top, card_w, card_h, (brush.theme.panel & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 246),
              brush.px(16.0F));
   brush.list->AddRect(ImVec2(left, top), ImVec2(left + card_w, top + card_h), brush.theme.line, brush.px(16.0F));
@@ -185,7 +206,7 @@ void draw_help(const Brush& brush, const Frame& frame, int width, int height) {
       if (info.group != group) continue;
       brush.key_cap(x, y - brush.px(2.0F), info.keys);
       brush.text(brush.fonts.small, x + brush.px(100.0F), y + brush.px(1.0F), brush.theme.text, info.what);
-      y += row * 0.86F;
+      y += 0.86F * row;
     }
     y += 0.5F * row;
   }
