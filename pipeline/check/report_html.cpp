@@ -152,7 +152,8 @@ std::string histogram(const char* title, const std::vector<std::uint64_t>& count
                                           length_text(s.median_m), length_text(s.p95_m), length_text(s.p99_m));
   std::string html = fmt::format(
       "<section><h3>{}</h3>{}<p>{} of {} distances are shown; {} lie beyond the right end.</p><details><summary>The "
-      "histogram as a table</summary><table><thead><tr><th scope='col'>From</th><th scope='col'>To</th><th "
+      "histogram as a table</summary><table><caption>Distances, counted by range</caption><thead><tr><th "
+      "scope='col'>From</th><th scope='col'>To</th><th "
       "scope='col'>Count</th>"
       "</tr></thead><tbody>",
       title,
