@@ -1,6 +1,8 @@
 // Tells a scan's format, by its content first and its ending second, and hands it to that format's reader.
 #include "pipeline/scan/reader.h"
 
+#include "pipeline/scan/e57.h"
+#include "pipeline/scan/las.h"
 #include "pipeline/scan/obj.h"
 #include "pipeline/scan/pcd.h"
 #include "pipeline/scan/ply.h"
@@ -35,6 +37,8 @@ void read_any(const ScanFile& file, ScanWriter& out) {
   const std::string_view bytes = file.bytes;
   if (bytes.empty()) throw file.error("the file is empty", "a scan");
   if (is_ply(file)) return read_ply(file, out);
+  if (is_las(file)) return read_las(file, out);
+  if (is_e57(file)) return read_e57(file, out);
   if (is_binary_stl(file)) return read_stl(file, out);
   if (is_ascii_stl(file)) return read_stl(file, out);
   if (is_pcd(file)) return read_pcd(file, out);

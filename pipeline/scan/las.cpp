@@ -1,0 +1,85 @@
+#include "pipeline/scan/las.h"
+
+#include <algorithm>
+
+#include "pipeline/scan/las_header.h"
+#include "pipeline/scan/laz.h"
+#include "pipeline/scan/scalar.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+/// Withheld points are to be treated as deleted (LAS 1.4 R15, table 8 and 16); LAS 1.0 knows no such flag.
+bool is_withheld(const las::Header& header, const char* point) {
+  const auto flags = load<std::uint8_t>(point + 15);
+  return header.format >= 6 ? (flags & 4) != 0 : header.minor > 0 && (flags & 128) != 0;
+}
+
+}  // namespace
+
+bool is_las(const ScanFile& file) { return file.bytes.substr(0, 4) == "LASF"; }
+
+namespace las {
+
+PointReader::PointReader(const Header& header, const Units& units, ScanWriter& out)
+    : header_(header), out_(out), colour_(header.colour_offset()), z_factor_(units.z_factor) {}
+
+void PointReader::look(const char* point) {
+  if (colour_ == 0) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    largest_ = std::max(largest_, static_cast<double>(load<std::uint16_t>(point + colour_ + 2 * k)));
+  }
+  scale_ = colour_scale(largest_, false);
+}
+
+void PointReader::add(const char* point) {
+  if (is_withheld(header_, point)) {
+    out_.add_invalid();
+    return;
+  }
+  const auto coordinate = [&](std::size_t k) {
+    return static_cast<double>(load<std::int32_t>(point + 4 * k)) * header_.scale[k] + header_.offset[k];
+  };
+  std::uint32_t rgba = kWhite;
+  if (colour_ != 0) {
+    const auto channel = [&](std::size_t k) {
+      return colour_byte(load<std::uint16_t>(point + colour_ + 2 * k), scale_);
+    };
+    rgba = pack_rgba(channel(0), channel(1), channel(2));
+  }
+  out_.add(coordinate(0), coordinate(1), z_factor_ == 1.0 ? coordinate(2) : coordinate(2) * z_factor_, rgba,
+           static_cast<float>(load<std::uint16_t>(point + 12)));
+}
+
+}  // namespace las
+
+void read_las(const ScanFile& file, ScanWriter& out) {
+  const las::Header header = las::parse_header(file);
+  const las::Units units = las::find_units(header);
+  RawScan& scan = out.scan();
+  scan.format =
+      (header.compressed ? "LAZ 1." : "LAS 1.") + std::to_string(header.minor) + " pf" + std::to_string(header.format);
+  scan.unit = units.unit;
+  scan.degrees = units.degrees;
+  scan.warnings = header.warnings;
+  scan.warnings.insert(scan.warnings.end(), units.warnings.begin(), units.warnings.end());
+  scan.fields = {"x", "y", "z", "intensity"};
+  const bool colour = header.colour_offset() != 0;
+  if (colour) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
+  las::PointReader reader(header, units, out);
+  if (header.compressed) {
+    las::read_compressed(file, header, reader, out);
+    return;
+  }
+  out.begin(header.points, colour, true);
+  const char* p = file.bytes.data() + header.first_point;
+  for (std::uint64_t i = 0; i < std::min<std::uint64_t>(header.points, 1000); ++i) {
+    reader.look(p + i * header.record_size);
+  }
+  for (std::uint64_t i = 0; i < header.points; ++i, p += header.record_size) {
+    reader.add(p);
+    if ((i & 0xFFFF) == 0xFFFF) file.done_before(static_cast<std::size_t>(p - file.bytes.data()));
+  }
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,13 @@
+// LAS 1.0 to 1.4 (ASPRS), all point formats, and LAZ through LASzip where the build has it.
+#pragma once
+
+#include "pipeline/scan/scan_file.h"
+#include "pipeline/scan/scan_writer.h"
+
+namespace sparsha::pipeline {
+
+/// True when the bytes bear the signature of LAS and LAZ.
+[[nodiscard]] bool is_las(const ScanFile& file);
+void read_las(const ScanFile& file, ScanWriter& out);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,131 @@
+#include "pipeline/scan/las_header.h"
+
+#include <cmath>
+
+#include "pipeline/scan/scalar.h"
+
+namespace sparsha::pipeline::las {
+namespace {
+
+// Fewest bytes of a point, by format (LAS 1.4 R15, tables 7 to 17).
+constexpr std::array<std::size_t, 11> kPointSize = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+constexpr std::size_t kLeastHeader = 227;
+constexpr std::size_t kHeader14 = 375;
+constexpr std::size_t kRecordHeader = 54;
+constexpr std::size_t kLongRecordHeader = 60;
+
+std::string text_field(std::string_view bytes) { return std::string(bytes.substr(0, bytes.find('\0'))); }
+
+/// Records between the header and the points. A wrong number of them does no harm: the points' place is known.
+void read_records(const ScanFile& file, std::size_t begin, std::uint64_t count, Header& header) {
+  const std::string_view bytes = file.bytes;
+  std::size_t at = begin;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const bool fits = header.first_point >= at + kRecordHeader &&
+                      load<std::uint16_t>(bytes.data() + at + 20) <= header.first_point - at - kRecordHeader;
+    if (!fits) {
+      header.warnings.push_back("the header promises " + std::to_string(count) + " variable length records, only " +
+                                std::to_string(i) + " are there");
+      return;
+    }
+    const std::size_t length = load<std::uint16_t>(bytes.data() + at + 20);
+    header.records.push_back({text_field(bytes.substr(at + 2, 16)), load<std::uint16_t>(bytes.data() + at + 18),
+                              bytes.substr(at + kRecordHeader, length)});
+    at += kRecordHeader + length;
+  }
+}
+
+/// Records behind the points, LAS 1.4.
+void read_long_records(const ScanFile& file, Header& header) {
+  const std::string_view bytes = file.bytes;
+  std::uint64_t at = load<std::uint64_t>(bytes.data() + 235);
+  const std::uint32_t count = load<std::uint32_t>(bytes.data() + 243);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (at > bytes.size() || bytes.size() - at < kLongRecordHeader) return;
+    const std::uint64_t length = load<std::uint64_t>(bytes.data() + at + 20);
+    if (length > bytes.size() - at - kLongRecordHeader) return;
+    header.records.push_back({text_field(bytes.substr(at + 2, 16)), load<std::uint16_t>(bytes.data() + at + 18),
+                              bytes.substr(at + kLongRecordHeader, length)});
+    at += kLongRecordHeader + length;
+  }
+}
+
+void check_points(const ScanFile& file, const Header& header) {
+  if (header.first_point > file.bytes.size()) {
+    throw file.error("the points should begin at byte " + std::to_string(header.first_point) + ", the file has " +
+                         std::to_string(file.bytes.size()),
+                     "a complete file");
+  }
+  if (header.compressed) return;
+  const std::uint64_t whole = (file.bytes.size() - header.first_point) / header.record_size;
+  if (header.points > whole) {
+    throw file.error("the header promises " + std::to_string(header.points) + " points, only " + std::to_string(whole) +
+                         " whole ones are in the file",
+                     "a complete file; it may be cut short");
+  }
+}
+
+}  // namespace
+
+std::size_t Header::colour_offset() const {
+  switch (format) {
+    case 2:
+      return 20;
+    case 3:
+    case 5:
+      return 28;
+    case 7:
+    case 8:
+    case 10:
+      return 30;
+    default:
+      return 0;
+  }
+}
+
+Header parse_header(const ScanFile& file) {
+  const std::string_view bytes = file.bytes;
+  if (bytes.size() < kLeastHeader) throw file.error("the LAS header breaks off", "227 bytes and more");
+  const char* const p = bytes.data();
+  Header header;
+  header.minor = load<std::uint8_t>(p + 25);
+  const int major = load<std::uint8_t>(p + 24);
+  if (major != 1 || header.minor > 4) {
+    throw file.error("LAS version " + std::to_string(major) + "." + std::to_string(header.minor), "1.0 to 1.4");
+  }
+  const std::size_t size = load<std::uint16_t>(p + 94);
+  const std::size_t least = header.minor >= 4 ? kHeader14 : kLeastHeader;
+  if (size < least || size > bytes.size()) {
+    throw file.error("a LAS header of " + std::to_string(size) + " bytes", std::to_string(least) + " and more");
+  }
+  header.first_point = load<std::uint32_t>(p + 96);
+  const int format = load<std::uint8_t>(p + 104);
+  header.compressed = (format & 0xC0) != 0;
+  header.format = format & 0x3F;
+  if (header.format >= static_cast<int>(kPointSize.size())) {
+    throw file.error("LAS point format " + std::to_string(header.format), "0 to 10");
+  }
+  header.record_size = load<std::uint16_t>(p + 105);
+  if (header.record_size < kPointSize[static_cast<std::size_t>(header.format)]) {
+    throw file.error("LAS points of format " + std::to_string(header.format) + " in " +
+                         std::to_string(header.record_size) + " bytes",
+                     std::to_string(kPointSize[static_cast<std::size_t>(header.format)]) + " and more");
+  }
+  header.points = load<std::uint32_t>(p + 107);
+  if (header.minor >= 4 && load<std::uint64_t>(p + 247) != 0) header.points = load<std::uint64_t>(p + 247);
+  for (std::size_t k = 0; k < 3; ++k) {
+    header.scale[k] = load<double>(p + 131 + 8 * k);
+    header.offset[k] = load<double>(p + 155 + 8 * k);
+    if (!std::isfinite(header.scale[k]) || header.scale[k] == 0.0 || !std::isfinite(header.offset[k])) {
+      throw file.error(
+          "a LAS scale of " + std::to_string(header.scale[k]) + " or offset of " + std::to_string(header.offset[k]),
+          "finite numbers, scales not zero");
+    }
+  }
+  check_points(file, header);
+  read_records(file, size, load<std::uint32_t>(p + 100), header);
+  if (header.minor >= 4) read_long_records(file, header);
+  return header;
+}
+
+}  // namespace sparsha::pipeline::las

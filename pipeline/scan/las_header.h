@@ -1,0 +1,58 @@
+// The public header block and the variable length records of a LAS file, checked against the file's size.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/scan/reader.h"
+#include "pipeline/scan/scan_file.h"
+
+namespace sparsha::pipeline::las {
+
+struct Record {
+  std::string user;
+  std::uint16_t id = 0;
+  std::string_view data;
+};
+
+struct Header {
+  int minor = 0;
+  int format = 0;           ///< of the points, without the bit that says compressed
+  bool compressed = false;  ///< LAZ
+  std::uint64_t points = 0;
+  std::size_t record_size = 0;
+  std::size_t first_point = 0;  ///< offset
+  std::array<double, 3> scale{};
+  std::array<double, 3> offset{};
+  std::vector<Record> records;
+  std::vector<std::string> warnings;
+
+  /// Offset of red, green and blue within a point; 0 when the format has none.
+  [[nodiscard]] std::size_t colour_offset() const;
+};
+
+/// Throws Error{input} when anything but the number of records does not fit the file.
+[[nodiscard]] Header parse_header(const ScanFile& file);
+
+/// Unit of x and y and what must be done with z, as far as GeoTIFF keys or WKT tell.
+struct Units {
+  std::optional<LengthUnit> unit;
+  bool degrees = false;
+  double z_factor = 1.0;  ///< makes z a number of the unit of x and y
+  std::vector<std::string> warnings;
+};
+[[nodiscard]] Units find_units(const Header& header);
+
+/// What a text in OGC WKT 1 or 2 says; metres in one unit, 0 where it says nothing.
+struct WktUnits {
+  bool geographic = false;
+  double horizontal_m = 0.0;
+  double vertical_m = 0.0;
+};
+[[nodiscard]] WktUnits parse_wkt_units(std::string_view text);
+
+}  // namespace sparsha::pipeline::las

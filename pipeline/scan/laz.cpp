@@ -1,0 +1,107 @@
+#include "pipeline/scan/laz.h"
+
+#include <algorithm>
+#include <memory>
+
+#if SPARSHA_HAVE_LASZIP
+#include <laszip/laszip_api.h>
+#endif
+
+namespace sparsha::pipeline::las {
+namespace {
+
+/// The packing is described in a record of its own; without it, or with a coder nobody knows, there is nothing to read.
+void check_packing(const ScanFile& file, const Header& header) {
+  for (const Record& record : header.records) {
+    if (record.user != "laszip encoded" || record.id != 22204 || record.data.size() < 34) continue;
+    const int compressor = load<std::uint16_t>(record.data.data());
+    const int coder = load<std::uint16_t>(record.data.data() + 2);
+    if (compressor < 1 || compressor > 4) {
+      throw file.error("the LAZ points are packed by compressor " + std::to_string(compressor),
+                       "1 to 4; it may be damaged");
+    }
+    if (coder != 0) {
+      throw file.error("the LAZ points are packed by coder " + std::to_string(coder), "coder 0; it may be damaged");
+    }
+    return;
+  }
+  throw file.error("compressed points without a LASzip record", "the record 22204 of 'laszip encoded'");
+}
+
+#if SPARSHA_HAVE_LASZIP
+
+/// A LASzip reader that is closed and destroyed whatever happens.
+class Unpacker {
+ public:
+  explicit Unpacker(const ScanFile& file) : file_(file) {
+    if (laszip_create(&pointer_) != 0) throw file_.error("LASzip could not start", "a working LASzip library");
+    laszip_BOOL compressed = 0;
+    check(laszip_open_reader(pointer_, file_.name.c_str(), &compressed));
+    open_ = true;
+    check(laszip_get_point_pointer(pointer_, &point_));
+  }
+  ~Unpacker() {
+    if (open_) laszip_close_reader(pointer_);
+    laszip_destroy(pointer_);
+  }
+  Unpacker(const Unpacker&) = delete;
+  Unpacker& operator=(const Unpacker&) = delete;
+
+  void rewind() { check(laszip_seek_point(pointer_, 0)); }
+
+  /// The next point in the layout of the file's format, as far as PointReader looks at it.
+  const char* next(const Header& header) {
+    check(laszip_read_point(pointer_));
+    const std::array<std::int32_t, 3> xyz = {point_->X, point_->Y, point_->Z};
+    std::copy_n(reinterpret_cast<const char*>(xyz.data()), sizeof xyz, bytes_.begin());
+    std::copy_n(reinterpret_cast<const char*>(&point_->intensity), 2, bytes_.begin() + 12);
+    const bool withheld = point_->withheld_flag != 0;
+    bytes_[15] = static_cast<char>(!withheld ? 0 : header.format >= 6 ? 4 : 128);
+    const std::size_t colour = header.colour_offset();
+    if (colour != 0) {
+      std::copy_n(reinterpret_cast<const char*>(point_->rgb), 6, bytes_.begin() + static_cast<std::ptrdiff_t>(colour));
+    }
+    return bytes_.data();
+  }
+
+ private:
+  void check(laszip_I32 failed) {
+    if (failed == 0) return;
+    laszip_CHAR* message = nullptr;
+    laszip_get_error(pointer_, &message);
+    throw file_.error(std::string("LASzip: ") + (message != nullptr ? message : "unknown failure"),
+                      "an undamaged LAZ file");
+  }
+
+  const ScanFile& file_;
+  laszip_POINTER pointer_ = nullptr;
+  laszip_point_struct* point_ = nullptr;
+  bool open_ = false;
+  std::array<char, 64> bytes_{};
+};
+
+#endif
+
+}  // namespace
+
+void read_compressed(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out) {
+  check_packing(file, header);
+  if (!header.warnings.empty()) throw file.error(header.warnings.front(), "an undamaged LAZ file");
+#if SPARSHA_HAVE_LASZIP
+  Unpacker unpacker(file);
+  const std::uint64_t sample = std::min<std::uint64_t>(header.points, 1000);
+  for (std::uint64_t i = 0; i < sample; ++i) reader.look(unpacker.next(header));
+  if (sample > 0) unpacker.rewind();
+  out.begin(0, header.colour_offset() != 0, true);  // the number of points cannot be checked against the file's size
+  for (std::uint64_t i = 0; i < header.points; ++i) reader.add(unpacker.next(header));
+#else
+  (void)reader;
+  (void)out;
+  throw file.error(
+      "the points are compressed (LAZ) and this build of sparsha has no LASzip",
+      "an uncompressed file: convert it with 'laszip -i IN.laz -o OUT.las', or install LASzip with its headers "
+      "and configure sparsha again");
+#endif
+}
+
+}  // namespace sparsha::pipeline::las

@@ -1,0 +1,31 @@
+// Points of LAS files, packed or not.
+#pragma once
+
+#include "pipeline/scan/las_header.h"
+#include "pipeline/scan/scalar.h"
+#include "pipeline/scan/scan_writer.h"
+
+namespace sparsha::pipeline::las {
+
+/// Turns points, as LAS lays them out, into records.
+class PointReader {
+ public:
+  PointReader(const Header& header, const Units& units, ScanWriter& out);
+
+  /// To be called with some points before the first add(): finds the range of the colours.
+  void look(const char* point);
+  void add(const char* point);
+
+ private:
+  const Header& header_;
+  ScanWriter& out_;
+  std::size_t colour_;
+  double z_factor_;
+  double largest_ = 0.0;
+  ColourScale scale_ = ColourScale::byte;
+};
+
+/// Reads LAZ points through LASzip. Throws Error{input} when the file is damaged, or when this build has no LASzip.
+void read_compressed(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out);
+
+}  // namespace sparsha::pipeline::las
