@@ -24,9 +24,9 @@ nightly: setup
 	@tools/nightly.sh
 
 soak: setup
-	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_BENCH=ON
+	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release
 	cmake --build $(BUILD) -j$(JOBS) --target haptics_soak
-	$(BUILD)/bin/haptics_soak --moves 100000000
+	$(BUILD)/bin/haptics_soak 100000000
 
 bench: setup
 	@tools/setup.sh packages-bench.txt
