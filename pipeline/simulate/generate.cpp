@@ -40,7 +40,7 @@ std::size_t file_count(const SimulationConfig& config) {
 }
 
 void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                   Progress& progress, const PointSink& sink) {
+                   Progress& progress, const SimulatedPointSink& sink) {
   if (std::holds_alternative<SamplerConfig>(config.scan)) {
     sample_file(config, surface, index, pool, progress, sink);
   } else {

@@ -64,7 +64,7 @@ class Sampler {
 }  // namespace
 
 void sample_file(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                 Progress& progress, const PointSink& sink) {
+                 Progress& progress, const SimulatedPointSink& sink) {
   const Sampler sampler(config, surface);
   const auto files = static_cast<std::uint64_t>(std::get<SamplerConfig>(config.scan).files);
   const std::uint64_t begin = sampler.count() * index / files;

@@ -158,7 +158,7 @@ FieldOfView Station::field_of_view() const {
 }  // namespace
 
 void scan_station(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                  Progress& progress, const PointSink& sink) {
+                  Progress& progress, const SimulatedPointSink& sink) {
   const Station station(config, surface, index, pool);
   const FieldOfView view = station.field_of_view();
   std::vector<std::vector<SimulatedPoint>> columns(static_cast<std::size_t>(kColumnsAtOnce));

@@ -45,8 +45,7 @@ SimulatedFile write_scan(const SimulationConfig& config, const Surface& surface,
 
 }  // namespace
 
-void simulate(const std::filesystem::path& config_file, const std::filesystem::path& out, Progress& progress) {
-  const SimulationConfig config = parse_simulation(yaml::parse_file(config_file));
+void write_simulation(const SimulationConfig& config, const std::filesystem::path& out, Progress& progress) {
   const Truth truth(config);
   ThreadPool pool;
   std::error_code code;
@@ -76,6 +75,10 @@ void simulate(const std::filesystem::path& config_file, const std::filesystem::p
   write_file(out / "truth.json", truth_json(config, truth, files));
   write_file(out / "sparsha.yaml", build_yaml(config, truth, files));
   progress.finish();
+}
+
+void simulate(const std::filesystem::path& config, const std::filesystem::path& out, Progress& progress) {
+  write_simulation(parse_simulation(yaml::parse_file(config)), out, progress);
 }
 
 }  // namespace sparsha::pipeline

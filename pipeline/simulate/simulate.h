@@ -104,18 +104,21 @@ class Truth {
 };
 
 /// Calls `sink` with the points of file `index` in the file's order, block by block; memory stays below some MB.
-using PointSink = std::function<void(std::span<const SimulatedPoint>)>;
+using SimulatedPointSink = std::function<void(std::span<const SimulatedPoint>)>;
 void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                   Progress& progress, const PointSink& sink);
+                   Progress& progress, const SimulatedPointSink& sink);
 [[nodiscard]] std::size_t file_count(const SimulationConfig& config);
 
 /// All points in memory. The same configuration gives the same bits whatever the pool.
 [[nodiscard]] SimulatedScan generate(const SimulationConfig& config, ThreadPool& pool);
 [[nodiscard]] SimulatedScan generate(const SimulationConfig& config);
 
-/// Runs `sparsha simulate CONFIG --out DIR`: writes into the folder `out` one binary PLY a file, truth.tif (float64
-/// heights), truth.json and sparsha.yaml, the configuration that builds it. Seeded; the same input gives the same
-/// bytes. Each file appears whole or not at all. Throws Error{usage, failure}; Cancelled.
+/// Writes into the folder `out` one binary PLY a file, truth.tif (float64 heights), truth.json and sparsha.yaml, the
+/// configuration that builds it. Seeded; the same input gives the same bytes. Each file appears whole or not at all.
+/// Throws Error{usage, failure}; Cancelled.
+void write_simulation(const SimulationConfig& config, const std::filesystem::path& out, Progress& progress);
+
+/// Runs `sparsha simulate CONFIG --out DIR`.
 void simulate(const std::filesystem::path& config, const std::filesystem::path& out, Progress& progress);
 
 }  // namespace sparsha::pipeline

@@ -1,0 +1,28 @@
+// The three parts of the benchmark; each prints its table and leaves a CSV file in `folder`.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace sparsha::bench {
+
+struct RunOptions {
+  std::filesystem::path out = ".";  ///< for CSV files
+  std::filesystem::path program;    ///< `sparsha`, for whole builds
+  std::filesystem::path work;       ///< scratch, removed at the end
+  std::string scenes;               ///< only scenes whose name contains this
+  bool quick = false;
+  bool cloudcompare = true;  ///< when installed
+  double huge_points = 0.0;  ///< of the out-of-core run; 0 leaves it out
+};
+
+/// Accuracy of every scene, the peer's beside it: pipeline_accuracy.csv. False when a bound is broken.
+bool run_accuracy(const RunOptions& options);
+/// Time beside error: pipeline_speed.csv.
+void run_speed(const RunOptions& options);
+/// Our cross-check against CloudCompare's C2M distances: pipeline_c2m.csv. False when they differ by more than 5 %.
+bool run_cross_check(const RunOptions& options);
+/// A scan that does not fit under --memory 1GB: pipeline_huge.csv.
+void run_huge(const RunOptions& options);
+
+}  // namespace sparsha::bench
