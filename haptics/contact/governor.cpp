@@ -32,13 +32,17 @@ void Governor::count_free_time(const GovernorInput& input) noexcept {
   energy_j_ = 0.0;
 }
 
-/// What the hand put in over the last interval, with the force that the device held then. Gains count only as far as
-/// the spring stores them: what friction ate cannot come back.
+/// What the hand put in over the last interval, with the force that the device held then. The least damping of hand and
+/// device is booked too: it eats what delay and encoder steps make below the stiffness limit, and without it their
+/// flicker would drain the books of a hand at rest. Gains count only as far as the spring stores them: what friction ate
+/// cannot come back.
 void Governor::book(const GovernorInput& input) noexcept {
   displacement_m_.setZero();
+  damped_j_ = 0.0;
   if (has_last_) {
     displacement_m_ = input.position_m - last_position_m_;
-    const double work_j = -commanded_n_[delay()].dot(displacement_m_);
+    damped_j_ = limits_.least_damping_n_s_per_m * displacement_m_.squaredNorm() / input.period_s;
+    const double work_j = damped_j_ - commanded_n_[delay()].dot(displacement_m_);
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
     energy_j_ = std::min(energy_j_ + std::min(work_j, stored_j), input.spring_energy_j);
   }
@@ -61,8 +65,9 @@ Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexce
 Vector3d Governor::passive(const Vector3d& force_n) const noexcept {
   const double outward_j = force_n.dot(displacement_m_);
   if (outward_j <= 0.0) return force_n;
-  double balance_j = energy_j_;
-  for (std::size_t k = 0; k < delay(); ++k) balance_j -= std::max(0.0, commanded_n_[k].dot(displacement_m_));
+  double balance_j = energy_j_ + damped_j_;
+  for (std::size_t k = 0; k < delay(); ++k)
+    balance_j += damped_j_ - std::max(0.0, commanded_n_[k].dot(displacement_m_));
   if (balance_j >= 0.0) return force_n;
   return force_n * std::max(0.0, 1.0 + balance_j / outward_j);
 }

@@ -75,6 +75,7 @@ class Governor {
   std::array<Eigen::Vector3d, kLongestDelay + 1> commanded_n_ = zeros();  ///< newest first
   Eigen::Vector3d last_position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d displacement_m_ = Eigen::Vector3d::Zero();
+  double damped_j_ = 0.0;
   double last_spring_energy_j_ = 0.0;
   double energy_j_ = 0.0;
 

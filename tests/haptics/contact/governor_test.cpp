@@ -102,6 +102,7 @@ TEST(Governor, BooksTheForceThatTheDeviceHeldTheDelayIncluded) {
   for (int delay = 0; delay <= 4; ++delay) {
     DeviceLimits limits;
     limits.delay_ticks = delay;
+    limits.least_damping_n_s_per_m = 0.0;
     limits.slew_n_per_s = 1e9;
     Governor governor = armed_governor(limits);
     // Pressing in at constant speed against k = 800 N/m from the surface at 0.
@@ -119,6 +120,23 @@ TEST(Governor, BooksTheForceThatTheDeviceHeldTheDelayIncluded) {
     }
     EXPECT_NEAR(energy, expected, 1e-12) << "delay " << delay;
   }
+}
+
+TEST(Governor, DoesNotCutTheForceOfARestingHandWhoseEncoderFlickers) {
+  Governor governor = armed_governor();
+  std::mt19937_64 random(5);
+  constexpr double kStep = 5.8e-5;
+  const double stiffness = stiffness_limit(DeviceLimits{}, kPeriod);
+  double cut = 0.0;
+  for (int k = 0; k < 600'000; ++k) {
+    const double depth = 0.0005 * std::min(1.0, k / 100.0) + (random() % 4 == 0 ? kStep : 0.0);
+    GovernorInput input = still({0, 0, stiffness * depth});
+    input.position_m.z() = -depth;
+    input.spring_energy_j = 0.5 * stiffness * depth * depth;
+    const GovernorOutput output = governor.update(input);
+    if (k > 1000) cut = std::max(cut, (output.force_n - input.force_n).norm());
+  }
+  EXPECT_EQ(cut, 0.0) << "ten minutes of flicker";
 }
 
 TEST(Governor, NeverGivesBackMoreThanOneTicksWorkBeyondWhatWasPutIn) {
