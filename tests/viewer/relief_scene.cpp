@@ -73,7 +73,8 @@ double lotus(double x_m, double y_m) {
     const int i = static_cast<int>(u), j = static_cast<int>(v);
     const auto ease = [](double t) { return t * t * (3.0 - 2.0 * t); };
     const double s = ease(u - i), t = ease(v - j);
-    h += amplitude * ((1 - t) * ((1 - s) * hash(i, j) + s * hash(i + 1, j)) + t * ((1 - s) * hash(i, j + 1) + s * hash(i + 1, j + 1)));
+    h += amplitude * ((1 - t) * ((1 - s) * hash(i, j) + s * hash(i + 1, j)) +
+                      t * ((1 - s) * hash(i, j + 1) + s * hash(i + 1, j + 1)));
   }
   return h;
 }

@@ -2,6 +2,7 @@
 #include "viewer/gl/objects.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <string_view>
 
@@ -11,6 +12,8 @@
 
 namespace sparsha::viewer::gl {
 namespace {
+
+std::atomic<int> living{0};
 
 struct FormatInfo {
   GLint internal;
@@ -67,10 +70,17 @@ void GLAPIENTRY collect(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum se
 
 }  // namespace
 
+Name::Name(unsigned name, Delete destroy) : name_(name), destroy_(destroy) { ++living; }
+
 void Name::reset() {
-  if (name_ != 0 && destroy_ != nullptr) destroy_(name_);
+  if (name_ != 0 && destroy_ != nullptr) {
+    destroy_(name_);
+    --living;
+  }
   name_ = 0;
 }
+
+int living_objects() { return living; }
 
 Texture::Texture(int width, int height, Format format, Filter filter, const void* texels)
     : width_(width), height_(height), format_(format), filter_(filter) {

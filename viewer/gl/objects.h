@@ -15,7 +15,7 @@ class Name {
  public:
   using Delete = void (*)(unsigned name);
   Name() = default;
-  Name(unsigned name, Delete destroy) : name_(name), destroy_(destroy) {}
+  Name(unsigned name, Delete destroy);
   ~Name() { reset(); }
   Name(Name&& other) noexcept
       : name_(std::exchange(other.name_, 0U)), destroy_(std::exchange(other.destroy_, nullptr)) {}
@@ -120,6 +120,9 @@ class Program {
 
 [[nodiscard]] Name make_vertex_array();
 [[nodiscard]] Name make_buffer();
+
+/// Names not yet deleted, in all contexts; for tests of leaks.
+[[nodiscard]] int living_objects();
 
 /// Largest texture side that the driver takes.
 [[nodiscard]] int max_texture_size();

@@ -1,0 +1,217 @@
+// Keys and mouse to requests, settings and the pointer device's hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "relief_scene.h"
+#include "viewer/controller.h"
+
+namespace sparsha::viewer::test {
+namespace {
+
+using Kind = haptics::Request::Kind;
+
+struct Desk {
+  haptics::RequestQueue requests;
+  haptics::AnnouncementBoard board;
+  std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer =
+      std::make_shared<haptics::Seqlock<haptics::PointerSample>>();
+  std::vector<std::string> spoken;
+  std::vector<Eigen::Matrix4d> rescans;
+  pipeline::ScenePointer scene = scene_of([](double x_m, double) { return 0.1 * x_m; }, {201, 201, 0.001, 1, {}});
+  std::unique_ptr<Controller> controller;
+
+  explicit Desk(ViewSettings settings = {}, bool with_pointer = true) {
+    Connections connections;
+    connections.requests = &requests;
+    connections.announcements = &board;
+    if (with_pointer) connections.pointer = pointer;
+    connections.speak = [this](const std::string& text) { spoken.push_back(text); };
+    connections.rescan = [this](const Eigen::Matrix4d& m) { rescans.push_back(m); };
+    controller = std::make_unique<Controller>(connections, settings);
+    controller->set_scene(scene);
+  }
+  static double height(double x_m, double) { return 0.1 * x_m; }
+  void run(const haptics::State& state, double seconds = 2.0) {
+    for (double t = 0.0; t < seconds; t += 0.02) controller->update(time_s += 0.02, state, 1280, 720, height);
+  }
+  double time_s = 0.0;
+};
+
+TEST(Controller, KeysBecomeRequests) {
+  Desk desk;
+  haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state, 0.1);
+  for (const KeyPress& press : {KeyPress{'+'}, KeyPress{'='}, KeyPress{'-'}, KeyPress{key::kLeft}, KeyPress{key::kUp},
+                                KeyPress{'T'}, KeyPress{'F'}, KeyPress{' '}, KeyPress{']'}, KeyPress{'Q'}})
+    desk.controller->press(press);
+  std::vector<haptics::Request> got;
+  while (const auto request = desk.requests.take()) got.push_back(*request);
+  ASSERT_EQ(got.size(), 10U);
+  EXPECT_EQ(got[0].kind, Kind::zoom_in);
+  EXPECT_EQ(got[1].kind, Kind::zoom_in);
+  EXPECT_EQ(got[2].kind, Kind::zoom_out);
+  EXPECT_EQ(got[3].kind, Kind::pan);
+  EXPECT_LT(got[3].x, 0.0);
+  EXPECT_EQ(got[3].y, 0.0);
+  EXPECT_GT(got[4].y, 0.0);
+  EXPECT_EQ(got[5].kind, Kind::set_texture);
+  EXPECT_FALSE(got[5].on) << "texture is on in this state";
+  EXPECT_EQ(got[6].kind, Kind::set_friction);
+  EXPECT_EQ(got[7].kind, Kind::describe);
+  EXPECT_EQ(got[8].kind, Kind::set_stiffness);
+  EXPECT_NEAR(got[8].x, 1000.0, 1e-9);
+  EXPECT_EQ(got[9].kind, Kind::quit);
+  EXPECT_TRUE(desk.controller->wants_to_leave());
+}
+
+TEST(Controller, EveryActionHasAKeyAndNoKeyHasTwo) {
+  std::set<Action> reached;
+  for (const int modifiers : {0, kShift, kControl})
+    for (int key = 0; key < 300; ++key)
+      if (const auto action = action_of({key, modifiers, false}, false)) reached.insert(*action);
+  for (const ActionInfo& info : all_actions()) EXPECT_TRUE(reached.contains(info.action)) << info.label;
+  EXPECT_EQ(reached.size(), all_actions().size());
+}
+
+TEST(Controller, HeldKeysDoNotFlickerToggles) {
+  EXPECT_FALSE(action_of({'T', 0, true}, false).has_value());
+  EXPECT_EQ(action_of({key::kLeft, 0, true}, false), Action::pan_left);
+}
+
+TEST(Controller, AKioskIsLeftByControlQOnly) {
+  ViewSettings settings;
+  settings.kiosk = true;
+  Desk desk(settings);
+  desk.controller->press({'Q'});
+  desk.controller->press({key::kEscape});
+  EXPECT_FALSE(desk.controller->wants_to_leave());
+  desk.controller->press({'Q', kControl});
+  EXPECT_TRUE(desk.controller->wants_to_leave());
+}
+
+TEST(Controller, TabGoesThroughTheButtonsSpeaksAndEnterPresses) {
+  Desk desk;
+  desk.run(touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1), 0.1);
+  const std::vector<Action> buttons = desk.controller->buttons();
+  for (std::size_t k = 0; k < buttons.size(); ++k) desk.controller->press({key::kTab});
+  EXPECT_EQ(desk.spoken.size(), buttons.size());
+  EXPECT_NE(desk.spoken[2].find("Texture, on"), std::string::npos) << desk.spoken[2];
+  EXPECT_EQ(desk.controller->frame().focused, static_cast<int>(buttons.size()) - 1);
+  desk.controller->press({key::kTab});
+  EXPECT_EQ(desk.controller->frame().focused, 0);
+  desk.controller->press({key::kEnter});
+  const auto request = desk.requests.take();
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->kind, Kind::zoom_out);
+  desk.controller->press({key::kEscape});
+  EXPECT_EQ(desk.controller->frame().focused, -1);
+  EXPECT_FALSE(desk.controller->wants_to_leave()) << "the first Escape only leaves the buttons";
+}
+
+TEST(Controller, TheMouseIsTheHandAndTheButtonPresses) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  const Layout layout = layout_of(1280, 720, desk.controller->settings());
+  const Stage stage = stage_of(desk.scene->description());
+  const View view = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
+  const Eigen::Vector3d wanted(0.12, 0.09, Desk::height(0.12, 0.0));
+  const auto pixel = view.to_pixel(stage.to_world(wanted));
+  ASSERT_TRUE(pixel);
+  desk.controller->mouse_move(pixel->x(), pixel->y(), layout, view, stage, Desk::height);
+  desk.run(state);
+  const haptics::PointerSample above = desk.pointer->read();
+  EXPECT_GT(above.sequence, 0U);
+  EXPECT_NEAR(above.device_m[0], state.scale * (wanted.x() - 0.1), 1e-5);
+  EXPECT_NEAR(above.device_m[1], state.scale * (wanted.y() - 0.1), 1e-5);
+  const double surface_m = state.scale * (wanted.z() - state.centre_m[2]);
+  EXPECT_GT(above.device_m[2], surface_m + 0.004) << "hovers";
+  desk.controller->mouse_button(0, true, 0);
+  desk.run(state);
+  EXPECT_LT(desk.pointer->read().device_m[2], surface_m - 0.002) << "presses";
+  desk.controller->mouse_wheel(-2.0, 0);
+  desk.run(state);
+  EXPECT_LT(desk.pointer->read().device_m[2], surface_m - 0.0035) << "the wheel presses deeper";
+  desk.controller->mouse_button(0, false, 0);
+  desk.run(state);
+  EXPECT_GT(desk.pointer->read().device_m[2], surface_m + 0.004);
+}
+
+TEST(Controller, TheHandStaysInItsWorkspaceAndFiniteWhateverHappens) {
+  Desk desk;
+  haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  for (int k = 0; k < 100; ++k) desk.controller->press({key::kRight, kShift});
+  desk.run(state);
+  EXPECT_NEAR(desk.pointer->read().device_m[0], 0.05, 1e-12);
+  state.scale = std::nan("");
+  state.centre_m = {std::nan(""), 1e300, -1e300};
+  desk.run(state, 0.2);
+  for (const double c : desk.pointer->read().device_m) EXPECT_TRUE(std::isfinite(c) && std::abs(c) <= 0.05);
+}
+
+TEST(Controller, WithoutThePointerDeviceNothingIsWrittenAndDragsTurn) {
+  Desk desk({}, false);
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  const double before = desk.controller->frame().camera.turn_rad;
+  const Layout layout = layout_of(1280, 720, {});
+  const Stage stage = stage_of(desk.scene->description());
+  const View view = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
+  desk.controller->mouse_move(300, 300, layout, view, stage, Desk::height);
+  desk.controller->mouse_button(0, true, 0);
+  desk.controller->mouse_move(400, 300, layout, view, stage, Desk::height);
+  desk.run(state);
+  EXPECT_NE(desk.controller->frame().camera.turn_rad, before);
+  EXPECT_EQ(desk.pointer->read().sequence, 0U);
+}
+
+TEST(Controller, AnnouncementsAreShownOnceAndFade) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.board.say("Lotus medallion");
+  desk.run(state, 0.1);
+  ASSERT_EQ(desk.controller->frame().toasts.size(), 1U);
+  EXPECT_EQ(desk.controller->frame().toasts[0].announcement.text, "Lotus medallion");
+  desk.run(state, 10.0);
+  EXPECT_TRUE(desk.controller->frame().toasts.empty());
+}
+
+TEST(Controller, ScanAgainTurnsTheGridFrameToTheCamera) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  desk.controller->press({key::kRight, kControl});
+  desk.run(state);
+  const Camera camera = desk.controller->frame().camera;
+  desk.controller->press({'R'});
+  EXPECT_TRUE(desk.rescans.empty()) << "asks first";
+  desk.controller->press({key::kEnter});
+  ASSERT_EQ(desk.rescans.size(), 1U);
+  const Eigen::Matrix3d turn = desk.rescans[0].topLeftCorner<3, 3>();
+  // The camera's backward direction becomes z, its right becomes x: what was seen is what is scanned.
+  const Eigen::Vector3d backward(std::sin(camera.turn_rad) * std::sin(camera.tilt_rad),
+                                 -std::cos(camera.turn_rad) * std::sin(camera.tilt_rad), std::cos(camera.tilt_rad));
+  EXPECT_LT((turn * backward - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_LT(
+      (turn * Eigen::Vector3d(std::cos(camera.turn_rad), std::sin(camera.turn_rad), 0.0) - Eigen::Vector3d::UnitX())
+          .norm(),
+      1e-9);
+}
+
+TEST(Controller, TheCameraFollowsTheWindow) {
+  Desk desk;
+  haptics::State state = touching(*desk.scene, 0.06, 0.07, 0.0, 0.06, 0.07);
+  desk.run(state);
+  const Stage stage = stage_of(desk.scene->description());
+  EXPECT_NEAR(stage.to_grid_m(desk.controller->frame().camera.target).x(), 0.06, 1e-3 * 0.2);
+  state.centre_m[0] = 0.12;
+  desk.run(state);
+  EXPECT_NEAR(stage.to_grid_m(desk.controller->frame().camera.target).x(), 0.12, 1e-3 * 0.2);
+}
+
+}  // namespace
+}  // namespace sparsha::viewer::test

@@ -1,0 +1,210 @@
+// A real window on a virtual display, driven by real key and mouse events.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "pipeline/base/error.h"
+#include "relief_scene.h"
+#include "viewer/viewer.h"
+
+namespace sparsha::viewer::test {
+namespace {
+
+bool on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::string rest = path != nullptr ? path : "";
+  while (!rest.empty()) {
+    const std::size_t colon = rest.find(':');
+    if (::access((rest.substr(0, colon) + "/" + program).c_str(), X_OK) == 0) return true;
+    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
+  }
+  return false;
+}
+
+/// Xvfb on a display number of its own choice, ended by the destructor.
+class VirtualDisplay {
+ public:
+  VirtualDisplay() {
+    int ends[2];
+    if (::pipe(ends) != 0) return;
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      const int quiet = ::open("/dev/null", O_RDWR);
+      ::dup2(quiet, 1);
+      ::dup2(quiet, 2);
+      ::close(ends[0]);
+      const std::string fd = std::to_string(ends[1]);
+      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
+               static_cast<char*>(nullptr));
+      ::_exit(127);
+    }
+    ::close(ends[1]);
+    char c = 0;
+    while (::read(ends[0], &c, 1) == 1 && c != '\n') name_ += c;
+    ::close(ends[0]);
+    if (!name_.empty()) name_ = ":" + name_;
+  }
+  ~VirtualDisplay() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGTERM);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  VirtualDisplay(const VirtualDisplay&) = delete;
+  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  pid_t pid_ = -1;
+  std::string name_;
+};
+
+bool wait_for(const std::function<bool()>& condition, double seconds = 60.0) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < end) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return condition();
+}
+
+int xdotool(const std::string& arguments) { return std::system(("xdotool " + arguments + " >/dev/null 2>&1").c_str()); }
+
+/// DISPLAY for the time of a test.
+struct DisplayName {
+  explicit DisplayName(const char* name) {
+    if (const char* old = std::getenv("DISPLAY")) before = old;
+    ::unsetenv("WAYLAND_DISPLAY");
+    if (name != nullptr)
+      ::setenv("DISPLAY", name, 1);
+    else
+      ::unsetenv("DISPLAY");
+  }
+  ~DisplayName() {
+    if (before.empty())
+      ::unsetenv("DISPLAY");
+    else
+      ::setenv("DISPLAY", before.c_str(), 1);
+  }
+  std::string before;
+};
+
+TEST(Window, NoDisplayIsFoundOutCheaplyAndSaid) {
+  const auto began = std::chrono::steady_clock::now();
+  {
+    const DisplayName none(nullptr);
+    EXPECT_FALSE(display_available());
+    const auto scene = scene_of(lotus, {51, 51, 0.008, 1, {}});
+    Connections connections;
+    connections.scene = [&] { return scene; };
+    try {
+      run_window(connections, {});
+      FAIL() << "there is no display";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::failure);
+      EXPECT_NE(std::string(error.what()).find("display"), std::string::npos) << error.what();
+    }
+  }
+  {
+    const DisplayName wrong(":47113");
+    EXPECT_FALSE(display_available());
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
+}
+
+TEST(Window, KeysAndMouseReachTheSession) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  ASSERT_TRUE(display_available());
+
+  const auto scene = scene_of(lotus, {201, 201, 0.002, 2, {}});
+  haptics::Seqlock<haptics::State> state;
+  haptics::State at = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
+  state.publish(at);
+  haptics::RequestQueue requests;
+  haptics::AnnouncementBoard board;
+  board.say("Welcome");
+  Connections connections;
+  connections.state = &state;
+  connections.requests = &requests;
+  connections.announcements = &board;
+  connections.pointer = std::make_shared<haptics::Seqlock<haptics::PointerSample>>();
+  std::atomic<int> frames{0};
+  connections.poll = [&] { ++frames; };
+  std::atomic<bool> finished{false};
+  connections.finished = [&] { return finished.load(); };
+  connections.scene = [&] { return scene; };
+
+  std::string problem;
+  std::thread visitor([&] {
+    const auto expect = [&](const std::string& keys, haptics::Request::Kind kind) {
+      if (!problem.empty()) return;
+      xdotool("key " + keys);
+      const bool came = wait_for([&] {
+        const auto request = requests.take();
+        return request && request->kind == kind;
+      });
+      if (!came) problem = "no request after " + keys;
+    };
+    using Kind = haptics::Request::Kind;
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    if (problem.empty() && xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    expect("plus", Kind::zoom_in);
+    expect("minus", Kind::zoom_out);
+    expect("Left", Kind::pan);
+    expect("t", Kind::set_texture);
+    expect("f", Kind::set_friction);
+    expect("space", Kind::describe);
+    xdotool("key F1 c l s s s h");
+    xdotool("search --name Sparsha mousemove --window %1 454 330");
+    const auto sample = [&] { return connections.pointer->read(); };
+    if (problem.empty() && !wait_for([&] { return sample().sequence > 0 && std::abs(sample().device_m[0]) < 0.02; }))
+      problem = "the mouse does not move the hand";
+    const double above_m = sample().device_m[2];
+    xdotool("mousedown 1");
+    if (problem.empty() && !wait_for([&] { return sample().device_m[2] < above_m - 0.003; }))
+      problem = "the button does not press";
+    xdotool("mouseup 1");
+    xdotool("search --name Sparsha windowsize %1 900 600");
+    const int before = frames.load();
+    if (problem.empty() && !wait_for([&] { return frames.load() > before + 3; })) problem = "no frames after a resize";
+    expect("q", Kind::quit);
+    finished = true;
+  });
+  run_window(connections, {});
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(problem, "");
+}
+
+TEST(Window, TheSessionsEndClosesAKiosk) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1, {}});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  connections.poll = [&] { ++polls; };
+  connections.finished = [&] { return polls > 5; };
+  ViewerOptions options;
+  options.kiosk = true;
+  run_window(connections, options);
+  EXPECT_GT(polls, 5);
+}
+
+}  // namespace
+}  // namespace sparsha::viewer::test
