@@ -19,71 +19,60 @@ namespace {
 
 constexpr int kBins = 64;
 constexpr double kHistogramReach = 1.5;  // of the 99th percentile
-constexpr std::size_t kPointsPerPiece = 1U << 14;
 constexpr std::size_t kSamplesPerPiece = 512;
 constexpr std::size_t kSecondMethodSamples = 2000;
 constexpr int kSecondMethodRings = 24;  // points farther from the surface than this (spacings) are not judged twice
-
-/// Points that count, relative to the lattice's origin, and a hash of each one's own bits.
-struct Counted {
-  std::vector<float> xyz;
-  std::vector<std::uint64_t> key;
-};
 
 bool counts(const Projection& projection, std::size_t n) {
   if (projection.fate.empty()) return true;
   return projection.fate[n] == PointFate::used || projection.fate[n] == PointFate::outlier;
 }
 
-Counted counted_points(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
-                       ThreadPool& pool) {
-  const std::size_t size = cloud.size();
-  const std::size_t pieces = (size + kPointsPerPiece - 1) / kPointsPerPiece;
-  std::vector<std::size_t> start(pieces + 1);
-  pool.for_ranges(size, kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
-    std::size_t count = 0;
-    for (std::size_t n = begin; n < end; ++n) count += counts(projection, n) ? 1 : 0;
-    start[begin / kPointsPerPiece + 1] = count;
-  });
-  for (std::size_t k = 0; k < pieces; ++k) start[k + 1] += start[k];
-
+BandedPoints counted_points(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
+                            ThreadPool& pool) {
   const Eigen::Matrix3d linear = scan_to_grid.topLeftCorner<3, 3>();
   const Eigen::Vector3d offset =
       linear * cloud.origin_m + scan_to_grid.topRightCorner<3, 1>() - projection.grid.lattice.origin_m;
   const float* source = cloud.xyz1();
-  Counted result;
-  result.xyz.resize(3 * start.back());
-  result.key.resize(start.back());
-  pool.for_ranges(size, kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
-    std::size_t k = start[begin / kPointsPerPiece];
+  const auto write = [&](std::size_t begin, std::size_t end, float* xyz) {
+    const float* const start = xyz;
     for (std::size_t n = begin; n < end; ++n) {
       if (!counts(projection, n)) continue;
-      const float* p = source + 4 * n;
-      const Eigen::Vector3d q = linear * Eigen::Vector3d(p[0], p[1], p[2]) + offset;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        result.xyz[3 * k + axis] = static_cast<float>(q[static_cast<Eigen::Index>(axis)]);
-      const std::uint64_t xy =
-          std::bit_cast<std::uint32_t>(p[0]) | (std::uint64_t{std::bit_cast<std::uint32_t>(p[1])} << 32);
-      result.key[k++] = hash_word(hash_word(xy) ^ std::bit_cast<std::uint32_t>(p[2]));
+      const double x = source[4 * n], y = source[4 * n + 1], z = source[4 * n + 2];
+      for (Eigen::Index axis = 0; axis < 3; ++axis)
+        *xyz++ = static_cast<float>(linear(axis, 0) * x + linear(axis, 1) * y + linear(axis, 2) * z + offset[axis]);
     }
-  });
-  return result;
-}
-
-/// Points in the order of the lattice's rows, so that neighbours in time are neighbours in memory.
-void sort_by_place(std::vector<std::uint32_t>& sample, const std::vector<float>& xyz, const Lattice& lattice) {
-  const double block = 8 * lattice.spacing_m;
-  const auto key = [&](std::uint32_t n) {
-    return std::pair{std::floor(xyz[3 * std::size_t{n} + 1] / block), xyz[3 * std::size_t{n}]};
+    return static_cast<std::size_t>(xyz - start) / 3;
   };
-  std::vector<std::pair<std::pair<double, float>, std::uint32_t>> order;
-  order.reserve(sample.size());
-  for (const std::uint32_t n : sample) order.emplace_back(key(n), n);
-  std::sort(order.begin(), order.end());
-  for (std::size_t k = 0; k < sample.size(); ++k) sample[k] = order[k].second;
+  return {projection.grid.lattice, cloud.size(), write, pool};
 }
 
-std::vector<float> distances_to_surface(const DepthGrid& grid, const std::vector<float>& xyz,
+/// A sample of the points, chosen by their own bits, in an order that walks the lattice.
+std::vector<std::uint32_t> sample_points(const BandedPoints& points, std::uint64_t wanted, const Lattice& lattice) {
+  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
+  std::vector<std::uint32_t> sample = choose_sample(points.size(), wanted, [&](std::size_t n) {
+    const float* p = points.point(n);
+    return hash_word(hash_word(bits(p[0]) | bits(p[1]) << 32) ^ bits(p[2]));
+  });
+  const auto per_block = static_cast<float>(1 / (8 * lattice.spacing_m));
+  std::vector<Keyed> order;
+  order.reserve(sample.size());
+  for (const std::uint32_t n : sample) {
+    const float* p = points.point(n);
+    const auto row = static_cast<std::uint64_t>(std::clamp(p[1] * per_block, 0.0F, 1e9F));
+    // Non-negative floats sort like their bits.
+    order.push_back({row << 32 | bits(std::max(p[0], 0.0F)), n});
+  }
+  std::sort(order.begin(), order.end(), [&](const Keyed& a, const Keyed& b) {
+    if (a.key != b.key) return a.key < b.key;
+    return std::lexicographical_compare(points.point(a.item), points.point(a.item) + 3, points.point(b.item),
+                                        points.point(b.item) + 3);
+  });
+  for (std::size_t k = 0; k < sample.size(); ++k) sample[k] = order[k].item;
+  return sample;
+}
+
+std::vector<float> distances_to_surface(const DepthGrid& grid, const BandedPoints& points,
                                         const std::vector<std::uint32_t>& sample, CheckResult& result,
                                         ThreadPool& pool) {
   const SurfaceIndex surface(grid);
@@ -95,7 +84,7 @@ std::vector<float> distances_to_surface(const DepthGrid& grid, const std::vector
   pool.for_ranges(sample.size(), kSamplesPerPiece, [&](std::size_t begin, std::size_t end) {
     SurfaceIndex::Scratch scratch;
     for (std::size_t k = begin; k < end; ++k) {
-      const float* p = xyz.data() + 3 * std::size_t{sample[k]};
+      const float* p = points.point(sample[k]);
       const SurfaceDistance found = surface.distance(p[0], p[1], p[2], scratch);
       signed_m[k] = static_cast<float>(found.signed_m);
       if (k % stride != 0) continue;
@@ -114,13 +103,13 @@ std::vector<float> distances_to_surface(const DepthGrid& grid, const std::vector
 }
 
 /// Mean distance of the sampled points that lie nearest to each node.
-std::vector<float> error_map(const Lattice& lattice, const std::vector<float>& xyz,
+std::vector<float> error_map(const Lattice& lattice, const BandedPoints& points,
                              const std::vector<std::uint32_t>& sample, const std::vector<float>& signed_m) {
   std::vector<float> error(lattice.count(), kUnknownHeight);
   std::vector<std::uint32_t> hits(lattice.count());
   for (std::size_t k = 0; k < sample.size(); ++k) {
-    const double i = std::round(xyz[3 * std::size_t{sample[k]}] / lattice.spacing_m);
-    const double j = std::round(xyz[3 * std::size_t{sample[k]} + 1] / lattice.spacing_m);
+    const double i = std::round(points.point(sample[k])[0] / lattice.spacing_m);
+    const double j = std::round(points.point(sample[k])[1] / lattice.spacing_m);
     if (!(i >= 0 && j >= 0 && i < lattice.nx && j < lattice.ny)) continue;
     const std::size_t n = lattice.index(static_cast<int>(i), static_cast<int>(j));
     const float distance = std::abs(signed_m[k]);
@@ -141,18 +130,17 @@ CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
   CheckResult result;
   result.tolerance_m = std::max(lattice.spacing_m, 3 * projection.noise_m);
 
-  const Counted points = counted_points(cloud, scan_to_grid, projection, pool);
+  const BandedPoints points = counted_points(cloud, scan_to_grid, projection, pool);
   progress.at(0.1);
-  std::vector<std::uint32_t> sample = choose_sample(points.key, wanted);
-  sort_by_place(sample, points.xyz, lattice);
-  std::vector<float> distances = distances_to_surface(grid, points.xyz, sample, result, pool);
+  const std::vector<std::uint32_t> sample = sample_points(points, wanted, lattice);
+  std::vector<float> distances = distances_to_surface(grid, points, sample, result, pool);
   // A grid without a single cell has no surface to be distant from.
   if (!distances.empty() && std::isinf(distances.front()))
     distances.clear();
   else
-    result.node_error_m = error_map(lattice, points.xyz, sample, distances);
+    result.node_error_m = error_map(lattice, points, sample, distances);
   if (result.node_error_m.empty()) result.node_error_m.assign(lattice.count(), kUnknownHeight);
-  result.cloud_to_surface = statistics_of(distances, points.key.size());
+  result.cloud_to_surface = statistics_of(distances, points.size());
   result.histogram_bin_m = kHistogramReach * result.cloud_to_surface.p99_m / kBins;
   result.cloud_histogram = histogram_of(distances, result.histogram_bin_m, kBins);
   progress.at(0.5);
@@ -160,12 +148,11 @@ CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
   std::vector<std::uint32_t> measured;
   for (std::size_t n = 0; n < lattice.count(); ++n)
     if (grid.state[n] == NodeState::measured) measured.push_back(static_cast<std::uint32_t>(n));
-  std::vector<std::uint64_t> keys(measured.size());
-  for (std::size_t k = 0; k < measured.size(); ++k) keys[k] = hash_word(measured[k]);
-  std::vector<std::uint32_t> nodes = choose_sample(keys, wanted);
+  std::vector<std::uint32_t> nodes =
+      choose_sample(measured.size(), wanted, [&](std::size_t k) { return hash_word(measured[k]); });
   for (std::uint32_t& k : nodes) k = measured[k];
-  distances = nearest_point_distances(grid, nodes, points.xyz, projection.point_spacing_m, pool);
-  if (points.key.empty()) distances.clear();
+  distances = nearest_point_distances(grid, nodes, points, projection.point_spacing_m, pool);
+  if (points.size() == 0) distances.clear();
   result.surface_to_cloud = statistics_of(distances, measured.size());
   result.surface_histogram_bin_m = kHistogramReach * result.surface_to_cloud.p99_m / kBins;
   result.surface_histogram = histogram_of(distances, result.surface_histogram_bin_m, kBins);

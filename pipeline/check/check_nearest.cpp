@@ -1,6 +1,5 @@
-// Building a tree costs more than asking it: points farther than a reach from every sampled node in x or y are left
-// out, and nodes whose nearest point then lies beyond that reach are asked again with a larger one. The answers are
-// exact.
+// Building a tree costs more than asking it. Each band of rows builds its own over the points within a reach of its
+// sampled nodes; nodes whose nearest point lies beyond are asked again with a larger reach, at last of all points.
 #include "pipeline/check/check_nearest.h"
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <limits>
 
 #include "pipeline/check/check_tree.h"
+#include "pipeline/grid/fill_closing.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -15,113 +15,124 @@ namespace {
 constexpr double kLeastReach = 0.5;  // spacings, of the first try
 constexpr double kFirstReach = 1.0;  // point spacings, of the first try; most nodes have a point this near
 constexpr double kGrowth = 2.0;      // of the reach from try to try
-constexpr double kWorthwhile = 1.2;  // lattices' worth of area above which leaving points out saves nothing
+constexpr double kTrusted = 0.99;    // of the reach; the rest is for the rounding of floats
 constexpr int kCellsPerReach = 2;    // resolution of the mask of kept places
 constexpr std::size_t kNodesPerPiece = 1024;
 
-/// Places within `reach` (spacings) of a node, as cells of reach / kCellsPerReach.
+/// Places within `reach` (spacings) of a node of some rows, as cells of reach / kCellsPerReach.
 class Mask {
  public:
-  Mask(const Lattice& lattice, double reach)
+  Mask(int nx, double first_row, double last_row, double reach)
       : reach_(reach),
-        cell_(reach / kCellsPerReach),
-        nx_(static_cast<std::size_t>((lattice.nx + 2 * reach) / cell_) + 2),
-        ny_(static_cast<std::size_t>((lattice.ny + 2 * reach) / cell_) + 2),
-        marked_(nx_ * ny_) {}
+        y0_(static_cast<float>(first_row - reach)),
+        per_cell_(static_cast<float>(kCellsPerReach / reach)),
+        marked_(cells(nx - 1), cells(last_row - first_row)) {}
 
   void mark(double x, double y) {
-    const std::size_t i0 = place(x - reach_), i1 = place(x + reach_), j0 = place(y - reach_), j1 = place(y + reach_);
-    for (std::size_t j = j0; j <= j1; ++j)
-      std::fill_n(marked_.begin() + static_cast<std::ptrdiff_t>(j * nx_ + i0), i1 - i0 + 1, std::uint8_t{1});
+    const int i0 = column(x - reach_), i1 = column(x + reach_), j0 = row(y - reach_), j1 = row(y + reach_);
+    for (int j = j0; j <= j1; ++j)
+      for (int i = i0; i <= i1; ++i) marked_.insert(i, j);
   }
-  [[nodiscard]] bool holds(double x, double y) const {
-    if (!(x > -reach_) || !(y > -reach_)) return false;
-    const std::size_t i = place(x), j = place(y);
-    return i < nx_ && j < ny_ && marked_[j * nx_ + i] != 0;
+  [[nodiscard]] bool holds(float x, float y) const {
+    const float i = (x + static_cast<float>(reach_)) * per_cell_, j = (y - y0_) * per_cell_;
+    return i >= 0 && j >= 0 && i < static_cast<float>(marked_.nx()) && j < static_cast<float>(marked_.ny()) &&
+           marked_.contains(static_cast<int>(i), static_cast<int>(j));
   }
 
  private:
-  [[nodiscard]] std::size_t place(double value) const { return static_cast<std::size_t>((value + reach_) / cell_); }
+  [[nodiscard]] int cells(double extent) const {
+    return static_cast<int>((extent + 2 * reach_) * kCellsPerReach / reach_) + 2;
+  }
+  [[nodiscard]] int column(double x) const {
+    return static_cast<int>((static_cast<float>(x) + static_cast<float>(reach_)) * per_cell_);
+  }
+  [[nodiscard]] int row(double y) const { return static_cast<int>((static_cast<float>(y) - y0_) * per_cell_); }
 
-  double reach_, cell_;
-  std::size_t nx_, ny_;
-  std::vector<std::uint8_t> marked_;
+  double reach_;
+  float y0_, per_cell_;
+  NodeSet marked_;
 };
 
-/// A band of node rows with its own tree: small trees are built and asked out of the cache, and bands run side by side.
-class Bands {
+class Search {
  public:
-  Bands(const Lattice& lattice, double reach)
-      : rows_(std::max(kLeastRows, static_cast<int>(std::ceil(reach)) + 1)), count_((lattice.ny + rows_ - 1) / rows_) {}
+  Search(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes, const BandedPoints& points)
+      : result(nodes.size(), std::numeric_limits<float>::infinity()),
+        grid_(grid),
+        nodes_(nodes),
+        points_(points),
+        nx_(static_cast<std::uint32_t>(grid.lattice.nx)),
+        spacing_(grid.lattice.spacing_m) {}
 
-  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(count_); }
-  /// The band of a row or of a y in spacings; what lies beyond the lattice belongs to the nearest band.
-  [[nodiscard]] std::size_t of(double row) const {
-    return static_cast<std::size_t>(std::clamp(row / rows_, 0.0, count_ - 1.0));
+  std::vector<float> result;
+
+  /// Node k's nearest among the tree's points; `chosen` numbers them (null: all points).
+  void ask(const PointTree& tree, const std::vector<std::uint32_t>* chosen, std::size_t k, PointTree::Answer& answer) {
+    const std::uint32_t node = nodes_[k];
+    const double x = (node % nx_) * spacing_, y = (node / nx_) * spacing_, z = grid_.height_m[node];
+    if (!tree.nearest(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), answer)) return;
+    const auto found = static_cast<std::size_t>(answer.index[0]);
+    const float* point = points_.point(chosen != nullptr ? (*chosen)[found] : found);
+    const double dx = point[0] - x, dy = point[1] - y, dz = point[2] - z;
+    result[k] = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
+  }
+
+  /// Answers the nodes [begin, end) of one band; returns those that the band and its neighbours cannot decide.
+  std::vector<std::size_t> band(std::size_t band, std::size_t begin, std::size_t end, double reach) {
+    std::vector<std::size_t> open;
+    for (std::size_t k = begin; k < end; ++k) open.push_back(k);
+    const double first = static_cast<double>(band) * BandedPoints::kRows, last = first + BandedPoints::kRows - 1;
+    const std::size_t from = points_.first(band - (band > 0 ? 1 : 0)),
+                      to = points_.first(std::min(band + 2, points_.bands()));
+    const auto per_spacing = static_cast<float>(1 / spacing_);
+    std::vector<std::uint32_t> chosen;
+    PointTree::Answer answer;
+    for (; !open.empty() && reach < BandedPoints::kRows; reach *= kGrowth) {
+      Mask mask(grid_.lattice.nx, first, last, reach);
+      for (const std::size_t k : open) mask.mark(nodes_[k] % nx_, static_cast<double>(nodes_[k] / nx_));
+      chosen.clear();
+      for (std::size_t p = from; p < to; ++p)
+        if (mask.holds(points_.point(p)[0] * per_spacing, points_.point(p)[1] * per_spacing))
+          chosen.push_back(static_cast<std::uint32_t>(p));
+      const PointTree tree(points_.xyz(), chosen);
+      for (const std::size_t k : open) ask(tree, &chosen, k, answer);
+      std::erase_if(open, [&](std::size_t k) { return std::abs(result[k]) <= kTrusted * reach * spacing_; });
+    }
+    return open;
   }
 
  private:
-  static constexpr int kLeastRows = 48;
-  int rows_, count_;
+  const DepthGrid& grid_;
+  const std::vector<std::uint32_t>& nodes_;
+  const BandedPoints& points_;
+  std::uint32_t nx_;
+  double spacing_;
 };
 
 }  // namespace
 
 std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
-                                           std::span<const float> xyz, double point_spacing_m, ThreadPool& pool) {
-  const Lattice& lattice = grid.lattice;
-  const auto nx = static_cast<std::uint32_t>(lattice.nx);
-  const double h = lattice.spacing_m, longest = std::max(lattice.nx, lattice.ny);
-  std::vector<float> result(nodes.size(), std::numeric_limits<float>::infinity());
-  std::vector<std::uint32_t> open(nodes.size());
-  for (std::size_t k = 0; k < open.size(); ++k) open[k] = static_cast<std::uint32_t>(k);
-
-  const auto ask = [&](const PointTree& tree, std::span<const float> points, std::uint32_t k,
-                       PointTree::Answer& answer) {
-    const std::uint32_t node = nodes[k];
-    const double x = (node % nx) * h, y = (node / nx) * h, z = grid.height_m[node];
-    if (!tree.nearest(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), answer)) return;
-    const float* point = points.data() + 3 * static_cast<std::size_t>(answer.index[0]);
-    const double dx = point[0] - x, dy = point[1] - y, dz = point[2] - z;
-    result[k] = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
-  };
-
-  double reach = std::max(kLeastReach, kFirstReach * point_spacing_m / h);
-  for (; !open.empty() && !xyz.empty(); reach *= kGrowth) {
-    const double kept = static_cast<double>(open.size()) * 4 * reach * reach / static_cast<double>(lattice.count());
-    if (reach > longest || kept > kWorthwhile) {
-      const PointTree tree(xyz);
-      pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
-        PointTree::Answer answer;
-        for (std::size_t n = begin; n < end; ++n) ask(tree, xyz, open[n], answer);
-      });
-      break;
-    }
-    Mask mask(lattice, reach);
-    for (const std::uint32_t k : open) mask.mark(nodes[k] % nx, static_cast<double>(nodes[k] / nx));
-    const Bands bands(lattice, reach);
-    std::vector<std::vector<float>> points(bands.count());
-    for (std::size_t p = 0; p + 2 < xyz.size(); p += 3) {
-      if (!mask.holds(xyz[p] / h, xyz[p + 1] / h)) continue;
-      // A band also needs what its neighbours' points within reach of its border can tell.
-      const double row = xyz[p + 1] / h;
-      for (std::size_t band = bands.of(row - reach); band <= bands.of(row + reach); ++band)
-        points[band].insert(points[band].end(), xyz.begin() + static_cast<std::ptrdiff_t>(p),
-                            xyz.begin() + static_cast<std::ptrdiff_t>(p + 3));
-    }
-    std::vector<std::vector<std::uint32_t>> members(bands.count());
-    for (const std::uint32_t k : open) members[bands.of(nodes[k] / nx)].push_back(k);
-    pool.for_ranges(bands.count(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t band = begin; band < end; ++band) {
-        if (members[band].empty()) continue;
-        const PointTree tree(points[band]);
-        PointTree::Answer answer;
-        for (const std::uint32_t k : members[band]) ask(tree, points[band], k, answer);
-      }
+                                           const BandedPoints& points, double point_spacing_m, ThreadPool& pool) {
+  Search search(grid, nodes, points);
+  if (nodes.empty() || points.size() == 0) return std::move(search.result);
+  const double reach = std::max(kLeastReach, kFirstReach * point_spacing_m / grid.lattice.spacing_m);
+  const std::size_t band_nodes = BandedPoints::kRows * static_cast<std::size_t>(grid.lattice.nx);
+  std::vector<std::vector<std::size_t>> undecided(points.bands());
+  pool.for_ranges(points.bands(), 1, [&](std::size_t band, std::size_t) {
+    const auto begin = std::lower_bound(nodes.begin(), nodes.end(), band * band_nodes);
+    const auto end = std::lower_bound(begin, nodes.end(), (band + 1) * band_nodes);
+    undecided[band] = search.band(band, static_cast<std::size_t>(begin - nodes.begin()),
+                                  static_cast<std::size_t>(end - nodes.begin()), reach);
+  });
+  std::vector<std::size_t> open;
+  for (const std::vector<std::size_t>& some : undecided) open.insert(open.end(), some.begin(), some.end());
+  if (!open.empty()) {
+    const PointTree tree(points.xyz());
+    pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
+      PointTree::Answer answer;
+      for (std::size_t n = begin; n < end; ++n) search.ask(tree, nullptr, open[n], answer);
     });
-    std::erase_if(open, [&](std::uint32_t k) { return std::abs(result[k]) <= reach * h; });
   }
-  return result;
+  return std::move(search.result);
 }
 
 }  // namespace sparsha::pipeline

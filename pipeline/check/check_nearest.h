@@ -1,20 +1,19 @@
-// Nearest point of a cloud to each of some nodes, with a tree over only those points that can be the answer.
+// Nearest point of a cloud to each of some nodes, with trees over only those points that can be the answer.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/check/check_points.h"
 #include "pipeline/scene/depth_grid.h"
 
 namespace sparsha::pipeline {
 
 /// Signed distance from each node (ascending indices) to its nearest point, positive when that point is nearer to the
-/// viewer; infinite without points. `xyz` is relative to the lattice's origin, metres; `point_spacing_m` tunes the
-/// first try.
+/// viewer; infinite without points. Exact; `point_spacing_m` tunes the first try.
 [[nodiscard]] std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
-                                                         std::span<const float> xyz, double point_spacing_m,
+                                                         const BandedPoints& points, double point_spacing_m,
                                                          ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

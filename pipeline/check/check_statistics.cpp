@@ -63,39 +63,24 @@ std::vector<std::uint64_t> histogram_of(const std::vector<float>& signed_m, doub
   return counts;
 }
 
-std::vector<std::uint32_t> choose_sample(const std::vector<std::uint64_t>& keys, std::uint64_t wanted) {
-  std::vector<std::uint32_t> chosen;
-  const bool all = wanted == 0 || wanted >= keys.size();
-  // Hashes are uniform: a threshold a little above the wanted share keeps most keys out of the selection.
-  std::uint64_t threshold = ~std::uint64_t{0};
-  if (!all) {
-    const double share = (static_cast<double>(wanted) + 6 * std::sqrt(static_cast<double>(wanted)) + 6) /
-                         static_cast<double>(keys.size());
-    if (share < 1) threshold = static_cast<std::uint64_t>(share * 0x1p64);
-  }
-  const auto collect = [&] {
-    chosen.clear();
-    for (std::size_t n = 0; n < keys.size(); ++n)
-      if (keys[n] <= threshold) chosen.push_back(static_cast<std::uint32_t>(n));
-  };
-  collect();
-  if (all) return chosen;
-  if (chosen.size() < wanted) {
-    threshold = ~std::uint64_t{0};
-    collect();
-  }
-  std::nth_element(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(wanted), chosen.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
-  chosen.resize(wanted);
-  std::sort(chosen.begin(), chosen.end());
-  return chosen;
+std::uint64_t sample_threshold(std::uint64_t population, std::uint64_t wanted) noexcept {
+  const double sample = static_cast<double>(wanted);
+  const double share =
+      (sample + 6 * std::sqrt(sample) + 6) / static_cast<double>(std::max<std::uint64_t>(1, population));
+  return share < 1 ? static_cast<std::uint64_t>(share * 0x1p64) : ~std::uint64_t{0};
 }
 
-std::uint64_t hash_word(std::uint64_t word) noexcept {
-  word += 0x9E3779B97F4A7C15ULL;
-  word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  word = (word ^ (word >> 27)) * 0x94D049BB133111EBULL;
-  return word ^ (word >> 31);
+std::vector<std::uint32_t> smallest_keys(std::vector<Keyed> candidates, std::uint64_t wanted) {
+  if (wanted < candidates.size()) {
+    std::nth_element(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(wanted), candidates.end(),
+                     [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.item < b.item; });
+    candidates.resize(wanted);
+  }
+  std::vector<std::uint32_t> items;
+  items.reserve(candidates.size());
+  for (const Keyed& candidate : candidates) items.push_back(candidate.item);
+  std::sort(items.begin(), items.end());
+  return items;
 }
 
 }  // namespace sparsha::pipeline

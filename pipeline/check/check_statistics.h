@@ -15,11 +15,36 @@ namespace sparsha::pipeline {
 /// Magnitudes in equal bins of `bin_m`; what lies beyond the last bin is not counted.
 [[nodiscard]] std::vector<std::uint64_t> histogram_of(const std::vector<float>& signed_m, double bin_m, int bins);
 
-/// Indices, ascending, of the `wanted` (0 = all) items with the smallest keys: with hashes for keys, a sample that
-/// depends on the items' own bits alone.
-[[nodiscard]] std::vector<std::uint32_t> choose_sample(const std::vector<std::uint64_t>& keys, std::uint64_t wanted);
-
 /// Mixes the bits of a word (finaliser of SplitMix64, Steele, Lea & Flood 2014).
-[[nodiscard]] std::uint64_t hash_word(std::uint64_t word) noexcept;
+[[nodiscard]] constexpr std::uint64_t hash_word(std::uint64_t word) noexcept {
+  word += 0x9E3779B97F4A7C15ULL;
+  word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  word = (word ^ (word >> 27)) * 0x94D049BB133111EBULL;
+  return word ^ (word >> 31);
+}
+
+/// An item and the key that decides whether it is sampled.
+struct Keyed {
+  std::uint64_t key;
+  std::uint32_t item;
+};
+/// Hashes up to this are all that a sample of `wanted` out of `population` needs, but once in many million times.
+[[nodiscard]] std::uint64_t sample_threshold(std::uint64_t population, std::uint64_t wanted) noexcept;
+/// Items, ascending, of the `wanted` smallest keys.
+[[nodiscard]] std::vector<std::uint32_t> smallest_keys(std::vector<Keyed> candidates, std::uint64_t wanted);
+
+/// Of `count` items the `wanted` (0 = all) with the smallest keys, ascending: with hashes for keys, a sample that
+/// depends on the items' own bits alone.
+template <typename Key>
+[[nodiscard]] std::vector<std::uint32_t> choose_sample(std::size_t count, std::uint64_t wanted, const Key& key) {
+  if (wanted == 0 || wanted > count) wanted = count;
+  std::vector<Keyed> candidates;
+  for (std::uint64_t threshold = sample_threshold(count, wanted);; threshold = ~std::uint64_t{0}) {
+    candidates.clear();
+    for (std::size_t n = 0; n < count; ++n)
+      if (const std::uint64_t k = key(n); k <= threshold) candidates.push_back({k, static_cast<std::uint32_t>(n)});
+    if (candidates.size() >= wanted) return smallest_keys(std::move(candidates), wanted);
+  }
+}
 
 }  // namespace sparsha::pipeline

@@ -15,11 +15,12 @@ constexpr int kBlock = 4;            // cells along a block's side
 constexpr double kFirstReach = 1.0;  // spacings; most points are nearer to the surface than this
 constexpr std::size_t kSlicesPerBlock = 4;
 
-double outside(double value, double low, double high) { return std::max({low - value, value - high, 0.0}); }
+double outside(double value, double low, double high) { return std::max(std::max(low - value, value - high), 0.0); }
 
 }  // namespace
 
-SurfaceIndex::SurfaceIndex(const DepthGrid& grid) : grid_(grid), spacing_(grid.lattice.spacing_m) {
+SurfaceIndex::SurfaceIndex(const DepthGrid& grid)
+    : grid_(grid), spacing_(grid.lattice.spacing_m), per_spacing_(1 / spacing_) {
   const int nx = grid.lattice.nx, ny = grid.lattice.ny;
   for (int j0 = 0; j0 + 1 < ny; j0 += kBlock)
     for (int i0 = 0; i0 + 1 < nx; i0 += kBlock) {
@@ -33,8 +34,8 @@ SurfaceIndex::SurfaceIndex(const DepthGrid& grid) : grid_(grid), spacing_(grid.l
         }
       if (low > high) continue;
       // Rounded outwards, so that the box holds what it bounds.
-      const auto s = static_cast<float>(spacing_);
-      blocks_.push_back({i0, j0, std::nextafter(low / s, -1e30F), std::nextafter(high / s, 1e30F)});
+      blocks_.push_back({i0, j0, std::nextafter(static_cast<float>(low * per_spacing_), -1e30F),
+                         std::nextafter(static_cast<float>(high * per_spacing_), 1e30F)});
     }
   double slice = kBlock;
   std::vector<float> points;
@@ -72,11 +73,13 @@ std::vector<float> SurfaceIndex::tree_points(double slice, std::size_t limit) co
 void SurfaceIndex::offer_cell(int i, int j, double x, double y, double z, Best& best) const {
   const int nx = grid_.lattice.nx;
   const float* heights = grid_.height_m.data() + grid_.lattice.index(i, j);
-  const Patch patch{heights[0] / spacing_, heights[1] / spacing_, heights[nx] / spacing_, heights[nx + 1] / spacing_};
+  const Patch patch{heights[0] * per_spacing_, heights[1] * per_spacing_, heights[nx] * per_spacing_,
+                    heights[nx + 1] * per_spacing_};
   const double u = x - i, v = y - j;
-  const auto [low, high] = std::minmax({patch.z00, patch.z10, patch.z01, patch.z11});
+  const double low = std::min(std::min(patch.z00, patch.z10), std::min(patch.z01, patch.z11));
+  const double high = std::max(std::max(patch.z00, patch.z10), std::max(patch.z01, patch.z11));
   const double dx = outside(u, 0, 1), dy = outside(v, 0, 1), dz = outside(z, low, high);
-  if (!(dx * dx + dy * dy + dz * dz < best.squared)) return;  // also false when a height is NaN
+  if (!(dx * dx + dy * dy + dz * dz < best.squared)) return;
   if (std::isnan(patch.z00 + patch.z10 + patch.z01 + patch.z11)) return;
   const PatchPoint nearest = closest_on_patch(patch, u, v, z);
   if (nearest.squared_distance < best.squared) best = {nearest.squared_distance, nearest.side};
@@ -87,14 +90,19 @@ void SurfaceIndex::offer_block(std::uint32_t index, double x, double y, double z
   const double dx = outside(x, block.i, block.i + kBlock), dy = outside(y, block.j, block.j + kBlock),
                dz = outside(z, block.low, block.high);
   if (dx * dx + dy * dy + dz * dz >= best.squared) return;
-  // The cell under the point first: it decides most of the others.
-  const int i1 = std::min(block.i + kBlock, grid_.lattice.nx - 1) - 1;
-  const int j1 = std::min(block.j + kBlock, grid_.lattice.ny - 1) - 1;
-  const int ci = static_cast<int>(std::clamp(x, static_cast<double>(block.i), static_cast<double>(i1)));
-  const int cj = static_cast<int>(std::clamp(y, static_cast<double>(block.j), static_cast<double>(j1)));
+  // The cell under the point, or nearest to that, decides most of the others.
+  const int last_i = std::min(block.i + kBlock, grid_.lattice.nx - 1) - 1;
+  const int last_j = std::min(block.j + kBlock, grid_.lattice.ny - 1) - 1;
+  const auto within = [](double value, int low, int high) {
+    return static_cast<int>(std::clamp(std::floor(value), static_cast<double>(low), static_cast<double>(high)));
+  };
+  const int ci = within(x, block.i, last_i), cj = within(y, block.j, last_j);
   offer_cell(ci, cj, x, y, z, best);
-  for (int j = block.j; j <= j1; ++j)
-    for (int i = block.i; i <= i1; ++i)
+  const double reach = std::sqrt(best.squared);
+  const int i0 = within(x - reach, block.i, last_i), i1 = within(x + reach, block.i, last_i);
+  const int j0 = within(y - reach, block.j, last_j), j1 = within(y + reach, block.j, last_j);
+  for (int j = j0; j <= j1; ++j)
+    for (int i = i0; i <= i1; ++i)
       if (i != ci || j != cj) offer_cell(i, j, x, y, z, best);
 }
 
@@ -106,7 +114,7 @@ SurfaceDistance SurfaceIndex::result(const Best& best) const {
 SurfaceDistance SurfaceIndex::distance(double x_m, double y_m, double z_m, Scratch& scratch) const {
   Best best{std::numeric_limits<double>::infinity(), 0};
   if (blocks_.empty()) return result(best);
-  const double x = x_m / spacing_, y = y_m / spacing_, z = z_m / spacing_;
+  const double x = x_m * per_spacing_, y = y_m * per_spacing_, z = z_m * per_spacing_;
   const auto fx = static_cast<float>(x_m), fy = static_cast<float>(y_m), fz = static_cast<float>(z_m);
   double reach = bound_ + kFirstReach;
   scratch.blocks.clear();
@@ -119,6 +127,13 @@ SurfaceDistance SurfaceIndex::distance(double x_m, double y_m, double z_m, Scrat
   if (scratch.answer.index.empty()) {
     tree_->nearest(fx, fy, fz, scratch.answer);
     reach = 0;
+  }
+  // The block under the point first: it rules most of the others out.
+  for (const int k : scratch.answer.index) {
+    const std::uint32_t block = block_of_point_[static_cast<std::size_t>(k)];
+    if (x >= blocks_[block].i && x < blocks_[block].i + kBlock && y >= blocks_[block].j &&
+        y < blocks_[block].j + kBlock)
+      offer(block);
   }
   for (const int k : scratch.answer.index) offer(block_of_point_[static_cast<std::size_t>(k)]);
   const double needed = std::sqrt(best.squared) + bound_;
@@ -133,7 +148,7 @@ SurfaceDistance SurfaceIndex::distance(double x_m, double y_m, double z_m, Scrat
 SurfaceDistance SurfaceIndex::distance_by_walking(double x_m, double y_m, double z_m, int max_rings) const {
   Best best{std::numeric_limits<double>::infinity(), 0};
   const int cells_x = grid_.lattice.nx - 1, cells_y = grid_.lattice.ny - 1;
-  const double x = x_m / spacing_, y = y_m / spacing_, z = z_m / spacing_;
+  const double x = x_m * per_spacing_, y = y_m * per_spacing_, z = z_m * per_spacing_;
   if (cells_x < 1 || cells_y < 1) return result(best);
   const int ci = static_cast<int>(std::clamp(x, 0.0, cells_x - 1.0)),
             cj = static_cast<int>(std::clamp(y, 0.0, cells_y - 1.0));

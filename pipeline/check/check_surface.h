@@ -46,7 +46,7 @@ class SurfaceIndex {
   [[nodiscard]] SurfaceDistance result(const Best& best) const;
 
   const DepthGrid& grid_;
-  double spacing_;
+  double spacing_, per_spacing_;
   double bound_ = 0;  ///< radius that holds any tree point's part of its block, spacings
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> block_of_point_;

@@ -13,6 +13,8 @@ class PointTree {
  public:
   /// `xyz` holds x y z of one point after the other.
   explicit PointTree(std::span<const float> xyz);
+  /// Only the points `chosen`; answers count within `chosen`.
+  PointTree(std::span<const float> xyz, std::span<const std::uint32_t> chosen);
   ~PointTree();
   PointTree(const PointTree&) = delete;
   PointTree& operator=(const PointTree&) = delete;

@@ -122,7 +122,15 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
     for (std::uint32_t n = 0; n < grid.lattice.count(); n += 1 + static_cast<std::uint32_t>(random() % 20))
       if (grid.state[n] == NodeState::measured) nodes.push_back(n);
     ThreadPool pool(2);
-    const std::vector<float> found = nearest_point_distances(grid, nodes, xyz, 0.01, pool);
+    const BandedPoints points(
+        grid.lattice, xyz.size() / 3,
+        [&](std::size_t begin, std::size_t end, float* out) {
+          std::copy(xyz.begin() + static_cast<std::ptrdiff_t>(3 * begin),
+                    xyz.begin() + static_cast<std::ptrdiff_t>(3 * end), out);
+          return end - begin;
+        },
+        pool);
+    const std::vector<float> found = nearest_point_distances(grid, nodes, points, 0.01, pool);
     ASSERT_EQ(found.size(), nodes.size());
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const Eigen::Vector3d node((nodes[k] % 120) * 0.01, (nodes[k] / 120) * 0.01, grid.height_m[nodes[k]]);
@@ -166,13 +174,11 @@ TEST(Statistics, ConfidenceIntervalsHoldTheTrueMeanNineteenTimesInTwenty) {
 }
 
 TEST(Statistics, SamplesHaveTheSizeThatWasAskedFor) {
-  std::vector<std::uint64_t> keys(10000);
-  for (std::size_t k = 0; k < keys.size(); ++k) keys[k] = hash_word(k);
-  for (const std::uint64_t wanted : {1U, 2U, 50U, 5000U, 9999U}) EXPECT_EQ(choose_sample(keys, wanted).size(), wanted);
-  EXPECT_EQ(choose_sample(keys, 0).size(), 10000U);
-  EXPECT_EQ(choose_sample(keys, 20000).size(), 10000U);
-  const std::vector<std::uint64_t> equal(100, 42);
-  EXPECT_EQ(choose_sample(equal, 10).size(), 10U);
+  const auto size = [](std::uint64_t wanted) { return choose_sample(10000, wanted, hash_word).size(); };
+  for (const std::uint64_t wanted : {1U, 2U, 50U, 5000U, 9999U}) EXPECT_EQ(size(wanted), wanted);
+  EXPECT_EQ(size(0), 10000U);
+  EXPECT_EQ(size(20000), 10000U);
+  EXPECT_EQ(choose_sample(100, 10, [](std::size_t) { return std::uint64_t{42}; }).size(), 10U);
 }
 
 /// A noisy plane with outliers, seen through a turned scan frame with a large origin.

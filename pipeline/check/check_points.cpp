@@ -1,0 +1,49 @@
+// A counting sort by bands, in two passes over pieces of the input.
+#include "pipeline/check/check_points.h"
+
+#include <algorithm>
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kItemsPerPiece = 1U << 14;
+
+}  // namespace
+
+BandedPoints::BandedPoints(const Lattice& lattice, std::size_t items, const Source& source, ThreadPool& pool)
+    : start_(static_cast<std::size_t>(std::max(1, (lattice.ny + kRows - 1) / kRows)) + 1) {
+  const std::size_t bands = start_.size() - 1, pieces = (items + kItemsPerPiece - 1) / kItemsPerPiece;
+  const auto per_band = static_cast<float>(1 / (lattice.spacing_m * kRows));
+  const auto last = static_cast<float>(bands - 1);
+  const auto band_of = [&](const float* p) {
+    return static_cast<std::size_t>(std::clamp(p[1] * per_band, 0.0F, last));
+  };
+
+  // place[piece * bands + band]: first how many, then where the piece's points of the band go.
+  std::vector<std::size_t> place(pieces * bands);
+  const auto each_point = [&](std::size_t begin, std::size_t end, const auto& use) {
+    const auto buffer = std::make_unique_for_overwrite<float[]>(3 * (end - begin));
+    const std::size_t count = source(begin, end, buffer.get());
+    for (std::size_t k = 0; k < count; ++k)
+      use(buffer.get() + 3 * k, place[begin / kItemsPerPiece * bands + band_of(buffer.get() + 3 * k)]);
+  };
+  pool.for_ranges(items, kItemsPerPiece, [&](std::size_t begin, std::size_t end) {
+    each_point(begin, end, [](const float*, std::size_t& count) { ++count; });
+  });
+  std::size_t total = 0;
+  for (std::size_t band = 0; band < bands; ++band) {
+    start_[band] = total;
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+      const std::size_t count = place[piece * bands + band];
+      place[piece * bands + band] = total;
+      total += count;
+    }
+  }
+  start_[bands] = total;
+  xyz_ = std::make_unique_for_overwrite<float[]>(3 * total);
+  pool.for_ranges(items, kItemsPerPiece, [&](std::size_t begin, std::size_t end) {
+    each_point(begin, end, [&](const float* p, std::size_t& to) { std::copy_n(p, 3, xyz_.get() + 3 * to++); });
+  });
+}
+
+}  // namespace sparsha::pipeline
