@@ -66,7 +66,6 @@ void fit_nodes(const Bins& bins, const NodeRule& rule, ThreadPool& pool, Progres
   kernel.scale_m = static_cast<float>(scale);
   kernel.ridge = static_cast<float>(slope_ridge(scale, lattice.spacing_m));
   for (std::size_t reach = 0; reach < 2; ++reach) kernel.per_r2[reach] = per_r2[reach].data();
-  const NodeKernelRow fit_row = fastest_node_kernel();
 
   constexpr std::size_t kRows = 8;
   pool.for_ranges(static_cast<std::size_t>(lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
@@ -75,7 +74,7 @@ void fit_nodes(const Bins& bins, const NodeRule& rule, ThreadPool& pool, Progres
     std::vector<std::uint8_t> decided(kernel.nx);
     for (std::size_t j = begin; j < end; ++j) {
       const std::size_t row = lattice.index(0, static_cast<int>(j));
-      fit_row(kernel, j, grid.height_m.data() + row, decided.data());
+      fastest_kernels().fit_row(kernel, j, grid.height_m.data() + row, decided.data());
       for (std::size_t i = 0; i < kernel.nx; ++i) {
         if (decided[i] == 0) {
           const NodeFit fit = fitter.fit(static_cast<int>(i), static_cast<int>(j));

@@ -12,7 +12,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kPiece = 1U << 17U;
-constexpr int kMostCells = 256;
+constexpr int kMostCells = 160;
 
 struct Box {
   double x0, y0, x1, y1;
@@ -56,9 +56,17 @@ Occupancy count_points(const OrientedPoints& points, const Box& box, ThreadPool&
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t>& mine = partial[begin / kPiece];
     mine.assign(size, 0);
+    const auto x0 = static_cast<float>(cells.box.x0);
+    const auto y0 = static_cast<float>(cells.box.y0);
+    const auto per_m = static_cast<float>(cells.per_m);
+    const auto nx = static_cast<float>(cells.nx);
+    const auto ny = static_cast<float>(cells.ny);
     for (std::size_t k = begin; k < end; ++k) {
-      const std::ptrdiff_t c = cells.cell_of(points.x[k], points.y[k]);
-      if (c >= 0) ++mine[static_cast<std::size_t>(c)];
+      const float u = (points.x[k] - x0) * per_m;
+      const float v = (points.y[k] - y0) * per_m;
+      if (u >= 0.0F && v >= 0.0F && u < nx && v < ny) [[likely]] {
+        ++mine[static_cast<std::size_t>(static_cast<int>(v) * cells.nx + static_cast<int>(u))];
+      }
     }
   });
   cells.count.assign(size, 0);
@@ -155,7 +163,8 @@ std::array<Strip, 4> border_strips(const OrientedPoints& points, const Occupancy
   std::vector<std::vector<std::size_t>> pieces((points.count + kPiece - 1) / kPiece);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      if (points.x[k] > left && points.x[k] < right && points.y[k] > bottom && points.y[k] < top) [[likely]]
+      const bool inside = (points.x[k] > left) & (points.x[k] < right) & (points.y[k] > bottom) & (points.y[k] < top);
+      if (inside) [[likely]]
         continue;
       pieces[begin / kPiece].push_back(k);
     }
@@ -185,7 +194,7 @@ std::array<Strip, 4> border_strips(const OrientedPoints& points, const Occupancy
 double outermost_supported(const Strip& strip, std::size_t axis, float sign, double otherwise) {
   std::vector<std::uint32_t> order(strip.points.size());
   for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
-  const std::size_t tries = std::min<std::size_t>(order.size(), 512);
+  const std::size_t tries = std::min<std::size_t>(order.size(), 256);
   const auto outer = [&](std::uint32_t a, std::uint32_t b) {
     const float pa = sign * strip.points[a][axis];
     const float pb = sign * strip.points[b][axis];
@@ -200,7 +209,7 @@ double outermost_supported(const Strip& strip, std::size_t axis, float sign, dou
       const float dx = q[0] - p[0];
       const float dy = q[1] - p[1];
       const float dz = (q[2] - p[2]) / 1.5F;
-      if (dx * dx + dy * dy + dz * dz <= reach * reach) ++neighbours;
+      if (dx * dx + dy * dy + dz * dz <= reach * reach && ++neighbours == 3) break;
     }
     if (neighbours >= 3) return static_cast<double>(p[axis]);
   }

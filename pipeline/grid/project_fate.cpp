@@ -6,10 +6,14 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/grid/project_kernel.h"
+
 namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kPiece = 1U << 15U;
+constexpr std::uint8_t kUndecided = 255;
+static_assert(static_cast<int>(PointFate::used) == 0, "the kernel's code of a used point");
 
 struct Range {
   float low = std::numeric_limits<float>::infinity();
@@ -32,16 +36,17 @@ Range range_of_nodes(const DepthGrid& grid, int i0, int j0, int i1, int j1) {
   return range;
 }
 
-// Of the four nodes around cell (i, j), which must be inside.
-Range range_of_cell(const DepthGrid& grid, int i, int j) {
-  const float* lower = grid.height_m.data() + grid.lattice.index(i, j);
-  const float* upper = lower + grid.lattice.nx;
-  Range range;
-  include(range, lower[0]);
-  include(range, lower[1]);
-  include(range, upper[0]);
-  include(range, upper[1]);
-  return range;
+// Of a point in a border cell, beyond the lattice, or in a cell without a measured node.
+PointFate fate_at_border(const DepthGrid& grid, const FateKernel& kernel, float x, float y, float z) {
+  const float u = (x - kernel.x0_m) * kernel.per_m;
+  const float v = (y - kernel.y0_m) * kernel.per_m;
+  if (!(u >= -0.5F && v >= -0.5F && u <= kernel.last_u + 0.5F && v <= kernel.last_v + 0.5F)) return PointFate::outside;
+  const int i = static_cast<int>(std::floor(u));
+  const int j = static_cast<int>(std::floor(v));
+  Range range = range_of_nodes(grid, i, j, i + 1, j + 1);
+  if (range.low > range.high) range = range_of_nodes(grid, i - 1, j - 1, i + 2, j + 2);
+  if (range.low > range.high || z > range.high + kernel.gap_m) return PointFate::outlier;
+  return z < range.low - kernel.gap_m ? PointFate::occluded : PointFate::used;
 }
 
 }  // namespace
@@ -49,37 +54,32 @@ Range range_of_cell(const DepthGrid& grid, int i, int j) {
 void classify_points(const OrientedPoints& points, const BinLattice& lattice, ThreadPool& pool,
                      Projection& projection) {
   const DepthGrid& grid = projection.grid;
-  const auto gap = static_cast<float>(projection.gap_m);
-  const auto per_m = static_cast<float>(1.0 / lattice.spacing_m);
-  const auto x0 = static_cast<float>(lattice.x0_m);
-  const auto y0 = static_cast<float>(lattice.y0_m);
-  const float last_u = static_cast<float>(lattice.nx) - 0.5F;
-  const float last_v = static_cast<float>(lattice.ny) - 0.5F;
+  FateKernel kernel;
+  kernel.height = grid.height_m.data();
+  kernel.nx = lattice.nx;
+  kernel.x0_m = static_cast<float>(lattice.x0_m);
+  kernel.y0_m = static_cast<float>(lattice.y0_m);
+  kernel.per_m = static_cast<float>(1.0 / lattice.spacing_m);
+  kernel.last_u = static_cast<float>(lattice.nx - 1);
+  kernel.last_v = static_cast<float>(lattice.ny - 1);
+  kernel.gap_m = static_cast<float>(projection.gap_m);
+  kernel.occluded = static_cast<std::int32_t>(PointFate::occluded);
+  kernel.outlier = static_cast<std::int32_t>(PointFate::outlier);
+  kernel.undecided = kUndecided;
   projection.fate.resize(points.count);
+  auto* fates = reinterpret_cast<std::uint8_t*>(projection.fate.data());
   std::vector<std::array<std::uint64_t, 4>> counts((points.count + kPiece - 1) / kPiece);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+    fastest_kernels().classify(kernel, points.x.get() + begin, points.y.get() + begin, points.z.get() + begin,
+                               end - begin, fates + begin);
     std::array<std::uint64_t, 4> mine{};
     for (std::size_t k = begin; k < end; ++k) {
-      const float u = (points.x[k] - x0) * per_m;
-      const float v = (points.y[k] - y0) * per_m;
-      PointFate fate = PointFate::outside;
-      if (u >= -0.5F && v >= -0.5F && u <= last_u && v <= last_v) {
-        // One up and down again: truncation then rounds towards minus infinity.
-        const int i = static_cast<int>(u + 1.0F) - 1;
-        const int j = static_cast<int>(v + 1.0F) - 1;
-        const bool inner = i >= 0 && j >= 0 && i + 1 < lattice.nx && j + 1 < lattice.ny;
-        Range range = inner ? range_of_cell(grid, i, j) : range_of_nodes(grid, i, j, i + 1, j + 1);
-        if (range.low > range.high) range = range_of_nodes(grid, i - 1, j - 1, i + 2, j + 2);
-        const float z = points.z[k];
-        if (range.low > range.high || z > range.high + gap) {
-          fate = PointFate::outlier;
-        } else {
-          fate = z < range.low - gap ? PointFate::occluded : PointFate::used;
-        }
+      if (fates[k] == kUndecided) [[unlikely]] {
+        projection.fate[k] = fate_at_border(grid, kernel, points.x[k], points.y[k], points.z[k]);
       }
-      projection.fate[k] = fate;
-      ++mine[static_cast<std::size_t>(fate)];
+      if (projection.fate[k] != PointFate::used) ++mine[fates[k]];
     }
+    mine[static_cast<std::size_t>(PointFate::used)] = end - begin - mine[1] - mine[2] - mine[3];
     counts[begin / kPiece] = mine;
   });
   std::array<std::uint64_t, 4> all{};

@@ -1,17 +1,19 @@
-// The node kernel for every x86-64 (and other machines), and the choice between it and the AVX2 one.
-#include "pipeline/grid/project_kernel_lanes.h"
+// The kernels for every x86-64 (and other machines), and the choice between them and the AVX2 ones.
+#include "pipeline/grid/project_kernel.h"
+
+#include "pipeline/grid/project_lanes_nodes.h"
+#include "pipeline/grid/project_lanes_points.h"
+#include "pipeline/grid/project_lanes_table.h"
 
 namespace sparsha::pipeline {
 
-void fit_row_baseline(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided) {
-  fit_row(kernel, j, height, decided);
-}
+const ProjectionKernels& baseline_kernels() { return kKernels; }
 
-NodeKernelRow fastest_node_kernel() {
+const ProjectionKernels& fastest_kernels() {
 #if defined(__x86_64__) && defined(__GNUC__)
-  if (__builtin_cpu_supports("avx2")) return fit_row_avx2;
+  if (__builtin_cpu_supports("avx2")) return avx2_kernels();
 #endif
-  return fit_row_baseline;
+  return baseline_kernels();
 }
 
 }  // namespace sparsha::pipeline

@@ -1,5 +1,5 @@
-// The fast way through the nodes that need no thought: one layer in front, all around, with Gaussian residuals.
-// Plain pointers only; the same source is compiled for baseline x86-64 and for AVX2, and both give the same bits.
+// The loops over all points and all nodes. Plain pointers only; the same source is compiled for baseline x86-64 and for
+// AVX2, and both give the same bits.
 #pragma once
 
 #include <cstddef>
@@ -27,13 +27,38 @@ struct NodeKernel {
   const float* per_r2[2] = {};  ///< 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5
 };
 
-/// Heights of row `j` into height[0..nx) and 1 into decided[i], or 0 where NodeFitter has to look.
-using NodeKernelRow = void (*)(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided);
+/// What fates of points are decided from.
+struct FateKernel {
+  const float* height = nullptr;  ///< heights of the nodes, NaN where unknown
+  std::int32_t nx = 0;
+  float x0_m = 0.0F, y0_m = 0.0F, per_m = 1.0F;  ///< node (0, 0) and 1 / spacing
+  float last_u = 0.0F, last_v = 0.0F;            ///< nx - 1, ny - 1
+  float gap_m = 0.0F;
+  std::int32_t occluded = 0, outlier = 0, undecided = 0;  ///< codes; 0 is a used point
+};
 
-void fit_row_baseline(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided);
-void fit_row_avx2(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided);
+/// The kernels for one instruction set.
+struct ProjectionKernels {
+  /// out = matrix (row-major 3x4) * point in double, each coordinate rounded once; `stride` in floats. low[3] and
+  /// high[3] are the points' box.
+  void (*orient)(const float* xyz, std::size_t stride, std::size_t count, const double* matrix, float* x, float* y,
+                 float* z, float* low, float* high);
+  /// A sample of the points, about (limit + 1) / 2^32 of them, chosen by a hash of the coordinates: writes their
+  /// numbers and returns how many.
+  std::size_t (*draw)(const float* xyz, std::size_t stride, std::size_t count, std::uint32_t limit,
+                      std::uint32_t* drawn);
+  /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend. Heights of row `j`
+  /// into height[0..nx) and 1 into decided[i], or 0 where NodeFitter has to look.
+  void (*fit_row)(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided);
+  /// Points in cells with a measured node; `undecided` for the others and for the last few.
+  void (*classify)(const FateKernel& kernel, const float* x, const float* y, const float* z, std::size_t count,
+                   std::uint8_t* fate);
+};
+
+[[nodiscard]] const ProjectionKernels& baseline_kernels();
+[[nodiscard]] const ProjectionKernels& avx2_kernels();
 
 /// The fastest that this machine runs.
-[[nodiscard]] NodeKernelRow fastest_node_kernel();
+[[nodiscard]] const ProjectionKernels& fastest_kernels();
 
 }  // namespace sparsha::pipeline

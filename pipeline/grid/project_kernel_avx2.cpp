@@ -1,22 +1,16 @@
-// The node kernel compiled for AVX2; chosen at run time, see project_kernel.cpp.
-#if defined(__AVX2__)
-#include "pipeline/grid/project_kernel_lanes.h"
-
-namespace sparsha::pipeline {
-
-void fit_row_avx2(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided) {
-  fit_row(kernel, j, height, decided);
-}
-
-}  // namespace sparsha::pipeline
-#else
+// The kernels compiled for AVX2; chosen at run time, see project_kernel.cpp.
 #include "pipeline/grid/project_kernel.h"
 
+#if defined(__AVX2__)
+#include "pipeline/grid/project_lanes_nodes.h"
+#include "pipeline/grid/project_lanes_points.h"
+#include "pipeline/grid/project_lanes_table.h"
+
 namespace sparsha::pipeline {
-
-void fit_row_avx2(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided) {
-  fit_row_baseline(kernel, j, height, decided);
-}
-
+const ProjectionKernels& avx2_kernels() { return kKernels; }
+}  // namespace sparsha::pipeline
+#else
+namespace sparsha::pipeline {
+const ProjectionKernels& avx2_kernels() { return baseline_kernels(); }
 }  // namespace sparsha::pipeline
 #endif

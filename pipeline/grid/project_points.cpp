@@ -8,39 +8,63 @@
 #include <limits>
 #include <mutex>
 
-#include "pipeline/grid/project_hash.h"
+#include "pipeline/grid/project_kernel.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kChunk = 1U << 15U;
+constexpr std::size_t kChunk = 1U << 13U;
 constexpr std::size_t kSample = 4096;
 constexpr float kLargest = 1e18F;  // metres; squares still fit a float
 
-// Row-major 3x4 affine: grid - origin = linear * p + shift, p relative to the cloud's origin.
+// Row-major 3x4 affine: grid - origin = rows * (p, 1), p relative to the cloud's origin.
 struct Affine {
-  std::array<double, 9> linear;
-  std::array<double, 3> shift;
+  std::array<double, 12> rows;
 
   Affine(const Eigen::Matrix4d& a, const Eigen::Vector3d& cloud_origin, const Eigen::Vector3d& origin) {
     const Eigen::Vector3d moved = (a.topLeftCorner<3, 3>() * cloud_origin + a.topRightCorner<3, 1>()) - origin;
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column) {
-        linear[static_cast<std::size_t>(3 * row + column)] = a(row, column);
+        rows[static_cast<std::size_t>(4 * row + column)] = a(row, column);
       }
-      shift[static_cast<std::size_t>(row)] = moved[row];
+      rows[static_cast<std::size_t>(4 * row + 3)] = moved[row];
     }
   }
 
   [[nodiscard]] std::array<double, 3> operator()(const float* p) const {
-    const double x = static_cast<double>(p[0]);
-    const double y = static_cast<double>(p[1]);
-    const double z = static_cast<double>(p[2]);
-    return {linear[0] * x + linear[1] * y + linear[2] * z + shift[0],
-            linear[3] * x + linear[4] * y + linear[5] * z + shift[1],
-            linear[6] * x + linear[7] * y + linear[8] * z + shift[2]};
+    std::array<double, 3> g{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double* row = rows.data() + 4 * axis;
+      g[axis] = row[0] * static_cast<double>(p[0]) + row[1] * static_cast<double>(p[1]) +
+                row[2] * static_cast<double>(p[2]) + row[3];
+    }
+    return g;
   }
 };
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+struct Box {
+  std::array<float, 3> low{kInfinity, kInfinity, kInfinity};
+  std::array<float, 3> high{-kInfinity, -kInfinity, -kInfinity};
+};
+
+// Moves points that do not fit far away; the box of the others.
+Box put_aside(OrientedPoints& points, std::size_t begin, std::size_t end) {
+  Box box;
+  for (std::size_t k = begin; k < end; ++k) {
+    const std::array<float, 3> p{points.x[k], points.y[k], points.z[k]};
+    if (std::abs(p[0]) < kLargest && std::abs(p[1]) < kLargest && std::abs(p[2]) < kLargest) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] = std::min(box.low[axis], p[axis]);
+        box.high[axis] = std::max(box.high[axis], p[axis]);
+      }
+    } else {
+      points.x[k] = points.y[k] = points.z[k] = OrientedPoints::kFarAway;
+    }
+  }
+  return box;
+}
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -55,13 +79,12 @@ Eigen::Vector3d robust_origin(const RawPoints& raw, const Affine& affine, const 
     const auto limit = static_cast<std::uint32_t>(0xffffffffULL / std::max<std::uint64_t>(1, every));
     std::mutex mutex;
     pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
-      std::vector<std::array<double, 3>> mine;
-      for (std::size_t k = begin; k < end; ++k) {
-        const float* p = raw.xyz + k * raw.stride;
-        if (quick_hash(p[0], p[1], p[2]) <= limit) mine.push_back(affine(p));
-      }
+      std::vector<std::uint32_t> drawn(end - begin);
+      const float* piece = raw.xyz + begin * raw.stride;
+      drawn.resize(fastest_kernels().draw(piece, raw.stride, end - begin, limit, drawn.data()));
       const std::lock_guard lock(mutex);
-      for (const std::array<double, 3>& g : mine) {
+      for (const std::uint32_t k : drawn) {
+        const std::array<double, 3> g = affine(piece + k * raw.stride);
         for (std::size_t axis = 0; axis < 3; ++axis) sample[axis].push_back(g[axis]);
       }
     });
@@ -88,28 +111,17 @@ OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_
   points.x = std::make_unique_for_overwrite<float[]>(raw.count);
   points.y = std::make_unique_for_overwrite<float[]>(raw.count);
   points.z = std::make_unique_for_overwrite<float[]>(raw.count);
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  struct Box {
-    std::array<float, 3> low{kInfinity, kInfinity, kInfinity};
-    std::array<float, 3> high{-kInfinity, -kInfinity, -kInfinity};
-  };
   std::vector<Box> boxes((raw.count + kChunk - 1) / kChunk);
   pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
     Box box;
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::array<double, 3> g = affine(raw.xyz + k * raw.stride);
-      std::array<float, 3> p{static_cast<float>(g[0]), static_cast<float>(g[1]), static_cast<float>(g[2])};
-      if (std::abs(p[0]) < kLargest && std::abs(p[1]) < kLargest && std::abs(p[2]) < kLargest) [[likely]] {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          box.low[axis] = std::min(box.low[axis], p[axis]);
-          box.high[axis] = std::max(box.high[axis], p[axis]);
-        }
-      } else {
-        p.fill(OrientedPoints::kFarAway);
+    fastest_kernels().orient(raw.xyz + begin * raw.stride, raw.stride, end - begin, affine.rows.data(),
+                             points.x.get() + begin, points.y.get() + begin, points.z.get() + begin, box.low.data(),
+                             box.high.data());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (box.low[axis] <= -kLargest || box.high[axis] >= kLargest) {
+        box = put_aside(points, begin, end);
+        break;
       }
-      points.x[k] = p[0];
-      points.y[k] = p[1];
-      points.z[k] = p[2];
     }
     boxes[begin / kChunk] = box;
   });

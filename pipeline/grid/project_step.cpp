@@ -40,10 +40,11 @@ Separation separate(std::span<const NodePoint> a, std::span<const NodePoint> b) 
   for (const NodePoint& p : b) pb = {pb.u + at(p).u, pb.v + at(p).v};
   pa = {pa.u / static_cast<double>(a.size()), pa.v / static_cast<double>(a.size())};
   pb = {pb.u / static_cast<double>(b.size()), pb.v / static_cast<double>(b.size())};
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 24; ++round) {
     const Vector w{pa.u - pb.u, pa.v - pb.v};
     const double length2 = dot(w, w);
-    if (length2 < 1e-12) return result;
+    // Hulls that come so near overlap, or nearly so: no line that could be trusted parts them.
+    if (length2 < 1e-4) return result;
     const Vector near_a = lowest(a, w);
     const Vector near_b = lowest(b, {-w.u, -w.v});
     const double gap = dot(near_a, w) - dot(near_b, w);  // of the sets along w, times |w|

@@ -1,82 +1,19 @@
-// The kernel's body in vectors of eight floats, included once for each instruction set. No inline function or template
-// leaves the file that includes it: a weak symbol compiled with AVX could be linked into code that runs without.
-#include "pipeline/grid/project_kernel.h"
+// The node kernel's body, included once for each instruction set after project_lanes.h.
+#pragma once
 
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
+#include "pipeline/grid/project_kernel.h"
+#include "pipeline/grid/project_lanes.h"
 
 namespace {
 
-typedef float Floats __attribute__((vector_size(32)));
-typedef std::int32_t Ints __attribute__((vector_size(32)));
-
-#define SPARSHA_INLINE static inline __attribute__((always_inline))
-
-constexpr std::size_t kLanes = 8;
-constexpr float kTukey = 4.685F;
+constexpr float kTukey = 4.685F;  // 95 % efficiency under Gaussian noise
 
 struct alignas(32) Window {
   float u[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // from the node, in spacings
   float v[sparsha::pipeline::NodeKernel::kMostPoints + 16];
+  float w[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // kernel weights of the points in the band
   float z[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // metres, relative to the reference height
 };
-
-SPARSHA_INLINE Floats load(const float* p) {
-  Floats value;
-  __builtin_memcpy(&value, p, sizeof(value));
-  return value;
-}
-SPARSHA_INLINE void store(float* p, Floats value) { __builtin_memcpy(p, &value, sizeof(value)); }
-SPARSHA_INLINE Floats all(float value) { return Floats{} + value; }
-SPARSHA_INLINE Floats masked(Ints mask, Floats value) {
-  return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(value));
-}
-SPARSHA_INLINE Floats absolute(Floats value) {
-  return reinterpret_cast<Floats>(reinterpret_cast<Ints>(value) & 0x7fffffff);
-}
-
-// The smaller and the larger of a and b; b when they do not compare.
-#if defined(__AVX2__)
-SPARSHA_INLINE Floats least(Floats a, Floats b) { return (Floats)_mm256_min_ps((__m256)a, (__m256)b); }
-SPARSHA_INLINE Floats most(Floats a, Floats b) { return (Floats)_mm256_max_ps((__m256)a, (__m256)b); }
-#elif defined(__SSE2__)
-struct Halves {
-  __m128 low, high;
-};
-SPARSHA_INLINE Floats least(Floats a, Floats b) {
-  const auto x = __builtin_bit_cast(Halves, a);
-  const auto y = __builtin_bit_cast(Halves, b);
-  return __builtin_bit_cast(Floats, Halves{_mm_min_ps(x.low, y.low), _mm_min_ps(x.high, y.high)});
-}
-SPARSHA_INLINE Floats most(Floats a, Floats b) {
-  const auto x = __builtin_bit_cast(Halves, a);
-  const auto y = __builtin_bit_cast(Halves, b);
-  return __builtin_bit_cast(Floats, Halves{_mm_max_ps(x.low, y.low), _mm_max_ps(x.high, y.high)});
-}
-#else
-SPARSHA_INLINE Floats least(Floats a, Floats b) { return a < b ? a : b; }
-SPARSHA_INLINE Floats most(Floats a, Floats b) { return a > b ? a : b; }
-#endif
-SPARSHA_INLINE Floats choose(Ints mask, Floats yes, Floats no) {
-  return reinterpret_cast<Floats>((mask & reinterpret_cast<Ints>(yes)) | (~mask & reinterpret_cast<Ints>(no)));
-}
-
-// Sum of the lanes in a fixed order.
-SPARSHA_INLINE float total(Floats a) {
-  const Floats half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
-  const Floats quarter = half + __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5});
-  return quarter[0] + quarter[1];
-}
-SPARSHA_INLINE std::int32_t total(Ints a) {
-  const Ints half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
-  return (half[0] + half[1]) + (half[2] + half[3]);
-}
-SPARSHA_INLINE float largest(Floats a) {
-  const Floats half = most(a, __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3}));
-  const Floats quarter = most(half, __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5}));
-  return quarter[0] > quarter[1] ? quarter[0] : quarter[1];
-}
 
 struct Plane {
   float c, gu, gv;  // metres, metres per spacing
@@ -104,19 +41,20 @@ SPARSHA_INLINE void add(Moments& m, Floats w, Floats u, Floats v, Floats z) {
 
 SPARSHA_INLINE Plane solve(const Moments& m, float ridge) {
   Plane plane{};
-  const float w = total(m.w);
+  const Eight sums = totals(m.w, m.u, m.v, m.z, m.uu, m.uv, m.vv, m.uz);
+  const float w = sums.at[0];
   if (!(w > 0.0F)) return plane;
   const float per_w = 1.0F / w;
-  const float u = total(m.u);
-  const float v = total(m.v);
+  const float u = sums.at[1];
+  const float v = sums.at[2];
   plane.mu = u * per_w;
   plane.mv = v * per_w;
-  const float mz = total(m.z) * per_w;
+  const float mz = sums.at[3] * per_w;
   const float prior = ridge + 1e-6F * w;
-  const float uu = total(m.uu) - u * plane.mu + prior;
-  const float vv = total(m.vv) - v * plane.mv + prior;
-  const float uv = total(m.uv) - u * plane.mv;
-  const float uz = total(m.uz) - u * mz;
+  const float uu = sums.at[4] - u * plane.mu + prior;
+  const float vv = sums.at[6] - v * plane.mv + prior;
+  const float uv = sums.at[5] - u * plane.mv;
+  const float uz = sums.at[7] - u * mz;
   const float vz = total(m.vz) - v * mz;
   const float determinant = uu * vv - uv * uv;
   if (!(determinant > 0.0F)) return plane;
@@ -201,10 +139,11 @@ SPARSHA_INLINE bool lopsided(const Window& window, std::size_t count, float band
     out_u += masked(out, u);
     out_v += masked(out, v);
   }
-  const float per_in = 1.0F / total(in_count);
-  const float per_out = 1.0F / total(out_count);
-  const float du = total(in_u) * per_in - total(out_u) * per_out;
-  const float dv = total(in_v) * per_in - total(out_v) * per_out;
+  const Eight sums = totals(in_count, in_u, in_v, out_count, out_u, out_v, Floats{}, Floats{});
+  const float per_in = 1.0F / sums.at[0];
+  const float per_out = 1.0F / sums.at[3];
+  const float du = sums.at[1] * per_in - sums.at[4] * per_out;
+  const float dv = sums.at[2] * per_in - sums.at[5] * per_out;
   return du * du + dv * dv > 0.8F;
 }
 
@@ -247,19 +186,19 @@ SPARSHA_INLINE Floats residuals(const Quadric& q, Floats u, Floats v, Floats z) 
 }
 
 // Weighted least squares; `per_scale` = 0 weights by the kernel alone, else Tukey's biweight about `about` as well.
-SPARSHA_INLINE bool fit_quadric(const Window& window, std::size_t count, float band, float per_r2, float per_scale,
-                                float ridge, const Quadric& about, Quadric& result) {
-  Floats sums[27];
-  for (int s = 0; s < 27; ++s) sums[s] = Floats{};
+SPARSHA_INLINE bool fit_quadric(const Window& window, std::size_t count, float per_scale, float ridge,
+                                const Quadric& about, Quadric& result) {
+  Floats sums[32];
+  for (int s = 0; s < 32; ++s) sums[s] = Floats{};
   for (std::size_t p = 0; p < count; p += kLanes) {
     const Floats u = load(window.u + p);
     const Floats v = load(window.v + p);
-    const Ints inside = absolute(load(window.z + p)) <= band;
-    const Floats z = masked(inside, load(window.z + p));
-    const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+    const Floats kernel = load(window.w + p);
+    const Ints weighs = kernel > 0.0F;
+    const Floats z = masked(weighs, load(window.z + p));
     const Floats r = residuals(about, u, v, z) * per_scale;
-    const Floats b = masked(inside, most(Floats{}, 1.0F - r * r));
-    const Floats w = t * t * b * b;
+    const Floats b = masked(weighs, most(Floats{}, 1.0F - r * r));
+    const Floats w = kernel * b * b;
     const Floats uu = u * u;
     const Floats uv = u * v;
     const Floats vv = v * v;
@@ -271,12 +210,17 @@ SPARSHA_INLINE bool fit_quadric(const Window& window, std::size_t count, float b
     }
     for (int i = 0; i < 6; ++i) sums[s++] += w * terms[i] * z;
   }
+  Eight summed[4];
+  for (int e = 0; e < 4; ++e) {
+    const Floats* part = sums + 8 * e;
+    summed[e] = totals(part[0], part[1], part[2], part[3], part[4], part[5], part[6], part[7]);
+  }
   float a[6][6];
   int s = 0;
   for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j <= i; ++j) a[i][j] = total(sums[s++]);
+    for (int j = 0; j <= i; ++j, ++s) a[i][j] = summed[s / 8].at[s % 8];
   }
-  for (int i = 0; i < 6; ++i) result.c[i] = total(sums[s++]);
+  for (int i = 0; i < 6; ++i, ++s) result.c[i] = summed[s / 8].at[s % 8];
   const float weight = a[0][0];
   for (int i = 1; i < 6; ++i) a[i][i] += ridge + 1e-6F * weight;
   for (int i = 0; i < 6; ++i) {
@@ -303,40 +247,40 @@ SPARSHA_INLINE bool fit_quadric(const Window& window, std::size_t count, float b
 }
 
 // Weighted mean of Tukey's loss, 0 to 1, and how many points have weight.
-SPARSHA_INLINE float mean_loss(const Window& window, std::size_t count, float band, float per_r2, float per_scale,
-                               const Quadric& q, float& support) {
+SPARSHA_INLINE float mean_loss(const Window& window, std::size_t count, float per_scale, const Quadric& q,
+                               float& support) {
   Floats sum{};
   Floats weight{};
   Floats points{};
   for (std::size_t p = 0; p < count; p += kLanes) {
     const Floats u = load(window.u + p);
     const Floats v = load(window.v + p);
-    const Ints inside = absolute(load(window.z + p)) <= band;
-    const Floats z = masked(inside, load(window.z + p));
-    const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+    const Floats kernel = load(window.w + p);
+    const Ints weighs = kernel > 0.0F;
+    const Floats z = masked(weighs, load(window.z + p));
     const Floats r = residuals(q, u, v, z) * per_scale;
     const Floats b = most(Floats{}, 1.0F - r * r);
-    sum += t * t * (1.0F - b * b * b);
-    weight += t * t;
-    points += masked(t > 0.0F, all(1.0F));
+    sum += masked(weighs, kernel * (1.0F - b * b * b));
+    weight += kernel;
+    points += masked(weighs, all(1.0F));
   }
   support = total(points);
   return total(sum) / total(weight);
 }
 
-SPARSHA_INLINE bool fit_tukey_plane(const Window& window, std::size_t count, float band, float per_r2, float per_scale,
-                                    float ridge, Plane& plane) {
+SPARSHA_INLINE bool fit_tukey_plane(const Window& window, std::size_t count, float per_scale, float ridge,
+                                    Plane& plane) {
   for (int round = 0; round < 3; ++round) {
     Moments robust{};
     for (std::size_t p = 0; p < count; p += kLanes) {
       const Floats u = load(window.u + p);
       const Floats v = load(window.v + p);
-      const Ints inside = absolute(load(window.z + p)) <= band;
-      const Floats z = masked(inside, load(window.z + p));
-      const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+      const Floats kernel = load(window.w + p);
+      const Ints weighs = kernel > 0.0F;
+      const Floats z = masked(weighs, load(window.z + p));
       const Floats r = (z - plane.gu * u - plane.gv * v - plane.c) * per_scale;
-      const Floats b = masked(inside, most(Floats{}, 1.0F - r * r));
-      add(robust, t * t * b * b, u, v, z);
+      const Floats b = masked(weighs, most(Floats{}, 1.0F - r * r));
+      add(robust, kernel * b * b, u, v, z);
     }
     plane = solve(robust, ridge);
     if (!plane.good) return false;
@@ -347,7 +291,7 @@ SPARSHA_INLINE bool fit_tukey_plane(const Window& window, std::size_t count, flo
 enum Verdict { kDecided, kWider, kHard };
 
 // Decides a window of 2 reach + 1 nodes a side, unless it is not one simple layer.
-SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, const Window& window, std::size_t count,
+SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& window, std::size_t count,
                                 std::size_t reach, float& height) {
   Ints in_count{};
   Ints above_count{};
@@ -373,7 +317,9 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, const Wi
     const Ints inside = absolute(load(window.z + p)) <= k.band_m;
     const Floats z = masked(inside, load(window.z + p));
     const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
-    add(moments, t * t, u, v, z);
+    const Floats w = t * t;
+    store(window.w + p, w);
+    add(moments, w, u, v, z);
   }
   Plane plane = solve(moments, k.ridge);
   if (!plane.good) return kHard;
@@ -392,27 +338,26 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, const Wi
     const Floats u = load(window.u + p);
     const Floats v = load(window.v + p);
     const Floats z = load(window.z + p);
-    const Ints inside = (absolute(z) <= k.band_m) & (1.0F - (u * u + v * v) * per_r2 > 0.0F);
-    residual = most(residual, masked(inside, absolute(z - plane.gu * u - plane.gv * v - plane.c)));
+    const Ints weighs = load(window.w + p) > 0.0F;
+    residual = most(residual, masked(weighs, absolute(z - plane.gu * u - plane.gv * v - plane.c)));
   }
   const float worst = largest(residual);
   if (!(worst <= 3.0F * k.scale_m)) {
     const float per_scale = 1.0F / (kTukey * k.scale_m);
     Quadric bent{};
     const bool may_bend = worst > 4.5F * k.scale_m;
-    bool bends = may_bend && fit_quadric(window, count, k.band_m, per_r2, 0.0F, k.ridge, bent, bent);
-    if (!fit_tukey_plane(window, count, k.band_m, per_r2, per_scale, k.ridge, plane)) return kHard;
+    bool bends = may_bend && fit_quadric(window, count, 0.0F, k.ridge, bent, bent);
+    if (!fit_tukey_plane(window, count, per_scale, k.ridge, plane)) return kHard;
     if (may_bend) {
       for (int round = 0; round < 3 && bends; ++round) {
         const Quadric about = bent;
-        bends = fit_quadric(window, count, k.band_m, per_r2, per_scale, k.ridge, about, bent);
+        bends = fit_quadric(window, count, per_scale, k.ridge, about, bent);
       }
       float support = 0.0F;
-      float loss =
-          mean_loss(window, count, k.band_m, per_r2, per_scale, {{plane.c, plane.gu, plane.gv, 0, 0, 0}}, support);
+      float loss = mean_loss(window, count, per_scale, {{plane.c, plane.gu, plane.gv, 0, 0, 0}}, support);
       if (bends && support >= 10.0F) {
         // Three more coefficients earn their variance only with a clearly better fit.
-        const float bent_loss = mean_loss(window, count, k.band_m, per_r2, per_scale, bent, support);
+        const float bent_loss = mean_loss(window, count, per_scale, bent, support);
         if (bent_loss * (1.0F + 6.0F / support) < loss) {
           loss = bent_loss;
           plane.c = bent.c[0];

@@ -1,0 +1,111 @@
+// Vectors of eight floats in the compiler's own notation, included once for each instruction set. No inline function or
+// template leaves the file that includes it: a weak symbol compiled with AVX could be linked into code that runs
+// without.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace {
+
+typedef float Floats __attribute__((vector_size(32)));
+typedef std::int32_t Ints __attribute__((vector_size(32)));
+typedef std::uint32_t Bits __attribute__((vector_size(32)));
+typedef double Doubles __attribute__((vector_size(32)));
+typedef float Quad __attribute__((vector_size(16)));
+typedef std::int32_t QuadInts __attribute__((vector_size(16)));
+typedef std::int64_t Longs __attribute__((vector_size(32)));
+
+#define SPARSHA_INLINE static inline __attribute__((always_inline))
+
+constexpr std::size_t kLanes = 8;
+
+SPARSHA_INLINE Floats load(const float* p) {
+  Floats value;
+  __builtin_memcpy(&value, p, sizeof(value));
+  return value;
+}
+SPARSHA_INLINE void store(float* p, Floats value) { __builtin_memcpy(p, &value, sizeof(value)); }
+SPARSHA_INLINE Floats all(float value) { return Floats{} + value; }
+SPARSHA_INLINE Floats masked(Ints mask, Floats value) {
+  return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(value));
+}
+SPARSHA_INLINE Floats absolute(Floats value) {
+  return reinterpret_cast<Floats>(reinterpret_cast<Ints>(value) & 0x7fffffff);
+}
+
+// The smaller and the larger of a and b; b when they do not compare.
+#if defined(__AVX2__)
+SPARSHA_INLINE Floats least(Floats a, Floats b) { return (Floats)_mm256_min_ps((__m256)a, (__m256)b); }
+SPARSHA_INLINE Floats most(Floats a, Floats b) { return (Floats)_mm256_max_ps((__m256)a, (__m256)b); }
+#elif defined(__SSE2__)
+struct Halves {
+  __m128 low, high;
+};
+SPARSHA_INLINE Floats least(Floats a, Floats b) {
+  const auto x = __builtin_bit_cast(Halves, a);
+  const auto y = __builtin_bit_cast(Halves, b);
+  return __builtin_bit_cast(Floats, Halves{_mm_min_ps(x.low, y.low), _mm_min_ps(x.high, y.high)});
+}
+SPARSHA_INLINE Floats most(Floats a, Floats b) {
+  const auto x = __builtin_bit_cast(Halves, a);
+  const auto y = __builtin_bit_cast(Halves, b);
+  return __builtin_bit_cast(Floats, Halves{_mm_max_ps(x.low, y.low), _mm_max_ps(x.high, y.high)});
+}
+#else
+SPARSHA_INLINE Floats least(Floats a, Floats b) { return a < b ? a : b; }
+SPARSHA_INLINE Floats most(Floats a, Floats b) { return a > b ? a : b; }
+#endif
+SPARSHA_INLINE Floats choose(Ints mask, Floats yes, Floats no) {
+  return reinterpret_cast<Floats>((mask & reinterpret_cast<Ints>(yes)) | (~mask & reinterpret_cast<Ints>(no)));
+}
+
+// Sum of the lanes in a fixed order.
+SPARSHA_INLINE float total(Floats a) {
+  const Floats half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
+  const Floats quarter = half + __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5});
+  return quarter[0] + quarter[1];
+}
+SPARSHA_INLINE std::int32_t total(Ints a) {
+  const Ints half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
+  return (half[0] + half[1]) + (half[2] + half[3]);
+}
+SPARSHA_INLINE float largest(Floats a) {
+  const Floats half = most(a, __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3}));
+  const Floats quarter = most(half, __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5}));
+  return quarter[0] > quarter[1] ? quarter[0] : quarter[1];
+}
+
+struct Eight {
+  float at[8];
+};
+
+// The sums of eight vectors, as total() would not order them but always in the same order.
+SPARSHA_INLINE Eight totals(Floats a, Floats b, Floats c, Floats d, Floats e, Floats f, Floats g, Floats h) {
+  constexpr Ints kLower{0, 8, 1, 9, 4, 12, 5, 13};
+  constexpr Ints kUpper{2, 10, 3, 11, 6, 14, 7, 15};
+  constexpr Ints kEven{0, 1, 8, 9, 4, 5, 12, 13};
+  constexpr Ints kOdd{2, 3, 10, 11, 6, 7, 14, 15};
+  constexpr Ints kFirst{0, 1, 2, 3, 8, 9, 10, 11};
+  constexpr Ints kSecond{4, 5, 6, 7, 12, 13, 14, 15};
+  const Floats ab = __builtin_shuffle(a, b, kLower) + __builtin_shuffle(a, b, kUpper);
+  const Floats cd = __builtin_shuffle(c, d, kLower) + __builtin_shuffle(c, d, kUpper);
+  const Floats ef = __builtin_shuffle(e, f, kLower) + __builtin_shuffle(e, f, kUpper);
+  const Floats gh = __builtin_shuffle(g, h, kLower) + __builtin_shuffle(g, h, kUpper);
+  const Floats abcd = __builtin_shuffle(ab, cd, kEven) + __builtin_shuffle(ab, cd, kOdd);
+  const Floats efgh = __builtin_shuffle(ef, gh, kEven) + __builtin_shuffle(ef, gh, kOdd);
+  Eight sums;
+  store(sums.at, __builtin_shuffle(abcd, efgh, kFirst) + __builtin_shuffle(abcd, efgh, kSecond));
+  return sums;
+}
+
+SPARSHA_INLINE bool any(Ints mask) {
+  const auto l = reinterpret_cast<Longs>(mask);
+  return ((l[0] | l[1]) | (l[2] | l[3])) != 0;
+}
+
+}  // namespace

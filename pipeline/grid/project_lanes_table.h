@@ -1,0 +1,27 @@
+// The table of kernels for the instruction set of the file that includes this.
+#pragma once
+
+#include "pipeline/grid/project_lanes_nodes.h"
+#include "pipeline/grid/project_lanes_points.h"
+
+namespace {
+
+void orient_points(const float* xyz, std::size_t stride, std::size_t count, const double* matrix, float* x, float* y,
+                   float* z, float* low, float* high) {
+  orient(xyz, stride, count, matrix, x, y, z, low, high);
+}
+std::size_t draw_points(const float* xyz, std::size_t stride, std::size_t count, std::uint32_t limit,
+                        std::uint32_t* drawn) {
+  return draw(xyz, stride, count, limit, drawn);
+}
+void fit_nodes(const sparsha::pipeline::NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided) {
+  fit_row(kernel, j, height, decided);
+}
+void classify_points(const sparsha::pipeline::FateKernel& kernel, const float* x, const float* y, const float* z,
+                     std::size_t count, std::uint8_t* fate) {
+  classify(kernel, x, y, z, count, fate);
+}
+
+constexpr sparsha::pipeline::ProjectionKernels kKernels{orient_points, draw_points, fit_nodes, classify_points};
+
+}  // namespace
