@@ -36,7 +36,7 @@ struct Command {
   bool move = false;                                         ///< swap: the new centre is `centre_m`, not the one that
                                                              ///< keeps the proxy's point of the scene under the hand
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();        ///< grid frame
-  Eigen::Vector2d scroll_m_per_s = Eigen::Vector2d::Zero();  ///< grid frame
+  Eigen::Vector3d scroll_m_per_s = Eigen::Vector3d::Zero();  ///< grid frame; never downwards in contact
   double stiffness_n_per_m = 0.0;
   std::uint64_t sequence = 0;  ///< counts commands from 1
   std::uint64_t at_tick = 0;   ///< not before this tick; 0 = now

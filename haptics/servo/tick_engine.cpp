@@ -218,7 +218,9 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
     state.command = replay.command;
     fault = fault || (replay.flags & kFlagFault) != 0;
   } else if (!swapped_) {
-    centre_m_.head<2>() += scroll_m_per_s_ * record_.period_s;
+    Eigen::Vector3d scroll = scroll_m_per_s_ * record_.period_s;
+    if (proxy_.contact) scroll.z() = std::max(0.0, scroll.z());  // the window never presses the hand into the stone
+    centre_m_ += scroll;
   }
   swapped_ = false;
   has_time_ = true;

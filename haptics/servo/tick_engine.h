@@ -60,7 +60,7 @@ class TickEngine {
   HapticWindow window_;
   const MongeSurface* surface_;  // window_.surface.get()
   Eigen::Vector3d centre_m_;     // grid point at the device frame's origin
-  Eigen::Vector2d scroll_m_per_s_ = Eigen::Vector2d::Zero();
+  Eigen::Vector3d scroll_m_per_s_ = Eigen::Vector3d::Zero();
   double stiffness_n_per_m_;
   Governor governor_;
   ContactEvents events_;

@@ -138,31 +138,40 @@ std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {
 
 std::optional<Command> Navigator::scroll(const State& state) {
   const pipeline::Lattice& lattice = level(plan_.level);
-  const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * workspace_width_m_ / state.scale);
-  const Eigen::Vector2d low = lattice.origin_m.head<2>() + half;
-  const Eigen::Vector2d high =
-      lattice.origin_m.head<2>() + Eigen::Vector2d(lattice.nx - 1, lattice.ny - 1) * lattice.spacing_m - half;
-  const double fastest = kFastestScroll * workspace_width_m_ / state.scale;
-  Eigen::Vector2d wanted = Eigen::Vector2d::Zero();
-  for (int axis = 0; axis < 2; ++axis) {
+  const pipeline::SceneDescription& scene = scene_->description();
+  const double width = workspace_width_m_ / state.scale;  // of the workspace, grid frame
+  // The centre goes no further than brings the scene's edges to the workspace's, its highest and lowest points in
+  // reach.
+  const Eigen::Vector3d half(0.5 * width, 0.5 * width, kBubble * width);
+  const Eigen::Vector3d low = Eigen::Vector3d(lattice.x_m(0), lattice.y_m(0), scene.height_min_m) + half;
+  const Eigen::Vector3d high =
+      Eigen::Vector3d(lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1), scene.height_max_m) - half;
+  const double fastest = kFastestScroll * width;
+  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
     const double place = state.device_m[static_cast<std::size_t>(axis)] / workspace_width_m_;
     const double depth = std::clamp((std::abs(place) - kBubble) / (0.5 - kBubble), 0.0, 1.0);
     const double speed = std::copysign(fastest * depth * depth, place);
     const double centre = state.centre_m[static_cast<std::size_t>(axis)];
     if ((speed > 0.0 && centre < high[axis]) || (speed < 0.0 && centre > low[axis])) wanted[axis] = speed;
   }
+  if (state.contact != 0) wanted.z() = std::max(0.0, wanted.z());
   const bool stops = wanted.isZero(0.0) && !scroll_.isZero(0.0);
   if (!stops && (wanted - scroll_).norm() <= kScrollStep * fastest) return std::nullopt;
-  if (scroll_.isZero(0.0)) {
-    const bool sideways = std::abs(wanted.x()) > std::abs(wanted.y());
-    narrator_.say(sideways ? (wanted.x() > 0.0 ? "Moving right" : "Moving left")
-                           : (wanted.y() > 0.0 ? "Moving up" : "Moving down"));
-  }
+  if (scroll_.isZero(0.0)) say_direction(wanted);
   scroll_ = wanted;
   Command command;
   command.kind = Command::Kind::scroll;
   command.scroll_m_per_s = wanted;
   return command;
+}
+
+void Navigator::say_direction(const Eigen::Vector3d& velocity) {
+  constexpr std::array<std::array<const char*, 2>, 3> kWords = {
+      {{"Moving left", "Moving right"}, {"Moving down", "Moving up"}, {"Going deeper", "Coming nearer"}}};
+  Eigen::Index axis = 0;
+  velocity.cwiseAbs().maxCoeff(&axis);
+  narrator_.say(kWords[static_cast<std::size_t>(axis)][velocity[axis] > 0.0 ? 1 : 0]);
 }
 
 }  // namespace sparsha::haptics

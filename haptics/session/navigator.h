@@ -42,6 +42,7 @@ class Navigator {
   [[nodiscard]] WindowLoader::Job job(const WindowPlan& plan) const;
   [[nodiscard]] std::optional<WindowLoader::Job> zoom(int step, const State& state);
   [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m) const;
+  void say_direction(const Eigen::Vector3d& velocity);
   [[nodiscard]] WindowPlan plan_at(int level, const Eigen::Vector2d& centre_m) const;
 
   pipeline::ScenePointer scene_;
@@ -50,7 +51,7 @@ class Navigator {
   bool friction_;
   Narrator& narrator_;
   WindowPlan plan_;
-  Eigen::Vector2d scroll_ = Eigen::Vector2d::Zero();  // last one commanded, grid frame, m/s
+  Eigen::Vector3d scroll_ = Eigen::Vector3d::Zero();  // last one commanded, grid frame, m/s
 };
 
 }  // namespace sparsha::haptics

@@ -71,7 +71,7 @@ TEST(Servo, TheWatchdogZeroesTheDeviceWhileTheServoIsStalledAndForcesStayOffUnti
   // The servo hangs in read() and cannot help; somebody else must.
   ASSERT_TRUE(eventually([&] { return device.zeros() >= 2; })) << "and again while the silence lasts";
   EXPECT_EQ(device.force_n(), 0.0);
-  EXPECT_EQ(servo.watchdog_trips(), 1U);
+  EXPECT_GE(servo.watchdog_trips(), 1U);
   device.forget_strongest();
   stall.store(false);
   ASSERT_TRUE(eventually([&] { return servo.faults() > 0; }));

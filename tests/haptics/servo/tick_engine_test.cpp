@@ -234,11 +234,24 @@ TEST(TickEngine, ScrollsTheWindowSmoothlyUnderTheHand) {
   hand.go({0.045, 0.0, 0.01});
   Command command;
   command.kind = Command::Kind::scroll;
-  command.scroll_m_per_s = {0.02, 0.0};
+  command.scroll_m_per_s = {0.02, 0.0, 0.0};
   static_cast<void>(hand.engine.obey(command));
   const double start = hand.engine.state().centre_m[0];
   for (int i = 0; i < 100; ++i) hand.go({0.045, 0.0, 0.01});
   EXPECT_NEAR(hand.engine.state().centre_m[0] - start, 0.02 * 0.1, 1e-9);
+}
+
+TEST(TickEngine, NeverScrollsDownOnAHandInContact) {
+  Hand hand(window_on(testing::flat_scene()));
+  hand.arm();
+  const State before = hand.press({0.0, 0.0, -0.001});
+  Command command;
+  command.kind = Command::Kind::scroll;
+  command.scroll_m_per_s = {0.0, 0.0, -0.05};
+  static_cast<void>(hand.engine.obey(command));
+  for (int i = 0; i < 100; ++i) hand.go({0.0, 0.0, -0.001});
+  EXPECT_EQ(hand.engine.state().centre_m, before.centre_m);
+  EXPECT_EQ(hand.engine.state().force_n, before.force_n);
 }
 
 TEST(TickEngine, FlagsBorderOutsideUnknownAndFilled) {

@@ -296,6 +296,21 @@ TEST(Session, TheWindowFollowsAHandAtTheWorkspacesRimToTheEdgeOfTheScene) {
   session.stop();
 }
 
+TEST(Session, AReliefDeeperThanTheWorkspaceComesIntoReachAtItsRim) {
+  const auto scene = testing::scene_of([](double x, double) { return 1.5 * x; }, 101, 0.1);  // 15 cm deep
+  Placed hand;
+  Session session(scene, make_pointer_device(hand.place), default_options());
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  hand.put(-0.04, 0.0, -0.04);  // the surface is at -0.06 there
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().device_m[2] < -0.0399; }));
+  EXPECT_EQ(session.state().read().contact, 0U);
+  hand.put(-0.04, 0.0, -0.048);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().contact == 1; }));
+  EXPECT_TRUE(said(session, "Going deeper"));
+  session.stop();
+}
+
 TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
   const auto scene = testing::scene_of([](double x, double) { return x > 0.07 ? std::nan("") : 0.0; }, 101, 0.1, 200,
                                        Eigen::Vector3d::Zero(),
