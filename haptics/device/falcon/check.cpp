@@ -1,0 +1,215 @@
+// The check's steps.
+#include "haptics/device/falcon/check.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "haptics/device/falcon/usb_transport.h"
+#include "pipeline/base/error.h"
+
+namespace sparsha::haptics::falcon {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+using Result = CheckStep::Result;
+constexpr double kAnswerTime_s = 0.004;
+constexpr double kSilent_s = 1.0;
+/// A servo of 1 kHz needs an answer almost every millisecond.
+constexpr double kGoodRate_hz = 800.0, kGoodShare = 0.99;
+
+double since(Steady::time_point then) { return std::chrono::duration<double>(Steady::now() - then).count(); }
+
+/// One question and its answer. `gone` when unplugged.
+Wire ask(Transport& wire, AnswerStream& stream, std::uint8_t flags, Answer& answer, double& round_trip_s) {
+  const Steady::time_point began = Steady::now();
+  Wire status = wire.post(encode({}, flags));
+  if (status == Wire::gone) return status;
+  UsbPacket bytes{};
+  double waited = 0.0;
+  while (waited < kAnswerTime_s) {
+    std::size_t size = 0;
+    status = wire.receive(bytes, size, kAnswerTime_s - waited);
+    if (status != Wire::ok) return status;
+    round_trip_s = since(began);
+    if (size > kModemBytes)
+      if (const auto got = stream.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
+        answer = *got;
+        return Wire::ok;
+      }
+    waited = since(began);
+  }
+  return Wire::nothing;
+}
+
+LinkQuality measure(Transport& wire, double seconds, Answer& last) {
+  LinkQuality link;
+  AnswerStream stream;
+  std::vector<double> times;
+  const Steady::time_point began = Steady::now();
+  // A wire in virtual time must end too: no more questions than a kilohertz has.
+  const auto most = static_cast<std::uint64_t>(2000.0 * seconds) + 1;
+  while (since(began) < seconds && link.asked < most) {
+    double round_trip = 0.0;
+    ++link.asked;
+    const Wire status = ask(wire, stream, kHomingRequest, last, round_trip);
+    if (status == Wire::gone) break;
+    if (status == Wire::ok) {
+      ++link.answered;
+      times.push_back(round_trip * 1e3);
+    }
+  }
+  link.rate_hz = static_cast<double>(link.answered) / std::max(1e-9, since(began));
+  if (times.empty()) return link;
+  std::sort(times.begin(), times.end());
+  const auto quantile = [&times](double q) {
+    return times[static_cast<std::size_t>(q * static_cast<double>(times.size() - 1))];
+  };
+  link.p50_ms = quantile(0.5);
+  link.p99_ms = quantile(0.99);
+  link.max_ms = times.back();
+  return link;
+}
+
+void skip(CheckReport& report, std::initializer_list<const char*> names) {
+  for (const char* name : names) report.steps.push_back({name, Result::skipped, "not reached", ""});
+}
+
+}  // namespace
+
+bool CheckReport::passed() const {
+  return std::all_of(steps.begin(), steps.end(), [](const CheckStep& step) { return step.result == Result::passed; });
+}
+
+CheckReport check_wire(Transport& wire, const FalconOptions& options, double link_s) {
+  CheckReport report;
+  try {
+    const bool ran = [&wire] {
+      enter_run_mode(wire);
+      return firmware_answers(wire);
+    }();
+    if (!ran) {
+      const std::vector<std::uint8_t> image = firmware_image(options);
+      if (image.empty()) {
+        const bool power = boot_loader_answers(wire);
+        report.steps.push_back({"power", power ? Result::passed : Result::failed,
+                                power ? "the boot loader answers" : "neither firmware nor boot loader answers",
+                                power ? "" : "plug in the Falcon's own power supply, then unplug and replug USB"});
+        report.steps.push_back(
+            {"firmware", power ? Result::failed : Result::skipped,
+             power ? "none runs, and none was given" : "not reached",
+             power ? "name an image in SPARSHA_FALCON_FIRMWARE; its licence forbids shipping one" : ""});
+        skip(report, {"homing", "link"});
+        return report;
+      }
+      bring_up(wire, image);
+      report.steps.push_back({"power", Result::passed, "the boot loader answers", ""});
+      report.steps.push_back({"firmware", Result::passed, fmt::format("loaded, {} bytes", image.size()), ""});
+    } else {
+      report.steps.push_back({"power", Result::passed, "the firmware answers", ""});
+      report.steps.push_back({"firmware", Result::passed, "already running", ""});
+    }
+  } catch (const Error& error) {
+    report.steps.push_back(
+        {report.steps.empty() ? "power" : "firmware", Result::failed, error.wrong(), error.expected()});
+    if (report.steps.size() == 1) skip(report, {"firmware"});
+    skip(report, {"homing", "link"});
+    return report;
+  }
+  Answer last;
+  report.link = measure(wire, link_s, last);
+  const bool homed = last.homed == 7;
+  report.steps.push_back(
+      {"homing", homed ? Result::passed : Result::failed,
+       homed ? "all three encoders know their position"
+             : fmt::format("encoders homed: {}{}{}", last.homed & 1, (last.homed >> 1U) & 1, last.homed >> 2U),
+       homed ? "" : "pull the grip fully out, then push it fully in (sparsha device home)"});
+  const bool good = report.link.share() >= kGoodShare && report.link.rate_hz >= kGoodRate_hz;
+  report.steps.push_back({"link", good ? Result::passed : Result::failed,
+                          fmt::format("{:.0f} answers a second, {:.1f} % in time, p99 {:.2f} ms", report.link.rate_hz,
+                                      100.0 * report.link.share(), report.link.p99_ms),
+                          good ? "" : "use a direct USB port, end other programs, allow real-time priority"});
+  return report;
+}
+
+CheckReport check_falcon(const FalconOptions& options) {
+  CheckReport report;
+  const std::vector<FoundFalcon> found = find_falcons();
+  if (found.empty()) {
+    report.steps.push_back(
+        {"USB", Result::failed, "no Falcon (0403:cb48) is plugged in", "plug it in, directly and not through a hub"});
+    skip(report, {"permission", "power", "firmware", "homing", "link"});
+    return report;
+  }
+  report.steps.push_back(
+      {"USB", Result::passed, fmt::format("bus {} device {}", found.front().bus, found.front().address), ""});
+  std::unique_ptr<Transport> wire;
+  try {
+    wire = open_usb_transport();
+  } catch (const Error& error) {
+    report.steps.push_back({"permission", Result::failed, error.wrong(), error.expected()});
+    skip(report, {"power", "firmware", "homing", "link"});
+    return report;
+  }
+  report.steps.push_back({"permission", Result::passed, "this user may use it", ""});
+  CheckReport rest = check_wire(*wire, options);
+  report.steps.insert(report.steps.end(), rest.steps.begin(), rest.steps.end());
+  report.link = rest.link;
+  return report;
+}
+
+namespace {
+
+/// Asks until `each` returns false; `flags` may change from answer to answer.
+template <typename Flags>
+void watch(Transport& wire, const Flags& flags, const std::function<bool(const Reading&)>& each) {
+  AnswerStream stream;
+  Reading reading;
+  Eigen::Vector3d place = kNeutral_m;
+  const Steady::time_point began = Steady::now();
+  Steady::time_point heard = began;
+  for (;;) {
+    const Wire status = ask(wire, stream, flags(reading), reading.answer, reading.round_trip_s);
+    if (status == Wire::gone) throw Error(ErrorKind::device, {}, "Falcon: unplugged", "a Falcon that stays plugged in");
+    if (status == Wire::nothing) {
+      if (since(heard) > kSilent_s)
+        throw Error(ErrorKind::device, {}, "Falcon: it has not answered for a second",
+                    "its power supply and USB plugged in");
+      continue;
+    }
+    heard = Steady::now();
+    reading.time_s = since(began);
+    reading.homed = reading.answer.homed == 7;
+    const auto position = forward(angles_from_counts(reading.answer.counts), place);
+    reading.reachable = position.has_value();
+    place = position.value_or(kNeutral_m);
+    reading.position_m = position.value_or(Eigen::Vector3d::Zero());
+    if (!each(reading)) return;
+  }
+}
+
+}  // namespace
+
+void monitor(Transport& wire, const std::function<bool(const Reading&)>& each) {
+  watch(
+      wire,
+      [](const Reading& last) {
+        return static_cast<std::uint8_t>(kHomingRequest | (last.homed ? kLightGreen : kLightRed));
+      },
+      each);
+}
+
+bool home(Transport& wire, double timeout_s, const std::function<void(const Reading&)>& each) {
+  bool homed = false;
+  std::uint64_t answers = 0;
+  const auto most = static_cast<std::uint64_t>(2000.0 * timeout_s) + 1;  // virtual time ends too
+  monitor(wire, [&](const Reading& reading) {
+    if (each) each(reading);
+    homed = reading.homed;
+    return !homed && reading.time_s < timeout_s && ++answers < most;
+  });
+  return homed;
+}
+
+}  // namespace sparsha::haptics::falcon

@@ -1,0 +1,51 @@
+// The Novint Falcon as a device of the servo, and what `sparsha device` asks about it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptics/device/device.h"
+#include "haptics/device/falcon/emulator.h"
+#include "haptics/device/falcon/transport.h"
+
+namespace sparsha::haptics::falcon {
+
+struct FalconOptions {
+  /// Firmware image for a device that runs none; empty = the environment variable SPARSHA_FALCON_FIRMWARE, if set.
+  std::filesystem::path firmware;
+  /// Motor command of one newton metre at an arm. Differs between devices: calibrate with a spring scale.
+  double counts_per_newton_metre = 10000.0;
+  /// The device frame's origin, Falcon frame: the middle of the workspace.
+  Eigen::Vector3d centre_m{0.0, 0.0, 0.140};
+  /// After homing the grip must be seen once beyond this z (Falcon frame, metres) before forces are possible; 0 = no
+  /// such gate.
+  double release_z_m = 0.155;
+};
+
+/// What a Falcon is for the servo. Device frame: metres about options.centre_m.
+[[nodiscard]] DeviceInfo falcon_info();
+
+/// A Falcon on USB.
+struct FoundFalcon {
+  int bus = 0;
+  int address = 0;
+  bool accessible = false;  ///< this user may open it
+  std::string problem;      ///< why not
+};
+/// Those plugged in. Empty when USB itself is not there.
+[[nodiscard]] std::vector<FoundFalcon> find_falcons();
+
+/// Opens the first one, loads firmware when it runs none, and makes it a device. Throws Error{device} with the remedy.
+[[nodiscard]] std::unique_ptr<Device> make_falcon_device(const FalconOptions& options = {});
+/// The same over any wire.
+[[nodiscard]] std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, const FalconOptions& options);
+/// An emulated Falcon in real time that homes itself within a second and then strokes a plane at its centre.
+[[nodiscard]] std::unique_ptr<Device> make_emulated_falcon(const FalconOptions& options = {});
+/// The hand of make_emulated_falcon: pulls out, pushes in, comes to the centre, circles.
+[[nodiscard]] FalconEmulator::Hand emulated_hand();
+
+}  // namespace sparsha::haptics::falcon

@@ -1,0 +1,150 @@
+#include "haptics/device/falcon/kinematics.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+
+namespace sparsha::haptics::falcon {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// Lengths in metres, named as in Stamper's thesis.
+constexpr double kThigh = 0.060;             // a
+constexpr double kShin = 0.1025;             // b
+constexpr double kPlateToShin = 0.01443;     // c
+constexpr double kShinEnds = 2.0 * 0.01125;  // d + e
+constexpr double kShinOffset = -0.025;       // f
+constexpr double kBaseRadius = 0.0400;       // r
+constexpr double kBaseOffset = -0.02309;     // s
+constexpr std::array<double, 3> kAzimuthDegrees = {105.0, -15.0, -135.0};
+
+// Encoder: 320 slots read fourfold a motor turn; the capstan of 14.25 mm drives a sector of 110 mm.
+constexpr double kCountsPerTurn = 320.0 * 4.0 * 110.0 / 14.25;
+constexpr double kRadianPerCount = 2.0 * std::numbers::pi / kCountsPerTurn;
+constexpr double kOffsetRad = 35.0 * kDegree;
+
+struct Azimuth {
+  double cosine;
+  double sine;
+};
+const std::array<Azimuth, 3> kAzimuths = [] {
+  std::array<Azimuth, 3> result{};
+  for (std::size_t leg = 0; leg < 3; ++leg)
+    result[leg] = {std::cos(kAzimuthDegrees[leg] * kDegree), std::sin(kAzimuthDegrees[leg] * kDegree)};
+  return result;
+}();
+
+/// One leg's three joint angles.
+struct Leg {
+  double theta1 = 0.0;
+  double theta2 = 0.0;
+  double sine3 = 0.0;
+  double cosine3 = 0.0;
+};
+
+std::optional<Leg> solve_leg(const Azimuth& azimuth, const Eigen::Vector3d& grip_m) noexcept {
+  const double u = grip_m.x() * azimuth.cosine + grip_m.y() * azimuth.sine - kBaseRadius;
+  const double v = -grip_m.x() * azimuth.sine + grip_m.y() * azimuth.cosine - kBaseOffset;
+  const double w = grip_m.z();
+  Leg leg;
+  leg.cosine3 = (v + kShinOffset) / kShin;
+  if (!(std::abs(leg.cosine3) < 1.0)) return std::nullopt;
+  leg.sine3 = std::sqrt(1.0 - leg.cosine3 * leg.cosine3);
+  const double reach = kShinEnds + kShin * leg.sine3;
+  const double across = u + kPlateToShin;
+  const double squared = across * across + w * w;
+  const double cosine = (squared + kThigh * kThigh - reach * reach) / (2.0 * kThigh * std::sqrt(squared));
+  if (!(std::abs(cosine) <= 1.0)) return std::nullopt;
+  leg.theta1 = std::atan2(w, across) - std::acos(cosine);
+  leg.theta2 = std::atan2(w - kThigh * std::sin(leg.theta1), across - kThigh * std::cos(leg.theta1));
+  return leg;
+}
+
+// Angles and their derivatives together: Newton needs both. The derivative of the closure along theta3 and theta2 drops
+// out when projected on the shin's direction n.
+bool angles_and_jacobian(const Eigen::Vector3d& grip_m, Angles& angles, Eigen::Matrix3d& derivative) noexcept {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Azimuth& azimuth = kAzimuths[i];
+    const std::optional<Leg> leg = solve_leg(azimuth, grip_m);
+    if (!leg) return false;
+    const double nu = std::cos(leg->theta2) * leg->sine3;
+    const double nv = leg->cosine3;
+    const double nw = std::sin(leg->theta2) * leg->sine3;
+    const double lever = kThigh * leg->sine3 * std::sin(leg->theta2 - leg->theta1);
+    const auto row = static_cast<Eigen::Index>(i);
+    angles[row] = leg->theta1;
+    derivative.row(row) << (nu * azimuth.cosine - nv * azimuth.sine) / lever,
+        (nu * azimuth.sine + nv * azimuth.cosine) / lever, nw / lever;
+  }
+  return derivative.allFinite();
+}
+
+}  // namespace
+
+double angle_of_count(double count) noexcept { return kOffsetRad + kRadianPerCount * count; }
+double count_of_angle(double angle_rad) noexcept { return (angle_rad - kOffsetRad) / kRadianPerCount; }
+
+std::optional<Angles> inverse(const Eigen::Vector3d& grip_m) noexcept {
+  Angles angles;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::optional<Leg> leg = solve_leg(kAzimuths[i], grip_m);
+    if (!leg) return std::nullopt;
+    angles[static_cast<Eigen::Index>(i)] = leg->theta1;
+  }
+  return angles;
+}
+
+std::optional<Eigen::Matrix3d> jacobian(const Eigen::Vector3d& grip_m) noexcept {
+  Angles angles;
+  Eigen::Matrix3d derivative;
+  if (!angles_and_jacobian(grip_m, angles, derivative)) return std::nullopt;
+  return derivative;
+}
+
+std::optional<Eigen::Vector3d> forward(const Angles& angles_rad, const Eigen::Vector3d& start_m) noexcept {
+  constexpr int kIterations = 40;
+  constexpr double kSettledRad = 1e-10;
+  constexpr double kLongestStepM = 0.03;
+  Eigen::Vector3d grip = start_m;
+  Angles angles;
+  Eigen::Matrix3d derivative;
+  if (!angles_rad.allFinite()) return std::nullopt;
+  if (!angles_and_jacobian(grip, angles, derivative)) {
+    grip = kColdStartM;
+    if (!angles_and_jacobian(grip, angles, derivative)) return std::nullopt;
+  }
+  for (int i = 0; i < kIterations; ++i) {
+    const Angles missing = angles_rad - angles;
+    if (missing.cwiseAbs().maxCoeff() <= kSettledRad) return grip;
+    Eigen::Vector3d step = derivative.inverse() * missing;
+    if (!step.allFinite()) return std::nullopt;
+    const double length = step.norm();
+    if (length > kLongestStepM) step *= kLongestStepM / length;
+    // Halve until the step stays where a grip can be and comes nearer.
+    bool nearer = false;
+    for (int halving = 0; halving < 12 && !nearer; ++halving, step *= 0.5) {
+      Angles tried;
+      Eigen::Matrix3d tried_derivative;
+      nearer = angles_and_jacobian(grip + step, tried, tried_derivative) &&
+               (angles_rad - tried).squaredNorm() < missing.squaredNorm();
+      if (!nearer) continue;
+      grip += step;
+      angles = tried;
+      derivative = tried_derivative;
+    }
+    if (!nearer) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+Eigen::Vector3d torques(const Eigen::Vector3d& grip_m, const Eigen::Vector3d& force_n) noexcept {
+  const std::optional<Eigen::Matrix3d> derivative = jacobian(grip_m);
+  if (!derivative) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d result = derivative->transpose().inverse() * force_n;
+  return result.allFinite() ? result : Eigen::Vector3d(Eigen::Vector3d::Zero());
+}
+
+}  // namespace sparsha::haptics::falcon
