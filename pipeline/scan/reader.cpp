@@ -7,6 +7,7 @@
 #include "pipeline/scan/pcd.h"
 #include "pipeline/scan/ply.h"
 #include "pipeline/scan/ptx.h"
+#include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/scan_file.h"
 #include "pipeline/scan/scan_writer.h"
 #include "pipeline/scan/stl.h"
@@ -55,14 +56,13 @@ void read_any(const ScanFile& file, ScanWriter& out) {
   read_xyz(file, out);
 }
 
-RawScan read_into(const std::filesystem::path& path, const PointSink& sink) {
-  const MappedFile map(path);
+RawScan read_into(const std::string& name, std::string_view bytes, const MappedFile* map, const PointSink& sink) {
   ScanFile file;
-  file.name = path.string();
-  file.extension = lower_case(path.extension().string());
+  file.name = name;
+  file.extension = lower_case(std::filesystem::path(name).extension().string());
   if (!file.extension.empty()) file.extension.erase(0, 1);
-  file.bytes = map.text();
-  if (sink) file.map = &map;
+  file.bytes = bytes;
+  file.map = map;
   RawScan scan;
   ScanWriter out(scan, sink);
   read_any(file, out);
@@ -72,8 +72,16 @@ RawScan read_into(const std::filesystem::path& path, const PointSink& sink) {
 
 }  // namespace
 
-RawScan read_scan(const std::filesystem::path& file) { return read_into(file, {}); }
+RawScan read_scan(const std::filesystem::path& file) {
+  const MappedFile map(file);
+  return read_into(file.string(), map.text(), nullptr, {});
+}
 
-RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink) { return read_into(file, sink); }
+RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink) {
+  const MappedFile map(file);
+  return read_into(file.string(), map.text(), &map, sink);
+}
+
+RawScan read_scan_bytes(std::string_view bytes, const std::string& name) { return read_into(name, bytes, nullptr, {}); }
 
 }  // namespace sparsha::pipeline

@@ -122,6 +122,7 @@ RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow
   if (p == end) return RowKind::blank;
   if (*p == '#' || (*p == '/' && p + 1 < end && p[1] == '/')) return RowKind::comment;
   bool any_number = false;
+  bool any_word = false;
   while (p < end) {
     double value = kNaN;
     std::string_view word;
@@ -135,6 +136,7 @@ RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow
         while (p < end && !is_space(*p) && !is_comma(*p, decimal_comma)) ++p;
         word = {begin, static_cast<std::size_t>(p - begin)};
         value = kNaN;
+        any_word = true;
         if (row.count == 0 && !style.leading_words) return RowKind::words;
       }
     }
@@ -154,7 +156,8 @@ RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow
       }
     }
   }
-  return any_number ? RowKind::numbers : RowKind::words;
+  if (any_number) return RowKind::numbers;
+  return any_word ? RowKind::words : RowKind::blank;  // spreadsheets write empty rows as separators alone
 }
 
 int TableColumns::last() const { return std::max({x, y, z, red, green, blue, intensity}); }

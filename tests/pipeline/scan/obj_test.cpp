@@ -7,7 +7,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::error_of;
+using testing::error_of_bytes;
 using ::testing::HasSubstr;
 using testing::ScanFolder;
 using Face = std::array<std::uint32_t, 3>;
@@ -71,7 +71,7 @@ TEST(ObjReader, LeavesOutFacesOnMissingVerticesAndSaysSo) {
 TEST(ObjReader, RefusesBrokenLinesWithTheirNumber) {
   const ScanFolder folder;
   const auto refuse = [&](const std::string& text, int line, const char* message) {
-    const auto error = error_of(folder.write("b.obj", text));
+    const auto error = error_of_bytes("b.obj", text);
     ASSERT_TRUE(error) << text;
     EXPECT_EQ(error->kind(), ErrorKind::input);
     EXPECT_EQ(error->place().line, line) << text;

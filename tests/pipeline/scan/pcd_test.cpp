@@ -8,7 +8,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::error_of;
+using testing::error_of_bytes;
 using ::testing::HasSubstr;
 using testing::put;
 using testing::ScanFolder;
@@ -152,7 +152,7 @@ TEST(PcdReader, CountsInvalidPointsOfAnOrganisedCloud) {
 TEST(PcdReader, RefusesLies) {
   const ScanFolder folder;
   const auto refuse = [&](const std::string& bytes, const char* message) {
-    const auto error = error_of(folder.write("lie.pcd", bytes));
+    const auto error = error_of_bytes("lie.pcd", bytes);
     ASSERT_TRUE(error) << message;
     EXPECT_EQ(error->kind(), ErrorKind::input);
     EXPECT_THAT(error->what(), HasSubstr(message));
@@ -185,9 +185,9 @@ TEST(PcdReader, RefusesLies) {
 TEST(PcdReader, RefusesATruncationAtEveryByteOfABinaryFile) {
   const ScanFolder folder;
   std::string bytes = header("x y z", "4 4 4", "F F F", "1 1 1", 2, "binary") + std::string(24, '\1');
-  ASSERT_FALSE(error_of(folder.write("whole.pcd", bytes)));
+  ASSERT_FALSE(error_of_bytes("whole.pcd", bytes));
   for (std::size_t n = 0; n < bytes.size(); ++n) {
-    EXPECT_TRUE(error_of(folder.write("cut.pcd", std::string_view(bytes).substr(0, n)))) << n;
+    EXPECT_TRUE(error_of_bytes("cut.pcd", std::string_view(bytes).substr(0, n))) << n;
   }
 }
 

@@ -12,7 +12,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::error_of;
+using testing::error_of_bytes;
 using ::testing::HasSubstr;
 using testing::put;
 using testing::ScanFolder;
@@ -300,7 +300,7 @@ TEST(PlyReader, RefusesEveryLieWithItsLineAndReason) {
        "second vertex element", 7},
   };
   for (const Lie& lie : lies) {
-    const auto error = error_of(folder.write("lie.ply", lie.bytes));
+    const auto error = error_of_bytes("lie.ply", lie.bytes);
     ASSERT_TRUE(error) << lie.what;
     EXPECT_EQ(error->kind(), ErrorKind::input) << lie.what;
     EXPECT_THAT(error->what(), HasSubstr(lie.message)) << lie.what;
@@ -315,7 +315,7 @@ TEST(PlyReader, RefusesABinaryListThatRunsBeyondTheFile) {
                              "element face 1\nproperty list uint int vertex_indices\nelement vertex 1\n" + kXyz);
   put(bytes, std::uint32_t{4000000000U});
   bytes.append(16, '\0');
-  const auto error = error_of(folder.write("b.ply", bytes));
+  const auto error = error_of_bytes("b.ply", bytes);
   ASSERT_TRUE(error);
   EXPECT_THAT(error->what(), HasSubstr("ends within element 'face'"));
 }
@@ -327,9 +327,9 @@ TEST(PlyReader, RefusesATruncationAtEveryByteOfABinaryFile) {
   for (int i = 0; i < 9; ++i) put(bytes, static_cast<float>(i), true);
   put(bytes, std::uint8_t{3});
   for (const int i : {0, 1, 2}) put(bytes, std::int32_t{i}, true);
-  ASSERT_FALSE(error_of(folder.write("whole.ply", bytes)));
+  ASSERT_FALSE(error_of_bytes("whole.ply", bytes));
   for (std::size_t n = 0; n < bytes.size(); ++n) {
-    const auto error = error_of(folder.write("cut.ply", std::string_view(bytes).substr(0, n)));
+    const auto error = error_of_bytes("cut.ply", std::string_view(bytes).substr(0, n));
     ASSERT_TRUE(error) << n << " of " << bytes.size() << " bytes";
     EXPECT_EQ(error->kind(), ErrorKind::input);
   }

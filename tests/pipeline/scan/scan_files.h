@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/base/error.h"
+#include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"
 
 namespace sparsha::pipeline::testing {
@@ -59,6 +60,16 @@ void put(std::string& bytes, T value, bool big = false) {
 inline std::optional<Error> error_of(const std::filesystem::path& file) {
   try {
     (void)read_scan(file);
+  } catch (const Error& error) {
+    return error;
+  }
+  return std::nullopt;
+}
+
+/// The same for bytes in memory.
+inline std::optional<Error> error_of_bytes(const std::string& name, std::string_view bytes) {
+  try {
+    (void)read_scan_bytes(bytes, name);
   } catch (const Error& error) {
     return error;
   }

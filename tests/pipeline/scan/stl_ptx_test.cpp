@@ -7,7 +7,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::error_of;
+using testing::error_of_bytes;
 using ::testing::HasSubstr;
 using testing::put;
 using testing::ScanFolder;
@@ -61,7 +61,7 @@ TEST(StlReader, TakesADeclaredZeroAsZeroPointsAndCountsInvalidVertices) {
 TEST(StlReader, RefusesLies) {
   const ScanFolder folder;
   const auto refuse = [&](const std::string& bytes, const char* message) {
-    const auto error = error_of(folder.write("lie.stl", bytes));
+    const auto error = error_of_bytes("lie.stl", bytes);
     ASSERT_TRUE(error) << message;
     EXPECT_EQ(error->kind(), ErrorKind::input);
     EXPECT_THAT(error->what(), HasSubstr(message));
@@ -102,7 +102,7 @@ TEST(PtxReader, RefusesLies) {
   const ScanFolder folder;
   const std::string matrix = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
   const auto refuse = [&](const std::string& text, const char* message) {
-    const auto error = error_of(folder.write("lie.ptx", text));
+    const auto error = error_of_bytes("lie.ptx", text);
     ASSERT_TRUE(error) << message;
     EXPECT_THAT(error->what(), HasSubstr(message));
   };

@@ -7,7 +7,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::error_of;
+using testing::error_of_bytes;
 using ::testing::HasSubstr;
 using testing::ScanFolder;
 
@@ -91,7 +91,7 @@ TEST(XyzReader, TellsFormatByContentNotByEnding) {
 TEST(XyzReader, RefusesBrokenRowsWithTheirLine) {
   const ScanFolder folder;
   const auto refuse = [&](const std::string& text, int line, const char* message) {
-    const auto error = error_of(folder.write("b.txt", text));
+    const auto error = error_of_bytes("b.txt", text);
     ASSERT_TRUE(error) << text;
     EXPECT_EQ(error->kind(), ErrorKind::input);
     EXPECT_EQ(error->place().line, line) << text;

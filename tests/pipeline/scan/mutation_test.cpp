@@ -1,0 +1,156 @@
+// Damaged files of every format, by the thousand: each gives points or Error{input}, at once; nothing else may happen.
+#include <random>
+
+#include "pipeline/scan/read_bytes.h"
+#include "scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using testing::put;
+
+struct Seed {
+  std::string name;
+  std::string bytes;
+};
+
+std::vector<Seed> seeds() {
+  std::vector<Seed> result;
+  const std::string xyz = "property float x\nproperty double y\nproperty short z\n";
+  const std::string list = "element face 2\nproperty list uchar int vertex_indices\n";
+  result.push_back({"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz + list +
+                                 "end_header\n0 0 0\n1 0.5 2\n-1e3 nan 7\n3 0 1 2\n4 0 1 2 0\n"});
+  for (const bool big : {false, true}) {
+    std::string bytes = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                        "_endian 1.0\nelement vertex 3\n" + xyz + "property list uint float q\n" + list +
+                        "end_header\n";
+    for (int i = 0; i < 3; ++i) {
+      put(bytes, 1.5F, big);
+      put(bytes, 2.5, big);
+      put(bytes, std::int16_t{3}, big);
+      put(bytes, static_cast<std::uint32_t>(i), big);
+      for (int k = 0; k < i; ++k) put(bytes, 0.0F, big);
+    }
+    for (int i = 0; i < 2; ++i) {
+      put(bytes, std::uint8_t{3});
+      for (const int k : {0, 1, 2}) put(bytes, std::int32_t{k}, big);
+    }
+    result.push_back({big ? "b.ply" : "l.ply", bytes});
+  }
+  const auto pcd = [](const std::string& data) {
+    return "VERSION .7\nFIELDS x y z rgb _\nSIZE 4 4 4 4 1\nTYPE F F F F U\nCOUNT 1 1 1 1 3\nWIDTH 2\nHEIGHT 1\n"
+           "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA " +
+           data + "\n";
+  };
+  result.push_back({"a.pcd", pcd("ascii") + "1 2 3 4e-39 0 0 0\n4 5 nan 16711680 1 1 1\n"});
+  result.push_back({"b.pcd", pcd("binary") + std::string(38, '\x3f')});
+  std::string packed = pcd("binary_compressed");
+  put(packed, std::uint32_t{6});
+  put(packed, std::uint32_t{38});
+  packed += std::string("\x01zz\xE0\x1B\x01", 6);
+  result.push_back({"c.pcd", packed});
+  result.push_back({"a.obj", "# x\nv 1 2 3\nv 1 2 4 0.5 0.5 0.5\nv -1 2e1 .4\nf 1//1 2/2 -1\nf 1 2 3 \\\n 1 2\n"});
+  result.push_back({"a.xyz", "//X Y Z Rf Gf Bf\n3\n1 2 3 .5 .5 .5\n4 5 6 1 1 1\n7,8;9 0 0 0\n"});
+  result.push_back({"a.csv", "\"x\";\"y\";\"z\"\n1,5;2,5;3,5\n;;\n1;2;3\n"});
+  result.push_back({"a.pts", "2\r\n1 2 3 -100 1 2 3\r\n1 2 3 -100 1 2 3\r\n1\n1 2 3 4 5 6 7\n"});
+  result.push_back(
+      {"a.ptx", "1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n1 2 3 0.5\n0 0 0 0.5\n"});
+  result.push_back({"a.stl",
+                    "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+                    "endfacet\nendsolid a\n"});
+  std::string stl(80, ' ');
+  put(stl, std::uint32_t{1});
+  stl += std::string(50, '\x3e');
+  result.push_back({"b.stl", stl});
+  std::string las(375 + 54 + 32 + 60, '\0');
+  las.replace(0, 4, "LASF");
+  las[24] = 1;
+  las[25] = 4;
+  const auto set = [&](std::size_t at, auto value) { std::memcpy(las.data() + at, &value, sizeof value); };
+  set(94, std::uint16_t{375});
+  set(96, std::uint32_t{375 + 54 + 32});
+  set(100, std::uint32_t{1});
+  set(105, std::uint16_t{30});
+  las[104] = 6;
+  for (std::size_t k = 0; k < 3; ++k) set(131 + 8 * k, 0.01);
+  set(247, std::uint64_t{2});
+  las.replace(375 + 2, 15, "LASF_Projection");
+  set(375 + 18, std::uint16_t{2112});
+  set(375 + 20, std::uint16_t{32});
+  las.replace(375 + 54, 31, "PROJCS[\"p\",UNIT[\"foot\",0.3048]]");
+  result.push_back({"a.las", las});
+  return result;
+}
+
+/// Changes bits, bytes and lengths, and repeats or drops pieces.
+void mutate(std::string& bytes, std::mt19937& random) {
+  static const char* const kWords[] = {"4000000000",           "-1", "nan", "1e999", "0",
+                                       "99999999999999999999", ",",  ";",   "\\\n",  "\r"};
+  const auto anywhere = [&] { return bytes.empty() ? 0 : random() % bytes.size(); };
+  for (unsigned n = 1 + random() % 4; n > 0; --n) {
+    switch (random() % 7) {
+      case 0:
+        if (!bytes.empty()) bytes[anywhere()] ^= static_cast<char>(1U << random() % 8);
+        break;
+      case 1:
+        if (!bytes.empty()) bytes[anywhere()] = static_cast<char>(random());
+        break;
+      case 2:
+        bytes.resize(anywhere());
+        break;
+      case 3:
+        bytes.insert(anywhere(), kWords[random() % std::size(kWords)]);
+        break;
+      case 4:
+        bytes.erase(anywhere(), random() % 9);
+        break;
+      case 5:
+        bytes.insert(anywhere(), bytes.substr(anywhere(), random() % 64));
+        break;
+      default:
+        if (bytes.size() >= 4) {
+          const std::uint32_t word = random() % 2 == 0 ? 0xFFFFFFFFU : static_cast<std::uint32_t>(random());
+          std::memcpy(bytes.data() + random() % (bytes.size() - 3), &word, 4);
+        }
+    }
+  }
+}
+
+void expect_consistent(const RawScan& scan) {
+  ASSERT_EQ(scan.records, scan.points.size() + scan.invalid);
+  ASSERT_TRUE(scan.rgba.empty() || scan.rgba.size() == scan.points.size());
+  ASSERT_TRUE(scan.intensity.empty() || scan.intensity.size() == scan.points.size());
+  for (const auto& p : scan.points) ASSERT_TRUE(p.allFinite());
+  for (const auto& face : scan.faces) {
+    for (const std::uint32_t corner : face) ASSERT_LT(corner, scan.points.size());
+  }
+}
+
+TEST(DamagedScans, GivePointsOrAnInputErrorWhateverTheDamage) {
+  constexpr unsigned kSeed = 20240607;
+  const char* const nightly = std::getenv("SPARSHA_NIGHTLY");
+  const int rounds = nightly != nullptr ? 200000 : 2000;
+  std::size_t read = 0;
+  std::size_t refused = 0;
+  for (const Seed& seed : seeds()) {
+    ASSERT_NO_THROW((void)read_scan_bytes(seed.bytes, seed.name)) << seed.name;
+    std::mt19937 random(kSeed);
+    for (int round = 0; round < rounds; ++round) {
+      std::string bytes = seed.bytes;
+      mutate(bytes, random);
+      SCOPED_TRACE(seed.name + ", seed " + std::to_string(kSeed) + ", round " + std::to_string(round));
+      try {
+        expect_consistent(read_scan_bytes(bytes, seed.name));
+        ++read;
+      } catch (const Error& error) {
+        ASSERT_EQ(error.kind(), ErrorKind::input) << error.what();
+        ++refused;
+      }
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_GT(read, refused / 20) << "the damage is too coarse to tell anything";
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline
