@@ -65,7 +65,7 @@ std::optional<Leg> solve_leg(const Azimuth& azimuth, const Eigen::Vector3d& grip
 
 // Angles and their derivatives together: Newton needs both. The derivative of the closure along theta3 and theta2 drops
 // out when projected on the shin's direction n.
-bool angles_and_jacobian(const Eigen::Vector3d& grip_m, Angles& angles, Eigen::Matrix3d& derivative) noexcept {
+bool angles_and_jacobian(const Eigen::Vector3d& grip_m, Eigen::Vector3d& angles, Eigen::Matrix3d& derivative) noexcept {
   for (std::size_t i = 0; i < 3; ++i) {
     const Azimuth& azimuth = kAzimuths[i];
     const std::optional<Leg> leg = solve_leg(azimuth, grip_m);
@@ -84,55 +84,67 @@ bool angles_and_jacobian(const Eigen::Vector3d& grip_m, Angles& angles, Eigen::M
 
 }  // namespace
 
-double angle_of_count(double count) noexcept { return kOffsetRad + kRadianPerCount * count; }
-double count_of_angle(double angle_rad) noexcept { return (angle_rad - kOffsetRad) / kRadianPerCount; }
+Eigen::Vector3d angles_from_counts(const Counts& counts) noexcept {
+  Eigen::Vector3d angles;
+  for (std::size_t i = 0; i < 3; ++i)
+    angles[static_cast<Eigen::Index>(i)] = kOffsetRad + kRadianPerCount * static_cast<double>(counts[i]);
+  return angles;
+}
 
-std::optional<Angles> inverse(const Eigen::Vector3d& grip_m) noexcept {
-  Angles angles;
+Counts counts_from_angles(const Eigen::Vector3d& angles) noexcept {
+  Counts counts{};
+  for (std::size_t i = 0; i < 3; ++i)
+    counts[i] = static_cast<int>(std::lround((angles[static_cast<Eigen::Index>(i)] - kOffsetRad) / kRadianPerCount));
+  return counts;
+}
+
+std::optional<Eigen::Vector3d> inverse(const Eigen::Vector3d& position_m) noexcept {
+  Eigen::Vector3d angles;
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::optional<Leg> leg = solve_leg(kAzimuths[i], grip_m);
+    const std::optional<Leg> leg = solve_leg(kAzimuths[i], position_m);
     if (!leg) return std::nullopt;
     angles[static_cast<Eigen::Index>(i)] = leg->theta1;
   }
   return angles;
 }
 
-std::optional<Eigen::Matrix3d> jacobian(const Eigen::Vector3d& grip_m) noexcept {
-  Angles angles;
+std::optional<Eigen::Matrix3d> jacobian(const Eigen::Vector3d& position_m) noexcept {
+  Eigen::Vector3d angles;
   Eigen::Matrix3d derivative;
-  if (!angles_and_jacobian(grip_m, angles, derivative)) return std::nullopt;
+  if (!angles_and_jacobian(position_m, angles, derivative)) return std::nullopt;
   return derivative;
 }
 
-std::optional<Eigen::Vector3d> forward(const Angles& angles_rad, const Eigen::Vector3d& start_m) noexcept {
+std::optional<Eigen::Vector3d> forward(const Eigen::Vector3d& angles, const Eigen::Vector3d& start_m) noexcept {
   constexpr int kIterations = 40;
-  constexpr double kSettledRad = 1e-10;
+  constexpr int kHalvings = 12;
+  constexpr double kSettledRad = 1e-11;
   constexpr double kLongestStepM = 0.03;
-  Eigen::Vector3d grip = start_m;
-  Angles angles;
+  if (!angles.allFinite()) return std::nullopt;
+  Eigen::Vector3d position = start_m;
+  Eigen::Vector3d reached;
   Eigen::Matrix3d derivative;
-  if (!angles_rad.allFinite()) return std::nullopt;
-  if (!angles_and_jacobian(grip, angles, derivative)) {
-    grip = kColdStartM;
-    if (!angles_and_jacobian(grip, angles, derivative)) return std::nullopt;
+  if (!angles_and_jacobian(position, reached, derivative)) {
+    position = kNeutral_m;
+    if (!angles_and_jacobian(position, reached, derivative)) return std::nullopt;
   }
   for (int i = 0; i < kIterations; ++i) {
-    const Angles missing = angles_rad - angles;
-    if (missing.cwiseAbs().maxCoeff() <= kSettledRad) return grip;
+    const Eigen::Vector3d missing = angles - reached;
+    if (missing.cwiseAbs().maxCoeff() <= kSettledRad) return position;
     Eigen::Vector3d step = derivative.inverse() * missing;
     if (!step.allFinite()) return std::nullopt;
     const double length = step.norm();
     if (length > kLongestStepM) step *= kLongestStepM / length;
     // Halve until the step stays where a grip can be and comes nearer.
     bool nearer = false;
-    for (int halving = 0; halving < 12 && !nearer; ++halving, step *= 0.5) {
-      Angles tried;
+    for (int halving = 0; halving < kHalvings && !nearer; ++halving, step *= 0.5) {
+      Eigen::Vector3d tried;
       Eigen::Matrix3d tried_derivative;
-      nearer = angles_and_jacobian(grip + step, tried, tried_derivative) &&
-               (angles_rad - tried).squaredNorm() < missing.squaredNorm();
+      nearer = angles_and_jacobian(position + step, tried, tried_derivative) &&
+               (angles - tried).squaredNorm() < missing.squaredNorm();
       if (!nearer) continue;
-      grip += step;
-      angles = tried;
+      position += step;
+      reached = tried;
       derivative = tried_derivative;
     }
     if (!nearer) return std::nullopt;
@@ -140,11 +152,12 @@ std::optional<Eigen::Vector3d> forward(const Angles& angles_rad, const Eigen::Ve
   return std::nullopt;
 }
 
-Eigen::Vector3d torques(const Eigen::Vector3d& grip_m, const Eigen::Vector3d& force_n) noexcept {
-  const std::optional<Eigen::Matrix3d> derivative = jacobian(grip_m);
-  if (!derivative) return Eigen::Vector3d::Zero();
+std::optional<Eigen::Vector3d> torques(const Eigen::Vector3d& position_m, const Eigen::Vector3d& force_n) noexcept {
+  const std::optional<Eigen::Matrix3d> derivative = jacobian(position_m);
+  if (!derivative) return std::nullopt;
   const Eigen::Vector3d result = derivative->transpose().inverse() * force_n;
-  return result.allFinite() ? result : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  if (!result.allFinite()) return std::nullopt;
+  return result;
 }
 
 }  // namespace sparsha::haptics::falcon

@@ -1,110 +1,99 @@
 #include "haptics/device/falcon/packet.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sparsha::haptics::falcon {
 namespace {
 
 constexpr std::uint8_t kFirst = '<';
 constexpr std::uint8_t kLast = '>';
-constexpr std::uint8_t kZero = 'A';  // nibbles travel as 'A' to 'P'
-constexpr std::size_t kControlByte = 13;
-constexpr std::uint8_t kHomingBit = 0x01;
-constexpr std::uint8_t kLedBits = kLedGreen | kLedBlue | kLedRed;
+constexpr std::uint8_t kZero = 'A';  // nibbles travel as 'A' to 'P', low one first
+constexpr std::size_t kFlags = 13;
 
-void put(Packet& packet, std::size_t at, int value) noexcept {
-  const auto bits = static_cast<unsigned>(value) & 0xFFFFU;
-  for (unsigned nibble = 0; nibble < 4; ++nibble)
-    packet[at + nibble] = static_cast<std::uint8_t>(kZero + ((bits >> (4 * nibble)) & 0xFU));
-}
-
-Packet packet_of(const std::array<int, 3>& values, std::uint8_t control) noexcept {
+Packet packet_of(const std::array<int, 3>& values, unsigned flags) noexcept {
   Packet packet;
   packet.fill(kZero);
   packet.front() = kFirst;
   packet.back() = kLast;
-  for (std::size_t i = 0; i < 3; ++i) put(packet, 1 + 4 * i, values[i]);
-  packet[kControlByte] = static_cast<std::uint8_t>(kZero + control);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto bits = static_cast<unsigned>(values[i]) & 0xFFFFU;
+    for (unsigned nibble = 0; nibble < 4; ++nibble)
+      packet[1 + 4 * i + nibble] = static_cast<std::uint8_t>(kZero + ((bits >> (4 * nibble)) & 0xFU));
+  }
+  packet[kFlags] = static_cast<std::uint8_t>(kZero + (flags & 0x7FU));
   return packet;
 }
 
-bool get(std::span<const std::uint8_t, kPacketBytes> bytes, std::array<int, 3>& values) noexcept {
-  if (bytes.front() != kFirst || bytes.back() != kLast) return false;
+std::optional<std::array<int, 3>> values_of(const Packet& packet) noexcept {
+  if (packet.front() != kFirst || packet.back() != kLast) return std::nullopt;
+  if (packet[kFlags] < kZero || packet[kFlags] - kZero > 0x7F) return std::nullopt;
+  std::array<int, 3> values{};
   for (std::size_t i = 0; i < 3; ++i) {
     unsigned bits = 0;
     for (unsigned nibble = 0; nibble < 4; ++nibble) {
-      const unsigned value = static_cast<unsigned>(bytes[1 + 4 * i + nibble]) - kZero;
-      if (value > 0xFU) return false;
+      const unsigned value = static_cast<unsigned>(packet[1 + 4 * i + nibble]) - kZero;
+      if (value > 0xFU) return std::nullopt;
       bits |= value << (4 * nibble);
     }
     values[i] = bits < 0x8000U ? static_cast<int>(bits) : static_cast<int>(bits) - 0x10000;
   }
-  return bytes[kControlByte] >= kZero && bytes[kControlByte] - kZero <= 0x7F;
+  return values;
 }
 
 }  // namespace
 
-Packet encode(const Question& question) noexcept {
-  const unsigned control = (question.leds & kLedBits) | (question.homing ? kHomingBit : 0U);
-  return packet_of(question.motors, static_cast<std::uint8_t>(control));
+Packet encode(const MotorCommand& command, std::uint8_t flags) noexcept {
+  MotorCommand clamped = command;
+  for (int& counts : clamped) counts = std::clamp(counts, -kMostCommand, kMostCommand);
+  return packet_of(clamped, flags);
 }
 
-Packet encode(const Answer& answer) noexcept {
-  return packet_of(answer.encoders, static_cast<std::uint8_t>((answer.buttons & 0xFU) | ((answer.homed & 0x7U) << 4U)));
+Packet encode_answer(const Counts& counts, std::uint8_t buttons, std::uint8_t homed) noexcept {
+  return packet_of(counts, (buttons & 0xFU) | ((homed & 0x7U) << 4U));
 }
 
-std::optional<Answer> decode_answer(std::span<const std::uint8_t, kPacketBytes> bytes) noexcept {
-  Answer answer;
-  if (!get(bytes, answer.encoders)) return std::nullopt;
-  const unsigned control = static_cast<unsigned>(bytes[kControlByte]) - kZero;
-  answer.buttons = static_cast<std::uint8_t>(control & 0xFU);
-  answer.homed = static_cast<std::uint8_t>((control >> 4U) & 0x7U);
-  return answer;
+std::optional<MotorCommand> decode_command(const Packet& packet) noexcept { return values_of(packet); }
+
+std::optional<Answer> decode_answer(const Packet& packet) noexcept {
+  const auto counts = values_of(packet);
+  if (!counts) return std::nullopt;
+  const unsigned flags = static_cast<unsigned>(packet[kFlags]) - kZero;
+  return Answer{*counts, static_cast<std::uint8_t>(flags & 0xFU), static_cast<std::uint8_t>((flags >> 4U) & 0x7U)};
 }
 
-std::optional<Question> decode_question(std::span<const std::uint8_t, kPacketBytes> bytes) noexcept {
-  Question question;
-  if (!get(bytes, question.motors)) return std::nullopt;
-  const unsigned control = static_cast<unsigned>(bytes[kControlByte]) - kZero;
-  question.leds = static_cast<std::uint8_t>(control & kLedBits);
-  question.homing = (control & kHomingBit) != 0;
-  return question;
+MotorCommand motor_command(const Eigen::Vector3d& torque_n_m, double counts_per_newton_metre) noexcept {
+  const Eigen::Vector3d counts = -counts_per_newton_metre * torque_n_m;
+  if (!counts.allFinite()) return {};
+  const double most = counts.cwiseAbs().maxCoeff();
+  const double scale = most > kMostCommand ? kMostCommand / most : 1.0;
+  MotorCommand command{};
+  for (std::size_t i = 0; i < 3; ++i)
+    command[i] = std::clamp(static_cast<int>(std::lround(scale * counts[static_cast<Eigen::Index>(i)])),
+                            -kMostCommand, kMostCommand);
+  return command;
 }
 
-void PacketStream::add(std::span<const std::uint8_t> bytes) noexcept {
-  if (bytes.size() > bytes_.size()) bytes = bytes.last(bytes_.size());
-  const std::size_t room = bytes_.size() - size_;
-  if (bytes.size() > room) {
-    const std::size_t drop = bytes.size() - room;
-    std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(drop), bytes_.begin() + static_cast<std::ptrdiff_t>(size_),
-              bytes_.begin());
-    size_ -= drop;
-  }
-  std::copy(bytes.begin(), bytes.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(size_));
-  size_ += bytes.size();
-}
-
-std::optional<Packet> PacketStream::next() noexcept {
-  std::size_t at = 0;
-  std::optional<Packet> found;
-  while (at < size_ && !found) {
-    if (bytes_[at] != kFirst) {
-      ++at;
-      continue;
+std::optional<Answer> AnswerStream::feed(std::span<const std::uint8_t> bytes) noexcept {
+  std::optional<Answer> newest;
+  for (const std::uint8_t byte : bytes) {
+    held_[size_++] = byte;
+    // Whatever cannot be the beginning of an answer goes, up to the next byte that can.
+    while (size_ > 0 && (held_.front() != kFirst || size_ == kPacketBytes)) {
+      if (size_ == kPacketBytes) {
+        if (const auto answer = decode_answer(held_)) {
+          newest = answer;
+          size_ = 0;
+          break;
+        }
+      }
+      const auto end = held_.begin() + static_cast<std::ptrdiff_t>(size_);
+      const auto next = std::find(held_.begin() + 1, end, kFirst);
+      rubbish_ += static_cast<std::uint64_t>(next - held_.begin());
+      size_ = static_cast<std::size_t>(std::copy(next, end, held_.begin()) - held_.begin());
     }
-    if (size_ - at < kPacketBytes) break;  // the rest of it is on its way
-    if (bytes_[at + kPacketBytes - 1] != kLast) {
-      ++at;
-      continue;
-    }
-    found.emplace();
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at), kPacketBytes, found->begin());
-    at += kPacketBytes;
   }
-  std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(at), bytes_.begin() + static_cast<std::ptrdiff_t>(size_),
-            bytes_.begin());
-  size_ -= at;
-  return found;
+  return newest;
 }
 
 }  // namespace sparsha::haptics::falcon
