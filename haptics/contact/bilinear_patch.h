@@ -55,6 +55,16 @@ struct BilinearPatch {
   [[nodiscard]] double slope_t(double s, double) const noexcept { return b + c * s; }
 };
 
+/// Friction coefficient of one cell, bilinear like its heights.
+struct CellCoefficients {
+  double mu = 0.0;
+  double a = 0.0;
+  double b = 0.0;
+  double c = 0.0;
+
+  [[nodiscard]] double at(double s, double t) const noexcept { return mu + s * a + t * (b + s * c); }
+};
+
 /// A MongeSurface in cells; cheap to make, for one update.
 class BilinearSurface {
  public:
@@ -97,21 +107,19 @@ class BilinearSurface {
   }
 
   [[nodiscard]] Patch patch(int i, int j) const noexcept {
-    double z00, z10, z01, z11;
-    if (is_inner(i, j)) [[likely]] {
-      const float* low = height_ + node(i, j);
-      const float* high = low + nx_;
-      z00 = low[0], z10 = low[1], z01 = high[0], z11 = high[1];
-    } else {
-      const int i0 = std::clamp(i, 0, nx_ - 1);
-      const int j0 = std::clamp(j, 0, ny_ - 1);
-      const int i1 = std::clamp(i + 1, 0, nx_ - 1);
-      const int j1 = std::clamp(j + 1, 0, ny_ - 1);
-      z00 = height_[node(i0, j0)], z10 = height_[node(i1, j0)];
-      z01 = height_[node(i0, j1)], z11 = height_[node(i1, j1)];
-    }
-    z00 *= cells_per_m_, z10 *= cells_per_m_, z01 *= cells_per_m_, z11 *= cells_per_m_;
-    return {z00, z10 - z00, z01 - z00, (z11 - z10) - (z01 - z00)};
+    if (is_inner(i, j)) [[likely]]
+      return patch_inside(i, j);
+    const int i0 = std::clamp(i, 0, nx_ - 1);
+    const int j0 = std::clamp(j, 0, ny_ - 1);
+    const int i1 = std::clamp(i + 1, 0, nx_ - 1);
+    const int j1 = std::clamp(j + 1, 0, ny_ - 1);
+    return patch_of(height_[node(i0, j0)], height_[node(i1, j0)], height_[node(i0, j1)], height_[node(i1, j1)]);
+  }
+  /// Of an inner cell.
+  [[nodiscard]] Patch patch_inside(int i, int j) const noexcept {
+    const float* low = height_ + node(i, j);
+    const float* high = low + nx_;
+    return patch_of(low[0], low[1], high[0], high[1]);
   }
 
   /// Coefficients in a cell, bilinear between nodes, 0 beyond the border. Only with has_friction().
@@ -121,20 +129,21 @@ class BilinearSurface {
   [[nodiscard]] double mu_static(int i, int j, double s, double t) const noexcept {
     return interpolate(mu_static_, i, j, s, t);
   }
-  /// mu_dynamic at p + tau (ds, dt) = mu + tau (mu1 + tau mu2), p in an inner cell.
-  void mu_dynamic_along(const CellPoint& p, double ds, double dt, double& mu, double& mu1, double& mu2) const noexcept {
-    const float* low = mu_dynamic_ + node(p.i, p.j);
+  /// mu_dynamic of an inner cell. Only with has_friction().
+  [[nodiscard]] CellCoefficients coefficients(int i, int j) const noexcept {
+    const float* low = mu_dynamic_ + node(i, j);
     const float* high = low + nx_;
     const double m00 = low[0];
+    const double m01 = high[0];
     const double a = static_cast<double>(low[1]) - m00;
-    const double b = static_cast<double>(high[0]) - m00;
-    const double c = (static_cast<double>(high[1]) - static_cast<double>(high[0])) - a;
-    mu = m00 + p.s * a + p.t * (b + p.s * c);
-    mu1 = ds * (a + c * p.t) + dt * (b + c * p.s);
-    mu2 = c * ds * dt;
+    return {m00, a, m01 - m00, (static_cast<double>(high[1]) - m01) - a};
   }
 
  private:
+  [[nodiscard]] Patch patch_of(double z00, double z10, double z01, double z11) const noexcept {
+    z00 *= cells_per_m_, z10 *= cells_per_m_, z01 *= cells_per_m_, z11 *= cells_per_m_;
+    return {z00, z10 - z00, z01 - z00, (z11 - z10) - (z01 - z00)};
+  }
   [[nodiscard]] std::size_t node(int i, int j) const noexcept {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i);
   }

@@ -25,9 +25,12 @@ class ExactSolver {
   /// Moves `p` to rest. `contact` and `sticking` as in ProxyState.
   void solve(CellPoint& p, bool& contact, bool& sticking) noexcept {
     bool landed = false;
-    settle_on_surface(p, contact);
+    const Patch start = surface_.patch(p.i, p.j);
+    settle_on(start, p, contact);
     bool may_stick_again = kFriction && contact && !sticking;
     sticking = kFriction && contact && sticking;
+    if (contact && glides(p) && glide(start, p, sticking, may_stick_again)) return;
+    bool moved_generally = false;
     while (segments_ < limit_) {
       if (!contact) {
         if (!fly(p, contact)) return;
@@ -36,10 +39,10 @@ class ExactSolver {
         may_stick_again = false;
         continue;
       }
-      if (!landed && surface_.is_inner(p.i, p.j) && is_inside_cell(surface_, p)) {
-        Glide<Surface, kFriction> glide(surface_, hip_, tolerance_, limit_);
-        if (glide.run(p, sticking, may_stick_again, segments_) == GlideEnd::rest) return;
-      }
+      if (moved_generally && !landed && glides(p) &&
+          glide(surface_.patch_inside(p.i, p.j), p, sticking, may_stick_again))
+        return;
+      moved_generally = false;
       const CellVector w = hip_ - p;
       if (is_inside_cell(surface_, p)) {
         const auto patch = surface_.patch(p.i, p.j);
@@ -49,7 +52,7 @@ class ExactSolver {
           continue;
         }
         const double tangent = std::sqrt(pull.squared_tangent() / pull.area);
-        const double threshold = rest_tolerance(w);
+        const double threshold = rest_tolerance(tolerance_, w);
         if (holds(pull, tangent, p, threshold, sticking, may_stick_again)) return;
         const Piece piece{
             p, patch, pull, project_on_quadrant(pull, Freedom::both, Freedom::both), Freedom::both, Freedom::both};
@@ -61,11 +64,12 @@ class ExactSolver {
           continue;
         }
         Piece piece;
-        const double threshold = rest_tolerance(w);
+        const double threshold = rest_tolerance(tolerance_, w);
         if (holds_on_edge(touching, w, threshold, sticking, may_stick_again, piece)) return;
         if (advance(piece, w, threshold, p)) return;
       }
       landed = false;
+      moved_generally = true;
       ++segments_;
     }
     unfinished_ = true;
@@ -87,10 +91,19 @@ class ExactSolver {
     Freedom t = Freedom::both;
   };
 
+  /// Strictly inside an inner cell: the fast lane may take over.
+  [[nodiscard]] bool glides(const CellPoint& p) const noexcept {
+    return surface_.is_inner(p.i, p.j) && p.s > 0.0 && p.s < 1.0 && p.t > 0.0 && p.t < 1.0;
+  }
+  bool glide(const Patch& patch, CellPoint& p, bool& sticking, bool& may_stick_again) noexcept {
+    Glide<Surface, kFriction> lane(surface_, hip_, tolerance_, limit_);
+    return lane.run(p, patch, sticking, may_stick_again, segments_) == GlideEnd::rest;
+  }
+
   /// Lifts a point that is below the surface onto it; drops the contact of one that is above.
-  void settle_on_surface(CellPoint& p, bool& contact) const noexcept {
+  static void settle_on(const Patch& patch, CellPoint& p, bool& contact) noexcept {
     constexpr double kSame = 64.0 * std::numeric_limits<double>::epsilon();
-    const double floor = surface_.patch(p.i, p.j).height(p.s, p.t);
+    const double floor = patch.height(p.s, p.t);
     contact = p.z < floor || (contact && p.z <= floor + kSame * (1.0 + std::abs(floor)));
     if (contact) p.z = floor;
   }
@@ -119,11 +132,6 @@ class ExactSolver {
     contact = false;
     sticking = false;
     leaving_ = true;
-  }
-
-  [[nodiscard]] double rest_tolerance(const CellVector& w) const noexcept {
-    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
-    return tolerance_ + kRounding * std::max({std::abs(w.x), std::abs(w.y), std::abs(w.z)});
   }
 
   /// Does w rise faster than the patch, by more than rounding?
@@ -276,8 +284,6 @@ class ExactSolver {
     return false;
   }
 
-  static constexpr double kStickAgain = 0.9;  // of mu_dynamic
-  static constexpr double kRootShare = 0.25;  // of the rest tolerance
   static constexpr int kRootIterations = 80;
 
   const Surface& surface_;

@@ -34,8 +34,8 @@ void Governor::count_free_time(const GovernorInput& input) noexcept {
 
 /// What the hand put in over the last interval, with the force that the device held then. The least damping of hand and
 /// device is booked too: it eats what delay and encoder steps make below the stiffness limit, and without it their
-/// flicker would drain the books of a hand at rest. Gains count only as far as the spring stores them: what friction ate
-/// cannot come back.
+/// flicker would drain the books of a hand at rest. Gains count only as far as the spring stores them: what friction
+/// ate cannot come back.
 void Governor::book(const GovernorInput& input) noexcept {
   displacement_m_.setZero();
   damped_j_ = 0.0;

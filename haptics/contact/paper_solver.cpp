@@ -74,9 +74,11 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
   const BilinearSurface cells(surface);
   const CellVector hand = to_cells(cells, hip);
   if (!is_reachable(hand)) return report_no_hand(state);
-  if (!is_reachable(to_cells(cells, state.position))) state = start_proxy(surface, hip);
-
-  CellPoint p = place_of(cells, state);
+  CellPoint p;
+  if (!place_of(cells, state, p)) {
+    state = start_proxy(surface, hip);
+    static_cast<void>(place_of(cells, state, p));
+  }
   const double floor = cells.patch(p.i, p.j).height(p.s, p.t);
   if (state.contact || p.z < floor) p.z = floor, state.contact = true;
   state.sticking = false;

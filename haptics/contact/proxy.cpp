@@ -9,7 +9,11 @@ namespace {
 template <bool kFriction>
 ProxyUpdate solve(const MongeSurface& monge, const BilinearSurface& surface, const Eigen::Vector3d& hip_m,
                   const CellVector& hip, ProxyState& state, const SolverOptions& options) noexcept {
-  CellPoint p = place_of(surface, state);
+  CellPoint p;
+  if (!place_of(surface, state, p)) {
+    state = start_proxy(monge, hip_m);
+    static_cast<void>(place_of(surface, state, p));
+  }
   ExactSolver<BilinearSurface, kFriction> solver(surface, hip, options);
   solver.solve(p, state.contact, state.sticking);
   ProxyUpdate update = report(monge, surface, hip_m, p, !state.contact && !solver.unfinished(), state);
@@ -40,7 +44,6 @@ ProxyUpdate update_exact(const MongeSurface& surface, const Eigen::Vector3d& hip
   const BilinearSurface cells(surface);
   const CellVector hand = to_cells(cells, hip);
   if (!is_reachable(hand)) return report_no_hand(state);
-  if (!is_reachable(to_cells(cells, state.position))) state = start_proxy(surface, hip);
   return cells.has_friction() ? solve<true>(surface, cells, hip, hand, state, options)
                               : solve<false>(surface, cells, hip, hand, state, options);
 }

@@ -29,7 +29,7 @@ template <class Surface>
 
 /// False for NaN too.
 [[nodiscard]] inline bool is_reachable(const CellVector& v) noexcept {
-  return std::abs(v.x) < kFarthestCell && std::abs(v.y) < kFarthestCell && std::abs(v.z) < kFarthestCell;
+  return std::abs(v.x) + std::abs(v.y) + std::abs(v.z) < kFarthestCell;
 }
 
 /// The cell that holds (x, y).
@@ -55,16 +55,21 @@ template <class Surface>
 }
 
 /// The state's proxy in cells: as the solver left it, or from metres when somebody moved it or changed the surface.
+/// False when the position is no place at all.
 template <class Surface>
-[[nodiscard]] inline CellPoint place_of(const Surface& surface, const ProxyState& state) noexcept {
+[[nodiscard]] inline bool place_of(const Surface& surface, const ProxyState& state, CellPoint& p) noexcept {
   const ProxyCell& c = state.cell;
-  const CellPoint kept{c.i, c.j, c.s, c.t, c.z};
-  const bool in_range = c.i >= -1 && c.i < surface.nx() && c.j >= -1 && c.j < surface.ny();
-  const Eigen::Vector3d kept_m = to_metres(surface, kept);
+  p = {c.i, c.j, c.s, c.t, c.z};
+  const bool in_range = static_cast<unsigned>(c.i + 1) <= static_cast<unsigned>(surface.nx()) &&
+                        static_cast<unsigned>(c.j + 1) <= static_cast<unsigned>(surface.ny());
+  const Eigen::Vector3d kept_m = to_metres(surface, p);
   if (in_range && kept_m.x() == state.position.x() && kept_m.y() == state.position.y() &&
-      kept_m.z() == state.position.z())
-    return kept;
-  return locate(surface, to_cells(surface, state.position));
+      kept_m.z() == state.position.z()) [[likely]]
+    return true;
+  const CellVector place = to_cells(surface, state.position);
+  if (!is_reachable(place)) return false;
+  p = locate(surface, place);
+  return true;
 }
 
 template <class Surface>
