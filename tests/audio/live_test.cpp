@@ -8,8 +8,10 @@
 #include <sndfile.h>
 
 #include "audio/engine.h"
+#include "audio/live_stream.h"
 #include "audio/speech/child_process.h"
 #include "audio_scene.h"
+#include "pipeline/base/error.h"
 
 namespace {
 
@@ -27,16 +29,24 @@ class SoundServer {
     setenv("JACK_NO_AUDIO_RESERVATION", "1", 1);
     process_ =
         ChildProcess::start(*program, {"--no-realtime", "--name", name, "-d", "dummy", "-r", "48000", "-p", "128"}, "");
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    for (int i = 0; i < 40 && !ready_; ++i) {  // a busy machine takes its time to start it
+      std::this_thread::sleep_for(std::chrono::milliseconds(250));
+      try {
+        const LiveStream stream;
+        ready_ = true;
+      } catch (const Error&) {
+      }
+    }
   }
   ~SoundServer() { unsetenv("JACK_DEFAULT_SERVER"); }
   SoundServer(const SoundServer&) = delete;
   SoundServer& operator=(const SoundServer&) = delete;
-  [[nodiscard]] bool running() { return process_ != nullptr && process_->running(); }
+  [[nodiscard]] bool running() { return ready_ && process_->running(); }
   void kill() { process_->kill(); }
 
  private:
   std::unique_ptr<ChildProcess> process_;
+  bool ready_ = false;
 };
 
 class LiveEngine : public testing::Test {
