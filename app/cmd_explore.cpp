@@ -89,11 +89,15 @@ class Rescan {
   std::future<pipeline::ScenePointer> result_;
 };
 
-// Remembers the last moment in contact, so that a picture taken after the run shows the touch.
+// Remembers the last moment in which the hand felt the stone, so that a picture taken after the run shows the touch.
 struct LastTouch {
   haptics::State state;
+  bool felt = false;
   void see(const haptics::State& now) {
-    if (now.contact == 1 || state.contact == 0) state = now;
+    const bool feels =
+        now.contact == 1 && (now.flags & haptics::kFlagArmed) != 0 && (now.flags & haptics::kFlagFault) == 0;
+    if (feels || !felt) state = now;
+    felt = felt || feels;
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
@@ -54,6 +55,33 @@ void warn_of_size(const Lattice& lattice, Progress& progress) {
                             longest > kLarge ? " (millimetres read as metres?)" : " (metres read as millimetres?)"));
 }
 
+// What became of a point that an outlier filter took away: the cross-check counts it unless the view does not see it.
+PointFate fate_of(const Eigen::Vector3d& grid_point_m, const DepthGrid& grid, double gap_m) {
+  const Lattice& lattice = grid.lattice;
+  const double u = (grid_point_m.x() - lattice.origin_m.x()) / lattice.spacing_m;
+  const double v = (grid_point_m.y() - lattice.origin_m.y()) / lattice.spacing_m;
+  if (!(u >= -0.5 && v >= -0.5 && u <= lattice.nx - 0.5 && v <= lattice.ny - 0.5)) return PointFate::outside;
+  const int i = std::clamp(static_cast<int>(std::lround(u)), 0, lattice.nx - 1);
+  const int j = std::clamp(static_cast<int>(std::lround(v)), 0, lattice.ny - 1);
+  const auto height = static_cast<double>(grid.height_m[lattice.index(i, j)]);
+  const double depth = lattice.origin_m.z() + height - grid_point_m.z();
+  return depth > gap_m ? PointFate::occluded : PointFate::outlier;  // an unknown height occludes nothing
+}
+
+// Puts points that filters took for outliers back before the cross-check, which must judge the surface by all of them.
+void add_outliers(Cloud& cloud, const Cloud& removed, const Eigen::Matrix4d& scan_to_grid, Projection& projection) {
+  const std::size_t first = cloud.size();
+  if (removed.size() == 0) return;
+  cloud.resize_points(first + removed.size());
+  for (std::size_t n = 0; n < removed.size(); ++n) {
+    const float* point = removed.xyz1() + 4 * n;
+    std::copy_n(point, 3, cloud.xyz1() + 4 * (first + n));
+    const Eigen::Vector3d scan = removed.origin_m + Eigen::Map<const Eigen::Vector3f>(point).cast<double>();
+    const Eigen::Vector3d grid = (scan_to_grid * scan.homogeneous()).head<3>();
+    projection.fate.push_back(fate_of(grid, projection.grid, projection.gap_m));
+  }
+}
+
 // Texture and friction layers of level 0.
 void add_texture(const Config& config, const Projection& projection, ThreadPool& pool, Progress& progress, Layers& base,
                  SceneDescription& scene) {
@@ -78,6 +106,18 @@ void add_texture(const Config& config, const Projection& projection, ThreadPool&
   scene.has_paper_curvatures = true;
 }
 
+// This version builds in memory: a limit that it would break is refused before the work, never ignored.
+void check_memory(const BuildOptions& options, const Cloud& cloud) {
+  if (options.memory_bytes == 0) return;
+  constexpr std::uint64_t kBytesAPoint = 56;  // bins, fates, kd-tree: measured on builds of 1 to 10 million points
+  const std::uint64_t needed = system::peak_rss_bytes() + kBytesAPoint * cloud.size();
+  if (needed <= options.memory_bytes) return;
+  throw Error(ErrorKind::failure, {},
+              fmt::format("{} points need about {} MB in memory, more than the limit of {} MB", cloud.size(),
+                          needed / 1000000U, options.memory_bytes / 1000000U),
+              "a higher --memory, or a voxel filter; building out of core is not in this version");
+}
+
 }  // namespace
 
 BuildResult build_scene(const Config& config, const BuildOptions& options, Progress& progress) {
@@ -96,9 +136,12 @@ BuildResult build_scene(const Config& config, const BuildOptions& options, Progr
                       "a scan with at least one finite point");
   }
 
+  check_memory(options, cloud);
+  Cloud removed_outliers;
   if (!config.filters.empty() && !options.grid_only) {
     progress.begin("filter");
-    const FilterCounts counts = apply_filters(cloud, config.filters, pool, progress);
+    const FilterCounts counts =
+        apply_filters(cloud, config.filters, pool, progress, config.check ? &removed_outliers : nullptr);
     report.points.filtered = counts.filtered;
     report.points.outlier = counts.outlier;
   }
@@ -134,6 +177,7 @@ BuildResult build_scene(const Config& config, const BuildOptions& options, Progr
     if (config.check) {
       progress.begin("cross-check");
       projection.grid = base.grid;
+      add_outliers(cloud, removed_outliers, scan_to_grid, projection);
       report.check = cross_check(cloud, scan_to_grid, projection, config.fill, *config.check, pool, progress);
     }
   } else {

@@ -1,5 +1,7 @@
 #include "pipeline/filter/filter.h"
 
+#include <algorithm>
+
 #include "pipeline/base/error.h"
 #include "pipeline/filter/outliers.h"
 #include "pipeline/filter/voxel.h"
@@ -39,6 +41,18 @@ std::vector<std::uint8_t> inside(const Cloud& cloud, const CropConfig& crop) {
   return keep;
 }
 
+/// Appends the points with keep[i] == 0 to `removed`.
+void copy_removed(const Cloud& cloud, const std::vector<std::uint8_t>& keep, Cloud& removed) {
+  std::size_t next = removed.size();
+  removed.origin_m = cloud.origin_m;
+  removed.resize_points(next + static_cast<std::size_t>(std::count(keep.begin(), keep.end(), std::uint8_t{0})));
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i] != 0) continue;
+    std::copy_n(cloud.xyz1() + 4 * i, 3, removed.xyz1() + 4 * next);
+    ++next;
+  }
+}
+
 void check_left(const Cloud& cloud, const char* filter) {
   if (cloud.size() > 0) return;
   throw Error(ErrorKind::input, {}, std::string("nothing is left after the filter '") + filter + "'",
@@ -47,8 +61,8 @@ void check_left(const Cloud& cloud, const char* filter) {
 
 }  // namespace
 
-FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool,
-                           Progress& progress) {
+FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool, Progress& progress,
+                           Cloud* removed_outliers) {
   FilterCounts counts;
   for (const FilterConfig& filter : filters) {
     progress.throw_if_cancelled();
@@ -61,9 +75,11 @@ FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filter
       counts.filtered += before - cloud.size();
       cloud.faces.clear();
     } else if (const auto* outliers = std::get_if<OutlierConfig>(&filter)) {
-      counts.outlier += keep_only(cloud, outliers->method == OutlierConfig::Method::pcl
-                                             ? statistical_inliers_by_pcl(cloud, *outliers)
-                                             : statistical_inliers(cloud, *outliers, pool, progress));
+      const std::vector<std::uint8_t> keep = outliers->method == OutlierConfig::Method::pcl
+                                                 ? statistical_inliers_by_pcl(cloud, *outliers)
+                                                 : statistical_inliers(cloud, *outliers, pool, progress);
+      if (removed_outliers != nullptr) copy_removed(cloud, keep, *removed_outliers);
+      counts.outlier += keep_only(cloud, keep);
       check_left(cloud, "outliers");
     }
   }

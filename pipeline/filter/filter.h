@@ -16,9 +16,10 @@ struct FilterCounts {
   std::uint64_t outlier = 0;   ///< by outliers
 };
 
-/// Applies `filters` in order. Faces survive only while no point is taken away. Throws Error{usage} when a voxel leaf
-/// is too small for the extent, Error{input} when nothing is left.
-FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool,
-                           Progress& progress);
+/// Applies `filters` in order. Faces survive only while no point is taken away. Points that an outlier filter takes
+/// away go to `removed_outliers` (positions only, same origin) when it is given: a cross-check must see them. Throws
+/// Error{usage} when a voxel leaf is too small for the extent, Error{input} when nothing is left.
+FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool, Progress& progress,
+                           Cloud* removed_outliers = nullptr);
 
 }  // namespace sparsha::pipeline
