@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <ctime>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -197,10 +199,12 @@ void run_speed(const RunOptions& options) {
 void run_huge(const RunOptions& options) {
   if (options.huge_points <= 0.0 || !fs::exists(options.program)) return;
   const fs::path folder = options.work / "huge";
-  pipeline::SimulationConfig simulation = million(8192);
+  constexpr double kPerNode = 1.5625;
+  const int nodes = 1 + static_cast<int>(std::lround(std::sqrt(options.huge_points / kPerNode)));
+  pipeline::SimulationConfig simulation = million(nodes);
   simulation.surface.back = {};
   auto& sampler = std::get<pipeline::SamplerConfig>(simulation.scan);
-  sampler.points_per_node = options.huge_points / (8191.0 * 8191.0);
+  sampler.points_per_node = kPerNode;
   sampler.files = 4;
   Progress progress;
   pipeline::write_simulation(simulation, folder, progress);
