@@ -49,21 +49,20 @@ class FalconDevice final : public Device {
     }
     const Steady::time_point began = Steady::now();
     if (!asked_ || since(asked_at_) > kLost_s) ask({});
-    UsbPacket bytes{};
-    while (connected_) {
-      const double left = std::max(timeout_s, kPatience_s) - since(began);
-      if (left <= 0.0) return;
+    bool answered = false;
+    for (;;) {
+      // What came beside the answer (to a question asked twice, to a watchdog's zero) is taken too, or the hand would
+      // be seen late for ever after.
+      const double left = answered ? 0.0 : std::max(timeout_s, kPatience_s) - since(began);
+      UsbPacket bytes{};
       std::size_t size = 0;
-      const Wire status = wire_->receive(bytes, size, left);
-      if (status == Wire::gone) {
-        connected_ = false;
-      } else if (status == Wire::nothing) {
-        return;
-      } else if (size > kModemBytes) {
-        if (const auto answer = stream_.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
-          take(*answer);
-          return;
-        }
+      const Wire status = wire_->receive(bytes, size, std::max(0.0, left));
+      if (status == Wire::gone) connected_ = false;
+      if (status != Wire::ok) return;
+      if (size <= kModemBytes) continue;
+      if (const auto answer = stream_.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
+        take(*answer);
+        answered = true;
       }
     }
   }

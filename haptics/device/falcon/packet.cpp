@@ -69,8 +69,8 @@ MotorCommand motor_command(const Eigen::Vector3d& torque_n_m, double counts_per_
   const double scale = most > kMostCommand ? kMostCommand / most : 1.0;
   MotorCommand command{};
   for (std::size_t i = 0; i < 3; ++i)
-    command[i] = std::clamp(static_cast<int>(std::lround(scale * counts[static_cast<Eigen::Index>(i)])),
-                            -kMostCommand, kMostCommand);
+    command[i] = std::clamp(static_cast<int>(std::lround(scale * counts[static_cast<Eigen::Index>(i)])), -kMostCommand,
+                            kMostCommand);
   return command;
 }
 

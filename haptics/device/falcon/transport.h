@@ -42,7 +42,7 @@ class Transport {
   // Running.
   /// Hands the bytes over without waiting; `nothing` when the last ones are still on their way.
   virtual Wire post(std::span<const std::uint8_t> bytes) noexcept = 0;
-  /// Waits for the next USB packet that carries data, at most `timeout_s`.
+  /// Waits for the next USB packet that carries data, at most `timeout_s`; with 0 takes only what is there.
   virtual Wire receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept = 0;
   /// Like post(), from any thread, past whatever the servo is doing.
   virtual void urgent(std::span<const std::uint8_t> bytes) noexcept = 0;
