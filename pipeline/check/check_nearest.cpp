@@ -1,4 +1,4 @@
-// Building a tree costs more than asking it. Each band of rows builds its own over the points within a reach of its
+// Building a tree costs more than asking it. Each strip of rows builds its own over the points within a reach of its
 // sampled nodes; nodes whose nearest point lies beyond are asked again with a larger reach, at last of all points.
 #include "pipeline/check/check_nearest.h"
 
@@ -16,7 +16,8 @@ constexpr double kLeastReach = 0.5;  // spacings, of the first try
 constexpr double kFirstReach = 1.0;  // point spacings, of the first try; most nodes have a point this near
 constexpr double kGrowth = 2.0;      // of the reach from try to try
 constexpr double kTrusted = 0.99;    // of the reach; the rest is for the rounding of floats
-constexpr int kCellsPerReach = 2;    // resolution of the mask of kept places
+constexpr int kStripRows = 48;       // node rows with a tree of their own
+constexpr int kCellsPerReach = 3;    // resolution of the mask of kept places
 constexpr std::size_t kNodesPerPiece = 1024;
 
 /// Places within `reach` (spacings) of a node of some rows, as cells of reach / kCellsPerReach.
@@ -76,23 +77,29 @@ class Search {
     result[k] = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
   }
 
-  /// Answers the nodes [begin, end) of one band; returns those that the band and its neighbours cannot decide.
-  std::vector<std::size_t> band(std::size_t band, std::size_t begin, std::size_t end, double reach) {
+  /// Answers the nodes [begin, end) of one strip; returns those that the points within a strip's height cannot decide.
+  std::vector<std::size_t> strip(std::size_t strip, std::size_t begin, std::size_t end, double reach) {
     std::vector<std::size_t> open;
     for (std::size_t k = begin; k < end; ++k) open.push_back(k);
-    const double first = static_cast<double>(band) * BandedPoints::kRows, last = first + BandedPoints::kRows - 1;
-    const std::size_t from = points_.first(band - (band > 0 ? 1 : 0)),
-                      to = points_.first(std::min(band + 2, points_.bands()));
+    const double first = static_cast<double>(strip) * kStripRows, last = first + kStripRows - 1;
     const auto per_spacing = static_cast<float>(1 / spacing_);
     std::vector<std::uint32_t> chosen;
     PointTree::Answer answer;
-    for (; !open.empty() && reach < BandedPoints::kRows; reach *= kGrowth) {
+    for (; !open.empty() && reach < kStripRows; reach *= kGrowth) {
       Mask mask(grid_.lattice.nx, first, last, reach);
       for (const std::size_t k : open) mask.mark(nodes_[k] % nx_, static_cast<double>(nodes_[k] / nx_));
-      chosen.clear();
-      for (std::size_t p = from; p < to; ++p)
-        if (mask.holds(points_.point(p)[0] * per_spacing, points_.point(p)[1] * per_spacing))
-          chosen.push_back(static_cast<std::uint32_t>(p));
+      const auto band = [&](double row) {
+        return static_cast<std::size_t>(
+            std::clamp(std::floor(row / BandedPoints::kRows), 0.0, static_cast<double>(points_.bands() - 1)));
+      };
+      const std::size_t from = points_.first(band(first - reach)), to = points_.first(band(last + reach) + 1);
+      chosen.resize(to - from);
+      std::size_t count = 0;
+      for (std::size_t p = from; p < to; ++p) {
+        chosen[count] = static_cast<std::uint32_t>(p);
+        count += mask.holds(points_.point(p)[0] * per_spacing, points_.point(p)[1] * per_spacing) ? 1 : 0;
+      }
+      chosen.resize(count);
       const PointTree tree(points_.xyz(), chosen);
       for (const std::size_t k : open) ask(tree, &chosen, k, answer);
       std::erase_if(open, [&](std::size_t k) { return std::abs(result[k]) <= kTrusted * reach * spacing_; });
@@ -115,13 +122,13 @@ std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vec
   Search search(grid, nodes, points);
   if (nodes.empty() || points.size() == 0) return std::move(search.result);
   const double reach = std::max(kLeastReach, kFirstReach * point_spacing_m / grid.lattice.spacing_m);
-  const std::size_t band_nodes = BandedPoints::kRows * static_cast<std::size_t>(grid.lattice.nx);
-  std::vector<std::vector<std::size_t>> undecided(points.bands());
-  pool.for_ranges(points.bands(), 1, [&](std::size_t band, std::size_t) {
-    const auto begin = std::lower_bound(nodes.begin(), nodes.end(), band * band_nodes);
-    const auto end = std::lower_bound(begin, nodes.end(), (band + 1) * band_nodes);
-    undecided[band] = search.band(band, static_cast<std::size_t>(begin - nodes.begin()),
-                                  static_cast<std::size_t>(end - nodes.begin()), reach);
+  const std::size_t strip_nodes = kStripRows * static_cast<std::size_t>(grid.lattice.nx);
+  std::vector<std::vector<std::size_t>> undecided((grid.lattice.count() + strip_nodes - 1) / strip_nodes);
+  pool.for_ranges(undecided.size(), 1, [&](std::size_t strip, std::size_t) {
+    const auto begin = std::lower_bound(nodes.begin(), nodes.end(), strip * strip_nodes);
+    const auto end = std::lower_bound(begin, nodes.end(), (strip + 1) * strip_nodes);
+    undecided[strip] = search.strip(strip, static_cast<std::size_t>(begin - nodes.begin()),
+                                    static_cast<std::size_t>(end - nodes.begin()), reach);
   });
   std::vector<std::size_t> open;
   for (const std::vector<std::size_t>& some : undecided) open.insert(open.end(), some.begin(), some.end());

@@ -6,13 +6,15 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kItemsPerPiece = 1U << 14;
+constexpr std::size_t kLeastItemsPerPiece = 1U << 14;
+constexpr std::size_t kMostPieces = 512;  // each has a counter a band
 
 }  // namespace
 
 BandedPoints::BandedPoints(const Lattice& lattice, std::size_t items, const Source& source, ThreadPool& pool)
     : start_(static_cast<std::size_t>(std::max(1, (lattice.ny + kRows - 1) / kRows)) + 1) {
-  const std::size_t bands = start_.size() - 1, pieces = (items + kItemsPerPiece - 1) / kItemsPerPiece;
+  const std::size_t items_per_piece = std::max(kLeastItemsPerPiece, (items + kMostPieces - 1) / kMostPieces);
+  const std::size_t bands = start_.size() - 1, pieces = (items + items_per_piece - 1) / items_per_piece;
   const auto per_band = static_cast<float>(1 / (lattice.spacing_m * kRows));
   const auto last = static_cast<float>(bands - 1);
   const auto band_of = [&](const float* p) {
@@ -25,9 +27,9 @@ BandedPoints::BandedPoints(const Lattice& lattice, std::size_t items, const Sour
     const auto buffer = std::make_unique_for_overwrite<float[]>(3 * (end - begin));
     const std::size_t count = source(begin, end, buffer.get());
     for (std::size_t k = 0; k < count; ++k)
-      use(buffer.get() + 3 * k, place[begin / kItemsPerPiece * bands + band_of(buffer.get() + 3 * k)]);
+      use(buffer.get() + 3 * k, place[begin / items_per_piece * bands + band_of(buffer.get() + 3 * k)]);
   };
-  pool.for_ranges(items, kItemsPerPiece, [&](std::size_t begin, std::size_t end) {
+  pool.for_ranges(items, items_per_piece, [&](std::size_t begin, std::size_t end) {
     each_point(begin, end, [](const float*, std::size_t& count) { ++count; });
   });
   std::size_t total = 0;
@@ -41,7 +43,7 @@ BandedPoints::BandedPoints(const Lattice& lattice, std::size_t items, const Sour
   }
   start_[bands] = total;
   xyz_ = std::make_unique_for_overwrite<float[]>(3 * total);
-  pool.for_ranges(items, kItemsPerPiece, [&](std::size_t begin, std::size_t end) {
+  pool.for_ranges(items, items_per_piece, [&](std::size_t begin, std::size_t end) {
     each_point(begin, end, [&](const float* p, std::size_t& to) { std::copy_n(p, 3, xyz_.get() + 3 * to++); });
   });
 }

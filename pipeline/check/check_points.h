@@ -16,7 +16,7 @@ namespace sparsha::pipeline {
 /// band.
 class BandedPoints {
  public:
-  static constexpr int kRows = 48;
+  static constexpr int kRows = 8;
   /// Writes x y z, metres relative to the lattice's origin, of those of the items [begin, end) that count; returns how
   /// many.
   using Source = std::function<std::size_t(std::size_t begin, std::size_t end, float* xyz)>;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kBlock = 4;            // cells along a block's side
 constexpr double kFirstReach = 1.0;  // spacings; most points are nearer to the surface than this
+constexpr double kShared = 6.0;      // spacings by which a search reaches beyond its point's need, for the next points
 constexpr std::size_t kSlicesPerBlock = 4;
 
 double outside(double value, double low, double high) { return std::max(std::max(low - value, value - high), 0.0); }
@@ -111,36 +112,42 @@ SurfaceDistance SurfaceIndex::result(const Best& best) const {
   return {distance, best.side < 0 ? -distance : distance};
 }
 
+/// Asks the tree for all blocks with a centre within `radius` spacings.
+void SurfaceIndex::find_blocks(double x, double y, double z, double radius, Scratch& scratch) const {
+  tree_->within(static_cast<float>(x * spacing_), static_cast<float>(y * spacing_), static_cast<float>(z * spacing_),
+                radius * spacing_ * (1 + 1e-6), scratch.answer);
+  scratch.blocks.clear();
+  for (const int k : scratch.answer.index) scratch.blocks.push_back(block_of_point_[static_cast<std::size_t>(k)]);
+  // A tall block has several centres.
+  std::sort(scratch.blocks.begin(), scratch.blocks.end());
+  scratch.blocks.erase(std::unique(scratch.blocks.begin(), scratch.blocks.end()), scratch.blocks.end());
+  scratch.x = x;
+  scratch.y = y;
+  scratch.z = z;
+  scratch.radius = radius;
+}
+
 SurfaceDistance SurfaceIndex::distance(double x_m, double y_m, double z_m, Scratch& scratch) const {
   Best best{std::numeric_limits<double>::infinity(), 0};
   if (blocks_.empty()) return result(best);
   const double x = x_m * per_spacing_, y = y_m * per_spacing_, z = z_m * per_spacing_;
-  const auto fx = static_cast<float>(x_m), fy = static_cast<float>(y_m), fz = static_cast<float>(z_m);
-  double reach = bound_ + kFirstReach;
-  scratch.blocks.clear();
-  const auto offer = [&](std::uint32_t block) {
-    if (std::find(scratch.blocks.begin(), scratch.blocks.end(), block) != scratch.blocks.end()) return;
-    scratch.blocks.push_back(block);
-    offer_block(block, x, y, z, best);
-  };
-  tree_->within(fx, fy, fz, reach * spacing_, scratch.answer);
-  if (scratch.answer.index.empty()) {
-    tree_->nearest(fx, fy, fz, scratch.answer);
-    reach = 0;
+  // How far about this point the blocks at hand are complete.
+  const auto complete = [&] { return scratch.radius - std::hypot(x - scratch.x, y - scratch.y, z - scratch.z); };
+  if (complete() < bound_ + kFirstReach) find_blocks(x, y, z, bound_ + kFirstReach + kShared, scratch);
+  if (scratch.blocks.empty()) {  // far from everything: the nearest centre's block gives a first bound
+    PointTree::Answer& answer = scratch.answer;
+    if (tree_->nearest(static_cast<float>(x_m), static_cast<float>(y_m), static_cast<float>(z_m), answer))
+      offer_block(block_of_point_[static_cast<std::size_t>(answer.index[0])], x, y, z, best);
   }
   // The block under the point first: it rules most of the others out.
-  for (const int k : scratch.answer.index) {
-    const std::uint32_t block = block_of_point_[static_cast<std::size_t>(k)];
+  for (const std::uint32_t block : scratch.blocks)
     if (x >= blocks_[block].i && x < blocks_[block].i + kBlock && y >= blocks_[block].j &&
         y < blocks_[block].j + kBlock)
-      offer(block);
-  }
-  for (const int k : scratch.answer.index) offer(block_of_point_[static_cast<std::size_t>(k)]);
-  const double needed = std::sqrt(best.squared) + bound_;
-  if (needed > reach) {
-    // Far points are rare; a block met again costs no more than a look at its box.
-    tree_->within(fx, fy, fz, needed * spacing_ * (1 + 1e-6), scratch.answer);
-    for (const int k : scratch.answer.index) offer_block(block_of_point_[static_cast<std::size_t>(k)], x, y, z, best);
+      offer_block(block, x, y, z, best);
+  for (const std::uint32_t block : scratch.blocks) offer_block(block, x, y, z, best);
+  if (const double needed = std::sqrt(best.squared) + bound_; needed > complete()) {
+    find_blocks(x, y, z, needed, scratch);
+    for (const std::uint32_t block : scratch.blocks) offer_block(block, x, y, z, best);
   }
   return result(best);
 }

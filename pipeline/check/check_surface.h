@@ -20,10 +20,11 @@ class SurfaceIndex {
  public:
   explicit SurfaceIndex(const DepthGrid& grid);
 
-  /// Memory of one caller's queries.
+  /// Memory of one caller's queries. Blocks found for one point serve its neighbours too.
   struct Scratch {
     PointTree::Answer answer;
-    std::vector<std::uint32_t> blocks;
+    std::vector<std::uint32_t> blocks;  ///< all with a tree point within `radius` of (x, y, z), spacings
+    double x = 0, y = 0, z = 0, radius = -1;
   };
   /// Exact nearest distance, candidate cells from the kd-tree.
   [[nodiscard]] SurfaceDistance distance(double x_m, double y_m, double z_m, Scratch& scratch) const;
@@ -42,6 +43,7 @@ class SurfaceIndex {
   };
   void offer_cell(int i, int j, double x, double y, double z, Best& best) const;
   void offer_block(std::uint32_t block, double x, double y, double z, Best& best) const;
+  void find_blocks(double x, double y, double z, double radius, Scratch& scratch) const;
   [[nodiscard]] std::vector<float> tree_points(double slice, std::size_t limit) const;
   [[nodiscard]] SurfaceDistance result(const Best& best) const;
 
