@@ -17,7 +17,7 @@ bool run_cross_check(const RunOptions& options) {
   // Front points only: what is occluded does not count in our check and would in theirs.
   pipeline::SimulationConfig simulation;
   simulation.seed = 41;
-  simulation.nodes = 257;
+  simulation.nodes = 512;
   simulation.scan = pipeline::SamplerConfig{3.6, 1.0, 1};
   simulation.write_truth = false;
   const std::filesystem::path folder = options.work / "c2m";
