@@ -87,6 +87,7 @@ void Servo::publish() noexcept {
   if (engine_.event())
     for (const auto& consumer : consumers_) static_cast<void>(consumer->push(*engine_.event()));
   faults_.store(engine_.faults(), std::memory_order_relaxed);
+  bad_positions_.store(engine_.bad_positions(), std::memory_order_relaxed);
 }
 
 void Servo::tick(std::int64_t late_ns, double time_s) noexcept {
@@ -122,37 +123,51 @@ void Servo::tick(std::int64_t late_ns, double time_s) noexcept {
 
 void Servo::run() noexcept {
   prepare_thread();
-  const bool paced = device_.info().paced;
-  const std::int64_t start_ns = now_ns() + period_ns_;
-  std::int64_t planned = 0;  // ticks since the start
-  while (!stopping_.load(std::memory_order_relaxed)) {
-    const std::int64_t planned_ns = start_ns + planned * period_ns_;
-    if (paced)
-      device_.wait(period_s_);
-    else
-      sleep_until_ns(planned_ns);
-    const std::int64_t woke_ns = now_ns();
-    const bool bitten = watchdog_.tripped();
-    watchdog_.feed(woke_ns);
-    const double time_s =
-        paced ? static_cast<double>(woke_ns - start_ns) * 1e-9 : static_cast<double>(planned) / options_.engine.rate_hz;
-    tick(paced ? 0 : woke_ns - planned_ns, time_s);
-    if (bitten) watchdog_.acknowledge();  // seen by the engine, which has disarmed
-    // What is late is skipped, not caught up: a burst of ticks would be a burst of wrong velocities.
-    ++planned;
-    if (!paced) {
-      const std::int64_t due = (now_ns() - start_ns) / period_ns_;
-      if (due > planned) {
-        figures_.missed_ticks += static_cast<std::uint64_t>(due - planned);
-        planned = due;
-      }
-    }
-  }
+  if (device_.info().paced)
+    run_paced();
+  else
+    run_by_the_clock();
   for (int i = 0; i < kFinalZeros; ++i) device_.write(Eigen::Vector3d::Zero());
   device_.zero();
   State& state = engine_.state();
   state.commanded_force_n = {};
   state_.publish(state);
+}
+
+void Servo::run_by_the_clock() noexcept {
+  const std::int64_t start_ns = now_ns() + period_ns_;
+  std::int64_t planned = 0;  // ticks since the start
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    const std::int64_t planned_ns = start_ns + planned * period_ns_;
+    sleep_until_ns(planned_ns);
+    watched_tick(planned_ns, static_cast<double>(planned) / options_.engine.rate_hz);
+    // What is late is skipped, not caught up: a burst of ticks would be a burst of wrong velocities.
+    const std::int64_t due = (now_ns() - start_ns) / period_ns_;
+    if (due > ++planned) {
+      figures_.missed_ticks += static_cast<std::uint64_t>(due - planned);
+      planned = due;
+    }
+  }
+}
+
+// The device's answers are the clock; a tick is late when the next answer is.
+void Servo::run_paced() noexcept {
+  const std::int64_t start_ns = now_ns();
+  std::int64_t planned_ns = start_ns + period_ns_;
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    device_.wait(period_s_);
+    const std::int64_t woke_ns = now_ns();
+    watched_tick(planned_ns, static_cast<double>(woke_ns - start_ns) * 1e-9);
+    planned_ns = woke_ns + period_ns_;
+  }
+}
+
+void Servo::watched_tick(std::int64_t planned_ns, double time_s) noexcept {
+  const std::int64_t woke_ns = now_ns();
+  const bool bitten = watchdog_.tripped();
+  watchdog_.feed(woke_ns);
+  tick(woke_ns - planned_ns, time_s);
+  if (bitten) watchdog_.acknowledge();  // seen by the engine, which has disarmed
 }
 
 }  // namespace sparsha::haptics

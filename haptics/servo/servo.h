@@ -67,6 +67,8 @@ class Servo {
   [[nodiscard]] bool locked_memory() const noexcept { return locked_.load(std::memory_order_relaxed); }
   /// Ticks with a fault so far.
   [[nodiscard]] std::uint64_t faults() const noexcept { return faults_.load(std::memory_order_relaxed); }
+  /// Ticks so far whose position was not a number.
+  [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t watchdog_trips() const noexcept { return watchdog_.trips(); }
   [[nodiscard]] bool unplugged() const noexcept { return unplugged_.load(std::memory_order_relaxed); }
   /// Only after stop().
@@ -75,6 +77,9 @@ class Servo {
  private:
   void run() noexcept;
   void prepare_thread() noexcept;
+  void run_by_the_clock() noexcept;
+  void run_paced() noexcept;
+  void watched_tick(std::int64_t planned_ns, double time_s) noexcept;
   void tick(std::int64_t late_ns, double time_s) noexcept;
   void take_commands() noexcept;
   void publish() noexcept;
@@ -102,6 +107,7 @@ class Servo {
   std::atomic<bool> locked_{false};
   std::atomic<bool> unplugged_{false};
   std::atomic<std::uint64_t> faults_{0};
+  std::atomic<std::uint64_t> bad_positions_{0};
   std::thread thread_;
 };
 

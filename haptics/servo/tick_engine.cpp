@@ -244,7 +244,10 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
   record_.window_ny = surface_->lattice.ny;
 
   const bool finite = sample.position_m.allFinite();
-  if (finite) hand_m_ = sample.position_m;
+  if (finite)
+    hand_m_ = sample.position_m;
+  else
+    ++bad_positions_;
   state.device_m = to_array(hand_m_);
   fault = fault || !finite || !sample.connected;
   if (fault && sample.homed) {

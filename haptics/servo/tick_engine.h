@@ -46,6 +46,8 @@ class TickEngine {
   [[nodiscard]] const std::optional<ContactEvent>& event() const noexcept { return event_; }
   [[nodiscard]] const HapticWindow& window() const noexcept { return window_; }
   [[nodiscard]] std::uint64_t faults() const noexcept { return faults_; }
+  /// Ticks whose position was not a number.
+  [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_; }
 
  private:
   void swap(Command& command) noexcept;
@@ -75,6 +77,7 @@ class TickEngine {
   double last_time_s_ = 0.0;
   double slip_speed_ = 0.0;
   std::uint64_t faults_ = 0;
+  std::uint64_t bad_positions_ = 0;
   Record record_;
 };
 

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kSlowestHz = 100.0;
 constexpr double kFastestHz = 10000.0;
+constexpr double kFaultPauseS = 3.0;
 
 // Device buttons, from the front of a Falcon's grip.
 constexpr std::uint64_t kButtonPlus = 1U << 0U;
@@ -153,6 +154,17 @@ struct Session::Implementation {
     if ((pressed & kButtonForward) != 0 && recording == nullptr) request_window(navigator.change_scene(scene));
   }
 
+  struct Told {
+    std::uint64_t count = 0;
+    double time_s = -1e9;
+  };
+  // Once when it happens, and again every few seconds while it goes on.
+  void tell_fault(std::uint64_t count, double time_s, Told& told, const char* words) {
+    if (count == told.count || time_s - told.time_s < kFaultPauseS) return;
+    told = {count, time_s};
+    narrator.say(words, Announcement::Priority::fault);
+  }
+
   void watch_faults(const State& now) {
     if (!told_real_time && servo->asked_for_real_time()) {
       told_real_time = true;
@@ -161,19 +173,13 @@ struct Session::Implementation {
       if (options.real_time && !servo->locked_memory())
         narrator.say("Memory could not be locked: ticks may be late", Announcement::Priority::warning);
     }
-    if (servo->watchdog_trips() > trips_told) {
-      trips_told = servo->watchdog_trips();
-      narrator.say("The servo fell silent; forces are off until the hand is in the air", Announcement::Priority::fault);
-    } else if (servo->unplugged() && !unplugged_told) {
-      unplugged_told = true;
+    if (servo->unplugged() && !unplugged_told)
       narrator.say("The device is unplugged; forces are off", Announcement::Priority::fault);
-    } else if (servo->faults() > faults_told && now.time_s - fault_said_s > 1.0 && !servo->unplugged()) {
-      narrator.say("The device gave no usable position; forces are off until the hand is in the air",
-                   Announcement::Priority::fault);
-      fault_said_s = now.time_s;
-    }
-    faults_told = servo->faults();
-    if (!servo->unplugged()) unplugged_told = false;
+    unplugged_told = servo->unplugged();
+    tell_fault(servo->watchdog_trips(), now.time_s, trips_told,
+               "The servo fell silent; forces are off until the hand is in the air");
+    tell_fault(servo->bad_positions(), now.time_s, bad_positions_told,
+               "The device gave no usable position; forces are off until the hand is in the air");
     if (now.dropped_records > dropped_told) {
       dropped_told = now.dropped_records;
       narrator.say("The recording cannot keep up and loses rows", Announcement::Priority::warning);
@@ -209,9 +215,8 @@ struct Session::Implementation {
   double window_load_s_max = 0.0;
   bool told_real_time = false;
   bool unplugged_told = false;
-  std::uint64_t trips_told = 0;
-  std::uint64_t faults_told = 0;
-  double fault_said_s = -1e9;
+  Told trips_told;
+  Told bad_positions_told;
   std::uint64_t dropped_told = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "haptics/contact/trace.h"
@@ -333,6 +335,57 @@ TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
   session.requests().post({Request::Kind::quit});
   ASSERT_TRUE(poll_until(session, [&] { return session.finished(); }));
   session.stop();
+}
+
+/// Presses into the stone after 80 ms in the air and then does what it is told to do wrong.
+enum class Trouble { none, not_a_number, unplugged, silent };
+std::unique_ptr<Device> troubled_device(const std::shared_ptr<std::atomic<Trouble>>& trouble) {
+  return std::make_unique<ScriptedDevice>([trouble](std::uint64_t tick, double time_s) {
+    DeviceSample sample = sample_at({0.0, 0.0, tick < 80 ? 0.02 : -0.002}, time_s);
+    const Trouble now = trouble->load();
+    if (now == Trouble::not_a_number) sample.position_m.x() = std::nan("");
+    if (now == Trouble::unplugged) sample.connected = false;
+    if (now == Trouble::silent) std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    return sample;
+  });
+}
+
+TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
+  const std::vector<std::pair<Trouble, std::string>> troubles = {{Trouble::not_a_number, "no usable position"},
+                                                                 {Trouble::unplugged, "unplugged"},
+                                                                 {Trouble::silent, "fell silent"}};
+  for (const auto& [wrong, words_expected] : troubles) {
+    const auto trouble = std::make_shared<std::atomic<Trouble>>(Trouble::none);
+    Session session(testing::flat_scene(), troubled_device(trouble), default_options());
+    session.start();
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().commanded_force_n[2] > 1.0; }));
+    trouble->store(wrong);
+    ASSERT_TRUE(poll_until(session, [&] { return said(session, words_expected); })) << words_expected;
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().commanded_force_n[2] == 0.0; }));
+    const auto all = session.announcements().since(0);
+    EXPECT_TRUE(std::any_of(all.begin(), all.end(),
+                            [](const Announcement& a) { return a.priority == Announcement::Priority::fault; }));
+    EXPECT_GT(session.stop().faults, 0U);
+  }
+}
+
+TEST(Session, SaysWhenRealTimeWasNotGranted) {
+  SessionOptions options = default_options();
+  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), options);
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 20; }));
+  const bool granted = (session.state().read().flags & kFlagRealTime) != 0;
+  EXPECT_EQ(said(session, "Real-time scheduling was not granted"), !granted);
+  EXPECT_EQ(session.stop().real_time, granted);
+}
+
+TEST(Session, LimitsAStiffnessThatIsAskedForLaterAndSaysSo) {
+  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), default_options());
+  session.start();
+  session.requests().post({Request::Kind::set_stiffness, 1e6});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "all the device can bear"); }));
+  const double limit = stiffness_limit(make_simulated_device(1, 0.0)->info().limits, 0.001);
+  EXPECT_EQ(session.stop().stiffness_n_per_m, limit);
 }
 
 TEST(Session, ANewSceneKeepsTheHandsPlaceAndTheOldSceneIsLetGo) {

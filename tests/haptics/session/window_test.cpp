@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptics/session/narrator.h"
+#include "haptics/session/window_loader.h"
+#include "tests/haptics/shared/scenes.h"
+
+namespace sparsha::haptics {
+namespace {
+
+pipeline::SceneDescription description_of(int nx, int ny, int levels, int window) {
+  pipeline::SceneDescription description;
+  description.config.levels.window = window;
+  double spacing_m = 0.001;
+  for (int level = 0; level < levels; ++level) {
+    pipeline::Lattice lattice;
+    lattice.nx = nx;
+    lattice.ny = ny;
+    lattice.spacing_m = spacing_m;
+    lattice.origin_m = {10.0, 20.0, 0.0};
+    description.levels.push_back(lattice);
+    nx = (nx + 1) / 2;
+    ny = (ny + 1) / 2;
+    spacing_m *= 2.0;
+  }
+  return description;
+}
+
+TEST(Window, TheOverviewIsTheFinestLevelThatFits) {
+  EXPECT_EQ(overview_level(description_of(800, 600, 4, 200)), 2);
+  EXPECT_EQ(overview_level(description_of(150, 120, 3, 200)), 0);
+  EXPECT_EQ(overview_level(description_of(5000, 100, 2, 200)), 1) << "none fits: the coarsest";
+}
+
+TEST(Window, AWholeLevelKeepsItsOwnLatticeAndFillsTheWorkspace) {
+  const auto description = description_of(800, 600, 4, 200);
+  const WindowPlan plan = plan_window(description, 2, {0.0, 0.0}, 0.1);
+  EXPECT_EQ(plan.i0, 0);
+  EXPECT_EQ(plan.j0, 0);
+  EXPECT_EQ(plan.nx, 200);
+  EXPECT_EQ(plan.ny, 150);
+  EXPECT_NEAR(plan.scale, 0.1 / (199 * 0.004), 1e-12);
+}
+
+TEST(Window, AWindowIsCentredOnThePointAndMayReachBeyondTheLevel) {
+  const auto description = description_of(800, 600, 4, 200);
+  const WindowPlan inside = plan_window(description, 0, {10.4, 20.3}, 0.1);
+  EXPECT_EQ(inside.nx, 200);
+  EXPECT_EQ(inside.ny, 200);
+  EXPECT_LE(std::abs(inside.i0 + 99.5 - 400.0), 0.5);
+  EXPECT_LE(std::abs(inside.j0 + 99.5 - 300.0), 0.5);
+  EXPECT_NEAR(inside.scale, 0.1 / (199 * 0.001), 1e-9);
+  EXPECT_LT(plan_window(description, 0, {10.0, 20.0}, 0.1).i0, -90);
+}
+
+TEST(Window, LengthsAreSpokenInUnitsAPersonUses) {
+  EXPECT_EQ(spoken_length(0.0032), "3.2 millimetres");
+  EXPECT_EQ(spoken_length(0.035), "3.5 centimetres");
+  EXPECT_EQ(spoken_length(0.12), "12 centimetres");
+  EXPECT_EQ(spoken_length(1.5), "1.5 metres");
+}
+
+TEST(WindowLoader, LoadsInOrderOffTheCallersThread) {
+  const auto scene = testing::scene_of(testing::hills_m, 401, 0.1, 101);
+  WindowLoader loader;
+  for (std::uint64_t id = 1; id <= 5; ++id) {
+    WindowLoader::Job job;
+    job.scene = scene;
+    job.plan = plan_window(scene->description(), 0, {0.02 * static_cast<double>(id), 0.05}, 0.1);
+    job.id = id;
+    loader.request(std::move(job));
+  }
+  std::vector<std::uint64_t> loaded;
+  while (loaded.size() < 5)
+    if (const auto result = loader.take()) {
+      EXPECT_EQ(result->error, "");
+      ASSERT_NE(result->job.command.window.surface, nullptr);
+      loaded.push_back(result->job.command.window.id);
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  EXPECT_EQ(loaded, (std::vector<std::uint64_t>{1, 2, 3, 4, 5}));
+  EXPECT_FALSE(loader.busy());
+}
+
+/// A scene that cannot be read, as when a disk goes away.
+class BrokenScene final : public pipeline::Scene {
+ public:
+  explicit BrokenScene(pipeline::SceneDescription description) : description_(std::move(description)) {}
+  [[nodiscard]] const pipeline::SceneDescription& description() const override { return description_; }
+  [[nodiscard]] pipeline::Layers read(int, int, int, int, int) const override {
+    throw std::runtime_error("the disk is gone");
+  }
+  [[nodiscard]] std::filesystem::path folder() const override { return {}; }
+
+ private:
+  pipeline::SceneDescription description_;
+};
+
+TEST(WindowLoader, HandsBackWhatWentWrongInsteadOfThrowing) {
+  WindowLoader loader;
+  WindowLoader::Job job;
+  job.scene = std::make_shared<BrokenScene>(description_of(800, 600, 4, 200));
+  job.plan = plan_window(job.scene->description(), 0, {10.4, 20.3}, 0.1);
+  loader.request(std::move(job));
+  for (;;)
+    if (const auto result = loader.take()) {
+      EXPECT_NE(result->error.find("the disk is gone"), std::string::npos);
+      break;
+    }
+}
+
+TEST(Window, LoadsFromASixteenThousandNodeSceneOnDiskReadingOnlyItsTiles) {
+  const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
+  const int nodes = nightly ? 16384 : 2048;
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("sparsha-window-" + std::to_string(std::random_device{}()));
+  std::filesystem::create_directories(folder);
+  pipeline::write_scene(
+      *testing::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200, Eigen::Vector3d::Zero(),
+                         [](pipeline::SceneDescription& d) {
+                           pipeline::ScanConfig scan;
+                           scan.file = "none.ply";
+                           d.config.scans.push_back(scan);
+                         }),
+      folder);
+  const auto scene = pipeline::open_scene(folder);
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> place(0.0, 1.0);
+  std::vector<double> times;
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector2d centre(place(random), place(random));
+    const auto begun = std::chrono::steady_clock::now();
+    const WindowPlan plan = plan_window(scene->description(), 0, centre, 0.1);
+    const HapticWindow window = load_window(*scene, plan, 1);
+    times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count());
+    // The right nodes: float heights of a bilinear surface, exact in every cell but for rounding.
+    const Eigen::Vector3d at = window.surface->centre_m - window.surface->lattice.origin_m;
+    const Eigen::Vector2d middle = window.surface->centre_m.head<2>();
+    if (middle.minCoeff() > 0.1 && middle.maxCoeff() < 0.9) {
+      EXPECT_NEAR(window.surface->height(at.x(), at.y()) + window.surface->lattice.origin_m.z(),
+                  0.01 * middle.x() * middle.y(), 0.01 * 1e-7 * 2.0);
+    }
+  }
+  std::filesystem::remove_all(folder);
+  std::sort(times.begin(), times.end());
+  std::printf("window of 200 nodes from %d x %d on disk: median %.1f ms, most %.1f ms\n", nodes, nodes,
+              times[times.size() / 2], times.back());
+}
+
+}  // namespace
+}  // namespace sparsha::haptics
