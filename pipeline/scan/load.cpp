@@ -1,12 +1,14 @@
 // From files to one cloud in metres: units, poses, the common origin.
 #include <cmath>
 #include <future>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "pipeline/base/files.h"
 #include "pipeline/base/progress.h"
 #include "pipeline/scan/origin.h"
+#include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/scene/scene.h"
@@ -14,7 +16,10 @@
 namespace sparsha::pipeline {
 namespace {
 
-/// pose * units for one scan, as rotation and translation.
+constexpr std::uint32_t kWhite = 0xFFFFFFFFU;
+constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+
+/// pose * units for one scan.
 struct Placement {
   Eigen::Matrix3d turn_and_scale = Eigen::Matrix3d::Identity();
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
@@ -25,36 +30,60 @@ struct Placement {
   }
 };
 
-double longest_side(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d low = points.front();
-  Eigen::Vector3d high = low;
-  for (const Eigen::Vector3d& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return (high - low).maxCoeff();
-}
+/// A scan looked at once: everything but its points, which are kept in double or streamed from the file again.
+struct LoadedScan {
+  std::filesystem::path file;
+  RawScan raw;
+  bool streamed = false;
+  std::uint64_t valid = 0;
+  bool colour = false;
+  bool intensity = false;
+  PointSample sample;  ///< file units
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  Placement placement;
 
-double scale_of(const ScanConfig& config, const RawScan& scan, Progress& progress) {
+  void look(const PointBlock& block, bool bounds) {
+    valid += block.points.size();
+    colour = colour || !block.rgba.empty();
+    intensity = intensity || !block.intensity.empty();
+    for (const Eigen::Vector3d& p : block.points) sample.add(p);
+    if (!bounds) return;
+    for (const Eigen::Vector3d& p : block.points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  void for_each_block(const PointSink& sink) const {
+    if (streamed) {
+      (void)stream_scan(file, sink);
+    } else {
+      sink({raw.points, raw.rgba, raw.intensity});
+    }
+  }
+};
+
+double scale_of(const ScanConfig& config, const LoadedScan& scan, Progress& progress) {
   const std::string name = config.file.string();
   const Units& units = config.units;
-  if (scan.degrees) {
+  if (scan.raw.degrees) {
     throw input_error(name, "its x and y are degrees of longitude and latitude, its z is a length",
                       "projected coordinates in metres or feet; reproject the scan first");
   }
   if (units.unit == LengthUnit::longest_side) {
-    const double side = longest_side(scan.points);
+    const double side = (scan.high - scan.low).maxCoeff();
     if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
     return units.longest_side_m / side;
   }
   if (units.unit != LengthUnit::automatic) return metres_in(units.unit);
-  if (const std::optional<UnitGuess> guess = guess_unit(scan)) {
+  if (scan.raw.unit) return metres_in(*scan.raw.unit);
+  if (const std::optional<UnitGuess> guess = doubt_metres(scan.sample)) {
     progress.warn(fmt::format("{}: no unit is known, metres are taken; {}{}", name, guess->reason,
                               guess->unit == LengthUnit::m
                                   ? "; set 'units' if that is wrong"
                                   : fmt::format("; set 'units: {}' if that is right", to_string(guess->unit))));
   }
-  return metres_in(scan.unit.value_or(LengthUnit::m));
+  return 1.0;
 }
 
 Placement place(const ScanConfig& config, double scale) {
@@ -65,93 +94,111 @@ Placement place(const ScanConfig& config, double scale) {
   return placement;
 }
 
-struct LoadedScan {
-  RawScan raw;
-  Placement placement;
+LoadedScan look_at(const ScanConfig& config, Progress& progress) {
+  LoadedScan scan;
+  scan.file = config.file;
+  scan.streamed = is_quick_to_stream(config.file);
+  const bool bounds = config.units.unit == LengthUnit::longest_side;
+  if (scan.streamed) {
+    scan.raw = stream_scan(config.file, [&](const PointBlock& block) { scan.look(block, bounds); });
+  } else {
+    scan.raw = read_scan(config.file);
+    scan.look({scan.raw.points, scan.raw.rgba, scan.raw.intensity}, bounds);
+  }
+  const std::string name = config.file.string();
+  for (const std::string& warning : scan.raw.warnings) progress.warn(name + ": " + warning);
+  if (scan.valid == 0) {
+    throw input_error(name,
+                      scan.raw.records == 0 ? "the scan has no points"
+                                            : fmt::format("none of the {} points is valid", scan.raw.records),
+                      "at least one finite point");
+  }
+  scan.placement = place(config, scale_of(config, scan, progress));
+  return scan;
+}
+
+/// Appends scans to a cloud whose origin is fixed and whose points have room for all.
+class Appender {
+ public:
+  Appender(Cloud& cloud, bool colour, bool intensity) : cloud_(cloud), colour_(colour), intensity_(intensity) {}
+
+  /// Each point is rounded once, from double, relative to the origin. Points beyond float32 become invalid, and faces
+  /// on them go.
+  void append(LoadedScan& scan) {
+    std::vector<std::uint32_t> moved;
+    const bool faces = !scan.raw.faces.empty();
+    if (faces) moved.reserve(static_cast<std::size_t>(scan.valid));
+    std::uint64_t seen = 0;
+    scan.for_each_block([&](const PointBlock& block) {
+      seen += block.points.size();
+      if (seen > scan.valid) throw changed(scan);
+      add_points(scan.placement, block, faces ? &moved : nullptr);
+    });
+    if (seen != scan.valid) throw changed(scan);
+    for (const std::array<std::uint32_t, 3>& face : scan.raw.faces) {
+      const std::array<std::uint32_t, 3> corners = {moved[face[0]], moved[face[1]], moved[face[2]]};
+      if (corners[0] != kGone && corners[1] != kGone && corners[2] != kGone) cloud_.faces.push_back(corners);
+    }
+    cloud_.invalid += scan.raw.invalid;
+    scan.raw = RawScan{};  // gives the memory back before the next scan is copied
+  }
+
+  void finish() { cloud_.resize_points(count_); }
+
+ private:
+  static Error changed(const LoadedScan& scan) {
+    return input_error(scan.file.string(), "the file changed while it was read", "a file that nobody writes to");
+  }
+
+  void add_points(const Placement& placement, const PointBlock& block, std::vector<std::uint32_t>* moved) {
+    constexpr float kFar = 1e30F;
+    float* out = cloud_.xyz1() + 4 * count_;
+    for (std::size_t i = 0; i < block.points.size(); ++i) {
+      const Eigen::Vector3f q = (placement(block.points[i]) - cloud_.origin_m).cast<float>();
+      const bool near = std::fabs(q.x()) < kFar && std::fabs(q.y()) < kFar && std::fabs(q.z()) < kFar;
+      if (moved != nullptr) moved->push_back(near ? static_cast<std::uint32_t>(count_) : kGone);
+      if (!near) {
+        ++cloud_.invalid;
+        continue;
+      }
+      out[0] = q.x();
+      out[1] = q.y();
+      out[2] = q.z();
+      out += 4;
+      ++count_;
+      if (colour_) cloud_.rgba.push_back(block.rgba.empty() ? kWhite : block.rgba[i]);
+      if (intensity_) cloud_.intensity.push_back(block.intensity.empty() ? 0.0F : block.intensity[i]);
+    }
+  }
+
+  Cloud& cloud_;
+  std::size_t count_ = 0;
+  bool colour_;
+  bool intensity_;
 };
 
-LoadedScan read_and_place(const ScanConfig& config, Progress& progress) {
-  LoadedScan loaded;
-  loaded.raw = read_scan(config.file);
-  const RawScan& raw = loaded.raw;
-  const std::string name = config.file.string();
-  for (const std::string& warning : raw.warnings) progress.warn(name + ": " + warning);
-  if (raw.points.empty()) {
-    throw input_error(
-        name, raw.records == 0 ? "the scan has no points" : fmt::format("none of the {} points is valid", raw.records),
-        "at least one finite point");
-  }
-  loaded.placement = place(config, scale_of(config, raw, progress));
-  return loaded;
-}
-
-/// Appends the points relative to the cloud's origin, each rounded once. Points beyond float32 become invalid, and
-/// faces on them go.
-void append(LoadedScan& scan, Cloud& cloud, std::size_t& count, bool colour, bool intensity) {
-  RawScan& raw = scan.raw;
-  const std::size_t first = count;
-  float* out = cloud.xyz1() + 4 * count;
-  constexpr float kFar = 1e30F;
-  std::vector<std::uint32_t> kept;
-  const std::size_t n = raw.points.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Eigen::Vector3d p = scan.placement(raw.points[i]) - cloud.origin_m;
-    const Eigen::Vector3f q = p.cast<float>();
-    if (!(q.cwiseAbs().maxCoeff() < kFar)) {
-      if (kept.empty()) {
-        kept.resize(n);
-        for (std::size_t k = 0; k < i; ++k) kept[k] = static_cast<std::uint32_t>(first + k);
-      }
-      kept[i] = ~std::uint32_t{0};
-      ++cloud.invalid;
-      continue;
-    }
-    if (!kept.empty()) kept[i] = static_cast<std::uint32_t>(count);
-    out[0] = q.x();
-    out[1] = q.y();
-    out[2] = q.z();
-    out += 4;
-    ++count;
-    if (colour) cloud.rgba.push_back(raw.rgba.empty() ? 0xFFFFFFFFU : raw.rgba[i]);
-    if (intensity) cloud.intensity.push_back(raw.intensity.empty() ? 0.0F : raw.intensity[i]);
-  }
-  for (const std::array<std::uint32_t, 3>& face : raw.faces) {
-    std::array<std::uint32_t, 3> moved{};
-    bool whole = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      moved[k] = kept.empty() ? static_cast<std::uint32_t>(first) + face[k] : kept[face[k]];
-      whole = whole && moved[k] != ~std::uint32_t{0};
-    }
-    if (whole) cloud.faces.push_back(moved);
-  }
-  cloud.invalid += raw.invalid;
-  raw = RawScan{};  // gives the memory back before the next scan is copied
-}
-
-Cloud merge(std::vector<LoadedScan>& scans, const std::optional<Eigen::Vector3d>& origin_m) {
+Cloud join(std::vector<LoadedScan>& scans, const std::optional<Eigen::Vector3d>& origin_m) {
   Cloud cloud;
-  std::size_t points = 0;
+  std::uint64_t points = 0;
   std::size_t faces = 0;
   bool colour = false;
   bool intensity = false;
   PointSample sample;
   for (const LoadedScan& scan : scans) {
-    points += scan.raw.points.size();
+    points += scan.valid;
     faces += scan.raw.faces.size();
-    colour = colour || !scan.raw.rgba.empty();
-    intensity = intensity || !scan.raw.intensity.empty();
-    if (!origin_m) {
-      for (const Eigen::Vector3d& p : scan.raw.points) sample.add(scan.placement(p));
-    }
+    colour = colour || scan.colour;
+    intensity = intensity || scan.intensity;
+    if (!origin_m) sample.merge(scan.sample, scan.placement);
   }
   cloud.origin_m = origin_m ? *origin_m : common_origin(sample);
-  cloud.resize_points(points);
+  cloud.resize_points(static_cast<std::size_t>(points));
   cloud.faces.reserve(faces);
-  if (colour) cloud.rgba.reserve(points);
-  if (intensity) cloud.intensity.reserve(points);
-  std::size_t count = 0;
-  for (LoadedScan& scan : scans) append(scan, cloud, count, colour, intensity);
-  cloud.resize_points(count);
+  if (colour) cloud.rgba.reserve(cloud.size());
+  if (intensity) cloud.intensity.reserve(cloud.size());
+  Appender appender(cloud, colour, intensity);
+  for (LoadedScan& scan : scans) appender.append(scan);
+  appender.finish();
   return cloud;
 }
 
@@ -159,24 +206,30 @@ Cloud merge(std::vector<LoadedScan>& scans, const std::optional<Eigen::Vector3d>
 
 Cloud load_scan(const ScanConfig& scan, Progress& progress, const std::optional<Eigen::Vector3d>& origin_m) {
   std::vector<LoadedScan> scans;
-  scans.push_back(read_and_place(scan, progress));
-  return merge(scans, origin_m);
+  scans.push_back(look_at(scan, progress));
+  return join(scans, origin_m);
 }
 
 Cloud load_scans(const std::vector<ScanConfig>& scans, Progress& progress, std::vector<ScanSource>* sources) {
   std::vector<LoadedScan> loaded;
   loaded.reserve(scans.size());
+  std::vector<std::future<std::string>> digests;
   for (const ScanConfig& config : scans) {
     progress.throw_if_cancelled();
-    // The digest reads the same pages while they are parsed.
-    std::future<std::string> digest;
     if (sources != nullptr) {
-      digest = std::async(std::launch::async, [file = config.file] { return sha256(MappedFile(file).bytes()); });
+      // The digest reads the same pages while they are decoded.
+      digests.push_back(
+          std::async(std::launch::async, [file = config.file] { return sha256(MappedFile(file).bytes()); }));
     }
-    loaded.push_back(read_and_place(config, progress));
-    if (sources != nullptr) sources->push_back({config.file, digest.get(), loaded.back().raw.records});
+    loaded.push_back(look_at(config, progress));
   }
-  return merge(loaded, std::nullopt);
+  std::vector<std::uint64_t> records;
+  for (const LoadedScan& scan : loaded) records.push_back(scan.raw.records);
+  Cloud cloud = join(loaded, std::nullopt);
+  for (std::size_t i = 0; i < digests.size(); ++i) {
+    sources->push_back({scans[i].file, digests[i].get(), records[i]});
+  }
+  return cloud;
 }
 
 }  // namespace sparsha::pipeline

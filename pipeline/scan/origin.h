@@ -1,7 +1,7 @@
 // One origin for all scans of a scene, chosen from the set of points alone.
 #pragma once
 
-#include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -17,9 +17,15 @@ class PointSample {
     const std::uint64_t h = hash(point);
     if (h < threshold_) keep(h, point);
   }
-  /// Sampled coordinate of that rank (0 to 1) along an axis. The sample must not be empty.
-  [[nodiscard]] double quantile(int axis, double rank) const;
+  /// Adds another sample's points, moved by `place`; they keep their hashes, so that scans merge in any order.
+  template <typename Place>
+  void merge(const PointSample& other, const Place& place) {
+    for (const Entry& entry : other.smallest()) {
+      if (entry.hash < threshold_) keep(entry.hash, place(entry.point));
+    }
+  }
   [[nodiscard]] bool empty() const { return kept_.empty(); }
+  [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
 
  private:
   static constexpr std::size_t kSize = 4096;
@@ -28,13 +34,25 @@ class PointSample {
     Eigen::Vector3d point;
   };
   static bool before(const Entry& a, const Entry& b);
-  static std::uint64_t hash(const Eigen::Vector3d& point);
+  static std::uint64_t hash(const Eigen::Vector3d& point) {
+    // -0.0 and 0.0 are the same point.
+    const auto x = std::bit_cast<std::uint64_t>(point.x() + 0.0);
+    const auto y = std::bit_cast<std::uint64_t>(point.y() + 0.0);
+    const auto z = std::bit_cast<std::uint64_t>(point.z() + 0.0);
+    std::uint64_t h = x ^ std::rotl(y, 21) ^ std::rotl(z, 42);
+    h = (h ^ (h >> 32)) * 0xD6E8FEB86659FD93ULL;
+    h = (h ^ (h >> 29) ^ std::rotl(z, 7)) * 0xBF58476D1CE4E5B9ULL;
+    return h ^ (h >> 32);
+  }
   void keep(std::uint64_t h, const Eigen::Vector3d& point);
   [[nodiscard]] std::vector<Entry> smallest() const;
 
   std::vector<Entry> kept_;
   std::uint64_t threshold_ = ~std::uint64_t{0};
 };
+
+/// Coordinate of that rank (0 to 1) along an axis. There must be points.
+[[nodiscard]] double quantile(const std::vector<Eigen::Vector3d>& points, int axis, double rank);
 
 /// The median of the sample in whole metres.
 [[nodiscard]] Eigen::Vector3d common_origin(const PointSample& sample);

@@ -1,4 +1,4 @@
-// Reading a scan that is in memory already: for tests and fuzzing.
+// What the rooms' own code, tests and fuzzing need of the readers beside their public face.
 #pragma once
 
 #include <string>
@@ -10,5 +10,9 @@ namespace sparsha::pipeline {
 
 /// As read_scan of a file called `name` with these bytes.
 [[nodiscard]] RawScan read_scan_bytes(std::string_view bytes, const std::string& name);
+
+/// True when a file is decoded so fast (fixed binary records, no faces) that reading it twice costs less than keeping
+/// its points in double.
+[[nodiscard]] bool is_quick_to_stream(const std::filesystem::path& file);
 
 }  // namespace sparsha::pipeline

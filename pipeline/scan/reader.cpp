@@ -82,6 +82,20 @@ RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink) {
   return read_into(file.string(), map.text(), &map, sink);
 }
 
+bool is_quick_to_stream(const std::filesystem::path& file) {
+  const MappedFile map(file);
+  ScanFile scan;
+  scan.bytes = map.text();
+  const std::string_view head = scan.bytes.substr(0, 4096);
+  const auto says = [&](std::string_view word) { return head.find(word) != std::string_view::npos; };
+  if (is_ply(scan)) {
+    return says("format binary") && says("end_header") && !says("element face") && !says("element tristrip") &&
+           !says("property list");
+  }
+  if (is_las(scan)) return scan.bytes.size() > 104 && (static_cast<unsigned char>(scan.bytes[104]) & 0xC0) == 0;
+  return is_pcd(scan) && (says("DATA binary\n") || says("DATA binary\r\n"));
+}
+
 RawScan read_scan_bytes(std::string_view bytes, const std::string& name) { return read_into(name, bytes, nullptr, {}); }
 
 }  // namespace sparsha::pipeline

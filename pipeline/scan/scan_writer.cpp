@@ -13,7 +13,7 @@ constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 }  // namespace
 
 ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink)
-    : scan_(scan), sink_(sink), points_(kBlock), rgba_(kBlock), intensity_(kBlock) {}
+    : scan_(scan), sink_(sink), points_(kBlock), rgba_(kBlock, kWhite), intensity_(kBlock) {}
 
 void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity) {
   colour_ = colour;

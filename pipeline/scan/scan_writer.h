@@ -30,15 +30,18 @@ class ScanWriter {
   [[nodiscard]] bool has_colour() const { return colour_; }
 
   /// One record. Counted as invalid when a coordinate is not finite.
-  void add(double x, double y, double z, std::uint32_t rgba = kWhite, float intensity = 0.0F) {
-    if (!(((x - x) + (y - y) + (z - z)) == 0.0)) {
+  void add(double x, double y, double z) {
+    if (!are_finite(x, y, z)) {
       add_invalid();
       return;
     }
     points_[filled_] = {x, y, z};
+    if (++filled_ == kBlock) flush();
+  }
+  void add(double x, double y, double z, std::uint32_t rgba, float intensity = 0.0F) {
     rgba_[filled_] = rgba;
     intensity_[filled_] = intensity;
-    if (++filled_ == kBlock) flush();
+    add(x, y, z);
   }
   /// One record that the file itself flags as invalid.
   void add_invalid();
@@ -53,6 +56,7 @@ class ScanWriter {
 
  private:
   static constexpr std::size_t kBlock = 4096;
+  static bool are_finite(double x, double y, double z) { return ((x - x) + (y - y) + (z - z)) == 0.0; }
   void flush();
   void triangulate_polygons();
   void renumber_faces();

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/scan/origin.h"
-
 namespace sparsha::pipeline {
 namespace {
 
@@ -65,17 +63,23 @@ std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::V
   return std::nullopt;
 }
 
+std::optional<UnitGuess> doubt_metres(const PointSample& sample) {
+  const std::vector<Eigen::Vector3d> points = sample.points();
+  if (points.empty()) return std::nullopt;
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = quantile(points, axis, 0.01);
+    high[axis] = quantile(points, axis, 0.99);
+  }
+  return doubt_metres(low, high);
+}
+
 std::optional<UnitGuess> guess_unit(const RawScan& scan) {
   if (scan.unit || scan.degrees || scan.points.empty()) return std::nullopt;
   PointSample sample;
   for (const Eigen::Vector3d& point : scan.points) sample.add(point);
-  Eigen::Vector3d low;
-  Eigen::Vector3d high;
-  for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = sample.quantile(axis, 0.01);
-    high[axis] = sample.quantile(axis, 0.99);
-  }
-  return doubt_metres(low, high);
+  return doubt_metres(sample);
 }
 
 }  // namespace sparsha::pipeline

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 
 namespace sparsha::pipeline {
@@ -23,6 +24,9 @@ struct UnitGuess {
   std::string reason;
 };
 [[nodiscard]] std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
+
+/// The same from a sample of its points.
+[[nodiscard]] std::optional<UnitGuess> doubt_metres(const PointSample& sample);
 
 /// The same for a scan in memory whose format names no unit; nothing when it does. For `sparsha new`.
 [[nodiscard]] std::optional<UnitGuess> guess_unit(const RawScan& scan);
