@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <new>
 
 #include "pipeline/base/error.h"
@@ -35,6 +36,9 @@ std::vector<std::uint8_t> flag_vertices(const Cloud& cloud, std::size_t points) 
   return flags;
 }
 
+constexpr std::size_t kRows = 8;
+
+// 1/R^2 of the kernel by the number of front points in a window.
 std::vector<float> kernel_radii(double window_area) {
   std::vector<float> per_r2(NodeKernel::kMostPoints + 1, 0.0F);
   for (std::size_t points = 1; points < per_r2.size(); ++points) {
@@ -45,29 +49,33 @@ std::vector<float> kernel_radii(double window_area) {
   return per_r2;
 }
 
-// Simple nodes by the kernel, row by row; the others by NodeFitter.
-void fit_nodes(const Bins& bins, const NodeRule& rule, ThreadPool& pool, Progress& progress, DepthGrid& grid) {
-  const Lattice& lattice = grid.lattice;
-  const std::array<std::vector<float>, 2> per_r2{kernel_radii(9.0), kernel_radii(25.0)};
-  const double scale = residual_scale(rule.noise_m, lattice.spacing_m);
+NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::vector<float>, 2>& per_r2) {
+  const BinLattice& lattice = bins.lattice;
+  const double scale = residual_scale(noise_m, lattice.spacing_m);
   NodeKernel kernel;
   kernel.start = bins.start.get();
   kernel.top = bins.top.get();
   kernel.x = bins.x.get();
   kernel.y = bins.y.get();
   kernel.z = bins.z.get();
-  kernel.bins_x = static_cast<std::size_t>(bins.lattice.bins_x());
+  kernel.bins_x = static_cast<std::size_t>(lattice.bins_x());
   kernel.margin = BinLattice::kMargin;
   kernel.nx = static_cast<std::size_t>(lattice.nx);
-  kernel.x0_m = bins.lattice.x0_m;
-  kernel.y0_m = bins.lattice.y0_m;
+  kernel.x0_m = lattice.x0_m;
+  kernel.y0_m = lattice.y0_m;
   kernel.spacing_m = lattice.spacing_m;
-  kernel.band_m = static_cast<float>(6.0 * rule.noise_m + 2.25 * lattice.spacing_m);
+  kernel.band_m = static_cast<float>(6.0 * noise_m + 2.25 * lattice.spacing_m);
   kernel.scale_m = static_cast<float>(scale);
   kernel.ridge = static_cast<float>(slope_ridge(scale, lattice.spacing_m));
   for (std::size_t reach = 0; reach < 2; ++reach) kernel.per_r2[reach] = per_r2[reach].data();
+  return kernel;
+}
 
-  constexpr std::size_t kRows = 8;
+// Simple nodes by the kernel, row by row; the others by NodeFitter.
+void fit_nodes(const Bins& bins, const NodeRule& rule, ThreadPool& pool, Progress& progress, DepthGrid& grid) {
+  const Lattice& lattice = grid.lattice;
+  const std::array<std::vector<float>, 2> per_r2{kernel_radii(9.0), kernel_radii(25.0)};
+  const NodeKernel kernel = node_kernel(bins, rule.noise_m, per_r2);
   pool.for_ranges(static_cast<std::size_t>(lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
     progress.throw_if_cancelled();
     NodeFitter fitter(bins, rule);
@@ -85,6 +93,48 @@ void fit_nodes(const Bins& bins, const NodeRule& rule, ThreadPool& pool, Progres
       }
     }
   });
+}
+
+// A node far below a neighbour, with a point or two at the neighbour's height in its window, may have missed a front
+// that chance has thinned there: wider windows decide again.
+void look_again(const Bins& bins, const NodeRule& rule, double gap_m, ThreadPool& pool, DepthGrid& grid) {
+  const Lattice& lattice = grid.lattice;
+  const auto nx = static_cast<std::size_t>(lattice.nx);
+  const auto ny = static_cast<std::size_t>(lattice.ny);
+  const auto gap = static_cast<float>(gap_m);
+  struct Change {
+    std::size_t node;
+    NodeFit fit;
+  };
+  std::vector<std::vector<Change>> changes((ny + kRows - 1) / kRows);
+  pool.for_ranges(ny, kRows, [&](std::size_t begin, std::size_t end) {
+    NodeFitter fitter(bins, rule);
+    // One more on either side; unknown heights are NaN and never win a comparison.
+    std::vector<float> highest(nx + 2);
+    for (std::size_t j = begin; j < end; ++j) {
+      std::fill(highest.begin(), highest.end(), -std::numeric_limits<float>::infinity());
+      for (std::size_t b = j == 0 ? 0 : j - 1; b <= std::min(ny - 1, j + 1); ++b) {
+        const float* row = grid.height_m.data() + b * nx;
+        for (std::size_t i = 0; i < nx; ++i) highest[i + 1] = row[i] > highest[i + 1] ? row[i] : highest[i + 1];
+      }
+      const float* row = grid.height_m.data() + j * nx;
+      for (std::size_t i = 0; i < nx; ++i) {
+        const float neighbour = std::max(highest[i], std::max(highest[i + 1], highest[i + 2]));
+        if (!(neighbour - row[i] > gap)) [[likely]]
+          continue;
+        const auto a = static_cast<int>(i);
+        const auto b = static_cast<int>(j);
+        if (!fitter.misses_thin_front(a, b, row[i] + gap)) continue;
+        changes[begin / kRows].push_back({j * nx + i, fitter.fit(a, b, 2)});
+      }
+    }
+  });
+  for (const std::vector<Change>& of_rows : changes) {
+    for (const Change& change : of_rows) {
+      if (!change.fit.measured) continue;
+      grid.height_m[change.node] = static_cast<float>(change.fit.height_m);
+    }
+  }
 }
 
 // Where both a mesh and points give a height, the mesh counts unless the points lie in front of it by more than the
@@ -131,6 +181,7 @@ Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, cons
     const double finer = statistics.point_spacing_m / lattice.spacing_m;
     const NodeRule rule{statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};
     fit_nodes(bins, rule, pool, progress, projection.grid);
+    look_again(bins, rule, projection.gap_m, pool, projection.grid);
   }
   TriangleHeights mesh;
   if (!cloud.faces.empty()) {

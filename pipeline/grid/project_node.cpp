@@ -18,8 +18,11 @@ constexpr std::size_t kLeastFit = 4;
 constexpr double kExplained = 0.3;
 // A front of average density has more than two points among so many.
 constexpr std::size_t kSureOfOutliers = 24;
-// So many points of two interleaved layers part along a line once in 30 000 times.
-constexpr std::size_t kLocal = 24;
+// So many points of two interleaved layers part along a line once in four million times.
+constexpr std::size_t kSureOfLine = 32;
+
+// Points that make a layer of a window's.
+std::size_t least_support(std::size_t points) { return std::max<std::size_t>(3, (points + 11) / 12); }
 
 // True when the node is inside the hull of the points within `radius`, but for `tolerance`, seen in eight directions.
 bool surrounds(std::span<const NodePoint> points, double radius, double tolerance) {
@@ -65,6 +68,19 @@ std::size_t NodeFitter::count_window(int i, int j, int reach) const {
   return count;
 }
 
+bool NodeFitter::misses_thin_front(int i, int j, float above_m) const {
+  const BinLattice& lattice = bins_.lattice;
+  std::size_t above = 0;
+  std::size_t count = 0;
+  for (int b = j - 1; b <= j + 1; ++b) {
+    const std::size_t begin = bins_.start[lattice.bin(i - 1, b)];
+    const std::size_t end = bins_.start[lattice.bin(i + 1, b) + 1];
+    for (std::size_t k = begin; k < end; ++k) above += bins_.z[k] > above_m ? 1 : 0;
+    count += end - begin;
+  }
+  return above > 0 && above < least_support(count);
+}
+
 void NodeFitter::gather(int i, int j, int reach) {
   const BinLattice& lattice = bins_.lattice;
   const int i0 = std::max(i - reach, -BinLattice::kMargin);
@@ -101,7 +117,7 @@ void NodeFitter::split_layers(Slope slope, double gap_m) {
 
   layers_.clear();
   const auto gap = static_cast<float>(gap_m);
-  const std::size_t least = std::max<std::size_t>(3, (points_.size() + 11) / 12);
+  const std::size_t least = least_support(points_.size());
   std::size_t begin = 0;
   for (std::size_t k = 1; k <= points_.size(); ++k) {
     if (k < points_.size() && rise(points_[k - 1]) - rise(points_[k]) <= gap) continue;
@@ -189,16 +205,16 @@ const NodeFitter::Layer& NodeFitter::layer_at_node(double spacing) {
   if (layers_.size() == 1 || off_centre(front) <= 0.5 * spacing) return front;
   const Layer& next = layers_[1];
   Separation line = separate(points_of(front), points_of(next));
-  if (!line.separable && front.size() + next.size() > kLocal) {
-    // A curved edge, or an outlier: the nearest points see it straight. Fewer than kLocal would part by chance.
+  if (!line.separable && front.size() + next.size() > kSureOfLine) {
+    // A curved edge, or an outlier: the nearest points see it straight. Fewer than kSureOfLine would part by chance.
     const auto r2 = [](const NodePoint& p) { return p.u * p.u + p.v * p.v; };
     std::vector<double>& distances = scratch_;
     distances.clear();
     for (const Layer* layer : {&front, &next}) {
       for (const NodePoint& p : points_of(*layer)) distances.push_back(static_cast<double>(r2(p)));
     }
-    std::nth_element(distances.begin(), distances.begin() + kLocal - 1, distances.end());
-    const double limit = distances[kLocal - 1];
+    std::nth_element(distances.begin(), distances.begin() + kSureOfLine - 1, distances.end());
+    const double limit = distances[kSureOfLine - 1];
     const std::array<const Layer*, 2> pair{&front, &next};
     for (std::size_t side = 0; side < 2; ++side) {
       near_[side].clear();
@@ -247,6 +263,9 @@ NodeFit NodeFitter::fit(int i, int j, int least_reach) {
       fit = fit_locally(points_of(*layer), {radius, rule_.noise_m, step_m}, scratch_);
     }
     const bool whole = surrounds(points_of(*layer), 1.5 * spacing, 0.5 * spacing);
+    // A line between few points may be chance: the back, taken for the low side of a step.
+    const bool chance = layer != &layers_.front() && layers_[0].size() + layers_[1].size() < kSureOfLine;
+    if (!last && reach < 3 && chance) continue;
     if (!last && 1.5 * spacing > reach + 0.5 && (!whole || layers_.front().size() < kSafe)) continue;
     if (!last && reach < 3 && layers_.front().size() < kSafe && layers_.size() > 1) continue;
     if (!whole || !std::isfinite(fit.height_m) || fit.support < kLeastFit) return {};

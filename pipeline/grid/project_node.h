@@ -39,6 +39,9 @@ class NodeFitter {
   /// `least_reach` is the smallest window, nodes to each side.
   [[nodiscard]] NodeFit fit(int i, int j, int least_reach = 1);
 
+  /// True when the smallest window holds points above `above_m`, but too few to be a layer.
+  [[nodiscard]] bool misses_thin_front(int i, int j, float above_m) const;
+
   /// Points in the window of `reach` nodes to each side.
   [[nodiscard]] std::size_t count_window(int i, int j, int reach) const;
 

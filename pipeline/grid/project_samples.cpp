@@ -1,4 +1,4 @@
-// Blocks of about 25 points; in each the front layer is found, fitted and counted.
+// Blocks of about 36 points; in each the front layer is found, fitted and counted.
 #include "pipeline/grid/project_samples.h"
 
 #include <algorithm>
@@ -16,8 +16,11 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kBlockSpacings = 5.0;
-constexpr double kBlocks = 1000.0;
+constexpr double kBlockSpacings = 6.0;
+// The estimates of blocks of about 36 points scatter; this is how their quantile lies to the true value.
+constexpr double kNoiseQuantile = 0.35;
+constexpr double kNoiseOfQuantile = 1.08;
+constexpr double kBlocks = 700.0;
 constexpr std::size_t kPiece = 1U << 15U;
 constexpr std::size_t kBatch = 1024;
 constexpr float kMostBlocks = 1e9F;
@@ -41,11 +44,11 @@ struct Sample {
   }
 };
 
-// The value that half of the weight does not exceed.
+// The value that a share of the weight does not exceed.
 struct Weighted {
   double value, weight;
 };
-double weighted_median(std::vector<Weighted>& values, double otherwise) {
+double weighted_quantile(std::vector<Weighted>& values, double share, double otherwise) {
   double total = 0.0;
   for (const Weighted& v : values) total += v.weight;
   if (!(total > 0.0)) return otherwise;
@@ -53,7 +56,7 @@ double weighted_median(std::vector<Weighted>& values, double otherwise) {
   double below = 0.0;
   for (const Weighted& v : values) {
     below += v.weight;
-    if (below >= 0.5 * total) return v.value;
+    if (below >= share * total) return v.value;
   }
   return values.back().value;
 }
@@ -124,8 +127,8 @@ CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent,
   for (std::size_t k = 0; k < samples.size(); ++k) sorted[k] = samples[k].point;
 
   std::vector<double> scratch;
-  // The gap needs the noise and the noise the gap: from no noise upwards, three rounds settle it.
-  for (int round = 0; round < 3; ++round) {
+  // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
+  for (int round = 0; round < 5; ++round) {
     std::vector<Weighted> noises;
     std::vector<Weighted> spacings;
     for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
@@ -139,8 +142,9 @@ CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent,
       const double noise = residual_scale_m(front, scratch);
       if (noise >= 0.0) noises.push_back({noise, weight});
     }
-    result.noise_m = weighted_median(noises, 0.0);
-    result.point_spacing_m = weighted_median(spacings, mean_spacing);
+    // Form and mixed layers only ever add to the noise of a block: its lower quantile is what the scanner did.
+    result.noise_m = kNoiseOfQuantile * weighted_quantile(noises, kNoiseQuantile, 0.0);
+    result.point_spacing_m = weighted_quantile(spacings, 0.5, mean_spacing);
   }
   return result;
 }
