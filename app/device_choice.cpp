@@ -1,8 +1,8 @@
 // auto: a Falcon, else the pointer when there is a display, else an error; never the simulated hand.
 #include "app/device_choice.h"
 
-#include "app/falcon.h"
 #include "haptics/device/devices.h"
+#include "haptics/device/falcon/falcon.h"
 #include "pipeline/base/error.h"
 #include "viewer/viewer.h"
 
@@ -34,12 +34,15 @@ ChosenDevice choose_device(const std::string& name, bool window, double duration
     }
     return pointer_device();
   } else if (name == "falcon") {
-    chosen.device = open_falcon();
+    chosen.device = haptics::falcon::make_falcon_device();
   } else if (name == "auto") {
-    chosen.device = find_falcon();
-    if (chosen.device) return chosen;
-    if (window) return pointer_device();
-    throw Error(ErrorKind::device, {}, "no Falcon is connected and there is no window for the pointer", kChoices);
+    if (!haptics::falcon::find_falcons().empty()) {
+      chosen.device = haptics::falcon::make_falcon_device();
+    } else if (window) {
+      return pointer_device();
+    } else {
+      throw Error(ErrorKind::device, {}, "no Falcon is connected and there is no window for the pointer", kChoices);
+    }
   } else {
     throw usage_error("there is no device '" + name + "'", "auto | falcon | pointer | simulated | playback:FILE");
   }
