@@ -90,13 +90,15 @@ std::string warnings(const Report& report) {
   return html + "</ul></div>";
 }
 
-std::string figure(const Picture& picture, const std::string& png, double width_m, bool wide) {
-  return fmt::format(
-      "<figure class='{}{}'><div class='picture'><img src='data:image/png;base64,{}' width='{}' height='{}' "
-      "alt='{}'>{}</div>{}<figcaption><h3>{}</h3><p>{}</p></figcaption></figure>\n",
-      wide ? "wide" : "", picture.width < 400 ? " tiny" : "", base64(png), picture.width, picture.height,
-      escape_html(picture.alternative), scale_bar_html(width_m), legend_svg(picture), escape_html(picture.title),
-      escape_html(picture.caption));
+/// Appends, because the pictures are most of the page.
+void add_figure(std::string& html, const Picture& picture, const std::string& png, double width_m, bool wide) {
+  html += fmt::format("<figure class='{}{}'><div class='picture'><img src='data:image/png;base64,", wide ? "wide" : "",
+                      picture.width < 400 ? " tiny" : "");
+  append_base64(html, png);
+  html += fmt::format(
+      "' width='{}' height='{}' alt='{}'>{}</div>{}<figcaption><h3>{}</h3><p>{}</p></figcaption></figure>\n",
+      picture.width, picture.height, escape_html(picture.alternative), scale_bar_html(width_m), legend_svg(picture),
+      escape_html(picture.title), escape_html(picture.caption));
 }
 
 std::string points_table(const Report::Points& p) {
@@ -250,6 +252,8 @@ constexpr const char* kWords = R"html(<dl class='words'>
 std::string report_html(const Scene& scene, const Report& report, const std::vector<Picture>& pictures,
                         const std::vector<std::string>& encoded) {
   const SceneDescription& description = scene.description();
+  std::size_t size = 1U << 16;
+  for (const std::string& png : encoded) size += png.size() * 4 / 3;
   const std::string title = escape_html(title_of(description));
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<meta name='viewport' "
@@ -259,6 +263,7 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
       "report</p>\n<h1>{0}</h1>\n"
       "<p class='lead'>{2}</p>\n<nav aria-label='Sections'><ul>",
       title, kReportStyle, lead(description, report));
+  html.reserve(size);
   const std::vector<std::pair<std::string, std::string>> sections = {
       {"pictures", "Pictures"},     {"accuracy", "Accuracy"},         {"points", "Points and grid"},
       {"inputs", "Inputs"},         {"words", "What the words mean"}, {"configuration", "Configuration"},
@@ -270,17 +275,21 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   html += key_figures(description, report) +
           "</section>\n<section aria-labelledby='warnings-h'><h2 id='warnings-h'>Warnings</h2>";
   html += warnings(report) + "</section>\n";
-  const auto section = [&](std::size_t k, const std::string& body) {
-    html += fmt::format("<section id='{0}' aria-labelledby='{0}-h'><h2 id='{0}-h'>{1}</h2>{2}</section>\n",
-                        sections[k].first, sections[k].second, body);
+  const auto open = [&](std::size_t k) {
+    html += fmt::format("<section id='{0}' aria-labelledby='{0}-h'><h2 id='{0}-h'>{1}</h2>", sections[k].first,
+                        sections[k].second);
   };
-  std::string gallery = "<div class='gallery'>\n";
+  const auto section = [&](std::size_t k, const std::string& body) {
+    open(k);
+    html += body + "</section>\n";
+  };
+  open(0);
+  html += "<div class='gallery'>\n";
   for (std::size_t k = 0; k < pictures.size(); ++k) {
-    const double width_m =
-        pictures[k].width * nodes_per_pixel(description.levels.front()) * description.levels.front().spacing_m;
-    gallery += figure(pictures[k], encoded[k], width_m, k == 0);
+    const Lattice& lattice = description.levels.front();
+    add_figure(html, pictures[k], encoded[k], pictures[k].width * nodes_per_pixel(lattice) * lattice.spacing_m, k == 0);
   }
-  section(0, gallery + "</div>");
+  html += "</div></section>\n";
   section(1, accuracy(report));
   section(2, "<div class='columns'><div>" + points_table(report.points) + "</div><div>" + grid_table(description) +
                  "</div></div>");

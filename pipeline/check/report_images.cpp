@@ -17,36 +17,43 @@ namespace {
 constexpr int kMaxSide = 1024;   // pixels
 constexpr int kHatchPeriod = 8;  // pixels
 constexpr double kMillimetres = 1000;
+constexpr std::size_t kQuantileSample = 1U << 16;
 constexpr double kSamplesPerSpot = 4;  // of the error map: samples that one spot should average
 
-Field reduce(const Lattice& lattice, const std::function<float(std::size_t)>& value, ThreadPool& pool) {
+/// Means of a layer over the nodes of each pixel; value(n) is NaN where node n has none.
+template <typename Value>
+Field reduce(const Lattice& lattice, const Value& value) {
   const int factor = nodes_per_pixel(lattice);
   Field field((lattice.nx + factor - 1) / factor, (lattice.ny + factor - 1) / factor);
-  pool.for_ranges(static_cast<std::size_t>(field.height), 16, [&](std::size_t begin, std::size_t end) {
-    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row)
-      for (int column = 0; column < field.width; ++column) {
-        double sum = 0;
-        int count = 0;
-        // The top pixel row holds the last node rows.
-        const int j1 = lattice.ny - row * factor, j0 = std::max(0, j1 - factor);
-        for (int j = j0; j < j1; ++j)
-          for (int i = column * factor; i < std::min(lattice.nx, (column + 1) * factor); ++i) {
-            const float v = value(lattice.index(i, j));
-            if (std::isnan(v)) continue;
-            sum += v;
-            ++count;
-          }
-        if (count > 0) field.at(column, row) = static_cast<float>(sum / count);
+  for (int row = 0; row < field.height; ++row) {
+    // The top pixel row holds the last node rows.
+    const int j1 = lattice.ny - row * factor, j0 = std::max(0, j1 - factor);
+    for (int column = 0; column < field.width; ++column) {
+      if (factor == 1) {
+        field.at(column, row) = value(lattice.index(column, j0));
+        continue;
       }
-  });
+      double sum = 0;
+      int count = 0;
+      for (int j = j0; j < j1; ++j)
+        for (int i = column * factor; i < std::min(lattice.nx, (column + 1) * factor); ++i) {
+          const float v = value(lattice.index(i, j));
+          if (std::isnan(v)) continue;
+          sum += v;
+          ++count;
+        }
+      if (count > 0) field.at(column, row) = static_cast<float>(sum / count);
+    }
+  }
   return field;
 }
 
-/// Value below which `fraction` of the known pixels lie.
+/// Value below which `fraction` of the known pixels lie, from a regular sample of them: it ends a legend, no more.
 double quantile(const Field& field, double fraction) {
   std::vector<float> known;
-  for (const float v : field.values)
-    if (!std::isnan(v)) known.push_back(v);
+  const std::size_t step = field.values.size() / kQuantileSample + 1;
+  for (std::size_t n = 0; n < field.values.size(); n += step)
+    if (!std::isnan(field.values[n])) known.push_back(field.values[n]);
   if (known.empty()) return 0;
   const auto nth = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(known.size() - 1));
   std::nth_element(known.begin(), known.begin() + nth, known.end());
@@ -60,15 +67,13 @@ void paint(Picture& picture, const Field& field, double low, double high) {
   picture.width = field.width;
   picture.height = field.height;
   picture.pixels.resize(field.values.size());
-  const double span = high > low ? high - low : 1;
+  const double scale = 253 / (high > low ? high - low : 1);
+  std::size_t n = 0;
   for (int row = 0; row < field.height; ++row)
-    for (int column = 0; column < field.width; ++column) {
-      const auto n =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(field.width) + static_cast<std::size_t>(column);
-      const double t = (field.values[n] - low) / span;
-      picture.pixels[n] = std::isnan(field.values[n])
-                              ? hatch(column, row)
-                              : static_cast<std::uint8_t>(1 + std::lround(253 * std::clamp(t, 0.0, 1.0)));
+    for (int column = 0; column < field.width; ++column, ++n) {
+      const double level = (field.values[n] - low) * scale;
+      picture.pixels[n] = std::isnan(field.values[n]) ? hatch(column, row)
+                                                      : static_cast<std::uint8_t>(1.5 + std::clamp(level, 0.0, 253.0));
     }
 }
 
@@ -104,14 +109,14 @@ Picture height(const Field& heights) {
   return picture;
 }
 
-Picture texture(const Layers& base, ThreadPool& pool) {
+Picture texture(const Layers& base) {
   Picture picture;
   picture.name = "texture";
   picture.title = "Surface texture";
   picture.map = ColourMap::texture;
   picture.unit = "mm";
-  const Field field = reduce(
-      base.grid.lattice, [&](std::size_t n) { return base.grid.height_m[n] - base.envelope_m[n]; }, pool);
+  const Field field =
+      reduce(base.grid.lattice, [&](std::size_t n) { return base.grid.height_m[n] - base.envelope_m[n]; });
   Field magnitude = field;
   for (float& v : magnitude.values) v = std::abs(v);
   const double most = std::max(quantile(magnitude, 0.99), 1e-9);
@@ -138,7 +143,7 @@ float friction_at(const Layers& base, const SceneDescription& scene, double scal
   return static_cast<float>(std::clamp(mu, 0.0, config.mu_max));
 }
 
-Picture friction(const Layers& base, const SceneDescription& scene, ThreadPool& pool) {
+Picture friction(const Layers& base, const SceneDescription& scene) {
   constexpr double kWorkspace = 0.1;  // metres, of a common desktop device; only law: paper depends on it
   Picture picture;
   picture.name = "friction";
@@ -147,8 +152,8 @@ Picture friction(const Layers& base, const SceneDescription& scene, ThreadPool& 
   const FrictionConfig& config = *scene.config.friction;
   const double scale = kWorkspace / (std::max(1, std::min(scene.config.levels.window, base.grid.lattice.nx) - 1) *
                                      base.grid.lattice.spacing_m);
-  const Field field = reduce(
-      base.grid.lattice, [&](std::size_t n) { return friction_at(base, scene, scale, kWorkspace / 2, n); }, pool);
+  const Field field =
+      reduce(base.grid.lattice, [&](std::size_t n) { return friction_at(base, scene, scale, kWorkspace / 2, n); });
   picture.high = config.mu_max;
   picture.caption = config.law == FrictionConfig::Law::paper
                         ? "Coefficient of sliding friction that the hand feels in a 10 cm workspace, from pale "
@@ -161,7 +166,7 @@ Picture friction(const Layers& base, const SceneDescription& scene, ThreadPool& 
   return picture;
 }
 
-Picture coverage(const DepthGrid& grid, const Report& report, ThreadPool& pool) {
+Picture coverage(const DepthGrid& grid, const Report& report) {
   Picture picture;
   picture.name = "coverage";
   picture.title = "Coverage";
@@ -171,13 +176,10 @@ Picture coverage(const DepthGrid& grid, const Report& report, ThreadPool& pool) 
   picture.alternative = fmt::format(
       "Map of coverage: {:.1f} % of the nodes are measured, {:.1f} % filled, {:.1f} % unknown.", 100 * report.coverage,
       100 * report.filled_fraction, 100 * (1 - report.coverage - report.filled_fraction));
-  const Field field = reduce(
-      grid.lattice,
-      [&](std::size_t n) {
-        if (grid.state[n] == NodeState::unknown) return kUnknownHeight;
-        return grid.state[n] == NodeState::measured ? 0.0F : 1.0F;
-      },
-      pool);
+  const Field field = reduce(grid.lattice, [&](std::size_t n) {
+    if (grid.state[n] == NodeState::unknown) return kUnknownHeight;
+    return grid.state[n] == NodeState::measured ? 0.0F : 1.0F;
+  });
   paint(picture, field, 0, 1);
   for (std::size_t k = 1; k < 255; ++k) picture.palette[k] = k < 128 ? kMeasuredColour : kFilledColour;
   picture.palette[0] = kHatchLight;
@@ -185,25 +187,21 @@ Picture coverage(const DepthGrid& grid, const Report& report, ThreadPool& pool) 
   return picture;
 }
 
-Picture error(const Layers& base, const CheckResult& check, ThreadPool& pool) {
+Picture error(const Field& heights, const Lattice& lattice, const CheckResult& check) {
   Picture picture;
   picture.name = "error";
   picture.title = "Error";
   picture.map = ColourMap::error;
   picture.unit = "mm";
-  const Lattice& lattice = base.grid.lattice;
-  Field field = reduce(
-      lattice, [&](std::size_t n) { return check.node_error_m[n]; }, pool);
+  Field field = reduce(lattice, [&](std::size_t n) { return check.node_error_m[n]; });
   const auto sampled = static_cast<double>(
       std::count_if(field.values.begin(), field.values.end(), [](float v) { return !std::isnan(v); }));
-  const Field known = reduce(
-      lattice, [&](std::size_t n) { return base.grid.height_m[n]; }, pool);
   if (sampled > 0) {
     const double pixels = static_cast<double>(field.values.size());
     const int radius = static_cast<int>(std::ceil(std::sqrt(kSamplesPerSpot * pixels / sampled) / 2)) - 1;
     field = average_about(field, std::clamp(radius, 0, 64));
     for (std::size_t n = 0; n < field.values.size(); ++n)
-      if (std::isnan(known.values[n])) field.values[n] = kUnknownHeight;
+      if (std::isnan(heights.values[n])) field.values[n] = kUnknownHeight;
   }
   const double most = std::max(check.cloud_to_surface.p95_m, 1e-9);
   picture.high = most * kMillimetres;
@@ -227,19 +225,21 @@ int nodes_per_pixel(const Lattice& lattice) {
 std::vector<Picture> make_pictures(const Layers& base, const SceneDescription& scene, const Report& report,
                                    ThreadPool& pool) {
   const Lattice& lattice = base.grid.lattice;
-  const Field heights = reduce(
-      lattice, [&](std::size_t n) { return base.grid.height_m[n]; }, pool);
-  std::vector<Picture> pictures;
-  pictures.push_back(relief(heights, nodes_per_pixel(lattice) * lattice.spacing_m));
-  pictures.push_back(height(heights));
-  if (!base.envelope_m.empty()) pictures.push_back(texture(base, pool));
-  if (scene.config.friction) pictures.push_back(friction(base, scene, pool));
-  pictures.push_back(coverage(base.grid, report, pool));
+  const Field heights = reduce(lattice, [&](std::size_t n) { return base.grid.height_m[n]; });
+  std::vector<std::function<Picture()>> makers;
+  makers.emplace_back([&] { return relief(heights, nodes_per_pixel(lattice) * lattice.spacing_m); });
+  makers.emplace_back([&] { return height(heights); });
+  if (!base.envelope_m.empty()) makers.emplace_back([&] { return texture(base); });
+  if (scene.config.friction) makers.emplace_back([&] { return friction(base, scene); });
+  makers.emplace_back([&] { return coverage(base.grid, report); });
   if (report.check && report.check->node_error_m.size() == lattice.count() &&
       report.check->cloud_to_surface.samples > 0)
-    pictures.push_back(error(base, *report.check, pool));
-  for (Picture& picture : pictures)
-    if (picture.legend != Picture::Legend::states) picture.palette = palette_of(picture.map);
+    makers.emplace_back([&] { return error(heights, lattice, *report.check); });
+  std::vector<Picture> pictures(makers.size());
+  pool.for_ranges(makers.size(), 1, [&](std::size_t k, std::size_t) {
+    pictures[k] = makers[k]();
+    if (pictures[k].legend != Picture::Legend::states) pictures[k].palette = palette_of(pictures[k].map);
+  });
   return pictures;
 }
 

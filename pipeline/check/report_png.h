@@ -14,7 +14,7 @@ namespace sparsha::pipeline {
 [[nodiscard]] std::string encode_png(const std::vector<std::uint8_t>& pixels, int width, int height,
                                      const Palette& palette, double pixel_m);
 
-/// Base 64 (RFC 4648).
-[[nodiscard]] std::string base64(const std::string& bytes);
+/// Appends `bytes` in base 64 (RFC 4648).
+void append_base64(std::string& text, const std::string& bytes);
 
 }  // namespace sparsha::pipeline

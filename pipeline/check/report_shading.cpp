@@ -16,6 +16,7 @@ struct Light {
 constexpr std::array<Light, 3> kLights = {
     {{-0.5, 0.5, 0.70710678, 0.66}, {-0.76604444, 0, 0.64278761, 0.17}, {0, 0.76604444, 0.64278761, 0.17}}};
 constexpr double kShownSlope = 0.55;  // the 80th percentile of slopes is drawn as steep as this
+constexpr int kSteepnessStep = 7;     // pixels; the percentile needs no more
 constexpr double kLeast = 0.7, kMost = 12;
 
 /// Difference quotient along one axis from whichever neighbours are known.
@@ -27,20 +28,36 @@ double slope(float before, float here, float after, double pixel_m) {
   return 0;
 }
 
-/// Sums over a sliding window of 2 radius + 1 pixels along rows, or else columns.
-Field sum_along(const Field& field, int radius, bool rows) {
+/// Sums over a sliding window of 2 radius + 1 pixels along each row.
+Field sum_along_rows(const Field& field, int radius) {
   Field result(field.width, field.height);
-  const int lines = rows ? field.height : field.width, length = rows ? field.width : field.height;
-  for (int line = 0; line < lines; ++line) {
-    const auto value = [&](int k) {
-      return k < 0 || k >= length ? 0.0 : static_cast<double>(rows ? field.at(k, line) : field.at(line, k));
-    };
+  for (int row = 0; row < field.height; ++row) {
+    const float* in = field.values.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(field.width);
     double sum = 0;
-    for (int k = 0; k < radius; ++k) sum += value(k);
-    for (int k = 0; k < length; ++k) {
-      sum += value(k + radius) - value(k - radius - 1);
-      (rows ? result.at(k, line) : result.at(line, k)) = static_cast<float>(sum);
+    for (int k = 0; k < std::min(radius, field.width); ++k) sum += in[k];
+    for (int k = 0; k < field.width; ++k) {
+      if (k + radius < field.width) sum += in[k + radius];
+      if (k > radius) sum -= in[k - radius - 1];
+      result.at(k, row) = static_cast<float>(sum);
     }
+  }
+  return result;
+}
+
+/// The same along each column, row by row as memory lies.
+Field sum_along_columns(const Field& field, int radius) {
+  Field result(field.width, field.height);
+  std::vector<double> sum(static_cast<std::size_t>(field.width));
+  const auto add = [&](int row, double sign) {
+    if (row < 0 || row >= field.height) return;
+    const float* in = field.values.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(field.width);
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += sign * in[k];
+  };
+  for (int row = 0; row < radius; ++row) add(row, 1);
+  for (int row = 0; row < field.height; ++row) {
+    add(row + radius, 1);
+    add(row - radius - 1, -1);
+    for (std::size_t k = 0; k < sum.size(); ++k) result.at(static_cast<int>(k), row) = static_cast<float>(sum[k]);
   }
   return result;
 }
@@ -62,7 +79,7 @@ Shading shade(const Field& heights, double pixel_m) {
       const double sy = slope(neighbour(column, row + 1), here, neighbour(column, row - 1), pixel_m);
       along.at(column, row) = static_cast<float>(sx);
       up.at(column, row) = static_cast<float>(sy);
-      steepness.push_back(static_cast<float>(std::hypot(sx, sy)));
+      if ((row + column) % kSteepnessStep == 0) steepness.push_back(static_cast<float>(std::sqrt(sx * sx + sy * sy)));
     }
   Shading result{Field(width, height), 1};
   if (!steepness.empty()) {
@@ -90,8 +107,8 @@ Field average_about(const Field& field, int radius) {
     count.values[n] = known ? 1.0F : 0.0F;
   }
   for (int pass = 0; pass < 2; ++pass) {
-    sum = sum_along(sum_along(sum, radius, true), radius, false);
-    count = sum_along(sum_along(count, radius, true), radius, false);
+    sum = sum_along_columns(sum_along_rows(sum, radius), radius);
+    count = sum_along_columns(sum_along_rows(count, radius), radius);
   }
   for (std::size_t n = 0; n < sum.values.size(); ++n)
     sum.values[n] = count.values[n] > 0.5F ? sum.values[n] / count.values[n] : std::numeric_limits<float>::quiet_NaN();

@@ -155,6 +155,11 @@ TEST(ReportPng, DecodesToThePalettesColours) {
 }
 
 TEST(ReportPng, EncodesBase64AsTheStandardsVectors) {
+  const auto base64 = [](const std::string& bytes) {
+    std::string text;
+    append_base64(text, bytes);
+    return text;
+  };
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
