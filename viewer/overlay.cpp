@@ -127,9 +127,6 @@ void HandPainter::draw(const Hand& hand, const View& view, const gl::Texture& de
   glBindVertexArray(vertex_array_.get());
   depths.bind(0);
 
-  // The shadow falls straight down: it shows where the hand would touch.
-  Eigen::Vector3d below = ball;
-  below.z() -= 0.5 * hand.radius;
   const auto draw_rect = [&](const gl::Program& program, const Eigen::Vector4f& rect) {
     if (rect.z() <= 0.0F || rect.w() <= 0.0F) return;
     program.set("rect", rect);
@@ -146,8 +143,12 @@ void HandPainter::draw(const Hand& hand, const View& view, const gl::Texture& de
   decal_.set("touch", Eigen::Vector3f(hand.proxy.cast<float>()));
   decal_.set("radius", static_cast<float>(hand.radius));
   decal_.set("press", hand.contact ? static_cast<float>(0.45 + 0.55 * hand.strength) : 0.0F);
-  // Wide enough for the shadow of a hand some balls above the stone.
-  draw_rect(decal_, around(*middle, 9.0 * pixels * hand.radius, 14.0 * pixels * hand.radius, view));
+  // The shadow falls straight down: it shows where the hand would touch. Beyond these reaches both have faded.
+  const double above = std::max(ball.z() - hand.radius - hand.ground.z(), 0.0);
+  const double shade = 1.6 * (1.05 * hand.radius + 0.12 * above);
+  const double reach = hand.contact ? std::max(3.9 * hand.radius, shade) : shade;
+  if (const auto at = view.to_pixel(hand.contact ? hand.proxy : hand.ground))
+    draw_rect(decal_, around(*at, pixels * reach, pixels * reach, view));
 
   if (hand.contact) {
     // Where the hand really is, inside the stone.

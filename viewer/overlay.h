@@ -47,6 +47,7 @@ struct Hand {
   double radius = 0.01;                               ///< of the ball
   double strength = 0.0;                              ///< of the force, 0 to 1
   bool contact = false;
+  Eigen::Vector3d ground = Eigen::Vector3d::Zero();  ///< of the drawn surface, straight below the ball
 
   /// The ball rests on the proxy, a point, and does not cut into the stone.
   [[nodiscard]] Eigen::Vector3d ball() const { return proxy + radius * normal; }

@@ -27,8 +27,8 @@ bool same(const View& a, const View& b) {
 }
 
 bool same(const ReliefStyle& a, const ReliefStyle& b) {
-  return a.painted == b.painted && a.high_contrast == b.high_contrast && a.mark_filled == b.mark_filled &&
-         a.window_world == b.window_world && a.hole_world == b.hole_world;
+  return a.high_contrast == b.high_contrast && a.mark_filled == b.mark_filled && a.window_world == b.window_world &&
+         a.hole_world == b.hole_world;
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ struct Picture::Surface {
   gl::Target large;     ///< as drawn, with depth
   gl::Target resolved;  ///< one pixel each; empty when large already is
 
-  [[nodiscard]] const gl::Texture& picture() const { return supersampling == 1 ? large.colour() : resolved.colour(); }
+  [[nodiscard]] const gl::Target& picture() const { return supersampling == 1 ? large : resolved; }
 };
 
 struct Picture::DetailPiece {
@@ -55,10 +55,9 @@ struct Picture::DetailPiece {
 
 Picture::Picture()
     : software_(gl::is_software()),
-      relief_program_(gl::kReliefVertex, gl::kReliefFragment),
+      stone_program_(gl::kWholeVertex, gl::kStoneFragment),
       backdrop_program_(gl::kWholeVertex, gl::kBackdropFragment),
       resolve_program_(gl::kWholeVertex, gl::kResolveFragment),
-      copy_program_(gl::kWholeVertex, gl::kCopyFragment),
       anaglyph_program_(gl::kWholeVertex, gl::kAnaglyphFragment),
       vertex_array_(gl::make_vertex_array()),
       hand_painter_(std::make_unique<HandPainter>()) {
@@ -80,7 +79,7 @@ void Picture::set_scene(pipeline::ScenePointer scene) {
   const Paint paint = paint_relief(whole_->data(), description, colour_);
   whole_->set_paint(paint);
   legend_ = paint.legend;
-  ++version_;
+  stones_lit_ = false;
 }
 
 double Picture::height_at(double x_m, double y_m) const {
@@ -110,7 +109,7 @@ void Picture::prepare_style(const Frame& frame) {
     light_ = light;
     whole_->set_light(light_, pool_);
     if (piece_) piece_->set_light(light_, pool_);
-    ++version_;
+    stones_lit_ = false;
   }
   const ColourMode wanted = has_mode(description, frame.settings.colour) ? frame.settings.colour : ColourMode::relief;
   if (wanted != colour_) {
@@ -119,7 +118,7 @@ void Picture::prepare_style(const Frame& frame) {
     whole_->set_paint(paint);
     legend_ = paint.legend;
     if (piece_) piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
-    ++version_;
+    stones_lit_ = false;
   }
 }
 
@@ -131,7 +130,7 @@ void Picture::follow_window(const Frame& frame, const Window& window) {
       piece_ = std::make_unique<ReliefView>(loading_->data.get(), stage_);
       piece_->set_light(light_, pool_);
       piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
-      ++version_;
+      stones_lit_ = false;
     }
   }
   const int whole_level = whole_->data().level;
@@ -142,7 +141,7 @@ void Picture::follow_window(const Frame& frame, const Window& window) {
   while (level < whole_level && width_m / description.levels[static_cast<std::size_t>(level)].spacing_m > kPieceNodes)
     ++level;
   if (level == whole_level) {
-    if (piece_) ++version_;
+    if (piece_) stones_lit_ = false;
     piece_.reset();
     loading_.reset();
     return;
@@ -183,6 +182,17 @@ void Picture::draw_surface(Surface& surface, const View& view, ReliefStyle style
   glDepthMask(GL_TRUE);
   glClearDepth(1.0);
   glClear(GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  style.supersampling = supersampling;
+  if (piece_ && !overview) {
+    ReliefStyle fine = style;
+    fine.walls = false;
+    piece_->draw(relief_programs_, view, fine);
+    style.hole_world = piece_->box_world();
+  }
+  whole_->draw(relief_programs_, view, style);
+  // The backdrop fills what stone left free.
   backdrop_program_.use();
   const bool dark = frame.settings.high_contrast;
   const Eigen::Vector3f upper = dark ? Eigen::Vector3f(0, 0, 0) : Eigen::Vector3f(0.150F, 0.145F, 0.142F);
@@ -191,16 +201,6 @@ void Picture::draw_surface(Surface& surface, const View& view, ReliefStyle style
   backdrop_program_.set("lower", overview ? Eigen::Vector3f(0.6F * lower) : lower);
   glBindVertexArray(vertex_array_.get());
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LESS);
-  style.supersampling = supersampling;
-  if (piece_ && !overview) {
-    ReliefStyle fine = style;
-    fine.walls = false;
-    piece_->draw(relief_program_, view, fine);
-    style.hole_world = piece_->box_world();
-  }
-  whole_->draw(relief_program_, view, style);
   glDisable(GL_DEPTH_TEST);
   ++redraws_;
   surface.supersampling = supersampling;
@@ -227,7 +227,7 @@ void Picture::refresh(Surface& surface, const View& view, const ReliefStyle& sty
   surface.version = version_;
   surface.fine = rests;
   ReliefStyle used = style;
-  used.node_pixels = rests ? 1.5 : 4.0;
+  used.node_pixels = !software_ ? 1.0 : rests ? 2.5 : 7.0;
   draw_surface(surface, view, used, rests ? 2 : 1, overview, frame);
 }
 
@@ -248,16 +248,18 @@ std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& 
     hand.strength = std::clamp(force.norm() / kStrongN, 0.0, 1.0);
   }
   hand.radius = kBallShare * width;
+  const Eigen::Vector3d below = stage_.to_grid_m(hand.ball());
+  hand.ground = stage_.to_world({below.x(), below.y(), height_at(below.x(), below.y())});
   return hand;
 }
 
-void Picture::copy(const gl::Texture& texture, int left, int bottom) const {
-  copy_program_.use();
-  copy_program_.set("source", 0);
-  copy_program_.set("origin", Eigen::Vector2f(static_cast<float>(left), static_cast<float>(bottom)));
-  texture.bind(0);
-  glBindVertexArray(vertex_array_.get());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+void Picture::light_stones(bool high_contrast) {
+  if (stones_lit_ && high_contrast_ == high_contrast) return;
+  high_contrast_ = high_contrast;
+  stones_lit_ = true;
+  whole_->light_stone(stone_program_, high_contrast);
+  if (piece_) piece_->light_stone(stone_program_, high_contrast);
+  ++version_;
 }
 
 void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int height) {
@@ -265,11 +267,10 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   prepare_style(frame);
   const Window window = window_of(frame.state, scene_->description());
   follow_window(frame, window);
+  light_stones(frame.settings.high_contrast);
   const Layout layout = layout_of(width, height, frame.settings);
 
   ReliefStyle style;
-  style.light = light_;
-  style.painted = colour_ != ColourMode::relief;
   style.high_contrast = frame.settings.high_contrast;
   style.mark_filled = frame.settings.mark_filled;
   const double thick = std::max(0.035, 0.12 * (whole_->high_world() - whole_->low_world()));
@@ -297,11 +298,8 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
     if (stereo && (eyes_[eye].width() != view.width || eyes_[eye].height() != view.height))
       eyes_[eye] = gl::Target(view.width, view.height, false, gl::Filter::nearest);
     const int at_left = stereo ? 0 : left, at_bottom = stereo ? 0 : bottom;
-    glBindFramebuffer(GL_FRAMEBUFFER, stereo ? eyes_[eye].framebuffer() : framebuffer);
+    surface.picture().copy_to(stereo ? eyes_[eye].framebuffer() : framebuffer, at_left, at_bottom);
     glViewport(at_left, at_bottom, view.width, view.height);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-    copy(surface.picture(), at_left, at_bottom);
     if (hand_)
       hand_painter_->draw(*hand_, view, surface.large.depth(), surface.supersampling, at_left, at_bottom, light,
                           layout.scale);
@@ -309,6 +307,8 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   if (stereo) {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glViewport(left, bottom, layout.detail.width, layout.detail.height);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
     anaglyph_program_.use();
     eyes_[0].colour().bind(0);
     eyes_[1].colour().bind(1);
@@ -320,15 +320,23 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
 
+  if (layout.panel.width > 0) {
+    // The panel's ground: clearing is far cheaper than a blended rectangle.
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(layout.panel.x, height - layout.panel.y - layout.panel.height, layout.panel.width, layout.panel.height);
+    const float ground = frame.settings.high_contrast ? 0.0F : 1.0F;
+    glClearColor(0.094F * ground, 0.086F * ground, 0.078F * ground, 1.0F);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glDisable(GL_SCISSOR_TEST);
+  }
   if (layout.overview.width > 0 && layout.overview.height > 0) {
     const View view = make_view(overview_camera(scene_->description(), layout.overview), layout.overview.width,
                                 layout.overview.height);
     style.walls = false;
     refresh(*surfaces_[2], view, style, true, frame);
     const int x = layout.overview.x, y = height - layout.overview.y - layout.overview.height;
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glViewport(x, y, view.width, view.height);
-    copy(surfaces_[2]->picture(), x, y);
+    surfaces_[2]->picture().copy_to(framebuffer, x, y);
   }
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);

@@ -49,7 +49,7 @@ class Picture {
   void refresh(Surface& surface, const View& view, const ReliefStyle& style, bool overview, const Frame& frame);
   void draw_surface(Surface& surface, const View& view, ReliefStyle style, int supersampling, bool overview,
                     const Frame& frame);
-  void copy(const gl::Texture& texture, int left, int bottom) const;
+  void light_stones(bool high_contrast);
   [[nodiscard]] std::optional<Hand> hand_of(const haptics::State& state, const Window& window) const;
 
   pipeline::ScenePointer scene_;
@@ -58,9 +58,9 @@ class Picture {
   bool software_ = false;
   int redraws_ = 0;
   std::uint64_t version_ = 0;  ///< counts changes of data, light and paint
-  std::uint64_t previous_surface_id_ = 0;
 
-  gl::Program relief_program_, backdrop_program_, resolve_program_, copy_program_, anaglyph_program_;
+  gl::Program stone_program_, backdrop_program_, resolve_program_, anaglyph_program_;
+  ReliefPrograms relief_programs_;
   gl::Name vertex_array_;
   std::unique_ptr<HandPainter> hand_painter_;
   std::unique_ptr<ReliefView> whole_;
@@ -69,6 +69,8 @@ class Picture {
   KeyLight light_;
   ColourMode colour_ = ColourMode::relief;
   bool envelope_ = false;
+  bool high_contrast_ = false;
+  bool stones_lit_ = false;
   Legend legend_;
   std::array<std::unique_ptr<Surface>, 3> surfaces_;  ///< one or left eye, right eye, overview
   std::array<gl::Target, 2> eyes_;

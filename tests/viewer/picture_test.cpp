@@ -280,6 +280,12 @@ TEST(Picture, EveryModeDrawsWithoutGlErrorsAndFreesWhatItTook) {
   EXPECT_EQ(gl::living_objects(), 0);
 }
 
+TEST(Picture, EveryVariantOfTheReliefsProgramCompiles) {
+  const gl::OffscreenContext context;
+  ReliefPrograms programs;
+  for (unsigned features = 0; features < 32; ++features) EXPECT_NO_THROW(programs.with(features).use()) << features;
+}
+
 TEST(Picture, SurvivesScenesAtTheLimits) {
   const auto state_of = [](const pipeline::Scene& scene) { return touching(scene, 0.0, 0.0, 0.0, 0.0, 0.0); };
   const auto flat = [](double, double) { return 0.0; };

@@ -107,6 +107,11 @@ void Texture::upload(const void* texels) {
   if (filter_ == Filter::mipmap) glGenerateMipmap(GL_TEXTURE_2D);
 }
 
+void Texture::make_mipmaps() const {
+  glBindTexture(GL_TEXTURE_2D, name_.get());
+  glGenerateMipmap(GL_TEXTURE_2D);
+}
+
 void Texture::bind(int unit) const {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   glBindTexture(GL_TEXTURE_2D, name_.get());
@@ -123,6 +128,13 @@ Target::Target(int width, int height, bool with_depth, Filter filter) : colour_(
   if (with_depth) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.name(), 0);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw failure("the graphics driver refused a picture of " + std::to_string(width) + " x " + std::to_string(height));
+}
+
+void Target::copy_to(unsigned framebuffer, int x, int y) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.get());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  glBlitFramebuffer(0, 0, width(), height(), x, y, x + width(), y + height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }
 
 std::vector<unsigned char> Target::read_pixels() const {

@@ -60,6 +60,8 @@ class Texture {
 
   /// Replaces all texels; the same size.
   void upload(const void* texels);
+  /// After drawing into a mipmap texture.
+  void make_mipmaps() const;
   void bind(int unit) const;
   [[nodiscard]] unsigned name() const { return name_.get(); }
   [[nodiscard]] int width() const { return width_; }
@@ -87,6 +89,8 @@ class Target {
   [[nodiscard]] int width() const { return colour_.width(); }
   [[nodiscard]] int height() const { return colour_.height(); }
   [[nodiscard]] explicit operator bool() const { return static_cast<bool>(framebuffer_); }
+  /// Copies the colours so that their lower left corner comes to (x, y) of another framebuffer.
+  void copy_to(unsigned framebuffer, int x, int y) const;
   /// RGBA bytes, first row at the TOP.
   [[nodiscard]] std::vector<unsigned char> read_pixels() const;
 

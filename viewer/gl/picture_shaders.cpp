@@ -3,6 +3,8 @@
 
 namespace sparsha::viewer::gl {
 
+const char* const kVersion = "#version 330 core\n";
+
 const char* const kWholeVertex = R"(#version 330 core
 out vec2 place;
 void main() {
@@ -37,13 +39,6 @@ void main() {
              decode(texelFetch(source, p + ivec2(0, 1), 0).rgb) + decode(texelFetch(source, p + ivec2(1, 1), 0).rgb);
   colour = vec4(encode(clamp(0.25 * sum, 0.0, 1.0)), 1.0);
 }
-)";
-
-const char* const kCopyFragment = R"(#version 330 core
-uniform sampler2D source;
-uniform vec2 origin;          // of the rectangle in the framebuffer, pixels
-out vec4 colour;
-void main() { colour = texelFetch(source, ivec2(gl_FragCoord.xy - origin), 0); }
 )";
 
 const char* const kAnaglyphFragment = R"(#version 330 core
@@ -102,7 +97,7 @@ void main() {
   float shade = 0.80 * exp(-1.3 * far * far * far) / (1.0 + 0.06 * above / radius);
   float ring = length(world - touch) / radius;
   float line = exp(-pow((ring - 2.35) * 3.4, 2.0));
-  float glow = press * (0.90 * line + 0.30 * exp(-0.22 * ring * ring));
+  float glow = press * (0.90 * line + 0.30 * exp(-0.30 * ring * ring));
   colour = vec4(vec3(0.62, 0.93, 1.0) * glow, clamp(shade * (1.0 - glow) + 0.5 * glow, 0.0, 1.0));
 }
 )";

@@ -1,9 +1,12 @@
-// The stone. Light is computed in linear RGB and encoded at the end.
+// The stone. Its light does not depend on where it is seen from: it is computed once into a texture (in linear RGB,
+// encoded at the end), and the relief's own shader only looks it up. Without a graphics card that is the difference
+// between 20 and 200 ms a picture. What a picture does not need is compiled out, as software renderers run both
+// sides of every branch.
 #include "viewer/gl/shaders.h"
 
 namespace sparsha::viewer::gl {
 
-const char* const kReliefVertex = R"(#version 330 core
+const char* const kReliefVertex = R"(
 uniform sampler2D heights;
 uniform ivec2 nodes;          // nx, ny
 uniform ivec2 chunk;          // first node of this chunk, in steps
@@ -13,29 +16,29 @@ uniform vec2 corner;          // world x, y of node (0, 0)
 uniform float spacing;        // world
 uniform vec2 rise;            // world z of height 0, and world units per metre
 uniform float floor_z;        // world z of the slab's underside
-uniform bool wall;            // the slab's sides: two vertices for each border node
 uniform mat4 projection;
 out vec2 place;               // texture coordinates
 out vec3 world;
+#ifdef WALL                   // the slab's sides: two vertices for each border node
 out vec3 wall_normal;
+#endif
 
 void main() {
   ivec2 node;
   bool low = false;
-  wall_normal = vec3(0.0);
-  if (wall) {
-    int k = gl_VertexID / 2;
-    low = (gl_VertexID & 1) == 1;
-    ivec2 last = nodes - 1;
-    ivec2 cells = (last + stride - 1) / stride;
-    if (k <= cells.x) { node = ivec2(k * stride, 0); wall_normal = vec3(0, -1, 0); }
-    else if (k <= cells.x + 1 + cells.y) { node = ivec2(last.x, (k - cells.x - 1) * stride); wall_normal = vec3(1, 0, 0); }
-    else if (k <= 2 * cells.x + cells.y + 2) { node = ivec2(last.x - (k - cells.x - cells.y - 2) * stride, last.y); wall_normal = vec3(0, 1, 0); }
-    else { node = ivec2(0, last.y - (k - 2 * cells.x - cells.y - 3) * stride); wall_normal = vec3(-1, 0, 0); }
-    node = clamp(node, ivec2(0), last);
-  } else {
-    node = min((chunk + ivec2(gl_VertexID % side, gl_VertexID / side)) * stride, nodes - 1);
-  }
+#ifdef WALL
+  int k = gl_VertexID / 2;
+  low = (gl_VertexID & 1) == 1;
+  ivec2 last = nodes - 1;
+  ivec2 cells = (last + stride - 1) / stride;
+  if (k <= cells.x) { node = ivec2(k * stride, 0); wall_normal = vec3(0, -1, 0); }
+  else if (k <= cells.x + 1 + cells.y) { node = ivec2(last.x, (k - cells.x - 1) * stride); wall_normal = vec3(1, 0, 0); }
+  else if (k <= 2 * cells.x + cells.y + 2) { node = ivec2(last.x - (k - cells.x - cells.y - 2) * stride, last.y); wall_normal = vec3(0, 1, 0); }
+  else { node = ivec2(0, last.y - (k - 2 * cells.x - cells.y - 3) * stride); wall_normal = vec3(-1, 0, 0); }
+  node = clamp(node, ivec2(0), last);
+#else
+  node = min((chunk + ivec2(gl_VertexID % side, gl_VertexID / side)) * stride, nodes - 1);
+#endif
   float h = texelFetch(heights, node, 0).r;
   world = vec3(corner + vec2(node) * spacing, low ? floor_z : rise.x + rise.y * h);
   place = (vec2(node) + 0.5) / vec2(nodes);
@@ -43,27 +46,17 @@ void main() {
 }
 )";
 
-const char* const kReliefFragment = R"(#version 330 core
+const char* const kStoneFragment = R"(#version 330 core
 uniform sampler2D slopes;
 uniform sampler2D tones;      // sky light, curvature, known, filled
 uniform sampler2D shadows;
 uniform sampler2D paint;
 uniform bool painted;
 uniform bool plain;           // high contrast: no warm stone, more light and dark
-uniform bool wall;
-uniform bool mark_filled;
 uniform float relief_gain;    // slopes are lit as if this much steeper
 uniform vec3 light;           // unit, towards the key light
-uniform vec4 window;          // world x, y of two corners
-uniform bool has_window;
-uniform vec4 hole;            // a finer piece is drawn there
-uniform bool has_hole;
-uniform float pixel;          // framebuffer pixels per pixel of the final picture
-uniform vec3 ground;          // what unknown areas sink into, linear
 in vec2 place;
-in vec3 world;
-in vec3 wall_normal;
-out vec4 colour;
+out vec4 colour;              // encoded; alpha: known
 
 vec3 encode(vec3 c) {
   c = clamp(c, 0.0, 1.0);
@@ -71,70 +64,97 @@ vec3 encode(vec3 c) {
 }
 
 void main() {
-  if (has_hole && all(greaterThan(world.xy, hole.xy)) && all(lessThan(world.xy, hole.zw))) discard;
-  vec4 tone = texture(tones, place);
-  vec2 slope = texture(slopes, place).rg * relief_gain;
-  float lit = texture(shadows, place).r;
+  vec4 tone = textureLod(tones, place, 0.0);
+  vec2 slope = textureLod(slopes, place, 0.0).rg * relief_gain;
+  float lit = textureLod(shadows, place, 0.0).r;
   vec3 normal = normalize(vec3(-slope, 1.0));
-  float known = smoothstep(0.45, 0.55, tone.b);
-  if (wall) {
-    normal = wall_normal;
-    lit = 1.0;
-    tone.rg = vec2(0.75, 0.5);
-  }
 
   float ridge = 2.0 * tone.g - 1.0;
   vec3 stone = vec3(0.52, 0.325, 0.185);
   if (plain) stone = vec3(0.46);
   // Grooves keep old dirt and shade: darker and redder; ridges are worn: lighter.
-  vec3 albedo = ridge < 0.0 ? mix(stone, stone * vec3(0.50, 0.40, 0.34), -ridge) : mix(stone, stone * vec3(1.30, 1.28, 1.22), ridge);
+  vec3 albedo = ridge < 0.0 ? mix(stone, stone * vec3(0.50, 0.40, 0.34), -ridge)
+                          : mix(stone, stone * vec3(1.30, 1.28, 1.22), ridge);
   if (plain) albedo = stone * (1.0 + (ridge < 0.0 ? 0.65 : 0.45) * ridge);
   if (painted) {
-    vec4 p = texture(paint, place);
-    albedo = mix(vec3(0.20), p.rgb, p.a) * (1.0 + 0.25 * ridge);
+  vec4 p = textureLod(paint, place, 0.0);
+  albedo = mix(vec3(0.20), p.rgb, p.a) * (1.0 + 0.25 * ridge);
   }
 
   float facing = max(dot(normal, light), 0.0);
   // A little more contrast than Lambert's law: raking light is read by its shades.
   facing = mix(facing, facing * facing, 0.20);
-  float sky = tone.r;
-  sky *= sky * sky;
+  float sky = tone.r * tone.r * tone.r;
   vec3 key = vec3(2.05, 1.70, 1.25) * facing * lit;
   vec3 fill = vec3(0.15, 0.20, 0.30) * sky * (0.62 + 0.38 * normal.z);
   vec3 side = vec3(0.13, 0.11, 0.09) * max(dot(normal, normalize(vec3(-light.x, -light.y, 0.55))), 0.0) * sky;
   vec3 bounce = vec3(0.085, 0.05, 0.03) * (1.0 - sky);
   if (painted) { key = key * 0.8 + 0.22 * lit; fill *= 1.35; }
   vec3 c = albedo * (key + fill + side + bounce);
-  if (wall) c *= mix(0.42, 0.16, smoothstep(0.0, 1.0, place.y * 0.0 + clamp(-world.z * 6.0 + 0.2, 0.0, 1.0)));
   // Highlights roll off instead of clipping.
   c = 1.22 * c * (1.0 + 0.40 * c) / (1.0 + c);
   c = mix(c, c * c * (3.0 - 2.0 * c), 0.35);
+  colour = vec4(encode(c), tone.b);
+}
+)";
 
-  float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (11.0 * pixel)) - 0.5) * 11.0;
-  if (known < 1.0) {
+const char* const kReliefFragment = R"(
+uniform sampler2D stone;      // lit colour, encoded; alpha: known
+uniform sampler2D tones;
+uniform bool plain;
+uniform vec3 light;
+uniform vec4 window;          // world x, y of two corners
+uniform vec4 hole;            // a finer piece is drawn there
+uniform float pixel;          // framebuffer pixels per pixel of the final picture
+in vec2 place;
+in vec3 world;
+#ifdef WALL
+in vec3 wall_normal;
+#endif
+out vec4 colour;
+
+void main() {
+#ifdef WITH_HOLE
+  if (all(greaterThan(world.xy, hole.xy)) && all(lessThan(world.xy, hole.zw))) discard;
+#endif
+  vec4 lit = texture(stone, place);
+  vec3 c = lit.rgb;
+#ifdef WALL
+  float facing = 0.25 + 0.75 * max(dot(wall_normal, light), 0.0);
+  c = (plain ? vec3(0.55) : vec3(0.60, 0.46, 0.33)) * facing * mix(1.0, 0.45, clamp(-world.z * 5.0, 0.0, 1.0));
+#endif
+#ifdef WITH_UNKNOWN
+  {
+    float known = smoothstep(0.45, 0.55, lit.a);
+    float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (11.0 * pixel)) - 0.5) * 11.0;
     float line = smoothstep(2.0, 1.0, stripe);
-    float form = 0.55 + 0.45 * normal.z;
-    vec3 hatched = mix(ground * form, ground + vec3(0.085, 0.078, 0.066) * (plain ? 4.0 : 1.0), line);
+    // The continued form stays visible, faintly.
+    vec3 below = (plain ? vec3(0.0) : vec3(0.105, 0.102, 0.098)) * (0.7 + 0.8 * lit.g);
+    vec3 hatched = mix(below, plain ? vec3(0.75) : vec3(0.31, 0.30, 0.28), line);
     c = mix(hatched, c, known);
   }
-  if (mark_filled && tone.a > 0.4 && !wall) {
+#endif
+#ifdef WITH_FILLED
+  {
+    float filled = texture(tones, place).a;
     vec2 cell = fract(gl_FragCoord.xy / (8.0 * pixel)) - 0.5;
     float dot_share = smoothstep(0.24, 0.16, length(cell));
-    c = mix(c, vec3(0.03, 0.22, 0.45), 0.30 + 0.55 * dot_share);
+    if (filled > 0.4) c = mix(c, vec3(0.10, 0.50, 0.72), 0.35 + 0.50 * dot_share);
   }
-  if (has_window && !wall) {
-    vec2 middle = 0.5 * (window.xy + window.zw);
-    vec2 away = abs(world.xy - middle) - 0.5 * (window.zw - window.xy);
+#endif
+#ifdef WITH_WINDOW
+  {
+    vec2 away = abs(world.xy - 0.5 * (window.xy + window.zw)) - 0.5 * (window.zw - window.xy);
     float outside = max(away.x, away.y);
     float width = max(length(vec2(dFdx(outside), dFdy(outside))), 1e-9);
-    float share = smoothstep(-0.5, 0.5, outside / width);
+    float share = clamp(outside / width + 0.5, 0.0, 1.0);
     float grey = dot(c, vec3(0.30, 0.59, 0.11));
-    c = mix(c, mix(vec3(grey), c, 0.80) * 0.50, share);
+    c = mix(c, mix(vec3(grey), c, 0.85) * 0.72, share);
     float line = 1.0 - smoothstep(1.0 * pixel, 1.8 * pixel, abs(outside) / width);
-    c = mix(c, plain ? vec3(1.0, 1.0, 0.0) : vec3(1.0, 0.62, 0.16), line);
+    c = mix(c, plain ? vec3(1.0, 1.0, 0.0) : vec3(1.0, 0.80, 0.44), line);
   }
-  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
-  colour = vec4(encode(c) + noise / 255.0, 1.0);
+#endif
+  colour = vec4(c, 1.0);
 }
 )";
 

@@ -3,12 +3,13 @@
 
 namespace sparsha::viewer::gl {
 
-extern const char* const kReliefVertex;      ///< lattice and slab sides from a height texture, no vertex buffers
-extern const char* const kReliefFragment;    ///< stone under a key light, sky and bounce; masks; the window's frame
+extern const char* const kReliefVertex;      ///< lattice and slab sides from a height texture, no vertex buffers; WALL
+extern const char* const kStoneFragment;     ///< the stone's colour under key light, sky and bounce, node by node
+extern const char* const kReliefFragment;    ///< that colour; WALL, WITH_UNKNOWN, WITH_FILLED, WITH_WINDOW, WITH_HOLE
+extern const char* const kVersion;           ///< goes before the two texts of the relief and their #defines
 extern const char* const kWholeVertex;       ///< one triangle over everything
 extern const char* const kBackdropFragment;  ///< what is behind the stone
 extern const char* const kResolveFragment;   ///< 2x2 pixels to one, averaged in linear light
-extern const char* const kCopyFragment;
 extern const char* const kAnaglyphFragment;  ///< two eyes to red and cyan (Dubois 2001)
 extern const char* const kRectVertex;        ///< a rectangle in pixels
 extern const char* const kDecalFragment;     ///< the hand's shadow and the glow of contact, laid on the surface

@@ -54,6 +54,8 @@ Gui::Gui() : implementation_(std::make_unique<Implementation>()) {
   if (!ImGui_ImplOpenGL3_Init("#version 330"))
     throw Error(ErrorKind::failure, {}, "the interface could not be set up on this graphics driver");
   implementation_->started = true;
+  // Creates a texture for the font, which load_fonts() replaces at the first frame.
+  ImGui_ImplOpenGL3_CreateDeviceObjects();
 }
 
 Gui::~Gui() {

@@ -127,11 +127,6 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   const auto image_bottom = image_top + static_cast<float>(layout.overview.height);
   const float margin = static_cast<float>(layout.overview.x) - left;
   const float x = left + margin, width = right - left - 2.0F * margin;
-  // Around the overview's picture, which is already there.
-  brush.list->AddRectFilled(ImVec2(left, top), ImVec2(right, image_top), theme.panel);
-  brush.list->AddRectFilled(ImVec2(left, image_bottom), ImVec2(right, bottom), theme.panel);
-  brush.list->AddRectFilled(ImVec2(left, image_top), ImVec2(x, image_bottom), theme.panel);
-  brush.list->AddRectFilled(ImVec2(x + width, image_top), ImVec2(right, image_bottom), theme.panel);
   brush.list->AddRect(ImVec2(x - 0.5F, image_top - 0.5F), ImVec2(x + width + 0.5F, image_bottom + 0.5F), theme.line);
   brush.list->AddLine(ImVec2(left, top), ImVec2(left, bottom), theme.line);
 

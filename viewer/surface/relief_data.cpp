@@ -10,11 +10,9 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr int kSkyNodes = 1024;  // sky light is smooth: baked no finer than this along the longer side
+constexpr int kSkyNodes = 640;  // sky light is smooth: baked no finer than this along the longer side
 
-std::uint8_t to_byte(double share) {
-  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(share, 0.0, 1.0)));
-}
+std::uint8_t to_byte(double share) { return static_cast<std::uint8_t>(255.0 * std::clamp(share, 0.0, 1.0) + 0.5); }
 
 /// Heights in spacings, as the light baker wants them.
 Heights in_spacings(const ReliefData& relief) {
@@ -176,6 +174,7 @@ ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, dou
       const bool known = finite && state != pipeline::NodeState::unknown;
       const bool is_filled = known && state == pipeline::NodeState::filled;
       relief.any_filled = relief.any_filled || is_filled;
+      relief.any_unknown = relief.any_unknown || !known;
       relief.tone[4 * k] = to_byte(factor == 1 ? sky[k] : sample(sky, coarse.nx, coarse.ny, factor, i, j));
       relief.tone[4 * k + 1] = to_byte(0.5 + 0.5 * curvature[k]);
       relief.tone[4 * k + 2] = known ? 255 : 0;

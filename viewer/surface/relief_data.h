@@ -28,6 +28,7 @@ struct ReliefData {
   double height_min_m = 0.0;  ///< grid frame, of known nodes
   double height_max_m = 0.0;
   bool any_filled = false;
+  bool any_unknown = false;
 
   /// Height of the drawn surface at (x, y) of the grid frame, grid frame; clamped to the lattice.
   [[nodiscard]] double height_at(double x_m, double y_m) const;

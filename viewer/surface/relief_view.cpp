@@ -1,18 +1,21 @@
-// The lattice is drawn in chunks of 64 x 64 cells that share one index buffer; positions come from a texture.
+// The lattice is drawn in chunks of 32 x 32 cells that share one index buffer; positions come from a texture.
 #include "viewer/surface/relief_view.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include <epoxy/gl.h>
+
 #include <Eigen/Geometry>
+#include "viewer/gl/shaders.h"
 
 namespace sparsha::viewer {
 namespace {
 
-constexpr int kCells = 64;
+constexpr int kCells = 32;
 constexpr int kSide = kCells + 1;
 constexpr std::uint16_t kRestart = 0xFFFF;
 
@@ -26,6 +29,13 @@ std::vector<std::uint16_t> chunk_indices() {
     indices.push_back(kRestart);
   }
   return indices;
+}
+
+Eigen::Vector3f direction_of(const KeyLight& light) {
+  const double ce = std::cos(light.elevation_rad);
+  return Eigen::Vector3d(ce * std::cos(light.azimuth_rad), ce * std::sin(light.azimuth_rad),
+                         std::sin(light.elevation_rad))
+      .cast<float>();
 }
 
 /// True when the box surely lies outside one side of what the camera sees.
@@ -46,6 +56,18 @@ bool outside(const View& view, const Eigen::Vector3d& low, const Eigen::Vector3d
 
 }  // namespace
 
+const gl::Program& ReliefPrograms::with(unsigned features) {
+  const auto [found, added] = programs_.try_emplace(features);
+  if (added) {
+    std::string head = gl::kVersion;
+    constexpr std::array kNames{"WALL", "WITH_UNKNOWN", "WITH_FILLED", "WITH_WINDOW", "WITH_HOLE"};
+    for (std::size_t k = 0; k < kNames.size(); ++k)
+      if ((features >> k & 1U) != 0) head += std::string("#define ") + kNames[k] + "\n";
+    found->second = gl::Program(head + gl::kReliefVertex, head + gl::kReliefFragment);
+  }
+  return found->second;
+}
+
 ReliefView::ReliefView(ReliefData data, const Stage& stage) : data_(std::move(data)), stage_(stage) {
   const pipeline::Lattice& lattice = data_.lattice;
   const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
@@ -57,12 +79,12 @@ ReliefView::ReliefView(ReliefData data, const Stage& stage) : data_(std::move(da
 
   using gl::Filter, gl::Format;
   heights_ = gl::Texture(lattice.nx, lattice.ny, Format::r32f, Filter::nearest, data_.height_m.data());
-  slopes_ = gl::Texture(lattice.nx, lattice.ny, Format::rg16f, Filter::mipmap, data_.slope.data());
-  tones_ = gl::Texture(lattice.nx, lattice.ny, Format::rgba8, Filter::mipmap, data_.tone.data());
+  slopes_ = gl::Texture(lattice.nx, lattice.ny, Format::rg16f, Filter::linear, data_.slope.data());
+  tones_ = gl::Texture(lattice.nx, lattice.ny, Format::rgba8, Filter::linear, data_.tone.data());
   const std::vector<std::uint8_t> lit(lattice.count(), 255);
-  shadows_ = gl::Texture(lattice.nx, lattice.ny, Format::r8, Filter::mipmap, lit.data());
+  shadows_ = gl::Texture(lattice.nx, lattice.ny, Format::r8, Filter::linear, lit.data());
   const std::array<std::uint8_t, 4> none{};
-  paint_ = gl::Texture(1, 1, Format::srgb8, Filter::mipmap, none.data());
+  paint_ = gl::Texture(1, 1, Format::srgb8, Filter::linear, none.data());
   data_.slope = {};
   data_.tone = {};
 
@@ -77,15 +99,49 @@ ReliefView::ReliefView(ReliefData data, const Stage& stage) : data_(std::move(da
 }
 
 void ReliefView::set_light(const KeyLight& light, ThreadPool& pool) {
+  light_ = light;
   shadows_.upload(bake_shadow(data_, light, pool).data());
 }
 
 void ReliefView::set_paint(const Paint& paint) {
-  if (paint.rgba.empty()) return;
+  painted_ = !paint.rgba.empty();
+  if (!painted_) return;
   if (paint_.width() != data_.lattice.nx || paint_.height() != data_.lattice.ny)
-    paint_ = gl::Texture(data_.lattice.nx, data_.lattice.ny, gl::Format::srgb8, gl::Filter::mipmap, paint.rgba.data());
+    paint_ = gl::Texture(data_.lattice.nx, data_.lattice.ny, gl::Format::srgb8, gl::Filter::linear, paint.rgba.data());
   else
     paint_.upload(paint.rgba.data());
+}
+
+void ReliefView::light_stone(const gl::Program& program, bool high_contrast) {
+  const pipeline::Lattice& lattice = data_.lattice;
+  if (!stone_) {
+    // Small pieces are magnified: between nodes, light follows the interpolated slope.
+    const int factor = lattice.count() <= (std::size_t{1} << 19) || !gl::is_software() ? 2 : 1;
+    const int limit = gl::max_texture_size();
+    const bool fits = factor * lattice.nx <= limit && factor * lattice.ny <= limit;
+    stone_ = gl::Target(lattice.nx * (fits ? factor : 1), lattice.ny * (fits ? factor : 1), false, gl::Filter::mipmap);
+  }
+  program.use();
+  slopes_.bind(1);
+  tones_.bind(2);
+  shadows_.bind(3);
+  paint_.bind(4);
+  program.set("slopes", 1);
+  program.set("tones", 2);
+  program.set("shadows", 3);
+  program.set("paint", 4);
+  program.set("painted", painted_ ? 1 : 0);
+  program.set("plain", high_contrast ? 1 : 0);
+  program.set("light", direction_of(light_));
+  program.set("relief_gain", static_cast<float>(std::clamp(0.22 / std::max(data_.rms_slope, 1e-9), 1.0, 3.0)));
+  glBindFramebuffer(GL_FRAMEBUFFER, stone_.framebuffer());
+  glViewport(0, 0, stone_.width(), stone_.height());
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  glBindVertexArray(vertex_array_.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+  stone_.colour().make_mipmaps();
 }
 
 double ReliefView::low_world() const { return (data_.height_min_m - stage_.anchor_m.z()) / stage_.unit_m; }
@@ -108,21 +164,17 @@ void ReliefView::draw_chunks(const gl::Program& program, const View& view, int s
     }
 }
 
-void ReliefView::draw(const gl::Program& program, const View& view, const ReliefStyle& style) const {
+void ReliefView::set_up(const gl::Program& program, const View& view, const ReliefStyle& style, int stride) const {
   const pipeline::Lattice& lattice = data_.lattice;
   const double spacing = lattice.spacing_m / stage_.unit_m;
   const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
   program.use();
   heights_.bind(0);
-  slopes_.bind(1);
+  stone_.colour().bind(1);
   tones_.bind(2);
-  shadows_.bind(3);
-  paint_.bind(4);
   program.set("heights", 0);
-  program.set("slopes", 1);
+  program.set("stone", 1);
   program.set("tones", 2);
-  program.set("shadows", 3);
-  program.set("paint", 4);
   program.set_pair("nodes", lattice.nx, lattice.ny);
   program.set("side", kSide);
   program.set("corner", Eigen::Vector2f(static_cast<float>(low.x()), static_cast<float>(low.y())));
@@ -130,36 +182,34 @@ void ReliefView::draw(const gl::Program& program, const View& view, const Relief
   program.set("rise", Eigen::Vector2f(static_cast<float>(low.z()), static_cast<float>(1.0 / stage_.unit_m)));
   program.set("floor_z", static_cast<float>(style.floor_z));
   program.set("projection", Eigen::Matrix4f(view.projection.cast<float>()));
-  program.set("painted", style.painted ? 1 : 0);
   program.set("plain", style.high_contrast ? 1 : 0);
-  program.set("mark_filled", style.mark_filled ? 1 : 0);
   program.set("pixel", static_cast<float>(style.supersampling));
-  const double ce = std::cos(style.light.elevation_rad);
-  program.set("light", Eigen::Vector3f(static_cast<float>(ce * std::cos(style.light.azimuth_rad)),
-                                       static_cast<float>(ce * std::sin(style.light.azimuth_rad)),
-                                       static_cast<float>(std::sin(style.light.elevation_rad))));
-  program.set("relief_gain", static_cast<float>(std::clamp(0.22 / std::max(data_.rms_slope, 1e-9), 1.0, 3.0)));
-  program.set("ground",
-              style.high_contrast ? Eigen::Vector3f(0.0F, 0.0F, 0.0F) : Eigen::Vector3f(0.020F, 0.019F, 0.018F));
+  program.set("light", direction_of(light_));
   const Box none = Box::Zero();
-  program.set("has_window", style.window_world ? 1 : 0);
   program.set("window", Eigen::Vector4f(style.window_world.value_or(none).cast<float>()));
-  program.set("has_hole", style.hole_world ? 1 : 0);
   program.set("hole", Eigen::Vector4f(style.hole_world.value_or(none).cast<float>()));
 
-  // A vertex every few pixels at the middle of the picture is enough: forms between them are in the slopes.
-  const double pixels = view.pixels_per_unit(view.focus) * spacing;
-  const int stride = std::clamp(static_cast<int>(style.node_pixels / std::max(pixels, 1e-9)), 1, 64);
+  program.set("stride", stride);
+}
+
+void ReliefView::draw(ReliefPrograms& programs, const View& view, const ReliefStyle& style) const {
+  const pipeline::Lattice& lattice = data_.lattice;
+  // A vertex every few pixels at the middle of the picture is enough: forms between them are in the stone's colour.
+  const double pixels = view.pixels_per_unit(view.focus) * lattice.spacing_m / stage_.unit_m;
+  const int stride = std::clamp(static_cast<int>(style.node_pixels / std::max(pixels, 1e-9) + 0.5), 1, 64);
 
   glBindVertexArray(vertex_array_.get());
+  const unsigned base =
+      (data_.any_unknown ? ReliefPrograms::kUnknown : 0U) | (style.hole_world ? ReliefPrograms::kHole : 0U);
+  const gl::Program& top = programs.with(base | (style.mark_filled && data_.any_filled ? ReliefPrograms::kFilled : 0U) |
+                                         (style.window_world ? ReliefPrograms::kWindow : 0U));
+  set_up(top, view, style, stride);
   glEnable(GL_PRIMITIVE_RESTART);
   glPrimitiveRestartIndex(kRestart);
-  program.set("stride", stride);
-  program.set("wall", 0);
-  draw_chunks(program, view, stride);
+  draw_chunks(top, view, stride);
   glDisable(GL_PRIMITIVE_RESTART);
   if (style.walls) {
-    program.set("wall", 1);
+    set_up(programs.with(base | ReliefPrograms::kWall), view, style, stride);
     const int cells_x = (lattice.nx - 1 + stride - 1) / stride, cells_y = (lattice.ny - 1 + stride - 1) / stride;
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 2 * (2 * (cells_x + cells_y) + 4));
   }

@@ -1,6 +1,8 @@
 // A piece of relief on the graphics card.
 #pragma once
 
+#include <unordered_map>
+
 #include <Eigen/Core>
 
 #include "viewer/camera.h"
@@ -15,8 +17,6 @@ using Box = Eigen::Vector4d;
 
 /// How the stone is shown.
 struct ReliefStyle {
-  KeyLight light;
-  bool painted = false;
   bool high_contrast = false;
   bool mark_filled = false;
   bool walls = true;                ///< the slab's sides
@@ -27,6 +27,17 @@ struct ReliefStyle {
   double node_pixels = 3.0;         ///< least framebuffer pixels between mesh vertices
 };
 
+/// The relief's program in the variants that pictures have needed so far.
+class ReliefPrograms {
+ public:
+  enum Feature : unsigned { kWall = 1, kUnknown = 2, kFilled = 4, kWindow = 8, kHole = 16 };
+  /// Compiles on first use.
+  [[nodiscard]] const gl::Program& with(unsigned features);
+
+ private:
+  std::unordered_map<unsigned, gl::Program> programs_;
+};
+
 /// Owns the textures of one piece. Needs a current context.
 class ReliefView {
  public:
@@ -34,9 +45,13 @@ class ReliefView {
 
   /// Bakes the key light's shadows again.
   void set_light(const KeyLight& light, ThreadPool& pool);
+  /// An empty paint: bare stone.
   void set_paint(const Paint& paint);
+  /// Computes the stone's colour, to be called after changes of light, paint or contrast; `program` is made of
+  /// kWholeVertex and kStoneFragment. Leaves another framebuffer and viewport bound.
+  void light_stone(const gl::Program& program, bool high_contrast);
   /// Draws into the bound framebuffer and viewport; depth test and clearing are the caller's.
-  void draw(const gl::Program& program, const View& view, const ReliefStyle& style) const;
+  void draw(ReliefPrograms& programs, const View& view, const ReliefStyle& style) const;
 
   [[nodiscard]] const ReliefData& data() const { return data_; }
   [[nodiscard]] Box box_world() const { return box_; }
@@ -44,6 +59,7 @@ class ReliefView {
   [[nodiscard]] double high_world() const;
 
  private:
+  void set_up(const gl::Program& program, const View& view, const ReliefStyle& style, int stride) const;
   void draw_chunks(const gl::Program& program, const View& view, int stride) const;
 
   ReliefData data_;
@@ -56,6 +72,9 @@ class ReliefView {
   gl::Texture tones_;
   gl::Texture shadows_;
   gl::Texture paint_;
+  gl::Target stone_;  ///< encoded colour, alpha: known
+  KeyLight light_;
+  bool painted_ = false;
   gl::Name vertex_array_;
   gl::Name indices_;
 };

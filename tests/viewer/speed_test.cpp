@@ -1,0 +1,89 @@
+// What frames cost; figures for docs, asked for by SPARSHA_NIGHTLY=1.
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <iostream>
+
+#include "relief_scene.h"
+#include "studio.h"
+
+namespace sparsha::viewer::test {
+namespace {
+
+struct Cost {
+  double wall_ms = 1e9;
+  double cpu_ms = 1e9;  ///< all threads
+};
+
+template <typename Work>
+Cost best_of(int rounds, Work work) {
+  Cost best;
+  for (int k = 0; k < rounds; ++k) {
+    const auto wall = std::chrono::steady_clock::now();
+    const std::clock_t cpu = std::clock();
+    work();
+    glFinish();
+    best.cpu_ms = std::min(best.cpu_ms, 1e3 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
+    best.wall_ms = std::min(best.wall_ms,
+                            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count());
+  }
+  return best;
+}
+
+TEST(Speed, FramesAt1280x720) {
+  if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "figures only with SPARSHA_NIGHTLY=1";
+  const auto scene =
+      scene_of(lotus, {800, 800, 0.0005, 3, {}}, [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
+  const gl::OffscreenContext context;
+  Picture picture;
+  Gui gui;
+  Controller controller({}, {});
+  const auto height_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
+  const gl::Target target(1280, 720, false);
+  haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
+  controller.set_scene(scene);
+  double time_s = 0.0;
+  const auto frame = [&](bool interface) {
+    state.proxy_m[0] += 1e-5;
+    controller.update(time_s, state, 1280, 720, height_at);
+    controller.frame().finished = false;
+    picture.draw(controller.frame(), target.framebuffer(), 1280, 720);
+    if (interface) static_cast<void>(gui.draw(controller.frame(), controller.buttons(), picture, 1280, 720, 0.016));
+  };
+  const auto print = [](const char* what, const Cost& cost) {
+    std::cout << what << ": " << cost.wall_ms << " ms, " << cost.cpu_ms << " ms of processor\n";
+  };
+  print("prepare a scene of 800 x 800", best_of(3, [&] { picture.set_scene(scene); }));
+  frame(true);
+  time_s = 10.0;
+  frame(true);
+  frame(true);
+  const Cost cached = best_of(40, [&] { frame(true); });
+  print("cached frame", cached);
+  print("cached frame without interface", best_of(40, [&] { frame(false); }));
+  print("stone while the camera moves", best_of(10, [&] {
+          controller.act(Action::turn_left);
+          time_s += 0.05;
+          frame(true);
+        }));
+  print("stone at rest, 2 x 2 samples", best_of(5, [&] {
+          controller.act(Action::turn_left);
+          time_s += 0.02;
+          frame(true);
+          time_s += 5.0;
+          controller.update(time_s, state, 1280, 720, height_at);
+          frame(true);
+        }));
+  print("turn the light", best_of(3, [&] {
+          controller.act(Action::light_turn);
+          frame(true);
+        }));
+  EXPECT_LT(cached.cpu_ms, 200.0);
+}
+
+}  // namespace
+}  // namespace sparsha::viewer::test
