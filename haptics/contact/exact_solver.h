@@ -77,6 +77,7 @@ class ExactSolver {
 
   [[nodiscard]] int segments() const noexcept { return segments_; }
   [[nodiscard]] bool unfinished() const noexcept { return unfinished_; }
+  [[nodiscard]] const RestPlace& place() const noexcept { return place_; }
 
  private:
   using Patch = typename Surface::Patch;
@@ -97,7 +98,7 @@ class ExactSolver {
   }
   bool glide(const Patch& patch, CellPoint& p, bool& sticking, bool& may_stick_again) noexcept {
     Glide<Surface, kFriction> lane(surface_, hip_, tolerance_, limit_);
-    return lane.run(p, patch, sticking, may_stick_again, segments_) == GlideEnd::rest;
+    return lane.run(p, patch, sticking, may_stick_again, segments_, place_) == GlideEnd::rest;
   }
 
   /// Lifts a point that is below the surface onto it; drops the contact of one that is above.
@@ -293,6 +294,7 @@ class ExactSolver {
   int segments_ = 0;
   bool leaving_ = false;
   bool unfinished_ = false;
+  RestPlace place_;
 };
 
 }  // namespace sparsha::haptics

@@ -15,6 +15,14 @@ namespace sparsha::haptics {
 
 enum class GlideEnd { rest, handed_over };
 
+/// Slopes and coefficient where the proxy came to rest inside a cell, for whoever reports it.
+struct RestPlace {
+  bool known = false;
+  double fs = 0.0;
+  double ft = 0.0;
+  double mu_dynamic = 0.0;
+};
+
 template <class Surface, bool kFriction>
 class Glide {
  public:
@@ -22,7 +30,8 @@ class Glide {
       : surface_(surface), hip_(hip), tolerance_(tolerance), limit_(limit) {}
 
   /// Slides `p`, which lies inside an inner cell with this patch, until it rests or the general steps must go on.
-  GlideEnd run(CellPoint& p, BilinearPatch patch, bool& sticking, bool& may_stick_again, int& segments) noexcept {
+  GlideEnd run(CellPoint& p, BilinearPatch patch, bool& sticking, bool& may_stick_again, int& segments,
+               RestPlace& place) noexcept {
     double hand_s = hip_.x - p.i;
     double hand_t = hip_.y - p.j;
     double s = p.s;
@@ -35,6 +44,11 @@ class Glide {
     CellCoefficients friction;
     if constexpr (kFriction) friction = surface_.coefficients(p.i, p.j);
     const auto keep = [&] { p.s = s, p.t = t, p.z = z; };
+    const auto rest = [&] {
+      keep();
+      place = {true, patch.slope_s(s, t), patch.slope_t(s, t), kFriction ? friction.at(s, t) : 0.0};
+      return GlideEnd::rest;
+    };
 
     for (; segments < limit_; ++segments) {
       const CellVector w{hand_s - s, hand_t - t, hip_.z - z};
@@ -55,7 +69,7 @@ class Glide {
       double hold = 0.0;
       if constexpr (kFriction) {
         if (sticking) {
-          if (rests(surface_.mu_static(p.i, p.j, s, t) * press)) return keep(), GlideEnd::rest;
+          if (rests(surface_.mu_static(p.i, p.j, s, t) * press)) return rest();
           sticking = false;
         }
         mu = friction.at(s, t);
@@ -64,13 +78,13 @@ class Glide {
           may_stick_again = false;
           if (tangent_squared < kStickAgain * kStickAgain * hold * hold) {
             sticking = true;
-            return keep(), GlideEnd::rest;
+            return rest();
           }
         }
       }
       if (rests(hold)) {
-        keep();
-        return inside ? GlideEnd::rest : GlideEnd::handed_over;
+        if (inside) return rest();
+        break;
       }
 
       // Newton, where it is safe and D falls as a good quadratic does: |k2|, k3 bound the cubic and quartic terms.
@@ -81,8 +95,10 @@ class Glide {
       const double determinant = diagonal - hst * hst;
       if (!(determinant > kSafelyPositive * diagonal)) break;
       const double inverse = 1.0 / determinant;
-      const double ds = (pull.bs * htt - pull.bt * hst) * inverse;
-      const double dt = (pull.bt * hss - pull.bs * hst) * inverse;
+      const double to_s = pull.bs * htt - pull.bt * hst;
+      const double to_t = pull.bt * hss - pull.bs * hst;
+      const double ds = to_s * inverse;
+      const double dt = to_t * inverse;
       if (!inside && (inward_s * ds < 0.0 || inward_t * dt < 0.0)) break;
       const double rise = pull.fs * ds + pull.ft * dt;
       const double twist = patch.c * ds * dt;
@@ -98,11 +114,11 @@ class Glide {
       if (is_near_edge(next_s)) {
         if (next_s > 0.0 && next_s < 1.0) break;
         step_i = ds > 0.0 ? 1 : -1;
-        end = ((ds > 0.0 ? 1.0 : 0.0) - s) / ds;
+        end = ((ds > 0.0 ? 1.0 : 0.0) - s) * determinant / to_s;
       }
       if (is_near_edge(next_t)) {
         if (next_t > 0.0 && next_t < 1.0) break;
-        const double end_t = ((dt > 0.0 ? 1.0 : 0.0) - t) / dt;
+        const double end_t = ((dt > 0.0 ? 1.0 : 0.0) - t) * determinant / to_t;
         if (end_t <= end) {
           end = end_t;
           step_i = 0;
@@ -122,9 +138,10 @@ class Glide {
           t = next_t;
           z = patch.height(s, t);
           ++segments;
-          return keep(), GlideEnd::rest;
+          return rest();
         }
-        if (!(slide.excess(end) > threshold)) break;
+        // Far from the stop the excess at the edge need not be looked at.
+        if (tau < kClearlyBeyond * end && !(slide.excess(end) > threshold)) break;
       }
       if (step_i == 0 && step_j == 0) {
         if (next_s == s && next_t == t) break;
@@ -138,7 +155,7 @@ class Glide {
           const double left_t = twist * pull.ft + (rise + twist) * patch.c * ds;
           if (left_s * left_s + left_t * left_t <= kRootShare * kRootShare * threshold * threshold) {
             ++segments;
-            return keep(), GlideEnd::rest;
+            return rest();
           }
         }
         continue;
@@ -168,6 +185,7 @@ class Glide {
   [[nodiscard]] static bool is_near_edge(double s) noexcept { return !(s >= kMargin && s <= 1.0 - kMargin); }
 
   static constexpr double kMargin = 1e-9;          // cells: nearer to an edge the general steps decide
+  static constexpr double kClearlyBeyond = 3.0;    // times the segment's end
   static constexpr double kSafelyPositive = 1e-3;  // of the product of the Hessian's diagonal
 
   const Surface& surface_;

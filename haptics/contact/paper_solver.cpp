@@ -101,7 +101,7 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
     at_hand = end == MarchEnd::hand;
     if (end == MarchEnd::limit) break;
   }
-  ProxyUpdate update = report(surface, cells, hip, p, at_hand, state);
+  ProxyUpdate update = report(surface, cells, hip, p, at_hand, {}, state);
   update.segments = segments;
   update.unfinished = !at_hand && !settled && options.paper_iterations > 1;
   return update;

@@ -16,7 +16,7 @@ ProxyUpdate solve(const MongeSurface& monge, const BilinearSurface& surface, con
   }
   ExactSolver<BilinearSurface, kFriction> solver(surface, hip, options);
   solver.solve(p, state.contact, state.sticking);
-  ProxyUpdate update = report(monge, surface, hip_m, p, !state.contact && !solver.unfinished(), state);
+  ProxyUpdate update = report(monge, surface, hip_m, p, !state.contact && !solver.unfinished(), solver.place(), state);
   update.segments = solver.segments();
   update.unfinished = solver.unfinished();
   return update;

@@ -1,6 +1,7 @@
 // What a solver found, written out in metres for the rest of the house.
 #pragma once
 
+#include "haptics/contact/glide.h"
 #include "haptics/contact/proxy_place.h"
 #include "haptics/contact/touching_cells.h"
 
@@ -15,15 +16,17 @@ namespace sparsha::haptics {
                             static_cast<std::size_t>(i)];
 }
 
-/// Unit normal: the patch's, or the mean of the touching patches' on edges and nodes.
+[[nodiscard]] inline Eigen::Vector3d unit_normal(double fs, double ft) noexcept {
+  const double inverse = 1.0 / std::sqrt(1.0 + fs * fs + ft * ft);
+  return {-fs * inverse, -ft * inverse, inverse};
+}
+
+/// The patch's normal, or the mean of the touching patches' on edges and nodes.
 template <class Surface>
 [[nodiscard]] inline Eigen::Vector3d normal_at(const Surface& surface, const CellPoint& p) noexcept {
   const auto unit = [&surface](const CellPoint& q) {
     const auto patch = surface.patch(q.i, q.j);
-    const double fs = patch.slope_s(q.s, q.t);
-    const double ft = patch.slope_t(q.s, q.t);
-    const double inverse = 1.0 / std::sqrt(1.0 + fs * fs + ft * ft);
-    return Eigen::Vector3d(-fs * inverse, -ft * inverse, inverse);
+    return unit_normal(patch.slope_s(q.s, q.t), patch.slope_t(q.s, q.t));
   };
   if (is_inside_cell(surface, p)) return unit(p);
   const TouchingCells touching = touching_cells(surface, p);
@@ -35,7 +38,8 @@ template <class Surface>
 /// Stores the solver's end point in the state and reports it. A free proxy is the hand itself, to the last bit.
 template <class Surface>
 [[nodiscard]] inline ProxyUpdate report(const MongeSurface& monge, const Surface& surface, const Eigen::Vector3d& hip,
-                                        const CellPoint& p, bool at_hand, ProxyState& state) noexcept {
+                                        const CellPoint& p, bool at_hand, const RestPlace& place,
+                                        ProxyState& state) noexcept {
   keep_place(surface, p, state);
   if (at_hand) state.position = hip;
   ProxyUpdate update;
@@ -44,11 +48,14 @@ template <class Surface>
   update.sticking = state.sticking;
   update.cell_flags = flags_at(monge, p);
   if (!state.contact) return update;
-  update.normal = normal_at(surface, p);
-  if (surface.has_friction()) {
-    update.mu_dynamic = surface.mu_dynamic(p.i, p.j, p.s, p.t);
-    update.mu_static = surface.mu_static(p.i, p.j, p.s, p.t);
+  if (place.known) {
+    update.normal = unit_normal(place.fs, place.ft);
+    update.mu_dynamic = place.mu_dynamic;
+  } else {
+    update.normal = normal_at(surface, p);
+    if (surface.has_friction()) update.mu_dynamic = surface.mu_dynamic(p.i, p.j, p.s, p.t);
   }
+  if (surface.has_friction()) update.mu_static = surface.mu_static(p.i, p.j, p.s, p.t);
   return update;
 }
 
