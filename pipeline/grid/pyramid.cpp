@@ -11,6 +11,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr int kReach = 3;
+constexpr std::array<int, 7> kBinomial64 = {1, 6, 15, 20, 15, 6, 1};  // 64ths
 constexpr std::array<double, 7> kBinomial = {1.0 / 64, 6.0 / 64, 15.0 / 64, 20.0 / 64, 15.0 / 64, 6.0 / 64, 1.0 / 64};
 constexpr std::size_t kRowsPerPiece = 16;
 constexpr double kDegenerate = 1e-6;  // determinant of the support's spread below which it carries no slope
@@ -24,6 +25,49 @@ Lattice halved(const Lattice& fine) {
   return coarse;
 }
 
+/// How much of the low-pass weight about the nodes of one row lies on measured and on known nodes, in 64ths by 64ths.
+class Supports {
+ public:
+  explicit Supports(int nx)
+      : total_(static_cast<std::size_t>(nx)),
+        measured_(static_cast<std::size_t>(nx)),
+        known_(static_cast<std::size_t>(nx)) {}
+
+  /// Sums the columns of the window rows about row cj.
+  void read(const DepthGrid& grid, int cj) {
+    std::fill(total_.begin(), total_.end(), 0);
+    std::fill(measured_.begin(), measured_.end(), 0);
+    std::fill(known_.begin(), known_.end(), 0);
+    for (int k = -kReach; k <= kReach; ++k) {
+      if (cj + k < 0 || cj + k >= grid.lattice.ny) continue;
+      const int weight = kBinomial64[static_cast<std::size_t>(k + kReach)];
+      const NodeState* states = grid.state.data() + grid.lattice.index(0, cj + k);
+      for (std::size_t i = 0; i < total_.size(); ++i) {
+        total_[i] += weight;
+        measured_[i] += states[i] == NodeState::measured ? weight : 0;
+        known_[i] += states[i] != NodeState::unknown ? weight : 0;
+      }
+    }
+  }
+  /// State of the coarse node on column ci: known when half its support is, measured when half of it is.
+  [[nodiscard]] NodeState state(int ci) const {
+    int total = 0, measured = 0, known = 0;
+    for (int k = -kReach; k <= kReach; ++k) {
+      if (ci + k < 0 || ci + k >= static_cast<int>(total_.size())) continue;
+      const int weight = kBinomial64[static_cast<std::size_t>(k + kReach)];
+      const auto n = static_cast<std::size_t>(ci + k);
+      total += weight * total_[n];
+      measured += weight * measured_[n];
+      known += weight * known_[n];
+    }
+    if (2 * known < total) return NodeState::unknown;
+    return 2 * measured >= total ? NodeState::measured : NodeState::filled;
+  }
+
+ private:
+  std::vector<int> total_, measured_, known_;
+};
+
 /// One node of the window with its weight; offsets in fine spacings.
 struct Member {
   std::size_t index;
@@ -34,9 +78,7 @@ struct Member {
 struct Window {
   std::array<Member, 49> members;
   std::size_t count = 0;
-  double total = 0;     ///< weight inside the lattice
-  double measured = 0;  ///< of it on measured nodes
-  double known = 0;     ///< of it on measured or filled ones
+  double known = 0;  ///< weight on measured or filled nodes
 
   Window(const DepthGrid& grid, int ci, int cj) {
     const Lattice& lattice = grid.lattice;
@@ -47,17 +89,10 @@ struct Window {
         const double weight =
             kBinomial[static_cast<std::size_t>(dx + kReach)] * kBinomial[static_cast<std::size_t>(dy + kReach)];
         const std::size_t n = lattice.index(i, j);
-        total += weight;
         if (grid.state[n] == NodeState::unknown) continue;
         known += weight;
-        if (grid.state[n] == NodeState::measured) measured += weight;
         members[count++] = {n, static_cast<double>(dx), static_cast<double>(dy), weight};
       }
-  }
-
-  [[nodiscard]] NodeState state() const {
-    if (known < total / 2) return NodeState::unknown;
-    return measured >= total / 2 ? NodeState::measured : NodeState::filled;
   }
 
   /// Weighted mean of a layer over known nodes; NaN values count nothing.
@@ -168,8 +203,11 @@ Layers halve(const Layers& fine, ThreadPool& pool) {
   DepthGrid& grid = coarse.grid;
   const int nx = grid.lattice.nx;
   pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j)
-      for (int i = 0; i < nx; ++i) grid.state[grid.lattice.index(i, j)] = Window(fine.grid, 2 * i, 2 * j).state();
+    Supports supports(fine.grid.lattice.nx);
+    for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j) {
+      supports.read(fine.grid, 2 * j);
+      for (int i = 0; i < nx; ++i) grid.state[grid.lattice.index(i, j)] = supports.state(2 * i);
+    }
   });
   grid.height_m = halve_layer(fine, grid, fine.grid.height_m, true, kUnknownHeight, pool);
   coarse.envelope_m = halve_layer(fine, grid, fine.envelope_m, true, kUnknownHeight, pool);
