@@ -37,7 +37,7 @@ haptics::State in_air(const pipeline::Scene& scene, double x_m, double y_m, doub
 }
 
 TEST(Picture, IsNotBlankAndHasNoGlErrors) {
-  Studio studio(scene_of(lotus, {401, 401, 0.001, 3, {}}));
+  Studio studio(scene_of(lotus, {401, 401, 0.001, 3}));
   const auto scene = studio.picture().scene();
   const Image image = studio.shoot(touching(*scene, 0.2, 0.25, 0.01, 0.22, 0.22));
   double low = 255.0, high = 0.0;
@@ -125,7 +125,7 @@ TEST(Picture, ContactIsHighlightedAndTheForceIsAnArrow) {
 }
 
 TEST(Picture, TheWindowsFrameLiesInTheOverviewWhereTheWindowIs) {
-  Studio studio(scene_of(lotus, {401, 401, 0.001, 1, {}}));
+  Studio studio(scene_of(lotus, {401, 401, 0.001, 1}));
   const auto scene = studio.picture().scene();
   haptics::State state = touching(*scene, 0.28, 0.30, 0.01, 0.28, 0.30);
   const Image with = studio.shoot(state);
@@ -214,7 +214,7 @@ TEST(Picture, FilledAreasAreMarkedOnlyWhenAsked) {
 }
 
 TEST(Picture, SurfacesAreDrawnAgainOnlyWhenCameraOrDataChange) {
-  Studio studio(scene_of(lotus, {401, 401, 0.001, 1, {}}));
+  Studio studio(scene_of(lotus, {401, 401, 0.001, 1}));
   const auto scene = studio.picture().scene();
   haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
   studio.shoot(state);
@@ -260,7 +260,7 @@ TEST(Picture, EveryModeDrawsWithoutGlErrorsAndFreesWhatItTook) {
     l.curvature_per_m.assign(l.grid.lattice.count(), 20.0F);
     l.colour_rgba.assign(l.grid.lattice.count(), 0xFF3050A0U);
   };
-  Studio studio(scene_of(lotus, {201, 201, 0.002, 2, {}}, edit, layers));
+  Studio studio(scene_of(lotus, {201, 201, 0.002, 2}, edit, layers));
   const auto scene = studio.picture().scene();
   const haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
   for (const Action action : {Action::colour, Action::colour, Action::colour, Action::colour, Action::stereo,
@@ -292,10 +292,10 @@ TEST(Picture, SurvivesScenesAtTheLimits) {
   const auto unknown = [](double, double) { return kNaN; };
   const auto needle = [](double x_m, double) { return x_m > 0.02 && x_m < 0.022 ? 1e4 : 0.0; };
   for (const auto& scene :
-       {scene_of(flat, {1, 1, 0.001, 1, {}}), scene_of(flat, {2, 2, 0.001, 1, {}}),
-        scene_of(flat, {1, 300, 0.001, 1, {}}), scene_of(unknown, {50, 40, 0.001, 1, {}}),
-        scene_of(needle, {64, 64, 0.001, 1, {}}), scene_of(lotus, {101, 57, 0.004, 1, {450000.0, 5412000.0, 5.4e6}}),
-        scene_of(flat, {64, 64, 1e-9, 1, {}}), scene_of(flat, {64, 64, 1e5, 1, {}})}) {
+       {scene_of(flat, {1, 1, 0.001, 1}), scene_of(flat, {2, 2, 0.001, 1}),
+        scene_of(flat, {1, 300, 0.001, 1}), scene_of(unknown, {50, 40, 0.001, 1}),
+        scene_of(needle, {64, 64, 0.001, 1}), scene_of(lotus, {101, 57, 0.004, 1, {450000.0, 5412000.0, 5.4e6}}),
+        scene_of(flat, {64, 64, 1e-9, 1}), scene_of(flat, {64, 64, 1e5, 1})}) {
     Studio studio(scene);
     studio.shoot(state_of(*scene));
     studio.shoot();
@@ -318,7 +318,7 @@ TEST(Picture, ABigSceneShowsTheFinestLevelAroundTheWindow) {
   const auto waves = [&](double x_m, double) {
     return 0.0005 * std::cos(2.0 * 3.14159265358979 * x_m / (4.0 * spacing_m));
   };
-  Studio studio(scene_of(waves, {4096, 4096, spacing_m, 2, {}}));
+  Studio studio(scene_of(waves, {4096, 4096, spacing_m, 2}));
   const auto scene = studio.picture().scene();
   const double centre_m = 2048 * spacing_m;
   haptics::State state = touching(*scene, centre_m, centre_m, 0.0, centre_m, centre_m);
@@ -339,7 +339,7 @@ TEST(Screenshot, WritesAPngOfTheContractsSizeOrNothing) {
   std::filesystem::create_directories(folder);
   const auto file = folder / "view.png";
   std::filesystem::remove(file);
-  const auto scene = scene_of(lotus, {201, 201, 0.002, 1, {}});
+  const auto scene = scene_of(lotus, {201, 201, 0.002, 1});
   write_screenshot(scene, touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2), {}, file);
   ASSERT_TRUE(std::filesystem::exists(file));
   EXPECT_GT(std::filesystem::file_size(file), 100'000U) << "a blank picture is far smaller";

@@ -37,7 +37,7 @@ Cost best_of(int rounds, Work work) {
 TEST(Speed, FramesAt1280x720) {
   if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "figures only with SPARSHA_NIGHTLY=1";
   const auto scene =
-      scene_of(lotus, {800, 800, 0.0005, 3, {}}, [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
+      scene_of(lotus, {800, 800, 0.0005, 3}, [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
   const gl::OffscreenContext context;
   Picture picture;
   Gui gui;

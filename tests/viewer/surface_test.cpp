@@ -229,7 +229,7 @@ TEST(Texts, LengthsReadNaturally) {
 }
 
 TEST(Paint, ModesFollowWhatTheSceneHas) {
-  const auto scene = scene_of(lotus, {51, 51, 0.008, 1, {}});
+  const auto scene = scene_of(lotus, {51, 51, 0.008, 1});
   EXPECT_EQ(next_mode(scene->description(), ColourMode::relief), ColourMode::height);
   EXPECT_EQ(next_mode(scene->description(), ColourMode::height), ColourMode::relief);
   EXPECT_FALSE(has_mode(scene->description(), ColourMode::friction));

@@ -103,7 +103,7 @@ TEST(Window, NoDisplayIsFoundOutCheaplyAndSaid) {
   {
     const DisplayName none(nullptr);
     EXPECT_FALSE(display_available());
-    const auto scene = scene_of(lotus, {51, 51, 0.008, 1, {}});
+    const auto scene = scene_of(lotus, {51, 51, 0.008, 1});
     Connections connections;
     connections.scene = [&] { return scene; };
     try {
@@ -129,7 +129,7 @@ TEST(Window, KeysAndMouseReachTheSession) {
   const DisplayName name(display.name().c_str());
   ASSERT_TRUE(display_available());
 
-  const auto scene = scene_of(lotus, {201, 201, 0.002, 2, {}});
+  const auto scene = scene_of(lotus, {201, 201, 0.002, 2});
   haptics::Seqlock<haptics::State> state;
   haptics::State at = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
   state.publish(at);
@@ -194,7 +194,7 @@ TEST(Window, TheSessionsEndClosesAKiosk) {
   VirtualDisplay display;
   ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
   const DisplayName name(display.name().c_str());
-  const auto scene = scene_of(lotus, {101, 101, 0.004, 1, {}});
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
   Connections connections;
   connections.scene = [&] { return scene; };
   int polls = 0;
