@@ -164,4 +164,36 @@ PatchPoint closest_on_patch(const Patch& patch, double x, double y, double z) no
   return Search(patch, x, y, z).run();
 }
 
+PatchPoint closest_on_patch_by_descent(const Patch& p, double x, double y, double z) noexcept {
+  constexpr int kSteps = 4, kMaxTurns = 500;
+  const auto height = [&](double u, double v) {
+    return (p.z00 * (1 - u) + p.z10 * u) * (1 - v) + (p.z01 * (1 - u) + p.z11 * u) * v;
+  };
+  const auto squared = [&](double u, double v) {
+    const double dx = x - u, dy = y - v, dz = z - height(u, v);
+    return dx * dx + dy * dy + dz * dz;
+  };
+  // Along one parameter the patch is the straight line from `low` to `high`.
+  const auto along = [&](double place, double low, double high) {
+    const double s = high - low;
+    return std::clamp((place + s * (z - low)) / (1 + s * s), 0.0, 1.0);
+  };
+  PatchPoint best{0, 0, std::numeric_limits<double>::infinity(), 0};
+  for (int j = 0; j <= kSteps; ++j)
+    for (int i = 0; i <= kSteps; ++i) {
+      const double u = static_cast<double>(i) / kSteps, v = static_cast<double>(j) / kSteps;
+      if (squared(u, v) < best.squared_distance) best = {u, v, squared(u, v), 0};
+    }
+  for (int turn = 0; turn < kMaxTurns; ++turn) {
+    const double u = along(x, height(0, best.v), height(1, best.v));
+    const double v = along(y, height(u, 0), height(u, 1));
+    const double moved = std::abs(u - best.u) + std::abs(v - best.v);
+    best = {u, v, squared(u, v), 0};
+    if (moved < kTolerance) break;
+  }
+  const double slope_u = height(1, best.v) - height(0, best.v), slope_v = height(best.u, 1) - height(best.u, 0);
+  best.side = (z - height(best.u, best.v)) - slope_u * (x - best.u) - slope_v * (y - best.v);
+  return best;
+}
+
 }  // namespace sparsha::pipeline

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pipeline/check/check_patch.h"
-
 namespace sparsha::pipeline {
 namespace {
 
@@ -71,7 +69,7 @@ std::vector<float> SurfaceIndex::tree_points(double slice, std::size_t limit) co
   return points;
 }
 
-void SurfaceIndex::offer_cell(int i, int j, double x, double y, double z, Best& best) const {
+void SurfaceIndex::offer_cell(int i, int j, double x, double y, double z, Best& best, Closest closest) const {
   const int nx = grid_.lattice.nx;
   const float* heights = grid_.height_m.data() + grid_.lattice.index(i, j);
   const Patch patch{heights[0] * per_spacing_, heights[1] * per_spacing_, heights[nx] * per_spacing_,
@@ -82,7 +80,7 @@ void SurfaceIndex::offer_cell(int i, int j, double x, double y, double z, Best& 
   const double dx = outside(u, 0, 1), dy = outside(v, 0, 1), dz = outside(z, low, high);
   if (!(dx * dx + dy * dy + dz * dz < best.squared)) return;
   if (std::isnan(patch.z00 + patch.z10 + patch.z01 + patch.z11)) return;
-  const PatchPoint nearest = closest_on_patch(patch, u, v, z);
+  const PatchPoint nearest = closest(patch, u, v, z);
   if (nearest.squared_distance < best.squared) best = {nearest.squared_distance, nearest.side};
 }
 
@@ -165,7 +163,7 @@ SurfaceDistance SurfaceIndex::distance_by_walking(double x_m, double y_m, double
     for (int j = std::max(0, cj - ring); j <= std::min(cells_y - 1, cj + ring); ++j) {
       const bool whole_row = j == cj - ring || j == cj + ring;
       for (int i = ci - ring; i <= ci + ring; i += whole_row || ring == 0 ? 1 : 2 * ring)
-        if (i >= 0 && i < cells_x) offer_cell(i, j, x, y, z, best);
+        if (i >= 0 && i < cells_x) offer_cell(i, j, x, y, z, best, closest_on_patch_by_descent);
     }
   }
   return result({std::numeric_limits<double>::infinity(), 0});

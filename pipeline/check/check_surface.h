@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/check/check_patch.h"
 #include "pipeline/check/check_tree.h"
 #include "pipeline/scene/depth_grid.h"
 
@@ -28,7 +29,8 @@ class SurfaceIndex {
   };
   /// Exact nearest distance, candidate cells from the kd-tree.
   [[nodiscard]] SurfaceDistance distance(double x_m, double y_m, double z_m, Scratch& scratch) const;
-  /// The same by rings of cells about the point; gives up (infinite) when `max_rings` do not decide.
+  /// The same by rings of cells about the point and by descent on their patches; gives up (infinite) when `max_rings`
+  /// do not decide.
   [[nodiscard]] SurfaceDistance distance_by_walking(double x_m, double y_m, double z_m, int max_rings) const;
 
  private:
@@ -41,7 +43,8 @@ class SurfaceIndex {
     double squared;
     double side;
   };
-  void offer_cell(int i, int j, double x, double y, double z, Best& best) const;
+  using Closest = PatchPoint (*)(const Patch&, double, double, double) noexcept;
+  void offer_cell(int i, int j, double x, double y, double z, Best& best, Closest closest = closest_on_patch) const;
   void offer_block(std::uint32_t block, double x, double y, double z, Best& best) const;
   void find_blocks(double x, double y, double z, double radius, Scratch& scratch) const;
   [[nodiscard]] std::vector<float> tree_points(double slice, std::size_t limit) const;

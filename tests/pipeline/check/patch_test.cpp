@@ -58,6 +58,20 @@ TEST(ClosestOnPatch, FindsTheGlobalMinimumOfStronglyTwistedPatches) {
   }
 }
 
+TEST(ClosestOnPatch, AgreesWithDescentWhereTheDistanceIsConvex) {
+  std::mt19937 random(33);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int round = 0; round < 20000; ++round) {
+    const Patch p{0.3 * unit(random), 0.3 * unit(random), 0.3 * unit(random), 0.3 * unit(random)};
+    const double x = 0.5 + unit(random), y = 0.5 + unit(random), z = 0.4 * unit(random);
+    const PatchPoint exact = closest_on_patch(p, x, y, z), other = closest_on_patch_by_descent(p, x, y, z);
+    ASSERT_NEAR(exact.squared_distance, other.squared_distance, 1e-13) << "round " << round;
+    if (exact.squared_distance > 1e-12) {
+      ASSERT_EQ(exact.side > 0, other.side > 0);
+    }
+  }
+}
+
 TEST(ClosestOnPatch, MatchesThePlaneInClosedForm) {
   const double a = 0.7, b = -1.3;
   const Patch p{0, a, b, a + b};
