@@ -28,6 +28,7 @@ class Body {
       : file_(file), out_(out), p_(file.bytes.data() + header.body), end_(file.bytes.data() + file.bytes.size()) {}
 
   void read_vertices(const Element& vertex) {
+    if (vertex.count == 0) return;  // there may be no record to look at
     const VertexColumns columns = vertex_columns(file_, vertex);
     if (vertex.has_lists()) {
       read_vertices_with_lists(vertex, columns);
