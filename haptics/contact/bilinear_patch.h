@@ -69,6 +69,7 @@ struct CellCoefficients {
 class BilinearSurface {
  public:
   using Patch = BilinearPatch;
+  static constexpr bool kHasFastLane = true;
 
   explicit BilinearSurface(const MongeSurface& surface) noexcept
       : height_(surface.height_m.data()),
@@ -106,6 +107,9 @@ class BilinearSurface {
     if (has_high_t(p.j)) p.t = std::min(p.t, 1.0);
   }
 
+  [[nodiscard]] double height_at(int i, int j) const noexcept {
+    return static_cast<double>(height_[node(i, j)]) * cells_per_m_;
+  }
   [[nodiscard]] Patch patch(int i, int j) const noexcept {
     if (is_inner(i, j)) [[likely]]
       return patch_inside(i, j);

@@ -17,8 +17,9 @@ struct Segment {
 
 /// Newton on both coordinates where the Hessian is safely positive and the step keeps to the quadrant; else the
 /// projection itself, which is the Gauss-Newton step. Along an edge the projection is the exact minimum.
-[[nodiscard]] inline Segment descent_direction(const BilinearPatch& patch, const Pull& pull, const CellVector& w,
-                                               const TangentProjection& tangent, Freedom s, Freedom t) noexcept {
+[[nodiscard]] inline Segment descent_direction(const BilinearPatch& patch, const CellPoint&, const Pull& pull,
+                                               const CellVector& w, const TangentProjection& tangent, Freedom s,
+                                               Freedom t) noexcept {
   if (tangent.ds == 0.0 || tangent.dt == 0.0) return {tangent.ds, tangent.dt};
   constexpr double kSafelyPositive = 1e-3;  // of the product of the diagonal
   const double hss = 1.0 + pull.fs * pull.fs;

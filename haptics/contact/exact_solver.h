@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "haptics/contact/bicubic_descent.h"
 #include "haptics/contact/descent.h"
 #include "haptics/contact/glide.h"
 #include "haptics/contact/proxy_place.h"
@@ -94,11 +95,15 @@ class ExactSolver {
 
   /// Strictly inside an inner cell: the fast lane may take over.
   [[nodiscard]] bool glides(const CellPoint& p) const noexcept {
-    return surface_.is_inner(p.i, p.j) && p.s > 0.0 && p.s < 1.0 && p.t > 0.0 && p.t < 1.0;
+    return Surface::kHasFastLane && surface_.is_inner(p.i, p.j) && p.s > 0.0 && p.s < 1.0 && p.t > 0.0 && p.t < 1.0;
   }
   bool glide(const Patch& patch, CellPoint& p, bool& sticking, bool& may_stick_again) noexcept {
-    Glide<Surface, kFriction> lane(surface_, hip_, tolerance_, limit_);
-    return lane.run(p, patch, sticking, may_stick_again, segments_, place_) == GlideEnd::rest;
+    if constexpr (Surface::kHasFastLane) {
+      Glide<Surface, kFriction> lane(surface_, hip_, tolerance_, limit_);
+      return lane.run(p, patch, sticking, may_stick_again, segments_, place_) == GlideEnd::rest;
+    } else {
+      return false;
+    }
   }
 
   /// Lifts a point that is below the surface onto it; drops the contact of one that is above.
@@ -212,11 +217,18 @@ class ExactSolver {
     return false;
   }
 
+  [[nodiscard]] static auto slope_along(const Piece& piece, const CellVector& w, const Segment& d) noexcept {
+    if constexpr (Surface::kHasFastLane)
+      return SegmentSlope(piece.patch, piece.pull, w, d);
+    else
+      return CurveSlope(piece.patch, piece.point, w, d);
+  }
+
   /// One segment of descent in the piece's cell, stopped where friction holds; true when the proxy then rests.
   bool advance(const Piece& piece, const CellVector& w, double threshold, CellPoint& p) const noexcept {
-    const Segment d = descent_direction(piece.patch, piece.pull, w, piece.tangent, piece.s, piece.t);
+    const Segment d = descent_direction(piece.patch, piece.point, piece.pull, w, piece.tangent, piece.s, piece.t);
     const double end = length_in_cell(surface_, piece.point, d);
-    const double tau = descent_length(SegmentSlope(piece.patch, piece.pull, w, d), end);
+    const double tau = descent_length(slope_along(piece, w, d), end);
     p = moved(surface_, piece.point, d, tau, end);
     p.z = piece.patch.height(p.s, p.t);
     // On very steep walls the tolerance can be finer than the coordinates: nothing nearer to rest can be written.

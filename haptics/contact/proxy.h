@@ -47,6 +47,7 @@ struct SolverOptions {
   int segment_limit = 4000;
   double paper_rho = 0.5;      ///< the paper's solver: step factor
   int paper_iterations = 100;  ///< and iterations a tick
+  bool c1_surface = false;     ///< haptics.surface c1: bicubic patches, no creases; the exact solver only
 };
 
 /// Starts at or above the HIP at height max(z, f).

@@ -1,13 +1,15 @@
 #include "haptics/contact/rest_residual.h"
 
+#include "haptics/contact/bicubic_patch.h"
 #include "haptics/contact/proxy_place.h"
 #include "haptics/contact/tangent_cone.h"
 #include "haptics/contact/touching_cells.h"
 
 namespace sparsha::haptics {
+namespace {
 
-RestResidual rest_residual(const MongeSurface& monge, const ProxyUpdate& update, const Eigen::Vector3d& hip) noexcept {
-  const BilinearSurface surface(monge);
+template <class Surface>
+RestResidual residual_on(const Surface& surface, const ProxyUpdate& update, const Eigen::Vector3d& hip) noexcept {
   const CellPoint p = locate(surface, to_cells(surface, update.position));
   const CellVector w = to_cells(surface, hip) - p;
   RestResidual residual;
@@ -15,7 +17,7 @@ RestResidual rest_residual(const MongeSurface& monge, const ProxyUpdate& update,
   const TouchingCells touching = touching_cells(surface, p);
   for (int k = 0; k < touching.count; ++k) {
     const CellPoint& q = touching.cell[k].point;
-    const BilinearPatch patch = surface.patch(q.i, q.j);
+    const auto patch = surface.patch(q.i, q.j);
     const Pull pull(patch.slope_s(q.s, q.t), patch.slope_t(q.s, q.t), w);
     double mu = 0.0;
     if (surface.has_friction())
@@ -30,6 +32,13 @@ RestResidual rest_residual(const MongeSurface& monge, const ProxyUpdate& update,
   const double known_to = kRounding * (std::abs(p.z) + steepest * (std::abs(p.i + p.s) + std::abs(p.j + p.t)));
   if (residual.below_cells <= known_to) residual.below_cells = 0.0;
   return residual;
+}
+
+}  // namespace
+
+RestResidual rest_residual(const MongeSurface& surface, const ProxyUpdate& update, const Eigen::Vector3d& hip,
+                           bool c1_surface) noexcept {
+  return c1_surface ? residual_on(C1Surface(surface), update, hip) : residual_on(BilinearSurface(surface), update, hip);
 }
 
 }  // namespace sparsha::haptics

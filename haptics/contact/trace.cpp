@@ -59,7 +59,9 @@ void summarise_times(const std::vector<TraceRow>& rows, TraceSummary& summary) {
 }  // namespace
 
 TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
-                  const pipeline::HapticsConfig& haptics, const SolverOptions& options) {
+                  const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
+  SolverOptions options = solver;
+  options.c1_surface = options.c1_surface || haptics.surface == pipeline::HapticsConfig::Surface::c1;
   TraceResult result;
   TraceSummary& summary = result.summary;
   summary.timer_overhead_ns = timer_overhead_ns();
@@ -97,7 +99,7 @@ TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& pat
     if (update.unfinished) ++summary.unfinished;
     if (!update.contact) continue;
     ++summary.contacts;
-    const RestResidual residual = rest_residual(surface, update, hip);
+    const RestResidual residual = rest_residual(surface, update, hip, options.c1_surface && !paper);
     residuals.push_back(residual.excess_cells);
     if (residual.below_cells > 0.0) ++summary.below_surface;
   }
