@@ -234,6 +234,7 @@ void Session::start() {
   options.engine.rate_hz = self.rate_hz;
   options.engine.stiffness_n_per_m = self.stiffness_n_per_m;
   options.engine.solver = self.options.haptics.solver;
+  options.engine.solver_options.c1_surface = self.options.haptics.surface == pipeline::HapticsConfig::Surface::c1;
   options.real_time = self.options.real_time;
   self.servo = std::make_unique<Servo>(*self.device, options, std::move(self.first_window), self.state, self.consumers,
                                        &self.recorder);
