@@ -16,7 +16,7 @@ constexpr double kShortestSlipPauseS = 0.02;
 
 ContactEvents::ContactEvents(double rate_hz, double hand_mass_kg) noexcept
     : hand_mass_kg_(hand_mass_kg),
-      length_(std::clamp<std::size_t>(static_cast<std::size_t>(kVelocityWindowS * rate_hz + 0.5), 4, kLongest)) {}
+      length_(static_cast<std::size_t>(std::clamp(std::lround(kVelocityWindowS * rate_hz), 4L, long{kLongest}))) {}
 
 void ContactEvents::reset() noexcept {
   count_ = 0;

@@ -112,9 +112,10 @@ void Recorder::take(const Record& record) {
 
 double Recorder::touched_area_m2() const {
   double area_m2 = 0.0;
-  for (const auto& [level, cells] : touched_) {
+  for (const auto& touched : touched_) {
+    const int level = touched.first;
     std::uint64_t count = 0;
-    for (const std::uint64_t cell : cells) {
+    for (const std::uint64_t cell : touched.second) {
       const auto i = static_cast<std::int32_t>(static_cast<std::uint32_t>(cell >> 32U));
       const auto j = static_cast<std::int32_t>(static_cast<std::uint32_t>(cell));
       const bool inside_coarser = std::any_of(touched_.upper_bound(level), touched_.end(), [&](const auto& coarser) {

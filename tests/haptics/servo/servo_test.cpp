@@ -22,8 +22,9 @@ namespace {
 DeviceSample in_stone(double time_s) { return sample_at({0.0, 0.0, -0.002}, time_s); }
 DeviceSample in_air(double time_s) { return sample_at({0.0, 0.0, 0.02}, time_s); }
 
-/// In the air until the governor has armed, then in the stone.
-DeviceSample touch(std::uint64_t tick, double time_s) { return tick < 80 ? in_air(time_s) : in_stone(time_s); }
+/// In the air until the governor has armed, then in the stone; and again, for machines that stand still now and then
+/// and so trip the watchdog.
+DeviceSample touch(std::uint64_t tick, double time_s) { return tick % 400 < 100 ? in_air(time_s) : in_stone(time_s); }
 
 TEST(Servo, RunsAtItsRateAndReportsWhatItGot) {
   for (const double rate_hz : {1000.0, 10'000.0}) {
@@ -54,13 +55,13 @@ TEST(Servo, RunsAtItsRateAndReportsWhatItGot) {
 TEST(Servo, TheWatchdogZeroesTheDeviceWhileTheServoIsStalledAndForcesStayOffUntilTheHandIsInTheAir) {
   std::atomic<bool> stall{false};
   std::atomic<bool> stalled{false};
-  std::atomic<bool> lift{false};
+  std::atomic<bool> hold{true};  // stay in the stone after the stall
   ScriptedDevice device([&](std::uint64_t tick, double time_s) {
     if (stall.load()) {
       stalled.store(true);
       while (stall.load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    return lift.load() ? in_air(time_s) : touch(tick, time_s);
+    return stalled.load() && hold.load() ? in_stone(time_s) : touch(tick, time_s);
   });
   Seqlock<State> state;
   Servo servo(device, ServoOptions{}, window_on(testing::flat_scene()), state, {}, nullptr);
@@ -79,9 +80,8 @@ TEST(Servo, TheWatchdogZeroesTheDeviceWhileTheServoIsStalledAndForcesStayOffUnti
   ASSERT_TRUE(eventually([&] { return device.ticks() > back + 200; }));
   EXPECT_EQ(device.strongest_n(), 0.0) << "still in the stone: no force";
   EXPECT_EQ(state.read().contact, 1U);
-  lift.store(true);
+  hold.store(false);
   ASSERT_TRUE(eventually([&] { return (state.read().flags & kFlagArmed) != 0; }));
-  lift.store(false);
   EXPECT_TRUE(eventually([&] { return device.force_n() > 1.0; }));
   servo.stop();
   EXPECT_EQ(device.force_n(), 0.0);

@@ -337,11 +337,11 @@ TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
   session.stop();
 }
 
-/// Presses into the stone after 80 ms in the air and then does what it is told to do wrong.
+/// Presses into the stone after 100 ms in the air, again and again, and then does what it is told to do wrong.
 enum class Trouble { none, not_a_number, unplugged, silent };
 std::unique_ptr<Device> troubled_device(const std::shared_ptr<std::atomic<Trouble>>& trouble) {
   return std::make_unique<ScriptedDevice>([trouble](std::uint64_t tick, double time_s) {
-    DeviceSample sample = sample_at({0.0, 0.0, tick < 80 ? 0.02 : -0.002}, time_s);
+    DeviceSample sample = sample_at({0.0, 0.0, tick % 400 < 100 ? 0.02 : -0.002}, time_s);
     const Trouble now = trouble->load();
     if (now == Trouble::not_a_number) sample.position_m.x() = std::nan("");
     if (now == Trouble::unplugged) sample.connected = false;
