@@ -2,6 +2,7 @@
 #include "pipeline/grid/project_bins.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -9,8 +10,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kPiece = 1U << 15U;
-constexpr std::uint32_t kNowhere = 0xffffffffU;
+constexpr std::size_t kPiece = 1U << 13U;
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 struct Point {
@@ -41,64 +41,73 @@ void sort_bin(Point* first, Point* last) {
   }
 }
 
-// Bin of a point, or kNowhere. In float: a point on a border may go to either bin, the same one always.
+// Band and bin within the band of points. In float: a point on a border may go to either bin, the same one always.
 struct Indexer {
-  explicit Indexer(const BinLattice& lattice)
+  Indexer(const BinLattice& lattice, std::uint32_t rows_per_band)
       : x_shift(static_cast<float>(lattice.x0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
         y_shift(static_cast<float>(lattice.y0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
         per_m(static_cast<float>(1.0 / lattice.spacing_m)),
         columns(static_cast<float>(lattice.bins_x())),
         rows(static_cast<float>(lattice.bins_y())),
-        row_length(static_cast<std::uint32_t>(lattice.bins_x())) {}
+        row_length(lattice.bins_x()),
+        band_rows_log2(std::countr_zero(rows_per_band)),
+        row_mask(static_cast<std::int32_t>(rows_per_band - 1)) {}
 
-  [[nodiscard]] std::uint32_t operator()(float x, float y) const {
-    const float u = (x - x_shift) * per_m;
-    const float v = (y - y_shift) * per_m;
-    const bool inside = u >= 0.0F && v >= 0.0F && u < columns && v < rows;
-    // Through int32: lattices have fewer than 2^31 columns and rows, and SSE converts nothing wider.
-    const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(inside ? v : 0.0F));
-    const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(inside ? u : 0.0F));
-    return inside ? row * row_length + column : kNowhere;
+  // `nowhere` is the band of points beyond the lattice. A plain loop over int32, which SSE2 converts to.
+  void operator()(const float* x, const float* y, std::size_t count, std::int32_t nowhere, std::int32_t* band,
+                  std::int32_t* bin) const {
+    for (std::size_t k = 0; k < count; ++k) {
+      const float u = (x[k] - x_shift) * per_m;
+      const float v = (y[k] - y_shift) * per_m;
+      const bool inside = (u >= 0.0F) & (v >= 0.0F) & (u < columns) & (v < rows);
+      const auto column = static_cast<std::int32_t>(inside ? u : 0.0F);
+      const auto row = static_cast<std::int32_t>(inside ? v : 0.0F);
+      band[k] = inside ? row >> band_rows_log2 : nowhere;
+      bin[k] = (row & row_mask) * row_length + column;
+    }
   }
 
   float x_shift, y_shift, per_m, columns, rows;
-  std::uint32_t row_length;
+  std::int32_t row_length;
+  std::int32_t band_rows_log2;
+  std::int32_t row_mask;
 };
 
 }  // namespace
 
 Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t>& skip, const BinLattice& lattice,
                     ThreadPool& pool) {
-  const Indexer indexer(lattice);
   const std::size_t columns = static_cast<std::size_t>(lattice.bins_x());
   const std::size_t rows = static_cast<std::size_t>(lattice.bins_y());
   // Bands of about 16 K points are 256 KB; at most 256 bands keep their write heads in cache.
   const std::size_t wanted_bands = std::clamp<std::size_t>(points.count / 16384, 1, 256);
-  const std::size_t rows_per_band = std::max<std::size_t>(1, (rows + wanted_bands - 1) / wanted_bands);
+  const std::size_t rows_per_band = std::bit_ceil(std::max<std::size_t>(1, (rows + wanted_bands - 1) / wanted_bands));
   const std::size_t bands = (rows + rows_per_band - 1) / rows_per_band;
   const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
+  const Indexer indexer(lattice, static_cast<std::uint32_t>(rows_per_band));
+  const auto nowhere = static_cast<std::int32_t>(bands);
+  const auto index_piece = [&](std::size_t begin, std::size_t end, std::int32_t* band, std::int32_t* bin) {
+    indexer(points.x.get() + begin, points.y.get() + begin, end - begin, nowhere, band, bin);
+    if (skip.empty()) return;
+    for (std::size_t k = begin; k < end; ++k) band[k - begin] = skip[k] != 0 ? nowhere : band[k - begin];
+  };
 
-  // Bins of all points; offset[piece * bands + band]: where the piece writes its points of the band.
-  const auto bin_of = std::make_unique_for_overwrite<std::uint32_t[]>(points.count);
-  const auto bins_per_band = static_cast<std::uint32_t>(rows_per_band * columns);
-  std::vector<std::size_t> offset(pieces * bands, 0);
+  // offset[piece * (bands + 1) + band]: where the piece writes its points of the band; the last band is nowhere.
+  std::vector<std::size_t> offset(pieces * (bands + 1), 0);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-    std::size_t* mine = offset.data() + begin / kPiece * bands;
-    for (std::size_t k = begin; k < end; ++k) bin_of[k] = indexer(points.x[k], points.y[k]);
-    if (!skip.empty()) {
-      for (std::size_t k = begin; k < end; ++k) bin_of[k] = skip[k] != 0 ? kNowhere : bin_of[k];
-    }
-    for (std::size_t k = begin; k < end; ++k) {
-      if (bin_of[k] != kNowhere) ++mine[bin_of[k] / bins_per_band];
-    }
+    std::array<std::int32_t, kPiece> band;
+    std::array<std::int32_t, kPiece> bin;
+    index_piece(begin, end, band.data(), bin.data());
+    std::size_t* mine = offset.data() + begin / kPiece * (bands + 1);
+    for (std::size_t k = 0; k < end - begin; ++k) ++mine[band[k]];
   });
   std::vector<std::size_t> band_start(bands + 1, 0);
   std::size_t total = 0;
   for (std::size_t band = 0; band < bands; ++band) {
     band_start[band] = total;
     for (std::size_t piece = 0; piece < pieces; ++piece) {
-      const std::size_t here = offset[piece * bands + band];
-      offset[piece * bands + band] = total;
+      const std::size_t here = offset[piece * (bands + 1) + band];
+      offset[piece * (bands + 1) + band] = total;
       total += here;
     }
   }
@@ -106,11 +115,15 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
 
   const auto banded = std::make_unique_for_overwrite<Point[]>(total);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-    std::size_t* mine = offset.data() + begin / kPiece * bands;
-    for (std::size_t k = begin; k < end; ++k) {
-      if (bin_of[k] == kNowhere) continue;
-      const std::uint32_t band = bin_of[k] / bins_per_band;
-      banded[mine[band]++] = {points.z[k], points.x[k], points.y[k], bin_of[k] - band * bins_per_band};
+    std::array<std::int32_t, kPiece> band;
+    std::array<std::int32_t, kPiece> bin;
+    index_piece(begin, end, band.data(), bin.data());
+    std::size_t* mine = offset.data() + begin / kPiece * (bands + 1);
+    for (std::size_t k = 0; k < end - begin; ++k) {
+      if (band[k] == nowhere) [[unlikely]]
+        continue;
+      banded[mine[band[k]]++] = {points.z[begin + k], points.x[begin + k], points.y[begin + k],
+                                 static_cast<std::uint32_t>(bin[k])};
     }
   });
 
@@ -135,17 +148,17 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
     for (std::size_t k = begin; k < end; ++k) ++head[banded[k].bin + 1];
     for (std::size_t b = 0; b < size; ++b) head[b + 1] += head[b];
     for (std::size_t b = 0; b < size; ++b) start[b] = static_cast<std::uint32_t>(begin + head[b]);
-    std::vector<Point> sorted(end - begin);
+    const auto sorted = std::make_unique_for_overwrite<Point[]>(end - begin);
     for (std::size_t k = begin; k < end; ++k) sorted[head[banded[k].bin]++] = banded[k];
     // Every head now stands at its bin's end.
     std::size_t bin_begin = 0;
     for (std::size_t b = 0; b < size; ++b) {
       const std::size_t bin_end = head[b];
-      sort_bin(sorted.data() + bin_begin, sorted.data() + bin_end);
+      sort_bin(sorted.get() + bin_begin, sorted.get() + bin_end);
       bins.top[first_row * columns + b] = bin_begin < bin_end ? sorted[bin_begin].z : kNothing;
       bin_begin = bin_end;
     }
-    for (std::size_t k = 0; k < sorted.size(); ++k) {
+    for (std::size_t k = 0; k < end - begin; ++k) {
       bins.x[begin + k] = sorted[k].x;
       bins.y[begin + k] = sorted[k].y;
       bins.z[begin + k] = sorted[k].z;

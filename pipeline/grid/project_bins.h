@@ -42,7 +42,7 @@ struct Bins {
   std::size_t points = 0;
 
   /// Zeros (infinities in `top`) beyond the arrays' ends, for vector reads.
-  static constexpr std::size_t kReadAhead = 16;
+  static constexpr std::size_t kReadAhead = 32;
 };
 
 /// `skip` (empty or one flag a point) names points that stay out. At most 2^32 - 1 points.

@@ -12,7 +12,8 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kPiece = 1U << 17U;
-constexpr int kMostCells = 160;
+constexpr std::size_t kBatch = 1024;
+constexpr int kMostCells = 128;
 
 struct Box {
   double x0, y0, x1, y1;
@@ -55,18 +56,28 @@ Occupancy count_points(const OrientedPoints& points, const Box& box, ThreadPool&
   std::vector<std::vector<std::uint32_t>> partial(pieces);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t>& mine = partial[begin / kPiece];
-    mine.assign(size, 0);
+    mine.assign(size + 1, 0);
     const auto x0 = static_cast<float>(cells.box.x0);
     const auto y0 = static_cast<float>(cells.box.y0);
     const auto per_m = static_cast<float>(cells.per_m);
     const auto nx = static_cast<float>(cells.nx);
     const auto ny = static_cast<float>(cells.ny);
-    for (std::size_t k = begin; k < end; ++k) {
-      const float u = (points.x[k] - x0) * per_m;
-      const float v = (points.y[k] - y0) * per_m;
-      if (u >= 0.0F && v >= 0.0F && u < nx && v < ny) [[likely]] {
-        ++mine[static_cast<std::size_t>(static_cast<int>(v) * cells.nx + static_cast<int>(u))];
+    // Cells a batch at a time, which the compiler does in vectors; points outside go to one cell more.
+    const auto outside = static_cast<std::int32_t>(size);
+    std::array<std::int32_t, kBatch> cell;
+    for (std::size_t first = begin; first < end; first += kBatch) {
+      const std::size_t batch = std::min(kBatch, end - first);
+      const float* x = points.x.get() + first;
+      const float* y = points.y.get() + first;
+      for (std::size_t k = 0; k < batch; ++k) {
+        const float u = (x[k] - x0) * per_m;
+        const float v = (y[k] - y0) * per_m;
+        const bool inside = (u >= 0.0F) & (v >= 0.0F) & (u < nx) & (v < ny);
+        const auto i = static_cast<std::int32_t>(inside ? u : 0.0F);
+        const auto j = static_cast<std::int32_t>(inside ? v : 0.0F);
+        cell[k] = inside ? j * cells.nx + i : outside;
       }
+      for (std::size_t k = 0; k < batch; ++k) ++mine[static_cast<std::size_t>(cell[k])];
     }
   });
   cells.count.assign(size, 0);
@@ -160,13 +171,19 @@ std::array<Strip, 4> border_strips(const OrientedPoints& points, const Occupancy
   const float right = border(cells.box.x0, (kept.i1 - 2) * cells.cell_m);
   const float bottom = border(cells.box.y0, (kept.j0 + 3) * cells.cell_m);
   const float top = border(cells.box.y0, (kept.j1 - 2) * cells.cell_m);
+  const auto near = [=](float x, float y) {
+    return static_cast<std::int32_t>(!((x > left) & (x < right) & (y > bottom) & (y < top)));
+  };
   std::vector<std::vector<std::size_t>> pieces((points.count + kPiece - 1) / kPiece);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const bool inside = (points.x[k] > left) & (points.x[k] < right) & (points.y[k] > bottom) & (points.y[k] < top);
-      if (inside) [[likely]]
-        continue;
-      pieces[begin / kPiece].push_back(k);
+    for (std::size_t first = begin; first < end; first += 16) {
+      const std::size_t last = std::min(end, first + 16);
+      std::int32_t any_near = 0;
+      for (std::size_t k = first; k < last; ++k) any_near |= near(points.x[k], points.y[k]);
+      if (any_near == 0) continue;
+      for (std::size_t k = first; k < last; ++k) {
+        if (near(points.x[k], points.y[k]) != 0) pieces[begin / kPiece].push_back(k);
+      }
     }
   });
   std::array<Strip, 4> strips;
@@ -178,10 +195,10 @@ std::array<Strip, 4> border_strips(const OrientedPoints& points, const Occupancy
       if (cells.kept[c] == 0) continue;
       const int i = static_cast<int>(c % static_cast<std::size_t>(cells.nx));
       const int j = static_cast<int>(c / static_cast<std::size_t>(cells.nx));
-      const std::array<bool, 4> near{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
+      const std::array<bool, 4> at_side{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
       const auto reach = static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
       for (std::size_t side = 0; side < 4; ++side) {
-        if (!near[side]) continue;
+        if (!at_side[side]) continue;
         strips[side].points.push_back({points.x[k], points.y[k], points.z[k]});
         strips[side].reach_m.push_back(reach);
       }

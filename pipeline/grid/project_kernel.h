@@ -9,7 +9,7 @@ namespace sparsha::pipeline {
 
 /// What a row of nodes is decided from. Arrays may be read up to kReadAhead elements beyond their ends.
 struct NodeKernel {
-  static constexpr int kReadAhead = 8;
+  static constexpr int kReadAhead = 24;
   static constexpr int kMostPoints = 480;  ///< of a 3x3 window; fuller ones are left to NodeFitter
 
   const std::uint32_t* start = nullptr;  ///< first point of each bin, bins_x bins a row
@@ -37,6 +37,12 @@ struct FateKernel {
   std::int32_t occluded = 0, outlier = 0, undecided = 0;  ///< codes; 0 is a used point
 };
 
+/// Square blocks of points: block i holds x0_m + [i, i + 1) / per_m, and so in y.
+struct BlockKernel {
+  float x0_m = 0.0F, y0_m = 0.0F, per_m = 1.0F;
+  std::uint32_t limit = 0;  ///< about (limit + 1) / 2^32 of the blocks are drawn
+};
+
 /// The kernels for one instruction set.
 struct ProjectionKernels {
   /// out = matrix (row-major 3x4) * point in double, each coordinate rounded once; `stride` in floats. low[3] and
@@ -47,6 +53,9 @@ struct ProjectionKernels {
   /// numbers and returns how many.
   std::size_t (*draw)(const float* xyz, std::size_t stride, std::size_t count, std::uint32_t limit,
                       std::uint32_t* drawn);
+  /// Points in a sample of square blocks, chosen by a hash of the block: writes their numbers and returns how many.
+  std::size_t (*draw_blocks)(const BlockKernel& kernel, const float* x, const float* y, std::size_t count,
+                             std::uint32_t* drawn);
   /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend. Heights of row `j`
   /// into height[0..nx) and 1 into decided[i], or 0 where NodeFitter has to look.
   void (*fit_row)(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided);

@@ -7,12 +7,13 @@
 namespace {
 
 constexpr float kTukey = 4.685F;  // 95 % efficiency under Gaussian noise
+constexpr int kRounds = 2;
 
 struct alignas(32) Window {
-  float u[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // from the node, in spacings
-  float v[sparsha::pipeline::NodeKernel::kMostPoints + 16];
-  float w[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // kernel weights of the points in the band
-  float z[sparsha::pipeline::NodeKernel::kMostPoints + 16];  // metres, relative to the reference height
+  float u[sparsha::pipeline::NodeKernel::kMostPoints + 24];  // from the node, in spacings
+  float v[sparsha::pipeline::NodeKernel::kMostPoints + 24];
+  float w[sparsha::pipeline::NodeKernel::kMostPoints + 24];  // kernel weights of the points in the band
+  float z[sparsha::pipeline::NodeKernel::kMostPoints + 24];  // metres, relative to the reference height
 };
 
 struct Plane {
@@ -66,6 +67,13 @@ SPARSHA_INLINE Plane solve(const Moments& m, float ridge) {
   return plane;
 }
 
+SPARSHA_INLINE void take(const sparsha::pipeline::NodeKernel& k, std::size_t from, std::size_t to, float node_x,
+                         float node_y, float per_spacing, float reference, Window& window) {
+  store(window.u + to, (load(k.x + from) - node_x) * per_spacing);
+  store(window.v + to, (load(k.y + from) - node_y) * per_spacing);
+  store(window.z + to, load(k.z + from) - reference);
+}
+
 // Copies the points of bins [begin[r], end[r]) of each row, relative to node and reference height; returns how many.
 SPARSHA_INLINE std::size_t gather(const sparsha::pipeline::NodeKernel& k, const std::uint32_t* first_bin,
                                   std::size_t reach, float node_x, float node_y, float per_spacing, float reference,
@@ -74,10 +82,11 @@ SPARSHA_INLINE std::size_t gather(const sparsha::pipeline::NodeKernel& k, const 
   for (std::size_t row = 0; row <= 2 * reach; ++row) {
     const std::size_t begin = first_bin[row * k.bins_x];
     const std::size_t end = first_bin[row * k.bins_x + 2 * reach + 1];
-    for (std::size_t p = begin; p < end; p += kLanes) {
-      store(window.u + count + (p - begin), (load(k.x + p) - node_x) * per_spacing);
-      store(window.v + count + (p - begin), (load(k.y + p) - node_y) * per_spacing);
-      store(window.z + count + (p - begin), load(k.z + p) - reference);
+    // Two vectors whatever the row holds: a loop of one, two or three would be guessed wrong every other time.
+    take(k, begin, count, node_x, node_y, per_spacing, reference, window);
+    take(k, begin + kLanes, count + kLanes, node_x, node_y, per_spacing, reference, window);
+    for (std::size_t p = begin + 2 * kLanes; p < end; p += kLanes) {
+      take(k, p, count + (p - begin), node_x, node_y, per_spacing, reference, window);
     }
     count += end - begin;
   }
@@ -270,7 +279,7 @@ SPARSHA_INLINE float mean_loss(const Window& window, std::size_t count, float pe
 
 SPARSHA_INLINE bool fit_tukey_plane(const Window& window, std::size_t count, float per_scale, float ridge,
                                     Plane& plane) {
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < kRounds; ++round) {
     Moments robust{};
     for (std::size_t p = 0; p < count; p += kLanes) {
       const Floats u = load(window.u + p);
@@ -286,6 +295,35 @@ SPARSHA_INLINE bool fit_tukey_plane(const Window& window, std::size_t count, flo
     if (!plane.good) return false;
   }
   return true;
+}
+
+// Tukey's plane or quadric, whichever explains the points better; false when neither does.
+SPARSHA_INLINE bool fit_bent(const sparsha::pipeline::NodeKernel& k, const Window& window, std::size_t count,
+                             float per_scale, Plane plane, float& height) {
+  float support = 0.0F;
+  float bent_loss = 2.0F;
+  Quadric bent{};
+  if (fit_quadric(window, count, 0.0F, k.ridge, bent, bent)) {
+    bool fitted = true;
+    for (int round = 0; round < kRounds && fitted; ++round) {
+      const Quadric about = bent;
+      fitted = fit_quadric(window, count, per_scale, k.ridge, about, bent);
+    }
+    const float loss = mean_loss(window, count, per_scale, bent, support);
+    if (fitted && support >= 10.0F) bent_loss = loss;
+  }
+  // Gaussian noise alone costs 0.14; near that no plane needs to be asked.
+  if (bent_loss > 0.17F) {
+    if (!fit_tukey_plane(window, count, per_scale, k.ridge, plane)) return false;
+    const float loss = mean_loss(window, count, per_scale, {{plane.c, plane.gu, plane.gv, 0, 0, 0}}, support);
+    // Three more coefficients earn their variance only with a clearly better fit.
+    if (bent_loss * (1.0F + 6.0F / support) >= loss) {
+      height = plane.c;
+      return loss <= 0.3F;
+    }
+  }
+  height = bent.c[0];
+  return bent_loss <= 0.3F;
 }
 
 enum Verdict { kDecided, kWider, kHard };
@@ -307,8 +345,6 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   // One or two points above the front may be a front that chance has thinned.
   if (above > 0 && count < 24) return kWider;
   if (above >= 3 && above * 12 >= count) return kHard;
-  const bool step = count - in - above >= 3 && lopsided(window, count, k.band_m);
-
   const float per_r2 = k.per_r2[reach - 1][in];
   Moments moments{};
   for (std::size_t p = 0; p < count; p += kLanes) {
@@ -324,7 +360,7 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   Plane plane = solve(moments, k.ridge);
   if (!plane.good) return kHard;
   const float off_centre2 = plane.mu * plane.mu + plane.mv * plane.mv;
-  if (step && off_centre2 > 0.0625F) return kHard;
+  if (off_centre2 > 0.0625F && count - in - above >= 3 && lopsided(window, count, k.band_m)) return kHard;
   // A centroid within half a spacing proves that the node is surrounded.
   if (off_centre2 > 0.25F || reach > 1) {
     const float nodes = reach > 1 ? 25.0F : 9.0F;
@@ -342,31 +378,16 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
     residual = most(residual, masked(weighs, absolute(z - plane.gu * u - plane.gv * v - plane.c)));
   }
   const float worst = largest(residual);
-  if (!(worst <= 3.0F * k.scale_m)) {
-    const float per_scale = 1.0F / (kTukey * k.scale_m);
-    Quadric bent{};
-    const bool may_bend = worst > 4.5F * k.scale_m;
-    bool bends = may_bend && fit_quadric(window, count, 0.0F, k.ridge, bent, bent);
-    if (!fit_tukey_plane(window, count, per_scale, k.ridge, plane)) return kHard;
-    if (may_bend) {
-      for (int round = 0; round < 3 && bends; ++round) {
-        const Quadric about = bent;
-        bends = fit_quadric(window, count, per_scale, k.ridge, about, bent);
-      }
-      float support = 0.0F;
-      float loss = mean_loss(window, count, per_scale, {{plane.c, plane.gu, plane.gv, 0, 0, 0}}, support);
-      if (bends && support >= 10.0F) {
-        // Three more coefficients earn their variance only with a clearly better fit.
-        const float bent_loss = mean_loss(window, count, per_scale, bent, support);
-        if (bent_loss * (1.0F + 6.0F / support) < loss) {
-          loss = bent_loss;
-          plane.c = bent.c[0];
-        }
-      }
-      // Gaussian noise alone costs 0.14: here something else than noise and a bend is at work.
-      if (!(loss <= 0.3F)) return kHard;
-    }
+  if (worst <= 3.0F * k.scale_m) {
+    height = plane.c;
+    return kDecided;
   }
+  const float per_scale = 1.0F / (kTukey * k.scale_m);
+  if (worst > 4.5F * k.scale_m) {
+    // More than noise: a bend, if a quadric explains what a plane does not.
+    return fit_bent(k, window, count, per_scale, plane, height) ? kDecided : kHard;
+  }
+  if (!fit_tukey_plane(window, count, per_scale, k.ridge, plane)) return kHard;
   height = plane.c;
   return kDecided;
 }

@@ -111,6 +111,39 @@ SPARSHA_INLINE std::size_t draw(const float* xyz, std::size_t stride, std::size_
   return found;
 }
 
+SPARSHA_INLINE std::size_t draw_of_blocks(const sparsha::pipeline::BlockKernel& k, const float* x, const float* y,
+                                          std::size_t count, std::uint32_t* drawn) {
+  constexpr float kMost = 1e9F;
+  std::size_t found = 0;
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    Floats px = all(k.x0_m - 1.0F);
+    Floats py = px;
+    const std::size_t here = count - p < kLanes ? count - p : kLanes;
+    if (here == kLanes) {
+      px = load(x + p);
+      py = load(y + p);
+    } else {
+      __builtin_memcpy(&px, x + p, here * sizeof(float));
+      __builtin_memcpy(&py, y + p, here * sizeof(float));
+    }
+    const Floats u = (px - k.x0_m) * k.per_m;
+    const Floats v = (py - k.y0_m) * k.per_m;
+    const Ints inside = (u >= 0.0F) & (v >= 0.0F) & (u < kMost) & (v < kMost);
+    const auto i = reinterpret_cast<Bits>(__builtin_convertvector(masked(inside, u), Ints));
+    const auto j = reinterpret_cast<Bits>(__builtin_convertvector(masked(inside, v), Ints));
+    Bits h = i * 0x9e3779b1U ^ j * 0x85ebca77U;
+    h = (h ^ (h >> 15)) * 0x2c1b3c6dU;
+    h = (h ^ (h >> 12)) * 0x297a2d39U;
+    h ^= h >> 15;
+    const Ints hit = inside & reinterpret_cast<Ints>(h <= k.limit);
+    if (!any(hit)) continue;
+    for (std::size_t lane = 0; lane < here; ++lane) {
+      if (hit[lane] != 0) drawn[found++] = static_cast<std::uint32_t>(p + lane);
+    }
+  }
+  return found;
+}
+
 // Heights of eight nodes.
 SPARSHA_INLINE Floats gather_nodes(const float* height, Ints node) {
 #if defined(__AVX2__)

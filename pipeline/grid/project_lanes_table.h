@@ -14,6 +14,10 @@ std::size_t draw_points(const float* xyz, std::size_t stride, std::size_t count,
                         std::uint32_t* drawn) {
   return draw(xyz, stride, count, limit, drawn);
 }
+std::size_t draw_block_points(const sparsha::pipeline::BlockKernel& kernel, const float* x, const float* y,
+                              std::size_t count, std::uint32_t* drawn) {
+  return draw_of_blocks(kernel, x, y, count, drawn);
+}
 void fit_nodes(const sparsha::pipeline::NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided) {
   fit_row(kernel, j, height, decided);
 }
@@ -22,6 +26,7 @@ void classify_points(const sparsha::pipeline::FateKernel& kernel, const float* x
   classify(kernel, x, y, z, count, fate);
 }
 
-constexpr sparsha::pipeline::ProjectionKernels kKernels{orient_points, draw_points, fit_nodes, classify_points};
+constexpr sparsha::pipeline::ProjectionKernels kKernels{orient_points, draw_points, draw_block_points, fit_nodes,
+                                                        classify_points};
 
 }  // namespace

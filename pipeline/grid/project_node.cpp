@@ -152,6 +152,9 @@ void NodeFitter::split_along_best_slope(Slope plain_fit, double total_spacing_m)
     const double most = 4.0 * step_m;
     return Slope{std::clamp(s.u, -most, most), std::clamp(s.v, -most, most)};
   };
+  // The layers are split without slope when this is called.
+  const double plain = layers_.empty() ? 0.0 : compactness({}, thickness);
+  if (plain >= 0.9) return;
   split_layers({}, 2.0 * plain_gap);
   Slope wide;
   if (!layers_.empty()) {
@@ -160,9 +163,9 @@ void NodeFitter::split_along_best_slope(Slope plain_fit, double total_spacing_m)
   }
   const std::array<Slope, 3> candidates{Slope{}, bounded(plain_fit), bounded(wide)};
   std::size_t best = 0;
-  double best_compactness = -1.0;
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    split_layers(candidates[c], c == 0 ? plain_gap : narrow);
+  double best_compactness = plain;
+  for (std::size_t c = 1; c < candidates.size(); ++c) {
+    split_layers(candidates[c], narrow);
     const double compact = compactness(candidates[c], thickness);
     if (compact > best_compactness + 1e-9) {
       best = c;

@@ -2,7 +2,6 @@
 #include "pipeline/grid/project_samples.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "pipeline/grid/project_fit.h"
+#include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/project_node.h"
 
 namespace sparsha::pipeline {
@@ -22,16 +22,6 @@ constexpr double kNoiseQuantile = 0.35;
 constexpr double kNoiseOfQuantile = 1.08;
 constexpr double kBlocks = 700.0;
 constexpr std::size_t kPiece = 1U << 15U;
-constexpr std::size_t kBatch = 1024;
-constexpr float kMostBlocks = 1e9F;
-
-std::uint32_t hash_block(std::int32_t i, std::int32_t j) {
-  std::uint32_t h = static_cast<std::uint32_t>(i) * 0x9e3779b1U ^ static_cast<std::uint32_t>(j) * 0x85ebca77U;
-  h = (h ^ (h >> 15U)) * 0x2c1b3c6dU;
-  h = (h ^ (h >> 12U)) * 0x297a2d39U;
-  return h ^ (h >> 15U);
-}
-
 struct Sample {
   std::uint64_t block;
   NodePoint point;
@@ -88,36 +78,25 @@ CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent,
 
   const double side = kBlockSpacings * mean_spacing;
   const double blocks = area / (side * side);
-  const auto threshold = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
+  BlockKernel blocks_drawn;
+  blocks_drawn.x0_m = static_cast<float>(extent.xmin_m);
+  blocks_drawn.y0_m = static_cast<float>(extent.ymin_m);
+  blocks_drawn.per_m = static_cast<float>(1.0 / side);
+  blocks_drawn.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
   std::vector<std::vector<Sample>> pieces((points.count + kPiece - 1) / kPiece);
-  const auto per_m = static_cast<float>(1.0 / side);
-  const auto x0 = static_cast<float>(extent.xmin_m);
-  const auto y0 = static_cast<float>(extent.ymin_m);
-  const auto block_of = [per_m](float p, float p0) {
-    const float place = (p - p0) * per_m;
-    return static_cast<std::int32_t>(place < 0.0F ? -1.0F : (place < kMostBlocks ? place : kMostBlocks));
-  };
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::vector<Sample>& mine = pieces[begin / kPiece];
-    // Hashes first, a batch at a time, so that the compiler sees a plain loop.
-    std::array<std::uint32_t, kBatch> hashes{};
-    for (std::size_t first = begin; first < end; first += kBatch) {
-      const std::size_t last = std::min(end, first + kBatch);
-      for (std::size_t k = first; k < last; ++k) {
-        hashes[k - first] = hash_block(block_of(points.x[k], x0), block_of(points.y[k], y0));
-      }
-      for (std::size_t k = first; k < last; ++k) {
-        if (hashes[k - first] > threshold) [[likely]]
-          continue;
-        const float a = (points.x[k] - x0) * per_m;
-        const float b = (points.y[k] - y0) * per_m;
-        if (!(a >= 0.0F && b >= 0.0F && a < kMostBlocks && b < kMostBlocks)) continue;
-        const std::int32_t i = block_of(points.x[k], x0);
-        const std::int32_t j = block_of(points.y[k], y0);
-        const std::uint64_t block =
-            (static_cast<std::uint64_t>(j) << 32U) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(i));
-        mine.push_back({block, {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
-      }
+    std::vector<std::uint32_t> drawn(end - begin);
+    drawn.resize(fastest_kernels().draw_blocks(blocks_drawn, points.x.get() + begin, points.y.get() + begin,
+                                               end - begin, drawn.data()));
+    for (const std::uint32_t d : drawn) {
+      const std::size_t k = begin + d;
+      const float a = (points.x[k] - blocks_drawn.x0_m) * blocks_drawn.per_m;
+      const float b = (points.y[k] - blocks_drawn.y0_m) * blocks_drawn.per_m;
+      const auto i = static_cast<std::uint32_t>(a);
+      const auto j = static_cast<std::uint32_t>(b);
+      mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
+                      {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
     }
   });
   std::vector<Sample> samples;
