@@ -335,7 +335,7 @@ void Controller::take_announcements(double time_s) {
   for (Announcement& announcement : fresh) {
     double length_s = 2.0 + 0.06 * static_cast<double>(announcement.text.size());
     if (announcement.priority == Announcement::Priority::warning) length_s *= 1.5;
-    if (announcement.priority == Announcement::Priority::fault) length_s *= 4.0;
+    if (announcement.priority == Announcement::Priority::fault) length_s *= 2.0;
     std::erase_if(shown_, [&](const Shown& shown) { return shown.announcement.text == announcement.text; });
     shown_.push_back({std::move(announcement), time_s + length_s, length_s});
   }

@@ -19,7 +19,10 @@ Window window_of(const haptics::State& state, const pipeline::SceneDescription& 
   }
   const std::size_t level = std::min<std::size_t>(state.level, description.levels.size() - 1);
   window.centre_m = centre;
-  window.width_m = std::max(description.config.levels.window - 1, 1) * description.levels[level].spacing_m;
+  // A level smaller than the window is reached as a whole.
+  const pipeline::Lattice& lattice = description.levels[level];
+  const int nodes = std::min(description.config.levels.window, std::max(lattice.nx, lattice.ny));
+  window.width_m = std::max(nodes - 1, 1) * lattice.spacing_m;
   window.meant = true;
   return window;
 }

@@ -1,6 +1,8 @@
 // Drawing helpers of the interface.
 #include "viewer/gui/brush.h"
 
+#include <imgui.h>
+
 #include <algorithm>
 
 namespace sparsha::viewer {

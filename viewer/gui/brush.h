@@ -1,17 +1,20 @@
 // Small vocabulary for drawing the interface: colours of the theme, text at a place, rounded shapes. Seen by gui/ only.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
-#include <imgui.h>
-
 #include "viewer/gui/fonts.h"
+
+struct ImDrawList;
+struct ImFont;
+struct ImVec2;
 
 namespace sparsha::viewer {
 
 /// All colours of the interface. High contrast: white and yellow on black.
 struct Theme {
-  ImU32 panel, card, line, text, dim, accent, accent_text, warning, fault, key;
+  std::uint32_t panel, card, line, text, dim, accent, accent_text, warning, fault, key;
 };
 [[nodiscard]] Theme theme_of(bool high_contrast);
 
@@ -25,10 +28,10 @@ struct Brush {
   [[nodiscard]] float px(float value) const { return value * scale; }
   [[nodiscard]] ImVec2 size(const ImFont* font, const std::string& words) const;
   /// Top left at (x, y). Returns the width.
-  float text(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const;
-  void text_right(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const;
-  void text_centred(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const;
-  void card(float x, float y, float width, float height, ImU32 colour, float radius) const;
+  float text(const ImFont* font, float x, float y, std::uint32_t colour, const std::string& words) const;
+  void text_right(const ImFont* font, float x, float y, std::uint32_t colour, const std::string& words) const;
+  void text_centred(const ImFont* font, float x, float y, std::uint32_t colour, const std::string& words) const;
+  void card(float x, float y, float width, float height, std::uint32_t colour, float radius) const;
   /// A key's cap with its name; returns its width.
   float key_cap(float x, float y, const std::string& name) const;
   [[nodiscard]] float key_cap_width(const std::string& name) const;

@@ -50,6 +50,7 @@ Fonts load_fonts(double scale) {
   fonts.text = load(plain, 16.0);
   fonts.small = load(plain, 13.0);
   fonts.strong = load(bold, 16.0);
+  fonts.medium = load(bold, 20.0);
   fonts.large = load(bold, 27.0);
   return fonts;
 }

@@ -1,4 +1,4 @@
-// Type for the interface: a plain and a bold face in four sizes.
+// Type for the interface: a plain and a bold face in several sizes.
 #pragma once
 
 struct ImFont;
@@ -9,6 +9,7 @@ struct Fonts {
   ImFont* small = nullptr;   ///< 13 px at scale 1
   ImFont* text = nullptr;    ///< 16 px
   ImFont* strong = nullptr;  ///< 16 px, bold
+  ImFont* medium = nullptr;  ///< 20 px, bold: long announcements
   ImFont* large = nullptr;   ///< 27 px, bold: announcements and figures
 };
 

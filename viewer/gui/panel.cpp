@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <imgui.h>
+
 #include "viewer/gui/gui.h"
 #include "viewer/gui/parts.h"
 #include "viewer/picture.h"
@@ -86,7 +88,10 @@ void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& l
   const Stage stage = stage_of(scene.description());
   const View view = make_view(overview_camera(scene.description(), rect), rect.width, rect.height);
   const auto place = [&](const Eigen::Vector3d& grid_m) {
-    const Eigen::Vector2d p = view.to_pixel(stage.to_world(grid_m)).value_or(Eigen::Vector2d::Zero());
+    Eigen::Vector2d p = view.to_pixel(stage.to_world(grid_m)).value_or(Eigen::Vector2d::Zero());
+    // ImGui looks into a table by what it is given: never a NaN, never far off the picture.
+    constexpr double kFarPixels = 1e5;
+    for (double& pixel : p) pixel = std::isfinite(pixel) ? std::clamp(pixel, -kFarPixels, kFarPixels) : 0.0;
     return ImVec2(static_cast<float>(rect.x + p.x()), static_cast<float>(rect.y + p.y()));
   };
   const ImVec2 low(static_cast<float>(rect.x), static_cast<float>(rect.y));
@@ -174,8 +179,8 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
       y += fonts.small->FontSize + brush.px(7.0F);
     };
     const auto on = [&](std::uint64_t bit) { return (state.flags & bit) != 0; };
-    const int last = static_cast<int>(description.levels.size()) - 1;
-    row("Level", fmt::format("{} of 0\xE2\x80\x93{}", state.level, last), "Window", length_text(window.width_m));
+    row("Level", fmt::format("{} of {}", state.level + 1, description.levels.size()), "Window",
+        length_text(window.width_m));
     row("Texture", on(haptics::kFlagTexture) ? "on" : "off", "Friction",
         !on(haptics::kFlagFriction) ? std::string("off")
         : state.contact != 0        ? fmt::format("\xC2\xB5 {:.2f}", state.friction_coefficient)

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <imgui.h>
+
 #include "viewer/gui/parts.h"
 #include "viewer/picture.h"
 
@@ -27,7 +29,7 @@ bool is_on(const Frame& frame, Action action) {
 }
 
 /// Lines no wider than `width`, broken at blanks.
-std::vector<std::string> wrap(const Brush& brush, const ImFont* font, const std::string& words, float width) {
+std::vector<std::string> wrap(const ImFont* font, const std::string& words, float width) {
   std::vector<std::string> lines;
   const char* at = words.c_str();
   const char* end = at + words.size();
@@ -38,7 +40,6 @@ std::vector<std::string> wrap(const Brush& brush, const ImFont* font, const std:
     at = stop;
     while (at < end && (*at == ' ' || *at == '\n')) ++at;
   }
-  static_cast<void>(brush);
   return lines;
 }
 
@@ -137,7 +138,6 @@ std::vector<Action> draw_buttons(const Brush& brush, const Frame& frame, const L
 }
 
 void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout) {
-  const ImFont* font = brush.fonts.large;
   const float room = 0.82F * static_cast<float>(layout.detail.width);
   float bottom =
       static_cast<float>(layout.detail.y + layout.detail.height) - brush.px(frame.settings.kiosk        ? 128.0F
@@ -147,7 +147,9 @@ void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout) {
     const auto priority = toast->announcement.priority;
     const bool bad = priority == haptics::Announcement::Priority::fault;
     const bool warn = priority == haptics::Announcement::Priority::warning;
-    const std::vector<std::string> lines = wrap(brush, font, toast->announcement.text, room);
+    const std::string& words = toast->announcement.text;
+    const ImFont* font = brush.size(brush.fonts.large, words).x <= room ? brush.fonts.large : brush.fonts.medium;
+    const std::vector<std::string> lines = wrap(font, words, room);
     float width = 0.0F;
     for (const std::string& line : lines) width = std::max(width, brush.size(font, line).x);
     const float line_height = font->FontSize * 1.2F, pad = brush.px(14.0F);
