@@ -60,8 +60,9 @@ struct LiveStream::Implementation {
   double rate_hz = kWishedRate_hz;
   std::string name;
   Callback callback;
-  std::atomic<Clock::rep> asked{0};    ///< when the device last asked for sound
-  std::atomic<bool> abandoned{false};  ///< it may ask no more
+  std::atomic<Clock::rep> asked{0};  ///< when the device last asked for sound
+  enum class Gate { open, inside, closed };
+  std::atomic<Gate> gate{Gate::open};  ///< whether the device's thread may come in, or is in
 
   [[nodiscard]] Clock::duration silence() const {
     return Clock::now().time_since_epoch() - Clock::duration(asked.load(std::memory_order_relaxed));
@@ -76,12 +77,14 @@ struct LiveStream::Implementation {
                   PaStreamCallbackFlags, void* self) {
     const std::span<float> out(static_cast<float*>(output), 2 * static_cast<std::size_t>(frames));
     auto& stream = *static_cast<Implementation*>(self);
-    if (stream.abandoned.load(std::memory_order_acquire)) {
+    Gate open = Gate::open;
+    if (!stream.gate.compare_exchange_strong(open, Gate::inside, std::memory_order_acquire)) {
       std::fill(out.begin(), out.end(), 0.0F);
-      return paAbort;
+      return paContinue;
     }
     stream.asked.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed);
     stream.callback(out);
+    stream.gate.store(Gate::open, std::memory_order_release);
     return paContinue;
   }
 };
@@ -143,13 +146,17 @@ void LiveStream::stop() noexcept {
   const Clock::duration before = implementation_->silence();
   while (implementation_->silence() >= before && implementation_->silence() < kGone)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  if (implementation_->silence() < kGone) {
+  const bool alive = implementation_->silence() < kGone;
+  // From here on the device's thread stays out.
+  using Gate = Implementation::Gate;
+  for (Gate open = Gate::open;
+       !implementation_->gate.compare_exchange_weak(open, Gate::closed, std::memory_order_acq_rel); open = Gate::open)
+    std::this_thread::yield();
+  if (alive)
     Pa_StopStream(implementation_->stream);
-    return;
-  }
-  // Stopping or closing the stream of a dead sound server waits for ever: leave it alone, and its memory with it.
-  implementation_->abandoned.store(true, std::memory_order_release);
-  (void)implementation_.release();
+  else
+    // Stopping or closing the stream of a dead sound server waits for ever: leave it alone, and its memory with it.
+    (void)implementation_.release();
 }
 
 bool LiveStream::playing() const noexcept {

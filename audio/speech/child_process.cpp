@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <sched.h>
@@ -116,6 +118,12 @@ void ChildProcess::kill() {
   while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
   }
   process_ = 0;
+}
+
+void ChildProcess::end(int patience_ms) {
+  if (process_ > 0) ::kill(-process_, SIGTERM);
+  for (int i = 0; i < patience_ms && running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  kill();
 }
 
 }  // namespace sparsha::audio

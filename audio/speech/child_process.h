@@ -29,6 +29,8 @@ class ChildProcess {
   [[nodiscard]] bool running();
   /// Ends it and what it has started, and waits for its end.
   void kill();
+  /// Asks it to end, and kills it when it has not within `patience_ms`.
+  void end(int patience_ms);
 
  private:
   explicit ChildProcess(int process) : process_(process) {}

@@ -61,8 +61,7 @@ struct Speech::Implementation {
     auto began = std::chrono::steady_clock::now();
     std::unique_lock lock(mutex);
     while (!stopping) {
-      const bool speaking =
-          child != nullptr && child->running() && std::chrono::steady_clock::now() - began < kLongest;
+      const bool speaking = child != nullptr && child->running() && std::chrono::steady_clock::now() - began < kLongest;
       if (!speaking) child.reset();
       if (std::optional<Announcement> next = take(speaking, current)) {
         lock.unlock();

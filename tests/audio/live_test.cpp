@@ -38,11 +38,17 @@ class SoundServer {
       }
     }
   }
-  ~SoundServer() { unsetenv("JACK_DEFAULT_SERVER"); }
+  ~SoundServer() {
+    end();
+    unsetenv("JACK_DEFAULT_SERVER");
+  }
   SoundServer(const SoundServer&) = delete;
   SoundServer& operator=(const SoundServer&) = delete;
   [[nodiscard]] bool running() { return ready_ && process_->running(); }
-  void kill() { process_->kill(); }
+  /// Lets it tidy up its shared memory.
+  void end() {
+    if (process_) process_->end(3000);
+  }
 
  private:
   std::unique_ptr<ChildProcess> process_;
@@ -96,9 +102,9 @@ TEST_F(LiveEngine, PlaysStrikesAndWritesTheSameRunAsAFile) {
   EXPECT_GE(frames(), static_cast<sf_count_t>(now_.tick * 48));
 }
 
-TEST_F(LiveEngine, RunsOnWhenTheSoundServerDies) {
+TEST_F(LiveEngine, RunsOnWhenTheSoundServerEnds) {
   for (int i = 0; i < 20; ++i) tick(i == 10);
-  server_.kill();
+  server_.end();
   for (int i = 0; i < 100; ++i) tick(i == 90);
   EXPECT_FALSE(engine_->playing());
   EXPECT_NE(engine_->warning().find("went away"), std::string::npos) << engine_->warning();
