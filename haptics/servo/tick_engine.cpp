@@ -199,7 +199,7 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   contact.level = static_cast<std::uint64_t>(surface_->level);
   contact.contact = found_.contact;
   contact.sticking = found_.sticking;
-  event_ = events_.update(contact);
+  if (sample.fresh) event_ = events_.update(contact);  // a stale place says nothing about speed
 }
 
 void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noexcept {
