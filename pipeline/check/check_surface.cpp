@@ -59,7 +59,7 @@ std::vector<float> SurfaceIndex::tree_points(double slice, std::size_t limit) co
   for (const Block& block : blocks_) {
     const double span = static_cast<double>(block.high) - block.low;
     const double slices = std::max(1.0, std::ceil(span / slice));
-    if (slices + static_cast<double>(points.size() / 3) > static_cast<double>(limit)) return {};
+    if (slices + static_cast<double>(points.size()) / 3.0 > static_cast<double>(limit)) return {};
     for (double k = 0; k < slices; k += 1) {
       points.push_back(static_cast<float>((block.i + kBlock / 2.0) * spacing_));
       points.push_back(static_cast<float>((block.j + kBlock / 2.0) * spacing_));

@@ -66,17 +66,17 @@ SPARSHA_INLINE Floats choose(Ints mask, Floats yes, Floats no) {
 
 // Sum of the lanes in a fixed order.
 SPARSHA_INLINE float total(Floats a) {
-  const Floats half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
-  const Floats quarter = half + __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5});
+  const Floats half = a + __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3);
+  const Floats quarter = half + __builtin_shufflevector(half, half, 2, 3, 0, 1, 6, 7, 4, 5);
   return quarter[0] + quarter[1];
 }
 SPARSHA_INLINE std::int32_t total(Ints a) {
-  const Ints half = a + __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3});
+  const Ints half = a + __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3);
   return (half[0] + half[1]) + (half[2] + half[3]);
 }
 SPARSHA_INLINE float largest(Floats a) {
-  const Floats half = most(a, __builtin_shuffle(a, Ints{4, 5, 6, 7, 0, 1, 2, 3}));
-  const Floats quarter = most(half, __builtin_shuffle(half, Ints{2, 3, 0, 1, 6, 7, 4, 5}));
+  const Floats half = most(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
+  const Floats quarter = most(half, __builtin_shufflevector(half, half, 2, 3, 0, 1, 6, 7, 4, 5));
   return quarter[0] > quarter[1] ? quarter[0] : quarter[1];
 }
 
@@ -85,21 +85,23 @@ struct Eight {
 };
 
 // The sums of eight vectors, as total() would not order them but always in the same order.
+SPARSHA_INLINE Floats by_pairs(Floats a, Floats b) {
+  return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13) +
+         __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+}
+SPARSHA_INLINE Floats by_quarters(Floats a, Floats b) {
+  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) +
+         __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+SPARSHA_INLINE Floats by_halves(Floats a, Floats b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+}
 SPARSHA_INLINE Eight totals(Floats a, Floats b, Floats c, Floats d, Floats e, Floats f, Floats g, Floats h) {
-  constexpr Ints kLower{0, 8, 1, 9, 4, 12, 5, 13};
-  constexpr Ints kUpper{2, 10, 3, 11, 6, 14, 7, 15};
-  constexpr Ints kEven{0, 1, 8, 9, 4, 5, 12, 13};
-  constexpr Ints kOdd{2, 3, 10, 11, 6, 7, 14, 15};
-  constexpr Ints kFirst{0, 1, 2, 3, 8, 9, 10, 11};
-  constexpr Ints kSecond{4, 5, 6, 7, 12, 13, 14, 15};
-  const Floats ab = __builtin_shuffle(a, b, kLower) + __builtin_shuffle(a, b, kUpper);
-  const Floats cd = __builtin_shuffle(c, d, kLower) + __builtin_shuffle(c, d, kUpper);
-  const Floats ef = __builtin_shuffle(e, f, kLower) + __builtin_shuffle(e, f, kUpper);
-  const Floats gh = __builtin_shuffle(g, h, kLower) + __builtin_shuffle(g, h, kUpper);
-  const Floats abcd = __builtin_shuffle(ab, cd, kEven) + __builtin_shuffle(ab, cd, kOdd);
-  const Floats efgh = __builtin_shuffle(ef, gh, kEven) + __builtin_shuffle(ef, gh, kOdd);
+  const Floats abcd = by_quarters(by_pairs(a, b), by_pairs(c, d));
+  const Floats efgh = by_quarters(by_pairs(e, f), by_pairs(g, h));
   Eight sums;
-  store(sums.at, __builtin_shuffle(abcd, efgh, kFirst) + __builtin_shuffle(abcd, efgh, kSecond));
+  store(sums.at, by_halves(abcd, efgh));
   return sums;
 }
 

@@ -20,13 +20,12 @@ SPARSHA_INLINE FourPoints transpose(const float* p, std::size_t stride) {
   const Quad b = load_four(p + stride);
   const Quad c = load_four(p + 2 * stride);
   const Quad d = load_four(p + 3 * stride);
-  const Quad ab_low = __builtin_shuffle(a, b, QuadInts{0, 4, 1, 5});
-  const Quad cd_low = __builtin_shuffle(c, d, QuadInts{0, 4, 1, 5});
-  const Quad ab_high = __builtin_shuffle(a, b, QuadInts{2, 6, 3, 7});
-  const Quad cd_high = __builtin_shuffle(c, d, QuadInts{2, 6, 3, 7});
-  return {__builtin_shuffle(ab_low, cd_low, QuadInts{0, 1, 4, 5}),
-          __builtin_shuffle(ab_low, cd_low, QuadInts{2, 3, 6, 7}),
-          __builtin_shuffle(ab_high, cd_high, QuadInts{0, 1, 4, 5})};
+  const Quad ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+  const Quad cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const Quad ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+  const Quad cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  return {__builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5), __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7),
+          __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5)};
 }
 
 SPARSHA_INLINE Quad affine(const double* row, Doubles x, Doubles y, Doubles z) {
