@@ -45,7 +45,7 @@ struct GovernorOutput {
   double energy_j = 0.0;  ///< observed: negative means energy was delivered to the hand
 };
 
-/// The steps of docs/architecture.md, "Governor", in that order. The passivity observer (Hannaford & Ryu 2002) opens
+/// The steps of docs/touch.md, "Governor", in that order. The passivity observer (Hannaford & Ryu 2002) opens
 /// new books for each contact after 50 ms in free space.
 class Governor {
  public:

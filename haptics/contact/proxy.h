@@ -1,4 +1,4 @@
-// The point proxy on a Monge surface: where a fingertip would rest (docs/architecture.md, "Proxy").
+// The point proxy on a Monge surface: where a fingertip would rest (docs/touch.md, "Proxy").
 // Everything here is in the surface's local frame, metres, and runs on the servo thread: no allocation, no locks, no
 // exceptions.
 #pragma once

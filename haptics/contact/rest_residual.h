@@ -1,4 +1,4 @@
-// How far a proxy is from rest, recomputed from positions in metres alone (docs/architecture.md, "Proxy", condition
+// How far a proxy is from rest, recomputed from positions in metres alone (docs/touch.md, "Proxy", condition
 // (c)).
 #pragma once
 
