@@ -18,7 +18,8 @@ start=$(date +%s)
 export end=$((start + budget))
 check() {
   [ "$(date +%s)" -lt "$end" ] || exit 0
-  if ! clang-tidy -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option "$1" > "$state/out.$$" 2> "$state/err.$$"; then
+  if ! clang-tidy -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option \
+    --extra-arg=-Wno-sign-conversion "$1" > "$state/out.$$" 2> "$state/err.$$"; then
     cat "$state/out.$$"
     grep -E 'error:' "$state/err.$$" || true
     touch "$state/failed"

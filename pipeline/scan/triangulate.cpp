@@ -23,7 +23,7 @@ bool contains(const Corner& a, const Corner& b, const Corner& c, const Corner& p
 
 /// Corners along the two axes across which the polygon's area vector (Newell 1972) is largest.
 std::vector<Corner> flatten(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3d> points) {
-  const Eigen::Vector3d base = points[corners[0]];
+  const Eigen::Vector3d& base = points[corners[0]];
   Eigen::Vector3d area = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector3d a = points[corners[i]] - base;

@@ -93,7 +93,7 @@ int exclusive(MapReader& reader, const std::vector<std::string>& keys) {
 }
 
 Units parse_units(const Node& node) {
-  static const std::vector<std::string> kNames{"m", "cm", "mm", "ft", "us_ft"};
+  static const std::vector<std::string> names{"m", "cm", "mm", "ft", "us_ft"};
   Units units;
   if (node.is_map()) {
     MapReader reader(node, "units");
@@ -104,14 +104,14 @@ Units parse_units(const Node& node) {
     return units;
   }
   const std::string text = yaml::to_text(node);
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (text == kNames[i]) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (text == names[i]) {
       units.unit = static_cast<LengthUnit>(i + 1);
       return units;
     }
   }
   std::string expected = "m | cm | mm | ft | us_ft | {longest_side_mm: NUMBER}";
-  if (const std::string near = yaml::nearest(text, kNames); !near.empty()) {
+  if (const std::string near = yaml::nearest(text, names); !near.empty()) {
     expected += " (did you mean '" + near + "'?)";
   }
   throw yaml::error_at(node, "units is '" + text + "'", expected);

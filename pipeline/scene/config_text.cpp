@@ -16,7 +16,7 @@ std::string number(double value) { return fmt::format("{}", value); }
 std::string millimetres(double metres) {
   const double scaled = metres * 1000.0;
   for (int digits = 1; digits <= 17; ++digits) {
-    const std::string text = fmt::format("{:.{}g}", scaled, digits);
+    std::string text = fmt::format("{:.{}g}", scaled, digits);
     if (std::stod(text) * 1e-3 == metres) return text;
   }
   return number(scaled);

@@ -30,8 +30,8 @@ TIFFExtendProc parent_extender = nullptr;
 
 void register_nodata(TIFF* tiff) {
   static char name[] = "GDALNoDataValue";
-  static const TIFFFieldInfo kField[] = {{kGdalNodata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, name}};
-  TIFFMergeFieldInfo(tiff, kField, 1);
+  static const TIFFFieldInfo field[] = {{kGdalNodata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, name}};
+  TIFFMergeFieldInfo(tiff, field, 1);
   if (parent_extender != nullptr) parent_extender(tiff);
 }
 
