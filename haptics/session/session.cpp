@@ -99,8 +99,11 @@ struct Session::Implementation {
   }
 
   void post(Command command) {
-    command.sequence = ++sequence;
-    if (!servo->post(std::move(command))) narrator.say("The servo does not answer", Announcement::Priority::warning);
+    command.sequence = sequence + 1;
+    if (servo->post(std::move(command)))
+      ++sequence;
+    else
+      narrator.say("The servo does not answer", Announcement::Priority::warning);
   }
 
   void request_window(std::optional<WindowLoader::Job> job) {
