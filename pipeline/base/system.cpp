@@ -72,6 +72,7 @@ bool exchange_paths(const std::filesystem::path&, const std::filesystem::path&) 
 unsigned process_id() noexcept { return GetCurrentProcessId(); }
 bool stderr_is_terminal() noexcept { return _isatty(2) != 0; }
 void trim_heap() noexcept {}
+void advise_large_pages(void*, std::size_t) noexcept {}
 
 #else
 
@@ -137,6 +138,15 @@ bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path&
   static_cast<void>(a);
   static_cast<void>(b);
   return false;
+#endif
+}
+
+void advise_large_pages(void* data, std::size_t size) noexcept {
+#if defined(MADV_HUGEPAGE)
+  ::madvise(data, size, MADV_HUGEPAGE);
+#else
+  static_cast<void>(data);
+  static_cast<void>(size);
 #endif
 }
 

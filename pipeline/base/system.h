@@ -24,6 +24,8 @@ void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) n
 [[nodiscard]] std::uint64_t physical_memory_bytes() noexcept;
 /// Swaps two existing paths as one step where the system can; false when it cannot.
 [[nodiscard]] bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept;
+/// Tells the system that a large buffer will be used as a whole, so that it may take large pages for it.
+void advise_large_pages(void* data, std::size_t size) noexcept;
 /// Number that tells concurrent writers apart (process id).
 [[nodiscard]] unsigned process_id() noexcept;
 /// True when standard error is a terminal.

@@ -25,20 +25,41 @@ bool higher(const Point& a, const Point& b) {
   return a.y < b.y;
 }
 
-void sort_bin(Point* first, Point* last) {
-  if (last - first > 24) {
-    std::sort(first, last, higher);
+// Ascending integers for descending heights, then ascending x; only points equal in both need a look at y.
+std::uint64_t key_of(const Point& p) {
+  const auto ascending = [](float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);
+    return (bits >> 31U) != 0 ? ~bits : bits | 0x80000000U;
+  };
+  return (static_cast<std::uint64_t>(~ascending(p.z)) << 32U) | ascending(p.x);
+}
+
+// Sorts a bin by counting, for each point, those before it: few enough points, and no branch to guess wrong.
+void sort_bin(Point* first, std::size_t count) {
+  constexpr std::size_t kFew = 12;
+  if (count < 2) return;
+  if (count > kFew) {
+    std::sort(first, first + count, higher);
     return;
   }
-  for (Point* next = first + 1; next < last; ++next) {
-    const Point moving = *next;
-    Point* hole = next;
-    while (hole > first && higher(moving, hole[-1])) {
-      *hole = hole[-1];
-      --hole;
-    }
-    *hole = moving;
+  std::array<std::uint64_t, kFew> keys;
+  std::array<Point, kFew> points;
+  for (std::size_t k = 0; k < count; ++k) {
+    points[k] = first[k];
+    keys[k] = key_of(first[k]);
   }
+  std::size_t ranks = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::size_t rank = 0;
+    for (std::size_t other = 0; other < count; ++other) rank += keys[other] < keys[k] ? 1 : 0;
+    first[rank] = points[k];
+    ranks += rank;
+  }
+  // Equal keys share a rank and overwrite each other.
+  if (ranks == count * (count - 1) / 2) [[likely]]
+    return;
+  std::copy_n(points.begin(), count, first);
+  std::sort(first, first + count, higher);
 }
 
 // Band and bin within the band of points. In float: a point on a border may go to either bin, the same one always.
@@ -113,7 +134,7 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   }
   band_start[bands] = total;
 
-  const auto banded = std::make_unique_for_overwrite<Point[]>(total);
+  const auto banded = make_buffer<Point>(total);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::array<std::int32_t, kPiece> band;
     std::array<std::int32_t, kPiece> bin;
@@ -130,10 +151,10 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   Bins bins;
   bins.lattice = lattice;
   bins.points = total;
-  bins.start = std::make_unique_for_overwrite<std::uint32_t[]>(lattice.bin_count() + 1);
-  bins.top = std::make_unique_for_overwrite<float[]>(lattice.bin_count() + Bins::kReadAhead);
-  for (std::unique_ptr<float[]>* array : {&bins.x, &bins.y, &bins.z}) {
-    *array = std::make_unique_for_overwrite<float[]>(total + Bins::kReadAhead);
+  bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1);
+  bins.top = make_buffer<float>(lattice.bin_count() + Bins::kReadAhead);
+  for (Buffer<float>* array : {&bins.x, &bins.y, &bins.z}) {
+    *array = make_buffer<float>(total + Bins::kReadAhead);
     std::fill_n(array->get() + total, Bins::kReadAhead, 0.0F);
   }
   std::fill_n(bins.top.get() + lattice.bin_count(), Bins::kReadAhead, kNothing);
@@ -148,13 +169,13 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
     for (std::size_t k = begin; k < end; ++k) ++head[banded[k].bin + 1];
     for (std::size_t b = 0; b < size; ++b) head[b + 1] += head[b];
     for (std::size_t b = 0; b < size; ++b) start[b] = static_cast<std::uint32_t>(begin + head[b]);
-    const auto sorted = std::make_unique_for_overwrite<Point[]>(end - begin);
+    const auto sorted = make_buffer<Point>(end - begin);
     for (std::size_t k = begin; k < end; ++k) sorted[head[banded[k].bin]++] = banded[k];
     // Every head now stands at its bin's end.
     std::size_t bin_begin = 0;
     for (std::size_t b = 0; b < size; ++b) {
       const std::size_t bin_end = head[b];
-      sort_bin(sorted.get() + bin_begin, sorted.get() + bin_end);
+      sort_bin(sorted.get() + bin_begin, bin_end - bin_begin);
       bins.top[first_row * columns + b] = bin_begin < bin_end ? sorted[bin_begin].z : kNothing;
       bin_begin = bin_end;
     }

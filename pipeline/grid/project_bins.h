@@ -3,10 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/grid/project_buffer.h"
 #include "pipeline/grid/project_points.h"
 #include "pipeline/scene/depth_grid.h"
 
@@ -36,9 +36,9 @@ struct BinLattice {
 /// Points of bin b are [start[b], start[b + 1]), the highest first; equal heights by x, then y.
 struct Bins {
   BinLattice lattice;
-  std::unique_ptr<std::uint32_t[]> start;  ///< bin_count() + 1 values
-  std::unique_ptr<float[]> top;            ///< highest z of each bin, -infinity when it is empty
-  std::unique_ptr<float[]> x, y, z;        ///< metres relative to the oriented points' origin
+  Buffer<std::uint32_t> start;  ///< bin_count() + 1 values
+  Buffer<float> top;            ///< highest z of each bin, -infinity when it is empty
+  Buffer<float> x, y, z;        ///< metres relative to the oriented points' origin
   std::size_t points = 0;
 
   /// Zeros (infinities in `top`) beyond the arrays' ends, for vector reads.

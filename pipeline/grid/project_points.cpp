@@ -108,9 +108,9 @@ OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_
       robust_origin(raw, Affine(scan_to_grid, cloud_origin_m, cloud_origin_in_grid), cloud_origin_in_grid, pool);
   const Affine affine(scan_to_grid, cloud_origin_m, points.origin_m);
 
-  points.x = std::make_unique_for_overwrite<float[]>(raw.count);
-  points.y = std::make_unique_for_overwrite<float[]>(raw.count);
-  points.z = std::make_unique_for_overwrite<float[]>(raw.count);
+  points.x = make_buffer<float>(raw.count);
+  points.y = make_buffer<float>(raw.count);
+  points.z = make_buffer<float>(raw.count);
   std::vector<Box> boxes((raw.count + kChunk - 1) / kChunk);
   pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
     Box box;

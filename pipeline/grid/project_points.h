@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/grid/project_buffer.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::pipeline {
@@ -29,7 +29,7 @@ struct OrientedPoints {
 
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   std::size_t count = 0;
-  std::unique_ptr<float[]> x, y, z;
+  Buffer<float> x, y, z;
   Eigen::Array3f min_m, max_m;  ///< of the points that are not far away; min > max when there are none
 };
 
