@@ -1,5 +1,4 @@
-// How far a proxy is from rest, recomputed from positions in metres alone (docs/touch.md, "Proxy", condition
-// (c)).
+// How far a proxy is from rest, recomputed from positions in metres alone (docs/touch.md, "Proxy").
 #pragma once
 
 #include <Eigen/Core>
