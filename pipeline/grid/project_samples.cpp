@@ -102,6 +102,9 @@ CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent,
   std::vector<Sample> samples;
   for (const std::vector<Sample>& piece : pieces) samples.insert(samples.end(), piece.begin(), piece.end());
   std::sort(samples.begin(), samples.end());
+  // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
+  const auto same = [](const Sample& a, const Sample& b) { return !(a < b) && !(b < a); };
+  samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
   std::vector<NodePoint> sorted(samples.size());
   for (std::size_t k = 0; k < samples.size(); ++k) sorted[k] = samples[k].point;
 
