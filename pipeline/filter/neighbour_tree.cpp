@@ -1,8 +1,13 @@
 #include "pipeline/filter/neighbour_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 namespace sparsha::pipeline {
 namespace {
@@ -142,37 +147,77 @@ void NeighbourTree::make_leaves(std::span<const Point> points) {
 
 /// The nearest squared distances so far of each point of one leaf, ascending, itself included.
 struct NeighbourTree::Search {
-  std::size_t wanted;       ///< a point's neighbours and itself
-  std::vector<float> best;  ///< kLeaf rows of `wanted`
+  std::size_t wanted;  ///< a point's neighbours and itself
+  std::size_t stride;  ///< of rows: a guard of four, then `wanted` rounded up to four
+  std::vector<float> best;
   std::vector<std::pair<float, std::uint32_t>> stack;
 
-  explicit Search(std::size_t k) : wanted(k), best(kLeaf * k) {}
+  explicit Search(std::size_t k) : wanted(k), stride(4 + (k + 3) / 4 * 4), best(kLeaf * stride) {}
 
-  float& worst(std::size_t query) { return best[query * wanted + wanted - 1]; }
+  [[nodiscard]] float* row(std::size_t query) { return best.data() + query * stride + 4; }
+  [[nodiscard]] float worst(std::size_t query) { return row(query)[wanted - 1]; }
+  void clear() {
+    std::fill(best.begin(), best.end(), kFar);
+    for (std::size_t q = 0; q < kLeaf; ++q) row(q)[-1] = -kFar;
+  }
 
   /// Puts one leaf's points into a query's row.
   void look(const Leaf& leaf, float x, float y, float z, std::size_t query) {
-    std::array<float, kLeaf> squared;
+    alignas(16) std::array<float, kLeaf> squared;
+    float* const nearest = row(query);
+    unsigned nearer = squared_distances(leaf, x, y, z, nearest[wanted - 1], squared);
+    for (; nearer != 0; nearer &= nearer - 1) {
+      insert(nearest, squared[static_cast<std::size_t>(std::countr_zero(nearer))]);
+    }
+  }
+
+  /// Each place takes the middle one of what it has, what is below it and the new distance: no branch to mispredict.
+  void insert(float* nearest, float d) const {
+#if defined(__SSE2__)
+    const __m128 value = _mm_set1_ps(d);
+    for (std::size_t i = stride - 4; i > 0; i -= 4) {
+      const __m128 below = _mm_loadu_ps(nearest + i - 5);
+      _mm_storeu_ps(nearest + i - 4, _mm_min_ps(_mm_loadu_ps(nearest + i - 4), _mm_max_ps(below, value)));
+    }
+#else
+    for (std::size_t i = stride - 4; i > 0; --i) nearest[i - 1] = std::min(nearest[i - 1], std::max(nearest[i - 2], d));
+#endif
+  }
+
+  /// Distances of a leaf's points; bit i of the result: point i is nearer than `worst`. The scalar code and the one
+  /// with SSE2, which every x86-64 has, agree bit for bit.
+  static unsigned squared_distances(const Leaf& leaf, float x, float y, float z, float worst,
+                                    std::array<float, kLeaf>& squared) {
+    unsigned nearer = 0;
+#if defined(__SSE2__)
+    const __m128 qx = _mm_set1_ps(x);
+    const __m128 qy = _mm_set1_ps(y);
+    const __m128 qz = _mm_set1_ps(z);
+    const __m128 limit = _mm_set1_ps(worst);
+    for (std::size_t i = 0; i < kLeaf; i += 4) {
+      const __m128 dx = _mm_sub_ps(_mm_loadu_ps(leaf.x.data() + i), qx);
+      const __m128 dy = _mm_sub_ps(_mm_loadu_ps(leaf.y.data() + i), qy);
+      const __m128 dz = _mm_sub_ps(_mm_loadu_ps(leaf.z.data() + i), qz);
+      const __m128 sum = _mm_add_ps(_mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy)), _mm_mul_ps(dz, dz));
+      _mm_store_ps(squared.data() + i, sum);
+      nearer |= static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(sum, limit))) << i;
+    }
+#else
     for (std::size_t i = 0; i < kLeaf; ++i) {
       const float dx = leaf.x[i] - x;
       const float dy = leaf.y[i] - y;
       const float dz = leaf.z[i] - z;
       squared[i] = (dx * dx + dy * dy) + dz * dz;
+      nearer |= (squared[i] < worst ? 1U : 0U) << i;
     }
-    float* const row = best.data() + query * wanted;
-    for (std::size_t i = 0; i < kLeaf; ++i) {
-      const float d = squared[i];
-      if (!(d < row[wanted - 1])) continue;
-      std::size_t at = wanted - 1;
-      for (; at > 0 && row[at - 1] > d; --at) row[at] = row[at - 1];
-      row[at] = d;
-    }
+#endif
+    return nearer;
   }
 };
 
 void NeighbourTree::search_leaf(const Leaf& leaf, Search& search) const {
   const Box& home = nodes_[leaf.node].box;
-  std::fill(search.best.begin(), search.best.end(), kFar);
+  search.clear();
   for (std::size_t q = 0; q < leaf.count; ++q) search.look(leaf, leaf.x[q], leaf.y[q], leaf.z[q], q);
   const auto widest = [&] {
     float most = 0.0F;
@@ -228,7 +273,7 @@ std::vector<float> NeighbourTree::mean_distances(int neighbours, ThreadPool& poo
       const Leaf& leaf = leaves_[l];
       search_leaf(leaf, search);
       for (std::size_t q = 0; q < leaf.count; ++q) {
-        const float* const row = search.best.data() + q * (k + 1);
+        const float* const row = search.row(q);
         double sum = 0.0;
         for (std::size_t i = 1; i <= k; ++i) sum += std::sqrt(static_cast<double>(row[i]));
         mean[leaf.index[q]] = static_cast<float>(sum / static_cast<double>(k));
