@@ -158,8 +158,13 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
     return interrupted() || session.finished() ||
            (arguments.duration_s > 0.0 && elapsed.count() >= arguments.duration_s);
   };
+  std::string sound_warning;
   const auto poll = [&] {
     session.poll();
+    if (engine && engine->warning() != sound_warning) {  // the sound device is looked for in the background
+      sound_warning = engine->warning();
+      terminal.message("warning: " + sound_warning);
+    }
     rescan.poll();
     touch.see(session.state().read());
     for (const haptics::Announcement& announcement : session.announcements().since(heard)) {
@@ -173,7 +178,6 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
 
   session.start();
   if (engine) engine->start();
-  if (engine && !engine->warning().empty()) terminal.message("warning: " + engine->warning());
   if (window) {
     viewer::Connections connections;
     connections.state = &session.state();
@@ -183,6 +187,7 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
     connections.poll = poll;
     connections.finished = over;
     connections.scene = [&session] { return session.scene(); };
+    connections.speak = [&session](const std::string& text) { session.announcements().say(text); };
     connections.rescan = [&rescan](const Eigen::Matrix4d& scan_to_grid) { rescan.start(scan_to_grid); };
     viewer::ViewerOptions viewer_options;
     viewer_options.kiosk = arguments.kiosk;
