@@ -202,36 +202,47 @@ double NodeFitter::off_centre(const Layer& layer) const {
   return std::hypot(u, v) / static_cast<double>(layer.size());
 }
 
+// The points of a layer that lie within noise, and a little form, of a plane through it.
+void NodeFitter::keep_near_fit(const Layer& layer, std::vector<NodePoint>& kept) {
+  const double step_m = bins_.lattice.spacing_m;
+  const LocalFit fit = fit_locally(points_of(layer), {4.0, rule_.noise_m, step_m}, scratch_);
+  const double most = 5.0 * rule_.noise_m + 0.1 * step_m;
+  kept.clear();
+  for (const NodePoint& p : points_of(layer)) {
+    const double plane =
+        fit.height_m + fit.slope_u_m * static_cast<double>(p.u) + fit.slope_v_m * static_cast<double>(p.v);
+    if (!(std::abs(static_cast<double>(p.z) - plane) > most)) kept.push_back(p);
+  }
+}
+
 // The front, unless it lies to one side and a line parts it from the next layer on the node's side: then it is a step.
 const NodeFitter::Layer& NodeFitter::layer_at_node(double spacing) {
   const Layer& front = layers_.front();
   if (layers_.size() == 1 || off_centre(front) <= 0.5 * spacing) return front;
   const Layer& next = layers_[1];
-  Separation line = separate(points_of(front), points_of(next));
-  if (!line.separable && front.size() + next.size() > kSureOfLine) {
-    // A curved edge, or an outlier: the nearest points see it straight. Fewer than kSureOfLine would part by chance.
-    const auto r2 = [](const NodePoint& p) { return p.u * p.u + p.v * p.v; };
+  // Outliers that the gap has linked to a layer must not stand across its edge.
+  for (std::size_t side = 0; side < 2; ++side) keep_near_fit(layers_[side], sides_[side]);
+  if (sides_[0].empty() || sides_[1].empty()) return front;
+  Separation line = separate(sides_[0], sides_[1]);
+  const std::size_t points = sides_[0].size() + sides_[1].size();
+  if (!line.separable && points > kSureOfLine) {
+    // A curved edge, or an outlier still: the nearest points see it straight. Fewer would part by chance.
+    const auto r2 = [](const NodePoint& p) { return static_cast<double>(p.u * p.u + p.v * p.v); };
+    const double share = static_cast<double>(sides_[0].size()) / static_cast<double>(points);
     std::vector<double>& distances = scratch_;
     distances.clear();
-    for (const Layer* layer : {&front, &next}) {
-      for (const NodePoint& p : points_of(*layer)) distances.push_back(static_cast<double>(r2(p)));
+    for (const std::vector<NodePoint>& side : sides_) {
+      for (const NodePoint& p : side) distances.push_back(r2(p));
     }
     std::nth_element(distances.begin(), distances.begin() + kSureOfLine - 1, distances.end());
     const double limit = distances[kSureOfLine - 1];
-    const std::array<const Layer*, 2> pair{&front, &next};
-    for (std::size_t side = 0; side < 2; ++side) {
-      near_[side].clear();
-      for (const NodePoint& p : points_of(*pair[side])) {
-        if (static_cast<double>(r2(p)) <= limit) near_[side].push_back(p);
-      }
-    }
-    if (near_[0].empty()) {
+    for (std::vector<NodePoint>& side : sides_) std::erase_if(side, [&](const NodePoint& p) { return r2(p) > limit; });
+    if (sides_[0].empty()) {
       // Were the front in front here too, chance would have to have kept all of its points away.
-      const double share = static_cast<double>(front.size()) / static_cast<double>(front.size() + next.size());
-      return std::pow(1.0 - share, static_cast<double>(near_[1].size())) < 1e-5 ? next : front;
+      return std::pow(1.0 - share, static_cast<double>(sides_[1].size())) < 1e-5 ? next : front;
     }
-    if (near_[1].empty()) return front;
-    line = separate(near_[0], near_[1]);
+    if (sides_[1].empty()) return front;
+    line = separate(sides_[0], sides_[1]);
   }
   return line.separable && line.node_side < 0.0 ? next : front;
 }
@@ -267,7 +278,7 @@ NodeFit NodeFitter::fit(int i, int j, int least_reach) {
     }
     const bool whole = surrounds(points_of(*layer), 1.5 * spacing, 0.5 * spacing);
     // A line between few points may be chance: the back, taken for the low side of a step.
-    const bool chance = layer != &layers_.front() && layers_[0].size() + layers_[1].size() < kSureOfLine;
+    const bool chance = layer != &layers_.front() && sides_[0].size() + sides_[1].size() < kSureOfLine;
     if (!last && reach < 3 && chance) continue;
     if (!last && 1.5 * spacing > reach + 0.5 && (!whole || layers_.front().size() < kSafe)) continue;
     if (!last && reach < 3 && layers_.front().size() < kSafe && layers_.size() > 1) continue;

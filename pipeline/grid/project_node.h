@@ -60,6 +60,7 @@ class NodeFitter {
   void split_along_best_slope(Slope plain_fit, double total_spacing_m);
   [[nodiscard]] double point_spacing(int i, int j, int reach, const Layer& layer) const;
   [[nodiscard]] double off_centre(const Layer& layer) const;
+  void keep_near_fit(const Layer& layer, std::vector<NodePoint>& kept);
   [[nodiscard]] const Layer& layer_at_node(double spacing);
   [[nodiscard]] std::span<const NodePoint> points_of(const Layer& layer) const {
     return {points_.data() + layer.begin, layer.size()};
@@ -72,7 +73,7 @@ class NodeFitter {
   std::vector<std::uint64_t> keys_;
   std::vector<Layer> layers_;  // supported ones, the highest first
   std::vector<double> scratch_;
-  std::vector<NodePoint> near_[2];
+  std::vector<NodePoint> sides_[2];  // of a step
 };
 
 }  // namespace sparsha::pipeline
