@@ -133,7 +133,8 @@ class Body {
       if (property.count_type) {
         const double length = load_scalar<big>(record + at, *property.count_type);
         at += size;
-        if (!(length >= 0.0) || length > static_cast<double>((left - at) / size_of(property.type))) return nullptr;
+        const std::size_t most = (left - at) / size_of(property.type);
+        if (!(length >= 0.0) || length > static_cast<double>(most)) return nullptr;
         at += static_cast<std::size_t>(length) * size_of(property.type);
       } else {
         at += size;
