@@ -13,6 +13,7 @@
 #include "app/results.h"
 #include "app/terminal.h"
 #include "haptics/contact/trace.h"
+#include "haptics/session/window_loader.h"
 #include "pipeline/base/error.h"
 
 namespace sparsha::app {
@@ -33,7 +34,7 @@ struct Arguments {
   int iterations = 100;
 };
 
-// The device's workspace when a window is asked for, metres: a window then has the scale it has on a device.
+// The device's workspace when a window is asked for, metres: the window is then the one that explore touches.
 constexpr double kWorkspaceWidth = 0.1;
 
 std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scene& scene, const Arguments& arguments) {
@@ -49,25 +50,12 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
   if (level >= count) {
     throw usage_error(fmt::format("the scene has no level {}", level), fmt::format("0 to {}", count - 1));
   }
-  const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
-  const int nodes = description.config.levels.window;
-  const auto first = [&](double centre, double origin, int size) {
-    const double middle = (centre - origin) / lattice.spacing_m;
-    if (!(std::abs(middle) < 1e8)) throw usage_error("the centre lies far outside the scene", "a point of the scene");
-    return static_cast<int>(std::lround(middle - 0.5 * (std::min(nodes, size) - 1)));
-  };
-  double x = lattice.origin_m.x() + 0.5 * (lattice.nx - 1) * lattice.spacing_m;
-  double y = lattice.origin_m.y() + 0.5 * (lattice.ny - 1) * lattice.spacing_m;
-  if (!arguments.centre.empty()) {
-    x = arguments.centre[0];
-    y = arguments.centre[1];
-  }
-  const int nx = std::min(nodes, lattice.nx);
-  const int ny = std::min(nodes, lattice.ny);
-  const int i0 = first(x, lattice.origin_m.x(), lattice.nx);
-  const int j0 = first(y, lattice.origin_m.y(), lattice.ny);
-  const double width = (std::max(nx, ny) - 1) * lattice.spacing_m;
-  return haptics::make_surface(description, scene.read(level, i0, j0, nx, ny), level, kWorkspaceWidth / width, options);
+  Eigen::Vector2d centre_m = haptics::middle_of(description.levels[static_cast<std::size_t>(level)]);
+  if (!arguments.centre.empty()) centre_m = {arguments.centre[0], arguments.centre[1]};
+  haptics::WindowPlan plan = haptics::plan_window(description, level, centre_m, kWorkspaceWidth);
+  plan.texture = options.texture;
+  plan.friction = options.friction;
+  return haptics::load_window(scene, plan, 0).surface;
 }
 
 void to_grid_frame(std::vector<haptics::HipSample>& path, const Arguments& arguments,
