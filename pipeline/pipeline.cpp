@@ -82,6 +82,13 @@ void add_outliers(Cloud& cloud, const Cloud& removed, const Eigen::Matrix4d& sca
   }
 }
 
+// White noise of the heights, a node: the points' own, averaged over as many as fall to a measured node.
+double node_noise(const Projection& projection, const DepthGrid& grid) {
+  const auto measured = std::count(grid.state.begin(), grid.state.end(), NodeState::measured);
+  const double points = static_cast<double>(projection.used) / std::max(1.0, static_cast<double>(measured));
+  return projection.noise_m / std::sqrt(std::max(1.0, points));
+}
+
 // Texture and friction layers of level 0.
 void add_texture(const Config& config, const Projection& projection, ThreadPool& pool, Progress& progress, Layers& base,
                  SceneDescription& scene) {
@@ -95,8 +102,8 @@ void add_texture(const Config& config, const Projection& projection, ThreadPool&
   if (!(friction.scale_m > 0.0)) {
     friction.scale_m = std::max(3.0 * base.grid.lattice.spacing_m, config.texture->sigma_space_m);
   }
-  CurvatureMap map = texture_curvature(base.grid, base.envelope_m, friction.scale_m, projection.noise_m,
-                                       step_height(projection), pool);
+  CurvatureMap map = texture_curvature(base.grid, base.envelope_m, friction.scale_m, node_noise(projection, base.grid),
+                                       step_height(projection), pool, config.texture->sigma_space_m);
   scene.friction_c_m = friction_slope(map, friction);
   base.curvature_per_m = std::move(map.rms_per_m);
   scene.has_curvature = true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "pipeline/grid/curvature_kernel.h"
 #include "pipeline/grid/layers.h"
@@ -21,9 +22,6 @@ constexpr double kClearPercentile = 3.0;
 /// and x^2 - m2 are orthogonal under w.
 struct Filter {
   std::vector<float> value, slope, bend;
-  double noise_bend = 0;        ///< variance of h_xx (and h_yy) over that of white noise in h
-  double noise_twist = 0;       ///< variance of h_xy over that of white noise in h
-  double noise_covariance = 0;  ///< covariance of h_xx and h_yy, likewise
   int radius = 0;
 
   explicit Filter(double scale) : radius(std::max(1, static_cast<int>(std::lround(kReach * scale)))) {
@@ -38,24 +36,66 @@ struct Filter {
     }
     m2 /= total;
     m4 /= total;
-    double value_2 = 0, slope_2 = 0, bend_2 = 0, value_bend = 0;
     for (int k = 0; k <= radius; ++k) {
       const double w = weight[static_cast<std::size_t>(k)] / total;
-      const double s = w * k / m2, b = 2 * w * (k * k - m2) / (m4 - m2 * m2);
       value.push_back(static_cast<float>(w));
-      slope.push_back(static_cast<float>(s));
-      bend.push_back(static_cast<float>(b));
-      const double both = k == 0 ? 1 : 2;
-      value_2 += both * w * w;
-      slope_2 += both * s * s;
-      bend_2 += both * b * b;
-      value_bend += both * w * b;
+      slope.push_back(static_cast<float>(w * k / m2));
+      bend.push_back(static_cast<float>(2 * w * (k * k - m2) / (m4 - m2 * m2)));
     }
-    noise_bend = value_2 * bend_2;
-    noise_twist = slope_2 * slope_2;
-    noise_covariance = value_bend * value_bend;
   }
   [[nodiscard]] kernel::CurvatureFilter view() const { return {radius, value.data(), slope.data(), bend.data()}; }
+};
+
+/// A 1-D filter at offsets -radius to radius, from its half; `sign` is 1 for even and -1 for odd ones.
+std::vector<double> both_halves(const std::vector<float>& half, double sign) {
+  std::vector<double> whole(half.size() - 1);
+  for (std::size_t k = 1; k < half.size(); ++k) whole[half.size() - 1 - k] = sign * half[k];
+  whole.insert(whole.end(), half.begin(), half.end());
+  return whole;
+}
+
+/// The filter after a Gaussian of `sigma` spacings, as long as both need; `sigma` 0 gives nothing: no envelope.
+std::vector<double> smoothed(const std::vector<double>& filter, double sigma, int margin) {
+  std::vector<double> gaussian, result(filter.size() + 2 * static_cast<std::size_t>(margin));
+  double total = 0;
+  for (int k = -margin; k <= margin; ++k) {
+    gaussian.push_back(sigma > 0 ? std::exp(-0.5 * k * k / (sigma * sigma)) : 0.0);
+    total += gaussian.back();
+  }
+  for (std::size_t n = 0; n < filter.size() && total > 0; ++n)
+    for (std::size_t k = 0; k < gaussian.size(); ++k) result[n + k] += filter[n] * gaussian[k] / total;
+  return result;
+}
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+/// What unit white noise in the heights becomes in the derivatives of the texture: the envelope is nearly a Gaussian of
+/// the heights where these differ by noise alone, so a derivative K of the texture is K - K * G of the heights.
+struct NoiseGain {
+  double bend = 0;        ///< variance of h_xx and of h_yy
+  double twist = 0;       ///< variance of h_xy
+  double covariance = 0;  ///< of h_xx and h_yy
+
+  NoiseGain(const Filter& filter, double sigma) {
+    const int margin = static_cast<int>(3 * sigma);  // as the envelope's own window
+    const auto padded = [&](const std::vector<float>& half, double sign) {
+      std::vector<double> whole(static_cast<std::size_t>(margin));
+      const std::vector<double> middle = both_halves(half, sign);
+      whole.insert(whole.end(), middle.begin(), middle.end());
+      whole.resize(whole.size() + static_cast<std::size_t>(margin));
+      return whole;
+    };
+    const std::vector<double> v = padded(filter.value, 1), s = padded(filter.slope, -1), b = padded(filter.bend, 1);
+    const std::vector<double> vg = smoothed(both_halves(filter.value, 1), sigma, margin),
+                              sg = smoothed(both_halves(filter.slope, -1), sigma, margin),
+                              bg = smoothed(both_halves(filter.bend, 1), sigma, margin);
+    // Kernels are products of a filter in x and one in y; so are their scalar products.
+    bend = dot(b, b) * dot(v, v) - 2 * dot(b, bg) * dot(v, vg) + dot(bg, bg) * dot(vg, vg);
+    twist = dot(s, s) * dot(s, s) - 2 * dot(s, sg) * dot(s, sg) + dot(sg, sg) * dot(sg, sg);
+    covariance = dot(b, v) * dot(b, v) - 2 * dot(b, vg) * dot(v, bg) + dot(bg, vg) * dot(bg, vg);
+  }
 };
 
 /// Texture with a border of NaN; NaN too where a height is unknown or beside a step, so that every window that touches
@@ -124,7 +164,7 @@ double percentile(std::vector<float>& values, double fraction) {
 }  // namespace
 
 CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m, double scale_m,
-                               double noise_m, double step_m, ThreadPool& pool) {
+                               double noise_m, double step_m, ThreadPool& pool, double sigma_space_m) {
   const int nx = grid.lattice.nx, ny = grid.lattice.ny;
   const double h = grid.lattice.spacing_m;
   const double scale = std::clamp(scale_m / h, 0.5, static_cast<double>(nx + ny));
@@ -135,8 +175,9 @@ CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& 
 
   const double variance = noise_m * noise_m / (h * h * h * h);
   Noise noise;
-  noise.mean_2 = variance * (filter.noise_bend + filter.noise_covariance) / 2;
-  noise.gaussian = variance * (filter.noise_covariance - filter.noise_twist);
+  const NoiseGain gain(filter, std::min(sigma_space_m / h, static_cast<double>(nx + ny)));
+  noise.mean_2 = variance * (gain.bend + gain.covariance) / 2;
+  noise.gaussian = variance * (gain.covariance - gain.twist);
   noise.rms_2 = 2 * noise.mean_2 - noise.gaussian;
 
   CurvatureMap map;

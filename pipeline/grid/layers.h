@@ -10,8 +10,8 @@
 
 namespace sparsha::pipeline {
 
-/// Fills unknown nodes inside the morphological closing of the measured ones by a disc of `max_gap_m`, never outside the
-/// outline, not across a step higher than `step_m` (the lower side wins). Filled nodes are marked.
+/// Fills unknown nodes inside the morphological closing of the measured ones by a disc of `max_gap_m`, never outside
+/// the outline, not across a step higher than `step_m` (the lower side wins). Filled nodes are marked.
 void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadPool& pool);
 
 /// Bilateral-filtered heights f_b (Tomasi & Manduchi 1998), NaN where unknown; texture is h = f - f_b.
@@ -19,7 +19,9 @@ void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadP
                                                     ThreadPool& pool);
 
 /// Curvatures of the texture f - f_b by a Gaussian-weighted quadratic fit at `scale_m`, less their noise expectation;
-/// 0 where the window has unknown nodes or a step.
+/// 0 where the window has unknown nodes or a step. `noise_m` is the heights' white noise a node (of points with n a
+/// node: their noise / sqrt(n)); `sigma_space_m` is the envelope's, which takes most of that noise along (0: it takes
+/// none).
 struct CurvatureMap {
   std::vector<float> rms_per_m;        ///< k = sqrt(max(0, 2H^2 - K))
   std::vector<float> mean_per_m;       ///< H
@@ -27,8 +29,9 @@ struct CurvatureMap {
   double percentile_95_per_m = 0.0;    ///< of k over measured nodes
   double noise_floor_per_m = 0.0;      ///< k that noise alone would give
 };
-[[nodiscard]] CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m, double scale_m,
-                                             double noise_m, double step_m, ThreadPool& pool);
+[[nodiscard]] CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m,
+                                             double scale_m, double noise_m, double step_m, ThreadPool& pool,
+                                             double sigma_space_m = 0.0);
 
 /// Slope c of law: curvature, metres; see ALGORITHMS "Friction map".
 [[nodiscard]] double friction_slope(const CurvatureMap& map, const FrictionConfig& config);

@@ -142,6 +142,27 @@ TEST(Curvature, LosesTheExpectationOfNoise) {
   EXPECT_LT(with_2 / count, floor_2);
 }
 
+TEST(Curvature, KnowsHowMuchNoiseTheEnvelopeTakesAlong) {
+  const double h = 0.00125, noise = 0.00005;
+  DepthGrid grid = grid_of(lattice_of(300, 300, h), [](double x, double y) { return 0.2 * x - 0.1 * y; });
+  add_noise(grid, noise, 12);
+  ThreadPool pool(2);
+  const TextureConfig texture{0.002, 0.002, TextureConfig::Method::direct};  // sigma_range is 40 noises: a Gaussian
+  const std::vector<float> envelope = bilateral_envelope(grid, texture, pool);
+  const double predicted =
+      texture_curvature(grid, envelope, 3 * h, noise, kNoStep, pool, texture.sigma_space_m).noise_floor_per_m;
+  const CurvatureMap raw = texture_curvature(grid, envelope, 3 * h, 0, kNoStep, pool, texture.sigma_space_m);
+  double squares = 0;
+  int count = 0;
+  for (int j = 16; j < 284; ++j)
+    for (int i = 16; i < 284; ++i, ++count) squares += std::pow(raw.rms_per_m[grid.lattice.index(i, j)], 2);
+  // The model's Gaussian fills a square and the envelope's a disc, which takes a little more noise along.
+  const double share = squares / count / (predicted * predicted);
+  EXPECT_GT(share, 0.7);
+  EXPECT_LT(share, 1.1);
+  EXPECT_LT(predicted, 0.5 * texture_curvature(grid, envelope, 3 * h, noise, kNoStep, pool).noise_floor_per_m);
+}
+
 TEST(Curvature, IsZeroWhereTheWindowHoldsUnknownNodesOrAStep) {
   const double h = 0.001;
   DepthGrid grid =
@@ -191,7 +212,7 @@ TEST(FrictionSlope, LeavesAFlatNoisyPlaneSmooth) {
     add_noise(grid, noise, 6);
     const TextureConfig texture{0.002, 0.0005, TextureConfig::Method::direct};
     const std::vector<float> envelope = bilateral_envelope(grid, texture, pool);
-    const CurvatureMap map = texture_curvature(grid, envelope, 3 * h, noise, kNoStep, pool);
+    const CurvatureMap map = texture_curvature(grid, envelope, 3 * h, noise, kNoStep, pool, texture.sigma_space_m);
     const FrictionConfig config;
     const double c = friction_slope(map, config);
     double mean = 0;
