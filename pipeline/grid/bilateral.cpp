@@ -1,7 +1,9 @@
 // Bilateral-filtered heights (Tomasi & Manduchi 1998), aware of unknown nodes and a pure function of a node's
 // neighbourhood.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <opencv2/core.hpp>
@@ -13,7 +15,8 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kReach = 3.0;  // sigmas of space; the ring beyond holds 1.1 % of the Gaussian
+constexpr double kReach = 3.0;           // sigmas of space; the ring beyond holds 1.1 % of the Gaussian
+constexpr double kSigmasPerBlock = 4.0;  // nodes of sigma for each node of a block's side
 constexpr std::size_t kRowsPerPiece = 16;
 
 /// Heights with a border of NaN, so that the kernel never asks where the lattice ends.
@@ -35,14 +38,34 @@ struct Padded {
   }
 };
 
-/// All nodes within `reach` (in spacings) but the centre, with their Gaussian weights.
+/// Which of the `stride` x `stride` nodes of a block stands for all of them: any one, the same every time, and mirrored
+/// with the block, so that a plane stays a plane. A regular choice would mistake texture of its own period for form.
+std::array<int, 2> representative(int block_x, int block_y, int stride) {
+  const bool mirrored = block_y < 0 || (block_y == 0 && block_x < 0);
+  if (mirrored) {
+    const auto [x, y] = representative(-block_x, -block_y, stride);
+    return {-x, -y};
+  }
+  std::uint64_t bits = (static_cast<std::uint64_t>(block_x + (1 << 20)) << 32) + static_cast<std::uint64_t>(block_y);
+  for (int round = 0; round < 2; ++round) bits = (bits ^ (bits >> 29)) * 0xBF58476D1CE4E5B9ULL;
+  const auto pick = [&](int shift) {
+    return static_cast<int>((bits >> shift) % static_cast<std::uint64_t>(stride)) - (stride - 1) / 2;
+  };
+  return {block_x * stride + pick(11), block_y * stride + pick(37)};
+}
+
+/// All nodes within `reach` (in spacings) but the centre, with their Gaussian weights. Where the Gaussian is so wide
+/// that it averages hundreds of nodes anyway, one node stands for each block of up to a quarter sigma.
 std::vector<kernel::BilateralTap> make_taps(double sigma, double reach, std::size_t stride) {
   std::vector<kernel::BilateralTap> taps;
-  const int radius = static_cast<int>(reach);
-  for (int dy = -radius; dy <= radius; ++dy)
-    for (int dx = -radius; dx <= radius; ++dx) {
+  const int block = std::max(1, static_cast<int>(sigma / kSigmasPerBlock));
+  const int radius = static_cast<int>(reach) / block + 1;
+  for (int by = -radius; by <= radius; ++by)
+    for (int bx = -radius; bx <= radius; ++bx) {
+      if (bx == 0 && by == 0) continue;
+      const auto [dx, dy] = representative(bx, by, block);
       const double squared = static_cast<double>(dx) * dx + static_cast<double>(dy) * dy;
-      if (squared == 0 || squared > reach * reach) continue;
+      if (squared > reach * reach) continue;
       taps.push_back({static_cast<std::ptrdiff_t>(dy) * static_cast<std::ptrdiff_t>(stride) + dx,
                       static_cast<float>(std::exp(-squared / (2 * sigma * sigma)))});
     }
@@ -89,7 +112,9 @@ std::vector<float> opencv(const DepthGrid& grid, double sigma_space, double sigm
 }  // namespace
 
 std::vector<float> bilateral_envelope(const DepthGrid& grid, const TextureConfig& config, ThreadPool& pool) {
-  const double sigma_space = config.sigma_space_m / grid.lattice.spacing_m;
+  // Beyond the lattice's own size a wider Gaussian changes nothing that could be seen.
+  const double sigma_space =
+      std::min(config.sigma_space_m / grid.lattice.spacing_m, static_cast<double>(grid.lattice.nx + grid.lattice.ny));
   if (kReach * sigma_space < 1) return grid.height_m;
   if (config.method == TextureConfig::Method::opencv) return opencv(grid, sigma_space, config.sigma_range_m);
   return direct(grid, sigma_space, config.sigma_range_m, pool);
