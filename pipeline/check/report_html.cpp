@@ -22,10 +22,11 @@ namespace {
 
 std::string percent(double fraction) {
   if (!std::isfinite(fraction)) return "unknown";
-  // 99.97 % must not read as 100 %.
+  // Neither must 99.97 % read as 100 % nor 0.03 % as 0 %.
   const double value = 100 * fraction;
-  const double shown = value > 99.9 && value < 100 ? std::floor(value * 100) / 100 : value;
-  return fmt::format("{:.{}f}\u202F%", shown, value > 99.9 && value < 100 ? 2 : 1);
+  const bool near_all = value > 99.9 && value<100, near_none = value> 0 && value < 0.1;
+  if (near_none && value < 0.01) return "under 0.01\u202F%";
+  return fmt::format("{:.{}f}\u202F%", near_all ? std::floor(value * 100) / 100 : value, near_all || near_none ? 2 : 1);
 }
 
 std::string title_of(const SceneDescription& scene) {
