@@ -14,7 +14,7 @@ constexpr std::size_t kBlockFrames = 1024;
 
 }  // namespace
 
-WavSink::WavSink(std::shared_ptr<const SoundBank> bank, const std::filesystem::path& target, int bits)
+WavSink::WavSink(const std::shared_ptr<const SoundBank>& bank, const std::filesystem::path& target, int bits)
     : synth_(bank), writer_(target, bank->sample_rate_hz, bits) {
   block_.resize(2 * kBlockFrames);
 }

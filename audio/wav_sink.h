@@ -14,7 +14,7 @@ namespace sparsha::audio {
 /// at its exact time. One thread.
 class WavSink {
  public:
-  WavSink(std::shared_ptr<const SoundBank> bank, const std::filesystem::path& target, int bits);
+  WavSink(const std::shared_ptr<const SoundBank>& bank, const std::filesystem::path& target, int bits);
 
   /// True when it sounds. The onset is the sample nearest to event.time_s.
   bool contact(const haptics::ContactEvent& event);

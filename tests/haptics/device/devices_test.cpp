@@ -20,7 +20,7 @@ struct Round {
 };
 
 Round run(Device& device, const std::function<double(double, double)>& surface_m, double duration_s,
-        double stiffness = 800.0) {
+          double stiffness = 800.0) {
   Round result;
   int contacts = 0;
   const int ticks = static_cast<int>(duration_s * 1000.0);
