@@ -292,10 +292,10 @@ TEST(Picture, SurvivesScenesAtTheLimits) {
   const auto unknown = [](double, double) { return kNaN; };
   const auto needle = [](double x_m, double) { return x_m > 0.02 && x_m < 0.022 ? 1e4 : 0.0; };
   for (const auto& scene :
-       {scene_of(flat, {1, 1, 0.001, 1}), scene_of(flat, {2, 2, 0.001, 1}),
-        scene_of(flat, {1, 300, 0.001, 1}), scene_of(unknown, {50, 40, 0.001, 1}),
-        scene_of(needle, {64, 64, 0.001, 1}), scene_of(lotus, {101, 57, 0.004, 1, {450000.0, 5412000.0, 5.4e6}}),
-        scene_of(flat, {64, 64, 1e-9, 1}), scene_of(flat, {64, 64, 1e5, 1})}) {
+       {scene_of(flat, {1, 1, 0.001, 1}), scene_of(flat, {2, 2, 0.001, 1}), scene_of(flat, {1, 300, 0.001, 1}),
+        scene_of(unknown, {50, 40, 0.001, 1}), scene_of(needle, {64, 64, 0.001, 1}),
+        scene_of(lotus, {101, 57, 0.004, 1, {450000.0, 5412000.0, 5.4e6}}), scene_of(flat, {64, 64, 1e-9, 1}),
+        scene_of(flat, {64, 64, 1e5, 1})}) {
     Studio studio(scene);
     studio.shoot(state_of(*scene));
     studio.shoot();
