@@ -34,8 +34,10 @@ Ink::Ink()
   glEnableVertexAttribArray(0);
   glEnableVertexAttribArray(1);
   glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
-  glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(Vertex),
-                        reinterpret_cast<const void*>(offsetof(Vertex, colour)));
+  // OpenGL passes the offset inside a vertex as a pointer.
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  const void* colour = reinterpret_cast<const void*>(offsetof(Vertex, colour));
+  glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(Vertex), colour);
   glBindVertexArray(0);
 }
 
