@@ -120,29 +120,34 @@ std::string points_table(const Report::Points& p) {
   return html + "</tbody></table>";
 }
 
+// One row a figure, so that the table fits a narrow page.
 std::string distances_table(const CheckResult& check) {
+  const DistanceStatistics& to_surface = check.cloud_to_surface;
+  const DistanceStatistics& to_cloud = check.surface_to_cloud;
   std::string html =
       "<div class='scroll' tabindex='0' role='region' aria-label='Table of distances'><table><caption>Unsigned "
-      "distances; "
-      "the signed mean is positive towards the viewer</caption><thead><tr><th scope='col' class='text'>Direction</th>";
-  for (const char* name :
-       {"Samples", "Mean", "RMS", "Median", "MAD", "95\u202F%", "99\u202F%", "Largest", "Signed mean"})
-    html += fmt::format("<th scope='col'>{}</th>", name);
-  html += "</tr></thead><tbody>";
-  const auto row = [&](const char* name, const DistanceStatistics& s) {
-    html += fmt::format("<tr><th scope='row'>{}</th>", name);
-    if (s.samples == 0) {
-      html += "<td colspan='9' class='text'>nothing to measure</td></tr>";
-      return;
-    }
-    html += fmt::format("<td>{}</td><td>{}{}</td>", count_text(s.samples), length_text(s.mean_m),
-                        s.mean_ci95_m > 0 ? fmt::format(" \u00B1 {}", length_text(s.mean_ci95_m)) : "");
-    for (const double value : {s.rms_m, s.median_m, s.mad_m, s.p95_m, s.p99_m, s.max_m, s.signed_mean_m})
-      html += fmt::format("<td>{}</td>", length_text(value));
-    html += "</tr>";
+      "distances; the signed mean is positive towards the viewer</caption><thead><tr><th scope='col' class='text'>"
+      "Distances</th><th scope='col'>from scan points to surface</th><th scope='col'>from surface nodes to scan "
+      "points</th></tr></thead><tbody>";
+  const auto row = [&](const char* name, const auto& text) {
+    const auto cell = [&](const DistanceStatistics& s) { return s.samples == 0 ? "\u2013" : text(s); };
+    html +=
+        fmt::format("<tr><th scope='row'>{}</th><td>{}</td><td>{}</td></tr>", name, cell(to_surface), cell(to_cloud));
   };
-  row("scan points to surface", check.cloud_to_surface);
-  row("surface nodes to scan points", check.surface_to_cloud);
+  const auto length_row = [&](const char* name, double DistanceStatistics::*figure) {
+    row(name, [figure](const DistanceStatistics& s) { return length_text(s.*figure); });
+  };
+  row("samples", [](const DistanceStatistics& s) { return count_text(s.samples); });
+  row("mean", [](const DistanceStatistics& s) {
+    return length_text(s.mean_m) + (s.mean_ci95_m > 0 ? fmt::format(" \u00B1 {}", length_text(s.mean_ci95_m)) : "");
+  });
+  length_row("RMS", &DistanceStatistics::rms_m);
+  length_row("median", &DistanceStatistics::median_m);
+  length_row("MAD", &DistanceStatistics::mad_m);
+  length_row("95\u202F% within", &DistanceStatistics::p95_m);
+  length_row("99\u202F% within", &DistanceStatistics::p99_m);
+  length_row("largest", &DistanceStatistics::max_m);
+  length_row("signed mean", &DistanceStatistics::signed_mean_m);
   return html + "</tbody></table></div>";
 }
 
@@ -175,13 +180,18 @@ std::string histogram(const char* title, const std::vector<std::uint64_t>& count
   return html + "</tbody></table></details></section>";
 }
 
+std::string difference_text(double metres) {
+  constexpr double kNanometre = 1e-9;
+  return metres < kNanometre ? "less than a nanometre" : "at most " + length_text(metres);
+}
+
 std::string accuracy(const Report& report) {
   if (!report.check) return "<p>No cross-check was asked for (the configuration has no <code>check</code> block).</p>";
   const CheckResult& check = *report.check;
   std::string html = "<p>The surface was compared with the raw points in both directions, by exact nearest distances.";
   if (check.second_method_samples > 0)
-    html += fmt::format(" A second method measured {} of the points again and differs by at most {}.",
-                        count_text(check.second_method_samples), length_text(check.second_method_max_difference_m));
+    html += fmt::format(" A second method measured {} of the points again and differs by {}.",
+                        count_text(check.second_method_samples), difference_text(check.second_method_max_difference_m));
   if (check.cloud_to_surface.mean_ci95_m > 0)
     html += " The figures come from a random sample; \u00B1 is the 95\u202F% confidence interval of the mean.";
   html += "</p>" + distances_table(check) + "<div class='columns'>";

@@ -152,7 +152,7 @@ std::string histogram_svg(const std::vector<std::uint64_t>& counts, double bin_m
                           const std::vector<HistogramMark>& marks, const std::string& alternative) {
   const std::uint64_t most = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
   if (most == 0 || !(bin_m > 0)) return {};
-  constexpr double kLeft = 12, kWidth = 616, kTop = 34, kHeight = 150, kBase = kTop + kHeight;
+  constexpr double kLeft = 12, kWidth = 456, kTop = 34, kHeight = 150, kBase = kTop + kHeight;
   const double extent = bin_m * static_cast<double>(counts.size());
   std::string bars;
   for (std::size_t k = 0; k < counts.size(); ++k) {
@@ -163,9 +163,14 @@ std::string histogram_svg(const std::vector<std::uint64_t>& counts, double bin_m
   }
   std::string axis = fmt::format("<line x1='{0}' x2='{1}' y1='{2}' y2='{2}'/>", kLeft, kLeft + kWidth, kBase);
   const double step = nice_length(extent / 4);
-  for (double k = 0; k * step <= extent; k += 1)
-    axis += fmt::format("<line x1='{0:.1f}' x2='{0:.1f}' y1='{1}' y2='{2}'/><text x='{0:.1f}' y='{3}'>{4}</text>",
-                        kLeft + kWidth * k * step / extent, kBase, kBase + 5, kBase + 20, length_text(k * step));
+  constexpr double kRoom = 24;  // half of a label, which must not leave the picture
+  for (double k = 0; k * step <= extent; k += 1) {
+    const double x = kLeft + kWidth * k * step / extent;
+    axis += fmt::format("<line x1='{0:.1f}' x2='{0:.1f}' y1='{1}' y2='{2}'/>", x, kBase, kBase + 5);
+    if (x > kLeft + kWidth - kRoom) continue;
+    axis += fmt::format("<text x='{:.1f}' y='{}'{}>{}</text>", k == 0 ? kLeft : x, kBase + 20,
+                        k == 0 ? " class='start'" : "", k == 0 ? "0" : length_text(k * step));
+  }
   std::string lines;
   double label_y = 12;
   for (const HistogramMark& mark : marks) {
@@ -178,7 +183,7 @@ std::string histogram_svg(const std::vector<std::uint64_t>& counts, double bin_m
     label_y += 14;
   }
   return fmt::format(
-      "<svg class='histogram' viewBox='0 0 640 214' role='img' aria-label='{}'><g class='bars'>{}</g>"
+      "<svg class='histogram' viewBox='0 0 480 214' role='img' aria-label='{}'><g class='bars'>{}</g>"
       "<g class='axis'>{}</g><g class='marks'>{}</g></svg>",
       escape_html(alternative), bars, axis, lines);
 }
