@@ -18,6 +18,9 @@ if(MSVC)
 else()
   target_compile_options(sparsha_options INTERFACE
     -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -ffp-contract=off)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    target_compile_options(sparsha_options INTERFACE -Wno-sign-conversion)  # GCC's -Wconversion leaves signs out, too
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(sparsha_options INTERFACE -Wno-restrict)  # false alarms on std::string + in GCC 12 (PR 105651)
   endif()
