@@ -2,7 +2,6 @@
 #include "pipeline/grid/project_attributes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,13 +9,6 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kWeightOne = 256.0;
-
-// Up to four channels of an attribute per point, 0 to 255 or a value scaled to integers.
-template <std::size_t Channels>
-struct Sums {
-  std::array<std::int64_t, Channels> value{};
-  std::int64_t weight = 0;
-};
 
 // Corners of a mesh node's triangle as weights that add up to one.
 std::array<double, 3> barycentric(const OrientedPoints& points, const std::array<std::uint32_t, 3>& f, double x,
@@ -33,93 +25,132 @@ std::array<double, 3> barycentric(const OrientedPoints& points, const std::array
   return w;
 }
 
-template <std::size_t Channels, typename Read, typename Write>
-void splat(const Cloud& cloud, const OrientedPoints& points, const BinLattice& lattice, const TriangleHeights& mesh,
-           const Projection& projection, Read read, Write write) {
-  const Lattice& nodes = projection.grid.lattice;
-  std::vector<Sums<Channels>> sums(nodes.count());
+std::array<std::int64_t, 4> channels(std::uint32_t rgba) {
+  return {rgba & 255U, (rgba >> 8U) & 255U, (rgba >> 16U) & 255U, rgba >> 24U};
+}
+
+}  // namespace
+
+float largest_magnitude(const float* values, std::size_t count) {
+  float largest = 0.0F;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (std::isfinite(values[k])) largest = std::max(largest, std::abs(values[k]));
+  }
+  return largest;
+}
+
+AttributeSums::AttributeSums(const Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity,
+                             float largest_intensity)
+    : nodes_(nodes),
+      lattice_(lattice),
+      intensity_scale_(largest_intensity > 0.0F ? 16777216.0 / static_cast<double>(largest_intensity) : 1.0),
+      colour_(colour ? nodes.count() : 0),
+      intensity_(intensity ? nodes.count() : 0) {}
+
+std::array<std::int64_t, 1> AttributeSums::scaled(float intensity) const {
+  const float value = std::isfinite(intensity) ? intensity : 0.0F;
+  return {std::llround(static_cast<double>(value) * intensity_scale_)};
+}
+
+template <std::size_t Channels, typename Read>
+void AttributeSums::splat(std::vector<Sum<Channels>>& sums, const OrientedPoints& points, const PointFate* fate,
+                          const Read& read) const {
   for (std::size_t k = 0; k < points.count; ++k) {
-    if (projection.fate[k] != PointFate::used) continue;
-    const double u = (static_cast<double>(points.x[k]) - lattice.x0_m) / lattice.spacing_m;
-    const double v = (static_cast<double>(points.y[k]) - lattice.y0_m) / lattice.spacing_m;
+    if (fate[k] != PointFate::used) continue;
+    const double u = (static_cast<double>(points.x[k]) - lattice_.x0_m) / lattice_.spacing_m;
+    const double v = (static_cast<double>(points.y[k]) - lattice_.y0_m) / lattice_.spacing_m;
     const int i = static_cast<int>(std::floor(u));
     const int j = static_cast<int>(std::floor(v));
     const std::array<std::int64_t, Channels> value = read(k);
-    for (int b = std::max(0, j); b <= std::min(nodes.ny - 1, j + 1); ++b) {
-      for (int a = std::max(0, i); a <= std::min(nodes.nx - 1, i + 1); ++a) {
+    for (int b = std::max(0, j); b <= std::min(nodes_.ny - 1, j + 1); ++b) {
+      for (int a = std::max(0, i); a <= std::min(nodes_.nx - 1, i + 1); ++a) {
         const double near = std::max(0.0, 1.0 - std::abs(u - a)) * std::max(0.0, 1.0 - std::abs(v - b));
         const auto weight = static_cast<std::int64_t>(std::lround(near * kWeightOne)) + 1;
-        Sums<Channels>& sum = sums[nodes.index(a, b)];
+        Sum<Channels>& sum = sums[nodes_.index(a, b)];
         for (std::size_t c = 0; c < Channels; ++c) sum.value[c] += weight * value[c];
         sum.weight += weight;
       }
     }
   }
-  for (int j = 0; j < nodes.ny; ++j) {
-    for (int i = 0; i < nodes.nx; ++i) {
-      const std::size_t node = nodes.index(i, j);
+}
+
+void AttributeSums::add(const OrientedPoints& points, const PointFate* fate, const std::uint32_t* rgba,
+                        const float* intensity) {
+  if (!colour_.empty()) splat<4>(colour_, points, fate, [&](std::size_t k) { return channels(rgba[k]); });
+  if (!intensity_.empty()) splat<1>(intensity_, points, fate, [&](std::size_t k) { return scaled(intensity[k]); });
+}
+
+template <std::size_t Channels, typename OnMesh, typename Write>
+void AttributeSums::each_node(const std::vector<Sum<Channels>>& sums, const Projection& projection,
+                              const OnMesh& on_mesh, const Write& write) const {
+  for (int j = 0; j < nodes_.ny; ++j) {
+    for (int i = 0; i < nodes_.nx; ++i) {
+      const std::size_t node = nodes_.index(i, j);
       if (projection.grid.state[node] != NodeState::measured) continue;
       std::array<double, Channels> value{};
-      const bool on_mesh = !mesh.face.empty() && mesh.face[node] != TriangleHeights::kNone &&
-                           projection.grid.height_m[node] == mesh.height_m[node];
-      if (on_mesh) {
-        const std::array<std::uint32_t, 3>& f = cloud.faces[mesh.face[node]];
-        const std::array<double, 3> w =
-            barycentric(points, f, lattice.x0_m + i * lattice.spacing_m, lattice.y0_m + j * lattice.spacing_m);
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-          const std::array<std::int64_t, Channels> part = read(f[corner]);
-          for (std::size_t c = 0; c < Channels; ++c) value[c] += w[corner] * static_cast<double>(part[c]);
-        }
-      } else if (sums[node].weight > 0) {
+      if (!on_mesh(i, j, value)) {
+        if (sums[node].weight == 0) continue;
         for (std::size_t c = 0; c < Channels; ++c) {
           value[c] = static_cast<double>(sums[node].value[c]) / static_cast<double>(sums[node].weight);
         }
-      } else {
-        continue;
       }
       write(node, value);
     }
   }
 }
 
-}  // namespace
+template <typename ColourOnMesh, typename IntensityOnMesh>
+void AttributeSums::write_all(Projection& projection, const ColourOnMesh& colour_on_mesh,
+                              const IntensityOnMesh& intensity_on_mesh) const {
+  if (!colour_.empty()) {
+    projection.colour_rgba.assign(nodes_.count(), 0);
+    each_node<4>(colour_, projection, colour_on_mesh, [&](std::size_t node, const std::array<double, 4>& value) {
+      std::uint32_t rgba = 0;
+      for (std::size_t c = 0; c < 4; ++c) {
+        const auto level = static_cast<std::uint32_t>(std::lround(std::clamp(value[c], 0.0, 255.0)));
+        rgba |= level << (8U * static_cast<std::uint32_t>(c));
+      }
+      projection.colour_rgba[node] = rgba;
+    });
+  }
+  if (!intensity_.empty()) {
+    projection.intensity.assign(nodes_.count(), std::numeric_limits<float>::quiet_NaN());
+    each_node<1>(intensity_, projection, intensity_on_mesh, [&](std::size_t node, const std::array<double, 1>& value) {
+      projection.intensity[node] = static_cast<float>(value[0] / intensity_scale_);
+    });
+  }
+}
 
-void project_attributes(const Cloud& cloud, const OrientedPoints& points, const BinLattice& lattice,
-                        const TriangleHeights& mesh, const GridConfig& config, ThreadPool&, Projection& projection) {
-  if (config.colour && cloud.rgba.size() == points.count) {
-    projection.colour_rgba.assign(projection.grid.lattice.count(), 0);
-    splat<4>(
-        cloud, points, lattice, mesh, projection,
-        [&](std::size_t k) {
-          const std::uint32_t rgba = cloud.rgba[k];
-          return std::array<std::int64_t, 4>{rgba & 255U, (rgba >> 8U) & 255U, (rgba >> 16U) & 255U, rgba >> 24U};
-        },
-        [&](std::size_t node, const std::array<double, 4>& value) {
-          std::uint32_t rgba = 0;
-          for (std::size_t c = 0; c < 4; ++c) {
-            const auto level = static_cast<std::uint32_t>(std::lround(std::clamp(value[c], 0.0, 255.0)));
-            rgba |= level << (8U * static_cast<std::uint32_t>(c));
-          }
-          projection.colour_rgba[node] = rgba;
-        });
+void AttributeSums::write(Projection& projection) const {
+  write_all(
+      projection, [](int, int, std::array<double, 4>&) { return false; },
+      [](int, int, std::array<double, 1>&) { return false; });
+}
+
+void AttributeSums::write(Projection& projection, const Cloud& cloud, const OrientedPoints& points,
+                          const TriangleHeights& mesh) const {
+  if (mesh.face.empty()) {
+    write(projection);
+    return;
   }
-  if (config.intensity && cloud.intensity.size() == points.count) {
-    float largest = 0.0F;
-    for (const float value : cloud.intensity) {
-      if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-    }
-    const double scale = largest > 0.0F ? 16777216.0 / static_cast<double>(largest) : 1.0;
-    projection.intensity.assign(projection.grid.lattice.count(), std::numeric_limits<float>::quiet_NaN());
-    splat<1>(
-        cloud, points, lattice, mesh, projection,
-        [&](std::size_t k) {
-          const float value = std::isfinite(cloud.intensity[k]) ? cloud.intensity[k] : 0.0F;
-          return std::array<std::int64_t, 1>{std::llround(static_cast<double>(value) * scale)};
-        },
-        [&](std::size_t node, const std::array<double, 1>& value) {
-          projection.intensity[node] = static_cast<float>(value[0] / scale);
-        });
-  }
+  const auto from_corners = [&](const auto& read) {
+    return [&, read](int i, int j, auto& value) {
+      const std::size_t node = nodes_.index(i, j);
+      if (mesh.face[node] == TriangleHeights::kNone || projection.grid.height_m[node] != mesh.height_m[node]) {
+        return false;
+      }
+      const std::array<std::uint32_t, 3>& f = cloud.faces[mesh.face[node]];
+      const std::array<double, 3> w =
+          barycentric(points, f, lattice_.x0_m + i * lattice_.spacing_m, lattice_.y0_m + j * lattice_.spacing_m);
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const auto part = read(f[corner]);
+        for (std::size_t c = 0; c < value.size(); ++c) value[c] += w[corner] * static_cast<double>(part[c]);
+      }
+      return true;
+    };
+  };
+  write_all(projection, from_corners([&](std::size_t k) { return channels(cloud.rgba[k]); }),
+            from_corners([&](std::size_t k) { return scaled(cloud.intensity[k]); }));
 }
 
 }  // namespace sparsha::pipeline

@@ -62,14 +62,15 @@ void sort_bin(Point* first, std::size_t count) {
   std::sort(first, first + count, higher);
 }
 
-// Band and bin within the band of points. In float: a point on a border may go to either bin, the same one always.
+// Band and bin within the band of points.
 struct Indexer {
-  Indexer(const BinLattice& lattice, std::uint32_t rows_per_band)
-      : x_shift(static_cast<float>(lattice.x0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
-        y_shift(static_cast<float>(lattice.y0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
-        per_m(static_cast<float>(1.0 / lattice.spacing_m)),
-        columns(static_cast<float>(lattice.bins_x())),
-        rows(static_cast<float>(lattice.bins_y())),
+  Indexer(const BinLattice& lattice, const BinWindow& window, std::uint32_t rows_per_band)
+      : ruler(lattice),
+        left(static_cast<float>(window.first_column)),
+        right(static_cast<float>(window.last_column)),
+        bottom(static_cast<float>(window.first_row)),
+        top(static_cast<float>(window.last_row)),
+        first_row(window.first_row),
         row_length(lattice.bins_x()),
         band_rows_log2(std::countr_zero(rows_per_band)),
         row_mask(static_cast<std::int32_t>(rows_per_band - 1)) {}
@@ -78,17 +79,19 @@ struct Indexer {
   void operator()(const float* x, const float* y, std::size_t count, std::int32_t nowhere, std::int32_t* band,
                   std::int32_t* bin) const {
     for (std::size_t k = 0; k < count; ++k) {
-      const float u = (x[k] - x_shift) * per_m;
-      const float v = (y[k] - y_shift) * per_m;
-      const bool inside = (u >= 0.0F) & (v >= 0.0F) & (u < columns) & (v < rows);
+      const float u = (x[k] - ruler.x_shift_m) * ruler.per_m;
+      const float v = (y[k] - ruler.y_shift_m) * ruler.per_m;
+      const bool inside = (u >= left) & (v >= bottom) & (u < right) & (v < top);
       const auto column = static_cast<std::int32_t>(inside ? u : 0.0F);
-      const auto row = static_cast<std::int32_t>(inside ? v : 0.0F);
+      const auto row = static_cast<std::int32_t>(inside ? v : bottom) - first_row;
       band[k] = inside ? row >> band_rows_log2 : nowhere;
       bin[k] = (row & row_mask) * row_length + column;
     }
   }
 
-  float x_shift, y_shift, per_m, columns, rows;
+  BinRuler ruler;
+  float left, right, bottom, top;
+  std::int32_t first_row;
   std::int32_t row_length;
   std::int32_t band_rows_log2;
   std::int32_t row_mask;
@@ -96,16 +99,23 @@ struct Indexer {
 
 }  // namespace
 
+BinRuler::BinRuler(const BinLattice& lattice)
+    : x_shift_m(static_cast<float>(lattice.x0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
+      y_shift_m(static_cast<float>(lattice.y0_m - (BinLattice::kMargin + 0.5) * lattice.spacing_m)),
+      per_m(static_cast<float>(1.0 / lattice.spacing_m)),
+      columns(static_cast<float>(lattice.bins_x())),
+      rows(static_cast<float>(lattice.bins_y())) {}
+
 Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t>& skip, const BinLattice& lattice,
-                    ThreadPool& pool) {
-  const std::size_t columns = static_cast<std::size_t>(lattice.bins_x());
-  const std::size_t rows = static_cast<std::size_t>(lattice.bins_y());
+                    const BinWindow& window, ThreadPool& pool) {
+  const auto columns = static_cast<std::size_t>(lattice.bins_x());
+  const auto rows = static_cast<std::size_t>(window.last_row - window.first_row);
   // Bands of about 16 K points are 256 KB; at most 256 bands keep their write heads in cache.
   const std::size_t wanted_bands = std::clamp<std::size_t>(points.count / 16384, 1, 256);
   const std::size_t rows_per_band = std::bit_ceil(std::max<std::size_t>(1, (rows + wanted_bands - 1) / wanted_bands));
   const std::size_t bands = (rows + rows_per_band - 1) / rows_per_band;
   const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
-  const Indexer indexer(lattice, static_cast<std::uint32_t>(rows_per_band));
+  const Indexer indexer(lattice, window, static_cast<std::uint32_t>(rows_per_band));
   const auto nowhere = static_cast<std::int32_t>(bands);
   const auto index_piece = [&](std::size_t begin, std::size_t end, std::int32_t* band, std::int32_t* bin) {
     indexer(points.x.get() + begin, points.y.get() + begin, end - begin, nowhere, band, bin);
@@ -159,8 +169,8 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   }
   std::fill_n(bins.top.get() + lattice.bin_count(), Bins::kReadAhead, kNothing);
   pool.for_ranges(bands, 1, [&](std::size_t band, std::size_t) {
-    const std::size_t first_row = band * rows_per_band;
-    const std::size_t band_rows = std::min(rows_per_band, rows - first_row);
+    const std::size_t first_row = static_cast<std::size_t>(window.first_row) + band * rows_per_band;
+    const std::size_t band_rows = std::min(rows_per_band, static_cast<std::size_t>(window.last_row) - first_row);
     std::uint32_t* start = bins.start.get() + first_row * columns;
     const std::size_t size = band_rows * columns;
     std::vector<std::uint32_t> head(size + 1, 0);
@@ -185,7 +195,7 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
       bins.z[begin + k] = sorted[k].z;
     }
   });
-  bins.start[lattice.bin_count()] = static_cast<std::uint32_t>(total);
+  bins.start[static_cast<std::size_t>(window.last_row) * columns] = static_cast<std::uint32_t>(total);
   return bins;
 }
 

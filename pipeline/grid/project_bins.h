@@ -33,11 +33,35 @@ struct BinLattice {
   }
 };
 
+/// Which bin a point falls into. In float: a point on a border may go to either bin, the same one always.
+struct BinRuler {
+  explicit BinRuler(const BinLattice& lattice);
+
+  /// False beyond the bins.
+  [[nodiscard]] bool locate(float x, float y, int& column, int& row) const {
+    const float u = (x - x_shift_m) * per_m;
+    const float v = (y - y_shift_m) * per_m;
+    if (!(u >= 0.0F && v >= 0.0F && u < columns && v < rows)) return false;
+    column = static_cast<int>(u);
+    row = static_cast<int>(v);
+    return true;
+  }
+
+  float x_shift_m, y_shift_m, per_m, columns, rows;
+};
+
+/// Bins of rows [first_row, last_row) and columns [first_column, last_column), counted from the margin's first.
+struct BinWindow {
+  int first_row = 0, last_row = 0, first_column = 0, last_column = 0;
+
+  [[nodiscard]] static BinWindow all(const BinLattice& lattice) { return {0, lattice.bins_y(), 0, lattice.bins_x()}; }
+};
+
 /// Points of bin b are [start[b], start[b + 1]), the highest first; equal heights by x, then y.
 struct Bins {
   BinLattice lattice;
-  Buffer<std::uint32_t> start;  ///< bin_count() + 1 values
-  Buffer<float> top;            ///< highest z of each bin, -infinity when it is empty
+  Buffer<std::uint32_t> start;  ///< bin_count() + 1 values, those of the window's rows set
+  Buffer<float> top;            ///< highest z of each bin, -infinity when it is empty; set as `start` is
   Buffer<float> x, y, z;        ///< metres relative to the oriented points' origin
   std::size_t points = 0;
 
@@ -45,8 +69,9 @@ struct Bins {
   static constexpr std::size_t kReadAhead = 32;
 };
 
-/// `skip` (empty or one flag a point) names points that stay out. At most 2^32 - 1 points.
+/// `skip` (empty or one flag a point) names points that stay out, and so do those beyond the window: bins of its rows
+/// but not of its columns are empty, and memory of other rows is not touched. At most 2^32 - 1 points.
 [[nodiscard]] Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t>& skip,
-                                  const BinLattice& lattice, ThreadPool& pool);
+                                  const BinLattice& lattice, const BinWindow& window, ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

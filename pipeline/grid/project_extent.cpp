@@ -42,48 +42,49 @@ struct Occupancy {
   }
 };
 
-Occupancy count_points(const OrientedPoints& points, const Box& box, ThreadPool& pool) {
+Occupancy count_points(std::uint64_t points, const OrientedPieces& pieces, const Box& box, ThreadPool& pool) {
   Occupancy cells;
   cells.box = box;
-  const double wanted = std::sqrt(static_cast<double>(points.count) / 8.0);
+  const double wanted = std::sqrt(static_cast<double>(points) / 8.0);
   const int side = std::clamp(static_cast<int>(wanted), 4, kMostCells);
   cells.cell_m = std::max(box.longer(), 1e-30) / side * (1.0 + 1e-6);
   cells.per_m = 1.0 / cells.cell_m;
   cells.nx = std::min(side, static_cast<int>((box.x1 - box.x0) / cells.cell_m) + 1);
   cells.ny = std::min(side, static_cast<int>((box.y1 - box.y0) / cells.cell_m) + 1);
   const std::size_t size = cells.at(0, cells.ny);
-  const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
-  std::vector<std::vector<std::uint32_t>> partial(pieces);
-  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t>& mine = partial[begin / kPiece];
-    mine.assign(size + 1, 0);
-    const auto x0 = static_cast<float>(cells.box.x0);
-    const auto y0 = static_cast<float>(cells.box.y0);
-    const auto per_m = static_cast<float>(cells.per_m);
-    const auto nx = static_cast<float>(cells.nx);
-    const auto ny = static_cast<float>(cells.ny);
-    // Cells a batch at a time, which the compiler does in vectors; points outside go to one cell more.
-    const auto outside = static_cast<std::int32_t>(size);
-    std::array<std::int32_t, kBatch> cell;
-    for (std::size_t first = begin; first < end; first += kBatch) {
-      const std::size_t batch = std::min(kBatch, end - first);
-      const float* x = points.x.get() + first;
-      const float* y = points.y.get() + first;
-      for (std::size_t k = 0; k < batch; ++k) {
-        const float u = (x[k] - x0) * per_m;
-        const float v = (y[k] - y0) * per_m;
-        const bool inside = (u >= 0.0F) & (v >= 0.0F) & (u < nx) & (v < ny);
-        const auto i = static_cast<std::int32_t>(inside ? u : 0.0F);
-        const auto j = static_cast<std::int32_t>(inside ? v : 0.0F);
-        cell[k] = inside ? j * cells.nx + i : outside;
+  cells.count.assign(size, 0);
+  pieces([&](const OrientedPoints& piece) {
+    std::vector<std::vector<std::uint32_t>> partial((piece.count + kPiece - 1) / kPiece);
+    pool.for_ranges(piece.count, kPiece, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::uint32_t>& mine = partial[begin / kPiece];
+      mine.assign(size + 1, 0);
+      const auto x0 = static_cast<float>(cells.box.x0);
+      const auto y0 = static_cast<float>(cells.box.y0);
+      const auto per_m = static_cast<float>(cells.per_m);
+      const auto nx = static_cast<float>(cells.nx);
+      const auto ny = static_cast<float>(cells.ny);
+      // Cells a batch at a time, which the compiler does in vectors; points outside go to one cell more.
+      const auto outside = static_cast<std::int32_t>(size);
+      std::array<std::int32_t, kBatch> cell;
+      for (std::size_t first = begin; first < end; first += kBatch) {
+        const std::size_t batch = std::min(kBatch, end - first);
+        const float* x = piece.x.get() + first;
+        const float* y = piece.y.get() + first;
+        for (std::size_t k = 0; k < batch; ++k) {
+          const float u = (x[k] - x0) * per_m;
+          const float v = (y[k] - y0) * per_m;
+          const bool inside = (u >= 0.0F) & (v >= 0.0F) & (u < nx) & (v < ny);
+          const auto i = static_cast<std::int32_t>(inside ? u : 0.0F);
+          const auto j = static_cast<std::int32_t>(inside ? v : 0.0F);
+          cell[k] = inside ? j * cells.nx + i : outside;
+        }
+        for (std::size_t k = 0; k < batch; ++k) ++mine[static_cast<std::size_t>(cell[k])];
       }
-      for (std::size_t k = 0; k < batch; ++k) ++mine[static_cast<std::size_t>(cell[k])];
+    });
+    for (const std::vector<std::uint32_t>& mine : partial) {
+      for (std::size_t c = 0; c < size; ++c) cells.count[c] += mine[c];
     }
   });
-  cells.count.assign(size, 0);
-  for (const std::vector<std::uint32_t>& mine : partial) {
-    for (std::size_t c = 0; c < size; ++c) cells.count[c] += mine[c];
-  }
   return cells;
 }
 
@@ -157,13 +158,43 @@ CellBox box_of_kept(const Occupancy& cells) {
   return box;
 }
 
+// A point at the border and its two local point spacings.
+struct BorderPoint {
+  std::array<float, 3> place;
+  float reach_m;
+};
+
+constexpr std::size_t kTries = 256;  // outermost points that are asked for neighbours
+
+// The points of one side, those that can be a candidate or a neighbour of one.
 struct Strip {
-  std::vector<std::array<float, 3>> points;
-  std::vector<float> reach_m;  // two local point spacings
+  std::size_t axis;  // 0 x, 1 y
+  float sign;        // of the outward direction
+  float most_reach_m = 0.0F;
+  std::size_t limit = 1U << 20U;  // when it is exceeded, points that came to lie too far inside go
+  std::vector<BorderPoint> points;
+
+  Strip(std::size_t a, float s) : axis(a), sign(s) {}
+
+  [[nodiscard]] bool outer(const BorderPoint& a, const BorderPoint& b) const {
+    const float pa = sign * a.place[axis];
+    const float pb = sign * b.place[axis];
+    return pa != pb ? pa > pb : a.place < b.place;
+  }
+  void prune() {
+    if (points.size() <= limit) return;
+    const auto last = points.begin() + static_cast<std::ptrdiff_t>(kTries) - 1;
+    std::nth_element(points.begin(), last, points.end(),
+                     [&](const BorderPoint& a, const BorderPoint& b) { return outer(a, b); });
+    // A little more than the reach, since differences of floats round.
+    const float least = sign * last->place[axis] - 1.001F * most_reach_m;
+    std::erase_if(points, [&](const BorderPoint& p) { return sign * p.place[axis] < least; });
+    limit = std::max(limit, 2 * points.size());
+  }
 };
 
 // The supported points of the two outermost columns and rows of kept cells: left, right, bottom, top.
-std::array<Strip, 4> border_strips(const OrientedPoints& points, const Occupancy& cells, const CellBox& kept,
+std::array<Strip, 4> border_strips(const OrientedPieces& pieces, const Occupancy& cells, const CellBox& kept,
                                    ThreadPool& pool) {
   // Most points are inside by a plain comparison; one cell to spare keeps its rounding harmless.
   const auto border = [](double corner, double cells_m) { return static_cast<float>(corner + cells_m); };
@@ -174,75 +205,84 @@ std::array<Strip, 4> border_strips(const OrientedPoints& points, const Occupancy
   const auto near = [=](float x, float y) {
     return static_cast<std::int32_t>(!((x > left) & (x < right) & (y > bottom) & (y < top)));
   };
-  std::vector<std::vector<std::size_t>> pieces((points.count + kPiece - 1) / kPiece);
-  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t first = begin; first < end; first += 16) {
-      const std::size_t last = std::min(end, first + 16);
-      std::int32_t any_near = 0;
-      for (std::size_t k = first; k < last; ++k) any_near |= near(points.x[k], points.y[k]);
-      if (any_near == 0) continue;
-      for (std::size_t k = first; k < last; ++k) {
-        if (near(points.x[k], points.y[k]) != 0) pieces[begin / kPiece].push_back(k);
-      }
-    }
-  });
-  std::array<Strip, 4> strips;
-  for (const std::vector<std::size_t>& piece : pieces) {
-    for (const std::size_t k : piece) {
-      const std::ptrdiff_t found = cells.cell_of(points.x[k], points.y[k]);
-      if (found < 0) continue;
-      const auto c = static_cast<std::size_t>(found);
-      if (cells.kept[c] == 0) continue;
-      const int i = static_cast<int>(c % static_cast<std::size_t>(cells.nx));
-      const int j = static_cast<int>(c / static_cast<std::size_t>(cells.nx));
-      const std::array<bool, 4> at_side{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
-      const auto reach = static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
-      for (std::size_t side = 0; side < 4; ++side) {
-        if (!at_side[side]) continue;
-        strips[side].points.push_back({points.x[k], points.y[k], points.z[k]});
-        strips[side].reach_m.push_back(reach);
-      }
+  // Two local point spacings of the points in a cell.
+  const auto reach_of = [&](std::size_t c) {
+    return static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
+  };
+  const auto sides_of = [&](std::size_t c) {
+    const int i = static_cast<int>(c % static_cast<std::size_t>(cells.nx));
+    const int j = static_cast<int>(c / static_cast<std::size_t>(cells.nx));
+    return std::array<bool, 4>{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
+  };
+  std::array<Strip, 4> strips{Strip(0, -1.0F), Strip(0, 1.0F), Strip(1, -1.0F), Strip(1, 1.0F)};
+  for (std::size_t c = 0; c < cells.kept.size(); ++c) {
+    if (cells.kept[c] == 0) continue;
+    const std::array<bool, 4> at_side = sides_of(c);
+    for (std::size_t side = 0; side < 4; ++side) {
+      if (at_side[side]) strips[side].most_reach_m = std::max(strips[side].most_reach_m, reach_of(c));
     }
   }
+  pieces([&](const OrientedPoints& points) {
+    std::vector<std::vector<std::size_t>> parts((points.count + kPiece - 1) / kPiece);
+    pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t first = begin; first < end; first += 16) {
+        const std::size_t last = std::min(end, first + 16);
+        std::int32_t any_near = 0;
+        for (std::size_t k = first; k < last; ++k) any_near |= near(points.x[k], points.y[k]);
+        if (any_near == 0) continue;
+        for (std::size_t k = first; k < last; ++k) {
+          if (near(points.x[k], points.y[k]) != 0) parts[begin / kPiece].push_back(k);
+        }
+      }
+    });
+    for (const std::vector<std::size_t>& part : parts) {
+      for (const std::size_t k : part) {
+        const std::ptrdiff_t found = cells.cell_of(points.x[k], points.y[k]);
+        if (found < 0) continue;
+        const auto c = static_cast<std::size_t>(found);
+        if (cells.kept[c] == 0) continue;
+        const std::array<bool, 4> at_side = sides_of(c);
+        const BorderPoint point{{points.x[k], points.y[k], points.z[k]}, reach_of(c)};
+        for (std::size_t side = 0; side < 4; ++side) {
+          if (at_side[side]) strips[side].points.push_back(point);
+        }
+      }
+      for (Strip& strip : strips) strip.prune();
+    }
+  });
   return strips;
 }
 
-// Outermost coordinate along `axis` (0 x, 1 y) towards `sign` of a point that has at least three neighbours in reach.
-double outermost_supported(const Strip& strip, std::size_t axis, float sign, double otherwise) {
-  std::vector<std::uint32_t> order(strip.points.size());
-  for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
-  const std::size_t tries = std::min<std::size_t>(order.size(), 256);
-  const auto outer = [&](std::uint32_t a, std::uint32_t b) {
-    const float pa = sign * strip.points[a][axis];
-    const float pb = sign * strip.points[b][axis];
-    return pa != pb ? pa > pb : strip.points[a] < strip.points[b];
-  };
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(tries), order.end(), outer);
+// Outermost coordinate of a point that has at least three neighbours in reach.
+double outermost_supported(Strip& strip, double otherwise) {
+  const std::size_t tries = std::min(strip.points.size(), kTries);
+  std::partial_sort(strip.points.begin(), strip.points.begin() + static_cast<std::ptrdiff_t>(tries), strip.points.end(),
+                    [&](const BorderPoint& a, const BorderPoint& b) { return strip.outer(a, b); });
   for (std::size_t t = 0; t < tries; ++t) {
-    const std::array<float, 3>& p = strip.points[order[t]];
-    const float reach = strip.reach_m[order[t]];
+    const std::array<float, 3>& p = strip.points[t].place;
+    const float reach = strip.points[t].reach_m;
     int neighbours = -1;  // the point finds itself
-    for (const std::array<float, 3>& q : strip.points) {
-      const float dx = q[0] - p[0];
-      const float dy = q[1] - p[1];
-      const float dz = (q[2] - p[2]) / 1.5F;
+    for (const BorderPoint& q : strip.points) {
+      const float dx = q.place[0] - p[0];
+      const float dy = q.place[1] - p[1];
+      const float dz = (q.place[2] - p[2]) / 1.5F;
       if (dx * dx + dy * dy + dz * dz <= reach * reach && ++neighbours == 3) break;
     }
-    if (neighbours >= 3) return static_cast<double>(p[axis]);
+    if (neighbours >= 3) return static_cast<double>(p[strip.axis]);
   }
   return otherwise;
 }
 
 }  // namespace
 
-Extent supported_extent(const OrientedPoints& points, const std::vector<std::uint8_t>& fixed, ThreadPool& pool) {
+Extent supported_extent(const PointTotals& points, const OrientedPieces& pieces, ThreadPool& pool) {
   if (!(points.min_m.x() <= points.max_m.x())) throw input_error({}, "no points to project", "at least four");
   const auto wide = [](float v) { return static_cast<double>(v); };
   Box box{wide(points.min_m.x()), wide(points.min_m.y()), wide(points.max_m.x()), wide(points.max_m.y())};
   Occupancy cells;
   CellBox kept;
   for (int zoom = 0; zoom < 64; ++zoom) {
-    cells = count_points(points, box, pool);
+    cells = count_points(points.count, pieces, box, pool);
     keep_supported_cells(cells, points.count);
     kept = box_of_kept(cells);
     if (kept.i1 < 0) break;
@@ -260,24 +300,28 @@ Extent supported_extent(const OrientedPoints& points, const std::vector<std::uin
       extent.covered_area_m2 += cells.cell_m * cells.cell_m;
       extent.supported += cells.count[c];
     }
-    const std::array<Strip, 4> strips = border_strips(points, cells, kept, pool);
+    std::array<Strip, 4> strips = border_strips(pieces, cells, kept, pool);
     const auto cell_x = [&](int i) { return box.x0 + i * cells.cell_m; };
     const auto cell_y = [&](int j) { return box.y0 + j * cells.cell_m; };
-    extent.xmin_m = outermost_supported(strips[0], 0, -1.0F, std::max(box.x0, cell_x(kept.i0)));
-    extent.xmax_m = outermost_supported(strips[1], 0, 1.0F, std::min(box.x1, cell_x(kept.i1 + 1)));
-    extent.ymin_m = outermost_supported(strips[2], 1, -1.0F, std::max(box.y0, cell_y(kept.j0)));
-    extent.ymax_m = outermost_supported(strips[3], 1, 1.0F, std::min(box.y1, cell_y(kept.j1 + 1)));
+    extent.xmin_m = outermost_supported(strips[0], std::max(box.x0, cell_x(kept.i0)));
+    extent.xmax_m = outermost_supported(strips[1], std::min(box.x1, cell_x(kept.i1 + 1)));
+    extent.ymin_m = outermost_supported(strips[2], std::max(box.y0, cell_y(kept.j0)));
+    extent.ymax_m = outermost_supported(strips[3], std::min(box.y1, cell_y(kept.j1 + 1)));
     extent.xmax_m = std::max(extent.xmin_m, extent.xmax_m);
     extent.ymax_m = std::max(extent.ymin_m, extent.ymax_m);
   }
-  for (std::size_t k = 0; k < fixed.size(); ++k) {
-    if (fixed[k] == 0 || !(points.x[k] < OrientedPoints::kFarAway)) continue;
+  return extent;
+}
+
+void include_vertices(const OrientedPoints& points, const std::vector<std::uint8_t>& vertices, Extent& extent) {
+  const auto wide = [](float v) { return static_cast<double>(v); };
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    if (vertices[k] == 0 || !(points.x[k] < OrientedPoints::kFarAway)) continue;
     extent.xmin_m = std::min(extent.xmin_m, wide(points.x[k]));
     extent.xmax_m = std::max(extent.xmax_m, wide(points.x[k]));
     extent.ymin_m = std::min(extent.ymin_m, wide(points.y[k]));
     extent.ymax_m = std::max(extent.ymax_m, wide(points.y[k]));
   }
-  return extent;
 }
 
 }  // namespace sparsha::pipeline

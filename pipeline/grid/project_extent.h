@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "pipeline/base/thread_pool.h"
@@ -19,10 +20,25 @@ struct Extent {
   [[nodiscard]] double height_m() const { return ymax_m - ymin_m; }
 };
 
+/// How many points there are, and the box of those that are not far away.
+struct PointTotals {
+  std::uint64_t count = 0;
+  Eigen::Array3f min_m = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
+  Eigen::Array3f max_m = -min_m;
+
+  void add(const OrientedPoints& points) {
+    count += points.count;
+    min_m = min_m.min(points.min_m);
+    max_m = max_m.max(points.max_m);
+  }
+};
+
 /// A point supports the extent when it has neighbours in space within about two local point spacings; groups of cells
-/// with less than a thousandth of the points that stand apart do not. `fixed` (empty or one flag a point) marks
-/// vertices of faces, which need no support. Throws Error{input} when there are no points.
-[[nodiscard]] Extent supported_extent(const OrientedPoints& points, const std::vector<std::uint8_t>& fixed,
-                                      ThreadPool& pool);
+/// with less than a thousandth of the points that stand apart do not. Depends neither on threads nor on the points'
+/// order. Throws Error{input} when there are no points.
+[[nodiscard]] Extent supported_extent(const PointTotals& totals, const OrientedPieces& pieces, ThreadPool& pool);
+
+/// Makes room for vertices of faces, which need no support; one flag a point.
+void include_vertices(const OrientedPoints& points, const std::vector<std::uint8_t>& vertices, Extent& extent);
 
 }  // namespace sparsha::pipeline

@@ -51,9 +51,8 @@ PointFate fate_at_border(const DepthGrid& grid, const FateKernel& kernel, float 
 
 }  // namespace
 
-void classify_points(const OrientedPoints& points, const BinLattice& lattice, ThreadPool& pool,
-                     Projection& projection) {
-  const DepthGrid& grid = projection.grid;
+std::array<std::uint64_t, 4> fates_of_points(const OrientedPoints& points, const BinLattice& lattice,
+                                             const DepthGrid& grid, double gap_m, ThreadPool& pool, PointFate* fate) {
   FateKernel kernel;
   kernel.height = grid.height_m.data();
   kernel.nx = lattice.nx;
@@ -62,12 +61,11 @@ void classify_points(const OrientedPoints& points, const BinLattice& lattice, Th
   kernel.per_m = static_cast<float>(1.0 / lattice.spacing_m);
   kernel.last_u = static_cast<float>(lattice.nx - 1);
   kernel.last_v = static_cast<float>(lattice.ny - 1);
-  kernel.gap_m = static_cast<float>(projection.gap_m);
+  kernel.gap_m = static_cast<float>(gap_m);
   kernel.occluded = static_cast<std::int32_t>(PointFate::occluded);
   kernel.outlier = static_cast<std::int32_t>(PointFate::outlier);
   kernel.undecided = kUndecided;
-  projection.fate.resize(points.count);
-  auto* fates = reinterpret_cast<std::uint8_t*>(projection.fate.data());
+  auto* fates = reinterpret_cast<std::uint8_t*>(fate);
   std::vector<std::array<std::uint64_t, 4>> counts((points.count + kPiece - 1) / kPiece);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     fastest_kernels().classify(kernel, points.x.get() + begin, points.y.get() + begin, points.z.get() + begin,
@@ -75,9 +73,9 @@ void classify_points(const OrientedPoints& points, const BinLattice& lattice, Th
     std::array<std::uint64_t, 4> mine{};
     for (std::size_t k = begin; k < end; ++k) {
       if (fates[k] == kUndecided) [[unlikely]] {
-        projection.fate[k] = fate_at_border(grid, kernel, points.x[k], points.y[k], points.z[k]);
+        fate[k] = fate_at_border(grid, kernel, points.x[k], points.y[k], points.z[k]);
       }
-      if (projection.fate[k] != PointFate::used) ++mine[fates[k]];
+      if (fate[k] != PointFate::used) ++mine[fates[k]];
     }
     mine[static_cast<std::size_t>(PointFate::used)] = end - begin - mine[1] - mine[2] - mine[3];
     counts[begin / kPiece] = mine;
@@ -86,10 +84,14 @@ void classify_points(const OrientedPoints& points, const BinLattice& lattice, Th
   for (const std::array<std::uint64_t, 4>& mine : counts) {
     for (std::size_t f = 0; f < 4; ++f) all[f] += mine[f];
   }
-  projection.used = all[static_cast<std::size_t>(PointFate::used)];
-  projection.occluded = all[static_cast<std::size_t>(PointFate::occluded)];
-  projection.outlier = all[static_cast<std::size_t>(PointFate::outlier)];
-  projection.outside = all[static_cast<std::size_t>(PointFate::outside)];
+  return all;
+}
+
+void add_fates(const std::array<std::uint64_t, 4>& counts, Projection& projection) {
+  projection.used += counts[static_cast<std::size_t>(PointFate::used)];
+  projection.occluded += counts[static_cast<std::size_t>(PointFate::occluded)];
+  projection.outlier += counts[static_cast<std::size_t>(PointFate::outlier)];
+  projection.outside += counts[static_cast<std::size_t>(PointFate::outside)];
 }
 
 }  // namespace sparsha::pipeline

@@ -1,6 +1,9 @@
 // What became of each point: compared with the finished heights around it.
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/grid/project.h"
 #include "pipeline/grid/project_bins.h"
@@ -8,9 +11,14 @@
 
 namespace sparsha::pipeline {
 
-/// Fills fate and its counts. A point more than the gap below all measured nodes around it is occluded, more than the
-/// gap above them an outlier, as is one with no measured node within two spacings; beyond the outer nodes' cells it is
-/// outside.
-void classify_points(const OrientedPoints& points, const BinLattice& lattice, ThreadPool& pool, Projection& projection);
+/// Writes the fate of each of the points, and returns how many have each. A point more than the gap below all measured
+/// nodes around it is occluded, more than the gap above them an outlier, as is one with no measured node within two
+/// spacings; beyond the outer nodes' cells it is outside.
+[[nodiscard]] std::array<std::uint64_t, 4> fates_of_points(const OrientedPoints& points, const BinLattice& lattice,
+                                                           const DepthGrid& grid, double gap_m, ThreadPool& pool,
+                                                           PointFate* fate);
+
+/// Adds such counts to the projection's.
+void add_fates(const std::array<std::uint64_t, 4>& counts, Projection& projection);
 
 }  // namespace sparsha::pipeline

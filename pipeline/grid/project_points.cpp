@@ -72,40 +72,46 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-Eigen::Vector3d robust_origin(const RawPoints& raw, const Affine& affine, const Eigen::Vector3d& scene,
-                              ThreadPool& pool) {
+// The cloud's origin as the grid frame has it.
+Eigen::Vector3d moved_origin(const Eigen::Vector3d& cloud_origin_m, const Eigen::Matrix4d& scan_to_grid) {
+  return scan_to_grid.topLeftCorner<3, 3>() * cloud_origin_m + scan_to_grid.topRightCorner<3, 1>();
+}
+
+}  // namespace
+
+Eigen::Vector3d robust_origin(std::uint64_t count, const RawPieces& pieces, const Eigen::Vector3d& cloud_origin_m,
+                              const Eigen::Matrix4d& scan_to_grid, ThreadPool& pool) {
+  const Eigen::Vector3d scene = moved_origin(cloud_origin_m, scan_to_grid);
+  const Affine affine(scan_to_grid, cloud_origin_m, scene);
   std::array<std::vector<double>, 3> sample;
-  for (std::uint64_t every = std::bit_floor(std::max<std::uint64_t>(1, raw.count / kSample));; every /= 8) {
+  for (std::uint64_t every = std::bit_floor(std::max<std::uint64_t>(1, count / kSample));; every /= 8) {
     const auto limit = static_cast<std::uint32_t>(0xffffffffULL / std::max<std::uint64_t>(1, every));
     std::mutex mutex;
-    pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
-      std::vector<std::uint32_t> drawn(end - begin);
-      const float* piece = raw.xyz + begin * raw.stride;
-      drawn.resize(fastest_kernels().draw(piece, raw.stride, end - begin, limit, drawn.data()));
-      const std::lock_guard lock(mutex);
-      for (const std::uint32_t k : drawn) {
-        const std::array<double, 3> g = affine(piece + k * raw.stride);
-        for (std::size_t axis = 0; axis < 3; ++axis) sample[axis].push_back(g[axis]);
-      }
+    pieces([&](const RawPoints& raw) {
+      pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint32_t> drawn(end - begin);
+        const float* piece = raw.xyz + begin * raw.stride;
+        drawn.resize(fastest_kernels().draw(piece, raw.stride, end - begin, limit, drawn.data()));
+        const std::lock_guard lock(mutex);
+        for (const std::uint32_t k : drawn) {
+          const std::array<double, 3> g = affine(piece + k * raw.stride);
+          for (std::size_t axis = 0; axis < 3; ++axis) sample[axis].push_back(g[axis]);
+        }
+      });
     });
     // A cloud of few distinct points may leave a thin sample or none: take more of it.
-    if (sample[0].size() >= std::min<std::size_t>(raw.count, kSample / 8) || every <= 1) break;
+    if (sample[0].size() >= std::min<std::uint64_t>(count, kSample / 8) || every <= 1) break;
     for (std::vector<double>& values : sample) values.clear();
   }
   if (sample[0].empty()) return scene;
   return scene + Eigen::Vector3d(median(sample[0]), median(sample[1]), median(sample[2]));
 }
 
-}  // namespace
-
 OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_origin_m,
-                             const Eigen::Matrix4d& scan_to_grid, ThreadPool& pool) {
+                             const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& origin_m, ThreadPool& pool) {
   OrientedPoints points;
   points.count = raw.count;
-  const Eigen::Vector3d cloud_origin_in_grid =
-      scan_to_grid.topLeftCorner<3, 3>() * cloud_origin_m + scan_to_grid.topRightCorner<3, 1>();
-  points.origin_m =
-      robust_origin(raw, Affine(scan_to_grid, cloud_origin_m, cloud_origin_in_grid), cloud_origin_in_grid, pool);
+  points.origin_m = origin_m;
   const Affine affine(scan_to_grid, cloud_origin_m, points.origin_m);
 
   points.x = make_buffer<float>(raw.count);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,10 @@ struct RawPoints {
   std::size_t count = 0;
 };
 
+/// Hands over all points in pieces, in any order, but the same points at every call: a cloud that lies on disk, or one
+/// piece for a cloud in memory.
+using RawPieces = std::function<void(const std::function<void(const RawPoints&)>& use)>;
+
 /// The only place of the projection that sees PCL.
 [[nodiscard]] RawPoints raw_points(const Cloud& cloud);
 
@@ -33,9 +38,18 @@ struct OrientedPoints {
   Eigen::Array3f min_m, max_m;  ///< of the points that are not far away; min > max when there are none
 };
 
-/// grid = scan_to_grid * scan in double, minus an origin that far outliers cannot move (medians of a sample chosen by a
-/// hash of the coordinates), then rounded to float. Depends neither on threads nor on the points' order.
+/// The same points as RawPieces, oriented.
+using OrientedPieces = std::function<void(const std::function<void(const OrientedPoints&)>& use)>;
+
+/// An origin in the grid frame that far outliers cannot move: medians of a sample of the `count` points, chosen by a
+/// hash of the coordinates. Depends neither on threads nor on the points' order.
+[[nodiscard]] Eigen::Vector3d robust_origin(std::uint64_t count, const RawPieces& pieces,
+                                            const Eigen::Vector3d& cloud_origin_m, const Eigen::Matrix4d& scan_to_grid,
+                                            ThreadPool& pool);
+
+/// grid = scan_to_grid * scan in double, minus `origin_m`, then rounded to float.
 [[nodiscard]] OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_origin_m,
-                                           const Eigen::Matrix4d& scan_to_grid, ThreadPool& pool);
+                                           const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& origin_m,
+                                           ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

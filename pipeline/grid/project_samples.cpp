@@ -65,7 +65,7 @@ std::span<const NodePoint> front_layer(std::span<const NodePoint> sorted, double
 
 }  // namespace
 
-CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent, ThreadPool& pool) {
+CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent, ThreadPool& pool) {
   CloudStatistics result;
   const double count = static_cast<double>(std::max<std::uint64_t>(1, extent.supported));
   const double area = std::min(extent.covered_area_m2, std::max(extent.width_m() * extent.height_m(), 1e-30));
@@ -83,24 +83,26 @@ CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent,
   blocks_drawn.y0_m = static_cast<float>(extent.ymin_m);
   blocks_drawn.per_m = static_cast<float>(1.0 / side);
   blocks_drawn.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
-  std::vector<std::vector<Sample>> pieces((points.count + kPiece - 1) / kPiece);
-  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-    std::vector<Sample>& mine = pieces[begin / kPiece];
-    std::vector<std::uint32_t> drawn(end - begin);
-    drawn.resize(fastest_kernels().draw_blocks(blocks_drawn, points.x.get() + begin, points.y.get() + begin,
-                                               end - begin, drawn.data()));
-    for (const std::uint32_t d : drawn) {
-      const std::size_t k = begin + d;
-      const float a = (points.x[k] - blocks_drawn.x0_m) * blocks_drawn.per_m;
-      const float b = (points.y[k] - blocks_drawn.y0_m) * blocks_drawn.per_m;
-      const auto i = static_cast<std::uint32_t>(a);
-      const auto j = static_cast<std::uint32_t>(b);
-      mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
-                      {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
-    }
-  });
   std::vector<Sample> samples;
-  for (const std::vector<Sample>& piece : pieces) samples.insert(samples.end(), piece.begin(), piece.end());
+  pieces([&](const OrientedPoints& points) {
+    std::vector<std::vector<Sample>> parts((points.count + kPiece - 1) / kPiece);
+    pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+      std::vector<Sample>& mine = parts[begin / kPiece];
+      std::vector<std::uint32_t> drawn(end - begin);
+      drawn.resize(fastest_kernels().draw_blocks(blocks_drawn, points.x.get() + begin, points.y.get() + begin,
+                                                 end - begin, drawn.data()));
+      for (const std::uint32_t d : drawn) {
+        const std::size_t k = begin + d;
+        const float a = (points.x[k] - blocks_drawn.x0_m) * blocks_drawn.per_m;
+        const float b = (points.y[k] - blocks_drawn.y0_m) * blocks_drawn.per_m;
+        const auto i = static_cast<std::uint32_t>(a);
+        const auto j = static_cast<std::uint32_t>(b);
+        mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
+                        {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
+      }
+    });
+    for (const std::vector<Sample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
+  });
   std::sort(samples.begin(), samples.end());
   // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
   const auto same = [](const Sample& a, const Sample& b) { return !(a < b) && !(b < a); };

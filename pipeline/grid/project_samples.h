@@ -12,6 +12,6 @@ struct CloudStatistics {
 };
 
 /// Depends neither on threads nor on the points' order.
-[[nodiscard]] CloudStatistics sample_cloud(const OrientedPoints& points, const Extent& extent, ThreadPool& pool);
+[[nodiscard]] CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent, ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

@@ -1,0 +1,45 @@
+// The lattice follows from the extent and the spacing, the rules of the nodes from noise and spacing.
+#include "pipeline/grid/project_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/base/error.h"
+#include "pipeline/grid/project_lattice.h"
+#include "pipeline/grid/project_samples.h"
+
+namespace sparsha::pipeline {
+
+ProjectionPlan plan_projection(const OrientedPieces& pieces, const Extent& extent, const Eigen::Vector3d& origin_m,
+                               bool only_mesh, const GridConfig& config, double resolution_m, ThreadPool& pool) {
+  CloudStatistics statistics = sample_cloud(pieces, extent, pool);
+  if (only_mesh) statistics.noise_m = 0.0;
+
+  ProjectionPlan plan;
+  plan.origin_m = origin_m;
+  plan.point_spacing_m = statistics.point_spacing_m;
+  plan.gap_m = layer_gap_m(statistics.noise_m, statistics.point_spacing_m);
+  plan.lattice = choose_lattice(config, extent, origin_m, statistics.point_spacing_m, resolution_m);
+  plan.bins = {plan.lattice.nx, plan.lattice.ny, plan.lattice.spacing_m, plan.lattice.origin_m.x() - origin_m.x(),
+               plan.lattice.origin_m.y() - origin_m.y()};
+  const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
+  plan.rule = {statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};
+  return plan;
+}
+
+Projection ProjectionPlan::empty_projection() const {
+  Projection projection;
+  projection.noise_m = rule.noise_m;
+  projection.point_spacing_m = point_spacing_m;
+  projection.gap_m = gap_m;
+  projection.grid = DepthGrid(lattice);
+  return projection;
+}
+
+void require_a_measured_node(const DepthGrid& grid) {
+  if (std::find(grid.state.begin(), grid.state.end(), NodeState::measured) != grid.state.end()) return;
+  throw input_error({}, "no node of the depth grid can be measured: too few points near each other",
+                    "four points around a node; a larger grid.spacing_mm, other bounds or another orientation");
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,39 @@
+// What is decided before a node is fitted: origin, lattice, noise, spacing and gap. It needs all points, but not at
+// once.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/grid/project.h"
+#include "pipeline/grid/project_bins.h"
+#include "pipeline/grid/project_extent.h"
+#include "pipeline/grid/project_node.h"
+#include "pipeline/grid/project_points.h"
+#include "pipeline/scene/config.h"
+#include "pipeline/scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+struct ProjectionPlan {
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of oriented points
+  Lattice lattice;
+  BinLattice bins;
+  NodeRule rule;
+  double point_spacing_m = 0.0;
+  double gap_m = 0.0;
+
+  /// With nothing measured yet.
+  [[nodiscard]] Projection empty_projection() const;
+};
+
+/// `origin_m` is that of the pieces' points. Vertices of faces carry no noise: `only_mesh` says there is nothing else.
+/// Throws as choose_lattice does.
+[[nodiscard]] ProjectionPlan plan_projection(const OrientedPieces& pieces, const Extent& extent,
+                                             const Eigen::Vector3d& origin_m, bool only_mesh, const GridConfig& config,
+                                             double resolution_m, ThreadPool& pool);
+
+/// Throws Error{input} when no node is measured.
+void require_a_measured_node(const DepthGrid& grid);
+
+}  // namespace sparsha::pipeline

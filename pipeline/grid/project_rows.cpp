@@ -1,0 +1,132 @@
+// Most nodes are decided by the kernel, eight at a time; then neighbours are compared.
+#include "pipeline/grid/project_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pipeline/grid/project_kernel.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kRows = 8;
+
+// 1/R^2 of the kernel by the number of front points in a window.
+std::vector<float> kernel_radii(double window_area) {
+  std::vector<float> per_r2(NodeKernel::kMostPoints + 1, 0.0F);
+  for (std::size_t points = 1; points < per_r2.size(); ++points) {
+    const double radius =
+        kernel_radius(std::max(1.0, std::sqrt(window_area / static_cast<double>(points))), points, window_area);
+    per_r2[points] = static_cast<float>(1.0 / (radius * radius));
+  }
+  return per_r2;
+}
+
+NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::vector<float>, 2>& per_r2) {
+  const BinLattice& lattice = bins.lattice;
+  const double scale = residual_scale(noise_m, lattice.spacing_m);
+  NodeKernel kernel;
+  kernel.start = bins.start.get();
+  kernel.top = bins.top.get();
+  kernel.x = bins.x.get();
+  kernel.y = bins.y.get();
+  kernel.z = bins.z.get();
+  kernel.bins_x = static_cast<std::size_t>(lattice.bins_x());
+  kernel.margin = BinLattice::kMargin;
+  kernel.nx = static_cast<std::size_t>(lattice.nx);
+  kernel.x0_m = lattice.x0_m;
+  kernel.y0_m = lattice.y0_m;
+  kernel.spacing_m = lattice.spacing_m;
+  kernel.band_m = static_cast<float>(6.0 * noise_m + 2.25 * lattice.spacing_m);
+  kernel.scale_m = static_cast<float>(scale);
+  kernel.ridge = static_cast<float>(slope_ridge(scale, lattice.spacing_m));
+  for (std::size_t reach = 0; reach < 2; ++reach) kernel.per_r2[reach] = per_r2[reach].data();
+  return kernel;
+}
+
+// Simple nodes by the kernel, row by row; the others by NodeFitter.
+void fit_nodes(const Bins& bins, const NodeRule& rule, int first_row, ThreadPool& pool, Progress& progress,
+               DepthGrid& grid) {
+  const Lattice& lattice = grid.lattice;
+  const auto first = static_cast<std::size_t>(first_row);
+  const std::array<std::vector<float>, 2> per_r2{kernel_radii(9.0), kernel_radii(25.0)};
+  const NodeKernel kernel = node_kernel(bins, rule.noise_m, per_r2);
+  pool.for_ranges(static_cast<std::size_t>(lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
+    progress.throw_if_cancelled();
+    NodeFitter fitter(bins, rule);
+    std::vector<std::uint8_t> decided(kernel.nx);
+    for (std::size_t j = begin; j < end; ++j) {
+      const std::size_t row = lattice.index(0, static_cast<int>(j));
+      fastest_kernels().fit_row(kernel, first + j, grid.height_m.data() + row, decided.data());
+      for (std::size_t i = 0; i < kernel.nx; ++i) {
+        if (decided[i] == 0) {
+          const NodeFit fit = fitter.fit(static_cast<int>(i), first_row + static_cast<int>(j));
+          if (!fit.measured) continue;
+          grid.height_m[row + i] = static_cast<float>(fit.height_m);
+        }
+        grid.state[row + i] = NodeState::measured;
+      }
+    }
+  });
+}
+
+// A node far below a neighbour, with a point or two at the neighbour's height in its window, may have missed a front
+// that chance has thinned there: wider windows decide again.
+void look_again(const Bins& bins, const NodeRule& rule, double gap_m, int first_row, ThreadPool& pool,
+                DepthGrid& grid) {
+  const Lattice& lattice = grid.lattice;
+  const auto nx = static_cast<std::size_t>(lattice.nx);
+  const auto ny = static_cast<std::size_t>(lattice.ny);
+  const auto gap = static_cast<float>(gap_m);
+  struct Change {
+    std::size_t node;
+    NodeFit fit;
+  };
+  std::vector<std::vector<Change>> changes((ny + kRows - 1) / kRows);
+  pool.for_ranges(ny, kRows, [&](std::size_t begin, std::size_t end) {
+    NodeFitter fitter(bins, rule);
+    // One more on either side; unknown heights are NaN and never win a comparison.
+    std::vector<float> highest(nx + 2);
+    for (std::size_t j = begin; j < end; ++j) {
+      std::fill(highest.begin(), highest.end(), -std::numeric_limits<float>::infinity());
+      for (std::size_t b = j == 0 ? 0 : j - 1; b <= std::min(ny - 1, j + 1); ++b) {
+        const float* row = grid.height_m.data() + b * nx;
+        for (std::size_t i = 0; i < nx; ++i) highest[i + 1] = row[i] > highest[i + 1] ? row[i] : highest[i + 1];
+      }
+      const float* row = grid.height_m.data() + j * nx;
+      for (std::size_t i = 0; i < nx; ++i) {
+        const float neighbour = std::max(highest[i], std::max(highest[i + 1], highest[i + 2]));
+        if (!(neighbour - row[i] > gap)) [[likely]]
+          continue;
+        const auto a = static_cast<int>(i);
+        const int b = first_row + static_cast<int>(j);
+        if (!fitter.misses_thin_front(a, b, row[i] + gap)) continue;
+        changes[begin / kRows].push_back({j * nx + i, fitter.fit(a, b, 2)});
+      }
+    }
+  });
+  for (const std::vector<Change>& of_rows : changes) {
+    for (const Change& change : of_rows) {
+      if (!change.fit.measured) continue;
+      grid.height_m[change.node] = static_cast<float>(change.fit.height_m);
+    }
+  }
+}
+
+}  // namespace
+
+void fit_rows(const Bins& bins, const NodeRule& rule, double gap_m, int first_row, ThreadPool& pool, Progress& progress,
+              DepthGrid& rows) {
+  fit_nodes(bins, rule, first_row, pool, progress, rows);
+  look_again(bins, rule, gap_m, first_row, pool, rows);
+}
+
+// A point of the widest window lies half a node beyond it at most, rounding included one, and density is counted about
+// the points in windows of half the size.
+int widest_look(const NodeRule& rule) { return rule.widest_window + 1 + (rule.widest_window + 1) / 2; }
+
+}  // namespace sparsha::pipeline
