@@ -5,9 +5,9 @@
 
 #include <random>
 
-#include "allocations.h"
 #include "audio_scene.h"
 #include "listening.h"
+#include "tests/support/allocations.h"
 
 namespace {
 

@@ -4,13 +4,13 @@
 #include <atomic>
 #include <cmath>
 
-#include "allocations.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/link.h"
 #include "haptics/servo/servo.h"
 #include "haptics/servo/tick_engine.h"
 #include "tests/haptics/servo/parts.h"
 #include "tests/haptics/shared/scenes.h"
+#include "tests/support/allocations.h"
 
 namespace {
 

@@ -1,35 +1,14 @@
-// Small clouds and grids for the tests of this folder.
+// Small clouds for the tests of this folder.
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
-#include <functional>
-#include <random>
 #include <vector>
 
 #include "pipeline/grid/project.h"
 #include "pipeline/scan/cloud.h"
+#include "tests/support/grids.h"
 
 namespace sparsha::pipeline::testing {
-
-inline Lattice lattice_of(int nx, int ny, double spacing_m, const Eigen::Vector3d& origin_m = Eigen::Vector3d::Zero()) {
-  Lattice lattice;
-  lattice.nx = nx;
-  lattice.ny = ny;
-  lattice.spacing_m = spacing_m;
-  lattice.origin_m = origin_m;
-  return lattice;
-}
-
-inline DepthGrid grid_of(const Lattice& lattice, const std::function<double(double, double)>& z) {
-  DepthGrid grid(lattice);
-  for (int j = 0; j < lattice.ny; ++j)
-    for (int i = 0; i < lattice.nx; ++i) {
-      grid.height_m[lattice.index(i, j)] = static_cast<float>(z(i * lattice.spacing_m, j * lattice.spacing_m));
-      grid.state[lattice.index(i, j)] = NodeState::measured;
-    }
-  return grid;
-}
 
 inline Cloud cloud_of(const std::vector<Eigen::Vector3d>& points,
                       const Eigen::Vector3d& origin_m = Eigen::Vector3d::Zero()) {

@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "grids.h"
 #include "pipeline/grid/bilateral_kernel.h"
 #include "pipeline/grid/layers.h"
+#include "tests/support/grids.h"
 
 namespace sparsha::pipeline {
 namespace {

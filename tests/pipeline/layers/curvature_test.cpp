@@ -5,9 +5,9 @@
 #include <cstring>
 #include <numbers>
 
-#include "grids.h"
 #include "pipeline/grid/curvature_kernel.h"
 #include "pipeline/grid/layers.h"
+#include "tests/support/grids.h"
 
 namespace sparsha::pipeline {
 namespace {

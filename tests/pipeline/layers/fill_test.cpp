@@ -4,9 +4,9 @@
 
 #include <cstring>
 
-#include "grids.h"
 #include "pipeline/grid/fill_closing.h"
 #include "pipeline/grid/layers.h"
+#include "tests/support/grids.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "grids.h"
 #include "pipeline/grid/layers.h"
+#include "tests/support/grids.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -1,5 +1,5 @@
 // Replaced operator new that counts.
-#include "allocations.h"
+#include "tests/support/allocations.h"
 
 #include <atomic>
 #include <cstdlib>

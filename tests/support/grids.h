@@ -1,6 +1,7 @@
-// Depth grids for the tests of this folder.
+// Small depth grids for tests of projection, layers and cross-check.
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -10,11 +11,12 @@
 
 namespace sparsha::pipeline::testing {
 
-inline Lattice lattice_of(int nx, int ny, double spacing_m) {
+inline Lattice lattice_of(int nx, int ny, double spacing_m, const Eigen::Vector3d& origin_m = Eigen::Vector3d::Zero()) {
   Lattice lattice;
   lattice.nx = nx;
   lattice.ny = ny;
   lattice.spacing_m = spacing_m;
+  lattice.origin_m = origin_m;
   return lattice;
 }
 
