@@ -94,12 +94,28 @@ MappedFile::~MappedFile() { system::unmap_file({data_, size_}); }
 
 void MappedFile::release_before(std::size_t offset) const { system::release_pages({data_, size_}, 0, offset); }
 
-std::string sha256(std::span<const std::byte> bytes) {
+struct Sha256::Implementation {
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context{EVP_MD_CTX_new(), EVP_MD_CTX_free};
+
+  static void check(int result) {
+    if (result != 1) throw Error(ErrorKind::failure, {}, "SHA-256 is not available");
+  }
+};
+
+Sha256::Sha256() : implementation_(std::make_unique<Implementation>()) {
+  Implementation::check(EVP_DigestInit_ex(implementation_->context.get(), EVP_sha256(), nullptr));
+}
+
+Sha256::~Sha256() = default;
+
+void Sha256::add(std::span<const std::byte> bytes) {
+  Implementation::check(EVP_DigestUpdate(implementation_->context.get(), bytes.data(), bytes.size()));
+}
+
+std::string Sha256::finish() {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
-    throw Error(ErrorKind::failure, {}, "SHA-256 is not available");
-  }
+  Implementation::check(EVP_DigestFinal_ex(implementation_->context.get(), digest.data(), &size));
   static constexpr std::string_view kDigits = "0123456789abcdef";
   std::string text;
   for (unsigned int i = 0; i < size; ++i) {
@@ -107,6 +123,12 @@ std::string sha256(std::span<const std::byte> bytes) {
     text += kDigits[digest[i] & 15U];
   }
   return text;
+}
+
+std::string sha256(std::span<const std::byte> bytes) {
+  Sha256 digest;
+  digest.add(bytes);
+  return digest.finish();
 }
 
 }  // namespace sparsha

@@ -1,6 +1,8 @@
 // POSIX and Windows calls; nothing else of the pipeline includes system headers.
 #include "pipeline/base/system.h"
 
+#include <string>
+
 #include "pipeline/base/error.h"
 
 #if defined(_WIN32)
@@ -27,6 +29,14 @@
 #endif
 
 namespace sparsha::system {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& folder, const std::string& why) {
+  throw Error(ErrorKind::failure, {folder.string(), 0, 0}, "a temporary file in this folder fails: " + why,
+              "room on the disk and a folder that can be written to");
+}
+
+}  // namespace
 
 #if defined(_WIN32)
 
@@ -55,6 +65,47 @@ void unmap_file(const Mapping& mapping) noexcept {
 }
 
 void release_pages(const Mapping&, std::size_t, std::size_t) noexcept {}
+
+ScratchFile::ScratchFile(const std::filesystem::path& folder) : folder_(folder) {
+  wchar_t name[MAX_PATH];
+  if (GetTempFileNameW(folder.c_str(), L"spa", 0, name) == 0) fail(folder_, "no name for it");
+  const HANDLE handle = CreateFileW(name, GENERIC_READ | GENERIC_WRITE, 0, nullptr, CREATE_ALWAYS,
+                                    FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
+  if (handle == INVALID_HANDLE_VALUE) fail(folder_, "it cannot be opened");
+  handle_ = reinterpret_cast<std::intptr_t>(handle);
+}
+
+ScratchFile::~ScratchFile() { CloseHandle(reinterpret_cast<HANDLE>(handle_)); }
+
+void ScratchFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    OVERLAPPED place{};
+    place.Offset = static_cast<DWORD>(offset);
+    place.OffsetHigh = static_cast<DWORD>(offset >> 32U);
+    DWORD done = 0;
+    const auto size = static_cast<DWORD>(bytes.size() < (1U << 30U) ? bytes.size() : 1U << 30U);
+    if (!WriteFile(reinterpret_cast<HANDLE>(handle_), bytes.data(), size, &done, &place) || done == 0) {
+      fail(folder_, "writing, code " + std::to_string(GetLastError()));
+    }
+    bytes = bytes.subspan(done);
+    offset += done;
+  }
+}
+
+void ScratchFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+  while (!bytes.empty()) {
+    OVERLAPPED place{};
+    place.Offset = static_cast<DWORD>(offset);
+    place.OffsetHigh = static_cast<DWORD>(offset >> 32U);
+    DWORD done = 0;
+    const auto size = static_cast<DWORD>(bytes.size() < (1U << 30U) ? bytes.size() : 1U << 30U);
+    if (!ReadFile(reinterpret_cast<HANDLE>(handle_), bytes.data(), size, &done, &place) || done == 0) {
+      fail(folder_, "reading, code " + std::to_string(GetLastError()));
+    }
+    bytes = bytes.subspan(done);
+    offset += done;
+  }
+}
 
 std::uint64_t peak_rss_bytes() noexcept {
   PROCESS_MEMORY_COUNTERS counters{};
@@ -113,6 +164,37 @@ void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) n
   end = end / page * page;
   if (mapping.data == nullptr || end > mapping.size || begin >= end) return;
   ::madvise(const_cast<std::byte*>(mapping.data + begin), end - begin, MADV_DONTNEED);
+}
+
+ScratchFile::ScratchFile(const std::filesystem::path& folder) : folder_(folder) {
+  std::string name = ((folder.empty() ? std::filesystem::path(".") : folder) / ".sparsha-XXXXXX").string();
+  const int descriptor = ::mkstemp(name.data());
+  if (descriptor < 0) fail(folder_, std::strerror(errno));
+  ::fcntl(descriptor, F_SETFD, FD_CLOEXEC);
+  ::unlink(name.c_str());
+  handle_ = descriptor;
+}
+
+ScratchFile::~ScratchFile() { ::close(static_cast<int>(handle_)); }
+
+void ScratchFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::pwrite(static_cast<int>(handle_), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail(folder_, done < 0 ? std::strerror(errno) : "nothing was written");
+    bytes = bytes.subspan(static_cast<std::size_t>(done));
+    offset += static_cast<std::uint64_t>(done);
+  }
+}
+
+void ScratchFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t done = ::pread(static_cast<int>(handle_), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail(folder_, done < 0 ? std::strerror(errno) : "it is shorter than what was written");
+    bytes = bytes.subspan(static_cast<std::size_t>(done));
+    offset += static_cast<std::uint64_t>(done);
+  }
 }
 
 std::uint64_t peak_rss_bytes() noexcept {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 namespace sparsha::system {
 
@@ -17,6 +18,25 @@ struct Mapping {
 void unmap_file(const Mapping& mapping) noexcept;
 /// Drops the pages of [begin, end) from memory; they are read again when touched.
 void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) noexcept;
+
+/// A file without a name: it goes when it is closed or when the program ends, however that ends. Several threads may
+/// read and write different parts.
+class ScratchFile {
+ public:
+  /// Throws Error{failure} when `folder` cannot be written to.
+  explicit ScratchFile(const std::filesystem::path& folder);
+  ~ScratchFile();
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  /// Throw Error{failure}, with the system's reason (a full disk).
+  void write(std::uint64_t offset, std::span<const std::byte> bytes);
+  void read(std::uint64_t offset, std::span<std::byte> bytes) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::intptr_t handle_ = -1;
+};
 
 /// Highest resident set size of this process so far, bytes.
 [[nodiscard]] std::uint64_t peak_rss_bytes() noexcept;

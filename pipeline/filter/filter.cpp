@@ -35,8 +35,7 @@ std::vector<std::uint8_t> inside(const Cloud& cloud, const CropConfig& crop) {
   std::vector<std::uint8_t> keep(cloud.size());
   const float* const xyz = cloud.xyz1();
   for (std::size_t i = 0; i < keep.size(); ++i) {
-    const Eigen::Vector3d p = cloud.origin_m + Eigen::Map<const Eigen::Vector3f>(xyz + 4 * i).cast<double>();
-    keep[i] = (p.array() >= crop.min_m.array()).all() && (p.array() <= crop.max_m.array()).all() ? 1 : 0;
+    keep[i] = is_inside(crop, cloud.origin_m, Eigen::Map<const Eigen::Vector3f>(xyz + 4 * i)) ? 1 : 0;
   }
   return keep;
 }

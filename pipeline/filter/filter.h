@@ -16,6 +16,13 @@ struct FilterCounts {
   std::uint64_t outlier = 0;   ///< by outliers
 };
 
+/// True when a crop keeps a point of a cloud with that origin.
+[[nodiscard]] inline bool is_inside(const CropConfig& crop, const Eigen::Vector3d& origin_m,
+                                    const Eigen::Vector3f& point) {
+  const Eigen::Vector3d p = origin_m + point.cast<double>();
+  return (p.array() >= crop.min_m.array()).all() && (p.array() <= crop.max_m.array()).all();
+}
+
 /// Applies `filters` in order. Faces survive only while no point is taken away. Points that an outlier filter takes
 /// away go to `removed_outliers` (positions only, same origin) when it is given: a cross-check must see them. Throws
 /// Error{usage} when a voxel leaf is too small for the extent, Error{input} when nothing is left.

@@ -1,0 +1,278 @@
+// Units, poses, the common origin, and the one rounding of every point.
+#include "pipeline/scan/scan_set.h"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "pipeline/base/files.h"
+#include "pipeline/scan/origin.h"
+#include "pipeline/scan/read_bytes.h"
+#include "pipeline/scan/reader.h"
+#include "pipeline/scan/units.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::uint32_t kWhite = 0xFFFFFFFFU;
+constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+
+/// pose * units for one scan.
+struct Placement {
+  Eigen::Matrix3d turn_and_scale = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+  bool trivial = true;
+
+  [[nodiscard]] Eigen::Vector3d operator()(const Eigen::Vector3d& p) const {
+    return trivial ? p : Eigen::Vector3d(turn_and_scale * p + shift_m);
+  }
+};
+
+Placement place(const ScanConfig& config, double scale) {
+  Placement placement;
+  placement.turn_and_scale = config.pose.topLeftCorner<3, 3>() * scale;
+  placement.shift_m = config.pose.topRightCorner<3, 1>();
+  placement.trivial = placement.turn_and_scale.isIdentity(0.0) && placement.shift_m.isZero(0.0);
+  return placement;
+}
+
+/// The one place where a point is rounded: near(i, q) of points that fit a float, far(i) of the others.
+template <typename Near, typename Far>
+void round_points(const Placement& placement, const Eigen::Vector3d& origin_m, std::span<const Eigen::Vector3d> points,
+                  const Near& near, const Far& far) {
+  constexpr float kFar = 1e30F;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f q = (placement(points[i]) - origin_m).cast<float>();
+    if (std::fabs(q.x()) < kFar && std::fabs(q.y()) < kFar && std::fabs(q.z()) < kFar) {
+      near(i, q);
+    } else {
+      far(i);
+    }
+  }
+}
+
+/// Read piece by piece: a mapped file would count as memory of this process.
+std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>& abandoned) {
+  Sha256 digest;
+  std::vector<char> buffer(1U << 18U);
+  std::ifstream stream(file, std::ios::binary);
+  while (stream && !abandoned) {
+    stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    digest.add(std::as_bytes(std::span(buffer.data(), static_cast<std::size_t>(stream.gcount()))));
+  }
+  if (!stream.eof() && !abandoned) throw input_error(file.string(), "the file cannot be read", "a readable file");
+  return digest.finish();
+}
+
+}  // namespace
+
+/// One scan: everything but its points, which are kept in double or streamed from the file again.
+struct ScanSet::Scan {
+  std::filesystem::path file;
+  RawScan raw;
+  bool streamed = false;
+  std::uint64_t valid = 0;
+  bool colour = false;
+  bool intensity = false;
+  PointSample sample;  ///< file units
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  Placement placement;
+
+  void look(const PointBlock& block, bool bounds) {
+    valid += block.points.size();
+    colour = colour || !block.rgba.empty();
+    intensity = intensity || !block.intensity.empty();
+    for (const Eigen::Vector3d& p : block.points) sample.add(p);
+    if (!bounds) return;
+    for (const Eigen::Vector3d& p : block.points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  /// Throws Error{input} when the file has not the points any more that were looked at.
+  void for_each_block(const PointSink& sink, Progress& progress) const {
+    std::uint64_t seen = 0;
+    const auto changed = [&] {
+      return input_error(file.string(), "the file changed while it was read", "a file that nobody writes to");
+    };
+    const auto counted = [&](const PointBlock& block) {
+      progress.throw_if_cancelled();
+      seen += block.points.size();
+      if (seen > valid) throw changed();
+      sink(block);
+    };
+    if (streamed) {
+      (void)stream_scan(file, counted);
+    } else {
+      counted({raw.points, raw.rgba, raw.intensity});
+    }
+    if (seen != valid) throw changed();
+  }
+  double scale(const ScanConfig& config, Progress& progress) const {
+    const std::string name = config.file.string();
+    const Units& units = config.units;
+    if (raw.degrees) {
+      throw input_error(name, "its x and y are degrees of longitude and latitude, its z is a length",
+                        "projected coordinates in metres or feet; reproject the scan first");
+    }
+    if (units.unit == LengthUnit::longest_side) {
+      const double side = (high - low).maxCoeff();
+      if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
+      return units.longest_side_m / side;
+    }
+    if (units.unit != LengthUnit::automatic) return metres_in(units.unit);
+    if (raw.unit) return metres_in(*raw.unit);
+    if (const std::optional<UnitGuess> guess = doubt_metres(sample)) {
+      progress.warn(fmt::format("{}: no unit is known, metres are taken; {}{}", name, guess->reason,
+                                guess->unit == LengthUnit::m
+                                    ? "; set 'units' if that is wrong"
+                                    : fmt::format("; set 'units: {}' if that is right", to_string(guess->unit))));
+    }
+    return 1.0;
+  }
+  static std::unique_ptr<Scan> look_at(const ScanConfig& config, bool streamed, Progress& progress) {
+    auto scan = std::make_unique<Scan>();
+    scan->file = config.file;
+    scan->streamed = streamed;
+    const bool bounds = config.units.unit == LengthUnit::longest_side;
+    if (streamed) {
+      scan->raw = stream_scan(config.file, [&](const PointBlock& block) {
+        progress.throw_if_cancelled();
+        scan->look(block, bounds);
+      });
+    } else {
+      scan->raw = read_scan(config.file);
+      scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity}, bounds);
+    }
+    const std::string name = config.file.string();
+    for (const std::string& warning : scan->raw.warnings) progress.warn(name + ": " + warning);
+    if (scan->valid == 0) {
+      throw input_error(name,
+                        scan->raw.records == 0 ? "the scan has no points"
+                                               : fmt::format("none of the {} points is valid", scan->raw.records),
+                        "at least one finite point");
+    }
+    scan->placement = place(config, scan->scale(config, progress));
+    return scan;
+  }
+};
+
+ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress)
+    : configs_(scans), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
+  PointSample sample;
+  try {
+    for (const ScanConfig& config : scans) {
+      progress.throw_if_cancelled();
+      if (digests) {
+        digests_.push_back(std::async(
+            std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
+      }
+      const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
+      scans_.push_back(Scan::look_at(config, streamed, progress));
+      const Scan& scan = *scans_.back();
+      records_.push_back(scan.raw.records);
+      points_ += scan.valid;
+      invalid_ += scan.raw.invalid;
+      faces_ += scan.raw.faces.size();
+      colour_ = colour_ || scan.colour;
+      intensity_ = intensity_ || scan.intensity;
+      sample.merge(scan.sample, scan.placement);
+    }
+  } catch (...) {
+    *abandoned_ = true;
+    throw;
+  }
+  origin_m_ = common_origin(sample);
+}
+
+ScanSet::~ScanSet() { *abandoned_ = true; }
+
+Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
+  Cloud cloud;
+  cloud.origin_m = origin_m;
+  cloud.resize_points(static_cast<std::size_t>(points_));
+  cloud.faces.reserve(faces_);
+  if (colour_) cloud.rgba.reserve(cloud.size());
+  if (intensity_) cloud.intensity.reserve(cloud.size());
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    std::unique_ptr<Scan> scan = std::move(scans_[s]);
+    // A stream cannot know where a polygon is hollow: faces are read with their points.
+    if (scan->streamed && !scan->raw.faces.empty()) scan = Scan::look_at(configs_[s], false, progress);
+    std::vector<std::uint32_t> moved;
+    const bool faces = !scan->raw.faces.empty();
+    if (faces) moved.reserve(static_cast<std::size_t>(scan->valid));
+    scan->for_each_block(
+        [&](const PointBlock& block) {
+          float* out = cloud.xyz1() + 4 * count;
+          round_points(
+              scan->placement, origin_m, block.points,
+              [&](std::size_t i, const Eigen::Vector3f& q) {
+                if (faces) moved.push_back(static_cast<std::uint32_t>(count));
+                out[0] = q.x();
+                out[1] = q.y();
+                out[2] = q.z();
+                out += 4;
+                ++count;
+                if (colour_) cloud.rgba.push_back(block.rgba.empty() ? kWhite : block.rgba[i]);
+                if (intensity_) cloud.intensity.push_back(block.intensity.empty() ? 0.0F : block.intensity[i]);
+              },
+              [&](std::size_t) {
+                if (faces) moved.push_back(kGone);
+                ++cloud.invalid;
+              });
+        },
+        progress);
+    for (const std::array<std::uint32_t, 3>& face : scan->raw.faces) {
+      const std::array<std::uint32_t, 3> corners = {moved[face[0]], moved[face[1]], moved[face[2]]};
+      if (corners[0] != kGone && corners[1] != kGone && corners[2] != kGone) cloud.faces.push_back(corners);
+    }
+    cloud.invalid += scan->raw.invalid;
+  }
+  cloud.resize_points(count);
+  return cloud;
+}
+
+std::uint64_t ScanSet::stream(const std::function<void(const CloudBlock&)>& use, Progress& progress) const {
+  std::uint64_t beyond = 0;
+  std::uint64_t done = 0;
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::uint32_t> rgba;
+  std::vector<float> intensity;
+  for (const std::unique_ptr<Scan>& scan : scans_) {
+    scan->for_each_block(
+        [&](const PointBlock& block) {
+          points.clear();
+          rgba.clear();
+          intensity.clear();
+          round_points(
+              scan->placement, origin_m_, block.points,
+              [&](std::size_t i, const Eigen::Vector3f& q) {
+                points.push_back(q);
+                if (colour_) rgba.push_back(block.rgba.empty() ? kWhite : block.rgba[i]);
+                if (intensity_) intensity.push_back(block.intensity.empty() ? 0.0F : block.intensity[i]);
+              },
+              [&](std::size_t) { ++beyond; });
+          use({points, rgba, intensity});
+          done += block.points.size();
+          progress.at(static_cast<double>(done) / static_cast<double>(points_));
+        },
+        progress);
+  }
+  return beyond;
+}
+
+std::vector<ScanSource> ScanSet::sources() {
+  std::vector<ScanSource> sources;
+  for (std::size_t i = 0; i < digests_.size(); ++i) {
+    sources.push_back({configs_[i].file, digests_[i].get(), records_[i]});
+  }
+  digests_.clear();
+  return sources;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,76 @@
+// The scans of a configuration, looked at once: everything but their points, which can be gone through again.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pipeline/base/progress.h"
+#include "pipeline/scan/cloud.h"
+#include "pipeline/scene/config.h"
+#include "pipeline/scene/scene.h"
+
+namespace sparsha::pipeline {
+
+/// Some consecutive points of a scan as a Cloud holds them: metres, rounded once from double relative to the set's
+/// origin. Spans are good during the call only.
+struct CloudBlock {
+  std::span<const Eigen::Vector3f> points;
+  std::span<const std::uint32_t> rgba;  ///< empty or one a point
+  std::span<const float> intensity;     ///< empty or one a point
+};
+
+class ScanSet {
+ public:
+  /// Where points wait between the first look and the second: `quickest` keeps those in memory that take long to
+  /// decode, `disk` none.
+  enum class Keep { quickest, disk };
+
+  /// Reads every scan. Throws Error{input}, also on a scan without a point; warns of implausible units. `digests`: the
+  /// files' SHA-256 are taken meanwhile, for sources().
+  ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress);
+  ~ScanSet();
+  ScanSet(const ScanSet&) = delete;
+  ScanSet& operator=(const ScanSet&) = delete;
+
+  [[nodiscard]] std::uint64_t points() const { return points_; }    ///< finite ones, before rounding
+  [[nodiscard]] std::uint64_t invalid() const { return invalid_; }  ///< the files' own, before rounding
+  [[nodiscard]] bool has_faces() const { return faces_ > 0; }
+  [[nodiscard]] bool has_colour() const { return colour_; }
+  [[nodiscard]] bool has_intensity() const { return intensity_; }
+  /// The median of the points in whole metres: a function of the set of points alone.
+  [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
+
+  /// All points in one cloud, in the configuration's order; gives back what was kept in memory, so only once. Points
+  /// beyond float32 become invalid, and faces on them go.
+  [[nodiscard]] Cloud load(const Eigen::Vector3d& origin_m, Progress& progress);
+
+  /// The same points block by block, relative to origin_m(); returns how many are beyond float32. May be called again.
+  /// Attributes are there when any of the scans has them. Throws Cancelled.
+  std::uint64_t stream(const std::function<void(const CloudBlock&)>& use, Progress& progress) const;
+
+  /// Waits for the digests.
+  [[nodiscard]] std::vector<ScanSource> sources();
+
+ private:
+  struct Scan;
+
+  std::vector<ScanConfig> configs_;
+  std::vector<std::unique_ptr<Scan>> scans_;
+  std::vector<std::uint64_t> records_;
+  std::shared_ptr<std::atomic<bool>> abandoned_;  ///< the digests look at it
+  std::vector<std::future<std::string>> digests_;
+  std::uint64_t points_ = 0, invalid_ = 0;
+  std::size_t faces_ = 0;
+  bool colour_ = false, intensity_ = false;
+  Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace sparsha::pipeline
