@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 
 #include "pipeline/check/check_nearest.h"
+#include "pipeline/check/check_points.h"
 #include "pipeline/check/check_statistics.h"
 #include "pipeline/check/check_surface.h"
 #include "pipeline/grid/fill_closing.h"
@@ -30,50 +31,63 @@ bool counts(const Projection& projection, std::size_t n) {
 
 BandedPoints counted_points(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
                             ThreadPool& pool) {
-  const Eigen::Matrix3d linear = scan_to_grid.topLeftCorner<3, 3>();
-  const Eigen::Vector3d offset =
-      linear * cloud.origin_m + scan_to_grid.topRightCorner<3, 1>() - projection.grid.lattice.origin_m;
+  const ToLattice to_lattice(scan_to_grid, cloud.origin_m, projection.grid.lattice);
   const float* source = cloud.xyz1();
   const auto write = [&](std::size_t begin, std::size_t end, float* xyz) {
     const float* const start = xyz;
     for (std::size_t n = begin; n < end; ++n) {
       if (!counts(projection, n)) continue;
-      const double x = source[4 * n], y = source[4 * n + 1], z = source[4 * n + 2];
-      for (Eigen::Index axis = 0; axis < 3; ++axis)
-        *xyz++ = static_cast<float>(linear(axis, 0) * x + linear(axis, 1) * y + linear(axis, 2) * z + offset[axis]);
+      to_lattice(source + 4 * n, xyz);
+      xyz += 3;
     }
     return static_cast<std::size_t>(xyz - start) / 3;
   };
   return {projection.grid.lattice, cloud.size(), write, pool};
 }
 
-/// A sample of the points, chosen by their own bits, in an order that walks the lattice.
-std::vector<std::uint32_t> sample_points(const BandedPoints& points, std::uint64_t wanted, const Lattice& lattice) {
+using Place = std::array<float, 3>;
+
+/// A sample of the points (0 = all), chosen by their own bits, in an order that walks the lattice.
+std::vector<Place> sample_points(const CountedPoints& points, std::uint64_t wanted, const Lattice& lattice) {
   const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
-  std::vector<std::uint32_t> sample = choose_sample(points.size(), wanted, [&](std::size_t n) {
-    const float* p = points.point(n);
-    return hash_word(hash_word(bits(p[0]) | bits(p[1]) << 32) ^ bits(p[2]));
-  });
-  const auto per_block = static_cast<float>(1 / (8 * lattice.spacing_m));
-  std::vector<Keyed> order;
-  order.reserve(sample.size());
-  for (const std::uint32_t n : sample) {
-    const float* p = points.point(n);
-    const auto row = static_cast<std::uint64_t>(std::clamp(p[1] * per_block, 0.0F, 1e9F));
-    // Non-negative floats sort like their bits.
-    order.push_back({row << 32 | bits(std::max(p[0], 0.0F)), n});
+  struct Candidate {
+    std::uint64_t key;
+    Place place;
+  };
+  std::vector<Candidate> sample;
+  if (wanted == 0 || wanted > points.size) wanted = points.size;
+  for (std::uint64_t threshold = sample_threshold(points.size, wanted);; threshold = ~std::uint64_t{0}) {
+    sample.clear();
+    points.each([&](std::span<const float> xyz) {
+      for (std::size_t n = 0; n < xyz.size(); n += 3) {
+        const float* p = xyz.data() + n;
+        const std::uint64_t key = hash_word(hash_word(bits(p[0]) | bits(p[1]) << 32) ^ bits(p[2]));
+        if (key <= threshold) sample.push_back({key, {p[0], p[1], p[2]}});
+      }
+    });
+    if (sample.size() >= wanted) break;
   }
-  std::sort(order.begin(), order.end(), [&](const Keyed& a, const Keyed& b) {
-    if (a.key != b.key) return a.key < b.key;
-    return std::lexicographical_compare(points.point(a.item), points.point(a.item) + 3, points.point(b.item),
-                                        points.point(b.item) + 3);
-  });
-  for (std::size_t k = 0; k < sample.size(); ++k) sample[k] = order[k].item;
-  return sample;
+  const auto before = [](const Candidate& a, const Candidate& b) {
+    return a.key != b.key ? a.key < b.key : a.place < b.place;
+  };
+  if (wanted < sample.size()) {
+    std::nth_element(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(wanted), sample.end(), before);
+    sample.resize(static_cast<std::size_t>(wanted));
+  }
+  const auto per_block = static_cast<float>(1 / (8 * lattice.spacing_m));
+  for (Candidate& c : sample) {
+    const auto row = static_cast<std::uint64_t>(std::clamp(c.place[1] * per_block, 0.0F, 1e9F));
+    // Non-negative floats sort like their bits.
+    c.key = row << 32 | bits(std::max(c.place[0], 0.0F));
+  }
+  std::sort(sample.begin(), sample.end(), before);
+  std::vector<Place> places;
+  places.reserve(sample.size());
+  for (const Candidate& c : sample) places.push_back(c.place);
+  return places;
 }
 
-std::vector<float> distances_to_surface(const DepthGrid& grid, const BandedPoints& points,
-                                        const std::vector<std::uint32_t>& sample, CheckResult& result,
+std::vector<float> distances_to_surface(const DepthGrid& grid, const std::vector<Place>& sample, CheckResult& result,
                                         ThreadPool& pool) {
   const SurfaceIndex surface(grid);
   std::vector<float> signed_m(sample.size());
@@ -84,7 +98,7 @@ std::vector<float> distances_to_surface(const DepthGrid& grid, const BandedPoint
   pool.for_ranges(sample.size(), kSamplesPerPiece, [&](std::size_t begin, std::size_t end) {
     SurfaceIndex::Scratch scratch;
     for (std::size_t k = begin; k < end; ++k) {
-      const float* p = points.point(sample[k]);
+      const Place& p = sample[k];
       const SurfaceDistance found = surface.distance(p[0], p[1], p[2], scratch);
       signed_m[k] = static_cast<float>(found.signed_m);
       if (k % stride != 0) continue;
@@ -103,57 +117,67 @@ std::vector<float> distances_to_surface(const DepthGrid& grid, const BandedPoint
 }
 
 /// Mean distance of the sampled points that lie nearest to each node.
-std::vector<float> error_map(const Lattice& lattice, const BandedPoints& points,
-                             const std::vector<std::uint32_t>& sample, const std::vector<float>& signed_m) {
-  std::vector<float> error(lattice.count(), kUnknownHeight);
-  std::vector<std::uint32_t> hits(lattice.count());
+std::vector<float> error_map(const Lattice& lattice, const std::vector<Place>& sample,
+                             const std::vector<float>& signed_m) {
+  std::vector<std::pair<std::size_t, std::size_t>> hits;  // node and place in the sample
+  hits.reserve(sample.size());
   for (std::size_t k = 0; k < sample.size(); ++k) {
-    const double i = std::round(points.point(sample[k])[0] / lattice.spacing_m);
-    const double j = std::round(points.point(sample[k])[1] / lattice.spacing_m);
+    const double i = std::round(sample[k][0] / lattice.spacing_m);
+    const double j = std::round(sample[k][1] / lattice.spacing_m);
     if (!(i >= 0 && j >= 0 && i < lattice.nx && j < lattice.ny)) continue;
-    const std::size_t n = lattice.index(static_cast<int>(i), static_cast<int>(j));
+    hits.emplace_back(lattice.index(static_cast<int>(i), static_cast<int>(j)), k);
+  }
+  std::sort(hits.begin(), hits.end());
+  std::vector<float> error(lattice.count(), kUnknownHeight);
+  std::size_t here = 0;
+  for (std::size_t h = 0; h < hits.size(); ++h) {
+    const auto [n, k] = hits[h];
+    here = h > 0 && hits[h - 1].first == n ? here + 1 : 1;
     const float distance = std::abs(signed_m[k]);
-    ++hits[n];
-    error[n] = hits[n] == 1 ? distance : error[n] + (distance - error[n]) / static_cast<float>(hits[n]);
+    error[n] = here == 1 ? distance : error[n] + (distance - error[n]) / static_cast<float>(here);
   }
   return error;
 }
 
+/// A sample of the measured nodes (0 = all), ascending, and how many there are.
+std::vector<std::uint32_t> sample_nodes(const DepthGrid& grid, std::uint64_t wanted, std::uint64_t& measured) {
+  measured = static_cast<std::uint64_t>(std::count(grid.state.begin(), grid.state.end(), NodeState::measured));
+  return choose_sample(measured, wanted, [&](const auto& offer) {
+    for (std::size_t n = 0; n < grid.state.size(); ++n)
+      if (grid.state[n] == NodeState::measured) offer(hash_word(n), n);
+  });
+}
+
 }  // namespace
 
-CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
+CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m, double point_spacing_m,
                         const std::optional<FillConfig>& fill, const CheckConfig& config, ThreadPool& pool,
                         Progress& progress) {
-  const DepthGrid& grid = projection.grid;
   const Lattice& lattice = grid.lattice;
   const auto wanted = static_cast<std::uint64_t>(std::max<std::int64_t>(0, config.samples));
   CheckResult result;
-  result.tolerance_m = std::max(lattice.spacing_m, 3 * projection.noise_m);
+  result.tolerance_m = std::max(lattice.spacing_m, 3 * noise_m);
 
-  const BandedPoints points = counted_points(cloud, scan_to_grid, projection, pool);
   progress.at(0.1);
-  const std::vector<std::uint32_t> sample = sample_points(points, wanted, lattice);
-  std::vector<float> distances = distances_to_surface(grid, points, sample, result, pool);
+  const std::vector<Place> sample = sample_points(points, wanted, lattice);
+  progress.at(0.3);
+  std::vector<float> distances = distances_to_surface(grid, sample, result, pool);
   // A grid without a single cell has no surface to be distant from.
   if (!distances.empty() && std::isinf(distances.front()))
     distances.clear();
   else
-    result.node_error_m = error_map(lattice, points, sample, distances);
+    result.node_error_m = error_map(lattice, sample, distances);
   if (result.node_error_m.empty()) result.node_error_m.assign(lattice.count(), kUnknownHeight);
-  result.cloud_to_surface = statistics_of(distances, points.size());
+  result.cloud_to_surface = statistics_of(distances, points.size);
   result.histogram_bin_m = kHistogramReach * result.cloud_to_surface.p99_m / kBins;
   result.cloud_histogram = histogram_of(distances, result.histogram_bin_m, kBins);
   progress.at(0.5);
 
-  std::vector<std::uint32_t> measured;
-  for (std::size_t n = 0; n < lattice.count(); ++n)
-    if (grid.state[n] == NodeState::measured) measured.push_back(static_cast<std::uint32_t>(n));
-  std::vector<std::uint32_t> nodes =
-      choose_sample(measured.size(), wanted, [&](std::size_t k) { return hash_word(measured[k]); });
-  for (std::uint32_t& k : nodes) k = measured[k];
-  distances = nearest_point_distances(grid, nodes, points, projection.point_spacing_m, pool);
-  if (points.size() == 0) distances.clear();
-  result.surface_to_cloud = statistics_of(distances, measured.size());
+  std::uint64_t measured = 0;
+  const std::vector<std::uint32_t> nodes = sample_nodes(grid, wanted, measured);
+  distances = nearest_point_distances(grid, nodes, points, point_spacing_m, pool);
+  if (points.size == 0) distances.clear();
+  result.surface_to_cloud = statistics_of(distances, measured);
   result.surface_histogram_bin_m = kHistogramReach * result.surface_to_cloud.p99_m / kBins;
   result.surface_histogram = histogram_of(distances, result.surface_histogram_bin_m, kBins);
   progress.at(0.9);
@@ -163,12 +187,20 @@ CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
     const auto near =
         std::count_if(distances.begin(), distances.end(), [&](float d) { return std::abs(d) <= result.tolerance_m; });
     const double share = static_cast<double>(near) / static_cast<double>(distances.size());
-    result.completeness = share * static_cast<double>(measured.size()) / static_cast<double>(inside);
+    result.completeness = share * static_cast<double>(measured) / static_cast<double>(inside);
   } else if (inside > 0) {
     result.completeness = 0.0;
   }
   progress.at(1.0);
   return result;
+}
+
+CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
+                        const std::optional<FillConfig>& fill, const CheckConfig& config, ThreadPool& pool,
+                        Progress& progress) {
+  const BandedPoints points = counted_points(cloud, scan_to_grid, projection, pool);
+  return cross_check(points.counted(), projection.grid, projection.noise_m, projection.point_spacing_m, fill, config,
+                     pool, progress);
 }
 
 }  // namespace sparsha::pipeline

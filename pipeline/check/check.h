@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/base/progress.h"
@@ -38,6 +40,22 @@ struct CheckResult {
   std::uint64_t second_method_samples = 0;
   double second_method_max_difference_m = 0.0;
 };
+
+/// The points that count, wherever they lie: x y z of one after the other, metres relative to the lattice's origin.
+/// Spans are good during the call only; the order of points does not matter.
+struct CountedPoints {
+  using Use = std::function<void(std::span<const float> xyz)>;
+
+  std::uint64_t size = 0;
+  std::function<void(const Use&)> each;  ///< hands over all of them, piece by piece
+  /// Hands over those between two rows of nodes, and perhaps others. Called by several threads at once.
+  std::function<void(double first_row, double last_row, const Use&)> in_rows;
+};
+
+/// `noise_m` and `point_spacing_m` are the projection's.
+[[nodiscard]] CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m,
+                                      double point_spacing_m, const std::optional<FillConfig>& fill,
+                                      const CheckConfig& config, ThreadPool& pool, Progress& progress);
 
 /// `projection` says which points count. Scene frame: grid = scan_to_grid * scan.
 [[nodiscard]] CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,

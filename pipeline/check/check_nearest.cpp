@@ -3,6 +3,7 @@
 #include "pipeline/check/check_nearest.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -56,7 +57,7 @@ class Mask {
 
 class Search {
  public:
-  Search(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes, const BandedPoints& points)
+  Search(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes, const CountedPoints& points)
       : result(nodes.size(), std::numeric_limits<float>::infinity()),
         grid_(grid),
         nodes_(nodes),
@@ -66,15 +67,16 @@ class Search {
 
   std::vector<float> result;
 
-  /// Node k's nearest among the tree's points; `chosen` numbers them (null: all points).
-  void ask(const PointTree& tree, const std::vector<std::uint32_t>* chosen, std::size_t k, PointTree::Answer& answer) {
+  /// Node k's nearest among the tree's points, when it is nearer than what is known.
+  void ask(const PointTree& tree, std::span<const float> xyz, std::size_t k, PointTree::Answer& answer) {
     const std::uint32_t node = nodes_[k];
     const double x = (node % nx_) * spacing_, y = (node / nx_) * spacing_, z = grid_.height_m[node];
     if (!tree.nearest(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), answer)) return;
-    const auto found = static_cast<std::size_t>(answer.index[0]);
-    const float* point = points_.point(chosen != nullptr ? (*chosen)[found] : found);
+    const float* point = xyz.data() + 3 * static_cast<std::size_t>(answer.index[0]);
     const double dx = point[0] - x, dy = point[1] - y, dz = point[2] - z;
-    result[k] = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
+    const auto found = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
+    const float known = std::abs(result[k]);
+    if (std::abs(found) < known || (std::abs(found) == known && found > result[k])) result[k] = found;
   }
 
   /// Answers the nodes [begin, end) of one strip; returns those that the points within a strip's height cannot decide.
@@ -83,25 +85,24 @@ class Search {
     for (std::size_t k = begin; k < end; ++k) open.push_back(k);
     const double first = static_cast<double>(strip) * kStripRows, last = first + kStripRows - 1;
     const auto per_spacing = static_cast<float>(1 / spacing_);
-    std::vector<std::uint32_t> chosen;
+    std::vector<std::array<float, 3>> chosen;
     PointTree::Answer answer;
     for (; !open.empty() && reach < kStripRows; reach *= kGrowth) {
       Mask mask(grid_.lattice.nx, first, last, reach);
       for (const std::size_t k : open) mask.mark(nodes_[k] % nx_, static_cast<double>(nodes_[k] / nx_));
-      const auto band = [&](double row) {
-        return static_cast<std::size_t>(
-            std::clamp(std::floor(row / BandedPoints::kRows), 0.0, static_cast<double>(points_.bands() - 1)));
-      };
-      const std::size_t from = points_.first(band(first - reach)), to = points_.first(band(last + reach) + 1);
-      chosen.resize(to - from);
-      std::size_t count = 0;
-      for (std::size_t p = from; p < to; ++p) {
-        chosen[count] = static_cast<std::uint32_t>(p);
-        count += mask.holds(points_.point(p)[0] * per_spacing, points_.point(p)[1] * per_spacing) ? 1 : 0;
-      }
-      chosen.resize(count);
-      const PointTree tree(points_.xyz(), chosen);
-      for (const std::size_t k : open) ask(tree, &chosen, k, answer);
+      chosen.clear();
+      points_.in_rows(first - reach, last + reach, [&](std::span<const float> xyz) {
+        for (std::size_t p = 0; p < xyz.size(); p += 3) {
+          if (mask.holds(xyz[p] * per_spacing, xyz[p + 1] * per_spacing)) {
+            chosen.push_back({xyz[p], xyz[p + 1], xyz[p + 2]});
+          }
+        }
+      });
+      // Of points at equal distances a tree names the one that it met first.
+      std::sort(chosen.begin(), chosen.end());
+      const std::span<const float> xyz(chosen.empty() ? nullptr : chosen.front().data(), 3 * chosen.size());
+      const PointTree tree(xyz);
+      for (const std::size_t k : open) ask(tree, xyz, k, answer);
       std::erase_if(open, [&](std::size_t k) { return std::abs(result[k]) <= kTrusted * reach * spacing_; });
     }
     return open;
@@ -110,7 +111,7 @@ class Search {
  private:
   const DepthGrid& grid_;
   const std::vector<std::uint32_t>& nodes_;
-  const BandedPoints& points_;
+  const CountedPoints& points_;
   std::uint32_t nx_;
   double spacing_;
 };
@@ -118,9 +119,9 @@ class Search {
 }  // namespace
 
 std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
-                                           const BandedPoints& points, double point_spacing_m, ThreadPool& pool) {
+                                           const CountedPoints& points, double point_spacing_m, ThreadPool& pool) {
   Search search(grid, nodes, points);
-  if (nodes.empty() || points.size() == 0) return std::move(search.result);
+  if (nodes.empty() || points.size == 0) return std::move(search.result);
   const double reach = std::max(kLeastReach, kFirstReach * point_spacing_m / grid.lattice.spacing_m);
   const std::size_t strip_nodes = kStripRows * static_cast<std::size_t>(grid.lattice.nx);
   std::vector<std::vector<std::size_t>> undecided((grid.lattice.count() + strip_nodes - 1) / strip_nodes);
@@ -133,10 +134,12 @@ std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vec
   std::vector<std::size_t> open;
   for (const std::vector<std::size_t>& some : undecided) open.insert(open.end(), some.begin(), some.end());
   if (!open.empty()) {
-    const PointTree tree(points.xyz());
-    pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
-      PointTree::Answer answer;
-      for (std::size_t n = begin; n < end; ++n) search.ask(tree, nullptr, open[n], answer);
+    points.each([&](std::span<const float> xyz) {
+      const PointTree tree(xyz);
+      pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
+        PointTree::Answer answer;
+        for (std::size_t n = begin; n < end; ++n) search.ask(tree, xyz, open[n], answer);
+      });
     });
   }
   return std::move(search.result);

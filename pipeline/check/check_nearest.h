@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pipeline/base/thread_pool.h"
-#include "pipeline/check/check_points.h"
+#include "pipeline/check/check.h"
 #include "pipeline/scene/depth_grid.h"
 
 namespace sparsha::pipeline {
@@ -13,7 +13,7 @@ namespace sparsha::pipeline {
 /// Signed distance from each node (ascending indices) to its nearest point, positive when that point is nearer to the
 /// viewer; infinite without points. Exact; `point_spacing_m` tunes the first try.
 [[nodiscard]] std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
-                                                         const BandedPoints& points, double point_spacing_m,
+                                                         const CountedPoints& points, double point_spacing_m,
                                                          ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

@@ -2,6 +2,7 @@
 #include "pipeline/check/check_points.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sparsha::pipeline {
 namespace {
@@ -46,6 +47,20 @@ BandedPoints::BandedPoints(const Lattice& lattice, std::size_t items, const Sour
   pool.for_ranges(items, items_per_piece, [&](std::size_t begin, std::size_t end) {
     each_point(begin, end, [&](const float* p, std::size_t& to) { std::copy_n(p, 3, xyz_.get() + 3 * to++); });
   });
+}
+
+CountedPoints BandedPoints::counted() const {
+  CountedPoints points;
+  points.size = size();
+  points.each = [this](const CountedPoints::Use& use) { use(xyz()); };
+  points.in_rows = [this](double first_row, double last_row, const CountedPoints::Use& use) {
+    const auto band = [&](double row) {
+      return static_cast<std::size_t>(std::clamp(std::floor(row / kRows), 0.0, static_cast<double>(bands() - 1)));
+    };
+    const std::size_t from = first(band(first_row)), to = first(band(last_row) + 1);
+    use(xyz().subspan(3 * from, 3 * (to - from)));
+  };
+  return points;
 }
 
 }  // namespace sparsha::pipeline

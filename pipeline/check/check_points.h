@@ -7,10 +7,35 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/check/check.h"
 #include "pipeline/scene/depth_grid.h"
 
 namespace sparsha::pipeline {
+
+/// Points of a cloud (relative to its origin) as the cross-check has them: relative to the lattice's, rounded once
+/// more.
+class ToLattice {
+ public:
+  ToLattice(const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& cloud_origin_m, const Lattice& lattice)
+      : linear_(scan_to_grid.topLeftCorner<3, 3>()),
+        offset_(linear_ * cloud_origin_m + scan_to_grid.topRightCorner<3, 1>() - lattice.origin_m) {}
+
+  /// Writes three floats.
+  void operator()(const float* point, float* xyz) const {
+    const double x = point[0], y = point[1], z = point[2];
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      xyz[axis] =
+          static_cast<float>(linear_(axis, 0) * x + linear_(axis, 1) * y + linear_(axis, 2) * z + offset_[axis]);
+    }
+  }
+
+ private:
+  Eigen::Matrix3d linear_;
+  Eigen::Vector3d offset_;
+};
 
 /// Band b holds the points nearest to rows [b * kRows, (b + 1) * kRows); points beyond the lattice go to the nearest
 /// band.
@@ -31,6 +56,8 @@ class BandedPoints {
   [[nodiscard]] const float* point(std::size_t n) const { return xyz_.get() + 3 * n; }
   /// Points of a band are numbers first(band) to first(band + 1) - 1.
   [[nodiscard]] std::size_t first(std::size_t band) const { return start_[band]; }
+  /// The same points for cross_check; this object must outlive them.
+  [[nodiscard]] CountedPoints counted() const;
 
  private:
   std::vector<std::size_t> start_;

@@ -33,16 +33,18 @@ struct Keyed {
 /// Items, ascending, of the `wanted` smallest keys.
 [[nodiscard]] std::vector<std::uint32_t> smallest_keys(std::vector<Keyed> candidates, std::uint64_t wanted);
 
-/// Of `count` items the `wanted` (0 = all) with the smallest keys, ascending: with hashes for keys, a sample that
-/// depends on the items' own bits alone.
-template <typename Key>
-[[nodiscard]] std::vector<std::uint32_t> choose_sample(std::size_t count, std::uint64_t wanted, const Key& key) {
-  if (wanted == 0 || wanted > count) wanted = count;
+/// Of `population` items the `wanted` (0 = all) with the smallest keys, ascending: with hashes for keys, a sample that
+/// depends on the items' own bits alone. `each(offer)` calls offer(key, item) for all of them, perhaps twice.
+template <typename Each>
+[[nodiscard]] std::vector<std::uint32_t> choose_sample(std::uint64_t population, std::uint64_t wanted,
+                                                       const Each& each) {
+  if (wanted == 0 || wanted > population) wanted = population;
   std::vector<Keyed> candidates;
-  for (std::uint64_t threshold = sample_threshold(count, wanted);; threshold = ~std::uint64_t{0}) {
+  for (std::uint64_t threshold = sample_threshold(population, wanted);; threshold = ~std::uint64_t{0}) {
     candidates.clear();
-    for (std::size_t n = 0; n < count; ++n)
-      if (const std::uint64_t k = key(n); k <= threshold) candidates.push_back({k, static_cast<std::uint32_t>(n)});
+    each([&](std::uint64_t key, std::size_t item) {
+      if (key <= threshold) candidates.push_back({key, static_cast<std::uint32_t>(item)});
+    });
     if (candidates.size() >= wanted) return smallest_keys(std::move(candidates), wanted);
   }
 }

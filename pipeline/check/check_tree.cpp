@@ -10,28 +10,17 @@ namespace sparsha::pipeline {
 struct PointTree::Implementation {
   pcl::KdTreeFLANN<pcl::PointXYZ> tree{false};  // unsorted: nobody here asks for an order
   std::size_t size = 0;
-
-  template <typename PointAt>
-  void build(std::size_t count, const PointAt& point_at) {
-    size = count;
-    if (count == 0) return;
-    auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-    cloud->resize(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      const float* p = point_at(k);
-      (*cloud)[k] = pcl::PointXYZ(p[0], p[1], p[2]);
-    }
-    tree.setInputCloud(cloud);
-  }
 };
 
 PointTree::PointTree(std::span<const float> xyz) : implementation_(std::make_unique<Implementation>()) {
-  implementation_->build(xyz.size() / 3, [&](std::size_t k) { return xyz.data() + 3 * k; });
-}
-
-PointTree::PointTree(std::span<const float> xyz, std::span<const std::uint32_t> chosen)
-    : implementation_(std::make_unique<Implementation>()) {
-  implementation_->build(chosen.size(), [&](std::size_t k) { return xyz.data() + 3 * std::size_t{chosen[k]}; });
+  implementation_->size = xyz.size() / 3;
+  if (xyz.empty()) return;
+  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  cloud->resize(implementation_->size);
+  for (std::size_t k = 0; k < implementation_->size; ++k) {
+    (*cloud)[k] = pcl::PointXYZ(xyz[3 * k], xyz[3 * k + 1], xyz[3 * k + 2]);
+  }
+  implementation_->tree.setInputCloud(cloud);
 }
 
 PointTree::~PointTree() = default;

@@ -1,7 +1,6 @@
 // FLANN's kd-tree through PCL; the one place of the cross-check that sees PCL.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,8 +12,6 @@ class PointTree {
  public:
   /// `xyz` holds x y z of one point after the other.
   explicit PointTree(std::span<const float> xyz);
-  /// Only the points `chosen`; answers count within `chosen`.
-  PointTree(std::span<const float> xyz, std::span<const std::uint32_t> chosen);
   ~PointTree();
   PointTree(const PointTree&) = delete;
   PointTree& operator=(const PointTree&) = delete;

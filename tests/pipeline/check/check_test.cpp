@@ -11,6 +11,7 @@
 
 #include "clouds.h"
 #include "pipeline/check/check_nearest.h"
+#include "pipeline/check/check_points.h"
 #include "pipeline/check/check_statistics.h"
 #include "pipeline/check/check_surface.h"
 
@@ -130,7 +131,7 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
           return end - begin;
         },
         pool);
-    const std::vector<float> found = nearest_point_distances(grid, nodes, points, 0.01, pool);
+    const std::vector<float> found = nearest_point_distances(grid, nodes, points.counted(), 0.01, pool);
     ASSERT_EQ(found.size(), nodes.size());
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const Eigen::Vector3d node((nodes[k] % 120) * 0.01, (nodes[k] / 120) * 0.01, grid.height_m[nodes[k]]);
@@ -174,11 +175,18 @@ TEST(Statistics, ConfidenceIntervalsHoldTheTrueMeanNineteenTimesInTwenty) {
 }
 
 TEST(Statistics, SamplesHaveTheSizeThatWasAskedFor) {
-  const auto size = [](std::uint64_t wanted) { return choose_sample(10000, wanted, hash_word).size(); };
+  const auto size_of = [](std::size_t population, std::uint64_t wanted, const auto& key) {
+    return choose_sample(population, wanted,
+                         [&](const auto& offer) {
+                           for (std::size_t n = 0; n < population; ++n) offer(key(n), n);
+                         })
+        .size();
+  };
+  const auto size = [&](std::uint64_t wanted) { return size_of(10000, wanted, hash_word); };
   for (const std::uint64_t wanted : {1U, 2U, 50U, 5000U, 9999U}) EXPECT_EQ(size(wanted), wanted);
   EXPECT_EQ(size(0), 10000U);
   EXPECT_EQ(size(20000), 10000U);
-  EXPECT_EQ(choose_sample(100, 10, [](std::size_t) { return std::uint64_t{42}; }).size(), 10U);
+  EXPECT_EQ(size_of(100, 10, [](std::size_t) { return std::uint64_t{42}; }), 10U);
 }
 
 /// A noisy plane with outliers, seen through a turned scan frame with a large origin.
