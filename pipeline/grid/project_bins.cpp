@@ -161,7 +161,7 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   Bins bins;
   bins.lattice = lattice;
   bins.points = total;
-  bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1);
+  bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1 + Bins::kReadAhead);
   bins.top = make_buffer<float>(lattice.bin_count() + Bins::kReadAhead);
   for (Buffer<float>* array : {&bins.x, &bins.y, &bins.z}) {
     *array = make_buffer<float>(total + Bins::kReadAhead);
@@ -195,7 +195,8 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
       bins.z[begin + k] = sorted[k].z;
     }
   });
-  bins.start[static_cast<std::size_t>(window.last_row) * columns] = static_cast<std::uint32_t>(total);
+  std::fill_n(bins.start.get() + static_cast<std::size_t>(window.last_row) * columns, 1 + Bins::kReadAhead,
+              static_cast<std::uint32_t>(total));
   return bins;
 }
 

@@ -16,13 +16,13 @@ struct NodePoint {
 struct LocalFit {
   double height_m = 0.0;
   double slope_u_m = 0.0, slope_v_m = 0.0;  ///< metres per spacing
-  double loss = 0.0;                        ///< weighted mean of Tukey's, 0 to 1; 0.14 for Gaussian noise
+  double loss = 0.0;                        ///< weighted mean of Tukey's, 0 to 1; 0 when the residuals are noise
   std::size_t support = 0;                  ///< points with weight
 };
 
 struct LocalFitRule {
   double radius = 1.5;     ///< of the compact kernel (1 - r^2/R^2)^2, spacings
-  double noise_m = 0.0;    ///< standard deviation; Tukey's biweight starts at 3 of residual_scale()
+  double noise_m = 0.0;    ///< standard deviation
   double spacing_m = 1.0;  ///< a slope of 1.5 is one standard deviation of the prior that keeps thin supports sane
 };
 
@@ -34,7 +34,7 @@ struct LocalFitRule {
 
 /// `scratch` is resized as needed. Without support the height is NaN.
 [[nodiscard]] LocalFit fit_locally(std::span<const NodePoint> points, const LocalFitRule& rule,
-                                   std::vector<double>& scratch);
+                                   std::vector<float>& scratch);
 
 /// Standard deviation of heights about a quadric through all points, robust (median absolute residual); negative when
 /// there are fewer than twelve points.

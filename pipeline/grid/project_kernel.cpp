@@ -1,8 +1,6 @@
 // The kernels for every x86-64 (and other machines), and the choice between them and the AVX2 ones.
 #include "pipeline/grid/project_kernel.h"
 
-#include "pipeline/grid/project_lanes_nodes.h"
-#include "pipeline/grid/project_lanes_points.h"
 #include "pipeline/grid/project_lanes_table.h"
 
 namespace sparsha::pipeline {

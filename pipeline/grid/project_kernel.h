@@ -7,13 +7,12 @@
 
 namespace sparsha::pipeline {
 
-/// What a row of nodes is decided from. Arrays may be read up to kReadAhead elements beyond their ends.
+/// What nodes are decided from. Arrays may be read up to kReadAhead elements beyond their ends.
 struct NodeKernel {
   static constexpr int kReadAhead = 24;
   static constexpr int kMostPoints = 480;  ///< of a 3x3 window; fuller ones are left to NodeFitter
 
   const std::uint32_t* start = nullptr;  ///< first point of each bin, bins_x bins a row
-  const float* top = nullptr;            ///< highest z of each bin, -infinity when empty
   const float* x = nullptr;              ///< metres
   const float* y = nullptr;
   const float* z = nullptr;
@@ -25,6 +24,28 @@ struct NodeKernel {
   float scale_m = 0.0F;         ///< standard deviation of residuals
   float ridge = 0.0F;           ///< prior of the slopes, see LocalFitRule
   const float* per_r2[2] = {};  ///< 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5
+};
+
+/// Points of one layer, relative to a node; arrays may be read and written up to kReadAhead elements beyond the last.
+struct LayerKernel {
+  static constexpr std::size_t kReadAhead = 24;
+
+  float* u = nullptr;  ///< spacings
+  float* v = nullptr;
+  float* z = nullptr;       ///< metres, relative to a height near theirs
+  float* w = nullptr;       ///< scratch
+  float per_r2 = 0.0F;      ///< 1/R^2 of the weights
+  float scale_m = 0.0F;     ///< standard deviation of residuals
+  float ridge = 0.0F;       ///< prior of the slopes, see LocalFitRule
+  float bend_ridge = 0.0F;  ///< and of coefficients of second order
+};
+
+/// Height and slopes (metres per spacing) at the node, not set unless good.
+struct LayerFit {
+  bool good = false;
+  float height_m = 0.0F, slope_u_m = 0.0F, slope_v_m = 0.0F;
+  float loss = 0.0F;          ///< weighted mean of Tukey's, 0 to 1; 0 when the residuals are noise
+  std::uint32_t support = 0;  ///< points with weight
 };
 
 /// What fates of points are decided from.
@@ -56,9 +77,15 @@ struct ProjectionKernels {
   /// Points in a sample of square blocks, chosen by a hash of the block: writes their numbers and returns how many.
   std::size_t (*draw_blocks)(const BlockKernel& kernel, const float* x, const float* y, std::size_t count,
                              std::uint32_t* drawn);
-  /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend. Heights of row `j`
-  /// into height[0..nx) and 1 into decided[i], or 0 where NodeFitter has to look.
-  void (*fit_row)(const NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided);
+  /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend. Heights of rows
+  /// [j_begin, j_end) into height, nx a row, and 1 into decided, or 0 where NodeFitter has to look.
+  void (*fit_rows)(const NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,
+                   std::uint8_t* decided);
+  /// Robust plane or quadric through all points of a layer.
+  LayerFit (*fit_layer)(const LayerKernel& kernel, std::size_t count);
+  /// rank[k] = how many values are greater than value k; false when two are equal. `value` is read, and may be written,
+  /// up to kReadAhead elements beyond the last.
+  bool (*rank_descending)(float* value, std::size_t count, std::uint32_t* rank);
   /// Points in cells with a measured node; `undecided` for the others and for the last few.
   void (*classify)(const FateKernel& kernel, const float* x, const float* y, const float* z, std::size_t count,
                    std::uint8_t* fate);

@@ -2,8 +2,6 @@
 #include "pipeline/grid/project_kernel.h"
 
 #if defined(__AVX2__)
-#include "pipeline/grid/project_lanes_nodes.h"
-#include "pipeline/grid/project_lanes_points.h"
 #include "pipeline/grid/project_lanes_table.h"
 
 namespace sparsha::pipeline {

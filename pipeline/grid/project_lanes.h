@@ -21,6 +21,7 @@ typedef std::int32_t QuadInts __attribute__((vector_size(16)));
 typedef std::int64_t Longs __attribute__((vector_size(32)));
 
 #define SPARSHA_INLINE static inline __attribute__((always_inline))
+#define SPARSHA_APART static __attribute__((noinline))
 
 constexpr std::size_t kLanes = 8;
 

@@ -1,7 +1,7 @@
 // The table of kernels for the instruction set of the file that includes this.
 #pragma once
 
-#include "pipeline/grid/project_lanes_nodes.h"
+#include "pipeline/grid/project_lanes_group.h"
 #include "pipeline/grid/project_lanes_points.h"
 
 namespace {
@@ -18,15 +18,22 @@ std::size_t draw_block_points(const sparsha::pipeline::BlockKernel& kernel, cons
                               std::size_t count, std::uint32_t* drawn) {
   return draw_of_blocks(kernel, x, y, count, drawn);
 }
-void fit_nodes(const sparsha::pipeline::NodeKernel& kernel, std::size_t j, float* height, std::uint8_t* decided) {
-  fit_row(kernel, j, height, decided);
+void fit_nodes(const sparsha::pipeline::NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,
+               std::uint8_t* decided) {
+  fit_rows(kernel, j_begin, j_end, height, decided);
 }
+sparsha::pipeline::LayerFit fit_one_layer(const sparsha::pipeline::LayerKernel& kernel, std::size_t count) {
+  sparsha::pipeline::LayerFit fit;
+  fit_all_points(kernel, count, fit);
+  return fit;
+}
+bool rank_values(float* value, std::size_t count, std::uint32_t* rank) { return rank_descending(value, count, rank); }
 void classify_points(const sparsha::pipeline::FateKernel& kernel, const float* x, const float* y, const float* z,
                      std::size_t count, std::uint8_t* fate) {
   classify(kernel, x, y, z, count, fate);
 }
 
 constexpr sparsha::pipeline::ProjectionKernels kKernels{orient_points, draw_points, draw_block_points, fit_nodes,
-                                                        classify_points};
+                                                        fit_one_layer, rank_values, classify_points};
 
 }  // namespace

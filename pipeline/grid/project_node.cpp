@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <numeric>
 
+#include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/project_step.h"
 
 namespace sparsha::pipeline {
@@ -104,16 +105,19 @@ void NodeFitter::split_layers(Slope slope, double gap_m) {
   const auto slope_u = static_cast<float>(slope.u);
   const auto slope_v = static_cast<float>(slope.v);
   const auto rise = [&](const NodePoint& p) { return p.z - slope_u * p.u - slope_v * p.v; };
-  // Descending heights as ascending integers; equal ones stay in the order of the bins, which is that of coordinates.
-  keys_.resize(gathered_.size());
-  for (std::size_t k = 0; k < gathered_.size(); ++k) {
-    const auto bits = std::bit_cast<std::uint32_t>(rise(gathered_[k]) + 0.0F);
-    const std::uint32_t ascending = (bits >> 31U) != 0 ? ~bits : bits | 0x80000000U;
-    keys_[k] = (static_cast<std::uint64_t>(~ascending) << 32U) | k;
+  const std::size_t count = gathered_.size();
+  rise_.resize(count + LayerKernel::kReadAhead);
+  rank_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) rise_[k] = rise(gathered_[k]);
+  if (!fastest_kernels().rank_descending(rise_.data(), count, rank_.data())) {
+    // Equal ones stay in the order of the bins, which is that of coordinates.
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return rise_[a] > rise_[b]; });
+    for (std::uint32_t k = 0; k < count; ++k) rank_[order[k]] = k;
   }
-  std::sort(keys_.begin(), keys_.end());
-  points_.resize(gathered_.size());
-  for (std::size_t k = 0; k < keys_.size(); ++k) points_[k] = gathered_[keys_[k] & 0xffffffffU];
+  points_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) points_[rank_[k]] = gathered_[k];
 
   layers_.clear();
   const auto gap = static_cast<float>(gap_m);
@@ -177,15 +181,23 @@ void NodeFitter::split_along_best_slope(Slope plain_fit, double total_spacing_m)
 
 // Local spacing of a layer's points, in nodes: from the density around the points, not around the node, so that the
 // inside of a hole does not pass for a sparse cloud.
-double NodeFitter::point_spacing(int i, int j, int reach, const Layer& layer) const {
+double NodeFitter::point_spacing(int i, int j, int reach, const Layer& layer) {
   if (reach == 1) return 1.0;
   const int near = (reach + 1) / 2;
+  const int side = 2 * reach + 1;
   const double area = static_cast<double>((2 * near + 1) * (2 * near + 1));
   double sum = 0.0;
   for (const NodePoint& p : points_of(layer)) {
-    const int a = std::clamp(i + static_cast<int>(std::lround(p.u)), 0, bins_.lattice.nx - 1);
-    const int b = std::clamp(j + static_cast<int>(std::lround(p.v)), 0, bins_.lattice.ny - 1);
-    sum += std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, count_window(a, b, near))));
+    const int a = std::clamp(static_cast<int>(std::floor(p.u + 0.5F)), -reach, reach);
+    const int b = std::clamp(static_cast<int>(std::floor(p.v + 0.5F)), -reach, reach);
+    float& spacing = spacing_of_bin_[static_cast<std::size_t>((b + reach) * side + a + reach)];
+    if (spacing == 0.0F) {
+      const int bin_i = std::clamp(i + a, 0, bins_.lattice.nx - 1);
+      const int bin_j = std::clamp(j + b, 0, bins_.lattice.ny - 1);
+      const std::size_t count = std::max<std::size_t>(1, count_window(bin_i, bin_j, near));
+      spacing = static_cast<float>(std::sqrt(area / static_cast<double>(count)));
+    }
+    sum += static_cast<double>(spacing);
   }
   const double share = static_cast<double>(points_.size()) / static_cast<double>(layer.size());
   return std::max(1.0, sum / static_cast<double>(layer.size()) * std::sqrt(share));
@@ -227,15 +239,15 @@ const NodeFitter::Layer& NodeFitter::layer_at_node(double spacing) {
   const std::size_t points = sides_[0].size() + sides_[1].size();
   if (!line.separable && points > kSureOfLine) {
     // A curved edge, or an outlier still: the nearest points see it straight. Fewer would part by chance.
-    const auto r2 = [](const NodePoint& p) { return static_cast<double>(p.u * p.u + p.v * p.v); };
+    const auto r2 = [](const NodePoint& p) { return p.u * p.u + p.v * p.v; };
     const double share = static_cast<double>(sides_[0].size()) / static_cast<double>(points);
-    std::vector<double>& distances = scratch_;
+    std::vector<float>& distances = scratch_;
     distances.clear();
     for (const std::vector<NodePoint>& side : sides_) {
       for (const NodePoint& p : side) distances.push_back(r2(p));
     }
     std::nth_element(distances.begin(), distances.begin() + kSureOfLine - 1, distances.end());
-    const double limit = distances[kSureOfLine - 1];
+    const float limit = distances[kSureOfLine - 1];
     for (std::vector<NodePoint>& side : sides_) std::erase_if(side, [&](const NodePoint& p) { return r2(p) > limit; });
     if (sides_[0].empty()) {
       // Were the front in front here too, chance would have to have kept all of its points away.
@@ -254,6 +266,7 @@ NodeFit NodeFitter::fit(int i, int j, int least_reach) {
     const bool last = reach == rule_.widest_window;
     if (count < kLeastFit || (count < kSafe && !last)) continue;
     gather(i, j, reach);
+    spacing_of_bin_.assign(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1)), 0.0F);
     const double side = 2.0 * reach + 1.0;
     const double total_spacing_m = std::sqrt(side * side / static_cast<double>(count)) * step_m;
     split_layers({}, layer_gap_m(rule_.noise_m, total_spacing_m));

@@ -58,7 +58,7 @@ class NodeFitter {
   void split_layers(Slope slope, double gap_m);
   [[nodiscard]] double compactness(Slope slope, double thickness_m) const;
   void split_along_best_slope(Slope plain_fit, double total_spacing_m);
-  [[nodiscard]] double point_spacing(int i, int j, int reach, const Layer& layer) const;
+  [[nodiscard]] double point_spacing(int i, int j, int reach, const Layer& layer);
   [[nodiscard]] double off_centre(const Layer& layer) const;
   void keep_near_fit(const Layer& layer, std::vector<NodePoint>& kept);
   [[nodiscard]] const Layer& layer_at_node(double spacing);
@@ -70,9 +70,11 @@ class NodeFitter {
   NodeRule rule_;
   std::vector<NodePoint> gathered_;  // in the order of the bins
   std::vector<NodePoint> points_;    // in layers, highest first
-  std::vector<std::uint64_t> keys_;
-  std::vector<Layer> layers_;  // supported ones, the highest first
-  std::vector<double> scratch_;
+  std::vector<float> rise_;          // of the gathered points above the slope
+  std::vector<std::uint32_t> rank_;
+  std::vector<Layer> layers_;          // supported ones, the highest first
+  std::vector<float> spacing_of_bin_;  // of the window, around each bin; 0 where nobody has asked yet
+  std::vector<float> scratch_;
   std::vector<NodePoint> sides_[2];  // of a step
 };
 

@@ -13,7 +13,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kRows = 8;
+constexpr std::size_t kRows = 16;
 
 // 1/R^2 of the kernel by the number of front points in a window.
 std::vector<float> kernel_radii(double window_area) {
@@ -31,7 +31,6 @@ NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::v
   const double scale = residual_scale(noise_m, lattice.spacing_m);
   NodeKernel kernel;
   kernel.start = bins.start.get();
-  kernel.top = bins.top.get();
   kernel.x = bins.x.get();
   kernel.y = bins.y.get();
   kernel.z = bins.z.get();
@@ -48,28 +47,26 @@ NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::v
   return kernel;
 }
 
-// Simple nodes by the kernel, row by row; the others by NodeFitter.
+// Simple nodes by the kernel, a few rows at a time; the others by NodeFitter.
 void fit_nodes(const Bins& bins, const NodeRule& rule, int first_row, ThreadPool& pool, Progress& progress,
                DepthGrid& grid) {
-  const Lattice& lattice = grid.lattice;
   const auto first = static_cast<std::size_t>(first_row);
   const std::array<std::vector<float>, 2> per_r2{kernel_radii(9.0), kernel_radii(25.0)};
   const NodeKernel kernel = node_kernel(bins, rule.noise_m, per_r2);
-  pool.for_ranges(static_cast<std::size_t>(lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
+  pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
     progress.throw_if_cancelled();
     NodeFitter fitter(bins, rule);
-    std::vector<std::uint8_t> decided(kernel.nx);
-    for (std::size_t j = begin; j < end; ++j) {
-      const std::size_t row = lattice.index(0, static_cast<int>(j));
-      fastest_kernels().fit_row(kernel, first + j, grid.height_m.data() + row, decided.data());
-      for (std::size_t i = 0; i < kernel.nx; ++i) {
-        if (decided[i] == 0) {
-          const NodeFit fit = fitter.fit(static_cast<int>(i), first_row + static_cast<int>(j));
-          if (!fit.measured) continue;
-          grid.height_m[row + i] = static_cast<float>(fit.height_m);
-        }
-        grid.state[row + i] = NodeState::measured;
+    std::vector<std::uint8_t> decided((end - begin) * kernel.nx);
+    const std::size_t at = begin * kernel.nx;
+    fastest_kernels().fit_rows(kernel, first + begin, first + end, grid.height_m.data() + at, decided.data());
+    for (std::size_t node = 0; node < decided.size(); ++node) {
+      if (decided[node] == 0) {
+        const int j = first_row + static_cast<int>(begin + node / kernel.nx);
+        const NodeFit fit = fitter.fit(static_cast<int>(node % kernel.nx), j);
+        if (!fit.measured) continue;
+        grid.height_m[at + node] = static_cast<float>(fit.height_m);
       }
+      grid.state[at + node] = NodeState::measured;
     }
   });
 }

@@ -249,37 +249,5 @@ TEST(Projection, RefusesGridsThatCannotFit) {
   }
 }
 
-TEST(ProjectionKernels, AgreeBitForBitWithAndWithoutAvx2) {
-  std::mt19937_64 random(12);
-  std::normal_distribution<float> normal(0.0F, 100.0F);
-  std::vector<float> xyz(4 * 1003);
-  for (float& value : xyz) value = normal(random);
-  const double matrix[12] = {0.3, -0.7, 0.2, 5.0, 0.1, 0.9, -0.4, -2.0, 0.6, 0.2, 0.8, 100.0};
-  struct Result {
-    std::vector<float> x, y, z;
-    float low[3], high[3];
-    std::vector<std::uint32_t> drawn;
-    std::size_t count = 0;
-  };
-  const auto run = [&](const pipeline::ProjectionKernels& kernels) {
-    Result r{std::vector<float>(1003), std::vector<float>(1003), std::vector<float>(1003), {}, {}, {}, 0};
-    kernels.orient(xyz.data(), 4, 1003, matrix, r.x.data(), r.y.data(), r.z.data(), r.low, r.high);
-    r.drawn.resize(1003);
-    r.count = kernels.draw(xyz.data(), 4, 1003, 0x20000000U, r.drawn.data());
-    return r;
-  };
-  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
-  const Result a = run(pipeline::baseline_kernels());
-  const Result b = run(pipeline::avx2_kernels());
-  EXPECT_EQ(a.x, b.x);
-  EXPECT_EQ(a.y, b.y);
-  EXPECT_EQ(a.z, b.z);
-  EXPECT_TRUE(std::equal(a.low, a.low + 3, b.low));
-  EXPECT_TRUE(std::equal(a.high, a.high + 3, b.high));
-  EXPECT_EQ(a.count, b.count);
-  EXPECT_NEAR(static_cast<double>(a.count), 1003.0 / 8.0, 40.0);
-  EXPECT_EQ(a.drawn, b.drawn);
-}
-
 }  // namespace
 }  // namespace sparsha::test

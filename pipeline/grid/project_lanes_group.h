@@ -1,0 +1,195 @@
+// Eight nodes at a time, one a lane: nodes whose 3x3 window is one smooth band in front. Included once for each
+// instruction set.
+#pragma once
+
+#include "pipeline/grid/project_kernel.h"
+#include "pipeline/grid/project_lanes.h"
+#include "pipeline/grid/project_lanes_fit.h"
+#include "pipeline/grid/project_lanes_nodes.h"
+#include "pipeline/grid/project_lanes_slots.h"
+
+namespace {
+
+// Fourth highest of the nine bins' highest points, for eight nodes from column i on: robust against empty bins, bins
+// that show the back, and outliers.
+SPARSHA_INLINE Floats reference_heights(const SlotRow* const* rows, std::size_t column) {
+  Floats first = all(kAbsent);
+  Floats second = first;
+  Floats third = first;
+  Floats fourth = first;
+  for (int row = 0; row < 3; ++row) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      Floats next = load(rows[row]->z[0] + column + a);
+      Floats lower = least(first, next);
+      first = most(first, next);
+      next = least(second, lower);
+      second = most(second, lower);
+      lower = least(third, next);
+      third = most(third, next);
+      fourth = most(fourth, lower);
+    }
+  }
+  return fourth;
+}
+
+/// What is known of eight nodes after a look at their windows.
+struct GroupResult {
+  Floats reference;  ///< metres; kAbsent when fewer than four bins hold points
+  Floats height;     ///< above the reference
+  Ints decided;
+  Ints wider;  ///< the window is too small to decide; neither: the node needs more thought
+};
+
+SPARSHA_INLINE std::int32_t largest(Ints a) {
+  const auto bigger = [](Ints x, Ints y) { return (x & (x > y)) | (y & ~(x > y)); };
+  Ints b = bigger(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
+  b = bigger(b, __builtin_shufflevector(b, b, 2, 3, 0, 1, 6, 7, 4, 5));
+  return b[0] > b[1] ? b[0] : b[1];
+}
+SPARSHA_INLINE Ints load_ints(const std::int32_t* p) {
+  Ints value;
+  __builtin_memcpy(&value, p, sizeof(value));
+  return value;
+}
+
+SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, const SlotRow* const* rows,
+                                    std::size_t column) {
+  GroupResult result{};
+  result.reference = reference_heights(rows, column);
+  Ints count{};
+  std::size_t slots[3];
+  for (int b = 0; b < 3; ++b) {
+    const Ints left = load_ints(rows[b]->count + column);
+    const Ints right = load_ints(rows[b]->count + column + 2);
+    const std::int32_t fullest = largest((left & (left > right)) | (right & ~(left > right)));
+    if (fullest > static_cast<std::int32_t>(kSlots)) return result;
+    slots[b] = static_cast<std::size_t>(fullest);
+    count += left + load_ints(rows[b]->count + column + 1) + right;
+  }
+
+  const Floats low = result.reference - k.band_m;
+  const Floats high = result.reference + k.band_m;
+  Ints not_below{};
+  Ints above{};
+  for (int b = 0; b < 3; ++b) {
+    const float* z = rows[b]->z[0] + column;
+    for (std::size_t s = 0; s < slots[b]; ++s, z += kColumns) {
+      for (int a = 0; a < 3; ++a) {
+        const Floats here = load(z + a);
+        not_below -= here >= low;
+        above -= here > high;
+      }
+    }
+  }
+  const Ints in = not_below - above;
+  // One or two points above the front may be a front that chance has thinned.
+  const Ints there = result.reference > kAbsent;
+  const Ints thin = (in < 9) | ((above > 0) & (count < 24));
+  result.wider = there & thin;
+  const Ints open = there & ~thin & (in * 4 >= count) & ~((above >= 3) & (above * 12 >= count));
+  if (!any(open)) return result;
+
+  float radii[kLanes];
+  for (std::size_t lane = 0; lane < kLanes; ++lane) radii[lane] = k.per_r2[0][in[lane]];
+  const Floats per_r2 = load(radii);
+  float weights[9 * kSlots * kLanes];
+  Moments m{};
+  float* weight = weights;
+  for (int b = 0; b < 3; ++b) {
+    const float* pu = rows[b]->u[0] + column;
+    const float* pv = rows[b]->v[0] + column;
+    const float* pz = rows[b]->z[0] + column;
+    const float node_v = static_cast<float>(b - 1);
+    for (std::size_t s = 0; s < slots[b]; ++s, pu += kColumns, pv += kColumns, pz += kColumns) {
+      for (int a = 0; a < 3; ++a) {
+        const Floats u = load(pu + a) + static_cast<float>(a - 1);
+        const Floats v = load(pv + a) + node_v;
+        const Floats here = load(pz + a);
+        const Ints inside = (here >= low) & (here <= high);
+        const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+        const Floats w = t * t;
+        store(weight, w);
+        weight += kLanes;
+        add(m, w, u, v, here - result.reference);
+      }
+    }
+  }
+
+  const Floats per_w = 1.0F / m.w;
+  const Floats mu = m.u * per_w;
+  const Floats mv = m.v * per_w;
+  const Floats mz = m.z * per_w;
+  const Floats prior = k.ridge + 1e-6F * m.w;
+  const Floats uu = m.uu - m.u * mu + prior;
+  const Floats vv = m.vv - m.v * mv + prior;
+  const Floats uv = m.uv - m.u * mv;
+  const Floats uz = m.uz - m.u * mz;
+  const Floats vz = m.vz - m.v * mz;
+  const Floats determinant = uu * vv - uv * uv;
+  const Floats per_determinant = 1.0F / determinant;
+  const Floats gu = (uz * vv - vz * uv) * per_determinant;
+  const Floats gv = (vz * uu - uz * uv) * per_determinant;
+  result.height = mz - gu * mu - gv * mv;
+  const Floats off_centre2 = mu * mu + mv * mv;
+
+  const Floats at_node = result.height + result.reference;
+  Floats worst{};
+  Floats squares{};
+  weight = weights;
+  for (int b = 0; b < 3; ++b) {
+    const float* pu = rows[b]->u[0] + column;
+    const float* pv = rows[b]->v[0] + column;
+    const float* pz = rows[b]->z[0] + column;
+    const float node_v = static_cast<float>(b - 1);
+    for (std::size_t s = 0; s < slots[b]; ++s, pu += kColumns, pv += kColumns, pz += kColumns) {
+      for (int a = 0; a < 3; ++a) {
+        const Floats u = load(pu + a) + static_cast<float>(a - 1);
+        const Floats v = load(pv + a) + node_v;
+        const Floats w = load(weight);
+        weight += kLanes;
+        const Floats r = masked(w > 0.0F, absolute(load(pz + a) - at_node - gu * u - gv * v));
+        worst = most(worst, r);
+        squares += w * (r * r);
+      }
+    }
+  }
+  // A centroid near the node proves that the node is surrounded; points below it may be the other side of a step.
+  const Ints central = (off_centre2 <= 0.25F) & ((off_centre2 <= 0.0625F) | (count - not_below < 3));
+  const Ints smooth = (worst <= kBent * k.scale_m) & (squares <= kRough * (k.scale_m * k.scale_m) * m.w);
+  result.decided = open & (m.w > 0.0F) & (determinant > 0.0F) & central & smooth;
+  return result;
+}
+
+SPARSHA_INLINE void fit_rows(const sparsha::pipeline::NodeKernel& k, std::size_t j_begin, std::size_t j_end,
+                             float* heights, std::uint8_t* decided) {
+  static thread_local SlotRow ring[3];
+  alignas(32) float memory[4][sparsha::pipeline::NodeKernel::kMostPoints + 24];
+  Window window{memory[0], memory[1], memory[2], memory[3]};
+  for (std::size_t first = 0; first < k.nx; first += kTile) {
+    const std::size_t last = first + kTile < k.nx ? first + kTile : k.nx;
+    fill_slots(k, static_cast<std::ptrdiff_t>(j_begin) - 1, first, ring[0]);
+    fill_slots(k, static_cast<std::ptrdiff_t>(j_begin), first, ring[1]);
+    for (std::size_t j = j_begin; j < j_end; ++j) {
+      fill_slots(k, static_cast<std::ptrdiff_t>(j) + 1, first, ring[(j - j_begin + 2) % 3]);
+      const SlotRow* rows[3];
+      for (std::size_t b = 0; b < 3; ++b) rows[b] = &ring[(j - j_begin + b) % 3];
+      float* height = heights + (j - j_begin) * k.nx;
+      std::uint8_t* done = decided + (j - j_begin) * k.nx;
+      for (std::size_t i = first; i < last; i += kLanes) {
+        const GroupResult group = fit_group(k, rows, i - first);
+        const std::size_t lanes = last - i < kLanes ? last - i : kLanes;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+          if (group.decided[lane] != 0) {
+            height[i + lane] = group.reference[lane] + group.height[lane];
+            done[i + lane] = 1;
+          } else {
+            const std::size_t reach = group.wider[lane] != 0 ? 2 : 1;
+            done[i + lane] = fit_alone(k, window, i + lane, j, reach, group.reference[lane], height + i + lane) ? 1 : 0;
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace

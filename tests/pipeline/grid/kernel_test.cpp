@@ -1,0 +1,155 @@
+// The same bits with every instruction set that the machine has.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "pipeline/grid/project_bins.h"
+#include "pipeline/grid/project_fit.h"
+#include "pipeline/grid/project_kernel.h"
+
+namespace sparsha::test {
+namespace {
+
+TEST(ProjectionKernels, OrientAndDrawBitForBitWithAndWithoutAvx2) {
+  std::mt19937_64 random(12);
+  std::normal_distribution<float> normal(0.0F, 100.0F);
+  std::vector<float> xyz(4 * 1003);
+  for (float& value : xyz) value = normal(random);
+  const double matrix[12] = {0.3, -0.7, 0.2, 5.0, 0.1, 0.9, -0.4, -2.0, 0.6, 0.2, 0.8, 100.0};
+  struct Result {
+    std::vector<float> x, y, z;
+    float low[3], high[3];
+    std::vector<std::uint32_t> drawn;
+    std::size_t count = 0;
+  };
+  const auto run = [&](const pipeline::ProjectionKernels& kernels) {
+    Result r{std::vector<float>(1003), std::vector<float>(1003), std::vector<float>(1003), {}, {}, {}, 0};
+    kernels.orient(xyz.data(), 4, 1003, matrix, r.x.data(), r.y.data(), r.z.data(), r.low, r.high);
+    r.drawn.resize(1003);
+    r.count = kernels.draw(xyz.data(), 4, 1003, 0x20000000U, r.drawn.data());
+    return r;
+  };
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+  const Result a = run(pipeline::baseline_kernels());
+  const Result b = run(pipeline::avx2_kernels());
+  EXPECT_EQ(a.x, b.x);
+  EXPECT_EQ(a.y, b.y);
+  EXPECT_EQ(a.z, b.z);
+  EXPECT_TRUE(std::equal(a.low, a.low + 3, b.low));
+  EXPECT_TRUE(std::equal(a.high, a.high + 3, b.high));
+  EXPECT_EQ(a.count, b.count);
+  EXPECT_NEAR(static_cast<double>(a.count), 1003.0 / 8.0, 40.0);
+  EXPECT_EQ(a.drawn, b.drawn);
+}
+
+/// Points on a bent surface with a step, a back and outliers, sorted into bins of a lattice of 61 x 40 nodes.
+pipeline::Bins binned(double per_node) {
+  constexpr int kNx = 61;
+  constexpr int kNy = 40;
+  constexpr double kSpacing = 0.002;
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::normal_distribution<double> noise(0.0, 0.0002);
+  pipeline::OrientedPoints points;
+  points.count = static_cast<std::size_t>(per_node * kNx * kNy);
+  for (auto* array : {&points.x, &points.y, &points.z}) *array = pipeline::make_buffer<float>(points.count);
+  for (std::size_t k = 0; k < points.count; ++k) {
+    const double x = unit(random) * kNx * kSpacing;
+    const double y = unit(random) * kNy * kSpacing;
+    double z = 0.01 * std::sin(60.0 * x) * std::cos(40.0 * y) + (x + 0.1 * y > 0.08 ? 0.01 : 0.0) + noise(random);
+    const double what = unit(random);
+    if (what < 0.1) z -= 0.06;
+    if (what > 0.99) z += 0.1 * unit(random) - 0.05;
+    points.x[k] = static_cast<float>(x);
+    points.y[k] = static_cast<float>(y);
+    points.z[k] = static_cast<float>(z);
+  }
+  const pipeline::BinLattice lattice{kNx, kNy, kSpacing, 0.0, 0.0};
+  ThreadPool pool(1);
+  return pipeline::sort_into_bins(points, {}, lattice, pipeline::BinWindow::all(lattice), pool);
+}
+
+TEST(ProjectionKernels, FitNodesBitForBitWithAndWithoutAvx2) {
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+  std::vector<float> per_r2(pipeline::NodeKernel::kMostPoints + 1, 0.4F);
+  for (const double per_node : {0.7, 1.5, 4.0, 12.0, 40.0}) {
+    const pipeline::Bins bins = binned(per_node);
+    pipeline::NodeKernel kernel;
+    kernel.start = bins.start.get();
+    kernel.x = bins.x.get();
+    kernel.y = bins.y.get();
+    kernel.z = bins.z.get();
+    kernel.bins_x = static_cast<std::size_t>(bins.lattice.bins_x());
+    kernel.margin = pipeline::BinLattice::kMargin;
+    kernel.nx = static_cast<std::size_t>(bins.lattice.nx);
+    kernel.spacing_m = bins.lattice.spacing_m;
+    kernel.band_m = 0.0057F;
+    kernel.scale_m = 0.0002F;
+    kernel.ridge = 0.004F;
+    for (const float*& radii : kernel.per_r2) radii = per_r2.data();
+    const auto ny = static_cast<std::size_t>(bins.lattice.ny);
+    const auto run = [&](const pipeline::ProjectionKernels& kernels) {
+      std::pair<std::vector<float>, std::vector<std::uint8_t>> result{std::vector<float>(kernel.nx * ny, -1.0F),
+                                                                      std::vector<std::uint8_t>(kernel.nx * ny)};
+      kernels.fit_rows(kernel, 0, ny, result.first.data(), result.second.data());
+      // Undecided nodes have no height.
+      for (std::size_t k = 0; k < result.second.size(); ++k) {
+        if (result.second[k] == 0) result.first[k] = 0.0F;
+      }
+      return result;
+    };
+    const auto a = run(pipeline::baseline_kernels());
+    const auto b = run(pipeline::avx2_kernels());
+    EXPECT_EQ(a.second, b.second) << per_node << " points a node";
+    EXPECT_EQ(0, std::memcmp(a.first.data(), b.first.data(), a.first.size() * sizeof(float))) << per_node;
+  }
+}
+
+TEST(ProjectionKernels, FitLayersBitForBitWithAndWithoutAvx2) {
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+  std::mt19937_64 random(22);
+  std::normal_distribution<float> normal(0.0F, 1.0F);
+  for (std::size_t count = 1; count < 100; ++count) {
+    const std::size_t stride = count + pipeline::LayerKernel::kReadAhead;
+    std::vector<float> memory(4 * stride);
+    for (std::size_t k = 0; k < count; ++k) {
+      const float u = 0.5F * normal(random);
+      const float v = 0.5F * normal(random);
+      memory[k] = u;
+      memory[stride + k] = v;
+      memory[2 * stride + k] = 0.001F * (u + 3.0F * u * v + 0.2F * normal(random)) + (k % 17 == 16 ? 0.02F : 0.0F);
+    }
+    const auto run = [&](const pipeline::ProjectionKernels& kernels) {
+      std::vector<float> own = memory;
+      pipeline::LayerKernel kernel;
+      kernel.u = own.data();
+      kernel.v = kernel.u + stride;
+      kernel.z = kernel.v + stride;
+      kernel.w = kernel.z + stride;
+      kernel.per_r2 = 1.0F;
+      kernel.scale_m = 0.0002F;
+      kernel.ridge = 0.001F;
+      kernel.bend_ridge = 0.008F;
+      std::vector<std::uint32_t> rank(count);
+      const bool distinct = kernels.rank_descending(kernel.z, count, rank.data());
+      return std::tuple(kernels.fit_layer(kernel, count), rank, distinct);
+    };
+    const auto [a, rank_a, distinct_a] = run(pipeline::baseline_kernels());
+    const auto [b, rank_b, distinct_b] = run(pipeline::avx2_kernels());
+    EXPECT_EQ(a.good, b.good);
+    EXPECT_EQ(a.support, b.support);
+    for (const auto& [left, right] : {std::pair{a.height_m, b.height_m}, std::pair{a.slope_u_m, b.slope_u_m},
+                                      std::pair{a.slope_v_m, b.slope_v_m}, std::pair{a.loss, b.loss}}) {
+      EXPECT_EQ(0, std::memcmp(&left, &right, sizeof(left))) << count << " points";
+    }
+    EXPECT_EQ(rank_a, rank_b);
+    EXPECT_EQ(distinct_a, distinct_b);
+  }
+}
+
+}  // namespace
+}  // namespace sparsha::test
