@@ -148,7 +148,8 @@ TEST(Governor, NeverGivesBackMoreThanOneTicksWorkBeyondWhatWasPutIn) {
     Governor governor = armed_governor();
     double z = 0.001;
     double speed = 0.0;
-    double delivered = 0.0;
+    double delivered_j = 0.0;  // to the hand, by the force that the device held
+    double damped_j = 0.0;     // by the least damping of hand and device
     double most_work = 0.0;
     Vector3d held[2] = {Vector3d::Zero(), Vector3d::Zero()};
     for (int k = 0; k < 2000; ++k) {
@@ -157,7 +158,8 @@ TEST(Governor, NeverGivesBackMoreThanOneTicksWorkBeyondWhatWasPutIn) {
       z += step;
       if (std::abs(z) > 0.004) speed = -speed, z = std::copysign(0.004, z);
       const double work = held[1].z() * step;
-      delivered += work;
+      delivered_j += work;
+      damped_j += DeviceLimits{}.least_damping_n_s_per_m * step * step / kPeriod;
       most_work = std::max(most_work, std::abs(work));
       const double depth = std::max(0.0, -z);
       GovernorInput input = still({0, 0, kStiffness * depth}, depth > 0.0);
@@ -165,6 +167,7 @@ TEST(Governor, NeverGivesBackMoreThanOneTicksWorkBeyondWhatWasPutIn) {
       input.spring_energy_j = 0.5 * kStiffness * depth * depth;
       const GovernorOutput output = governor.update(input);
       EXPECT_GE(output.energy_j, -2.0 * most_work - 1e-12);
+      EXPECT_LE(delivered_j - damped_j, 2.0 * most_work + 1e-12);
       held[1] = held[0];
       held[0] = output.force_n;
     }
