@@ -8,13 +8,14 @@
 #include <cstdint>
 #include <limits>
 
+#include "haptics/contact/hot.h"
 #include "haptics/surface/monge_surface.h"
 
 namespace sparsha::haptics {
 
 /// A point by its cell and its place in it: x = i + s, y = j + t. Cells (-1, j) and (nx-1, j), (i, -1) and (i, ny-1)
-/// lie beyond the border and have no outer edge. Kept this way because s and t resolve 1e-16 of a cell however far
-/// from the origin the cell is.
+/// lie beyond the border and have no outer edge. Kept this way because s and t resolve 1e-16 of a cell however far from
+/// the origin the cell is.
 struct CellPoint {
   int i = 0;
   int j = 0;
@@ -72,13 +73,15 @@ class BilinearSurface {
   static constexpr bool kHasFastLane = true;
 
   explicit BilinearSurface(const MongeSurface& surface) noexcept
+      : BilinearSurface(surface, 1.0 / surface.lattice.spacing_m) {}
+  BilinearSurface(const MongeSurface& surface, double cells_per_m) noexcept
       : height_(surface.height_m.data()),
         mu_dynamic_(surface.mu_dynamic.empty() ? nullptr : surface.mu_dynamic.data()),
         mu_static_(surface.mu_static.empty() ? nullptr : surface.mu_static.data()),
         nx_(surface.lattice.nx),
         ny_(surface.lattice.ny),
         cell_m_(surface.lattice.spacing_m),
-        cells_per_m_(1.0 / surface.lattice.spacing_m),
+        cells_per_m_(cells_per_m),
         highest_(surface.highest_m * cells_per_m_) {}
 
   [[nodiscard]] int nx() const noexcept { return nx_; }
@@ -120,7 +123,7 @@ class BilinearSurface {
     return patch_of(height_[node(i0, j0)], height_[node(i1, j0)], height_[node(i0, j1)], height_[node(i1, j1)]);
   }
   /// Of an inner cell.
-  [[nodiscard]] Patch patch_inside(int i, int j) const noexcept {
+  [[nodiscard]] SPARSHA_HOT Patch patch_inside(int i, int j) const noexcept {
     const float* low = height_ + node(i, j);
     const float* high = low + nx_;
     return patch_of(low[0], low[1], high[0], high[1]);
@@ -130,11 +133,11 @@ class BilinearSurface {
   [[nodiscard]] double mu_dynamic(int i, int j, double s, double t) const noexcept {
     return interpolate(mu_dynamic_, i, j, s, t);
   }
-  [[nodiscard]] double mu_static(int i, int j, double s, double t) const noexcept {
+  [[nodiscard]] SPARSHA_HOT double mu_static(int i, int j, double s, double t) const noexcept {
     return interpolate(mu_static_, i, j, s, t);
   }
   /// mu_dynamic of an inner cell. Only with has_friction().
-  [[nodiscard]] CellCoefficients coefficients(int i, int j) const noexcept {
+  [[nodiscard]] SPARSHA_HOT CellCoefficients coefficients(int i, int j) const noexcept {
     const float* low = mu_dynamic_ + node(i, j);
     const float* high = low + nx_;
     const double m00 = low[0];
@@ -144,14 +147,14 @@ class BilinearSurface {
   }
 
  private:
-  [[nodiscard]] Patch patch_of(double z00, double z10, double z01, double z11) const noexcept {
+  [[nodiscard]] SPARSHA_HOT Patch patch_of(double z00, double z10, double z01, double z11) const noexcept {
     z00 *= cells_per_m_, z10 *= cells_per_m_, z01 *= cells_per_m_, z11 *= cells_per_m_;
     return {z00, z10 - z00, z01 - z00, (z11 - z10) - (z01 - z00)};
   }
   [[nodiscard]] std::size_t node(int i, int j) const noexcept {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i);
   }
-  [[nodiscard]] double interpolate(const float* values, int i, int j, double s, double t) const noexcept {
+  [[nodiscard]] SPARSHA_HOT double interpolate(const float* values, int i, int j, double s, double t) const noexcept {
     if (!is_inner(i, j)) return 0.0;
     const float* low = values + node(i, j);
     const float* high = low + nx_;

@@ -23,60 +23,22 @@ class ExactSolver {
   ExactSolver(const Surface& surface, const CellVector& hip, const SolverOptions& options) noexcept
       : surface_(surface), hip_(hip), tolerance_(options.tolerance_cells), limit_(options.segment_limit) {}
 
-  /// Moves `p` to rest. `contact` and `sticking` as in ProxyState.
-  void solve(CellPoint& p, bool& contact, bool& sticking) noexcept {
-    bool landed = false;
-    const Patch start = surface_.patch(p.i, p.j);
-    settle_on(start, p, contact);
-    bool may_stick_again = kFriction && contact && !sticking;
-    sticking = kFriction && contact && sticking;
-    if (contact && glides(p) && glide(start, p, sticking, may_stick_again)) return;
-    bool moved_generally = false;
-    while (segments_ < limit_) {
-      if (!contact) {
-        if (!fly(p, contact)) return;
-        landed = contact;
-        sticking = kFriction && contact;
-        may_stick_again = false;
-        continue;
-      }
-      if (moved_generally && !landed && glides(p) &&
-          glide(surface_.patch_inside(p.i, p.j), p, sticking, may_stick_again))
-        return;
-      moved_generally = false;
-      const CellVector w = hip_ - p;
-      if (is_inside_cell(surface_, p)) {
-        const auto patch = surface_.patch(p.i, p.j);
-        const Pull pull(patch.slope_s(p.s, p.t), patch.slope_t(p.s, p.t), w);
-        if (leaves(pull, w) && !landed) {
-          take_off(contact, sticking);
-          continue;
-        }
-        const double tangent = std::sqrt(pull.squared_tangent() / pull.area);
-        const double threshold = rest_tolerance(tolerance_, w);
-        if (holds(pull, tangent, p, threshold, sticking, may_stick_again)) return;
-        const Piece piece{
-            p, patch, pull, project_on_quadrant(pull, Freedom::both, Freedom::both), Freedom::both, Freedom::both};
-        if (advance(piece, w, threshold, p)) return;
-      } else {
-        const TouchingCells touching = touching_cells(surface_, p);
-        if (!landed && leaves_from_edge(touching, w, p)) {
-          take_off(contact, sticking);
-          continue;
-        }
-        Piece piece;
-        const double threshold = rest_tolerance(tolerance_, w);
-        if (holds_on_edge(touching, w, threshold, sticking, may_stick_again, piece)) return;
-        if (advance(piece, w, threshold, p)) return;
-      }
-      landed = false;
-      moved_generally = true;
-      ++segments_;
-    }
-    unfinished_ = true;
+  /// Puts `p` on the surface or into the air, where the state's say-so no longer holds, and moves it to rest.
+  void settle_and_solve(CellPoint& p, bool& contact, bool& sticking) noexcept {
+    settle_on(surface_.patch(p.i, p.j), p, contact);
+    course_.sticking = kFriction && contact && sticking;
+    course_.may_stick_again = kFriction && contact && !sticking;
+    solve(p, contact, true);
+    sticking = course_.sticking;
+  }
+  /// Goes on where the fast lane has handed over.
+  void go_on(CellPoint& p, bool& contact, bool& sticking, const TickCourse& course) noexcept {
+    course_ = course;
+    solve(p, contact, false);
+    sticking = course_.sticking;
   }
 
-  [[nodiscard]] int segments() const noexcept { return segments_; }
+  [[nodiscard]] int segments() const noexcept { return course_.segments; }
   [[nodiscard]] bool unfinished() const noexcept { return unfinished_; }
   [[nodiscard]] const RestPlace& place() const noexcept { return place_; }
 
@@ -93,14 +55,55 @@ class ExactSolver {
     Freedom t = Freedom::both;
   };
 
-  /// Strictly inside an inner cell: the fast lane may take over.
-  [[nodiscard]] bool glides(const CellPoint& p) const noexcept {
-    return Surface::kHasFastLane && surface_.is_inner(p.i, p.j) && p.s > 0.0 && p.s < 1.0 && p.t > 0.0 && p.t < 1.0;
+  /// Moves `p`, feasible, to rest. `may_glide`: the fast lane has not just handed over.
+  void solve(CellPoint& p, bool& contact, bool may_glide) noexcept {
+    bool landed = false;
+    while (course_.segments < limit_) {
+      if (!contact) {
+        if (!fly(p, contact)) return;
+        landed = contact;
+        course_.sticking = kFriction && contact;
+        course_.may_stick_again = false;
+        continue;
+      }
+      if (may_glide && !landed && glides(p)) return;
+      may_glide = true;
+      const CellVector w = hip_ - p;
+      const double threshold = rest_tolerance(tolerance_, w);
+      if (is_inside_cell(surface_, p)) {
+        const auto patch = surface_.patch(p.i, p.j);
+        const Pull pull(patch.slope_s(p.s, p.t), patch.slope_t(p.s, p.t), w);
+        if (!landed && leaves(pull, w)) {
+          take_off(contact);
+          continue;
+        }
+        const double tangent = std::sqrt(pull.squared_tangent() / pull.area);
+        if (holds(pull, tangent, p, threshold)) return;
+        const Piece piece{
+            p, patch, pull, project_on_quadrant(pull, Freedom::both, Freedom::both), Freedom::both, Freedom::both};
+        if (advance(piece, w, threshold, p)) return;
+      } else {
+        const TouchingCells touching = touching_cells(surface_, p);
+        if (!landed && leaves_from_edge(touching, w, p)) {
+          take_off(contact);
+          continue;
+        }
+        Piece piece;
+        if (holds_on_edge(touching, w, threshold, piece)) return;
+        if (advance(piece, w, threshold, p)) return;
+      }
+      landed = false;
+      ++course_.segments;
+    }
+    unfinished_ = true;
   }
-  bool glide(const Patch& patch, CellPoint& p, bool& sticking, bool& may_stick_again) noexcept {
+
+  /// Takes the fast lane where it is open; true when the proxy then rests.
+  [[nodiscard]] bool glides(CellPoint& p) noexcept {
     if constexpr (Surface::kHasFastLane) {
-      Glide<Surface, kFriction> lane(surface_, hip_, tolerance_, limit_);
-      return lane.run(p, patch, sticking, may_stick_again, segments_, place_) == GlideEnd::rest;
+      return surface_.is_inner(p.i, p.j) && is_strictly_inside(p) &&
+             glide<kFriction>(surface_, hip_, tolerance_, limit_, p, surface_.patch_inside(p.i, p.j), course_,
+                              place_) == GlideEnd::rest;
     } else {
       return false;
     }
@@ -120,7 +123,7 @@ class ExactSolver {
       p = locate(surface_, hip_);
       return false;
     }
-    switch (march_to_hand(surface_, hip_, p, leaving_, segments_, limit_)) {
+    switch (march_to_hand(surface_, hip_, p, leaving_, course_.segments, limit_)) {
       case MarchEnd::hand:
         return false;
       case MarchEnd::limit:
@@ -134,9 +137,9 @@ class ExactSolver {
     return false;
   }
 
-  void take_off(bool& contact, bool& sticking) noexcept {
+  void take_off(bool& contact) noexcept {
     contact = false;
-    sticking = false;
+    course_.sticking = false;
     leaving_ = true;
   }
 
@@ -167,23 +170,21 @@ class ExactSolver {
   }
 
   /// Two-state friction inside a cell: true when the proxy rests where it is.
-  bool holds(const Pull& pull, double tangent, const CellPoint& p, double threshold, bool& sticking,
-             bool& may_stick_again) const noexcept {
+  bool holds(const Pull& pull, double tangent, const CellPoint& p, double threshold) noexcept {
     if constexpr (!kFriction) return tangent <= threshold;
     const double press = std::max(0.0, -pull.normal) / std::sqrt(pull.area);
-    if (sticking) {
+    if (course_.sticking) {
       if (tangent - mu(p, true) * press <= threshold) return true;
-      sticking = false;
+      course_.sticking = false;
     }
     const double mu_d = mu(p, false);
-    if (may_stick_again && tangent < kStickAgain * mu_d * press) sticking = true;
-    may_stick_again = false;
-    return sticking || tangent - mu_d * press <= threshold;
+    if (course_.may_stick_again && tangent < kStickAgain * mu_d * press) course_.sticking = true;
+    course_.may_stick_again = false;
+    return course_.sticking || tangent - mu_d * press <= threshold;
   }
 
   /// The same over all touching cells; else the cell of largest excess is the piece to move on.
-  bool holds_on_edge(const TouchingCells& touching, const CellVector& w, double threshold, bool& sticking,
-                     bool& may_stick_again, Piece& piece) const noexcept {
+  bool holds_on_edge(const TouchingCells& touching, const CellVector& w, double threshold, Piece& piece) noexcept {
     Piece pieces[4];
     for (int k = 0; k < touching.count; ++k) {
       const TouchingCell& cell = touching.cell[k];
@@ -206,13 +207,13 @@ class ExactSolver {
       return excess;
     };
     int largest = 0;
-    if (kFriction && sticking) {
+    if (kFriction && course_.sticking) {
       if (largest_excess(true, 1.0, largest) <= threshold) return true;
-      sticking = false;
+      course_.sticking = false;
     }
-    if (may_stick_again && largest_excess(false, kStickAgain, largest) < 0.0) sticking = true;
-    may_stick_again = false;
-    if (sticking || largest_excess(false, 1.0, largest) <= threshold) return true;
+    if (course_.may_stick_again && largest_excess(false, kStickAgain, largest) < 0.0) course_.sticking = true;
+    course_.may_stick_again = false;
+    if (course_.sticking || largest_excess(false, 1.0, largest) <= threshold) return true;
     piece = pieces[largest];
     return false;
   }
@@ -303,7 +304,7 @@ class ExactSolver {
   CellVector hip_;
   double tolerance_;
   int limit_;
-  int segments_ = 0;
+  TickCourse course_;
   bool leaving_ = false;
   bool unfinished_ = false;
   RestPlace place_;

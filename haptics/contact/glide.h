@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "haptics/contact/bilinear_patch.h"
+#include "haptics/contact/hot.h"
+#include "haptics/contact/pair.h"
 #include "haptics/contact/slide.h"
-#include "haptics/contact/tangent_cone.h"
 
 namespace sparsha::haptics {
 
@@ -23,175 +23,182 @@ struct RestPlace {
   double mu_dynamic = 0.0;
 };
 
-template <class Surface, bool kFriction>
-class Glide {
- public:
-  Glide(const Surface& surface, const CellVector& hip, double tolerance, int limit) noexcept
-      : surface_(surface), hip_(hip), tolerance_(tolerance), limit_(limit) {}
+/// What the solvers carry from step to step of one tick.
+struct TickCourse {
+  bool sticking = false;
+  bool may_stick_again = false;  ///< a slipping proxy's first look at friction in this tick
+  int segments = 0;
+};
 
-  /// Slides `p`, which lies inside an inner cell with this patch, until it rests or the general steps must go on.
-  GlideEnd run(CellPoint& p, BilinearPatch patch, bool& sticking, bool& may_stick_again, int& segments,
-               RestPlace& place) noexcept {
-    double hand_s = hip_.x - p.i;
-    double hand_t = hip_.y - p.j;
-    double s = p.s;
-    double t = p.t;
-    double z = p.z;
-    // After an edge was crossed only steps further that way are taken here: +1 or -1 along the crossed coordinate.
-    double inward_s = 0.0;
-    double inward_t = 0.0;
-    bool inside = true;
-    CellCoefficients friction;
-    if constexpr (kFriction) friction = surface_.coefficients(p.i, p.j);
-    const auto keep = [&] { p.s = s, p.t = t, p.z = z; };
-    const auto rest = [&] {
-      keep();
-      place = {true, patch.slope_s(s, t), patch.slope_t(s, t), kFriction ? friction.at(s, t) : 0.0};
-      return GlideEnd::rest;
-    };
+/// True when s and t are strictly inside the cell.
+[[nodiscard]] inline bool is_strictly_inside(const CellPoint& p) noexcept {
+  return std::min(p.s, p.t) > 0.0 && std::max(p.s, p.t) < 1.0;
+}
 
-    for (; segments < limit_; ++segments) {
-      const CellVector w{hand_s - s, hand_t - t, hip_.z - z};
-      const Pull pull(patch.slope_s(s, t), patch.slope_t(s, t), w);
-      if (pull.normal > 0.0) break;
-      if (!inside && (inward_s * w.x < 0.0 || inward_t * w.y < 0.0)) break;
-      const double tangent_squared = pull.squared_tangent();
-      const double press = -pull.normal;
-      const double threshold = rest_tolerance(tolerance_, w);
-      const auto rests = [&](double hold) {
-        const double reach = hold + threshold * (1.0 + std::abs(pull.fs) + std::abs(pull.ft));
-        return tangent_squared <= reach * reach &&
-               std::sqrt(tangent_squared) - hold <= threshold * std::sqrt(pull.area);
-      };
+/// Slides `p`, strictly inside an inner cell with this patch, until it rests or the general steps must go on.
+template <bool kFriction>
+[[nodiscard]] SPARSHA_HOT inline GlideEnd glide(const BilinearSurface& surface, const CellVector& hip, double tolerance,
+                                                int limit, CellPoint& p, BilinearPatch patch, TickCourse& course,
+                                                RestPlace& place) noexcept {
+  constexpr double kNearRest = 1e-2;        // cells, above any tolerance: the excess is worth a closer look
+  constexpr double kMargin = 1e-9;          // cells: nearer to an edge the general steps decide
+  constexpr double kClearlyBeyond = 3.0;    // times the segment's end
+  constexpr double kSafelyPositive = 1e-3;  // of the product of the Hessian's diagonal
+  constexpr double kExact = 1e5;            // cells: of longer pulls rounding leaves more than the tolerance
+  const auto is_near_edge = [](Pair at) { return !(lowest(at) >= kMargin && highest(at) <= 1.0 - kMargin); };
 
-      // Rest, with |T| and mu |N| both times sqrt(area).
-      double mu = 0.0;
-      double hold = 0.0;
-      if constexpr (kFriction) {
-        if (sticking) {
-          if (rests(surface_.mu_static(p.i, p.j, s, t) * press)) return rest();
-          sticking = false;
+  Pair at{p.s, p.t};
+  double z = p.z;
+  // After an edge was crossed only steps further that way are taken: +1 or -1 along s or t.
+  Pair inward = both(0.0);
+  bool inside = true;
+  CellCoefficients friction;
+  if constexpr (kFriction) friction = surface.coefficients(p.i, p.j);
+  GlideEnd ending = GlideEnd::handed_over;
+
+  for (; course.segments < limit; ++course.segments) {
+    const Pair slope{patch.a, patch.b};
+    const Pair grad = slope + both(patch.c) * swapped(at);
+    const Pair w = Pair{hip.x - p.i, hip.y - p.j} - at;
+    const double wz = hip.z - z;
+    const double press = dot(grad, w) - wz;
+    if (!(press >= 0.0) || dot(inward, w) < 0.0) break;
+    const Pair b = w + grad * both(wz);
+    const double turn = cross(b, grad);
+    const double tangent = std::sqrt(dot(b, b) + turn * turn);
+    const Pair squares = grad * grad;
+
+    // Rest, with |T| and mu |N| both times sqrt(area). The closer look waits until the excess is small.
+    const double area = 1.0 + (squares[0] + squares[1]);
+    double mu = 0.0;
+    double hold = 0.0;
+    if constexpr (kFriction) {
+      if (course.sticking) {
+        const double held = tangent - surface.mu_static(p.i, p.j, at[0], at[1]) * press;
+        if (held <= kNearRest && held <= rest_tolerance(tolerance, {w[0], w[1], wz}) * std::sqrt(area)) {
+          ending = GlideEnd::rest;
+          break;
         }
-        mu = friction.at(s, t);
-        hold = mu * press;
-        if (may_stick_again) {
-          may_stick_again = false;
-          if (tangent_squared < kStickAgain * kStickAgain * hold * hold) {
-            sticking = true;
-            return rest();
-          }
+        course.sticking = false;
+      }
+      mu = friction.at(at[0], at[1]);
+      hold = mu * press;
+      if (course.may_stick_again) {
+        course.may_stick_again = false;
+        if (tangent < kStickAgain * hold) {
+          course.sticking = true;
+          ending = GlideEnd::rest;
+          break;
         }
       }
-      if (rests(hold)) {
-        if (inside) return rest();
+    }
+    const double excess = tangent - hold;
+    if (excess <= kNearRest && excess <= rest_tolerance(tolerance, {w[0], w[1], wz}) * std::sqrt(area)) {
+      if (inside) ending = GlideEnd::rest;
+      break;
+    }
+
+    // Newton, where it is safe.
+    const Pair h = both(1.0) + squares;
+    const double hst = grad[0] * grad[1] - wz * patch.c;
+    const double diagonal = h[0] * h[1];
+    const double determinant = diagonal - hst * hst;
+    if (!(determinant > kSafelyPositive * diagonal && kExact * determinant > tangent * diagonal)) break;
+    const Pair d = b * swapped(h) - swapped(b) * both(hst);  // times the determinant
+    if (dot(inward, d) < 0.0) break;
+
+    // Cut at the first edge.
+    const double whole = 1.0 / determinant;
+    const Pair ahead{d[0] > 0.0 ? 1.0 - at[0] : at[0], d[1] > 0.0 ? 1.0 - at[1] : at[1]};
+    const Pair ends = ahead / Pair{std::abs(d[0]), std::abs(d[1])};
+    const double end = std::min(whole, lowest(ends));
+    // On this piece D falls as a good quadratic does: its slope is gain (determinant tau - 1) + 3 rise twist tau^2 + 2
+    // twist^2 tau^3.
+    const double rise = dot(grad, d);
+    const double twist = patch.c * (d[0] * d[1]);
+    const double gain = dot(b, d);
+    const double warp = twist * end;
+    if (!(std::max(std::abs(3.0 * rise * warp), 2.0 * warp * warp) <= 0.5 * determinant * gain)) break;
+
+    if constexpr (kFriction) {
+      // If |T| fell linearly and mu |N| went on as it begins, the excess would fall so fast.
+      const Pair mu_grad = Pair{friction.a, friction.b} + both(friction.c) * swapped(at);
+      const double mu1 = dot(mu_grad, d);
+      const Pair grad1 = both(patch.c) * swapped(d);
+      const double press1 = dot(grad1, w);
+      const double fall = determinant * tangent + (mu1 * press + mu * press1);
+      const Slide slide{determinant,
+                        b,
+                        both(0.0) - (grad * both(twist) + grad1 * both(rise)),
+                        both(0.0) - grad1 * both(twist),
+                        grad,
+                        grad1,
+                        press,
+                        press1,
+                        -twist,
+                        mu,
+                        mu1,
+                        friction.c * (d[0] * d[1])};
+      if (excess < end * fall) {
+        double tau = excess / fall;
+        if (!slide.stop(tau, excess, end, kRootShare * tolerance)) break;
+        const Pair next = at + both(tau) * d;
+        if (is_near_edge(next)) break;
+        at = next;
+        z = patch.height(at[0], at[1]);
+        ++course.segments;
+        ending = GlideEnd::rest;
         break;
       }
-
-      // Newton, where it is safe and D falls as a good quadratic does: |k2|, k3 bound the cubic and quartic terms.
-      const double hss = 1.0 + pull.fs * pull.fs;
-      const double htt = 1.0 + pull.ft * pull.ft;
-      const double hst = pull.fs * pull.ft - w.z * patch.c;
-      const double diagonal = hss * htt;
-      const double determinant = diagonal - hst * hst;
-      if (!(determinant > kSafelyPositive * diagonal)) break;
-      const double inverse = 1.0 / determinant;
-      const double to_s = pull.bs * htt - pull.bt * hst;
-      const double to_t = pull.bt * hss - pull.bs * hst;
-      const double ds = to_s * inverse;
-      const double dt = to_t * inverse;
-      if (!inside && (inward_s * ds < 0.0 || inward_t * dt < 0.0)) break;
-      const double rise = pull.fs * ds + pull.ft * dt;
-      const double twist = patch.c * ds * dt;
-      const double gain = pull.bs * ds + pull.bt * dt;
-      if (!(std::max(std::abs(3.0 * rise * twist), 2.0 * twist * twist) <= 0.5 * gain)) break;
-
-      // Cut at the first edge.
-      double end = 1.0;
-      int step_i = 0;
-      int step_j = 0;
-      double next_s = s + ds;
-      double next_t = t + dt;
-      if (is_near_edge(next_s)) {
-        if (next_s > 0.0 && next_s < 1.0) break;
-        step_i = ds > 0.0 ? 1 : -1;
-        end = ((ds > 0.0 ? 1.0 : 0.0) - s) * determinant / to_s;
-      }
-      if (is_near_edge(next_t)) {
-        if (next_t > 0.0 && next_t < 1.0) break;
-        const double end_t = ((dt > 0.0 ? 1.0 : 0.0) - t) * determinant / to_t;
-        if (end_t <= end) {
-          end = end_t;
-          step_i = 0;
-          step_j = dt > 0.0 ? 1 : -1;
-        }
-      }
-      if constexpr (kFriction) {
-        const double tangent = std::sqrt(tangent_squared);
-        const Slide slide(patch, pull, w, ds, dt, rise, twist, friction, s, t);
-        double tau = slide.guess(tangent, hold, press, mu);
-        if (tau < end) {
-          if (!slide.stop(tau, end, kRootShare * threshold)) break;
-          next_s = s + tau * ds;
-          next_t = t + tau * dt;
-          if (is_near_edge(next_s) || is_near_edge(next_t)) break;
-          s = next_s;
-          t = next_t;
-          z = patch.height(s, t);
-          ++segments;
-          return rest();
-        }
-        // Far from the stop the excess at the edge need not be looked at.
-        if (tau < kClearlyBeyond * end && !(slide.excess(end) > threshold)) break;
-      }
-      if (step_i == 0 && step_j == 0) {
-        if (next_s == s && next_t == t) break;
-        s = next_s;
-        t = next_t;
-        z = patch.height(s, t);
-        inside = true;
-        if constexpr (!kFriction) {
-          // What a Newton step leaves of the gradient on a bilinear patch, exactly; |T| is no longer than it.
-          const double left_s = twist * pull.fs + (rise + twist) * patch.c * dt;
-          const double left_t = twist * pull.ft + (rise + twist) * patch.c * ds;
-          if (left_s * left_s + left_t * left_t <= kRootShare * kRootShare * threshold * threshold) {
-            ++segments;
-            return rest();
-          }
-        }
-        continue;
-      }
-      // Across an edge, away from nodes, into another inner cell.
-      next_s = s + end * ds;
-      next_t = t + end * dt;
-      if (is_near_edge(step_i != 0 ? next_t : next_s) || !surface_.is_inner(p.i + step_i, p.j + step_j)) break;
-      p.i += step_i;
-      p.j += step_j;
-      inside = false;
-      inward_s = step_i;
-      inward_t = step_j;
-      s = step_i == 0 ? next_s : step_i > 0 ? 0.0 : 1.0;
-      t = step_j == 0 ? next_t : step_j > 0 ? 0.0 : 1.0;
-      hand_s = hip_.x - p.i;
-      hand_t = hip_.y - p.j;
-      patch = surface_.patch_inside(p.i, p.j);
-      if constexpr (kFriction) friction = surface_.coefficients(p.i, p.j);
-      z = patch.height(s, t);
+      // Far from the stop the excess at the end need not be looked at.
+      if (excess < kClearlyBeyond * end * fall &&
+          !(slide.excess(end) > tolerance * (2.0 + std::abs(grad[0]) + std::abs(grad[1]))))
+        break;
     }
-    keep();
-    return GlideEnd::handed_over;
+    const Pair next = at + both(end) * d;
+    if (end == whole) {
+      if (is_near_edge(next) || (next[0] == at[0] && next[1] == at[1])) break;
+      at = next;
+      z = patch.height(at[0], at[1]);
+      inside = true;
+      inward = both(0.0);
+      if constexpr (!kFriction) {
+        // What a Newton step leaves of the gradient on a bilinear patch, exactly; |T| is no longer than it.
+        const Pair left =
+            (both(twist) * grad + both((rise + twist * whole) * patch.c) * swapped(d)) * both(whole * whole);
+        if (dot(left, left) <= kRootShare * kRootShare * tolerance * tolerance) {
+          ++course.segments;
+          ending = GlideEnd::rest;
+          break;
+        }
+      }
+      continue;
+    }
+    // Across an edge, away from nodes, into another inner cell.
+    const bool across_t = ends[1] <= ends[0];
+    const double along = across_t ? next[0] : next[1];
+    const bool up = (across_t ? d[1] : d[0]) > 0.0;
+    const int step = up ? 1 : -1;
+    const int i = p.i + (across_t ? 0 : step);
+    const int j = p.j + (across_t ? step : 0);
+    if (!(along >= kMargin && along <= 1.0 - kMargin) || !surface.is_inner(i, j)) break;
+    const double side = up ? 0.0 : 1.0;
+    const double way = up ? 1.0 : -1.0;
+    p.i = i;
+    p.j = j;
+    at = across_t ? Pair{along, side} : Pair{side, along};
+    inward = across_t ? Pair{0.0, way} : Pair{way, 0.0};
+    inside = false;
+    patch = surface.patch_inside(i, j);
+    if constexpr (kFriction) friction = surface.coefficients(i, j);
+    z = patch.height(at[0], at[1]);
   }
-
- private:
-  [[nodiscard]] static bool is_near_edge(double s) noexcept { return !(s >= kMargin && s <= 1.0 - kMargin); }
-
-  static constexpr double kMargin = 1e-9;          // cells: nearer to an edge the general steps decide
-  static constexpr double kClearlyBeyond = 3.0;    // times the segment's end
-  static constexpr double kSafelyPositive = 1e-3;  // of the product of the Hessian's diagonal
-
-  const Surface& surface_;
-  CellVector hip_;
-  double tolerance_;
-  int limit_;
-};
+  p.s = at[0];
+  p.t = at[1];
+  p.z = z;
+  if (ending == GlideEnd::rest)
+    place = {true, patch.slope_s(p.s, p.t), patch.slope_t(p.s, p.t), kFriction ? friction.at(p.s, p.t) : 0.0};
+  return ending;
+}
 
 }  // namespace sparsha::haptics

@@ -18,6 +18,8 @@ struct ProxyCell {
   double s = 0.0;
   double t = 0.0;
   double z = 0.0;
+  double spacing_m = 0.0;  ///< for which cells_per_m is kept: a tick does without the division
+  double cells_per_m = 0.0;
 };
 
 /// What carries over from tick to tick. Set `position` and `contact` to move a proxy by hand, e.g. to another surface;

@@ -54,6 +54,13 @@ template <class Surface>
   return {(p.i + p.s) * surface.cell_m(), (p.j + p.t) * surface.cell_m(), p.z * surface.cell_m()};
 }
 
+/// Does the state's position still say that its proxy is at p, to the last bit?
+template <class Surface>
+[[nodiscard]] inline bool is_at(const Surface& surface, const CellPoint& p, const Eigen::Vector3d& position) noexcept {
+  return (p.i + p.s) * surface.cell_m() == position.x() && (p.j + p.t) * surface.cell_m() == position.y() &&
+         p.z * surface.cell_m() == position.z();
+}
+
 /// The state's proxy in cells: as the solver left it, or from metres when somebody moved it or changed the surface.
 /// False when the position is no place at all.
 template <class Surface>
@@ -62,9 +69,7 @@ template <class Surface>
   p = {c.i, c.j, c.s, c.t, c.z};
   const bool in_range = static_cast<unsigned>(c.i + 1) <= static_cast<unsigned>(surface.nx()) &&
                         static_cast<unsigned>(c.j + 1) <= static_cast<unsigned>(surface.ny());
-  const Eigen::Vector3d kept_m = to_metres(surface, p);
-  if (in_range && kept_m.x() == state.position.x() && kept_m.y() == state.position.y() &&
-      kept_m.z() == state.position.z()) [[likely]]
+  if (in_range && is_at(surface, p, state.position)) [[likely]]
     return true;
   const CellVector place = to_cells(surface, state.position);
   if (!is_reachable(place)) return false;
@@ -74,7 +79,7 @@ template <class Surface>
 
 template <class Surface>
 inline void keep_place(const Surface& surface, const CellPoint& p, ProxyState& state) noexcept {
-  state.cell = {p.i, p.j, p.s, p.t, p.z};
+  state.cell = {p.i, p.j, p.s, p.t, p.z, surface.cell_m(), surface.cells_per_m()};
   state.position = to_metres(surface, p);
 }
 

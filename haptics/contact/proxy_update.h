@@ -2,13 +2,14 @@
 #pragma once
 
 #include "haptics/contact/glide.h"
+#include "haptics/contact/hot.h"
 #include "haptics/contact/proxy_place.h"
 #include "haptics/contact/touching_cells.h"
 
 namespace sparsha::haptics {
 
 /// Flags of the cell that holds p, or of the border cell nearest to it.
-[[nodiscard]] inline std::uint8_t flags_at(const MongeSurface& surface, const CellPoint& p) noexcept {
+[[nodiscard]] SPARSHA_HOT inline std::uint8_t flags_at(const MongeSurface& surface, const CellPoint& p) noexcept {
   if (surface.cell_flags.empty()) return 0;
   const int i = std::clamp(p.i, 0, surface.lattice.nx - 2);
   const int j = std::clamp(p.j, 0, surface.lattice.ny - 2);
@@ -16,7 +17,7 @@ namespace sparsha::haptics {
                             static_cast<std::size_t>(i)];
 }
 
-[[nodiscard]] inline Eigen::Vector3d unit_normal(double fs, double ft) noexcept {
+[[nodiscard]] SPARSHA_HOT inline Eigen::Vector3d unit_normal(double fs, double ft) noexcept {
   const double inverse = 1.0 / std::sqrt(1.0 + fs * fs + ft * ft);
   return {-fs * inverse, -ft * inverse, inverse};
 }
@@ -56,6 +57,25 @@ template <class Surface>
     if (surface.has_friction()) update.mu_dynamic = surface.mu_dynamic(p.i, p.j, p.s, p.t);
   }
   if (surface.has_friction()) update.mu_static = surface.mu_static(p.i, p.j, p.s, p.t);
+  return update;
+}
+
+/// The same for a proxy that the fast lane brought to rest strictly inside an inner cell.
+template <bool kFriction>
+[[nodiscard]] SPARSHA_HOT inline ProxyUpdate report_rest(const MongeSurface& monge, const BilinearSurface& surface,
+                                                         const CellPoint& p, const RestPlace& place,
+                                                         const TickCourse& course, ProxyState& state) noexcept {
+  keep_place(surface, p, state);
+  state.sticking = course.sticking;
+  ProxyUpdate update;
+  update.position = state.position;
+  update.normal = unit_normal(place.fs, place.ft);
+  update.mu_dynamic = place.mu_dynamic;
+  if constexpr (kFriction) update.mu_static = surface.mu_static(p.i, p.j, p.s, p.t);
+  update.contact = true;
+  update.sticking = course.sticking;
+  update.segments = course.segments;
+  update.cell_flags = flags_at(monge, p);
   return update;
 }
 

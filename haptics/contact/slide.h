@@ -1,4 +1,4 @@
-// Where friction stops a straight slide over one patch.
+// Where friction stops a Newton step over one patch.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,8 @@
 #include <limits>
 
 #include "haptics/contact/bilinear_patch.h"
-#include "haptics/contact/tangent_cone.h"
+#include "haptics/contact/hot.h"
+#include "haptics/contact/pair.h"
 
 namespace sparsha::haptics {
 
@@ -19,86 +20,54 @@ inline constexpr double kRootShare = 0.25;  // of the rest tolerance: how well t
   return tolerance + kRounding * std::max(std::max(std::abs(w.x), std::abs(w.y)), std::abs(w.z));
 }
 
-/// The excess sqrt(area) (|T| - mu |N|) along a straight segment of one patch; all but |T| are polynomials.
-class Slide {
- public:
-  /// From (s, t) by (ds, dt); `rise` and `twist` are the first and second order of the height along it.
-  Slide(const BilinearPatch& patch, const Pull& pull, const CellVector& w, double ds, double dt, double rise,
-        double twist, const CellCoefficients& friction, double s, double t) noexcept
-      : w_(w),
-        fs_(pull.fs),
-        ft_(pull.ft),
-        ds_(ds),
-        dt_(dt),
-        rise_(rise),
-        twist_(twist),
-        fs1_(patch.c * dt),
-        ft1_(patch.c * ds),
-        normal_(pull.normal),
-        normal1_(-patch.c * (dt * w.x + ds * w.y)),
-        mu_(friction.at(s, t)),
-        mu1_(ds * (friction.a + friction.c * t) + dt * (friction.b + friction.c * s)),
-        mu2_(friction.c * ds * dt) {}
+/// The excess sqrt(area) (|T| - mu |N|) along a Newton step, by the share tau of its unscaled direction (the adjugate
+/// of the Hessian times b), which spares the division by the determinant. All but |T| are polynomials, and of b = -grad
+/// D exactly the share 1 - determinant tau is left but for the patch's twist.
+struct Slide {
+  double determinant;
+  Pair b, b2, b3;    ///< b (1 - determinant tau) + b2 tau^2 + b3 tau^3
+  Pair grad, grad1;  ///< slopes
+  double press, press1, press2;
+  double mu, mu1, mu2;
 
-  [[nodiscard]] double excess(double tau) const noexcept {
-    const double x = w_.x - tau * ds_;
-    const double y = w_.y - tau * dt_;
-    const double z = w_.z - tau * (rise_ + tau * twist_);
-    const double fs = fs_ + tau * fs1_;
-    const double ft = ft_ + tau * ft1_;
-    const double bs = x + fs * z;
-    const double bt = y + ft * z;
-    const double cross = bs * ft - bt * fs;
-    const double press = -(normal_ + tau * (normal1_ + tau * twist_));
-    const double mu = mu_ + tau * (mu1_ + tau * mu2_);
-    return std::sqrt(bs * bs + bt * bt + cross * cross) - mu * std::max(0.0, press);
+  [[nodiscard]] SPARSHA_HOT double excess(double tau) const noexcept {
+    const Pair at = both(tau);
+    const Pair b_here = b * both(1.0 - determinant * tau) + both(tau * tau) * (b2 + at * b3);
+    const double turn = cross(b_here, grad + at * grad1);
+    const double press_here = press + tau * (press1 + tau * press2);
+    return std::sqrt(dot(b_here, b_here) + turn * turn) - (mu + tau * (mu1 + tau * mu2)) * std::max(0.0, press_here);
   }
 
-  /// The same and its derivative by tau, where the hand presses.
-  [[nodiscard]] double excess_and_slope(double tau, double& slope) const noexcept {
-    const double x = w_.x - tau * ds_;
-    const double y = w_.y - tau * dt_;
-    const double z = w_.z - tau * (rise_ + tau * twist_);
-    const double z1 = -(rise_ + 2.0 * tau * twist_);
-    const double fs = fs_ + tau * fs1_;
-    const double ft = ft_ + tau * ft1_;
-    const double bs = x + fs * z;
-    const double bt = y + ft * z;
-    const double bs1 = fs1_ * z + fs * z1 - ds_;
-    const double bt1 = ft1_ * z + ft * z1 - dt_;
-    const double cross = bs * ft - bt * fs;
-    const double cross1 = (bs1 * ft - bt1 * fs) + (bs * ft1_ - bt * fs1_);
-    const double press = -(normal_ + tau * (normal1_ + tau * twist_));
-    const double press1 = -(normal1_ + 2.0 * tau * twist_);
-    const double mu = mu_ + tau * (mu1_ + tau * mu2_);
-    const double mu1 = mu1_ + 2.0 * tau * mu2_;
-    const double tangent = std::sqrt(bs * bs + bt * bt + cross * cross);
-    slope = (bs * bs1 + bt * bt1 + cross * cross1) / tangent - (mu1 * press + mu * press1);
-    return tangent - mu * std::max(0.0, press);
-  }
-
-  /// Where the excess would vanish if |T| fell to zero linearly and mu |N| went on as it begins.
-  [[nodiscard]] double guess(double tangent, double hold, double press, double mu) const noexcept {
-    return (tangent - hold) / (tangent + mu1_ * press - mu * normal1_);
-  }
-
-  /// Newton from the guess; false when it does not settle inside (0, end).
-  [[nodiscard]] bool stop(double& tau, double end, double tolerance) const noexcept {
+  /// The zero of the excess, which is `start` > 0 at tau = 0, from a guess; false when it is not found inside (0, end).
+  [[nodiscard]] SPARSHA_HOT bool stop(double& tau, double start, double end, double tolerance) const noexcept {
     constexpr int kSteps = 6;
     for (int k = 0; k < kSteps; ++k) {
       if (!(tau > 0.0 && tau < end)) return false;
-      double slope;
-      const double here = excess_and_slope(tau, slope);
-      if (std::abs(here) <= tolerance) return true;
-      if (!(slope < 0.0)) return false;
-      tau -= here / slope;
+      // The excess, and its slope times |T|, where the hand presses.
+      const Pair at = both(tau);
+      const Pair b3_here = at * b3;
+      const Pair b2_here = b2 + b3_here;
+      const Pair b_here = b * both(1.0 - determinant * tau) + both(tau * tau) * b2_here;
+      const Pair b_slope = at * (b2_here + b2_here + b3_here) - both(determinant) * b;
+      const Pair grad_here = grad + at * grad1;
+      const double turn = cross(b_here, grad_here);
+      const double turn_slope = cross(b_slope, grad_here) + cross(b_here, grad1);
+      const double press_here = press + tau * (press1 + tau * press2);
+      const double mu_here = mu + tau * (mu1 + tau * mu2);
+      const double hold_slope = (mu1 + 2.0 * tau * mu2) * press_here + mu_here * (press1 + 2.0 * tau * press2);
+      const double tangent = std::sqrt(dot(b_here, b_here) + turn * turn);
+      const double here = tangent - mu_here * std::max(0.0, press_here);
+      const double slope = (dot(b_here, b_slope) + turn * turn_slope) - tangent * hold_slope;
+      if (!(slope < 0.0)) return std::abs(here) <= tolerance;
+      const double inverse = 1.0 / slope;
+      const double step = here * tangent * inverse;
+      // Newton, and as much again as the parabola through the start's value bends away from the tangent.
+      const double bend = ((start - here) * tangent + slope * tau) / (tau * tau);
+      tau -= step + bend * inverse * (step * step);
+      if (std::abs(excess(tau)) <= tolerance) return tau > 0.0 && tau < end;
     }
     return false;
   }
-
- private:
-  CellVector w_;
-  double fs_, ft_, ds_, dt_, rise_, twist_, fs1_, ft1_, normal_, normal1_, mu_, mu1_, mu2_;
 };
 
 }  // namespace sparsha::haptics
