@@ -113,9 +113,13 @@ class BilinearSurface {
   [[nodiscard]] double height_at(int i, int j) const noexcept {
     return static_cast<double>(height_[node(i, j)]) * cells_per_m_;
   }
-  [[nodiscard]] Patch patch(int i, int j) const noexcept {
+  [[nodiscard]] SPARSHA_HOT Patch patch(int i, int j) const noexcept {
     if (is_inner(i, j)) [[likely]]
       return patch_inside(i, j);
+    return patch_beyond(i, j);
+  }
+  /// Of a cell beyond the border.
+  [[nodiscard]] SPARSHA_SELDOM Patch patch_beyond(int i, int j) const noexcept {
     const int i0 = std::clamp(i, 0, nx_ - 1);
     const int j0 = std::clamp(j, 0, ny_ - 1);
     const int i1 = std::clamp(i + 1, 0, nx_ - 1);

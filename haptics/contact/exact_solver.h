@@ -58,6 +58,7 @@ class ExactSolver {
   /// Moves `p`, feasible, to rest. `may_glide`: the fast lane has not just handed over.
   void solve(CellPoint& p, bool& contact, bool may_glide) noexcept {
     bool landed = false;
+    CellPoint from = p;
     while (course_.segments < limit_) {
       if (!contact) {
         if (!fly(p, contact)) return;
@@ -66,8 +67,9 @@ class ExactSolver {
         course_.may_stick_again = false;
         continue;
       }
-      if (may_glide && !landed && glides(p)) return;
+      if (may_glide && !landed && glides(p, from)) return;
       may_glide = true;
+      from = p;
       const CellVector w = hip_ - p;
       const double threshold = rest_tolerance(tolerance_, w);
       if (is_inside_cell(surface_, p)) {
@@ -84,12 +86,14 @@ class ExactSolver {
         if (advance(piece, w, threshold, p)) return;
       } else {
         const TouchingCells touching = touching_cells(surface_, p);
-        if (!landed && leaves_from_edge(touching, w, p)) {
+        Piece piece;
+        const OnEdge found = look_on_edge(touching, w, threshold, !landed, p, piece);
+        if (found == OnEdge::rests) return;
+        if (found == OnEdge::leaves) {
           take_off(contact);
           continue;
         }
-        Piece piece;
-        if (holds_on_edge(touching, w, threshold, piece)) return;
+        from = piece.point;
         if (advance(piece, w, threshold, p)) return;
       }
       landed = false;
@@ -98,12 +102,31 @@ class ExactSolver {
     unfinished_ = true;
   }
 
-  /// Takes the fast lane where it is open; true when the proxy then rests.
-  [[nodiscard]] bool glides(CellPoint& p) noexcept {
+  /// Takes the fast lane where it is open, inside a cell or across the edge that a step `from` this cell has led to;
+  /// true when the proxy then rests.
+  [[nodiscard]] bool glides(CellPoint& p, const CellPoint& from) noexcept {
     if constexpr (Surface::kHasFastLane) {
-      return surface_.is_inner(p.i, p.j) && is_strictly_inside(p) &&
-             glide<kFriction>(surface_, hip_, tolerance_, limit_, p, surface_.patch_inside(p.i, p.j), course_,
-                              place_) == GlideEnd::rest;
+      Pair inward = both(0.0);
+      const bool on_s = p.s == 0.0 || p.s == 1.0;
+      const bool on_t = p.t == 0.0 || p.t == 1.0;
+      if (on_s && on_t) return false;
+      if (on_s || on_t) {
+        if (on_s ? p.s == from.s : p.t == from.t) return false;
+        const bool up = (on_s ? p.s : p.t) == 1.0;
+        const int i = p.i + (on_s ? (up ? 1 : -1) : 0);
+        const int j = p.j + (on_s ? 0 : (up ? 1 : -1));
+        if (!surface_.is_inner(i, j)) return false;
+        const double way = up ? 1.0 : -1.0;
+        p.i = i;
+        p.j = j;
+        (on_s ? p.s : p.t) = up ? 0.0 : 1.0;
+        inward = on_s ? Pair{way, 0.0} : Pair{0.0, way};
+      } else if (!surface_.is_inner(p.i, p.j) || !is_strictly_inside(p)) {
+        return false;
+      }
+      const BilinearPatch patch = surface_.patch_inside(p.i, p.j);
+      p.z = patch.height(p.s, p.t);
+      return glide<kFriction>(surface_, hip_, tolerance_, limit_, p, patch, inward, course_, place_) == GlideEnd::rest;
     } else {
       return false;
     }
@@ -150,20 +173,6 @@ class ExactSolver {
            pull.normal > kRounding * (std::abs(w.z) + std::abs(pull.fs * w.x) + std::abs(pull.ft * w.y));
   }
 
-  /// On edges and nodes the cell that w points into decides; p moves there.
-  [[nodiscard]] bool leaves_from_edge(const TouchingCells& touching, const CellVector& w, CellPoint& p) const noexcept {
-    for (int k = 0; k < touching.count; ++k) {
-      const TouchingCell& cell = touching.cell[k];
-      if (!allows(cell.s, w.x) || !allows(cell.t, w.y)) continue;
-      const Patch patch = surface_.patch(cell.point.i, cell.point.j);
-      const Pull pull(patch.slope_s(cell.point.s, cell.point.t), patch.slope_t(cell.point.s, cell.point.t), w);
-      if (!leaves(pull, w)) return false;
-      p = cell.point;
-      return true;
-    }
-    return false;
-  }
-
   [[nodiscard]] double mu(const CellPoint& p, bool sticking) const noexcept {
     if constexpr (!kFriction) return 0.0;
     return sticking ? surface_.mu_static(p.i, p.j, p.s, p.t) : surface_.mu_dynamic(p.i, p.j, p.s, p.t);
@@ -183,39 +192,64 @@ class ExactSolver {
     return course_.sticking || tangent - mu_d * press <= threshold;
   }
 
-  /// The same over all touching cells; else the cell of largest excess is the piece to move on.
-  bool holds_on_edge(const TouchingCells& touching, const CellVector& w, double threshold, Piece& piece) noexcept {
-    Piece pieces[4];
+  enum class OnEdge { rests, leaves, moves };
+
+  /// The same over all touching cells; else the piece to move on is in the cell of largest excess. Whether p leaves is
+  /// for the cell to say that w points into; p moves there.
+  OnEdge look_on_edge(const TouchingCells& touching, const CellVector& w, double threshold, bool may_leave,
+                      CellPoint& p, Piece& piece) noexcept {
+    double tangent[4] = {};
+    double press[4] = {};
+    CellVector normal;
+    const CellPoint* gripping = nullptr;  // there is no friction beyond the border
     for (int k = 0; k < touching.count; ++k) {
       const TouchingCell& cell = touching.cell[k];
-      Piece& here = pieces[k];
-      here.point = cell.point;
-      here.patch = surface_.patch(cell.point.i, cell.point.j);
-      here.pull =
-          Pull(here.patch.slope_s(cell.point.s, cell.point.t), here.patch.slope_t(cell.point.s, cell.point.t), w);
-      here.s = cell.s;
-      here.t = cell.t;
-      here.tangent = project_on_quadrant(here.pull, cell.s, cell.t);
-    }
-    const auto largest_excess = [&](bool stick, double factor, int& largest) {
-      double excess = -std::numeric_limits<double>::infinity();
-      for (int k = 0; k < touching.count; ++k) {
-        const double mine =
-            friction_excess(pieces[k].pull, pieces[k].tangent.length, factor * mu(pieces[k].point, stick));
-        if (mine > excess) excess = mine, largest = k;
+      const Pull pull = pull_in(surface_.patch(cell.point.i, cell.point.j), cell.point, w);
+      if (may_leave && allows(cell.s, w.x) && allows(cell.t, w.y)) {
+        if (leaves(pull, w)) {
+          p = cell.point;
+          return OnEdge::leaves;
+        }
+        may_leave = false;
       }
+      const double inverse = 1.0 / std::sqrt(pull.area);
+      tangent[k] = project_on_quadrant(pull, cell.s, cell.t).length;
+      if (kFriction && surface_.is_inner(cell.point.i, cell.point.j)) {
+        gripping = &cell.point;
+        press[k] = std::max(0.0, -pull.normal) * inverse;
+      }
+      normal = {normal.x - pull.fs * inverse, normal.y - pull.ft * inverse, normal.z + inverse};
+    }
+    int largest = 0;
+    const auto largest_excess = [&](double coefficient) {
+      double excess = -std::numeric_limits<double>::infinity();
+      for (int k = 0; k < touching.count; ++k)
+        if (const double mine = tangent[k] - coefficient * press[k]; mine > excess) excess = mine, largest = k;
       return excess;
     };
-    int largest = 0;
+    const auto rests = [&] {
+      place_ = {true, normal, kFriction ? mu(p, false) : 0.0};
+      return OnEdge::rests;
+    };
     if (kFriction && course_.sticking) {
-      if (largest_excess(true, 1.0, largest) <= threshold) return true;
+      if (largest_excess(gripping != nullptr ? mu(*gripping, true) : 0.0) <= threshold) return rests();
       course_.sticking = false;
     }
-    if (course_.may_stick_again && largest_excess(false, kStickAgain, largest) < 0.0) course_.sticking = true;
+    const double mu_d = gripping != nullptr ? mu(*gripping, false) : 0.0;
+    if (course_.may_stick_again && largest_excess(kStickAgain * mu_d) < 0.0) course_.sticking = true;
     course_.may_stick_again = false;
-    if (course_.sticking || largest_excess(false, 1.0, largest) <= threshold) return true;
-    piece = pieces[largest];
-    return false;
+    if (course_.sticking || largest_excess(mu_d) <= threshold) return rests();
+    const TouchingCell& cell = touching.cell[largest];
+    piece.point = cell.point;
+    piece.patch = surface_.patch(cell.point.i, cell.point.j);
+    piece.pull = pull_in(piece.patch, cell.point, w);
+    piece.tangent = project_on_quadrant(piece.pull, cell.s, cell.t);
+    piece.s = cell.s;
+    piece.t = cell.t;
+    return OnEdge::moves;
+  }
+  [[nodiscard]] static Pull pull_in(const Patch& patch, const CellPoint& p, const CellVector& w) noexcept {
+    return {patch.slope_s(p.s, p.t), patch.slope_t(p.s, p.t), w};
   }
 
   [[nodiscard]] static auto slope_along(const Piece& piece, const CellVector& w, const Segment& d) noexcept {
@@ -268,7 +302,8 @@ class ExactSolver {
     return std::max(here, there);
   }
 
-  /// The excess is positive at the segment's start and negative at tau_end: rests at a zero between (Illinois).
+  /// The excess is positive at the segment's start and negative at tau_end: rests at a zero between (Anderson & Bjorck
+  /// 1973).
   bool stop_by_friction(const Piece& piece, const Segment& d, double tau_end, double end, double excess_end,
                         double threshold, CellPoint& p) const noexcept {
     double low = 0.0;
@@ -285,13 +320,18 @@ class ExactSolver {
       if (exhausted) return false;
       const double excess = sliding_excess(piece, p);
       if (std::abs(excess) <= kRootShare * threshold) return true;
+      // The end that stays for the second time gets the weight that would have hit a parabola's zero.
+      const auto weight = [excess](double before) {
+        const double bent = 1.0 - excess / before;
+        return bent > 0.0 ? bent : 0.5;
+      };
       if (excess > 0.0) {
+        if (same_side > 0) at_high *= weight(at_low);
         low = tau, at_low = excess;
-        if (same_side > 0) at_high *= 0.5;
         same_side = 1;
       } else {
+        if (same_side < 0) at_low *= weight(at_high);
         high = tau, at_high = excess;
-        if (same_side < 0) at_low *= 0.5;
         same_side = -1;
       }
     }

@@ -15,11 +15,10 @@ namespace sparsha::haptics {
 
 enum class GlideEnd { rest, handed_over };
 
-/// Slopes and coefficient where the proxy came to rest inside a cell, for whoever reports it.
+/// Where the proxy came to rest, for whoever reports it.
 struct RestPlace {
   bool known = false;
-  double fs = 0.0;
-  double ft = 0.0;
+  CellVector normal;  ///< of any length; on edges and nodes the mean of the touching patches'
   double mu_dynamic = 0.0;
 };
 
@@ -35,11 +34,12 @@ struct TickCourse {
   return std::min(p.s, p.t) > 0.0 && std::max(p.s, p.t) < 1.0;
 }
 
-/// Slides `p`, strictly inside an inner cell with this patch, until it rests or the general steps must go on.
+/// Slides `p`, strictly inside an inner cell with this patch or on an edge of it, until it rests or the general steps
+/// must go on. `inward`: after an edge was crossed only steps further that way are taken, +1 or -1 along s or t.
 template <bool kFriction>
 [[nodiscard]] SPARSHA_HOT inline GlideEnd glide(const BilinearSurface& surface, const CellVector& hip, double tolerance,
-                                                int limit, CellPoint& p, BilinearPatch patch, TickCourse& course,
-                                                RestPlace& place) noexcept {
+                                                int limit, CellPoint& p, BilinearPatch patch, Pair inward,
+                                                TickCourse& course, RestPlace& place) noexcept {
   constexpr double kNearRest = 1e-2;        // cells, above any tolerance: the excess is worth a closer look
   constexpr double kMargin = 1e-9;          // cells: nearer to an edge the general steps decide
   constexpr double kClearlyBeyond = 3.0;    // times the segment's end
@@ -49,9 +49,7 @@ template <bool kFriction>
 
   Pair at{p.s, p.t};
   double z = p.z;
-  // After an edge was crossed only steps further that way are taken: +1 or -1 along s or t.
-  Pair inward = both(0.0);
-  bool inside = true;
+  bool inside = dot(inward, inward) == 0.0;
   CellCoefficients friction;
   if constexpr (kFriction) friction = surface.coefficients(p.i, p.j);
   GlideEnd ending = GlideEnd::handed_over;
@@ -197,7 +195,7 @@ template <bool kFriction>
   p.t = at[1];
   p.z = z;
   if (ending == GlideEnd::rest)
-    place = {true, patch.slope_s(p.s, p.t), patch.slope_t(p.s, p.t), kFriction ? friction.at(p.s, p.t) : 0.0};
+    place = {true, {-patch.slope_s(p.s, p.t), -patch.slope_t(p.s, p.t), 1.0}, kFriction ? friction.at(p.s, p.t) : 0.0};
   return ending;
 }
 

@@ -66,8 +66,8 @@ SPARSHA_HOT inline ProxyUpdate update_bilinear(const MongeSurface& monge, const 
   course.sticking = kFriction && state.sticking;
   course.may_stick_again = kFriction && !state.sticking;
   RestPlace place;
-  if (glide<kFriction>(surface, hip, options.tolerance_cells, options.segment_limit, p, patch, course, place) !=
-      GlideEnd::rest)
+  if (glide<kFriction>(surface, hip, options.tolerance_cells, options.segment_limit, p, patch, both(0.0), course,
+                       place) != GlideEnd::rest)
     return go_on<kFriction>(monge, hip_m, p, course, state, options);
   return report_rest<kFriction>(monge, surface, p, place, course, state);
 }

@@ -22,6 +22,11 @@ namespace sparsha::haptics {
   return {-fs * inverse, -ft * inverse, inverse};
 }
 
+[[nodiscard]] SPARSHA_HOT inline Eigen::Vector3d unit_vector(const CellVector& v) noexcept {
+  const double inverse = 1.0 / std::sqrt(v.z * v.z + v.x * v.x + v.y * v.y);
+  return {v.x * inverse, v.y * inverse, v.z * inverse};
+}
+
 /// The patch's normal, or the mean of the touching patches' on edges and nodes.
 template <class Surface>
 [[nodiscard]] inline Eigen::Vector3d normal_at(const Surface& surface, const CellPoint& p) noexcept {
@@ -50,7 +55,7 @@ template <class Surface>
   update.cell_flags = flags_at(monge, p);
   if (!state.contact) return update;
   if (place.known) {
-    update.normal = unit_normal(place.fs, place.ft);
+    update.normal = unit_vector(place.normal);
     update.mu_dynamic = place.mu_dynamic;
   } else {
     update.normal = normal_at(surface, p);
@@ -69,7 +74,7 @@ template <bool kFriction>
   state.sticking = course.sticking;
   ProxyUpdate update;
   update.position = state.position;
-  update.normal = unit_normal(place.fs, place.ft);
+  update.normal = unit_vector(place.normal);
   update.mu_dynamic = place.mu_dynamic;
   if constexpr (kFriction) update.mu_static = surface.mu_static(p.i, p.j, p.s, p.t);
   update.contact = true;

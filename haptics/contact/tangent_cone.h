@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "haptics/contact/bilinear_patch.h"
+#include "haptics/contact/hot.h"
 
 namespace sparsha::haptics {
 
@@ -43,7 +44,8 @@ struct TangentProjection {
 
 [[nodiscard]] inline bool allows(Freedom freedom, double d) noexcept { return static_cast<double>(freedom) * d >= 0.0; }
 
-[[nodiscard]] inline TangentProjection project_on_quadrant(const Pull& pull, Freedom s, Freedom t) noexcept {
+[[nodiscard]] SPARSHA_HOT inline TangentProjection project_on_quadrant(const Pull& pull, Freedom s,
+                                                                       Freedom t) noexcept {
   const double cross = pull.bs * pull.ft - pull.bt * pull.fs;
   const double inverse = 1.0 / pull.area;
   const double ds = (pull.bs + pull.ft * cross) * inverse;
