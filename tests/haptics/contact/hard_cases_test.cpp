@@ -240,6 +240,18 @@ TEST(HardCases, ScalesFromMicrometresToThousandsOfKilometresGiveTheSameContact) 
   }
 }
 
+TEST(HardCases, SlopesOfTenThousandComeToRestWithinATick) {
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (const double mu : {0.0, 0.5}) {
+    MongeSurface surface = make_rough_surface(40, 1e-3, 10.0, random);
+    if (mu > 0.0) set_random_friction(surface, mu, random);
+    Follower follower(surface, {0.02, 0.02, 12.0});
+    for (int k = 0; k < 8000; ++k)
+      follower.move({0.039 * uniform(random), 0.039 * uniform(random), 12.0 * uniform(random) - 4.0});
+  }
+}
+
 TEST(HardCases, SlopesOfAMillionMayTakeSeveralTicksButStayFeasibleAndFall) {
   std::mt19937_64 random(15);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
