@@ -5,14 +5,14 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
+
+#include "pipeline/grid/project_kernel.h"
 
 namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kPiece = 1U << 13U;
-constexpr float kNothing = -std::numeric_limits<float>::infinity();
-
+constexpr std::size_t kMostBands = 256;
 struct Point {
   float z, x, y;
   std::uint32_t bin;  // within its band
@@ -25,41 +25,25 @@ bool higher(const Point& a, const Point& b) {
   return a.y < b.y;
 }
 
-// Ascending integers for descending heights, then ascending x; only points equal in both need a look at y.
-std::uint64_t key_of(const Point& p) {
-  const auto ascending = [](float value) {
-    const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);
-    return (bits >> 31U) != 0 ? ~bits : bits | 0x80000000U;
-  };
-  return (static_cast<std::uint64_t>(~ascending(p.z)) << 32U) | ascending(p.x);
-}
-
-// Sorts a bin by counting, for each point, those before it: few enough points, and no branch to guess wrong.
-void sort_bin(Point* first, std::size_t count) {
-  constexpr std::size_t kFew = 12;
-  if (count < 2) return;
-  if (count > kFew) {
-    std::sort(first, first + count, higher);
-    return;
+void sort_full_bin(const BinSort& sort, std::uint32_t begin, std::uint32_t end, std::vector<Point>& points) {
+  points.clear();
+  for (std::uint32_t k = begin; k < end; ++k) points.push_back({sort.from_z[k], sort.from_x[k], sort.from_y[k], 0});
+  constexpr std::size_t kFewToMove = 24;
+  if (points.size() > kFewToMove) {
+    std::sort(points.begin(), points.end(), higher);
+  } else {
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      const Point point = points[k];
+      std::size_t at = k;
+      for (; at > 0 && higher(point, points[at - 1]); --at) points[at] = points[at - 1];
+      points[at] = point;
+    }
   }
-  std::array<std::uint64_t, kFew> keys;
-  std::array<Point, kFew> points;
-  for (std::size_t k = 0; k < count; ++k) {
-    points[k] = first[k];
-    keys[k] = key_of(first[k]);
+  for (std::uint32_t k = begin; k < end; ++k) {
+    sort.x[k] = points[k - begin].x;
+    sort.y[k] = points[k - begin].y;
+    sort.z[k] = points[k - begin].z;
   }
-  std::size_t ranks = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    std::size_t rank = 0;
-    for (std::size_t other = 0; other < count; ++other) rank += keys[other] < keys[k] ? 1 : 0;
-    first[rank] = points[k];
-    ranks += rank;
-  }
-  // Equal keys share a rank and overwrite each other.
-  if (ranks == count * (count - 1) / 2) [[likely]]
-    return;
-  std::copy_n(points.begin(), count, first);
-  std::sort(first, first + count, higher);
 }
 
 // Band and bin within the band of points.
@@ -110,8 +94,8 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
                     const BinWindow& window, ThreadPool& pool) {
   const auto columns = static_cast<std::size_t>(lattice.bins_x());
   const auto rows = static_cast<std::size_t>(window.last_row - window.first_row);
-  // Bands of about 16 K points are 256 KB; at most 256 bands keep their write heads in cache.
-  const std::size_t wanted_bands = std::clamp<std::size_t>(points.count / 16384, 1, 256);
+  // Bands of about 16 K points are 256 KB; at most so many keep their write heads in cache.
+  const std::size_t wanted_bands = std::clamp<std::size_t>(points.count / 8192, 1, kMostBands);
   const std::size_t rows_per_band = std::bit_ceil(std::max<std::size_t>(1, (rows + wanted_bands - 1) / wanted_bands));
   const std::size_t bands = (rows + rows_per_band - 1) / rows_per_band;
   const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
@@ -123,76 +107,78 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
     for (std::size_t k = begin; k < end; ++k) band[k - begin] = skip[k] != 0 ? nowhere : band[k - begin];
   };
 
-  // offset[piece * (bands + 1) + band]: where the piece writes its points of the band; the last band is nowhere.
-  std::vector<std::size_t> offset(pieces * (bands + 1), 0);
+  // Each piece sorts its own points into bands: those of `band` are [of_piece[band], of_piece[band + 1]) of them.
+  const auto banded = make_buffer<Point>(points.count);
+  std::vector<std::uint32_t> offsets(pieces * (bands + 2), 0);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::array<std::int32_t, kPiece> band;
     std::array<std::int32_t, kPiece> bin;
     index_piece(begin, end, band.data(), bin.data());
-    std::size_t* mine = offset.data() + begin / kPiece * (bands + 1);
-    for (std::size_t k = 0; k < end - begin; ++k) ++mine[band[k]];
+    std::uint32_t* const of_piece = offsets.data() + begin / kPiece * (bands + 2);
+    for (std::size_t k = 0; k < end - begin; ++k) ++of_piece[band[k] + 1];
+    for (std::size_t b = 0; b <= bands; ++b) of_piece[b + 1] += of_piece[b];
+    std::array<std::uint32_t, kMostBands + 1> head;
+    std::copy_n(of_piece, bands + 1, head.begin());
+    Point* const piece = banded.get() + begin;
+    for (std::size_t k = 0; k < end - begin; ++k) {
+      piece[head[static_cast<std::size_t>(band[k])]++] = {points.z[begin + k], points.x[begin + k], points.y[begin + k],
+                                                          static_cast<std::uint32_t>(bin[k])};
+    }
   });
   std::vector<std::size_t> band_start(bands + 1, 0);
-  std::size_t total = 0;
   for (std::size_t band = 0; band < bands; ++band) {
-    band_start[band] = total;
+    band_start[band + 1] = band_start[band];
     for (std::size_t piece = 0; piece < pieces; ++piece) {
-      const std::size_t here = offset[piece * (bands + 1) + band];
-      offset[piece * (bands + 1) + band] = total;
-      total += here;
+      const std::uint32_t* of_piece = offsets.data() + piece * (bands + 2) + band;
+      band_start[band + 1] += of_piece[1] - of_piece[0];
     }
   }
-  band_start[bands] = total;
-
-  const auto banded = make_buffer<Point>(total);
-  pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-    std::array<std::int32_t, kPiece> band;
-    std::array<std::int32_t, kPiece> bin;
-    index_piece(begin, end, band.data(), bin.data());
-    std::size_t* mine = offset.data() + begin / kPiece * (bands + 1);
-    for (std::size_t k = 0; k < end - begin; ++k) {
-      if (band[k] == nowhere) [[unlikely]]
-        continue;
-      banded[mine[band[k]]++] = {points.z[begin + k], points.x[begin + k], points.y[begin + k],
-                                 static_cast<std::uint32_t>(bin[k])};
+  const std::size_t total = band_start[bands];
+  const auto for_points_of = [&](std::size_t band, const auto& use) {
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+      const std::uint32_t* of_piece = offsets.data() + piece * (bands + 2) + band;
+      const Point* const first = banded.get() + piece * kPiece;
+      for (const Point* p = first + of_piece[0]; p != first + of_piece[1]; ++p) use(*p);
     }
-  });
+  };
 
   Bins bins;
   bins.lattice = lattice;
   bins.points = total;
   bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1 + Bins::kReadAhead);
-  bins.top = make_buffer<float>(lattice.bin_count() + Bins::kReadAhead);
   for (Buffer<float>* array : {&bins.x, &bins.y, &bins.z}) {
     *array = make_buffer<float>(total + Bins::kReadAhead);
     std::fill_n(array->get() + total, Bins::kReadAhead, 0.0F);
   }
-  std::fill_n(bins.top.get() + lattice.bin_count(), Bins::kReadAhead, kNothing);
   pool.for_ranges(bands, 1, [&](std::size_t band, std::size_t) {
     const std::size_t first_row = static_cast<std::size_t>(window.first_row) + band * rows_per_band;
     const std::size_t band_rows = std::min(rows_per_band, static_cast<std::size_t>(window.last_row) - first_row);
-    std::uint32_t* start = bins.start.get() + first_row * columns;
     const std::size_t size = band_rows * columns;
-    std::vector<std::uint32_t> head(size + 1, 0);
     const std::size_t begin = band_start[band];
-    const std::size_t end = band_start[band + 1];
-    for (std::size_t k = begin; k < end; ++k) ++head[banded[k].bin + 1];
-    for (std::size_t b = 0; b < size; ++b) head[b + 1] += head[b];
-    for (std::size_t b = 0; b < size; ++b) start[b] = static_cast<std::uint32_t>(begin + head[b]);
-    const auto sorted = make_buffer<Point>(end - begin);
-    for (std::size_t k = begin; k < end; ++k) sorted[head[banded[k].bin]++] = banded[k];
-    // Every head now stands at its bin's end.
-    std::size_t bin_begin = 0;
+    const std::size_t count = band_start[band + 1] - begin;
+    std::vector<std::uint32_t> first(size + 1 + BinSort::kReadAhead, 0);
+    for_points_of(band, [&](const Point& p) { ++first[p.bin + 1]; });
+    for (std::size_t b = 0; b < size; ++b) first[b + 1] += first[b];
+    std::uint32_t* start = bins.start.get() + first_row * columns;
+    for (std::size_t b = 0; b < size; ++b) start[b] = static_cast<std::uint32_t>(begin) + first[b];
+    std::vector<std::uint32_t> head(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(size));
+    const std::size_t stride = count + BinSort::kReadAhead;
+    const auto scattered = make_buffer<float>(3 * stride);
+    float* const x = scattered.get();
+    float* const y = x + stride;
+    float* const z = y + stride;
+    for (float* array : {x, y, z}) std::fill_n(array + count, BinSort::kReadAhead, 0.0F);
+    for_points_of(band, [&](const Point& p) {
+      const std::uint32_t at = head[p.bin]++;
+      x[at] = p.x;
+      y[at] = p.y;
+      z[at] = p.z;
+    });
+    const BinSort sort{first.data(), x, y, z, bins.x.get() + begin, bins.y.get() + begin, bins.z.get() + begin};
+    fastest_kernels().sort_bins(sort, size);
+    std::vector<Point> many;
     for (std::size_t b = 0; b < size; ++b) {
-      const std::size_t bin_end = head[b];
-      sort_bin(sorted.get() + bin_begin, bin_end - bin_begin);
-      bins.top[first_row * columns + b] = bin_begin < bin_end ? sorted[bin_begin].z : kNothing;
-      bin_begin = bin_end;
-    }
-    for (std::size_t k = 0; k < end - begin; ++k) {
-      bins.x[begin + k] = sorted[k].x;
-      bins.y[begin + k] = sorted[k].y;
-      bins.z[begin + k] = sorted[k].z;
+      if (first[b + 1] - first[b] > BinSort::kFew) sort_full_bin(sort, first[b], first[b + 1], many);
     }
   });
   std::fill_n(bins.start.get() + static_cast<std::size_t>(window.last_row) * columns, 1 + Bins::kReadAhead,

@@ -61,11 +61,10 @@ struct BinWindow {
 struct Bins {
   BinLattice lattice;
   Buffer<std::uint32_t> start;  ///< bin_count() + 1 values, those of the window's rows set
-  Buffer<float> top;            ///< highest z of each bin, -infinity when it is empty; set as `start` is
   Buffer<float> x, y, z;        ///< metres relative to the oriented points' origin
   std::size_t points = 0;
 
-  /// Zeros (infinities in `top`) beyond the arrays' ends, for vector reads.
+  /// Beyond the arrays' ends, zeros and the last start again, for vector reads.
   static constexpr std::size_t kReadAhead = 32;
 };
 

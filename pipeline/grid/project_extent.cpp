@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "pipeline/base/error.h"
+#include "pipeline/grid/project_kernel.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -88,20 +89,29 @@ Occupancy count_points(std::uint64_t points, const OrientedPieces& pieces, const
   return cells;
 }
 
-// Keeps cells whose 3x3 neighbourhood is not nearly empty, then drops small groups that stand apart.
-void keep_supported_cells(Occupancy& cells, std::uint64_t points) {
-  cells.around.assign(cells.count.size(), 0);
+// The sums of the 3x3 cells around each; returns those around cells that hold points.
+std::vector<std::uint32_t> sum_around(Occupancy& cells) {
+  cells.around.resize(cells.count.size());
   std::vector<std::uint32_t> occupied;
+  const auto nx = static_cast<std::size_t>(cells.nx);
+  std::vector<std::uint32_t> column(nx + 2, 0);  // sums of three rows
   for (int j = 0; j < cells.ny; ++j) {
-    for (int i = 0; i < cells.nx; ++i) {
-      std::uint32_t sum = 0;
-      for (int b = std::max(0, j - 1); b <= std::min(cells.ny - 1, j + 1); ++b) {
-        for (int a = std::max(0, i - 1); a <= std::min(cells.nx - 1, i + 1); ++a) sum += cells.count[cells.at(a, b)];
-      }
-      cells.around[cells.at(i, j)] = sum;
-      if (cells.count[cells.at(i, j)] > 0) occupied.push_back(sum);
+    std::fill(column.begin(), column.end(), 0U);
+    for (int b = std::max(0, j - 1); b <= std::min(cells.ny - 1, j + 1); ++b) {
+      for (std::size_t i = 0; i < nx; ++i) column[i + 1] += cells.count[cells.at(0, b) + i];
+    }
+    for (std::size_t i = 0; i < nx; ++i) {
+      const std::size_t c = cells.at(0, j) + i;
+      cells.around[c] = column[i] + column[i + 1] + column[i + 2];
+      if (cells.count[c] > 0) occupied.push_back(cells.around[c]);
     }
   }
+  return occupied;
+}
+
+// Keeps cells whose 3x3 neighbourhood is not nearly empty, then drops small groups that stand apart.
+void keep_supported_cells(Occupancy& cells, std::uint64_t points) {
+  std::vector<std::uint32_t> occupied = sum_around(cells);
   cells.kept.assign(cells.count.size(), 0);
   if (occupied.empty()) return;
   const auto middle = occupied.begin() + static_cast<std::ptrdiff_t>(occupied.size() / 2);
@@ -196,15 +206,13 @@ struct Strip {
 // The supported points of the two outermost columns and rows of kept cells: left, right, bottom, top.
 std::array<Strip, 4> border_strips(const OrientedPieces& pieces, const Occupancy& cells, const CellBox& kept,
                                    ThreadPool& pool) {
-  // Most points are inside by a plain comparison; one cell to spare keeps its rounding harmless.
+  // Most points are inside by a plain comparison; a little to spare keeps its rounding harmless.
   const auto border = [](double corner, double cells_m) { return static_cast<float>(corner + cells_m); };
-  const float left = border(cells.box.x0, (kept.i0 + 3) * cells.cell_m);
-  const float right = border(cells.box.x0, (kept.i1 - 2) * cells.cell_m);
-  const float bottom = border(cells.box.y0, (kept.j0 + 3) * cells.cell_m);
-  const float top = border(cells.box.y0, (kept.j1 - 2) * cells.cell_m);
-  const auto near = [=](float x, float y) {
-    return static_cast<std::int32_t>(!((x > left) & (x < right) & (y > bottom) & (y < top)));
-  };
+  BorderKernel inner;
+  inner.left_m = border(cells.box.x0, (kept.i0 + 2.05) * cells.cell_m);
+  inner.right_m = border(cells.box.x0, (kept.i1 - 1.05) * cells.cell_m);
+  inner.bottom_m = border(cells.box.y0, (kept.j0 + 2.05) * cells.cell_m);
+  inner.top_m = border(cells.box.y0, (kept.j1 - 1.05) * cells.cell_m);
   // Two local point spacings of the points in a cell.
   const auto reach_of = [&](std::size_t c) {
     return static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
@@ -223,20 +231,13 @@ std::array<Strip, 4> border_strips(const OrientedPieces& pieces, const Occupancy
     }
   }
   pieces([&](const OrientedPoints& points) {
-    std::vector<std::vector<std::size_t>> parts((points.count + kPiece - 1) / kPiece);
+    std::vector<std::array<std::vector<BorderPoint>, 4>> parts((points.count + kPiece - 1) / kPiece);
     pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t first = begin; first < end; first += 16) {
-        const std::size_t last = std::min(end, first + 16);
-        std::int32_t any_near = 0;
-        for (std::size_t k = first; k < last; ++k) any_near |= near(points.x[k], points.y[k]);
-        if (any_near == 0) continue;
-        for (std::size_t k = first; k < last; ++k) {
-          if (near(points.x[k], points.y[k]) != 0) parts[begin / kPiece].push_back(k);
-        }
-      }
-    });
-    for (const std::vector<std::size_t>& part : parts) {
-      for (const std::size_t k : part) {
+      std::vector<std::uint32_t> drawn(end - begin);
+      drawn.resize(fastest_kernels().draw_border(inner, points.x.get() + begin, points.y.get() + begin, end - begin,
+                                                 drawn.data()));
+      for (const std::uint32_t d : drawn) {
+        const std::size_t k = begin + d;
         const std::ptrdiff_t found = cells.cell_of(points.x[k], points.y[k]);
         if (found < 0) continue;
         const auto c = static_cast<std::size_t>(found);
@@ -244,10 +245,15 @@ std::array<Strip, 4> border_strips(const OrientedPieces& pieces, const Occupancy
         const std::array<bool, 4> at_side = sides_of(c);
         const BorderPoint point{{points.x[k], points.y[k], points.z[k]}, reach_of(c)};
         for (std::size_t side = 0; side < 4; ++side) {
-          if (at_side[side]) strips[side].points.push_back(point);
+          if (at_side[side]) parts[begin / kPiece][side].push_back(point);
         }
       }
-      for (Strip& strip : strips) strip.prune();
+    });
+    for (const std::array<std::vector<BorderPoint>, 4>& part : parts) {
+      for (std::size_t side = 0; side < 4; ++side) {
+        strips[side].points.insert(strips[side].points.end(), part[side].begin(), part[side].end());
+        strips[side].prune();
+      }
     }
   });
   return strips;

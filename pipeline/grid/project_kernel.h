@@ -26,6 +26,21 @@ struct NodeKernel {
   const float* per_r2[2] = {};  ///< 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5
 };
 
+/// Neighbouring bins, the points of bin b at [start[b], start[b + 1]) of the arrays. The arrays that are read, and
+/// `start`, may be read up to kReadAhead elements beyond their ends; the others are not written beyond.
+struct BinSort {
+  static constexpr std::size_t kFew = 8;
+  static constexpr std::size_t kReadAhead = 24;
+
+  const std::uint32_t* start = nullptr;
+  const float* from_x = nullptr;
+  const float* from_y = nullptr;
+  const float* from_z = nullptr;
+  float* x = nullptr;
+  float* y = nullptr;
+  float* z = nullptr;
+};
+
 /// Points of one layer, relative to a node; arrays may be read and written up to kReadAhead elements beyond the last.
 struct LayerKernel {
   static constexpr std::size_t kReadAhead = 24;
@@ -64,6 +79,11 @@ struct BlockKernel {
   std::uint32_t limit = 0;  ///< about (limit + 1) / 2^32 of the blocks are drawn
 };
 
+/// A rectangle; points in it are not wanted.
+struct BorderKernel {
+  float left_m = 0.0F, right_m = 0.0F, bottom_m = 0.0F, top_m = 0.0F;
+};
+
 /// The kernels for one instruction set.
 struct ProjectionKernels {
   /// out = matrix (row-major 3x4) * point in double, each coordinate rounded once; `stride` in floats. low[3] and
@@ -77,6 +97,12 @@ struct ProjectionKernels {
   /// Points in a sample of square blocks, chosen by a hash of the block: writes their numbers and returns how many.
   std::size_t (*draw_blocks)(const BlockKernel& kernel, const float* x, const float* y, std::size_t count,
                              std::uint32_t* drawn);
+  /// Points that are not inside the rectangle: writes their numbers and returns how many.
+  std::size_t (*draw_border)(const BorderKernel& kernel, const float* x, const float* y, std::size_t count,
+                             std::uint32_t* drawn);
+  /// Copies the points of bins, the highest first, equal heights by x, then y. What it leaves of bins with more than
+  /// kFew points is not to be used.
+  void (*sort_bins)(const BinSort& sort, std::size_t bins);
   /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend. Heights of rows
   /// [j_begin, j_end) into height, nx a row, and 1 into decided, or 0 where NodeFitter has to look.
   void (*fit_rows)(const NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,

@@ -62,7 +62,11 @@ SPARSHA_INLINE Floats least(Floats a, Floats b) { return a < b ? a : b; }
 SPARSHA_INLINE Floats most(Floats a, Floats b) { return a > b ? a : b; }
 #endif
 SPARSHA_INLINE Floats choose(Ints mask, Floats yes, Floats no) {
+#if defined(__AVX2__)
+  return (Floats)_mm256_blendv_ps((__m256)no, (__m256)yes, (__m256)mask);
+#else
   return reinterpret_cast<Floats>((mask & reinterpret_cast<Ints>(yes)) | (~mask & reinterpret_cast<Ints>(no)));
+#endif
 }
 
 // Sum of the lanes in a fixed order.
@@ -104,6 +108,27 @@ SPARSHA_INLINE Eight totals(Floats a, Floats b, Floats c, Floats d, Floats e, Fl
   Eight sums;
   store(sums.at, by_halves(abcd, efgh));
   return sums;
+}
+
+// Eight vectors as rows become columns.
+SPARSHA_INLINE void turn_over(Floats* rows) {
+  Floats pairs[8];
+  for (int r = 0; r < 4; ++r) {
+    const Floats a = rows[2 * r];
+    const Floats b = rows[2 * r + 1];
+    pairs[2 * r] = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+    pairs[2 * r + 1] = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+  }
+  for (int h = 0; h < 2; ++h) {
+    const Floats a = __builtin_shufflevector(pairs[h], pairs[h + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+    const Floats b = __builtin_shufflevector(pairs[h], pairs[h + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    const Floats c = __builtin_shufflevector(pairs[h + 4], pairs[h + 6], 0, 1, 8, 9, 4, 5, 12, 13);
+    const Floats d = __builtin_shufflevector(pairs[h + 4], pairs[h + 6], 2, 3, 10, 11, 6, 7, 14, 15);
+    rows[2 * h] = __builtin_shufflevector(a, c, 0, 1, 2, 3, 8, 9, 10, 11);
+    rows[2 * h + 1] = __builtin_shufflevector(b, d, 0, 1, 2, 3, 8, 9, 10, 11);
+    rows[2 * h + 4] = __builtin_shufflevector(a, c, 4, 5, 6, 7, 12, 13, 14, 15);
+    rows[2 * h + 5] = __builtin_shufflevector(b, d, 4, 5, 6, 7, 12, 13, 14, 15);
+  }
 }
 
 SPARSHA_INLINE bool any(Ints mask) {

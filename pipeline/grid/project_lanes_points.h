@@ -83,26 +83,31 @@ SPARSHA_INLINE void orient(const float* xyz, std::size_t stride, std::size_t cou
 // Writes which points a hash of the coordinates draws; the same point is drawn wherever it stands in the cloud.
 SPARSHA_INLINE std::size_t draw(const float* xyz, std::size_t stride, std::size_t count, std::uint32_t limit,
                                 std::uint32_t* drawn) {
-  typedef std::uint32_t QuadBits __attribute__((vector_size(16)));
   std::size_t found = 0;
-  for (std::size_t k = 0; k < count; k += 4) {
-    FourPoints p{};
-    const std::size_t here = count - k < 4 ? count - k : 4;
-    if (here == 4 && stride >= 4) {
-      p = transpose(xyz + k * stride, stride);
+  for (std::size_t k = 0; k < count; k += kLanes) {
+    Floats x{};
+    Floats y{};
+    Floats z{};
+    const std::size_t here = count - k < kLanes ? count - k : kLanes;
+    if (here == kLanes && stride >= 4) {
+      const FourPoints low = transpose(xyz + k * stride, stride);
+      const FourPoints high = transpose(xyz + (k + 4) * stride, stride);
+      x = __builtin_shufflevector(low.x, high.x, 0, 1, 2, 3, 4, 5, 6, 7);
+      y = __builtin_shufflevector(low.y, high.y, 0, 1, 2, 3, 4, 5, 6, 7);
+      z = __builtin_shufflevector(low.z, high.z, 0, 1, 2, 3, 4, 5, 6, 7);
     } else {
       for (std::size_t lane = 0; lane < here; ++lane) {
-        p.x[lane] = xyz[(k + lane) * stride];
-        p.y[lane] = xyz[(k + lane) * stride + 1];
-        p.z[lane] = xyz[(k + lane) * stride + 2];
+        x[lane] = xyz[(k + lane) * stride];
+        y[lane] = xyz[(k + lane) * stride + 1];
+        z[lane] = xyz[(k + lane) * stride + 2];
       }
     }
-    QuadBits h = reinterpret_cast<QuadBits>(p.x) * 0x9e3779b1U ^ reinterpret_cast<QuadBits>(p.y) * 0x85ebca77U ^
-                 reinterpret_cast<QuadBits>(p.z) * 0xc2b2ae3dU;
+    Bits h = reinterpret_cast<Bits>(x) * 0x9e3779b1U ^ reinterpret_cast<Bits>(y) * 0x85ebca77U ^
+             reinterpret_cast<Bits>(z) * 0xc2b2ae3dU;
     h = (h ^ (h >> 15)) * 0x2c1b3c6dU;
     h = (h ^ (h >> 12)) * 0x297a2d39U;
-    const QuadInts hit = h <= limit;
-    if ((hit[0] | hit[1] | hit[2] | hit[3]) == 0) continue;
+    const Ints hit = reinterpret_cast<Ints>(h <= limit);
+    if (!any(hit)) continue;
     for (std::size_t lane = 0; lane < here; ++lane) {
       if (hit[lane] != 0) drawn[found++] = static_cast<std::uint32_t>(k + lane);
     }
@@ -138,6 +143,29 @@ SPARSHA_INLINE std::size_t draw_of_blocks(const sparsha::pipeline::BlockKernel& 
     if (!any(hit)) continue;
     for (std::size_t lane = 0; lane < here; ++lane) {
       if (hit[lane] != 0) drawn[found++] = static_cast<std::uint32_t>(p + lane);
+    }
+  }
+  return found;
+}
+
+SPARSHA_INLINE std::size_t draw_beyond(const sparsha::pipeline::BorderKernel& k, const float* x, const float* y,
+                                       std::size_t count, std::uint32_t* drawn) {
+  std::size_t found = 0;
+  for (std::size_t p = 0; p < count; p += kLanes) {
+    const std::size_t here = count - p < kLanes ? count - p : kLanes;
+    Floats px{};
+    Floats py{};
+    if (here == kLanes) {
+      px = load(x + p);
+      py = load(y + p);
+    } else {
+      __builtin_memcpy(&px, x + p, here * sizeof(float));
+      __builtin_memcpy(&py, y + p, here * sizeof(float));
+    }
+    const Ints beyond = ~((px > k.left_m) & (px < k.right_m) & (py > k.bottom_m) & (py < k.top_m));
+    if (!any(beyond)) continue;
+    for (std::size_t lane = 0; lane < here; ++lane) {
+      if (beyond[lane] != 0) drawn[found++] = static_cast<std::uint32_t>(p + lane);
     }
   }
   return found;

@@ -22,23 +22,8 @@ struct alignas(64) SlotRow {
 
 // Eight vectors from eight places, turned over.
 SPARSHA_INLINE void turn(const float* from, const std::uint32_t* start, Floats* out) {
-  Floats in[8];
-  for (int r = 0; r < 8; ++r) in[r] = load(from + start[r]);
-  Floats pairs[8];
-  for (int r = 0; r < 4; ++r) {
-    pairs[2 * r] = __builtin_shufflevector(in[2 * r], in[2 * r + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-    pairs[2 * r + 1] = __builtin_shufflevector(in[2 * r], in[2 * r + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-  }
-  for (int h = 0; h < 2; ++h) {
-    const Floats a = __builtin_shufflevector(pairs[h], pairs[h + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-    const Floats b = __builtin_shufflevector(pairs[h], pairs[h + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-    const Floats c = __builtin_shufflevector(pairs[h + 4], pairs[h + 6], 0, 1, 8, 9, 4, 5, 12, 13);
-    const Floats d = __builtin_shufflevector(pairs[h + 4], pairs[h + 6], 2, 3, 10, 11, 6, 7, 14, 15);
-    out[2 * h] = __builtin_shufflevector(a, c, 0, 1, 2, 3, 8, 9, 10, 11);
-    out[2 * h + 1] = __builtin_shufflevector(b, d, 0, 1, 2, 3, 8, 9, 10, 11);
-    out[2 * h + 4] = __builtin_shufflevector(a, c, 4, 5, 6, 7, 12, 13, 14, 15);
-    out[2 * h + 5] = __builtin_shufflevector(b, d, 4, 5, 6, 7, 12, 13, 14, 15);
-  }
+  for (int r = 0; r < 8; ++r) out[r] = load(from + start[r]);
+  turn_over(out);
 }
 
 // Slots [from, from + 8) of the bins at `column`.

@@ -3,6 +3,7 @@
 
 #include "pipeline/grid/project_lanes_group.h"
 #include "pipeline/grid/project_lanes_points.h"
+#include "pipeline/grid/project_lanes_sort.h"
 
 namespace {
 
@@ -18,6 +19,11 @@ std::size_t draw_block_points(const sparsha::pipeline::BlockKernel& kernel, cons
                               std::size_t count, std::uint32_t* drawn) {
   return draw_of_blocks(kernel, x, y, count, drawn);
 }
+std::size_t draw_border_points(const sparsha::pipeline::BorderKernel& kernel, const float* x, const float* y,
+                               std::size_t count, std::uint32_t* drawn) {
+  return draw_beyond(kernel, x, y, count, drawn);
+}
+void sort_few_bins(const sparsha::pipeline::BinSort& sort, std::size_t bins) { sort_few(sort, bins); }
 void fit_nodes(const sparsha::pipeline::NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,
                std::uint8_t* decided) {
   fit_rows(kernel, j_begin, j_end, height, decided);
@@ -33,7 +39,8 @@ void classify_points(const sparsha::pipeline::FateKernel& kernel, const float* x
   classify(kernel, x, y, z, count, fate);
 }
 
-constexpr sparsha::pipeline::ProjectionKernels kKernels{orient_points, draw_points, draw_block_points, fit_nodes,
-                                                        fit_one_layer, rank_values, classify_points};
+constexpr sparsha::pipeline::ProjectionKernels kKernels{orient_points,      draw_points,   draw_block_points,
+                                                        draw_border_points, sort_few_bins, fit_nodes,
+                                                        fit_one_layer,      rank_values,   classify_points};
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "pipeline/grid/project_fit.h"
@@ -22,17 +24,47 @@ constexpr double kNoiseQuantile = 0.35;
 constexpr double kNoiseOfQuantile = 1.08;
 constexpr double kBlocks = 700.0;
 constexpr std::size_t kPiece = 1U << 15U;
+constexpr std::size_t kBlocksAtOnce = 32;
+
 struct Sample {
   std::uint64_t block;
   NodePoint point;
-
-  bool operator<(const Sample& other) const {
-    if (block != other.block) return block < other.block;
-    if (point.z != other.point.z) return point.z > other.point.z;
-    if (point.u != other.point.u) return point.u < other.point.u;
-    return point.v < other.point.v;
-  }
 };
+
+bool before(const NodePoint& a, const NodePoint& b) {
+  if (a.z != b.z) return a.z > b.z;
+  if (a.u != b.u) return a.u < b.u;
+  return a.v < b.v;
+}
+
+// The points of one block, the highest first, and what the latest round made of its front.
+struct Block {
+  std::size_t begin = 0, end = 0;
+  std::size_t front_begin = 0, front_size = 0;
+  double noise_m = -1.0;
+};
+
+// Gathers the samples of each block; the order of the blocks and of their points is that of the samples.
+std::vector<Block> gather_blocks(const std::vector<Sample>& samples, std::vector<NodePoint>& points) {
+  std::unordered_map<std::uint64_t, std::size_t> number;
+  std::vector<std::size_t> of_sample(samples.size());
+  std::vector<Block> blocks;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    // Scan lines stay in a block for a while.
+    const bool again = k > 0 && samples[k].block == samples[k - 1].block;
+    of_sample[k] = again ? of_sample[k - 1] : number.try_emplace(samples[k].block, blocks.size()).first->second;
+    if (of_sample[k] == blocks.size()) blocks.emplace_back();
+    ++blocks[of_sample[k]].end;
+  }
+  std::size_t total = 0;
+  for (Block& block : blocks) {
+    block.begin = total;
+    total += std::exchange(block.end, total);
+  }
+  points.resize(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) points[blocks[of_sample[k]].end++] = samples[k].point;
+  return blocks;
+}
 
 // The value that a share of the weight does not exceed.
 struct Weighted {
@@ -103,28 +135,42 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
     });
     for (const std::vector<Sample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
   });
-  std::sort(samples.begin(), samples.end());
-  // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
-  const auto same = [](const Sample& a, const Sample& b) { return !(a < b) && !(b < a); };
-  samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
-  std::vector<NodePoint> sorted(samples.size());
-  for (std::size_t k = 0; k < samples.size(); ++k) sorted[k] = samples[k].point;
+  std::vector<NodePoint> points;
+  std::vector<Block> found = gather_blocks(samples, points);
+  pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const auto first = points.begin() + static_cast<std::ptrdiff_t>(found[b].begin);
+      const auto last = points.begin() + static_cast<std::ptrdiff_t>(found[b].end);
+      std::sort(first, last, before);
+      // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
+      const auto same = [](const NodePoint& p, const NodePoint& q) { return !before(p, q) && !before(q, p); };
+      found[b].end = found[b].begin + static_cast<std::size_t>(std::unique(first, last, same) - first);
+    }
+  });
 
-  std::vector<double> scratch;
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
   for (int round = 0; round < 5; ++round) {
+    pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+      std::vector<double> scratch;
+      for (std::size_t b = begin; b < end; ++b) {
+        Block& block = found[b];
+        const std::span<const NodePoint> all(points.data() + block.begin, block.end - block.begin);
+        const double block_spacing = side / std::sqrt(static_cast<double>(all.size()));
+        const std::span<const NodePoint> front = front_layer(all, layer_gap_m(result.noise_m, block_spacing));
+        const std::size_t front_begin = front.empty() ? 0 : static_cast<std::size_t>(front.data() - all.data());
+        if (front_begin == block.front_begin && front.size() == block.front_size) continue;
+        block.front_begin = front_begin;
+        block.front_size = front.size();
+        block.noise_m = residual_scale_m(front, scratch);
+      }
+    });
     std::vector<Weighted> noises;
     std::vector<Weighted> spacings;
-    for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
-      while (end < samples.size() && samples[end].block == samples[begin].block) ++end;
-      const std::span<const NodePoint> block(sorted.data() + begin, end - begin);
-      const double block_spacing = side / std::sqrt(static_cast<double>(block.size()));
-      const std::span<const NodePoint> front = front_layer(block, layer_gap_m(result.noise_m, block_spacing));
-      if (front.empty()) continue;
-      const auto weight = static_cast<double>(front.size());
+    for (const Block& block : found) {
+      if (block.front_size == 0) continue;
+      const auto weight = static_cast<double>(block.front_size);
       spacings.push_back({side / std::sqrt(weight), weight});
-      const double noise = residual_scale_m(front, scratch);
-      if (noise >= 0.0) noises.push_back({noise, weight});
+      if (block.noise_m >= 0.0) noises.push_back({block.noise_m, weight});
     }
     // Form and mixed layers only ever add to the noise of a block: its lower quantile is what the scanner did.
     result.noise_m = kNoiseOfQuantile * weighted_quantile(noises, kNoiseQuantile, 0.0);

@@ -1,6 +1,7 @@
 // The same bits with every instruction set that the machine has.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -71,6 +72,43 @@ pipeline::Bins binned(double per_node) {
   const pipeline::BinLattice lattice{kNx, kNy, kSpacing, 0.0, 0.0};
   ThreadPool pool(1);
   return pipeline::sort_into_bins(points, {}, lattice, pipeline::BinWindow::all(lattice), pool);
+}
+
+TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithAndWithoutAvx2) {
+  std::mt19937_64 random(23);
+  for (const int most : {1, 3, 8, 20}) {
+    constexpr std::size_t kBins = 203;
+    std::uniform_int_distribution<int> size(0, most);
+    std::uniform_int_distribution<int> level(0, 3);  // many equal heights and places
+    std::vector<std::uint32_t> start(1, 0);
+    for (std::size_t b = 0; b < kBins; ++b) start.push_back(start.back() + static_cast<std::uint32_t>(size(random)));
+    const std::size_t count = start.back();
+    start.resize(start.size() + pipeline::BinSort::kReadAhead, start.back());
+    std::array<std::vector<float>, 3> from;
+    for (std::vector<float>& values : from) {
+      for (std::size_t k = 0; k < count; ++k) values.push_back(0.25F * static_cast<float>(level(random)));
+      values.resize(count + pipeline::BinSort::kReadAhead, 9.0F);
+    }
+    std::vector<std::array<float, 3>> expected;  // -z, x, y
+    for (std::size_t k = 0; k < count; ++k) expected.push_back({-from[2][k], from[0][k], from[1][k]});
+    for (std::size_t b = 0; b < kBins; ++b) std::sort(expected.begin() + start[b], expected.begin() + start[b + 1]);
+    const auto check = [&](const pipeline::ProjectionKernels& kernels) {
+      std::array<std::vector<float>, 3> to;
+      for (std::vector<float>& values : to) values.assign(count + 1, 7.0F);
+      const pipeline::BinSort sort{start.data(), from[0].data(), from[1].data(), from[2].data(),
+                                   to[0].data(), to[1].data(),   to[2].data()};
+      kernels.sort_bins(sort, kBins);
+      for (std::size_t b = 0; b < kBins; ++b) {
+        if (start[b + 1] - start[b] > pipeline::BinSort::kFew) continue;
+        for (std::size_t k = start[b]; k < start[b + 1]; ++k) {
+          EXPECT_EQ((std::array<float, 3>{-to[2][k], to[0][k], to[1][k]}), expected[k]) << "bin " << b;
+        }
+      }
+      for (const std::vector<float>& values : to) EXPECT_EQ(values.back(), 7.0F) << "written beyond the end";
+    };
+    check(pipeline::baseline_kernels());
+    if (__builtin_cpu_supports("avx2")) check(pipeline::avx2_kernels());
+  }
 }
 
 TEST(ProjectionKernels, FitNodesBitForBitWithAndWithoutAvx2) {
