@@ -354,7 +354,8 @@ TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
   const std::vector<std::pair<Trouble, std::string>> troubles = {{Trouble::not_a_number, "no usable position"},
                                                                  {Trouble::unplugged, "unplugged"},
                                                                  {Trouble::silent, "fell silent"}};
-  for (const auto& [wrong, words_expected] : troubles) {
+  for (const auto& [wrong, said_of_it] : troubles) {
+    const std::string& words_expected = said_of_it;  // Clang 14 captures no structured binding
     const auto trouble = std::make_shared<std::atomic<Trouble>>(Trouble::none);
     Session session(testing::flat_scene(), troubled_device(trouble), default_options());
     session.start();
