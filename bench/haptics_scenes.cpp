@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "haptics/surface/large_pages.h"
+
 namespace sparsha::bench {
 namespace {
 
@@ -25,18 +27,25 @@ Vector3d sinusoid_normal(double x, double y) {
       .normalized();
 }
 
+/// In memory as make_surface() takes it.
+std::vector<float> values_for(const MongeSurface& surface) {
+  std::vector<float> values = haptics::room_for(surface.lattice.count());
+  values.resize(surface.lattice.count());
+  return values;
+}
+
 MongeSurface empty_surface(int nodes) {
   MongeSurface surface;
   surface.lattice.nx = surface.lattice.ny = nodes;
   surface.lattice.spacing_m = 1.0 / (nodes - 1);
-  surface.height_m.resize(surface.lattice.count());
+  surface.height_m = values_for(surface);
   return surface;
 }
 
 /// A coefficient that wanders between 0.2 and 0.6 over some ten cells.
 void add_friction(MongeSurface& surface) {
-  surface.mu_dynamic.resize(surface.lattice.count());
-  surface.mu_static.resize(surface.lattice.count());
+  surface.mu_dynamic = values_for(surface);
+  surface.mu_static = values_for(surface);
   for (int j = 0; j < surface.lattice.ny; ++j)
     for (int i = 0; i < surface.lattice.nx; ++i) {
       const std::size_t node = surface.lattice.index(i, j);

@@ -150,7 +150,25 @@ class BilinearSurface {
     return {m00, a, m01 - m00, (static_cast<double>(high[1]) - m01) - a};
   }
 
+  /// Asks for the rows that a proxy in this inner cell comes to next. On a large surface every row is a page of its own,
+  /// and waiting for it would cost more than the tick.
+  SPARSHA_HOT void prefetch_around(int i, int j) const noexcept {
+    constexpr std::size_t kLarge = std::size_t{1} << 20;  // nodes: what stays in the second cache needs no help
+    if (static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) < kLarge) [[likely]]
+      return;
+    prefetch_rows(i, j);
+  }
+
  private:
+  SPARSHA_HOT void prefetch_rows(int i, int j) const noexcept {
+    for (const int row : {j - 3, j - 2, j - 1, j + 2, j + 3, j + 4}) {
+      if (row < 0 || row >= ny_) continue;
+      SPARSHA_PREFETCH(height_ + node(i, row));
+      if (!has_friction()) continue;
+      SPARSHA_PREFETCH(mu_dynamic_ + node(i, row));
+      SPARSHA_PREFETCH(mu_static_ + node(i, row));
+    }
+  }
   [[nodiscard]] SPARSHA_HOT Patch patch_of(double z00, double z10, double z01, double z11) const noexcept {
     z00 *= cells_per_m_, z10 *= cells_per_m_, z01 *= cells_per_m_, z11 *= cells_per_m_;
     return {z00, z10 - z00, z01 - z00, (z11 - z10) - (z01 - z00)};

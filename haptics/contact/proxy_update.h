@@ -70,6 +70,7 @@ template <bool kFriction>
 [[nodiscard]] SPARSHA_HOT inline ProxyUpdate report_rest(const MongeSurface& monge, const BilinearSurface& surface,
                                                          const CellPoint& p, const RestPlace& place,
                                                          const TickCourse& course, ProxyState& state) noexcept {
+  surface.prefetch_around(p.i, p.j);
   keep_place(surface, p, state);
   state.sticking = course.sticking;
   ProxyUpdate update;

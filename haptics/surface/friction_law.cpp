@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "haptics/surface/large_pages.h"
+
 namespace sparsha::haptics {
 namespace {
 
@@ -31,8 +33,10 @@ FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const Lay
   const pipeline::Lattice& lattice = window.grid.lattice;
   const double radius_m = 0.5 * scale * (lattice.nx - 1) * lattice.spacing_m;
 
-  map.mu_dynamic.resize(lattice.count());
-  map.mu_static.resize(lattice.count());
+  for (std::vector<float>* values : {&map.mu_dynamic, &map.mu_static}) {
+    *values = room_for(lattice.count());
+    values->resize(lattice.count());
+  }
   for (std::size_t node = 0; node < lattice.count(); ++node) {
     if (window.grid.state[node] == NodeState::unknown) continue;
     double mu = config.mu_0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "haptics/surface/friction_law.h"
+#include "haptics/surface/large_pages.h"
 #include "pipeline/base/error.h"
 
 namespace sparsha::haptics {
@@ -78,7 +79,9 @@ std::vector<std::uint8_t> flag_cells(const Layers& window, const Inside& inside)
 /// Nodes that are unknown in the mask are unknown in height, whatever a layer holds there.
 std::vector<float> known_heights(const Layers& window, bool texture) {
   const bool envelope = !texture && !window.envelope_m.empty();
-  std::vector<float> heights = envelope ? window.envelope_m : window.grid.height_m;
+  const std::vector<float>& layer = envelope ? window.envelope_m : window.grid.height_m;
+  std::vector<float> heights = room_for(layer.size());
+  heights.assign(layer.begin(), layer.end());
   for (std::size_t node = 0; node < heights.size(); ++node)
     if (window.grid.state[node] == NodeState::unknown) heights[node] = pipeline::kUnknownHeight;
   return heights;
