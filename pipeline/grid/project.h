@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,11 +31,12 @@ struct Projection {
 };
 
 /// Projects `cloud` as seen along -z of the grid frame, grid = scan_to_grid * scan. `resolution_m` bounds the automatic
-/// spacing from below. Sorting is part of each call and takes tens of milliseconds for a million points, so looking at
-/// a cloud in memory from another side is simply another call. The result depends neither on the pool's threads nor on
-/// the order of the points. Throws Error{input} when no node can be measured, Error{usage} when the grid would exceed
-/// 2^31 nodes or memory.
+/// spacing from below. Looking at a cloud from one side after another is faster by a Projector. The result depends
+/// neither on the pool's threads nor on the order of the points. Throws Error{input} when no node can be measured,
+/// Error{usage} when the grid would exceed 2^31 nodes or memory. `approve`, when given, sees the lattice before memory
+/// is taken for it and may throw.
 [[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
-                                 double resolution_m, ThreadPool& pool, Progress& progress);
+                                 double resolution_m, ThreadPool& pool, Progress& progress,
+                                 const std::function<void(const Lattice&)>& approve = {});
 
 }  // namespace sparsha::pipeline

@@ -91,7 +91,7 @@ BinRuler::BinRuler(const BinLattice& lattice)
       rows(static_cast<float>(lattice.bins_y())) {}
 
 Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t>& skip, const BinLattice& lattice,
-                    const BinWindow& window, ThreadPool& pool) {
+                    const BinWindow& window, ThreadPool& pool, MemoryStore* store) {
   const auto columns = static_cast<std::size_t>(lattice.bins_x());
   const auto rows = static_cast<std::size_t>(window.last_row - window.first_row);
   // Bands of about 16 K points are 256 KB; at most so many keep their write heads in cache.
@@ -108,7 +108,7 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   };
 
   // Each piece sorts its own points into bands: those of `band` are [of_piece[band], of_piece[band + 1]) of them.
-  const auto banded = make_buffer<Point>(points.count);
+  const auto banded = make_buffer<Point>(points.count, store);
   std::vector<std::uint32_t> offsets(pieces * (bands + 2), 0);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::array<std::int32_t, kPiece> band;
@@ -145,9 +145,9 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   Bins bins;
   bins.lattice = lattice;
   bins.points = total;
-  bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1 + Bins::kReadAhead);
+  bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1 + Bins::kReadAhead, store);
   for (Buffer<float>* array : {&bins.x, &bins.y, &bins.z}) {
-    *array = make_buffer<float>(total + Bins::kReadAhead);
+    *array = make_buffer<float>(total + Bins::kReadAhead, store);
     std::fill_n(array->get() + total, Bins::kReadAhead, 0.0F);
   }
   pool.for_ranges(bands, 1, [&](std::size_t band, std::size_t) {

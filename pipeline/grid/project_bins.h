@@ -70,7 +70,9 @@ struct Bins {
 
 /// `skip` (empty or one flag a point) names points that stay out, and so do those beyond the window: bins of its rows
 /// but not of its columns are empty, and memory of other rows is not touched. At most 2^32 - 1 points.
+/// Memory comes from `store` when it is given.
 [[nodiscard]] Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t>& skip,
-                                  const BinLattice& lattice, const BinWindow& window, ThreadPool& pool);
+                                  const BinLattice& lattice, const BinWindow& window, ThreadPool& pool,
+                                  MemoryStore* store = nullptr);
 
 }  // namespace sparsha::pipeline

@@ -79,11 +79,8 @@ Eigen::Vector3d moved_origin(const Eigen::Vector3d& cloud_origin_m, const Eigen:
 
 }  // namespace
 
-Eigen::Vector3d robust_origin(std::uint64_t count, const RawPieces& pieces, const Eigen::Vector3d& cloud_origin_m,
-                              const Eigen::Matrix4d& scan_to_grid, ThreadPool& pool) {
-  const Eigen::Vector3d scene = moved_origin(cloud_origin_m, scan_to_grid);
-  const Affine affine(scan_to_grid, cloud_origin_m, scene);
-  std::array<std::vector<double>, 3> sample;
+std::vector<float> origin_sample(std::uint64_t count, const RawPieces& pieces, ThreadPool& pool) {
+  std::vector<float> sample;
   for (std::uint64_t every = std::bit_floor(std::max<std::uint64_t>(1, count / kSample));; every /= 8) {
     const auto limit = static_cast<std::uint32_t>(0xffffffffULL / std::max<std::uint64_t>(1, every));
     std::mutex mutex;
@@ -94,29 +91,46 @@ Eigen::Vector3d robust_origin(std::uint64_t count, const RawPieces& pieces, cons
         drawn.resize(fastest_kernels().draw(piece, raw.stride, end - begin, limit, drawn.data()));
         const std::lock_guard lock(mutex);
         for (const std::uint32_t k : drawn) {
-          const std::array<double, 3> g = affine(piece + k * raw.stride);
-          for (std::size_t axis = 0; axis < 3; ++axis) sample[axis].push_back(g[axis]);
+          const float* point = piece + k * raw.stride;
+          sample.insert(sample.end(), point, point + 3);
         }
       });
     });
     // A cloud of few distinct points may leave a thin sample or none: take more of it.
-    if (sample[0].size() >= std::min<std::uint64_t>(count, kSample / 8) || every <= 1) break;
-    for (std::vector<double>& values : sample) values.clear();
+    if (sample.size() / 3 >= std::min<std::uint64_t>(count, kSample / 8) || every <= 1) return sample;
+    sample.clear();
   }
-  if (sample[0].empty()) return scene;
-  return scene + Eigen::Vector3d(median(sample[0]), median(sample[1]), median(sample[2]));
+}
+
+Eigen::Vector3d origin_of_sample(const std::vector<float>& sample, const Eigen::Vector3d& cloud_origin_m,
+                                 const Eigen::Matrix4d& scan_to_grid) {
+  const Eigen::Vector3d scene = moved_origin(cloud_origin_m, scan_to_grid);
+  if (sample.empty()) return scene;
+  const Affine affine(scan_to_grid, cloud_origin_m, scene);
+  std::array<std::vector<double>, 3> values;
+  for (std::size_t k = 0; k < sample.size(); k += 3) {
+    const std::array<double, 3> g = affine(sample.data() + k);
+    for (std::size_t axis = 0; axis < 3; ++axis) values[axis].push_back(g[axis]);
+  }
+  return scene + Eigen::Vector3d(median(values[0]), median(values[1]), median(values[2]));
+}
+
+Eigen::Vector3d robust_origin(std::uint64_t count, const RawPieces& pieces, const Eigen::Vector3d& cloud_origin_m,
+                              const Eigen::Matrix4d& scan_to_grid, ThreadPool& pool) {
+  return origin_of_sample(origin_sample(count, pieces, pool), cloud_origin_m, scan_to_grid);
 }
 
 OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_origin_m,
-                             const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& origin_m, ThreadPool& pool) {
+                             const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& origin_m, ThreadPool& pool,
+                             MemoryStore* store) {
   OrientedPoints points;
   points.count = raw.count;
   points.origin_m = origin_m;
   const Affine affine(scan_to_grid, cloud_origin_m, points.origin_m);
 
-  points.x = make_buffer<float>(raw.count);
-  points.y = make_buffer<float>(raw.count);
-  points.z = make_buffer<float>(raw.count);
+  points.x = make_buffer<float>(raw.count, store);
+  points.y = make_buffer<float>(raw.count, store);
+  points.z = make_buffer<float>(raw.count, store);
   std::vector<Box> boxes((raw.count + kChunk - 1) / kChunk);
   pool.for_ranges(raw.count, kChunk, [&](std::size_t begin, std::size_t end) {
     Box box;

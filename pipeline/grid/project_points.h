@@ -47,9 +47,15 @@ using OrientedPieces = std::function<void(const std::function<void(const Oriente
                                             const Eigen::Vector3d& cloud_origin_m, const Eigen::Matrix4d& scan_to_grid,
                                             ThreadPool& pool);
 
-/// grid = scan_to_grid * scan in double, minus `origin_m`, then rounded to float.
+/// The same in two steps: the sample, x, y and z of each point, does not depend on the orientation.
+[[nodiscard]] std::vector<float> origin_sample(std::uint64_t count, const RawPieces& pieces, ThreadPool& pool);
+[[nodiscard]] Eigen::Vector3d origin_of_sample(const std::vector<float>& sample, const Eigen::Vector3d& cloud_origin_m,
+                                               const Eigen::Matrix4d& scan_to_grid);
+
+/// grid = scan_to_grid * scan in double, minus `origin_m`, then rounded to float. Memory comes from `store` when it is
+/// given.
 [[nodiscard]] OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_origin_m,
                                            const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& origin_m,
-                                           ThreadPool& pool);
+                                           ThreadPool& pool, MemoryStore* store = nullptr);
 
 }  // namespace sparsha::pipeline

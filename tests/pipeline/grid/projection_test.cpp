@@ -9,7 +9,7 @@
 #include <random>
 
 #include "pipeline/base/error.h"
-#include "pipeline/grid/project_kernel.h"
+#include "pipeline/grid/projector.h"
 #include "tests/pipeline/grid/clouds.h"
 
 namespace sparsha::test {
@@ -51,6 +51,27 @@ TEST(Projection, GivesTheSameBytesWithAnyNumberOfThreads) {
     const pipeline::Projection many = project_cloud(cloud, {}, Eigen::Matrix4d::Identity(), threads);
     expect_same_bytes(one, many);
     EXPECT_EQ(one.fate, many.fate);
+  }
+}
+
+TEST(Projection, GivesTheSameBytesFromAProjectorThatHasLookedFromOtherSides) {
+  Points points = small_scan(13);
+  // Enough for large buffers, which the projector keeps.
+  for (int copy = 1; copy < 16; ++copy) {
+    for (std::size_t k = 0; k < 80000; ++k) points.push_back({points[k][0], points[k][1], points[k][2] - 0.001 * copy});
+  }
+  const pipeline::Cloud cloud = make_cloud(points);
+  ThreadPool pool(2);
+  Progress progress;
+  pipeline::Projector projector(cloud, pool);
+  for (const auto& [angle, size] : {std::pair{0.0, 400}, std::pair{0.4, 150}, std::pair{0.0, 400}}) {
+    Eigen::Matrix4d turned = Eigen::Matrix4d::Identity();
+    turned.topLeftCorner<3, 3>() << std::cos(angle), 0.0, std::sin(angle), 0.0, 1.0, 0.0, -std::sin(angle), 0.0,
+        std::cos(angle);
+    const pipeline::Projection once = project_cloud(cloud, nodes(size), turned);
+    const pipeline::Projection again = projector.project(turned, nodes(size), 0.00005, pool, progress);
+    expect_same_bytes(once, again);
+    EXPECT_EQ(once.fate, again.fate);
   }
 }
 
