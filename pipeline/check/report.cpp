@@ -11,7 +11,9 @@ namespace sparsha::pipeline {
 void write_report(const Scene& scene, const Report& report, const std::filesystem::path& folder, ThreadPool& pool) {
   write_file(folder / "report.json", report_json(scene, report));
   const SceneDescription& description = scene.description();
-  const Layers base = scene.read_level(0);
+  const Layers* in_memory = scene.in_memory(0);
+  const Layers read = in_memory != nullptr ? Layers() : scene.read_level(0);
+  const Layers& base = in_memory != nullptr ? *in_memory : read;
   const std::vector<Picture> pictures = make_pictures(base, description, report, pool);
   const double pixel_m = nodes_per_pixel(base.grid.lattice) * base.grid.lattice.spacing_m;
   std::vector<std::string> encoded(pictures.size());

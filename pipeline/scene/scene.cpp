@@ -34,6 +34,9 @@ class MemoryScene final : public Scene {
 
   [[nodiscard]] const SceneDescription& description() const override { return description_; }
   [[nodiscard]] std::filesystem::path folder() const override { return {}; }
+  [[nodiscard]] const Layers* in_memory(int level) const override {
+    return &levels_.at(static_cast<std::size_t>(level));
+  }
 
   [[nodiscard]] Layers read(int level, int i0, int j0, int nx, int ny) const override {
     const Layers& from = levels_.at(static_cast<std::size_t>(level));

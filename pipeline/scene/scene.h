@@ -47,6 +47,8 @@ class Scene {
   /// Nodes [i0, i0+nx) x [j0, j0+ny) of a level with all its layers; only the tiles that are needed are read from disk.
   /// The result's lattice origin is the window's. Throws Error{input} on unreadable tiles.
   [[nodiscard]] virtual Layers read(int level, int i0, int j0, int nx, int ny) const = 0;
+  /// A whole level of a scene in memory, which costs no copy; null for a scene on disk.
+  [[nodiscard]] virtual const Layers* in_memory(int /*level*/) const { return nullptr; }
   /// Folder on disk, empty for a scene in memory.
   [[nodiscard]] virtual std::filesystem::path folder() const = 0;
 

@@ -249,10 +249,9 @@ void write_level(const Layers& layers, const SceneDescription& scene, const fs::
   const int ny = lattice.ny;
   write_layer(folder / "height.tif", nx, ny, std::span<const float>(layers.grid.height_m));
   write_file(folder / "height.tfw", world_file(lattice, scene.scan_from_grid));
-  std::vector<std::uint8_t> mask(lattice.count());
-  std::transform(layers.grid.state.begin(), layers.grid.state.end(), mask.begin(),
-                 [](NodeState state) { return static_cast<std::uint8_t>(state); });
-  write_layer(folder / "mask.tif", nx, ny, std::span<const std::uint8_t>(mask));
+  static_assert(sizeof(NodeState) == 1, "a mask is the states' bytes");
+  const auto* mask = reinterpret_cast<const std::uint8_t*>(layers.grid.state.data());
+  write_layer(folder / "mask.tif", nx, ny, std::span<const std::uint8_t>(mask, lattice.count()));
   for (const OptionalLayer& layer : kFloatLayers) {
     if (!(scene.*(layer.present))) continue;
     write_layer(folder / fmt::format("{}.tif", layer.name), nx, ny, std::span<const float>(layers.*(layer.values)));
@@ -285,7 +284,12 @@ ScenePointer open_scene(const fs::path& folder) {
 void write_scene(const Scene& scene, const fs::path& folder) {
   const SceneDescription& description = scene.description();
   for (std::size_t level = 0; level < description.levels.size(); ++level) {
-    write_level(scene.read_level(static_cast<int>(level)), description, level_folder(folder, level));
+    const auto l = static_cast<int>(level);
+    if (const Layers* layers = scene.in_memory(l)) {
+      write_level(*layers, description, level_folder(folder, level));
+    } else {
+      write_level(scene.read_level(l), description, level_folder(folder, level));
+    }
   }
   write_file(folder / "scene.yaml", scene_yaml(description, folder));
 }
