@@ -15,10 +15,9 @@
 #include "pipeline/base/files.h"
 #include "pipeline/base/system.h"
 #include "pipeline/base/thread_pool.h"
-#include "pipeline/filter/filter.h"
 #include "pipeline/grid/layers.h"
 #include "pipeline/grid/project.h"
-#include "pipeline/scan/reader.h"
+#include "pipeline/project_scans.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -55,33 +54,6 @@ void warn_of_size(const Lattice& lattice, Progress& progress) {
                             longest > kLarge ? " (millimetres read as metres?)" : " (metres read as millimetres?)"));
 }
 
-// What became of a point that an outlier filter took away: the cross-check counts it unless the view does not see it.
-PointFate fate_of(const Eigen::Vector3d& grid_point_m, const DepthGrid& grid, double gap_m) {
-  const Lattice& lattice = grid.lattice;
-  const double u = (grid_point_m.x() - lattice.origin_m.x()) / lattice.spacing_m;
-  const double v = (grid_point_m.y() - lattice.origin_m.y()) / lattice.spacing_m;
-  if (!(u >= -0.5 && v >= -0.5 && u <= lattice.nx - 0.5 && v <= lattice.ny - 0.5)) return PointFate::outside;
-  const int i = std::clamp(static_cast<int>(std::lround(u)), 0, lattice.nx - 1);
-  const int j = std::clamp(static_cast<int>(std::lround(v)), 0, lattice.ny - 1);
-  const auto height = static_cast<double>(grid.height_m[lattice.index(i, j)]);
-  const double depth = lattice.origin_m.z() + height - grid_point_m.z();
-  return depth > gap_m ? PointFate::occluded : PointFate::outlier;  // an unknown height occludes nothing
-}
-
-// Puts points that filters took for outliers back before the cross-check, which must judge the surface by all of them.
-void add_outliers(Cloud& cloud, const Cloud& removed, const Eigen::Matrix4d& scan_to_grid, Projection& projection) {
-  const std::size_t first = cloud.size();
-  if (removed.size() == 0) return;
-  cloud.resize_points(first + removed.size());
-  for (std::size_t n = 0; n < removed.size(); ++n) {
-    const float* point = removed.xyz1() + 4 * n;
-    std::copy_n(point, 3, cloud.xyz1() + 4 * (first + n));
-    const Eigen::Vector3d scan = removed.origin_m + Eigen::Map<const Eigen::Vector3f>(point).cast<double>();
-    const Eigen::Vector3d grid = (scan_to_grid * scan.homogeneous()).head<3>();
-    projection.fate.push_back(fate_of(grid, projection.grid, projection.gap_m));
-  }
-}
-
 // White noise of the heights, a node: the points' own, averaged over as many as fall to a measured node.
 double node_noise(const Projection& projection, const DepthGrid& grid) {
   const auto measured = std::count(grid.state.begin(), grid.state.end(), NodeState::measured);
@@ -113,55 +85,27 @@ void add_texture(const Config& config, const Projection& projection, ThreadPool&
   scene.has_paper_curvatures = true;
 }
 
-// This version builds in memory: a limit that it would break is refused before the work, never ignored.
-void check_memory(const BuildOptions& options, const Cloud& cloud) {
-  if (options.memory_bytes == 0) return;
-  constexpr std::uint64_t kBytesAPoint = 56;  // bins, fates, kd-tree: measured on builds of 1 to 10 million points
-  const std::uint64_t needed = system::peak_rss_bytes() + kBytesAPoint * cloud.size();
-  if (needed <= options.memory_bytes) return;
-  throw Error(ErrorKind::failure, {},
-              fmt::format("{} points need about {} MB in memory, more than the limit of {} MB", cloud.size(),
-                          needed / 1000000U, options.memory_bytes / 1000000U),
-              "a higher --memory, or a voxel filter; building out of core is not in this version");
-}
-
 }  // namespace
 
 BuildResult build_scene(const Config& config, const BuildOptions& options, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
   ThreadPool pool(options.threads);
+  BuildOptions projecting = options;
+  if (projecting.spill_folder.empty()) projecting.spill_folder = std::filesystem::temp_directory_path();
+  ProjectedScans scans = project_scans(config, projecting, pool, progress);
+  Projection& projection = scans.projection;
+
   Report report;
-  SceneDescription scene;
-  scene.config = config;
-
-  progress.begin("read");
-  Cloud cloud = load_scans(config.scans, progress, &scene.sources);
-  report.points.read = cloud.size() + cloud.invalid;
-  report.points.invalid = cloud.invalid;
-  if (cloud.size() == 0) {
-    throw input_error(config.scans.front().file.string(), "there are no points to build from",
-                      "a scan with at least one finite point");
-  }
-
-  check_memory(options, cloud);
-  Cloud removed_outliers;
-  if (!config.filters.empty() && !options.grid_only) {
-    progress.begin("filter");
-    const FilterCounts counts =
-        apply_filters(cloud, config.filters, pool, progress, config.check ? &removed_outliers : nullptr);
-    report.points.filtered = counts.filtered;
-    report.points.outlier = counts.outlier;
-  }
-
-  progress.begin("project");
-  const Eigen::Matrix4d& scan_to_grid = config.orientation.scan_to_grid;
-  Projection projection = project(cloud, scan_to_grid, config.grid, config.haptics.resolution_m, pool, progress);
-  scene.scan_from_grid = scan_to_grid.inverse();
-  scene.noise_m = projection.noise_m;
+  report.points = scans.points;
   report.points.used = projection.used;
   report.points.occluded = projection.occluded;
   report.points.outlier += projection.outlier;
   report.points.outside = projection.outside;
+  SceneDescription scene;
+  scene.config = config;
+  scene.sources = std::move(scans.sources);
+  scene.scan_from_grid = config.orientation.scan_to_grid.inverse();
+  scene.noise_m = projection.noise_m;
   warn_of_size(projection.grid.lattice, progress);
 
   Layers base;
@@ -178,15 +122,15 @@ BuildResult build_scene(const Config& config, const BuildOptions& options, Progr
       progress.begin("fill");
       fill_gaps(base.grid, *config.fill, step_height(projection), pool);
     }
+    // Before the other layers, so that points and layers are not in memory together.
+    if (scans.check) {
+      progress.begin("cross-check");
+      report.check = scans.check(base.grid);
+      scans.check = nullptr;
+    }
     add_texture(config, projection, pool, progress, base, scene);
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
-    if (config.check) {
-      progress.begin("cross-check");
-      projection.grid = base.grid;
-      add_outliers(cloud, removed_outliers, scan_to_grid, projection);
-      report.check = cross_check(cloud, scan_to_grid, projection, config.fill, *config.check, pool, progress);
-    }
   } else {
     scene.config.texture.reset();
     scene.config.friction.reset();
@@ -211,7 +155,11 @@ BuildResult build_scene_folder(const Config& config, const BuildOptions& options
                                Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
   AtomicPath target(folder);
-  BuildResult result = build_scene(config, options, progress);
+  BuildOptions building = options;
+  if (building.spill_folder.empty()) {
+    building.spill_folder = folder.parent_path().empty() ? std::filesystem::path(".") : folder.parent_path();
+  }
+  BuildResult result = build_scene(config, building, progress);
   std::filesystem::create_directories(target.temporary());
   progress.begin("write");
   write_scene(*result.scene, target.temporary());

@@ -200,9 +200,13 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
   if (intensity_) cloud.intensity.reserve(cloud.size());
   std::size_t count = 0;
   for (std::size_t s = 0; s < scans_.size(); ++s) {
-    std::unique_ptr<Scan> scan = std::move(scans_[s]);
-    // A stream cannot know where a polygon is hollow: faces are read with their points.
-    if (scan->streamed && !scan->raw.faces.empty()) scan = Scan::look_at(configs_[s], false, progress);
+    Scan* scan = scans_[s].get();
+    std::unique_ptr<Scan> again;
+    if (scan->streamed && !scan->raw.faces.empty()) {
+      // A stream cannot know where a polygon is hollow: faces are read with their points.
+      again = Scan::look_at(configs_[s], false, progress);
+      scan = again.get();
+    }
     std::vector<std::uint32_t> moved;
     const bool faces = !scan->raw.faces.empty();
     if (faces) moved.reserve(static_cast<std::size_t>(scan->valid));
@@ -232,6 +236,8 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
       if (corners[0] != kGone && corners[1] != kGone && corners[2] != kGone) cloud.faces.push_back(corners);
     }
     cloud.invalid += scan->raw.invalid;
+    // Gives the memory back before the next scan is copied.
+    if (!scan->streamed) scan->raw = RawScan{};
   }
   cloud.resize_points(count);
   return cloud;

@@ -42,14 +42,14 @@ class ScanSet {
 
   [[nodiscard]] std::uint64_t points() const { return points_; }    ///< finite ones, before rounding
   [[nodiscard]] std::uint64_t invalid() const { return invalid_; }  ///< the files' own, before rounding
-  [[nodiscard]] bool has_faces() const { return faces_ > 0; }
+  [[nodiscard]] std::uint64_t faces() const { return faces_; }
   [[nodiscard]] bool has_colour() const { return colour_; }
   [[nodiscard]] bool has_intensity() const { return intensity_; }
   /// The median of the points in whole metres: a function of the set of points alone.
   [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
-  /// All points in one cloud, in the configuration's order; gives back what was kept in memory, so only once. Points
-  /// beyond float32 become invalid, and faces on them go.
+  /// All points in one cloud, in the configuration's order. Points beyond float32 become invalid, and faces on them go.
+  /// Gives back what Keep::quickest has kept, so that it comes last.
   [[nodiscard]] Cloud load(const Eigen::Vector3d& origin_m, Progress& progress);
 
   /// The same points block by block, relative to origin_m(); returns how many are beyond float32. May be called again.

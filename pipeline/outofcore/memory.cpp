@@ -1,0 +1,85 @@
+// Measured as peak resident sizes, stage by stage, of builds of 1 to 100 million points and of 1 to 64 million nodes,
+// and rounded up.
+#include "pipeline/outofcore/memory.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "pipeline/base/error.h"
+#include "pipeline/outofcore/spilled_projection.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::uint64_t kProgram = 70'000'000;  // code, libraries, buffers
+constexpr std::uint64_t kLeastTilePoints = 100'000;
+
+// Bytes a point of a cloud in memory and what its projection sorts; filters need no more, but for voxels.
+constexpr std::uint64_t kPoint = 64;
+constexpr std::uint64_t kAttribute = 4;
+constexpr std::uint64_t kVoxel = 140;
+constexpr std::uint64_t kFace = 40;
+
+// Bytes a node.
+constexpr double kHeights = 5.0;
+constexpr double kColourSums = 40.0;
+constexpr double kIntensitySums = 16.0;
+constexpr double kFillScratch = 5.0;
+constexpr double kCheckScratch = 6.5;
+constexpr double kErrorMap = 4.0;
+constexpr double kLayer = 4.0;
+constexpr double kTextureScratch = 4.0;
+constexpr double kFrictionScratch = 15.5;
+constexpr double kAllLevels = 4.0 / 3.0;
+constexpr double kPictures = 1.0;
+
+}  // namespace
+
+std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<FilterConfig>& filters) {
+  const bool voxels = std::any_of(filters.begin(), filters.end(),
+                                  [](const FilterConfig& f) { return std::holds_alternative<VoxelConfig>(f); });
+  const std::uint64_t a_point =
+      kPoint + (scans.has_colour() ? kAttribute : 0) + (scans.has_intensity() ? kAttribute : 0) + (voxels ? kVoxel : 0);
+  return kProgram + a_point * scans.points() + kFace * scans.faces();
+}
+
+std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, bool intensity,
+                             const Lattice& lattice) {
+  double held = kHeights + (colour ? kLayer : 0.0) + (intensity ? kLayer : 0.0);
+  double most = held + (colour ? kColourSums : 0.0) + (intensity ? kIntensitySums : 0.0);
+  if (!grid_only) {
+    if (config.fill) most = std::max(most, held + kFillScratch);
+    const double errors = config.check ? kErrorMap : 0.0;
+    if (config.check) most = std::max(most, held + kCheckScratch);
+    if (config.texture) {
+      held += kLayer;
+      most = std::max(most, held + errors + kTextureScratch);
+      if (config.friction && config.friction->law != FrictionConfig::Law::constant) {
+        most = std::max(most, held + errors + kFrictionScratch);
+        held += config.friction->law == FrictionConfig::Law::paper ? 3 * kLayer : kLayer;
+      }
+    }
+    most = std::max(most, kAllLevels * held + errors + kPictures);
+  }
+  return static_cast<std::uint64_t>(most * static_cast<double>(lattice.count()));
+}
+
+std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, const Lattice& lattice) {
+  std::uint64_t points = std::numeric_limits<std::uint32_t>::max();
+  if (limit.bytes > 0) {
+    const auto heights = static_cast<std::uint64_t>(kHeights * static_cast<double>(lattice.count()));
+    const std::uint64_t least = std::max(node_bytes, heights + kLeastTilePoints * SpilledProjection::kBytesAPoint);
+    if (kProgram + least > limit.bytes) {
+      throw Error(ErrorKind::failure, {},
+                  fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {} MB",
+                              lattice.nx, lattice.ny, (kProgram + least) / 1'000'000U + 1, limit.bytes / 1'000'000U),
+                  "a smaller grid.size, a larger grid.spacing_mm or a higher --memory");
+    }
+    points = std::min(points, (limit.bytes - kProgram - heights) / SpilledProjection::kBytesAPoint);
+  }
+  return limit.points > 0 ? std::min(points, limit.points) : points;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,32 @@
+// What a build needs in memory, by measurement, and what a limit leaves for points.
+#pragma once
+
+#include <cstdint>
+
+#include "pipeline/scan/scan_set.h"
+#include "pipeline/scene/config.h"
+#include "pipeline/scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// The limit of a build; see BuildOptions.
+struct MemoryLimit {
+  std::uint64_t bytes = 0;   ///< 0 = none
+  std::uint64_t points = 0;  ///< 0 = as many as `bytes` allow
+
+  [[nodiscard]] bool none() const { return bytes == 0 && points == 0; }
+};
+
+/// The most that a build in memory needs at once beside its nodes, bytes.
+[[nodiscard]] std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<FilterConfig>& filters);
+
+/// The most that nodes need at once in any stage of a build, bytes. `colour` and `intensity`: there are such layers.
+[[nodiscard]] std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, bool intensity,
+                                           const Lattice& lattice);
+
+/// Points that a tile may have beside the grid of heights. Throws Error{failure} when the nodes alone, which need
+/// `node_bytes` at most, exceed the limit.
+[[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,
+                                             const Lattice& lattice);
+
+}  // namespace sparsha::pipeline

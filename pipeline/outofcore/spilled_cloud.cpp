@@ -1,0 +1,45 @@
+// Pass 1 of building out of core.
+#include "pipeline/outofcore/spilled_cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "pipeline/base/error.h"
+#include "pipeline/filter/filter.h"
+#include "pipeline/grid/project_attributes.h"
+
+namespace sparsha::pipeline {
+
+SpilledCloud spill(const ScanSet& scans, const std::vector<CropConfig>& crops, bool colour, bool intensity,
+                   const std::filesystem::path& folder, Progress& progress) {
+  const PointLayout layout{colour && scans.has_colour(), intensity && scans.has_intensity()};
+  SpilledCloud cloud{scans.origin_m(), std::make_unique<PointFile>(folder, layout, 1), scans.invalid()};
+  cloud.invalid += scans.stream(
+      [&](const CloudBlock& block) {
+        std::array<float, 5> record{};
+        for (std::size_t k = 0; k < block.points.size(); ++k) {
+          const Eigen::Vector3f& p = block.points[k];
+          if (!std::all_of(crops.begin(), crops.end(),
+                           [&](const CropConfig& crop) { return is_inside(crop, cloud.origin_m, p); })) {
+            ++cloud.cropped;
+            continue;
+          }
+          std::copy_n(p.data(), 3, record.begin());
+          if (layout.colour) record[3] = std::bit_cast<float>(block.rgba[k]);
+          if (layout.intensity) {
+            record[layout.words() - 1] = block.intensity[k];
+            cloud.largest_intensity = std::max(cloud.largest_intensity, largest_magnitude(&block.intensity[k], 1));
+          }
+          cloud.file->add(0, record.data());
+        }
+      },
+      progress);
+  cloud.file->finish();
+  if (cloud.size() == 0 && cloud.cropped > 0) {
+    throw Error(ErrorKind::input, {}, "nothing is left after the filter 'crop'", "a filter that keeps some points");
+  }
+  return cloud;
+}
+
+}  // namespace sparsha::pipeline

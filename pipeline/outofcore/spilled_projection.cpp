@@ -1,0 +1,207 @@
+// Every decision rests on integers or on points sorted by their own coordinates, so it does not matter how they are cut
+// into pieces and tiles.
+#include "pipeline/outofcore/spilled_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pipeline/base/error.h"
+#include "pipeline/grid/project_attributes.h"
+#include "pipeline/grid/project_fate.h"
+#include "pipeline/grid/project_rows.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kMostBuckets = 256;
+
+// Shares of the stage, for the time left.
+constexpr double kPlanned = 0.3, kBucketed = 0.45, kFitted = 0.85;
+
+}  // namespace
+
+/// Some records of a bucket, oriented.
+struct SpilledProjection::Piece {
+  std::size_t bucket;
+  const PointRecords& records;
+  OrientedPoints points;
+};
+
+OrientedPoints SpilledProjection::orient(const PointRecords& records, ThreadPool& pool) const {
+  return orient_points(raw_points(records), cloud_.origin_m, scan_to_grid_, plan_.origin_m, pool);
+}
+
+SpilledProjection::SpilledProjection(SpilledCloud cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
+                                     double resolution_m, ThreadPool& pool, Progress& progress)
+    : cloud_(std::move(cloud)), scan_to_grid_(scan_to_grid), grid_(grid) {
+  // How often the points are gone through depends on them: each pass is worth half of what is left.
+  double begun = 0.0;
+  double share = kPlanned / 2;
+  const auto each = [&](const std::function<void(const PointRecords&)>& use) {
+    cloud_.file->read(0, PointFile::kPiece, [&](const PointRecords& records) {
+      const double done = static_cast<double>(records.first) / static_cast<double>(cloud_.size());
+      progress.at(begun + share * done);
+      use(records);
+    });
+    begun += share;
+    share /= 2;
+  };
+  plan_.origin_m = robust_origin(
+      cloud_.size(), [&](const auto& use) { each([&](const PointRecords& records) { use(raw_points(records)); }); },
+      cloud_.origin_m, scan_to_grid, pool);
+  const OrientedPieces pieces = [&](const auto& use) {
+    each([&](const PointRecords& records) { use(orient(records, pool)); });
+  };
+  PointTotals totals;
+  pieces([&](const OrientedPoints& points) { totals.add(points); });
+  const Extent extent = supported_extent(totals, pieces, pool);
+  plan_ = plan_projection(pieces, extent, plan_.origin_m, false, grid, resolution_m, pool);
+}
+
+void SpilledProjection::fill_buckets(const std::filesystem::path& folder, ThreadPool& pool, Progress& progress) {
+  const BinRuler ruler(plan_.bins);
+  const auto rows = static_cast<std::size_t>(plan_.bins.bins_y());
+  row_points_.assign(rows, 0);
+  points_.origin_m = cloud_.origin_m;
+  points_.rows_per_bucket = static_cast<int>((rows + kMostBuckets - 1) / kMostBuckets);
+  const auto per_bucket = static_cast<std::size_t>(points_.rows_per_bucket);
+  points_.file = std::make_unique<PointFile>(folder, cloud_.file->layout(), (rows + per_bucket - 1) / per_bucket);
+  cloud_.file->read(0, PointFile::kPiece, [&](const PointRecords& records) {
+    const double done = static_cast<double>(records.first) / static_cast<double>(cloud_.size());
+    progress.at(kPlanned + (kBucketed - kPlanned) * done);
+    const OrientedPoints points = orient(records, pool);
+    for (std::size_t k = 0; k < points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (!ruler.locate(points.x[k], points.y[k], column, row)) {
+        ++beyond_;
+        continue;
+      }
+      ++row_points_[static_cast<std::size_t>(row)];
+      points_.file->add(static_cast<std::size_t>(row) / per_bucket, records.xyz(k));
+    }
+  });
+  points_.file->finish();
+  cloud_.file.reset();
+}
+
+/// All buckets that hold points of the bin rows [first_row, last_row), piece by piece.
+void SpilledProjection::each_piece(int first_row, int last_row, ThreadPool& pool,
+                                   const std::function<void(const Piece&)>& use) const {
+  const auto first = static_cast<std::size_t>(first_row / points_.rows_per_bucket);
+  const auto last = static_cast<std::size_t>((last_row - 1) / points_.rows_per_bucket);
+  for (std::size_t bucket = first; bucket <= last; ++bucket) {
+    points_.file->read(bucket, PointFile::kPiece, [&](const PointRecords& records) {
+      use({bucket, records, orient(records, pool)});
+    });
+  }
+}
+
+std::vector<std::uint64_t> SpilledProjection::count_columns(int first_row, int last_row, ThreadPool& pool) const {
+  const BinRuler ruler(plan_.bins);
+  std::vector<std::uint64_t> counts(static_cast<std::size_t>(plan_.bins.bins_x()), 0);
+  each_piece(first_row, last_row, pool, [&](const Piece& piece) {
+    for (std::size_t k = 0; k < piece.points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (!ruler.locate(piece.points.x[k], piece.points.y[k], column, row)) continue;
+      if (row >= first_row && row < last_row) ++counts[static_cast<std::size_t>(column)];
+    }
+  });
+  return counts;
+}
+
+OrientedPoints SpilledProjection::load_tile(const Tile& tile, ThreadPool& pool) const {
+  const BinRuler ruler(plan_.bins);
+  const BinWindow& window = tile.bins;
+  const auto room = static_cast<std::size_t>(tile.points);
+  OrientedPoints all;
+  all.origin_m = plan_.origin_m;
+  all.x = make_buffer<float>(room);
+  all.y = make_buffer<float>(room);
+  all.z = make_buffer<float>(room);
+  each_piece(window.first_row, window.last_row, pool, [&](const Piece& piece) {
+    for (std::size_t k = 0; k < piece.points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (!ruler.locate(piece.points.x[k], piece.points.y[k], column, row)) continue;
+      if (row < window.first_row || row >= window.last_row || column < window.first_column ||
+          column >= window.last_column) {
+        continue;
+      }
+      all.x[all.count] = piece.points.x[k];
+      all.y[all.count] = piece.points.y[k];
+      all.z[all.count] = piece.points.z[k];
+      ++all.count;
+    }
+  });
+  return all;
+}
+
+void SpilledProjection::fit_tile(const Tile& tile, ThreadPool& pool, Progress& progress, DepthGrid& grid) const {
+  const Bins bins = sort_into_bins(load_tile(tile, pool), {}, plan_.bins, tile.bins, pool);
+  // One row more to each side: nodes are compared with their neighbours.
+  const int first = std::max(0, tile.first_row - 1);
+  const int last = std::min(plan_.lattice.ny, tile.last_row + 1);
+  Lattice lattice = plan_.lattice;
+  lattice.ny = last - first;
+  DepthGrid rows(lattice);
+  fit_rows(bins, plan_.rule, plan_.gap_m, first, pool, progress, rows);
+  for (int j = tile.first_row; j < tile.last_row; ++j) {
+    const std::size_t from = lattice.index(tile.first_column, j - first);
+    const std::size_t to = plan_.lattice.index(tile.first_column, j);
+    const auto count = static_cast<std::size_t>(tile.last_column - tile.first_column);
+    std::copy_n(rows.height_m.data() + from, count, grid.height_m.data() + to);
+    std::copy_n(rows.state.data() + from, count, grid.state.data() + to);
+  }
+}
+
+void SpilledProjection::decide_fates(ThreadPool& pool, Progress& progress, Projection& projection) {
+  const PointLayout layout = points_.file->layout();
+  AttributeSums sums(plan_.lattice, plan_.bins, layout.colour, layout.intensity, cloud_.largest_intensity);
+  std::vector<PointFate> fate(PointFile::kPiece);
+  std::vector<std::uint32_t> rgba;
+  std::vector<float> intensity;
+  points_.counts_bits.resize(points_.file->buckets());
+  projection.outside = beyond_;
+  each_piece(0, plan_.bins.bins_y(), pool, [&](const Piece& piece) {
+    const double done = static_cast<double>(piece.bucket) / static_cast<double>(points_.file->buckets());
+    progress.at(kFitted + (1.0 - kFitted) * done);
+    const std::size_t count = piece.points.count;
+    add_fates(fates_of_points(piece.points, plan_.bins, projection.grid, plan_.gap_m, pool, fate.data()), projection);
+    std::vector<std::uint64_t>& bits = points_.counts_bits[piece.bucket];
+    bits.resize(static_cast<std::size_t>((piece.records.first + count + 63) / 64), 0);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool counts = fate[k] == PointFate::used || fate[k] == PointFate::outlier;
+      const std::uint64_t record = piece.records.first + k;
+      if (counts) bits[static_cast<std::size_t>(record / 64)] |= std::uint64_t{1} << (record % 64);
+    }
+    if (layout.words() == 3) return;
+    rgba.resize(layout.colour ? count : 0);
+    intensity.resize(layout.intensity ? count : 0);
+    for (std::size_t k = 0; k < rgba.size(); ++k) rgba[k] = piece.records.rgba(k);
+    for (std::size_t k = 0; k < intensity.size(); ++k) intensity[k] = piece.records.intensity(k);
+    sums.add(piece.points, fate.data(), rgba.data(), intensity.data());
+  });
+  points_.counted = projection.used + projection.outlier;
+  sums.write(projection);
+}
+
+Projection SpilledProjection::run(std::uint64_t tile_points, const std::filesystem::path& folder, ThreadPool& pool,
+                                  Progress& progress) {
+  fill_buckets(folder, pool, progress);
+  Projection projection = plan_.empty_projection();
+  // A neighbour's height decides too, and it may look as far.
+  const std::vector<Tile> tiles = cut_into_tiles(plan_.bins, widest_look(plan_.rule) + 1, tile_points, row_points_,
+                                                 [&](int first, int last) { return count_columns(first, last, pool); });
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
+    fit_tile(tiles[t], pool, progress, projection.grid);
+  }
+  require_a_measured_node(projection.grid);
+  decide_fates(pool, progress, projection);
+  return projection;
+}
+
+}  // namespace sparsha::pipeline

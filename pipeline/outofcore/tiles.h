@@ -1,0 +1,27 @@
+// How a lattice is cut into tiles whose points, halo included, fit into a given memory.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "pipeline/grid/project_bins.h"
+
+namespace sparsha::pipeline {
+
+/// Nodes [first_row, last_row) x [first_column, last_column), and the bins that decide them.
+struct Tile {
+  int first_row = 0, last_row = 0, first_column = 0, last_column = 0;
+  BinWindow bins;
+  std::uint64_t points = 0;  ///< in those bins
+};
+
+/// Cuts the lattice into bands of rows, and bands that hold more than `most_points` even where they are low into
+/// columns. `row_points` has how many points lie in each row of bins, `column_points(first, last)` how many lie in each
+/// column of the bin rows [first, last). `halo` bins to each side belong to a tile. Throws Error{failure} when the halo
+/// of a single node exceeds `most_points`.
+[[nodiscard]] std::vector<Tile> cut_into_tiles(
+    const BinLattice& lattice, int halo, std::uint64_t most_points, const std::vector<std::uint64_t>& row_points,
+    const std::function<std::vector<std::uint64_t>(int first, int last)>& column_points);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,204 @@
+// What the limit allows decides where points live; nothing that is computed depends on it.
+#include "pipeline/project_scans.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include "pipeline/base/error.h"
+#include "pipeline/base/system.h"
+#include "pipeline/filter/filter.h"
+#include "pipeline/outofcore/memory.h"
+#include "pipeline/outofcore/spilled_check.h"
+#include "pipeline/outofcore/spilled_cloud.h"
+#include "pipeline/outofcore/spilled_projection.h"
+#include "pipeline/scan/scan_set.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// What became of a point that an outlier filter took away: the cross-check counts it unless the view does not see it.
+PointFate fate_of(const Eigen::Vector3d& grid_point_m, const DepthGrid& grid, double gap_m) {
+  const Lattice& lattice = grid.lattice;
+  const double u = (grid_point_m.x() - lattice.origin_m.x()) / lattice.spacing_m;
+  const double v = (grid_point_m.y() - lattice.origin_m.y()) / lattice.spacing_m;
+  if (!(u >= -0.5 && v >= -0.5 && u <= lattice.nx - 0.5 && v <= lattice.ny - 0.5)) return PointFate::outside;
+  const int i = std::clamp(static_cast<int>(std::lround(u)), 0, lattice.nx - 1);
+  const int j = std::clamp(static_cast<int>(std::lround(v)), 0, lattice.ny - 1);
+  const auto height = static_cast<double>(grid.height_m[lattice.index(i, j)]);
+  const double depth = lattice.origin_m.z() + height - grid_point_m.z();
+  return depth > gap_m ? PointFate::occluded : PointFate::outlier;  // an unknown height occludes nothing
+}
+
+// Puts points that filters took for outliers back before the cross-check, which must judge the surface by all of them.
+void add_outliers(Cloud& cloud, const Cloud& removed, const Eigen::Matrix4d& scan_to_grid, Projection& projection) {
+  const std::size_t first = cloud.size();
+  if (removed.size() == 0) return;
+  cloud.resize_points(first + removed.size());
+  for (std::size_t n = 0; n < removed.size(); ++n) {
+    const float* point = removed.xyz1() + 4 * n;
+    std::copy_n(point, 3, cloud.xyz1() + 4 * (first + n));
+    const Eigen::Vector3d scan = removed.origin_m + Eigen::Map<const Eigen::Vector3f>(point).cast<double>();
+    const Eigen::Vector3d grid = (scan_to_grid * scan.homogeneous()).head<3>();
+    projection.fate.push_back(fate_of(grid, projection.grid, projection.gap_m));
+  }
+}
+
+Error no_points(const Config& config) {
+  return input_error(config.scans.front().file.string(), "there are no points to build from",
+                     "a scan with at least one finite point");
+}
+
+// Thrown while a build in memory turns out to exceed the limit.
+struct DoesNotFit {};
+
+class Builder {
+ public:
+  Builder(const Config& config, const BuildOptions& options, ThreadPool& pool, Progress& progress)
+      : config_(config),
+        options_(options),
+        pool_(pool),
+        progress_(progress),
+        scan_to_grid_(config.orientation.scan_to_grid),
+        limit_{options.memory_bytes, options.memory_points} {
+    if (!options.grid_only) filters_ = config.filters;
+  }
+
+  ProjectedScans run() {
+    progress_.begin("read");
+    ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_);
+    try {
+      if (!points_fit(scans)) throw DoesNotFit();
+      build_in_memory(scans);
+    } catch (const DoesNotFit&) {
+      require_points_only(scans);
+      build_out_of_core(scans);
+    }
+    result_.sources = scans.sources();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] bool points_fit(const ScanSet& scans) const {
+    if (limit_.points > 0 && scans.points() > limit_.points) return false;
+    return limit_.bytes == 0 || bytes_in_memory(scans, filters_) <= limit_.bytes;
+  }
+
+  [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const Lattice& lattice) const {
+    return bytes_of_nodes(config_, options_.grid_only, config_.grid.colour && scans.has_colour(),
+                          config_.grid.intensity && scans.has_intensity(), lattice);
+  }
+
+  void build_in_memory(ScanSet& scans) {
+    auto cloud = std::make_shared<Cloud>(scans.load(scans.origin_m(), progress_));
+    if (cloud->size() == 0) throw no_points(config_);
+    Report::Points points;
+    points.read = cloud->size() + cloud->invalid;
+    points.invalid = cloud->invalid;
+    auto removed = std::make_shared<Cloud>();
+    if (!filters_.empty()) {
+      progress_.begin("filter");
+      const FilterCounts counts =
+          apply_filters(*cloud, filters_, pool_, progress_, config_.check ? removed.get() : nullptr);
+      points.filtered = counts.filtered;
+      points.outlier = counts.outlier;
+    }
+
+    progress_.begin("project");
+    const auto approve = [&](const Lattice& lattice) {
+      const std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
+      if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
+    };
+    result_.projection =
+        project(*cloud, scan_to_grid_, config_.grid, config_.haptics.resolution_m, pool_, progress_, approve);
+    result_.points = points;
+    if (options_.grid_only || !config_.check) return;
+    auto fates = std::make_shared<Projection>();
+    fates->fate = std::move(result_.projection.fate);
+    fates->noise_m = result_.projection.noise_m;
+    fates->point_spacing_m = result_.projection.point_spacing_m;
+    fates->gap_m = result_.projection.gap_m;
+    result_.check = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_, cloud,
+                     removed, fates](DepthGrid& grid) {
+      fates->grid = std::move(grid);
+      add_outliers(*cloud, *removed, scan_to_grid, *fates);
+      CheckResult check = cross_check(*cloud, scan_to_grid, *fates, config.fill, *config.check, pool, progress);
+      grid = std::move(fates->grid);
+      return check;
+    };
+  }
+
+  // Faces, and filters that look farther than a point, are not for points on disk.
+  void require_points_only(const ScanSet& scans) const {
+    const auto refuse = [&](const std::string& what, const std::string& remedy) {
+      throw Error(ErrorKind::failure, {},
+                  fmt::format("{} points{} need about {} MB and the grid in memory, more than the limit, and {}",
+                              scans.points(), scans.faces() > 0 ? fmt::format(" and {} faces", scans.faces()) : "",
+                              bytes_in_memory(scans, filters_) / 1'000'000U + 1, what),
+                  remedy);
+    };
+    if (scans.faces() > 0) refuse("scans with faces are built in memory only", "a higher --memory");
+    for (const FilterConfig& filter : filters_) {
+      if (std::holds_alternative<VoxelConfig>(filter)) {
+        refuse("the filter 'voxel' works in memory only", "a higher --memory, or no voxel filter");
+      }
+      if (std::holds_alternative<OutlierConfig>(filter)) {
+        refuse("the filter 'outliers' works in memory only",
+               "a higher --memory, or no 'outliers': the projection leaves outliers out by itself");
+      }
+    }
+  }
+
+  void build_out_of_core(const ScanSet& scans) {
+    progress_.begin("spill");
+    std::vector<CropConfig> crops;
+    for (const FilterConfig& filter : filters_) crops.push_back(std::get<CropConfig>(filter));
+    SpilledCloud cloud =
+        spill(scans, crops, config_.grid.colour, config_.grid.intensity, options_.spill_folder, progress_);
+    if (cloud.size() == 0) throw no_points(config_);
+    result_.points = {};
+    result_.points.read = cloud.size() + cloud.invalid + cloud.cropped;
+    result_.points.invalid = cloud.invalid;
+    result_.points.filtered = cloud.cropped;
+
+    progress_.begin("project");
+    SpilledProjection spilled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, pool_,
+                              progress_);
+    const Lattice& lattice = spilled.plan().lattice;
+    const std::uint64_t tile_points = points_of_a_tile(limit_, node_bytes(scans, lattice), lattice);
+    result_.projection = spilled.run(tile_points, options_.spill_folder, pool_, progress_);
+    system::trim_heap();
+    if (options_.grid_only || !config_.check) return;
+    auto points = std::make_shared<BucketedPoints>(spilled.take_points());
+    const double noise_m = result_.projection.noise_m;
+    const double point_spacing_m = result_.projection.point_spacing_m;
+    result_.check = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_, points,
+                     noise_m, point_spacing_m](DepthGrid& grid) {
+      const CountedPoints counted = counted_points(*points, scan_to_grid, grid.lattice, progress);
+      return cross_check(counted, grid, noise_m, point_spacing_m, config.fill, *config.check, pool, progress);
+    };
+  }
+
+  const Config& config_;
+  const BuildOptions& options_;
+  ThreadPool& pool_;
+  Progress& progress_;
+  Eigen::Matrix4d scan_to_grid_;
+  MemoryLimit limit_;
+  std::vector<FilterConfig> filters_;
+  ProjectedScans result_;
+};
+
+}  // namespace
+
+ProjectedScans project_scans(const Config& config, const BuildOptions& options, ThreadPool& pool, Progress& progress) {
+  return Builder(config, options, pool, progress).run();
+}
+
+}  // namespace sparsha::pipeline
