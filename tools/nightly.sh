@@ -29,6 +29,7 @@ section "TSan: servo, session, devices, audio, thread pool"
 cmake --preset tsan > /dev/null
 threaded=(pipeline_base_test haptics_shared_test haptics_device_test haptics_servo_test haptics_session_test audio_test)
 cmake --build build-tsan -j"$jobs" --target "${threaded[@]}"
+export TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp"
 for program in "${threaded[@]}"; do build-tsan/tests/"$program" --gtest_brief=1; done
 
 section "Clang"
