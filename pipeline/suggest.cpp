@@ -12,6 +12,7 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/survey.h"
 #include "pipeline/scan/units.h"
 
 namespace sparsha::pipeline {
@@ -138,7 +139,8 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   std::string scan_block = "scans:\n";
   double spacing_m = 0.0;
   for (const fs::path& file : scans) {
-    const RawScan scan = read_scan(file);
+    const ScanSurvey survey = survey_scan(file, progress);
+    const RawScan& scan = survey.scan;
     if (scan.points.empty()) {
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
@@ -155,9 +157,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
       reason = guess->reason;
     }
     look_at(scan, metres, seen);
-    const ScanInfo info = inspect_scan(file);
-    // inspect_scan speaks in metres only where the format names its unit.
-    spacing_m = std::max(spacing_m, scan.unit ? info.spacing_m : info.spacing_m * metres);
+    spacing_m = std::max(spacing_m, survey.spacing * metres);
     std::error_code code;
     const fs::path relative =
         fs::absolute(file, code)

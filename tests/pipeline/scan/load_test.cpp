@@ -8,6 +8,8 @@
 
 #include "pipeline/base/files.h"
 #include "pipeline/base/progress.h"
+#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/survey.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/scene/scene.h"
 #include "scan_files.h"
@@ -210,6 +212,60 @@ TEST(StreamScan, GivesTheSamePointsAsReadingAtOnce) {
   EXPECT_EQ(rest.records, whole.records);
   EXPECT_EQ(rest.invalid, whole.invalid);
   EXPECT_TRUE(rest.points.empty());
+}
+
+TEST(ScanSet, StreamsTheVeryPointsThatItLoads) {
+  const ScanFolder folder;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> at(450000.0, 450010.0);
+  std::ostringstream first, second;
+  first.precision(17);
+  for (int i = 0; i < 9000; ++i) first << at(random) << ' ' << at(random) << ' ' << 0.001 * i << '\n';
+  second << "1e40 0 0\n450001 450002 3\nnan 0 0\n";  // beyond float32, good, invalid
+  const std::vector<ScanConfig> scans = {config_of(folder.write("a.xyz", first.str()), LengthUnit::m),
+                                         config_of(folder.write("b.xyz", second.str()), LengthUnit::cm)};
+  Progress progress;
+  const Cloud cloud = load_scans(scans, progress);
+  ScanSet set(scans, ScanSet::Keep::disk, true, progress);
+  for (int round = 0; round < 2; ++round) {
+    std::size_t seen = 0;
+    const std::uint64_t beyond = set.stream(
+        [&](const CloudBlock& block) {
+          for (const Eigen::Vector3f& p : block.points) {
+            ASSERT_LT(seen, cloud.size());
+            EXPECT_TRUE(std::equal(p.begin(), p.end(), cloud.xyz1() + 4 * seen++));
+          }
+        },
+        progress);
+    EXPECT_EQ(seen, cloud.size());
+    EXPECT_EQ(beyond + set.invalid(), cloud.invalid);
+  }
+  const std::vector<ScanSource> sources = set.sources();
+  ASSERT_EQ(sources.size(), 2U);
+  EXPECT_EQ(sources[0].sha256, sha256(MappedFile(scans[0].file).bytes()));
+  EXPECT_EQ(sources[1].points, 3U);
+}
+
+TEST(SurveyScan, OfAStreamSaysWhatTheWholeScanSays) {
+  const ScanFolder folder;
+  constexpr int kPoints = 150'000;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> at(0.0, 2.0);
+  std::ostringstream text;
+  for (int i = 0; i < kPoints; ++i) {
+    const double x = at(random), y = at(random);
+    text << x << ' ' << y << ' ' << 0.1 * std::sin(3.0 * x) << '\n';
+  }
+  text << "5000 5000 5000\n";
+  const std::filesystem::path file = folder.write("a.xyz", text.str());
+  Progress progress;
+  const ScanSurvey whole = survey_scan(file, progress);
+  const ScanSurvey stream = survey_scan(file, progress, 0);
+  EXPECT_EQ(whole.scan.points.size(), kPoints + 1U);
+  EXPECT_EQ(stream.scan.records, whole.scan.records);
+  EXPECT_EQ(stream.scan.points.size(), kPoints + 1U);  // every point: fewer than two samples
+  // Medians of 2000 and 4096 distances that scatter by half of themselves.
+  EXPECT_NEAR(stream.spacing, whole.spacing, 4.0 * 0.6 * whole.spacing / std::sqrt(2000.0));
 }
 
 TEST(InspectScan, FindsExtentSpacingAndDuplicates) {
