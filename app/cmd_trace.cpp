@@ -13,6 +13,7 @@
 #include "app/results.h"
 #include "app/terminal.h"
 #include "haptics/contact/trace.h"
+#include "haptics/session/live_trace.h"
 #include "haptics/session/window_loader.h"
 #include "pipeline/base/error.h"
 
@@ -32,6 +33,7 @@ struct Arguments {
   bool no_friction = false;
   double rho = 0.5;
   int iterations = 100;
+  bool live = false;
 };
 
 // The device's workspace when a window is asked for, metres: the window is then the one that explore touches.
@@ -87,20 +89,27 @@ nlohmann::ordered_json summary_json(const haptics::TraceSummary& s) {
           {"unfinished", s.unfinished}};
 }
 
+haptics::TraceResult trace_path(const pipeline::Scene& scene, const Arguments& arguments,
+                                const pipeline::HapticsConfig& haptics, const haptics::SolverOptions& options) {
+  const auto surface = traced_surface(scene, arguments);
+  std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
+  to_grid_frame(path, arguments, scene.description(), *surface);
+  return haptics::trace(*surface, path, haptics, options);
+}
+
 int run_trace(const Arguments& arguments, const CommonOptions& common) {
   Terminal terminal(common);
   const pipeline::ScenePointer scene = scene_from(arguments.scene, terminal.progress());
-  const auto surface = traced_surface(*scene, arguments);
-  std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
-  to_grid_frame(path, arguments, scene->description(), *surface);
   pipeline::HapticsConfig haptics = scene->description().config.haptics;
   if (arguments.solver == "exact") haptics.solver = pipeline::HapticsConfig::Solver::exact;
   if (arguments.solver == "paper") haptics.solver = pipeline::HapticsConfig::Solver::paper;
   haptics::SolverOptions options;
   options.paper_rho = arguments.rho;
   options.paper_iterations = arguments.iterations;
-  const haptics::TraceResult result = haptics::trace(*surface, path, haptics, options);
-  haptics::write_trace(arguments.out, result, surface->level);
+  const haptics::TraceResult result = arguments.live
+                                          ? trace_recording(*scene, haptics::Recording(arguments.hip), haptics, options)
+                                          : trace_path(*scene, arguments, haptics, options);
+  haptics::write_trace(arguments.out, result);
   const haptics::TraceSummary& s = result.summary;
   print(common.json ? summary_json(s).dump(2)
                     : fmt::format("updates   {}, {} in contact\n"
@@ -128,11 +137,15 @@ void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
       ->capture_default_str();
   command->add_option("--level", arguments->level, "trace a window of this level")->check(CLI::NonNegativeNumber);
   command->add_option("--centre", arguments->centre, "X Y: centre of the window, grid frame, metres")->expected(2);
+  command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
+  command->add_flag("--no-friction", arguments->no_friction, "render without friction");
+  command
+      ->add_flag("--live", arguments->live,
+                 "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
+      ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction");
   command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(CLI::Range(0.01, 1.0));
   command->add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
       ->check(CLI::Range(1, 1000000));
-  command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
-  command->add_flag("--no-friction", arguments->no_friction, "render without friction");
   command->callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_trace(*arguments, common); }; });
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <iterator>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -56,19 +57,59 @@ void summarise_times(const std::vector<TraceRow>& rows, TraceSummary& summary) {
   summary.ns_mean = times.empty() ? 0.0 : sum / static_cast<double>(times.size());
 }
 
+template <class LevelOf>
+void write_rows(const std::filesystem::path& file, const TraceResult& result, const LevelOf& level_of) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out,
+                 "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,"
+                 "level,tick_ns\n");
+  for (const TraceRow& row : result.rows) {
+    fmt::format_to(out, "{:.17g}", row.t_s);
+    for (const Eigen::Vector3d* v : {&row.hip_m, &row.proxy_m, &row.force_n})
+      fmt::format_to(out, ",{:.17g},{:.17g},{:.17g}", v->x(), v->y(), v->z());
+    fmt::format_to(out, ",{},{},{:.17g}\n", row.contact ? 1 : 0, level_of(row), row.tick_ns);
+  }
+  write_file(file, {text.data(), text.size()});
+}
+
 }  // namespace
+
+TraceRecorder::TraceRecorder(std::size_t rows) {
+  result_.summary.timer_overhead_ns = timer_overhead_ns();
+  result_.rows.reserve(rows);
+  residuals_.reserve(rows);
+}
+
+void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found,
+                        const Eigen::Vector3d& hip_local_m, bool c1_surface) {
+  TraceSummary& summary = result_.summary;
+  ++summary.updates;
+  row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
+  result_.rows.push_back(row);
+  if (!row.proxy_m.allFinite() || !row.force_n.allFinite()) ++summary.not_a_number;
+  if (found.unfinished) ++summary.unfinished;
+  if (!row.contact) return;
+  ++summary.contacts;
+  const RestResidual residual = rest_residual(surface, found, hip_local_m, c1_surface);
+  residuals_.push_back(residual.excess_cells);
+  if (residual.below_cells > 0.0) ++summary.below_surface;
+}
+
+TraceResult TraceRecorder::finish() && {
+  TraceSummary& summary = result_.summary;
+  summarise_times(result_.rows, summary);
+  std::sort(residuals_.begin(), residuals_.end());
+  summary.residual_cells_p99 = percentile(residuals_, 0.99);
+  summary.residual_cells_max = residuals_.empty() ? 0.0 : residuals_.back();
+  return std::move(result_);
+}
 
 TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
                   const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
   SolverOptions options = solver;
   options.c1_surface = options.c1_surface || haptics.surface == pipeline::HapticsConfig::Surface::c1;
-  TraceResult result;
-  TraceSummary& summary = result.summary;
-  summary.timer_overhead_ns = timer_overhead_ns();
-  summary.updates = path.size();
-  result.rows.reserve(path.size());
-  std::vector<double> residuals;
-  residuals.reserve(path.size());
+  TraceRecorder recorder(path.size());
 
   const Eigen::Vector3d& origin = surface.lattice.origin_m;
   const bool paper = haptics.solver == pipeline::HapticsConfig::Solver::paper;
@@ -92,37 +133,19 @@ TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& pat
     row.proxy_m = update.position == hip ? sample.position_m : Eigen::Vector3d(update.position + origin);
     row.force_n = update.contact ? Eigen::Vector3d(newtons_per_m * (update.position - hip)) : Eigen::Vector3d::Zero();
     row.contact = update.contact;
-    row.tick_ns = std::max(0.0, elapsed_ns - summary.timer_overhead_ns);
-    result.rows.push_back(row);
-
-    if (!row.proxy_m.allFinite() || !row.force_n.allFinite()) ++summary.not_a_number;
-    if (update.unfinished) ++summary.unfinished;
-    if (!update.contact) continue;
-    ++summary.contacts;
-    const RestResidual residual = rest_residual(surface, update, hip, options.c1_surface && !paper);
-    residuals.push_back(residual.excess_cells);
-    if (residual.below_cells > 0.0) ++summary.below_surface;
+    row.tick_ns = elapsed_ns;
+    row.level = surface.level;
+    recorder.add(row, surface, update, hip, options.c1_surface && !paper);
   }
-  summarise_times(result.rows, summary);
-  std::sort(residuals.begin(), residuals.end());
-  summary.residual_cells_p99 = percentile(residuals, 0.99);
-  summary.residual_cells_max = residuals.empty() ? 0.0 : residuals.back();
-  return result;
+  return std::move(recorder).finish();
+}
+
+void write_trace(const std::filesystem::path& file, const TraceResult& result) {
+  write_rows(file, result, [](const TraceRow& row) { return row.level; });
 }
 
 void write_trace(const std::filesystem::path& file, const TraceResult& result, int level) {
-  fmt::memory_buffer text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out,
-                 "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,"
-                 "level,tick_ns\n");
-  for (const TraceRow& row : result.rows) {
-    fmt::format_to(out, "{:.17g}", row.t_s);
-    for (const Eigen::Vector3d* v : {&row.hip_m, &row.proxy_m, &row.force_n})
-      fmt::format_to(out, ",{:.17g},{:.17g},{:.17g}", v->x(), v->y(), v->z());
-    fmt::format_to(out, ",{},{},{:.17g}\n", row.contact ? 1 : 0, level, row.tick_ns);
-  }
-  write_file(file, {text.data(), text.size()});
+  write_rows(file, result, [level](const TraceRow&) { return level; });
 }
 
 }  // namespace sparsha::haptics

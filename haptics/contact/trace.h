@@ -1,6 +1,7 @@
 // Offline rendering: a path of the hand in, proxy and force out (`sparsha trace`).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -27,6 +28,7 @@ struct TraceRow {
   Eigen::Vector3d hip_m, proxy_m, force_n;
   bool contact = false;
   double tick_ns = 0.0;
+  int level = 0;
 };
 
 /// What `trace --json` prints.
@@ -45,7 +47,24 @@ struct TraceResult {
 [[nodiscard]] TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
                                 const pipeline::HapticsConfig& haptics, const SolverOptions& options);
 
-/// Writes trace.csv atomically, 17 significant digits.
+/// Gathers rows and judges every rest, for trace() and others that render offline.
+class TraceRecorder {
+ public:
+  explicit TraceRecorder(std::size_t rows);
+
+  /// `row.tick_ns` as measured; `found` on `surface` for the hand at `hip_local_m`.
+  void add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found, const Eigen::Vector3d& hip_local_m,
+           bool c1_surface);
+  [[nodiscard]] TraceResult finish() &&;
+
+ private:
+  TraceResult result_;
+  std::vector<double> residuals_;
+};
+
+/// Writes trace.csv atomically, 17 significant digits, with each row's own level.
+void write_trace(const std::filesystem::path& file, const TraceResult& result);
+/// The same with one level for all.
 void write_trace(const std::filesystem::path& file, const TraceResult& result, int level);
 
 }  // namespace sparsha::haptics

@@ -45,6 +45,8 @@ class TickEngine {
   /// What the last update had to say.
   [[nodiscard]] const std::optional<ContactEvent>& event() const noexcept { return event_; }
   [[nodiscard]] const HapticWindow& window() const noexcept { return window_; }
+  /// What the last rendered tick found, local frame of the window.
+  [[nodiscard]] const ProxyUpdate& found() const noexcept { return found_; }
   [[nodiscard]] std::uint64_t faults() const noexcept { return faults_; }
   /// Ticks whose position was not a number.
   [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_; }

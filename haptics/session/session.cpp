@@ -49,8 +49,8 @@ struct Session::Implementation {
     if (recording != nullptr && recording->windows().empty()) recording = nullptr;
     stiffness_n_per_m = governed(options.haptics.stiffness_n_per_m);
     if (recording != nullptr) {
-      first_window = load_recorded(0);
-      navigator.settle(recorded_plan(0));
+      first_window = load_recorded(*scene, recording->windows().front());
+      navigator.settle(recorded_plan(recording->windows().front()));
       allow_recorded();
     } else {
       first_window = load_window(*scene, navigator.plan(), next_id++);
@@ -62,18 +62,6 @@ struct Session::Implementation {
   }
 
   // Playback: the windows of the recording, in its order, each ready before its row may be played.
-  [[nodiscard]] WindowPlan recorded_plan(std::size_t index) const {
-    const RecordedWindow& recorded = recording->windows()[index];
-    return {recorded.level, recorded.i0,    recorded.j0,      recorded.nx,
-            recorded.ny,    recorded.scale, recorded.texture, recorded.friction};
-  }
-  [[nodiscard]] HapticWindow load_recorded(std::size_t index) {
-    const WindowPlan plan = recorded_plan(index);
-    const auto& levels = scene->description().levels;
-    if (plan.level < 0 || plan.level >= static_cast<int>(levels.size()) || plan.nx < 2 || plan.ny < 2)
-      throw Error(ErrorKind::input, {}, "the recording was made with another scene", "the scene that it was made with");
-    return load_window(*scene, plan, recording->windows()[index].surface_id);
-  }
   void allow_recorded() {
     const auto& windows = recording->windows();
     recording->allow_until(next_recorded < windows.size() ? windows[next_recorded].row : recording->rows().size());
@@ -83,7 +71,7 @@ struct Session::Implementation {
       if (!recorded_command) {
         recorded_command.emplace();
         recorded_command->kind = Command::Kind::swap;
-        recorded_command->window = load_recorded(next_recorded);
+        recorded_command->window = load_recorded(*scene, recording->windows()[next_recorded]);
         const std::size_t row = recording->windows()[next_recorded].row;
         recorded_command->at_tick = row + 1;
         recorded_command->move = true;
@@ -92,7 +80,7 @@ struct Session::Implementation {
       }
       if (!servo->post(std::move(*recorded_command))) return;
       recorded_command.reset();
-      navigator.settle(recorded_plan(next_recorded));
+      navigator.settle(recorded_plan(recording->windows()[next_recorded]));
       ++next_recorded;
       allow_recorded();
     }

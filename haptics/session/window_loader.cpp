@@ -72,6 +72,19 @@ HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, s
   return window;
 }
 
+WindowPlan recorded_plan(const RecordedWindow& recorded) {
+  return {recorded.level, recorded.i0,    recorded.j0,      recorded.nx,
+          recorded.ny,    recorded.scale, recorded.texture, recorded.friction};
+}
+
+HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded) {
+  const WindowPlan plan = recorded_plan(recorded);
+  const auto levels = static_cast<int>(scene.description().levels.size());
+  if (plan.level < 0 || plan.level >= levels || plan.nx < 2 || plan.ny < 2)
+    throw Error(ErrorKind::input, {}, "the recording was made with another scene", "the scene that it was made with");
+  return load_window(scene, plan, recorded.surface_id);
+}
+
 WindowLoader::WindowLoader() : thread_([this] { run(); }) {}
 
 WindowLoader::~WindowLoader() {

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "haptics/device/playback/recording.h"
 #include "haptics/servo/command.h"
 #include "pipeline/scene/scene.h"
 
@@ -25,6 +26,9 @@ struct WindowPlan {
   bool texture = true;
   bool friction = true;
 };
+
+/// The nodes that a recording was made on.
+[[nodiscard]] WindowPlan recorded_plan(const RecordedWindow& recorded);
 
 /// The finest level that fits whole into a window of the configured size; the coarsest when none does.
 [[nodiscard]] int overview_level(const pipeline::SceneDescription& scene);
@@ -40,6 +44,9 @@ struct WindowPlan {
 /// Reads the tiles that are needed and makes the surface; centre at the nodes' middle, z of the surface there.
 /// Throws Error{input} when tiles cannot be read.
 [[nodiscard]] HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id);
+
+/// A window of a recording. Throws Error{input} when the recording was made with another scene.
+[[nodiscard]] HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded);
 
 /// A thread that loads one window after the other.
 class WindowLoader {

@@ -18,6 +18,7 @@
 
 #include "haptics/contact/trace.h"
 #include "haptics/device/devices.h"
+#include "haptics/session/live_trace.h"
 #include "haptics/session/window_loader.h"
 #include "pipeline/base/error.h"
 #include "tests/haptics/servo/parts.h"
@@ -187,6 +188,53 @@ TEST(Session, TraceOfARecordingEqualsTheLiveRun) {
     contacts += row.contact ? 1U : 0U;
   }
   EXPECT_GT(contacts, 500U);
+}
+
+TEST(Session, TraceOfARecordingEqualsTheLiveRunThroughZoomsPansAndSwaps) {
+  const Folder folder;
+  const auto scene = textured_scene();
+  SessionOptions options = default_options();
+  options.record = folder / "run.csv";
+  {
+    Session session(scene, make_simulated_device(7, 3.0), options);
+    session.start();
+    const std::vector<Request> wishes = {{Request::Kind::zoom_in},
+                                         {Request::Kind::pan, 0.2, -0.1},
+                                         {Request::Kind::set_stiffness, 500.0},
+                                         {Request::Kind::zoom_in},
+                                         {Request::Kind::move_to, 2.04, -2.96},
+                                         {Request::Kind::set_texture, 0.0, 0.0, false},
+                                         {Request::Kind::zoom_out},
+                                         {Request::Kind::set_friction, 0.0, 0.0, false}};
+    std::size_t next = 0;
+    while (!session.finished()) {
+      session.poll();
+      if (session.state().read().time_s > 0.3 * static_cast<double>(next + 1) && next < wishes.size())
+        session.requests().post(wishes[next++]);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    EXPECT_EQ(session.stop().levels, (std::vector<int>{0, 1, 2}));
+  }
+  const TraceResult result = trace_recording(*scene, Recording(options.record), options.haptics, SolverOptions{});
+  write_trace(folder / "trace.csv", result);
+  const auto live = read_csv(options.record);
+  const auto traced = read_csv(folder / "trace.csv");
+  ASSERT_EQ(live.size(), traced.size());
+  for (std::size_t c = 0; c < traced[0].size(); ++c) {
+    ASSERT_EQ(live[0][c], traced[0][c]);
+    if (traced[0][c] == "tick_ns") continue;
+    for (std::size_t row = 1; row < live.size(); ++row)
+      ASSERT_EQ(live[row][c], traced[row][c]) << "row " << row << ", " << live[0][c];
+  }
+  EXPECT_GT(result.summary.contacts, 500U);
+  EXPECT_EQ(result.summary.below_surface, 0U);
+  EXPECT_LE(result.summary.residual_cells_p99, 1.1e-9);
+}
+
+TEST(Session, APathWithoutWindowsCannotBeTracedAsALiveRun) {
+  const Folder folder;
+  std::ofstream(folder / "path.csv") << "t_s,device_x_m,device_y_m,device_z_m\n0,0,0,0\n";
+  EXPECT_THROW((void)trace_recording(*textured_scene(), Recording(folder / "path.csv"), {}, {}), Error);
 }
 
 TEST(Session, StiffnessIsWhatTheDeviceCanBear) {
