@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     if (only.empty() || only == "accuracy") kept = sparsha::bench::run_accuracy(options) && kept;
     if (only.empty() || only == "c2m") kept = sparsha::bench::run_cross_check(options) && kept;
     if (only.empty() || only == "speed") sparsha::bench::run_speed(options);
-    if (only.empty() || only == "huge") sparsha::bench::run_huge(options);
+    if (only.empty() || only == "huge") kept = sparsha::bench::run_huge(options) && kept;
     fs::remove_all(options.work);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

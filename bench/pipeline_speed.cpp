@@ -208,34 +208,4 @@ void run_speed(const RunOptions& options) {
   if (fs::exists(options.program)) time_builds(options, table);
 }
 
-void run_huge(const RunOptions& options) {
-  if (options.huge_points <= 0.0 || !fs::exists(options.program)) return;
-  const fs::path folder = options.work / "huge";
-  constexpr double kPerNode = 1.5625;
-  const int nodes = 1 + static_cast<int>(std::lround(std::sqrt(options.huge_points / kPerNode)));
-  pipeline::SimulationConfig simulation = million(nodes);
-  simulation.surface.back = {};
-  auto& sampler = std::get<pipeline::SamplerConfig>(simulation.scan);
-  sampler.points_per_node = kPerNode;
-  sampler.files = 4;
-  Progress progress;
-  pipeline::write_simulation(simulation, folder, progress);
-  std::ofstream csv(options.out / "pipeline_huge.csv");
-  csv << "points,memory_limit,seconds,cpu_seconds,peak_rss_mb,rms_away_mm\n";
-  const std::string scene = (folder / "scene").string();
-  const ProcessResult process = run_process({options.program.string(), "build", (folder / "sparsha.yaml").string(),
-                                             "--out", scene, "--quiet", "--memory", "1GB", "--only", "grid"});
-  if (process.exit_code != 0) {
-    fmt::print("{:.0f} points under 1 GB: failed with exit code {}\n", options.huge_points, process.exit_code);
-    return;
-  }
-  const double rms = scene_error(scene, pipeline::Truth(simulation));
-  const double megabytes = static_cast<double>(process.peak_rss_bytes) * 1e-6;
-  fmt::print("{:.0f} points under 1 GB: {:.1f} s, peak {:.0f} MB, RMS away from the step {:.4g} mm\n",
-             options.huge_points, process.seconds, megabytes, rms);
-  csv << fmt::format("{:.0f},1GB,{},{},{},{}\n", options.huge_points, process.seconds, process.cpu_seconds, megabytes,
-                     rms);
-  fs::remove_all(folder);
-}
-
 }  // namespace sparsha::bench
