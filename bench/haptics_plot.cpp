@@ -56,22 +56,23 @@ bool write_plot(const std::filesystem::path& file, const std::vector<PlotPoint>&
   svg << "<text x=\"" << kWidth / 2 << "\" y=\"" << kHeight - 20
       << "\" text-anchor=\"middle\">time of an update, ns</text>\n<text transform=\"translate(20 " << kHeight / 2
       << ") rotate(-90)\" text-anchor=\"middle\">mean relative force error</text>\n";
-  for (const PlotPoint& p : points) {
-    const auto found = colours.find(p.method);
-    const std::string colour = found == colours.end() ? "#000" : found->second;
-    const double px = x.at(p.ns);
-    const double py = y.at(p.error);
-    if (p.method == "paper")
+  const auto mark = [&svg](const std::string& method, const std::string& colour, double px, double py) {
+    if (method == "paper")
       svg << "<circle cx=\"" << px << "\" cy=\"" << py << "\" r=\"5\" fill=\"" << colour << "\"/>\n";
     else
       svg << "<rect x=\"" << px - 5 << "\" y=\"" << py - 5 << "\" width=\"10\" height=\"10\" fill=\"" << colour << "\""
-          << (p.method == "c1" ? " transform=\"rotate(45 " + std::to_string(px) + ' ' + std::to_string(py) + ")\"" : "")
+          << (method == "c1" ? " transform=\"rotate(45 " + std::to_string(px) + ' ' + std::to_string(py) + ")\"" : "")
           << "/>\n";
+  };
+  for (const PlotPoint& p : points) {
+    const auto found = colours.find(p.method);
+    const std::string colour = found == colours.end() ? "#000" : found->second;
+    mark(p.method, colour, x.at(p.ns), y.at(p.error));
   }
   double row = 40.0;
   for (const auto& [name, colour] : colours) {
-    svg << "<rect x=\"" << kWidth - 120 << "\" y=\"" << row - 11 << "\" width=\"12\" height=\"12\" fill=\"" << colour
-        << "\"/><text x=\"" << kWidth - 100 << "\" y=\"" << row << "\">" << name << "</text>\n";
+    mark(name, colour, kWidth - 114, row - 5);
+    svg << "<text x=\"" << kWidth - 100 << "\" y=\"" << row << "\">" << name << "</text>\n";
     row += 22.0;
   }
   svg << "</svg>\n";

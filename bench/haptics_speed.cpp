@@ -1,5 +1,6 @@
 // bench_haptics: time of a proxy update beside its error, for the exact solver, the C1 surface and the source paper's
-// solver. Writes haptics_speed.csv and haptics_speed.svg; never a time alone.
+// solver. Writes haptics_speed.csv and haptics_speed.svg; never a time alone. Also the figures of the source paper
+// (haptics_figures.h).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,6 +14,7 @@
 
 #include "haptics/contact/proxy.h"
 #include "haptics/contact/rest_residual.h"
+#include "haptics_figures.h"
 #include "haptics_plot.h"
 #include "haptics_scenes.h"
 
@@ -161,8 +163,9 @@ Method exact(double tolerance = 1e-9) {
   method.options.tolerance_cells = tolerance;
   return method;
 }
-Method c1() {
+Method c1(double tolerance = 1e-9) {
   Method method{"c1", {}};
+  method.options.tolerance_cells = tolerance;
   method.options.c1_surface = true;
   return method;
 }
@@ -181,7 +184,7 @@ bool run(bool quick, const std::filesystem::path& out) {
   for (const int nodes : {200, 800}) {
     const HapticScene scene = sinusoid_scene(nodes, 0.25, ticks, false);
     for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) table.add(scene, exact(tolerance));
-    table.add(scene, c1());
+    for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) table.add(scene, c1(tolerance));
     for (const double rho : {0.1, 0.3, 0.5, 0.7, 0.9})
       for (const int iterations : {1, 3, 10, 30, 100})
         if (!quick || (nodes == 200 && rho == 0.5)) table.add(scene, paper(rho, iterations));
@@ -190,9 +193,11 @@ bool run(bool quick, const std::filesystem::path& out) {
   for (const double cells : {0.05, 0.25, 1.0, 4.0, 16.0}) table.add(sinusoid_scene(200, cells, ticks, true), exact());
   table.add(sinusoid_scene(200, 0.25, ticks, true), c1());
   table.add(sinusoid_scene(800, 0.25, ticks, true), exact());
-  if (!quick) table.add(sinusoid_scene(8192, 0.25, ticks, true), exact());
+  if (!quick)
+    for (const double cells : {0.25, 1.0})
+      for (const bool friction : {false, true}) table.add(sinusoid_scene(8192, cells, ticks, friction), exact());
   for (const double cells : {0.25, 1.0}) table.add(stone_scene(1025, cells, ticks, true, 1), exact());
-  return table.good() && write_plot(out / "haptics_speed.svg", table.points());
+  return table.good() && write_plot(out / "haptics_speed.svg", table.points()) && write_figures(out);
 }
 
 }  // namespace
