@@ -51,7 +51,8 @@ std::vector<Scene> accuracy_scenes(bool quick) {
   slab.off2_away_percent = 0.003;
   slab.off5_all_percent = 0.03;
   slab.least_coverage_percent = 99.5;
-  add(with_back(scene("parallel back 8 mm behind, 3.6", 3.6), BackConfig::Kind::parallel, 0.008, 1.0));
+  add(with_back(scene("parallel back 8 mm behind, 3.6", 3.6), BackConfig::Kind::parallel, 0.008, 1.0))
+      .off5_all_percent = 0.03;
   add(scene("plane at 56 degrees, 3.6", 3.6, pipeline::PlaneForm{1.4826, 0.0}));
   for (int width = 1; width <= 4; ++width) {
     const pipeline::BarsForm bars{0.006, width / 511.0, 0.05, true};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "pipeline/grid/project_kernel.h"
@@ -21,6 +22,14 @@ constexpr double kExplained = 0.3;
 constexpr std::size_t kSureOfOutliers = 24;
 // So many points of two interleaved layers part along a line once in four million times.
 constexpr std::size_t kSureOfLine = 32;
+// What is less likely is not put down to chance: among few points, among many, and where the next layer does not go on
+// beneath the front as a back would.
+constexpr std::size_t kMany = 48;
+constexpr double kChance = 1e-3;
+constexpr double kChanceOfMany = 1e-2;
+constexpr double kChanceAlone = 1e-1;
+// So many points of a layer may hold one that is not of the surface.
+constexpr std::size_t kPerOutlier = 32;
 
 // Points that make a layer of a window's.
 std::size_t least_support(std::size_t points) { return std::max<std::size_t>(3, (points + 11) / 12); }
@@ -48,6 +57,10 @@ bool surrounds(std::span<const NodePoint> points, double radius, double toleranc
   }
   return true;
 }
+
+// Where the cloud is sparser than the grid, four points lie within two of their spacings but for once in 600 times,
+// within one and a half but for once in 12. What is wider is a hole.
+double surround_radius(double spacing) { return 1.5 + 2.25 * (spacing - 1.0); }
 
 }  // namespace
 
@@ -227,6 +240,62 @@ void NodeFitter::keep_near_fit(const Layer& layer, std::vector<NodePoint>& kept)
   }
 }
 
+// True when the front ends at a line between it and the node, though the next layer goes on beneath it: the back of the
+// high side of a step, linked to the low side's front.
+bool NodeFitter::ends_before_node() {
+  const std::array<NodePoint, 1> node{};
+  Separation line = separate(sides_[0], node);
+  if (!line.separable && sides_[0].size() >= kPerOutlier) {
+    // An outlier may stand at the front's height where the front is not.
+    float u = 0.0F;
+    float v = 0.0F;
+    for (const NodePoint& p : sides_[0]) {
+      u += p.u;
+      v += p.v;
+    }
+    const auto outliers = static_cast<std::ptrdiff_t>(sides_[0].size() / kPerOutlier);
+    const auto farther = [&](const NodePoint& p, const NodePoint& q) { return u * p.u + v * p.v > u * q.u + v * q.v; };
+    std::nth_element(sides_[0].begin(), sides_[0].end() - outliers, sides_[0].end(), farther);
+    line = separate({sides_[0].data(), sides_[0].size() - static_cast<std::size_t>(outliers)}, node);
+  }
+  if (!line.separable) return false;
+  const auto along = [&](const NodePoint& p) {
+    return line.u * static_cast<double>(p.u) + line.v * static_cast<double>(p.v);
+  };
+  const auto across = [&](const NodePoint& p) {
+    return line.u * static_cast<double>(p.v) - line.v * static_cast<double>(p.u);
+  };
+  // The next layer's points beneath the front, seen as a box along the line, and the nearest that is not.
+  double depth = 0.0;
+  double left = std::numeric_limits<double>::infinity();
+  double right = -left;
+  for (const NodePoint& p : sides_[0]) {
+    depth = std::max(depth, along(p));
+    left = std::min(left, across(p));
+    right = std::max(right, across(p));
+  }
+  std::size_t beneath = 0;
+  double nearest = -std::numeric_limits<double>::infinity();
+  for (const NodePoint& p : sides_[1]) {
+    const double at = along(p);
+    if (at < line.margin) nearest = std::max(nearest, at);
+  }
+  for (const NodePoint& p : points_of(layers_[1])) {
+    const double at = along(p);
+    beneath += at >= line.margin && at <= depth && across(p) >= left && across(p) <= right ? 1 : 0;
+  }
+  // Were the front about the node too, chance would have kept all of its points beyond the line.
+  std::size_t beyond = 0;
+  for (const NodePoint& p : points_) beyond += along(p) >= line.margin ? 1 : 0;
+  const auto front = static_cast<double>(sides_[0].size());
+  const double share = static_cast<double>(beyond) / static_cast<double>(points_.size());
+  const double most = points_.size() > kSureOfLine && 8 * beneath <= sides_[0].size() ? kChanceAlone
+                      : points_.size() > kMany                                        ? kChanceOfMany
+                                                                                      : kChance;
+  // The edge is midway to the nearest point of the next layer that is not beneath the front.
+  return front * std::pow(share, front - 1.0) <= most && nearest > -line.margin;
+}
+
 // The front, unless it lies to one side and a line parts it from the next layer on the node's side: then it is a step.
 const NodeFitter::Layer& NodeFitter::layer_at_node(double spacing) {
   const Layer& front = layers_.front();
@@ -237,6 +306,7 @@ const NodeFitter::Layer& NodeFitter::layer_at_node(double spacing) {
   if (sides_[0].empty() || sides_[1].empty()) return front;
   Separation line = separate(sides_[0], sides_[1]);
   const std::size_t points = sides_[0].size() + sides_[1].size();
+  if (!line.separable && ends_before_node()) return next;
   if (!line.separable && points > kSureOfLine) {
     // A curved edge, or an outlier still: the nearest points see it straight. Fewer would part by chance.
     const auto r2 = [](const NodePoint& p) { return p.u * p.u + p.v * p.v; };
@@ -289,7 +359,7 @@ NodeFit NodeFitter::fit(int i, int j, int least_reach) {
       radius = kernel_radius(spacing, layer->size(), side * side);
       fit = fit_locally(points_of(*layer), {radius, rule_.noise_m, step_m}, scratch_);
     }
-    const bool whole = surrounds(points_of(*layer), 1.5 * spacing, 0.5 * spacing);
+    const bool whole = surrounds(points_of(*layer), surround_radius(spacing), 0.5 * spacing);
     // A line between few points may be chance: the back, taken for the low side of a step.
     const bool chance = layer != &layers_.front() && sides_[0].size() + sides_[1].size() < kSureOfLine;
     if (!last && reach < 3 && chance) continue;

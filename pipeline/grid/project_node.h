@@ -61,6 +61,7 @@ class NodeFitter {
   [[nodiscard]] double point_spacing(int i, int j, int reach, const Layer& layer);
   [[nodiscard]] double off_centre(const Layer& layer) const;
   void keep_near_fit(const Layer& layer, std::vector<NodePoint>& kept);
+  [[nodiscard]] bool ends_before_node();
   [[nodiscard]] const Layer& layer_at_node(double spacing);
   [[nodiscard]] std::span<const NodePoint> points_of(const Layer& layer) const {
     return {points_.data() + layer.begin, layer.size()};

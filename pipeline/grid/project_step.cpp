@@ -89,6 +89,8 @@ Separation separate(std::span<const NodePoint> a, std::span<const NodePoint> b) 
       result.separable = true;
       result.margin = gap / length;
       result.node_side = -0.5 * (dot(near_a, w) + dot(near_b, w)) / length;
+      result.u = w.u / length;
+      result.v = w.v / length;
     }
     if (length2 - gap < 1e-6 * length2) return result;
     simplex[corners++] = next;

@@ -28,8 +28,8 @@ TEST(ProjectionAccuracy, SparseBack) {
   const pipeline::Projection p = project_cloud(make_cloud(relief_scan(3.6, 0.2, 1)), nodes(512));
   const Errors away = judge(p.grid, relief_m, away_from_step);
   const Errors all = judge(p.grid, relief_m, anywhere);
-  EXPECT_LE(away.rms_m, 0.5 * kNoise);
-  EXPECT_LE(away.p99_m, 1.7 * kNoise);
+  EXPECT_LE(away.rms_m, 0.4 * kNoise);
+  EXPECT_LE(away.p99_m, 1.2 * kNoise);
   EXPECT_LE(away.over_2mm, 3e-5);
   EXPECT_LE(all.over_5mm, 3e-4);
   EXPECT_GE(all.measured, 0.995);
@@ -40,8 +40,8 @@ TEST(ProjectionAccuracy, SlabWithAnEquallyDenseBack) {
   const pipeline::Projection p = project_cloud(make_cloud(relief_scan(1.9, 1.9, 2)), nodes(512));
   const Errors away = judge(p.grid, relief_m, away_from_step);
   const Errors all = judge(p.grid, relief_m, anywhere);
-  EXPECT_LE(away.rms_m, 0.65 * kNoise);
-  EXPECT_LE(away.p99_m, 2.0 * kNoise);
+  EXPECT_LE(away.rms_m, 0.5 * kNoise);
+  EXPECT_LE(away.p99_m, 1.5 * kNoise);
   EXPECT_LE(away.over_2mm, 3e-5);
   EXPECT_LE(all.over_5mm, 3e-4);
   EXPECT_GE(all.measured, 0.995);
@@ -81,6 +81,39 @@ TEST(ProjectionAccuracy, ParallelBackEightMillimetresBehindIsNotMixedIn) {
   EXPECT_LE(errors.over_2mm, 3e-5);
 }
 
+TEST(ProjectionAccuracy, ParallelBackEightMillimetresBehindAStepOfTenDoesNotHideTheStep) {
+  std::mt19937_64 random(11);
+  Points points;
+  sample_surface(points, relief_m, points_for(3.6, 512), {kNoise, 0.005}, random);
+  sample_surface(
+      points, [](double x, double y) { return relief_m(x, y) - 0.008; }, points_for(3.6, 512), {kNoise, 0.0}, random);
+  const Errors errors = judge(project_cloud(make_cloud(points), nodes(512)).grid, relief_m, anywhere);
+  EXPECT_LE(errors.over_5mm, 4e-4);
+  EXPECT_GE(errors.measured, 0.999);
+}
+
+TEST(ProjectionAccuracy, WholeFieldWithItsStepAtThirtyTwoPointsANode) {
+  // A strip of the lattice of 512 nodes.
+  constexpr double kHeight = 0.25;
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::normal_distribution<double> normal(0.0, kNoise);
+  Points points;
+  for (std::size_t k = 0; k < points_for(32.0 * kHeight, 512); ++k) {
+    const double x = unit(random);
+    const double y = kHeight * unit(random);
+    const double outlier = unit(random) < 0.005 ? 0.1 * unit(random) - 0.05 : 0.0;
+    points.push_back({x, y, relief_m(x, y) + normal(random) + outlier});
+    if (k % 10 == 0) points.push_back({x, kHeight * unit(random), -0.1 + 0.003 * normal(random) / kNoise});
+  }
+  pipeline::GridConfig config;
+  config.bounds_m = {0.0, 0.0, 1.0, kHeight};
+  config.spacing_m = kSpacing;
+  const Errors errors = judge(project_cloud(make_cloud(points), config).grid, relief_m, anywhere);
+  EXPECT_LE(errors.rms_m, 0.25 * kNoise);
+  EXPECT_GE(errors.measured, 0.999);
+}
+
 TEST(ProjectionAccuracy, PlaneAtFiftySixDegrees) {
   const auto plane = [](double x, double y) { return 1.4826 * (0.8 * x + 0.6 * y); };
   std::mt19937_64 random(7);
@@ -93,7 +126,7 @@ TEST(ProjectionAccuracy, PlaneAtFiftySixDegrees) {
 }
 
 TEST(ProjectionAccuracy, NodesBesideBarsKeepTheirOwnSide) {
-  for (const int width : {2, 3, 4}) {
+  for (const int width : {1, 2, 3, 4}) {
     // 6 mm high, slanted against the lattice, 6 nodes apart.
     const double bar = width * kSpacing;
     const double period = bar + 6.0 * kSpacing;
@@ -107,7 +140,7 @@ TEST(ProjectionAccuracy, NodesBesideBarsKeepTheirOwnSide) {
     Points points;
     sample_surface(points, bars, points_for(3.6, 512), {kNoise, 0.005}, random);
     const Errors errors = judge(project_cloud(make_cloud(points), nodes(512)).grid, bars, beside);
-    EXPECT_LE(errors.over_2mm, 0.15) << width << " nodes wide";
+    EXPECT_LE(errors.over_2mm, width == 1 ? 0.25 : 0.07) << width << " nodes wide";
   }
 }
 
@@ -124,7 +157,7 @@ TEST(ProjectionAccuracy, DensityVaryingOneToAHundredIsRightOrUnknown) {
   const Errors errors = judge(project_cloud(make_cloud(points), nodes(512)).grid, smooth_forms_m, anywhere);
   EXPECT_LE(errors.rms_m, kNoise);
   EXPECT_LE(errors.over_2mm, 3e-4);
-  EXPECT_GE(errors.measured, 0.95);
+  EXPECT_GE(errors.measured, 0.985);
 }
 
 TEST(ProjectionAccuracy, GridThreeTimesFinerThanTheCloudIsRightOrUnknown) {
@@ -134,7 +167,7 @@ TEST(ProjectionAccuracy, GridThreeTimesFinerThanTheCloudIsRightOrUnknown) {
   const Errors errors = judge(project_cloud(make_cloud(points), nodes(512)).grid, smooth_forms_m, anywhere);
   EXPECT_LE(errors.rms_m, kNoise);
   EXPECT_LE(errors.over_2mm, 1e-3);
-  EXPECT_GE(errors.measured, 0.9);
+  EXPECT_GE(errors.measured, 0.99);
 }
 
 TEST(ProjectionAccuracy, GeoreferencedScanLosesNothing) {
