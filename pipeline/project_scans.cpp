@@ -14,6 +14,7 @@
 #include "pipeline/base/error.h"
 #include "pipeline/base/system.h"
 #include "pipeline/filter/filter.h"
+#include "pipeline/filter/voxel.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/outofcore/spilled_check.h"
 #include "pipeline/outofcore/spilled_cloud.h"
@@ -77,8 +78,13 @@ class Builder {
       if (!points_fit(scans)) throw DoesNotFit();
       build_in_memory(scans);
     } catch (const DoesNotFit&) {
+      result_ = {};
       require_points_only(scans);
-      build_out_of_core(scans);
+      if (thins()) {
+        build_thinned(scans);
+      } else {
+        build_out_of_core(scans);
+      }
     }
     result_.sources = scans.sources();
     return std::move(result_);
@@ -101,23 +107,28 @@ class Builder {
     Report::Points points;
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
+    build_cloud(cloud, filters_, points, [&](const Lattice& lattice) {
+      const std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
+      if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
+    });
+  }
+
+  // Filters and projects a cloud of which `points` says what has become so far.
+  void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<FilterConfig>& filters,
+                   const Report::Points& points, const std::function<void(const Lattice&)>& approve) {
+    result_.points = points;
     auto removed = std::make_shared<Cloud>();
-    if (!filters_.empty()) {
+    if (!filters.empty()) {
       progress_.begin("filter");
       const FilterCounts counts =
-          apply_filters(*cloud, filters_, pool_, progress_, config_.check ? removed.get() : nullptr);
-      points.filtered = counts.filtered;
-      points.outlier = counts.outlier;
+          apply_filters(*cloud, filters, pool_, progress_, config_.check ? removed.get() : nullptr);
+      result_.points.filtered += counts.filtered;
+      result_.points.outlier += counts.outlier;
     }
 
     progress_.begin("project");
-    const auto approve = [&](const Lattice& lattice) {
-      const std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
-      if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
-    };
     result_.projection =
         project(*cloud, scan_to_grid_, config_.grid, config_.haptics.resolution_m, pool_, progress_, approve);
-    result_.points = points;
     if (options_.grid_only || !config_.check) return;
     auto fates = std::make_shared<Projection>();
     fates->fate = std::move(result_.projection.fate);
@@ -145,22 +156,74 @@ class Builder {
     };
     if (scans.faces() > 0) refuse("scans with faces are built in memory only", "a higher --memory");
     for (const FilterConfig& filter : filters_) {
-      if (std::holds_alternative<VoxelConfig>(filter)) {
-        refuse("the filter 'voxel' works in memory only", "a higher --memory, or no voxel filter");
-      }
+      if (std::holds_alternative<VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
       if (std::holds_alternative<OutlierConfig>(filter)) {
-        refuse("the filter 'outliers' works in memory only",
-               "a higher --memory, or no 'outliers': the projection leaves outliers out by itself");
+        refuse(
+            "the filter 'outliers' works in memory only",
+            "a higher --memory, a voxel filter before it, or no 'outliers': the projection leaves them out by itself");
       }
     }
   }
 
+  [[nodiscard]] bool thins() const {
+    return std::any_of(filters_.begin(), filters_.end(),
+                       [](const FilterConfig& filter) { return std::holds_alternative<VoxelConfig>(filter); });
+  }
+
+  // The filters before the first voxel filter, which are crops, or all.
+  [[nodiscard]] std::vector<CropConfig> leading_crops() const {
+    std::vector<CropConfig> crops;
+    for (const FilterConfig& filter : filters_) {
+      if (!std::holds_alternative<CropConfig>(filter)) break;
+      crops.push_back(std::get<CropConfig>(filter));
+    }
+    return crops;
+  }
+
+  // Streams the scans through a voxel filter, whose voxels must fit into memory.
+  void build_thinned(const ScanSet& scans) {
+    progress_.begin("filter");
+    const std::vector<CropConfig> crops = leading_crops();
+    const auto& voxel = std::get<VoxelConfig>(filters_[crops.size()]);
+    const std::uint64_t most = most_voxels(limit_);
+    const Eigen::Vector3d& origin_m = scans.origin_m();
+    VoxelThinner thinner(origin_m, voxel.leaf_m, scans.has_colour(), scans.has_intensity());
+    Report::Points points;
+    points.invalid = scans.invalid();
+    std::uint64_t kept = 0;
+    points.invalid += scans.stream(
+        [&](const CloudBlock& block) {
+          points.read += block.points.size();
+          for (std::size_t k = 0; k < block.points.size(); ++k) {
+            const Eigen::Vector3f& p = block.points[k];
+            if (!is_inside(crops, origin_m, p)) continue;
+            ++kept;
+            thinner.add(p.data(), block.rgba.empty() ? 0U : block.rgba[k],
+                        block.intensity.empty() ? 0.0F : block.intensity[k]);
+          }
+          if (thinner.voxels() <= most) return;
+          throw Error(
+              ErrorKind::failure, {},
+              fmt::format("the filter 'voxel' leaves more than {} points, which do not fit the memory limit", most),
+              "a larger leaf_mm or a higher --memory");
+        },
+        progress_);
+    if (points.read == 0) throw no_points(config_);
+    if (kept == 0) throw nothing_left("crop");
+    points.filtered = points.read - thinner.voxels();
+    points.read += points.invalid;
+    const auto cloud = std::make_shared<Cloud>(thinner.finish());
+    const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(crops.size()) + 1,
+                                         filters_.end());
+    build_cloud(cloud, rest, points, [&](const Lattice& lattice) {
+      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), lattice);
+    });
+  }
+
   void build_out_of_core(const ScanSet& scans) {
     progress_.begin("spill");
-    std::vector<CropConfig> crops;
-    for (const FilterConfig& filter : filters_) crops.push_back(std::get<CropConfig>(filter));
     SpilledCloud cloud =
-        spill(scans, crops, config_.grid.colour, config_.grid.intensity, options_.spill_folder, progress_);
+        spill(scans, leading_crops(), config_.grid.colour, config_.grid.intensity, options_.spill_folder, progress_);
     if (cloud.size() == 0) throw no_points(config_);
     result_.points = {};
     result_.points.read = cloud.size() + cloud.invalid + cloud.cropped;

@@ -53,12 +53,14 @@ void copy_removed(const Cloud& cloud, const std::vector<std::uint8_t>& keep, Clo
 }
 
 void check_left(const Cloud& cloud, const char* filter) {
-  if (cloud.size() > 0) return;
-  throw Error(ErrorKind::input, {}, std::string("nothing is left after the filter '") + filter + "'",
-              "a filter that keeps some points");
+  if (cloud.size() == 0) throw nothing_left(filter);
 }
 
 }  // namespace
+
+Error nothing_left(const std::string& filter) {
+  return {ErrorKind::input, {}, "nothing is left after the filter '" + filter + "'", "a filter that keeps some points"};
+}
 
 FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool, Progress& progress,
                            Cloud* removed_outliers) {

@@ -1,8 +1,12 @@
 // The filters a configuration can name, in its order. All keep colour, intensity and the origin.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <string>
+#include <vector>
 
+#include "pipeline/base/error.h"
 #include "pipeline/base/progress.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/scan/cloud.h"
@@ -22,6 +26,14 @@ struct FilterCounts {
   const Eigen::Vector3d p = origin_m + point.cast<double>();
   return (p.array() >= crop.min_m.array()).all() && (p.array() <= crop.max_m.array()).all();
 }
+
+[[nodiscard]] inline bool is_inside(const std::vector<CropConfig>& crops, const Eigen::Vector3d& origin_m,
+                                    const Eigen::Vector3f& point) {
+  return std::all_of(crops.begin(), crops.end(), [&](const CropConfig& c) { return is_inside(c, origin_m, point); });
+}
+
+/// What a filter throws that takes all points away.
+[[nodiscard]] Error nothing_left(const std::string& filter);
 
 /// Applies `filters` in order. Faces survive only while no point is taken away. Points that an outlier filter takes
 /// away go to `removed_outliers` (positions only, same origin) when it is given: a cross-check must see them. Throws

@@ -60,27 +60,19 @@ class VoxelTable {
   std::vector<Voxel> voxels_;
 };
 
-void check_leaf(const Cloud& cloud, double leaf_m) {
-  float away = 0.0F;
-  const float* const xyz = cloud.xyz1();
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) away = std::max(away, std::fabs(xyz[4 * i + k]));
-  }
-  const double far = static_cast<double>(away) + cloud.origin_m.cwiseAbs().maxCoeff();
+/// `far_m` is how far the scan reaches from the scan frame's zero.
+void check_leaf(double leaf_m, double far_m) {
   // Below this the cell's number, or the place in it, has no exact double.
-  const double least = std::ldexp(far, -45);
+  const double least = std::ldexp(far_m, -45);
   if (leaf_m < least) {
     throw usage_error(
-        fmt::format("voxel leaf of {} mm is too small for a scan that reaches {} m from zero", leaf_m * 1000.0, far),
+        fmt::format("voxel leaf of {} mm is too small for a scan that reaches {} m from zero", leaf_m * 1000.0, far_m),
         fmt::format("at least {} mm", least * 1000.0));
   }
 }
 
-void add_attributes(const Cloud& cloud, std::size_t i, Voxel& voxel) {
-  if (!cloud.rgba.empty()) {
-    for (unsigned k = 0; k < 4; ++k) voxel.colour[k] += cloud.rgba[i] >> (8 * k) & 255;
-  }
-  if (!cloud.intensity.empty()) voxel.intensity += static_cast<double>(cloud.intensity[i]);
+float away_from_origin(const float* xyz) {
+  return std::max(std::max(std::fabs(xyz[0]), std::fabs(xyz[1])), std::fabs(xyz[2]));
 }
 
 std::uint32_t mean_colour(const Voxel& voxel) {
@@ -111,31 +103,78 @@ void write_back(const std::vector<Voxel>& voxels, double leaf_m, Cloud& cloud) {
 
 }  // namespace
 
-void thin_to_voxels(Cloud& cloud, double leaf_m, Progress& progress) {
-  check_leaf(cloud, leaf_m);
+struct VoxelThinner::Implementation {
+  Eigen::Vector3d origin_m;
+  double leaf_m;
+  bool colour;
+  bool intensity;
+  float away = -1.0F;  ///< farthest coordinate so far, from the origin
   VoxelTable table;
-  const float* const xyz = cloud.xyz1();
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if ((i & 0xFFFF) == 0) progress.throw_if_cancelled();
-    std::array<std::int64_t, 3> cell{};
-    std::array<std::int64_t, 3> offset{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double leaves =
-          (cloud.origin_m[static_cast<Eigen::Index>(k)] + static_cast<double>(xyz[4 * i + k])) / leaf_m;
-      const double below = std::floor(leaves);
-      cell[k] = static_cast<std::int64_t>(below);
-      offset[k] = static_cast<std::int64_t>((leaves - below) * kUnits);
-    }
-    Voxel& voxel = table.at(cell);
-    for (std::size_t k = 0; k < 3; ++k) voxel.offset[k] += offset[k];
-    add_attributes(cloud, i, voxel);
-    ++voxel.count;
+};
+
+VoxelThinner::VoxelThinner(const Eigen::Vector3d& origin_m, double leaf_m, bool colour, bool intensity)
+    : implementation_(std::make_unique<Implementation>()) {
+  implementation_->origin_m = origin_m;
+  implementation_->leaf_m = leaf_m;
+  implementation_->colour = colour;
+  implementation_->intensity = intensity;
+}
+
+VoxelThinner::~VoxelThinner() = default;
+
+std::size_t VoxelThinner::voxels() const { return implementation_->table.voxels().size(); }
+
+void VoxelThinner::add(const float* xyz, std::uint32_t rgba, float intensity) {
+  Implementation& self = *implementation_;
+  if (const float away = away_from_origin(xyz); away > self.away) {
+    self.away = away;
+    check_leaf(self.leaf_m, static_cast<double>(away) + self.origin_m.cwiseAbs().maxCoeff());
   }
-  std::vector<Voxel>& voxels = table.voxels();
+  std::array<std::int64_t, 3> cell{};
+  std::array<std::int64_t, 3> offset{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double leaves = (self.origin_m[static_cast<Eigen::Index>(k)] + static_cast<double>(xyz[k])) / self.leaf_m;
+    const double below = std::floor(leaves);
+    cell[k] = static_cast<std::int64_t>(below);
+    offset[k] = static_cast<std::int64_t>((leaves - below) * kUnits);
+  }
+  Voxel& voxel = self.table.at(cell);
+  for (std::size_t k = 0; k < 3; ++k) voxel.offset[k] += offset[k];
+  if (self.colour) {
+    for (unsigned k = 0; k < 4; ++k) voxel.colour[k] += rgba >> (8 * k) & 255;
+  }
+  if (self.intensity) voxel.intensity += static_cast<double>(intensity);
+  ++voxel.count;
+}
+
+Cloud VoxelThinner::finish() {
+  Implementation& self = *implementation_;
+  std::vector<Voxel>& voxels = self.table.voxels();
   std::sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) {
     return std::lexicographical_compare(a.cell.rbegin(), a.cell.rend(), b.cell.rbegin(), b.cell.rend());
   });
-  write_back(voxels, leaf_m, cloud);
+  Cloud cloud;
+  cloud.origin_m = self.origin_m;
+  if (self.colour) cloud.rgba.resize(voxels.size());
+  if (self.intensity) cloud.intensity.resize(voxels.size());
+  write_back(voxels, self.leaf_m, cloud);
+  return cloud;
+}
+
+void thin_to_voxels(Cloud& cloud, double leaf_m, Progress& progress) {
+  float away = 0.0F;
+  for (std::size_t i = 0; i < cloud.size(); ++i) away = std::max(away, away_from_origin(cloud.xyz1() + 4 * i));
+  check_leaf(leaf_m, static_cast<double>(away) + cloud.origin_m.cwiseAbs().maxCoeff());
+  VoxelThinner thinner(cloud.origin_m, leaf_m, !cloud.rgba.empty(), !cloud.intensity.empty());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if ((i & 0xFFFF) == 0) progress.throw_if_cancelled();
+    thinner.add(cloud.xyz1() + 4 * i, cloud.rgba.empty() ? 0U : cloud.rgba[i],
+                cloud.intensity.empty() ? 0.0F : cloud.intensity[i]);
+  }
+  Cloud thinned = thinner.finish();
+  cloud.points = std::move(thinned.points);
+  cloud.rgba = std::move(thinned.rgba);
+  cloud.intensity = std::move(thinned.intensity);
 }
 
 }  // namespace sparsha::pipeline

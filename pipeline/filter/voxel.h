@@ -1,7 +1,11 @@
 // One point a voxel: the centroid of the points in it, as pcl::VoxelGrid has it, without its overflow of indices.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+
+#include <Eigen/Core>
 
 #include "pipeline/base/progress.h"
 #include "pipeline/scan/cloud.h"
@@ -12,5 +16,24 @@ namespace sparsha::pipeline {
 /// voxel. Voxels are multiples of `leaf_m` in the scan frame, counted in 64 bits. Sums are integers, so that the result
 /// does not depend on the order of the points. Throws Error{usage} when the leaf is below the points' own precision.
 void thin_to_voxels(Cloud& cloud, double leaf_m, Progress& progress);
+
+/// The same for points that come one after the other, relative to `origin_m`; memory grows with the voxels only.
+class VoxelThinner {
+ public:
+  VoxelThinner(const Eigen::Vector3d& origin_m, double leaf_m, bool colour, bool intensity);
+  ~VoxelThinner();
+  VoxelThinner(const VoxelThinner&) = delete;
+  VoxelThinner& operator=(const VoxelThinner&) = delete;
+
+  /// x, y, z in metres. Throws Error{usage} when the leaf is below the point's precision.
+  void add(const float* xyz, std::uint32_t rgba, float intensity);
+  [[nodiscard]] std::size_t voxels() const;
+  /// The thinned cloud; to be called once, at the end.
+  [[nodiscard]] Cloud finish();
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 }  // namespace sparsha::pipeline

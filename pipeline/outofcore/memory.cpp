@@ -66,6 +66,13 @@ std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, 
   return static_cast<std::uint64_t>(most * static_cast<double>(lattice.count()));
 }
 
+std::uint64_t most_voxels(const MemoryLimit& limit) {
+  constexpr std::uint64_t kBytes = 2 * (kVoxel + kPoint);  // the table doubles as it grows
+  std::uint64_t voxels = std::numeric_limits<std::uint32_t>::max();
+  if (limit.bytes > 0) voxels = limit.bytes > kProgram ? (limit.bytes - kProgram) / kBytes : 0;
+  return limit.points > 0 ? std::min(voxels, limit.points) : voxels;
+}
+
 std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, const Lattice& lattice) {
   std::uint64_t points = std::numeric_limits<std::uint32_t>::max();
   if (limit.bytes > 0) {

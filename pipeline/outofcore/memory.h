@@ -24,6 +24,9 @@ struct MemoryLimit {
 [[nodiscard]] std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, bool intensity,
                                            const Lattice& lattice);
 
+/// Voxels that a filter may leave. The largest number without a limit.
+[[nodiscard]] std::uint64_t most_voxels(const MemoryLimit& limit);
+
 /// Points that a tile may have beside the grid of heights. Throws Error{failure} when the nodes alone, which need
 /// `node_bytes` at most, exceed the limit.
 [[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,

@@ -20,8 +20,7 @@ SpilledCloud spill(const ScanSet& scans, const std::vector<CropConfig>& crops, b
         std::array<float, 5> record{};
         for (std::size_t k = 0; k < block.points.size(); ++k) {
           const Eigen::Vector3f& p = block.points[k];
-          if (!std::all_of(crops.begin(), crops.end(),
-                           [&](const CropConfig& crop) { return is_inside(crop, cloud.origin_m, p); })) {
+          if (!is_inside(crops, cloud.origin_m, p)) {
             ++cloud.cropped;
             continue;
           }
@@ -36,9 +35,7 @@ SpilledCloud spill(const ScanSet& scans, const std::vector<CropConfig>& crops, b
       },
       progress);
   cloud.file->finish();
-  if (cloud.size() == 0 && cloud.cropped > 0) {
-    throw Error(ErrorKind::input, {}, "nothing is left after the filter 'crop'", "a filter that keeps some points");
-  }
+  if (cloud.size() == 0 && cloud.cropped > 0) throw nothing_left("crop");
   return cloud;
 }
 

@@ -162,6 +162,28 @@ TEST_F(OutOfCore, CroppedPointsAreFilteredWhileTheyAreStreamed) {
       20'000);
 }
 
+TEST_F(OutOfCore, AVoxelFilterStreamsIntoMemory) {
+  SimulationConfig simulation = relief(150, 2);
+  simulation.colour = true;
+  simulation.intensity = true;
+  const std::string crop = "{crop: {min_m: [0.2, 0.1, -1], max_m: [0.9, 0.7, 1]}}";
+  const std::string filters = "filters=[" + crop + ", {voxel: {leaf_mm: 12}}, {outliers: {neighbours: 8, sigma: 3}}]";
+  const Config config = simulated(simulation, {filters, "grid={spacing_mm: 8, colour: true, intensity: true}"});
+  build(config, "memory", 0);
+  BuildOptions options;
+  options.memory_points = 20'000;
+  build_scene_folder(config, options, folder_ / "disk", progress_);
+  expect_same(folder_ / "memory", folder_ / "disk");
+  options.memory_points = 1000;  // fewer than voxels
+  Progress progress;
+  try {
+    build_scene_folder(config, options, folder_ / "disk", progress);
+    FAIL() << "more voxels than allowed";
+  } catch (const Error& error) {
+    EXPECT_NE(error.wrong().find("'voxel'"), std::string::npos);
+  }
+}
+
 TEST_F(OutOfCore, FarOutliersAndDuplicatesAreTheSame) {
   Config config = simulated(relief(120, 1), {"grid={}"});
   std::ofstream far(folder_ / "scan" / "far.xyz");
