@@ -150,8 +150,8 @@ class BilinearSurface {
     return {m00, a, m01 - m00, (static_cast<double>(high[1]) - m01) - a};
   }
 
-  /// Asks for the rows that a proxy in this inner cell comes to next. On a large surface every row is a page of its own,
-  /// and waiting for it would cost more than the tick.
+  /// Asks for the rows that a proxy in this inner cell comes to next. On a large surface every row is a page of its
+  /// own, and waiting for it would cost more than the tick.
   SPARSHA_HOT void prefetch_around(int i, int j) const noexcept {
     constexpr std::size_t kLarge = std::size_t{1} << 20;  // nodes: what stays in the second cache needs no help
     if (static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) < kLarge) [[likely]]
