@@ -12,8 +12,8 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kSlopePrior = 1.5;
-// Of quadrics through few points; at the kernel's radius a bend is as unlikely as a third of a slope.
-constexpr float kBendPrior = 8.0F;
+// Of quadrics through few points; at the kernel's radius a bend is as unlikely as a quarter of a slope.
+constexpr float kBendPrior = 16.0F;
 
 // z = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2, metres and spacings; a plane has c3 = c4 = c5 = 0.
 using Coefficients = std::array<double, 6>;

@@ -142,12 +142,19 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   if (above >= 3 && above * 12 >= count) return kHard;
   const float per_r2 = k.per_r2[reach - 1][in];
   Moments moments{};
+  const float nodes = reach > 1 ? 25.0F : 9.0F;
+  const float spacing2 = nodes / static_cast<float>(in);
+  const float spacing = spacing2 > 1.0F ? __builtin_sqrtf(spacing2) : 1.0F;
+  const float near2 = 2.25F * spacing * spacing;
+  Ints near{};
   for (std::size_t p = 0; p < count; p += kLanes) {
     const Floats u = load(window.u + p);
     const Floats v = load(window.v + p);
     const Ints inside = absolute(load(window.z + p)) <= k.band_m;
     const Floats z = masked(inside, load(window.z + p));
-    const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+    const Floats r2 = u * u + v * v;
+    near -= inside & (r2 <= near2);
+    const Floats t = masked(inside, most(Floats{}, 1.0F - r2 * per_r2));
     const Floats w = t * t;
     store(window.w + p, w);
     add(moments, w, u, v, z);
@@ -155,14 +162,11 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   Plane plane = solve(moments, k.ridge);
   if (!plane.good) return kHard;
   const float off_centre2 = plane.mu * plane.mu + plane.mv * plane.mv;
-  const float nodes = reach > 1 ? 25.0F : 9.0F;
-  const float spacing2 = nodes / static_cast<float>(in);
-  const float spacing = spacing2 > 1.0F ? __builtin_sqrtf(spacing2) : 1.0F;
   if (off_centre2 > 0.0625F && count - in - above >= 3 && lopsided(window, count, k.band_m, spacing, nodes)) {
     return kHard;
   }
-  // A centroid within half a spacing proves that the node is surrounded.
-  if (off_centre2 > 0.25F || reach > 1) {
+  // A centroid within half a spacing and points enough near by prove that the node is surrounded.
+  if (off_centre2 > 0.25F * spacing * spacing || total(near) < 4) {
     if (!surrounded(window, count, k.band_m, 1.5F * spacing, 0.5F * spacing)) return kHard;
   }
 

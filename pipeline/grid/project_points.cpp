@@ -104,7 +104,7 @@ std::vector<float> origin_sample(std::uint64_t count, const RawPieces& pieces, T
 
 Eigen::Vector3d origin_of_sample(const std::vector<float>& sample, const Eigen::Vector3d& cloud_origin_m,
                                  const Eigen::Matrix4d& scan_to_grid) {
-  const Eigen::Vector3d scene = moved_origin(cloud_origin_m, scan_to_grid);
+  Eigen::Vector3d scene = moved_origin(cloud_origin_m, scan_to_grid);
   if (sample.empty()) return scene;
   const Affine affine(scan_to_grid, cloud_origin_m, scene);
   std::array<std::vector<double>, 3> values;
