@@ -176,6 +176,11 @@ TEST_F(Program, TheReliefGoesFromScansToSceneToTouchPictureSoundAndExports) {
   EXPECT_EQ(figures["below_surface"], 0);
   EXPECT_EQ(figures["not_a_number"], 0);
   EXPECT_EQ(figures["updates"], summary["ticks"]);
+  EXPECT_EQ(run("trace scene --hip run.csv --live --out live.csv").code, 0);
+  const std::string live = text_of(folder_ / "live.csv");
+  EXPECT_EQ(std::count(live.begin(), live.end(), '\n'), std::count(csv.begin(), csv.end(), '\n'));
+  EXPECT_EQ(run("trace scene --hip run.csv --live --level 0 --out live.csv").code, 2);
+  EXPECT_EQ(run("trace scene --hip trace.csv --live --out live.csv").code, 3) << "it names no windows";
 
   for (const char* file : {"mesh.ply", "mesh.obj", "points.xyz", "heights.tif", "heights.png"}) {
     EXPECT_EQ(run(std::string("export scene --to ") + file).code, 0) << file;
