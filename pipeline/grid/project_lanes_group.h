@@ -40,10 +40,10 @@ struct GroupResult {
   Ints wider;  ///< the window is too small to decide; neither: the node needs more thought
 };
 
+SPARSHA_INLINE Ints larger(Ints a, Ints b) { return (a & (a > b)) | (b & ~(a > b)); }
 SPARSHA_INLINE std::int32_t largest(Ints a) {
-  const auto bigger = [](Ints x, Ints y) { return (x & (x > y)) | (y & ~(x > y)); };
-  Ints b = bigger(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
-  b = bigger(b, __builtin_shufflevector(b, b, 2, 3, 0, 1, 6, 7, 4, 5));
+  Ints b = larger(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
+  b = larger(b, __builtin_shufflevector(b, b, 2, 3, 0, 1, 6, 7, 4, 5));
   return b[0] > b[1] ? b[0] : b[1];
 }
 SPARSHA_INLINE Ints load_ints(const std::int32_t* p) {
@@ -57,15 +57,21 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
   GroupResult result{};
   result.reference = reference_heights(rows, column);
   Ints count{};
+  Ints fullest{};  // of each node's nine bins
   std::size_t slots[3];
   for (int b = 0; b < 3; ++b) {
     const Ints left = load_ints(rows[b]->count + column);
+    const Ints middle = load_ints(rows[b]->count + column + 1);
     const Ints right = load_ints(rows[b]->count + column + 2);
-    const std::int32_t fullest = largest((left & (left > right)) | (right & ~(left > right)));
-    if (fullest > static_cast<std::int32_t>(kSlots)) return result;
-    slots[b] = static_cast<std::size_t>(fullest);
-    count += left + load_ints(rows[b]->count + column + 1) + right;
+    count += left + middle + right;
+    const Ints most_of_row = larger(larger(left, middle), right);
+    fullest = larger(fullest, most_of_row);
+    const std::int32_t most_points = largest(most_of_row);
+    slots[b] = most_points < static_cast<std::int32_t>(kSlots) ? static_cast<std::size_t>(most_points) : kSlots;
   }
+  // A node's own bins decide, whoever its neighbours in the group are: results do not depend on how a grid is cut.
+  const Ints there = (result.reference > kAbsent) & (fullest <= static_cast<std::int32_t>(kSlots));
+  if (!any(there)) return result;
 
   const Floats low = result.reference - k.band_m;
   const Floats high = result.reference + k.band_m;
@@ -83,7 +89,6 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
   }
   const Ints in = not_below - above;
   // One or two points above the front may be a front that chance has thinned.
-  const Ints there = result.reference > kAbsent;
   const Ints thin = (in < 9) | ((above > 0) & (count < 24));
   result.wider = there & thin;
   const Ints open = there & ~thin & (in * 4 >= count) & ~((above >= 3) & (above * 12 >= count));

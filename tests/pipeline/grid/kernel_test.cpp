@@ -47,8 +47,9 @@ TEST(ProjectionKernels, OrientAndDrawBitForBitWithAndWithoutAvx2) {
   EXPECT_EQ(a.drawn, b.drawn);
 }
 
-/// Points on a bent surface with a step, a back and outliers, sorted into bins of a lattice of 61 x 40 nodes.
-pipeline::Bins binned(double per_node) {
+/// Points on a bent surface with a step, a back and outliers, sorted into bins of a lattice of 61 x 40 nodes; `crowd`
+/// more at node (20, 20).
+pipeline::Bins binned(double per_node, std::size_t crowd = 0) {
   constexpr int kNx = 61;
   constexpr int kNy = 40;
   constexpr double kSpacing = 0.002;
@@ -56,9 +57,10 @@ pipeline::Bins binned(double per_node) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::normal_distribution<double> noise(0.0, 0.0002);
   pipeline::OrientedPoints points;
-  points.count = static_cast<std::size_t>(per_node * kNx * kNy);
+  const auto spread = static_cast<std::size_t>(per_node * kNx * kNy);
+  points.count = spread + crowd;
   for (auto* array : {&points.x, &points.y, &points.z}) *array = pipeline::make_buffer<float>(points.count);
-  for (std::size_t k = 0; k < points.count; ++k) {
+  for (std::size_t k = 0; k < spread; ++k) {
     const double x = unit(random) * kNx * kSpacing;
     const double y = unit(random) * kNy * kSpacing;
     double z = 0.01 * std::sin(60.0 * x) * std::cos(40.0 * y) + (x + 0.1 * y > 0.08 ? 0.01 : 0.0) + noise(random);
@@ -68,6 +70,10 @@ pipeline::Bins binned(double per_node) {
     points.x[k] = static_cast<float>(x);
     points.y[k] = static_cast<float>(y);
     points.z[k] = static_cast<float>(z);
+  }
+  for (std::size_t k = spread; k < points.count; ++k) {
+    points.x[k] = points.y[k] = static_cast<float>((19.9 + 0.2 * unit(random)) * kSpacing);
+    points.z[k] = 0.0F;
   }
   const pipeline::BinLattice lattice{kNx, kNy, kSpacing, 0.0, 0.0};
   ThreadPool pool(1);
@@ -111,39 +117,52 @@ TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithAndWithoutAvx2) {
   }
 }
 
+/// Heights of all nodes, 0 where undecided, and which were decided.
+std::pair<std::vector<float>, std::vector<std::uint8_t>> fit_all(const pipeline::Bins& bins,
+                                                                 const pipeline::ProjectionKernels& kernels) {
+  const std::vector<float> per_r2(pipeline::NodeKernel::kMostPoints + 1, 0.4F);
+  pipeline::NodeKernel kernel;
+  kernel.start = bins.start.get();
+  kernel.x = bins.x.get();
+  kernel.y = bins.y.get();
+  kernel.z = bins.z.get();
+  kernel.bins_x = static_cast<std::size_t>(bins.lattice.bins_x());
+  kernel.margin = pipeline::BinLattice::kMargin;
+  kernel.nx = static_cast<std::size_t>(bins.lattice.nx);
+  kernel.spacing_m = bins.lattice.spacing_m;
+  kernel.band_m = 0.0057F;
+  kernel.scale_m = 0.0002F;
+  kernel.ridge = 0.004F;
+  for (const float*& radii : kernel.per_r2) radii = per_r2.data();
+  const auto ny = static_cast<std::size_t>(bins.lattice.ny);
+  std::pair<std::vector<float>, std::vector<std::uint8_t>> result{std::vector<float>(kernel.nx * ny),
+                                                                  std::vector<std::uint8_t>(kernel.nx * ny)};
+  kernels.fit_rows(kernel, 0, ny, result.first.data(), result.second.data());
+  return result;
+}
+
 TEST(ProjectionKernels, FitNodesBitForBitWithAndWithoutAvx2) {
   if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
-  std::vector<float> per_r2(pipeline::NodeKernel::kMostPoints + 1, 0.4F);
   for (const double per_node : {0.7, 1.5, 4.0, 12.0, 40.0}) {
     const pipeline::Bins bins = binned(per_node);
-    pipeline::NodeKernel kernel;
-    kernel.start = bins.start.get();
-    kernel.x = bins.x.get();
-    kernel.y = bins.y.get();
-    kernel.z = bins.z.get();
-    kernel.bins_x = static_cast<std::size_t>(bins.lattice.bins_x());
-    kernel.margin = pipeline::BinLattice::kMargin;
-    kernel.nx = static_cast<std::size_t>(bins.lattice.nx);
-    kernel.spacing_m = bins.lattice.spacing_m;
-    kernel.band_m = 0.0057F;
-    kernel.scale_m = 0.0002F;
-    kernel.ridge = 0.004F;
-    for (const float*& radii : kernel.per_r2) radii = per_r2.data();
-    const auto ny = static_cast<std::size_t>(bins.lattice.ny);
-    const auto run = [&](const pipeline::ProjectionKernels& kernels) {
-      std::pair<std::vector<float>, std::vector<std::uint8_t>> result{std::vector<float>(kernel.nx * ny, -1.0F),
-                                                                      std::vector<std::uint8_t>(kernel.nx * ny)};
-      kernels.fit_rows(kernel, 0, ny, result.first.data(), result.second.data());
-      // Undecided nodes have no height.
-      for (std::size_t k = 0; k < result.second.size(); ++k) {
-        if (result.second[k] == 0) result.first[k] = 0.0F;
-      }
-      return result;
-    };
-    const auto a = run(pipeline::baseline_kernels());
-    const auto b = run(pipeline::avx2_kernels());
+    const auto a = fit_all(bins, pipeline::baseline_kernels());
+    const auto b = fit_all(bins, pipeline::avx2_kernels());
     EXPECT_EQ(a.second, b.second) << per_node << " points a node";
     EXPECT_EQ(0, std::memcmp(a.first.data(), b.first.data(), a.first.size() * sizeof(float))) << per_node;
+  }
+}
+
+TEST(ProjectionKernels, ANodeDependsOnlyOnBinsOfItsOwnWindow) {
+  const pipeline::Bins plain = binned(4.0);
+  const pipeline::Bins crowded = binned(4.0, 50);
+  const auto a = fit_all(plain, pipeline::fastest_kernels());
+  const auto b = fit_all(crowded, pipeline::fastest_kernels());
+  const int nx = plain.lattice.nx;
+  for (int node = 0; node < nx * plain.lattice.ny; ++node) {
+    if (std::abs(node % nx - 20) <= 2 && std::abs(node / nx - 20) <= 2) continue;
+    const auto k = static_cast<std::size_t>(node);
+    EXPECT_EQ(a.second[k], b.second[k]) << node % nx << ", " << node / nx;
+    EXPECT_EQ(a.first[k], b.first[k]) << node % nx << ", " << node / nx;
   }
 }
 
