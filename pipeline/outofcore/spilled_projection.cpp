@@ -34,7 +34,7 @@ OrientedPoints SpilledProjection::orient(const PointRecords& records, ThreadPool
 
 SpilledProjection::SpilledProjection(SpilledCloud cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
                                      double resolution_m, ThreadPool& pool, Progress& progress)
-    : cloud_(std::move(cloud)), scan_to_grid_(scan_to_grid), grid_(grid) {
+    : cloud_(std::move(cloud)), scan_to_grid_(scan_to_grid) {
   // How often the points are gone through depends on them: each pass is worth half of what is left.
   double begun = 0.0;
   double share = kPlanned / 2;

@@ -62,7 +62,6 @@ class SpilledProjection {
 
   SpilledCloud cloud_;
   Eigen::Matrix4d scan_to_grid_;
-  GridConfig grid_;
   ProjectionPlan plan_;
   std::uint64_t beyond_ = 0;               ///< points outside all bins
   std::vector<std::uint64_t> row_points_;  ///< in each row of bins

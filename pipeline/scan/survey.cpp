@@ -114,7 +114,7 @@ double median_spacing(const std::vector<Eigen::Vector3d>& points) {
   for (std::size_t i = 0; i < cloud->size(); i += step) {
     for (std::size_t k = 2;; k *= 4) {
       k = std::min({k, kMostNeighbours, cloud->size()});
-      tree.nearestKSearch((*cloud)[i], static_cast<int>(k), found, squared);
+      tree.nearestKSearch((*cloud)[i], static_cast<unsigned>(k), found, squared);
       const auto other = std::find_if(squared.begin(), squared.end(), [](float d) { return d > 0.0F; });
       if (other != squared.end()) {
         distances.push_back(std::sqrt(*other));
