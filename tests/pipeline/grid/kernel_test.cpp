@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <random>
 #include <vector>
@@ -201,7 +203,7 @@ TEST(ProjectionKernels, FitLayersBitForBitWithAndWithoutAvx2) {
     EXPECT_EQ(a.support, b.support);
     for (const auto& [left, right] : {std::pair{a.height_m, b.height_m}, std::pair{a.slope_u_m, b.slope_u_m},
                                       std::pair{a.slope_v_m, b.slope_v_m}, std::pair{a.loss, b.loss}}) {
-      EXPECT_EQ(0, std::memcmp(&left, &right, sizeof(left))) << count << " points";
+      EXPECT_EQ(std::bit_cast<std::uint32_t>(left), std::bit_cast<std::uint32_t>(right)) << count << " points";
     }
     EXPECT_EQ(rank_a, rank_b);
     EXPECT_EQ(distinct_a, distinct_b);
