@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <string>
 #include <thread>
@@ -183,9 +184,15 @@ TEST(Window, KeysAndMouseReachTheSession) {
     expect("q", Kind::quit);
     finished = true;
   });
-  run_window(connections, {});
+  std::string window_problem;
+  try {
+    run_window(connections, {});
+  } catch (const std::exception& error) {
+    window_problem = error.what();
+  }
   finished = true;
   visitor.join();
+  EXPECT_EQ(window_problem, "");
   EXPECT_EQ(problem, "");
 }
 

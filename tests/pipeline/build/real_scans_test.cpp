@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <thread>
 
 #include "haptics/device/devices.h"
@@ -36,6 +37,7 @@ struct Expected {
   double median_in_spacings;  // cloud to surface, at most
   double longest_m;           // longer side of the grid, within 15 %
 };
+void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.file; }
 
 void expect_scene(const BuildResult& result, const Expected& expected) {
   const Lattice& base = result.scene->description().levels.front();
