@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/grid/project_kernel.h"
 
@@ -13,10 +14,10 @@ namespace {
 
 constexpr std::size_t kPiece = 1U << 13U;
 constexpr std::size_t kMostBands = 256;
-struct Point {
-  float z, x, y;
-  std::uint32_t bin;  // within its band
-};
+constexpr std::size_t kCacheLine = 64;
+constexpr std::size_t kHeads = 4;  // of each band and piece, see BandSend
+constexpr std::size_t kMostHeads = kHeads * (kMostBands + 1);
+using Point = BandPoint;
 
 // Total order by height, then place, on the bits' values: the same for any order of input.
 bool higher(const Point& a, const Point& b) {
@@ -26,8 +27,7 @@ bool higher(const Point& a, const Point& b) {
 }
 
 void sort_full_bin(const BinSort& sort, std::uint32_t begin, std::uint32_t end, std::vector<Point>& points) {
-  points.clear();
-  for (std::uint32_t k = begin; k < end; ++k) points.push_back({sort.from_z[k], sort.from_x[k], sort.from_y[k], 0});
+  points.assign(sort.from + begin, sort.from + end);
   constexpr std::size_t kFewToMove = 24;
   if (points.size() > kFewToMove) {
     std::sort(points.begin(), points.end(), higher);
@@ -46,40 +46,24 @@ void sort_full_bin(const BinSort& sort, std::uint32_t begin, std::uint32_t end, 
   }
 }
 
-// Band and bin within the band of points.
-struct Indexer {
-  Indexer(const BinLattice& lattice, const BinWindow& window, std::uint32_t rows_per_band)
-      : ruler(lattice),
-        left(static_cast<float>(window.first_column)),
-        right(static_cast<float>(window.last_column)),
-        bottom(static_cast<float>(window.first_row)),
-        top(static_cast<float>(window.last_row)),
-        first_row(window.first_row),
-        row_length(lattice.bins_x()),
-        band_rows_log2(std::countr_zero(rows_per_band)),
-        row_mask(static_cast<std::int32_t>(rows_per_band - 1)) {}
-
-  // `nowhere` is the band of points beyond the lattice. A plain loop over int32, which SSE2 converts to.
-  void operator()(const float* x, const float* y, std::size_t count, std::int32_t nowhere, std::int32_t* band,
-                  std::int32_t* bin) const {
-    for (std::size_t k = 0; k < count; ++k) {
-      const float u = (x[k] - ruler.x_shift_m) * ruler.per_m;
-      const float v = (y[k] - ruler.y_shift_m) * ruler.per_m;
-      const bool inside = (u >= left) & (v >= bottom) & (u < right) & (v < top);
-      const auto column = static_cast<std::int32_t>(inside ? u : 0.0F);
-      const auto row = static_cast<std::int32_t>(inside ? v : bottom) - first_row;
-      band[k] = inside ? row >> band_rows_log2 : nowhere;
-      bin[k] = (row & row_mask) * row_length + column;
-    }
-  }
-
-  BinRuler ruler;
-  float left, right, bottom, top;
-  std::int32_t first_row;
-  std::int32_t row_length;
-  std::int32_t band_rows_log2;
-  std::int32_t row_mask;
-};
+BandKernel band_kernel(const BinLattice& lattice, const BinWindow& window, std::size_t rows_per_band,
+                       std::size_t bands) {
+  const BinRuler ruler(lattice);
+  BandKernel kernel;
+  kernel.x_shift_m = ruler.x_shift_m;
+  kernel.y_shift_m = ruler.y_shift_m;
+  kernel.per_m = ruler.per_m;
+  kernel.left = static_cast<float>(window.first_column);
+  kernel.right = static_cast<float>(window.last_column);
+  kernel.bottom = static_cast<float>(window.first_row);
+  kernel.top = static_cast<float>(window.last_row);
+  kernel.first_row = window.first_row;
+  kernel.row_length = lattice.bins_x();
+  kernel.band_rows_log2 = std::countr_zero(rows_per_band);
+  kernel.row_mask = static_cast<std::int32_t>(rows_per_band - 1);
+  kernel.nowhere = static_cast<std::int32_t>(bands);
+  return kernel;
+}
 
 }  // namespace
 
@@ -99,13 +83,7 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   const std::size_t rows_per_band = std::bit_ceil(std::max<std::size_t>(1, (rows + wanted_bands - 1) / wanted_bands));
   const std::size_t bands = (rows + rows_per_band - 1) / rows_per_band;
   const std::size_t pieces = (points.count + kPiece - 1) / kPiece;
-  const Indexer indexer(lattice, window, static_cast<std::uint32_t>(rows_per_band));
-  const auto nowhere = static_cast<std::int32_t>(bands);
-  const auto index_piece = [&](std::size_t begin, std::size_t end, std::int32_t* band, std::int32_t* bin) {
-    indexer(points.x.get() + begin, points.y.get() + begin, end - begin, nowhere, band, bin);
-    if (skip.empty()) return;
-    for (std::size_t k = begin; k < end; ++k) band[k - begin] = skip[k] != 0 ? nowhere : band[k - begin];
-  };
+  const BandKernel kernel = band_kernel(lattice, window, rows_per_band, bands);
 
   // Each piece sorts its own points into bands: those of `band` are [of_piece[band], of_piece[band + 1]) of them.
   const auto banded = make_buffer<Point>(points.count, store);
@@ -113,17 +91,24 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
     std::array<std::int32_t, kPiece> band;
     std::array<std::int32_t, kPiece> bin;
-    index_piece(begin, end, band.data(), bin.data());
-    std::uint32_t* const of_piece = offsets.data() + begin / kPiece * (bands + 2);
-    for (std::size_t k = 0; k < end - begin; ++k) ++of_piece[band[k] + 1];
-    for (std::size_t b = 0; b <= bands; ++b) of_piece[b + 1] += of_piece[b];
-    std::array<std::uint32_t, kMostBands + 1> head;
-    std::copy_n(of_piece, bands + 1, head.begin());
-    Point* const piece = banded.get() + begin;
-    for (std::size_t k = 0; k < end - begin; ++k) {
-      piece[head[static_cast<std::size_t>(band[k])]++] = {points.z[begin + k], points.x[begin + k], points.y[begin + k],
-                                                          static_cast<std::uint32_t>(bin[k])};
+    const std::size_t count = end - begin;
+    const float* const x = points.x.get() + begin;
+    const float* const y = points.y.get() + begin;
+    fastest_kernels().index_bands(kernel, x, y, count, band.data(), bin.data());
+    if (!skip.empty()) {
+      for (std::size_t k = 0; k < count; ++k) band[k] = skip[begin + k] != 0 ? kernel.nowhere : band[k];
     }
+    std::array<std::uint32_t, kMostHeads> head;
+    std::fill_n(head.begin(), kHeads * (bands + 1), 0U);
+    for (std::size_t k = 0; k < count; ++k) ++head[kHeads * static_cast<std::size_t>(band[k]) + k % kHeads];
+    std::uint32_t* const of_piece = offsets.data() + begin / kPiece * (bands + 2);
+    std::uint32_t sum = 0;
+    for (std::size_t b = 0; b <= bands; ++b) {
+      for (std::size_t h = kHeads * b; h < kHeads * (b + 1); ++h) sum += std::exchange(head[h], sum);
+      of_piece[b + 1] = sum;
+    }
+    fastest_kernels().send_to_bands(
+        {x, y, points.z.get() + begin, band.data(), bin.data(), head.data(), banded.get() + begin}, count);
   });
   std::vector<std::size_t> band_start(bands + 1, 0);
   for (std::size_t band = 0; band < bands; ++band) {
@@ -134,11 +119,14 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
     }
   }
   const std::size_t total = band_start[bands];
-  const auto for_points_of = [&](std::size_t band, const auto& use) {
+  // Each piece's points of a band, with those of the piece after it.
+  const auto for_runs_of = [&](std::size_t band, const auto& use) {
+    const auto end_of = [&](std::size_t piece, std::size_t b) {
+      return banded.get() + piece * kPiece + offsets[piece * (bands + 2) + b];
+    };
     for (std::size_t piece = 0; piece < pieces; ++piece) {
-      const std::uint32_t* of_piece = offsets.data() + piece * (bands + 2) + band;
-      const Point* const first = banded.get() + piece * kPiece;
-      for (const Point* p = first + of_piece[0]; p != first + of_piece[1]; ++p) use(*p);
+      const std::size_t next = std::min(piece + 1, pieces - 1);
+      use(end_of(piece, band), end_of(piece, band + 1), end_of(next, band), end_of(next, band + 1));
     }
   };
 
@@ -157,24 +145,21 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
     const std::size_t begin = band_start[band];
     const std::size_t count = band_start[band + 1] - begin;
     std::vector<std::uint32_t> first(size + 1 + BinSort::kReadAhead, 0);
-    for_points_of(band, [&](const Point& p) { ++first[p.bin + 1]; });
+    for_runs_of(band, [&](const Point* run, const Point* end, const Point* next, const Point* next_end) {
+      // Runs are too short for the processor to foresee the next one.
+      for (; next < next_end; next += kCacheLine / sizeof(Point)) __builtin_prefetch(next);
+      for (; run != end; ++run) ++first[run->bin + 1];
+    });
     for (std::size_t b = 0; b < size; ++b) first[b + 1] += first[b];
     std::uint32_t* start = bins.start.get() + first_row * columns;
     for (std::size_t b = 0; b < size; ++b) start[b] = static_cast<std::uint32_t>(begin) + first[b];
     std::vector<std::uint32_t> head(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(size));
-    const std::size_t stride = count + BinSort::kReadAhead;
-    const auto scattered = make_buffer<float>(3 * stride);
-    float* const x = scattered.get();
-    float* const y = x + stride;
-    float* const z = y + stride;
-    for (float* array : {x, y, z}) std::fill_n(array + count, BinSort::kReadAhead, 0.0F);
-    for_points_of(band, [&](const Point& p) {
-      const std::uint32_t at = head[p.bin]++;
-      x[at] = p.x;
-      y[at] = p.y;
-      z[at] = p.z;
+    const auto scattered = make_buffer<Point>(count + BinSort::kReadAhead);
+    std::fill_n(scattered.get() + count, BinSort::kReadAhead, Point{});
+    for_runs_of(band, [&](const Point* run, const Point* end, const Point*, const Point*) {
+      for (; run != end; ++run) scattered[head[run->bin]++] = *run;
     });
-    const BinSort sort{first.data(), x, y, z, bins.x.get() + begin, bins.y.get() + begin, bins.z.get() + begin};
+    const BinSort sort{first.data(), scattered.get(), bins.x.get() + begin, bins.y.get() + begin, bins.z.get() + begin};
     fastest_kernels().sort_bins(sort, size);
     std::vector<Point> many;
     for (std::size_t b = 0; b < size; ++b) {

@@ -26,16 +26,40 @@ struct NodeKernel {
   const float* per_r2[2] = {};  ///< 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5
 };
 
-/// Neighbouring bins, the points of bin b at [start[b], start[b + 1]) of the arrays. The arrays that are read, and
-/// `start`, may be read up to kReadAhead elements beyond their ends; the others are not written beyond.
+/// Bands of 2^band_rows_log2 rows of bins each, of a window of bins.
+struct BandKernel {
+  float x_shift_m = 0.0F, y_shift_m = 0.0F, per_m = 1.0F;      ///< see BinRuler
+  float left = 0.0F, right = 0.0F, bottom = 0.0F, top = 0.0F;  ///< the window, in bins
+  std::int32_t first_row = 0, row_length = 0;                  ///< bottom, and bins a row
+  std::int32_t band_rows_log2 = 0, row_mask = 0;               ///< 2^band_rows_log2 - 1
+  std::int32_t nowhere = 0;                                    ///< the band of points beyond the window
+};
+
+/// A point on its way to a bin, counted within its band.
+struct BandPoint {
+  float z, x, y;
+  std::uint32_t bin;
+};
+
+/// Points with their bands and bins. Those of band b whose number is 4 i + r go to `to` from head[4 b + r] on.
+struct BandSend {
+  const float* x = nullptr;
+  const float* y = nullptr;
+  const float* z = nullptr;
+  const std::int32_t* band = nullptr;
+  const std::int32_t* bin = nullptr;
+  std::uint32_t* head = nullptr;
+  BandPoint* to = nullptr;
+};
+
+/// Neighbouring bins, the points of bin b at [start[b], start[b + 1]) of the arrays. `start` and `from` may be read up
+/// to kReadAhead elements beyond their ends; the others are not written beyond.
 struct BinSort {
   static constexpr std::size_t kFew = 8;
   static constexpr std::size_t kReadAhead = 24;
 
   const std::uint32_t* start = nullptr;
-  const float* from_x = nullptr;
-  const float* from_y = nullptr;
-  const float* from_z = nullptr;
+  const BandPoint* from = nullptr;
   float* x = nullptr;
   float* y = nullptr;
   float* z = nullptr;
@@ -100,6 +124,11 @@ struct ProjectionKernels {
   /// Points that are not inside the rectangle: writes their numbers and returns how many.
   std::size_t (*draw_border)(const BorderKernel& kernel, const float* x, const float* y, std::size_t count,
                              std::uint32_t* drawn);
+  /// Band of each point, and bin within the band.
+  void (*index_bands)(const BandKernel& kernel, const float* x, const float* y, std::size_t count, std::int32_t* band,
+                      std::int32_t* bin);
+  /// Copies points to their bands and moves the heads on.
+  void (*send_to_bands)(const BandSend& send, std::size_t count);
   /// Copies the points of bins, the highest first, equal heights by x, then y. What it leaves of bins with more than
   /// kFew points is not to be used.
   void (*sort_bins)(const BinSort& sort, std::size_t bins);

@@ -30,6 +30,11 @@ SPARSHA_INLINE Floats load(const float* p) {
   __builtin_memcpy(&value, p, sizeof(value));
   return value;
 }
+SPARSHA_INLINE Quad load_four(const float* p) {
+  Quad value;
+  __builtin_memcpy(&value, p, sizeof(value));
+  return value;
+}
 SPARSHA_INLINE void store(float* p, Floats value) { __builtin_memcpy(p, &value, sizeof(value)); }
 SPARSHA_INLINE Floats all(float value) { return Floats{} + value; }
 SPARSHA_INLINE Floats masked(Ints mask, Floats value) {

@@ -10,11 +10,6 @@ namespace {
 struct FourPoints {
   Quad x, y, z;
 };
-SPARSHA_INLINE Quad load_four(const float* p) {
-  Quad value;
-  __builtin_memcpy(&value, p, sizeof(value));
-  return value;
-}
 SPARSHA_INLINE FourPoints transpose(const float* p, std::size_t stride) {
   const Quad a = load_four(p);
   const Quad b = load_four(p + stride);

@@ -35,9 +35,26 @@ constexpr int kFour[5][2] = {{0, 2}, {1, 3}, {0, 1}, {2, 3}, {1, 2}};
 constexpr int kEight[19][2] = {{0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {0, 1}, {2, 3},
                                {4, 5}, {6, 7}, {2, 4}, {3, 5}, {1, 4}, {3, 6}, {1, 2}, {3, 4}, {5, 6}};
 
-SPARSHA_INLINE void load_slots(const float* from, const std::uint32_t* start, Floats* slots) {
-  for (int bin = 0; bin < 8; ++bin) slots[bin] = load(from + start[bin]);
-  turn_over(slots);
+// Points of bins b and b + 4, side by side.
+SPARSHA_INLINE Floats load_two(const sparsha::pipeline::BandPoint* low, const sparsha::pipeline::BandPoint* high) {
+  return __builtin_shufflevector(load_four(&low->z), load_four(&high->z), 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+// Point s of eight bins.
+SPARSHA_INLINE void load_slot(const sparsha::pipeline::BandPoint* from, const std::uint32_t* start, int s,
+                              EightBins& bins) {
+  from += s;
+  const Floats a = load_two(from + start[0], from + start[4]);
+  const Floats b = load_two(from + start[1], from + start[5]);
+  const Floats c = load_two(from + start[2], from + start[6]);
+  const Floats d = load_two(from + start[3], from + start[7]);
+  const Floats zx_ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Floats zx_cd = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Floats y_ab = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Floats y_cd = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+  bins.z[s] = __builtin_shufflevector(zx_ab, zx_cd, 0, 1, 8, 9, 4, 5, 12, 13);
+  bins.x[s] = __builtin_shufflevector(zx_ab, zx_cd, 2, 3, 10, 11, 6, 7, 14, 15);
+  bins.y[s] = __builtin_shufflevector(y_ab, y_cd, 0, 1, 8, 9, 4, 5, 12, 13);
 }
 
 // Writes eight points a bin, each bin over what the one before wrote too much.
@@ -54,9 +71,8 @@ SPARSHA_INLINE void sort_eight(const sparsha::pipeline::BinSort& sort, const std
   __builtin_memcpy(&end, start + 1, sizeof(end));
   const Ints count = end - begin;
   EightBins bins;
-  load_slots(sort.from_x, start, bins.x);
-  load_slots(sort.from_y, start, bins.y);
-  load_slots(sort.from_z, start, bins.z);
+#pragma GCC unroll 8
+  for (int s = 0; s < 8; ++s) load_slot(sort.from, start, s, bins);
   for (int s = 0; s < 8; ++s) bins.z[s] = choose(count > s, bins.z[s], all(-__builtin_inff()));
   if (any(count > 4)) {
 #pragma GCC unroll 19
@@ -87,9 +103,7 @@ SPARSHA_INLINE void sort_few(const sparsha::pipeline::BinSort& sort, std::size_t
       if (count == 0 || count > sparsha::pipeline::BinSort::kFew) continue;
       const std::uint32_t start[kLanes + 1] = {0, count, count, count, count, count, count, count, count};
       sparsha::pipeline::BinSort one = sort;
-      one.from_x += first;
-      one.from_y += first;
-      one.from_z += first;
+      one.from += first;
       float x[2 * kLanes];
       float y[2 * kLanes];
       float z[2 * kLanes];

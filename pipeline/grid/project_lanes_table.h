@@ -1,6 +1,7 @@
 // The table of kernels for the instruction set of the file that includes this.
 #pragma once
 
+#include "pipeline/grid/project_lanes_bins.h"
 #include "pipeline/grid/project_lanes_group.h"
 #include "pipeline/grid/project_lanes_points.h"
 #include "pipeline/grid/project_lanes_sort.h"
@@ -23,6 +24,11 @@ std::size_t draw_border_points(const sparsha::pipeline::BorderKernel& kernel, co
                                std::size_t count, std::uint32_t* drawn) {
   return draw_beyond(kernel, x, y, count, drawn);
 }
+void index_band_points(const sparsha::pipeline::BandKernel& kernel, const float* x, const float* y, std::size_t count,
+                       std::int32_t* band, std::int32_t* bin) {
+  index(kernel, x, y, count, band, bin);
+}
+void send_points(const sparsha::pipeline::BandSend& points, std::size_t count) { send(points, count); }
 void sort_few_bins(const sparsha::pipeline::BinSort& sort, std::size_t bins) { sort_few(sort, bins); }
 void fit_nodes(const sparsha::pipeline::NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,
                std::uint8_t* decided) {
@@ -39,8 +45,8 @@ void classify_points(const sparsha::pipeline::FateKernel& kernel, const float* x
   classify(kernel, x, y, z, count, fate);
 }
 
-constexpr sparsha::pipeline::ProjectionKernels kKernels{orient_points,      draw_points,   draw_block_points,
-                                                        draw_border_points, sort_few_bins, fit_nodes,
-                                                        fit_one_layer,      rank_values,   classify_points};
+constexpr sparsha::pipeline::ProjectionKernels kKernels{
+    orient_points, draw_points, draw_block_points, draw_border_points, index_band_points, send_points,
+    sort_few_bins, fit_nodes,   fit_one_layer,     rank_values,        classify_points};
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -82,6 +83,55 @@ pipeline::Bins binned(double per_node, std::size_t crowd = 0) {
   return pipeline::sort_into_bins(points, {}, lattice, pipeline::BinWindow::all(lattice), pool);
 }
 
+TEST(ProjectionKernels, SendEveryPointToTheBandOfItsBinWithAndWithoutAvx2) {
+  std::mt19937_64 random(24);
+  std::uniform_real_distribution<float> anywhere(-2.0F, 12.0F);
+  constexpr std::size_t kCount = 1003;
+  constexpr std::int32_t kBands = 4;  // of two rows: 2 to 9 of a window whose columns are 1 to 10
+  std::array<std::vector<float>, 3> points;
+  for (std::vector<float>& values : points) {
+    for (std::size_t k = 0; k < kCount; ++k) values.push_back(anywhere(random));
+  }
+  points[0][7] = pipeline::OrientedPoints::kFarAway;
+  const pipeline::BandKernel kernel{-0.5F, 0.25F, 1.0F, 1.0F, 11.0F, 2.0F, 10.0F, 2, 12, 1, 1, kBands};
+  using Place = std::array<float, 4>;  // band, bin, or kBands and 0 beyond the window; x, z
+  std::vector<Place> expected;
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const double u = std::floor(static_cast<double>(points[0][k] + 0.5F));
+    const double v = std::floor(static_cast<double>(points[1][k] - 0.25F));
+    const bool inside = u >= 1.0 && u < 11.0 && v >= 2.0 && v < 10.0;
+    const double band = inside ? std::floor(v / 2.0) - 1.0 : kBands;
+    const double bin = inside ? std::fmod(v, 2.0) * 12.0 + u : 0.0;
+    expected.push_back({static_cast<float>(band), static_cast<float>(bin), points[0][k], points[2][k]});
+  }
+  std::sort(expected.begin(), expected.end());
+  const auto check = [&](const pipeline::ProjectionKernels& kernels) {
+    std::vector<std::int32_t> band(kCount);
+    std::vector<std::int32_t> bin(kCount);
+    kernels.index_bands(kernel, points[0].data(), points[1].data(), kCount, band.data(), bin.data());
+    std::vector<std::uint32_t> start(4 * (kBands + 1) + 1, 0);
+    for (std::size_t k = 0; k < kCount; ++k) ++start[4 * static_cast<std::size_t>(band[k]) + k % 4 + 1];
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    std::vector<std::uint32_t> head(start.begin(), start.end() - 1);
+    std::vector<pipeline::BandPoint> sent(kCount);
+    kernels.send_to_bands(
+        {points[0].data(), points[1].data(), points[2].data(), band.data(), bin.data(), head.data(), sent.data()},
+        kCount);
+    EXPECT_TRUE(std::equal(head.begin(), head.end(), start.begin() + 1)) << "a head stopped short of the next start";
+    std::vector<Place> places;
+    for (std::uint32_t b = 0; b <= kBands; ++b) {
+      for (std::uint32_t k = start[4 * b]; k < start[4 * b + 4]; ++k) {
+        const float in_band = b < kBands ? static_cast<float>(sent[k].bin) : 0.0F;
+        places.push_back({static_cast<float>(b), in_band, sent[k].x, sent[k].z});
+      }
+    }
+    std::sort(places.begin(), places.end());
+    EXPECT_EQ(places, expected);
+  };
+  check(pipeline::baseline_kernels());
+  if (__builtin_cpu_supports("avx2")) check(pipeline::avx2_kernels());
+}
+
 TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithAndWithoutAvx2) {
   std::mt19937_64 random(23);
   for (const int most : {1, 3, 8, 20}) {
@@ -92,19 +142,17 @@ TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithAndWithoutAvx2) {
     for (std::size_t b = 0; b < kBins; ++b) start.push_back(start.back() + static_cast<std::uint32_t>(size(random)));
     const std::size_t count = start.back();
     start.resize(start.size() + pipeline::BinSort::kReadAhead, start.back());
-    std::array<std::vector<float>, 3> from;
-    for (std::vector<float>& values : from) {
-      for (std::size_t k = 0; k < count; ++k) values.push_back(0.25F * static_cast<float>(level(random)));
-      values.resize(count + pipeline::BinSort::kReadAhead, 9.0F);
-    }
+    const auto coordinate = [&] { return 0.25F * static_cast<float>(level(random)); };
+    std::vector<pipeline::BandPoint> from;
+    for (std::size_t k = 0; k < count; ++k) from.push_back({coordinate(), coordinate(), coordinate(), 0});
+    from.resize(count + pipeline::BinSort::kReadAhead, {9.0F, 9.0F, 9.0F, 0});
     std::vector<std::array<float, 3>> expected;  // -z, x, y
-    for (std::size_t k = 0; k < count; ++k) expected.push_back({-from[2][k], from[0][k], from[1][k]});
+    for (std::size_t k = 0; k < count; ++k) expected.push_back({-from[k].z, from[k].x, from[k].y});
     for (std::size_t b = 0; b < kBins; ++b) std::sort(expected.begin() + start[b], expected.begin() + start[b + 1]);
     const auto check = [&](const pipeline::ProjectionKernels& kernels) {
       std::array<std::vector<float>, 3> to;
       for (std::vector<float>& values : to) values.assign(count + 1, 7.0F);
-      const pipeline::BinSort sort{start.data(), from[0].data(), from[1].data(), from[2].data(),
-                                   to[0].data(), to[1].data(),   to[2].data()};
+      const pipeline::BinSort sort{start.data(), from.data(), to[0].data(), to[1].data(), to[2].data()};
       kernels.sort_bins(sort, kBins);
       for (std::size_t b = 0; b < kBins; ++b) {
         if (start[b + 1] - start[b] > pipeline::BinSort::kFew) continue;
