@@ -23,6 +23,8 @@ SPARSHA_INLINE void index(const sparsha::pipeline::BandKernel& k, const float* x
     Ints bands;
     Ints bins;
     if (count - p >= kLanes) {
+      foresee(x + p);
+      foresee(y + p);
       index_eight(k, load(x + p), load(y + p), bands, bins);
       __builtin_memcpy(band + p, &bands, sizeof(bands));
       __builtin_memcpy(bin + p, &bins, sizeof(bins));

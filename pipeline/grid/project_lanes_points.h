@@ -11,6 +11,7 @@ struct FourPoints {
   Quad x, y, z;
 };
 SPARSHA_INLINE FourPoints transpose(const float* p, std::size_t stride) {
+  foresee(p);
   const Quad a = load_four(p);
   const Quad b = load_four(p + stride);
   const Quad c = load_four(p + 2 * stride);
@@ -75,6 +76,15 @@ SPARSHA_INLINE void orient(const float* xyz, std::size_t stride, std::size_t cou
   }
 }
 
+// Writes p + lane for the first `lanes` lanes of a mask; returns how many are set.
+SPARSHA_INLINE std::size_t list(Ints mask, std::size_t p, std::size_t lanes, std::uint32_t* drawn) {
+  std::size_t found = 0;
+  for (std::uint32_t bits = lanes_of(mask) & ((1U << lanes) - 1U); bits != 0; bits &= bits - 1) {
+    drawn[found++] = static_cast<std::uint32_t>(p) + static_cast<std::uint32_t>(__builtin_ctz(bits));
+  }
+  return found;
+}
+
 // Writes which points a hash of the coordinates draws; the same point is drawn wherever it stands in the cloud.
 SPARSHA_INLINE std::size_t draw(const float* xyz, std::size_t stride, std::size_t count, std::uint32_t limit,
                                 std::uint32_t* drawn) {
@@ -102,10 +112,7 @@ SPARSHA_INLINE std::size_t draw(const float* xyz, std::size_t stride, std::size_
     h = (h ^ (h >> 15)) * 0x2c1b3c6dU;
     h = (h ^ (h >> 12)) * 0x297a2d39U;
     const Ints hit = reinterpret_cast<Ints>(h <= limit);
-    if (!any(hit)) continue;
-    for (std::size_t lane = 0; lane < here; ++lane) {
-      if (hit[lane] != 0) drawn[found++] = static_cast<std::uint32_t>(k + lane);
-    }
+    found += list(hit, k, here, drawn + found);
   }
   return found;
 }
@@ -119,6 +126,8 @@ SPARSHA_INLINE std::size_t draw_of_blocks(const sparsha::pipeline::BlockKernel& 
     Floats py = px;
     const std::size_t here = count - p < kLanes ? count - p : kLanes;
     if (here == kLanes) {
+      foresee(x + p);
+      foresee(y + p);
       px = load(x + p);
       py = load(y + p);
     } else {
@@ -135,10 +144,7 @@ SPARSHA_INLINE std::size_t draw_of_blocks(const sparsha::pipeline::BlockKernel& 
     h = (h ^ (h >> 12)) * 0x297a2d39U;
     h ^= h >> 15;
     const Ints hit = inside & reinterpret_cast<Ints>(h <= k.limit);
-    if (!any(hit)) continue;
-    for (std::size_t lane = 0; lane < here; ++lane) {
-      if (hit[lane] != 0) drawn[found++] = static_cast<std::uint32_t>(p + lane);
-    }
+    found += list(hit, p, here, drawn + found);
   }
   return found;
 }
@@ -151,6 +157,8 @@ SPARSHA_INLINE std::size_t draw_beyond(const sparsha::pipeline::BorderKernel& k,
     Floats px{};
     Floats py{};
     if (here == kLanes) {
+      foresee(x + p);
+      foresee(y + p);
       px = load(x + p);
       py = load(y + p);
     } else {
@@ -158,10 +166,7 @@ SPARSHA_INLINE std::size_t draw_beyond(const sparsha::pipeline::BorderKernel& k,
       __builtin_memcpy(&py, y + p, here * sizeof(float));
     }
     const Ints beyond = ~((px > k.left_m) & (px < k.right_m) & (py > k.bottom_m) & (py < k.top_m));
-    if (!any(beyond)) continue;
-    for (std::size_t lane = 0; lane < here; ++lane) {
-      if (beyond[lane] != 0) drawn[found++] = static_cast<std::uint32_t>(p + lane);
-    }
+    found += list(beyond, p, here, drawn + found);
   }
   return found;
 }
@@ -180,6 +185,9 @@ SPARSHA_INLINE void classify(const sparsha::pipeline::FateKernel& k, const float
                              std::size_t count, std::uint8_t* fate) {
   constexpr float kInfinity = __builtin_inff();
   for (std::size_t p = 0; p + kLanes <= count; p += kLanes) {
+    foresee(x + p);
+    foresee(y + p);
+    foresee(z + p);
     const Floats u = (load(x + p) - k.x0_m) * k.per_m;
     const Floats v = (load(y + p) - k.y0_m) * k.per_m;
     const Ints inner = (u >= 0.0F) & (v >= 0.0F) & (u < k.last_u) & (v < k.last_v);
@@ -200,7 +208,8 @@ SPARSHA_INLINE void classify(const sparsha::pipeline::FateKernel& k, const float
     const Ints outlier = here > high + k.gap_m;
     const Ints occluded = here < low - k.gap_m;
     const Ints code = (known & ((outlier & k.outlier) | (occluded & k.occluded))) | (~known & k.undecided);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) fate[p + lane] = static_cast<std::uint8_t>(code[lane]);
+    const auto codes = __builtin_convertvector(code, Bytes);
+    __builtin_memcpy(fate + p, &codes, sizeof(codes));
   }
   for (std::size_t p = count / kLanes * kLanes; p < count; ++p) fate[p] = static_cast<std::uint8_t>(k.undecided);
 }

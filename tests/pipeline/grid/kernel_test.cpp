@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -81,6 +82,44 @@ pipeline::Bins binned(double per_node, std::size_t crowd = 0) {
   const pipeline::BinLattice lattice{kNx, kNy, kSpacing, 0.0, 0.0};
   ThreadPool pool(1);
   return pipeline::sort_into_bins(points, {}, lattice, pipeline::BinWindow::all(lattice), pool);
+}
+
+TEST(ProjectionKernels, DrawBordersAndBlocksAndClassifyAlikeWithAndWithoutAvx2) {
+  std::mt19937_64 random(25);
+  std::uniform_real_distribution<float> anywhere(-1.0F, 11.0F);
+  constexpr std::size_t kCount = 1003;
+  constexpr std::int32_t kSide = 9;
+  std::array<std::vector<float>, 3> points;
+  for (std::vector<float>& values : points) {
+    for (std::size_t k = 0; k < kCount; ++k) values.push_back(anywhere(random));
+  }
+  std::vector<float> height(kSide * kSide);
+  for (float& h : height) h = anywhere(random);
+  height[30] = std::numeric_limits<float>::quiet_NaN();
+  const auto run = [&](const pipeline::ProjectionKernels& kernels) {
+    std::array<std::vector<std::uint32_t>, 2> drawn{std::vector<std::uint32_t>(kCount),
+                                                    std::vector<std::uint32_t>(kCount)};
+    const float* const x = points[0].data();
+    const float* const y = points[1].data();
+    drawn[0].resize(kernels.draw_border({1.0F, 9.0F, 2.0F, 8.0F}, x, y, kCount, drawn[0].data()));
+    drawn[1].resize(kernels.draw_blocks({0.5F, 0.5F, 2.0F, 0x40000000U}, x, y, kCount, drawn[1].data()));
+    std::vector<std::uint8_t> fate(kCount);
+    const pipeline::FateKernel fates{height.data(), kSide, 0.5F, 0.5F, 1.0F, kSide - 1.0F, kSide - 1.0F, 0.5F, 1, 2, 9};
+    kernels.classify(fates, x, y, points[2].data(), kCount, fate.data());
+    return std::pair(drawn, fate);
+  };
+  const auto [drawn, fate] = run(pipeline::baseline_kernels());
+  std::vector<std::uint32_t> border;
+  for (std::uint32_t k = 0; k < kCount; ++k) {
+    const float x = points[0][k];
+    const float y = points[1][k];
+    if (!(x > 1.0F && x < 9.0F && y > 2.0F && y < 8.0F)) border.push_back(k);
+  }
+  EXPECT_EQ(drawn[0], border);
+  EXPECT_FALSE(drawn[1].empty());
+  for (const int code : {0, 1, 2, 9}) EXPECT_NE(std::find(fate.begin(), fate.end(), code), fate.end()) << code;
+  if (!__builtin_cpu_supports("avx2")) return;
+  EXPECT_EQ(std::pair(drawn, fate), run(pipeline::avx2_kernels()));
 }
 
 TEST(ProjectionKernels, SendEveryPointToTheBandOfItsBinWithAndWithoutAvx2) {
