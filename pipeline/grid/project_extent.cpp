@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 
 #include "pipeline/base/error.h"
 #include "pipeline/grid/project_kernel.h"
@@ -54,32 +56,29 @@ Occupancy count_points(std::uint64_t points, const OrientedPieces& pieces, const
   cells.ny = std::min(side, static_cast<int>((box.y1 - box.y0) / cells.cell_m) + 1);
   const std::size_t size = cells.at(0, cells.ny);
   cells.count.assign(size, 0);
+  // One band of all rows; points outside go to one cell more.
+  BandKernel kernel;
+  kernel.x_shift_m = static_cast<float>(cells.box.x0);
+  kernel.y_shift_m = static_cast<float>(cells.box.y0);
+  kernel.per_m = static_cast<float>(cells.per_m);
+  kernel.right = static_cast<float>(cells.nx);
+  kernel.top = static_cast<float>(cells.ny);
+  kernel.row_length = cells.nx;
+  kernel.band_rows_log2 = 31;
+  kernel.row_mask = std::numeric_limits<std::int32_t>::max();
+  kernel.nowhere = static_cast<std::int32_t>(size);
   pieces([&](const OrientedPoints& piece) {
     std::vector<std::vector<std::uint32_t>> partial((piece.count + kPiece - 1) / kPiece);
     pool.for_ranges(piece.count, kPiece, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t>& mine = partial[begin / kPiece];
       mine.assign(size + 1, 0);
-      const auto x0 = static_cast<float>(cells.box.x0);
-      const auto y0 = static_cast<float>(cells.box.y0);
-      const auto per_m = static_cast<float>(cells.per_m);
-      const auto nx = static_cast<float>(cells.nx);
-      const auto ny = static_cast<float>(cells.ny);
-      // Cells a batch at a time, which the compiler does in vectors; points outside go to one cell more.
-      const auto outside = static_cast<std::int32_t>(size);
+      std::array<std::int32_t, kBatch> band;
       std::array<std::int32_t, kBatch> cell;
       for (std::size_t first = begin; first < end; first += kBatch) {
         const std::size_t batch = std::min(kBatch, end - first);
-        const float* x = piece.x.get() + first;
-        const float* y = piece.y.get() + first;
-        for (std::size_t k = 0; k < batch; ++k) {
-          const float u = (x[k] - x0) * per_m;
-          const float v = (y[k] - y0) * per_m;
-          const bool inside = (u >= 0.0F) & (v >= 0.0F) & (u < nx) & (v < ny);
-          const auto i = static_cast<std::int32_t>(inside ? u : 0.0F);
-          const auto j = static_cast<std::int32_t>(inside ? v : 0.0F);
-          cell[k] = inside ? j * cells.nx + i : outside;
-        }
-        for (std::size_t k = 0; k < batch; ++k) ++mine[static_cast<std::size_t>(cell[k])];
+        fastest_kernels().index_bands(kernel, piece.x.get() + first, piece.y.get() + first, batch, band.data(),
+                                      cell.data());
+        for (std::size_t k = 0; k < batch; ++k) ++mine[static_cast<std::size_t>(band[k] + cell[k])];
       }
     });
     for (const std::vector<std::uint32_t>& mine : partial) {
