@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -122,11 +123,11 @@ void keep_supported_cells(Occupancy& cells, std::uint64_t points) {
 
   const std::uint64_t few = points / 1000;
   std::vector<std::size_t> group;
-  std::vector<std::uint8_t> seen(cells.count.size(), 0);
+  std::vector<bool> seen(cells.count.size(), false);
   for (std::size_t first = 0; first < seen.size(); ++first) {
-    if (cells.kept[first] == 0 || seen[first] != 0) continue;
+    if (cells.kept[first] == 0 || seen[first]) continue;
     group.assign(1, first);
-    seen[first] = 1;
+    seen[first] = true;
     std::uint64_t held = 0;
     for (std::size_t k = 0; k < group.size(); ++k) {
       held += cells.count[group[k]];
@@ -135,8 +136,8 @@ void keep_supported_cells(Occupancy& cells, std::uint64_t points) {
       for (int b = std::max(0, j - 2); b <= std::min(cells.ny - 1, j + 2); ++b) {
         for (int a = std::max(0, i - 2); a <= std::min(cells.nx - 1, i + 2); ++a) {
           const std::size_t c = cells.at(a, b);
-          if (cells.kept[c] != 0 && seen[c] == 0) {
-            seen[c] = 1;
+          if (cells.kept[c] != 0 && !seen[c]) {
+            seen[c] = true;
             group.push_back(c);
           }
         }
@@ -216,35 +217,37 @@ std::array<Strip, 4> border_strips(const OrientedPieces& pieces, const Occupancy
   const auto reach_of = [&](std::size_t c) {
     return static_cast<float>(6.0 * cells.cell_m / std::sqrt(static_cast<double>(cells.around[c])));
   };
-  const auto sides_of = [&](std::size_t c) {
-    const int i = static_cast<int>(c % static_cast<std::size_t>(cells.nx));
-    const int j = static_cast<int>(c / static_cast<std::size_t>(cells.nx));
-    return std::array<bool, 4>{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
-  };
+  std::vector<std::bitset<4>> sides_of(cells.kept.size());  // those that a kept cell is at
   std::array<Strip, 4> strips{Strip(0, -1.0F), Strip(0, 1.0F), Strip(1, -1.0F), Strip(1, 1.0F)};
-  for (std::size_t c = 0; c < cells.kept.size(); ++c) {
-    if (cells.kept[c] == 0) continue;
-    const std::array<bool, 4> at_side = sides_of(c);
-    for (std::size_t side = 0; side < 4; ++side) {
-      if (at_side[side]) strips[side].most_reach_m = std::max(strips[side].most_reach_m, reach_of(c));
+  for (int j = kept.j0; j <= kept.j1; ++j) {
+    for (int i = kept.i0; i <= kept.i1; ++i) {
+      const std::size_t c = cells.at(i, j);
+      if (cells.kept[c] == 0) continue;
+      const std::array<bool, 4> at_side{i <= kept.i0 + 1, i >= kept.i1 - 1, j <= kept.j0 + 1, j >= kept.j1 - 1};
+      for (std::size_t side = 0; side < 4; ++side) {
+        if (!at_side[side]) continue;
+        sides_of[c].set(side);
+        strips[side].most_reach_m = std::max(strips[side].most_reach_m, reach_of(c));
+      }
     }
   }
   pieces([&](const OrientedPoints& points) {
     std::vector<std::array<std::vector<BorderPoint>, 4>> parts((points.count + kPiece - 1) / kPiece);
     pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-      std::vector<std::uint32_t> drawn(end - begin);
-      drawn.resize(fastest_kernels().draw_border(inner, points.x.get() + begin, points.y.get() + begin, end - begin,
-                                                 drawn.data()));
-      for (const std::uint32_t d : drawn) {
-        const std::size_t k = begin + d;
-        const std::ptrdiff_t found = cells.cell_of(points.x[k], points.y[k]);
-        if (found < 0) continue;
-        const auto c = static_cast<std::size_t>(found);
-        if (cells.kept[c] == 0) continue;
-        const std::array<bool, 4> at_side = sides_of(c);
-        const BorderPoint point{{points.x[k], points.y[k], points.z[k]}, reach_of(c)};
-        for (std::size_t side = 0; side < 4; ++side) {
-          if (at_side[side]) parts[begin / kPiece][side].push_back(point);
+      std::array<std::uint32_t, kBatch> drawn;
+      for (std::size_t first = begin; first < end; first += kBatch) {
+        const std::size_t found = fastest_kernels().draw_border(inner, points.x.get() + first, points.y.get() + first,
+                                                                std::min(kBatch, end - first), drawn.data());
+        for (std::size_t d = 0; d < found; ++d) {
+          const std::size_t k = first + drawn[d];
+          const std::ptrdiff_t cell = cells.cell_of(points.x[k], points.y[k]);
+          if (cell < 0) continue;
+          const auto c = static_cast<std::size_t>(cell);
+          if (sides_of[c].none()) continue;
+          const BorderPoint point{{points.x[k], points.y[k], points.z[k]}, reach_of(c)};
+          for (std::size_t side = 0; side < 4; ++side) {
+            if (sides_of[c][side]) parts[begin / kPiece][side].push_back(point);
+          }
         }
       }
     });

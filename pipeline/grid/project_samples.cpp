@@ -2,6 +2,7 @@
 #include "pipeline/grid/project_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,7 @@ constexpr double kNoiseQuantile = 0.35;
 constexpr double kNoiseOfQuantile = 1.08;
 constexpr double kBlocks = 700.0;
 constexpr std::size_t kPiece = 1U << 15U;
+constexpr std::size_t kBatch = 1U << 10U;
 constexpr std::size_t kBlocksAtOnce = 32;
 
 struct Sample {
@@ -120,17 +122,19 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
     std::vector<std::vector<Sample>> parts((points.count + kPiece - 1) / kPiece);
     pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
       std::vector<Sample>& mine = parts[begin / kPiece];
-      std::vector<std::uint32_t> drawn(end - begin);
-      drawn.resize(fastest_kernels().draw_blocks(blocks_drawn, points.x.get() + begin, points.y.get() + begin,
-                                                 end - begin, drawn.data()));
-      for (const std::uint32_t d : drawn) {
-        const std::size_t k = begin + d;
-        const float a = (points.x[k] - blocks_drawn.x0_m) * blocks_drawn.per_m;
-        const float b = (points.y[k] - blocks_drawn.y0_m) * blocks_drawn.per_m;
-        const auto i = static_cast<std::uint32_t>(a);
-        const auto j = static_cast<std::uint32_t>(b);
-        mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
-                        {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
+      std::array<std::uint32_t, kBatch> drawn;
+      for (std::size_t first = begin; first < end; first += kBatch) {
+        const std::size_t here = fastest_kernels().draw_blocks(
+            blocks_drawn, points.x.get() + first, points.y.get() + first, std::min(kBatch, end - first), drawn.data());
+        for (std::size_t d = 0; d < here; ++d) {
+          const std::size_t k = first + drawn[d];
+          const float a = (points.x[k] - blocks_drawn.x0_m) * blocks_drawn.per_m;
+          const float b = (points.y[k] - blocks_drawn.y0_m) * blocks_drawn.per_m;
+          const auto i = static_cast<std::uint32_t>(a);
+          const auto j = static_cast<std::uint32_t>(b);
+          mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
+                          {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
+        }
       }
     });
     for (const std::vector<Sample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
