@@ -1,4 +1,4 @@
-// The kernels for every x86-64 (and other machines), and the choice between them and the AVX2 ones.
+// The kernels for every x86-64 (and other machines), and the choice between them and the AVX ones.
 #include "pipeline/grid/project_kernel.h"
 
 #include "pipeline/grid/project_lanes_table.h"
@@ -7,8 +7,19 @@ namespace sparsha::pipeline {
 
 const ProjectionKernels& baseline_kernels() { return kKernels; }
 
+bool has_avx512() {
+#if defined(__x86_64__) && defined(__GNUC__)
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq");
+#else
+  return false;
+#endif
+}
+
 const ProjectionKernels& fastest_kernels() {
 #if defined(__x86_64__) && defined(__GNUC__)
+  static const bool avx512 = has_avx512();
+  if (avx512) return avx512_kernels();
   if (__builtin_cpu_supports("avx2")) return avx2_kernels();
 #endif
   return baseline_kernels();

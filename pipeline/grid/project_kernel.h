@@ -1,5 +1,5 @@
-// The loops over all points and all nodes. Plain pointers only; the same source is compiled for baseline x86-64 and for
-// AVX2, and both give the same bits.
+// The loops over all points and all nodes. Plain pointers only; the same source is compiled for baseline x86-64, for
+// AVX2 and for AVX-512, and all give the same bits.
 #pragma once
 
 #include <cstddef>
@@ -148,6 +148,8 @@ struct ProjectionKernels {
 
 [[nodiscard]] const ProjectionKernels& baseline_kernels();
 [[nodiscard]] const ProjectionKernels& avx2_kernels();
+[[nodiscard]] const ProjectionKernels& avx512_kernels();
+[[nodiscard]] bool has_avx512();  ///< all that avx512_kernels() need
 
 /// The fastest that this machine runs.
 [[nodiscard]] const ProjectionKernels& fastest_kernels();

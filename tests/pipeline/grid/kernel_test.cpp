@@ -19,7 +19,15 @@
 namespace sparsha::test {
 namespace {
 
-TEST(ProjectionKernels, OrientAndDrawBitForBitWithAndWithoutAvx2) {
+/// Those of this machine beside the baseline.
+std::vector<const pipeline::ProjectionKernels*> vector_kernels() {
+  std::vector<const pipeline::ProjectionKernels*> all;
+  if (__builtin_cpu_supports("avx2")) all.push_back(&pipeline::avx2_kernels());
+  if (pipeline::has_avx512()) all.push_back(&pipeline::avx512_kernels());
+  return all;
+}
+
+TEST(ProjectionKernels, OrientAndDrawBitForBitWithEveryInstructionSet) {
   std::mt19937_64 random(12);
   std::normal_distribution<float> normal(0.0F, 100.0F);
   std::vector<float> xyz(4 * 1003);
@@ -38,17 +46,19 @@ TEST(ProjectionKernels, OrientAndDrawBitForBitWithAndWithoutAvx2) {
     r.count = kernels.draw(xyz.data(), 4, 1003, 0x20000000U, r.drawn.data());
     return r;
   };
-  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+  if (vector_kernels().empty()) GTEST_SKIP() << "this machine has the baseline only";
   const Result a = run(pipeline::baseline_kernels());
-  const Result b = run(pipeline::avx2_kernels());
-  EXPECT_EQ(a.x, b.x);
-  EXPECT_EQ(a.y, b.y);
-  EXPECT_EQ(a.z, b.z);
-  EXPECT_TRUE(std::equal(a.low, a.low + 3, b.low));
-  EXPECT_TRUE(std::equal(a.high, a.high + 3, b.high));
-  EXPECT_EQ(a.count, b.count);
-  EXPECT_NEAR(static_cast<double>(a.count), 1003.0 / 8.0, 40.0);
-  EXPECT_EQ(a.drawn, b.drawn);
+  for (const auto* kernels : vector_kernels()) {
+    const Result b = run(*kernels);
+    EXPECT_EQ(a.x, b.x);
+    EXPECT_EQ(a.y, b.y);
+    EXPECT_EQ(a.z, b.z);
+    EXPECT_TRUE(std::equal(a.low, a.low + 3, b.low));
+    EXPECT_TRUE(std::equal(a.high, a.high + 3, b.high));
+    EXPECT_EQ(a.count, b.count);
+    EXPECT_NEAR(static_cast<double>(a.count), 1003.0 / 8.0, 40.0);
+    EXPECT_EQ(a.drawn, b.drawn);
+  }
 }
 
 /// Points on a bent surface with a step, a back and outliers, sorted into bins of a lattice of 61 x 40 nodes; `crowd`
@@ -84,7 +94,7 @@ pipeline::Bins binned(double per_node, std::size_t crowd = 0) {
   return pipeline::sort_into_bins(points, {}, lattice, pipeline::BinWindow::all(lattice), pool);
 }
 
-TEST(ProjectionKernels, DrawBordersAndBlocksAndClassifyAlikeWithAndWithoutAvx2) {
+TEST(ProjectionKernels, DrawBordersAndBlocksAndClassifyAlikeWithEveryInstructionSet) {
   std::mt19937_64 random(25);
   std::uniform_real_distribution<float> anywhere(-1.0F, 11.0F);
   constexpr std::size_t kCount = 1003;
@@ -118,11 +128,10 @@ TEST(ProjectionKernels, DrawBordersAndBlocksAndClassifyAlikeWithAndWithoutAvx2) 
   EXPECT_EQ(drawn[0], border);
   EXPECT_FALSE(drawn[1].empty());
   for (const int code : {0, 1, 2, 9}) EXPECT_NE(std::find(fate.begin(), fate.end(), code), fate.end()) << code;
-  if (!__builtin_cpu_supports("avx2")) return;
-  EXPECT_EQ(std::pair(drawn, fate), run(pipeline::avx2_kernels()));
+  for (const auto* kernels : vector_kernels()) EXPECT_EQ(std::pair(drawn, fate), run(*kernels));
 }
 
-TEST(ProjectionKernels, SendEveryPointToTheBandOfItsBinWithAndWithoutAvx2) {
+TEST(ProjectionKernels, SendEveryPointToTheBandOfItsBinWithEveryInstructionSet) {
   std::mt19937_64 random(24);
   std::uniform_real_distribution<float> anywhere(-2.0F, 12.0F);
   constexpr std::size_t kCount = 1003;
@@ -168,10 +177,10 @@ TEST(ProjectionKernels, SendEveryPointToTheBandOfItsBinWithAndWithoutAvx2) {
     EXPECT_EQ(places, expected);
   };
   check(pipeline::baseline_kernels());
-  if (__builtin_cpu_supports("avx2")) check(pipeline::avx2_kernels());
+  for (const auto* kernels : vector_kernels()) check(*kernels);
 }
 
-TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithAndWithoutAvx2) {
+TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithEveryInstructionSet) {
   std::mt19937_64 random(23);
   for (const int most : {1, 3, 8, 20}) {
     constexpr std::size_t kBins = 203;
@@ -202,7 +211,7 @@ TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithAndWithoutAvx2) {
       for (const std::vector<float>& values : to) EXPECT_EQ(values.back(), 7.0F) << "written beyond the end";
     };
     check(pipeline::baseline_kernels());
-    if (__builtin_cpu_supports("avx2")) check(pipeline::avx2_kernels());
+    for (const auto* kernels : vector_kernels()) check(*kernels);
   }
 }
 
@@ -230,14 +239,16 @@ std::pair<std::vector<float>, std::vector<std::uint8_t>> fit_all(const pipeline:
   return result;
 }
 
-TEST(ProjectionKernels, FitNodesBitForBitWithAndWithoutAvx2) {
-  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+TEST(ProjectionKernels, FitNodesBitForBitWithEveryInstructionSet) {
+  if (vector_kernels().empty()) GTEST_SKIP() << "this machine has the baseline only";
   for (const double per_node : {0.7, 1.5, 4.0, 12.0, 40.0}) {
     const pipeline::Bins bins = binned(per_node);
     const auto a = fit_all(bins, pipeline::baseline_kernels());
-    const auto b = fit_all(bins, pipeline::avx2_kernels());
-    EXPECT_EQ(a.second, b.second) << per_node << " points a node";
-    EXPECT_EQ(0, std::memcmp(a.first.data(), b.first.data(), a.first.size() * sizeof(float))) << per_node;
+    for (const auto* kernels : vector_kernels()) {
+      const auto b = fit_all(bins, *kernels);
+      EXPECT_EQ(a.second, b.second) << per_node << " points a node";
+      EXPECT_EQ(0, std::memcmp(a.first.data(), b.first.data(), a.first.size() * sizeof(float))) << per_node;
+    }
   }
 }
 
@@ -255,8 +266,8 @@ TEST(ProjectionKernels, ANodeDependsOnlyOnBinsOfItsOwnWindow) {
   }
 }
 
-TEST(ProjectionKernels, FitLayersBitForBitWithAndWithoutAvx2) {
-  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+TEST(ProjectionKernels, FitLayersBitForBitWithEveryInstructionSet) {
+  if (vector_kernels().empty()) GTEST_SKIP() << "this machine has the baseline only";
   std::mt19937_64 random(22);
   std::normal_distribution<float> normal(0.0F, 1.0F);
   for (std::size_t count = 1; count < 100; ++count) {
@@ -285,15 +296,17 @@ TEST(ProjectionKernels, FitLayersBitForBitWithAndWithoutAvx2) {
       return std::tuple(kernels.fit_layer(kernel, count), rank, distinct);
     };
     const auto [a, rank_a, distinct_a] = run(pipeline::baseline_kernels());
-    const auto [b, rank_b, distinct_b] = run(pipeline::avx2_kernels());
-    EXPECT_EQ(a.good, b.good);
-    EXPECT_EQ(a.support, b.support);
-    for (const auto& [left, right] : {std::pair{a.height_m, b.height_m}, std::pair{a.slope_u_m, b.slope_u_m},
-                                      std::pair{a.slope_v_m, b.slope_v_m}, std::pair{a.loss, b.loss}}) {
-      EXPECT_EQ(std::bit_cast<std::uint32_t>(left), std::bit_cast<std::uint32_t>(right)) << count << " points";
+    for (const auto* kernels : vector_kernels()) {
+      const auto [b, rank_b, distinct_b] = run(*kernels);
+      EXPECT_EQ(a.good, b.good);
+      EXPECT_EQ(a.support, b.support);
+      for (const auto& [left, right] : {std::pair{a.height_m, b.height_m}, std::pair{a.slope_u_m, b.slope_u_m},
+                                        std::pair{a.slope_v_m, b.slope_v_m}, std::pair{a.loss, b.loss}}) {
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(left), std::bit_cast<std::uint32_t>(right)) << count << " points";
+      }
+      EXPECT_EQ(rank_a, rank_b);
+      EXPECT_EQ(distinct_a, distinct_b);
     }
-    EXPECT_EQ(rank_a, rank_b);
-    EXPECT_EQ(distinct_a, distinct_b);
   }
 }
 
