@@ -18,8 +18,7 @@ bool has_avx512() {
 
 const ProjectionKernels& fastest_kernels() {
 #if defined(__x86_64__) && defined(__GNUC__)
-  static const bool avx512 = has_avx512();
-  if (avx512) return avx512_kernels();
+  if (has_avx512()) return avx512_kernels();
   if (__builtin_cpu_supports("avx2")) return avx2_kernels();
 #endif
   return baseline_kernels();
