@@ -150,7 +150,7 @@ TEST(ServoFreedom, TheCountersWouldSeeAnAllocationAndALock) {
   locks.store(0);
   pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
   watching = true;
-  void* memory = std::malloc(100);
+  void* volatile memory = std::malloc(100);  // volatile: a pair that nobody uses may be left out
   std::free(memory);
   pthread_mutex_lock(&mutex);
   watching = false;
