@@ -51,10 +51,10 @@ for target in build-fuzz/fuzz/*_fuzz; do
 done
 
 section "Coverage of the pipeline, haptics and audio"
-cmake -S . -B build-coverage -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=--coverage > /dev/null
+cmake -S . -B build-coverage -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS=--coverage -fprofile-update=atomic" > /dev/null
 cmake --build build-coverage -j"$jobs"
 ctest --test-dir build-coverage -j"$jobs" --output-on-failure --no-tests=error --timeout 3600
-gcovr --root . --filter '(pipeline|haptics|audio|viewer|app)/' --txt build-coverage/coverage.txt build-coverage
+gcovr --gcov-ignore-parse-errors --root . --filter '(pipeline|haptics|audio|viewer|app)/' --txt build-coverage/coverage.txt build-coverage
 tail -3 build-coverage/coverage.txt
 
 section "done"
