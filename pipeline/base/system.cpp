@@ -225,7 +225,11 @@ bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path&
 
 void advise_large_pages(void* data, std::size_t size) noexcept {
 #if defined(MADV_HUGEPAGE)
-  ::madvise(data, size, MADV_HUGEPAGE);
+  if (size < 2 * kLargePageBytes) return;
+  const std::size_t past = reinterpret_cast<std::uintptr_t>(data) % kLargePageBytes;
+  const std::size_t before = past > 0 ? kLargePageBytes - past : 0;
+  const std::size_t whole = (size - before) / kLargePageBytes * kLargePageBytes;
+  ::madvise(static_cast<char*>(data) + before, whole, MADV_HUGEPAGE);
 #else
   static_cast<void>(data);
   static_cast<void>(size);

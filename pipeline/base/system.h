@@ -44,7 +44,11 @@ class ScratchFile {
 [[nodiscard]] std::uint64_t physical_memory_bytes() noexcept;
 /// Swaps two existing paths as one step where the system can; false when it cannot.
 [[nodiscard]] bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept;
-/// Tells the system that a large buffer will be used as a whole, so that it may take large pages for it.
+/// What a processor maps at once where the system has large pages, bytes.
+constexpr std::size_t kLargePageBytes = std::size_t{2} << 20U;
+/// Tells the system, before a buffer is touched for the first time, that it will be used as a whole, so that large
+/// pages may be taken for those that lie whole in it. Advice only: what the system makes of it changes no value.
+/// Nothing for buffers below two such pages.
 void advise_large_pages(void* data, std::size_t size) noexcept;
 /// Number that tells concurrent writers apart (process id).
 [[nodiscard]] unsigned process_id() noexcept;

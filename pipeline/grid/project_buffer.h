@@ -71,19 +71,18 @@ using Buffer = std::unique_ptr<T[], FreeMemory>;
 template <typename T>
 [[nodiscard]] Buffer<T> make_buffer(std::size_t count, MemoryStore* store = nullptr) {
   static_assert(std::is_trivially_copyable_v<T>);
-  constexpr std::size_t kLargePage = 2U << 20U;
   const std::size_t bytes = count * sizeof(T);
-  if (bytes < 2 * kLargePage) {
+  if (bytes < 2 * system::kLargePageBytes) {
     void* memory = std::malloc(bytes > 0 ? bytes : 1);
     if (memory == nullptr) throw std::bad_alloc();
     return Buffer<T>(static_cast<T*>(memory));
   }
-  const std::size_t whole = (bytes + kLargePage - 1) / kLargePage * kLargePage;
+  const std::size_t whole = (bytes + system::kLargePageBytes - 1) / system::kLargePageBytes * system::kLargePageBytes;
   if (store != nullptr) {
     const auto [kept, size] = store->take(whole);
     if (kept != nullptr) return Buffer<T>(static_cast<T*>(kept), FreeMemory{store, size});
   }
-  void* memory = std::aligned_alloc(kLargePage, whole);
+  void* memory = std::aligned_alloc(system::kLargePageBytes, whole);
   if (memory == nullptr) throw std::bad_alloc();
   system::advise_large_pages(memory, whole);
   return Buffer<T>(static_cast<T*>(memory), FreeMemory{store, whole});
