@@ -1,3 +1,4 @@
+// What a session makes of buttons, requests, devices that fail and new scenes.
 #include "haptics/session/session.h"
 
 #include <gtest/gtest.h>
@@ -6,239 +7,24 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <random>
-#include <sstream>
+#include <memory>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "haptics/contact/trace.h"
 #include "haptics/device/devices.h"
-#include "haptics/session/live_trace.h"
-#include "haptics/session/window_loader.h"
 #include "pipeline/base/error.h"
 #include "tests/haptics/servo/parts.h"
+#include "tests/haptics/session/runs.h"
 #include "tests/haptics/shared/scenes.h"
 
 namespace sparsha::haptics {
 namespace {
 
-/// A folder that goes away with the test.
-class Folder {
- public:
-  Folder()
-      : path_(std::filesystem::temp_directory_path() / ("sparsha-session-" + std::to_string(std::random_device{}()))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  [[nodiscard]] std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
-pipeline::ScenePointer textured_scene(int nodes = 401) {
-  const auto stone = [](double x, double y) {
-    return testing::hills_m(x, y) + 0.0003 * std::sin(900.0 * x) * std::sin(700.0 * y);
-  };
-  return testing::scene_of(stone, nodes, 0.1, 101, Eigen::Vector3d(2.0, -3.0, 0.5), [](pipeline::SceneDescription& d) {
-    d.config.friction = pipeline::FrictionConfig{};
-    d.config.friction->law = pipeline::FrictionConfig::Law::constant;
-    d.config.parts.push_back({"middle", "The middle of it", {2.0, -3.0, 2.1, -2.9}});
-  });
-}
-
-SessionOptions default_options() { return {}; }
-
-SessionSummary run_to_the_end(Session& session) {
-  session.start();
-  while (!session.finished()) {
-    session.poll();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return session.stop();
-}
-
-std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::vector<std::vector<std::string>> rows;
-  for (std::string line; std::getline(stream, line);) {
-    rows.emplace_back();
-    std::stringstream fields(line);
-    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
-  }
-  return rows;
-}
-
-std::size_t column(const std::vector<std::vector<std::string>>& csv, const std::string& name) {
-  return static_cast<std::size_t>(std::find(csv[0].begin(), csv[0].end(), name) - csv[0].begin());
-}
-
-TEST(Session, TheSimulatedHandTouchesAndEveryTickIsARow) {
-  const Folder folder;
-  SessionOptions options = default_options();
-  options.record = folder / "run.csv";
-  Session session(textured_scene(), make_simulated_device(1, 4.0), options);
-  const auto events = session.add_contact_consumer();
-  const SessionSummary summary = run_to_the_end(session);
-  EXPECT_GT(summary.contacts, 0U);
-  EXPECT_GT(summary.contact_s, 0.2 * summary.duration_s);
-  EXPECT_GT(summary.peak_force_n, 0.1);
-  EXPECT_LE(summary.peak_force_n, 8.0 + 1e-9);
-  EXPECT_GT(summary.path_m, 0.03);
-  EXPECT_GT(summary.area_m2, 0.0);
-  EXPECT_LT(summary.area_m2, 0.01);
-  // A machine that stood still for 10 ms trips the watchdog.
-  EXPECT_LE(summary.faults, 2 * summary.watchdog_trips);
-  EXPECT_EQ(summary.dropped_records, 0U);
-  EXPECT_EQ(summary.levels, std::vector<int>{2});
-  const auto csv = read_csv(options.record);
-  EXPECT_EQ(csv.size(), summary.ticks + 1);
-  const std::vector<std::string> promised = {"t_s",       "hip_x_m",   "hip_y_m",   "hip_z_m",   "proxy_x_m",
-                                             "proxy_y_m", "proxy_z_m", "force_x_n", "force_y_n", "force_z_n",
-                                             "contact",   "level",     "tick_ns"};
-  ASSERT_GE(csv[0].size(), promised.size());
-  EXPECT_TRUE(std::equal(promised.begin(), promised.end(), csv[0].begin()));
-  for (const auto& row : csv) ASSERT_EQ(row.size(), csv[0].size());
-  ContactEvent event;
-  ASSERT_TRUE(events->pop(event));
-  EXPECT_EQ(event.kind, ContactEvent::Kind::touch);
-  EXPECT_GT(event.peak_force_n, 0.0);
-  std::uint64_t binned = 0;
-  for (const std::uint64_t count : summary.lateness_histogram) binned += count;
-  EXPECT_EQ(binned, summary.ticks);
-  std::printf("share in time %.4f, tick p50 %.0f ns, p99 %.0f ns, max %.0f ns\n", summary.share_in_time,
-              summary.tick_ns_p50, summary.tick_ns_p99, summary.tick_ns_max);
-}
-
-TEST(Session, PlaybackOfARecordingGivesIdenticalBitsThroughZoomsAndPans) {
-  const Folder folder;
-  const auto scene = textured_scene();
-  SessionOptions options = default_options();
-  options.record = folder / "run.csv";
-  {
-    Session session(scene, make_simulated_device(5, 3.0), options);
-    session.start();
-    const std::vector<Request> wishes = {{Request::Kind::zoom_in},
-                                         {Request::Kind::set_stiffness, 500.0},
-                                         {Request::Kind::pan, 0.2, -0.1},
-                                         {Request::Kind::zoom_in},
-                                         {Request::Kind::set_friction, 0.0, 0.0, false},
-                                         {Request::Kind::move_to, 2.04, -2.96},
-                                         {Request::Kind::zoom_out},
-                                         {Request::Kind::set_texture, 0.0, 0.0, false}};
-    std::size_t next = 0;
-    while (!session.finished()) {
-      session.poll();
-      if (session.state().read().time_s > 0.3 * static_cast<double>(next + 1) && next < wishes.size())
-        session.requests().post(wishes[next++]);
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    const SessionSummary summary = session.stop();
-    EXPECT_EQ(summary.levels, (std::vector<int>{0, 1, 2}));
-    EXPECT_GE(summary.windows_loaded, 7U);
-  }
-  SessionOptions again = default_options();
-  again.record = folder / "again.csv";
-  again.haptics.stiffness_n_per_m = 123.0;  // the recording knows better
-  Session session(scene, make_playback_device(options.record), again);
-  run_to_the_end(session);
-  const auto first = read_csv(options.record);
-  const auto second = read_csv(again.record);
-  ASSERT_EQ(first.size(), second.size());
-  ASSERT_EQ(first[0], second[0]);
-  std::size_t differing = 0;
-  for (std::size_t c = 0; c < first[0].size(); ++c) {
-    if (first[0][c] == "tick_ns" || first[0][c] == "late_ns") continue;
-    for (std::size_t row = 1; row < first.size(); ++row)
-      if (first[row][c] != second[row][c] && ++differing < 5)
-        ADD_FAILURE() << "row " << row << ", " << first[0][c] << ": " << first[row][c] << " and " << second[row][c];
-  }
-  EXPECT_EQ(differing, 0U);
-}
-
-TEST(Session, TraceOfARecordingEqualsTheLiveRun) {
-  const Folder folder;
-  const auto scene = textured_scene(101);  // level 0 is the overview
-  SessionOptions options = default_options();
-  options.record = folder / "run.csv";
-  options.haptics.stiffness_n_per_m = 700.0;
-  Session session(scene, make_simulated_device(6, 3.0), options);
-  run_to_the_end(session);
-  const auto csv = read_csv(options.record);
-
-  const auto path = read_hip_path(options.record);
-  const WindowPlan plan = plan_window(scene->description(), 0, middle_of(scene->description().levels[0]), 0.1);
-  const HapticWindow window = load_window(*scene, plan, 1);
-  const TraceResult result = trace(*window.surface, path, options.haptics, SolverOptions{});
-  ASSERT_EQ(result.rows.size() + 1, csv.size());
-  std::uint64_t contacts = 0;
-  for (std::size_t i = 0; i < result.rows.size(); ++i) {
-    const TraceRow& row = result.rows[i];
-    const auto live = [&](const char* name) { return std::stod(csv[i + 1][column(csv, name)]); };
-    ASSERT_EQ(row.proxy_m.x(), live("proxy_x_m")) << "row " << i << ", flags " << live("flags");
-    ASSERT_EQ(row.proxy_m.y(), live("proxy_y_m"));
-    ASSERT_EQ(row.proxy_m.z(), live("proxy_z_m")) << "row " << i << ", flags " << live("flags");
-    ASSERT_EQ(row.force_n.x(), live("force_x_n"));
-    ASSERT_EQ(row.force_n.z(), live("force_z_n"));
-    contacts += row.contact ? 1U : 0U;
-  }
-  EXPECT_GT(contacts, 500U);
-}
-
-TEST(Session, TraceOfARecordingEqualsTheLiveRunThroughZoomsPansAndSwaps) {
-  const Folder folder;
-  const auto scene = textured_scene();
-  SessionOptions options = default_options();
-  options.record = folder / "run.csv";
-  {
-    Session session(scene, make_simulated_device(7, 3.0), options);
-    session.start();
-    const std::vector<Request> wishes = {{Request::Kind::zoom_in},
-                                         {Request::Kind::pan, 0.2, -0.1},
-                                         {Request::Kind::set_stiffness, 500.0},
-                                         {Request::Kind::zoom_in},
-                                         {Request::Kind::move_to, 2.04, -2.96},
-                                         {Request::Kind::set_texture, 0.0, 0.0, false},
-                                         {Request::Kind::zoom_out},
-                                         {Request::Kind::set_friction, 0.0, 0.0, false}};
-    std::size_t next = 0;
-    while (!session.finished()) {
-      session.poll();
-      if (session.state().read().time_s > 0.3 * static_cast<double>(next + 1) && next < wishes.size())
-        session.requests().post(wishes[next++]);
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    EXPECT_EQ(session.stop().levels, (std::vector<int>{0, 1, 2}));
-  }
-  const TraceResult result = trace_recording(*scene, Recording(options.record), options.haptics, SolverOptions{});
-  write_trace(folder / "trace.csv", result);
-  const auto live = read_csv(options.record);
-  const auto traced = read_csv(folder / "trace.csv");
-  ASSERT_EQ(live.size(), traced.size());
-  for (std::size_t c = 0; c < traced[0].size(); ++c) {
-    ASSERT_EQ(live[0][c], traced[0][c]);
-    if (traced[0][c] == "tick_ns") continue;
-    for (std::size_t row = 1; row < live.size(); ++row)
-      ASSERT_EQ(live[row][c], traced[row][c]) << "row " << row << ", " << live[0][c];
-  }
-  EXPECT_GT(result.summary.contacts, 500U);
-  EXPECT_EQ(result.summary.below_surface, 0U);
-  EXPECT_LE(result.summary.residual_cells_p99, 1.1e-9);
-}
-
-TEST(Session, APathWithoutWindowsCannotBeTracedAsALiveRun) {
-  const Folder folder;
-  std::ofstream(folder / "path.csv") << "t_s,device_x_m,device_y_m,device_z_m\n0,0,0,0\n";
-  EXPECT_THROW((void)trace_recording(*textured_scene(), Recording(folder / "path.csv"), {}, {}), Error);
-}
-
 TEST(Session, StiffnessIsWhatTheDeviceCanBear) {
-  SessionOptions options = default_options();
+  SessionOptions options;
   options.haptics.stiffness_n_per_m = 1e5;
   Session session(testing::flat_scene(), make_simulated_device(1, 0.05), options);
   const DeviceLimits limits = make_simulated_device(1, 0.0)->info().limits;
@@ -246,27 +32,9 @@ TEST(Session, StiffnessIsWhatTheDeviceCanBear) {
 }
 
 TEST(Session, RefusesARateThatNoServoCanKeep) {
-  SessionOptions options = default_options();
+  SessionOptions options;
   options.haptics.rate_hz = 50'000.0;
   EXPECT_THROW(Session(testing::flat_scene(), make_simulated_device(1, 0.1), options), Error);
-}
-
-TEST(Session, ARecordingThatCannotBeWrittenIsAnErrorBeforeTheRunBegins) {
-  SessionOptions options = default_options();
-  options.record = "/nonexistent-folder/run.csv";
-  EXPECT_THROW(Session(testing::flat_scene(), make_simulated_device(1, 0.1), options), Error);
-}
-
-TEST(Session, AnUnfinishedSessionLeavesNoHalfRecording) {
-  const Folder folder;
-  SessionOptions options = default_options();
-  options.record = folder / "run.csv";
-  {
-    Session session(testing::flat_scene(), make_simulated_device(1, 0.0), options);
-    session.start();
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  EXPECT_TRUE(std::filesystem::is_empty(options.record.parent_path()));
 }
 
 /// A hand at a fixed place, moved by the test.
@@ -300,7 +68,7 @@ bool said(Session& session, const std::string& text) {
 
 TEST(Session, ZoomsWithTheDevicesButtonsAndSaysTheLevel) {
   Placed hand;
-  Session session(textured_scene(), make_pointer_device(hand.place), default_options());
+  Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
   session.start();
   EXPECT_EQ(session.state().read().level, 0U);  // nothing yet
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
@@ -325,7 +93,7 @@ TEST(Session, ZoomsWithTheDevicesButtonsAndSaysTheLevel) {
 
 TEST(Session, TheWindowFollowsAHandAtTheWorkspacesRimToTheEdgeOfTheScene) {
   Placed hand;
-  Session session(textured_scene(), make_pointer_device(hand.place), default_options());
+  Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
   session.requests().post({Request::Kind::zoom_in});
@@ -349,7 +117,7 @@ TEST(Session, TheWindowFollowsAHandAtTheWorkspacesRimToTheEdgeOfTheScene) {
 TEST(Session, AReliefDeeperThanTheWorkspaceComesIntoReachAtItsRim) {
   const auto scene = testing::scene_of([](double x, double) { return 1.5 * x; }, 101, 0.1);  // 15 cm deep
   Placed hand;
-  Session session(scene, make_pointer_device(hand.place), default_options());
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
   hand.put(-0.04, 0.0, -0.04);  // the surface is at -0.06 there
@@ -368,7 +136,7 @@ TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
                                          d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
                                        });
   Placed hand;
-  Session session(scene, make_pointer_device(hand.place), default_options());
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 100; }));
   hand.put(-0.02, 0.0, 0.02);
@@ -405,7 +173,7 @@ TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
   for (const auto& [wrong, said_of_it] : troubles) {
     const std::string& words_expected = said_of_it;  // Clang 14 captures no structured binding
     const auto trouble = std::make_shared<std::atomic<Trouble>>(Trouble::none);
-    Session session(testing::flat_scene(), troubled_device(trouble), default_options());
+    Session session(testing::flat_scene(), troubled_device(trouble), SessionOptions{});
     session.start();
     ASSERT_TRUE(poll_until(session, [&] { return session.state().read().commanded_force_n[2] > 1.0; }));
     trouble->store(wrong);
@@ -419,7 +187,7 @@ TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
 }
 
 TEST(Session, SaysWhenRealTimeWasNotGranted) {
-  SessionOptions options = default_options();
+  SessionOptions options;
   Session session(testing::flat_scene(), make_simulated_device(1, 0.0), options);
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 20; }));
@@ -429,7 +197,7 @@ TEST(Session, SaysWhenRealTimeWasNotGranted) {
 }
 
 TEST(Session, LimitsAStiffnessThatIsAskedForLaterAndSaysSo) {
-  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), default_options());
+  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), SessionOptions{});
   session.start();
   session.requests().post({Request::Kind::set_stiffness, 1e6});
   ASSERT_TRUE(poll_until(session, [&] { return said(session, "all the device can bear"); }));
@@ -441,7 +209,7 @@ TEST(Session, ANewSceneKeepsTheHandsPlaceAndTheOldSceneIsLetGo) {
   Placed hand;
   auto first = testing::flat_scene(0.0);
   const std::weak_ptr<const pipeline::Scene> watch = first;
-  Session session(std::move(first), make_pointer_device(hand.place), default_options());
+  Session session(std::move(first), make_pointer_device(hand.place), SessionOptions{});
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
   session.set_scene(testing::flat_scene(7.0, 151, 3.0));

@@ -1,0 +1,205 @@
+// Runs that are recorded: every tick a row, played back and traced to the same bits.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptics/contact/trace.h"
+#include "haptics/device/devices.h"
+#include "haptics/session/live_trace.h"
+#include "haptics/session/session.h"
+#include "haptics/session/window_loader.h"
+#include "pipeline/base/error.h"
+#include "tests/haptics/session/runs.h"
+#include "tests/support/test_folder.h"
+
+namespace sparsha::haptics {
+namespace {
+
+using Csv = std::vector<std::vector<std::string>>;
+
+Csv read_csv(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  Csv rows;
+  for (std::string line; std::getline(stream, line);) {
+    rows.emplace_back();
+    std::stringstream fields(line);
+    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
+  }
+  return rows;
+}
+
+std::size_t column(const Csv& csv, const std::string& name) {
+  return static_cast<std::size_t>(std::find(csv[0].begin(), csv[0].end(), name) - csv[0].begin());
+}
+
+/// Three seconds of a simulated hand, with wishes on the way.
+SessionSummary record(const pipeline::ScenePointer& scene, std::uint64_t seed, const SessionOptions& options,
+                      const std::vector<Request>& wishes = {}) {
+  Session session(scene, make_simulated_device(seed, 3.0), options);
+  return run_to_the_end(session, wishes);
+}
+
+TEST(Session, TheSimulatedHandTouchesAndEveryTickIsARow) {
+  const test::TestFolder folder;
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  Session session(textured_scene(), make_simulated_device(1, 4.0), options);
+  const auto events = session.add_contact_consumer();
+  const SessionSummary summary = run_to_the_end(session);
+  EXPECT_GT(summary.contacts, 0U);
+  EXPECT_GT(summary.contact_s, 0.2 * summary.duration_s);
+  EXPECT_GT(summary.peak_force_n, 0.1);
+  EXPECT_LE(summary.peak_force_n, 8.0 + 1e-9);
+  EXPECT_GT(summary.path_m, 0.03);
+  EXPECT_GT(summary.area_m2, 0.0);
+  EXPECT_LT(summary.area_m2, 0.01);
+  // A machine that stood still for 10 ms trips the watchdog.
+  EXPECT_LE(summary.faults, 2 * summary.watchdog_trips);
+  EXPECT_EQ(summary.dropped_records, 0U);
+  EXPECT_EQ(summary.levels, std::vector<int>{2});
+  const auto csv = read_csv(options.record);
+  EXPECT_EQ(csv.size(), summary.ticks + 1);
+  const std::vector<std::string> promised = {"t_s",       "hip_x_m",   "hip_y_m",   "hip_z_m",   "proxy_x_m",
+                                             "proxy_y_m", "proxy_z_m", "force_x_n", "force_y_n", "force_z_n",
+                                             "contact",   "level",     "tick_ns"};
+  ASSERT_GE(csv[0].size(), promised.size());
+  EXPECT_TRUE(std::equal(promised.begin(), promised.end(), csv[0].begin()));
+  for (const auto& row : csv) ASSERT_EQ(row.size(), csv[0].size());
+  ContactEvent event;
+  ASSERT_TRUE(events->pop(event));
+  EXPECT_EQ(event.kind, ContactEvent::Kind::touch);
+  EXPECT_GT(event.peak_force_n, 0.0);
+  std::uint64_t binned = 0;
+  for (const std::uint64_t count : summary.lateness_histogram) binned += count;
+  EXPECT_EQ(binned, summary.ticks);
+  std::printf("share in time %.4f, tick p50 %.0f ns, p99 %.0f ns, max %.0f ns\n", summary.share_in_time,
+              summary.tick_ns_p50, summary.tick_ns_p99, summary.tick_ns_max);
+}
+
+TEST(Session, PlaybackOfARecordingGivesIdenticalBitsThroughZoomsAndPans) {
+  const test::TestFolder folder;
+  const auto scene = textured_scene();
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  const SessionSummary summary = record(scene, 5, options,
+                                        {{Request::Kind::zoom_in},
+                                         {Request::Kind::set_stiffness, 500.0},
+                                         {Request::Kind::pan, 0.2, -0.1},
+                                         {Request::Kind::zoom_in},
+                                         {Request::Kind::set_friction, 0.0, 0.0, false},
+                                         {Request::Kind::move_to, 2.04, -2.96},
+                                         {Request::Kind::zoom_out},
+                                         {Request::Kind::set_texture, 0.0, 0.0, false}});
+  EXPECT_EQ(summary.levels, (std::vector<int>{0, 1, 2}));
+  EXPECT_GE(summary.windows_loaded, 7U);
+  SessionOptions again;
+  again.record = folder / "again.csv";
+  again.haptics.stiffness_n_per_m = 123.0;  // the recording knows better
+  Session session(scene, make_playback_device(options.record), again);
+  run_to_the_end(session);
+  const auto first = read_csv(options.record);
+  const auto second = read_csv(again.record);
+  ASSERT_EQ(first.size(), second.size());
+  ASSERT_EQ(first[0], second[0]);
+  std::size_t differing = 0;
+  for (std::size_t c = 0; c < first[0].size(); ++c) {
+    if (first[0][c] == "tick_ns" || first[0][c] == "late_ns") continue;
+    for (std::size_t row = 1; row < first.size(); ++row)
+      if (first[row][c] != second[row][c] && ++differing < 5)
+        ADD_FAILURE() << "row " << row << ", " << first[0][c] << ": " << first[row][c] << " and " << second[row][c];
+  }
+  EXPECT_EQ(differing, 0U);
+}
+
+TEST(Session, TraceOfARecordingEqualsTheLiveRun) {
+  const test::TestFolder folder;
+  const auto scene = textured_scene(101);  // level 0 is the overview
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  options.haptics.stiffness_n_per_m = 700.0;
+  record(scene, 6, options);
+  const auto csv = read_csv(options.record);
+
+  const auto path = read_hip_path(options.record);
+  const WindowPlan plan = plan_window(scene->description(), 0, middle_of(scene->description().levels[0]), 0.1);
+  const HapticWindow window = load_window(*scene, plan, 1);
+  const TraceResult result = trace(*window.surface, path, options.haptics, SolverOptions{});
+  ASSERT_EQ(result.rows.size() + 1, csv.size());
+  std::uint64_t contacts = 0;
+  for (std::size_t i = 0; i < result.rows.size(); ++i) {
+    const TraceRow& row = result.rows[i];
+    const auto live = [&](const char* name) { return std::stod(csv[i + 1][column(csv, name)]); };
+    ASSERT_EQ(row.proxy_m.x(), live("proxy_x_m")) << "row " << i << ", flags " << live("flags");
+    ASSERT_EQ(row.proxy_m.y(), live("proxy_y_m"));
+    ASSERT_EQ(row.proxy_m.z(), live("proxy_z_m")) << "row " << i << ", flags " << live("flags");
+    ASSERT_EQ(row.force_n.x(), live("force_x_n"));
+    ASSERT_EQ(row.force_n.z(), live("force_z_n"));
+    contacts += row.contact ? 1U : 0U;
+  }
+  EXPECT_GT(contacts, 500U);
+}
+
+TEST(Session, TraceOfARecordingEqualsTheLiveRunThroughZoomsPansAndSwaps) {
+  const test::TestFolder folder;
+  const auto scene = textured_scene();
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  const SessionSummary summary = record(scene, 7, options,
+                                        {{Request::Kind::zoom_in},
+                                         {Request::Kind::pan, 0.2, -0.1},
+                                         {Request::Kind::set_stiffness, 500.0},
+                                         {Request::Kind::zoom_in},
+                                         {Request::Kind::move_to, 2.04, -2.96},
+                                         {Request::Kind::set_texture, 0.0, 0.0, false},
+                                         {Request::Kind::zoom_out},
+                                         {Request::Kind::set_friction, 0.0, 0.0, false}});
+  EXPECT_EQ(summary.levels, (std::vector<int>{0, 1, 2}));
+  const TraceResult result = trace_recording(*scene, Recording(options.record), options.haptics, SolverOptions{});
+  write_trace(folder / "trace.csv", result);
+  const auto live = read_csv(options.record);
+  const auto traced = read_csv(folder / "trace.csv");
+  ASSERT_EQ(live.size(), traced.size());
+  for (std::size_t c = 0; c < traced[0].size(); ++c) {
+    ASSERT_EQ(live[0][c], traced[0][c]);
+    if (traced[0][c] == "tick_ns") continue;
+    for (std::size_t row = 1; row < live.size(); ++row)
+      ASSERT_EQ(live[row][c], traced[row][c]) << "row " << row << ", " << live[0][c];
+  }
+  EXPECT_GT(result.summary.contacts, 500U);
+  EXPECT_EQ(result.summary.below_surface, 0U);
+  EXPECT_LE(result.summary.residual_cells_p99, 1.1e-9);
+}
+
+TEST(Session, APathWithoutWindowsCannotBeTracedAsALiveRun) {
+  const test::TestFolder folder;
+  std::ofstream(folder / "path.csv") << "t_s,device_x_m,device_y_m,device_z_m\n0,0,0,0\n";
+  EXPECT_THROW((void)trace_recording(*textured_scene(), Recording(folder / "path.csv"), {}, {}), Error);
+}
+
+TEST(Session, ARecordingThatCannotBeWrittenIsAnErrorBeforeTheRunBegins) {
+  SessionOptions options;
+  options.record = "/nonexistent-folder/run.csv";
+  EXPECT_THROW(Session(testing::flat_scene(), make_simulated_device(1, 0.1), options), Error);
+}
+
+TEST(Session, AnUnfinishedSessionLeavesNoHalfRecording) {
+  const test::TestFolder folder;
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  {
+    Session session(testing::flat_scene(), make_simulated_device(1, 0.0), options);
+    session.start();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(options.record.parent_path()));
+}
+
+}  // namespace
+}  // namespace sparsha::haptics
