@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "pipeline/base/hash.h"
 #include "pipeline/check/check_nearest.h"
 #include "pipeline/check/check_points.h"
 #include "pipeline/check/check_statistics.h"

@@ -15,14 +15,6 @@ namespace sparsha::pipeline {
 /// Magnitudes in equal bins of `bin_m`; what lies beyond the last bin is not counted.
 [[nodiscard]] std::vector<std::uint64_t> histogram_of(const std::vector<float>& signed_m, double bin_m, int bins);
 
-/// Mixes the bits of a word (finaliser of SplitMix64, Steele, Lea & Flood 2014).
-[[nodiscard]] constexpr std::uint64_t hash_word(std::uint64_t word) noexcept {
-  word += 0x9E3779B97F4A7C15ULL;
-  word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  word = (word ^ (word >> 27)) * 0x94D049BB133111EBULL;
-  return word ^ (word >> 31);
-}
-
 /// An item and the key that decides whether it is sampled.
 struct Keyed {
   std::uint64_t key;

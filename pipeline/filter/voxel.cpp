@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/base/error.h"
+#include "pipeline/base/hash.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -42,10 +43,7 @@ class VoxelTable {
   static constexpr std::uint32_t kFree = ~std::uint32_t{0};
 
   [[nodiscard]] std::size_t place(const std::array<std::int64_t, 3>& cell) const {
-    auto h = static_cast<std::uint64_t>(cell[0]) * 0x9E3779B97F4A7C15ULL;
-    h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(cell[1])) * 0xD6E8FEB86659FD93ULL;
-    h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(cell[2])) * 0xBF58476D1CE4E5B9ULL;
-    return static_cast<std::size_t>(h ^ (h >> 32)) & (slots_.size() - 1);
+    return static_cast<std::size_t>(hash_cell(cell)) & (slots_.size() - 1);
   }
   void grow() {
     slots_.assign(slots_.size() * 2, kFree);

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 
+#include "pipeline/base/hash.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -37,9 +38,8 @@ class VertexTable {
   static constexpr std::uint32_t kFree = ~std::uint32_t{0};
 
   [[nodiscard]] std::size_t place(const Key& key) const {
-    std::uint64_t h = (std::uint64_t{key[0]} << 32 | key[1]) * 0x9E3779B97F4A7C15ULL;
-    h = (h ^ (h >> 32) ^ key[2]) * 0xD6E8FEB86659FD93ULL;
-    return static_cast<std::size_t>(h ^ (h >> 32)) & (slots_.size() - 1);
+    const std::array<std::uint64_t, 2> words{std::uint64_t{key[0]} << 32U | key[1], key[2]};
+    return static_cast<std::size_t>(hash_words(words)) & (slots_.size() - 1);
   }
 
   void grow() {

@@ -12,6 +12,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
+#include "pipeline/base/hash.h"
 #include "pipeline/scan/origin.h"
 
 namespace sparsha::pipeline {
@@ -58,12 +59,7 @@ class Neighbourhoods {
  private:
   using Cell = std::array<std::int64_t, 3>;
   struct Hash {
-    std::size_t operator()(const Cell& c) const {
-      auto h = static_cast<std::uint64_t>(c[0]) * 0x9E3779B97F4A7C15ULL;
-      h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(c[1])) * 0xD6E8FEB86659FD93ULL;
-      h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(c[2])) * 0xBF58476D1CE4E5B9ULL;
-      return static_cast<std::size_t>(h ^ (h >> 32));
-    }
+    std::size_t operator()(const Cell& cell) const { return static_cast<std::size_t>(hash_cell(cell)); }
   };
   [[nodiscard]] Cell cell_of(const Eigen::Vector3d& p) const {
     const auto whole = [&](double v) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/simulate/random.h"
+#include "pipeline/base/hash.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -20,7 +20,7 @@ constexpr std::array<std::array<double, 2>, 8> kGradients{{{1, 0},
                                                            {kDiagonal, -kDiagonal}}};
 
 double corner(std::uint64_t seed, std::int64_t i, std::int64_t j, double dx, double dy) {
-  const auto column = static_cast<std::uint64_t>(i) * 0x9E3779B97F4A7C15ULL;
+  const auto column = static_cast<std::uint64_t>(i) * kGoldenStep;
   const auto row = static_cast<std::uint64_t>(j) * 0xC2B2AE3D27D4EB4FULL;
   const auto& gradient = kGradients[mix_bits(seed + column + row) >> 61];
   return gradient[0] * dx + gradient[1] * dy;

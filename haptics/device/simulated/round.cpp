@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/base/hash.h"
+
 namespace sparsha::haptics {
 namespace {
 
@@ -28,12 +30,8 @@ ExplorationRound::ExplorationRound(std::uint64_t seed, double workspace_width_m)
 
 // SplitMix64 (Steele, Lea, Flood 2014): the same numbers with every standard library.
 double ExplorationRound::uniform(double low, double high) noexcept {
-  random_ += 0x9E3779B97F4A7C15ULL;
-  std::uint64_t z = random_;
-  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
-  z ^= z >> 31U;
-  return low + (high - low) * (static_cast<double>(z >> 11U) * 0x1.0p-53);
+  const std::uint64_t bits = mix_bits(random_ += kGoldenStep);
+  return low + (high - low) * (static_cast<double>(bits >> 11U) * 0x1.0p-53);
 }
 
 void ExplorationRound::enter(Phase phase) noexcept {

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "clouds.h"
+#include "pipeline/base/hash.h"
 #include "pipeline/check/check_nearest.h"
 #include "pipeline/check/check_points.h"
 #include "pipeline/check/check_statistics.h"
