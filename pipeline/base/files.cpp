@@ -21,6 +21,13 @@ Error output_error(const fs::path& target, const std::string& why) {
   return {ErrorKind::failure, {target.string(), 0, 0}, "cannot write: " + why, "a folder that can be written to"};
 }
 
+/// A device, a pipe or a socket is where bytes go to, not a file that a whole one could replace.
+bool is_a_stream(const fs::path& target) {
+  std::error_code code;
+  const fs::file_status status = fs::status(target, code);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
 }  // namespace
 
 AtomicPath::AtomicPath(fs::path target) : target_(std::move(target)) {
@@ -29,16 +36,22 @@ AtomicPath::AtomicPath(fs::path target) : target_(std::move(target)) {
   const fs::path folder = target_.parent_path().empty() ? fs::path(".") : target_.parent_path();
   std::error_code code;
   if (!fs::is_directory(folder, code)) throw output_error(target_, "the folder " + folder.string() + " does not exist");
+  if (is_a_stream(target_)) {
+    temporary_ = target_;
+    return;
+  }
   temporary_ = folder / ("." + target_.filename().string() + ".part-" + std::to_string(system::process_id()) + "-" +
                          std::to_string(counter++));
 }
 
 AtomicPath::~AtomicPath() {
+  if (temporary_ == target_) return;
   std::error_code ignored;
   fs::remove_all(temporary_, ignored);
 }
 
 void AtomicPath::commit() {
+  if (temporary_ == target_) return;
   std::error_code code;
   const bool folder = fs::is_directory(temporary_, code);
   if (!fs::exists(temporary_, code)) throw output_error(target_, "nothing was written");

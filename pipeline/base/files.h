@@ -11,7 +11,8 @@
 namespace sparsha {
 
 /// A path beside `target` to write to; commit() renames it over the target, the destructor removes what was not
-/// committed. Works for files and folders; an old folder is replaced as a whole.
+/// committed. Works for files and folders; an old folder is replaced as a whole. Devices and pipes are written to
+/// directly and never replaced.
 class AtomicPath {
  public:
   explicit AtomicPath(std::filesystem::path target);

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <fstream>
+#include <string>
+#include <thread>
 
 #include "pipeline/base/error.h"
 
@@ -62,6 +66,18 @@ TEST_F(Files, AFolderDoesNotReplaceAFileOfTheSameName) {
   fs::create_directories(path.temporary());
   EXPECT_THROW(path.commit(), Error);
   EXPECT_EQ(read_file(folder_ / "scene", 100), "precious");
+}
+
+TEST_F(Files, APipeIsWrittenToAndNeverReplaced) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::string heard;
+  std::thread listener([&] { std::getline(std::ifstream(pipe), heard); });
+  write_file(pipe, "a result\n");
+  listener.join();
+  EXPECT_EQ(heard, "a result");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(entries(), 1U);
 }
 
 TEST_F(Files, MissingFilesFoldersAndOversizeAreErrorsThatNameTheFile) {
