@@ -1,6 +1,7 @@
 #include "haptics/servo/watchdog.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "haptics/servo/real_time.h"
 
@@ -8,6 +9,7 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr std::int64_t kRepeatNs = 2'000'000;
+constexpr std::int64_t kNotYet = std::numeric_limits<std::int64_t>::max() / 2;  // nobody has spoken
 
 }  // namespace
 
@@ -20,7 +22,7 @@ void Watchdog::start(int priority) {
   stop();
   stopping_.store(false);
   tripped_.store(false);
-  feed(now_ns());
+  feed(kNotYet);
   thread_ = std::thread([this, priority] { run(priority); });
 }
 

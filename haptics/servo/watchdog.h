@@ -17,7 +17,8 @@ class Watchdog {
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
 
-  /// Begins to watch. `priority` > 0 asks for SCHED_FIFO.
+  /// Watches from the first feed() on: a servo that still asks for memory holds no force. `priority` > 0 asks for
+  /// SCHED_FIFO.
   void start(int priority);
   void stop();
 

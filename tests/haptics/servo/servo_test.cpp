@@ -92,11 +92,24 @@ TEST(Servo, TheWatchdogActsWithinAFewMillisecondsOfItsPatience) {
   Watchdog watchdog(device, 0.010);
   const std::int64_t begun_ns = now_ns();
   watchdog.start(85);
+  watchdog.feed(begun_ns);
   ASSERT_TRUE(eventually([&] { return watchdog.tripped(); }));
   EXPECT_GE(now_ns() - begun_ns, 10'000'000) << "not before";
   std::printf("tripped after %.2f ms\n", static_cast<double>(now_ns() - begun_ns) * 1e-6);
   watchdog.stop();
   EXPECT_GE(device.zeros(), 1U);
+}
+
+TEST(Servo, TheWatchdogWaitsForAServoThatHasNotSpokenYet) {
+  ScriptedDevice device([](std::uint64_t, double time_s) { return in_air(time_s); });
+  Watchdog watchdog(device, 0.001);
+  watchdog.start(0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // a servo that locks its memory
+  EXPECT_FALSE(watchdog.tripped());
+  EXPECT_EQ(watchdog.trips(), 0U);
+  watchdog.feed(now_ns());
+  EXPECT_TRUE(eventually([&] { return watchdog.tripped(); })) << "from then on";
+  watchdog.stop();
 }
 
 TEST(Servo, AnswersADeviceThatGivesNotANumberWithZeroForce) {
