@@ -1,4 +1,5 @@
 // Paths of the hand from CSV files.
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstddef>
@@ -79,7 +80,9 @@ std::vector<HipSample> read_hip_path(const std::filesystem::path& file) {
   const MappedFile mapped(file);
   std::string_view text = mapped.text();
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  const std::array<std::size_t, 4> columns = find_columns(take_line(text), name);
+  const std::string_view header = take_line(text);
+  const std::array<std::size_t, 4> columns = find_columns(header, name);
+  const auto count = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
 
   std::vector<HipSample> path;
   for (int line = 2; !text.empty(); ++line) {
@@ -98,7 +101,7 @@ std::vector<HipSample> read_hip_path(const std::filesystem::path& file) {
       if (comma == std::string_view::npos) break;
       rest.remove_prefix(comma + 1);
     }
-    if (!(seen[0] && seen[1] && seen[2] && seen[3]))
+    if (!(seen[0] && seen[1] && seen[2] && seen[3]) || field_number >= count)
       throw input_error_at(name, line, "the row has " + std::to_string(field_number + 1) + " fields",
                            "as many as the header");
     path.push_back({value[0], {value[1], value[2], value[3]}});

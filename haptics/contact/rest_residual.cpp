@@ -14,6 +14,7 @@ RestResidual residual_on(const Surface& surface, const ProxyUpdate& update, cons
   const CellVector w = to_cells(surface, hip) - p;
   RestResidual residual;
   double steepest = 1.0;
+  double highest = 0.0;
   const TouchingCells touching = touching_cells(surface, p);
   for (int k = 0; k < touching.count; ++k) {
     const CellPoint& q = touching.cell[k].point;
@@ -26,10 +27,13 @@ RestResidual residual_on(const Surface& surface, const ProxyUpdate& update, cons
     residual.excess_cells = std::max(residual.excess_cells, friction_excess(pull, tangent.length, mu));
     residual.below_cells = std::max(residual.below_cells, patch.height(q.s, q.t) - p.z);
     steepest = std::max(steepest, std::sqrt(pull.area));
+    for (const double s : {0.0, 1.0})
+      for (const double t : {0.0, 1.0}) highest = std::max(highest, std::abs(patch.height(s, t)));
   }
-  // The coordinates are known to a few ulp, which the slope turns into height.
+  // The coordinates are known to a few ulp, which the slope turns into height, and the patch to a few of its corners'.
   constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
-  const double known_to = kRounding * (std::abs(p.z) + steepest * (std::abs(p.i + p.s) + std::abs(p.j + p.t)));
+  const double known_to =
+      kRounding * (std::abs(p.z) + highest + steepest * (std::abs(p.i + p.s) + std::abs(p.j + p.t)));
   if (residual.below_cells <= known_to) residual.below_cells = 0.0;
   return residual;
 }

@@ -31,7 +31,8 @@ FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const Lay
   if (!scene.config.friction) return map;
   const FrictionConfig& config = *scene.config.friction;
   const pipeline::Lattice& lattice = window.grid.lattice;
-  const double radius_m = 0.5 * scale * (lattice.nx - 1) * lattice.spacing_m;
+  // The workspace is as wide as the window's longer side is when scaled.
+  const double radius_m = 0.5 * scale * (std::max(lattice.nx, lattice.ny) - 1) * lattice.spacing_m;
 
   for (std::vector<float>* values : {&map.mu_dynamic, &map.mu_static}) {
     *values = room_for(lattice.count());

@@ -113,24 +113,26 @@ TEST(Friction, OfLawCurvatureGrowsWithTheCurvatureOfLevelZeroWhateverTheZoom) {
   }
 }
 
-TEST(Friction, OfLawPaperIsItsFormulaWithTheClamps) {
-  Window window = flat_window(6, 5, 0.02);
-  FrictionConfig config;
-  config.law = FrictionConfig::Law::paper;
-  config.mu_max = 0.8;
-  config.mu_static = 0.1;
-  window.scene.config.friction = config;
-  window.layers.mean_curvature_per_m.assign(30, 0.0F);
-  window.layers.gaussian_curvature_per_m2.assign(30, 0.0F);
-  window.layers.mean_curvature_per_m[7] = 30.0F;
-  window.layers.gaussian_curvature_per_m2[7] = -400.0F;
-  const double scale = 2.0;
-  const auto surface = make_surface(window.scene, window.layers, 0, scale, {});
-  // Lengths grow by the scale, curvatures shrink; R is half of 5 * 0.02 m * 2.
-  const double expected = 1.0 / (0.1 * std::sqrt(15.0 * 15.0 + 100.0 * 100.0));
-  EXPECT_FLOAT_EQ(surface->mu_dynamic[7], static_cast<float>(expected));
-  EXPECT_FLOAT_EQ(surface->mu_static[7], 0.1F);
-  EXPECT_FLOAT_EQ(surface->mu_dynamic[0], 0.8F) << "flat texture has no finite coefficient";
+TEST(Friction, OfLawPaperIsItsFormulaWithTheClampsInUprightAndLyingWindows) {
+  for (const bool upright : {false, true}) {
+    Window window = upright ? flat_window(5, 6, 0.02) : flat_window(6, 5, 0.02);
+    FrictionConfig config;
+    config.law = FrictionConfig::Law::paper;
+    config.mu_max = 0.8;
+    config.mu_static = 0.1;
+    window.scene.config.friction = config;
+    window.layers.mean_curvature_per_m.assign(30, 0.0F);
+    window.layers.gaussian_curvature_per_m2.assign(30, 0.0F);
+    window.layers.mean_curvature_per_m[7] = 30.0F;
+    window.layers.gaussian_curvature_per_m2[7] = -400.0F;
+    const double scale = 2.0;
+    const auto surface = make_surface(window.scene, window.layers, 0, scale, {});
+    // Lengths grow by the scale, curvatures shrink; R is half of 5 * 0.02 m * 2.
+    const double expected = 1.0 / (0.1 * std::sqrt(15.0 * 15.0 + 100.0 * 100.0));
+    EXPECT_FLOAT_EQ(surface->mu_dynamic[7], static_cast<float>(expected));
+    EXPECT_FLOAT_EQ(surface->mu_static[7], 0.1F);
+    EXPECT_FLOAT_EQ(surface->mu_dynamic[0], 0.8F) << "flat texture has no finite coefficient";
+  }
 }
 
 TEST(Friction, OfLawConstantIsTheSameEverywhereAndCanBeTurnedOff) {

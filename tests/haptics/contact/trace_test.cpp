@@ -68,6 +68,8 @@ TEST_F(TraceFiles, ReadsPathsAndRunsWhateverTheOrderOfColumnsAndLineEnds) {
 TEST_F(TraceFiles, NamesFileAndLineOfWhatIsWrongInAPath) {
   EXPECT_NE(message_of(write("a.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n0,1,zwei,3\n")).find("a.csv:3"), std::string::npos);
   EXPECT_NE(message_of(write("b.csv", "t_s,x_m,y_m,z_m\n0,1,2\n")).find("b.csv:2"), std::string::npos);
+  EXPECT_NE(message_of(write("comma.csv", "t_s,x_m,y_m,z_m\n0,0,5,1,2,3\n")).find("comma.csv:2"), std::string::npos)
+      << "decimal commas";
   EXPECT_NE(message_of(write("c.csv", "time,x,y,z\n0,1,2,3\n")).find("c.csv:1"), std::string::npos);
   EXPECT_NE(message_of(write("d.csv", "t_s,x_m,y_m,z_m\n")).find("d.csv"), std::string::npos);
   EXPECT_NE(message_of(write("e.csv", "")).find("e.csv"), std::string::npos);
