@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cmath>
+#include <exception>
 #include <filesystem>
 #include <future>
 #include <memory>
@@ -108,14 +110,38 @@ void check_output_folder(const std::string& file, const char* option) {
   if (!folder.empty() && !fs::is_directory(folder, code)) {
     throw usage_error(fmt::format("{} {}: the folder does not exist", option, file), "an existing folder");
   }
+  if (fs::is_directory(file, code)) {
+    throw usage_error(fmt::format("{} {}: this is a folder", option, file), "the name of a file");
+  }
 }
 
 void check_arguments(const Arguments& arguments) {
   check_output_folder(arguments.record, "--record");
   check_output_folder(arguments.screenshot, "--screenshot");
   check_output_folder(arguments.audio_out, "--audio-out");
-  check_study_name(arguments.study);
+  check_study(arguments.study);
+  if (std::isnan(arguments.duration_s)) throw usage_error("--duration nan", "seconds");
 }
+
+// What a run has promised is delivered as far as possible: one output that fails takes no other with it.
+class Deliveries {
+ public:
+  template <class Delivery>
+  void attempt(const Delivery& delivery) {
+    try {
+      delivery();
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();
+    }
+  }
+  /// Throws what failed first.
+  void settle() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  std::exception_ptr failure_;
+};
 
 // Explores until the device, the user or the clock ends it.
 int run_explore(const Arguments& arguments, const CommonOptions& common) {
@@ -198,14 +224,20 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   }
+  Deliveries deliveries;
+  deliveries.attempt([&] { session.stop(); });
   const haptics::SessionSummary summary = session.stop();
-  if (engine) engine->stop();
+  if (engine) deliveries.attempt([&] { engine->stop(); });
   if (!arguments.screenshot.empty()) {
-    viewer::write_screenshot(session.scene(), touch.state, config.viewer, arguments.screenshot);
+    deliveries.attempt(
+        [&] { viewer::write_screenshot(session.scene(), touch.state, config.viewer, arguments.screenshot); });
   }
   const std::uint64_t strikes = engine ? engine->strikes() : 0;
-  if (!arguments.study.empty()) append_study(arguments.study, summary, ask_realism());
+  if (!arguments.study.empty()) {
+    deliveries.attempt([&] { append_study(arguments.study, summary, ask_realism()); });
+  }
   print(common.json ? summary_json(summary, strikes) : summary_text(summary, strikes));
+  deliveries.settle();
   return 0;
 }
 

@@ -13,6 +13,8 @@ struct Record {
   double stiffness_n_per_m = 0.0;
   double period_s = 0.0;  ///< that the governor saw
   std::int32_t window_i = 0, window_j = 0, window_nx = 0, window_ny = 0;
+  std::int32_t cell_i = 0, cell_j = 0;  ///< the proxy's cell in its level
+  double cell_m = 0.0;                  ///< and the cells' size, grid frame
 };
 static_assert(std::is_trivially_copyable_v<Record>);
 

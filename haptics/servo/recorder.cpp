@@ -40,8 +40,8 @@ struct Recorder::CsvFile {
   std::string text;
 };
 
-Recorder::Recorder(const std::filesystem::path& file, const DeviceInfo& device, double rows_per_s, double spacing_m)
-    : queue_(static_cast<std::size_t>(std::max(1024.0, kQueueS * rows_per_s))), spacing_m_(spacing_m) {
+Recorder::Recorder(const std::filesystem::path& file, const DeviceInfo& device, double rows_per_s)
+    : queue_(static_cast<std::size_t>(std::max(1024.0, kQueueS * rows_per_s))) {
   if (!file.empty()) csv_ = std::make_unique<CsvFile>(file, device);
 }
 
@@ -95,19 +95,29 @@ void Recorder::take(const Record& record) {
     last_contact_s_ = state.time_s;
     figures_.contact_s += record.period_s;
     force_time_ += force_n * record.period_s;
-    // Cells count from the lattice's origin, which all levels share; the centre of a window may lie anywhere.
-    const double spacing_m = std::ldexp(spacing_m_, level);
-    const auto i = static_cast<std::int32_t>(std::floor(state.proxy_m[0] / spacing_m));
-    const auto j = static_cast<std::int32_t>(std::floor(state.proxy_m[1] / spacing_m));
-    const std::uint64_t cell = pack(i, j);
-    if (level != last_level_ || cell != last_cell_) touched_[level].insert(cell);
-    last_level_ = level;
-    last_cell_ = cell;
+    touch(record);
   }
   if (csv_) {
     append_run_csv_row(csv_->text, record, csv_->device);
     if (csv_->text.size() >= kBufferBytes) csv_->write();
   }
+}
+
+// Cells count from the origin that all levels of a scene share. Another scene has cells of its own.
+void Recorder::touch(const Record& record) {
+  if ((record.state.flags & kFlagOutside) != 0) return;
+  const int level = static_cast<int>(record.state.level);
+  const double spacing_m = std::ldexp(record.cell_m, -level);
+  if (spacing_m != spacing_m_) {
+    figures_.area_m2 += touched_area_m2();
+    touched_.clear();
+    last_level_ = -1;
+    spacing_m_ = spacing_m;
+  }
+  const std::uint64_t cell = pack(record.cell_i, record.cell_j);
+  if (level != last_level_ || cell != last_cell_) touched_[level].insert(cell);
+  last_level_ = level;
+  last_cell_ = cell;
 }
 
 double Recorder::touched_area_m2() const {
@@ -134,7 +144,8 @@ RunFigures Recorder::finish() {
   stopping_.store(true, std::memory_order_release);
   if (thread_.joinable()) thread_.join();
   figures_.mean_force_n = figures_.contact_s > 0.0 ? force_time_ / figures_.contact_s : 0.0;
-  figures_.area_m2 = touched_area_m2();
+  figures_.area_m2 += touched_area_m2();
+  touched_.clear();
   std::sort(figures_.levels.begin(), figures_.levels.end());
   if (csv_) {
     csv_->write();

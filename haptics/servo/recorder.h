@@ -28,15 +28,15 @@ struct RunFigures {
   double path_m = 0.0;         ///< of the hand, device frame
   double mean_force_n = 0.0;   ///< commanded, while in contact
   double peak_force_n = 0.0;
-  double area_m2 = 0.0;  ///< of distinct cells touched, grid frame; a cell inside a touched coarser one counts once
+  double area_m2 = 0.0;  ///< of the scene's cells touched, grid frame; a cell inside a touched coarser one counts once
   std::vector<int> levels;
   std::uint64_t unfinished = 0;
 };
 
 class Recorder {
  public:
-  /// `file` empty: counts only. `rows_per_s` sizes the queue for eight seconds. `spacing_m` of level 0, for the area.
-  Recorder(const std::filesystem::path& file, const DeviceInfo& device, double rows_per_s, double spacing_m);
+  /// `file` empty: counts only. `rows_per_s` sizes the queue for eight seconds.
+  Recorder(const std::filesystem::path& file, const DeviceInfo& device, double rows_per_s);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -47,12 +47,15 @@ class Recorder {
 
   void start();
   /// Takes the rest of the rows and puts the file in its place. Throws Error{failure} when it could not be written.
-  [[nodiscard]] RunFigures finish();
+  RunFigures finish();
+  /// After finish(), also one that threw.
+  [[nodiscard]] const RunFigures& figures() const noexcept { return figures_; }
 
  private:
   struct CsvFile;
   void run();
   void take(const Record& record);
+  void touch(const Record& record);
   [[nodiscard]] double touched_area_m2() const;
 
   SpscQueue<Record> queue_;
@@ -60,8 +63,8 @@ class Recorder {
   std::atomic<bool> stopping_{false};
   std::thread thread_;
   std::unique_ptr<CsvFile> csv_;
-  double spacing_m_;
   RunFigures figures_;
+  double spacing_m_ = 0.0;  // level 0 of the scene that is being touched
   double force_time_ = 0.0;  // N s
   bool has_last_ = false;
   double last_contact_s_ = -1.0;

@@ -39,8 +39,8 @@ ProxyUpdate TickEngine::solve(const Eigen::Vector3d& hip_local) noexcept {
              : update_exact(*surface_, hip_local, proxy_, options_.solver_options);
 }
 
-// Cell flags at the proxy and nearness to the window's border.
-std::uint64_t TickEngine::place_flags(const Eigen::Vector3d& local) const noexcept {
+// Cell flags at the proxy and nearness to the window's border; the cell goes into the record.
+std::uint64_t TickEngine::find_place(const Eigen::Vector3d& local) noexcept {
   const pipeline::Lattice& lattice = surface_->lattice;
   const double u = local.x() / lattice.spacing_m;
   const double v = local.y() / lattice.spacing_m;
@@ -54,6 +54,9 @@ std::uint64_t TickEngine::place_flags(const Eigen::Vector3d& local) const noexce
     flags |= kFlagOutside;
   const int i = static_cast<int>(std::clamp(u, 0.0, last_u - 1.0));
   const int j = static_cast<int>(std::clamp(v, 0.0, last_v - 1.0));
+  record_.cell_i = window_.i0 + i;
+  record_.cell_j = window_.j0 + j;
+  record_.cell_m = lattice.spacing_m;
   const std::size_t cell =
       static_cast<std::size_t>(j) * static_cast<std::size_t>(lattice.nx - 1) + static_cast<std::size_t>(i);
   const unsigned cell_flags = surface_->cell_flags.empty() ? 0U : surface_->cell_flags[cell];
@@ -180,7 +183,7 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
   state.friction_coefficient = found_.mu_dynamic;
   state.contact = found_.contact ? 1 : 0;
-  state.flags |= place_flags(found_.position);
+  state.flags |= find_place(found_.position);
   if (found_.sticking) state.flags |= kFlagSticking;
   if (found_.unfinished) state.flags |= kFlagUnfinished;
   if (output.saturated) state.flags |= kFlagSaturated;

@@ -57,7 +57,7 @@ class TickEngine {
   [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
   void go_blind(const DeviceSample& sample) noexcept;
   void make_safe() noexcept;
-  [[nodiscard]] std::uint64_t place_flags(const Eigen::Vector3d& local) const noexcept;
+  [[nodiscard]] std::uint64_t find_place(const Eigen::Vector3d& local) noexcept;
 
   DeviceInfo device_;
   EngineOptions options_;

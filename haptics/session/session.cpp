@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -45,7 +46,9 @@ struct Session::Implementation {
         rate_hz(checked_rate(recording != nullptr ? 1.0 / recording->period_s() : options.haptics.rate_hz)),
         narrator(announcements, scene),
         navigator(scene, info.workspace_width_m, options.texture, options.friction, narrator),
-        recorder(options.record, info, rate_hz, scene->description().levels.front().spacing_m) {
+        recorder(options.record, info, rate_hz) {
+    if (recording != nullptr && recording->cut_short())
+      narrator.say("The recording ends in the middle of a row", Announcement::Priority::warning);
     if (recording != nullptr && recording->windows().empty()) recording = nullptr;
     stiffness_n_per_m = governed(options.haptics.stiffness_n_per_m);
     if (recording != nullptr) {
@@ -281,7 +284,13 @@ SessionSummary Session::stop() {
     summary.tick_ns_max = servo.tick_ns.max_ns();
     summary.lateness_histogram.assign(servo.lateness.counts().begin(), servo.lateness.counts().end());
   }
-  const RunFigures figures = self.recorder.finish();
+  std::exception_ptr lost;
+  try {
+    self.recorder.finish();
+  } catch (const Error&) {
+    lost = std::current_exception();
+  }
+  const RunFigures& figures = self.recorder.figures();
   summary.duration_s = figures.duration_s;
   summary.contact_s = figures.contact_s;
   summary.contacts = figures.contacts;
@@ -296,6 +305,7 @@ SessionSummary Session::stop() {
   summary.windows_loaded = self.windows_loaded;
   summary.window_load_s_max = self.window_load_s_max;
   self.summary = summary;
+  if (lost) std::rethrow_exception(lost);
   return summary;
 }
 

@@ -65,7 +65,8 @@ class Session {
   /// Serves requests, buttons, window changes and announcements.
   void poll();
   [[nodiscard]] bool finished() const;
-  /// Ends in zero force and writes what was promised. Throws Error when the recording could not be written.
+  /// Ends in zero force and writes what was promised. Throws Error when the recording could not be written; called once
+  /// more it gives the summary all the same.
   SessionSummary stop();
 
   [[nodiscard]] const Seqlock<State>& state() const;

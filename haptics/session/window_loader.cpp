@@ -79,8 +79,10 @@ WindowPlan recorded_plan(const RecordedWindow& recorded) {
 
 HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded) {
   const WindowPlan plan = recorded_plan(recorded);
-  const auto levels = static_cast<int>(scene.description().levels.size());
-  if (plan.level < 0 || plan.level >= levels || plan.nx < 2 || plan.ny < 2)
+  const std::vector<Lattice>& levels = scene.description().levels;
+  const auto level = static_cast<std::size_t>(plan.level);
+  if (plan.level < 0 || level >= levels.size() || plan.nx < 2 || plan.ny < 2 || plan.nx > levels[level].nx ||
+      plan.ny > levels[level].ny)
     throw Error(ErrorKind::input, {}, "the recording was made with another scene", "the scene that it was made with");
   return load_window(scene, plan, recorded.surface_id);
 }

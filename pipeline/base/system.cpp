@@ -2,6 +2,7 @@
 #include "pipeline/base/system.h"
 
 #include <string>
+#include <string_view>
 
 #include "pipeline/base/error.h"
 
@@ -14,6 +15,7 @@
 // clang-format on
 #else
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -34,6 +36,11 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& folder, const std::string& why) {
   throw Error(ErrorKind::failure, {folder.string(), 0, 0}, "a temporary file in this folder fails: " + why,
               "room on the disk and a folder that can be written to");
+}
+
+[[noreturn]] void fail_to_append(const std::filesystem::path& file, const std::string& why) {
+  throw Error(ErrorKind::failure, {file.string(), 0, 0}, "cannot append to it: " + why,
+              "room on the disk and a file that can be written");
 }
 
 }  // namespace
@@ -120,6 +127,37 @@ std::uint64_t physical_memory_bytes() noexcept {
 }
 
 bool exchange_paths(const std::filesystem::path&, const std::filesystem::path&) noexcept { return false; }
+void append_line(const std::filesystem::path& file, std::string_view first, std::string_view line) {
+  HANDLE handle = INVALID_HANDLE_VALUE;  // opened for nobody else: that is the lock
+  do {
+    handle = CreateFileW(file.c_str(), GENERIC_READ | GENERIC_WRITE, 0, nullptr, OPEN_ALWAYS, FILE_ATTRIBUTE_NORMAL,
+                         nullptr);
+    if (handle == INVALID_HANDLE_VALUE && GetLastError() == ERROR_SHARING_VIOLATION) Sleep(1);
+  } while (handle == INVALID_HANDLE_VALUE && GetLastError() == ERROR_SHARING_VIOLATION);
+  if (handle == INVALID_HANDLE_VALUE) fail_to_append(file, "code " + std::to_string(GetLastError()));
+  LARGE_INTEGER size{};
+  GetFileSizeEx(handle, &size);
+  std::string text;
+  DWORD done = 0;
+  if (size.QuadPart == 0) {
+    text = first;
+  } else {
+    char last = 0;
+    SetFilePointerEx(handle, {.QuadPart = size.QuadPart - 1}, nullptr, FILE_BEGIN);
+    if (ReadFile(handle, &last, 1, &done, nullptr) && last != '\n') text = "\n";
+  }
+  text += line;
+  SetFilePointerEx(handle, size, nullptr, FILE_BEGIN);
+  const bool whole = WriteFile(handle, text.data(), static_cast<DWORD>(text.size()), &done, nullptr) &&
+                     done == static_cast<DWORD>(text.size());
+  if (!whole) {
+    SetFilePointerEx(handle, size, nullptr, FILE_BEGIN);
+    SetEndOfFile(handle);
+  }
+  CloseHandle(handle);
+  if (!whole) fail_to_append(file, "the disk may be full");
+}
+
 unsigned process_id() noexcept { return GetCurrentProcessId(); }
 bool stderr_is_terminal() noexcept { return _isatty(2) != 0; }
 void trim_heap() noexcept {}
@@ -234,6 +272,28 @@ void advise_large_pages(void* data, std::size_t size) noexcept {
   static_cast<void>(data);
   static_cast<void>(size);
 #endif
+}
+
+void append_line(const std::filesystem::path& file, std::string_view first, std::string_view line) {
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor < 0) fail_to_append(file, std::strerror(errno));
+  while (::flock(descriptor, LOCK_EX) != 0 && errno == EINTR) {
+  }
+  const off_t size = ::lseek(descriptor, 0, SEEK_END);
+  std::string text;
+  char last = '\n';
+  if (size == 0) text = first;
+  if (size > 0 && ::pread(descriptor, &last, 1, size - 1) == 1 && last != '\n') text = "\n";
+  text += line;
+  std::string why;
+  for (std::string_view rest = text; !rest.empty() && why.empty();) {
+    const ssize_t done = ::write(descriptor, rest.data(), rest.size());
+    if (done >= 0) rest.remove_prefix(static_cast<std::size_t>(done));
+    if (done < 0 && errno != EINTR) why = std::strerror(errno);
+  }
+  if (!why.empty()) static_cast<void>(::ftruncate(descriptor, size) == 0);
+  if (::close(descriptor) != 0 && why.empty()) why = std::strerror(errno);
+  if (!why.empty()) fail_to_append(file, why);
 }
 
 unsigned process_id() noexcept { return static_cast<unsigned>(::getpid()); }

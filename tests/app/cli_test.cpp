@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace sparsha {
 namespace {
@@ -45,9 +46,9 @@ class Program : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   // Runs in the test's own folder, without a display.
-  Outcome run(const std::string& arguments) {
+  Outcome run(const std::string& arguments, const std::string& input = "/dev/null") {
     const std::string command = "cd \"" + folder_.string() + "\" && env -u DISPLAY -u WAYLAND_DISPLAY \"" +
-                                SPARSHA_PROGRAM + "\" " + arguments + " > .out 2> .err < /dev/null";
+                                SPARSHA_PROGRAM + "\" " + arguments + " > .out 2> .err < " + input;
     const int status = std::system(command.c_str());
     Outcome outcome;
     outcome.code = WEXITSTATUS(status);
@@ -209,6 +210,49 @@ TEST_F(Program, AFolderThatIsNoSceneIsNotOverwritten) {
   write("photos/precious.txt", "kept");
   EXPECT_EQ(run("build a.ply --out photos").code, 2);
   EXPECT_EQ(text_of(folder_ / "photos" / "precious.txt"), "kept");
+}
+
+TEST_F(Program, AStudyStaysRectangularWhateverTheVisitorAnswers) {
+  ASSERT_EQ(run("build " + relief_ + " --out scene").code, 0);
+  const std::string explore = "explore scene --device simulated --headless --duration 0.2 --study visitors";
+  write("seven", " 7 \r\n");
+  write("third", "eleven\n\n10\n");
+  write("never", "0\n7,7\n1e1\n5\n");
+  for (const char* answers : {"seven", "third", "never", "/dev/null"})
+    EXPECT_EQ(run(explore, answers).code, 0) << answers;
+  std::istringstream lines(text_of(folder_ / "visitors.csv"));
+  std::string line;
+  std::vector<std::string> realism;
+  while (std::getline(lines, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 8) << line;
+    realism.push_back(line.substr(0, line.find(',')));
+  }
+  EXPECT_EQ(realism, (std::vector<std::string>{"realism", "7", "10", "", ""}));
+
+  write("notes.csv", "name,age\n");
+  for (const char* name : {"notes", "a/b", "..", "'a,b'", "\"$(printf 'a\\tb')\""})
+    EXPECT_EQ(run(std::string("explore scene --device simulated --headless --duration 0.2 --study ") + name).code, 2)
+        << name;
+  EXPECT_EQ(text_of(folder_ / "notes.csv"), "name,age\n");
+}
+
+TEST_F(Program, AnOutputThatFailsTakesNoOtherWithIt) {
+  if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "no full device";
+  ASSERT_EQ(run("build " + relief_ + " --out scene").code, 0);
+  const Outcome outcome =
+      run("explore scene --device simulated --headless --duration 0.5 --record /dev/full --screenshot view.png "
+          "--study visitors --json");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("/dev/full: error: the recording could not be written whole"));
+  EXPECT_GT(nlohmann::json::parse(outcome.out)["ticks"], 0);
+  EXPECT_TRUE(text_of(folder_ / "view.png").starts_with("\x89PNG"));
+  EXPECT_THAT(text_of(folder_ / "visitors.csv"), HasSubstr("realism,"));
+}
+
+TEST_F(Program, ADurationThatIsNoNumberIsRefused) {
+  write("a.ply", kTetrahedron);
+  for (const char* duration : {"nan", "inf", "0", "-1", "ten"})
+    EXPECT_EQ(run(std::string("explore a.ply --device simulated --headless --duration ") + duration).code, 2);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -100,7 +101,38 @@ std::array<std::size_t, kColumns> find_columns(const std::string& file, std::str
   return place;
 }
 
-std::uint64_t whole(double value) { return value > 0.0 ? static_cast<std::uint64_t>(value) : 0; }
+// Reads as many numbers as there are fields; what is wrong with the line, or nothing.
+std::string read_fields(std::string_view line, std::vector<double>& fields) {
+  for (double& value : fields) {
+    const std::string_view field = take_field(line);
+    const auto result = std::from_chars(field.data(), field.data() + field.size(), value);
+    if (result.ec != std::errc() || result.ptr != field.data() + field.size())
+      return "`" + std::string(field.substr(0, 40)) + "` is not a number";
+  }
+  return line.empty() ? "" : "more fields than the header names";
+}
+
+// Everything but the device's own position, which may be what a broken device gave.
+std::string wrong_value(const std::array<std::size_t, kColumns>& place, const std::vector<double>& fields) {
+  constexpr double kMostCount = 1e9;
+  constexpr std::array kCounts = {kLevel, kWindowI, kWindowJ, kWindowNx, kWindowNy, kDelay};
+  constexpr std::array kWords = {kButtons, kSurface, kCommand, kFlags};
+  constexpr std::array kPositive = {kScale, kPeriod, kWorkspace};
+  for (std::size_t column = 0; column < kColumns; ++column) {
+    if (place[column] == kAbsent || column == kX || column == kY || column == kZ) continue;
+    const double value = fields[place[column]];
+    const auto is_one_of = [column](const auto& columns) {
+      return std::find(columns.begin(), columns.end(), column) != columns.end();
+    };
+    const bool good = std::isfinite(value) && (!is_one_of(kCounts) || std::abs(value) <= kMostCount) &&
+                      (!is_one_of(kWords) || (value >= 0.0 && value < 0x1p63)) &&
+                      (!is_one_of(kPositive) || value > 0.0);
+    if (!good) return "an impossible " + std::string(kNames[column]);
+  }
+  return "";
+}
+
+std::uint64_t word(double value) { return static_cast<std::uint64_t>(value); }
 
 double commonest_step(const std::vector<RecordedRow>& rows) {
   std::vector<double> steps;
@@ -117,6 +149,8 @@ double commonest_step(const std::vector<RecordedRow>& rows) {
 Recording::Recording(const std::filesystem::path& file) {
   const MappedFile mapped(file);
   std::string_view text = mapped.text();
+  const bool ends_whole = text.ends_with('\n');
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::string name = file.string();
   std::size_t count = 0;
   const auto place = find_columns(name, take_line(text), count);
@@ -128,18 +162,18 @@ Recording::Recording(const std::filesystem::path& file) {
   std::vector<double> fields(count);
   int line_number = 1;
   while (!text.empty()) {
-    std::string_view line = take_line(text);
+    const std::string_view line = take_line(text);
     ++line_number;
     if (line.empty()) continue;
-    for (double& value : fields) {
-      const std::string_view field = take_field(line);
-      const auto result = std::from_chars(field.data(), field.data() + field.size(), value);
-      if (result.ec != std::errc() || result.ptr != field.data() + field.size())
-        throw input_error_at(name, line_number, "`" + std::string(field) + "` is not a number",
-                             std::to_string(count) + " numbers separated by commas");
+    std::string wrong = read_fields(line, fields);
+    if (!wrong.empty() && text.empty() && !ends_whole && !rows_.empty()) {
+      cut_short_ = true;
+      break;
     }
-    if (!line.empty())
-      throw input_error_at(name, line_number, "more fields than the header names", std::to_string(count) + " fields");
+    if (wrong.empty()) wrong = wrong_value(place, fields);
+    if (!wrong.empty())
+      throw input_error_at(name, line_number, wrong,
+                           std::to_string(count) + " numbers as `explore --record` writes them");
     const auto at = [&](Column column, double otherwise) {
       return place[column] == kAbsent ? otherwise : fields[place[column]];
     };
@@ -148,13 +182,13 @@ Recording::Recording(const std::filesystem::path& file) {
     if (!rows_.empty() && !(row.time_s > rows_.back().time_s))
       throw input_error_at(name, line_number, "time does not increase", "t_s above that of the row before");
     row.position_m = {at(kX, 0.0), at(kY, 0.0), at(kZ, 0.0)};
-    row.buttons = whole(at(kButtons, 0.0));
+    row.buttons = word(at(kButtons, 0.0));
     row.replay.centre_m = {at(kCentreX, 0.0), at(kCentreY, 0.0), at(kCentreZ, 0.0)};
     row.replay.stiffness_n_per_m = at(kStiffness, 0.0);
     row.replay.period_s = at(kPeriod, 0.001);
-    row.replay.command = whole(at(kCommand, 0.0));
-    row.replay.flags = whole(at(kFlags, static_cast<double>(kFlagHomed)));
-    const std::uint64_t surface_id = whole(at(kSurface, 0.0));
+    row.replay.command = word(at(kCommand, 0.0));
+    row.replay.flags = word(at(kFlags, static_cast<double>(kFlagHomed)));
+    const std::uint64_t surface_id = word(at(kSurface, 0.0));
     if (has_windows && (windows_.empty() || windows_.back().surface_id != surface_id)) {
       RecordedWindow window;
       window.row = rows_.size();

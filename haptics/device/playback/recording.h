@@ -42,6 +42,8 @@ class Recording {
   [[nodiscard]] const DeviceInfo& info() const noexcept { return info_; }
   /// Whether rows carry centre, stiffness and flags.
   [[nodiscard]] bool has_replay() const noexcept { return has_replay_; }
+  /// The last row was cut in the middle, as by a power failure, and is left out.
+  [[nodiscard]] bool cut_short() const noexcept { return cut_short_; }
   /// The commonest step between rows.
   [[nodiscard]] double period_s() const noexcept { return period_s_; }
 
@@ -54,6 +56,7 @@ class Recording {
   std::vector<RecordedWindow> windows_;
   DeviceInfo info_;
   bool has_replay_ = false;
+  bool cut_short_ = false;
   double period_s_ = 0.001;
   std::atomic<std::size_t> allowed_{0};
 };

@@ -115,7 +115,7 @@ void run(WatchingDevice& device) {
   const auto scene = hills();
   Seqlock<State> state;
   const auto consumer = std::make_shared<ContactQueue>(1024);
-  Recorder recorder({}, device.info(), 1000.0, 0.0005);
+  Recorder recorder({}, device.info(), 1000.0);
   recorder.start();
   Servo servo(device, ServoOptions{}, window_on(scene), state, {consumer}, &recorder);
   servo.start();

@@ -50,7 +50,7 @@ Record record_at(std::uint64_t tick) {
 TEST(Recorder, WritesEveryRowOfAFastServo) {
   const Folder folder;
   constexpr std::uint64_t kRows = 40'000;
-  Recorder recorder(folder / "run.csv", DeviceInfo{}, 10'000.0, 0.001);
+  Recorder recorder(folder / "run.csv", DeviceInfo{}, 10'000.0);
   recorder.start();
   for (std::uint64_t tick = 1; tick <= kRows; ++tick) {
     ASSERT_TRUE(recorder.push(record_at(tick)));
@@ -66,7 +66,7 @@ TEST(Recorder, WritesEveryRowOfAFastServo) {
 }
 
 TEST(Recorder, CountsTheRowsItCouldNotTake) {
-  Recorder recorder({}, DeviceInfo{}, 100.0, 0.001);
+  Recorder recorder({}, DeviceInfo{}, 100.0);
   std::uint64_t lost = 0;
   for (std::uint64_t tick = 1; tick <= 5000; ++tick)  // nobody reads: the queue fills
     if (!recorder.push(record_at(tick))) ++lost;
@@ -96,7 +96,7 @@ TEST(Recorder, AnyDoubleSurvivesTheFileToTheLastBit) {
   DeviceInfo device;
   device.limits.max_force_n = 7.25;
   device.workspace_width_m = 0.08;
-  Recorder recorder(folder / "run.csv", device, 1000.0, 0.001);
+  Recorder recorder(folder / "run.csv", device, 1000.0);
   recorder.start();
   for (const Record& record : records) ASSERT_TRUE(recorder.push(record));
   static_cast<void>(recorder.finish());
@@ -146,7 +146,7 @@ TEST(Recorder, SaysWhenTheDiskIsFullAndLeavesNothingHalfWritten) {
   const Folder folder;
   const std::filesystem::path file = folder / "run.csv";
   {
-    Recorder recorder(file, DeviceInfo{}, 1000.0, 0.001);
+    Recorder recorder(file, DeviceInfo{}, 1000.0);
     recorder.start();
     for (std::uint64_t tick = 1; tick <= 1000; ++tick) ASSERT_TRUE(recorder.push(record_at(tick)));
     const ShortDisk disk(4096);
@@ -156,7 +156,7 @@ TEST(Recorder, SaysWhenTheDiskIsFullAndLeavesNothingHalfWritten) {
 }
 
 TEST(Recorder, CountsContactTimePathForceAndArea) {
-  Recorder recorder({}, DeviceInfo{}, 1000.0, 0.001);
+  Recorder recorder({}, DeviceInfo{}, 1000.0);
   recorder.start();
   // Two strokes of 100 ticks in contact at 2 N over 0.1 m of device, 10 fine cells each; one more on a coarser level.
   std::uint64_t tick = 0;
@@ -166,7 +166,8 @@ TEST(Recorder, CountsContactTimePathForceAndArea) {
       record.state.contact = contact ? 1 : 0;
       record.state.level = level;
       record.state.device_m = {0.001 * i, 0.0, 0.0};
-      record.state.proxy_m = {x0 + 0.0001 * i + 0.00005, 0.0005, 0.0};
+      record.cell_m = std::ldexp(0.001, static_cast<int>(level));
+      record.cell_i = static_cast<std::int32_t>((x0 + 0.0001 * i + 0.00005) / record.cell_m);
       record.state.commanded_force_n = {0.0, 0.0, contact ? 2.0 : 0.0};
       ASSERT_TRUE(recorder.push(record));
     }
@@ -187,6 +188,24 @@ TEST(Recorder, CountsContactTimePathForceAndArea) {
   EXPECT_NEAR(figures.duration_s, 0.5, 1e-9);
 }
 
+TEST(Recorder, AreaIsThatOfTheScenesOwnCellsAndEachSceneHasItsOwn) {
+  Recorder recorder({}, DeviceInfo{}, 1000.0);
+  recorder.start();
+  std::uint64_t tick = 0;
+  const auto touch = [&](std::int32_t cell, double cell_m, std::uint64_t flags) {
+    Record record = record_at(++tick);
+    record.state.contact = 1;
+    record.state.flags |= flags;
+    record.cell_i = cell;
+    record.cell_m = cell_m;
+    ASSERT_TRUE(recorder.push(record));
+  };
+  for (const std::int32_t cell : {0, 1, 1, 0}) touch(cell, 0.001, 0);
+  touch(-1, 0.001, kFlagOutside);
+  for (const std::int32_t cell : {0, 1, 2}) touch(cell, 0.002, 0);  // a new depth scan
+  EXPECT_NEAR(recorder.finish().area_m2, 2 * 1e-6 + 3 * 4e-6, 1e-15);
+}
+
 TEST(Recording, SaysWhatIsWrongWithAFileAndWhere) {
   const Folder folder;
   const auto message = [&](const std::string& text) -> std::string {
@@ -205,7 +224,25 @@ TEST(Recording, SaysWhatIsWrongWithAFileAndWhere) {
   EXPECT_NE(message("t_s,device_x_m,device_y_m,device_z_m\n1,0,0,0\n1,0,0,0\n").find("increase"), std::string::npos);
   EXPECT_NE(message("t_s,device_x_m,device_y_m,device_z_m\n").find("no rows"), std::string::npos);
   EXPECT_EQ(message("t_s,device_x_m,device_y_m,device_z_m\r\n0,0,0,0\r\n"), "");
+  const std::string columns = "t_s,device_x_m,device_y_m,device_z_m,buttons,level,period_s\n";
+  EXPECT_EQ(message(columns + "0,nan,-inf,0,0,0,0.001\n"), "") << "what a broken device gave is played again";
+  EXPECT_EQ(message("\xEF\xBB\xBF" + columns + "0,0,0,0,0,0,0.001\n"), "");
+  EXPECT_NE(message(columns + "0,0,0,0,1e300,0,0.001\n").find(":2: error: an impossible buttons"), std::string::npos);
+  EXPECT_NE(message(columns + "0,0,0,0,0,-1e12,0.001\n").find("level"), std::string::npos);
+  EXPECT_NE(message(columns + "0,0,0,0,0,0,0\n").find("period_s"), std::string::npos);
+  EXPECT_NE(message(columns + "nan,0,0,0,0,0,0.001\n").find("t_s"), std::string::npos);
   EXPECT_THROW(Recording("/nonexistent.csv"), Error);
+}
+
+TEST(Recording, OfARunThatWasKilledIsReadableUpToItsLastWholeRow) {
+  const Folder folder;
+  const std::string rows = "t_s,device_x_m,device_y_m,device_z_m\n0,1,2,3\n0.001,4,5,6\n";
+  for (const std::string cut : {"", "0.0", "0.002,7", "0.002,7,8,", "0.002,7,8,-"}) {
+    std::ofstream(folder / "run.csv") << rows << cut;
+    const Recording recording(folder / "run.csv");
+    EXPECT_EQ(recording.rows().size(), 2U) << cut;
+    EXPECT_EQ(recording.cut_short(), !cut.empty()) << cut;
+  }
 }
 
 TEST(PlaybackDevice, PlaysRowByRowAndFinishes) {

@@ -271,6 +271,19 @@ TEST(TickEngine, FlagsBorderOutsideUnknownAndFilled) {
   EXPECT_TRUE((hand.engine.state().flags & kFlagOutside) != 0);
 }
 
+TEST(TickEngine, RecordsTheCellThatIsTouchedHoweverFarTheSceneIsFromTheOrigin) {
+  for (const double x0 : {0.0, -3.0, 1e7}) {
+    const Eigen::Vector3d origin_m(x0, -2.0 * x0, x0);
+    Hand hand(window_on(testing::scene_of([x0](double, double) { return x0; }, 101, 0.1, 200, origin_m)));
+    hand.arm();
+    hand.press({0.0125, -0.0215, -0.002});  // of a workspace of 0.1 m, its origin at the window's middle
+    const Record& record = hand.engine.record();
+    EXPECT_EQ(record.cell_i, 62) << x0;
+    EXPECT_EQ(record.cell_j, 28) << x0;
+    EXPECT_NEAR(record.cell_m, 0.001, kEpsilon) << x0;
+  }
+}
+
 TEST(TickEngine, IdenticalSamplesGiveIdenticalBits) {
   const auto scene = testing::scene_of(testing::hills_m, 201, 0.1);
   Hand first(window_on(scene));

@@ -8,8 +8,10 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "pipeline/base/error.h"
+#include "pipeline/base/system.h"
 
 namespace sparsha {
 namespace {
@@ -78,6 +80,35 @@ TEST_F(Files, APipeIsWrittenToAndNeverReplaced) {
   EXPECT_EQ(heard, "a result");
   EXPECT_TRUE(fs::is_fifo(pipe));
   EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(Files, LinesAppendedByManyAtOnceAreAllThereAndWholeBelowOneHeader) {
+  const fs::path file = folder_ / "study.csv";
+  constexpr int kWriters = 8;
+  constexpr int kLines = 100;
+  std::vector<std::thread> writers;
+  for (int w = 0; w < kWriters; ++w)
+    writers.emplace_back([&file, w] {
+      for (int i = 0; i < kLines; ++i)
+        system::append_line(file, "writer,line\n", std::to_string(w) + "," + std::to_string(i) + "\n");
+    });
+  for (std::thread& writer : writers) writer.join();
+  std::ifstream stream(file);
+  std::string line;
+  ASSERT_TRUE(std::getline(stream, line));
+  EXPECT_EQ(line, "writer,line");
+  std::vector<int> next(kWriters, 0);
+  while (std::getline(stream, line)) {
+    const auto writer = static_cast<std::size_t>(line.at(0) - '0');
+    ASSERT_LT(writer, next.size()) << line;
+    EXPECT_EQ(line, std::to_string(writer) + "," + std::to_string(next[writer]++));
+  }
+  EXPECT_EQ(next, std::vector<int>(kWriters, kLines));
+
+  std::ofstream(file) << "writer,line\n0,0";  // edited by hand
+  system::append_line(file, "writer,line\n", "1,1\n");
+  EXPECT_EQ(read_file(file, 100), "writer,line\n0,0\n1,1\n");
+  EXPECT_THROW(system::append_line(folder_, "", "x\n"), Error) << "a folder";
 }
 
 TEST_F(Files, MissingFilesFoldersAndOversizeAreErrorsThatNameTheFile) {
