@@ -15,7 +15,7 @@ namespace sparsha::pipeline {
 /// The lattice as the kernels see it: metres relative to the oriented points' origin. Bins reach `kMargin` nodes beyond
 /// the lattice, so that a cropped grid is measured up to its border.
 struct BinLattice {
-  static constexpr int kMargin = 2;
+  static constexpr int kMargin = 3;
 
   int nx = 0, ny = 0;  ///< nodes
   double spacing_m = 0.0;

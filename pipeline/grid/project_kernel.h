@@ -10,7 +10,10 @@ namespace sparsha::pipeline {
 /// What nodes are decided from. Arrays may be read up to kReadAhead elements beyond their ends.
 struct NodeKernel {
   static constexpr int kReadAhead = 24;
-  static constexpr int kMostPoints = 480;  ///< of a 3x3 window; fuller ones are left to NodeFitter
+  static constexpr int kMostPoints = 480;  ///< of a window; fuller ones are left to NodeFitter
+
+  /// About a node: NodeFitter has to look, its height is written, or no points surround it.
+  enum Verdict : std::uint8_t { kHard, kMeasured, kUnknown };
 
   const std::uint32_t* start = nullptr;  ///< first point of each bin, bins_x bins a row
   const float* x = nullptr;              ///< metres
@@ -23,7 +26,7 @@ struct NodeKernel {
   float band_m = 0.0F;          ///< half height of the band that is searched for the front
   float scale_m = 0.0F;         ///< standard deviation of residuals
   float ridge = 0.0F;           ///< prior of the slopes, see LocalFitRule
-  const float* per_r2[2] = {};  ///< 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5
+  const float* per_r2[3] = {};  ///< 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5, 7x7
 };
 
 /// Bands of 2^band_rows_log2 rows of bins each, of a window of bins.
@@ -132,10 +135,11 @@ struct ProjectionKernels {
   /// Copies the points of bins, the highest first, equal heights by x, then y. What it leaves of bins with more than
   /// kFew points is not to be used.
   void (*sort_bins)(const BinSort& sort, std::size_t bins);
-  /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend. Heights of rows
-  /// [j_begin, j_end) into height, nx a row, and 1 into decided, or 0 where NodeFitter has to look.
+  /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend; or a window whose
+  /// one layer is not all around. Heights of rows [j_begin, j_end) into height, and NodeKernel::Verdict into verdict,
+  /// nx a row.
   void (*fit_rows)(const NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,
-                   std::uint8_t* decided);
+                   std::uint8_t* verdict);
   /// Robust plane or quadric through all points of a layer.
   LayerFit (*fit_layer)(const LayerKernel& kernel, std::size_t count);
   /// rank[k] = how many values are greater than value k; false when two are equal. `value` is read, and may be written,

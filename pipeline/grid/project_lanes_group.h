@@ -159,14 +159,14 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
     }
   }
   // A centroid near the node proves that the node is surrounded; points below it may be the other side of a step.
-  const Ints central = (off_centre2 <= 0.25F) & ((off_centre2 <= 0.0625F) | (count - not_below < 3));
+  const Ints central = (off_centre2 <= 0.25F) & ((off_centre2 <= kOffCentre2) | (count - not_below < 3));
   const Ints smooth = (worst <= kBent * k.scale_m) & (squares <= kRough * (k.scale_m * k.scale_m) * m.w);
   result.decided = open & (m.w > 0.0F) & (determinant > 0.0F) & central & smooth;
   return result;
 }
 
 SPARSHA_INLINE void fit_rows(const sparsha::pipeline::NodeKernel& k, std::size_t j_begin, std::size_t j_end,
-                             float* heights, std::uint8_t* decided) {
+                             float* heights, std::uint8_t* verdict) {
   static thread_local SlotRow ring[3];
   alignas(32) float memory[4][sparsha::pipeline::NodeKernel::kMostPoints + 24];
   Window window{memory[0], memory[1], memory[2], memory[3]};
@@ -179,17 +179,17 @@ SPARSHA_INLINE void fit_rows(const sparsha::pipeline::NodeKernel& k, std::size_t
       const SlotRow* rows[3];
       for (std::size_t b = 0; b < 3; ++b) rows[b] = &ring[(j - j_begin + b) % 3];
       float* height = heights + (j - j_begin) * k.nx;
-      std::uint8_t* done = decided + (j - j_begin) * k.nx;
+      std::uint8_t* done = verdict + (j - j_begin) * k.nx;
       for (std::size_t i = first; i < last; i += kLanes) {
         const GroupResult group = fit_group(k, rows, i - first);
         const std::size_t lanes = last - i < kLanes ? last - i : kLanes;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
           if (group.decided[lane] != 0) {
             height[i + lane] = group.reference[lane] + group.height[lane];
-            done[i + lane] = 1;
+            done[i + lane] = kDecided;
           } else {
             const std::size_t reach = group.wider[lane] != 0 ? 2 : 1;
-            done[i + lane] = fit_alone(k, window, i + lane, j, reach, group.reference[lane], height + i + lane) ? 1 : 0;
+            done[i + lane] = fit_alone(k, window, i + lane, j, reach, group.reference[lane], height + i + lane);
           }
         }
       }

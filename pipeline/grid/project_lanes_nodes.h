@@ -8,6 +8,19 @@
 
 namespace {
 
+constexpr float kAbsent = -1e18F;  ///< height of what is not there
+// A centroid farther off than a quarter of a spacing, squared: where points lie below the front, a step is looked for.
+constexpr float kOffCentre2 = 0.0625F;
+// Where two layers lie apart: the front's mean place from the node, in spacings of its points, and from that of the
+// others, in sides of the window; squares.
+constexpr float kAside = 0.16F;
+constexpr float kApart = 0.07F;
+// Where fewer points than one in so many of the front lie below it, a wider window tells chance from a step.
+constexpr std::size_t kPerBelow = 3;
+// Nodes to each side of the window: thin fronts are left to NodeFitter from the second, chance from the third.
+constexpr std::size_t kWide = 2;
+constexpr std::size_t kWidest = 3;
+
 SPARSHA_INLINE bool rank_descending(float* value, std::size_t count, std::uint32_t* rank) {
   store(value + count, all(-__builtin_inff()));
   std::size_t ranks = 0;
@@ -86,10 +99,10 @@ SPARSHA_INLINE bool lopsided(const Window& window, std::size_t count, float band
   const float per_out = 1.0F / sums.at[3];
   const float in_mean_u = sums.at[1] * per_in;
   const float in_mean_v = sums.at[2] * per_in;
-  if (in_mean_u * in_mean_u + in_mean_v * in_mean_v <= 0.16F * spacing * spacing) return false;
+  if (in_mean_u * in_mean_u + in_mean_v * in_mean_v <= kAside * spacing * spacing) return false;
   const float du = in_mean_u - sums.at[4] * per_out;
   const float dv = in_mean_v - sums.at[5] * per_out;
-  return du * du + dv * dv > 0.07F * nodes;
+  return du * du + dv * dv > kApart * nodes;
 }
 
 // True when the node lies inside the hull of the band's points within `radius` but for `tolerance`, in eight
@@ -121,9 +134,15 @@ SPARSHA_INLINE bool surrounded(const Window& window, std::size_t count, float ba
   return true;
 }
 
-enum Verdict { kDecided, kWider, kHard };
+/// NodeKernel::Verdict, and that a wider window has to tell.
+enum Verdict : std::uint8_t {
+  kHard = sparsha::pipeline::NodeKernel::kHard,
+  kDecided = sparsha::pipeline::NodeKernel::kMeasured,
+  kUnknown = sparsha::pipeline::NodeKernel::kUnknown,
+  kWider
+};
 
-// Decides a window of 2 reach + 1 nodes a side, unless it is not one simple layer.
+// Decides a window of 2 reach + 1 nodes a side, if it is one simple layer.
 SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& window, std::size_t count,
                                 std::size_t reach, float& height) {
   Ints in_count{};
@@ -135,14 +154,15 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   }
   const auto in = static_cast<std::size_t>(total(in_count));
   const auto above = static_cast<std::size_t>(total(above_count));
-  if (in < 9) return kWider;
+  if (in < 9) return reach < kWide ? kWider : kHard;
   if (in * 4 < count) return kHard;
   // One or two points above the front may be a front that chance has thinned.
-  if (above > 0 && count < 24) return kWider;
+  if (above > 0 && count < 24) return reach < kWide ? kWider : kHard;
   if (above >= 3 && above * 12 >= count) return kHard;
   const float per_r2 = k.per_r2[reach - 1][in];
   Moments moments{};
-  const float nodes = reach > 1 ? 25.0F : 9.0F;
+  const auto side = static_cast<float>(2 * reach + 1);
+  const float nodes = side * side;
   const float spacing2 = nodes / static_cast<float>(in);
   const float spacing = spacing2 > 1.0F ? __builtin_sqrtf(spacing2) : 1.0F;
   const float near2 = 2.25F * spacing * spacing;
@@ -162,12 +182,18 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   Plane plane = solve(moments, k.ridge);
   if (!plane.good) return kHard;
   const float off_centre2 = plane.mu * plane.mu + plane.mv * plane.mv;
-  if (off_centre2 > 0.0625F && count - in - above >= 3 && lopsided(window, count, k.band_m, spacing, nodes)) {
-    return kHard;
+  if (off_centre2 > kOffCentre2 && count - in - above >= 3 && lopsided(window, count, k.band_m, spacing, nodes)) {
+    return reach < kWidest && (count - in - above) * kPerBelow <= in ? kWider : kHard;
   }
   // A centroid within half a spacing and points enough near by prove that the node is surrounded.
   if (off_centre2 > 0.25F * spacing * spacing || total(near) < 4) {
-    if (!surrounded(window, count, k.band_m, 1.5F * spacing, 0.5F * spacing)) return kHard;
+    const float tolerance = 0.5F * spacing;
+    if (!surrounded(window, count, k.band_m, 1.5F * spacing, tolerance)) {
+      if (reach < kWide) return kHard;
+      // As far as NodeFitter would look for points all around.
+      const float radius = 1.5F + 2.25F * (spacing - 1.0F);
+      return surrounded(window, count, k.band_m, radius, tolerance) ? kHard : kUnknown;
+    }
   }
 
   const RobustFit fit = refine(window, count, total(moments.w), k.scale_m, kBent, {k.ridge, k.ridge}, plane);
@@ -175,27 +201,51 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   return fit.loss <= 0.3F ? kDecided : kHard;
 }
 
-// Node (i, j) from a window of `reach` nodes to each side or one more; false when it needs more thought. `height` is
-// written only when it is decided.
-SPARSHA_APART bool fit_alone(const sparsha::pipeline::NodeKernel& k, Window& window, std::size_t i, std::size_t j,
-                             std::size_t reach, float reference, float* height) {
-  if (!(reference > -1e18F)) return false;
+// Reference height where fewer than four bins of the 3x3 window hold points: of those of the 5x5 window, the highest
+// point of the bin that four ninths of them are above.
+SPARSHA_INLINE float wider_reference(const sparsha::pipeline::NodeKernel& k, const std::uint32_t* corner) {
+  float tops[25];
+  std::size_t found = 0;
+  for (std::size_t row = 0; row < 5; ++row) {
+    const std::uint32_t* start = corner + row * k.bins_x;
+    for (std::size_t column = 0; column < 5; ++column) {
+      if (start[column] == start[column + 1]) continue;
+      const float top = k.z[start[column]];
+      std::size_t at = found++;
+      for (; at > 0 && tops[at - 1] < top; --at) tops[at] = tops[at - 1];
+      tops[at] = top;
+    }
+  }
+  return found < 4 ? kAbsent : tops[found * 4 / 9];
+}
+
+// Node (i, j) from a window of `reach` nodes to each side or a wider one. `height` is written only when it is decided.
+SPARSHA_APART Verdict fit_alone(const sparsha::pipeline::NodeKernel& k, Window& window, std::size_t i, std::size_t j,
+                                std::size_t reach, float reference, float* height) {
+  const auto corner_of = [&](std::size_t r) { return k.start + ((j + k.margin - r) * k.bins_x + i + k.margin - r); };
+  if (!(reference > kAbsent)) {
+    reach = kWide;
+    reference = wider_reference(k, corner_of(reach));
+    if (!(reference > kAbsent)) return kHard;
+  }
   const float per_spacing = static_cast<float>(1.0 / k.spacing_m);
   const float node_x = static_cast<float>(k.x0_m + static_cast<double>(i) * k.spacing_m);
   const float node_y = static_cast<float>(k.y0_m + static_cast<double>(j) * k.spacing_m);
-  for (; reach <= 2; ++reach) {
-    const std::uint32_t* corner = k.start + ((j + k.margin - reach) * k.bins_x + i + k.margin - reach);
+  for (;; ++reach) {
+    const std::uint32_t* corner = corner_of(reach);
     const std::size_t count = count_points(k, corner, reach);
-    if (count < 9) continue;
-    if (count > static_cast<std::size_t>(sparsha::pipeline::NodeKernel::kMostPoints)) return false;
+    if (count < 9) {
+      if (reach < kWide) continue;
+      return kHard;
+    }
+    if (count > static_cast<std::size_t>(sparsha::pipeline::NodeKernel::kMostPoints)) return kHard;
     gather(k, corner, reach, node_x, node_y, per_spacing, reference, window);
     float above_reference = 0.0F;
     const Verdict verdict = fit_node(k, window, count, reach, above_reference);
     if (verdict == kWider) continue;
     if (verdict == kDecided) *height = reference + above_reference;
-    return verdict == kDecided;
+    return verdict;
   }
-  return false;
 }
 
 }  // namespace

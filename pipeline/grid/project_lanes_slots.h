@@ -10,7 +10,6 @@ namespace {
 constexpr std::size_t kTile = 128;  ///< nodes of a row that are decided before the next row
 constexpr std::size_t kColumns = kTile + 2 * kLanes;
 constexpr std::size_t kSlots = 16;
-constexpr float kAbsent = -1e18F;  ///< height of a slot without a point
 
 /// A row of bins; column 0 is the bin before the tile's first node. Bins of more than kSlots points show the first.
 struct alignas(64) SlotRow {

@@ -31,8 +31,8 @@ void index_band_points(const sparsha::pipeline::BandKernel& kernel, const float*
 void send_points(const sparsha::pipeline::BandSend& points, std::size_t count) { send(points, count); }
 void sort_few_bins(const sparsha::pipeline::BinSort& sort, std::size_t bins) { sort_few(sort, bins); }
 void fit_nodes(const sparsha::pipeline::NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,
-               std::uint8_t* decided) {
-  fit_rows(kernel, j_begin, j_end, height, decided);
+               std::uint8_t* verdict) {
+  fit_rows(kernel, j_begin, j_end, height, verdict);
 }
 sparsha::pipeline::LayerFit fit_one_layer(const sparsha::pipeline::LayerKernel& kernel, std::size_t count) {
   sparsha::pipeline::LayerFit fit;

@@ -26,7 +26,7 @@ std::vector<float> kernel_radii(double window_area) {
   return per_r2;
 }
 
-NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::vector<float>, 2>& per_r2) {
+NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::vector<float>, 3>& per_r2) {
   const BinLattice& lattice = bins.lattice;
   const double scale = residual_scale(noise_m, lattice.spacing_m);
   NodeKernel kernel;
@@ -43,7 +43,7 @@ NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::v
   kernel.band_m = static_cast<float>(6.0 * noise_m + 2.25 * lattice.spacing_m);
   kernel.scale_m = static_cast<float>(scale);
   kernel.ridge = static_cast<float>(slope_ridge(scale, lattice.spacing_m));
-  for (std::size_t reach = 0; reach < 2; ++reach) kernel.per_r2[reach] = per_r2[reach].data();
+  for (std::size_t reach = 0; reach < 3; ++reach) kernel.per_r2[reach] = per_r2[reach].data();
   return kernel;
 }
 
@@ -51,16 +51,17 @@ NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::v
 void fit_nodes(const Bins& bins, const NodeRule& rule, int first_row, ThreadPool& pool, Progress& progress,
                DepthGrid& grid) {
   const auto first = static_cast<std::size_t>(first_row);
-  const std::array<std::vector<float>, 2> per_r2{kernel_radii(9.0), kernel_radii(25.0)};
+  const std::array<std::vector<float>, 3> per_r2{kernel_radii(9.0), kernel_radii(25.0), kernel_radii(49.0)};
   const NodeKernel kernel = node_kernel(bins, rule.noise_m, per_r2);
   pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
     progress.throw_if_cancelled();
     NodeFitter fitter(bins, rule);
-    std::vector<std::uint8_t> decided((end - begin) * kernel.nx);
+    std::vector<std::uint8_t> verdict((end - begin) * kernel.nx);
     const std::size_t at = begin * kernel.nx;
-    fastest_kernels().fit_rows(kernel, first + begin, first + end, grid.height_m.data() + at, decided.data());
-    for (std::size_t node = 0; node < decided.size(); ++node) {
-      if (decided[node] == 0) {
+    fastest_kernels().fit_rows(kernel, first + begin, first + end, grid.height_m.data() + at, verdict.data());
+    for (std::size_t node = 0; node < verdict.size(); ++node) {
+      if (verdict[node] == NodeKernel::kUnknown) continue;
+      if (verdict[node] == NodeKernel::kHard) {
         const int j = first_row + static_cast<int>(begin + node / kernel.nx);
         const NodeFit fit = fitter.fit(static_cast<int>(node % kernel.nx), j);
         if (!fit.measured) continue;
