@@ -3,60 +3,65 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "pipeline/base/error.h"
+#include "pipeline/base/exact_sum.h"
 #include "pipeline/base/hash.h"
+#include "pipeline/base/key_table.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-struct Voxel {
-  std::array<std::int64_t, 3> cell{};    ///< x, y, z in leaves from the scan frame's zero
-  std::array<std::int64_t, 3> offset{};  ///< sum of the points' places in the cell, 2^-30 of a leaf
-  std::array<std::uint64_t, 4> colour{};
-  double intensity = 0.0;
-  std::uint64_t count = 0;
+/// x, y, z in leaves from the scan frame's zero.
+using Cell = std::array<std::int64_t, 3>;
+struct CellHash {
+  std::uint64_t operator()(const Cell& cell) const { return hash_cell(cell); }
 };
 
 constexpr double kUnits = 1 << 30;
 
-/// Voxels by cell; open addressing.
-class VoxelTable {
- public:
-  VoxelTable() : slots_(1024, kFree) {}
+struct ColourSum {
+  std::array<std::uint64_t, 4> channels{};
 
-  Voxel& at(const std::array<std::int64_t, 3>& cell) {
-    if (voxels_.size() * 2 >= slots_.size()) grow();
-    std::size_t slot = place(cell);
-    while (slots_[slot] != kFree && voxels_[slots_[slot]].cell != cell) slot = (slot + 1) & (slots_.size() - 1);
-    if (slots_[slot] == kFree) {
-      slots_[slot] = static_cast<std::uint32_t>(voxels_.size());
-      voxels_.emplace_back().cell = cell;
+  void add(std::uint32_t rgba) {
+    for (unsigned k = 0; k < 4; ++k) channels[k] += rgba >> (8 * k) & 255;
+  }
+  [[nodiscard]] std::uint32_t mean(std::uint64_t count) const {
+    std::uint32_t rgba = 0;
+    for (unsigned k = 0; k < 4; ++k) {
+      rgba |= static_cast<std::uint32_t>((channels[k] + count / 2) / count) << (8 * k);
     }
-    return voxels_[slots_[slot]];
+    return rgba;
   }
-  [[nodiscard]] std::vector<Voxel>& voxels() { return voxels_; }
-
- private:
-  static constexpr std::uint32_t kFree = ~std::uint32_t{0};
-
-  [[nodiscard]] std::size_t place(const std::array<std::int64_t, 3>& cell) const {
-    return static_cast<std::size_t>(hash_cell(cell)) & (slots_.size() - 1);
-  }
-  void grow() {
-    slots_.assign(slots_.size() * 2, kFree);
-    for (std::size_t i = 0; i < voxels_.size(); ++i) {
-      std::size_t slot = place(voxels_[i].cell);
-      while (slots_[slot] != kFree) slot = (slot + 1) & (slots_.size() - 1);
-      slots_[slot] = static_cast<std::uint32_t>(i);
-    }
-  }
-
-  std::vector<std::uint32_t> slots_;
-  std::vector<Voxel> voxels_;
 };
+struct NoColour {};
+struct NoIntensity {};
+
+/// Sums over the points of a voxel. What the scan has not takes no memory; aligned so that one lies in no more than two
+/// cache lines, without colour in one.
+template <bool kColour, bool kIntensity>
+struct alignas(kColour ? 32 : 64) Voxel {
+  Cell key{};
+  std::array<std::int64_t, 3> place{};  ///< in the cell, 2^-30 of a leaf
+  std::uint64_t count = 0;
+  [[no_unique_address]] std::conditional_t<kColour, ColourSum, NoColour> colour;
+  [[no_unique_address]] std::conditional_t<kIntensity, double, NoIntensity> intensity{};
+};
+
+/// Adds and gives what the sum was rounded by, which is exact (Knuth 1969, two-sum).
+double add_and_keep_rest(double& sum, double value) {
+  const double before = sum;
+  sum += value;
+  const double added = sum - before;
+  return (before - (sum - added)) + (value - added);
+}
 
 /// `far_m` is how far the scan reaches from the scan frame's zero.
 void check_leaf(double leaf_m, double far_m) {
@@ -73,91 +78,147 @@ float away_from_origin(const float* xyz) {
   return std::max(std::max(std::fabs(xyz[0]), std::fabs(xyz[1])), std::fabs(xyz[2]));
 }
 
-std::uint32_t mean_colour(const Voxel& voxel) {
-  std::uint32_t rgba = 0;
-  for (unsigned k = 0; k < 4; ++k) {
-    rgba |= static_cast<std::uint32_t>((voxel.colour[k] + voxel.count / 2) / voxel.count) << (8 * k);
-  }
-  return rgba;
-}
-
-void write_back(const std::vector<Voxel>& voxels, double leaf_m, Cloud& cloud) {
-  cloud.resize_points(voxels.size());
-  if (!cloud.rgba.empty()) cloud.rgba.resize(voxels.size());
-  if (!cloud.intensity.empty()) cloud.intensity.resize(voxels.size());
-  float* const xyz = cloud.xyz1();
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const Voxel& voxel = voxels[i];
-    const double n = static_cast<double>(voxel.count);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double place = static_cast<double>(voxel.offset[k]) / (n * kUnits);
-      const double coordinate = (static_cast<double>(voxel.cell[k]) + place) * leaf_m;
-      xyz[4 * i + k] = static_cast<float>(coordinate - cloud.origin_m[static_cast<Eigen::Index>(k)]);
-    }
-    if (!cloud.rgba.empty()) cloud.rgba[i] = mean_colour(voxel);
-    if (!cloud.intensity.empty()) cloud.intensity[i] = static_cast<float>(voxel.intensity / n);
-  }
-}
-
 }  // namespace
 
-struct VoxelThinner::Implementation {
-  Eigen::Vector3d origin_m;
-  double leaf_m;
-  bool colour;
-  bool intensity;
-  float away = -1.0F;  ///< farthest coordinate so far, from the origin
-  VoxelTable table;
+class VoxelThinner::Implementation {
+ public:
+  Implementation(const Eigen::Vector3d& origin_m, double leaf_m) : origin_m_(origin_m), leaf_m_(leaf_m) {}
+  virtual ~Implementation() = default;
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  virtual void add(const float* xyz, std::uint32_t rgba, float intensity) = 0;
+  [[nodiscard]] virtual std::size_t voxels() = 0;
+  [[nodiscard]] virtual Cloud finish() = 0;
+
+ protected:
+  Eigen::Vector3d origin_m_;
+  double leaf_m_;
 };
 
-VoxelThinner::VoxelThinner(const Eigen::Vector3d& origin_m, double leaf_m, bool colour, bool intensity)
-    : implementation_(std::make_unique<Implementation>()) {
-  implementation_->origin_m = origin_m;
-  implementation_->leaf_m = leaf_m;
-  implementation_->colour = colour;
-  implementation_->intensity = intensity;
+/// For scans with and without attributes.
+template <bool kColour, bool kIntensity>
+class VoxelThinner::Sums final : public Implementation {
+ public:
+  using Implementation::Implementation;
+
+  void add(const float* xyz, std::uint32_t rgba, float intensity) override {
+    if (const float away = away_from_origin(xyz); away > away_) {
+      away_ = away;
+      check_leaf(leaf_m_, static_cast<double>(away) + origin_m_.cwiseAbs().maxCoeff());
+    }
+    // A voxel is asked for some points before it is needed, since the way to memory takes longer than all the rest.
+    Waiting& point = waiting_[next_ % kAhead];
+    if (next_ >= kAhead) use(point);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double leaves = (origin_m_[static_cast<Eigen::Index>(k)] + static_cast<double>(xyz[k])) / leaf_m_;
+      const double below = std::floor(leaves);
+      point.cell[k] = static_cast<std::int64_t>(below);
+      point.place[k] = static_cast<std::int64_t>((leaves - below) * kUnits);
+    }
+    point.hash = hash_cell(point.cell);
+    point.rgba = rgba;
+    point.intensity = intensity;
+    table_.foresee_slot(point.hash);
+    if (next_ >= kAhead / 2) table_.foresee_record(waiting_[(next_ - kAhead / 2) % kAhead].hash);
+    ++next_;
+  }
+
+  [[nodiscard]] std::size_t voxels() override {
+    for (std::uint64_t k = next_ - std::min(next_, kAhead); k < next_; ++k) use(waiting_[k % kAhead]);
+    next_ = 0;
+    return table_.size();
+  }
+
+  [[nodiscard]] Cloud finish() override {
+    std::vector<std::pair<Cell, std::uint32_t>> order;
+    order.reserve(voxels());
+    const auto all = table_.take();
+    for (const auto& voxel : all) order.emplace_back(voxel.key, static_cast<std::uint32_t>(order.size()));
+    std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+      return std::lexicographical_compare(a.first.rbegin(), a.first.rend(), b.first.rbegin(), b.first.rend());
+    });
+    Cloud cloud;
+    cloud.origin_m = origin_m_;
+    cloud.resize_points(all.size());
+    if (kColour) cloud.rgba.resize(all.size());
+    if (kIntensity) cloud.intensity.resize(all.size());
+    float* xyz = cloud.xyz1();
+    for (std::size_t i = 0; i < all.size(); ++i, xyz += 4) {
+      const auto& voxel = all[order[i].second];
+      const double n = static_cast<double>(voxel.count);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double place = static_cast<double>(voxel.place[k]) / (n * kUnits);
+        const double coordinate = (static_cast<double>(voxel.key[k]) + place) * leaf_m_;
+        xyz[k] = static_cast<float>(coordinate - origin_m_[static_cast<Eigen::Index>(k)]);
+      }
+      if constexpr (kColour) cloud.rgba[i] = voxel.colour.mean(voxel.count);
+      if constexpr (kIntensity)
+        cloud.intensity[i] = static_cast<float>(intensity(order[i].second, voxel.intensity) / n);
+    }
+    return cloud;
+  }
+
+ private:
+  struct Waiting {
+    Cell cell;
+    std::array<std::int64_t, 3> place;
+    std::uint64_t hash;
+    std::uint32_t rgba;
+    float intensity;
+  };
+  static constexpr std::uint64_t kAhead = 16;
+
+  void use(const Waiting& point) {
+    const std::uint32_t number = table_.number(point.cell, point.hash);
+    auto& voxel = table_[number];
+    for (std::size_t k = 0; k < 3; ++k) voxel.place[k] += point.place[k];
+    ++voxel.count;
+    if constexpr (kColour) voxel.colour.add(point.rgba);
+    if constexpr (kIntensity) {
+      const double rest = add_and_keep_rest(voxel.intensity, static_cast<double>(point.intensity));
+      if (rest != 0.0 && std::isfinite(rest)) rests_[number].add(rest);
+    }
+  }
+  [[nodiscard]] double intensity(std::uint32_t number, double sum) const {
+    if (!std::isfinite(sum)) return std::numeric_limits<double>::quiet_NaN();
+    const auto rest = rests_.find(number);
+    if (rest == rests_.end()) return sum;
+    ExactSum exact = rest->second;
+    exact.add(sum);
+    return exact.value();
+  }
+
+  float away_ = -1.0F;  ///< farthest coordinate so far, from the origin
+  std::array<Waiting, kAhead> waiting_{};
+  std::uint64_t next_ = 0;  ///< points that came since all were used
+  KeyTable<Voxel<kColour, kIntensity>, CellHash> table_;
+  /// By voxel: what its sum of intensities was rounded by, with which the sum is exact and does not depend on the order
+  /// of the points. Intensities of like size are never rounded: a double holds 2^29 times as much as a float.
+  std::unordered_map<std::uint32_t, ExactSum> rests_;
+};
+
+VoxelThinner::VoxelThinner(const Eigen::Vector3d& origin_m, double leaf_m, bool colour, bool intensity) {
+  if (colour && intensity) {
+    implementation_ = std::make_unique<Sums<true, true>>(origin_m, leaf_m);
+  } else if (colour) {
+    implementation_ = std::make_unique<Sums<true, false>>(origin_m, leaf_m);
+  } else if (intensity) {
+    implementation_ = std::make_unique<Sums<false, true>>(origin_m, leaf_m);
+  } else {
+    implementation_ = std::make_unique<Sums<false, false>>(origin_m, leaf_m);
+  }
 }
 
 VoxelThinner::~VoxelThinner() = default;
 
-std::size_t VoxelThinner::voxels() const { return implementation_->table.voxels().size(); }
+std::size_t VoxelThinner::voxels() const { return implementation_->voxels(); }
 
 void VoxelThinner::add(const float* xyz, std::uint32_t rgba, float intensity) {
-  Implementation& self = *implementation_;
-  if (const float away = away_from_origin(xyz); away > self.away) {
-    self.away = away;
-    check_leaf(self.leaf_m, static_cast<double>(away) + self.origin_m.cwiseAbs().maxCoeff());
-  }
-  std::array<std::int64_t, 3> cell{};
-  std::array<std::int64_t, 3> offset{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double leaves = (self.origin_m[static_cast<Eigen::Index>(k)] + static_cast<double>(xyz[k])) / self.leaf_m;
-    const double below = std::floor(leaves);
-    cell[k] = static_cast<std::int64_t>(below);
-    offset[k] = static_cast<std::int64_t>((leaves - below) * kUnits);
-  }
-  Voxel& voxel = self.table.at(cell);
-  for (std::size_t k = 0; k < 3; ++k) voxel.offset[k] += offset[k];
-  if (self.colour) {
-    for (unsigned k = 0; k < 4; ++k) voxel.colour[k] += rgba >> (8 * k) & 255;
-  }
-  if (self.intensity) voxel.intensity += static_cast<double>(intensity);
-  ++voxel.count;
+  implementation_->add(xyz, rgba, intensity);
 }
 
-Cloud VoxelThinner::finish() {
-  Implementation& self = *implementation_;
-  std::vector<Voxel>& voxels = self.table.voxels();
-  std::sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) {
-    return std::lexicographical_compare(a.cell.rbegin(), a.cell.rend(), b.cell.rbegin(), b.cell.rend());
-  });
-  Cloud cloud;
-  cloud.origin_m = self.origin_m;
-  if (self.colour) cloud.rgba.resize(voxels.size());
-  if (self.intensity) cloud.intensity.resize(voxels.size());
-  write_back(voxels, self.leaf_m, cloud);
-  return cloud;
-}
+Cloud VoxelThinner::finish() { return implementation_->finish(); }
 
 void thin_to_voxels(Cloud& cloud, double leaf_m, Progress& progress) {
   float away = 0.0F;

@@ -32,7 +32,9 @@ class VoxelThinner {
   [[nodiscard]] Cloud finish();
 
  private:
-  struct Implementation;
+  class Implementation;
+  template <bool kColour, bool kIntensity>
+  class Sums;
   std::unique_ptr<Implementation> implementation_;
 };
 

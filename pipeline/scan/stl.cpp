@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "pipeline/base/hash.h"
+#include "pipeline/base/key_table.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -12,47 +13,14 @@ namespace {
 constexpr std::size_t kHeader = 84;
 constexpr std::size_t kTriangle = 50;
 
-/// Numbers distinct vertices in the order in which they come; equal means equal float32 coordinates. Open addressing.
-class VertexTable {
- public:
-  VertexTable() : slots_(1024, kFree) {}
-
-  /// Number of the vertex; `is_new` tells whether it had none before.
-  std::uint32_t number(float x, float y, float z, bool& is_new) {
-    if (vertices_.size() * 2 >= slots_.size()) grow();
-    // -0.0 and 0.0 are the same place.
-    const Key key = {std::bit_cast<std::uint32_t>(x + 0.0F), std::bit_cast<std::uint32_t>(y + 0.0F),
-                     std::bit_cast<std::uint32_t>(z + 0.0F)};
-    std::size_t at = place(key);
-    while (slots_[at] != kFree && vertices_[slots_[at]] != key) at = (at + 1) & (slots_.size() - 1);
-    is_new = slots_[at] == kFree;
-    if (is_new) {
-      slots_[at] = static_cast<std::uint32_t>(vertices_.size());
-      vertices_.push_back(key);
-    }
-    return slots_[at];
+/// Vertices are the same where their float32 coordinates are.
+struct Vertex {
+  std::array<std::uint32_t, 3> key;  ///< the bits of x, y and z
+};
+struct VertexHash {
+  std::uint64_t operator()(const std::array<std::uint32_t, 3>& key) const {
+    return hash_words(std::array<std::uint64_t, 2>{std::uint64_t{key[0]} << 32U | key[1], key[2]});
   }
-
- private:
-  using Key = std::array<std::uint32_t, 3>;
-  static constexpr std::uint32_t kFree = ~std::uint32_t{0};
-
-  [[nodiscard]] std::size_t place(const Key& key) const {
-    const std::array<std::uint64_t, 2> words{std::uint64_t{key[0]} << 32U | key[1], key[2]};
-    return static_cast<std::size_t>(hash_words(words)) & (slots_.size() - 1);
-  }
-
-  void grow() {
-    slots_.assign(slots_.size() * 2, kFree);
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      std::size_t at = place(vertices_[i]);
-      while (slots_[at] != kFree) at = (at + 1) & (slots_.size() - 1);
-      slots_[at] = static_cast<std::uint32_t>(i);
-    }
-  }
-
-  std::vector<std::uint32_t> slots_;
-  std::vector<Key> vertices_;
 };
 
 class TriangleSink {
@@ -60,9 +28,12 @@ class TriangleSink {
   explicit TriangleSink(ScanWriter& out) : out_(out) {}
 
   std::uint32_t vertex(float x, float y, float z) {
-    bool is_new = false;
-    const std::uint32_t number = table_.number(x, y, z, is_new);
-    if (is_new) out_.add(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+    // -0.0 and 0.0 are the same place.
+    const std::size_t before = table_.size();
+    const std::uint32_t number =
+        table_.number({std::bit_cast<std::uint32_t>(x + 0.0F), std::bit_cast<std::uint32_t>(y + 0.0F),
+                       std::bit_cast<std::uint32_t>(z + 0.0F)});
+    if (number == before) out_.add(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
     return number;
   }
   void triangle(const std::array<std::uint32_t, 3>& corners) {
@@ -73,7 +44,7 @@ class TriangleSink {
 
  private:
   ScanWriter& out_;
-  VertexTable table_;
+  KeyTable<Vertex, VertexHash> table_;
 };
 
 void read_binary(const ScanFile& file, ScanWriter& out) {
@@ -87,7 +58,15 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
   }
   out.scan().format = "STL binary";
   out.begin(0, false, false);
-  if (file.bytes.size() > kHeader + count * kTriangle) {
+  if (count == 0 && most > 0) {
+    throw file.error("the header promises no triangles, the file has room for " + std::to_string(most),
+                     "the number of triangles in bytes 81 to 84");
+  }
+  if (most > count) {
+    out.scan().warnings.push_back("the header promises " + std::to_string(count) +
+                                  " triangles, the file has room for " + std::to_string(most) +
+                                  "; the others are left out");
+  } else if (file.bytes.size() > kHeader + count * kTriangle) {
     out.scan().warnings.push_back("bytes behind the last triangle are left out");
   }
   TriangleSink sink(out);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
@@ -249,6 +251,59 @@ TEST(VoxelFilter, DoesNotDependOnTheOrderOfPointsAndAveragesAttributes) {
   apply_filters(two, {VoxelConfig{1.0}}, pool, progress);
   EXPECT_EQ(two.rgba, std::vector<std::uint32_t>{0xFF00007FU});
   EXPECT_EQ(two.intensity, std::vector<float>{0.5F});
+}
+
+TEST(VoxelFilter, GivesTheSameBytesInAnyOrderWhateverTheIntensities) {
+  ThreadPool pool(1);
+  Progress progress;
+  std::mt19937 random(8);
+  const Points points = relief(4000, 2);
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<float> intensity;
+  std::vector<std::uint32_t> rgba;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    // Of 60 powers of ten: added up in double, almost every mean would depend on the order.
+    const double power = std::uniform_real_distribution<>(-30.0, 30.0)(random);
+    intensity.push_back(static_cast<float>((i % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, power)));
+    rgba.push_back(static_cast<std::uint32_t>(random()));
+  }
+  const auto thinned = [&](bool plain) {
+    Points p;
+    for (const std::size_t i : order) p.push_back(points[i]);
+    Cloud cloud = cloud_of(p, true);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      cloud.rgba[i] = rgba[order[i]];
+      cloud.intensity[i] = plain ? static_cast<float>(order[i] % 256) : intensity[order[i]];
+    }
+    apply_filters(cloud, {VoxelConfig{0.03}}, pool, progress);
+    return cloud;
+  };
+  for (const bool plain : {false, true}) {
+    const Cloud first = thinned(plain);
+    ASSERT_LT(first.size(), points.size() / 3);
+    for (int round = 0; round < 20; ++round) {
+      std::shuffle(order.begin(), order.end(), random);
+      const Cloud again = thinned(plain);
+      EXPECT_EQ(points_of(first), points_of(again));
+      EXPECT_EQ(first.rgba, again.rgba);
+      ASSERT_EQ(first.intensity.size(), again.intensity.size());
+      EXPECT_EQ(std::memcmp(first.intensity.data(), again.intensity.data(), 4 * again.intensity.size()), 0);
+    }
+  }
+}
+
+TEST(VoxelFilter, TheMeanOfIntensitiesIsExactToTheLastPlace) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud three = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}, {0.3F, 0.3F, 0.3F}}, true);
+  three.intensity = {1e30F, 6.0F, -1e30F};
+  apply_filters(three, {VoxelConfig{1.0}}, pool, progress);
+  EXPECT_EQ(three.intensity, std::vector<float>{2.0F});
+  Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
+  two.intensity = {std::numeric_limits<float>::infinity(), 1.0F};
+  apply_filters(two, {VoxelConfig{1.0}}, pool, progress);
+  EXPECT_TRUE(std::isnan(two.intensity.at(0))) << "no number";
 }
 
 TEST(VoxelFilter, RefusesALeafBelowThePrecisionOfTheCoordinates) {
