@@ -1,5 +1,6 @@
 #include "pipeline/scan/text.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -45,6 +46,20 @@ const char* parse_special(const char* p, const char* end, double& value) {
   return nullptr;
 }
 
+/// Tells which way an unsigned number is out of a double's range: by the place of its first digit that is not zero.
+bool is_tiny(const char* p, const char* end) {
+  const char* const letter = std::find_if(p, end, [](char c) { return lower(c) == 'e'; });
+  const char* const point = std::find(p, letter, '.');
+  const char* const digit = std::find_if(p, letter, [](char c) { return c >= '1' && c <= '9'; });
+  const std::ptrdiff_t place = digit < point ? point - digit : point - digit + 1;  // tenths are 0
+  const bool down = letter + 1 < end && letter[1] == '-';
+  std::ptrdiff_t power = 0;
+  for (const char* q = letter + 1; q < end; ++q) {
+    if (is_digit(*q) && power < (std::ptrdiff_t{1} << 40)) power = power * 10 + (*q - '0');
+  }
+  return place + (down ? -power : power) < 0;
+}
+
 /// Correctly rounded value of the unsigned number in [p, end), for those the quick way cannot do.
 double slow_value(const char* p, const char* end) {
   double value = 0.0;
@@ -61,12 +76,7 @@ double slow_value(const char* p, const char* end) {
   // from_chars knows no '+' in front of the digits, but takes one in the exponent.
   const auto [stop, error] = std::from_chars(p, end, value);
   if (error == std::errc::result_out_of_range) {
-    const void* exponent = nullptr;
-    for (const char* q = p; q < end; ++q) {
-      if (lower(*q) == 'e') exponent = q;
-    }
-    const bool tiny = exponent != nullptr && static_cast<const char*>(exponent)[1] == '-';
-    return tiny ? 0.0 : std::numeric_limits<double>::infinity();
+    return is_tiny(p, end) ? 0.0 : std::numeric_limits<double>::infinity();
   }
   return value;
 }

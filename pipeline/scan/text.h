@@ -24,6 +24,10 @@ namespace sparsha::pipeline {
 [[nodiscard]] std::string_view take_word(std::string_view& text);
 /// A word as it may stand in a message: at most 32 characters, unprintable ones replaced.
 [[nodiscard]] std::string in_quotes(std::string_view word);
+/// Length of UTF-8's byte order mark at the beginning of a text: 3 or 0.
+[[nodiscard]] inline std::size_t byte_order_mark(std::string_view text) {
+  return text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
+}
 /// True when the bytes cannot be text of a scan: zero bytes or too many control characters among the first 4096.
 [[nodiscard]] bool looks_binary(std::string_view bytes);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/scan/table_header.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -11,15 +12,22 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-bool is_comma(char c, bool decimal_comma) { return c == ';' || (c == ',' && !decimal_comma); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_space(char c) { return is_blank(c) || c == '"'; }
+
+/// True when the comma at `p` stands between two digits of a row [begin, end).
+bool is_within_digits(const char* begin, const char* p, const char* end) {
+  return p > begin && p + 1 < end && is_digit(p[-1]) && is_digit(p[1]);
+}
 
 /// A number in [p, end) whose decimal point may be a comma.
 const char* number_at(const char* p, const char* end, bool decimal_comma, double& value) {
   if (!decimal_comma) return parse_number(p, end, value);
   std::array<char, 64> copy{};
   const auto length = std::min<std::size_t>(static_cast<std::size_t>(end - p), copy.size());
-  std::transform(p, p + length, copy.begin(), [](char c) { return c == ',' ? '.' : c; });
+  for (std::size_t i = 0; i < length; ++i) {
+    copy[i] = p[i] == ',' && is_within_digits(p, p + i, end) ? '.' : p[i];
+  }
   const char* const stop = parse_number(copy.data(), copy.data() + length, value);
   return stop == nullptr ? nullptr : p + (stop - copy.data());
 }
@@ -51,10 +59,14 @@ bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, s
   return in_range(sample, usual, first, 0.0, 255.0, true) || in_range(sample, usual, first, 0.0, 1.0, false);
 }
 
+/// Columns of most rows; one that is empty in all of them comes from separators at the ends of lines.
 std::size_t usual_count(const std::vector<TableRow>& sample) {
   std::array<std::size_t, kMostColumns + 1> votes{};
   for (const TableRow& row : sample) ++votes[row.count];
-  return static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  const auto usual = static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  const auto ends_empty = [&](const TableRow& row) { return row.count != usual || row.ends_empty(); };
+  const bool empty_end = usual > 3 && std::all_of(sample.begin(), sample.end(), ends_empty);
+  return empty_end ? usual - 1 : usual;
 }
 
 void set_colour(TableColumns& columns, int first) {
@@ -92,11 +104,12 @@ void guess_unnamed(TableColumns& columns, const std::vector<TableRow>& sample, b
   label(columns.intensity, "intensity");
 }
 
-void use_names(TableColumns& columns, const std::vector<std::string>& names) {
+void use_names(TableColumns& columns, const std::vector<std::string>& names, const NamedCoordinates& named) {
   columns.fields = names;
-  columns.x = find(names, {"x", "easting"});
-  columns.y = find(names, {"y", "northing"});
-  columns.z = find(names, {"z", "elevation", "height"});
+  columns.x = named.columns[0];
+  columns.y = named.columns[1];
+  columns.z = named.columns[2];
+  columns.degrees = named.degrees;
   const int red = find(names, {"red", "r", "rf"});
   const int green = find(names, {"green", "g", "gf"});
   const int blue = find(names, {"blue", "b", "bf"});
@@ -118,22 +131,25 @@ RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow
   const auto skip = [&] {
     while (p < end && is_space(*p)) ++p;
   };
+  const auto is_comma = [&](const char* q) {
+    return *q == ';' || (*q == ',' && !(decimal_comma && is_within_digits(line.data(), q, end)));
+  };
   skip();
   if (p == end) return RowKind::blank;
-  if (*p == '#' || (*p == '/' && p + 1 < end && p[1] == '/')) return RowKind::comment;
+  if (*p == '#' || *p == '%' || *p == '!' || (*p == '/' && p + 1 < end && p[1] == '/')) return RowKind::comment;
   bool any_number = false;
   bool any_word = false;
   while (p < end) {
     double value = kNaN;
     std::string_view word;
-    if (!is_comma(*p, decimal_comma)) {
+    if (!is_comma(p)) {
       const char* const stop = number_at(p, end, decimal_comma, value);
-      if (stop != nullptr && (stop == end || is_space(*stop) || is_comma(*stop, decimal_comma))) {
+      if (stop != nullptr && (stop == end || is_space(*stop) || is_comma(stop))) {
         p = stop;
         any_number = true;
       } else {
         const char* const begin = p;
-        while (p < end && !is_space(*p) && !is_comma(*p, decimal_comma)) ++p;
+        while (p < end && !is_space(*p) && !is_comma(p)) ++p;
         word = {begin, static_cast<std::size_t>(p - begin)};
         value = kNaN;
         any_word = true;
@@ -146,7 +162,7 @@ RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow
       ++row.count;
     }
     skip();
-    if (p < end && is_comma(*p, decimal_comma)) {
+    if (p < end && is_comma(p)) {
       ++p;
       skip();
       if (p == end && row.count < kMostColumns) {  // a separator at the end leaves an empty field
@@ -162,44 +178,19 @@ RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow
 
 int TableColumns::last() const { return std::max({x, y, z, red, green, blue, intensity}); }
 
-std::vector<std::string> header_names(std::string_view line) {
-  while (!line.empty() && (is_blank(line.front()) || line.front() == '#' || line.front() == '/')) line.remove_prefix(1);
-  std::vector<std::string> names;
-  const bool commas = line.find_first_of(",;") != std::string_view::npos;
-  std::string name;
-  const auto keep = [&] {
-    while (!name.empty() && is_blank(name.back())) name.pop_back();
-    const std::size_t bracket = name.find_first_of("([");
-    if (bracket != std::string::npos && bracket > 0) name.resize(bracket);
-    while (!name.empty() && is_blank(name.back())) name.pop_back();
-    names.push_back(lower_case(name));
-    name.clear();
-  };
-  for (const char c : line) {
-    if (c == '"') continue;
-    if (commas ? (c == ',' || c == ';') : is_blank(c)) {
-      if (commas || !name.empty()) keep();
-    } else if (!(name.empty() && is_blank(c))) {
-      name += c;
-    }
-  }
-  if (!name.empty()) keep();
-  return names;
-}
-
-bool name_coordinates(const std::vector<std::string>& names) {
-  return find(names, {"x", "easting"}) >= 0 && find(names, {"y", "northing"}) >= 0 &&
-         find(names, {"z", "elevation", "height"}) >= 0;
-}
-
 TableColumns guess_columns(const std::vector<std::string>& names, const std::vector<TableRow>& sample, bool pts) {
   TableColumns columns;
   columns.usual = usual_count(sample);
-  if (name_coordinates(names)) {
-    use_names(columns, names);
+  const NamedCoordinates named = name_coordinates(names);
+  const bool in_place = named.columns == std::array<int, 3>{0, 1, 2};
+  if (named.complete() && (in_place || names.size() == columns.usual)) {
+    use_names(columns, names, named);
   } else {
     guess_unnamed(columns, sample, pts);
-    if (names.size() >= 3 && names.size() == columns.usual && find(names, {"x", "y", "z"}) >= 0) {
+    if (named.complete()) {
+      columns.warnings.push_back("the header names " + std::to_string(names.size()) + " columns, the rows have " +
+                                 std::to_string(columns.usual) + "; the first three are taken as x, y and z");
+    } else if (names.size() >= 3 && names.size() == columns.usual) {
       columns.warnings.push_back("the header does not name x, y and z once each; the first three columns are taken");
     }
   }

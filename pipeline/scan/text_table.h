@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,13 +20,18 @@ struct TableRow {
   std::array<double, kMostColumns> values;
   std::array<std::string_view, kMostColumns> words;  ///< of the values that are no numbers; else empty
   std::size_t count = 0;
+
+  /// True when nothing stands behind the last separator.
+  [[nodiscard]] bool ends_empty() const {
+    return count > 0 && std::isnan(values[count - 1]) && words[count - 1].empty();
+  }
 };
 
 enum class RowKind : std::uint8_t { blank, comment, words, numbers };
 
 /// How a file writes its rows.
 struct TableStyle {
-  bool decimal_comma = false;  ///< commas belong to the numbers, semicolons part them
+  bool decimal_comma = false;  ///< a comma between two digits belongs to a number
   bool leading_words = false;  ///< a row may begin with a name; else such a line is no row
 };
 
@@ -37,6 +43,7 @@ struct TableColumns {
   int x = 0, y = 1, z = 2;
   int red = -1, green = -1, blue = -1;
   int intensity = -1;
+  bool degrees = false;  ///< x and y are longitude and latitude
   ColourScale scale = ColourScale::byte;
   std::size_t usual = 3;            ///< columns of most rows
   std::vector<std::string> fields;  ///< names, as far as known
@@ -46,14 +53,8 @@ struct TableColumns {
   [[nodiscard]] int last() const;
 };
 
-/// True when the names tell where x, y and z are.
-[[nodiscard]] bool name_coordinates(const std::vector<std::string>& names);
-
 /// From the header's names (may be empty) and the first rows. `pts`: a fourth column is an intensity before colours.
 [[nodiscard]] TableColumns guess_columns(const std::vector<std::string>& names, const std::vector<TableRow>& sample,
                                          bool pts);
-
-/// The names in a header line: lower case, without quotes, comment signs and units in brackets.
-[[nodiscard]] std::vector<std::string> header_names(std::string_view line);
 
 }  // namespace sparsha::pipeline

@@ -2,21 +2,15 @@
 
 #include <algorithm>
 
+#include "pipeline/scan/table_header.h"
 #include "pipeline/scan/text.h"
 #include "pipeline/scan/text_table.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-/// Semicolons between values and commas within them: the way of half of Europe's spreadsheets.
-bool uses_decimal_comma(std::string_view line) {
-  if (line.find(';') == std::string_view::npos) return false;
-  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
-    const auto digit = [&](std::size_t k) { return line[k] >= '0' && line[k] <= '9'; };
-    if (line[i] == ',' && digit(i - 1) && digit(i + 1)) return true;
-  }
-  return false;
-}
+constexpr std::size_t kSample = 1000;
+constexpr std::size_t kSampledBytes = 1 << 20;
 
 /// A line with nothing but one whole number: how many rows follow.
 bool is_count(const TableRow& row) {
@@ -26,9 +20,7 @@ bool is_count(const TableRow& row) {
 
 class Reader {
  public:
-  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out) {
-    begin_ = file.bytes.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;  // byte order mark of UTF-8
-  }
+  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out) { begin_ = byte_order_mark(file.bytes); }
 
   void read() {
     inspect();
@@ -64,17 +56,39 @@ class Reader {
   }
 
  private:
+  /// What commas are, by the vote of the first rows that have some.
+  void judge_commas() {
+    LineReader lines(file_.bytes, begin_);
+    std::string_view line;
+    std::array<std::size_t, 3> votes{};
+    int thousands_line = 0;
+    for (std::size_t seen = 0; seen < kSample && lines.offset() < kSampledBytes && lines.next(line); ++seen) {
+      if (line.find(',') == std::string_view::npos) continue;
+      const Commas commas = commas_of_row(line);
+      ++votes[static_cast<std::size_t>(commas)];
+      if (commas == Commas::thousands && thousands_line == 0) thousands_line = lines.number();
+    }
+    const std::size_t decimal = votes[static_cast<std::size_t>(Commas::decimal)];
+    const std::size_t thousands = votes[static_cast<std::size_t>(Commas::thousands)];
+    const std::size_t others = votes[static_cast<std::size_t>(Commas::none_or_separators)];
+    if (thousands > others && thousands >= decimal) {
+      throw file_.error_at(thousands_line, "numbers with a comma and a point", "no separators of thousands");
+    }
+    style_.decimal_comma = decimal > others;
+  }
+
   /// Header and meaning of the columns, from the first rows.
   void inspect() {
-    constexpr std::size_t kSample = 1000;
+    judge_commas();
     LineReader lines(file_.bytes, begin_);
     std::string_view line;
     std::vector<std::string> names;
     std::vector<TableRow> sample;
     TableRow row;
     bool declared_empty = false;
+    int first_words = 0;
+    std::string_view words;
     while (sample.size() < kSample && lines.next(line)) {
-      if (sample.empty()) style_.decimal_comma = uses_decimal_comma(line);
       const RowKind kind = parse_table_row(line, style_, row);
       if (kind == RowKind::numbers && is_count(row)) {
         declared_empty = declared_empty || row.values[0] == 0.0;
@@ -83,7 +97,11 @@ class Reader {
       } else if (kind != RowKind::blank && sample.empty()) {
         std::vector<std::string> found = header_names(line);
         if (found.size() >= 3) names = std::move(found);
-        style_.leading_words = name_coordinates(names);
+        style_.leading_words = name_coordinates(names).complete();
+        if (kind == RowKind::words && first_words == 0) {
+          first_words = lines.number();
+          words = line;
+        }
       }
     }
     RawScan& scan = out_.scan();
@@ -91,6 +109,9 @@ class Reader {
     for (char& c : kind) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
     scan.format = (kind == "TXT" || kind == "ASC" || kind == "CSV" || kind == "PTS" ? kind : "XYZ") + " text";
     if (sample.empty()) {
+      if (!declared_empty && first_words > 0) {
+        throw file_.error_at(first_words, "no rows of numbers; " + in_quotes(words) + " is none", "lines 'x y z'");
+      }
       if (!declared_empty) throw file_.error("no rows of numbers", "lines 'x y z'");
       scan.fields = {"x", "y", "z"};
       out_.begin(0, false, false);
@@ -100,6 +121,7 @@ class Reader {
     needed_ = static_cast<std::size_t>(columns_.last()) + 1;
     scan.fields = columns_.fields;
     scan.warnings = columns_.warnings;
+    scan.degrees = columns_.degrees;
     out_.begin(0, columns_.has_colour(), columns_.intensity >= 0);
   }
 
@@ -111,7 +133,7 @@ class Reader {
     if (row.count < needed_) {
       throw file_.error_at(line, "a row of " + std::to_string(row.count) + " values", expected_row());
     }
-    if (row.count > columns_.usual) ++longer_;
+    if (row.count > columns_.usual + (row.ends_empty() ? 1 : 0)) ++longer_;
     const auto value = [&](int column) { return row.values[static_cast<std::size_t>(column)]; };
     for (const int column : {columns_.x, columns_.y, columns_.z}) {
       const std::string_view word = row.words[static_cast<std::size_t>(column)];

@@ -50,7 +50,7 @@ std::vector<Seed> seeds() {
   packed += std::string("\x01zz\xE0\x1B\x01", 6);
   result.push_back({"c.pcd", packed});
   result.push_back({"a.obj", "# x\nv 1 2 3\nv 1 2 4 0.5 0.5 0.5\nv -1 2e1 .4\nf 1//1 2/2 -1\nf 1 2 3 \\\n 1 2\n"});
-  result.push_back({"a.xyz", "//X Y Z Rf Gf Bf\n3\n1 2 3 .5 .5 .5\n4 5 6 1 1 1\n7,8;9 0 0 0\n"});
+  result.push_back({"a.xyz", "//X Y Z Rf Gf Bf\n3\n1 2 3 .5 .5 .5\n4 5 6 1 1 1\n7, 8; 9 0 0 0\n"});
   result.push_back({"a.csv", "\"x\";\"y\";\"z\"\n1,5;2,5;3,5\n;;\n1;2;3\n"});
   result.push_back({"a.pts", "2\r\n1 2 3 -100 1 2 3\r\n1 2 3 -100 1 2 3\r\n1\n1 2 3 4 5 6 7\n"});
   result.push_back(

@@ -102,7 +102,7 @@ TEST(XyzReader, RefusesBrokenRowsWithTheirLine) {
   refuse("1 2 3\nend of scan\n", 2, "not a row of numbers");
   refuse("3\n1 2 3\n4 5 6\n", 3, "only 2 rows follow the count 3");
   refuse("1 2\n3 4\n", 1, "a row of 2 values");
-  refuse("nothing here\n", 0, "no rows of numbers");
+  refuse("nothing here\n", 1, "no rows of numbers");
   refuse(std::string("\x01\x02\x03\0\x05", 5), 0, "binary data");
 }
 
