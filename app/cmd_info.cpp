@@ -120,7 +120,9 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
       text += scan_text(file, info);
     }
   }
-  print(common.json ? (files.size() == 1 ? all.front() : all).dump(2) : text);
+  print(common.json
+            ? (files.size() == 1 ? all.front() : all).dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+            : text);
   return 0;
 }
 

@@ -50,7 +50,12 @@ void read_long_records(const ScanFile& file, Header& header) {
   }
 }
 
-void check_points(const ScanFile& file, const Header& header) {
+void check_points(const ScanFile& file, std::size_t header_size, Header& header) {
+  if (header.first_point < header_size) {
+    throw file.error("the points should begin at byte " + std::to_string(header.first_point) +
+                         ", within the header of " + std::to_string(header_size) + " bytes",
+                     "points behind the header");
+  }
   if (header.first_point > file.bytes.size()) {
     throw file.error("the points should begin at byte " + std::to_string(header.first_point) + ", the file has " +
                          std::to_string(file.bytes.size()),
@@ -62,6 +67,11 @@ void check_points(const ScanFile& file, const Header& header) {
     throw file.error("the header promises " + std::to_string(header.points) + " points, only " + std::to_string(whole) +
                          " whole ones are in the file",
                      "a complete file; it may be cut short");
+  }
+  // From LAS 1.3 on, waveforms and long records may follow the points.
+  if (header.minor < 3 && header.points < whole) {
+    header.warnings.push_back("the file has room for " + std::to_string(whole) + " points, its header promises " +
+                              std::to_string(header.points) + "; the others are left out");
   }
 }
 
@@ -112,7 +122,14 @@ Header parse_header(const ScanFile& file) {
                      std::to_string(kPointSize[static_cast<std::size_t>(header.format)]) + " and more");
   }
   header.points = load<std::uint32_t>(p + 107);
-  if (header.minor >= 4 && load<std::uint64_t>(p + 247) != 0) header.points = load<std::uint64_t>(p + 247);
+  if (header.minor >= 4 && load<std::uint64_t>(p + 247) != 0) {
+    const std::uint64_t legacy = header.points;
+    header.points = load<std::uint64_t>(p + 247);
+    if (legacy != 0 && legacy != header.points && !header.compressed) {
+      header.warnings.push_back("the header promises " + std::to_string(header.points) + " points, in its old place " +
+                                std::to_string(legacy) + "; the former is taken");
+    }
+  }
   for (std::size_t k = 0; k < 3; ++k) {
     header.scale[k] = load<double>(p + 131 + 8 * k);
     header.offset[k] = load<double>(p + 155 + 8 * k);
@@ -122,7 +139,7 @@ Header parse_header(const ScanFile& file) {
           "finite numbers, scales not zero");
     }
   }
-  check_points(file, header);
+  check_points(file, size, header);
   read_records(file, size, load<std::uint32_t>(p + 100), header);
   if (header.minor >= 4) read_long_records(file, header);
   return header;

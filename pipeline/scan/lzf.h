@@ -10,6 +10,9 @@ namespace sparsha::pipeline {
   return compressed > (~std::size_t{0} / 264) ? ~std::size_t{0} : compressed * 88 + 264;
 }
 
+/// Bytes that `in` expands to, or that it would if it were not damaged; needs no memory.
+[[nodiscard]] std::size_t lzf_output_size(std::span<const char> in);
+
 /// Expands `in` into exactly `out.size()` bytes; false when the stream is damaged or its length differs.
 [[nodiscard]] bool lzf_decompress(std::span<const char> in, std::span<char> out);
 

@@ -135,8 +135,10 @@ void read_compressed(const ScanFile& file, const Header& header, const Wanted& w
                          std::to_string(needed),
                      "a header that fits the data");
   }
-  std::vector<char> records(uncompressed);
-  if (!lzf_decompress({body.data() + 8, compressed}, records)) {
+  // The walk needs no memory: what does not hold as much as it says is refused before any is taken.
+  const std::span<const char> packed(body.data() + 8, compressed);
+  std::vector<char> records(lzf_output_size(packed) == uncompressed ? uncompressed : 0);
+  if (records.size() != uncompressed || !lzf_decompress(packed, records)) {
     throw file.error("the compressed PCD body is damaged", "an LZF stream");
   }
   ScanFile no_pages = file;
@@ -239,6 +241,11 @@ void read_pcd(const ScanFile& file, ScanWriter& out) {
   for (const pcd::Field& field : header.fields) {
     if (field.name != "_") scan.fields.push_back(field.name);
   }
+  for (const std::string_view name : {"x", "y", "z"}) {
+    if (std::count(scan.fields.begin(), scan.fields.end(), name) > 1) {
+      throw file.error("the points have " + in_quotes(name) + " twice", "each field once");
+    }
+  }
   const pcd::Wanted wanted = pcd::wanted_fields(file, header);
   const std::uint64_t body = file.bytes.size() - header.body;
   const std::uint64_t most = header.encoding == pcd::Encoding::ascii    ? (body + 1) / (2 * header.columns)
@@ -248,6 +255,10 @@ void read_pcd(const ScanFile& file, ScanWriter& out) {
     throw file.error(
         std::to_string(header.points) + " points cannot be in the " + std::to_string(body) + " bytes behind the header",
         "a header that fits the file; it may be cut short");
+  }
+  if (header.encoding == pcd::Encoding::binary && header.points < most) {
+    scan.warnings.push_back("the file has room for " + std::to_string(most) + " points, its header promises " +
+                            std::to_string(header.points) + "; the others are left out");
   }
   out.begin(header.points, wanted.has_colour(), wanted.intensity != nullptr);
   if (header.points == 0) return;

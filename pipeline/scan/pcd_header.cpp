@@ -29,7 +29,10 @@ class HeaderParser {
     if (offset_ >= file_.bytes.size()) return false;
     const std::string_view rest = file_.bytes.substr(offset_);
     const std::size_t length = rest.substr(0, kLongestLine).find('\n');
-    if (length == std::string_view::npos) throw error("the PCD header breaks off", "lines up to 'DATA'");
+    if (length == std::string_view::npos) {
+      if (rest.size() > kLongestLine) throw error("a PCD header line of more than 65536 bytes", "lines up to 'DATA'");
+      throw error("the PCD header breaks off", "lines up to 'DATA'");
+    }
     ++line_;
     offset_ += length + 1;
     line = rest.substr(0, length);

@@ -1,5 +1,6 @@
 #include "pipeline/scan/ply.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "pipeline/scan/text.h"
@@ -15,6 +16,12 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
   for (const int column : {columns.x, columns.y, columns.z}) {
     if (column < 0 || vertex.properties[static_cast<std::size_t>(column)].count_type) {
       throw file.error_at(vertex.line, "the vertices have no x, y and z", "properties x, y and z of element vertex");
+    }
+  }
+  for (const std::string_view name : {"x", "y", "z"}) {
+    const auto same = [&](const Property& property) { return property.name == name; };
+    if (std::count_if(vertex.properties.begin(), vertex.properties.end(), same) > 1) {
+      throw file.error_at(vertex.line, "the vertices have " + in_quotes(name) + " twice", "each property once");
     }
   }
   columns.red = vertex.find({"red", "diffuse_red", "r"});
@@ -80,8 +87,10 @@ void add_face(const std::vector<std::int64_t>& corners, ScanWriter& out) {
 }  // namespace ply
 
 bool is_ply(const ScanFile& file) {
-  const std::string_view head = file.bytes.substr(0, 4);
-  return head.size() == 4 && lower_case(head.substr(0, 3)) == "ply" && (head[3] == '\n' || head[3] == '\r');
+  const std::string_view head = file.bytes.substr(0, 16);
+  if (lower_case(head.substr(0, 3)) != "ply") return false;
+  const std::size_t end = head.find_first_not_of(" \t", 3);
+  return end != std::string_view::npos && (head[end] == '\n' || head[end] == '\r');
 }
 
 void read_ply(const ScanFile& file, ScanWriter& out) {

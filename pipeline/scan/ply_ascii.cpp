@@ -146,6 +146,12 @@ void read_ascii_body(const ScanFile& file, const Header& header, ScanWriter& out
     }
     record.warn_of_missing_lists(out);
   }
+  if (needed < header.elements.size()) return;
+  while (lines.next(line)) {
+    if (skip_blanks(line.data(), line.data() + line.size()) == line.data() + line.size()) continue;
+    out.scan().warnings.push_back("the file has more lines than its header has records; left out");
+    return;
+  }
 }
 
 }  // namespace sparsha::pipeline::ply

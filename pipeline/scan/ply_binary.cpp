@@ -87,6 +87,13 @@ class Body {
     }
   }
 
+  /// Called behind the last element: a count that is too small leaves points or faces out.
+  void warn_of_more(const Element& last) {
+    const auto left = static_cast<std::size_t>(end_ - p_);
+    if (left < std::max<std::size_t>(last.least_size(false), 2)) return;
+    out_.scan().warnings.push_back(std::to_string(left) + " bytes behind the last record are left out");
+  }
+
   void skip(const Element& element) {
     if (!element.has_lists()) {
       const std::size_t size = element.least_size(false);
@@ -238,6 +245,7 @@ void read_body(const ScanFile& file, const Header& header, ScanWriter& out) {
       body.read_faces(element, role);
     }
   }
+  if (needed > 0 && needed == header.elements.size()) body.warn_of_more(header.elements.back());
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace sparsha::pipeline::ply {
 namespace {
 
-constexpr std::size_t kLongestLine = 4096;
+constexpr std::size_t kLongestLine = 1 << 16;
 
 std::optional<ScalarType> scalar_type(std::string_view word) {
   struct Name {
@@ -42,6 +42,9 @@ class HeaderLines {
     ++number_;
     const std::string_view rest = file_.bytes.substr(offset_);
     const std::size_t length = rest.substr(0, kLongestLine).find(lone_cr_ ? '\r' : '\n');
+    if (length == std::string_view::npos && rest.size() >= kLongestLine) {
+      throw file_.error_at(number_, "a line of the PLY header is longer than 65536 bytes", "lines up to 'end_header'");
+    }
     if (length == std::string_view::npos) {
       throw file_.error_at(number_, "the PLY header breaks off", "lines up to 'end_header'");
     }

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 
@@ -47,7 +49,8 @@ bool next_row(LineReader& lines, Row& row, std::string_view& line) {
 
 class Reader {
  public:
-  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), lines_(file.bytes) {}
+  Reader(const ScanFile& file, ScanWriter& out)
+      : file_(file), out_(out), lines_(file.bytes, byte_order_mark(file.bytes)) {}
 
   void read() {
     std::string_view line;
@@ -95,7 +98,27 @@ class Reader {
         if (!std::isfinite(value)) throw file_.error_at(lines_.number(), "the scan's matrix is not finite", "numbers");
         i < 3 ? turn_(k, i) = value : shift_[k] = value;
       }
+      if (header[static_cast<std::size_t>(6 + i)].values[3] != (i < 3 ? 0.0 : 1.0)) {
+        throw file_.error_at(lines_.number() - 3 + i, "a scan's matrix that is not affine",
+                             "0, 0, 0 and 1 in its last column");
+      }
     }
+    check_turn();
+  }
+
+  /// A scanner's pose turns and shifts. What scales or mirrors is taken as it stands, but told.
+  void check_turn() {
+    constexpr double kRounded = 1e-3;  // matrices are written with few digits
+    const double volume = turn_.determinant();
+    const double product = turn_.col(0).norm() * turn_.col(1).norm() * turn_.col(2).norm();
+    if (!(std::fabs(volume) > 1e-9 * product)) {
+      throw file_.error_at(lines_.number(), "a scan's matrix is singular", "a rotation and a translation");
+    }
+    const double off = (turn_.transpose() * turn_ - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    if (volume > 0.0 && off <= kRounded) return;
+    out_.scan().warnings.push_back("the matrix that ends on line " + std::to_string(lines_.number()) +
+                                   (volume < 0.0 ? " mirrors" : " scales or shears") +
+                                   " its scan; applied as it stands");
   }
 
   /// Columns of all scans are those of the first point: x y z intensity, perhaps red green blue.
@@ -160,7 +183,8 @@ class Reader {
 }  // namespace
 
 bool is_ptx(const ScanFile& file) {
-  LineReader lines(file.bytes.substr(0, 1 << 14));
+  const std::string_view head = file.bytes.substr(0, 1 << 14);
+  LineReader lines(head, byte_order_mark(head));
   std::string_view line;
   Row row;
   for (const std::size_t count : kHeaderShape) {

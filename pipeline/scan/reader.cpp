@@ -34,6 +34,36 @@ void refuse_missing_header(const ScanFile& file) {
   if (file.extension == "e57") throw file.error("no E57 header", "the signature 'ASTM-E57'");
 }
 
+/// Refuses what is well known and no scan, whatever its ending says.
+void refuse_strangers(const ScanFile& file) {
+  struct Stranger {
+    std::string_view mark;
+    const char* what;
+    const char* remedy;
+  };
+  using namespace std::string_view_literals;
+  static constexpr Stranger kStrangers[] = {
+      {"\x1F\x8B"sv, "a gzip archive", "the scan in it; unpack it first"},
+      {"PK\x03\x04"sv, "a zip archive", "the scan in it; unpack it first"},
+      {"7z\xBC\xAF"sv, "a 7z archive", "the scan in it; unpack it first"},
+      {"\xFD"
+       "7zXZ\0"sv,
+       "an xz archive", "the scan in it; unpack it first"},
+      {"BZh"sv, "a bzip2 archive", "the scan in it; unpack it first"},
+      {"\x28\xB5\x2F\xFD"sv, "a zstd archive", "the scan in it; unpack it first"},
+      {"\x89PNG"sv, "a PNG picture", kKnown},
+      {"\xFF\xD8\xFF"sv, "a JPEG picture", kKnown},
+      {"II*\0"sv, "a TIFF picture", kKnown},
+      {"%PDF"sv, "a PDF document", kKnown},
+      {"glTF"sv, "a binary glTF model", kKnown},
+  };
+  for (const Stranger& stranger : kStrangers) {
+    if (file.bytes.starts_with(stranger.mark)) {
+      throw file.error(std::string("the file is ") + stranger.what, stranger.remedy);
+    }
+  }
+}
+
 void read_any(const ScanFile& file, ScanWriter& out) {
   const std::string_view bytes = file.bytes;
   if (bytes.empty()) throw file.error("the file is empty", "a scan");
@@ -43,6 +73,7 @@ void read_any(const ScanFile& file, ScanWriter& out) {
   if (is_binary_stl(file)) return read_stl(file, out);
   if (is_ascii_stl(file)) return read_stl(file, out);
   if (is_pcd(file)) return read_pcd(file, out);
+  refuse_strangers(file);
   refuse_missing_header(file);
   if (is_utf16(bytes)) throw file.error("the text is UTF-16", "ASCII or UTF-8; convert the file first");
   if (looks_binary(bytes)) {

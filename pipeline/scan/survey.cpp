@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <tuple>
 #include <unordered_map>
 
 #include <pcl/kdtree/kdtree_flann.h>
@@ -84,21 +86,9 @@ double mean_spacing(const std::vector<Eigen::Vector3d>& sample, std::uint64_t po
   return std::sqrt(area / static_cast<double>(points));
 }
 
-}  // namespace
-
-double median_spacing(const std::vector<Eigen::Vector3d>& points) {
+/// Nothing when a point is repeated so often that the search for another one would take the whole cloud, each time.
+std::optional<double> spacing_by_tree(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud) {
   constexpr std::size_t kQueries = 2000;
-  if (points.size() < 2) return 0.0;
-  PointSample sample;
-  for (const Eigen::Vector3d& p : points) sample.add(p);
-  const std::vector<Eigen::Vector3d> some = sample.points();
-  const Eigen::Vector3d centre(quantile(some, 0, 0.5), quantile(some, 1, 0.5), quantile(some, 2, 0.5));
-  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  cloud->reserve(points.size());
-  for (const Eigen::Vector3d& p : points) {
-    const Eigen::Vector3f q = (p - centre).cast<float>();
-    if (q.allFinite() && q.squaredNorm() < 1e30F) cloud->push_back({q.x(), q.y(), q.z()});
-  }
   if (cloud->size() < 2) return 0.0;
   pcl::KdTreeFLANN<pcl::PointXYZ> tree;
   tree.setSortedResults(true);
@@ -116,10 +106,44 @@ double median_spacing(const std::vector<Eigen::Vector3d>& points) {
         distances.push_back(std::sqrt(*other));
         break;
       }
-      if (k == kMostNeighbours || k == cloud->size()) break;
+      if (k == kMostNeighbours) return std::nullopt;
+      if (k == cloud->size()) break;
     }
   }
   return middle_of(distances);
+}
+
+/// Leaves one of equal points and puts them into an order of their own.
+void leave_out_duplicates(pcl::PointCloud<pcl::PointXYZ>& cloud) {
+  const auto key = [](const pcl::PointXYZ& p) { return std::tie(p.x, p.y, p.z); };
+  std::sort(cloud.begin(), cloud.end(),
+            [&](const pcl::PointXYZ& a, const pcl::PointXYZ& b) { return key(a) < key(b); });
+  const auto end = std::unique(cloud.begin(), cloud.end(),
+                               [&](const pcl::PointXYZ& a, const pcl::PointXYZ& b) { return key(a) == key(b); });
+  cloud.resize(static_cast<std::size_t>(end - cloud.begin()));
+}
+
+}  // namespace
+
+double median_spacing(const std::vector<Eigen::Vector3d>& points) {
+  if (points.size() < 2) return 0.0;
+  PointSample sample;
+  for (const Eigen::Vector3d& p : points) sample.add(p);
+  const std::vector<Eigen::Vector3d> some = sample.points();
+  const Eigen::Vector3d centre(quantile(some, 0, 0.5), quantile(some, 1, 0.5), quantile(some, 2, 0.5));
+  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  cloud->reserve(points.size());
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3f q = (p - centre).cast<float>();
+    if (q.allFinite() && q.squaredNorm() < 1e30F) cloud->push_back({q.x(), q.y(), q.z()});
+  }
+  if (cloud->size() < 2) return 0.0;
+  std::optional<double> spacing = spacing_by_tree(cloud);
+  if (!spacing) {
+    leave_out_duplicates(*cloud);
+    spacing = spacing_by_tree(cloud);
+  }
+  return spacing.value_or(0.0);
 }
 
 ScanSurvey survey_scan(const std::filesystem::path& file, Progress& progress, std::uint64_t large_bytes) {
