@@ -41,6 +41,23 @@ SPARSHA_INLINE Quad load_four(const float* p) {
 // small. Harmless beyond the end.
 SPARSHA_INLINE void foresee(const float* p) { __builtin_prefetch(p + 512); }
 
+// Eight points' x and y, or the last `here` of a cloud and zeros.
+struct Places {
+  Floats x, y;
+};
+SPARSHA_INLINE Places load_places(const float* x, const float* y, std::size_t here) {
+  Places places{};
+  if (here == kLanes) {
+    foresee(x);
+    foresee(y);
+    places = {load(x), load(y)};
+  } else {
+    __builtin_memcpy(&places.x, x, here * sizeof(float));
+    __builtin_memcpy(&places.y, y, here * sizeof(float));
+  }
+  return places;
+}
+
 SPARSHA_INLINE void store(float* p, Floats value) { __builtin_memcpy(p, &value, sizeof(value)); }
 SPARSHA_INLINE Floats all(float value) { return Floats{} + value; }
 SPARSHA_INLINE Floats masked(Ints mask, Floats value) {

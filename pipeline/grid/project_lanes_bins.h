@@ -20,23 +20,17 @@ SPARSHA_INLINE void index_eight(const sparsha::pipeline::BandKernel& k, Floats x
 SPARSHA_INLINE void index(const sparsha::pipeline::BandKernel& k, const float* x, const float* y, std::size_t count,
                           std::int32_t* band, std::int32_t* bin) {
   for (std::size_t p = 0; p < count; p += kLanes) {
+    const std::size_t here = count - p < kLanes ? count - p : kLanes;
+    const Places places = load_places(x + p, y + p, here);
     Ints bands;
     Ints bins;
-    if (count - p >= kLanes) {
-      foresee(x + p);
-      foresee(y + p);
-      index_eight(k, load(x + p), load(y + p), bands, bins);
+    index_eight(k, places.x, places.y, bands, bins);
+    if (here == kLanes) {
       __builtin_memcpy(band + p, &bands, sizeof(bands));
       __builtin_memcpy(bin + p, &bins, sizeof(bins));
     } else {
-      const std::size_t bytes = (count - p) * sizeof(float);
-      Floats px{};
-      Floats py{};
-      __builtin_memcpy(&px, x + p, bytes);
-      __builtin_memcpy(&py, y + p, bytes);
-      index_eight(k, px, py, bands, bins);
-      __builtin_memcpy(band + p, &bands, bytes);
-      __builtin_memcpy(bin + p, &bins, bytes);
+      __builtin_memcpy(band + p, &bands, here * sizeof(std::int32_t));
+      __builtin_memcpy(bin + p, &bins, here * sizeof(std::int32_t));
     }
   }
 }

@@ -24,6 +24,17 @@ struct Window {
   float* z;  // metres, relative to a reference height
 };
 
+/// Eight points of a window that count, and others with z = 0.
+struct Weighted {
+  Floats u, v, z, kernel;
+  Ints counts;
+};
+SPARSHA_INLINE Weighted load_weighted(const Window& window, std::size_t p) {
+  const Floats kernel = load(window.w + p);
+  const Ints counts = kernel > 0.0F;
+  return {load(window.u + p), load(window.v + p), masked(counts, load(window.z + p)), kernel, counts};
+}
+
 struct Plane {
   float c, gu, gv;  // metres, metres per spacing
   float mu, mv;     // centroid of the weights
@@ -95,13 +106,9 @@ SPARSHA_INLINE bool fit_quadric(const Window& window, std::size_t count, float p
   Floats sums[32];
   for (int s = 0; s < 32; ++s) sums[s] = Floats{};
   for (std::size_t p = 0; p < count; p += kLanes) {
-    const Floats u = load(window.u + p);
-    const Floats v = load(window.v + p);
-    const Floats kernel = load(window.w + p);
-    const Ints weighs = kernel > 0.0F;
-    const Floats z = masked(weighs, load(window.z + p));
+    const auto [u, v, z, kernel, counts] = load_weighted(window, p);
     const Floats r = residuals(about, u, v, z) * per_scale;
-    const Floats b = masked(weighs, most(Floats{}, 1.0F - r * r));
+    const Floats b = masked(counts, most(Floats{}, 1.0F - r * r));
     const Floats w = kernel * b * b;
     const Floats uu = u * u;
     const Floats uv = u * v;
@@ -162,17 +169,13 @@ SPARSHA_INLINE Loss loss_of(const Window& window, std::size_t count, float per_s
   Floats points{};
   Floats worst{};
   for (std::size_t p = 0; p < count; p += kLanes) {
-    const Floats u = load(window.u + p);
-    const Floats v = load(window.v + p);
-    const Floats kernel = load(window.w + p);
-    const Ints weighs = kernel > 0.0F;
-    const Floats z = masked(weighs, load(window.z + p));
+    const auto [u, v, z, kernel, counts] = load_weighted(window, p);
     const Floats r = residuals(q, u, v, z) * per_scale;
     const Floats b = most(Floats{}, 1.0F - r * r);
-    worst = most(worst, masked(weighs, absolute(r)));
-    sum += masked(weighs, kernel * (1.0F - b * b * b));
+    worst = most(worst, masked(counts, absolute(r)));
+    sum += masked(counts, kernel * (1.0F - b * b * b));
     weight += kernel;
-    points += masked(weighs, all(1.0F));
+    points += masked(counts, all(1.0F));
   }
   return {total(sum) / total(weight), largest(worst), total(points)};
 }
@@ -182,13 +185,9 @@ SPARSHA_INLINE bool fit_tukey_plane(const Window& window, std::size_t count, flo
   for (int round = 0; round < kRounds; ++round) {
     Moments robust{};
     for (std::size_t p = 0; p < count; p += kLanes) {
-      const Floats u = load(window.u + p);
-      const Floats v = load(window.v + p);
-      const Floats kernel = load(window.w + p);
-      const Ints weighs = kernel > 0.0F;
-      const Floats z = masked(weighs, load(window.z + p));
+      const auto [u, v, z, kernel, counts] = load_weighted(window, p);
       const Floats r = (z - plane.gu * u - plane.gv * v - plane.c) * per_scale;
-      const Floats b = masked(weighs, most(Floats{}, 1.0F - r * r));
+      const Floats b = masked(counts, most(Floats{}, 1.0F - r * r));
       add(robust, kernel * b * b, u, v, z);
     }
     plane = solve(robust, ridge);
@@ -233,13 +232,10 @@ SPARSHA_INLINE RobustFit refine(const Window& window, std::size_t count, float w
   Floats residual{};
   Floats squares{};
   for (std::size_t p = 0; p < count; p += kLanes) {
-    const Floats u = load(window.u + p);
-    const Floats v = load(window.v + p);
-    const Floats z = load(window.z + p);
-    const Floats w = load(window.w + p);
-    const Floats r = masked(w > 0.0F, absolute(z - plane.gu * u - plane.gv * v - plane.c));
+    const auto [u, v, z, kernel, counts] = load_weighted(window, p);
+    const Floats r = masked(counts, absolute(z - plane.gu * u - plane.gv * v - plane.c));
     residual = most(residual, r);
-    squares += w * (r * r);
+    squares += kernel * (r * r);
   }
   const float worst = largest(residual);
   if (worst <= noise * scale && total(squares) <= kRough * (scale * scale) * weight) {

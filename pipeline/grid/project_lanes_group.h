@@ -52,13 +52,36 @@ SPARSHA_INLINE Ints load_ints(const std::int32_t* p) {
   return value;
 }
 
+/// The slots of eight nodes' windows from column `column` on; of each row so many as its fullest bin fills.
+struct GroupWindow {
+  const SlotRow* const* rows;
+  std::size_t column;
+  std::size_t slots[3];
+};
+
+// use(u, v, z) for slot after slot: eight points from their nodes, in spacings, and their heights; kAbsent where there
+// is none.
+template <class Use>
+SPARSHA_INLINE void for_slots(const GroupWindow& window, const Use& use) {
+  for (int b = 0; b < 3; ++b) {
+    const SlotRow& row = *window.rows[b];
+    const float* u = row.u[0] + window.column;
+    const float* v = row.v[0] + window.column;
+    const float* z = row.z[0] + window.column;
+    const float node_v = static_cast<float>(b - 1);
+    for (std::size_t s = 0; s < window.slots[b]; ++s, u += kColumns, v += kColumns, z += kColumns) {
+      for (int a = 0; a < 3; ++a) use(load(u + a) + static_cast<float>(a - 1), load(v + a) + node_v, load(z + a));
+    }
+  }
+}
+
 SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, const SlotRow* const* rows,
                                     std::size_t column) {
   GroupResult result{};
   result.reference = reference_heights(rows, column);
   Ints count{};
   Ints fullest{};  // of each node's nine bins
-  std::size_t slots[3];
+  GroupWindow window{rows, column, {}};
   for (int b = 0; b < 3; ++b) {
     const Ints left = load_ints(rows[b]->count + column);
     const Ints middle = load_ints(rows[b]->count + column + 1);
@@ -67,7 +90,7 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
     const Ints most_of_row = larger(larger(left, middle), right);
     fullest = larger(fullest, most_of_row);
     const std::int32_t most_points = largest(most_of_row);
-    slots[b] = most_points < static_cast<std::int32_t>(kSlots) ? static_cast<std::size_t>(most_points) : kSlots;
+    window.slots[b] = most_points < static_cast<std::int32_t>(kSlots) ? static_cast<std::size_t>(most_points) : kSlots;
   }
   // A node's own bins decide, whoever its neighbours in the group are: results do not depend on how a grid is cut.
   const Ints there = (result.reference > kAbsent) & (fullest <= static_cast<std::int32_t>(kSlots));
@@ -77,16 +100,10 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
   const Floats high = result.reference + k.band_m;
   Ints not_below{};
   Ints above{};
-  for (int b = 0; b < 3; ++b) {
-    const float* z = rows[b]->z[0] + column;
-    for (std::size_t s = 0; s < slots[b]; ++s, z += kColumns) {
-      for (int a = 0; a < 3; ++a) {
-        const Floats here = load(z + a);
-        not_below -= here >= low;
-        above -= here > high;
-      }
-    }
-  }
+  for_slots(window, [&](Floats, Floats, Floats here) {
+    not_below -= here >= low;
+    above -= here > high;
+  });
   const Ints in = not_below - above;
   // One or two points above the front may be a front that chance has thinned.
   const Ints thin = (in < 9) | ((above > 0) & (count < 24));
@@ -100,25 +117,14 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
   float weights[9 * kSlots * kLanes];
   Moments m{};
   float* weight = weights;
-  for (int b = 0; b < 3; ++b) {
-    const float* pu = rows[b]->u[0] + column;
-    const float* pv = rows[b]->v[0] + column;
-    const float* pz = rows[b]->z[0] + column;
-    const float node_v = static_cast<float>(b - 1);
-    for (std::size_t s = 0; s < slots[b]; ++s, pu += kColumns, pv += kColumns, pz += kColumns) {
-      for (int a = 0; a < 3; ++a) {
-        const Floats u = load(pu + a) + static_cast<float>(a - 1);
-        const Floats v = load(pv + a) + node_v;
-        const Floats here = load(pz + a);
-        const Ints inside = (here >= low) & (here <= high);
-        const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
-        const Floats w = t * t;
-        store(weight, w);
-        weight += kLanes;
-        add(m, w, u, v, here - result.reference);
-      }
-    }
-  }
+  for_slots(window, [&](Floats u, Floats v, Floats here) {
+    const Ints inside = (here >= low) & (here <= high);
+    const Floats t = masked(inside, most(Floats{}, 1.0F - (u * u + v * v) * per_r2));
+    const Floats w = t * t;
+    store(weight, w);
+    weight += kLanes;
+    add(m, w, u, v, here - result.reference);
+  });
 
   const Floats per_w = 1.0F / m.w;
   const Floats mu = m.u * per_w;
@@ -141,23 +147,13 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
   Floats worst{};
   Floats squares{};
   weight = weights;
-  for (int b = 0; b < 3; ++b) {
-    const float* pu = rows[b]->u[0] + column;
-    const float* pv = rows[b]->v[0] + column;
-    const float* pz = rows[b]->z[0] + column;
-    const float node_v = static_cast<float>(b - 1);
-    for (std::size_t s = 0; s < slots[b]; ++s, pu += kColumns, pv += kColumns, pz += kColumns) {
-      for (int a = 0; a < 3; ++a) {
-        const Floats u = load(pu + a) + static_cast<float>(a - 1);
-        const Floats v = load(pv + a) + node_v;
-        const Floats w = load(weight);
-        weight += kLanes;
-        const Floats r = masked(w > 0.0F, absolute(load(pz + a) - at_node - gu * u - gv * v));
-        worst = most(worst, r);
-        squares += w * (r * r);
-      }
-    }
-  }
+  for_slots(window, [&](Floats u, Floats v, Floats here) {
+    const Floats w = load(weight);
+    weight += kLanes;
+    const Floats r = masked(w > 0.0F, absolute(here - at_node - gu * u - gv * v));
+    worst = most(worst, r);
+    squares += w * (r * r);
+  });
   // A centroid near the node proves that the node is surrounded; points below it may be the other side of a step.
   const Ints central = (off_centre2 <= 0.25F) & ((off_centre2 <= kOffCentre2) | (count - not_below < 3));
   const Ints smooth = (worst <= kBent * k.scale_m) & (squares <= kRough * (k.scale_m * k.scale_m) * m.w);

@@ -122,20 +122,10 @@ SPARSHA_INLINE std::size_t draw_of_blocks(const sparsha::pipeline::BlockKernel& 
   constexpr float kMost = 1e9F;
   std::size_t found = 0;
   for (std::size_t p = 0; p < count; p += kLanes) {
-    Floats px = all(k.x0_m - 1.0F);
-    Floats py = px;
     const std::size_t here = count - p < kLanes ? count - p : kLanes;
-    if (here == kLanes) {
-      foresee(x + p);
-      foresee(y + p);
-      px = load(x + p);
-      py = load(y + p);
-    } else {
-      __builtin_memcpy(&px, x + p, here * sizeof(float));
-      __builtin_memcpy(&py, y + p, here * sizeof(float));
-    }
-    const Floats u = (px - k.x0_m) * k.per_m;
-    const Floats v = (py - k.y0_m) * k.per_m;
+    const Places places = load_places(x + p, y + p, here);
+    const Floats u = (places.x - k.x0_m) * k.per_m;
+    const Floats v = (places.y - k.y0_m) * k.per_m;
     const Ints inside = (u >= 0.0F) & (v >= 0.0F) & (u < kMost) & (v < kMost);
     const auto i = reinterpret_cast<Bits>(__builtin_convertvector(masked(inside, u), Ints));
     const auto j = reinterpret_cast<Bits>(__builtin_convertvector(masked(inside, v), Ints));
@@ -154,17 +144,7 @@ SPARSHA_INLINE std::size_t draw_beyond(const sparsha::pipeline::BorderKernel& k,
   std::size_t found = 0;
   for (std::size_t p = 0; p < count; p += kLanes) {
     const std::size_t here = count - p < kLanes ? count - p : kLanes;
-    Floats px{};
-    Floats py{};
-    if (here == kLanes) {
-      foresee(x + p);
-      foresee(y + p);
-      px = load(x + p);
-      py = load(y + p);
-    } else {
-      __builtin_memcpy(&px, x + p, here * sizeof(float));
-      __builtin_memcpy(&py, y + p, here * sizeof(float));
-    }
+    const auto [px, py] = load_places(x + p, y + p, here);
     const Ints beyond = ~((px > k.left_m) & (px < k.right_m) & (py > k.bottom_m) & (py < k.top_m));
     found += list(beyond, p, here, drawn + found);
   }
