@@ -16,25 +16,6 @@ std::string length(double metres) {
 
 }  // namespace
 
-std::string to_string(LengthUnit unit) {
-  switch (unit) {
-    case LengthUnit::m:
-      return "m";
-    case LengthUnit::cm:
-      return "cm";
-    case LengthUnit::mm:
-      return "mm";
-    case LengthUnit::ft:
-      return "ft";
-    case LengthUnit::us_ft:
-      return "us_ft";
-    case LengthUnit::longest_side:
-      return "longest_side_mm";
-    default:
-      return "unknown";
-  }
-}
-
 double metres_in(LengthUnit unit) {
   switch (unit) {
     case LengthUnit::cm:

@@ -11,9 +11,6 @@
 
 namespace sparsha::pipeline {
 
-/// "m", "cm", "mm", "ft", "us_ft"; "unknown" for automatic.
-[[nodiscard]] std::string to_string(LengthUnit unit);
-
 /// Metres in one unit; 1 for automatic.
 [[nodiscard]] double metres_in(LengthUnit unit);
 

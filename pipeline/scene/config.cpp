@@ -93,7 +93,6 @@ int exclusive(MapReader& reader, const std::vector<std::string>& keys) {
 }
 
 Units parse_units(const Node& node) {
-  static const std::vector<std::string> names{"m", "cm", "mm", "ft", "us_ft"};
   Units units;
   if (node.is_map()) {
     MapReader reader(node, "units");
@@ -104,11 +103,11 @@ Units parse_units(const Node& node) {
     return units;
   }
   const std::string text = yaml::to_text(node);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (text == names[i]) {
-      units.unit = static_cast<LengthUnit>(i + 1);
-      return units;
-    }
+  std::vector<std::string> names;
+  for (const LengthUnit unit : {LengthUnit::m, LengthUnit::cm, LengthUnit::mm, LengthUnit::ft, LengthUnit::us_ft}) {
+    names.push_back(to_string(unit));
+    units.unit = unit;
+    if (text == names.back()) return units;
   }
   std::string expected = "m | cm | mm | ft | us_ft | {longest_side_mm: NUMBER}";
   if (const std::string near = yaml::nearest(text, names); !near.empty()) {

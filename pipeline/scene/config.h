@@ -19,6 +19,9 @@ namespace sparsha::pipeline {
 /// Unit of a scan's coordinates. `automatic`: the format's own, else metres with a warning when implausible.
 enum class LengthUnit { automatic, m, cm, mm, ft, us_ft, longest_side };
 
+/// "m", "cm", "mm", "ft", "us_ft", as configurations have it; "unknown" for automatic, else "longest_side_mm".
+[[nodiscard]] std::string to_string(LengthUnit unit);
+
 struct Units {
   LengthUnit unit = LengthUnit::automatic;
   double longest_side_m = 0.0;  ///< with LengthUnit::longest_side

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "pipeline/scene/config.h"
@@ -53,23 +54,9 @@ std::string vector(const Eigen::Vector3d& v) {
 }
 
 std::string units(const Units& value) {
-  switch (value.unit) {
-    case LengthUnit::automatic:
-      return {};
-    case LengthUnit::m:
-      return "m";
-    case LengthUnit::cm:
-      return "cm";
-    case LengthUnit::mm:
-      return "mm";
-    case LengthUnit::ft:
-      return "ft";
-    case LengthUnit::us_ft:
-      return "us_ft";
-    case LengthUnit::longest_side:
-      return "{longest_side_mm: " + millimetres(value.longest_side_m) + "}";
-  }
-  return {};
+  if (value.unit == LengthUnit::automatic) return {};
+  const std::string name = to_string(value.unit);
+  return value.unit == LengthUnit::longest_side ? "{" + name + ": " + millimetres(value.longest_side_m) + "}" : name;
 }
 
 std::string filter_text(const FilterConfig& filter) {
@@ -125,6 +112,11 @@ std::string audio_text(const AudioConfig& audio) {
 }
 
 }  // namespace
+
+std::string to_string(LengthUnit unit) {
+  static constexpr std::array<const char*, 7> kNames{"unknown", "m", "cm", "mm", "ft", "us_ft", "longest_side_mm"};
+  return kNames[static_cast<std::size_t>(unit)];
+}
 
 std::string to_yaml(const Config& config) {
   std::string text = config.scans.empty() ? "scans: []\n" : "scans:\n";
