@@ -1,6 +1,7 @@
 // POSIX and Windows calls; nothing else of the pipeline includes system headers.
 #include "pipeline/base/system.h"
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -41,6 +42,17 @@ namespace {
 [[noreturn]] void fail_to_append(const std::filesystem::path& file, const std::string& why) {
   throw Error(ErrorKind::failure, {file.string(), 0, 0}, "cannot append to it: " + why,
               "room on the disk and a file that can be written");
+}
+
+/// Moves all bytes by calls of transfer(piece, offset), which gives how many it moved, with pieces of 1 GB at most.
+template <typename Bytes, typename Transfer>
+void in_pieces(std::uint64_t offset, Bytes bytes, const Transfer& transfer) {
+  constexpr std::size_t kMost = std::size_t{1} << 30U;
+  while (!bytes.empty()) {
+    const std::size_t done = transfer(bytes.first(std::min(bytes.size(), kMost)), offset);
+    bytes = bytes.subspan(done);
+    offset += done;
+  }
 }
 
 }  // namespace
@@ -84,34 +96,39 @@ ScratchFile::ScratchFile(const std::filesystem::path& folder) : folder_(folder) 
 
 ScratchFile::~ScratchFile() { CloseHandle(reinterpret_cast<HANDLE>(handle_)); }
 
+namespace {
+
+OVERLAPPED overlapped_at(std::uint64_t offset) {
+  OVERLAPPED place{};
+  place.Offset = static_cast<DWORD>(offset);
+  place.OffsetHigh = static_cast<DWORD>(offset >> 32U);
+  return place;
+}
+
+}  // namespace
+
 void ScratchFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    OVERLAPPED place{};
-    place.Offset = static_cast<DWORD>(offset);
-    place.OffsetHigh = static_cast<DWORD>(offset >> 32U);
+  in_pieces(offset, bytes, [this](std::span<const std::byte> piece, std::uint64_t at) -> std::size_t {
+    OVERLAPPED place = overlapped_at(at);
     DWORD done = 0;
-    const auto size = static_cast<DWORD>(bytes.size() < (1U << 30U) ? bytes.size() : 1U << 30U);
-    if (!WriteFile(reinterpret_cast<HANDLE>(handle_), bytes.data(), size, &done, &place) || done == 0) {
+    const auto size = static_cast<DWORD>(piece.size());
+    if (!WriteFile(reinterpret_cast<HANDLE>(handle_), piece.data(), size, &done, &place) || done == 0) {
       fail(folder_, "writing, code " + std::to_string(GetLastError()));
     }
-    bytes = bytes.subspan(done);
-    offset += done;
-  }
+    return done;
+  });
 }
 
 void ScratchFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
-  while (!bytes.empty()) {
-    OVERLAPPED place{};
-    place.Offset = static_cast<DWORD>(offset);
-    place.OffsetHigh = static_cast<DWORD>(offset >> 32U);
+  in_pieces(offset, bytes, [this](std::span<std::byte> piece, std::uint64_t at) -> std::size_t {
+    OVERLAPPED place = overlapped_at(at);
     DWORD done = 0;
-    const auto size = static_cast<DWORD>(bytes.size() < (1U << 30U) ? bytes.size() : 1U << 30U);
-    if (!ReadFile(reinterpret_cast<HANDLE>(handle_), bytes.data(), size, &done, &place) || done == 0) {
+    const auto size = static_cast<DWORD>(piece.size());
+    if (!ReadFile(reinterpret_cast<HANDLE>(handle_), piece.data(), size, &done, &place) || done == 0) {
       fail(folder_, "reading, code " + std::to_string(GetLastError()));
     }
-    bytes = bytes.subspan(done);
-    offset += done;
-  }
+    return done;
+  });
 }
 
 std::uint64_t peak_rss_bytes() noexcept {
@@ -216,23 +233,21 @@ ScratchFile::ScratchFile(const std::filesystem::path& folder) : folder_(folder) 
 ScratchFile::~ScratchFile() { ::close(static_cast<int>(handle_)); }
 
 void ScratchFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t done = ::pwrite(static_cast<int>(handle_), bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) fail(folder_, done < 0 ? std::strerror(errno) : "nothing was written");
-    bytes = bytes.subspan(static_cast<std::size_t>(done));
-    offset += static_cast<std::uint64_t>(done);
-  }
+  in_pieces(offset, bytes, [this](std::span<const std::byte> piece, std::uint64_t at) -> std::size_t {
+    const ssize_t done = ::pwrite(static_cast<int>(handle_), piece.data(), piece.size(), static_cast<off_t>(at));
+    if (done == 0) fail(folder_, "nothing was written");
+    if (done < 0 && errno != EINTR) fail(folder_, std::strerror(errno));
+    return done > 0 ? static_cast<std::size_t>(done) : 0;
+  });
 }
 
 void ScratchFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
-  while (!bytes.empty()) {
-    const ssize_t done = ::pread(static_cast<int>(handle_), bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) fail(folder_, done < 0 ? std::strerror(errno) : "it is shorter than what was written");
-    bytes = bytes.subspan(static_cast<std::size_t>(done));
-    offset += static_cast<std::uint64_t>(done);
-  }
+  in_pieces(offset, bytes, [this](std::span<std::byte> piece, std::uint64_t at) -> std::size_t {
+    const ssize_t done = ::pread(static_cast<int>(handle_), piece.data(), piece.size(), static_cast<off_t>(at));
+    if (done == 0) fail(folder_, "it is shorter than what was written");
+    if (done < 0 && errno != EINTR) fail(folder_, std::strerror(errno));
+    return done > 0 ? static_cast<std::size_t>(done) : 0;
+  });
 }
 
 std::uint64_t peak_rss_bytes() noexcept {
