@@ -227,6 +227,25 @@ TEST_F(OutOfCore, TextIsTheSame) {
   expect_same_out_of_core(config_of(folder_ / "scan.xyz"), 15'000);
 }
 
+TEST_F(OutOfCore, PlyInTextIsTheSame) {
+  // Properties in an order of their own, lines of Windows, no faces.
+  const auto points = whole_steps(1e-5);
+  std::ofstream ply(folder_ / "scan.ply", std::ios::binary);
+  ply << "ply\r\nformat ascii 1.0\r\ncomment points only\r\nelement vertex " << points.size()
+      << "\r\nproperty double z\r\nproperty uchar red\r\nproperty uchar green\r\nproperty uchar blue\r\n"
+         "property double x\r\nproperty float intensity\r\nproperty double y\r\nend_header\r\n";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& p = points[i];
+    ply << fmt::format("{:.5f} {} {} {} {:.5f} {} {:.5f}\r\n", p[2] * 1e-5, i % 256, i / 7 % 256, i / 3 % 256,
+                       p[0] * 1e-5, 0.25 * static_cast<double>(i % 1000), p[1] * 1e-5);
+  }
+  ply.close();
+  Config config = config_of(folder_ / "scan.ply");
+  config.grid.colour = true;
+  config.grid.intensity = true;
+  expect_same_out_of_core(config, 15'000);
+}
+
 TEST_F(OutOfCore, LasIsTheSame) {
   // LAS 1.2, point format 0, steps of 10 um.
   const auto points = whole_steps(1e-5);
