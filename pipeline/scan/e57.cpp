@@ -36,22 +36,12 @@ struct Scan {
   double colour_high = 255.0;
 };
 
-double number_of(const pugi::xml_node& node) {
-  const std::string_view text = node.child_value();
-  double value = 0.0;
-  return parse_number(text.data(), text.data() + text.size(), value) != nullptr ? value : 0.0;
-}
-
-double number_of(const pugi::xml_attribute& attribute, double otherwise) {
-  const std::string_view text = attribute.value();
-  double value = otherwise;
-  return parse_number(text.data(), text.data() + text.size(), value) != nullptr ? value : otherwise;
-}
-
-std::int64_t integer_of(const pugi::xml_attribute& attribute, std::int64_t otherwise) {
-  const std::string_view text = attribute.value();
-  std::int64_t value = otherwise;
-  return parse_integer(text.data(), text.data() + text.size(), value) != nullptr ? value : otherwise;
+/// A text without the blanks around it; empty where there is none.
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
 class Reader {
@@ -87,6 +77,34 @@ class Reader {
   }
 
  private:
+  /// The finite number that `text` is; `otherwise` when there is none.
+  double number_in(std::string_view text, const char* name, double otherwise) const {
+    text = trimmed(text);
+    if (text.empty()) return otherwise;
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    if (parse_number(text.data(), end, value) != end || !std::isfinite(value)) {
+      throw file_.error(in_quotes(text) + " as " + in_quotes(name) + " in the XML section", "a finite number");
+    }
+    return value;
+  }
+  double number_of(const pugi::xml_node& node) const { return number_in(node.child_value(), node.name(), 0.0); }
+
+  std::int64_t integer_of(const pugi::xml_attribute& attribute, std::int64_t otherwise) const {
+    const std::string_view text = trimmed(attribute.value());
+    if (text.empty()) return otherwise;
+    std::int64_t value = 0;
+    const char* const end = text.data() + text.size();
+    if (parse_integer(text.data(), end, value) == end) return value;
+    const double number = number_in(text, attribute.name(), 0.0);  // "3.0" is whole too
+    constexpr double kExact = 9007199254740992.0;
+    if (number != std::floor(number) || std::fabs(number) > kExact) {
+      throw file_.error(in_quotes(text) + " as " + in_quotes(attribute.name()) + " in the XML section",
+                        "a whole number of 64 bits");
+    }
+    return static_cast<std::int64_t>(number);
+  }
+
   void parse_fields(const pugi::xml_node& node, Scan& scan, int depth) const {
     for (const pugi::xml_node& child : node.children()) {
       if (child.type() != pugi::node_element) continue;
@@ -105,8 +123,11 @@ class Reader {
                             "an undamaged E57 file");
         }
         if (type == "ScaledInteger") {
-          field.scale = number_of(child.attribute("scale"), 1.0);
-          field.offset = number_of(child.attribute("offset"), 0.0);
+          field.scale = number_in(child.attribute("scale").value(), "scale", 1.0);
+          field.offset = number_in(child.attribute("offset").value(), "offset", 0.0);
+          if (field.scale == 0.0) {
+            throw file_.error("field " + in_quotes(field.name) + " has a scale of zero", "a scale that is not zero");
+          }
         }
       } else if (type == "Structure" && depth < 16) {
         parse_fields(child, scan, depth + 1);
@@ -177,6 +198,9 @@ class Reader {
     const pugi::xml_node translation = node.child("pose").child("translation");
     Eigen::Quaterniond turn(number_of(rotation.child("w")), number_of(rotation.child("x")),
                             number_of(rotation.child("y")), number_of(rotation.child("z")));
+    if (rotation && !(turn.norm() > 0.0)) {
+      out_.scan().warnings.push_back("the quaternion of a scan's pose is zero; taken as no rotation");
+    }
     if (rotation && turn.norm() > 0.0) scan.turn = turn.normalized().toRotationMatrix();
     scan.shift = {number_of(translation.child("x")), number_of(translation.child("y")),
                   number_of(translation.child("z"))};
