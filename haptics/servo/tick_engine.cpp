@@ -231,6 +231,8 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
 
   ++state.tick;
   state.time_s = sample.time_s;
+  for (std::size_t button = 0; button < state.button_presses.size(); ++button)
+    state.button_presses[button] += (sample.buttons & ~state.buttons) >> button & 1U;
   state.buttons = sample.buttons;
   state.level = static_cast<std::uint64_t>(surface_->level);
   state.surface_id = window_.id;

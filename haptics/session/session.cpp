@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <optional>
@@ -24,10 +25,7 @@ constexpr double kFastestHz = 10000.0;
 constexpr double kFaultPauseS = 3.0;
 
 // Device buttons, from the front of a Falcon's grip.
-constexpr std::uint64_t kButtonPlus = 1U << 0U;
-constexpr std::uint64_t kButtonForward = 1U << 1U;
-constexpr std::uint64_t kButtonCentre = 1U << 2U;
-constexpr std::uint64_t kButtonMinus = 1U << 3U;
+enum Button : std::size_t { kButtonPlus, kButtonForward, kButtonCentre, kButtonMinus };
 
 double checked_rate(double rate_hz) {
   if (rate_hz >= kSlowestHz && rate_hz <= kFastestHz) return rate_hz;
@@ -140,12 +138,14 @@ struct Session::Implementation {
   }
 
   void press_buttons(const State& now) {
-    const std::uint64_t pressed = now.buttons & ~buttons;
-    buttons = now.buttons;
-    if ((pressed & kButtonPlus) != 0) serve({Request::Kind::zoom_in}, now);
-    if ((pressed & kButtonMinus) != 0) serve({Request::Kind::zoom_out}, now);
-    if ((pressed & kButtonCentre) != 0) serve({Request::Kind::describe}, now);
-    if ((pressed & kButtonForward) != 0 && recording == nullptr) request_window(navigator.change_scene(scene));
+    // A contact that bounces between two looks is one click.
+    const auto pressed = [&](Button button) {
+      return std::exchange(presses[button], now.button_presses[button]) != now.button_presses[button];
+    };
+    if (pressed(kButtonPlus)) serve({Request::Kind::zoom_in}, now);
+    if (pressed(kButtonMinus)) serve({Request::Kind::zoom_out}, now);
+    if (pressed(kButtonCentre)) serve({Request::Kind::describe}, now);
+    if (pressed(kButtonForward) && recording == nullptr) request_window(navigator.change_scene(scene));
   }
 
   struct Told {
@@ -200,7 +200,7 @@ struct Session::Implementation {
 
   std::uint64_t next_id = 1;
   std::uint64_t sequence = 0;
-  std::uint64_t buttons = 0;
+  std::array<std::uint64_t, 4> presses{};  // seen
   double stiffness_n_per_m = 0.0;
   std::size_t next_recorded = 1;
   std::optional<Command> recorded_command;

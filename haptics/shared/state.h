@@ -45,12 +45,13 @@ struct State {
   double share_in_time = 1.0;                 ///< ticks begun within 1 ms of plan, of all so far
   std::uint64_t contact = 0;                  ///< 1 in contact
   std::uint64_t level = 0;
-  std::uint64_t surface_id = 0;  ///< counts swaps of window, level or scene
-  std::uint64_t command = 0;     ///< sequence number of the last command obeyed
-  std::uint64_t buttons = 0;
-  std::uint64_t flags = 0;            ///< StateFlag bits
-  std::uint64_t missed_ticks = 0;     ///< skipped since the start
-  std::uint64_t dropped_records = 0;  ///< rows the recorder could not take
+  std::uint64_t surface_id = 0;                   ///< counts swaps of window, level or scene
+  std::uint64_t command = 0;                      ///< sequence number of the last command obeyed
+  std::uint64_t buttons = 0;                      ///< down now
+  std::array<std::uint64_t, 4> button_presses{};  ///< of the first four, so far: no reader is too slow for a click
+  std::uint64_t flags = 0;                        ///< StateFlag bits
+  std::uint64_t missed_ticks = 0;                 ///< skipped since the start
+  std::uint64_t dropped_records = 0;              ///< rows the recorder could not take
 };
 
 static_assert(std::is_trivially_copyable_v<State>);

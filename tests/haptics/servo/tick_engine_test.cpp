@@ -284,6 +284,27 @@ TEST(TickEngine, RecordsTheCellThatIsTouchedHoweverFarTheSceneIsFromTheOrigin) {
   }
 }
 
+TEST(TickEngine, CountsEveryClickHoweverShort) {
+  Hand hand(window_on(testing::flat_scene()));
+  const auto hold = [&](std::uint64_t buttons, int ticks) {
+    DeviceSample sample = sample_at({0.0, 0.0, 0.02}, 0.0);
+    sample.buttons = buttons;
+    for (int i = 0; i < ticks; ++i) hand.go(sample);
+  };
+  using Presses = std::array<std::uint64_t, 4>;
+  hold(0, 30);
+  EXPECT_EQ(hand.engine.state().button_presses, Presses{});
+  hold(0b0001, 2);  // shorter than any reader's look
+  hold(0, 30);
+  EXPECT_EQ(hand.engine.state().button_presses, (Presses{1, 0, 0, 0}));
+  hold(0b1000, 500);  // held
+  hold(0b1100, 100);  // and another with it
+  hold(0, 30);
+  EXPECT_EQ(hand.engine.state().button_presses, (Presses{1, 0, 1, 1}));
+  hold(0b1001, 40);
+  EXPECT_EQ(hand.engine.state().button_presses, (Presses{2, 0, 1, 2}));
+}
+
 TEST(TickEngine, IdenticalSamplesGiveIdenticalBits) {
   const auto scene = testing::scene_of(testing::hills_m, 201, 0.1);
   Hand first(window_on(scene));
