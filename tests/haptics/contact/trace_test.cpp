@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <random>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -132,6 +134,28 @@ TEST(Trace, SummaryCountsAndJudgesWhatHappened) {
   EXPECT_LE(summary.ns_p50, summary.ns_p99);
   EXPECT_LE(summary.ns_p999, summary.ns_max);
   EXPECT_GT(summary.timer_overhead_ns, 0.0);
+}
+
+TEST(Trace, CountsNobodyBelowOnSpikesOfAThousandCells) {
+  std::mt19937_64 random(11);
+  std::vector<double> heights(1600);
+  for (double& height : heights) height = random() % 10 == 0 ? 1.0 : 1e-7 * static_cast<double>(random() % 10);
+  const auto spike = [&heights](int i, int j) { return heights[static_cast<std::size_t>(40 * j + i)]; };
+  MongeSurface surface = make_surface_of(40, 40, 0.001, [&](double x, double y) {
+    return spike(static_cast<int>(std::lround(x / 0.001)), static_cast<int>(std::lround(y / 0.001)));
+  });
+  set_friction(surface, 0.5, 0.3);
+  std::normal_distribution<double> step(0.0, 0.0015);
+  Eigen::Vector3d hand(0.02, 0.02, 0.5);
+  std::vector<HipSample> path;
+  for (int k = 0; k < 30'000; ++k) {
+    hand += Eigen::Vector3d(step(random), step(random), step(random));
+    hand = hand.cwiseMax(Eigen::Vector3d(0.0, 0.0, -0.05)).cwiseMin(Eigen::Vector3d(0.039, 0.039, 0.9));
+    path.push_back({0.001 * k, hand});
+  }
+  const TraceSummary summary = trace(surface, path, {}, {}).summary;
+  EXPECT_GT(summary.contacts, 5000U);
+  EXPECT_EQ(summary.below_surface, 0U);
 }
 
 TEST(Trace, TheFirstProxyStartsAboveOrAtTheHandAndSettles) {
