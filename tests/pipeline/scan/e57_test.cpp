@@ -269,7 +269,7 @@ TEST(E57Reader, RefusesLiesAndDamage) {
 
 TEST(E57Reader, RefusesNumbersOfItsXmlThatAreNoneInsteadOfTakingDefaults) {
   const ScanFolder folder;
-  const auto file = [](const std::string& attributes, const std::string& shift) {
+  const auto with = [](const std::string& attributes, const std::string& shift) {
     E57File file;
     for (const char axis : {'X', 'Y', 'Z'}) {
       file.prototype += std::string("<cartesian") + axis + " type=\"ScaledInteger\" maximum=\"7\" " + attributes + "/>";
@@ -284,15 +284,15 @@ TEST(E57Reader, RefusesNumbersOfItsXmlThatAreNoneInsteadOfTakingDefaults) {
     ASSERT_TRUE(error) << message;
     EXPECT_THAT(error->what(), HasSubstr(message));
   };
-  EXPECT_EQ(folder.read("good.e57", file("minimum=\"0\" scale=\"0.5\"", "100")).points.at(0),
+  EXPECT_EQ(folder.read("good.e57", with("minimum=\"0\" scale=\"0.5\"", "100")).points.at(0),
             Eigen::Vector3d(101, 1, 1));
-  EXPECT_EQ(folder.read("whole.e57", file("minimum=\"0.0\"", "")).points.at(0), Eigen::Vector3d(2, 2, 2));
-  refuse(file("minimum=\"0\" scale=\"abc\"", "0"), "'abc' as 'scale'");
-  refuse(file("minimum=\"0\" scale=\"0\"", "0"), "scale of zero");
-  refuse(file("minimum=\"0.5\"", "0"), "'0.5' as 'minimum'");
-  refuse(file("minimum=\"zero\"", "0"), "'zero' as 'minimum'");
-  refuse(file("minimum=\"0\"", "1,5"), "'1,5' as 'x'");
-  refuse(file("minimum=\"0\"", "nan"), "'nan' as 'x'");
+  EXPECT_EQ(folder.read("whole.e57", with("minimum=\"0.0\"", "")).points.at(0), Eigen::Vector3d(2, 2, 2));
+  refuse(with("minimum=\"0\" scale=\"abc\"", "0"), "'abc' as 'scale'");
+  refuse(with("minimum=\"0\" scale=\"0\"", "0"), "scale of zero");
+  refuse(with("minimum=\"0.5\"", "0"), "'0.5' as 'minimum'");
+  refuse(with("minimum=\"zero\"", "0"), "'zero' as 'minimum'");
+  refuse(with("minimum=\"0\"", "1,5"), "'1,5' as 'x'");
+  refuse(with("minimum=\"0\"", "nan"), "'nan' as 'x'");
 }
 
 }  // namespace
