@@ -30,33 +30,40 @@ void check_packing(const ScanFile& file, const Header& header) {
 
 #if SPARSHA_HAVE_LASZIP
 
+/// Closes before it destroys, as LASzip wants it; else a reader keeps its file.
+struct CloseUnpacker {
+  bool open = false;
+
+  void operator()(laszip_POINTER laszip) const {
+    if (open) laszip_close_reader(laszip);
+    laszip_destroy(laszip);
+  }
+};
+
 /// A LASzip reader that is closed and destroyed whatever happens.
 class Unpacker {
  public:
   explicit Unpacker(const ScanFile& file) : file_(file) {
-    if (laszip_create(&pointer_) != 0) throw file_.error("LASzip could not start", "a working LASzip library");
+    laszip_POINTER laszip = nullptr;
+    if (laszip_create(&laszip) != 0) throw file_.error("LASzip could not start", "a working LASzip library");
+    laszip_.reset(laszip);
     laszip_BOOL compressed = 0;
-    check(laszip_open_reader(pointer_, file_.name.c_str(), &compressed));
-    open_ = true;
-    check(laszip_get_point_pointer(pointer_, &point_));
+    check(laszip_open_reader(laszip, file_.name.c_str(), &compressed));
+    laszip_.get_deleter().open = true;
+    check(laszip_get_point_pointer(laszip, &point_));
   }
-  ~Unpacker() {
-    if (open_) laszip_close_reader(pointer_);
-    laszip_destroy(pointer_);
-  }
-  Unpacker(const Unpacker&) = delete;
-  Unpacker& operator=(const Unpacker&) = delete;
 
-  void rewind() { check(laszip_seek_point(pointer_, 0)); }
+  void rewind() { check(laszip_seek_point(laszip_.get(), 0)); }
 
   /// The next point in the layout of the file's format, as far as PointReader looks at it.
   const char* next(const Header& header) {
-    check(laszip_read_point(pointer_));
+    check(laszip_read_point(laszip_.get()));
     const std::array<std::int32_t, 3> xyz = {point_->X, point_->Y, point_->Z};
     std::copy_n(reinterpret_cast<const char*>(xyz.data()), sizeof xyz, bytes_.begin());
     std::copy_n(reinterpret_cast<const char*>(&point_->intensity), 2, bytes_.begin() + 12);
-    const bool withheld = point_->withheld_flag != 0;
-    bytes_[15] = static_cast<char>(!withheld ? 0 : header.format >= 6 ? 4 : 128);
+    // Formats 6 and up have flags of their own; LASzip's copies of them in the older place are a courtesy.
+    bytes_[15] = static_cast<char>(header.format >= 6 ? point_->extended_classification_flags
+                                                      : (point_->withheld_flag != 0 ? 128 : 0));
     const std::size_t colour = header.colour_offset();
     if (colour != 0) {
       std::copy_n(reinterpret_cast<const char*>(point_->rgb), 6, bytes_.begin() + static_cast<std::ptrdiff_t>(colour));
@@ -68,15 +75,14 @@ class Unpacker {
   void check(laszip_I32 failed) {
     if (failed == 0) return;
     laszip_CHAR* message = nullptr;
-    laszip_get_error(pointer_, &message);
-    throw file_.error(std::string("LASzip: ") + (message != nullptr ? message : "unknown failure"),
-                      "an undamaged LAZ file");
+    laszip_get_error(laszip_.get(), &message);
+    const bool told = message != nullptr && *message != '\0';
+    throw file_.error(std::string("LASzip: ") + (told ? message : "unknown failure"), "an undamaged LAZ file");
   }
 
   const ScanFile& file_;
-  laszip_POINTER pointer_ = nullptr;
+  std::unique_ptr<void, CloseUnpacker> laszip_;
   laszip_point_struct* point_ = nullptr;
-  bool open_ = false;
   std::array<char, 64> bytes_{};
 };
 

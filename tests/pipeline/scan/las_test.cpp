@@ -1,6 +1,7 @@
 // LAS: versions, point formats, scales, flags, units, and headers that lie.
 #include <gmock/gmock.h>
 
+#include "las_files.h"
 #include "pipeline/base/progress.h"
 #include "pipeline/scan/las_header.h"
 #include "scan_files.h"
@@ -10,67 +11,11 @@ namespace {
 
 using testing::error_of_bytes;
 using ::testing::HasSubstr;
+using testing::las_point;
+using testing::LasFile;
 using testing::put;
 using testing::ScanFolder;
-
-constexpr std::size_t kSizes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
-
-template <typename T>
-void set(std::string& bytes, std::size_t at, T value) {
-  std::memcpy(bytes.data() + at, &value, sizeof value);
-}
-
-/// A file of one variable length record (may be empty) and the given points, each of `format`'s size.
-struct LasFile {
-  int minor = 2;
-  int format = 0;
-  double scale = 0.01;
-  double offset = 100.0;
-  std::uint16_t record_id = 0;
-  std::string record;
-  std::vector<std::string> points;
-
-  [[nodiscard]] std::string bytes() const {
-    const std::size_t head = minor >= 4 ? 375 : minor == 3 ? 235 : 227;
-    std::string out(head, '\0');
-    set(out, 0, std::array<char, 4>{'L', 'A', 'S', 'F'});
-    out[24] = 1;
-    out[25] = static_cast<char>(minor);
-    const std::size_t records = record_id != 0 ? 54 + record.size() : 0;
-    set(out, 94, static_cast<std::uint16_t>(head));
-    set(out, 96, static_cast<std::uint32_t>(head + records));
-    set(out, 100, std::uint32_t{record_id != 0 ? 1U : 0U});
-    out[104] = static_cast<char>(format);
-    set(out, 105, static_cast<std::uint16_t>(kSizes[format]));
-    set(out, 107, static_cast<std::uint32_t>(points.size()));
-    for (std::size_t k = 0; k < 3; ++k) {
-      set(out, 131 + 8 * k, scale);
-      set(out, 155 + 8 * k, offset);
-    }
-    if (minor >= 4) {
-      set(out, 247, static_cast<std::uint64_t>(points.size()));
-      if (format >= 6) set(out, 107, std::uint32_t{0});
-    }
-    if (record_id != 0) {
-      std::string lead(54, '\0');
-      std::memcpy(lead.data() + 2, "LASF_Projection", 15);
-      set(lead, 18, record_id);
-      set(lead, 20, static_cast<std::uint16_t>(record.size()));
-      out += lead + record;
-    }
-    for (const std::string& point : points) out += point;
-    return out;
-  }
-};
-
-std::string point(int format, std::int32_t x, std::int32_t y, std::int32_t z, std::uint16_t intensity = 0) {
-  std::string bytes(kSizes[format], '\0');
-  set(bytes, 0, x);
-  set(bytes, 4, y);
-  set(bytes, 8, z);
-  set(bytes, 12, intensity);
-  return bytes;
-}
+using testing::set;
 
 std::string geo_keys(const std::vector<std::array<int, 2>>& keys) {
   std::string bytes;
@@ -88,7 +33,7 @@ TEST(LasReader, ReadsEveryVersionAndPointFormat) {
       LasFile file;
       file.minor = minor;
       file.format = format;
-      file.points = {point(format, 1, -2, 300, 7), point(format, 2147483647, 0, -2147483647, 65535)};
+      file.points = {las_point(format, 1, -2, 300, 7), las_point(format, 2147483647, 0, -2147483647, 65535)};
       const RawScan scan = folder.read("a.las", file.bytes());
       EXPECT_EQ(scan.format, "LAS 1." + std::to_string(minor) + " pf" + std::to_string(format));
       ASSERT_EQ(scan.points.size(), 2U);
@@ -108,7 +53,7 @@ TEST(LasReader, ReadsColoursOfSixteenBitsAndOfEight) {
       LasFile file;
       file.minor = 4;
       file.format = format;
-      file.points = {point(format, 0, 0, 0)};
+      file.points = {las_point(format, 0, 0, 0)};
       const int unit = words ? 257 : 1;
       for (std::size_t k = 0; k < 3; ++k) {
         set(file.points[0], place + 2 * k,
@@ -126,7 +71,7 @@ TEST(LasReader, CountsWithheldPointsAsInvalid) {
     LasFile file;
     file.minor = 4;
     file.format = format;
-    file.points = {point(format, 0, 0, 0), point(format, 1, 1, 1)};
+    file.points = {las_point(format, 0, 0, 0), las_point(format, 1, 1, 1)};
     file.points[1][15] = static_cast<char>(format >= 6 ? 4 : 128);
     const RawScan scan = folder.read("w.las", file.bytes());
     EXPECT_EQ(scan.records, 2U);
@@ -140,7 +85,7 @@ TEST(LasReader, FindsUnitsInGeoKeys) {
     LasFile file;
     file.record_id = 34735;
     file.record = geo_keys(keys);
-    file.points = {point(0, 0, 0, 0), point(0, 100, 0, 100)};
+    file.points = {las_point(0, 0, 0, 0), las_point(0, 100, 0, 100)};
     return folder.read("u.las", file.bytes());
   };
   EXPECT_EQ(units_of({{1024, 1}, {3076, 9001}}).unit, LengthUnit::m);
@@ -183,7 +128,7 @@ TEST(LasReader, FindsUnitsInWellKnownText) {
   LasFile file;
   file.record_id = 2112;
   file.record = R"(PROJCS["p",UNIT["foot",0.3048]])";
-  file.points = {point(0, 0, 0, 0)};
+  file.points = {las_point(0, 0, 0, 0)};
   EXPECT_EQ(folder.read("w.las", file.bytes()).unit, LengthUnit::ft);
 }
 
@@ -193,7 +138,7 @@ TEST(LasReader, LoadsFeetAsMetresAndRefusesDegrees) {
   file.offset = 0.0;
   file.record_id = 34735;
   file.record = geo_keys({{1024, 1}, {3076, 9003}});
-  file.points = {point(0, 0, 0, 0), point(0, 1000, 0, 0)};
+  file.points = {las_point(0, 0, 0, 0), las_point(0, 1000, 0, 0)};
   ScanConfig config;
   config.file = folder.write("feet.las", file.bytes());
   Progress progress;
@@ -208,7 +153,7 @@ TEST(LasReader, LoadsFeetAsMetresAndRefusesDegrees) {
 TEST(LasReader, RefusesLies) {
   const ScanFolder folder;
   LasFile good;
-  good.points = {point(0, 1, 2, 3), point(0, 4, 5, 6)};
+  good.points = {las_point(0, 1, 2, 3), las_point(0, 4, 5, 6)};
   const auto refuse = [&](std::string bytes, const char* message) {
     const auto error = error_of_bytes("lie.las", bytes);
     ASSERT_TRUE(error) << message;
@@ -248,7 +193,7 @@ TEST(LasReader, RefusesLies) {
 TEST(LasReader, TakesAWrongNumberOfRecordsForWhatItIsWorth) {
   const ScanFolder folder;
   LasFile file;
-  file.points = {point(0, 1, 2, 3)};
+  file.points = {las_point(0, 1, 2, 3)};
   std::string bytes = file.bytes();
   set(bytes, 100, std::uint32_t{1069128089});
   const RawScan scan = folder.read("v.las", bytes);
@@ -261,7 +206,7 @@ TEST(LasReader, RefusesATruncationAtEveryByte) {
   LasFile file;
   file.minor = 4;
   file.format = 6;
-  file.points = {point(6, 1, 2, 3), point(6, 4, 5, 6)};
+  file.points = {las_point(6, 1, 2, 3), las_point(6, 4, 5, 6)};
   const std::string bytes = file.bytes();
   ASSERT_FALSE(error_of_bytes("whole.las", bytes));
   for (std::size_t n = 0; n < bytes.size(); ++n) {

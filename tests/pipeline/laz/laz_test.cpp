@@ -1,0 +1,137 @@
+// LAZ through a library that stands for LASzip: this proves how LASzip is called and what is made of its points. It
+// proves nothing of LASzip itself.
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "laszip_double.h"
+#include "tests/pipeline/scan/scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::las_point;
+using testing::LasFile;
+using testing::laszip_books;
+using testing::laszip_faults;
+using testing::packed;
+using testing::set;
+
+/// After each test all that was made is destroyed, all that was opened closed, and no call was out of order.
+class LazReader : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    laszip_faults = {};
+    laszip_books = {};
+  }
+  void TearDown() override {
+    EXPECT_EQ(laszip_books.created, laszip_books.destroyed);
+    EXPECT_EQ(laszip_books.opened, laszip_books.closed);
+    EXPECT_THAT(laszip_books.misuses, ::testing::IsEmpty());
+  }
+  testing::ScanFolder folder_;
+};
+
+std::size_t colour_place(int format) {
+  return format == 2 ? 20 : format == 3 || format == 5 ? 28 : format == 7 || format == 8 || format == 10 ? 30 : 0;
+}
+
+/// Numbers of all sizes, every seventh point withheld; colours of 16 bits only from point 900 on.
+LasFile some_points(int minor, int format, int count) {
+  LasFile file;
+  file.minor = minor;
+  file.format = format;
+  file.scale = 0.0005;
+  file.offset = 450000.25;
+  for (int i = 0; i < count; ++i) {
+    std::string point = las_point(format, i * 1000003, -i * 77, 2147483647 - i, static_cast<std::uint16_t>(i * 31));
+    if (i % 7 == 3) point[15] = static_cast<char>(format >= 6 ? 4 : 128);
+    if (const std::size_t at = colour_place(format); at != 0) {
+      const int unit = i < 900 ? 1 : 257;
+      for (int k = 0; k < 3; ++k) {
+        set(point, at + 2 * static_cast<std::size_t>(k), static_cast<std::uint16_t>(unit * ((i + 85 * k) % 256)));
+      }
+    }
+    file.points.push_back(point);
+  }
+  return file;
+}
+
+TEST_F(LazReader, GivesWhatTheSameFileUnpackedGives) {
+  for (int minor = 0; minor <= 4; ++minor) {
+    for (int format = 0; format <= 10; ++format) {
+      for (const int count : {1, 850, 1500}) {
+        const LasFile file = some_points(minor, format, count);
+        const RawScan plain = folder_.read("a.las", file.bytes());
+        const RawScan unpacked = folder_.read("a.laz", packed(file));
+        EXPECT_EQ(unpacked.format, "LAZ 1." + std::to_string(minor) + " pf" + std::to_string(format));
+        EXPECT_EQ(unpacked.records, static_cast<std::uint64_t>(count));
+        EXPECT_EQ(unpacked.invalid, plain.invalid);
+        EXPECT_EQ(unpacked.points, plain.points);
+        EXPECT_EQ(unpacked.intensity, plain.intensity);
+        EXPECT_EQ(unpacked.rgba, plain.rgba);
+        EXPECT_EQ(unpacked.fields, plain.fields);
+      }
+    }
+  }
+}
+
+TEST_F(LazReader, LooksAtAThousandPointsForTheRangeOfColoursAndReadsAgainFromTheFirst) {
+  const RawScan scan = folder_.read("a.laz", packed(some_points(2, 3, 1500)));
+  EXPECT_EQ(laszip_books.created, 1);
+  EXPECT_EQ(laszip_books.seeks, 1);
+  EXPECT_EQ(laszip_books.reads, 1000 + 1500);
+  EXPECT_EQ(scan.points[0], Eigen::Vector3d(450000.25, 450000.25, 2147483647 * 0.0005 + 450000.25));
+}
+
+TEST_F(LazReader, ReadsAFileWithoutPoints) {
+  EXPECT_EQ(folder_.read("none.laz", packed(some_points(2, 0, 0))).records, 0U);
+}
+
+TEST_F(LazReader, EveryFailureOfLaszipIsAnErrorThatRepeatsItsMessageAndLeavesNothingOpen) {
+  const auto file = folder_.write("a.laz", packed(some_points(4, 7, 1500)));
+  const std::vector<std::function<void()>> faults = {
+      [] { laszip_faults.open = true; }, [] { laszip_faults.point_pointer = true; }, [] { laszip_faults.seek = true; },
+      [] { laszip_faults.read = 0; },    [] { laszip_faults.read = 700; },           [] { laszip_faults.read = 1200; },
+      [] { laszip_faults.read = 1499; },
+  };
+  for (const auto& fault : faults) {
+    laszip_faults = {};
+    fault();
+    const auto error = error_of(file);
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->kind(), ErrorKind::input);
+    EXPECT_THAT(error->what(), HasSubstr("a.laz"));
+    EXPECT_THAT(error->what(), HasSubstr("LASzip: as the test wants it"));
+    TearDown();
+  }
+  laszip_faults = {};
+  laszip_faults.read = 3;
+  laszip_faults.message.clear();
+  EXPECT_THAT(error_of(file)->what(), HasSubstr("unknown failure"));
+  laszip_faults = {};
+  laszip_faults.create = true;
+  EXPECT_THAT(error_of(file)->what(), HasSubstr("LASzip could not start"));
+}
+
+TEST_F(LazReader, RefusesAFileThatIsCutShort) {
+  const std::string bytes = packed(some_points(2, 0, 1500));
+  const auto error = error_of(folder_.write("cut.laz", bytes.substr(0, bytes.size() - 1)));
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->kind(), ErrorKind::input);
+}
+
+TEST_F(LazReader, ClosesTheFileWhenItsPointsAreNotWanted) {
+  const auto file = folder_.write("a.laz", packed(some_points(2, 0, 200'000)));
+  EXPECT_THROW((void)stream_scan(file, [](const PointBlock&) { throw std::runtime_error("no more"); }),
+               std::runtime_error);
+  EXPECT_EQ(laszip_books.opened, 1);
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline
