@@ -49,7 +49,8 @@ LasFile some_points(int minor, int format, int count) {
   file.scale = 0.0005;
   file.offset = 450000.25;
   for (int i = 0; i < count; ++i) {
-    std::string point = las_point(format, i * 1000003, -i * 77, 2147483647 - i, static_cast<std::uint16_t>(i * 31));
+    std::string point =
+        las_point(format, i % 2000 * 1000003, -i * 77, 2147483647 - i, static_cast<std::uint16_t>(i * 31));
     if (i % 7 == 3) point[15] = static_cast<char>(format >= 6 ? 4 : 128);
     if (const std::size_t at = colour_place(format); at != 0) {
       const int unit = i < 900 ? 1 : 257;

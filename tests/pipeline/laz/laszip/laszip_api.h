@@ -20,7 +20,7 @@ typedef int16_t laszip_I16;
 typedef int32_t laszip_I32;
 typedef int64_t laszip_I64;
 
-typedef struct laszip_point {
+typedef struct laszip_point { /* NOLINT(readability-identifier-naming): the name that LASzip has */
   laszip_I32 X;
   laszip_I32 Y;
   laszip_I32 Z;
