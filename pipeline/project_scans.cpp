@@ -91,6 +91,8 @@ class Builder {
   }
 
  private:
+  [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
+
   [[nodiscard]] bool points_fit(const ScanSet& scans) const {
     if (limit_.points > 0 && scans.points() > limit_.points) return false;
     return limit_.bytes == 0 || bytes_in_memory(scans, filters_) <= limit_.bytes;
@@ -108,7 +110,8 @@ class Builder {
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
     build_cloud(cloud, filters_, points, [&](const Lattice& lattice) {
-      const std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
+      std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
+      if (checks()) needed += bytes_of_sample(*config_.check, scans.points(), lattice);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
     });
   }
@@ -129,7 +132,7 @@ class Builder {
     progress_.begin("project");
     result_.projection =
         project(*cloud, scan_to_grid_, config_.grid, config_.haptics.resolution_m, pool_, progress_, approve);
-    if (options_.grid_only || !config_.check) return;
+    if (!checks()) return;
     auto fates = std::make_shared<Projection>();
     fates->fate = std::move(result_.projection.fate);
     fates->noise_m = result_.projection.noise_m;
@@ -235,9 +238,12 @@ class Builder {
                               progress_);
     const Lattice& lattice = spilled.plan().lattice;
     const std::uint64_t tile_points = points_of_a_tile(limit_, node_bytes(scans, lattice), lattice);
+    if (checks()) {
+      require_room_for_sample(limit_, *config_.check, result_.points.read, node_bytes(scans, lattice), lattice);
+    }
     result_.projection = spilled.run(tile_points, options_.spill_folder, pool_, progress_);
     system::trim_heap();
-    if (options_.grid_only || !config_.check) return;
+    if (!checks()) return;
     auto points = std::make_shared<BucketedPoints>(spilled.take_points());
     const double noise_m = result_.projection.noise_m;
     const double point_spacing_m = result_.projection.point_spacing_m;

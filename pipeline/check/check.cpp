@@ -57,6 +57,7 @@ std::vector<Place> sample_points(const CountedPoints& points, std::uint64_t want
   };
   std::vector<Candidate> sample;
   if (wanted == 0 || wanted > points.size) wanted = points.size;
+  sample.reserve(sample_room(points.size, wanted));
   for (std::uint64_t threshold = sample_threshold(points.size, wanted);; threshold = ~std::uint64_t{0}) {
     sample.clear();
     points.each([&](std::span<const float> xyz) {

@@ -1,6 +1,7 @@
 // Figures of a sample of distances, and which points or nodes are sampled.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct Keyed {
 };
 /// Hashes up to this are all that a sample of `wanted` out of `population` needs, but once in many million times.
 [[nodiscard]] std::uint64_t sample_threshold(std::uint64_t population, std::uint64_t wanted) noexcept;
+/// Room for that many and the few more that a threshold lets through.
+[[nodiscard]] constexpr std::uint64_t sample_room(std::uint64_t population, std::uint64_t wanted) noexcept {
+  return std::min(population, wanted + wanted / 8 + 1024);
+}
 /// Items, ascending, of the `wanted` smallest keys.
 [[nodiscard]] std::vector<std::uint32_t> smallest_keys(std::vector<Keyed> candidates, std::uint64_t wanted);
 
@@ -32,6 +37,7 @@ template <typename Each>
                                                        const Each& each) {
   if (wanted == 0 || wanted > population) wanted = population;
   std::vector<Keyed> candidates;
+  candidates.reserve(sample_room(population, wanted));
   for (std::uint64_t threshold = sample_threshold(population, wanted);; threshold = ~std::uint64_t{0}) {
     candidates.clear();
     each([&](std::uint64_t key, std::size_t item) {

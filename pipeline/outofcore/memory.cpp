@@ -22,6 +22,10 @@ constexpr std::uint64_t kAttribute = 4;
 constexpr std::uint64_t kVoxel = 140;
 constexpr std::uint64_t kFace = 40;
 
+// Bytes an item of a cross-check's sample, while it is drawn or measured.
+constexpr std::uint64_t kSampledPoint = 48;
+constexpr std::uint64_t kSampledNode = 32;
+
 // Bytes a node.
 constexpr double kHeights = 5.0;
 constexpr double kColourSums = 40.0;
@@ -64,6 +68,23 @@ std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, 
     most = std::max(most, kAllLevels * held + errors + kPictures);
   }
   return static_cast<std::uint64_t>(most * static_cast<double>(lattice.count()));
+}
+
+std::uint64_t bytes_of_sample(const CheckConfig& check, std::uint64_t points, const Lattice& lattice) {
+  const std::uint64_t most =
+      check.samples > 0 ? static_cast<std::uint64_t>(check.samples) : std::numeric_limits<std::uint64_t>::max();
+  const auto nodes = static_cast<std::uint64_t>(lattice.count());
+  return std::max(kSampledPoint * std::min(points, most), kSampledNode * std::min(nodes, most));
+}
+
+void require_room_for_sample(const MemoryLimit& limit, const CheckConfig& check, std::uint64_t points,
+                             std::uint64_t node_bytes, const Lattice& lattice) {
+  const std::uint64_t needed = kProgram + node_bytes + bytes_of_sample(check, points, lattice);
+  if (limit.bytes == 0 || needed <= limit.bytes) return;
+  throw Error(ErrorKind::failure, {},
+              fmt::format("the sample of the cross-check needs about {} MB with the grid, more than the limit of {} MB",
+                          needed / 1'000'000U + 1, limit.bytes / 1'000'000U),
+              "fewer check.samples or a higher --memory");
 }
 
 std::uint64_t most_voxels(const MemoryLimit& limit) {

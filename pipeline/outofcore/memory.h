@@ -24,6 +24,14 @@ struct MemoryLimit {
 [[nodiscard]] std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, bool intensity,
                                            const Lattice& lattice);
 
+/// The most that the sample of a cross-check needs at once, bytes. `points`: at most so many are counted.
+[[nodiscard]] std::uint64_t bytes_of_sample(const CheckConfig& check, std::uint64_t points, const Lattice& lattice);
+
+/// Throws Error{failure} when the sample of the cross-check does not fit beside the nodes, which need `node_bytes` at
+/// most.
+void require_room_for_sample(const MemoryLimit& limit, const CheckConfig& check, std::uint64_t points,
+                             std::uint64_t node_bytes, const Lattice& lattice);
+
 /// Voxels that a filter may leave. The largest number without a limit.
 [[nodiscard]] std::uint64_t most_voxels(const MemoryLimit& limit);
 

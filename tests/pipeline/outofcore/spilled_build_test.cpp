@@ -295,6 +295,17 @@ TEST_F(OutOfCore, WhatCannotBeKeptIsRefusedByNameAndLeavesNothing) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "only the scan is left";
 }
 
+TEST_F(OutOfCore, ACrossCheckOfMorePointsThanFitIsRefused) {
+  // About 400 000 points: 19 MB of sample beside 70 MB for the program.
+  Config config = simulated(relief(600, 1), {"check={samples: all}"});
+  BuildOptions options;
+  options.memory_bytes = 80'000'000;
+  EXPECT_NE(refused(config, options, folder_ / "scene").wrong().find("cross-check"), std::string::npos);
+  config.check->samples = 5000;
+  build_scene_folder(config, options, folder_ / "scene", progress_);
+  EXPECT_TRUE(spilled(folder_ / "scene"));
+}
+
 TEST_F(OutOfCore, CancellingInAnyStageKeepsTheOldSceneAndLeavesNothingElse) {
   const Config config = simulated(relief(100, 1), kAllLayers);
   build(config, "scene", 10'000);
