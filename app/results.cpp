@@ -40,8 +40,11 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
                       count_text(points.read), count_text(points.used), count_text(points.occluded),
                       count_text(points.outlier), count_text(points.outside), count_text(points.filtered),
                       count_text(points.invalid));
-  text += fmt::format("coverage  {:.1f} % of the nodes measured, {:.1f} % filled; noise {}\n", 100.0 * report.coverage,
-                      100.0 * report.filled_fraction, length_text(description.noise_m));
+  text += fmt::format("coverage  {:.1f} % of the nodes measured, {:.1f} % filled", 100.0 * report.coverage,
+                      100.0 * report.filled_fraction);
+  // A mesh has none.
+  if (description.noise_m > 0.0) text += "; noise " + length_text(description.noise_m);
+  text += '\n';
   if (report.check) {
     const auto& cloud = report.check->cloud_to_surface;
     text +=
