@@ -54,7 +54,15 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
   }
   Eigen::Vector2d centre_m = haptics::middle_of(description.levels[static_cast<std::size_t>(level)]);
   if (!arguments.centre.empty()) centre_m = {arguments.centre[0], arguments.centre[1]};
-  haptics::WindowPlan plan = haptics::plan_window(description, level, centre_m, kWorkspaceWidth);
+  const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
+  haptics::WindowPlan plan;
+  if (centre_m.allFinite()) plan = haptics::plan_window(description, level, centre_m, kWorkspaceWidth);
+  if (plan.nx == 0 || plan.i0 >= lattice.nx || plan.j0 >= lattice.ny || plan.i0 + plan.nx <= 0 ||
+      plan.j0 + plan.ny <= 0) {
+    throw usage_error("the window around --centre holds nothing of the scene",
+                      fmt::format("about {:.6g} to {:.6g} and {:.6g} to {:.6g}", lattice.x_m(0),
+                                  lattice.x_m(lattice.nx - 1), lattice.y_m(0), lattice.y_m(lattice.ny - 1)));
+  }
   plan.texture = options.texture;
   plan.friction = options.friction;
   return haptics::load_window(scene, plan, 0).surface;
@@ -98,6 +106,7 @@ haptics::TraceResult trace_path(const pipeline::Scene& scene, const Arguments& a
 }
 
 int run_trace(const Arguments& arguments, const CommonOptions& common) {
+  if (std::isnan(arguments.rho)) throw usage_error("--rho nan", "a number from 0.01 to 1");
   Terminal terminal(common);
   const pipeline::ScenePointer scene = scene_from(arguments.scene, terminal.progress());
   pipeline::HapticsConfig haptics = scene->description().config.haptics;
@@ -135,7 +144,7 @@ void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_option("--frame", arguments->frame, "frame of the path")
       ->check(CLI::IsMember({"grid", "scan", "device"}))
       ->capture_default_str();
-  command->add_option("--level", arguments->level, "trace a window of this level")->check(CLI::NonNegativeNumber);
+  command->add_option("--level", arguments->level, "trace a window of this level")->check(CLI::Range(0, 64));
   command->add_option("--centre", arguments->centre, "X Y: centre of the window, grid frame, metres")->expected(2);
   command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
   command->add_flag("--no-friction", arguments->no_friction, "render without friction");

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/test_folder.h"
+
 namespace sparsha {
 namespace {
 namespace fs = std::filesystem;
@@ -36,18 +38,13 @@ std::string text_of(const fs::path& file) {
 class Program : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("sparsha-cli-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     const fs::path config = fs::path(SPARSHA_SOURCE_DIR) / "configs" / "relief.yaml";
     relief_ = "\"" + config.string() + "\" --set \"grid={spacing_mm: 3}\"";
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   // Runs in the test's own folder, without a display.
   Outcome run(const std::string& arguments, const std::string& input = "/dev/null") {
-    const std::string command = "cd \"" + folder_.string() + "\" && env -u DISPLAY -u WAYLAND_DISPLAY \"" +
+    const std::string command = "cd \"" + folder_.path().string() + "\" && env -u DISPLAY -u WAYLAND_DISPLAY \"" +
                                 SPARSHA_PROGRAM + "\" " + arguments + " > .out 2> .err < " + input;
     const int status = std::system(command.c_str());
     Outcome outcome;
@@ -63,7 +60,7 @@ class Program : public ::testing::Test {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
 
-  fs::path folder_;
+  const test::TestFolder folder_;
   std::string relief_;
 };
 
@@ -247,6 +244,18 @@ TEST_F(Program, AnOutputThatFailsTakesNoOtherWithIt) {
   EXPECT_GT(nlohmann::json::parse(outcome.out)["ticks"], 0);
   EXPECT_TRUE(text_of(folder_ / "view.png").starts_with("\x89PNG"));
   EXPECT_THAT(text_of(folder_ / "visitors.csv"), HasSubstr("realism,"));
+}
+
+TEST_F(Program, ATraceOfAWindowBesideTheSceneIsAUsageError) {
+  ASSERT_EQ(run("build " + relief_ + " --set levels.window=32 --out scene").code, 0);
+  write("path.csv", "t_s,x_m,y_m,z_m\n0,0.1,0.1,0\n");
+  const std::string trace = "trace scene --hip path.csv --out trace.csv ";
+  EXPECT_EQ(run(trace + "--level 0 --centre 0.1 0.1").code, 0);
+  fs::remove(folder_ / "trace.csv");
+  for (const char* window : {"--centre nan 0.1", "--centre 0.1 inf", "--centre -1e300 0", "--centre 0.1 5",
+                             "--level 64", "--level -1", "--solver paper --rho nan"})
+    EXPECT_EQ(run(trace + window).code, 2) << window;
+  EXPECT_FALSE(fs::exists(folder_ / "trace.csv"));
 }
 
 TEST_F(Program, ADurationThatIsNoNumberIsRefused) {
