@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pipeline/base/error.h"
+#include "pipeline/scene/override.h"
 #include "pipeline/suggest.h"
 
 namespace sparsha::app {
@@ -25,7 +26,7 @@ pipeline::Config config_from(const std::vector<std::string>& arguments, const st
   pipeline::Suggestion suggestion = pipeline::suggest_config(scans, {}, progress);
   if (settings.empty()) return std::move(suggestion.config);
   yaml::Node root = yaml::parse_text(suggestion.yaml, "the suggested configuration");
-  for (const std::string& setting : settings) yaml::set(root, setting);
+  pipeline::override_keys(root, settings);
   return pipeline::parse_config(root, {});
 }
 

@@ -1,5 +1,6 @@
 // Reads every block of the configuration and refuses what it does not know.
 #include "pipeline/scene/config.h"
+#include "pipeline/scene/override.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -441,7 +442,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
 
 Config load_config(const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Node root = yaml::parse_file(file);
-  for (const std::string& setting : settings) yaml::set(root, setting);
+  override_keys(root, settings);
   return parse_config(root, file.parent_path());
 }
 
