@@ -129,6 +129,22 @@ Guess guess_view(const Seen& seen) {
   return guess;
 }
 
+// A YAML scalar that keeps quotes, backslashes and control characters of file names.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+      result += c;
+    } else if (static_cast<unsigned char>(c) < ' ' || c == 127) {
+      result += fmt::format("\\x{:02X}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
 std::string vector(const Eigen::Vector3d& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x(), v.y(), v.z()); }
 
 }  // namespace
@@ -163,13 +179,18 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
         fs::absolute(file, code)
             .lexically_normal()
             .lexically_relative(fs::absolute(folder.empty() ? fs::path(".") : folder, code).lexically_normal());
-    scan_block += fmt::format("  - file: \"{}\"\n    units: {}  # {}\n",
-                              (relative.empty() ? fs::absolute(file, code) : relative).generic_string(), unit, reason);
+    const std::string name = (relative.empty() ? fs::absolute(file, code) : relative).generic_string();
+    scan_block += fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(name), unit, reason);
   }
 
   const Guess view = guess_view(seen);
   const auto box = inner_box(seen.points_m);
   const double longest_m = (box[1] - box[0]).maxCoeff();
+  constexpr double kLongest_m = 1e9;
+  if (!(longest_m <= kLongest_m && spacing_m <= kLongest_m)) {
+    throw input_error(scans.front().string(), fmt::format("its points spread over {:.3g} m", longest_m),
+                      "a scan of less than 1e9 m; damaged coordinates or another unit");
+  }
   constexpr double kMostNodes = 2000.0;
   const double floor_m = std::max(longest_m / kMostNodes, HapticsConfig{}.resolution_m);
   std::string spacing_reason = "the median distance between neighbouring points";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "pipeline/base/error.h"
@@ -49,6 +50,14 @@ Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eig
   const double nx = std::floor(width / lattice.spacing_m + 1e-9) + 1.0;
   const double ny = std::floor(height / lattice.spacing_m + 1e-9) + 1.0;
   const std::string grid = "a grid of " + shortly(nx) + " x " + shortly(ny) + " nodes";
+  if (nx < 2.0 || ny < 2.0) {
+    char size[160];
+    std::snprintf(size, sizeof size, "seen from here, what the grid should cover is %.3g m x %.3g m: no cell of %.3g m",
+                  width, height, lattice.spacing_m);
+    constexpr const char* kRemedy = "points that spread over a surface; another orientation, bounds or spacing";
+    if (config.bounds_m) throw usage_error(size, kRemedy);
+    throw input_error({}, size, kRemedy);
+  }
   if (!(nx * ny <= kMostNodes)) {
     throw usage_error(grid + " is too large", "at most 2^31 nodes; a smaller grid.size or larger grid.spacing_mm");
   }
