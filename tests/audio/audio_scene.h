@@ -1,35 +1,20 @@
-// Scenes that only sound, and folders that vanish.
+// Scenes that only sound.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include <unistd.h>
-
 #include "audio/sound_bank.h"
 #include "audio/synth.h"
 #include "pipeline/scene/scene.h"
+#include "tests/support/test_folder.h"
 
 namespace audio_scene {
 
 using namespace sparsha;
 
-/// Removed with all it holds.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "sparsha-audio-XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
+using Folder = test::TestFolder;
 
 inline pipeline::AudioRegionConfig note(const std::string& name, std::array<double, 4> box, double frequency_hz,
                                         double decay_s) {

@@ -12,6 +12,7 @@
 #include "audio/speech/child_process.h"
 #include "audio_scene.h"
 #include "pipeline/base/error.h"
+#include "pipeline/base/system.h"
 
 namespace {
 
@@ -24,7 +25,7 @@ class SoundServer {
   SoundServer() {
     const auto program = find_program({"jackd"});
     if (!program) return;
-    const std::string name = "sparsha-test-" + std::to_string(getpid());
+    const std::string name = "sparsha-test-" + std::to_string(system::process_id());
     setenv("JACK_DEFAULT_SERVER", name.c_str(), 1);
     setenv("JACK_NO_AUDIO_RESERVATION", "1", 1);
     process_ =

@@ -15,6 +15,7 @@
 #include "haptics/session/narrator.h"
 #include "haptics/session/window_loader.h"
 #include "tests/haptics/shared/scenes.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -124,9 +125,7 @@ TEST(WindowLoader, HandsBackWhatWentWrongInsteadOfThrowing) {
 TEST(Window, LoadsFromASixteenThousandNodeSceneOnDiskReadingOnlyItsTiles) {
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   const int nodes = nightly ? 16384 : 2048;
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("sparsha-window-" + std::to_string(std::random_device{}()));
-  std::filesystem::create_directories(folder);
+  const test::TestFolder folder;
   pipeline::write_scene(
       *testing::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200, Eigen::Vector3d::Zero(),
                          [](pipeline::SceneDescription& d) {
@@ -153,7 +152,6 @@ TEST(Window, LoadsFromASixteenThousandNodeSceneOnDiskReadingOnlyItsTiles) {
                   0.01 * middle.x() * middle.y(), 0.01 * 1e-7 * 2.0);
     }
   }
-  std::filesystem::remove_all(folder);
   std::sort(times.begin(), times.end());
   std::printf("window of 200 nodes from %d x %d on disk: median %.1f ms, most %.1f ms\n", nodes, nodes,
               times[times.size() / 2], times.back());

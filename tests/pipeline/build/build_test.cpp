@@ -11,6 +11,7 @@
 #include "pipeline/pipeline.h"
 #include "pipeline/recheck.h"
 #include "pipeline/suggest.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -27,14 +28,7 @@ Config sample_config(const std::vector<std::string>& settings = {}) {
 
 class Build : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("sparsha-build-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const test::TestFolder folder_;
   Progress progress_;
 };
 

@@ -19,6 +19,7 @@
 #include "pipeline/check/report_png.h"
 #include "pipeline/check/report_style.h"
 #include "pipeline/check/report_svg.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -268,10 +269,6 @@ TEST(ReportColours, StayApartForDichromats) {
 class ReportFolder : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("sparsha-report-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) + "-" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
     ThreadPool pool(2);
     write_report(*example_scene(), example_report(), folder_, pool);
     std::ifstream file(folder_ / "report.html");
@@ -279,7 +276,6 @@ class ReportFolder : public ::testing::Test {
     text << file.rdbuf();
     html_ = text.str();
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   /// All matches of the expression's first group (or the whole when it has none).
   [[nodiscard]] std::vector<std::string> all(const std::string& expression) const {
@@ -298,7 +294,7 @@ class ReportFolder : public ::testing::Test {
     return found;
   }
 
-  std::filesystem::path folder_;
+  const test::TestFolder folder_;
   std::string html_;
 };
 

@@ -1,6 +1,5 @@
 // An independent program judges both our cross-check and our mesh: CloudCompare's C2M distances.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include "pipeline/export/export.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/simulate/simulate.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 TEST(CloudCompare, DistancesFromScanToExportedMeshConfirmTheCrossCheckWithinFivePercent) {
   if (std::system("command -v CloudCompare > /dev/null 2>&1") != 0) GTEST_SKIP() << "CloudCompare is not installed";
-  const fs::path folder = fs::temp_directory_path() / ("cloudcompare_test-" + std::to_string(getpid()));
+  const sparsha::test::TestFolder folder;
   // Front points only: what is occluded does not count in our check and would in theirs. Turned and moved, so that a
   // mesh that is not back in the scan frame is far off.
   SimulationConfig simulation;
@@ -48,7 +48,6 @@ TEST(CloudCompare, DistancesFromScanToExportedMeshConfirmTheCrossCheckWithinFive
     squares += d * d;
     ++points;
   }
-  fs::remove_all(folder);
   ASSERT_TRUE(built.report.check.has_value());
   const DistanceStatistics& ours = built.report.check->cloud_to_surface;
   ASSERT_EQ(points, ours.samples);

@@ -2,7 +2,6 @@
 #include "pipeline/export/export.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "pipeline/base/error.h"
 #include "readers.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -24,16 +24,10 @@ constexpr double kHigh = 0.025;
 
 class Export : public testing::Test {
  protected:
-  Export()
-      : folder_(fs::temp_directory_path() / ("export_test-" + std::to_string(getpid()) + "-" +
-                                             testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::create_directories(folder_);
-  }
-  ~Export() override { fs::remove_all(folder_); }
   [[nodiscard]] fs::path out(const std::string& name) const { return folder_ / name; }
 
  private:
-  fs::path folder_;
+  sparsha::test::TestFolder folder_;
 };
 
 /// A flat level of nx x ny nodes with one high node, asymmetric in every way; heights 0 and kHigh relative to origin.

@@ -7,6 +7,7 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/outofcore/point_file.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -14,13 +15,7 @@ namespace fs = std::filesystem;
 
 class PointFiles : public ::testing::TestWithParam<PointLayout> {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) / "sparsha-point-file";
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const test::TestFolder folder_;
 };
 
 TEST_P(PointFiles, GiveBackEachBucketInTheOrderOfWriting) {

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <random>
 #include <string>
 #include <string_view>
 
@@ -17,34 +16,22 @@
 #include "pipeline/base/error.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline::testing {
 
 /// A folder of its own for each test, removed at the end.
 class ScanFolder {
  public:
-  ScanFolder() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() / (std::string("sparsha-") + info->test_suite_name() + "-" +
-                                                      info->name() + "-" + std::to_string(std::random_device()()));
-    std::filesystem::create_directories(path_);
-  }
-  ~ScanFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScanFolder(const ScanFolder&) = delete;
-  ScanFolder& operator=(const ScanFolder&) = delete;
-
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    const std::filesystem::path file = path_ / name;
+    std::filesystem::path file = folder_ / name;
     std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     return file;
   }
   RawScan read(const std::string& name, std::string_view bytes) const { return read_scan(write(name, bytes)); }
 
  private:
-  std::filesystem::path path_;
+  test::TestFolder folder_;
 };
 
 /// Appends the bytes of a value in either order.

@@ -11,6 +11,7 @@
 #include "pipeline/base/error.h"
 #include "pipeline/base/files.h"
 #include "pipeline/scene/layer_file.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -66,16 +67,11 @@ bool same(const std::vector<float>& a, const std::vector<float>& b) {
 class SceneFolder : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("sparsha-scene-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     const SceneDescription description = description_of();
     memory_ = make_scene(description, {layers_of(description.levels[0]), layers_of(description.levels[1])});
     write_scene(*memory_, folder_);
   }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const test::TestFolder folder_;
   ScenePointer memory_;
 };
 
@@ -123,7 +119,7 @@ TEST_F(SceneFolder, AWindowEqualsThatPartOfTheLevelAndIsUnknownOutside) {
 }
 
 TEST_F(SceneFolder, TheSameSceneGivesTheSameBytesAndCanBeMoved) {
-  const fs::path other = folder_.string() + "-moved";
+  const fs::path other = folder_.path().string() + "-moved";
   fs::remove_all(other);
   fs::create_directories(other);
   write_scene(*memory_, other);
@@ -192,7 +188,8 @@ TEST(Scene, LayersThatDoNotMatchTheDescriptionAreRefused) {
 }
 
 TEST(LayerFile, HeightsBeyondAKilometreAreKeptInDoublePrecision) {
-  const fs::path file = fs::path(::testing::TempDir()) / "sparsha-wide.tif";
+  const test::TestFolder folder;
+  const fs::path file = folder / "wide.tif";
   const std::vector<float> values = {1500.25F, -2.5F, 3.0F, kUnknownHeight};
   write_layer(file, 2, 2, std::span<const float>(values));
   std::vector<float> back(4);
@@ -200,7 +197,6 @@ TEST(LayerFile, HeightsBeyondAKilometreAreKeptInDoublePrecision) {
   EXPECT_EQ(std::memcmp(values.data(), back.data(), 12), 0);
   EXPECT_TRUE(std::isnan(back[3]));
   EXPECT_GT(fs::file_size(file), kTileSize * kTileSize * 8U);
-  fs::remove(file);
 }
 
 }  // namespace

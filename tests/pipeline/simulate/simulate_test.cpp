@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <tiffio.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -13,35 +12,20 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/scene/config.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+using sparsha::test::TestFolder;
 
 std::string bytes_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-class Folder {
- public:
-  Folder()
-      : path_(fs::temp_directory_path() / ("simulate_test-" + std::to_string(getpid()) + "-" +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
-
-void run(const Folder& folder, const std::string& yaml, const std::string& out = "out") {
+void run(const TestFolder& folder, const std::string& yaml, const std::string& out = "out") {
   std::ofstream(folder / "simulation.yaml") << yaml;
   Progress progress;
   simulate(folder / "simulation.yaml", folder / out, progress);
@@ -89,7 +73,7 @@ stations:
 
 TEST(Simulate, WritesTheSampleInTheRepositoryByteForByte) {
   const fs::path root = fs::path(__FILE__).parent_path() / "../../..";
-  const Folder folder;
+  const TestFolder folder;
   Progress progress;
   simulate(root / "configs/simulate-relief.yaml", folder / "relief", progress);
   std::uintmax_t total = 0;
@@ -104,7 +88,7 @@ TEST(Simulate, WritesTheSampleInTheRepositoryByteForByte) {
 }
 
 TEST(Simulate, PosesOfTheWrittenConfigurationPutStationFilesWhereTheScanIs) {
-  const Folder folder;
+  const TestFolder folder;
   run(folder, std::string(kTwoStations) + "output: {coordinates: double, frame: station}\n");
   const Config config = load_config(folder / "out/sparsha.yaml");
   const SimulationConfig simulation = parse_simulation(yaml::parse_file(folder / "simulation.yaml"));
@@ -123,7 +107,7 @@ TEST(Simulate, PosesOfTheWrittenConfigurationPutStationFilesWhereTheScanIs) {
 }
 
 TEST(Simulate, TheWrittenConfigurationHasTheLatticeOfTheTruth) {
-  const Folder folder;
+  const TestFolder folder;
   run(folder, std::string(kTwoStations) + "output: {coordinates: double}\n");
   const Config config = load_config(folder / "out/sparsha.yaml");
   const Truth truth(parse_simulation(yaml::parse_file(folder / "simulation.yaml")));
@@ -138,7 +122,7 @@ TEST(Simulate, TheWrittenConfigurationHasTheLatticeOfTheTruth) {
 }
 
 TEST(Simulate, TruthTiffHoldsTheClosedFormWithItsTopRowFirst) {
-  const Folder folder;
+  const TestFolder folder;
   run(folder, "nodes: 301\nsurface: {form: accuracy, size_m: [1, 0.6]}\nsampler: {points_per_node: 0.1}\n");
   TIFF* tiff = TIFFOpen((folder / "out/truth.tif").c_str(), "r");
   ASSERT_NE(tiff, nullptr);
@@ -168,7 +152,7 @@ TEST(Simulate, TruthTiffHoldsTheClosedFormWithItsTopRowFirst) {
 }
 
 TEST(Simulate, FloatFilesWithIntensityAndColourHaveTheirFieldsAfterTheCoordinates) {
-  const Folder folder;
+  const TestFolder folder;
   run(folder,
       "nodes: 64\nsurface: {form: relief}\nsampler: {}\noutput: {intensity: true, colour: true, truth: false}\n");
   const std::vector<Eigen::Vector3d> points = ply_points<float>(folder / "out/scan.ply", 12 + 4 + 3);
@@ -179,7 +163,7 @@ TEST(Simulate, FloatFilesWithIntensityAndColourHaveTheirFieldsAfterTheCoordinate
 }
 
 TEST(Simulate, AFailureLeavesNoScanBehind) {
-  const Folder folder;
+  const TestFolder folder;
   EXPECT_THROW(run(folder, "surface: {form: plane}\nstations: [{position_m: [0, 0, -1], target_m: [1, 0, 0]}]\n"),
                Error);
   EXPECT_FALSE(fs::exists(folder / "out/station-1.ply"));
