@@ -9,6 +9,7 @@
 #include "pipeline/base/error.h"
 #include "relief_scene.h"
 #include "studio.h"
+#include "tests/support/test_folder.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::viewer::test {
@@ -335,16 +336,13 @@ TEST(Picture, ABigSceneShowsTheFinestLevelAroundTheWindow) {
 }
 
 TEST(Screenshot, WritesAPngOfTheContractsSizeOrNothing) {
-  const auto folder = std::filesystem::temp_directory_path() / "sparsha-viewer-test";
-  std::filesystem::create_directories(folder);
+  const sparsha::test::TestFolder folder;
   const auto file = folder / "view.png";
-  std::filesystem::remove(file);
   const auto scene = scene_of(lotus, {201, 201, 0.002, 1});
   write_screenshot(scene, touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2), {}, file);
   ASSERT_TRUE(std::filesystem::exists(file));
   EXPECT_GT(std::filesystem::file_size(file), 100'000U) << "a blank picture is far smaller";
   EXPECT_THROW(write_screenshot(scene, {}, {}, folder / "missing" / "view.png"), Error);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace
