@@ -29,7 +29,10 @@ class TreeBuilder : public YAML::EventHandler {
  public:
   explicit TreeBuilder(std::string name) : name_(std::move(name)) {}
 
-  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (begun_) throw Error(ErrorKind::usage, place_of(name_, mark), "a second document", "one document a file");
+    begun_ = true;
+  }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     add(make(mark, Node::Kind::null), anchor, mark);
@@ -68,6 +71,8 @@ class TreeBuilder : public YAML::EventHandler {
     std::string key;
     Place key_place;
   };
+
+  bool begun_ = false;
 
   Node make(const YAML::Mark& mark, Node::Kind kind) const {
     Node node;
@@ -194,7 +199,8 @@ Node parse_text(std::string_view text, const std::string& name) {
   TreeBuilder builder(name);
   try {
     YAML::Parser parser(stream);
-    parser.HandleNextDocument(builder);
+    while (parser.HandleNextDocument(builder)) {
+    }
   } catch (const YAML::Exception& error) {
     throw Error(ErrorKind::usage, place_of(name, error.mark), "not valid YAML: " + error.msg);
   }

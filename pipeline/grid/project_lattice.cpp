@@ -18,7 +18,7 @@ constexpr double kBytesPerNode = 16.0;
 
 std::string shortly(double value) {
   std::string text = std::to_string(value);
-  if (value >= 100.0) text.resize(text.find('.'));
+  text.resize(text.find('.') + (value >= 100.0 ? 0 : 2));
   return text;
 }
 
@@ -55,7 +55,8 @@ Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eig
     std::snprintf(size, sizeof size, "seen from here, what the grid should cover is %.3g m x %.3g m: no cell of %.3g m",
                   width, height, lattice.spacing_m);
     constexpr const char* kRemedy = "points that spread over a surface; another orientation, bounds or spacing";
-    if (config.bounds_m) throw usage_error(size, kRemedy);
+    const bool spread = width > 1e-6 && height > 1e-6;  // then it is the spacing that is impossible
+    if (config.bounds_m || (config.spacing_m > 0.0 && spread)) throw usage_error(size, kRemedy);
     throw input_error({}, size, kRemedy);
   }
   if (!(nx * ny <= kMostNodes)) {

@@ -17,8 +17,8 @@ std::string number(double value) { return fmt::format("{}", value); }
 std::string millimetres(double metres) {
   const double scaled = metres * 1000.0;
   for (int digits = 1; digits <= 17; ++digits) {
-    std::string text = fmt::format("{:.{}g}", scaled, digits);
-    if (std::stod(text) * 1e-3 == metres) return text;
+    const double rounded = std::stod(fmt::format("{:.{}g}", scaled, digits));
+    if (rounded * 1e-3 == metres) return number(rounded);
   }
   return number(scaled);
 }

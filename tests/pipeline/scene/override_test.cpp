@@ -35,5 +35,22 @@ TEST(OverrideKeys, LeavesTwoSettingsThatContradictToBeRefused) {
   EXPECT_THROW((void)with("grid: {spacing_mm: 2}\n", {"grid.sise=800"}), Error);
 }
 
+TEST(ConfigText, WritesRoundNumbersPlainly) {
+  const std::string text = to_yaml(with("fill: {max_gap_mm: 20}\nfilters: [{voxel: {leaf_mm: 300}}]\n", {}));
+  EXPECT_NE(text.find("max_gap_mm: 20}"), std::string::npos) << text;
+  EXPECT_NE(text.find("leaf_mm: 300}"), std::string::npos) << text;
+}
+
+TEST(ConfigText, OfTwoDocumentsIsRefused) {
+  try {
+    (void)yaml::parse_text("grid: {size: 8}\n---\ngrid: {size: 9}\n", "two.yaml");
+    FAIL() << "the second document was passed over";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    EXPECT_EQ(error.place().line, 2);
+  }
+  EXPECT_NO_THROW((void)yaml::parse_text("---\ngrid: {size: 8}\n...\n", "one.yaml"));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
