@@ -7,7 +7,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::error_of_bytes;
+using testing::expect_refused;
 using ::testing::HasSubstr;
 using testing::ScanFolder;
 using Face = std::array<std::uint32_t, 3>;
@@ -70,12 +70,8 @@ TEST(ObjReader, LeavesOutFacesOnMissingVerticesAndSaysSo) {
 
 TEST(ObjReader, RefusesBrokenLinesWithTheirNumber) {
   const ScanFolder folder;
-  const auto refuse = [&](const std::string& text, int line, const char* message) {
-    const auto error = error_of_bytes("b.obj", text);
-    ASSERT_TRUE(error) << text;
-    EXPECT_EQ(error->kind(), ErrorKind::input);
-    EXPECT_EQ(error->place().line, line) << text;
-    EXPECT_THAT(error->what(), HasSubstr(message));
+  const auto refuse = [](const std::string& text, int line, const char* message) {
+    expect_refused("b.obj", text, message, line);
   };
   refuse("v 1 2\n", 1, "a vertex with 2 numbers");
   refuse("v 0 0 0\nv 1 x 3\n", 2, "'x 3' in a vertex");

@@ -9,6 +9,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using testing::error_of_bytes;
+using testing::expect_refused;
 using ::testing::HasSubstr;
 using testing::put;
 using testing::ScanFolder;
@@ -151,12 +152,7 @@ TEST(PcdReader, CountsInvalidPointsOfAnOrganisedCloud) {
 
 TEST(PcdReader, RefusesLies) {
   const ScanFolder folder;
-  const auto refuse = [&](const std::string& bytes, const char* message) {
-    const auto error = error_of_bytes("lie.pcd", bytes);
-    ASSERT_TRUE(error) << message;
-    EXPECT_EQ(error->kind(), ErrorKind::input);
-    EXPECT_THAT(error->what(), HasSubstr(message));
-  };
+  const auto refuse = [](const std::string& bytes, const char* message) { expect_refused("lie.pcd", bytes, message); };
   const std::string one(12, '\0');
   refuse("1 2 3\n", "no PCD header");
   refuse(header("rgba", "4", "U", "1", 1, "ascii") + "5\n", "no x, y and z");

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pipeline/base/error.h"
@@ -61,6 +62,16 @@ inline std::optional<Error> error_of_bytes(const std::string& name, std::string_
     return error;
   }
   return std::nullopt;
+}
+
+/// Reading these bytes must give an input error that holds `message` and, where it is given, names `line`.
+inline void expect_refused(const std::string& name, std::string_view bytes, const std::string& message,
+                           std::optional<int> line = std::nullopt) {
+  const std::optional<Error> error = error_of_bytes(name, bytes);
+  ASSERT_TRUE(error) << name << ": " << message;
+  EXPECT_EQ(error->kind(), ErrorKind::input);
+  EXPECT_THAT(error->what(), ::testing::HasSubstr(message)) << name;
+  EXPECT_EQ(error->place().line, line.value_or(error->place().line)) << name << ": " << message;
 }
 
 /// Folder of the real scans; skips the test when it is not there.

@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using testing::error_of_bytes;
+using testing::expect_refused;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::put;
@@ -37,10 +38,7 @@ TEST(ScanReader, KeepsTheFirstRowBehindAByteOrderMark) {
 
 TEST(ScanReader, NamesArchivesAndPicturesForWhatTheyAre) {
   const auto refuse = [](const char* name, std::string_view bytes, const char* message) {
-    const auto error = error_of_bytes(name, std::string(bytes));
-    ASSERT_TRUE(error) << name;
-    EXPECT_EQ(error->kind(), ErrorKind::input);
-    EXPECT_THAT(error->what(), HasSubstr(message));
+    expect_refused(name, bytes, message);
   };
   refuse("a.ply", {"\x1F\x8B\x08\0\0", 5}, "a gzip archive");
   refuse("a.xyz", {"PK\x03\x04\0", 5}, "a zip archive");

@@ -7,7 +7,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::error_of_bytes;
+using testing::expect_refused;
 using ::testing::HasSubstr;
 using testing::ScanFolder;
 
@@ -90,12 +90,8 @@ TEST(XyzReader, TellsFormatByContentNotByEnding) {
 
 TEST(XyzReader, RefusesBrokenRowsWithTheirLine) {
   const ScanFolder folder;
-  const auto refuse = [&](const std::string& text, int line, const char* message) {
-    const auto error = error_of_bytes("b.txt", text);
-    ASSERT_TRUE(error) << text;
-    EXPECT_EQ(error->kind(), ErrorKind::input);
-    EXPECT_EQ(error->place().line, line) << text;
-    EXPECT_THAT(error->what(), HasSubstr(message)) << text;
+  const auto refuse = [](const std::string& text, int line, const char* message) {
+    expect_refused("b.txt", text, message, line);
   };
   refuse("1 2 3\n4 5\n", 2, "a row of 2 values");
   refuse("1 2 3\n4 five 6\n", 2, "'five' is not a number");
