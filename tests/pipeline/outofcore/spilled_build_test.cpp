@@ -14,6 +14,7 @@
 #include "pipeline/base/files.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/simulate/simulate.h"
+#include "tests/support/test_folder.h"
 
 #if !defined(_WIN32)
 #include <sys/resource.h>
@@ -40,14 +41,6 @@ SimulationConfig relief(int nodes, int files) {
 
 class OutOfCore : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("sparsha-ooc-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Config simulated(const SimulationConfig& simulation, const std::vector<std::string>& settings = {}) {
     write_simulation(simulation, folder_ / "scan", progress_);
     return load_config(folder_ / "scan" / "sparsha.yaml", settings);
@@ -91,7 +84,7 @@ class OutOfCore : public ::testing::Test {
     expect_same(folder_ / "memory", folder_ / "disk");
   }
 
-  fs::path folder_;
+  const test::TestFolder folder_;
   Progress progress_;
 };
 
