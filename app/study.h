@@ -11,7 +11,8 @@ namespace sparsha::app {
 void check_study(const std::string& name);
 /// Asks on the terminal how real it felt, 1 to 10; 0 when there is no answer.
 [[nodiscard]] int ask_realism();
-/// Appends one row to NAME.csv, with a header when it is new; several programs may do so at once. Throws Error{failure}.
+/// Appends one row to NAME.csv, with a header when it is new; several programs may do so at once. Throws
+/// Error{failure}.
 void append_study(const std::string& name, const haptics::SessionSummary& summary, int realism);
 
 }  // namespace sparsha::app

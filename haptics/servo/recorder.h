@@ -64,7 +64,7 @@ class Recorder {
   std::thread thread_;
   std::unique_ptr<CsvFile> csv_;
   RunFigures figures_;
-  double spacing_m_ = 0.0;  // level 0 of the scene that is being touched
+  double spacing_m_ = 0.0;   // level 0 of the scene that is being touched
   double force_time_ = 0.0;  // N s
   bool has_last_ = false;
   double last_contact_s_ = -1.0;

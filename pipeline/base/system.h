@@ -51,8 +51,8 @@ constexpr std::size_t kLargePageBytes = std::size_t{2} << 20U;
 /// pages may be taken for those that lie whole in it. Advice only: what the system makes of it changes no value.
 /// Nothing for buffers below two such pages.
 void advise_large_pages(void* data, std::size_t size) noexcept;
-/// Appends `line` to a text file as one step among all that do so: locked meanwhile, `first` before it where the file is
-/// new, a line feed where the last line has none. A full disk leaves the file as it was. Throws Error{failure}.
+/// Appends `line` to a text file as one step among all that do so: locked meanwhile, `first` before it where the file
+/// is new, a line feed where the last line has none. A full disk leaves the file as it was. Throws Error{failure}.
 void append_line(const std::filesystem::path& file, std::string_view first, std::string_view line);
 /// Number that tells concurrent writers apart (process id).
 [[nodiscard]] unsigned process_id() noexcept;
