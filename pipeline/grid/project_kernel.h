@@ -9,8 +9,11 @@ namespace sparsha::pipeline {
 
 /// What nodes are decided from. Arrays may be read up to kReadAhead elements beyond their ends.
 struct NodeKernel {
-  static constexpr int kReadAhead = 24;
-  static constexpr int kMostPoints = 480;  ///< of a window; fuller ones are left to NodeFitter
+  static constexpr std::size_t kReadAhead = 24;
+  static constexpr std::size_t kMostPoints = 65536;  ///< of a window; fuller ones are left to NodeFitter
+
+  static constexpr std::size_t kScratch = 4 * (kMostPoints + kReadAhead);
+  static constexpr std::size_t kLeastRadii = 145;  ///< numbers up to those of windows that are fitted eight at a time
 
   /// About a node: NodeFitter has to look, its height is written, or no points surround it.
   enum Verdict : std::uint8_t { kHard, kMeasured, kUnknown };
@@ -23,10 +26,13 @@ struct NodeKernel {
   std::size_t margin = 0;  ///< bins before node 0 in x and y
   std::size_t nx = 0;      ///< nodes a row
   double x0_m = 0.0, y0_m = 0.0, spacing_m = 0.0;
-  float band_m = 0.0F;          ///< half height of the band that is searched for the front
-  float scale_m = 0.0F;         ///< standard deviation of residuals
-  float ridge = 0.0F;           ///< prior of the slopes, see LocalFitRule
-  const float* per_r2[3] = {};  ///< 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5, 7x7
+  float band_m = 0.0F;   ///< half height of the band that is searched for the front
+  float scale_m = 0.0F;  ///< standard deviation of residuals
+  float ridge = 0.0F;    ///< prior of the slopes, see LocalFitRule
+  /// 1/R^2 of the weights by the number of front points in a window of 3x3, 5x5, 7x7; more of them count like the most.
+  const float* per_r2[3] = {};
+  std::size_t most_of[3] = {};  ///< the highest number in each, kLeastRadii - 1 or more
+  float* scratch = nullptr;     ///< kScratch floats of the calling thread
 };
 
 /// Bands of 2^band_rows_log2 rows of bins each, of a window of bins.

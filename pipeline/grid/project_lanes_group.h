@@ -111,6 +111,7 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
   const Ints open = there & ~thin & (in * 4 >= count) & ~((above >= 3) & (above * 12 >= count));
   if (!any(open)) return result;
 
+  static_assert(9 * kSlots < sparsha::pipeline::NodeKernel::kLeastRadii);
   float radii[kLanes];
   for (std::size_t lane = 0; lane < kLanes; ++lane) radii[lane] = k.per_r2[0][in[lane]];
   const Floats per_r2 = load(radii);
@@ -164,8 +165,8 @@ SPARSHA_APART GroupResult fit_group(const sparsha::pipeline::NodeKernel& k, cons
 SPARSHA_INLINE void fit_rows(const sparsha::pipeline::NodeKernel& k, std::size_t j_begin, std::size_t j_end,
                              float* heights, std::uint8_t* verdict) {
   static thread_local SlotRow ring[3];
-  alignas(32) float memory[4][sparsha::pipeline::NodeKernel::kMostPoints + 24];
-  Window window{memory[0], memory[1], memory[2], memory[3]};
+  constexpr std::size_t kStride = sparsha::pipeline::NodeKernel::kScratch / 4;
+  Window window{k.scratch, k.scratch + kStride, k.scratch + 2 * kStride, k.scratch + 3 * kStride};
   for (std::size_t first = 0; first < k.nx; first += kTile) {
     const std::size_t last = first + kTile < k.nx ? first + kTile : k.nx;
     fill_slots(k, static_cast<std::ptrdiff_t>(j_begin) - 1, first, ring[0]);

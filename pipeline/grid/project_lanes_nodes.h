@@ -159,7 +159,7 @@ SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& 
   // One or two points above the front may be a front that chance has thinned.
   if (above > 0 && count < 24) return reach < kWide ? kWider : kHard;
   if (above >= 3 && above * 12 >= count) return kHard;
-  const float per_r2 = k.per_r2[reach - 1][in];
+  const float per_r2 = k.per_r2[reach - 1][in < k.most_of[reach - 1] ? in : k.most_of[reach - 1]];
   Moments moments{};
   const auto side = static_cast<float>(2 * reach + 1);
   const float nodes = side * side;
@@ -238,7 +238,7 @@ SPARSHA_APART Verdict fit_alone(const sparsha::pipeline::NodeKernel& k, Window& 
       if (reach < kWide) continue;
       return kHard;
     }
-    if (count > static_cast<std::size_t>(sparsha::pipeline::NodeKernel::kMostPoints)) return kHard;
+    if (count > sparsha::pipeline::NodeKernel::kMostPoints) return kHard;
     gather(k, corner, reach, node_x, node_y, per_spacing, reference, window);
     float above_reference = 0.0F;
     const Verdict verdict = fit_node(k, window, count, reach, above_reference);

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/project_step.h"
@@ -28,6 +27,11 @@ constexpr std::size_t kMany = 48;
 constexpr double kChance = 1e-3;
 constexpr double kChanceOfMany = 1e-2;
 constexpr double kChanceAlone = 1e-1;
+// The kernel's radius at four points a node, and its share of that where there are many.
+constexpr double kRadius = 1.5;
+constexpr double kNarrowest = 0.7;
+// Ranks are counted pair by pair up to so many points; more are sorted.
+constexpr std::size_t kMostRanked = 1024;
 // So many points of a layer may hold one that is not of the surface.
 constexpr std::size_t kPerOutlier = 32;
 
@@ -68,8 +72,10 @@ double layer_gap_m(double noise_m, double point_spacing_m) { return 6.0 * noise_
 
 double kernel_radius(double spacing, std::size_t points, double window_area) {
   const double density = static_cast<double>(points) / window_area * spacing * spacing / 4.0;
-  return 1.5 * spacing * std::clamp(std::pow(density, density > 1.0 ? -1.0 / 12.0 : -0.25), 0.7, 1.4);
+  return kRadius * spacing * std::clamp(std::pow(density, density > 1.0 ? -1.0 / 12.0 : -0.25), kNarrowest, 1.4);
 }
+
+double least_kernel_radius() { return kRadius * kNarrowest; }
 
 std::size_t NodeFitter::count_window(int i, int j, int reach) const {
   const BinLattice& lattice = bins_.lattice;
@@ -122,12 +128,12 @@ void NodeFitter::split_layers(Slope slope, double gap_m) {
   rise_.resize(count + LayerKernel::kReadAhead);
   rank_.resize(count);
   for (std::size_t k = 0; k < count; ++k) rise_[k] = rise(gathered_[k]);
-  if (!fastest_kernels().rank_descending(rise_.data(), count, rank_.data())) {
+  if (count > kMostRanked || !fastest_kernels().rank_descending(rise_.data(), count, rank_.data())) {
     // Equal ones stay in the order of the bins, which is that of coordinates.
-    std::vector<std::uint32_t> order(count);
-    std::iota(order.begin(), order.end(), 0U);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return rise_[a] > rise_[b]; });
-    for (std::uint32_t k = 0; k < count; ++k) rank_[order[k]] = k;
+    sorted_.clear();
+    for (std::uint32_t k = 0; k < count; ++k) sorted_.emplace_back(-rise_[k], k);
+    std::sort(sorted_.begin(), sorted_.end());
+    for (std::uint32_t k = 0; k < count; ++k) rank_[sorted_[k].second] = k;
   }
   points_.resize(count);
   for (std::size_t k = 0; k < count; ++k) points_[rank_[k]] = gathered_[k];

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "pipeline/grid/project_bins.h"
@@ -30,6 +31,8 @@ struct NodeFit {
 /// Radius of the kernel in spacings: 1.5 local ones at four points a node, wider where points are few, less where there
 /// are points to spare. `window_area` in nodes.
 [[nodiscard]] double kernel_radius(double spacing, std::size_t points, double window_area);
+/// What it falls to where spacings are 1 and points many.
+[[nodiscard]] double least_kernel_radius();
 
 /// Decides nodes one at a time; holds scratch memory, so every thread has its own.
 class NodeFitter {
@@ -73,6 +76,7 @@ class NodeFitter {
   std::vector<NodePoint> points_;    // in layers, highest first
   std::vector<float> rise_;          // of the gathered points above the slope
   std::vector<std::uint32_t> rank_;
+  std::vector<std::pair<float, std::uint32_t>> sorted_;
   std::vector<Layer> layers_;          // supported ones, the highest first
   std::vector<float> spacing_of_bin_;  // of the window, around each bin; 0 where nobody has asked yet
   std::vector<float> scratch_;

@@ -15,18 +15,26 @@ namespace {
 
 constexpr std::size_t kRows = 16;
 
-// 1/R^2 of the kernel by the number of front points in a window.
-std::vector<float> kernel_radii(double window_area) {
-  std::vector<float> per_r2(NodeKernel::kMostPoints + 1, 0.0F);
-  for (std::size_t points = 1; points < per_r2.size(); ++points) {
-    const double radius =
-        kernel_radius(std::max(1.0, std::sqrt(window_area / static_cast<double>(points))), points, window_area);
-    per_r2[points] = static_cast<float>(1.0 / (radius * radius));
+using Radii = std::array<std::vector<float>, 3>;
+
+// 1/R^2 of the kernel by the number of front points in a window of `area` nodes, as far as that changes anything.
+std::vector<float> radii_of_window(double area) {
+  std::vector<float> per_r2(1, 0.0F);
+  for (std::size_t points = 1; points < NodeKernel::kMostPoints; ++points) {
+    const double spacing = std::max(1.0, std::sqrt(area / static_cast<double>(points)));
+    const double radius = kernel_radius(spacing, points, area);
+    per_r2.push_back(static_cast<float>(1.0 / (radius * radius)));
+    if (radius <= least_kernel_radius()) break;
   }
   return per_r2;
 }
 
-NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::vector<float>, 3>& per_r2) {
+const Radii& kernel_radii() {
+  static const Radii radii{radii_of_window(9.0), radii_of_window(25.0), radii_of_window(49.0)};
+  return radii;
+}
+
+NodeKernel node_kernel(const Bins& bins, double noise_m) {
   const BinLattice& lattice = bins.lattice;
   const double scale = residual_scale(noise_m, lattice.spacing_m);
   NodeKernel kernel;
@@ -43,7 +51,10 @@ NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::v
   kernel.band_m = static_cast<float>(6.0 * noise_m + 2.25 * lattice.spacing_m);
   kernel.scale_m = static_cast<float>(scale);
   kernel.ridge = static_cast<float>(slope_ridge(scale, lattice.spacing_m));
-  for (std::size_t reach = 0; reach < 3; ++reach) kernel.per_r2[reach] = per_r2[reach].data();
+  for (std::size_t window = 0; window < kernel_radii().size(); ++window) {
+    kernel.per_r2[window] = kernel_radii()[window].data();
+    kernel.most_of[window] = kernel_radii()[window].size() - 1;
+  }
   return kernel;
 }
 
@@ -51,17 +62,20 @@ NodeKernel node_kernel(const Bins& bins, double noise_m, const std::array<std::v
 void fit_nodes(const Bins& bins, const NodeRule& rule, int first_row, ThreadPool& pool, Progress& progress,
                DepthGrid& grid) {
   const auto first = static_cast<std::size_t>(first_row);
-  const std::array<std::vector<float>, 3> per_r2{kernel_radii(9.0), kernel_radii(25.0), kernel_radii(49.0)};
-  const NodeKernel kernel = node_kernel(bins, rule.noise_m, per_r2);
+  const NodeKernel shared = node_kernel(bins, rule.noise_m);
   pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
     progress.throw_if_cancelled();
     NodeFitter fitter(bins, rule);
+    const auto scratch = make_buffer<float>(NodeKernel::kScratch);
+    NodeKernel kernel = shared;
+    kernel.scratch = scratch.get();
     std::vector<std::uint8_t> verdict((end - begin) * kernel.nx);
     const std::size_t at = begin * kernel.nx;
     fastest_kernels().fit_rows(kernel, first + begin, first + end, grid.height_m.data() + at, verdict.data());
     for (std::size_t node = 0; node < verdict.size(); ++node) {
       if (verdict[node] == NodeKernel::kUnknown) continue;
       if (verdict[node] == NodeKernel::kHard) {
+        progress.throw_if_cancelled();
         const int j = first_row + static_cast<int>(begin + node / kernel.nx);
         const NodeFit fit = fitter.fit(static_cast<int>(node % kernel.nx), j);
         if (!fit.measured) continue;
@@ -75,7 +89,7 @@ void fit_nodes(const Bins& bins, const NodeRule& rule, int first_row, ThreadPool
 // A node far below a neighbour, with a point or two at the neighbour's height in its window, may have missed a front
 // that chance has thinned there: wider windows decide again.
 void look_again(const Bins& bins, const NodeRule& rule, double gap_m, int first_row, ThreadPool& pool,
-                DepthGrid& grid) {
+                Progress& progress, DepthGrid& grid) {
   const Lattice& lattice = grid.lattice;
   const auto nx = static_cast<std::size_t>(lattice.nx);
   const auto ny = static_cast<std::size_t>(lattice.ny);
@@ -100,6 +114,7 @@ void look_again(const Bins& bins, const NodeRule& rule, double gap_m, int first_
         const float neighbour = std::max(highest[i], std::max(highest[i + 1], highest[i + 2]));
         if (!(neighbour - row[i] > gap)) [[likely]]
           continue;
+        progress.throw_if_cancelled();
         const auto a = static_cast<int>(i);
         const int b = first_row + static_cast<int>(j);
         if (!fitter.misses_thin_front(a, b, row[i] + gap)) continue;
@@ -120,7 +135,7 @@ void look_again(const Bins& bins, const NodeRule& rule, double gap_m, int first_
 void fit_rows(const Bins& bins, const NodeRule& rule, double gap_m, int first_row, ThreadPool& pool, Progress& progress,
               DepthGrid& rows) {
   fit_nodes(bins, rule, first_row, pool, progress, rows);
-  look_again(bins, rule, gap_m, first_row, pool, rows);
+  look_again(bins, rule, gap_m, first_row, pool, progress, rows);
 }
 
 // A point of the widest window lies half a node beyond it at most, rounding included one, and density is counted about

@@ -59,6 +59,18 @@ TEST(ProjectionAccuracy, SmoothPartsStayWithinTheNoiseOfTheirPoints) {
   }
 }
 
+TEST(ProjectionAccuracy, AGridMuchCoarserThanTheCloudStaysWithinTheNoise) {
+  // 400 000 points on 65 x 65 nodes: about a hundred each.
+  constexpr int kSize = 65;
+  std::mt19937_64 random(14);
+  Points points;
+  sample_surface(points, smooth_forms_m, 400'000, {kNoise, 0.005}, random);
+  const Errors errors = judge(project_cloud(make_cloud(points), nodes(kSize)).grid, smooth_forms_m, anywhere);
+  EXPECT_LE(errors.rms_m, kNoise);
+  EXPECT_EQ(errors.over_2mm, 0.0);
+  EXPECT_EQ(errors.measured, 1.0);
+}
+
 TEST(ProjectionAccuracy, OutliersGainNoSupportAtThirtyTwoPointsANode) {
   constexpr int kSize = 200;
   std::mt19937_64 random(5);

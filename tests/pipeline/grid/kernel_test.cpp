@@ -226,7 +226,7 @@ TEST(ProjectionKernels, SortBinsByHeightThenPlaceWithEveryInstructionSet) {
 /// Heights of all nodes, 0 where not measured, and the verdicts.
 std::pair<std::vector<float>, std::vector<std::uint8_t>> fit_all(const pipeline::Bins& bins,
                                                                  const pipeline::ProjectionKernels& kernels) {
-  const std::vector<float> per_r2(pipeline::NodeKernel::kMostPoints + 1, 0.4F);
+  const std::vector<float> per_r2(pipeline::NodeKernel::kLeastRadii, 0.4F);
   pipeline::NodeKernel kernel;
   kernel.start = bins.start.get();
   kernel.x = bins.x.get();
@@ -239,7 +239,12 @@ std::pair<std::vector<float>, std::vector<std::uint8_t>> fit_all(const pipeline:
   kernel.band_m = 0.0057F;
   kernel.scale_m = 0.0002F;
   kernel.ridge = 0.004F;
-  for (const float*& radii : kernel.per_r2) radii = per_r2.data();
+  for (std::size_t window = 0; window < 3; ++window) {
+    kernel.per_r2[window] = per_r2.data();
+    kernel.most_of[window] = per_r2.size() - 1;
+  }
+  std::vector<float> scratch(pipeline::NodeKernel::kScratch);
+  kernel.scratch = scratch.data();
   const auto ny = static_cast<std::size_t>(bins.lattice.ny);
   std::pair<std::vector<float>, std::vector<std::uint8_t>> result{std::vector<float>(kernel.nx * ny),
                                                                   std::vector<std::uint8_t>(kernel.nx * ny)};

@@ -254,6 +254,22 @@ TEST(Projection, SurvivesDegenerateClouds) {
   }
 }
 
+TEST(Projection, ManyCopiesOfAPointLeaveItsNeighboursAsTheyAre) {
+  std::mt19937_64 random(15);
+  Points points;
+  sample_surface(points, smooth_forms_m, 40'000, {0.0002, 0.0}, random);
+  const pipeline::Projection plain = project_cloud(make_cloud(points), nodes(128));
+  points.insert(points.end(), 200'000, {0.5, 0.5, smooth_forms_m(0.5, 0.5) + 0.2});
+  const pipeline::Projection p = project_cloud(make_cloud(points), nodes(128));
+  ASSERT_EQ(p.grid.height_m.size(), plain.grid.height_m.size());
+  std::size_t far = 0;
+  for (std::size_t node = 0; node < p.grid.height_m.size(); ++node) {
+    const double change = static_cast<double>(p.grid.height_m[node]) - static_cast<double>(plain.grid.height_m[node]);
+    if (!(std::abs(change) < 0.005)) ++far;
+  }
+  EXPECT_LE(far, 49U) << "a node's window has seven nodes a side at most where points are dense";
+}
+
 TEST(Projection, RefusesGridsThatCannotFit) {
   const pipeline::Cloud cloud = make_cloud(small_scan(11));
   for (const double spacing : {1e-9, 1e-5, 3e-5}) {
