@@ -162,6 +162,9 @@ class Reader {
       if (stop == nullptr || (stop < word.data() + word.size() && *stop != '/')) {
         throw file_.error_at(line, in_quotes(word) + " is no vertex of a face", "'v', 'v/t', 'v//n' or 'v/t/n'");
       }
+      if (corners_.size() == ScanWriter::kMostCorners) {
+        throw file_.error_at(line, "a face of more than " + std::to_string(corners_.size()) + " corners", "fewer");
+      }
       // Negative numbers count back from the last vertex so far.
       const std::int64_t number = index < 0 ? static_cast<std::int64_t>(vertices_) + index : index - 1;
       corners_.push_back(index == 0 || number < 0 || number >= kNone ? kNone : static_cast<std::uint32_t>(number));

@@ -1,5 +1,6 @@
 // The body of an ASCII PLY file: one line a record, as the format demands; anything else is an error, never a guess.
 #include <cmath>
+#include <limits>
 
 #include "pipeline/scan/ply.h"
 #include "pipeline/scan/text.h"
@@ -10,8 +11,10 @@ namespace {
 /// One record's line into values: scalars, and of lists only the wanted one.
 class RecordParser {
  public:
-  RecordParser(const ScanFile& file, const Element& element, int wanted_list)
-      : file_(file), element_(element), wanted_list_(wanted_list), values_(element.properties.size()) {}
+  /// A wanted list of more than `most` is refused.
+  RecordParser(const ScanFile& file, const Element& element, int wanted_list,
+               std::size_t most = std::numeric_limits<std::size_t>::max())
+      : file_(file), element_(element), wanted_list_(wanted_list), most_(most), values_(element.properties.size()) {}
 
   void parse(std::string_view line, int number) {
     const char* p = line.data();
@@ -29,6 +32,10 @@ class RecordParser {
       if (!(length >= 0.0) || length != std::floor(length) || length > static_cast<double>(line.size())) {
         throw file_.error_at(number, "bad list length in element " + in_quotes(element_.name),
                              "as many values as it says");
+      }
+      if (static_cast<int>(i) == wanted_list_ && length > static_cast<double>(most_)) {
+        throw file_.error_at(number, "a face of " + std::to_string(static_cast<std::int64_t>(length)) + " corners",
+                             "at most " + std::to_string(most_));
       }
       for (auto k = static_cast<std::int64_t>(length); k > 0; --k) {
         double value = 0.0;
@@ -67,6 +74,7 @@ class RecordParser {
   const ScanFile& file_;
   const Element& element_;
   int wanted_list_;
+  std::size_t most_;
   std::vector<double> values_;
   std::vector<std::int64_t> list_;
   std::uint64_t missing_lists_ = 0;
@@ -137,7 +145,8 @@ void read_ascii_body(const ScanFile& file, const Header& header, ScanWriter& out
       read_vertices(file, lines, element, out);
       continue;
     }
-    RecordParser record(file, element, index_list(element));
+    RecordParser record(file, element, index_list(element),
+                        role == Role::face ? ScanWriter::kMostCorners : std::numeric_limits<std::size_t>::max());
     for (std::uint64_t k = 0; k < element.count; ++k) {
       next_record(file, lines, element, k, line);
       if (role == Role::other) continue;

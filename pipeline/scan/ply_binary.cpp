@@ -77,6 +77,10 @@ class Body {
       const char* q = p_ + offsets[wanted];
       const auto length = static_cast<std::size_t>(load_scalar<big>(q, *property.count_type));
       q += count_size;
+      if (role == Role::face && length > ScanWriter::kMostCorners) {
+        throw file_.error("a face of " + std::to_string(length) + " corners",
+                          "at most " + std::to_string(ScanWriter::kMostCorners));
+      }
       list.resize(length);
       for (std::int64_t& value : list) {
         value = index_at(q, property.type);

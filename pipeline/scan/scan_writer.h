@@ -50,6 +50,8 @@ class ScanWriter {
   /// left out by finish() and counted in a warning.
   void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { scan_.faces.push_back({a, b, c}); }
   void add_polygon(std::span<const std::uint32_t> corners);
+  /// A file whose face has more is damaged or means harm; readers refuse it before they take memory for the face.
+  static constexpr std::size_t kMostCorners = 65536;
 
   /// Hands over the last block, triangulates and renumbers the faces.
   void finish();

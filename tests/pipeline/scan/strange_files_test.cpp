@@ -1,7 +1,10 @@
 // Files that are not what they seem, or only just: nothing is lost, doubled or made up without a word.
 #include <gmock/gmock.h>
 
+#include <cstring>
+
 #include "pipeline/scan/lzf.h"
+#include "pipeline/scan/scan_writer.h"
 #include "pipeline/scan/survey.h"
 #include "scan_files.h"
 
@@ -150,6 +153,30 @@ TEST(Lzf, KnowsTheLengthOfAStreamBeforeItTakesMemory) {
   EXPECT_TRUE(lzf_decompress(stream, out));
   const std::string cut = stream.substr(0, 7);
   EXPECT_LT(lzf_output_size(cut), out.size());
+}
+
+TEST(Faces, OfMoreCornersThanAnyPolygonHasAreRefusedInEveryFormat) {
+  const std::size_t many = ScanWriter::kMostCorners + 1;
+  const std::string head =
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list int int vertex_indices\nend_header\n";
+  std::string corners;
+  for (std::size_t k = 0; k < many; ++k) corners += std::to_string(k % 3 + 1) + " ";
+  const auto ply = error_of_bytes("a.ply", "ply\nformat ascii 1.0\n" + head + "0 0 0\n1 0 0\n0 1 0\n" +
+                                               std::to_string(many) + " " + corners + "\n");
+  ASSERT_TRUE(ply);
+  EXPECT_THAT(ply->what(), HasSubstr("a face of 65537 corners"));
+  EXPECT_EQ(ply->place().line, 13);
+  std::string bytes(3 * 12 + 4 + 4 * many, '\0');
+  const auto count = static_cast<std::int32_t>(many);
+  std::memcpy(bytes.data() + 36, &count, 4);
+  const auto binary = error_of_bytes("b.ply", "ply\nformat binary_little_endian 1.0\n" + head + bytes);
+  ASSERT_TRUE(binary);
+  EXPECT_THAT(binary->what(), HasSubstr("a face of 65537 corners"));
+  const auto obj = error_of_bytes("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf " + corners + "\n");
+  ASSERT_TRUE(obj);
+  EXPECT_THAT(obj->what(), HasSubstr("more than 65536 corners"));
+  EXPECT_EQ(obj->place().line, 4);
 }
 
 // Each search among duplicates that fill a leaf of the tree would look at all of them.
