@@ -24,6 +24,8 @@ constexpr int kHomedAnswers = 10;
 /// Encoders cannot move farther in a millisecond: 5 m/s.
 constexpr double kLongestStep_m = 0.005;
 constexpr int kFinalZeros = 8;
+/// USB packets taken in one tick: a few come at once after a pause, more only from a device that has lost its mind.
+constexpr int kMostPackets = 64;
 
 class FalconDevice final : public Device {
  public:
@@ -50,7 +52,8 @@ class FalconDevice final : public Device {
     const Steady::time_point began = Steady::now();
     if (!asked_ || since(asked_at_) > kLost_s) ask({});
     bool answered = false;
-    for (;;) {
+    // A device that never stops talking must not hold the servo.
+    for (int packets = 0; packets < kMostPackets; ++packets) {
       // What came beside the answer (to a question asked twice, to a watchdog's zero) is taken too, or the hand would
       // be seen late for ever after.
       const double left = answered ? 0.0 : std::max(timeout_s, kPatience_s) - since(began);

@@ -9,6 +9,7 @@ namespace sparsha::haptics::falcon {
 namespace {
 
 constexpr std::size_t kMostData = kUsbPacketBytes - kModemBytes;
+constexpr std::size_t kHeld = 64;  ///< packets that nobody fetches; then the oldest goes
 /// Homing ends once the grip has been pulled out beyond the first and pushed in beyond the second, metres.
 constexpr double kPulledOut = 0.160, kPushedIn = 0.115;
 
@@ -123,6 +124,7 @@ void FalconEmulator::answer(const Packet& packet, double time_s) {
   Counts counts = angles ? counts_from_angles(*angles) : Counts{};
   if (!homed_)
     for (std::size_t i = 0; i < 3; ++i) counts[i] -= power_up_counts_[i];
+  while (outgoing_.size() >= kHeld) outgoing_.pop_front();
   Packet reply = encode_answer(counts, buttons_, homed_ ? 7 : 0);
   ++answers_;
   if (options_.garble_every > 0 && answers_ % static_cast<std::uint64_t>(options_.garble_every) == 0) reply[3] = 0xFF;

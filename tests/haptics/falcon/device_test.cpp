@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -9,6 +10,7 @@
 
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/packet.h"
+#include "haptics/device/falcon/transport.h"
 
 namespace {
 
@@ -125,12 +127,59 @@ TEST_F(FalconOnTheBench, ZeroNeverRacesWithTheServo) {
   home();
   std::atomic<bool> stop{false};
   std::thread watchdog([&] {
-    while (!stop.load()) device->zero();
+    while (!stop.load()) {
+      device->zero();
+      // The emulator's lock is not fair: without a pause the servo's turn might never come.
+      std::this_thread::sleep_for(std::chrono::microseconds(1));
+    }
   });
   for (int i = 0; i < 2000; ++i) tick({0, 0, 2});
   stop.store(true);
   watchdog.join();
   hold({0, 0, 0.14}, 3);
+  EXPECT_TRUE(tick().fresh);
+}
+
+/// A wire to an emulator that gives packets without end once it is told to.
+class Chatter final : public Transport {
+ public:
+  explicit Chatter(std::unique_ptr<Transport> wire) : wire_(std::move(wire)) {}
+
+  Wire control(Request request, std::uint16_t value) noexcept override { return wire_->control(request, value); }
+  Wire write(std::span<const std::uint8_t> bytes, int timeout_ms) noexcept override {
+    return wire_->write(bytes, timeout_ms);
+  }
+  Wire read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept override {
+    return wire_->read(packet, size, timeout_ms);
+  }
+  Wire post(std::span<const std::uint8_t> bytes) noexcept override { return wire_->post(bytes); }
+  Wire receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
+    if (!talks) return wire_->receive(packet, size, timeout_s);
+    packet.fill('A');
+    size = packet.size();
+    ++given;
+    return Wire::ok;
+  }
+  void urgent(std::span<const std::uint8_t> bytes) noexcept override { wire_->urgent(bytes); }
+
+  bool talks = false;
+  std::size_t given = 0;
+
+ private:
+  std::unique_ptr<Transport> wire_;
+};
+
+TEST_F(FalconOnTheBench, ADeviceThatNeverStopsTalkingDoesNotHoldTheServo) {
+  emulator = std::make_shared<FalconEmulator>(EmulatorOptions{});
+  auto wire = std::make_unique<Chatter>(make_emulated_transport(emulator, Clock::virtual_time));
+  Chatter& chatter = *wire;
+  device = make_falcon_device(std::move(wire), {});
+  home();
+  chatter.talks = true;
+  EXPECT_FALSE(tick({0, 0, 3}).fresh) << "noise is no answer";
+  EXPECT_LE(chatter.given, 64U);
+  chatter.talks = false;
+  hold({0, 0, 0.14}, 6);
   EXPECT_TRUE(tick().fresh);
 }
 
