@@ -24,7 +24,7 @@ constexpr int kHomedAnswers = 10;
 /// Encoders cannot move farther in a millisecond: 5 m/s.
 constexpr double kLongestStep_m = 0.005;
 constexpr int kFinalZeros = 8;
-/// USB packets taken in one tick: a few come at once after a pause, more only from a device that has lost its mind.
+/// USB packets taken in one tick: a few come at once after a pause, more only from a damaged device.
 constexpr int kMostPackets = 64;
 
 class FalconDevice final : public Device {
