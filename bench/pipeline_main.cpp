@@ -13,9 +13,8 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: bench_pipeline [--out DIR] [--mode quick|full] [--strict] [--only accuracy|speed|c2m|huge] [--scenes TEXT] "
-    "[--no-cloudcompare]\n"
-    "                      [--huge POINTS] [--program PATH]\n";
+    "usage: bench_pipeline [--out DIR] [--mode quick|full] [--strict] [--only accuracy|closed|speed|c2m|huge]\n"
+    "                      [--scenes TEXT] [--no-cloudcompare] [--all] [--huge POINTS] [--program PATH]\n";
 
 }  // namespace
 
@@ -32,6 +31,8 @@ int main(int argc, char** argv) {
       options.quick = words[++k] == "quick";
     } else if (words[k] == "--strict") {
       strict = true;
+    } else if (words[k] == "--all") {
+      options.every = true;
     } else if (words[k] == "--no-cloudcompare") {
       options.cloudcompare = false;
     } else if (words[k] == "--out" && more) {
@@ -54,6 +55,7 @@ int main(int argc, char** argv) {
     fs::create_directories(options.out);
     options.work = options.out / ("bench_pipeline-" + std::to_string(getpid()));
     if (only.empty() || only == "accuracy") kept = sparsha::bench::run_accuracy(options) && kept;
+    if (only.empty() || only == "closed") kept = sparsha::bench::run_closed(options) && kept;
     if (only.empty() || only == "c2m") kept = sparsha::bench::run_cross_check(options) && kept;
     if (only.empty() || only == "speed") sparsha::bench::run_speed(options);
     if (only.empty() || only == "huge") kept = sparsha::bench::run_huge(options) && kept;

@@ -1,0 +1,310 @@
+// Analytic closed objects: a skeleton at a constant distance below the surface. Points come from patches p(u, v) by
+// rejection on the area element, heights from the distance function alone.
+#include "tests/support/closed_objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+namespace sparsha::test {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+constexpr double kPi = std::numbers::pi;
+
+/// (u, v) in the unit square to a place on the surface.
+using PatchFunction = std::function<Vector3d(double, double)>;
+/// Signed distance to the surface, negative inside.
+using DistanceFunction = std::function<double(const Vector3d&)>;
+
+struct Patch {
+  PatchFunction place;
+  double area_m2 = 0.0;
+  double largest = 0.0;  ///< area element
+};
+
+double area_element(const PatchFunction& place, double u, double v) {
+  constexpr double kStep = 1e-5;
+  const Vector3d du = place(u + kStep, v) - place(u - kStep, v);
+  const Vector3d dv = place(u, v + kStep) - place(u, v - kStep);
+  return du.cross(dv).norm() / (4.0 * kStep * kStep);
+}
+
+Patch measured(PatchFunction place) {
+  constexpr int kSteps = 300;
+  Patch patch{std::move(place)};
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const double element = area_element(patch.place, (i + 0.5) / kSteps, (j + 0.5) / kSteps);
+      patch.area_m2 += element / (kSteps * kSteps);
+      patch.largest = std::max(patch.largest, element);
+    }
+  }
+  patch.largest *= 1.02;  // between the nodes of this search
+  return patch;
+}
+
+class AnalyticObject : public ClosedObject {
+ public:
+  AnalyticObject(std::vector<PatchFunction> patches, DistanceFunction distance, double radius_m,
+                 const Eigen::Matrix3d& view)
+      : distance_(std::move(distance)), radius_m_(radius_m), view_(view) {
+    for (PatchFunction& place : patches) patches_.push_back(measured(std::move(place)));
+    for (const Patch& patch : patches_) area_m2_ += patch.area_m2;
+    find_bounds();
+  }
+
+  double area_m2() const override { return area_m2_; }
+  std::array<double, 4> bounds_m() const override { return bounds_m_; }
+
+  SurfacePoint sample(std::mt19937_64& random) const override {
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    double chosen = unit(random) * area_m2_;
+    std::size_t k = 0;
+    while (k + 1 < patches_.size() && chosen > patches_[k].area_m2) chosen -= patches_[k++].area_m2;
+    for (;;) {
+      const double u = unit(random);
+      const double v = unit(random);
+      if (unit(random) * patches_[k].largest > area_element(patches_[k].place, u, v)) continue;
+      const Vector3d place = patches_[k].place(u, v);
+      return {view_ * place, view_ * normal(place)};
+    }
+  }
+
+  std::optional<double> front_m(double x, double y) const override {
+    const double tolerance = 1e-7 * radius_m_;
+    const Vector3d down = view_.transpose() * Vector3d(0.0, 0.0, -1.0);
+    const Vector3d from = view_.transpose() * Vector3d(x, y, radius_m_);
+    double t = 0.0;
+    while (t < 2.0 * radius_m_) {
+      const double d = distance_(from + t * down);
+      if (d < tolerance) return radius_m_ - t;
+      t += d;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  Vector3d normal(const Vector3d& place) const {
+    constexpr double kStep = 1e-5;
+    Vector3d gradient;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d step = kStep * Vector3d::Unit(axis);
+      gradient[axis] = distance_(place + step) - distance_(place - step);
+    }
+    return gradient.normalized();
+  }
+
+  void find_bounds() {
+    bounds_m_ = {1e300, 1e300, -1e300, -1e300};
+    constexpr int kSteps = 200;
+    for (const Patch& patch : patches_) {
+      for (int i = 0; i <= kSteps; ++i) {
+        for (int j = 0; j <= kSteps; ++j) {
+          const Vector3d p = view_ * patch.place(double(i) / kSteps, double(j) / kSteps);
+          bounds_m_ = {std::min(bounds_m_[0], p.x()), std::min(bounds_m_[1], p.y()), std::max(bounds_m_[2], p.x()),
+                       std::max(bounds_m_[3], p.y())};
+        }
+      }
+    }
+  }
+
+  std::vector<Patch> patches_;
+  DistanceFunction distance_;
+  double radius_m_;  ///< of a ball about zero that holds the object
+  Eigen::Matrix3d view_;
+  double area_m2_ = 0.0;
+  std::array<double, 4> bounds_m_{};
+};
+
+PatchFunction sphere_patch(const Vector3d& centre, double radius) {
+  return [=](double u, double v) -> Vector3d {
+    const double a = 2.0 * kPi * u, b = kPi * v;
+    return centre + radius * Vector3d(std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), std::cos(b));
+  };
+}
+
+/// The profile of the vase in (distance from the axis, height): arcs and lines that continue each other's direction.
+class Profile {
+ public:
+  struct Piece {
+    double length, curvature;  ///< curvature > 0 turns left
+    Vector2d start = Vector2d::Zero();
+    double heading = 0.0;
+  };
+  Profile(const Vector2d& start, std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+    Vector2d at = start;
+    double heading = 0.0;
+    for (Piece& piece : pieces_) {
+      piece.start = at;
+      piece.heading = heading;
+      at = place(piece, piece.length);
+      heading += piece.length * piece.curvature;
+      length_ += piece.length;
+    }
+  }
+  double length() const { return length_; }
+  std::size_t pieces() const { return pieces_.size(); }
+  /// A place a distance `offset` to the right of piece `k`, at a share of its length; beyond its ends too.
+  Vector2d beside(std::size_t k, double share, double offset) const {
+    const Piece& piece = pieces_[k];
+    const double heading = piece.heading + share * piece.length * piece.curvature;
+    return place(piece, share * piece.length) + offset * Vector2d(std::sin(heading), -std::cos(heading));
+  }
+  double end_heading() const { return pieces_.back().heading + pieces_.back().length * pieces_.back().curvature; }
+  Vector2d end() const { return place(pieces_.back(), pieces_.back().length); }
+
+  double distance(const Vector2d& p) const {
+    double best = 1e300;
+    for (const Piece& piece : pieces_) best = std::min(best, (p - nearest(piece, p)).norm());
+    return best;
+  }
+
+ private:
+  static Vector2d centre(const Piece& piece) {
+    return piece.start + Vector2d(-std::sin(piece.heading), std::cos(piece.heading)) / piece.curvature;
+  }
+  static Vector2d place(const Piece& piece, double s) {
+    if (piece.curvature == 0.0) return piece.start + s * Vector2d(std::cos(piece.heading), std::sin(piece.heading));
+    const double heading = piece.heading + s * piece.curvature;
+    return centre(piece) + Vector2d(std::sin(heading), -std::cos(heading)) / piece.curvature;
+  }
+  static Vector2d nearest(const Piece& piece, const Vector2d& p) {
+    double s = 0.0;
+    if (piece.curvature == 0.0) {
+      s = (p - piece.start).dot(Vector2d(std::cos(piece.heading), std::sin(piece.heading)));
+    } else {
+      const Vector2d out = (p - centre(piece)) * piece.curvature;
+      double turn = std::atan2(out.x(), -out.y()) - piece.heading;
+      // The heading nearest to the middle of the arc.
+      const double middle = 0.5 * piece.length * piece.curvature;
+      turn -= 2.0 * kPi * std::round((turn - middle) / (2.0 * kPi));
+      s = turn / piece.curvature;
+    }
+    return place(piece, std::clamp(s, 0.0, piece.length));
+  }
+
+  std::vector<Piece> pieces_;
+  double length_ = 0.0;
+};
+
+constexpr double kVaseWall = 0.06;
+
+Vector3d revolved(const Vector2d& profile, double share) {
+  const double a = 2.0 * kPi * share;
+  return {profile.x() * std::cos(a), profile.y(), profile.x() * std::sin(a)};
+}
+
+Vector3d knot_at(double t) {
+  return 0.32 * Vector3d((2.0 + std::cos(3.0 * t)) * std::cos(2.0 * t), (2.0 + std::cos(3.0 * t)) * std::sin(2.0 * t),
+                         1.6 * std::sin(3.0 * t));
+}
+Vector3d knot_slope(double t) {
+  constexpr double kStep = 1e-5;
+  return (knot_at(t + kStep) - knot_at(t - kStep)) / (2.0 * kStep);
+}
+
+double knot_distance(const Vector3d& p) {
+  constexpr int kCoarse = 120;
+  static const std::vector<Vector3d> coarse = [] {
+    std::vector<Vector3d> places;
+    for (int k = 0; k < kCoarse; ++k) places.push_back(knot_at(2.0 * kPi * k / kCoarse));
+    return places;
+  }();
+  int best = 0;
+  double least = 1e300;
+  for (int k = 0; k < kCoarse; ++k) {
+    const double d = (p - coarse[static_cast<std::size_t>(k)]).squaredNorm();
+    if (d < least) {
+      least = d;
+      best = k;
+    }
+  }
+  // Gauss-Newton on the parameter of the nearest place.
+  double t = 2.0 * kPi * best / kCoarse;
+  for (int k = 0; k < 5; ++k) {
+    const Vector3d slope = knot_slope(t);
+    t += (p - knot_at(t)).dot(slope) / slope.squaredNorm();
+  }
+  return std::min(std::sqrt(least), (p - knot_at(t)).norm());
+}
+
+}  // namespace
+
+Eigen::Matrix3d turned(double about_x_deg, double about_y_deg) {
+  const auto turn = [](double degrees, const Vector3d& axis) {
+    return Eigen::AngleAxisd(degrees * kPi / 180.0, axis).toRotationMatrix();
+  };
+  return turn(about_x_deg, Vector3d::UnitX()) * turn(about_y_deg, Vector3d::UnitY());
+}
+
+ObjectPtr make_torus(const Eigen::Matrix3d& view) {
+  static constexpr double kRing = 1.0, kTube = 0.4;
+  const PatchFunction patch = [](double u, double v) -> Vector3d {
+    const double a = 2.0 * kPi * u, b = 2.0 * kPi * v, r = kRing + kTube * std::cos(b);
+    return {r * std::cos(a), r * std::sin(a), kTube * std::sin(b)};
+  };
+  const DistanceFunction distance = [](const Vector3d& p) {
+    return std::hypot(std::hypot(p.x(), p.y()) - kRing, p.z()) - kTube;
+  };
+  return std::make_shared<AnalyticObject>(std::vector<PatchFunction>{patch}, distance, 1.5, view);
+}
+
+ObjectPtr make_two_spheres(const Eigen::Matrix3d& view) {
+  const Vector3d behind(0.0, 0.0, -0.6), before(0.35, 0.2, 1.1);
+  const DistanceFunction distance = [=](const Vector3d& p) {
+    return std::min((p - behind).norm() - 1.0, (p - before).norm() - 0.5);
+  };
+  return std::make_shared<AnalyticObject>(
+      std::vector<PatchFunction>{sphere_patch(behind, 1.0), sphere_patch(before, 0.5)}, distance, 1.8, view);
+}
+
+ObjectPtr make_vase(const Eigen::Matrix3d& view) {
+  const auto degrees = [](double angle) { return angle * kPi / 180.0; };
+  // Foot, edge of the foot, belly and shoulder, neck, all seen from the axis outwards and up.
+  const Profile profile({0.0, -0.85}, {{0.25, 0.0},
+                                       {0.12 * degrees(62.0), 1.0 / 0.12},
+                                       {0.80 * degrees(70.0), 1.0 / 0.80},
+                                       {0.30 * degrees(75.0), -1.0 / 0.30}});
+  std::vector<PatchFunction> patches;
+  for (std::size_t k = 0; k < profile.pieces(); ++k) {
+    for (const double side : {-0.5, 0.5}) {
+      patches.emplace_back([=](double u, double v) { return revolved(profile.beside(k, v, side * kVaseWall), u); });
+    }
+  }
+  // The rim: half a circle about the profile's end.
+  patches.emplace_back([=](double u, double v) {
+    const double angle = profile.end_heading() + kPi * (v - 0.5);
+    return revolved(profile.end() + 0.5 * kVaseWall * Vector2d(std::cos(angle), std::sin(angle)), u);
+  });
+  const DistanceFunction distance = [=](const Vector3d& p) {
+    return profile.distance({std::hypot(p.x(), p.z()), p.y()}) - 0.5 * kVaseWall;
+  };
+  return std::make_shared<AnalyticObject>(std::move(patches), distance, 1.6, view);
+}
+
+ObjectPtr make_knot(const Eigen::Matrix3d& view) {
+  static constexpr double kTube = 0.22;
+  const PatchFunction patch = [](double u, double v) -> Vector3d {
+    const double t = 2.0 * kPi * u, a = 2.0 * kPi * v;
+    const Vector3d along = knot_slope(t).normalized();
+    const Vector3d across = along.cross(Vector3d::UnitZ()).normalized();
+    return knot_at(t) + kTube * (std::cos(a) * across + std::sin(a) * along.cross(across));
+  };
+  const DistanceFunction distance = [](const Vector3d& p) { return knot_distance(p) - kTube; };
+  return std::make_shared<AnalyticObject>(std::vector<PatchFunction>{patch}, distance, 1.6, view);
+}
+
+std::vector<NamedObject> analytic_objects() {
+  return {{"torus", make_torus()},
+          {"two spheres", make_two_spheres()},
+          {"vase from the side", make_vase(turned(4.0, 0.0))},
+          {"vase from above", make_vase(turned(48.0, 0.0))},
+          {"knot", make_knot()}};
+}
+
+}  // namespace sparsha::test
