@@ -25,26 +25,39 @@ struct Patch {
   PatchFunction place;
   double area_m2 = 0.0;
   double largest = 0.0;  ///< area element
+  double outward = 1.0;  ///< sign of the cross product that points out of the object
 };
 
-double area_element(const PatchFunction& place, double u, double v) {
-  constexpr double kStep = 1e-5;
-  const Vector3d du = place(u + kStep, v) - place(u - kStep, v);
-  const Vector3d dv = place(u, v + kStep) - place(u, v - kStep);
-  return du.cross(dv).norm() / (4.0 * kStep * kStep);
+/// The surface about `place` = patch(u, v): the cross product of its two directions, as long as the area element.
+Vector3d area_vector(const PatchFunction& patch, const Vector3d& place, double u, double v) {
+  constexpr double kStep = 1e-7;
+  return (patch(u + kStep, v) - place).cross(patch(u, v + kStep) - place) / (kStep * kStep);
 }
 
-Patch measured(PatchFunction place) {
-  constexpr int kSteps = 300;
+Vector3d gradient(const DistanceFunction& distance, const Vector3d& place) {
+  constexpr double kStep = 1e-5;
+  Vector3d result;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d step = kStep * Vector3d::Unit(axis);
+    result[axis] = distance(place + step) - distance(place - step);
+  }
+  return result;
+}
+
+Patch measured(PatchFunction place, const DistanceFunction& distance) {
+  constexpr int kSteps = 200;
   Patch patch{std::move(place)};
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
-      const double element = area_element(patch.place, (i + 0.5) / kSteps, (j + 0.5) / kSteps);
+      const double u = (i + 0.5) / kSteps, v = (j + 0.5) / kSteps;
+      const double element = area_vector(patch.place, patch.place(u, v), u, v).norm();
       patch.area_m2 += element / (kSteps * kSteps);
       patch.largest = std::max(patch.largest, element);
     }
   }
   patch.largest *= 1.02;  // between the nodes of this search
+  const Vector3d middle = patch.place(0.5, 0.5);
+  patch.outward = area_vector(patch.place, middle, 0.5, 0.5).dot(gradient(distance, middle)) > 0.0 ? 1.0 : -1.0;
   return patch;
 }
 
@@ -53,7 +66,7 @@ class AnalyticObject : public ClosedObject {
   AnalyticObject(std::vector<PatchFunction> patches, DistanceFunction distance, double radius_m,
                  const Eigen::Matrix3d& view)
       : distance_(std::move(distance)), radius_m_(radius_m), view_(view) {
-    for (PatchFunction& place : patches) patches_.push_back(measured(std::move(place)));
+    for (PatchFunction& place : patches) patches_.push_back(measured(std::move(place), distance_));
     for (const Patch& patch : patches_) area_m2_ += patch.area_m2;
     find_bounds();
   }
@@ -69,9 +82,10 @@ class AnalyticObject : public ClosedObject {
     for (;;) {
       const double u = unit(random);
       const double v = unit(random);
-      if (unit(random) * patches_[k].largest > area_element(patches_[k].place, u, v)) continue;
       const Vector3d place = patches_[k].place(u, v);
-      return {view_ * place, view_ * normal(place)};
+      const Vector3d area = area_vector(patches_[k].place, place, u, v);
+      if (unit(random) * patches_[k].largest > area.norm()) continue;
+      return {view_ * place, view_ * (patches_[k].outward * area.normalized())};
     }
   }
 
@@ -89,19 +103,9 @@ class AnalyticObject : public ClosedObject {
   }
 
  private:
-  Vector3d normal(const Vector3d& place) const {
-    constexpr double kStep = 1e-5;
-    Vector3d gradient;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vector3d step = kStep * Vector3d::Unit(axis);
-      gradient[axis] = distance_(place + step) - distance_(place - step);
-    }
-    return gradient.normalized();
-  }
-
   void find_bounds() {
     bounds_m_ = {1e300, 1e300, -1e300, -1e300};
-    constexpr int kSteps = 200;
+    constexpr int kSteps = 150;
     for (const Patch& patch : patches_) {
       for (int i = 0; i <= kSteps; ++i) {
         for (int j = 0; j <= kSteps; ++j) {
@@ -199,20 +203,25 @@ Vector3d revolved(const Vector2d& profile, double share) {
   return {profile.x() * std::cos(a), profile.y(), profile.x() * std::sin(a)};
 }
 
-Vector3d knot_at(double t) {
-  return 0.32 * Vector3d((2.0 + std::cos(3.0 * t)) * std::cos(2.0 * t), (2.0 + std::cos(3.0 * t)) * std::sin(2.0 * t),
-                         1.6 * std::sin(3.0 * t));
-}
-Vector3d knot_slope(double t) {
-  constexpr double kStep = 1e-5;
-  return (knot_at(t + kStep) - knot_at(t - kStep)) / (2.0 * kStep);
+// The trefoil and its first two derivatives.
+constexpr double kKnot = 0.32, kKnotDepth = 1.6;
+std::array<Vector3d, 3> knot_at(double t) {
+  const double c2 = std::cos(2.0 * t), s2 = std::sin(2.0 * t), c3 = std::cos(3.0 * t), s3 = std::sin(3.0 * t);
+  const double r = 2.0 + c3;
+  return {Vector3d(r * c2, r * s2, kKnotDepth * s3) * kKnot,
+          Vector3d(-3.0 * s3 * c2 - 2.0 * r * s2, -3.0 * s3 * s2 + 2.0 * r * c2, 3.0 * kKnotDepth * c3) * kKnot,
+          Vector3d(-9.0 * c3 * c2 + 12.0 * s3 * s2 - 4.0 * r * c2, -9.0 * c3 * s2 - 12.0 * s3 * c2 - 4.0 * r * s2,
+                   -9.0 * kKnotDepth * s3) *
+              kKnot};
 }
 
-double knot_distance(const Vector3d& p) {
+/// Exact near the curve; farther than `exact_m` from it no more than the distance.
+double knot_distance(const Vector3d& p, double exact_m) {
   constexpr int kCoarse = 120;
+  constexpr double kBetween = 0.07;  // more than half the distance of two coarse places
   static const std::vector<Vector3d> coarse = [] {
     std::vector<Vector3d> places;
-    for (int k = 0; k < kCoarse; ++k) places.push_back(knot_at(2.0 * kPi * k / kCoarse));
+    for (int k = 0; k < kCoarse; ++k) places.push_back(knot_at(2.0 * kPi * k / kCoarse)[0]);
     return places;
   }();
   int best = 0;
@@ -224,13 +233,16 @@ double knot_distance(const Vector3d& p) {
       best = k;
     }
   }
-  // Gauss-Newton on the parameter of the nearest place.
+  if (std::sqrt(least) - kBetween > exact_m) return std::sqrt(least) - kBetween;
+  // Newton on the parameter of the nearest place.
   double t = 2.0 * kPi * best / kCoarse;
-  for (int k = 0; k < 5; ++k) {
-    const Vector3d slope = knot_slope(t);
-    t += (p - knot_at(t)).dot(slope) / slope.squaredNorm();
+  for (int k = 0; k < 4; ++k) {
+    const auto [place, slope, bend] = knot_at(t);
+    const double descent = (p - place).dot(slope);
+    const double curvature = slope.squaredNorm() - (p - place).dot(bend);
+    t += descent / std::max(curvature, 0.3 * slope.squaredNorm());
   }
-  return std::min(std::sqrt(least), (p - knot_at(t)).norm());
+  return std::min(std::sqrt(least), (p - knot_at(t)[0]).norm());
 }
 
 }  // namespace
@@ -291,11 +303,12 @@ ObjectPtr make_knot(const Eigen::Matrix3d& view) {
   static constexpr double kTube = 0.22;
   const PatchFunction patch = [](double u, double v) -> Vector3d {
     const double t = 2.0 * kPi * u, a = 2.0 * kPi * v;
-    const Vector3d along = knot_slope(t).normalized();
+    const auto [place, slope, bend] = knot_at(t);
+    const Vector3d along = slope.normalized();
     const Vector3d across = along.cross(Vector3d::UnitZ()).normalized();
-    return knot_at(t) + kTube * (std::cos(a) * across + std::sin(a) * along.cross(across));
+    return place + kTube * (std::cos(a) * across + std::sin(a) * along.cross(across));
   };
-  const DistanceFunction distance = [](const Vector3d& p) { return knot_distance(p) - kTube; };
+  const DistanceFunction distance = [](const Vector3d& p) { return knot_distance(p, kTube + 0.02) - kTube; };
   return std::make_shared<AnalyticObject>(std::vector<PatchFunction>{patch}, distance, 1.6, view);
 }
 
