@@ -100,6 +100,7 @@ double through_percent(const Judgement& f) {
 
 /// Empty instead of NaN.
 std::string number(double value) { return std::isnan(value) ? std::string() : fmt::format("{:.3g}", value); }
+std::string milliseconds(double value) { return std::isnan(value) ? std::string() : fmt::format("{:.0f}", value); }
 
 class Table {
  public:
@@ -130,12 +131,12 @@ class Table {
     const bool noise_found = !b.noise || std::abs(r.noise_ratio - 1.0) <= 0.25;
     kept = kept && noise_found;
     line += fmt::format(" {}{} | {} | {} | {} |", number(r.noise_ratio), noise_found ? "" : " (not within 25 %!)",
-                        cell(through_percent(f), 0.0), number(r.ms_one), number(r.ms_two));
+                        cell(through_percent(f), 0.0), milliseconds(r.ms_one), milliseconds(r.ms_two));
     csv_line(r, "sparsha", f, r.noise_ratio, r.ms_one, r.ms_two);
     if (r.peer) {
       const Judgement& p = r.peer->figures;
-      line += fmt::format(" {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} |", 100.0 * p.wrong_smooth, 100.0 * p.wrong,
-                          100.0 * p.beyond, p.median_spacings, r.peer->ms);
+      line += fmt::format(" {:.3g} | {:.3g} | {:.3g} | {:.3g} | {} |", 100.0 * p.wrong_smooth, 100.0 * p.wrong,
+                          100.0 * p.beyond, p.median_spacings, milliseconds(r.peer->ms));
       csv_line(r, "cloudcompare max", p, kNone, r.peer->ms, kNone);
     } else {
       line += " | | | | |";

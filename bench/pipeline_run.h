@@ -21,6 +21,8 @@ struct RunOptions {
 bool run_accuracy(const RunOptions& options);
 /// Time beside error: pipeline_speed.csv.
 void run_speed(const RunOptions& options);
+/// Gain and coherence of the heights by wavelength: pipeline_mtf.csv.
+void run_mtf(const RunOptions& options);
 /// Our cross-check against CloudCompare's C2M distances: pipeline_c2m.csv. False when they differ by more than 5 %.
 bool run_cross_check(const RunOptions& options);
 /// Raw clouds of whole objects, CloudCompare's raster beside: pipeline_closed.csv. False when a bound is broken.
