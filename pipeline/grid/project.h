@@ -21,9 +21,13 @@ enum class PointFate : std::uint8_t { used, occluded, outlier, outside };
 
 struct Projection {
   DepthGrid grid;
-  double noise_m = 0.0;          ///< standard deviation of the points about the fits, from samples
-  double point_spacing_m = 0.0;  ///< median spacing of front points
-  double gap_m = 0.0;            ///< the depth gap that separates front from back
+  double noise_m = 0.0;                 ///< standard deviation of the points about the fits, from samples
+  double point_spacing_m = 0.0;         ///< median spacing of front points
+  double gap_m = 0.0;                   ///< the depth gap that separates front from back
+  bool closed = false;                  ///< decided by tangent discs, see architecture.md; only then are these counted:
+  std::uint64_t nodes_turned_away = 0;  ///< nodes left unknown because the highest layer faces away from the viewer
+  std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely
+  std::uint64_t nodes_unsure = 0;       ///< measured nodes of which nothing tells which way they face
   std::uint64_t used = 0, occluded = 0, outlier = 0, outside = 0;
   std::vector<PointFate> fate;             ///< one a point of the cloud
   std::vector<std::uint32_t> colour_rgba;  ///< when asked for and present

@@ -117,6 +117,78 @@ struct BorderKernel {
   float left_m = 0.0F, right_m = 0.0F, bottom_m = 0.0F, top_m = 0.0F;
 };
 
+/// Points in columns, those of each column the highest first, and what becomes of them: for each the plane through its
+/// neighbours in space. Arrays may be read up to kReadAhead elements beyond their ends.
+struct DiscKernel {
+  static constexpr std::size_t kReadAhead = 24;
+  static constexpr std::size_t kMostCandidates = 8192;  ///< of a point's neighbours; others are not looked at
+  static constexpr std::size_t kScratch = 4 * (kMostCandidates + kReadAhead);
+
+  const std::uint32_t* start = nullptr;  ///< first point of each column, bins_x columns a row
+  const float* x = nullptr;              ///< metres
+  const float* y = nullptr;
+  const float* z = nullptr;
+  std::size_t bins_x = 0;
+  std::size_t first_row = 0, last_row = 0;  ///< rows of columns that are there: [first_row, last_row)
+  float side_m = 0.0F;                      ///< of a column; neighbours are looked for within one to three of them
+  std::int32_t wanted = 14;                 ///< neighbours, about, the point itself among them
+  std::int32_t least = 8;                   ///< fewer make no disc
+  float most_spacing_m = 0.0F;              ///< where points are farther apart, they are no surface
+  float least_nz = 0.12F;                   ///< planes that are steeper cover nothing
+  float reach = 2.5F;                       ///< radius of a disc, local spacings
+  const float* needed_m = nullptr;          ///< of each column; lower points get no disc
+  float* scratch = nullptr;                 ///< kScratch floats of the calling thread
+
+  float* foot_x = nullptr;  ///< the point, moved onto its plane
+  float* foot_y = nullptr;
+  float* foot_z = nullptr;
+  float* slope_x = nullptr;  ///< of the plane, dz/dx
+  float* slope_y = nullptr;
+  float* above = nullptr;    ///< the point above its plane, along z
+  float* radius2 = nullptr;  ///< square of the disc's radius; negative: there is no disc
+};
+
+/// Values of a disc's record: x, y, z of the foot, slopes in x and y, the point above its plane, squared radius, facing
+/// (1 towards the viewer, -1 away, 0 unknown).
+constexpr std::size_t kDiscRecord = 8;
+
+/// Discs in columns, and the nodes that they may cover.
+struct DiscNodeKernel {
+  static constexpr std::size_t kReadAhead = 24;
+  static constexpr std::size_t kMostDiscs = 2048;  ///< over a node; others are not looked at
+  static constexpr std::size_t kLeastDiscs = 3;
+  static constexpr std::size_t kScratch = 13 * (kMostDiscs + kReadAhead);
+
+  /// What was found at a node, one bit each.
+  enum Verdict : std::uint8_t {
+    kUnknown = 0,
+    kMeasured = 1,
+    kAway = 2,      ///< the highest layer faces away: its front was not scanned
+    kDoubtful = 4,  ///< another layer follows so closely that the two were hard to tell apart
+    kUnsure = 8,    ///< nothing tells which way the layer faces
+  };
+
+  const std::uint32_t* start = nullptr;  ///< first disc of each column, bins_x + 1 values a row
+  const float* x = nullptr;              ///< the discs, as DiscKernel has them
+  const float* y = nullptr;
+  const float* slope_x = nullptr;
+  const float* slope_y = nullptr;
+  const float* radius2 = nullptr;
+  const float* records = nullptr;       ///< kDiscRecord values a disc: all of the above and z, point, facing
+  const std::uint8_t* rings = nullptr;  ///< columns to each side of one whose discs may cover its nodes
+  std::size_t bins_x = 0;
+  std::size_t first_row = 0, last_row = 0;         ///< rows of columns that are there: [first_row, last_row)
+  float columns_x0_m = 0.0F, columns_y0_m = 0.0F;  ///< corner of column (0, 0)
+  float per_side = 1.0F;                           ///< one over the side of a column
+  double x0_m = 0.0, y0_m = 0.0, spacing_m = 0.0;  ///< node (0, 0)
+  std::size_t nx = 0;
+  float per_reach = 0.4F;      ///< local spacings a disc's radius
+  float link_noise_m = 0.0F;   ///< discs whose heights differ by less than this and
+  float link_spacings = 0.5F;  ///< so many local spacings are one layer
+  float most_away = 0.3F;      ///< a layer of which more faces away is no front
+  float* scratch = nullptr;    ///< kScratch floats of the calling thread
+};
+
 /// The kernels for one instruction set.
 struct ProjectionKernels {
   /// out = matrix (row-major 3x4) * point in double, each coordinate rounded once; `stride` in floats. low[3] and
@@ -154,6 +226,11 @@ struct ProjectionKernels {
   /// Points in cells with a measured node; `undecided` for the others and for the last few.
   void (*classify)(const FateKernel& kernel, const float* x, const float* y, const float* z, std::size_t count,
                    std::uint8_t* fate);
+  /// The discs of the points in a row of columns.
+  void (*fit_discs)(const DiscKernel& kernel, std::size_t row);
+  /// Heights of row j of nodes, and DiscNodeKernel::Verdict of each; heights of nodes that are not measured are not
+  /// set.
+  void (*fit_disc_nodes)(const DiscNodeKernel& kernel, std::size_t j, float* height, std::uint8_t* verdict);
 };
 
 [[nodiscard]] const ProjectionKernels& baseline_kernels();

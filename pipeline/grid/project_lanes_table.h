@@ -2,6 +2,8 @@
 #pragma once
 
 #include "pipeline/grid/project_lanes_bins.h"
+#include "pipeline/grid/project_lanes_disc_nodes.h"
+#include "pipeline/grid/project_lanes_discs.h"
 #include "pipeline/grid/project_lanes_group.h"
 #include "pipeline/grid/project_lanes_points.h"
 #include "pipeline/grid/project_lanes_sort.h"
@@ -45,8 +47,15 @@ void classify_points(const sparsha::pipeline::FateKernel& kernel, const float* x
   classify(kernel, x, y, z, count, fate);
 }
 
+void fit_row_of_discs(const sparsha::pipeline::DiscKernel& kernel, std::size_t row) { fit_discs(kernel, row); }
+void fit_row_of_disc_nodes(const sparsha::pipeline::DiscNodeKernel& kernel, std::size_t j, float* height,
+                           std::uint8_t* verdict) {
+  fit_disc_nodes(kernel, j, height, verdict);
+}
+
 constexpr sparsha::pipeline::ProjectionKernels kKernels{
-    orient_points, draw_points, draw_block_points, draw_border_points, index_band_points, send_points,
-    sort_few_bins, fit_nodes,   fit_one_layer,     rank_values,        classify_points};
+    orient_points,        draw_points, draw_block_points, draw_border_points, index_band_points, send_points,
+    sort_few_bins,        fit_nodes,   fit_one_layer,     rank_values,        classify_points,   fit_row_of_discs,
+    fit_row_of_disc_nodes};
 
 }  // namespace

@@ -7,15 +7,43 @@
 #include "pipeline/base/error.h"
 #include "pipeline/grid/project_lattice.h"
 #include "pipeline/grid/project_samples.h"
+#include "pipeline/grid/surface_statistics.h"
 
 namespace sparsha::pipeline {
 
-ProjectionPlan plan_projection(const OrientedPieces& pieces, const Extent& extent, const Eigen::Vector3d& origin_m,
-                               bool only_mesh, const GridConfig& config, double resolution_m, ThreadPool& pool) {
-  CloudStatistics statistics = sample_cloud(pieces, extent, pool);
-  if (only_mesh) statistics.noise_m = 0.0;
+namespace {
 
+// Of neighbourhoods in space, flat ones: where more are steep, points belong to a closed object.
+constexpr double kSteepShare = 0.2;
+// Where points are this sparse at more places, the median says little about their spacing, and discs would miss them.
+constexpr double kMostSparse = 0.15;
+// Where more of what is seen first faces away, something else than holes is the reason.
+constexpr double kMostTurnedAway = 0.2;
+
+}  // namespace
+
+ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
+                               const Eigen::Vector3d& origin_m, bool only_mesh, const GridConfig& config,
+                               double resolution_m, ThreadPool& pool) {
+  CloudStatistics statistics = sample_cloud(pieces, extent, pool);
   ProjectionPlan plan;
+  if (only_mesh) {
+    statistics.noise_m = 0.0;
+  } else if (statistics.steep_share > kSteepShare && statistics.surface_spacing_m > 0.0) {
+    const SurfaceStatistics surface = surface_statistics(pieces, extent, statistics.surface_spacing_m, pool);
+    if (surface.spacing_m > 0.0 && surface.sparse_share <= kMostSparse) {
+      statistics.noise_m = surface.noise_m;
+      statistics.point_spacing_m = surface.spacing_m;
+      DiscRule rule;
+      rule.spacing_m = surface.spacing_m * static_cast<double>(surface.scale);
+      rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
+      plan.discs = rule;
+      auto facing = std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m, pool);
+      if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
+    }
+  }
+  if (config.noise_m) statistics.noise_m = *config.noise_m;
+
   plan.origin_m = origin_m;
   plan.point_spacing_m = statistics.point_spacing_m;
   plan.gap_m = layer_gap_m(statistics.noise_m, statistics.point_spacing_m);
@@ -32,6 +60,7 @@ Projection ProjectionPlan::empty_projection() const {
   projection.noise_m = rule.noise_m;
   projection.point_spacing_m = point_spacing_m;
   projection.gap_m = gap_m;
+  projection.closed = discs.has_value();
   projection.grid = DepthGrid(lattice);
   return projection;
 }

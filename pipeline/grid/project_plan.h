@@ -2,14 +2,19 @@
 // once.
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/grid/facing.h"
 #include "pipeline/grid/project.h"
 #include "pipeline/grid/project_bins.h"
 #include "pipeline/grid/project_extent.h"
 #include "pipeline/grid/project_node.h"
 #include "pipeline/grid/project_points.h"
+#include "pipeline/grid/tangent_discs.h"
 #include "pipeline/scene/config.h"
 #include "pipeline/scene/depth_grid.h"
 
@@ -22,16 +27,18 @@ struct ProjectionPlan {
   NodeRule rule;
   double point_spacing_m = 0.0;
   double gap_m = 0.0;
+  std::optional<DiscRule> discs;              ///< closed objects: nodes are decided by tangent discs
+  std::shared_ptr<const FacingField> facing;  ///< with discs, when it is known what faces away
 
   /// With nothing measured yet.
   [[nodiscard]] Projection empty_projection() const;
 };
 
-/// `origin_m` is that of the pieces' points. Vertices of faces carry no noise: `only_mesh` says there is nothing else.
-/// Throws as choose_lattice does.
-[[nodiscard]] ProjectionPlan plan_projection(const OrientedPieces& pieces, const Extent& extent,
-                                             const Eigen::Vector3d& origin_m, bool only_mesh, const GridConfig& config,
-                                             double resolution_m, ThreadPool& pool);
+/// `totals` are of the pieces. `origin_m` is that of their points. Vertices of faces carry no noise: `only_mesh` says
+/// there is nothing else. Throws as choose_lattice does.
+[[nodiscard]] ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals,
+                                             const Extent& extent, const Eigen::Vector3d& origin_m, bool only_mesh,
+                                             const GridConfig& config, double resolution_m, ThreadPool& pool);
 
 /// Throws Error{input} when no node is measured.
 void require_a_measured_node(const DepthGrid& grid);

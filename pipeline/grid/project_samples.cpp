@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "pipeline/grid/project_fit.h"
 #include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/project_node.h"
+#include "pipeline/grid/surface_plane.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -85,6 +87,34 @@ double weighted_quantile(std::vector<Weighted>& values, double share, double oth
   return values.back().value;
 }
 
+// Neighbourhoods about the middle of a block: how many are flat, and of these steep, and their point spacing.
+struct Steepness {
+  std::size_t flat = 0, steep = 0;
+  std::vector<double> spacings_m;
+};
+Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
+  constexpr std::size_t kNeighbours = 10;
+  constexpr float kMiddle = 0.17F;
+  constexpr double kSteep = 0.5;  // z of a normal
+  Steepness result;
+  if (block.size() < kNeighbours) return result;
+  std::vector<SpacePoint> points;
+  for (const NodePoint& p : block) {
+    points.push_back({p.u * static_cast<float>(side), p.v * static_cast<float>(side), p.z});
+  }
+  Neighbourhood near(points);
+  for (std::size_t k = 0; k < block.size(); ++k) {
+    if (!(std::abs(block[k].u) < kMiddle && std::abs(block[k].v) < kMiddle)) continue;
+    const double radius = near.take(k, kNeighbours);
+    const SurfacePlane plane = near.plane();
+    if (!plane.planar()) continue;
+    ++result.flat;
+    result.steep += plane.normal[2] < kSteep ? 1 : 0;
+    result.spacings_m.push_back(radius * std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
+  }
+  return result;
+}
+
 // Highest run of points, linked in z by the gap, that has at least max(3, 1/12) of the block's points.
 std::span<const NodePoint> front_layer(std::span<const NodePoint> sorted, double gap_m) {
   const std::size_t least = std::max<std::size_t>(3, (sorted.size() + 11) / 12);
@@ -151,6 +181,25 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
       found[b].end = found[b].begin + static_cast<std::size_t>(std::unique(first, last, same) - first);
     }
   });
+
+  std::vector<Steepness> parts(found.size());
+  pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      parts[b] = steepness_of_block({points.data() + found[b].begin, found[b].end - found[b].begin}, side);
+    }
+  });
+  Steepness in_space;
+  for (const Steepness& part : parts) {
+    in_space.flat += part.flat;
+    in_space.steep += part.steep;
+    in_space.spacings_m.insert(in_space.spacings_m.end(), part.spacings_m.begin(), part.spacings_m.end());
+  }
+  if (in_space.flat > 0) {
+    result.steep_share = static_cast<double>(in_space.steep) / static_cast<double>(in_space.flat);
+    const auto middle = in_space.spacings_m.begin() + static_cast<std::ptrdiff_t>(in_space.spacings_m.size() / 2);
+    std::nth_element(in_space.spacings_m.begin(), middle, in_space.spacings_m.end());
+    result.surface_spacing_m = *middle;
+  }
 
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
   for (int round = 0; round < 5; ++round) {

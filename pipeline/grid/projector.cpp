@@ -6,10 +6,10 @@
 #include <new>
 
 #include "pipeline/base/error.h"
+#include "pipeline/grid/measure_rows.h"
 #include "pipeline/grid/project_attributes.h"
 #include "pipeline/grid/project_fate.h"
 #include "pipeline/grid/project_plan.h"
-#include "pipeline/grid/project_rows.h"
 #include "pipeline/grid/project_triangles.h"
 
 namespace sparsha::pipeline {
@@ -64,14 +64,15 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   totals.add(points);
   Extent extent = supported_extent(totals, whole, pool);
   include_vertices(points, vertices_, extent);
-  const ProjectionPlan plan = plan_projection(whole, extent, origin_m, only_mesh_, config, resolution_m, pool);
+  const ProjectionPlan plan = plan_projection(whole, totals, extent, origin_m, only_mesh_, config, resolution_m, pool);
   if (approve) approve(plan.lattice);
   Projection projection = plan.empty_projection();
   progress.throw_if_cancelled();
 
   if (!only_mesh_) {
-    const Bins bins = sort_into_bins(points, vertices_, plan.bins, BinWindow::all(plan.bins), pool, store);
-    fit_rows(bins, plan.rule, plan.gap_m, 0, pool, progress, projection.grid);
+    const std::vector<std::uint8_t> verdicts =
+        measure_rows(points, vertices_, plan, BinWindow::all(plan.bins), 0, pool, progress, projection.grid, store);
+    add_verdicts(verdicts.data(), verdicts.data() + verdicts.size(), projection);
   }
   TriangleHeights mesh;
   if (!cloud_.faces.empty()) {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "pipeline/base/error.h"
+#include "pipeline/grid/measure_rows.h"
 #include "pipeline/grid/project_attributes.h"
 #include "pipeline/grid/project_fate.h"
-#include "pipeline/grid/project_rows.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -56,7 +56,7 @@ SpilledProjection::SpilledProjection(SpilledCloud cloud, const Eigen::Matrix4d& 
   PointTotals totals;
   pieces([&](const OrientedPoints& points) { totals.add(points); });
   const Extent extent = supported_extent(totals, pieces, pool);
-  plan_ = plan_projection(pieces, extent, plan_.origin_m, false, grid, resolution_m, pool);
+  plan_ = plan_projection(pieces, totals, extent, plan_.origin_m, false, grid, resolution_m, pool);
 }
 
 void SpilledProjection::fill_buckets(const std::filesystem::path& folder, ThreadPool& pool, Progress& progress) {
@@ -139,21 +139,23 @@ OrientedPoints SpilledProjection::load_tile(const Tile& tile, ThreadPool& pool) 
   return all;
 }
 
-void SpilledProjection::fit_tile(const Tile& tile, ThreadPool& pool, Progress& progress, DepthGrid& grid) const {
-  const Bins bins = sort_into_bins(load_tile(tile, pool), {}, plan_.bins, tile.bins, pool);
+void SpilledProjection::fit_tile(const Tile& tile, ThreadPool& pool, Progress& progress, Projection& projection) const {
+  DepthGrid& grid = projection.grid;
   // One row more to each side: nodes are compared with their neighbours.
   const int first = std::max(0, tile.first_row - 1);
   const int last = std::min(plan_.lattice.ny, tile.last_row + 1);
   Lattice lattice = plan_.lattice;
   lattice.ny = last - first;
   DepthGrid rows(lattice);
-  fit_rows(bins, plan_.rule, plan_.gap_m, first, pool, progress, rows);
+  const std::vector<std::uint8_t> verdicts =
+      measure_rows(load_tile(tile, pool), {}, plan_, tile.bins, first, pool, progress, rows);
   for (int j = tile.first_row; j < tile.last_row; ++j) {
     const std::size_t from = lattice.index(tile.first_column, j - first);
     const std::size_t to = plan_.lattice.index(tile.first_column, j);
     const auto count = static_cast<std::size_t>(tile.last_column - tile.first_column);
     std::copy_n(rows.height_m.data() + from, count, grid.height_m.data() + to);
     std::copy_n(rows.state.data() + from, count, grid.state.data() + to);
+    if (!verdicts.empty()) add_verdicts(verdicts.data() + from, verdicts.data() + from + count, projection);
   }
 }
 
@@ -193,11 +195,11 @@ Projection SpilledProjection::run(std::uint64_t tile_points, const std::filesyst
   fill_buckets(folder, pool, progress);
   Projection projection = plan_.empty_projection();
   // A neighbour's height decides too, and it may look as far.
-  const std::vector<Tile> tiles = cut_into_tiles(plan_.bins, widest_look(plan_.rule) + 1, tile_points, row_points_,
+  const std::vector<Tile> tiles = cut_into_tiles(plan_.bins, bins_beyond(plan_) + 1, tile_points, row_points_,
                                                  [&](int first, int last) { return count_columns(first, last, pool); });
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
-    fit_tile(tiles[t], pool, progress, projection.grid);
+    fit_tile(tiles[t], pool, progress, projection);
   }
   require_a_measured_node(projection.grid);
   decide_fates(pool, progress, projection);

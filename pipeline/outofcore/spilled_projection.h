@@ -56,7 +56,7 @@ class SpilledProjection {
   void each_piece(int first_row, int last_row, ThreadPool& pool, const std::function<void(const Piece&)>& use) const;
   [[nodiscard]] std::vector<std::uint64_t> count_columns(int first_row, int last_row, ThreadPool& pool) const;
   [[nodiscard]] OrientedPoints load_tile(const Tile& tile, ThreadPool& pool) const;
-  void fit_tile(const Tile& tile, ThreadPool& pool, Progress& progress, DepthGrid& grid) const;
+  void fit_tile(const Tile& tile, ThreadPool& pool, Progress& progress, Projection& projection) const;
   void decide_fates(ThreadPool& pool, Progress& progress, Projection& projection);
   [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;
 

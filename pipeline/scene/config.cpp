@@ -234,6 +234,9 @@ GridConfig parse_grid(const Node& node) {
   exclusive(reader, {"size", "spacing_mm"});
   reader.read("size", grid.size, 2, 1 << 20);
   read_mm(reader, "spacing_mm", grid.spacing_m, kSmallest, kAny);
+  double noise_m = -1.0;
+  read_mm(reader, "noise_mm", noise_m, 0.0, kAny);
+  if (noise_m >= 0.0) grid.noise_m = noise_m;
   if (const Node* bounds = reader.optional("bounds_m")) grid.bounds_m = read_box(*bounds);
   reader.read("colour", grid.colour);
   reader.read("intensity", grid.intensity);

@@ -76,6 +76,7 @@ std::string grid_text(const GridConfig& grid) {
   const auto add = [&](const std::string& entry) { text += (text.back() == '{' ? "" : ", ") + entry; };
   if (grid.size > 0) add(fmt::format("size: {}", grid.size));
   if (grid.spacing_m > 0) add("spacing_mm: " + millimetres(grid.spacing_m));
+  if (grid.noise_m) add("noise_mm: " + millimetres(*grid.noise_m));
   if (grid.bounds_m) add("bounds_m: " + box(*grid.bounds_m));
   if (grid.colour) add("colour: true");
   if (grid.intensity) add("intensity: true");
