@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -19,10 +21,13 @@ constexpr double kMost = 40000.0;      // points of the sample
 constexpr int kNeighbours = 10;        // of a sample's plane
 constexpr double kCellSpacings = 3.0;  // of a depth map: an empty cell is one in 8000
 constexpr float kOblique = 0.25F;      // cosine under which a direction says nothing about a point
+constexpr double kSheet = 0.7;         // spacings across a surface that are still the same
 constexpr float kAligned = 0.6F;       // cosine of normals that belong to one surface
 constexpr int kRounds = 4;             // of votes handed to neighbours
 constexpr float kSure = 0.5F;          // mean vote, in directions seen from
 constexpr float kLowest = -std::numeric_limits<float>::infinity();
+constexpr double kAgreement = 0.9;  // of a connected surface's votes, by weight
+constexpr std::size_t kGrain = 512;
 constexpr std::size_t kPiece = 1U << 14U;
 
 std::uint64_t hash_of(float x, float y, float z) {
@@ -74,12 +79,48 @@ std::vector<Eigen::Vector3f> all_directions() {
   return directions;
 }
 
+/// Samples that are connected, and which of them have opposed normals: a forest with a sign on every branch.
+class SurfaceParts {
+ public:
+  struct Place {
+    std::uint32_t root;
+    bool opposed;  // to the root
+  };
+  explicit SurfaceParts(std::size_t samples) : up_(samples), opposed_(samples, 0), size_(samples, 1) {
+    std::iota(up_.begin(), up_.end(), 0U);
+  }
+
+  [[nodiscard]] Place find(std::uint32_t sample) const {
+    bool opposed = false;
+    while (up_[sample] != sample) {
+      opposed = opposed != (opposed_[sample] != 0);
+      sample = up_[sample];
+    }
+    return {sample, opposed};
+  }
+  void join(std::uint32_t a, std::uint32_t b, bool opposed) {
+    Place of_a = find(a);
+    Place of_b = find(b);
+    if (of_a.root == of_b.root) return;
+    if (size_[of_a.root] < size_[of_b.root]) std::swap(of_a, of_b);
+    up_[of_b.root] = of_a.root;  // the smaller below the larger keeps branches short
+    size_[of_a.root] += size_[of_b.root];
+    opposed_[of_b.root] = (of_a.opposed != of_b.opposed) != opposed ? 1 : 0;
+  }
+
+ private:
+  std::vector<std::uint32_t> up_;
+  std::vector<std::uint8_t> opposed_;
+  std::vector<std::uint32_t> size_;
+};
+
 /// What is seen of points from one direction: square cells across it, the nearest depth in each.
 struct DepthMap {
   Eigen::Vector3f right, up, towards;
   float cell_m, u0 = 0.0F, v0 = 0.0F;
   int nu = 1, nv = 1;
-  std::vector<float> nearest;
+  std::vector<std::uint32_t> nearest;  // sample, or kNone
+  static constexpr std::uint32_t kNone = 0xffffffffU;
 
   DepthMap(const Eigen::Vector3f& direction, float cell)
       : right(direction.unitOrthogonal()), up(direction.cross(right)), towards(direction), cell_m(cell) {}
@@ -125,7 +166,11 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
     normal_y_[d] = -b * normal_z_[d];
   }
   vote(pool);
+  find_neighbours(pool);
   spread_votes(pool);
+  overrule_by_surface();
+  near_.clear();
+  near_counts_.clear();
 
   // Most discs lie where no sample near may face away, which needs no closer look.
   const auto nx = row_length;
@@ -184,20 +229,20 @@ void FacingField::vote(ThreadPool& pool) {
     if (of_slot_.empty()) return;
     map.nu = static_cast<int>((u1 - map.u0) / map.cell_m) + 1;
     map.nv = static_cast<int>((v1 - map.v0) / map.cell_m) + 1;
-    map.nearest.assign(static_cast<std::size_t>(map.nu) * static_cast<std::size_t>(map.nv), kLowest);
+    map.nearest.assign(static_cast<std::size_t>(map.nu) * static_cast<std::size_t>(map.nv), DepthMap::kNone);
     for (const std::uint32_t d : of_slot_) {
-      float& nearest = map.nearest[map.cell_of(place(d))];
-      nearest = std::max(nearest, place(d).dot(map.towards));
+      std::uint32_t& nearest = map.nearest[map.cell_of(place(d))];
+      if (nearest == DepthMap::kNone || place(d).dot(map.towards) > place(nearest).dot(map.towards)) nearest = d;
     }
     std::vector<float>& mine = votes[number];
     mine.assign(votes_.size(), 0.0F);
     for (const std::uint32_t d : of_slot_) {
-      const float cosine = Eigen::Vector3f(normal_x_[d], normal_y_[d], normal_z_[d]).dot(map.towards);
-      const float upright = std::abs(cosine);
-      if (upright < kOblique) continue;
-      const float descent = std::sqrt(std::max(0.0F, 1.0F - upright * upright)) / upright;
-      const float within = map.cell_m * descent + static_cast<float>(spacing_m_);
-      if (place(d).dot(map.towards) >= map.nearest[map.cell_of(place(d))] - within) mine[d] = cosine;
+      const Eigen::Vector3f normal(normal_x_[d], normal_y_[d], normal_z_[d]);
+      const float cosine = normal.dot(map.towards);
+      if (std::abs(cosine) < kOblique) continue;
+      // What is seen lies on the nearest point's surface; another sheet before it, however close, hides it.
+      const Eigen::Vector3f before = place(map.nearest[map.cell_of(place(d))]) - place(d);
+      if (std::abs(normal.dot(before)) <= static_cast<float>(kSheet * spacing_m_)) mine[d] = cosine;
     }
   });
   seen_.assign(votes_.size(), 0);
@@ -226,18 +271,14 @@ bool FacingField::for_near(float x, float y, const Use& use) const {
   return true;
 }
 
-// Half of a sample's vote becomes, several times over, the mean of those near it on the same surface.
-void FacingField::spread_votes(ThreadPool& pool) {
-  struct Neighbour {
-    std::uint32_t sample;
-    float weight;
-  };
+// Neighbours on the same surface: near, with a normal that is nearly parallel, and not before or behind.
+void FacingField::find_neighbours(ThreadPool& pool) {
   const auto reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
-  constexpr std::size_t kGrain = 512;
-  std::vector<std::vector<Neighbour>> near((of_slot_.size() + kGrain - 1) / kGrain);
-  std::vector<std::uint32_t> counts(of_slot_.size());
+  const auto sheet = static_cast<float>(kSheet * spacing_m_);
+  near_.resize((of_slot_.size() + kGrain - 1) / kGrain);
+  near_counts_.resize(of_slot_.size());
   pool.for_ranges(of_slot_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour>& mine = near[begin / kGrain];
+    std::vector<Neighbour>& mine = near_[begin / kGrain];
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t d = of_slot_[k];
       const std::size_t before = mine.size();
@@ -245,25 +286,71 @@ void FacingField::spread_votes(ThreadPool& pool) {
         const float dx = samples_.x[e] - samples_.x[d];
         const float dy = samples_.y[e] - samples_.y[d];
         const float dz = samples_.height(e) - samples_.height(d);
-        if (dx * dx + dy * dy + dz * dz > reach2) return;
+        const float across = normal_x_[d] * dx + normal_y_[d] * dy + normal_z_[d] * dz;
+        if (dx * dx + dy * dy + dz * dz > reach2 || std::abs(across) > sheet) return;
         const float cosine = normal_x_[d] * normal_x_[e] + normal_y_[d] * normal_y_[e] + normal_z_[d] * normal_z_[e];
-        if (std::abs(cosine) >= kAligned) mine.push_back({e, cosine * std::abs(cosine)});
+        if (std::abs(cosine) >= kAligned) mine.push_back({e, cosine});
       });
-      counts[k] = static_cast<std::uint32_t>(mine.size() - before);
+      near_counts_[k] = static_cast<std::uint32_t>(mine.size() - before);
     }
   });
+}
+
+// Half of a sample's vote becomes, several times over, the mean of its neighbours'.
+void FacingField::spread_votes(ThreadPool& pool) {
   std::vector<float> spread(votes_.size(), 0.0F);
   for (int round = 0; round < kRounds; ++round) {
     pool.for_ranges(of_slot_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      const Neighbour* neighbour = near[begin / kGrain].data();
+      const Neighbour* neighbour = near_[begin / kGrain].data();
       for (std::size_t k = begin; k < end; ++k) {
         float sum = 0.0F;
-        for (std::uint32_t n = 0; n < counts[k]; ++n, ++neighbour) sum += neighbour->weight * votes_[neighbour->sample];
+        for (std::uint32_t n = 0; n < near_counts_[k]; ++n, ++neighbour) {
+          sum += neighbour->cosine * std::abs(neighbour->cosine) * votes_[neighbour->sample];
+        }
         const std::uint32_t d = of_slot_[k];
-        spread[d] = 0.5F * votes_[d] + 0.5F * sum / static_cast<float>(counts[k] + 1);
+        spread[d] = 0.5F * votes_[d] + 0.5F * sum / static_cast<float>(near_counts_[k] + 1);
       }
     });
     votes_.swap(spread);
+  }
+}
+
+// The inside of a wall is seen through a hole as well as its outside around it: only the surface that connects the two,
+// around the wall's rim, tells. So normals are aligned along the flattest connections (Hoppe et al. 1992, section 3.3),
+// and where the votes of a connected surface agree well, those that do not are overruled.
+void FacingField::overrule_by_surface() {
+  struct Edge {
+    std::uint32_t a, b;
+    bool opposed;
+  };
+  constexpr std::size_t kBuckets = 256;
+  std::vector<std::vector<Edge>> edges(kBuckets);
+  const Neighbour* cursor = nullptr;
+  for (std::size_t k = 0; k < of_slot_.size(); ++k) {
+    if (k % kGrain == 0) cursor = near_[k / kGrain].data();
+    for (std::uint32_t n = 0; n < near_counts_[k]; ++n, ++cursor) {
+      if (cursor->sample <= of_slot_[k]) continue;
+      const float bent = (1.0F - std::min(1.0F, std::abs(cursor->cosine))) / (1.0F - kAligned);
+      const auto bucket = std::min(kBuckets - 1, static_cast<std::size_t>(bent * static_cast<float>(kBuckets)));
+      edges[bucket].push_back({of_slot_[k], cursor->sample, cursor->cosine < 0.0F});
+    }
+  }
+  SurfaceParts parts(votes_.size());
+  for (const std::vector<Edge>& bucket : edges) {
+    for (const Edge& edge : bucket) parts.join(edge.a, edge.b, edge.opposed);
+  }
+  std::vector<double> sum(votes_.size(), 0.0);
+  std::vector<double> size(votes_.size(), 0.0);
+  for (const std::uint32_t d : of_slot_) {
+    const SurfaceParts::Place place = parts.find(d);
+    sum[place.root] += static_cast<double>(place.opposed ? -votes_[d] : votes_[d]);
+    size[place.root] += static_cast<double>(std::abs(votes_[d]));
+  }
+  for (const std::uint32_t d : of_slot_) {
+    const SurfaceParts::Place place = parts.find(d);
+    if (!(std::abs(sum[place.root]) >= kAgreement * size[place.root])) continue;
+    const bool outwards = (sum[place.root] > 0.0) != place.opposed;
+    votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * (outwards ? 1.0F : -1.0F);
   }
 }
 
@@ -272,6 +359,7 @@ float FacingField::facing(float x, float y, float z, float slope_x, float slope_
   const float nx = -slope_x * nz;
   const float ny = -slope_y * nz;
   const auto reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
+  const auto sheet = static_cast<float>(kSheet * spacing_m_);
   float sum = 0.0F;
   float total = 0.0F;
   for_near(x, y, [&](std::uint32_t d) {
@@ -279,7 +367,7 @@ float FacingField::facing(float x, float y, float z, float slope_x, float slope_
     const float dy = samples_.y[d] - y;
     const float dz = samples_.height(d) - z;
     const float distance2 = dx * dx + dy * dy + dz * dz;
-    if (distance2 > reach2) return;
+    if (distance2 > reach2 || std::abs(nx * dx + ny * dy + nz * dz) > sheet) return;
     const float cosine = normal_x_[d] * nx + normal_y_[d] * ny + normal_z_[d] * nz;
     if (std::abs(cosine) < kAligned) return;
     const float weight = 1.0F - distance2 / reach2;

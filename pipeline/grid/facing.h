@@ -28,8 +28,14 @@ class FacingField {
   void set_facing(TangentDiscs& discs, ThreadPool& pool) const;
 
  private:
+  struct Neighbour {
+    std::uint32_t sample;
+    float cosine;  // of the normals
+  };
   void vote(ThreadPool& pool);
+  void find_neighbours(ThreadPool& pool);
   void spread_votes(ThreadPool& pool);
+  void overrule_by_surface();
   [[nodiscard]] float facing(float x, float y, float z, float slope_x, float slope_y) const;
   /// Calls use(sample) for the samples of the columns around a place; false when it lies beyond them.
   template <typename Use>
@@ -40,8 +46,10 @@ class FacingField {
   std::vector<std::uint32_t> of_slot_;                 // samples in order -> places in the arrays of samples_
   std::vector<float> normal_x_, normal_y_, normal_z_;  // unit; z >= 0
   std::vector<float> votes_;                           // positive: the normal points outwards
-  std::vector<std::uint8_t> seen_;                     // by the viewer
-  std::vector<float> away_top_m_;                      // of each column: above it nothing near faces away
+  std::vector<std::vector<Neighbour>> near_;  // of the samples, in order and in pieces, while votes are counted
+  std::vector<std::uint32_t> near_counts_;
+  std::vector<std::uint8_t> seen_;  // by the viewer
+  std::vector<float> away_top_m_;   // of each column: above it nothing near faces away
 };
 
 }  // namespace sparsha::pipeline
