@@ -86,6 +86,24 @@ void fit_nodes(const Bins& bins, const NodeRule& rule, int first_row, ThreadPool
   });
 }
 
+// True when a node stands alone below `above_m` among its eight neighbours. Windows of 3x3 or 5x5 nodes see the back
+// there when chance has put their front points to one side: about once in 200 000 nodes where the back is as dense.
+bool is_lone_pit(const DepthGrid& grid, std::size_t i, std::size_t j, float above_m) {
+  const auto nx = static_cast<std::size_t>(grid.lattice.nx);
+  const auto ny = static_cast<std::size_t>(grid.lattice.ny);
+  int higher = 0;
+  int as_low = -1;  // the node itself
+  for (std::size_t b = j > 0 ? j - 1 : 0; b <= std::min(ny - 1, j + 1); ++b) {
+    for (std::size_t a = i > 0 ? i - 1 : 0; a <= std::min(nx - 1, i + 1); ++a) {
+      const float height = grid.height_m[b * nx + a];
+      higher += height > above_m ? 1 : 0;
+      as_low += height <= above_m ? 1 : 0;
+    }
+  }
+  constexpr int kLeast = 2;
+  return as_low == 0 && higher >= kLeast;
+}
+
 // A node far below a neighbour, with a point or two at the neighbour's height in its window, may have missed a front
 // that chance has thinned there: wider windows decide again.
 void look_again(const Bins& bins, const NodeRule& rule, double gap_m, int first_row, ThreadPool& pool,
@@ -97,6 +115,7 @@ void look_again(const Bins& bins, const NodeRule& rule, double gap_m, int first_
   struct Change {
     std::size_t node;
     NodeFit fit;
+    bool forget;  // when the fit fails
   };
   std::vector<std::vector<Change>> changes((ny + kRows - 1) / kRows);
   pool.for_ranges(ny, kRows, [&](std::size_t begin, std::size_t end) {
@@ -117,14 +136,25 @@ void look_again(const Bins& bins, const NodeRule& rule, double gap_m, int first_
         progress.throw_if_cancelled();
         const auto a = static_cast<int>(i);
         const int b = first_row + static_cast<int>(j);
-        if (!fitter.misses_thin_front(a, b, row[i] + gap)) continue;
-        changes[begin / kRows].push_back({j * nx + i, fitter.fit(a, b, 2)});
+        if (is_lone_pit(grid, i, j, row[i] + gap)) {
+          NodeFit fit = fitter.fit(a, b, 3);
+          // What is no wider than a node cannot be told from chance: then it is unknown.
+          fit.measured = fit.measured && fit.height_m > static_cast<double>(row[i] + gap);
+          changes[begin / kRows].push_back({j * nx + i, fit, true});
+        } else if (fitter.misses_thin_front(a, b, row[i] + gap)) {
+          changes[begin / kRows].push_back({j * nx + i, fitter.fit(a, b, 2), false});
+        }
       }
     }
   });
   for (const std::vector<Change>& of_rows : changes) {
     for (const Change& change : of_rows) {
-      if (!change.fit.measured) continue;
+      if (!change.fit.measured) {
+        if (!change.forget) continue;
+        grid.height_m[change.node] = kUnknownHeight;
+        grid.state[change.node] = NodeState::unknown;
+        continue;
+      }
       grid.height_m[change.node] = static_cast<float>(change.fit.height_m);
     }
   }
