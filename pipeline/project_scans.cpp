@@ -56,6 +56,9 @@ Error no_points(const Config& config) {
                      "a scan with at least one finite point");
 }
 
+// Bytes a point that bytes_in_memory() allows for its projection.
+constexpr std::uint64_t kWindowBytes = 56;
+
 // Thrown while a build in memory turns out to exceed the limit.
 struct DoesNotFit {};
 
@@ -109,8 +112,10 @@ class Builder {
     Report::Points points;
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
-    build_cloud(cloud, filters_, points, [&](const Lattice& lattice) {
+    build_cloud(cloud, filters_, points, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
       std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
+      // What is counted for a point is enough for windows; discs take more.
+      needed += (std::max(bytes_a_point, kWindowBytes) - kWindowBytes) * scans.points();
       if (checks()) needed += bytes_of_sample(*config_.check, scans.points(), lattice);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
     });
@@ -118,7 +123,7 @@ class Builder {
 
   // Filters and projects a cloud of which `points` says what has become so far.
   void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<FilterConfig>& filters,
-                   const Report::Points& points, const std::function<void(const Lattice&)>& approve) {
+                   const Report::Points& points, const ApproveLattice& approve) {
     result_.points = points;
     auto removed = std::make_shared<Cloud>();
     if (!filters.empty()) {
@@ -218,8 +223,8 @@ class Builder {
     const auto cloud = std::make_shared<Cloud>(thinner.finish());
     const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(crops.size()) + 1,
                                          filters_.end());
-    build_cloud(cloud, rest, points, [&](const Lattice& lattice) {
-      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), lattice);
+    build_cloud(cloud, rest, points, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
+      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_a_point, lattice);
     });
   }
 
@@ -237,7 +242,8 @@ class Builder {
     SpilledProjection spilled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, pool_,
                               progress_);
     const Lattice& lattice = spilled.plan().lattice;
-    const std::uint64_t tile_points = points_of_a_tile(limit_, node_bytes(scans, lattice), lattice);
+    const std::uint64_t tile_points =
+        points_of_a_tile(limit_, node_bytes(scans, lattice), spilled.plan().bytes_a_point(), lattice);
     if (checks()) {
       require_room_for_sample(limit_, *config_.check, result_.points.read, node_bytes(scans, lattice), lattice);
     }

@@ -55,7 +55,7 @@ Projector::Projector(const Cloud& cloud, ThreadPool& pool, bool keep_memory)
 
 Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridConfig& config, double resolution_m,
                               ThreadPool& pool, Progress& progress,
-                              const std::function<void(const Lattice&)>& approve) try {
+                              const ApproveLattice& approve) try {
   MemoryStore* const store = keep_memory_ ? &memory_ : nullptr;
   const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);
   const OrientedPoints points = orient_points(raw_, cloud_.origin_m, scan_to_grid, origin_m, pool, store);
@@ -65,7 +65,7 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   Extent extent = supported_extent(totals, whole, pool);
   include_vertices(points, vertices_, extent);
   const ProjectionPlan plan = plan_projection(whole, totals, extent, origin_m, only_mesh_, config, resolution_m, pool);
-  if (approve) approve(plan.lattice);
+  if (approve) approve(plan.lattice, plan.bytes_a_point());
   Projection projection = plan.empty_projection();
   progress.throw_if_cancelled();
 

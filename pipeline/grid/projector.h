@@ -28,8 +28,7 @@ class Projector {
 
   /// What project() gives, bit for bit, and with the same errors.
   [[nodiscard]] Projection project(const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid, double resolution_m,
-                                   ThreadPool& pool, Progress& progress,
-                                   const std::function<void(const Lattice&)>& approve = {});
+                                   ThreadPool& pool, Progress& progress, const ApproveLattice& approve = {});
 
  private:
   const Cloud& cloud_;

@@ -33,9 +33,6 @@ struct BucketedPoints {
 
 class SpilledProjection {
  public:
-  /// Memory of a tile's point while it is sorted and fitted, bytes, and some to spare.
-  static constexpr std::uint64_t kBytesAPoint = 56;
-
   /// Goes through the cloud a few times for everything that is decided before a node is fitted. Throws as project().
   SpilledProjection(SpilledCloud cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
                     double resolution_m, ThreadPool& pool, Progress& progress);
