@@ -9,12 +9,35 @@ using Eigen::Vector3d;
 
 constexpr double kArmingTime = 0.050;  // s in free space
 
+// Nothing that a hand holds is stronger, stiffer or more damped.
+constexpr double kMostForceN = 100.0;
+constexpr double kMostSlewNPerS = 1e6;
+constexpr double kMostDampingNSPerM = 100.0;
+
+/// NaN becomes zero.
+double between_zero_and(double most, double value) noexcept { return value > 0.0 ? std::min(value, most) : 0.0; }
+
 Vector3d clamped(const Vector3d& force_n, double most_n) noexcept {
   const double magnitude = force_n.norm();
   return magnitude > most_n ? Vector3d(force_n * (most_n / magnitude)) : force_n;
 }
 
 }  // namespace
+
+DeviceLimits usable(const DeviceLimits& limits) noexcept {
+  DeviceLimits result;
+  result.max_force_n = between_zero_and(kMostForceN, limits.max_force_n);
+  result.slew_n_per_s = between_zero_and(kMostSlewNPerS, limits.slew_n_per_s);
+  result.least_damping_n_s_per_m = between_zero_and(kMostDampingNSPerM, limits.least_damping_n_s_per_m);
+  result.delay_ticks = std::clamp(limits.delay_ticks, 0, kLongestDelayTicks);
+  return result;
+}
+
+Vector3d deliverable(const Vector3d& force_n, double most_n) noexcept {
+  const double magnitude = force_n.norm();
+  if (!(magnitude > 0.0) || !std::isfinite(magnitude) || !(most_n > 0.0)) return Vector3d::Zero();
+  return clamped(force_n, most_n);
+}
 
 double stiffness_limit(const DeviceLimits& limits, double period_s) noexcept {
   return 0.8 * 2.0 * limits.least_damping_n_s_per_m / (3.0 * period_s);
@@ -26,7 +49,7 @@ void Governor::disarm() noexcept {
 }
 
 void Governor::count_free_time(const GovernorInput& input) noexcept {
-  free_s_ = input.contact ? 0.0 : free_s_ + input.period_s;
+  free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, input.nominal_period_s);
   if (free_s_ < kArmingTime) return;
   armed_ = true;
   energy_j_ = 0.0;
@@ -41,7 +64,8 @@ void Governor::book(const GovernorInput& input) noexcept {
   damped_j_ = 0.0;
   if (has_last_) {
     displacement_m_ = input.position_m - last_position_m_;
-    damped_j_ = limits_.least_damping_n_s_per_m * displacement_m_.squaredNorm() / input.period_s;
+    damped_j_ = limits_.least_damping_n_s_per_m * displacement_m_.squaredNorm() /
+                std::max(input.period_s, input.nominal_period_s);
     const double work_j = damped_j_ - commanded_n_[delay()].dot(displacement_m_);
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
     energy_j_ = std::min(energy_j_ + std::min(work_j, stored_j), input.spring_energy_j);
@@ -80,7 +104,7 @@ GovernorOutput Governor::command(const Vector3d& force_n, bool saturated) noexce
 
 GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   const bool finite = input.position_m.allFinite() && input.force_n.allFinite() && std::isfinite(input.spring_energy_j);
-  if (!input.fresh || !finite || !(input.period_s > 0.0)) {
+  if (!input.fresh || !finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) {
     if (!finite) disarm();
     has_last_ = false;
     energy_j_ = std::min(energy_j_, 0.0);
@@ -90,8 +114,8 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   book(input);
   if (!armed_) return command(Vector3d::Zero(), false);
   const Vector3d most = clamped(input.force_n, limits_.max_force_n);
-  const Vector3d grown = slewed(most, input.period_s);
-  const Vector3d safe = clamped(passive(grown), limits_.max_force_n);
+  const Vector3d grown = slewed(most, std::min(input.period_s, input.nominal_period_s));
+  const Vector3d safe = deliverable(passive(grown), limits_.max_force_n);
   return command(safe, safe != input.force_n);
 }
 

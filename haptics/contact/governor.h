@@ -11,6 +11,8 @@
 
 namespace sparsha::haptics {
 
+inline constexpr int kLongestDelayTicks = 4;
+
 /// What a device can bear.
 struct DeviceLimits {
   double max_force_n = 8.0;
@@ -18,6 +20,14 @@ struct DeviceLimits {
   double slew_n_per_s = 1500.0;          ///< growth of force
   int delay_ticks = 1;                   ///< a force reaches the hand this many ticks after it was written, 0 to 4
 };
+
+/// The same with every number in the range of things that hands hold: what is not a number, negative or absurd becomes
+/// the safe end (no force, no damping, no growth). Whoever takes limits from outside goes through here.
+[[nodiscard]] DeviceLimits usable(const DeviceLimits& limits) noexcept;
+
+/// The last clamp before any device: at most `most_n` long, direction kept; zero when the force or the limit is not a
+/// number.
+[[nodiscard]] Eigen::Vector3d deliverable(const Eigen::Vector3d& force_n, double most_n) noexcept;
 
 /// 0.8 * 2 b / (3 T): below where a wall with one tick of delay goes unstable (0.8 since at the edge itself decay takes
 /// minutes).
@@ -34,7 +44,9 @@ struct GovernorInput {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< measured hand position
   double spring_energy_j = 0.0;                          ///< 0.5 k |X_p - X_h|^2, device frame
   double period_s = 0.001;                               ///< since the last tick
-  bool fresh = true;                                     ///< the position is new and finite
+  /// Of the servo's plan. A tick that was longer or shorter earns nothing: no growth of force, no free time, no credit.
+  double nominal_period_s = 0.001;
+  bool fresh = true;  ///< the position is new and finite
   bool contact = false;
 };
 
@@ -49,7 +61,7 @@ struct GovernorOutput {
 /// new books for each contact after 50 ms in free space.
 class Governor {
  public:
-  explicit Governor(const DeviceLimits& limits) : limits_(limits) {}
+  explicit Governor(const DeviceLimits& limits) noexcept : limits_(usable(limits)) {}
   [[nodiscard]] GovernorOutput update(const GovernorInput& input) noexcept;
   /// After start, fault or homing: force comes back only after 50 ms in free space.
   void disarm() noexcept;
@@ -57,16 +69,14 @@ class Governor {
   void arm() noexcept { armed_ = true; }
 
  private:
-  static constexpr std::size_t kLongestDelay = 4;
+  static constexpr std::size_t kLongestDelay = kLongestDelayTicks;
 
   void count_free_time(const GovernorInput& input) noexcept;
   void book(const GovernorInput& input) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
   [[nodiscard]] Eigen::Vector3d passive(const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] GovernorOutput command(const Eigen::Vector3d& force_n, bool saturated) noexcept;
-  [[nodiscard]] std::size_t delay() const noexcept {
-    return static_cast<std::size_t>(std::clamp(limits_.delay_ticks, 0, static_cast<int>(kLongestDelay)));
-  }
+  [[nodiscard]] std::size_t delay() const noexcept { return static_cast<std::size_t>(limits_.delay_ticks); }
 
   DeviceLimits limits_;
   bool armed_ = false;

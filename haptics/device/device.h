@@ -15,7 +15,8 @@ namespace sparsha::haptics {
 struct ReplayTick {
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< grid point at the device frame's origin
   double stiffness_n_per_m = 0.0;
-  double period_s = 0.001;  ///< that the governor saw
+  double period_s = 0.001;          ///< that the governor saw
+  double nominal_period_s = 0.001;  ///< of the recorded servo's plan
   std::uint64_t command = 0;
   std::uint64_t flags = 0;  ///< StateFlag bits of the recorded tick
 };

@@ -11,10 +11,21 @@
 #include <cstddef>
 
 namespace sparsha::haptics {
+namespace {
+
+// Where the system has it, the clock that counts the time of a suspended machine too: a servo that wakes after an hour
+// must know.
+#ifdef CLOCK_BOOTTIME
+constexpr clockid_t kClock = CLOCK_BOOTTIME;
+#else
+constexpr clockid_t kClock = CLOCK_MONOTONIC;
+#endif
+
+}  // namespace
 
 std::int64_t now_ns() noexcept {
   timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
+  clock_gettime(kClock, &time);
   return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
 }
 
@@ -22,7 +33,7 @@ void sleep_until_ns(std::int64_t time_ns) noexcept {
   timespec time{};
   time.tv_sec = static_cast<time_t>(time_ns / 1'000'000'000);
   time.tv_nsec = static_cast<long>(time_ns % 1'000'000'000);
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) == EINTR) {
+  while (clock_nanosleep(kClock, TIMER_ABSTIME, &time, nullptr) == EINTR) {
   }
 }
 

@@ -38,7 +38,7 @@ const std::string& run_csv_header() {
       "device_x_m,device_y_m,device_z_m,centre_x_m,centre_y_m,centre_z_m,scale,commanded_force_x_n,"
       "commanded_force_y_n,commanded_force_z_n,surface_id,command,flags,buttons,stiffness_n_per_m,period_s,late_ns,"
       "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m,delay_"
-      "ticks\n";
+      "ticks,nominal_period_s\n";
   return header;
 }
 
@@ -71,6 +71,7 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   append(text, device.limits.slew_n_per_s);
   append(text, device.limits.least_damping_n_s_per_m);
   append(text, static_cast<std::int32_t>(device.limits.delay_ticks));
+  append(text, record.nominal_period_s);
   text.back() = '\n';
 }
 

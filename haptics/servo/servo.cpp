@@ -22,11 +22,13 @@ Servo::Servo(Device& device, const ServoOptions& options, HapticWindow window, S
       options_(options),
       period_s_(1.0 / options.engine.rate_hz),
       period_ns_(std::llround(1e9 / options.engine.rate_hz)),
+      patience_ns_(std::llround(1e9 * options.silence_s)),
+      most_force_n_(usable(device.info().limits).max_force_n),
       engine_(device.info(), options.engine, std::move(window)),
       state_(state),
       consumers_(std::move(consumers)),
       recorder_(recorder),
-      watchdog_(device, options.silence_s) {}
+      watchdog_(device, std::max(options.silence_s, 2.0 * period_s_)) {}
 
 Servo::~Servo() { stop(); }
 
@@ -43,6 +45,7 @@ void Servo::stop() {
   watchdog_.stop();
   figures_.watchdog_trips = watchdog_.trips();
   figures_.faults = engine_.faults();
+  figures_.late_faults = late_faults_.load();
   figures_.real_time = real_time_;
   figures_.locked_memory = locked_;
   collect();
@@ -70,11 +73,11 @@ void Servo::take_commands() noexcept {
     has_pending_ = true;
   }
   if (pending_.at_tick > engine_.state().tick + 1) return;
-  const std::int64_t begun_ns = now_ns();
+  const std::int64_t begun_ns = options_.clock.now_ns();
   SurfacePointer old = engine_.obey(pending_);
   has_pending_ = false;
   if (old && !retired_.push(std::move(old))) leaving_ = std::move(old);
-  figures_.swap_ns_max = std::max(figures_.swap_ns_max, static_cast<double>(now_ns() - begun_ns));
+  figures_.swap_ns_max = std::max(figures_.swap_ns_max, static_cast<double>(options_.clock.now_ns() - begun_ns));
 }
 
 void Servo::publish() noexcept {
@@ -90,25 +93,52 @@ void Servo::publish() noexcept {
   bad_positions_.store(engine_.bad_positions(), std::memory_order_relaxed);
 }
 
-void Servo::tick(std::int64_t late_ns, double time_s) noexcept {
+// Since the last decision. A clock that went backwards tells as little as one that stood still.
+bool Servo::is_late(std::int64_t time_ns) const noexcept {
+  return has_decided_ && (time_ns < decided_ns_ || time_ns - decided_ns_ > patience_ns_ + period_ns_);
+}
+
+void Servo::stop_force() noexcept {
+  device_.zero();
+  device_.write(Eigen::Vector3d::Zero());
+}
+
+// The one way from the servo to the device's force.
+void Servo::deliver(const std::array<double, 3>& force_n) noexcept {
+  device_.write(deliverable({force_n[0], force_n[1], force_n[2]}, most_force_n_));
+}
+
+void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   // One command a tick, before the hand is read: its cost never lies between position and force.
   take_commands();
   const DeviceSample sample = device_.read(time_s, period_s_);
+  const std::int64_t in_hand_ns = options_.clock.now_ns();
   if (sample.finished) finished_.store(true, std::memory_order_release);
   if (sample.paused) {
     device_.write(Eigen::Vector3d::Zero());
+    decided_ns_ = in_hand_ns;
     return;
   }
-  const std::int64_t in_hand_ns = now_ns();
   // A replay repeats the recorded faults, not those of this run; nobody holds its motors.
   const bool watched = sample.replay == nullptr;
-  if (watched && watchdog_.tripped()) engine_.fault();
+  const bool late_hand = late_wake || is_late(in_hand_ns);
+  if (late_hand && !late_wake) stop_force();
+  if (watched && (late_hand || watchdog_.tripped())) engine_.fault();
   engine_.update(sample, period_s_);
-  const std::int64_t decided_ns = now_ns();
+  const std::int64_t decided_ns = options_.clock.now_ns();
+  // The watchdog may have acted during this very tick: an old force must not overwrite its zero.
+  if (watched && (is_late(decided_ns) || watchdog_.tripped())) engine_.fail();
   State& state = engine_.state();
-  // It may have bitten during this very tick: an old force must not overwrite its zero.
-  if (watched && watchdog_.tripped()) state.commanded_force_n = {};
-  device_.write({state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]});
+  deliver(state.commanded_force_n);
+  // The pause may have come between the decision and the writing: then an old force has just gone out.
+  const bool late_force = is_late(options_.clock.now_ns());
+  if (late_force && !late_hand) {
+    stop_force();
+    if (watched) engine_.fail();
+  }
+  if (late_force && !tripped_) late_faults_.fetch_add(1, std::memory_order_relaxed);
+  decided_ns_ = decided_ns;
+  has_decided_ = true;
   unplugged_.store(!sample.connected, std::memory_order_relaxed);
 
   state.tick_ns = static_cast<double>(decided_ns - in_hand_ns);
@@ -135,15 +165,19 @@ void Servo::run() noexcept {
 }
 
 void Servo::run_by_the_clock() noexcept {
-  const std::int64_t start_ns = now_ns() + period_ns_;
+  std::int64_t start_ns = options_.clock.now_ns() + period_ns_;
   std::int64_t planned = 0;  // ticks since the start
   while (!stopping_.load(std::memory_order_relaxed)) {
     const std::int64_t planned_ns = start_ns + planned * period_ns_;
-    sleep_until_ns(planned_ns);
+    options_.clock.sleep_until_ns(planned_ns);
     watched_tick(planned_ns, static_cast<double>(planned) / options_.engine.rate_hz);
+    const std::int64_t done_ns = options_.clock.now_ns();
+    ++planned;
+    // After a clock that went backwards the plan begins anew, or the servo would sleep until the old time comes again.
+    if (done_ns < planned_ns - patience_ns_) start_ns = done_ns + period_ns_ - planned * period_ns_;
     // What is late is skipped, not caught up: a burst of ticks would be a burst of wrong velocities.
-    const std::int64_t due = (now_ns() - start_ns) / period_ns_;
-    if (due > ++planned) {
+    const std::int64_t due = (done_ns - start_ns) / period_ns_;
+    if (due > planned) {
       figures_.missed_ticks += static_cast<std::uint64_t>(due - planned);
       planned = due;
     }
@@ -152,22 +186,25 @@ void Servo::run_by_the_clock() noexcept {
 
 // The device's answers are the clock; a tick is late when the next answer is.
 void Servo::run_paced() noexcept {
-  const std::int64_t start_ns = now_ns();
+  const std::int64_t start_ns = options_.clock.now_ns();
   std::int64_t planned_ns = start_ns + period_ns_;
   while (!stopping_.load(std::memory_order_relaxed)) {
     device_.wait(period_s_);
-    const std::int64_t woke_ns = now_ns();
+    const std::int64_t woke_ns = options_.clock.now_ns();
     watched_tick(planned_ns, static_cast<double>(woke_ns - start_ns) * 1e-9);
     planned_ns = woke_ns + period_ns_;
   }
 }
 
 void Servo::watched_tick(std::int64_t planned_ns, double time_s) noexcept {
-  const std::int64_t woke_ns = now_ns();
-  const bool bitten = watchdog_.tripped();
-  watchdog_.feed(woke_ns);
-  tick(woke_ns - planned_ns, time_s);
-  if (bitten) watchdog_.acknowledge();  // seen by the engine, which has disarmed
+  const std::int64_t woke_ns = options_.clock.now_ns();
+  tripped_ = watchdog_.tripped();
+  watchdog_.feed(now_ns());
+  // Whoever stopped the whole program stopped the watchdog too, and the device has held its force all the while.
+  const bool late = is_late(woke_ns);
+  if (late) stop_force();
+  tick(woke_ns - planned_ns, time_s, late);
+  if (tripped_) watchdog_.acknowledge();  // seen by the engine, which has disarmed
 }
 
 }  // namespace sparsha::haptics

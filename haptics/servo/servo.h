@@ -11,6 +11,7 @@
 #include "haptics/device/device.h"
 #include "haptics/servo/command.h"
 #include "haptics/servo/histogram.h"
+#include "haptics/servo/real_time.h"
 #include "haptics/servo/recorder.h"
 #include "haptics/servo/tick_engine.h"
 #include "haptics/servo/watchdog.h"
@@ -23,14 +24,16 @@ namespace sparsha::haptics {
 struct ServoOptions {
   EngineOptions engine;
   bool real_time = true;     ///< ask for SCHED_FIFO and locked memory
-  double silence_s = 0.010;  ///< the watchdog's patience
+  double silence_s = 0.010;  ///< lateness that is a fault; the watchdog's patience too, but never below two periods
+  ServoClock clock;          ///< the servo's; the watchdog has its own
 };
 
 /// Read after stop().
 struct ServoFigures {
   std::uint64_t ticks = 0;
   std::uint64_t missed_ticks = 0;
-  std::uint64_t faults = 0;  ///< ticks with NaN, unplugging or after the watchdog has bitten
+  std::uint64_t faults = 0;       ///< ticks with NaN, unplugging, lateness or after the watchdog has tripped
+  std::uint64_t late_faults = 0;  ///< pauses beyond the patience that the servo itself noticed
   std::uint64_t watchdog_trips = 0;
   double share_in_time = 1.0;  ///< ticks begun within 1 ms of plan, missed ones in the count
   bool real_time = false;      ///< SCHED_FIFO was granted
@@ -70,6 +73,10 @@ class Servo {
   /// Ticks so far whose position was not a number.
   [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t watchdog_trips() const noexcept { return watchdog_.trips(); }
+  /// Pauses so far that ended the force: seen by the watchdog or, where that slept too, by the servo itself.
+  [[nodiscard]] std::uint64_t silences() const noexcept {
+    return watchdog_.trips() + late_faults_.load(std::memory_order_relaxed);
+  }
   [[nodiscard]] bool unplugged() const noexcept { return unplugged_.load(std::memory_order_relaxed); }
   /// Only after stop().
   [[nodiscard]] const ServoFigures& figures() const noexcept { return figures_; }
@@ -80,14 +87,22 @@ class Servo {
   void run_by_the_clock() noexcept;
   void run_paced() noexcept;
   void watched_tick(std::int64_t planned_ns, double time_s) noexcept;
-  void tick(std::int64_t late_ns, double time_s) noexcept;
+  void tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept;
   void take_commands() noexcept;
+  [[nodiscard]] bool is_late(std::int64_t time_ns) const noexcept;
+  void stop_force() noexcept;
+  void deliver(const std::array<double, 3>& force_n) noexcept;
   void publish() noexcept;
 
   Device& device_;
   ServoOptions options_;
   double period_s_;
   std::int64_t period_ns_;
+  std::int64_t patience_ns_;
+  double most_force_n_;          // of the device
+  std::int64_t decided_ns_ = 0;  // when the last force was decided
+  bool has_decided_ = false;
+  bool tripped_ = false;  // the watchdog has, when this tick began
   TickEngine engine_;
   Seqlock<State>& state_;
   std::vector<std::shared_ptr<ContactQueue>> consumers_;
@@ -108,6 +123,7 @@ class Servo {
   std::atomic<bool> unplugged_{false};
   std::atomic<std::uint64_t> faults_{0};
   std::atomic<std::uint64_t> bad_positions_{0};
+  std::atomic<std::uint64_t> late_faults_{0};
   std::thread thread_;
 };
 

@@ -8,7 +8,9 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kSlipFilterS = 0.005;  // time constant of the published slip speed
+constexpr double kSlipFilterS = 0.005;   // time constant of the published slip speed
+constexpr double kLongestGapS = 0.010;   // without news of the hand; beyond it forces need free space again
+constexpr double kFarthestHandM = 10.0;  // no hand is so far from its device
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
 
@@ -26,11 +28,16 @@ TickEngine::TickEngine(const DeviceInfo& device, const EngineOptions& options, H
       window_(std::move(window)),
       surface_(window_.surface.get()),
       centre_m_(point_on(*surface_, surface_->centre_m.head<2>())),
-      stiffness_n_per_m_(options.stiffness_n_per_m),
+      stiffness_n_per_m_(bearable(options.stiffness_n_per_m)),
       governor_(device.limits),
       events_(options.rate_hz) {
   record_.state.centre_m = to_array(centre_m_);
   record_.state.scale = surface_->scale;
+}
+
+double TickEngine::bearable(double wish_n_per_m) const noexcept {
+  if (!(wish_n_per_m > 0.0)) return 0.0;
+  return governed_stiffness(wish_n_per_m, usable(device_.limits), 1.0 / options_.rate_hz);
 }
 
 ProxyUpdate TickEngine::solve(const Eigen::Vector3d& hip_local) noexcept {
@@ -82,7 +89,7 @@ void TickEngine::swap(Command& command) noexcept {
   std::swap(window_, command.window);  // the old surface leaves with the command
   surface_ = window_.surface.get();
   const MongeSurface& fresh = *surface_;
-  if (command.move)
+  if (command.move && command.centre_m.allFinite())
     centre_m_.head<2>() = command.centre_m;
   else
     centre_m_.head<2>() = proxy_grid_m.head<2>() - proxy_device_m.head<2>() / fresh.scale;
@@ -106,10 +113,10 @@ SurfacePointer TickEngine::obey(Command& command) noexcept {
       retired = std::move(command.window.surface);
       break;
     case Command::Kind::scroll:
-      scroll_m_per_s_ = command.scroll_m_per_s;
+      scroll_m_per_s_ = command.scroll_m_per_s.allFinite() ? command.scroll_m_per_s : Eigen::Vector3d::Zero();
       break;
     case Command::Kind::stiffness:
-      stiffness_n_per_m_ = command.stiffness_n_per_m;
+      stiffness_n_per_m_ = bearable(command.stiffness_n_per_m);
       break;
   }
   record_.state.command = command.sequence;
@@ -138,11 +145,21 @@ void TickEngine::make_safe() noexcept {
   input.position_m = hand_m_;
   input.fresh = false;
   input.period_s = record_.period_s;
+  input.nominal_period_s = record_.nominal_period_s;
   static_cast<void>(governor_.update(input));
   governor_.disarm();
   events_.reset();
   record_.state.commanded_force_n = {};
   record_.state.flags &= ~static_cast<std::uint64_t>(kFlagSaturated | kFlagArmed);
+}
+
+void TickEngine::fail() noexcept {
+  State& state = record_.state;
+  if ((state.flags & kFlagFault) != 0) return;
+  state.flags |= kFlagFault;
+  ++faults_;
+  make_safe();
+  event_.reset();
 }
 
 void TickEngine::render(const DeviceSample& sample) noexcept {
@@ -169,6 +186,7 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   state.penetration_m = surface_->scale * away.norm();
   input.spring_energy_j = 0.5 * stiffness_n_per_m_ * state.penetration_m * state.penetration_m;
   input.period_s = record_.period_s;
+  input.nominal_period_s = record_.nominal_period_s;
   input.fresh = sample.fresh;
   input.contact = found_.contact;
   const GovernorOutput output = governor_.update(input);
@@ -209,25 +227,31 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
   State& state = record_.state;
   event_.reset();
   record_.raw_device_m = to_array(sample.position_m);
+  record_.nominal_period_s = nominal_period_s;
   record_.period_s = nominal_period_s;
-  if (has_time_ && sample.time_s > last_time_s_) record_.period_s = sample.time_s - last_time_s_;
-  bool fault = fault_;
+  const bool timed = std::isfinite(sample.time_s);
+  if (has_time_ && timed && sample.time_s > last_time_s_) record_.period_s = sample.time_s - last_time_s_;
+  bool fault = fault_ || (sample.replay == nullptr && record_.period_s > nominal_period_s + kLongestGapS);
   fault_ = false;
   if (sample.replay != nullptr) {
     const ReplayTick& replay = *sample.replay;
     centre_m_ = replay.centre_m;
     stiffness_n_per_m_ = replay.stiffness_n_per_m;
     record_.period_s = replay.period_s;
+    record_.nominal_period_s = replay.nominal_period_s;
     state.command = replay.command;
     fault = fault || (replay.flags & kFlagFault) != 0;
   } else if (!swapped_) {
-    Eigen::Vector3d scroll = scroll_m_per_s_ * record_.period_s;
+    // Ticks that were missed do not let the window jump.
+    Eigen::Vector3d scroll = scroll_m_per_s_ * std::min(record_.period_s, nominal_period_s);
     if (proxy_.contact) scroll.z() = std::max(0.0, scroll.z());  // the window never presses the hand into the stone
     centre_m_ += scroll;
   }
   swapped_ = false;
-  has_time_ = true;
-  last_time_s_ = sample.time_s;
+  if (timed) {
+    has_time_ = true;
+    last_time_s_ = sample.time_s;
+  }
 
   ++state.tick;
   state.time_s = sample.time_s;
@@ -248,7 +272,7 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
   record_.window_nx = surface_->lattice.nx;
   record_.window_ny = surface_->lattice.ny;
 
-  const bool finite = sample.position_m.allFinite();
+  const bool finite = sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHandM;
   if (finite)
     hand_m_ = sample.position_m;
   else
@@ -267,6 +291,8 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
     go_blind(sample);
   } else {
     render(sample);
+    stale_s_ = sample.fresh ? 0.0 : stale_s_ + record_.period_s;
+    if (stale_s_ > kLongestGapS) make_safe();
     if (fault) {
       make_safe();
       event_.reset();

@@ -20,7 +20,7 @@ namespace sparsha::haptics {
 
 struct EngineOptions {
   double rate_hz = 1000.0;
-  double stiffness_n_per_m = 800.0;  ///< governed already: min(requested, stiffness_limit())
+  double stiffness_n_per_m = 800.0;  ///< the wish; rendered is what the device can bear
   pipeline::HapticsConfig::Solver solver = pipeline::HapticsConfig::Solver::exact;
   SolverOptions solver_options;
 };
@@ -38,6 +38,8 @@ class TickEngine {
 
   /// Zero force from now on until the hand has been in free space (watchdog, unplugging); this tick is flagged.
   void fault() noexcept { fault_ = true; }
+  /// The same for the tick that was just updated: its force is zero after all.
+  void fail() noexcept;
 
   [[nodiscard]] const State& state() const noexcept { return record_.state; }
   [[nodiscard]] State& state() noexcept { return record_.state; }
@@ -53,6 +55,7 @@ class TickEngine {
 
  private:
   void swap(Command& command) noexcept;
+  [[nodiscard]] double bearable(double wish_n_per_m) const noexcept;
   void render(const DeviceSample& sample) noexcept;
   [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
   void go_blind(const DeviceSample& sample) noexcept;
@@ -76,6 +79,7 @@ class TickEngine {
   bool fault_ = false;
   bool swapped_ = false;  // since the last update: the recorded centre is then the swap's own
   bool has_time_ = false;
+  double stale_s_ = 0.0;  // without a fresh sample
   double last_time_s_ = 0.0;
   double slip_speed_ = 0.0;
   std::uint64_t faults_ = 0;

@@ -24,6 +24,8 @@ constexpr int kHomedAnswers = 10;
 /// Encoders cannot move farther in a millisecond: 5 m/s.
 constexpr double kLongestStep_m = 0.005;
 constexpr int kFinalZeros = 8;
+/// What every direction has at 10000 counts a newton metre, over the workspace; more would saturate the amplifiers.
+constexpr double kMostForce_n = 5.0;
 /// USB packets taken in one tick: a few come at once after a pause, more only from a damaged device.
 constexpr int kMostPackets = 64;
 
@@ -85,8 +87,9 @@ class FalconDevice final : public Device {
   void write(const Eigen::Vector3d& force_n) noexcept override {
     if (!connected_) return;
     MotorCommand command{};
-    if (released_ && force_n.allFinite() && !force_n.isZero())
-      if (const auto torque = torques(position_m_, force_n))
+    const Eigen::Vector3d safe_n = deliverable(force_n, kMostForce_n);
+    if (released_ && !safe_n.isZero(0.0))
+      if (const auto torque = torques(position_m_, safe_n))
         command = motor_command(*torque, options_.counts_per_newton_metre);
     // One question at a time; only a zero that must end a force does not wait for the answer.
     const bool stop = command == MotorCommand{} && commanded_ != MotorCommand{};
@@ -161,8 +164,7 @@ DeviceInfo falcon_info() {
   DeviceInfo info;
   info.name = "Novint Falcon";
   info.workspace_width_m = 0.070;
-  // What every direction has at 10000 counts a newton metre, over the workspace; more would saturate the amplifiers.
-  info.limits.max_force_n = 5.0;
+  info.limits.max_force_n = kMostForce_n;
   info.limits.least_damping_n_s_per_m = 2.0;
   info.paced = true;
   return info;

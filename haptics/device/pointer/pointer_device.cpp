@@ -27,8 +27,10 @@ class PointerDevice final : public Device {
     PointerSample wanted;
     if (pointer_->try_read(wanted)) newest_ = wanted;
     const bool known = newest_.sequence != 0;
-    if (known) {
-      const Eigen::Vector3d goal_m(newest_.device_m[0], newest_.device_m[1], newest_.device_m[2]);
+    const Eigen::Vector3d goal_m(newest_.device_m[0], newest_.device_m[1], newest_.device_m[2]);
+    // What is no place is passed on, for the servo to end the force, but the filter must not remember it.
+    const bool usable_goal = goal_m.allFinite();
+    if (known && usable_goal) {
       if (!known_) {
         position_m_ = goal_m;
         velocity_.setZero();
@@ -39,7 +41,7 @@ class PointerDevice final : public Device {
     }
     time_s_ = time_s;
     DeviceSample sample;
-    sample.position_m = position_m_;
+    sample.position_m = usable_goal ? position_m_ : goal_m;
     sample.buttons = newest_.buttons;
     sample.time_s = time_s;
     sample.fresh = known_;

@@ -46,7 +46,9 @@ class SimulatedDevice final : public Device {
     return sample;
   }
 
-  void write(const Eigen::Vector3d& force_n) noexcept override { next_n_ = force_n; }
+  void write(const Eigen::Vector3d& force_n) noexcept override {
+    next_n_ = deliverable(force_n, parameters_.max_force_n);
+  }
   void zero() noexcept override { zeroed_.store(true, std::memory_order_release); }
 
  private:

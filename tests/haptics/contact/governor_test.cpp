@@ -187,4 +187,70 @@ TEST(Governor, GivesNoCreditForEnergyThatFrictionAte) {
   EXPECT_LE(output.energy_j, 1e-12) << "the spring was loaded without motion, so nothing was put in";
 }
 
+TEST(Governor, GrowsByOneNominalStepWhateverTheGap) {
+  const double step = DeviceLimits{}.slew_n_per_s * kPeriod;
+  for (const double gap : {0.001, 0.009, 0.3, 1.0, 3600.0, 1e300}) {
+    Governor governor = armed_governor();
+    GovernorInput input = still({0, 0, 6});
+    input.period_s = gap;
+    for (int k = 1; k <= 3; ++k) EXPECT_NEAR(governor.update(input).force_n.z(), k * step, 1e-12) << gap;
+  }
+}
+
+TEST(Governor, AGapIsNoTimeInFreeSpace) {
+  Governor governor{DeviceLimits{}};
+  GovernorInput input = still(Vector3d::Zero(), false);
+  input.period_s = 1.0;
+  for (int k = 0; k < 49; ++k) EXPECT_FALSE(governor.update(input).armed) << k;
+}
+
+TEST(Governor, ABurstOfTicksEarnsNoCredit) {
+  Governor governor = armed_governor();
+  (void)governor.update(still(Vector3d::Zero()));
+  GovernorInput input = still(Vector3d::Zero());
+  input.position_m.z() = -1e-4;
+  input.spring_energy_j = 1.0;
+  input.period_s = 1e-6;
+  const double nominal_j = DeviceLimits{}.least_damping_n_s_per_m * 1e-8 / kPeriod;
+  EXPECT_NEAR(governor.update(input).energy_j, nominal_j, 1e-15) << "what the damping takes in a nominal tick";
+}
+
+TEST(Governor, NeverPushesHarderThanTheLimitsWhateverTheyClaim) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double claim : {-1.0, 0.0, kNan, kInfinity, -kInfinity, 1e9, 1e308, -1e-300})
+    for (int field = 0; field < 3; ++field) {
+      DeviceLimits limits;
+      (field == 0 ? limits.max_force_n : field == 1 ? limits.slew_n_per_s : limits.least_damping_n_s_per_m) = claim;
+      limits.delay_ticks = field == 0 ? 1'000'000 : -7;
+      Governor governor = armed_governor(limits);
+      for (int k = 0; k < 200; ++k) {
+        GovernorInput input = still({3000.0, -4000.0, 12000.0});
+        input.spring_energy_j = 1e6;
+        const Vector3d force = governor.update(input).force_n;
+        ASSERT_TRUE(force.allFinite());
+        ASSERT_LE(force.norm(), 100.0) << "nothing that hands hold is stronger";
+        if (!(claim > 0.0) && field == 0) {
+          ASSERT_EQ(force, Vector3d::Zero()) << claim;
+        }
+        if (field != 0) {
+          ASSERT_LE(force.norm(), DeviceLimits{}.max_force_n * (1.0 + 1e-15));
+        }
+        ASSERT_GE(force.dot(input.force_n), 0.0) << "never the other way round";
+      }
+      EXPECT_GE(stiffness_limit(usable(limits), kPeriod), 0.0);
+      EXPECT_TRUE(std::isfinite(stiffness_limit(usable(limits), kPeriod)));
+    }
+}
+
+TEST(Governor, TheLastClampDeliversNothingThatIsNoForce) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(deliverable({kNan, 0, 1}, 8.0), Vector3d::Zero());
+  EXPECT_EQ(deliverable({kInfinity, 0, 1}, 8.0), Vector3d::Zero());
+  EXPECT_EQ(deliverable({1e300, 1e300, 0}, 8.0), Vector3d::Zero()) << "longer than any number";
+  EXPECT_EQ(deliverable({1, 2, 3}, kNan), Vector3d::Zero());
+  EXPECT_EQ(deliverable({1, 2, 3}, -1.0), Vector3d::Zero());
+  EXPECT_EQ(deliverable({1, 2, 2}, 8.0), Vector3d(1, 2, 2));
+  EXPECT_LT((deliverable({1, 2, 2}, 1.5) - Vector3d(0.5, 1, 1)).norm(), 1e-15);
+}
+
 }  // namespace sparsha::haptics::test

@@ -157,5 +157,27 @@ TEST(PointerDevice, GoesSmoothlyToWhereThePointerJumps) {
   EXPECT_LT(longest, 0.02 * 0.001 / 0.012 * std::exp(-1.0) * 1.01);  // the filter's greatest speed, at t = T
 }
 
+TEST(PointerDevice, ForgetsAPlaceThatIsNoNumber) {
+  const auto pointer = std::make_shared<Seqlock<PointerSample>>();
+  const auto device = make_pointer_device(pointer);
+  pointer->publish({{0.01, 0.0, 0.03}, 0, 1});
+  static_cast<void>(device->read(0.0, 0.001));
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    pointer->publish({{0.01, bad, 0.03}, 0, 2});
+    EXPECT_FALSE(device->read(0.001, 0.001).position_m.allFinite()) << "the servo must know";
+    pointer->publish({{0.01, 0.0, 0.03}, 0, 3});
+    EXPECT_EQ(device->read(0.002, 0.001).position_m, Eigen::Vector3d(0.01, 0.0, 0.03));
+  }
+}
+
+TEST(SimulatedDevice, SurvivesForcesThatAreNone) {
+  const auto device = make_simulated_device(1, 0.0);
+  double time_s = 0.0;
+  for (const double bad : {std::nan(""), HUGE_VAL, 1e300, -1e9}) {
+    device->write({0.0, 0.0, bad});
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(device->read(time_s += 0.001, 0.001).position_m.allFinite());
+  }
+}
+
 }  // namespace
 }  // namespace sparsha::haptics

@@ -43,6 +43,7 @@ Record record_at(std::uint64_t tick) {
   record.state.time_s = 0.001 * static_cast<double>(tick);
   record.state.flags = kFlagHomed;
   record.period_s = 0.001;
+  record.nominal_period_s = 0.001;
   record.window_nx = record.window_ny = 10;
   return record;
 }

@@ -320,5 +320,107 @@ TEST(TickEngine, IdenticalSamplesGiveIdenticalBits) {
   }
 }
 
+TEST(TickEngine, NoNewsOfTheHandForTenMillisecondsNeedsFreeSpaceBeforeForce) {
+  for (const int lost : {5, 9, 12, 100}) {
+    Hand hand(window_on(testing::flat_scene()));
+    hand.arm();
+    ASSERT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+    DeviceSample stale = sample_at({0.0, 0.0, -0.002}, 0.0);
+    stale.fresh = false;
+    for (int i = 0; i < lost; ++i) ASSERT_EQ(vector_of(hand.go(stale).commanded_force_n).norm(), 0.0);
+    for (int i = 0; i < 100; ++i) hand.go({0.0, 0.0, -0.002});
+    const double after = hand.engine.state().commanded_force_n[2];
+    if (lost < 10)
+      EXPECT_GT(after, 1.0) << lost;
+    else
+      EXPECT_EQ(after, 0.0) << lost;
+    hand.arm();
+    EXPECT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+  }
+}
+
+TEST(TickEngine, AGapInTheHandsTimeIsAFaultAndMovesNoWindow) {
+  Hand hand(window_on(testing::flat_scene(0.0, 101, 1.0)));
+  Command scroll;
+  scroll.scroll_m_per_s = {0.01, 0.0, 0.0};
+  static_cast<void>(hand.engine.obey(scroll));
+  hand.arm();
+  hand.press({0.0, 0.0, -0.002});
+  const State before = hand.engine.state();
+  DeviceSample late = sample_at({0.0, 0.0, -0.002}, before.time_s + 1.0);
+  hand.engine.update(late, kPeriodS);
+  const State& state = hand.engine.state();
+  EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((state.flags & kFlagFault) != 0);
+  EXPECT_NEAR(state.centre_m[0] - before.centre_m[0], 0.01 * kPeriodS, 1e-12) << "one nominal tick's way";
+  for (int i = 1; i < 100; ++i) {
+    hand.engine.update(sample_at({0.0, 0.0, -0.002}, late.time_s + i * kPeriodS), kPeriodS);
+    ASSERT_EQ(vector_of(hand.engine.state().commanded_force_n).norm(), 0.0) << "still in the stone";
+  }
+}
+
+TEST(TickEngine, TimesThatGoBackwardsOrAreNoNumbersLastOneNominalTick) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  Hand hand(window_on(testing::flat_scene()));
+  hand.arm();
+  for (const double time_s : {kNan, -1.0, -1e300, -std::numeric_limits<double>::infinity(), kNan}) {
+    hand.engine.update(sample_at({0.0, 0.0, -0.002}, time_s), kPeriodS);
+    EXPECT_EQ(hand.engine.record().period_s, kPeriodS) << time_s;
+    EXPECT_TRUE(vector_of(hand.engine.state().commanded_force_n).allFinite());
+    EXPECT_LE(hand.engine.state().commanded_force_n[2], 8.0);
+  }
+}
+
+TEST(TickEngine, AHandThatIsFartherThanAnyHandIsAFaultAndNoFreeSpace) {
+  for (const double far : {11.0, -11.0, 1e12, -1e30, 1e308}) {
+    Hand hand(window_on(testing::flat_scene()));
+    for (int i = 0; i < 100; ++i) {
+      const State& state = hand.go({0.0, 0.0, far});
+      ASSERT_TRUE((state.flags & kFlagFault) != 0) << far;
+      ASSERT_TRUE((state.flags & kFlagArmed) == 0);
+    }
+    for (int i = 0; i < 20; ++i) ASSERT_EQ(hand.go({0.0, 0.0, -0.002}).commanded_force_n[2], 0.0);
+  }
+}
+
+TEST(TickEngine, CommandsThatAreNoNumbersOrBeyondTheDeviceDoNotReachTheHand) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  Hand hand(window_on(testing::flat_scene()));
+  hand.arm();
+  for (const double wish : {1e9, std::numeric_limits<double>::infinity(), kNan, -5.0}) {
+    Command command;
+    command.kind = Command::Kind::stiffness;
+    command.stiffness_n_per_m = wish;
+    static_cast<void>(hand.engine.obey(command));
+    const State& state = hand.go({0.0, 0.0, -0.001});
+    EXPECT_GE(hand.engine.record().stiffness_n_per_m, 0.0);
+    EXPECT_LE(hand.engine.record().stiffness_n_per_m, stiffness_limit(DeviceLimits{}, kPeriodS));
+    EXPECT_TRUE(vector_of(state.force_n).allFinite());
+  }
+  Command scroll;
+  scroll.scroll_m_per_s = {0.0, kNan, 0.0};
+  static_cast<void>(hand.engine.obey(scroll));
+  Command swap;
+  swap.kind = Command::Kind::swap;
+  swap.window = window_on(testing::flat_scene(), 0, 2);
+  swap.move = true;
+  swap.centre_m = {kNan, 0.0};
+  static_cast<void>(hand.engine.obey(swap));
+  hand.arm();
+  EXPECT_TRUE(std::isfinite(hand.engine.state().centre_m[0]) && std::isfinite(hand.engine.state().centre_m[1]));
+}
+
+TEST(TickEngine, ATickThatFailsAfterItsForceWasDecidedIsZeroAndFlaggedOnce) {
+  Hand hand(window_on(testing::flat_scene()));
+  hand.arm();
+  ASSERT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+  hand.engine.fail();
+  hand.engine.fail();
+  EXPECT_EQ(hand.engine.faults(), 1U);
+  EXPECT_EQ(vector_of(hand.engine.state().commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((hand.engine.state().flags & kFlagFault) != 0);
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(hand.go({0.0, 0.0, -0.002}).commanded_force_n[2], 0.0);
+}
+
 }  // namespace
 }  // namespace sparsha::haptics
