@@ -27,8 +27,12 @@ constexpr double kFaultPauseS = 3.0;
 // Device buttons, from the front of a Falcon's grip.
 enum Button : std::size_t { kButtonPlus, kButtonForward, kButtonCentre, kButtonMinus };
 
-double checked_rate(double rate_hz) {
+double checked_rate(double rate_hz, const Recording* recording) {
+  if (recording != nullptr) rate_hz = 1.0 / recording->period_s();
   if (rate_hz >= kSlowestHz && rate_hz <= kFastestHz) return rate_hz;
+  if (recording != nullptr)
+    throw Error(ErrorKind::input, {}, fmt::format("the rows of the recording come at {:.6g} Hz", rate_hz),
+                "100 to 10000 rows a second");
   throw usage_error(fmt::format("a servo rate of {} Hz", rate_hz), "rate_hz from 100 to 10000");
 }
 
@@ -41,12 +45,15 @@ struct Session::Implementation {
         options(std::move(session_options)),
         info(device->info()),
         recording(device->recording()),
-        rate_hz(checked_rate(recording != nullptr ? 1.0 / recording->period_s() : options.haptics.rate_hz)),
+        rate_hz(checked_rate(options.haptics.rate_hz, recording)),
         narrator(announcements, scene),
         navigator(scene, info.workspace_width_m, options.texture, options.friction, narrator),
         recorder(options.record, info, rate_hz) {
     if (recording != nullptr && recording->cut_short())
       narrator.say("The recording ends in the middle of a row", Announcement::Priority::warning);
+    if (recording != nullptr && recording->limited())
+      narrator.say("The recording was made with a stronger device: its forces are limited",
+                   Announcement::Priority::warning);
     if (recording != nullptr && recording->windows().empty()) recording = nullptr;
     stiffness_n_per_m = governed(options.haptics.stiffness_n_per_m);
     if (recording != nullptr) {
@@ -170,7 +177,7 @@ struct Session::Implementation {
     if (servo->unplugged() && !unplugged_told)
       narrator.say("The device is unplugged; forces are off", Announcement::Priority::fault);
     unplugged_told = servo->unplugged();
-    tell_fault(servo->watchdog_trips(), now.time_s, trips_told,
+    tell_fault(servo->silences(), now.time_s, silences_told,
                "The servo fell silent; forces are off until the hand is in the air");
     tell_fault(servo->bad_positions(), now.time_s, bad_positions_told,
                "The device gave no usable position; forces are off until the hand is in the air");
@@ -209,7 +216,7 @@ struct Session::Implementation {
   double window_load_s_max = 0.0;
   bool told_real_time = false;
   bool unplugged_told = false;
-  Told trips_told;
+  Told silences_told;
   Told bad_positions_told;
   std::uint64_t dropped_told = 0;
 };
@@ -277,6 +284,7 @@ SessionSummary Session::stop() {
     summary.locked_memory = servo.locked_memory;
     summary.faults = servo.faults;
     summary.watchdog_trips = servo.watchdog_trips;
+    summary.late_faults = servo.late_faults;
     summary.swap_ns_max = servo.swap_ns_max;
     summary.tick_ns_p50 = servo.tick_ns.quantile_ns(0.5);
     summary.tick_ns_p99 = servo.tick_ns.quantile_ns(0.99);

@@ -45,6 +45,7 @@ struct SessionSummary {
   std::uint64_t faults = 0;
   std::uint64_t dropped_records = 0;
   std::uint64_t watchdog_trips = 0;
+  std::uint64_t late_faults = 0;  ///< pauses of over 10 ms that the servo itself noticed
   bool locked_memory = false;
   double stiffness_n_per_m = 0.0;  ///< rendered at the end: min(requested, what the device can bear)
   std::uint64_t windows_loaded = 0;

@@ -40,6 +40,7 @@ enum Column : std::size_t {
   kSlew,
   kDamping,
   kDelay,
+  kNominalPeriod,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -65,7 +66,9 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "max_force_n",
                                                            "slew_n_per_s",
                                                            "least_damping_n_s_per_m",
-                                                           "delay_ticks"};
+                                                           "delay_ticks",
+                                                           "nominal_period_s"};
+
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
 std::string_view take_line(std::string_view& text) {
@@ -112,24 +115,81 @@ std::string read_fields(std::string_view line, std::vector<double>& fields) {
   return line.empty() ? "" : "more fields than the header names";
 }
 
-// Everything but the device's own position, which may be what a broken device gave.
+/// What a column may hold; `whole` numbers only where so said.
+struct Range {
+  double low, high;
+  bool whole = false;
+};
+
+// The device's own position may be what a broken device gave: the servo judges it.
+constexpr Range range_of(Column column) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  constexpr double kLeast = std::numeric_limits<double>::min();
+  switch (column) {
+    case kX:
+    case kY:
+    case kZ:
+      return {-kAny, kAny};
+    case kTime:
+    case kCentreX:
+    case kCentreY:
+    case kCentreZ:
+      return {-1e9, 1e9};
+    case kScale:
+      return {1e-9, 1e9};
+    case kButtons:
+    case kSurface:
+    case kCommand:
+    case kFlags:
+      return {0.0, 0x1p62, true};
+    case kLevel:
+      return {0.0, 64.0, true};
+    case kWindowI:
+    case kWindowJ:
+    case kWindowNx:
+    case kWindowNy:
+      return {-1e9, 1e9, true};
+    case kStiffness:
+      return {0.0, 1e5};
+    case kPeriod:
+      return {kLeast, 1e9};
+    case kNominalPeriod:
+      return {1e-5, 1.0};
+    case kWorkspace:
+      return {1e-3, 10.0};
+    case kMaxForce:
+      return {0.0, 100.0};
+    case kSlew:
+      return {kLeast, 1e6};
+    case kDamping:
+      return {0.0, 100.0};
+    case kDelay:
+      return {0.0, kLongestDelayTicks, true};
+    case kColumns:
+      break;
+  }
+  return {0.0, 0.0};
+}
+
 std::string wrong_value(const std::array<std::size_t, kColumns>& place, const std::vector<double>& fields) {
-  constexpr double kMostCount = 1e9;
-  constexpr std::array kCounts = {kLevel, kWindowI, kWindowJ, kWindowNx, kWindowNy, kDelay};
-  constexpr std::array kWords = {kButtons, kSurface, kCommand, kFlags};
-  constexpr std::array kPositive = {kScale, kPeriod, kWorkspace};
   for (std::size_t column = 0; column < kColumns; ++column) {
     if (place[column] == kAbsent || column == kX || column == kY || column == kZ) continue;
     const double value = fields[place[column]];
-    const auto is_one_of = [column](const auto& columns) {
-      return std::find(columns.begin(), columns.end(), column) != columns.end();
-    };
-    const bool good = std::isfinite(value) && (!is_one_of(kCounts) || std::abs(value) <= kMostCount) &&
-                      (!is_one_of(kWords) || (value >= 0.0 && value < 0x1p63)) &&
-                      (!is_one_of(kPositive) || value > 0.0);
-    if (!good) return "an impossible " + std::string(kNames[column]);
+    const Range range = range_of(static_cast<Column>(column));
+    if (value >= range.low && value <= range.high && (!range.whole || value == std::floor(value))) continue;
+    return "an impossible " + std::string(kNames[column]);
   }
   return "";
+}
+
+/// The weaker of what the recorded device had and of playback's own limits.
+DeviceLimits limits_of(const DeviceLimits& recorded, bool& limited) {
+  const DeviceLimits own;
+  DeviceLimits result = recorded;
+  result.max_force_n = std::min(recorded.max_force_n, own.max_force_n);
+  result.slew_n_per_s = std::min(recorded.slew_n_per_s, own.slew_n_per_s);
+  limited = result.max_force_n < recorded.max_force_n || result.slew_n_per_s < recorded.slew_n_per_s;
+  return usable(result);
 }
 
 std::uint64_t word(double value) { return static_cast<std::uint64_t>(value); }
@@ -186,6 +246,7 @@ Recording::Recording(const std::filesystem::path& file) {
     row.replay.centre_m = {at(kCentreX, 0.0), at(kCentreY, 0.0), at(kCentreZ, 0.0)};
     row.replay.stiffness_n_per_m = at(kStiffness, 0.0);
     row.replay.period_s = at(kPeriod, 0.001);
+    row.replay.nominal_period_s = at(kNominalPeriod, 0.0);
     row.replay.command = word(at(kCommand, 0.0));
     row.replay.flags = word(at(kFlags, static_cast<double>(kFlagHomed)));
     const std::uint64_t surface_id = word(at(kSurface, 0.0));
@@ -206,16 +267,23 @@ Recording::Recording(const std::filesystem::path& file) {
     if (rows_.empty()) {
       info_.name = "playback";
       info_.workspace_width_m = at(kWorkspace, info_.workspace_width_m);
-      info_.limits.max_force_n = at(kMaxForce, info_.limits.max_force_n);
-      info_.limits.slew_n_per_s = at(kSlew, info_.limits.slew_n_per_s);
-      info_.limits.least_damping_n_s_per_m = at(kDamping, info_.limits.least_damping_n_s_per_m);
-      info_.limits.delay_ticks = static_cast<int>(at(kDelay, info_.limits.delay_ticks));
+      DeviceLimits recorded;
+      recorded.max_force_n = at(kMaxForce, recorded.max_force_n);
+      recorded.slew_n_per_s = at(kSlew, recorded.slew_n_per_s);
+      recorded.least_damping_n_s_per_m = at(kDamping, recorded.least_damping_n_s_per_m);
+      recorded.delay_ticks = static_cast<int>(at(kDelay, recorded.delay_ticks));
+      info_.limits = limits_of(recorded, limited_);
     }
     rows_.push_back(row);
   }
   if (rows_.empty())
     throw input_error_at(name, line_number, "the recording has no rows", "at least one row below the header");
-  period_s_ = commonest_step(rows_);
+  if (place[kNominalPeriod] != kAbsent) {
+    period_s_ = rows_.front().replay.nominal_period_s;
+  } else {
+    period_s_ = commonest_step(rows_);
+    for (RecordedRow& row : rows_) row.replay.nominal_period_s = period_s_;
+  }
   allowed_.store(rows_.size());
 }
 

@@ -44,7 +44,9 @@ class Recording {
   [[nodiscard]] bool has_replay() const noexcept { return has_replay_; }
   /// The last row was cut in the middle, as by a power failure, and is left out.
   [[nodiscard]] bool cut_short() const noexcept { return cut_short_; }
-  /// The commonest step between rows.
+  /// The recorded device was stronger than playback's own limits (DeviceLimits' defaults), which then apply.
+  [[nodiscard]] bool limited() const noexcept { return limited_; }
+  /// Of the recorded servo's plan; of older recordings the commonest step between rows.
   [[nodiscard]] double period_s() const noexcept { return period_s_; }
 
   /// Rows before `row` may be played; the session calls this as windows become ready. Without windows all may.
@@ -57,6 +59,7 @@ class Recording {
   DeviceInfo info_;
   bool has_replay_ = false;
   bool cut_short_ = false;
+  bool limited_ = false;
   double period_s_ = 0.001;
   std::atomic<std::size_t> allowed_{0};
 };

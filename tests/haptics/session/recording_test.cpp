@@ -61,7 +61,7 @@ TEST(Session, TheSimulatedHandTouchesAndEveryTickIsARow) {
   EXPECT_GT(summary.area_m2, 0.0);
   EXPECT_LT(summary.area_m2, 0.01);
   // A machine that stood still for 10 ms trips the watchdog.
-  EXPECT_LE(summary.faults, 2 * summary.watchdog_trips);
+  EXPECT_LE(summary.faults, 2 * (summary.watchdog_trips + summary.late_faults));
   EXPECT_EQ(summary.dropped_records, 0U);
   EXPECT_EQ(summary.levels, std::vector<int>{2});
   const auto csv = read_csv(options.record);
@@ -175,6 +175,89 @@ TEST(Session, TraceOfARecordingEqualsTheLiveRunThroughZoomsPansAndSwaps) {
   EXPECT_GT(result.summary.contacts, 500U);
   EXPECT_EQ(result.summary.below_surface, 0U);
   EXPECT_LE(result.summary.residual_cells_p99, 1.1e-9);
+}
+
+TEST(Session, NoNumberOfARecordingReachesTheDeviceUnchecked) {
+  const test::TestFolder folder;
+  const auto scene = textured_scene();
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  record(scene, 8, options);
+  // From a tenth of a second before the first touch to a while into it.
+  Csv good = read_csv(options.record);
+  std::size_t touch = 1;
+  while (good.at(touch)[column(good, "contact")] == "0") ++touch;
+  ASSERT_GT(touch, 100U);
+  good.erase(good.begin() + 1, good.begin() + static_cast<std::ptrdiff_t>(touch - 100));
+  good.resize(std::min<std::size_t>(good.size(), 250));
+  const auto write = [&](const Csv& csv) {
+    std::ofstream stream(folder / "bad.csv");
+    for (const auto& row : csv)
+      for (std::size_t c = 0; c < row.size(); ++c) stream << row[c] << (c + 1 < row.size() ? ',' : '\n');
+  };
+  const std::vector<std::string> used = {"t_s",         "centre_x_m",   "centre_y_m",
+                                         "centre_z_m",  "scale",        "surface_id",
+                                         "command",     "flags",        "level",
+                                         "buttons",     "period_s",     "stiffness_n_per_m",
+                                         "window_i",    "window_j",     "window_nx",
+                                         "window_ny",   "workspace_m",  "nominal_period_s",
+                                         "max_force_n", "slew_n_per_s", "least_damping_n_s_per_m",
+                                         "delay_ticks"};
+  int refused = 0;
+  int played = 0;
+  for (const std::string& name : used)
+    for (const char* value : {"-1", "1e9", "1e308", "-1e308", "nan", "inf", "0.5"}) {
+      SCOPED_TRACE(name + " " + value);
+      Csv bad = good;
+      // In the first row, where the limits are read, and in a row of force.
+      for (const std::size_t row : {std::size_t{1}, std::size_t{150}}) bad[row][column(good, name)] = value;
+      if (name == "t_s") bad[1] = good[1];  // else time does not increase, which is another error
+      write(bad);
+      SessionOptions again;
+      again.record = folder / "again.csv";
+      again.real_time = false;
+      try {
+        Session session(scene, make_playback_device(folder / "bad.csv"), again);
+        run_to_the_end(session);
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
+        ++refused;
+        continue;
+      }
+      ++played;
+      const Csv rows = read_csv(again.record);
+      const std::size_t x = column(rows, "commanded_force_x_n");
+      double last[3] = {0.0, 0.0, 0.0};
+      for (std::size_t row = 1; row < rows.size(); ++row) {
+        double now[3];
+        double share = 0.0;
+        double squared = 0.0;
+        for (std::size_t axis = 0; axis < 3; ++axis) now[axis] = std::stod(rows[row][x + axis]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          share += now[axis] * last[axis], squared += last[axis] * last[axis];
+        const double norm = std::hypot(now[0], now[1], now[2]);
+        ASSERT_TRUE(std::isfinite(norm));
+        ASSERT_LE(norm, 8.0 + 1e-12);
+        ASSERT_LE(norm - std::sqrt(squared), 1500.0 * 0.001 + 1e-9) << "row " << row << ": one nominal step";
+        std::copy(now, now + 3, last);
+      }
+    }
+  EXPECT_GT(refused, 80);
+  EXPECT_GT(played, 5) << "a weaker device, another place or another delay is no error";
+}
+
+TEST(Session, ARecordingOfAStrongerDeviceIsPlayedWithinPlaybacksOwnLimitsAndSaysSo) {
+  const test::TestFolder folder;
+  std::ofstream(folder / "run.csv") << "t_s,device_x_m,device_y_m,device_z_m,max_force_n,slew_n_per_s\n"
+                                    << "0,0,0,0.02,30,9000\n0.001,0,0,0.02,30,9000\n";
+  const auto device = make_playback_device(folder / "run.csv");
+  EXPECT_EQ(device->info().limits.max_force_n, DeviceLimits{}.max_force_n);
+  EXPECT_EQ(device->info().limits.slew_n_per_s, DeviceLimits{}.slew_n_per_s);
+  Session session(textured_scene(), make_playback_device(folder / "run.csv"), {});
+  run_to_the_end(session);
+  const auto all = session.announcements().since(0);
+  EXPECT_TRUE(std::any_of(all.begin(), all.end(),
+                          [](const Announcement& a) { return a.text.find("stronger device") != std::string::npos; }));
 }
 
 TEST(Session, APathWithoutWindowsCannotBeTracedAsALiveRun) {
