@@ -15,6 +15,9 @@ using yaml::Node;
 
 constexpr double kMilli = 1e-3;
 constexpr double kMaxSize = 1e5;  // metres
+constexpr double kFarthest =
+    1e9;  // of a station, metres: beyond it double precision does not tell the surface's points
+constexpr std::size_t kMostStations = 1000;
 
 /// A length given in millimetres.
 void read_mm(MapReader& reader, std::string_view key, double& metres, double low_m, double high_m) {
@@ -120,6 +123,9 @@ ScannerConfig parse_stations(const Node& node) {
   if (!node.is_sequence() || node.items.empty()) {
     throw yaml::error_at(node, "stations is not a list", "expected at least one `- {position_m: [x, y, z], ...}`");
   }
+  if (node.items.size() > kMostStations) {
+    throw yaml::error_at(node, std::to_string(node.items.size()) + " stations", "expected at most 1000");
+  }
   ScannerConfig scanner;
   std::set<std::string> names;
   for (const Node& item : node.items) {
@@ -135,6 +141,12 @@ ScannerConfig parse_stations(const Node& node) {
     reader.required("target_m");
     read_vector(reader, "position_m", station.position_m);
     read_vector(reader, "target_m", station.target_m);
+    for (const char* key : {"position_m", "target_m"}) {
+      const Eigen::Vector3d& place = key[0] == 'p' ? station.position_m : station.target_m;
+      if (place.cwiseAbs().maxCoeff() > kFarthest) {
+        throw yaml::error_at(*item.find(key), "a place more than 1e9 m away", "expected metres");
+      }
+    }
     double step_mrad = station.step_rad / kMilli;
     reader.read("step_mrad", step_mrad, 1e-4, 100.0);
     station.step_rad = step_mrad * kMilli;

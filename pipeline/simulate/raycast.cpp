@@ -12,6 +12,8 @@ constexpr int kCells = 1024;         // along the longer side
 constexpr int kPiecesPerCell = 3;    // of a beam in a cell, tried for a change of sign
 constexpr double kTolerance = 1e-9;  // of the size
 constexpr std::size_t kRowsAtOnce = 16;
+// Of the distance along a beam: what double precision tells apart for sure. Beams from very far away are no finer.
+constexpr double kSteps = 8.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -79,7 +81,7 @@ std::optional<double> HeightCaster::meet_in_cell(const Eigen::Vector3d& origin, 
     double clear = above(outside);
     if (clear <= 0.0) return outside;
     // Regula falsi alternating with halving: fast on smooth stone, safe on a vertical step.
-    const double tolerance = kTolerance * std::max(width_m_, length_m_);
+    const double tolerance = std::max(kTolerance * std::max(width_m_, length_m_), kSteps * end);
     for (bool halve = false; inside - outside > tolerance; halve = !halve) {
       const double share = halve ? 0.5 : std::clamp(clear / (clear - below), 0.01, 0.99);
       const double middle = outside + share * (inside - outside);
@@ -125,7 +127,7 @@ std::optional<HeightCaster::Hit> HeightCaster::cast(const Eigen::Vector3d& origi
   end = std::min(end, (lowest_m_ - origin.z()) / direction.z());
   double t = begin;
   int level = static_cast<int>(levels_.size()) - 1;
-  const double nudge = 1e-7 * cell_m_;  // past a border, so that the next square is found
+  const double nudge = std::max(1e-7 * cell_m_, kSteps * end);  // past a border, so that the next square is found
   while (t < end) {
     const Level& squares = levels_[static_cast<std::size_t>(level)];
     const double side = std::ldexp(cell_m_, level);

@@ -16,6 +16,8 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr std::int64_t kColumnsAtOnce = 64;
+constexpr std::int64_t kBeamsAtOnce = 4'000'000;
+constexpr std::int64_t kMostElevations = 10'000'000;
 
 /// Beam numbers (azimuth, elevation) that cover the solid, inclusive.
 struct FieldOfView {
@@ -46,9 +48,11 @@ class Station {
 
   [[nodiscard]] FieldOfView field_of_view() const;
 
-  /// Appends what the beams of one azimuth record, from below upwards.
-  void scan_column(const FieldOfView& view, std::int64_t azimuth, std::vector<SimulatedPoint>& points) const {
+  /// Appends what the beams of one azimuth record, from below upwards. Throws Cancelled.
+  void scan_column(const FieldOfView& view, std::int64_t azimuth, std::vector<SimulatedPoint>& points,
+                   const Progress& progress) const {
     for (std::int64_t elevation = view.elevation_low; elevation <= view.elevation_high; ++elevation) {
+      if ((elevation & 1023) == 0) progress.throw_if_cancelled();
       const double e = static_cast<double>(elevation) * step_turns_;
       const double a = static_cast<double>(azimuth) * step_turns_;
       const double level = plain::cos_turns(e);
@@ -151,7 +155,9 @@ FieldOfView Station::field_of_view() const {
   constexpr double kMostBeams = 4e9;
   const double beams = static_cast<double>(view.azimuth_high - view.azimuth_low) *
                        static_cast<double>(view.elevation_high - view.elevation_low);
-  if (beams > kMostBeams) throw usage_error("a station has more than 4e9 beams", "expected a greater step_mrad");
+  if (beams > kMostBeams || view.elevation_high - view.elevation_low > kMostElevations) {
+    throw usage_error("a station has more than 4e9 beams, or 1e7 above each other", "expected a greater step_mrad");
+  }
   return view;
 }
 
@@ -161,15 +167,17 @@ void scan_station(const SimulationConfig& config, const Surface& surface, std::s
                   Progress& progress, const SimulatedPointSink& sink) {
   const Station station(config, surface, index, pool);
   const FieldOfView view = station.field_of_view();
-  std::vector<std::vector<SimulatedPoint>> columns(static_cast<std::size_t>(kColumnsAtOnce));
-  for (std::int64_t first = view.azimuth_low; first <= view.azimuth_high; first += kColumnsAtOnce) {
+  const std::int64_t elevations = view.elevation_high - view.elevation_low + 1;
+  const std::int64_t at_once = std::clamp<std::int64_t>(kBeamsAtOnce / elevations, 1, kColumnsAtOnce);
+  std::vector<std::vector<SimulatedPoint>> columns(static_cast<std::size_t>(at_once));
+  for (std::int64_t first = view.azimuth_low; first <= view.azimuth_high; first += at_once) {
     progress.at(static_cast<double>(first - view.azimuth_low) /
                 static_cast<double>(view.azimuth_high + 1 - view.azimuth_low));
-    const std::int64_t last = std::min(view.azimuth_high, first + kColumnsAtOnce - 1);
+    const std::int64_t last = std::min(view.azimuth_high, first + at_once - 1);
     pool.for_ranges(static_cast<std::size_t>(last - first + 1), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c) {
         columns[c].clear();
-        station.scan_column(view, first + static_cast<std::int64_t>(c), columns[c]);
+        station.scan_column(view, first + static_cast<std::int64_t>(c), columns[c], progress);
       }
     });
     for (std::size_t c = 0; c < static_cast<std::size_t>(last - first + 1); ++c) sink(columns[c]);

@@ -175,5 +175,20 @@ TEST(Scanner, AStationInsideTheSolidIsRefused) {
   EXPECT_THROW((void)generate(config), Error);
 }
 
+TEST(Scanner, AStationVeryFarAwayIsScannedInTimeAndToThePrecisionOfItsDistance) {
+  for (const double distance_m : {1e6, 1e7, 1e9}) {
+    const SimulationConfig config =
+        one_station(SinusoidForm{0.08, 0.3}, {0.5, 0.5, distance_m}, 1.0 / distance_m / 20.0);
+    const SimulatedScan scan = generate(config);
+    const Surface surface(config.surface);
+    ASSERT_GT(scan.points_m.size(), 200U) << distance_m;
+    constexpr double kSlope = 2.0;  // of this sinusoid at most: 2 pi 0.08 / 0.3
+    const double tolerance_m = 16.0 * (1.0 + kSlope) * 2.3e-16 * distance_m;
+    for (const Eigen::Vector3d& p : scan.points_m) {
+      ASSERT_NEAR(p.z(), surface.z(p.x(), p.y()), tolerance_m) << distance_m;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
