@@ -1,6 +1,10 @@
 #include "pipeline/scan/las.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
 
 #include "pipeline/scan/las_header.h"
 #include "pipeline/scan/laz.h"
@@ -22,7 +26,39 @@ bool is_las(const ScanFile& file) { return file.bytes.substr(0, 4) == "LASF"; }
 namespace las {
 
 PointReader::PointReader(const Header& header, const Units& units, ScanWriter& out)
-    : header_(header), out_(out), colour_(header.colour_offset()), z_factor_(units.z_factor) {}
+    : header_(header), out_(out), colour_(header.colour_offset()), z_factor_(units.z_factor) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::int32_t a = stored(header.box_low[k] - header.box_side, k);
+    const std::int32_t b = stored(header.box_high[k] + header.box_side, k);
+    low_[k] = std::min(a, b);  // a scale may be negative
+    high_[k] = std::max(a, b);
+    least_[k] = std::numeric_limits<std::int32_t>::max();
+    most_[k] = std::numeric_limits<std::int32_t>::min();
+  }
+}
+
+std::int32_t PointReader::stored(double coordinate, std::size_t axis) const {
+  constexpr double kLow = std::numeric_limits<std::int32_t>::min();
+  constexpr double kHigh = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::clamp((coordinate - header_.offset[axis]) / header_.scale[axis], kLow, kHigh));
+}
+
+void PointReader::compare_with_box(const ScanFile& file) {
+  if (outside_ == 0 || !(header_.box_side > 0.0)) return;
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    longest = std::max(longest, (static_cast<double>(most_[k]) - least_[k]) * std::fabs(header_.scale[k]));
+  }
+  // Many points, and spread: a box that somebody forgot to move has the points' size.
+  constexpr double kAbsurd = 100.0;
+  if (outside_ > count_ / 100 && longest > kAbsurd * header_.box_side) {
+    throw file.error(fmt::format("{} of {} points lie far outside the header's box, {:.3g} across where it has {:.3g}",
+                                 outside_, count_, longest, header_.box_side),
+                     "undamaged points; the file may have been copied as text");
+  }
+  out_.scan().warnings.push_back(
+      fmt::format("{} of {} points lie far outside the box that the header gives", outside_, count_));
+}
 
 void PointReader::look(const char* point) {
   if (colour_ == 0) return;
@@ -37,8 +73,18 @@ void PointReader::add(const char* point) {
     out_.add_invalid();
     return;
   }
+  std::array<std::int32_t, 3> xyz;
+  bool outside = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    xyz[k] = load<std::int32_t>(point + 4 * k);
+    least_[k] = std::min(least_[k], xyz[k]);
+    most_[k] = std::max(most_[k], xyz[k]);
+    outside |= (xyz[k] < low_[k]) | (xyz[k] > high_[k]);
+  }
+  ++count_;
+  outside_ += outside ? 1 : 0;
   const auto coordinate = [&](std::size_t k) {
-    return static_cast<double>(load<std::int32_t>(point + 4 * k)) * header_.scale[k] + header_.offset[k];
+    return static_cast<double>(xyz[k]) * header_.scale[k] + header_.offset[k];
   };
   std::uint32_t rgba = kWhite;
   if (colour_ != 0) {
@@ -69,6 +115,7 @@ void read_las(const ScanFile& file, ScanWriter& out) {
   las::PointReader reader(header, units, out);
   if (header.compressed) {
     las::read_compressed(file, header, reader, out);
+    reader.compare_with_box(file);
     return;
   }
   out.begin(header.points, colour, true);
@@ -80,6 +127,7 @@ void read_las(const ScanFile& file, ScanWriter& out) {
     reader.add(p);
     if ((i & 0xFFFF) == 0xFFFF) file.done_before(static_cast<std::size_t>(p - file.bytes.data()));
   }
+  reader.compare_with_box(file);
 }
 
 }  // namespace sparsha::pipeline

@@ -1,8 +1,10 @@
 #include "pipeline/scan/las_header.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/scan/scalar.h"
+#include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::las {
 namespace {
@@ -50,6 +52,33 @@ void read_long_records(const ScanFile& file, Header& header) {
   }
 }
 
+/// From LAS 1.3 on, waveforms and long records may follow the points; where they do, the header says.
+std::size_t end_of_points(const ScanFile& file, const Header& header) {
+  std::size_t end = file.bytes.size();
+  const auto followed_from = [&](std::size_t place) {
+    const auto begin = load<std::uint64_t>(file.bytes.data() + place);
+    const std::uint64_t points = header.first_point + header.points * header.record_size;
+    if (begin >= points && begin < end) end = static_cast<std::size_t>(begin);
+  };
+  if (header.minor >= 3) followed_from(227);
+  if (header.minor >= 4 && load<std::uint32_t>(file.bytes.data() + 243) > 0) followed_from(235);
+  return end;
+}
+
+void read_box(const char* header_bytes, Header& header) {
+  const auto number = [&](std::size_t at) { return load<double>(header_bytes + at); };
+  bool known = true;
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    header.box_high[k] = number(179 + 16 * k);
+    header.box_low[k] = number(187 + 16 * k);
+    const double side = header.box_high[k] - header.box_low[k];
+    known = known && std::isfinite(side) && side >= 0.0;
+    longest = std::max(longest, side);
+  }
+  header.box_side = known ? longest : 0.0;
+}
+
 void check_points(const ScanFile& file, std::size_t header_size, Header& header) {
   if (header.first_point < header_size) {
     throw file.error("the points should begin at byte " + std::to_string(header.first_point) +
@@ -68,11 +97,13 @@ void check_points(const ScanFile& file, std::size_t header_size, Header& header)
                          " whole ones are in the file",
                      "a complete file; it may be cut short");
   }
-  // From LAS 1.3 on, waveforms and long records may follow the points.
-  if (header.minor < 3 && header.points < whole) {
-    header.warnings.push_back("the file has room for " + std::to_string(whole) + " points, its header promises " +
-                              std::to_string(header.points) + "; the others are left out");
+  const std::uint64_t room = (end_of_points(file, header) - header.first_point) / header.record_size;
+  if (header.points >= room) return;
+  if (has_translated_line_ends(file.bytes)) {
+    throw file.error("its line feeds were turned into CR LF: the file was copied as text", "a copy of its bytes");
   }
+  header.warnings.push_back("the file has room for " + std::to_string(room) + " points, its header promises " +
+                            std::to_string(header.points) + "; the others are left out");
 }
 
 }  // namespace
@@ -139,6 +170,7 @@ Header parse_header(const ScanFile& file) {
           "finite numbers, scales not zero");
     }
   }
+  read_box(p, header);
   check_points(file, size, header);
   read_records(file, size, load<std::uint32_t>(p + 100), header);
   if (header.minor >= 4) read_long_records(file, header);

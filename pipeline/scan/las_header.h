@@ -28,6 +28,9 @@ struct Header {
   std::size_t first_point = 0;  ///< offset
   std::array<double, 3> scale{};
   std::array<double, 3> offset{};
+  std::array<double, 3> box_low{};   ///< of the points, as the header has it
+  std::array<double, 3> box_high{};  ///< the same
+  double box_side = 0.0;             ///< the longest; 0: the header has no box
   std::vector<Record> records;
   std::vector<std::string> warnings;
 

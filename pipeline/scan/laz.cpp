@@ -10,6 +10,38 @@
 namespace sparsha::pipeline::las {
 namespace {
 
+/// The table of chunks stands behind the points, and LASzip goes wild without it: a file that was cut short has lost
+/// it. Its place is told by the first 8 bytes of the points, or by the last 8 of a file that was written as a stream.
+void check_chunks(const ScanFile& file, const Header& header, std::uint32_t chunk_size) {
+  constexpr std::size_t kPlace = 8;
+  constexpr std::size_t kTable = 8;  // version and number of chunks; their packed sizes follow
+  const std::string_view bytes = file.bytes;
+  const auto damaged = [&](const std::string& wrong) {
+    return file.error(wrong, "a complete LAZ file; it may be cut short");
+  };
+  if (bytes.size() - header.first_point < kPlace) throw damaged("the file ends before its LAZ points");
+  auto table = load<std::int64_t>(bytes.data() + header.first_point);
+  if (table == -1) table = load<std::int64_t>(bytes.data() + bytes.size() - kPlace);
+  const auto first = static_cast<std::int64_t>(header.first_point + kPlace);
+  if (table < first || table > static_cast<std::int64_t>(bytes.size() - kTable)) {
+    throw damaged("the table of LAZ chunks should be at byte " + std::to_string(table) + ", the file has " +
+                  std::to_string(bytes.size()));
+  }
+  const std::uint64_t chunks = load<std::uint32_t>(bytes.data() + table + 4);
+  if (load<std::uint32_t>(bytes.data() + table) != 0)
+    throw damaged("there is no table of LAZ chunks where it should be");
+  constexpr std::uint32_t kOfAnySize = 0xFFFFFFFFU;
+  const std::uint64_t packed = static_cast<std::uint64_t>(table - first);
+  if (chunks > packed || (header.points > 0 && chunks == 0)) {
+    throw damaged(std::to_string(chunks) + " LAZ chunks cannot be in " + std::to_string(packed) + " bytes");
+  }
+  if (chunk_size == kOfAnySize) return;
+  if (chunk_size == 0 || (header.points + chunk_size - 1) / chunk_size != chunks) {
+    throw damaged(std::to_string(header.points) + " points are not in " + std::to_string(chunks) + " LAZ chunks of " +
+                  std::to_string(chunk_size));
+  }
+}
+
 /// The packing is described in a record of its own; without it, or with a coder nobody knows, there is nothing to read.
 void check_packing(const ScanFile& file, const Header& header) {
   for (const Record& record : header.records) {
@@ -23,6 +55,7 @@ void check_packing(const ScanFile& file, const Header& header) {
     if (coder != 0) {
       throw file.error("the LAZ points are packed by coder " + std::to_string(coder), "coder 0; it may be damaged");
     }
+    if (compressor > 1) check_chunks(file, header, load<std::uint32_t>(record.data.data() + 12));
     return;
   }
   throw file.error("compressed points without a LASzip record", "the record 22204 of 'laszip encoded'");

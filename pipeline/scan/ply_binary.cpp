@@ -94,7 +94,10 @@ class Body {
   /// Called behind the last element: a count that is too small leaves points or faces out.
   void warn_of_more(const Element& last) {
     const auto left = static_cast<std::size_t>(end_ - p_);
-    if (left < std::max<std::size_t>(last.least_size(false), 2)) return;
+    if (left > 0 && has_translated_line_ends(file_.bytes)) {
+      throw file_.error("its line feeds were turned into CR LF: the file was copied as text", "a copy of its bytes");
+    }
+    if (left < std::min<std::size_t>(last.least_size(false), kPadding)) return;
     out_.scan().warnings.push_back(std::to_string(left) + " bytes behind the last record are left out");
   }
 
@@ -113,6 +116,8 @@ class Body {
   }
 
  private:
+  static constexpr std::size_t kPadding = 4;  // a line end, or zeros up to a word
+
   [[nodiscard]] Error cut_short(const Element& element) const {
     return file_.error("the file ends within element " + in_quotes(element.name) + ", which should have " +
                            std::to_string(element.count) + " records",

@@ -91,6 +91,7 @@ void read_ascii(const ScanFile& file, ScanWriter& out) {
   std::size_t found = 0;
   bool in_loop = false;
   int solids = 0;
+  bool any = false;
   while (lines.next(line)) {
     std::string_view rest = line;
     const std::string word = lower_case(take_word(rest));
@@ -116,6 +117,7 @@ void read_ascii(const ScanFile& file, ScanWriter& out) {
       }
       sink.triangle(corners);
       in_loop = false;
+      any = true;
     } else if (word == "endsolid") {
       --solids;
     } else if (!word.empty() && word != "facet" && word != "endfacet") {
@@ -125,6 +127,7 @@ void read_ascii(const ScanFile& file, ScanWriter& out) {
   if (in_loop || solids > 0) {
     throw file.error_at(lines.number(), "the file ends within a solid", "'endsolid'; the file may be cut short");
   }
+  if (!any) throw file.error("the STL file has no facets", "at least one triangle");
 }
 
 }  // namespace

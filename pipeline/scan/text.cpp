@@ -162,6 +162,16 @@ std::string in_quotes(std::string_view word) {
   return result + "'";
 }
 
+bool has_translated_line_ends(std::string_view bytes) {
+  constexpr std::size_t kEnough = 16;
+  std::size_t found = 0;
+  for (std::size_t at = bytes.find('\n'); at != std::string_view::npos; at = bytes.find('\n', at + 1)) {
+    if (at == 0 || bytes[at - 1] != '\r') return false;
+    ++found;
+  }
+  return found >= kEnough;
+}
+
 bool looks_binary(std::string_view bytes) {
   std::size_t strange = 0;
   const std::string_view head = bytes.substr(0, 4096);

@@ -31,6 +31,10 @@ namespace sparsha::pipeline {
 /// True when the bytes cannot be text of a scan: zero bytes or too many control characters among the first 4096.
 [[nodiscard]] bool looks_binary(std::string_view bytes);
 
+/// True when every line feed among the bytes follows a carriage return, and there are enough of them to say that this
+/// is no chance: binary data that was copied as text.
+[[nodiscard]] bool has_translated_line_ends(std::string_view bytes);
+
 /// Walks the lines of a text; ends are LF, CRLF or, in files without any LF, CR.
 class LineReader {
  public:

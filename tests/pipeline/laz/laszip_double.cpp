@@ -79,8 +79,22 @@ std::string packed(LasFile file) {
   set(file.record, 0, static_cast<std::uint16_t>(file.format < 6 ? 2 : 3));
   for (std::string& point : file.points)
     for (char& byte : point) byte = static_cast<char>(byte ^ kGarble);
-  if (!file.points.empty()) file.points.front().insert(0, kTable, '\0');
+  constexpr std::uint32_t kChunk = 50000;
+  set(file.record, 12, kChunk);
+  const auto chunks = static_cast<std::uint32_t>((file.points.size() + kChunk - 1) / kChunk);
+  if (file.points.empty()) file.points.emplace_back();
+  const bool none = file.points.front().empty();
+  file.points.front().insert(0, kTable, '\0');
   std::string bytes = file.bytes();
+  if (none) {
+    set(bytes, 107, std::uint32_t{0});
+    if (file.minor >= 4) set(bytes, 247, std::uint64_t{0});
+  }
+  std::uint32_t first = 0;
+  std::memcpy(&first, bytes.data() + 96, 4);
+  set(bytes, first, static_cast<std::int64_t>(bytes.size()));
+  bytes += std::string(kTable, '\0');
+  set(bytes, bytes.size() - 4, chunks);
   bytes[104] = static_cast<char>(bytes[104] | -128);
   return bytes;
 }

@@ -2,6 +2,7 @@
 // proves nothing of LASzip itself.
 #include <gmock/gmock.h>
 
+#include <cstring>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -132,6 +133,50 @@ TEST_F(LazReader, ClosesTheFileWhenItsPointsAreNotWanted) {
   EXPECT_THROW((void)stream_scan(file, [](const PointBlock&) { throw std::runtime_error("no more"); }),
                std::runtime_error);
   EXPECT_EQ(laszip_books.opened, 1);
+}
+
+TEST_F(LazReader, RefusesATruncationAtEveryByteBeforeTheLibrarySeesTheFile) {
+  const std::string bytes = packed(some_points(2, 3, 60));
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    const auto error = error_of(folder_.write("cut.laz", bytes.substr(0, length)));
+    ASSERT_TRUE(error) << length;
+    EXPECT_EQ(error->kind(), ErrorKind::input) << length;
+  }
+  EXPECT_EQ(laszip_books.created, 0);
+}
+
+TEST_F(LazReader, RefusesAChunkTableThatDoesNotFitTheFileOrThePoints) {
+  const std::string whole = packed(some_points(2, 0, 60));
+  std::uint32_t first = 0;
+  std::memcpy(&first, whole.data() + 96, 4);
+  const auto refused = [&](const std::string& bytes, const char* message) {
+    const auto error = error_of(folder_.write("a.laz", bytes));
+    ASSERT_TRUE(error) << message;
+    EXPECT_THAT(error->what(), HasSubstr(message));
+    EXPECT_EQ(laszip_books.created, 0);
+  };
+  std::string bytes = whole;
+  for (const std::int64_t place :
+       {std::int64_t{0}, std::int64_t{-2}, std::int64_t{1} << 62U, static_cast<std::int64_t>(whole.size() - 7)}) {
+    set(bytes, first, place);
+    refused(bytes, "the table of LAZ chunks should be at byte");
+  }
+  bytes = whole;
+  set(bytes, bytes.size() - 4, std::uint32_t{0xFFFFFFF0});
+  refused(bytes, "cannot be in");
+  set(bytes, bytes.size() - 4, std::uint32_t{2});
+  refused(bytes, "60 points are not in 2 LAZ chunks");
+  bytes = whole;
+  set(bytes, 107, std::uint32_t{4000000000U});
+  refused(bytes, "4000000000 points are not in 1 LAZ chunks");
+  // Written as a stream: the place of the table is told by the end of the file.
+  bytes = whole;
+  std::int64_t table = 0;
+  std::memcpy(&table, whole.data() + first, 8);
+  set(bytes, first, std::int64_t{-1});
+  bytes += std::string(8, '\0');
+  set(bytes, bytes.size() - 8, table);
+  EXPECT_EQ(folder_.read("a.laz", bytes).records, 60U);
 }
 
 }  // namespace

@@ -210,5 +210,68 @@ TEST(LasReader, RefusesATruncationAtEveryByte) {
   }
 }
 
+/// A box of 10 units a side, as the header should have it.
+LasFile boxed(int minor, int count) {
+  LasFile file;
+  file.minor = minor;
+  for (int i = 0; i < count; ++i) {
+    file.points.push_back(las_point(0, i % 32 * 32 + 10, i / 32 % 32 * 32 + 10, i % 7 * 10 + 10));
+  }
+  return file;
+}
+
+std::string with_box(const LasFile& file, double low, double high) {
+  std::string bytes = file.bytes();
+  for (std::size_t k = 0; k < 3; ++k) {
+    testing::set(bytes, 179 + 16 * k, high);
+    testing::set(bytes, 187 + 16 * k, low);
+  }
+  return bytes;
+}
+
+TEST(LasReader, WarnsOfMorePointsThanItsHeaderPromisesInEveryVersion) {
+  const testing::ScanFolder folder;
+  for (int minor = 0; minor <= 4; ++minor) {
+    std::string bytes = boxed(minor, 100).bytes();
+    EXPECT_THAT(folder.read("a.las", bytes).warnings, ::testing::IsEmpty());
+    testing::set(bytes, 107, std::uint32_t{60});
+    if (minor == 4) testing::set(bytes, 247, std::uint64_t{60});
+    EXPECT_THAT(folder.read("a.las", bytes).warnings,
+                ::testing::ElementsAre(::testing::HasSubstr("room for 100 points, its header promises 60")));
+  }
+  // What the header says follows the points is no missing point.
+  std::string waves = boxed(3, 60).bytes();
+  testing::set(waves, 227, static_cast<std::uint64_t>(waves.size()));
+  EXPECT_THAT(folder.read("a.las", waves + std::string(5000, 'w')).warnings, ::testing::IsEmpty());
+}
+
+TEST(LasReader, WarnsOfPointsFarOutsideTheHeadersBoxAndRefusesAnAbsurdSpread) {
+  const testing::ScanFolder folder;
+  LasFile file = boxed(2, 1000);
+  EXPECT_THAT(folder.read("a.las", with_box(file, 100.0, 111.0)).warnings, ::testing::IsEmpty());
+  EXPECT_THAT(folder.read("a.las", with_box(file, 0.0, 0.0)).warnings, ::testing::IsEmpty()) << "no box";
+  // A cloud that was moved without its box keeps its size: usable.
+  EXPECT_THAT(folder.read("a.las", with_box(file, 5100.0, 5111.0)).warnings,
+              ::testing::ElementsAre(::testing::HasSubstr("1000 of 1000 points lie far outside")));
+  // One point in a thousand: an outlier.
+  file.points[500] = las_point(0, 2000000000, 5, 5);
+  EXPECT_THAT(folder.read("a.las", with_box(file, 100.0, 111.0)).warnings,
+              ::testing::ElementsAre(::testing::HasSubstr("1 of 1000 points lie far outside")));
+  for (std::size_t i = 0; i < 40; ++i) file.points[i] = las_point(0, 2000000000, 5, 5);
+  testing::expect_refused("a.las", with_box(file, 100.0, 111.0), "far outside the header's box");
+}
+
+TEST(LasReader, RefusesAFileWhoseLineFeedsWereTranslated) {
+  LasFile file = boxed(2, 2000);  // their bytes hold line feeds
+  const std::string bytes = file.bytes();
+  std::string copied;
+  for (const char c : bytes) {
+    if (c == '\n') copied += '\r';
+    copied += c;
+  }
+  ASSERT_GT(copied.size(), bytes.size() + 20);
+  testing::expect_refused("a.las", copied, "copied as text");
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

@@ -335,5 +335,22 @@ TEST(PlyReader, RefusesATruncationAtEveryByteOfABinaryFile) {
   }
 }
 
+TEST(PlyReader, TellsOfBytesBehindTheLastRecordAndRefusesACopyAsText) {
+  const ScanFolder folder;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 300\nproperty float x\nproperty float y\nproperty float z\n"
+      "end_header\n";
+  for (int i = 0; i < 300; ++i) {
+    for (const int value : {i, 10 * i, 2570 + i}) testing::put(bytes, static_cast<float>(value) * 0x1p-140F);
+  }
+  EXPECT_THAT(folder.read("a.ply", bytes).warnings, ::testing::IsEmpty());
+  EXPECT_THAT(folder.read("a.ply", bytes + "\n").warnings, ::testing::IsEmpty());
+  EXPECT_THAT(folder.read("a.ply", bytes + "12345").warnings, ::testing::ElementsAre(HasSubstr("5 bytes behind")));
+  std::string copied;
+  for (const char c : bytes) copied += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  ASSERT_GT(copied.size(), bytes.size() + 20);
+  testing::expect_refused("a.ply", copied, "copied as text");
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

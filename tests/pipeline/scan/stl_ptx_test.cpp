@@ -68,6 +68,8 @@ TEST(StlReader, RefusesLies) {
          "loop of 2");
   refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\nendloop\nendfacet\nendsolid\n", "in a vertex");
   refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "ends within a solid");
+  refuse("solid x\nendsolid x\n", "no facets");
+  refuse("solid x\nfacet normal 0 0 1\nendfacet\nendsolid x\n", "no facets");
   refuse("solid x\nfacet\nnonsense\nendsolid\n", "unknown STL line");
 }
 
