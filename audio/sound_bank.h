@@ -19,7 +19,7 @@ namespace sparsha::audio {
 struct SoundRegion {
   std::string name;
   std::optional<std::array<double, 4>> box_m;
-  std::variant<PillarModes, Clip> sound;
+  std::variant<PillarModes, std::shared_ptr<const Clip>> sound;  ///< regions may share a clip
 };
 
 /// Immutable once made; shared by every Synth of the same rate.

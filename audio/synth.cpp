@@ -77,8 +77,8 @@ void Synth::begin(const Event& event) noexcept {
   }
   const Strike& strike = event.strike;
   const double level = strike_level(strike.force_n);
-  if (const auto* clip = std::get_if<Clip>(&bank_->regions[strike.region].sound)) {
-    if (!clips_.start(*clip, std::min(1.0, kClipLevel * level))) ++dropped_;
+  if (const auto* clip = std::get_if<std::shared_ptr<const Clip>>(&bank_->regions[strike.region].sound)) {
+    if (!clips_.start(**clip, std::min(1.0, kClipLevel * level))) ++dropped_;
     return;
   }
   ModalBank& pillar = pillars_[strike.region];

@@ -170,4 +170,17 @@ TEST(Clip, ImpossibleNotesAreUsageErrors) {
   }
 }
 
+TEST(Clip, RegionsThatNameOneFileShareOneDecodedSound) {
+  const audio_scene::Folder folder;
+  write_sound(folder / "re.wav", noise(2 * 48000, 0.5F), 2, 48000);
+  std::vector<pipeline::AudioRegionConfig> regions;
+  for (int k = 0; k < 5000; ++k) regions.push_back(audio_scene::clip("re", {0, 0, 1, 1}, folder / "re.wav"));
+  regions.push_back(audio_scene::clip("re", {0, 0, 1, 1}, folder / "." / "re.wav"));
+  const auto bank = audio_scene::bank(regions);
+  const auto& first = std::get<std::shared_ptr<const Clip>>(bank->regions.front().sound);
+  for (const SoundRegion& region : bank->regions) {
+    ASSERT_EQ(std::get<std::shared_ptr<const Clip>>(region.sound), first);
+  }
+}
+
 }  // namespace

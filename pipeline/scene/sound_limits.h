@@ -1,0 +1,11 @@
+// What a note may be: the same for a configuration that is read and for one that is played.
+#pragma once
+
+namespace sparsha::pipeline {
+
+inline constexpr double kLeastFrequency_hz = 10.0;
+inline constexpr double kMostFrequency_hz = 16000.0;  ///< below 0.45 times any rate that sound is played at
+inline constexpr double kLeastDecay_s = 0.005;        ///< the time to fall by 60 dB
+inline constexpr double kMostDecay_s = 60.0;
+
+}  // namespace sparsha::pipeline
