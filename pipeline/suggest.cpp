@@ -57,7 +57,8 @@ std::array<Eigen::Vector3d, 2> inner_box(const std::vector<Eigen::Vector3d>& poi
   for (int axis = 0; axis < 3; ++axis) {
     std::transform(points.begin(), points.end(), values.begin(), [axis](const auto& p) { return p[axis]; });
     const auto at = [&](double share) {
-      const auto n = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+      const double place = share * static_cast<double>(values.size() - 1);
+      const auto n = static_cast<std::ptrdiff_t>(share < 0.5 ? std::floor(place) : std::ceil(place));
       std::nth_element(values.begin(), values.begin() + n, values.end());
       return values[static_cast<std::size_t>(n)];
     };

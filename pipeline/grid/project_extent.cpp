@@ -281,6 +281,63 @@ double outermost_supported(Strip& strip, double otherwise) {
   return otherwise;
 }
 
+// What a point is to the faces: of none, inside or near the object, or far from it and held by slivers and crumbs only.
+enum class VertexRole : std::uint8_t { none, near, stray };
+
+// Area of a triangle, and whether it is compact: a vertex that strayed pulls slivers behind it.
+struct TriangleShape {
+  double area_m2 = 0.0;
+  bool compact = false;
+};
+
+TriangleShape shape_of(const OrientedPoints& points, const std::array<std::uint32_t, 3>& face) {
+  const auto corner = [&](std::size_t k) {
+    const std::uint32_t v = face[k];
+    return Eigen::Vector3d(points.x[v], points.y[v], points.z[v]);
+  };
+  const Eigen::Vector3d a = corner(1) - corner(0);
+  const Eigen::Vector3d b = corner(2) - corner(0);
+  const double doubled = a.cross(b).norm();
+  const double longest = std::max({a.norm(), b.norm(), (b - a).norm()});
+  constexpr double kFlattest = 0.05;  // height over longest side
+  return {0.5 * doubled, doubled > kFlattest * longest * longest};
+}
+
+std::vector<VertexRole> roles_of_vertices(const OrientedPoints& points,
+                                          const std::vector<std::array<std::uint32_t, 3>>& faces,
+                                          const Extent& extent) {
+  const double reach = std::max(extent.width_m(), extent.height_m());
+  const auto is_near = [&](std::size_t v) {
+    const auto x = static_cast<double>(points.x[v]);
+    const auto y = static_cast<double>(points.y[v]);
+    return x >= extent.xmin_m - reach && x <= extent.xmax_m + reach && y >= extent.ymin_m - reach &&
+           y <= extent.ymax_m + reach;
+  };
+  std::vector<VertexRole> roles(points.count, VertexRole::none);
+  bool any_stray = false;
+  for (const std::array<std::uint32_t, 3>& face : faces) {
+    for (const std::uint32_t v : face) {
+      if (!(points.x[v] < OrientedPoints::kFarAway) || roles[v] != VertexRole::none) continue;
+      roles[v] = is_near(v) ? VertexRole::near : VertexRole::stray;
+      any_stray = any_stray || roles[v] == VertexRole::stray;
+    }
+  }
+  if (!any_stray) return roles;
+  std::vector<TriangleShape> shapes(faces.size());
+  double compact_m2 = 0.0;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const bool known =
+        std::all_of(faces[f].begin(), faces[f].end(), [&](std::uint32_t v) { return roles[v] != VertexRole::none; });
+    if (known) shapes[f] = shape_of(points, faces[f]);
+    if (shapes[f].compact) compact_m2 += shapes[f].area_m2;
+  }
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (!shapes[f].compact || shapes[f].area_m2 < 1e-3 * compact_m2) continue;
+    for (const std::uint32_t v : faces[f]) roles[v] = VertexRole::near;
+  }
+  return roles;
+}
+
 }  // namespace
 
 Extent supported_extent(const PointTotals& points, const OrientedPieces& pieces, ThreadPool& pool) {
@@ -299,7 +356,7 @@ Extent supported_extent(const PointTotals& points, const OrientedPieces& pieces,
     if (inner.longer() > 0.5 * box.longer() || box.longer() <= 0.0) break;
     box = inner;
   }
-  Extent extent{box.x0, box.y0, box.x1, box.y1, box.longer() * box.longer(), points.count};
+  Extent extent{box.x0, box.y0, box.x1, box.y1, box.longer() * box.longer(), points.count, 0};
   if (kept.i1 >= 0) {
     extent.covered_area_m2 = 0.0;
     extent.supported = 0;
@@ -321,10 +378,17 @@ Extent supported_extent(const PointTotals& points, const OrientedPieces& pieces,
   return extent;
 }
 
-void include_vertices(const OrientedPoints& points, const std::vector<std::uint8_t>& vertices, Extent& extent) {
+void include_faces(const OrientedPoints& points, const std::vector<std::array<std::uint32_t, 3>>& faces,
+                   Extent& extent) {
+  if (faces.empty()) return;
+  extent.corners = 3 * faces.size();
+  const std::vector<VertexRole> roles = roles_of_vertices(points, faces, extent);
+  const auto vertices = std::count_if(roles.begin(), roles.end(), [](VertexRole r) { return r != VertexRole::none; });
+  const auto stray = std::count(roles.begin(), roles.end(), VertexRole::stray);
+  const bool leave_out = stray <= vertices / 1000;
   const auto wide = [](float v) { return static_cast<double>(v); };
-  for (std::size_t k = 0; k < vertices.size(); ++k) {
-    if (vertices[k] == 0 || !(points.x[k] < OrientedPoints::kFarAway)) continue;
+  for (std::size_t k = 0; k < roles.size(); ++k) {
+    if (roles[k] == VertexRole::none || (leave_out && roles[k] == VertexRole::stray)) continue;
     extent.xmin_m = std::min(extent.xmin_m, wide(points.x[k]));
     extent.xmax_m = std::max(extent.xmax_m, wide(points.x[k]));
     extent.ymin_m = std::min(extent.ymin_m, wide(points.y[k]));

@@ -1,6 +1,7 @@
 // Where the object is: the bounds of supported points, so that far outliers cannot stretch the grid.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -15,6 +16,7 @@ struct Extent {
   double xmin_m = 0.0, ymin_m = 0.0, xmax_m = 0.0, ymax_m = 0.0;
   double covered_area_m2 = 0.0;  ///< of the coarse cells that hold supported points
   std::uint64_t supported = 0;   ///< points in those cells
+  std::uint64_t corners = 0;     ///< of triangles
 
   [[nodiscard]] double width_m() const { return xmax_m - xmin_m; }
   [[nodiscard]] double height_m() const { return ymax_m - ymin_m; }
@@ -38,7 +40,10 @@ struct PointTotals {
 /// order. Throws Error{input} when there are no points.
 [[nodiscard]] Extent supported_extent(const PointTotals& totals, const OrientedPieces& pieces, ThreadPool& pool);
 
-/// Makes room for vertices of faces, which need no support; one flag a point.
-void include_vertices(const OrientedPoints& points, const std::vector<std::uint8_t>& vertices, Extent& extent);
+/// Makes room for the vertices of faces. Vertices of a mesh may stand far apart, so most need no neighbours; but those
+/// that lie farther outside than the object is long, are fewer than a thousandth of all, and have no compact triangle
+/// of a thousandth of the mesh's area, are left out like outliers among points.
+void include_faces(const OrientedPoints& points, const std::vector<std::array<std::uint32_t, 3>>& faces,
+                   Extent& extent);
 
 }  // namespace sparsha::pipeline

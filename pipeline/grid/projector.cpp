@@ -63,7 +63,7 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   PointTotals totals;
   totals.add(points);
   Extent extent = supported_extent(totals, whole, pool);
-  include_vertices(points, vertices_, extent);
+  include_faces(points, cloud_.faces, extent);
   const ProjectionPlan plan = plan_projection(whole, totals, extent, origin_m, only_mesh_, config, resolution_m, pool);
   if (approve) approve(plan.lattice, plan.bytes_a_point());
   Projection projection = plan.empty_projection();

@@ -139,5 +139,57 @@ TEST(MeshProjection, ColourIsInterpolatedOverATriangle) {
   EXPECT_EQ(p.colour_rgba[p.grid.lattice.index(4, 4)], 0U);
 }
 
+// A flat mesh of n x n quads, `size_m` wide.
+pipeline::Cloud flat_mesh(int n, double size_m) {
+  pipeline::Cloud cloud = lattice_mesh(n, [](double, double) { return 0.0; });
+  for (std::size_t k = 0; k < cloud.size(); ++k) {
+    for (std::size_t axis = 0; axis < 2; ++axis) cloud.xyz1()[4 * k + axis] *= static_cast<float>(size_m);
+  }
+  return cloud;
+}
+
+std::uint32_t add_vertex(pipeline::Cloud& cloud, float x, float y, float z) {
+  const std::size_t last = cloud.size();
+  cloud.resize_points(last + 1);
+  float* const p = cloud.xyz1() + 4 * last;
+  p[0] = x;
+  p[1] = y;
+  p[2] = z;
+  p[3] = 1.0F;
+  return static_cast<std::uint32_t>(last);
+}
+
+TEST(MeshProjection, AFarVertexDoesNotStretchTheGridAndALargeFloorDoes) {
+  const pipeline::Projection plain = project_cloud(flat_mesh(40, 1.0), {});
+  pipeline::Cloud strayed = flat_mesh(40, 1.0);
+  const std::uint32_t far = add_vertex(strayed, 150.0F, 0.5F, 0.0F);
+  strayed.faces.push_back({0, 1, far});
+  strayed.faces.push_back({1, 2, far});
+  const pipeline::Projection p = project_cloud(strayed, {});
+  EXPECT_EQ(p.grid.lattice.nx, plain.grid.lattice.nx);
+  EXPECT_EQ(p.grid.lattice.ny, plain.grid.lattice.ny);
+  EXPECT_EQ(p.outside, 1U);
+  // Two triangles that carry area are a floor, however few their vertices.
+  pipeline::Cloud with_floor = flat_mesh(40, 1.0);
+  const std::array<std::uint32_t, 4> floor = {
+      add_vertex(with_floor, -5.0F, -5.0F, -0.1F), add_vertex(with_floor, 5.0F, -5.0F, -0.1F),
+      add_vertex(with_floor, 5.0F, 5.0F, -0.1F), add_vertex(with_floor, -5.0F, 5.0F, -0.1F)};
+  with_floor.faces.push_back({floor[0], floor[1], floor[2]});
+  with_floor.faces.push_back({floor[0], floor[2], floor[3]});
+  const pipeline::Projection wide = project_cloud(with_floor, {});
+  EXPECT_NEAR((wide.grid.lattice.nx - 1) * wide.grid.lattice.spacing_m, 10.0, wide.grid.lattice.spacing_m);
+  EXPECT_EQ(wide.outside, 0U);
+}
+
+TEST(MeshProjection, AnAutomaticGridHasAtMostSixteenNodesACorner) {
+  pipeline::Cloud triangle = make_cloud({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.2}});
+  triangle.faces.push_back({0, 1, 2});
+  const pipeline::Projection p = project_cloud(triangle, {});
+  EXPECT_LE(p.grid.lattice.count(), 48U);
+  pipeline::GridConfig asked;
+  asked.size = 300;
+  EXPECT_EQ(project_cloud(triangle, asked).grid.lattice.nx, 300) << "who asks is given it";
+}
+
 }  // namespace
 }  // namespace sparsha::test

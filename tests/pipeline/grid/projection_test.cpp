@@ -285,5 +285,36 @@ TEST(Projection, RefusesGridsThatCannotFit) {
   }
 }
 
+TEST(Projection, AutomaticBoundsLeaveNoRowOfRegularDataOutside) {
+  for (const double spacing_m : {0.001, 0.0007, 1.0 / 3.0}) {
+    for (const double asked : {0.0, 0.93, 1.0, 1.02, 1.3}) {  // times the points' own
+      Points points;
+      for (int j = 0; j < 60; ++j) {
+        for (int i = 0; i < 60; ++i) points.push_back({i * spacing_m, j * spacing_m, 0.0});
+      }
+      pipeline::GridConfig config;
+      config.spacing_m = asked * spacing_m;
+      const pipeline::Projection p = project_cloud(make_cloud(points), config);
+      EXPECT_EQ(p.outside, 0U) << spacing_m << ' ' << asked;
+      if (asked == 1.0) {
+        EXPECT_EQ(p.grid.lattice.count(), 3600U) << spacing_m;
+      }
+    }
+  }
+}
+
+TEST(Projection, AnAutomaticGridOfUnevenPointsHasAtMostSixteenNodesAPoint) {
+  // Most points stand close together, the object is a thousand times as large.
+  Points points;
+  for (int j = 0; j < 40; ++j) {
+    for (int i = 0; i < 40; ++i) {
+      points.push_back({i * 0.001, j * 0.001, 0.0});
+      if (i % 2 == 0 && j % 2 == 0) points.push_back({i * 1.0, j * 1.0, 0.0});
+    }
+  }
+  const pipeline::Projection p = project_cloud(make_cloud(points), {});
+  EXPECT_LE(p.grid.lattice.count(), 16U * points.size());
+}
+
 }  // namespace
 }  // namespace sparsha::test
