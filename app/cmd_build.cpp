@@ -24,6 +24,7 @@ struct Arguments {
   unsigned threads = 0;
   std::string memory;
   bool validate = false;
+  bool force = false;
   std::string only;
 };
 
@@ -38,6 +39,7 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
   Terminal terminal(common);
   pipeline::BuildOptions options;
   options.threads = arguments.threads;
+  options.force = arguments.force;
   options.grid_only = arguments.only == "grid";
   if (!arguments.memory.empty()) options.memory_bytes = parse_bytes(arguments.memory);
 
@@ -79,6 +81,7 @@ void add_build(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_option("--threads", arguments->threads, "threads; 0 = one a core")->check(CLI::Range(0U, 1024U));
   command->add_option("--memory", arguments->memory, "memory limit, e.g. 1GB");
   command->add_flag("--validate", arguments->validate, "check the configuration and print it resolved; build nothing");
+  command->add_flag("--force", arguments->force, "build although the surface lies far from the points");
   command->add_option("--only", arguments->only, "grid: read, project and write heights, nothing else")
       ->check(CLI::IsMember({"grid"}));
   command->callback(

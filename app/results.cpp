@@ -53,6 +53,7 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
   }
   text += fmt::format("time      {:.2f} s, {} MB at most\n", report.total_seconds, report.peak_rss_bytes / 1000000U);
   text += fmt::format("scene     {}\n", folder.string());
+  for (const std::string& warning : report.warnings) text += "warning   " + warning + '\n';
   return text;
 }
 

@@ -18,6 +18,7 @@
 #include "pipeline/grid/layers.h"
 #include "pipeline/grid/project.h"
 #include "pipeline/project_scans.h"
+#include "pipeline/warnings.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -122,11 +123,18 @@ BuildResult build_scene(const Config& config, const BuildOptions& options, Progr
       progress.begin("fill");
       fill_gaps(base.grid, *config.fill, step_height(projection), pool);
     }
+    const auto measured =
+        static_cast<std::uint64_t>(std::count(base.grid.state.begin(), base.grid.state.end(), NodeState::measured));
     // Before the other layers, so that points and layers are not in memory together.
     if (scans.check) {
       progress.begin("cross-check");
       report.check = scans.check(base.grid);
       scans.check = nullptr;
+      if (!options.force) require_surface_near_points(base.grid.lattice, *report.check);
+    }
+    const bool has_points = projection.noise_m > 0.0;  // a mesh has none
+    for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, has_points, report.check)) {
+      progress.warn(std::move(text));
     }
     add_texture(config, projection, pool, progress, base, scene);
     progress.begin("pyramid");

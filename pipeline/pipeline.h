@@ -14,6 +14,7 @@ namespace sparsha::pipeline {
 struct BuildOptions {
   unsigned threads = 0;    ///< 0 = one per core
   bool grid_only = false;  ///< read, project and write heights; nothing else
+  bool force = false;      ///< also a scene whose surface lies more than a spacing from half of the points
   /// Limit of memory; 0 = none. What does not fit is built through files on disk, with the same result.
   std::uint64_t memory_bytes = 0;
   /// At most so many points in memory at once, whatever they need; 0 = as many as memory_bytes allows.

@@ -158,7 +158,8 @@ CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, doub
   const Lattice& lattice = grid.lattice;
   const auto wanted = static_cast<std::uint64_t>(std::max<std::int64_t>(0, config.samples));
   CheckResult result;
-  result.tolerance_m = std::max(lattice.spacing_m, 3 * noise_m);
+  // A noise of more than half the distance between points cannot be right, and must not excuse the surface.
+  result.tolerance_m = std::max(lattice.spacing_m, 3 * std::min(noise_m, 0.5 * point_spacing_m));
 
   progress.at(0.1);
   const std::vector<Place> sample = sample_points(points, wanted, lattice);

@@ -29,7 +29,7 @@ struct CheckResult {
       cloud_to_surface;  ///< each point that is not occluded, outside or invalid, to the bilinear surface
   DistanceStatistics surface_to_cloud;  ///< each measured node to its nearest point
   std::optional<double> completeness;
-  double tolerance_m = 0.0;         ///< max(spacing, 3 noise)
+  double tolerance_m = 0.0;         ///< max(spacing, 3 min(noise, point spacing / 2))
   std::vector<float> node_error_m;  ///< per node, mean distance of its sampled points, NaN where there is none
   std::vector<std::uint64_t> cloud_histogram;  ///< 64 equal bins up to p99 * 1.5; what lies beyond is not counted
   double histogram_bin_m = 0.0;

@@ -25,6 +25,7 @@ struct Projection {
   double point_spacing_m = 0.0;         ///< median spacing of front points
   double gap_m = 0.0;                   ///< the depth gap that separates front from back
   bool closed = false;                  ///< decided by tangent discs, see architecture.md; only then are these counted:
+  bool facing_known = false;            ///< layers that face away were told from others
   std::uint64_t nodes_turned_away = 0;  ///< nodes left unknown because the highest layer faces away from the viewer
   std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely
   std::uint64_t nodes_unsure = 0;       ///< measured nodes of which nothing tells which way they face

@@ -61,6 +61,7 @@ Projection ProjectionPlan::empty_projection() const {
   projection.point_spacing_m = point_spacing_m;
   projection.gap_m = gap_m;
   projection.closed = discs.has_value();
+  projection.facing_known = facing != nullptr;
   projection.grid = DepthGrid(lattice);
   return projection;
 }

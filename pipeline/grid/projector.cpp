@@ -54,8 +54,7 @@ Projector::Projector(const Cloud& cloud, ThreadPool& pool, bool keep_memory)
 }
 
 Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridConfig& config, double resolution_m,
-                              ThreadPool& pool, Progress& progress,
-                              const ApproveLattice& approve) try {
+                              ThreadPool& pool, Progress& progress, const ApproveLattice& approve) try {
   MemoryStore* const store = keep_memory_ ? &memory_ : nullptr;
   const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);
   const OrientedPoints points = orient_points(raw_, cloud_.origin_m, scan_to_grid, origin_m, pool, store);
