@@ -17,6 +17,7 @@
 #include "haptics_figures.h"
 #include "haptics_plot.h"
 #include "haptics_scenes.h"
+#include "haptics_stability.h"
 
 namespace sparsha::bench {
 namespace {
@@ -197,7 +198,8 @@ bool run(bool quick, const std::filesystem::path& out) {
     for (const double cells : {0.25, 1.0})
       for (const bool friction : {false, true}) table.add(sinusoid_scene(8192, cells, ticks, friction), exact());
   for (const double cells : {0.25, 1.0}) table.add(stone_scene(1025, cells, ticks, true, 1), exact());
-  return table.good() && write_plot(out / "haptics_speed.svg", table.points()) && write_figures(out);
+  return table.good() && write_plot(out / "haptics_speed.svg", table.points()) && write_figures(out) &&
+         write_stability(out, quick);
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ struct DeviceSample {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   std::uint64_t buttons = 0;
   double time_s = 0.0;                 ///< when it was measured, on the servo's clock
+  double delay_s = 0.0;                ///< from a force's writing to a position that shows it, if measured; else 0
   bool fresh = false;                  ///< false: nothing new; the servo then commands zero
   bool homed = true;                   ///< false: positions are not absolute yet; the servo then commands zero
   bool connected = true;               ///< false: unplugged

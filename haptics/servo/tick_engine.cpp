@@ -28,16 +28,12 @@ TickEngine::TickEngine(const DeviceInfo& device, const EngineOptions& options, H
       window_(std::move(window)),
       surface_(window_.surface.get()),
       centre_m_(point_on(*surface_, surface_->centre_m.head<2>())),
-      stiffness_n_per_m_(bearable(options.stiffness_n_per_m)),
+      wish_n_per_m_(options.stiffness_n_per_m),
+      stiffness_n_per_m_(0.0),
       governor_(device.limits),
       events_(options.rate_hz) {
   record_.state.centre_m = to_array(centre_m_);
   record_.state.scale = surface_->scale;
-}
-
-double TickEngine::bearable(double wish_n_per_m) const noexcept {
-  if (!(wish_n_per_m > 0.0)) return 0.0;
-  return governed_stiffness(wish_n_per_m, usable(device_.limits), 1.0 / options_.rate_hz);
 }
 
 ProxyUpdate TickEngine::solve(const Eigen::Vector3d& hip_local) noexcept {
@@ -116,7 +112,7 @@ SurfacePointer TickEngine::obey(Command& command) noexcept {
       scroll_m_per_s_ = command.scroll_m_per_s.allFinite() ? command.scroll_m_per_s : Eigen::Vector3d::Zero();
       break;
     case Command::Kind::stiffness:
-      stiffness_n_per_m_ = bearable(command.stiffness_n_per_m);
+      wish_n_per_m_ = command.stiffness_n_per_m;
       break;
   }
   record_.state.command = command.sequence;
@@ -183,6 +179,10 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   GovernorInput input;
   input.force_n = force_n;
   input.position_m = hand_m_;
+  input.proxy_m = hand_m_ + surface_->scale * away;
+  input.normal = found_.normal;
+  input.stiffness_n_per_m = stiffness_n_per_m_;
+  input.delay_s = sample.delay_s;
   state.penetration_m = surface_->scale * away.norm();
   input.spring_energy_j = 0.5 * stiffness_n_per_m_ * state.penetration_m * state.penetration_m;
   input.period_s = record_.period_s;
@@ -248,6 +248,7 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
     centre_m_ += scroll;
   }
   swapped_ = false;
+  if (sample.replay == nullptr) stiffness_n_per_m_ = governor_.stiffness(wish_n_per_m_, nominal_period_s);
   if (timed) {
     has_time_ = true;
     last_time_s_ = sample.time_s;

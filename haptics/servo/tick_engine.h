@@ -55,7 +55,6 @@ class TickEngine {
 
  private:
   void swap(Command& command) noexcept;
-  [[nodiscard]] double bearable(double wish_n_per_m) const noexcept;
   void render(const DeviceSample& sample) noexcept;
   [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
   void go_blind(const DeviceSample& sample) noexcept;
@@ -68,7 +67,8 @@ class TickEngine {
   const MongeSurface* surface_;  // window_.surface.get()
   Eigen::Vector3d centre_m_;     // grid point at the device frame's origin
   Eigen::Vector3d scroll_m_per_s_ = Eigen::Vector3d::Zero();
-  double stiffness_n_per_m_;
+  double wish_n_per_m_;
+  double stiffness_n_per_m_;  // of this tick
   Governor governor_;
   ContactEvents events_;
   std::optional<ContactEvent> event_;

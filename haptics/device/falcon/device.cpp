@@ -77,6 +77,7 @@ class FalconDevice final : public Device {
     sample.position_m = position_m_ - options_.centre_m;
     sample.buttons = buttons_;
     sample.time_s = time_s;
+    sample.delay_s = delay_s_;
     sample.fresh = fresh_ && connected_;
     sample.homed = released_;
     sample.connected = connected_;
@@ -116,6 +117,8 @@ class FalconDevice final : public Device {
   }
 
   void take(const Answer& answer) noexcept {
+    // A force that is asked is felt, and the position of its answer known, within this time.
+    if (asked_) delay_s_ = since(asked_at_);
     asked_ = false;
     buttons_ = answer.buttons;
     homed_answers_ = answer.homed == 7 ? std::min(homed_answers_ + 1, kHomedAnswers) : 0;
@@ -150,6 +153,7 @@ class FalconDevice final : public Device {
   bool connected_ = true;
   bool asked_ = false;
   Steady::time_point asked_at_{};
+  double delay_s_ = 0.0;  ///< from the last question to its answer
   bool fresh_ = false;
   bool homed_ = false;
   bool released_ = false;  ///< homed, and pulled out since

@@ -1,0 +1,137 @@
+// What a hand gets from loops as they really are: delays and rates that nobody declared, jitter, lost ticks. The hand,
+// its clock and its books (tests/haptics/shared/touch_loop.h) share no code with the governor.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <vector>
+
+#include "tests/haptics/shared/touch_loop.h"
+
+namespace sparsha::testing {
+namespace {
+
+constexpr double kMostJ = 0.010;    // in ten seconds
+constexpr double kMostSteps = 3.0;  // of swing
+constexpr double kMostStepsUndeclared = 4.0;
+
+const pipeline::ScenePointer& ground(Ground which) {
+  static const std::map<Ground, pipeline::ScenePointer> kScenes = [] {
+    std::map<Ground, pipeline::ScenePointer> scenes;
+    for (const Ground each : kGrounds) scenes[each] = make_ground(each);
+    return scenes;
+  }();
+  return kScenes.at(which);
+}
+
+std::string words(const TouchCase& c) {
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "%s %s, %.2f kg, %.1f N s/m, %.1f ms declared %d ticks, %.0f Hz planned %.0f, jitter %.1f ms, lost %.1f, "
+      "wish %.0f N/m, strike %.1f m/s",
+      name_of(c.ground), c.stroke ? "stroke" : "hold", c.mass_kg, c.damping_n_s_per_m, 1e3 * c.delay_s,
+      c.declared_ticks, c.rate_hz, c.configured_hz, 1e3 * c.jitter_s, c.lost, c.wish_n_per_m, c.strike_m_per_s);
+  return text;
+}
+
+TEST(StabilityTable, WithoutAGovernorTheHandSwingsWhereLinearTheorySaysAndNowhereElse) {
+  // A wall that answers `delay` and half a period late takes k (delay + T / 2) from the hand's damping, to first order.
+  TouchCase c;
+  c.governed = false;
+  c.damping_n_s_per_m = 0.5;
+  c.delay_s = 0.003;
+  c.duration_s = 4.0;
+  const double edge = c.damping_n_s_per_m / (c.delay_s + 0.5 / c.rate_hz);
+  c.wish_n_per_m = 0.7 * edge;
+  EXPECT_LT(touch(c, ground(Ground::plane)).delivered_j, 1e-3);
+  c.wish_n_per_m = 800.0;
+  EXPECT_GT(touch(c, ground(Ground::plane)).delivered_j, 1.0) << "joules: what the governor has to prevent";
+}
+
+TEST(StabilityTable, HoldsAndStrokesOfUndeclaredDelayDeliverLittleAndDoNotSwing) {
+  double worst_j = 0.0;
+  for (const Ground each : {Ground::plane, Ground::sphere, Ground::relief})
+    for (const bool stroke : {false, true})
+      for (const double damping : {0.3, 1.0, 10.0})
+        for (const double mass : {0.05, 0.5})
+          for (const double delay : {0.0, 0.003}) {
+            TouchCase c;
+            c.ground = each;
+            c.stroke = stroke;
+            c.damping_n_s_per_m = damping;
+            c.mass_kg = mass;
+            c.delay_s = delay;
+            const TouchResult result = touch(c, ground(each));
+            EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+            worst_j = std::max(worst_j, result.delivered_j);
+            if (each == Ground::plane && !(mass > 0.4 && delay == 0.0 && damping < 0.4)) {
+              EXPECT_LE(result.swing_m / c.encoder_step_m, kMostStepsUndeclared) << words(c);
+            }
+          }
+  std::printf("at most %.2f mJ delivered\n", 1e3 * worst_j);
+}
+
+TEST(StabilityTable, RatesJitterAndLostTicksDeliverLittleDeclaredOrNot) {
+  double worst_j = 0.0;
+  for (const bool stroke : {false, true})
+    for (const double rate : {333.0, 1000.0, 4000.0})
+      for (const double configured : {rate, 1000.0})
+        for (const double jitter : {0.0002, 0.003})
+          for (const double lost : {0.0, 0.1})
+            for (const double damping : {0.3, 2.0})
+              for (const double share : {1.0, 10.0}) {
+                TouchCase c;
+                c.ground = stroke ? Ground::relief : Ground::plane;
+                c.stroke = stroke;
+                c.rate_hz = rate;
+                c.configured_hz = configured;
+                c.jitter_s = jitter;
+                c.lost = lost;
+                c.damping_n_s_per_m = damping;
+                c.mass_kg = 0.1;
+                c.delay_s = 0.003;
+                c.wish_n_per_m = share * haptics::stiffness_limit({}, 1.0 / configured);
+                const TouchResult result = touch(c, ground(c.ground));
+                EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+                worst_j = std::max(worst_j, result.delivered_j);
+              }
+  std::printf("at most %.2f mJ delivered\n", 1e3 * worst_j);
+}
+
+TEST(StabilityTable, AHandOfOrdinaryDampingFeelsTheWishedStiffnessUnaltered) {
+  for (const Ground each : kGrounds)
+    for (const bool stroke : {false, true})
+      for (const double damping : {2.0, 5.0, 10.0})
+        for (const double mass : {0.05, 0.15, 0.5}) {
+          TouchCase c;
+          c.ground = each;
+          c.stroke = stroke;
+          c.damping_n_s_per_m = damping;
+          c.mass_kg = mass;
+          const TouchResult result = touch(c, ground(each));
+          EXPECT_LE(result.altered, 0.001) << words(c);
+          EXPECT_NEAR(result.static_share, 1.0, 0.01) << words(c);
+          EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+          if (!stroke) {
+            EXPECT_LE(result.swing_m / c.encoder_step_m, kMostSteps) << words(c);
+          }
+        }
+}
+
+TEST(StabilityTable, HeavyHandsThatStrikeAreCalmWithinASecond) {
+  for (const double mass : {0.15, 0.3, 0.5})
+    for (const double speed : {0.1, 0.2, 0.5}) {
+      TouchCase c;
+      c.mass_kg = mass;
+      c.strike_m_per_s = speed;
+      c.duration_s = 3.0;
+      const TouchResult result = touch(c, ground(Ground::plane));
+      EXPECT_LE(result.calm_s, 1.0) << words(c);
+      EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+    }
+}
+
+}  // namespace
+}  // namespace sparsha::testing
