@@ -10,7 +10,9 @@
 #include "app/results.h"
 #include "app/terminal.h"
 #include "pipeline/base/error.h"
+#include "pipeline/base/system.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/scene/scene_folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
@@ -28,11 +30,32 @@ struct Arguments {
   std::string only;
 };
 
-// "statue.yaml" -> "statue.scene" beside it; scans -> beside the first scan's name in the current folder.
+// "statue.yaml" -> "statue.scene" beside it; a scene's own scene.yaml -> that scene, built again; scans -> beside the
+// first scan's name in the current folder.
 fs::path default_folder(const Arguments& arguments) {
   const fs::path input = arguments.inputs.front();
+  if (fs::path scene = scene_described_by(input); !scene.empty()) return scene;
   const fs::path name = input.stem().string() + ".scene";
   return is_config(input) ? input.parent_path() / name : name;
+}
+
+fs::path scene_folder(const Arguments& arguments) {
+  fs::path folder = arguments.out.empty() ? default_folder(arguments) : fs::path(arguments.out);
+  std::error_code code;
+  const bool nameless = folder.filename() == "." || folder.filename() == "..";
+  if (nameless && fs::exists(folder, code)) folder = fs::canonical(folder, code);
+  return folder;
+}
+
+// Before scans are read: a scene that cannot be written need not be built.
+void require_place(const fs::path& folder) {
+  std::error_code code;
+  fs::path parent = fs::absolute(folder, code).lexically_normal().parent_path();
+  if (fs::is_directory(parent, code)) return require_writable(folder, AtomicPath::Kind::folder);
+  while (!fs::exists(parent, code) && parent.has_relative_path()) parent = parent.parent_path();
+  if (fs::is_directory(parent, code) && system::is_writable(parent)) return;
+  throw Error(ErrorKind::failure, {folder.string(), 0, 0}, "cannot write: no folder can be made in " + parent.string(),
+              "a folder that can be written to");
 }
 
 int run_build(const Arguments& arguments, const CommonOptions& common) {
@@ -43,7 +66,10 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
   options.grid_only = arguments.only == "grid";
   if (!arguments.memory.empty()) options.memory_bytes = parse_bytes(arguments.memory);
 
-  const pipeline::Config config = config_from(arguments.inputs, arguments.settings, terminal.progress());
+  const fs::path folder = scene_folder(arguments);
+  if (!arguments.validate) require_place(folder);
+  const pipeline::Config config =
+      config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress());
   if (arguments.validate) {
     for (const pipeline::ScanConfig& scan : config.scans) {
       std::error_code code;
@@ -54,15 +80,12 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
     print(common.json ? std::string("{\"valid\": true}") : pipeline::to_yaml(config));
     return 0;
   }
-  const fs::path folder = arguments.out.empty() ? default_folder(arguments) : fs::path(arguments.out);
+  pipeline::require_replaceable(folder, config);
   std::error_code code;
-  if (fs::is_directory(folder, code) && !fs::is_empty(folder, code) && !fs::exists(folder / "scene.yaml", code)) {
-    throw usage_error("the folder " + folder.string() + " holds something else than a scene",
-                      "a new folder, an empty one or an old scene");
-  }
-  const fs::path parent = fs::absolute(folder, code).lexically_normal().parent_path();
-  fs::create_directories(parent, code);
-  const pipeline::BuildResult result = pipeline::build_scene_folder(config, options, folder, terminal.progress());
+  fs::create_directories(fs::absolute(folder, code).lexically_normal().parent_path(), code);
+  const pipeline::BuildResult result = blaming_scans(arguments.inputs, arguments.settings, [&] {
+    return pipeline::build_scene_folder(config, options, folder, terminal.progress());
+  });
   print(common.json ? pipeline::report_json(*result.scene, result.report)
                     : build_summary(*result.scene, result.report, folder));
   return 0;

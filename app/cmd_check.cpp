@@ -42,11 +42,11 @@ void add_check(CLI::App& app, const CommonOptions& common, Run& run) {
   command->callback([arguments, &common, &run] {
     run = [arguments, &common] {
       Terminal terminal(common);
-      const pipeline::ScenePointer scene = pipeline::open_scene(arguments->scene);
+      const pipeline::ScenePointer scene = pipeline::open_scene(arguments->scene, common.trusted());
       const std::vector<std::filesystem::path> scans(arguments->scans.begin(), arguments->scans.end());
       const pipeline::CheckConfig config{arguments->all ? 0 : arguments->samples};
       const pipeline::Report report =
-          pipeline::recheck_scene(*scene, scans, config, arguments->threads, terminal.progress());
+          pipeline::recheck_scene(*scene, scans, config, arguments->threads, terminal.progress(), common.trusted());
       print(common.json ? pipeline::report_json(*scene, report)
                         : line("cloud to surface", report.check->cloud_to_surface) +
                               line("surface to cloud", report.check->surface_to_cloud) +

@@ -21,6 +21,8 @@
 #include "audio/speech/speech.h"
 #include "haptics/session/session.h"
 #include "pipeline/base/error.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/scene/scene_folder.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
@@ -46,7 +48,7 @@ struct Arguments {
 // A new depth scan from another side, on a worker; the finished scene goes to the session.
 class Rescan {
  public:
-  explicit Rescan(haptics::Session& session) : session_(session) {}
+  Rescan(haptics::Session& session, pipeline::Trust trust) : session_(session), trust_(trust) {}
   ~Rescan() {
     if (!result_.valid()) return;
     progress_.cancel();
@@ -60,7 +62,8 @@ class Rescan {
       session_.announcements().say("A depth scan is already running");
       return;
     }
-    pipeline::Config config = session_.scene()->description().config;
+    const pipeline::ScenePointer scene = session_.scene();
+    pipeline::Config config = scene->description().config;
     std::error_code code;
     for (const pipeline::ScanConfig& scan : config.scans) {
       if (fs::is_regular_file(scan.file, code)) continue;
@@ -71,8 +74,11 @@ class Rescan {
     config.orientation.scan_to_grid = scan_to_grid;
     config.grid.bounds_m.reset();
     session_.announcements().say("New depth scan");
-    result_ =
-        std::async(std::launch::async, [this, config] { return pipeline::build_scene(config, {}, progress_).scene; });
+    const bool stranger = trust_ == pipeline::Trust::own_folder && !scene->folder().empty();
+    result_ = std::async(std::launch::async, [this, config, scene, stranger] {
+      if (stranger) pipeline::require_own_scans(scene->description(), scene->folder());
+      return pipeline::build_scene(config, {}, progress_).scene;
+    });
   }
 
   // Takes a finished scene to the session.
@@ -87,6 +93,7 @@ class Rescan {
 
  private:
   haptics::Session& session_;
+  pipeline::Trust trust_;
   Progress progress_;
   std::future<pipeline::ScenePointer> result_;
 };
@@ -120,6 +127,13 @@ void check_arguments(const Arguments& arguments) {
   check_output_folder(arguments.screenshot, "--screenshot");
   check_output_folder(arguments.audio_out, "--audio-out");
   check_study(arguments.study);
+  const std::string playback = "playback:";
+  const bool plays = arguments.device.starts_with(playback);
+  check_outputs({{"--record", arguments.record},
+                 {"--screenshot", arguments.screenshot},
+                 {"--audio-out", arguments.audio_out},
+                 {"--study", study_file(arguments.study)}},
+                arguments.scene, {{"--device", plays ? arguments.device.substr(playback.size()) : ""}});
   if (std::isnan(arguments.duration_s)) throw usage_error("--duration nan", "seconds");
 }
 
@@ -152,7 +166,7 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
     terminal.message("no display: running without a window");
   }
   ChosenDevice chosen = choose_device(arguments.device, window, arguments.duration_s);
-  const pipeline::ScenePointer scene = scene_from(arguments.scene, terminal.progress());
+  const pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
   const pipeline::Config& config = scene->description().config;
 
   haptics::SessionOptions options;
@@ -175,7 +189,7 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
     if (!speech->available()) terminal.message("warning: no speech program is installed (espeak-ng)");
   }
 
-  Rescan rescan(session);
+  Rescan rescan(session, common.trusted());
   LastTouch touch;
   std::uint64_t heard = 0;
   const auto began = std::chrono::steady_clock::now();

@@ -105,7 +105,7 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
   for (const std::string& file : files) {
     std::error_code code;
     if (fs::is_directory(file, code)) {
-      const pipeline::ScenePointer scene = pipeline::open_scene(file);
+      const pipeline::ScenePointer scene = pipeline::open_scene(file, common.trusted());
       if (common.json) {
         all.push_back(scene_json(file, scene->description()));
       } else {

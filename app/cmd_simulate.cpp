@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/commands.h"
 #include "app/terminal.h"
@@ -23,18 +24,16 @@ void add_simulate(CLI::App& app, const CommonOptions& common, Run& run) {
     run = [arguments, &common] {
       Terminal terminal(common);
       pipeline::simulate(arguments->config, arguments->out, terminal.progress());
-      std::string text = common.json ? "[" : "";
+      nlohmann::json names = nlohmann::json::array();
+      std::string text;
       std::vector<std::filesystem::path> files;
       for (const auto& entry : std::filesystem::directory_iterator(arguments->out)) files.push_back(entry.path());
       std::sort(files.begin(), files.end());
       for (const std::filesystem::path& file : files) {
-        if (common.json) {
-          text += (text.size() > 1 ? ", \"" : "\"") + file.generic_string() + "\"";
-        } else {
-          text += file.string() + "\n";
-        }
+        names.push_back(file.generic_string());
+        text += file.string() + "\n";
       }
-      print(common.json ? text + "]" : text);
+      print(common.json ? names.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) : text);
       return 0;
     };
   });

@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "pipeline/scene/scene.h"
+
 namespace CLI {
 class App;
 }
@@ -15,6 +17,11 @@ struct CommonOptions {
   bool json = false;   ///< results as JSON on standard output
   bool quiet = false;  ///< no messages but errors
   bool plain = false;  ///< plain lines instead of a progress bar
+  bool trust = false;  ///< scenes may name files outside their folders
+
+  [[nodiscard]] pipeline::Trust trusted() const {
+    return trust ? pipeline::Trust::any_file : pipeline::Trust::own_folder;
+  }
 };
 
 /// Runs a subcommand after parsing; throws Error. Returns the exit code.

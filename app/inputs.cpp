@@ -8,6 +8,7 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/scene/override.h"
+#include "pipeline/scene/scene_folder.h"
 #include "pipeline/suggest.h"
 
 namespace sparsha::app {
@@ -15,30 +16,70 @@ namespace fs = std::filesystem;
 
 bool is_config(const fs::path& path) { return path.extension() == ".yaml" || path.extension() == ".yml"; }
 
+fs::path scene_described_by(const fs::path& config) {
+  std::error_code code;
+  if (config.filename() != "scene.yaml" || !pipeline::describes_scene(yaml::parse_file(config))) return {};
+  return fs::canonical(config.has_parent_path() ? config.parent_path() : fs::path("."), code);
+}
+
 pipeline::Config config_from(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
-                             Progress& progress) {
+                             pipeline::Trust trust, Progress& progress) {
   const bool any = std::any_of(arguments.begin(), arguments.end(), [](const std::string& a) { return is_config(a); });
   if (any) {
     if (arguments.size() > 1) throw usage_error("a configuration and something else", "one CONFIG, or SCANs only");
+    if (const fs::path folder = scene_described_by(arguments.front()); !folder.empty()) {
+      const pipeline::ScenePointer scene = pipeline::open_scene(folder, trust);
+      if (trust == pipeline::Trust::own_folder) pipeline::require_own_scans(scene->description(), folder);
+    }
     return pipeline::load_config(arguments.front(), settings);
   }
   const std::vector<fs::path> scans(arguments.begin(), arguments.end());
-  pipeline::Suggestion suggestion = pipeline::suggest_config(scans, {}, progress);
+  pipeline::Suggestion suggestion =
+      blaming_scans(arguments, {}, [&] { return pipeline::suggest_config(scans, {}, progress); });
   if (settings.empty()) return std::move(suggestion.config);
   yaml::Node root = yaml::parse_text(suggestion.yaml, "the suggested configuration");
   pipeline::override_keys(root, settings);
   return pipeline::parse_config(root, {});
 }
 
-pipeline::ScenePointer scene_from(const std::string& argument, Progress& progress) {
+pipeline::ScenePointer scene_from(const std::string& argument, pipeline::Trust trust, Progress& progress) {
   std::error_code code;
-  if (fs::is_directory(argument, code)) return pipeline::open_scene(argument);
+  if (fs::is_directory(argument, code)) return pipeline::open_scene(argument, trust);
   if (!fs::exists(argument, code)) {
     throw input_error(argument, "no such file or folder", "a scene folder, a configuration or a scan");
   }
-  if (fs::path(argument).filename() == "scene.yaml") return pipeline::open_scene(fs::path(argument).parent_path());
-  const pipeline::Config config = config_from({argument}, {}, progress);
-  return pipeline::build_scene(config, {}, progress).scene;
+  if (fs::path(argument).filename() == "scene.yaml") {
+    return pipeline::open_scene(fs::path(argument).parent_path(), trust);
+  }
+  const pipeline::Config config = config_from({argument}, {}, trust, progress);
+  return blaming_scans({argument}, {}, [&] { return pipeline::build_scene(config, {}, progress).scene; });
+}
+
+void check_outputs(const std::vector<NamedPath>& outputs, const std::string& argument,
+                   const std::vector<NamedPath>& inputs) {
+  std::error_code code;
+  std::vector<NamedPath> known = inputs;
+  known.push_back({"the input", argument});
+  const fs::path folder = fs::is_directory(argument, code)                             ? fs::path(argument)
+                          : fs::is_regular_file(argument, code) && is_config(argument) ? scene_described_by(argument)
+                                                                                       : fs::path();
+  if (!folder.empty()) {
+    for (const NamedPath& output : outputs) pipeline::require_no_scene_file(folder, output);
+  } else {
+    if (is_config(argument)) {
+      const pipeline::Config config = pipeline::load_config(argument);
+      for (const pipeline::ScanConfig& scan : config.scans) known.push_back({"a scan", scan.file});
+      if (config.audio) {
+        for (const pipeline::AudioRegionConfig& region : config.audio->regions) {
+          if (const auto* clip = std::get_if<fs::path>(&region.sound)) known.push_back({"a clip", *clip});
+        }
+      }
+    }
+  }
+  require_distinct(outputs, known);
+  for (const NamedPath& output : outputs) {
+    if (!output.path.empty()) require_writable(output.path);
+  }
 }
 
 std::uint64_t parse_bytes(const std::string& text) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/base/error.h"
+#include "pipeline/base/files.h"
 #include "pipeline/base/progress.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/scene/config.h"
@@ -15,12 +17,33 @@ namespace sparsha::app {
 /// True for a file whose ending says YAML.
 [[nodiscard]] bool is_config(const std::filesystem::path& path);
 
-/// One configuration file, or scans to guess one from. Throws Error.
+/// One configuration file (also a scene's own scene.yaml), or scans to guess one from. Throws Error.
 [[nodiscard]] pipeline::Config config_from(const std::vector<std::string>& arguments,
-                                           const std::vector<std::string>& settings, Progress& progress);
+                                           const std::vector<std::string>& settings, pipeline::Trust trust,
+                                           Progress& progress);
+/// Runs work on `arguments`. Where these are scans and nothing was set, nobody asked for what does not fit:
+/// Error{usage} becomes Error{input} of the first scan.
+template <typename Work>
+auto blaming_scans(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
+                   const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::usage || !settings.empty() || is_config(arguments.front())) throw;
+    throw input_error(arguments.front(), error.wrong(), error.expected());
+  }
+}
+
+/// The scene that a configuration describes besides: its folder, or empty for another file.
+[[nodiscard]] std::filesystem::path scene_described_by(const std::filesystem::path& config);
 
 /// A scene folder is opened; a configuration or a scan is built in memory.
-[[nodiscard]] pipeline::ScenePointer scene_from(const std::string& argument, Progress& progress);
+[[nodiscard]] pipeline::ScenePointer scene_from(const std::string& argument, pipeline::Trust trust, Progress& progress);
+
+/// Before the work: throws Error{usage} when outputs are the same file, or are the scene, configuration, scans or clips
+/// that `argument` means, or one of the other `inputs`; Error{failure} when one cannot be written.
+void check_outputs(const std::vector<NamedPath>& outputs, const std::string& argument,
+                   const std::vector<NamedPath>& inputs = {});
 
 /// "1GB", "800 MB", "123456": bytes. Throws Error{usage}.
 [[nodiscard]] std::uint64_t parse_bytes(const std::string& text);

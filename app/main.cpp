@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/terminal.h"
 #include "pipeline/base/error.h"
+#include "pipeline/base/system.h"
 #include "pipeline/base/yaml.h"
 
 namespace {
@@ -49,6 +50,7 @@ int main(int argc, char** argv) {
   app.add_flag("--json", common.json, "results as JSON");
   app.add_flag("--quiet,-q", common.quiet, "no messages but errors");
   app.add_flag("--plain", common.plain, "plain lines instead of a progress bar");
+  app.add_flag("--trust", common.trust, "follow a scene to clips, layers and scans outside its folder");
   Run run;
   add_new(app, common, run);
   add_build(app, common, run);
@@ -65,30 +67,27 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     const std::vector<std::string> arguments(argv + 1, argv + argc);
-    std::fprintf(stderr, "%s\n", usage_message(error, app, arguments).c_str());
+    print_error(usage_message(error, app, arguments));
     return kUsage;
   }
 
   catch_interrupts();
+  sparsha::system::allow_many_open_files();
   try {
     const int code = run();
     flush_output();
     return code;
   } catch (const sparsha::Cancelled&) {
-    end_progress_line();
-    std::fprintf(stderr, "stopped; nothing was changed\n");
+    print_error("stopped; nothing was changed");
     return 1;
   } catch (const sparsha::Error& error) {
-    end_progress_line();
-    std::fprintf(stderr, "%s\n", error.what());
+    print_error(error.what());
     return static_cast<int>(error.kind());
   } catch (const std::bad_alloc&) {
-    end_progress_line();
-    std::fprintf(stderr, "error: out of memory; a smaller input, a coarser grid or --memory\n");
+    print_error("error: out of memory; a smaller input, a coarser grid or --memory");
     return 1;
   } catch (const std::exception& error) {
-    end_progress_line();
-    std::fprintf(stderr, "error: %s\n", error.what());
+    print_error(std::string("error: ") + error.what());
     return 1;
   }
 }

@@ -20,8 +20,6 @@ namespace {
 constexpr std::string_view kHeader =
     "realism,duration_s,contact_s,contacts,path_m,mean_force_n,peak_force_n,area_m2,levels";
 
-std::filesystem::path file_of(const std::string& name) { return name + ".csv"; }
-
 std::string_view without_blanks(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r";
   const std::size_t first = text.find_first_not_of(kBlanks);
@@ -31,6 +29,8 @@ std::string_view without_blanks(std::string_view text) {
 
 }  // namespace
 
+std::filesystem::path study_file(const std::string& name) { return name.empty() ? name : name + ".csv"; }
+
 void check_study(const std::string& name) {
   constexpr std::size_t kLongestName = 200;
   const bool control = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
@@ -38,7 +38,7 @@ void check_study(const std::string& name) {
       name.size() > kLongestName) {
     throw usage_error("--study '" + name + "' cannot be the name of a file", "a plain name");
   }
-  const std::filesystem::path file = file_of(name);
+  const std::filesystem::path file = study_file(name);
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return;
   std::string header;
@@ -67,7 +67,7 @@ void append_study(const std::string& name, const haptics::SessionSummary& s, int
   const std::string row =
       fmt::format("{},{},{},{},{},{},{},{},{}\n", realism > 0 ? std::to_string(realism) : "", s.duration_s, s.contact_s,
                   s.contacts, s.path_m, s.mean_force_n, s.peak_force_n, s.area_m2, levels);
-  system::append_line(file_of(name), std::string(kHeader) + "\n", row);
+  system::append_line(study_file(name), std::string(kHeader) + "\n", row);
 }
 
 }  // namespace sparsha::app

@@ -1,12 +1,15 @@
 // User studies: the visitor's rating and the session's figures, one row a session.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "haptics/session/session.h"
 
 namespace sparsha::app {
 
+/// NAME.csv; empty without a name.
+[[nodiscard]] std::filesystem::path study_file(const std::string& name);
 /// Throws Error{usage} when NAME cannot be a file's name or NAME.csv is something else than a study; "" is none.
 void check_study(const std::string& name);
 /// Asks on the terminal how real it felt, 1 to 10; 0 when there is no answer.

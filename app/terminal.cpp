@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "app/printable.h"
 #include "pipeline/base/error.h"
 #include "pipeline/base/system.h"
 
@@ -22,15 +23,24 @@ std::atomic<bool> line_open{false};
 static_assert(std::atomic<Progress*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
 void on_signal(int) {
-  if (stop_asked.exchange(true)) std::_Exit(130);
+  if (stop_asked.exchange(true)) std::_Exit(static_cast<int>(ErrorKind::failure));
   if (Progress* progress = running.load()) progress->cancel();
 }
 
 }  // namespace
 
 void catch_interrupts() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, on_signal);
+#if !defined(_WIN32)
+  for (const int number : {SIGQUIT, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGPROF}) {
+    std::signal(number, on_signal);
+  }
+  // A program started by nohup goes on without its terminal.
+  if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+  // A file that may not grow and a reader that has gone are errors of the write that meets them.
+  for (const int number : {SIGXFSZ, SIGPIPE}) std::signal(number, SIG_IGN);
+#endif
+  system::survive_cut_files();
 }
 
 bool interrupted() { return stop_asked.load(); }
@@ -41,8 +51,14 @@ void end_progress_line() {
 
 void print(std::string_view text) {
   end_progress_line();
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  if (text.empty() || text.back() != '\n') std::fputc('\n', stdout);
+  const std::string shown = printable(text, true);
+  std::fwrite(shown.data(), 1, shown.size(), stdout);
+  if (shown.empty() || shown.back() != '\n') std::fputc('\n', stdout);
+}
+
+void print_error(std::string_view text) {
+  end_progress_line();
+  std::fprintf(stderr, "%s\n", printable(text).c_str());
 }
 
 void flush_output() {
@@ -65,21 +81,19 @@ Terminal::~Terminal() {
 }
 
 void Terminal::message(std::string_view text) const {
-  if (quiet_) return;
-  end_progress_line();
-  std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
+  if (!quiet_) print_error(text);
 }
 
 void Terminal::show(const ProgressUpdate& update) {
   const auto now = std::chrono::steady_clock::now();
   if (update.kind == ProgressUpdate::Kind::warning) {
     if (bar_ && line_open.exchange(false)) std::fputs("\r\x1b[K", stderr);
-    if (!quiet_) std::fprintf(stderr, "warning: %.*s\n", static_cast<int>(update.text.size()), update.text.data());
+    if (!quiet_) print_error("warning: " + std::string(update.text));
     return;
   }
   if (quiet_) return;
   if (update.kind == ProgressUpdate::Kind::stage) {
-    stage_ = update.text;
+    stage_ = printable(update.text);
     stage_began_ = now;
     last_drawn_ = now;
     if (bar_) {

@@ -32,15 +32,19 @@ class Terminal {
   Progress progress_;
 };
 
-/// Routes SIGINT and SIGTERM: the first asks the running Progress to stop, the second ends the program.
+/// Routes the signals that ask a program to end (SIGINT, SIGTERM, SIGHUP, SIGQUIT, ...): the first asks the running
+/// Progress to stop, the second ends the program with exit code 1. What is not asked for by a person - a file that may
+/// not grow, a closed pipe, a file cut short while it is read - becomes an error where it is met.
 void catch_interrupts();
 /// True once the user asked to stop.
 [[nodiscard]] bool interrupted();
 /// Leaves an unfinished progress line.
 void end_progress_line();
 
-/// A result, to standard output, with a final line feed.
+/// A result, to standard output, with a final line feed; control characters as printable() shows them.
 void print(std::string_view text);
+/// The same on standard error, for one line.
+void print_error(std::string_view text);
 /// Throws Error{failure} when results could not be written (a full disk, a closed pipe).
 void flush_output();
 

@@ -18,6 +18,8 @@
 #include "pipeline/grid/layers.h"
 #include "pipeline/grid/project.h"
 #include "pipeline/project_scans.h"
+#include "pipeline/scan/repeated.h"
+#include "pipeline/scene/scene_folder.h"
 #include "pipeline/warnings.h"
 
 namespace sparsha::pipeline {
@@ -88,12 +90,12 @@ void add_texture(const Config& config, const Projection& projection, ThreadPool&
 
 }  // namespace
 
-BuildResult build_scene(const Config& config, const BuildOptions& options, Progress& progress) {
+BuildResult build_scene(const Config& given, const BuildOptions& options, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
+  Config config = given;
+  config.scans = without_repeats(given.scans, progress);
   ThreadPool pool(options.threads);
-  BuildOptions projecting = options;
-  if (projecting.spill_folder.empty()) projecting.spill_folder = std::filesystem::temp_directory_path();
-  ProjectedScans scans = project_scans(config, projecting, pool, progress);
+  ProjectedScans scans = project_scans(config, options, pool, progress);
   Projection& projection = scans.projection;
 
   Report report;
@@ -162,13 +164,13 @@ BuildResult build_scene(const Config& config, const BuildOptions& options, Progr
 BuildResult build_scene_folder(const Config& config, const BuildOptions& options, const std::filesystem::path& folder,
                                Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
-  AtomicPath target(folder);
+  require_replaceable(folder, config);
+  AtomicPath target(folder, AtomicPath::Kind::folder);
   BuildOptions building = options;
   if (building.spill_folder.empty()) {
     building.spill_folder = folder.parent_path().empty() ? std::filesystem::path(".") : folder.parent_path();
   }
   BuildResult result = build_scene(config, building, progress);
-  std::filesystem::create_directories(target.temporary());
   progress.begin("write");
   write_scene(*result.scene, target.temporary());
   progress.finish();
@@ -183,6 +185,7 @@ BuildResult build_scene_folder(const Config& config, const BuildOptions& options
     write_report(*result.scene, result.report, target.temporary(), pool);
   }
   progress.throw_if_cancelled();
+  require_replaceable(folder, config);  // once more: a build takes its time
   target.commit();
   return result;
 }

@@ -94,6 +94,15 @@ class Builder {
   }
 
  private:
+  /// Looked for when it is needed: a TMPDIR that does not exist is no matter for what fits into memory.
+  [[nodiscard]] std::filesystem::path spill_folder() const {
+    if (!options_.spill_folder.empty()) return options_.spill_folder;
+    std::error_code code;
+    const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+    if (!code) return folder;
+    throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
+                "TMPDIR, if set, naming a folder");
+  }
   [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
 
   [[nodiscard]] bool points_fit(const ScanSet& scans) const {
@@ -118,6 +127,7 @@ class Builder {
       needed += (std::max(bytes_a_point, kWindowBytes) - kWindowBytes) * scans.points();
       if (checks()) needed += bytes_of_sample(*config_.check, scans.points(), lattice);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
+      require_room(lattice, node_bytes(scans, lattice));
     });
   }
 
@@ -151,6 +161,15 @@ class Builder {
       grid = std::move(fates->grid);
       return check;
     };
+  }
+
+  // Before memory is taken for what cannot be there: a system that promises more kills the program later.
+  static void require_room(const Lattice& lattice, std::uint64_t bytes) {
+    const std::uint64_t memory = system::physical_memory_bytes();
+    if (memory == 0 || bytes <= memory / 10 * 9) return;
+    throw usage_error(fmt::format("a grid of {} x {} nodes needs about {} MB for its layers, this machine has {} MB",
+                                  lattice.nx, lattice.ny, bytes / 1'000'000U, memory / 1'000'000U),
+                      "a smaller grid.size or larger grid.spacing_mm");
   }
 
   // Faces, and filters that look farther than a point, are not for points on disk.
@@ -231,7 +250,7 @@ class Builder {
   void build_out_of_core(const ScanSet& scans) {
     progress_.begin("spill");
     SpilledCloud cloud =
-        spill(scans, leading_crops(), config_.grid.colour, config_.grid.intensity, options_.spill_folder, progress_);
+        spill(scans, leading_crops(), config_.grid.colour, config_.grid.intensity, spill_folder(), progress_);
     if (cloud.size() == 0) throw no_points(config_);
     result_.points = {};
     result_.points.read = cloud.size() + cloud.invalid + cloud.cropped;
@@ -247,7 +266,7 @@ class Builder {
     if (checks()) {
       require_room_for_sample(limit_, *config_.check, result_.points.read, node_bytes(scans, lattice), lattice);
     }
-    result_.projection = spilled.run(tile_points, options_.spill_folder, pool_, progress_);
+    result_.projection = spilled.run(tile_points, spill_folder(), pool_, progress_);
     system::trim_heap();
     if (!checks()) return;
     auto points = std::make_shared<BucketedPoints>(spilled.take_points());

@@ -11,6 +11,8 @@
 #include "pipeline/check/check.h"
 #include "pipeline/grid/project.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/repeated.h"
+#include "pipeline/scene/scene_folder.h"
 
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;
@@ -32,7 +34,8 @@ std::vector<ScanConfig> scans_to_check(const SceneDescription& scene, const std:
   for (const fs::path& file : files) {
     ScanConfig scan;
     scan.file = file;
-    const std::string digest = sha256(MappedFile(file).bytes());
+    const MappedFile mapped(file);
+    const std::string digest = mapped.whole([&] { return sha256(mapped.bytes()); });
     for (std::size_t i = 0; i < std::min(scene.sources.size(), scene.config.scans.size()); ++i) {
       if (scene.sources[i].sha256 != digest) continue;
       scan.units = scene.config.scans[i].units;
@@ -43,15 +46,41 @@ std::vector<ScanConfig> scans_to_check(const SceneDescription& scene, const std:
   return scans;
 }
 
+// A file that is no scan may hold what is nobody's business: what a message quotes of it is left out.
+std::string without_quotes(const std::string& message) {
+  std::string text;
+  for (std::size_t at = 0; at < message.size();) {
+    const std::size_t open = message.find('\'', at);
+    const std::size_t close = open == std::string::npos ? open : message.rfind('\'');
+    if (open == std::string::npos || close == open) return text + message.substr(at);
+    text += message.substr(at, open - at) + "'...'";
+    at = close + 1;
+  }
+  return text;
+}
+
+Cloud load_quietly(const std::vector<ScanConfig>& scans, Progress& progress) {
+  try {
+    return load_scans(without_repeats(scans, progress), progress);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    throw Error(error.kind(), error.place(), without_quotes(error.wrong()), error.expected());
+  }
+}
+
 }  // namespace
 
 Report recheck_scene(const Scene& scene, const std::vector<fs::path>& scans, const CheckConfig& check, unsigned threads,
-                     Progress& progress) {
+                     Progress& progress, Trust trust) {
   const SceneDescription& description = scene.description();
+  if (scans.empty() && !scene.folder().empty() && trust == Trust::own_folder) {
+    require_own_scans(description, scene.folder());
+  }
   ThreadPool pool(threads);
   Report report;
   progress.begin("read");
-  const Cloud cloud = load_scans(scans_to_check(description, scans), progress);
+  const Cloud cloud = load_quietly(scans_to_check(description, scans), progress);
   report.points.read = cloud.size() + cloud.invalid;
   report.points.invalid = cloud.invalid;
 

@@ -106,6 +106,7 @@ std::vector<HipSample> read_hip_path(const std::filesystem::path& file) {
                            "as many as the header");
     path.push_back({value[0], {value[1], value[2], value[3]}});
   }
+  mapped.require_whole();
   if (path.empty()) throw input_error(name, "no positions of the hand", "at least one row below the header");
   return path;
 }

@@ -2,20 +2,29 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "pipeline/base/error.h"
+#include "pipeline/base/system.h"
 
 namespace sparsha {
 
-/// A path beside `target` to write to; commit() renames it over the target, the destructor removes what was not
-/// committed. Works for files and folders; an old folder is replaced as a whole. Devices and pipes are written to
-/// directly and never replaced.
+/// An empty file or folder beside `target` to write to; commit() renames it over the target, the destructor removes
+/// what was not committed. Its name is random, and what ended programs have left of the same target is removed. An old
+/// folder is replaced as a whole, a symbolic link is replaced and never followed. Character devices and this program's
+/// own standard streams are written to directly.
 class AtomicPath {
  public:
-  explicit AtomicPath(std::filesystem::path target);
+  enum class Kind { file, folder };
+  /// Throws Error{usage} for a named pipe, a socket, a block device and for a folder behind a symbolic link;
+  /// Error{failure} when the target cannot be written, so that work whose result would be lost is not begun.
+  explicit AtomicPath(std::filesystem::path target, Kind kind = Kind::file);
   ~AtomicPath();
   AtomicPath(const AtomicPath&) = delete;
   AtomicPath& operator=(const AtomicPath&) = delete;
@@ -26,8 +35,22 @@ class AtomicPath {
 
  private:
   std::filesystem::path target_;
+  Kind kind_;
   std::filesystem::path temporary_;
+  std::intptr_t handle_ = -1;
 };
+
+/// Throws as AtomicPath would; leaves nothing behind.
+void require_writable(const std::filesystem::path& target, AtomicPath::Kind kind = AtomicPath::Kind::file);
+/// Throws Error{usage} when two of these outputs, or an output and an input, are the same file, whatever they are
+/// called. Empty paths are none. Each has the name that messages use, e.g. "--record".
+struct NamedPath {
+  std::string name;
+  std::filesystem::path path;
+};
+void require_distinct(const std::vector<NamedPath>& outputs, const std::vector<NamedPath>& inputs = {});
+/// True when `path` is `folder` or lies in it, symbolic links resolved.
+[[nodiscard]] bool lies_within(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 /// Writes a whole text file atomically. Throws Error{failure}.
 void write_file(const std::filesystem::path& target, std::string_view bytes);
@@ -41,14 +64,30 @@ class MappedFile {
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
-  [[nodiscard]] std::span<const std::byte> bytes() const { return {data_, size_}; }
-  [[nodiscard]] std::string_view text() const { return {reinterpret_cast<const char*>(data_), size_}; }
+  [[nodiscard]] std::span<const std::byte> bytes() const { return {mapping_.data, mapping_.size}; }
+  [[nodiscard]] std::string_view text() const { return {reinterpret_cast<const char*>(mapping_.data), mapping_.size}; }
+  /// What read() gives, or throws; Error{input} in its place when the file became shorter meanwhile.
+  template <typename Read>
+  auto whole(const Read& read) const {
+    try {
+      auto result = read();
+      require_whole();
+      return result;
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error&) {
+      require_whole();
+      throw;
+    }
+  }
+  /// Throws Error{input} when the file became shorter since it was mapped: then some bytes are zeros that never were.
+  void require_whole() const;
   /// Tells the system that bytes before `offset` are no longer needed (keeps peak RSS low while streaming).
   void release_before(std::size_t offset) const;
 
  private:
-  const std::byte* data_ = nullptr;
-  std::size_t size_ = 0;
+  std::filesystem::path file_;
+  system::Mapping mapping_;
 };
 
 /// Lower-case hexadecimal SHA-256.

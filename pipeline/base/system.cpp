@@ -2,6 +2,9 @@
 #include "pipeline/base/system.h"
 
 #include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -23,6 +26,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #endif
 #if defined(__linux__)
@@ -42,6 +46,11 @@ namespace {
 [[noreturn]] void fail_to_append(const std::filesystem::path& file, const std::string& why) {
   throw Error(ErrorKind::failure, {file.string(), 0, 0}, "cannot append to it: " + why,
               "room on the disk and a file that can be written");
+}
+
+[[noreturn]] void fail_to_create(const std::filesystem::path& path, const std::string& why) {
+  throw Error(ErrorKind::failure, {path.string(), 0, 0}, "cannot be created: " + why,
+              "a folder that can be written to");
 }
 
 /// Moves all bytes by calls of transfer(piece, offset), which gives how many it moved, with pieces of 1 GB at most.
@@ -84,6 +93,34 @@ void unmap_file(const Mapping& mapping) noexcept {
 }
 
 void release_pages(const Mapping&, std::size_t, std::size_t) noexcept {}
+bool is_whole(const Mapping&) noexcept { return true; }  // a mapped file cannot become shorter
+void survive_cut_files() noexcept {}
+
+std::intptr_t create_exclusively(const std::filesystem::path& path, bool folder) {
+  if (folder) {
+    if (CreateDirectoryW(path.c_str(), nullptr)) return 0;
+  } else {
+    const HANDLE handle = CreateFileW(path.c_str(), GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_WRITE, nullptr,
+                                      CREATE_NEW, FILE_ATTRIBUTE_NORMAL, nullptr);
+    if (handle != INVALID_HANDLE_VALUE) {
+      CloseHandle(handle);
+      return 0;
+    }
+  }
+  const DWORD code = GetLastError();
+  if (code == ERROR_ALREADY_EXISTS || code == ERROR_FILE_EXISTS) return -1;
+  fail_to_create(path, "code " + std::to_string(code));
+}
+
+void release(std::intptr_t) noexcept {}
+void remove_abandoned(const std::filesystem::path&) noexcept {}
+bool is_writable(const std::filesystem::path& path) noexcept { return _waccess(path.c_str(), 2) == 0; }
+void allow_many_open_files() noexcept {}
+bool process_exists(std::uint64_t number) noexcept {
+  const HANDLE handle = OpenProcess(PROCESS_QUERY_LIMITED_INFORMATION, FALSE, static_cast<DWORD>(number));
+  if (handle != nullptr) CloseHandle(handle);
+  return handle != nullptr;
+}
 
 ScratchFile::ScratchFile(const std::filesystem::path& folder) : folder_(folder) {
   wchar_t name[MAX_PATH];
@@ -182,6 +219,59 @@ void advise_large_pages(void*, std::size_t) noexcept {}
 
 #else
 
+/// A mapped file as the handler of SIGBUS knows it. Kept in a list that only grows, for a handler may take no lock;
+/// used again for later files.
+struct MappedRange {
+  std::atomic<std::uintptr_t> begin{0};  ///< 0: free
+  std::atomic<std::size_t> size{0};
+  std::atomic<bool> cut{false};
+  int descriptor = -1;
+  MappedRange* next = nullptr;
+};
+
+namespace {
+
+std::atomic<MappedRange*> mapped_ranges{nullptr};
+std::mutex mapped_ranges_mutex;
+
+MappedRange* keep_range(const void* data, std::size_t size, int descriptor) {
+  const std::lock_guard lock(mapped_ranges_mutex);
+  MappedRange* range = mapped_ranges.load();
+  while (range != nullptr && range->begin.load() != 0) range = range->next;
+  if (range == nullptr) {
+    range = new MappedRange;
+    range->next = mapped_ranges.load();
+    mapped_ranges.store(range);
+  }
+  range->descriptor = descriptor;
+  range->cut.store(false);
+  range->size.store(size);
+  range->begin.store(reinterpret_cast<std::uintptr_t>(data));
+  return range;
+}
+
+// Puts zeros in place of what is gone, and remembers it; any other SIGBUS ends the program as it always did.
+void on_bus_error(int, siginfo_t* info, void*) {
+  const int before = errno;
+  const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
+  for (MappedRange* range = mapped_ranges.load(); range != nullptr; range = range->next) {
+    const std::uintptr_t begin = range->begin.load();
+    const std::size_t size = range->size.load();
+    if (begin == 0 || address < begin || address - begin >= size) continue;
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    const std::uintptr_t first = address / page * page;
+    void* const zeros = ::mmap(reinterpret_cast<void*>(first), begin + size - first, PROT_READ,
+                               MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+    if (zeros == MAP_FAILED) break;
+    range->cut.store(true);
+    errno = before;
+    return;
+  }
+  std::signal(SIGBUS, SIG_DFL);
+}
+
+}  // namespace
+
 Mapping map_file(const std::filesystem::path& file) {
   // O_NONBLOCK: a named pipe must be refused, not waited for.
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -195,22 +285,92 @@ Mapping map_file(const std::filesystem::path& file) {
   }
   Mapping mapping;
   mapping.size = static_cast<std::size_t>(status.st_size);
-  if (mapping.size > 0) {
-    void* address = ::mmap(nullptr, mapping.size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  if (mapping.size == 0) {
     ::close(descriptor);
-    if (address == MAP_FAILED) {
-      throw input_error(file.string(), "cannot map the file: " + std::string(std::strerror(errno)));
-    }
-    mapping.data = static_cast<const std::byte*>(address);
-    ::madvise(address, mapping.size, MADV_SEQUENTIAL);
-  } else {
-    ::close(descriptor);
+    return mapping;
   }
+  void* address = ::mmap(nullptr, mapping.size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  if (address == MAP_FAILED) {
+    const std::string why = std::strerror(errno);
+    ::close(descriptor);
+    throw input_error(file.string(), "cannot map the file: " + why);
+  }
+  mapping.data = static_cast<const std::byte*>(address);
+  ::madvise(address, mapping.size, MADV_SEQUENTIAL);
+  mapping.range = keep_range(address, mapping.size, descriptor);
   return mapping;
 }
 
 void unmap_file(const Mapping& mapping) noexcept {
-  if (mapping.data != nullptr) ::munmap(const_cast<std::byte*>(mapping.data), mapping.size);
+  if (mapping.data == nullptr) return;
+  ::close(mapping.range->descriptor);
+  ::munmap(const_cast<std::byte*>(mapping.data), mapping.size);
+  mapping.range->begin.store(0);
+}
+
+bool is_whole(const Mapping& mapping) noexcept {
+  if (mapping.range == nullptr) return true;
+  struct stat status {};
+  return !mapping.range->cut.load() && ::fstat(mapping.range->descriptor, &status) == 0 &&
+         static_cast<std::size_t>(status.st_size) >= mapping.size;
+}
+
+void survive_cut_files() noexcept {
+  struct sigaction action {};
+  action.sa_sigaction = on_bus_error;
+  action.sa_flags = SA_SIGINFO;
+  ::sigemptyset(&action.sa_mask);
+  ::sigaction(SIGBUS, &action, nullptr);
+}
+
+std::intptr_t create_exclusively(const std::filesystem::path& path, bool folder) {
+  int handle = -1;
+  if (!folder) {
+    handle = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } else if (::mkdir(path.c_str(), 0777) == 0) {
+    handle = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  }
+  if (handle < 0) {
+    if (errno == EEXIST) return -1;
+    fail_to_create(path, std::strerror(errno));
+  }
+  // Another process may take it for abandoned before it is locked: then it is that one's to remove.
+  struct stat status {};
+  if ((::flock(handle, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) || ::fstat(handle, &status) != 0 ||
+      status.st_nlink == 0) {
+    ::close(handle);
+    return -1;
+  }
+  return handle;
+}
+
+void release(std::intptr_t handle) noexcept { ::close(static_cast<int>(handle)); }
+
+void remove_abandoned(const std::filesystem::path& path) noexcept {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return;
+  struct stat status {};
+  if (::fstat(descriptor, &status) == 0 && (S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)) &&
+      status.st_uid == ::geteuid() && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  ::close(descriptor);
+}
+
+bool is_writable(const std::filesystem::path& path) noexcept {
+  return ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) == 0;
+}
+
+bool process_exists(std::uint64_t number) noexcept {
+  return ::kill(static_cast<pid_t>(number), 0) == 0 || errno == EPERM;
+}
+
+void allow_many_open_files() noexcept {
+  struct rlimit limit {};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) noexcept {
@@ -260,10 +420,41 @@ std::uint64_t peak_rss_bytes() noexcept {
 #endif
 }
 
-std::uint64_t physical_memory_bytes() noexcept {
+namespace {
+
+// The least limit of memory that control groups put on this process; the largest number without one.
+std::uint64_t group_limit_bytes() {
+  std::uint64_t least = ~std::uint64_t{0};
+  const auto look = [&](const std::filesystem::path& file) {
+    std::uint64_t bytes = 0;
+    if (std::ifstream(file) >> bytes && bytes > 0) least = std::min(least, bytes);
+  };
+  look("/sys/fs/cgroup/memory.max");
+  look("/sys/fs/cgroup/memory/memory.limit_in_bytes");
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;
+    for (std::filesystem::path group = line.substr(4); !group.empty(); group = group.parent_path()) {
+      look(std::filesystem::path("/sys/fs/cgroup") / group / "memory.max");
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+std::uint64_t physical_memory_bytes() noexcept try {
   const long pages = ::sysconf(_SC_PHYS_PAGES);
   const long page = ::sysconf(_SC_PAGESIZE);
-  return pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) : 0;
+  if (pages <= 0 || page <= 0) return 0;
+  std::uint64_t bytes = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
+  struct rlimit limit {};
+  if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    bytes = std::min<std::uint64_t>(bytes, limit.rlim_cur);
+  }
+  return std::min(bytes, group_limit_bytes());
+} catch (...) {
+  return 0;
 }
 
 bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept {

@@ -9,9 +9,12 @@
 
 namespace sparsha::system {
 
+struct MappedRange;
+
 struct Mapping {
   const std::byte* data = nullptr;
   std::size_t size = 0;
+  MappedRange* range = nullptr;  ///< how is_whole() knows it
 };
 
 /// Maps a regular file read-only; throws Error{input}. An empty file maps to {nullptr, 0}.
@@ -19,6 +22,25 @@ struct Mapping {
 void unmap_file(const Mapping& mapping) noexcept;
 /// Drops the pages of [begin, end) from memory; they are read again when touched.
 void release_pages(const Mapping& mapping, std::size_t begin, std::size_t end) noexcept;
+
+/// What is left of a mapped file: false once it has become shorter than it was when it was mapped. Bytes that went
+/// missing read as zeros where survive_cut_files() is in force, and end the program elsewhere.
+[[nodiscard]] bool is_whole(const Mapping& mapping) noexcept;
+/// Catches SIGBUS in this process, so that a file cut short while it is mapped is told by is_whole().
+void survive_cut_files() noexcept;
+
+/// Creates an empty file or folder where nothing is, not even a symbolic link, and marks it as in use while the handle
+/// is held. -1 when something of that name is there. Throws Error{failure} with the system's reason.
+[[nodiscard]] std::intptr_t create_exclusively(const std::filesystem::path& path, bool folder);
+void release(std::intptr_t handle) noexcept;
+/// Removes a file or folder of this user that create_exclusively() made and no process holds any more.
+void remove_abandoned(const std::filesystem::path& path) noexcept;
+/// True when this user may write to an existing file or folder.
+[[nodiscard]] bool is_writable(const std::filesystem::path& path) noexcept;
+/// True when a process of that number exists.
+[[nodiscard]] bool process_exists(std::uint64_t number) noexcept;
+/// Allows this process as many open files as the system lets it have.
+void allow_many_open_files() noexcept;
 
 /// A file without a name: it goes when it is closed or when the program ends, however that ends. Several threads may
 /// read and write different parts.
@@ -41,7 +63,7 @@ class ScratchFile {
 
 /// Highest resident set size of this process so far, bytes.
 [[nodiscard]] std::uint64_t peak_rss_bytes() noexcept;
-/// Memory of this machine, bytes; 0 when unknown.
+/// Memory that this process may have: the machine's, or less where a limit is set; bytes, 0 when unknown.
 [[nodiscard]] std::uint64_t physical_memory_bytes() noexcept;
 /// Swaps two existing paths as one step where the system can; false when it cannot.
 [[nodiscard]] bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept;

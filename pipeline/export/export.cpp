@@ -18,20 +18,35 @@ std::string lower(std::string text) {
   return text;
 }
 
+std::string ending_of(const std::filesystem::path& file) { return lower(file.extension().string()); }
+
+bool is_raster(const std::string& ending) { return ending == ".tif" || ending == ".tiff" || ending == ".png"; }
+
 }  // namespace
 
-void export_scene(const Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress) {
-  const std::string ending = lower(file.extension().string());
-  const std::string shown = file.string();
-  const bool raster = ending == ".tif" || ending == ".tiff" || ending == ".png";
-  if (!raster && ending != ".ply" && ending != ".obj" && ending != ".xyz") {
-    throw Error(ErrorKind::usage, {shown, 0, 0}, "the ending names no export format",
+void check_export(const std::filesystem::path& file, bool nodes_only) {
+  const std::string ending = ending_of(file);
+  if (!is_raster(ending) && ending != ".ply" && ending != ".obj" && ending != ".xyz") {
+    throw Error(ErrorKind::usage, {file.string(), 0, 0}, "the ending names no export format",
                 "expected .ply, .obj, .xyz, .tif or .png");
   }
-  if (raster && nodes_only) {
-    throw Error(ErrorKind::usage, {shown, 0, 0}, "a raster has no separate nodes",
+  if (is_raster(ending) && nodes_only) {
+    throw Error(ErrorKind::usage, {file.string(), 0, 0}, "a raster has no separate nodes",
                 "expected .ply, .obj or .xyz with --nodes");
   }
+}
+
+std::filesystem::path world_file_of(const std::filesystem::path& file) {
+  const std::string ending = ending_of(file);
+  if (!is_raster(ending)) return {};
+  std::filesystem::path beside = file;
+  return beside.replace_extension(ending == ".png" ? ".pgw" : ".tfw");
+}
+
+void export_scene(const Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress) {
+  check_export(file, nodes_only);
+  const std::string ending = ending_of(file);
+  const std::string shown = file.string();
   progress.begin("export");
   AtomicPath target(file);
   const std::filesystem::path& to = target.temporary();
@@ -46,12 +61,9 @@ void export_scene(const Scene& scene, const std::filesystem::path& file, bool no
   } else {
     export_tif(scene, to, shown, progress);
   }
-  if (raster) {
+  if (is_raster(ending)) {
     const SceneDescription& description = scene.description();
-    // .tif -> .tfw, .png -> .pgw
-    std::filesystem::path beside = file;
-    beside.replace_extension(ending == ".png" ? ".pgw" : ".tfw");
-    write_file(beside, world_file(description.levels.at(0), description.scan_from_grid));
+    write_file(world_file_of(file), world_file(description.levels.at(0), description.scan_from_grid));
     if (!keeps_scan_axes(description.scan_from_grid)) {
       progress.warn(shown + ": x and y are not the scan's axes, so the raster is in the scene's grid frame");
     }

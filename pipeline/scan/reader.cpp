@@ -105,12 +105,12 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
 
 RawScan read_scan(const std::filesystem::path& file) {
   const MappedFile map(file);
-  return read_into(file.string(), map.text(), nullptr, {});
+  return map.whole([&] { return read_into(file.string(), map.text(), nullptr, {}); });
 }
 
 RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink) {
   const MappedFile map(file);
-  return read_into(file.string(), map.text(), &map, sink);
+  return map.whole([&] { return read_into(file.string(), map.text(), &map, sink); });
 }
 
 bool is_quick_to_stream(const std::filesystem::path& file) {

@@ -56,6 +56,8 @@ void round_points(const Placement& placement, const Eigen::Vector3d& origin_m, s
 
 /// Read piece by piece: a mapped file would count as memory of this process.
 std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>& abandoned) {
+  // Opening a named pipe would wait for somebody who writes to it.
+  if (!std::filesystem::is_regular_file(file)) throw input_error(file.string(), "this is not a regular file", "a scan");
   Sha256 digest;
   std::vector<char> buffer(1U << 18U);
   std::ifstream stream(file, std::ios::binary);

@@ -1,10 +1,12 @@
 // Reads every block of the configuration and refuses what it does not know.
 #include "pipeline/scene/config.h"
 #include "pipeline/scene/override.h"
+#include "pipeline/scene/sound_limits.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -15,6 +17,7 @@ namespace {
 using yaml::MapReader;
 using yaml::Node;
 
+constexpr std::array<std::string_view, 3> kSceneKeys = {"scene", "origin_m", "scan_from_grid"};
 constexpr double kAny = 1e12;  // widest coordinate that is believed, metres
 constexpr double kMm = 1e-3;
 constexpr double kSmallest = 1e-12;  // smallest length that is believed, in the key's unit
@@ -346,8 +349,8 @@ AudioRegionConfig parse_region(const Node& node, const std::filesystem::path& fo
   if (what == 0) {
     ModalConfig modal;
     MapReader keys(*node.find("modal"), "modal");
-    keys.read("frequency_hz", modal.frequency_hz, 10.0, 20000.0);
-    keys.read("decay_s", modal.decay_s, 0.005, 60.0);
+    keys.read("frequency_hz", modal.frequency_hz, kLeastFrequency_hz, kMostFrequency_hz);
+    keys.read("decay_s", modal.decay_s, kLeastDecay_s, kMostDecay_s);
     keys.finish();
     region.sound = modal;
   } else {
@@ -443,8 +446,18 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   return config;
 }
 
+bool describes_scene(const Node& root) {
+  return root.is_map() && std::all_of(kSceneKeys.begin(), kSceneKeys.end(),
+                                      [&](std::string_view key) { return root.find(key) != nullptr; });
+}
+
 Config load_config(const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Node root = yaml::parse_file(file);
+  if (describes_scene(root)) {
+    std::erase_if(root.entries, [](const yaml::Entry& entry) {
+      return std::find(kSceneKeys.begin(), kSceneKeys.end(), entry.key) != kSceneKeys.end();
+    });
+  }
   override_keys(root, settings);
   return parse_config(root, file.parent_path());
 }

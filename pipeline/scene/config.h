@@ -142,6 +142,9 @@ struct Config {
 /// Reads a configuration; paths become relative to `folder` (the file's own). Throws Error{usage} with line, column and
 /// the nearest valid key. Contradictions (size and spacing_mm, singular matrices, parallel `up`) are errors too.
 [[nodiscard]] Config parse_config(const yaml::Node& root, const std::filesystem::path& folder);
+/// True for the scene.yaml of a scene: a configuration, and what was made of it.
+[[nodiscard]] bool describes_scene(const yaml::Node& root);
+/// Of a scene.yaml the configuration alone: the scene can be built again.
 [[nodiscard]] Config load_config(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
 /// The same configuration as YAML text that parse_config reads back to equal values.

@@ -122,7 +122,8 @@ TiffPointer open_layer(const std::filesystem::path& file, const LayerRegion& reg
   prepare_library();
   std::error_code code;
   if (!std::filesystem::is_regular_file(file, code)) throw input_error(file.string(), "the layer is missing");
-  TiffPointer tiff(TIFFOpen(file.c_str(), "r"));
+  TiffPointer tiff(TIFFOpen(file.c_str(),
+                            "rm"));  // not mapped: a file may be cut short while it is read
   if (!tiff) throw input_error(file.string(), "not a readable TIFF: " + tiff_message, "a layer of a scene");
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -149,6 +150,18 @@ TiffPointer open_layer(const std::filesystem::path& file, const LayerRegion& reg
                                   format.samples, format.bits, kTileSize, kTileSize));
   }
   format.bits = bits;
+  // Before memory is taken for what the file only promises: plain pixels are all there, packed ones cannot be packed
+  // closer than deflate packs zeros.
+  std::uint16_t compression = COMPRESSION_NONE;
+  TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_COMPRESSION, &compression);
+  const double closest = compression == COMPRESSION_NONE ? 1.0 : 1032.0;
+  const double pixels = static_cast<double>(width) * height * static_cast<double>(format.bytes());
+  const auto bytes = static_cast<double>(std::filesystem::file_size(file, code));
+  if (code || bytes * closest < pixels) {
+    throw input_error(file.string(),
+                      fmt::format("the layer's {}x{} pixels are not in its {} bytes", width, height, bytes),
+                      "an undamaged layer");
+  }
   return tiff;
 }
 
@@ -207,6 +220,11 @@ void write_layer(const std::filesystem::path& file, int nx, int ny, std::span<co
 
 void write_layer(const std::filesystem::path& file, int nx, int ny, std::span<const std::uint32_t> pixels) {
   write_plain(file, nx, ny, kRgba, pixels);
+}
+
+void check_layer(const std::filesystem::path& file, int level_nx, int level_ny, LayerKind kind) {
+  PixelFormat format = kind == LayerKind::byte ? kByte : kind == LayerKind::rgba ? kRgba : PixelFormat{};
+  static_cast<void>(open_layer(file, {level_nx, level_ny}, format));
 }
 
 void read_layer(const std::filesystem::path& file, const LayerRegion& region, std::span<float> values) {

@@ -21,8 +21,13 @@ void write_layer(const std::filesystem::path& file, int nx, int ny, std::span<co
 /// 0xAABBGGRR pixels as 8-bit RGBA.
 void write_layer(const std::filesystem::path& file, int nx, int ny, std::span<const std::uint32_t> pixels);
 
-/// Reads nodes [i0, i0+nx) x [j0, j0+ny) into `values` (memory order); nodes outside the layer keep their value.
-/// Throws Error{input} when the file is not such a layer of `level_nx` x `level_ny` nodes or a tile cannot be read.
+/// What a node of a layer is.
+enum class LayerKind { number, byte, rgba };
+/// Throws as read_layer() does when the file is not such a layer; reads no node.
+void check_layer(const std::filesystem::path& file, int level_nx, int level_ny, LayerKind kind);
+
+/// Reads nodes [i0, i0+nx) x [j0, j0+ny) into `values` (memory order); nodes outside the layer keep their value. Throws
+/// Error{input} when the file is not such a layer of `level_nx` x `level_ny` nodes or a tile cannot be read.
 struct LayerRegion {
   int level_nx = 0, level_ny = 0;
   int i0 = 0, j0 = 0, nx = 0, ny = 0;

@@ -60,8 +60,13 @@ using ScenePointer = std::shared_ptr<const Scene>;
 /// A scene that lives in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not.
 [[nodiscard]] ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels);
 
-/// Opens a scene folder. Throws Error{input} with the file and what was expected.
-[[nodiscard]] ScenePointer open_scene(const std::filesystem::path& folder);
+/// Which files a scene folder may name as its clips and layers.
+enum class Trust { own_folder, any_file };
+
+/// Opens a scene folder. Throws Error{input} with the file and what was expected; for Trust::own_folder also when a
+/// clip or a layer lies outside the folder (absolute paths, "..", symbolic links). Scans are looked at when they are
+/// read: require_own_scans().
+[[nodiscard]] ScenePointer open_scene(const std::filesystem::path& folder, Trust trust = Trust::own_folder);
 
 /// Writes scene.yaml and the layers (docs/formats.md) into an existing folder; audio clips are copied in.
 /// The same scene gives the same bytes.

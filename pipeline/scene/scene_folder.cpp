@@ -11,6 +11,7 @@
 #include "pipeline/base/files.h"
 #include "pipeline/scene/layer_file.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/scene/scene_layers.h"
 #include "pipeline/scene/window_lattice.h"
 
 namespace sparsha::pipeline {
@@ -28,19 +29,22 @@ std::string numbers(std::initializer_list<double> values) {
   return text + "]";
 }
 
-// The names of the optional layers a scene has, as scene.yaml lists them.
-struct OptionalLayer {
-  const char* name;
-  bool SceneDescription::*present;
-  std::vector<float> Layers::*values;
-};
-constexpr std::array<OptionalLayer, 5> kFloatLayers{{
-    {"envelope", &SceneDescription::has_envelope, &Layers::envelope_m},
-    {"curvature", &SceneDescription::has_curvature, &Layers::curvature_per_m},
-    {"mean-curvature", &SceneDescription::has_paper_curvatures, &Layers::mean_curvature_per_m},
-    {"gaussian-curvature", &SceneDescription::has_paper_curvatures, &Layers::gaussian_curvature_per_m2},
-    {"intensity", &SceneDescription::has_intensity, &Layers::intensity},
-}};
+// As scene.yaml lists them; each is a file in a level's folder.
+std::vector<std::string> layer_names(const SceneDescription& scene) {
+  std::vector<std::string> names{"height", "mask"};
+  for (const OptionalLayer& layer : kFloatLayers)
+    if (scene.*(layer.present)) names.emplace_back(layer.name);
+  if (scene.has_colour) names.emplace_back("colour");
+  return names;
+}
+
+// A clip's name without the number that a scene has put before it.
+std::string plain_stem(const fs::path& clip) {
+  std::string stem = clip.stem().string();
+  const std::size_t digits = stem.find_first_not_of("0123456789");
+  if (digits != std::string::npos && digits > 0 && stem[digits] == '-') stem.erase(0, digits + 1);
+  return stem;
+}
 
 // Clips get names of their own within the folder; the configuration then names the copies.
 Config copy_clips(Config config, const fs::path& folder) {
@@ -51,7 +55,7 @@ Config copy_clips(Config config, const fs::path& folder) {
     if (clip == nullptr) continue;
     if (!copies.contains(*clip)) {
       const fs::path copy =
-          fs::path("audio") / fmt::format("{}-{}{}", copies.size(), clip->stem().string(), clip->extension().string());
+          fs::path("audio") / fmt::format("{}-{}{}", copies.size(), plain_stem(*clip), clip->extension().string());
       const std::string bytes = read_file(*clip, std::size_t{1} << 30U);
       fs::create_directories(folder / "audio");
       write_file(folder / copy, bytes);
@@ -94,11 +98,7 @@ std::string scene_yaml(const SceneDescription& scene, const fs::path& folder) {
   for (const Lattice& level : scene.levels) {
     text += fmt::format("    - {{nx: {}, ny: {}, spacing_m: {}}}\n", level.nx, level.ny, level.spacing_m);
   }
-  text += "  layers: [height, mask";
-  for (const OptionalLayer& layer : kFloatLayers)
-    if (scene.*(layer.present)) text += fmt::format(", {}", layer.name);
-  if (scene.has_colour) text += ", colour";
-  text += "]\n";
+  text += fmt::format("  layers: [{}]\n", fmt::join(layer_names(scene), ", "));
   text += fmt::format("  noise_m: {}\n  height_range_m: {}\n  friction_c_m: {}\n", scene.noise_m,
                       numbers({scene.height_min_m, scene.height_max_m}), scene.friction_c_m);
   text += "origin_m: " + numbers({base.origin_m.x(), base.origin_m.y(), base.origin_m.z()}) + "\n";
@@ -209,6 +209,7 @@ class FolderScene final : public Scene {
     const Lattice& lattice = description_.levels.at(static_cast<std::size_t>(level));
     const fs::path path = level_folder(folder_, static_cast<std::size_t>(level));
     const LayerRegion region{lattice.nx, lattice.ny, i0, j0, nx, ny};
+    check_layers(path, lattice);  // before memory is taken for them
     Layers layers;
     layers.grid = DepthGrid(window_lattice(lattice, i0, j0, nx, ny));
     const std::size_t count = layers.grid.lattice.count();
@@ -238,6 +239,13 @@ class FolderScene final : public Scene {
   }
 
  private:
+  void check_layers(const fs::path& path, const Lattice& lattice) const {
+    for (const std::string& name : layer_names(description_)) {
+      const LayerKind kind = name == "mask" ? LayerKind::byte : name == "colour" ? LayerKind::rgba : LayerKind::number;
+      check_layer(path / (name + ".tif"), lattice.nx, lattice.ny, kind);
+    }
+  }
+
   fs::path folder_;
   SceneDescription description_;
 };
@@ -261,22 +269,38 @@ void write_level(const Layers& layers, const SceneDescription& scene, const fs::
 
 }  // namespace
 
-ScenePointer open_scene(const fs::path& folder) {
+ScenePointer open_scene(const fs::path& folder, Trust trust) {
   std::error_code code;
   if (!fs::is_regular_file(folder / "scene.yaml", code)) {
     throw input_error(folder.string(), "there is no scene.yaml in it", "a scene folder written by sparsha build");
   }
+  const auto require_inside = [&](const fs::path& file, const char* what) {
+    if (trust == Trust::any_file || lies_within(file, folder)) return;
+    throw input_error(file.string(), std::string(what) + " lies outside the scene's folder",
+                      "a scene that holds all it needs; --trust, if you know where it comes from");
+  };
+  const auto is_link = [&](const fs::path& file) { return fs::is_symlink(fs::symlink_status(file, code)); };
+  if (is_link(folder / "scene.yaml")) require_inside(folder / "scene.yaml", "the description");
   SceneDescription description;
   try {
     description = parse_scene(folder);
   } catch (const Error& error) {  // a damaged scene is bad input, not bad usage
     throw Error(ErrorKind::input, error.place(), error.wrong(), error.expected());
   }
-  for (std::size_t level = 0; level < description.levels.size(); ++level) {
-    const fs::path height = level_folder(folder, level) / "height.tif";
-    if (!fs::is_regular_file(height, code)) {
-      throw input_error(height.string(), "the layer is missing", "a whole scene folder");
+  if (description.config.audio) {
+    for (const AudioRegionConfig& region : description.config.audio->regions) {
+      if (const auto* clip = std::get_if<fs::path>(&region.sound)) require_inside(*clip, "the clip");
     }
+  }
+  for (std::size_t level = 0; level < description.levels.size(); ++level) {
+    const fs::path path = level_folder(folder, level);
+    const bool linked = is_link(path);
+    for (const std::string& name : layer_names(description)) {
+      const fs::path layer = path / (name + ".tif");
+      if (linked || is_link(layer)) require_inside(layer, "the layer");
+    }
+    const Lattice& lattice = description.levels[level];
+    check_layer(path / "height.tif", lattice.nx, lattice.ny, LayerKind::number);
   }
   return std::make_shared<FolderScene>(folder, std::move(description));
 }

@@ -1,6 +1,7 @@
 // `sparsha simulate`: files beside each other, each whole or not there.
 #include "pipeline/simulate/simulate.h"
 
+#include <fstream>
 #include <memory>
 #include <system_error>
 
@@ -18,6 +19,25 @@ namespace {
 std::string file_name(const SimulationConfig& config, std::size_t index) {
   if (const auto* scanner = std::get_if<ScannerConfig>(&config.scan)) return scanner->stations[index].name + ".ply";
   return file_count(config) == 1 ? "scan.ply" : fmt::format("scan-{}.ply", index + 1);
+}
+
+constexpr const char* kTruthName = "truth.json";
+
+/// In the order in which they take their places.
+std::vector<std::string> output_names(const SimulationConfig& config) {
+  std::vector<std::string> names;
+  for (std::size_t index = 0; index < file_count(config); ++index) names.push_back(file_name(config, index));
+  names.insert(names.end(), {kTruthName, "sparsha.yaml"});
+  if (config.write_truth) names.insert(names.end(), {"truth.tfw", "truth.tif"});
+  return names;
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (stream) return;
+  throw Error(ErrorKind::failure, {file.string(), 0, 0}, "cannot be written", "room on the disk");
 }
 
 SimulatedFile write_scan(const SimulationConfig& config, const Surface& surface, std::size_t index,
@@ -55,30 +75,44 @@ void write_simulation(const SimulationConfig& config, const std::filesystem::pat
                 "expected a folder that can be written to");
   }
 
-  std::vector<SimulatedFile> files;
+  // All are made before the work: a name that cannot be written is told at once.
   std::vector<std::unique_ptr<AtomicPath>> written;
+  for (const std::string& name : output_names(config)) written.push_back(std::make_unique<AtomicPath>(out / name));
+  const auto temporary = [&](std::size_t index) { return written[index]->temporary(); };
+
+  std::vector<SimulatedFile> files;
   for (std::size_t index = 0; index < file_count(config); ++index) {
     const std::string name = file_name(config, index);
     progress.begin("scan " + name);
-    written.push_back(std::make_unique<AtomicPath>(out / name));
     files.push_back(
-        write_scan(config, truth.surface(), index, written.back()->temporary(), (out / name).string(), pool, progress));
+        write_scan(config, truth.surface(), index, temporary(index), (out / name).string(), pool, progress));
     if (files.back().points == 0) progress.warn(name + " has no points: the station sees nothing of the surface");
   }
+  std::size_t next = files.size();
+  write_text(temporary(next++), truth_json(config, truth, files));
+  write_text(temporary(next++), build_yaml(config, truth, files));
   if (config.write_truth) {
     progress.begin("truth");
-    written.push_back(std::make_unique<AtomicPath>(out / "truth.tif"));
-    write_truth_tiff(truth, written.back()->temporary(), (out / "truth.tif").string(), pool, progress);
+    write_text(temporary(next++), truth_world_file(truth));
+    write_truth_tiff(truth, temporary(next), (out / "truth.tif").string(), pool, progress);
   }
+  progress.throw_if_cancelled();
   for (const auto& path : written) path->commit();
-  if (config.write_truth) write_file(out / "truth.tfw", truth_world_file(truth));
-  write_file(out / "truth.json", truth_json(config, truth, files));
-  write_file(out / "sparsha.yaml", build_yaml(config, truth, files));
   progress.finish();
 }
 
 void simulate(const std::filesystem::path& config, const std::filesystem::path& out, Progress& progress) {
-  write_simulation(parse_simulation(yaml::parse_file(config)), out, progress);
+  const SimulationConfig simulation = parse_simulation(yaml::parse_file(config));
+  std::error_code code;
+  const bool old_simulation = std::filesystem::exists(out / kTruthName, code);
+  for (const std::string& name : output_names(simulation)) {
+    require_distinct({{"--out", out / name}}, {{"the configuration", config}});
+    // Names that nobody chose must not take the place of files that somebody did.
+    if (old_simulation || !std::filesystem::exists(out / name, code)) continue;
+    throw usage_error("the folder " + out.string() + " holds a " + name + " that is of no simulation",
+                      "another folder");
+  }
+  write_simulation(simulation, out, progress);
 }
 
 }  // namespace sparsha::pipeline

@@ -276,6 +276,7 @@ Recording::Recording(const std::filesystem::path& file) {
     }
     rows_.push_back(row);
   }
+  mapped.require_whole();
   if (rows_.empty())
     throw input_error_at(name, line_number, "the recording has no rows", "at least one row below the header");
   if (place[kNominalPeriod] != kAbsent) {

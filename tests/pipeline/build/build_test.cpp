@@ -162,5 +162,26 @@ TEST_F(Build, TheSuggestedConfigurationBuilds) {
   EXPECT_GT(build_scene(config, {}, progress_).report.coverage, 0.5);
 }
 
+TEST_F(Build, AScanListedManyTimesIsReadAndCountedOnce) {
+  Config config = sample_config();
+  const BuildResult once = build_scene(config, {}, progress_);
+  const std::vector<ScanConfig> scans = config.scans;
+  fs::copy_file(scans.front().file, folder_ / "copy.ply");
+  for (int k = 0; k < 100; ++k) config.scans.insert(config.scans.end(), scans.begin(), scans.end());
+  config.scans.push_back(scans.front());
+  config.scans.back().file = folder_ / "copy.ply";
+  Progress progress;
+  const BuildResult many = build_scene(config, {}, progress);
+  EXPECT_EQ(many.report.points.read, once.report.points.read);
+  EXPECT_EQ(many.scene->description().config.scans.size(), scans.size());
+  EXPECT_EQ(many.scene->in_memory(0)->grid.state, once.scene->in_memory(0)->grid.state);
+  EXPECT_NE(progress.warnings().front().find("is listed 10"), std::string::npos);
+  // Elsewhere it is another scan.
+  config.scans = scans;
+  config.scans.push_back(scans.front());
+  config.scans.back().pose(2, 3) = 0.5;
+  EXPECT_GT(build_scene(config, {}, progress).report.points.read, once.report.points.read);
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
