@@ -120,7 +120,7 @@ Judgement judge_object(std::span<const Vector3d> nodes, double step_m, const Clo
                        const ObjectScan& scan) {
   Judgement result;
   result.nodes = nodes.size();
-  std::vector<double> errors;
+  std::vector<double> errors, smooth_errors;
   std::size_t beyond = 0, wrong = 0, smooth = 0, wrong_smooth = 0;
   const double margin = kHoleMargin * scan.spacing_m;
   if (scan.hole) {
@@ -144,15 +144,16 @@ Judgement judge_object(std::span<const Vector3d> nodes, double step_m, const Clo
     wrong += is_wrong ? 1 : 0;
     if (!is_smooth(object, p.x(), p.y(), *truth, scan.spacing_m)) continue;
     ++smooth;
+    smooth_errors.push_back(error);
     wrong_smooth += is_wrong ? 1 : 0;
   }
   result.beyond = share(beyond, result.nodes);
   result.smooth = share(smooth, errors.size());
   result.wrong = share(wrong, errors.size());
   result.wrong_smooth = share(wrong_smooth, smooth);
-  if (!errors.empty()) {
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
+  if (!smooth_errors.empty()) {
+    const auto middle = smooth_errors.begin() + static_cast<std::ptrdiff_t>(smooth_errors.size() / 2);
+    std::nth_element(smooth_errors.begin(), middle, smooth_errors.end());
     result.median_spacings = *middle;
   }
   return result;

@@ -50,7 +50,7 @@ struct Judgement {
   double smooth = 0.0;           ///< of the nodes on the object
   double wrong = 0.0;            ///< of the nodes on the object
   double wrong_smooth = 0.0;     ///< of the smooth ones
-  double median_spacings = 0.0;  ///< of the error on the object
+  double median_spacings = 0.0;  ///< of the error where the object is smooth
   double covered = 0.0;          ///< of the lattice's nodes in the silhouette that have front points, measured
   std::size_t hole_nodes = 0;    ///< of the lattice, two spacings or more within the hole
   std::size_t hole_through = 0;  ///< of those, measured and wrong: they show what lies behind
