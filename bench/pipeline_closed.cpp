@@ -109,7 +109,8 @@ class Table {
             "smooth_percent,wrong_smooth_percent,wrong_percent,beyond_percent,median_spacings,noise_ratio,"
             "hole_through_percent,ms_one_thread,ms_two_threads\n";
     fmt::print(
-        "\n| object: points, noise, grid | wrong, smooth % | wrong, all % | beyond silhouette % | median, smooth, spacings | "
+        "\n| object: points, noise, grid | wrong, smooth % | wrong, all % | beyond silhouette % | median, smooth, "
+        "spacings | "
         "noise found / true | back in hole % | ms, 1 thread | 2 threads | CloudCompare: wrong, smooth % | all % | "
         "beyond "
         "% | median | ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
