@@ -24,16 +24,21 @@ std::string shortly(double value) {
   return text;
 }
 
-// What the lattice covers, and whether somebody has asked for its spacing.
+// What the lattice covers.
 struct Cover {
   double width_m = 0.0;
   double height_m = 0.0;
-  bool asked = false;  ///< bounds: then they are kept to the letter
+  double slack = 0.0;  ///< how far the last row may stand beyond it, in spacings
 };
 
-// Automatic bounds end at supported points, which a last row less than half a spacing beyond them must not leave out.
-double nodes_along(double length_m, double spacing_m, bool asked) {
-  return std::floor(length_m / spacing_m + (asked ? 1e-9 : 0.5)) + 1.0;
+// Bounds that are given are kept to the letter, and a size divides the longer side. Else bounds end at supported
+// points, and regular data end at a whole number of spacings, give or take what the spacing was rounded by: their outer
+// row keeps its nodes. A node farther beyond the points would be guessed from one side.
+constexpr double kKept = 1e-9;
+constexpr double kRegular = 0.25;
+
+double nodes_along(double length_m, double spacing_m, double slack) {
+  return std::floor(length_m / spacing_m + slack) + 1.0;
 }
 
 // The least spacing that keeps a grid nobody asked for within reason: a scan of few points has no more to show, however
@@ -42,7 +47,7 @@ double bounded_spacing(const Cover& cover, const Extent& extent, double spacing_
   const auto evidence = static_cast<double>(std::max(extent.supported, extent.corners));
   const double most = std::min(kMostUnasked, std::max(4.0, kNodesPerPoint * evidence));
   const auto nodes = [&](double spacing) {
-    return nodes_along(cover.width_m, spacing, cover.asked) * nodes_along(cover.height_m, spacing, cover.asked);
+    return nodes_along(cover.width_m, spacing, cover.slack) * nodes_along(cover.height_m, spacing, cover.slack);
   };
   while (nodes(spacing_m) > most) spacing_m *= std::max(1.001, 0.999 * std::sqrt(nodes(spacing_m) / most));
   return spacing_m;
@@ -55,7 +60,7 @@ Error no_cell(const GridConfig& config, const Cover& cover, double spacing_m, do
                 cover.width_m, cover.height_m, spacing_m);
   constexpr const char* kRemedy = "points that spread over a surface; another orientation, bounds or spacing";
   const double shorter = std::min(cover.width_m, cover.height_m);
-  const bool carries = own_spacing_m > 0.0 && nodes_along(shorter, own_spacing_m, cover.asked) >= 2.0;
+  const bool carries = own_spacing_m > 0.0 && nodes_along(shorter, own_spacing_m, cover.slack) >= 2.0;
   if (config.bounds_m || (config.spacing_m > 0.0 && carries)) return usage_error(size, kRemedy);
   return input_error({}, size, kRemedy);
 }
@@ -66,7 +71,8 @@ Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eig
                        double point_spacing_m, double resolution_m) {
   Lattice lattice;
   lattice.origin_m = {origin_m.x() + extent.xmin_m, origin_m.y() + extent.ymin_m, origin_m.z()};
-  Cover cover{extent.width_m(), extent.height_m(), config.bounds_m.has_value()};
+  const bool kept = config.bounds_m || (config.size > 1 && !(config.spacing_m > 0.0));
+  Cover cover{extent.width_m(), extent.height_m(), kept ? kKept : kRegular};
   if (config.bounds_m) {
     const auto& [xmin, ymin, xmax, ymax] = *config.bounds_m;
     if (!(xmax >= xmin && ymax >= ymin)) throw usage_error("grid.bounds_m is empty", "xmin < xmax and ymin < ymax");
@@ -86,8 +92,8 @@ Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eig
     lattice.spacing_m = bounded_spacing(cover, extent, lattice.spacing_m);
   }
   if (!(lattice.spacing_m > 0.0) || !std::isfinite(lattice.spacing_m)) lattice.spacing_m = 1e-3;
-  const double nx = nodes_along(cover.width_m, lattice.spacing_m, cover.asked);
-  const double ny = nodes_along(cover.height_m, lattice.spacing_m, cover.asked);
+  const double nx = nodes_along(cover.width_m, lattice.spacing_m, cover.slack);
+  const double ny = nodes_along(cover.height_m, lattice.spacing_m, cover.slack);
   const std::string grid = "a grid of " + shortly(nx) + " x " + shortly(ny) + " nodes";
   if (nx < 2.0 || ny < 2.0) throw no_cell(config, cover, lattice.spacing_m, own_spacing_m);
   if (!(nx * ny <= kMostNodes)) {

@@ -9,10 +9,11 @@
 
 namespace sparsha::pipeline {
 
-/// `extent` is relative to `origin_m`; bounds given in the configuration win over it. Automatic bounds have as many
-/// nodes as leave no supported point outside. Automatic spacing is max(point_spacing_m, resolution_m), and more where
-/// the grid would exceed 64 M nodes or 16 nodes per point or corner of a triangle. Throws Error{input} when the points
-/// carry no cell; throws Error{usage} when the grid would exceed 2^31 nodes or the machine's memory.
+/// `extent` is relative to `origin_m`; bounds given in the configuration win over it. Unless a size is given,
+/// automatic bounds have nodes up to a quarter spacing beyond them, so that regular data keep their outer rows.
+/// Automatic spacing is max(point_spacing_m, resolution_m), and more where the grid would exceed 64 M nodes or 16 nodes
+/// per point or corner of a triangle. Throws Error{input} when the points carry no cell; throws Error{usage} when the
+/// grid would exceed 2^31 nodes or the machine's memory.
 [[nodiscard]] Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eigen::Vector3d& origin_m,
                                      double point_spacing_m, double resolution_m);
 
