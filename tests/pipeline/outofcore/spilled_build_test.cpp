@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
+
 #include "pipeline/base/error.h"
 #include "pipeline/base/files.h"
 #include "pipeline/pipeline.h"
@@ -114,6 +116,34 @@ TEST_F(OutOfCore, NeitherThreadsNorTheOrderOfFilesChangeAByte) {
                   read_file(folder_ / "disk" / "level-0" / layer, kLargest))
           << layer;
     }
+  }
+}
+
+// A ball before a larger one, as text: what is steep, hidden, turned away or seen through a hole is decided by discs.
+std::string two_balls() {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  std::string text;
+  for (int k = 0; k < 90'000; ++k) {
+    Eigen::Vector3d direction(normal(random), normal(random), normal(random));
+    direction.normalize();
+    const bool before = k % 5 == 0;
+    const double radius = (before ? 0.1 : 0.2) + 0.0002 * normal(random);
+    const Eigen::Vector3d p = radius * direction + Eigen::Vector3d(before ? 0.05 : 0.0, 0.02, before ? 0.4 : 0.0);
+    if (!before && direction.z() > 0.98) continue;  // a hole
+    text += fmt::format("{:.7f} {:.7f} {:.7f}\n", p.x(), p.y(), p.z());
+  }
+  return text;
+}
+
+TEST_F(OutOfCore, ClosedObjectsGiveTheSameBytesAsInMemoryOnCoarseGridsAndFine) {
+  write_file(folder_ / "balls.xyz", two_balls());
+  for (const char* size : {"60", "200", "450"}) {
+    const std::string text = fmt::format(
+        "scans: [{{file: balls.xyz, units: m}}]\ngrid: {{size: {}}}\nfill: {{max_gap_mm: 8}}\ncheck: {{samples: "
+        "4000}}\n",
+        size);
+    expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
   }
 }
 
