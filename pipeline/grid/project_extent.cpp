@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "pipeline/base/error.h"
 #include "pipeline/grid/project_kernel.h"
 
