@@ -98,7 +98,7 @@ class Builder {
   [[nodiscard]] std::filesystem::path spill_folder() const {
     if (!options_.spill_folder.empty()) return options_.spill_folder;
     std::error_code code;
-    const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+    std::filesystem::path folder = std::filesystem::temp_directory_path(code);
     if (!code) return folder;
     throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
                 "TMPDIR, if set, naming a folder");

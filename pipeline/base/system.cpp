@@ -260,8 +260,9 @@ void on_bus_error(int, siginfo_t* info, void*) {
     if (begin == 0 || address < begin || address - begin >= size) continue;
     const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
     const std::uintptr_t first = address / page * page;
-    void* const zeros = ::mmap(reinterpret_cast<void*>(first), begin + size - first, PROT_READ,
-                               MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+    void* const page_start = static_cast<char*>(info->si_addr) - (address - first);
+    void* const zeros =
+        ::mmap(page_start, begin + size - first, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
     if (zeros == MAP_FAILED) break;
     range->cut.store(true);
     errno = before;

@@ -79,7 +79,7 @@ void PointReader::add(const char* point) {
     xyz[k] = load<std::int32_t>(point + 4 * k);
     least_[k] = std::min(least_[k], xyz[k]);
     most_[k] = std::max(most_[k], xyz[k]);
-    outside |= (xyz[k] < low_[k]) | (xyz[k] > high_[k]);
+    outside = outside || xyz[k] < low_[k] || xyz[k] > high_[k];
   }
   ++count_;
   outside_ += outside ? 1 : 0;
