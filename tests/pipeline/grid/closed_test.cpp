@@ -93,8 +93,9 @@ TEST(ClosedObjects, HaveTheAreasOfTheirFormulas) {
 
 TEST(ClosedObjects, ShowTheirFrontAndOnlyTheirFront) {
   for (const NamedObject& named : objects()) {
-    // The lion's mane has forms of three points, which cost it 0.001 more on some samples.
-    for (const std::size_t points : {kFew, kMany}) expect_front_only(named, cloud_of(points), 1.0, 1.0, 0.052);
+    // The bound is 0.05; the lion misses it by 0.0004 on this sample, for a reason not yet known.
+    const double median = named.name == "lionstatue.obj" ? 0.052 : 0.05;
+    for (const std::size_t points : {kFew, kMany}) expect_front_only(named, cloud_of(points), 1.0, 1.0, median);
   }
 }
 
