@@ -27,7 +27,6 @@ constexpr int kRounds = 4;             // of votes handed to neighbours
 constexpr float kSure = 0.5F;          // mean vote, in directions seen from
 constexpr float kLowest = -std::numeric_limits<float>::infinity();
 constexpr double kAgreement = 0.9;  // of a connected surface's votes, by weight
-constexpr std::size_t kGrain = 512;
 constexpr std::size_t kPiece = 1U << 14U;
 
 std::uint64_t hash_of(float x, float y, float z) {
@@ -117,18 +116,37 @@ class SurfaceParts {
 /// What is seen of points from one direction: square cells across it, the nearest depth in each.
 struct DepthMap {
   Eigen::Vector3f right, up, towards;
-  float cell_m, u0 = 0.0F, v0 = 0.0F;
-  int nu = 1, nv = 1;
-  std::vector<std::uint32_t> nearest;  // sample, or kNone
+  std::vector<float> u, v, depth;      // of each point; larger depths are nearer
+  std::vector<std::uint32_t> cell;     // of each point
+  std::vector<std::uint32_t> nearest;  // point of each cell, or kNone
   static constexpr std::uint32_t kNone = 0xffffffffU;
 
-  DepthMap(const Eigen::Vector3f& direction, float cell)
-      : right(direction.unitOrthogonal()), up(direction.cross(right)), towards(direction), cell_m(cell) {}
+  explicit DepthMap(const Eigen::Vector3f& direction)
+      : right(direction.unitOrthogonal()), up(direction.cross(right)), towards(direction) {}
 
-  [[nodiscard]] std::size_t cell_of(const Eigen::Vector3f& p) const {
-    const int i = std::clamp(static_cast<int>((p.dot(right) - u0) / cell_m), 0, nu - 1);
-    const int j = std::clamp(static_cast<int>((p.dot(up) - v0) / cell_m), 0, nv - 1);
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nu) + static_cast<std::size_t>(i);
+  /// Requires points, `count` of them.
+  void draw(std::size_t count, const float* x, const float* y, const float* z, float cell_m) {
+    u.resize(count);
+    v.resize(count);
+    depth.resize(count);
+    cell.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      u[k] = x[k] * right.x() + y[k] * right.y() + z[k] * right.z();
+      v[k] = x[k] * up.x() + y[k] * up.y() + z[k] * up.z();
+      depth[k] = x[k] * towards.x() + y[k] * towards.y() + z[k] * towards.z();
+    }
+    const auto [u0, u1] = std::minmax_element(u.begin(), u.end());
+    const auto [v0, v1] = std::minmax_element(v.begin(), v.end());
+    const int nu = static_cast<int>((*u1 - *u0) / cell_m) + 1;
+    const int nv = static_cast<int>((*v1 - *v0) / cell_m) + 1;
+    nearest.assign(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv), kNone);
+    for (std::size_t k = 0; k < count; ++k) {
+      const int i = std::clamp(static_cast<int>((u[k] - *u0) / cell_m), 0, nu - 1);
+      const int j = std::clamp(static_cast<int>((v[k] - *v0) / cell_m), 0, nv - 1);
+      cell[k] = static_cast<std::uint32_t>(j) * static_cast<std::uint32_t>(nu) + static_cast<std::uint32_t>(i);
+      std::uint32_t& here = nearest[cell[k]];
+      if (here == kNone || depth[k] > depth[here]) here = static_cast<std::uint32_t>(k);
+    }
   }
 };
 
@@ -153,14 +171,17 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
 
   const auto row_length = static_cast<std::size_t>(columns.bins_x());
   for (std::size_t row = 0; row < static_cast<std::size_t>(columns.bins_y()); ++row) {
-    const std::uint32_t* start = samples_.start.get() + row * (row_length + 1);
-    for (std::uint32_t d = start[0]; d < start[row_length]; ++d) of_slot_.push_back(d);
+    const std::uint32_t first = row_begin(row);
+    for (std::uint32_t d = first; d < first + row_size(row); ++d) of_slot_.push_back(d);
   }
   const std::size_t size = of_slot_.empty() ? 0 : of_slot_.back() + 1;
-  for (std::vector<float>* values : {&normal_x_, &normal_y_, &normal_z_, &votes_}) values->assign(size, 0.0F);
+  for (std::vector<float>* values : {&height_, &normal_x_, &normal_y_, &normal_z_, &votes_}) {
+    values->assign(size + FacingKernel::kReadAhead, 0.0F);
+  }
   for (const std::uint32_t d : of_slot_) {
     const float a = samples_.slope_x[d];
     const float b = samples_.slope_y[d];
+    height_[d] = samples_.height(d);
     normal_z_[d] = 1.0F / std::sqrt(1.0F + a * a + b * b);
     normal_x_[d] = -a * normal_z_[d];
     normal_y_[d] = -b * normal_z_[d];
@@ -181,7 +202,7 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
     const std::uint32_t* start = samples_.start.get() + c / nx * (nx + 1) + c % nx;
     empty[c] = start[0] == start[1] ? 1 : 0;
     for (std::uint32_t d = start[0]; d < start[1]; ++d) {
-      if (votes_[d] <= 0.0F) own[c] = std::max(own[c], samples_.height(d));
+      if (votes_[d] <= 0.0F) own[c] = std::max(own[c], height_[d]);
     }
   }
   away_top_m_.assign(own.size(), kLowest);
@@ -212,36 +233,27 @@ double FacingField::share_turned_away() const {
 void FacingField::vote(ThreadPool& pool) {
   const std::vector<Eigen::Vector3f> directions = all_directions();
   std::vector<std::vector<float>> votes(directions.size());
-  const auto place = [&](std::uint32_t d) { return Eigen::Vector3f(samples_.x[d], samples_.y[d], samples_.height(d)); };
+  if (of_slot_.empty()) return;
+  const std::size_t count = of_slot_.size();
+  std::vector<float> x(count), y(count), z(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    x[k] = samples_.x[of_slot_[k]];
+    y[k] = samples_.y[of_slot_[k]];
+    z[k] = height_[of_slot_[k]];
+  }
   pool.for_ranges(directions.size(), 1, [&](std::size_t number, std::size_t) {
-    DepthMap map(directions[number], static_cast<float>(kCellSpacings * spacing_m_));
-    float u1 = kLowest;
-    float v1 = kLowest;
-    map.u0 = map.v0 = -kLowest;
-    for (const std::uint32_t d : of_slot_) {
-      const float u = place(d).dot(map.right);
-      const float v = place(d).dot(map.up);
-      map.u0 = std::min(map.u0, u);
-      map.v0 = std::min(map.v0, v);
-      u1 = std::max(u1, u);
-      v1 = std::max(v1, v);
-    }
-    if (of_slot_.empty()) return;
-    map.nu = static_cast<int>((u1 - map.u0) / map.cell_m) + 1;
-    map.nv = static_cast<int>((v1 - map.v0) / map.cell_m) + 1;
-    map.nearest.assign(static_cast<std::size_t>(map.nu) * static_cast<std::size_t>(map.nv), DepthMap::kNone);
-    for (const std::uint32_t d : of_slot_) {
-      std::uint32_t& nearest = map.nearest[map.cell_of(place(d))];
-      if (nearest == DepthMap::kNone || place(d).dot(map.towards) > place(nearest).dot(map.towards)) nearest = d;
-    }
+    DepthMap map(directions[number]);
+    map.draw(count, x.data(), y.data(), z.data(), static_cast<float>(kCellSpacings * spacing_m_));
     std::vector<float>& mine = votes[number];
     mine.assign(votes_.size(), 0.0F);
-    for (const std::uint32_t d : of_slot_) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t d = of_slot_[k];
       const Eigen::Vector3f normal(normal_x_[d], normal_y_[d], normal_z_[d]);
       const float cosine = normal.dot(map.towards);
       if (std::abs(cosine) < kOblique) continue;
       // What is seen lies on the nearest point's surface; another sheet before it, however close, hides it.
-      const Eigen::Vector3f before = place(map.nearest[map.cell_of(place(d))]) - place(d);
+      const std::uint32_t nearest = map.nearest[map.cell[k]];
+      const Eigen::Vector3f before(x[nearest] - x[k], y[nearest] - y[k], z[nearest] - z[k]);
       if (std::abs(normal.dot(before)) <= static_cast<float>(kSheet * spacing_m_)) mine[d] = cosine;
     }
   });
@@ -256,42 +268,50 @@ void FacingField::vote(ThreadPool& pool) {
   }
 }
 
-template <typename Use>
-bool FacingField::for_near(float x, float y, const Use& use) const {
+FacingKernel FacingField::kernel() const {
   const BinRuler ruler(samples_.columns);
-  int column = 0;
-  int row = 0;
-  if (!ruler.locate(x, y, column, row)) return false;
-  const int nx = samples_.columns.bins_x();
-  const int ny = samples_.columns.bins_y();
-  for (int j = std::max(0, row - 1); j <= std::min(ny - 1, row + 1); ++j) {
-    const std::uint32_t* start = samples_.start.get() + static_cast<std::size_t>(j) * static_cast<std::size_t>(nx + 1);
-    for (std::uint32_t d = start[std::max(0, column - 1)]; d < start[std::min(nx - 1, column + 1) + 1]; ++d) use(d);
-  }
-  return true;
+  FacingKernel kernel;
+  kernel.start = samples_.start.get();
+  kernel.columns = static_cast<std::size_t>(samples_.columns.bins_x());
+  kernel.rows = static_cast<std::size_t>(samples_.columns.bins_y());
+  kernel.x_shift_m = ruler.x_shift_m;
+  kernel.y_shift_m = ruler.y_shift_m;
+  kernel.per_m = ruler.per_m;
+  kernel.x = samples_.x.get();
+  kernel.y = samples_.y.get();
+  kernel.z = height_.data();
+  kernel.normal_x = normal_x_.data();
+  kernel.normal_y = normal_y_.data();
+  kernel.normal_z = normal_z_.data();
+  kernel.votes = votes_.data();
+  kernel.away_top_m = away_top_m_.data();
+  kernel.reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
+  kernel.sheet_m = static_cast<float>(kSheet * spacing_m_);
+  kernel.aligned = kAligned;
+  kernel.sure = kSure;
+  return kernel;
 }
 
 // Neighbours on the same surface: near, with a normal that is nearly parallel, and not before or behind.
 void FacingField::find_neighbours(ThreadPool& pool) {
-  const auto reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
-  const auto sheet = static_cast<float>(kSheet * spacing_m_);
-  near_.resize((of_slot_.size() + kGrain - 1) / kGrain);
-  near_counts_.resize(of_slot_.size());
-  pool.for_ranges(of_slot_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour>& mine = near_[begin / kGrain];
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t d = of_slot_[k];
-      const std::size_t before = mine.size();
-      for_near(samples_.x[d], samples_.y[d], [&](std::uint32_t e) {
-        const float dx = samples_.x[e] - samples_.x[d];
-        const float dy = samples_.y[e] - samples_.y[d];
-        const float dz = samples_.height(e) - samples_.height(d);
-        const float across = normal_x_[d] * dx + normal_y_[d] * dy + normal_z_[d] * dz;
-        if (dx * dx + dy * dy + dz * dz > reach2 || std::abs(across) > sheet) return;
-        const float cosine = normal_x_[d] * normal_x_[e] + normal_y_[d] * normal_y_[e] + normal_z_[d] * normal_z_[e];
-        if (std::abs(cosine) >= kAligned) mine.push_back({e, cosine});
-      });
-      near_counts_[k] = static_cast<std::uint32_t>(mine.size() - before);
+  const FacingKernel shared = kernel();
+  near_.resize(shared.rows);
+  near_counts_.assign(votes_.size(), 0);
+  pool.for_ranges(shared.rows, 1, [&](std::size_t row, std::size_t) {
+    std::vector<std::uint32_t> aligned;
+    std::vector<float> cosine;
+    for (std::size_t column = 0; column < shared.columns; ++column) {
+      const std::uint32_t* start = shared.start + row * (shared.columns + 1) + column;
+      if (start[0] == start[1]) continue;
+      std::size_t most = FacingKernel::kReadAhead;
+      for (std::size_t j = row > 0 ? row - 1 : 0; j <= std::min(shared.rows - 1, row + 1); ++j) most += row_size(j);
+      aligned.resize(std::max(aligned.size(), most));
+      cosine.resize(aligned.size());
+      for (std::uint32_t d = start[0]; d < start[1]; ++d) {
+        const std::size_t count = fastest_kernels().list_aligned(shared, row, column, d, aligned.data(), cosine.data());
+        for (std::size_t n = 0; n < count; ++n) near_[row].push_back({aligned[n], cosine[n]});
+        near_counts_[d] = static_cast<std::uint32_t>(count);
+      }
     }
   });
 }
@@ -300,15 +320,15 @@ void FacingField::find_neighbours(ThreadPool& pool) {
 void FacingField::spread_votes(ThreadPool& pool) {
   std::vector<float> spread(votes_.size(), 0.0F);
   for (int round = 0; round < kRounds; ++round) {
-    pool.for_ranges(of_slot_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      const Neighbour* neighbour = near_[begin / kGrain].data();
-      for (std::size_t k = begin; k < end; ++k) {
+    pool.for_ranges(near_.size(), 1, [&](std::size_t row, std::size_t) {
+      const Neighbour* neighbour = near_[row].data();
+      const std::uint32_t first = row_begin(row);
+      for (std::uint32_t d = first; d < first + row_size(row); ++d) {
         float sum = 0.0F;
-        for (std::uint32_t n = 0; n < near_counts_[k]; ++n, ++neighbour) {
+        for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++neighbour) {
           sum += neighbour->cosine * std::abs(neighbour->cosine) * votes_[neighbour->sample];
         }
-        const std::uint32_t d = of_slot_[k];
-        spread[d] = 0.5F * votes_[d] + 0.5F * sum / static_cast<float>(near_counts_[k] + 1);
+        spread[d] = 0.5F * votes_[d] + 0.5F * sum / static_cast<float>(near_counts_[d] + 1);
       }
     });
     votes_.swap(spread);
@@ -325,14 +345,16 @@ void FacingField::overrule_by_surface() {
   };
   constexpr std::size_t kBuckets = 256;
   std::vector<std::vector<Edge>> edges(kBuckets);
-  const Neighbour* cursor = nullptr;
-  for (std::size_t k = 0; k < of_slot_.size(); ++k) {
-    if (k % kGrain == 0) cursor = near_[k / kGrain].data();
-    for (std::uint32_t n = 0; n < near_counts_[k]; ++n, ++cursor) {
-      if (cursor->sample <= of_slot_[k]) continue;
-      const float bent = (1.0F - std::min(1.0F, std::abs(cursor->cosine))) / (1.0F - kAligned);
-      const auto bucket = std::min(kBuckets - 1, static_cast<std::size_t>(bent * static_cast<float>(kBuckets)));
-      edges[bucket].push_back({of_slot_[k], cursor->sample, cursor->cosine < 0.0F});
+  for (std::size_t row = 0; row < near_.size(); ++row) {
+    const Neighbour* cursor = near_[row].data();
+    const std::uint32_t first = row_begin(row);
+    for (std::uint32_t d = first; d < first + row_size(row); ++d) {
+      for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++cursor) {
+        if (cursor->sample <= d) continue;
+        const float bent = (1.0F - std::min(1.0F, std::abs(cursor->cosine))) / (1.0F - kAligned);
+        const auto bucket = std::min(kBuckets - 1, static_cast<std::size_t>(bent * static_cast<float>(kBuckets)));
+        edges[bucket].push_back({d, cursor->sample, cursor->cosine < 0.0F});
+      }
     }
   }
   SurfaceParts parts(votes_.size());
@@ -354,48 +376,15 @@ void FacingField::overrule_by_surface() {
   }
 }
 
-float FacingField::facing(float x, float y, float z, float slope_x, float slope_y) const {
-  const float nz = 1.0F / std::sqrt(1.0F + slope_x * slope_x + slope_y * slope_y);
-  const float nx = -slope_x * nz;
-  const float ny = -slope_y * nz;
-  const auto reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
-  const auto sheet = static_cast<float>(kSheet * spacing_m_);
-  float sum = 0.0F;
-  float total = 0.0F;
-  for_near(x, y, [&](std::uint32_t d) {
-    const float dx = samples_.x[d] - x;
-    const float dy = samples_.y[d] - y;
-    const float dz = samples_.height(d) - z;
-    const float distance2 = dx * dx + dy * dy + dz * dz;
-    if (distance2 > reach2 || std::abs(nx * dx + ny * dy + nz * dz) > sheet) return;
-    const float cosine = normal_x_[d] * nx + normal_y_[d] * ny + normal_z_[d] * nz;
-    if (std::abs(cosine) < kAligned) return;
-    const float weight = 1.0F - distance2 / reach2;
-    sum += weight * cosine * votes_[d];
-    total += weight * std::abs(cosine);
-  });
-  if (!(total > 0.0F)) return 0.0F;
-  return sum > kSure * total ? 1.0F : sum < -kSure * total ? -1.0F : 0.0F;
-}
-
 void FacingField::set_facing(TangentDiscs& discs, ThreadPool& pool) const {
-  const BinRuler ruler(samples_.columns);
+  const FacingKernel shared = kernel();
   const auto row_length = static_cast<std::size_t>(discs.columns.bins_x());
   const auto first = static_cast<std::size_t>(discs.window.first_row);
   pool.for_ranges(static_cast<std::size_t>(discs.window.last_row) - first, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = first + begin; row < first + end; ++row) {
       const std::uint32_t* start = discs.start.get() + row * (row_length + 1);
-      for (std::uint32_t d = start[0]; d < start[row_length]; ++d) {
-        int column = 0;
-        int sample_row = 0;
-        if (!ruler.locate(discs.x[d], discs.y[d], column, sample_row)) continue;
-        const std::size_t c =
-            static_cast<std::size_t>(sample_row) * static_cast<std::size_t>(samples_.columns.bins_x()) +
-            static_cast<std::size_t>(column);
-        const float z = discs.height(d);
-        discs.facing(d) =
-            z > away_top_m_[c] ? 1.0F : facing(discs.x[d], discs.y[d], z, discs.slope_x[d], discs.slope_y[d]);
-      }
+      fastest_kernels().find_facing(shared, discs.x.get(), discs.y.get(), discs.records.get(), start[0],
+                                    start[row_length]);
     }
   });
 }

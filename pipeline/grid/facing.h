@@ -7,6 +7,7 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/grid/project_extent.h"
+#include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/project_points.h"
 #include "pipeline/grid/tangent_discs.h"
 
@@ -36,17 +37,24 @@ class FacingField {
   void find_neighbours(ThreadPool& pool);
   void spread_votes(ThreadPool& pool);
   void overrule_by_surface();
-  [[nodiscard]] float facing(float x, float y, float z, float slope_x, float slope_y) const;
-  /// Calls use(sample) for the samples of the columns around a place; false when it lies beyond them.
-  template <typename Use>
-  bool for_near(float x, float y, const Use& use) const;
+  [[nodiscard]] FacingKernel kernel() const;
+  /// The samples of a row of columns: the first, and how many.
+  [[nodiscard]] std::uint32_t row_begin(std::size_t row) const { return row_start(row)[0]; }
+  [[nodiscard]] std::uint32_t row_size(std::size_t row) const {
+    return row_start(row)[samples_.columns.bins_x()] - row_start(row)[0];
+  }
+  [[nodiscard]] const std::uint32_t* row_start(std::size_t row) const {
+    return samples_.start.get() + row * static_cast<std::size_t>(samples_.columns.bins_x() + 1);
+  }
 
   double spacing_m_ = 0.0;  // of the sample
   TangentDiscs samples_;
-  std::vector<std::uint32_t> of_slot_;                 // samples in order -> places in the arrays of samples_
+  std::vector<std::uint32_t> of_slot_;  // samples in order -> places in the arrays of samples_
+  // By place, and some zeros beyond for vector reads.
+  std::vector<float> height_;                          // metres
   std::vector<float> normal_x_, normal_y_, normal_z_;  // unit; z >= 0
   std::vector<float> votes_;                           // positive: the normal points outwards
-  std::vector<std::vector<Neighbour>> near_;  // of the samples, in order and in pieces, while votes are counted
+  std::vector<std::vector<Neighbour>> near_;           // of the samples of each row, in order, while votes are counted
   std::vector<std::uint32_t> near_counts_;
   std::vector<std::uint8_t> seen_;  // by the viewer
   std::vector<float> away_top_m_;   // of each column: above it nothing near faces away

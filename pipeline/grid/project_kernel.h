@@ -122,7 +122,7 @@ struct BorderKernel {
 struct DiscKernel {
   static constexpr std::size_t kReadAhead = 24;
   static constexpr std::size_t kMostCandidates = 8192;  ///< of a point's neighbours; others are not looked at
-  static constexpr std::size_t kScratch = 4 * (kMostCandidates + kReadAhead);
+  static constexpr std::size_t kScratch = 8 * (kMostCandidates + kReadAhead);
 
   const std::uint32_t* start = nullptr;  ///< first point of each column, bins_x columns a row
   const float* x = nullptr;              ///< metres
@@ -189,6 +189,28 @@ struct DiscNodeKernel {
   float* scratch = nullptr;    ///< kScratch floats of the calling thread
 };
 
+/// A sample of the cloud in columns, with votes on the side of the surface that is outside. Arrays may be read up to
+/// kReadAhead elements beyond their ends.
+struct FacingKernel {
+  static constexpr std::size_t kReadAhead = 24;
+
+  const std::uint32_t* start = nullptr;  ///< first sample of each column, columns + 1 values a row
+  std::size_t columns = 0, rows = 0;
+  float x_shift_m = 0.0F, y_shift_m = 0.0F, per_m = 1.0F;  ///< see BinRuler
+  const float* x = nullptr;                                ///< metres
+  const float* y = nullptr;
+  const float* z = nullptr;
+  const float* normal_x = nullptr;  ///< unit normals, upwards
+  const float* normal_y = nullptr;
+  const float* normal_z = nullptr;
+  const float* votes = nullptr;       ///< positive: the normal points outwards
+  const float* away_top_m = nullptr;  ///< of each column: what is higher faces the viewer
+  float reach2 = 0.0F;                ///< samples beside a place are nearer than this, squared
+  float sheet_m = 0.0F;               ///< and no farther from its tangent plane
+  float aligned = 0.6F;               ///< cosine of their normals, at least
+  float sure = 0.5F;                  ///< mean vote, at least, of a side that is known
+};
+
 /// The kernels for one instruction set.
 struct ProjectionKernels {
   /// out = matrix (row-major 3x4) * point in double, each coordinate rounded once; `stride` in floats. low[3] and
@@ -231,6 +253,13 @@ struct ProjectionKernels {
   /// Heights of row j of nodes, and DiscNodeKernel::Verdict of each; heights of nodes that are not measured are not
   /// set.
   void (*fit_disc_nodes)(const DiscNodeKernel& kernel, std::size_t j, float* height, std::uint8_t* verdict);
+  /// The samples on the same surface as one of a column, itself among them, and the cosines of their normals with its
+  /// own; returns how many. There is room for kReadAhead more than the columns around hold.
+  std::size_t (*list_aligned)(const FacingKernel& kernel, std::size_t row, std::size_t column, std::size_t sample,
+                              std::uint32_t* aligned, float* cosine);
+  /// Sets the facing in the records of discs [begin, end) that stand at x and y.
+  void (*find_facing)(const FacingKernel& kernel, const float* x, const float* y, float* records, std::size_t begin,
+                      std::size_t end);
 };
 
 [[nodiscard]] const ProjectionKernels& baseline_kernels();

@@ -173,6 +173,22 @@ SPARSHA_INLINE std::uint32_t lanes_of(Ints mask) {
   return bits;
 #endif
 }
+// Writes first + lane for each set lane and returns how many; up to eight values are written.
+SPARSHA_INLINE std::size_t write_lanes(std::uint32_t lanes, std::uint32_t first, std::uint32_t* to) {
+#if defined(__AVX512VL__)
+  const __m256i numbers =
+      _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                      _mm256_maskz_compress_epi32(static_cast<__mmask8>(lanes), numbers));
+#else
+  std::size_t count = 0;
+  for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+    to[count++] = first + static_cast<std::uint32_t>(__builtin_ctz(left));
+  }
+#endif
+  return static_cast<std::size_t>(__builtin_popcount(lanes));
+}
+
 SPARSHA_INLINE bool any(Ints mask) { return lanes_of(mask) != 0; }
 
 }  // namespace

@@ -29,7 +29,9 @@ struct Cover {
   std::uint32_t* found;
   std::uint32_t* sorted;
   std::size_t count = 0;
-  float low = 0.0F, high = 0.0F, least_spacing = 0.0F;
+  float low = 0.0F, high = 0.0F, least_spacing = 0.0F, most_spacing = 0.0F;
+  bool all_quadrants = false;  // feet in each, and none of them beneath the node
+  bool all_towards = false;    // all discs face the viewer
 };
 
 SPARSHA_INLINE Cover cover_in(const DiscNodeKernel& k) {
@@ -50,22 +52,6 @@ SPARSHA_INLINE Cover cover_in(const DiscNodeKernel& k) {
   c.found = reinterpret_cast<std::uint32_t*>(s + 11 * room);
   c.sorted = reinterpret_cast<std::uint32_t*>(s + 12 * room);
   return c;
-}
-
-// Writes first + lane for each set lane and returns how many; up to eight values are written.
-SPARSHA_INLINE std::size_t write_lanes(std::uint32_t lanes, std::uint32_t first, std::uint32_t* to) {
-#if defined(__AVX512VL__)
-  const __m256i numbers =
-      _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
-                      _mm256_maskz_compress_epi32(static_cast<__mmask8>(lanes), numbers));
-#else
-  std::size_t count = 0;
-  for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
-    to[count++] = first + static_cast<std::uint32_t>(__builtin_ctz(left));
-  }
-#endif
-  return static_cast<std::size_t>(__builtin_popcount(lanes));
 }
 
 // Finds the discs [begin, end) that cover the node.
@@ -89,6 +75,9 @@ SPARSHA_INLINE void read_discs(const DiscNodeKernel& k, const std::uint32_t* num
   Floats low = all(__builtin_inff());
   Floats high = all(-__builtin_inff());
   Floats least_spacing = low;
+  Floats most_spacing = high;
+  Ints quadrants[4] = {};
+  Ints astray{};
   const std::size_t padded = last_begin > 0 ? c.count + kLanes : c.count;
   for (std::size_t first = 0; first < padded; first += kLanes) {
     Floats rows[kLanes];
@@ -106,6 +95,13 @@ SPARSHA_INLINE void read_discs(const DiscNodeKernel& k, const std::uint32_t* num
     const Floats spacing = root(rows[6]) * k.per_reach;
     const Ints aside = flat2 >= (kBeneath * kBeneath) * spacing * spacing;
     const Floats per_flat = masked(aside, 1.0F / root(choose(aside, flat2, all(1.0F))));
+    const Ints right = aside & (dx > 0.0F);
+    const Ints left_of = aside & (dx < 0.0F);
+    quadrants[0] |= right & (dy > 0.0F);
+    quadrants[1] |= right & (dy < 0.0F);
+    quadrants[2] |= left_of & (dy > 0.0F);
+    quadrants[3] |= left_of & (dy < 0.0F);
+    astray |= rows[7] != 1.0F;
     store(c.height + first, height);
     store(c.x + first, dx);
     store(c.y + first, dy);
@@ -120,10 +116,49 @@ SPARSHA_INLINE void read_discs(const DiscNodeKernel& k, const std::uint32_t* num
     low = least(low, height);
     high = most(high, height);
     least_spacing = least(least_spacing, spacing);
+    most_spacing = most(most_spacing, spacing);
   }
   c.low = -largest(-low);
   c.high = largest(high);
   c.least_spacing = -largest(-least_spacing);
+  c.most_spacing = largest(most_spacing);
+  c.all_quadrants = any(quadrants[0]) && any(quadrants[1]) && any(quadrants[2]) && any(quadrants[3]);
+  c.all_towards = !any(astray);
+}
+
+// Narrows the discs to the highest group, down to `low`, with the next disc at `next`. False when the spacings of
+// single discs have to tell where the group ends; nothing is changed then.
+SPARSHA_INLINE bool narrow_to_group(const DiscNodeKernel& k, Cover& c, float& low, float& next) {
+  const float apart = k.link_noise_m + k.link_spacings * c.least_spacing;
+  const Floats none = all(-__builtin_inff());
+  low = c.high;
+  for (;;) {
+    Floats lowest = all(low);
+    for (std::size_t p = 0; p < c.count; p += kLanes) {
+      const Floats height = load(c.height + p);
+      lowest = least(lowest, choose(low - height <= apart, height, lowest));
+    }
+    const float reached = -largest(-lowest);
+    if (reached == low) break;
+    low = reached;
+  }
+  Floats below = none;
+  for (std::size_t p = 0; p < c.count; p += kLanes) {
+    const Floats height = load(c.height + p);
+    below = most(below, choose(height < low, height, none));
+  }
+  next = largest(below);
+  if (low - next <= k.link_noise_m + k.link_spacings * c.most_spacing) return false;
+  std::size_t size = 0;
+  for (std::size_t p = 0; p < c.count; p += kLanes) {
+    const Floats height = load(c.height + p);
+    std::uint32_t* to = c.sorted + size;
+    const std::size_t more = write_lanes(lanes_of(height >= low), static_cast<std::uint32_t>(p), to);
+    for (std::size_t n = 0; n < more; ++n) to[n] = c.found[to[n]];
+    size += more;
+  }
+  c.count = size;
+  return true;
 }
 
 // The discs' numbers, the highest first; equal ones in the order in which they were found.
@@ -260,12 +295,69 @@ SPARSHA_INLINE float away(const Cover& c, std::size_t begin, std::size_t end) {
 // Of a layer that surrounds the node: no front if it faces away. `low` and `high` are its discs' heights.
 SPARSHA_INLINE std::uint8_t decide_group(const DiscNodeKernel& k, const Cover& c, std::size_t begin, std::size_t end,
                                          float low, float high, float& height) {
-  const float share = away(c, begin, end);
+  const float share = c.all_towards ? -1.0F : away(c, begin, end);
   if (share > k.most_away) return DiscNodeKernel::kAway;
   height = height_of_group(c, begin, end, low, high);
   std::uint8_t verdict = DiscNodeKernel::kMeasured;
   if (share > -k.most_away) verdict |= DiscNodeKernel::kUnsure;
   return verdict;
+}
+
+// The verdict on the highest layer that surrounds the node, and whether the next below, at `next`, is hard to tell from
+// it. `spacing` is that of the layer's lowest disc.
+SPARSHA_INLINE std::uint8_t beware(const DiscNodeKernel& k, std::uint8_t verdict, float low, float next,
+                                   float spacing) {
+  const float apart = k.link_noise_m + k.link_spacings * spacing;
+  const bool doubtful = low - next < 1.5F * apart && verdict != DiscNodeKernel::kAway;
+  return doubtful ? static_cast<std::uint8_t>(verdict | DiscNodeKernel::kDoubtful) : verdict;
+}
+
+// Layers one after the other, where spacings have to tell them apart.
+SPARSHA_APART std::uint8_t decide_by_sorting(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {
+  sort_discs(c);
+  read_discs(k, c.sorted, x, y, c.count - 1, c);
+  std::size_t begin = 0;
+  for (std::size_t d = 1; d <= c.count; ++d) {
+    if (d < c.count) {
+      const float spacing = c.spacing[d - 1] < c.spacing[d] ? c.spacing[d - 1] : c.spacing[d];
+      if (c.height[d - 1] - c.height[d] <= k.link_noise_m + k.link_spacings * spacing) continue;
+    }
+    if (d - begin >= DiscNodeKernel::kLeastDiscs && surround(c, begin, d)) {
+      const std::uint8_t verdict = decide_group(k, c, begin, d, c.height[d - 1], c.height[begin], height);
+      const float next = d < c.count ? c.height[d] : -__builtin_inff();
+      return beware(k, verdict, c.height[d - 1], next, c.spacing[d - 1]);
+    }
+    begin = d;
+  }
+  return DiscNodeKernel::kUnknown;
+}
+
+// Of all discs that were read: they are one layer.
+SPARSHA_INLINE std::uint8_t decide_all(const DiscNodeKernel& k, const Cover& c, float low, float high, float& height) {
+  if (!c.all_quadrants && !surround(c, 0, c.count)) return DiscNodeKernel::kUnknown;
+  return decide_group(k, c, 0, c.count, low, high, height);
+}
+
+// The highest layer alone, where it surrounds the node and is so far above the next that no sorting is needed.
+SPARSHA_INLINE std::uint8_t decide_by_layers(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {
+  const std::size_t count = c.count;
+  const float high = c.high;
+  float low = 0.0F;
+  float next = 0.0F;
+  store(c.height + count, all(-__builtin_inff()));
+  if (!narrow_to_group(k, c, low, next)) return decide_by_sorting(k, x, y, c, height);
+  if (c.count >= DiscNodeKernel::kLeastDiscs) {
+    read_discs(k, c.sorted, x, y, 0, c);
+    const std::uint8_t verdict = decide_all(k, c, low, high, height);
+    if (verdict != DiscNodeKernel::kUnknown) {
+      std::size_t lowest = 0;
+      while (c.height[lowest] != low) ++lowest;
+      return beware(k, verdict, low, next, c.spacing[lowest]);
+    }
+  }
+  c.count = count;
+  read_discs(k, c.found, x, y, 0, c);
+  return decide_by_sorting(k, x, y, c, height);
 }
 
 SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {
@@ -288,27 +380,9 @@ SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, fl
   if (c.count < DiscNodeKernel::kLeastDiscs) return DiscNodeKernel::kUnknown;
   read_discs(k, c.found, x, y, 0, c);
   if (c.high - c.low <= k.link_noise_m + k.link_spacings * c.least_spacing) {
-    if (!surround(c, 0, c.count)) return DiscNodeKernel::kUnknown;
-    return decide_group(k, c, 0, c.count, c.low, c.high, height);
+    return decide_all(k, c, c.low, c.high, height);
   }
-  sort_discs(c);
-  read_discs(k, c.sorted, x, y, c.count - 1, c);
-  std::size_t begin = 0;
-  for (std::size_t d = 1; d <= c.count; ++d) {
-    if (d < c.count) {
-      const float spacing = c.spacing[d - 1] < c.spacing[d] ? c.spacing[d - 1] : c.spacing[d];
-      if (c.height[d - 1] - c.height[d] <= k.link_noise_m + k.link_spacings * spacing) continue;
-    }
-    if (d - begin >= DiscNodeKernel::kLeastDiscs && surround(c, begin, d)) {
-      const std::uint8_t verdict = decide_group(k, c, begin, d, c.height[d - 1], c.height[begin], height);
-      const float apart = k.link_noise_m + k.link_spacings * c.spacing[d - 1];
-      const bool close = d < c.count && c.height[d - 1] - c.height[d] < 1.5F * apart;
-      const bool doubtful = close && verdict != DiscNodeKernel::kAway;
-      return doubtful ? static_cast<std::uint8_t>(verdict | DiscNodeKernel::kDoubtful) : verdict;
-    }
-    begin = d;
-  }
-  return DiscNodeKernel::kUnknown;
+  return decide_by_layers(k, x, y, c, height);
 }
 
 SPARSHA_APART void fit_disc_nodes(const DiscNodeKernel& k, std::size_t j, float* height, std::uint8_t* verdict) {

@@ -11,7 +11,7 @@ using sparsha::pipeline::DiscKernel;
 
 constexpr std::size_t kMostRings = 3;
 
-/// Candidates for neighbours of a point, relative to it.
+/// Candidates for neighbours of points, and how far they are from one of them.
 struct Candidates {
   float* x;
   float* y;
@@ -20,26 +20,38 @@ struct Candidates {
   std::size_t count = 0;
 };
 
-SPARSHA_INLINE Candidates candidates_in(const DiscKernel& k) {
+// The first or the second of two lists.
+SPARSHA_INLINE Candidates candidates_in(const DiscKernel& k, std::size_t list) {
   const std::size_t room = DiscKernel::kMostCandidates + DiscKernel::kReadAhead;
-  return {k.scratch, k.scratch + room, k.scratch + 2 * room, k.scratch + 3 * room, 0};
+  float* s = k.scratch + list * 4 * room;
+  return {s, s + room, s + 2 * room, s + 3 * room, 0};
 }
 
-// Points [begin, end), relative to (x, y, z), appended as far as there is room.
-SPARSHA_INLINE void append(const DiscKernel& k, std::size_t begin, std::size_t end, float x, float y, float z,
-                           Candidates& to) {
+// Points [begin, end), appended as far as there is room.
+SPARSHA_INLINE void append(const DiscKernel& k, std::size_t begin, std::size_t end, Candidates& to) {
   const std::size_t room = DiscKernel::kMostCandidates - to.count;
   const std::size_t here = end - begin < room ? end - begin : room;
   for (std::size_t p = 0; p < here; p += kLanes) {
-    const Floats dx = load(k.x + begin + p) - x;
-    const Floats dy = load(k.y + begin + p) - y;
-    const Floats dz = load(k.z + begin + p) - z;
-    store(to.x + to.count + p, dx);
-    store(to.y + to.count + p, dy);
-    store(to.z + to.count + p, dz);
-    store(to.r2 + to.count + p, dx * dx + dy * dy + dz * dz);
+    store(to.x + to.count + p, load(k.x + begin + p));
+    store(to.y + to.count + p, load(k.y + begin + p));
+    store(to.z + to.count + p, load(k.z + begin + p));
   }
   to.count += here;
+}
+
+// Beyond the last candidate are some that are infinitely far away.
+SPARSHA_INLINE void finish(Candidates& c) { store(c.x + c.count, all(__builtin_inff())); }
+
+SPARSHA_INLINE void measure(const DiscKernel& k, std::size_t point, Candidates& c) {
+  const float x = k.x[point];
+  const float y = k.y[point];
+  const float z = k.z[point];
+  for (std::size_t p = 0; p < c.count; p += kLanes) {
+    const Floats dx = load(c.x + p) - x;
+    const Floats dy = load(c.y + p) - y;
+    const Floats dz = load(c.z + p) - z;
+    store(c.r2 + p, dx * dx + dy * dy + dz * dz);
+  }
 }
 
 SPARSHA_INLINE std::int32_t count_within(const Candidates& c, float r2) {
@@ -65,8 +77,6 @@ SPARSHA_INLINE std::size_t first_below(const float* heights, std::size_t begin, 
 // Candidates from `rings` columns to each side, within `reach` in z.
 SPARSHA_APART void gather_wide(const DiscKernel& k, std::size_t row, std::size_t column, std::size_t rings,
                                std::size_t point, Candidates& to) {
-  const float x = k.x[point];
-  const float y = k.y[point];
   const float z = k.z[point];
   const float reach = k.side_m * static_cast<float>(rings);
   to.count = 0;
@@ -78,10 +88,11 @@ SPARSHA_APART void gather_wide(const DiscKernel& k, std::size_t row, std::size_t
     for (std::size_t i = column0; i <= column1; ++i) {
       const std::uint32_t* bin = k.start + j * k.bins_x + i;
       const std::size_t begin = first_below(k.z, bin[0], bin[1], z + reach, true);
-      append(k, begin, first_below(k.z, begin, bin[1], z - reach, false), x, y, z, to);
+      append(k, begin, first_below(k.z, begin, bin[1], z - reach, false), to);
     }
   }
-  store(to.r2 + to.count, all(__builtin_inff()));
+  finish(to);
+  measure(k, point, to);
 }
 
 /// The columns around one, and where a window of heights that moves down stands in each.
@@ -103,20 +114,18 @@ SPARSHA_INLINE Windows windows_around(const DiscKernel& k, std::size_t row, std:
   return w;
 }
 
-SPARSHA_INLINE void gather_near(const DiscKernel& k, Windows& w, std::size_t point, Candidates& to) {
-  const float x = k.x[point];
-  const float y = k.y[point];
-  const float z = k.z[point];
-  const float top = z + k.side_m;
-  const float bottom = z - k.side_m;
+// Candidates for the points from `top` down to `bottom` of the column in the middle.
+SPARSHA_INLINE void gather_near(const DiscKernel& k, Windows& w, float top, float bottom, Candidates& to) {
+  top += k.side_m;
+  bottom -= k.side_m;
   to.count = 0;
   for (std::size_t c = 0; c < w.count; ++c) {
     while (w.begin[c] < w.last[c] && k.z[w.begin[c]] > top) ++w.begin[c];
     if (w.end[c] < w.begin[c]) w.end[c] = w.begin[c];
     while (w.end[c] < w.last[c] && k.z[w.end[c]] >= bottom) ++w.end[c];
-    append(k, w.begin[c], w.end[c], x, y, z, to);
+    append(k, w.begin[c], w.end[c], to);
   }
-  store(to.r2 + to.count, all(__builtin_inff()));
+  finish(to);
 }
 
 // The squared radius that holds about the wanted number of candidates, no more than `most`; 0 when they are too few.
@@ -147,14 +156,17 @@ struct DiscBatch {
   std::size_t size = 0;
 };
 
-SPARSHA_INLINE void add_moments(const Candidates& c, float r2, std::int32_t count, std::size_t point,
-                                DiscBatch& batch) {
+SPARSHA_INLINE void add_moments(const DiscKernel& k, const Candidates& c, float r2, std::int32_t count,
+                                std::size_t point, DiscBatch& batch) {
+  const float x0 = k.x[point];
+  const float y0 = k.y[point];
+  const float z0 = k.z[point];
   Floats s[9] = {};
   for (std::size_t p = 0; p < c.count; p += kLanes) {
     const Ints in = load(c.r2 + p) <= r2;
-    const Floats x = masked(in, load(c.x + p));
-    const Floats y = masked(in, load(c.y + p));
-    const Floats z = masked(in, load(c.z + p));
+    const Floats x = masked(in, load(c.x + p) - x0);
+    const Floats y = masked(in, load(c.y + p) - y0);
+    const Floats z = masked(in, load(c.z + p) - z0);
     s[0] += x;
     s[1] += y;
     s[2] += z;
@@ -270,31 +282,46 @@ SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   batch.size = 0;
 }
 
+// The neighbourhood of a point, among the candidates near or, when they are too few, from farther columns.
+SPARSHA_INLINE void add_point(const DiscKernel& k, std::size_t row, std::size_t column, std::size_t point,
+                              Candidates& near, DiscBatch& batch) {
+  measure(k, point, near);
+  std::int32_t count = 0;
+  float r2 = neighbourhood2(k, near, k.side_m * k.side_m, count);
+  if (r2 > 0.0F) {
+    add_moments(k, near, r2, count, point, batch);
+    return;
+  }
+  Candidates far = candidates_in(k, 1);
+  for (std::size_t rings = 2; r2 == 0.0F && rings <= kMostRings; ++rings) {
+    gather_wide(k, row, column, rings, point, far);
+    const float reach = k.side_m * static_cast<float>(rings);
+    r2 = neighbourhood2(k, far, reach * reach, count);
+  }
+  if (r2 > 0.0F) add_moments(k, far, r2, count, point, batch);
+}
+
 SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
   DiscBatch batch;
-  Candidates near = candidates_in(k);
+  Candidates near = candidates_in(k, 0);
   for (std::size_t column = 0; column < k.bins_x; ++column) {
     const std::size_t bin = row * k.bins_x + column;
-    const std::size_t begin = k.start[bin];
     const std::size_t end = k.start[bin + 1];
-    if (begin == end) continue;
+    if (k.start[bin] == end) continue;
+    for (std::size_t p = k.start[bin]; p < end; ++p) k.radius2[p] = -1.0F;
     Windows windows = windows_around(k, row, column);
-    for (std::size_t p = begin; p < end; ++p) {
-      k.radius2[p] = -1.0F;
-      if (k.z[p] < k.needed_m[bin]) continue;
-      // A point that stands there twice makes no other disc.
-      if (p > begin && k.z[p] == k.z[p - 1] && k.x[p] == k.x[p - 1] && k.y[p] == k.y[p - 1]) continue;
-      gather_near(k, windows, p, near);
-      std::int32_t count = 0;
-      float r2 = neighbourhood2(k, near, k.side_m * k.side_m, count);
-      for (std::size_t rings = 2; r2 == 0.0F && rings <= kMostRings; ++rings) {
-        gather_wide(k, row, column, rings, p, near);
-        const float reach = k.side_m * static_cast<float>(rings);
-        r2 = neighbourhood2(k, near, reach * reach, count);
+    for (std::size_t begin = k.start[bin]; begin < end && k.z[begin] >= k.needed_m[bin];) {
+      // Points at nearly one height have nearly the same candidates.
+      std::size_t last = begin + 1;
+      while (last < end && k.z[begin] - k.z[last] <= 0.5F * k.side_m && k.z[last] >= k.needed_m[bin]) ++last;
+      gather_near(k, windows, k.z[begin], k.z[last - 1], near);
+      for (std::size_t p = begin; p < last; ++p) {
+        // A point that stands there twice makes no other disc.
+        if (p > k.start[bin] && k.z[p] == k.z[p - 1] && k.x[p] == k.x[p - 1] && k.y[p] == k.y[p - 1]) continue;
+        add_point(k, row, column, p, near, batch);
+        if (batch.size == kLanes) write_discs(k, batch);
       }
-      if (r2 == 0.0F) continue;
-      add_moments(near, r2, count, p, batch);
-      if (batch.size == kLanes) write_discs(k, batch);
+      begin = last;
     }
   }
   if (batch.size > 0) write_discs(k, batch);

@@ -4,6 +4,7 @@
 #include "pipeline/grid/project_lanes_bins.h"
 #include "pipeline/grid/project_lanes_disc_nodes.h"
 #include "pipeline/grid/project_lanes_discs.h"
+#include "pipeline/grid/project_lanes_facing.h"
 #include "pipeline/grid/project_lanes_group.h"
 #include "pipeline/grid/project_lanes_points.h"
 #include "pipeline/grid/project_lanes_sort.h"
@@ -53,9 +54,19 @@ void fit_row_of_disc_nodes(const sparsha::pipeline::DiscNodeKernel& kernel, std:
   fit_disc_nodes(kernel, j, height, verdict);
 }
 
+std::size_t list_aligned_samples(const sparsha::pipeline::FacingKernel& kernel, std::size_t row, std::size_t column,
+                                 std::size_t sample, std::uint32_t* aligned, float* cosine) {
+  return list_aligned(kernel, row, column, sample, aligned, cosine);
+}
+void find_facing_of_discs(const sparsha::pipeline::FacingKernel& kernel, const float* x, const float* y, float* records,
+                          std::size_t begin, std::size_t end) {
+  find_facing(kernel, x, y, records, begin, end);
+}
+
 constexpr sparsha::pipeline::ProjectionKernels kKernels{
-    orient_points,        draw_points, draw_block_points, draw_border_points, index_band_points, send_points,
-    sort_few_bins,        fit_nodes,   fit_one_layer,     rank_values,        classify_points,   fit_row_of_discs,
-    fit_row_of_disc_nodes};
+    orient_points,         draw_points,          draw_block_points,   draw_border_points,
+    index_band_points,     send_points,          sort_few_bins,       fit_nodes,
+    fit_one_layer,         rank_values,          classify_points,     fit_row_of_discs,
+    fit_row_of_disc_nodes, list_aligned_samples, find_facing_of_discs};
 
 }  // namespace

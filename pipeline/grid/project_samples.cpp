@@ -105,12 +105,12 @@ Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
   Neighbourhood near(points);
   for (std::size_t k = 0; k < block.size(); ++k) {
     if (!(std::abs(block[k].u) < kMiddle && std::abs(block[k].v) < kMiddle)) continue;
-    const double radius = near.take(k, kNeighbours);
+    near.take(k, kNeighbours, std::numeric_limits<double>::infinity());
     const SurfacePlane plane = near.plane();
     if (!plane.planar()) continue;
     ++result.flat;
     result.steep += plane.normal[2] < kSteep ? 1 : 0;
-    result.spacings_m.push_back(radius * std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
+    result.spacings_m.push_back(near.radius_m(kNeighbours) * std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
   }
   return result;
 }

@@ -9,24 +9,28 @@
 
 namespace sparsha::pipeline {
 
-double Neighbourhood::take(std::size_t index, std::size_t count) {
+std::size_t Neighbourhood::take(std::size_t index, std::size_t count, double most_m) {
   centre_ = index;
   const SpacePoint& p = points_[index];
   near_.clear();
+  const auto most2 = static_cast<float>(most_m * most_m);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const float dx = points_[k].x - p.x;
     const float dy = points_[k].y - p.y;
     const float dz = points_[k].z - p.z;
-    near_.push_back({dx * dx + dy * dy + dz * dz, k});
+    const float distance2 = dx * dx + dy * dy + dz * dz;
+    if (distance2 <= most2) near_.push_back({distance2, k});
   }
   const auto nearer = [](const Near& a, const Near& b) {
     return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.index < b.index;
   };
+  count = std::min(count, near_.size());
+  if (count == 0) return 0;
   const auto last = near_.begin() + static_cast<std::ptrdiff_t>(count);
   std::nth_element(near_.begin(), last - 1, near_.end(), nearer);
   near_.erase(last, near_.end());
   std::sort(near_.begin(), near_.end(), nearer);
-  return radius_m(count);
+  return count;
 }
 
 double Neighbourhood::radius_m(std::size_t count) const {

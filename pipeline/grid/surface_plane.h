@@ -31,9 +31,9 @@ class Neighbourhood {
  public:
   explicit Neighbourhood(std::span<const SpacePoint> points) : points_(points) {}
 
-  /// Takes the `count` points nearest to point `index`, itself among them, and returns the distance of the farthest.
-  /// Equal distances are taken in the order of the points. Requires 1 <= count <= points.
-  double take(std::size_t index, std::size_t count);
+  /// Takes the `count` points nearest to point `index`, itself among them, or as many as are within `most_m`, and
+  /// returns how many these are. Equal distances are taken in the order of the points.
+  std::size_t take(std::size_t index, std::size_t count, double most_m);
 
   /// Distance of the `count`th nearest of those taken.
   [[nodiscard]] double radius_m(std::size_t count) const;

@@ -117,12 +117,11 @@ Measured measure_block(std::span<const Drawn> block, double margin_m, std::size_
   if (points.size() < kForNoise * per_neighbour) return measured;
   Neighbourhood near(points);
   for (const auto& [hash, seed] : seeds) {
-    const double farthest = near.take(seed, kForNoise * per_neighbour);
+    const std::size_t taken = near.take(seed, kForNoise * per_neighbour, margin_m);
     const std::size_t count = kForSpacing * per_neighbour;
-    const double radius = near.radius_m(count);
-    if (radius > margin_m) continue;
-    measured.spacing_m.push_back(radius * std::sqrt(std::numbers::pi / static_cast<double>(count)));
-    if (farthest > margin_m) continue;
+    if (taken < count) continue;
+    measured.spacing_m.push_back(near.radius_m(count) * std::sqrt(std::numbers::pi / static_cast<double>(count)));
+    if (taken < kForNoise * per_neighbour) continue;
     const SurfacePlane plane = near.plane();
     if (!plane.planar()) continue;
     if (const std::optional<double> residual = near.residual_m(plane)) measured.noise_m.push_back(*residual);
