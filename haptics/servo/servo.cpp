@@ -22,13 +22,13 @@ Servo::Servo(Device& device, const ServoOptions& options, HapticWindow window, S
       options_(options),
       period_s_(1.0 / options.engine.rate_hz),
       period_ns_(std::llround(1e9 / options.engine.rate_hz)),
-      patience_ns_(std::llround(1e9 * options.silence_s)),
+      patience_ns_(std::llround(1e9 * options.engine.longest_gap_s)),
       most_force_n_(usable(device.info().limits).max_force_n),
       engine_(device.info(), options.engine, std::move(window)),
       state_(state),
       consumers_(std::move(consumers)),
       recorder_(recorder),
-      watchdog_(device, std::max(options.silence_s, 2.0 * period_s_)) {}
+      watchdog_(device, std::max(options.engine.longest_gap_s, 2.0 * period_s_)) {}
 
 Servo::~Servo() { stop(); }
 

@@ -22,10 +22,9 @@
 namespace sparsha::haptics {
 
 struct ServoOptions {
-  EngineOptions engine;
-  bool real_time = true;     ///< ask for SCHED_FIFO and locked memory
-  double silence_s = 0.010;  ///< lateness that is a fault; the watchdog's patience too, but never below two periods
-  ServoClock clock;          ///< the servo's; the watchdog has its own
+  EngineOptions engine;   ///< its longest gap is the watchdog's patience too, but never below two periods
+  bool real_time = true;  ///< ask for SCHED_FIFO and locked memory
+  ServoClock clock;       ///< the servo's; the watchdog has its own
 };
 
 /// Read after stop().

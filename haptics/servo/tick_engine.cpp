@@ -9,7 +9,6 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr double kSlipFilterS = 0.005;   // time constant of the published slip speed
-constexpr double kLongestGapS = 0.010;   // without news of the hand; beyond it forces need free space again
 constexpr double kFarthestHandM = 10.0;  // no hand is so far from its device
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
@@ -231,7 +230,7 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
   record_.period_s = nominal_period_s;
   const bool timed = std::isfinite(sample.time_s);
   if (has_time_ && timed && sample.time_s > last_time_s_) record_.period_s = sample.time_s - last_time_s_;
-  bool fault = fault_ || (sample.replay == nullptr && record_.period_s > nominal_period_s + kLongestGapS);
+  bool fault = fault_ || (sample.replay == nullptr && record_.period_s > nominal_period_s + options_.longest_gap_s);
   fault_ = false;
   if (sample.replay != nullptr) {
     const ReplayTick& replay = *sample.replay;
@@ -293,7 +292,7 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
   } else {
     render(sample);
     stale_s_ = sample.fresh ? 0.0 : stale_s_ + record_.period_s;
-    if (stale_s_ > kLongestGapS) make_safe();
+    if (stale_s_ > options_.longest_gap_s) make_safe();
     if (fault) {
       make_safe();
       event_.reset();

@@ -23,6 +23,8 @@ struct EngineOptions {
   double stiffness_n_per_m = 800.0;  ///< the wish; rendered is what the device can bear
   pipeline::HapticsConfig::Solver solver = pipeline::HapticsConfig::Solver::exact;
   SolverOptions solver_options;
+  /// Longer without news of the hand, or later than planned, is a fault: forces need free space again.
+  double longest_gap_s = 0.010;
 };
 
 class TickEngine {

@@ -237,6 +237,7 @@ void Session::start() {
   options.engine.solver = self.options.haptics.solver;
   options.engine.solver_options.c1_surface = self.options.haptics.surface == pipeline::HapticsConfig::Surface::c1;
   options.real_time = self.options.real_time;
+  options.engine.longest_gap_s = self.options.longest_gap_s;
   self.servo = std::make_unique<Servo>(*self.device, options, std::move(self.first_window), self.state, self.consumers,
                                        &self.recorder);
   self.narrator.say_level(self.navigator.plan().level, self.navigator.width_m());

@@ -23,6 +23,7 @@ struct SessionOptions {
   bool friction = true;
   std::filesystem::path record;  ///< run.csv; empty = none
   bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
+  double longest_gap_s = 0.010;  ///< lateness that ends the force; longer only where no hand holds the device
 };
 
 /// What a run amounted to; printed at its end and used by user studies.

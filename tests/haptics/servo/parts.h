@@ -10,6 +10,7 @@
 
 #include "haptics/device/device.h"
 #include "haptics/servo/command.h"
+#include "haptics/servo/servo.h"
 #include "haptics/surface/monge_surface.h"
 #include "tests/haptics/shared/scenes.h"
 
@@ -38,6 +39,14 @@ inline DeviceSample sample_at(const Eigen::Vector3d& position_m, double time_s) 
   sample.time_s = time_s;
   sample.fresh = true;
   return sample;
+}
+
+/// Options for tests of anything but lateness: a machine that takes its processors away for up to `longest_gap_s`,
+/// again and again, changes nothing in them.
+inline ServoOptions patient(double longest_gap_s = 10.0) {
+  ServoOptions options;
+  options.engine.longest_gap_s = longest_gap_s;
+  return options;
 }
 
 /// Does in read() what a test wants, and remembers the last force. Safe to watch from other threads.

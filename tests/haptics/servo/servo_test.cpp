@@ -22,8 +22,7 @@ namespace {
 DeviceSample in_stone(double time_s) { return sample_at({0.0, 0.0, -0.002}, time_s); }
 DeviceSample in_air(double time_s) { return sample_at({0.0, 0.0, 0.02}, time_s); }
 
-/// In the air until the governor has armed, then in the stone; and again, for machines that stand still now and then
-/// and so trip the watchdog.
+/// In the air until the governor has armed, then in the stone; and again.
 DeviceSample touch(std::uint64_t tick, double time_s) { return tick % 400 < 100 ? in_air(time_s) : in_stone(time_s); }
 
 TEST(Servo, RunsAtItsRateAndReportsWhatItGot) {
@@ -33,13 +32,15 @@ TEST(Servo, RunsAtItsRateAndReportsWhatItGot) {
     ServoOptions options;
     options.engine.rate_hz = rate_hz;
     Servo servo(*device, options, window_on(testing::scene_of(testing::hills_m, 201, 0.1)), state, {}, nullptr);
+    const std::int64_t begun_ns = now_ns();
     servo.start();
     ASSERT_TRUE(eventually([&] { return state.read().time_s > 1.0; }));
     servo.stop();
     const ServoFigures& figures = servo.figures();
-    const double planned = state.read().time_s * rate_hz + 1.0;
-    EXPECT_NEAR(static_cast<double>(figures.ticks + figures.missed_ticks), planned, 0.01 * planned)
-        << "every planned tick was run or counted as missed";
+    // Every planned tick was run or counted as missed: those up to the last that ran, and what it missed itself.
+    const auto counted = static_cast<double>(figures.ticks + figures.missed_ticks);
+    EXPECT_GE(counted, std::floor(state.read().time_s * rate_hz) + 1.0);
+    EXPECT_LE(counted, static_cast<double>(now_ns() - begun_ns) * 1e-9 * rate_hz + 1.0);
     EXPECT_GT(figures.share_in_time, 0.0);
     EXPECT_LE(figures.share_in_time, 1.0);
     EXPECT_EQ(figures.tick_ns.total(), figures.ticks);
@@ -64,13 +65,14 @@ TEST(Servo, TheWatchdogZeroesTheDeviceWhileTheServoIsStalledAndForcesStayOffUnti
     return stalled.load() && hold.load() ? in_stone(time_s) : touch(tick, time_s);
   });
   Seqlock<State> state;
-  Servo servo(device, ServoOptions{}, window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(0.3), window_on(testing::flat_scene()), state, {}, nullptr);
   servo.start();
-  ASSERT_TRUE(eventually([&] { return device.force_n() > 1.0; }));
+  ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   stall.store(true);
   ASSERT_TRUE(eventually([&] { return stalled.load(); }));
   // The servo hangs in read() and cannot help; somebody else must.
-  ASSERT_TRUE(eventually([&] { return device.zeros() >= 2; })) << "and again while the silence lasts";
+  const std::uint64_t before = device.zeros();
+  ASSERT_TRUE(eventually([&] { return device.zeros() >= before + 2; })) << "and again while the silence lasts";
   EXPECT_EQ(device.force_n(), 0.0);
   EXPECT_GE(servo.watchdog_trips(), 1U);
   device.forget_strongest();
@@ -82,7 +84,7 @@ TEST(Servo, TheWatchdogZeroesTheDeviceWhileTheServoIsStalledAndForcesStayOffUnti
   EXPECT_EQ(state.read().contact, 1U);
   hold.store(false);
   ASSERT_TRUE(eventually([&] { return (state.read().flags & kFlagArmed) != 0; }));
-  EXPECT_TRUE(eventually([&] { return device.force_n() > 1.0; }));
+  EXPECT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   servo.stop();
   EXPECT_EQ(device.force_n(), 0.0);
 }
@@ -120,9 +122,9 @@ TEST(Servo, AnswersADeviceThatGivesNotANumberWithZeroForce) {
     return sample;
   });
   Seqlock<State> state;
-  Servo servo(device, ServoOptions{}, window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
   servo.start();
-  ASSERT_TRUE(eventually([&] { return device.force_n() > 1.0; }));
+  ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   bad.store(true);
   ASSERT_TRUE(eventually([&] { return device.force_n() == 0.0; }));
   ASSERT_TRUE(eventually([&] { return (state.read().flags & kFlagFault) != 0; }));
@@ -139,9 +141,9 @@ TEST(Servo, AnswersUnpluggingWithZeroForceAndSaysSo) {
     return sample;
   });
   Seqlock<State> state;
-  Servo servo(device, ServoOptions{}, window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
   servo.start();
-  ASSERT_TRUE(eventually([&] { return device.force_n() > 1.0; }));
+  ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   EXPECT_FALSE(servo.unplugged());
   plugged.store(false);
   ASSERT_TRUE(eventually([&] { return servo.unplugged(); }));
@@ -152,9 +154,9 @@ TEST(Servo, AnswersUnpluggingWithZeroForceAndSaysSo) {
 TEST(Servo, EndsInZeroForce) {
   ScriptedDevice device([](std::uint64_t tick, double time_s) { return touch(tick, time_s); });
   Seqlock<State> state;
-  Servo servo(device, ServoOptions{}, window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
   servo.start();
-  ASSERT_TRUE(eventually([&] { return device.force_n() > 1.0; }));
+  ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   servo.stop();
   EXPECT_EQ(device.force_n(), 0.0);
   EXPECT_EQ(state.read().commanded_force_n, (std::array<double, 3>{}));
@@ -169,9 +171,7 @@ TEST(Servo, SkipsTheTicksItMissedInsteadOfCatchingUp) {
     return in_air(time_s);
   });
   Seqlock<State> state;
-  ServoOptions options;
-  options.silence_s = 10.0;
-  Servo servo(device, options, window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.ticks() > 60; }));
   servo.stop();
@@ -197,7 +197,7 @@ TEST(Servo, RetiredSurfacesAreFreedByTheThreadThatCollects) {
     return window;
   };
   {
-    Servo servo(*device, ServoOptions{}, watched_window(1), state, {}, nullptr);
+    Servo servo(*device, patient(), watched_window(1), state, {}, nullptr);
     servo.start();
     for (std::uint64_t id = 2; id < 40; ++id) {
       Command command;
@@ -220,7 +220,7 @@ TEST(Servo, KeepsItsSurfaceWhenNobodyCollectsTheRetiredOnes) {
   const auto scene = testing::flat_scene();
   const auto device = make_simulated_device(2, 0.0);
   Seqlock<State> state;
-  Servo servo(*device, ServoOptions{}, window_on(scene), state, {}, nullptr);
+  Servo servo(*device, patient(), window_on(scene), state, {}, nullptr);
   servo.start();
   const HapticWindow window = window_on(scene, 0, 7);
   std::uint64_t posted = 0;
@@ -243,7 +243,7 @@ TEST(Servo, GivesEveryConsumerEveryContactEvent) {
   Seqlock<State> state;
   const auto first = std::make_shared<ContactQueue>(1024);
   const auto second = std::make_shared<ContactQueue>(1024);
-  Servo servo(device, ServoOptions{}, window_on(testing::flat_scene()), state, {first, second}, nullptr);
+  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {first, second}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.ticks() > 1050; }));
   servo.stop();

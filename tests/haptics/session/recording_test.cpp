@@ -50,6 +50,7 @@ TEST(Session, TheSimulatedHandTouchesAndEveryTickIsARow) {
   const test::TestFolder folder;
   SessionOptions options;
   options.record = folder / "run.csv";
+  options.longest_gap_s = 10.0;  // pauses of the machine are other tests' matter
   Session session(textured_scene(), make_simulated_device(1, 4.0), options);
   const auto events = session.add_contact_consumer();
   const SessionSummary summary = run_to_the_end(session);
@@ -60,8 +61,7 @@ TEST(Session, TheSimulatedHandTouchesAndEveryTickIsARow) {
   EXPECT_GT(summary.path_m, 0.03);
   EXPECT_GT(summary.area_m2, 0.0);
   EXPECT_LT(summary.area_m2, 0.01);
-  // A machine that stood still for 10 ms trips the watchdog.
-  EXPECT_LE(summary.faults, 2 * (summary.watchdog_trips + summary.late_faults));
+  EXPECT_EQ(summary.faults, 0U);
   EXPECT_EQ(summary.dropped_records, 0U);
   EXPECT_EQ(summary.levels, std::vector<int>{2});
   const auto csv = read_csv(options.record);
@@ -75,7 +75,9 @@ TEST(Session, TheSimulatedHandTouchesAndEveryTickIsARow) {
   ContactEvent event;
   ASSERT_TRUE(events->pop(event));
   EXPECT_EQ(event.kind, ContactEvent::Kind::touch);
-  EXPECT_GT(event.peak_force_n, 0.0);
+  double peak_force_n = event.peak_force_n;
+  while (events->pop(event)) peak_force_n = std::max(peak_force_n, event.peak_force_n);
+  EXPECT_GT(peak_force_n, 0.0);
   std::uint64_t binned = 0;
   for (const std::uint64_t count : summary.lateness_histogram) binned += count;
   EXPECT_EQ(binned, summary.ticks);

@@ -161,7 +161,7 @@ std::unique_ptr<Device> troubled_device(const std::shared_ptr<std::atomic<Troubl
     const Trouble now = trouble->load();
     if (now == Trouble::not_a_number) sample.position_m.x() = std::nan("");
     if (now == Trouble::unplugged) sample.connected = false;
-    if (now == Trouble::silent) std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    if (now == Trouble::silent) std::this_thread::sleep_for(std::chrono::milliseconds(700));
     return sample;
   });
 }
@@ -173,9 +173,11 @@ TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
   for (const auto& [wrong, said_of_it] : troubles) {
     const std::string& words_expected = said_of_it;  // Clang 14 captures no structured binding
     const auto trouble = std::make_shared<std::atomic<Trouble>>(Trouble::none);
-    Session session(testing::flat_scene(), troubled_device(trouble), SessionOptions{});
+    SessionOptions options;
+    options.longest_gap_s = 0.3;  // the machine's own pauses are not what is tested
+    Session session(testing::flat_scene(), troubled_device(trouble), options);
     session.start();
-    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().commanded_force_n[2] > 1.0; }));
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().commanded_force_n[2] > 0.0; }));
     trouble->store(wrong);
     ASSERT_TRUE(poll_until(session, [&] { return said(session, words_expected); })) << words_expected;
     ASSERT_TRUE(poll_until(session, [&] { return session.state().read().commanded_force_n[2] == 0.0; }));
