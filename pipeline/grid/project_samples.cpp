@@ -110,7 +110,8 @@ Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
     if (!plane.planar()) continue;
     ++result.flat;
     result.steep += plane.normal[2] < kSteep ? 1 : 0;
-    result.spacings_m.push_back(near.radius_m(kNeighbours) * std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
+    result.spacings_m.push_back(near.radius_m(kNeighbours) *
+                                std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
   }
   return result;
 }
