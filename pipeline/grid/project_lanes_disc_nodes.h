@@ -11,7 +11,7 @@ namespace {
 using sparsha::pipeline::DiscNodeKernel;
 
 // A foot this near to a node, in spacings of its points, is beneath it.
-constexpr float kBeneath = 0.25F;
+constexpr float kBeneath = 0.05F;
 
 /// The discs over one node: places relative to the node, heights of the disc at the node.
 struct Cover {
