@@ -12,6 +12,8 @@ using sparsha::pipeline::DiscNodeKernel;
 
 // A foot this near to a node, in spacings of its points, is beneath it.
 constexpr float kBeneath = 0.05F;
+// A layer with a foot this near reaches the node: no lower one is the front there.
+constexpr float kReaches = 0.25F;
 
 /// The discs over one node: places relative to the node, heights of the disc at the node.
 struct Cover {
@@ -209,6 +211,15 @@ SPARSHA_INLINE bool surround(const Cover& c, std::size_t begin, std::size_t end)
   return !any((high < -kLimit) | (low > kLimit) | (side_high < -kLimit) | (side_low > kLimit));
 }
 
+// True when discs [begin, end) are a layer whose edge the node is at: no front, and neither is what lies below.
+SPARSHA_INLINE bool reaches(const Cover& c, std::size_t begin, std::size_t end) {
+  for (std::size_t d = begin; d < end; ++d) {
+    const float near = kReaches * c.spacing[d];
+    if (c.x[d] * c.x[d] + c.y[d] * c.y[d] < near * near) return true;
+  }
+  return false;
+}
+
 // Height at the node by discs [begin, end): the mean of their points, each brought to the node along a surface whose
 // slope and bending are those of the discs' normals.
 SPARSHA_INLINE float height_of_group(const Cover& c, std::size_t begin, std::size_t end, float low, float high) {
@@ -322,11 +333,13 @@ SPARSHA_APART std::uint8_t decide_by_sorting(const DiscNodeKernel& k, float x, f
       const float spacing = c.spacing[d - 1] < c.spacing[d] ? c.spacing[d - 1] : c.spacing[d];
       if (c.height[d - 1] - c.height[d] <= k.link_noise_m + k.link_spacings * spacing) continue;
     }
-    if (d - begin >= DiscNodeKernel::kLeastDiscs && surround(c, begin, d)) {
+    const bool layer = d - begin >= DiscNodeKernel::kLeastDiscs;
+    if (layer && surround(c, begin, d)) {
       const std::uint8_t verdict = decide_group(k, c, begin, d, c.height[d - 1], c.height[begin], height);
       const float next = d < c.count ? c.height[d] : -__builtin_inff();
       return beware(k, verdict, c.height[d - 1], next, c.spacing[d - 1]);
     }
+    if (layer && reaches(c, begin, d)) break;
     begin = d;
   }
   return DiscNodeKernel::kUnknown;
@@ -354,6 +367,7 @@ SPARSHA_INLINE std::uint8_t decide_by_layers(const DiscNodeKernel& k, float x, f
       while (c.height[lowest] != low) ++lowest;
       return beware(k, verdict, low, next, c.spacing[lowest]);
     }
+    if (reaches(c, 0, c.count)) return DiscNodeKernel::kUnknown;
   }
   c.count = count;
   read_discs(k, c.found, x, y, 0, c);
