@@ -8,14 +8,15 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/scene/workspace.h"
+
 namespace sparsha::viewer {
 namespace {
 
 using haptics::Announcement;
 using Kind = haptics::Request::Kind;
 
-constexpr double kWorkspaceHalfM = 0.05;  // the pointer device's workspace is 0.1 m wide
-constexpr double kHoverM = 0.008;         // above the surface, device frame
+constexpr double kHoverM = 0.008;  // above the surface, device frame
 constexpr double kPressM = 0.003;
 constexpr double kDeepestM = 0.015;
 constexpr double kWheelM = 0.0005;     // one notch of the wheel
@@ -75,7 +76,6 @@ void Controller::set_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
   stage_ = stage_of(scene_->description());
   frame_.title = title_of(*scene_);
-  stiffness_n_per_m_ = scene_->description().config.haptics.stiffness_n_per_m;
   first_ = true;
 }
 
@@ -86,6 +86,11 @@ void Controller::post(Kind kind, double x, double y, bool on) {
 void Controller::tell(const std::string& text, Announcement::Priority priority) {
   own_.push_back({text, priority, 0});
   if (connections_.speak) connections_.speak(text);
+}
+
+double Controller::reach_m() const {
+  const haptics::State& state = frame_.state;
+  return 0.5 * (state.tick != 0 ? state.workspace_m : pipeline::kDeskWorkspaceM);
 }
 
 double Controller::step_m() const { return kHandStepM; }
@@ -114,7 +119,6 @@ void Controller::press(const KeyPress& press) {
     frame_.asks_rescan = false;
     Eigen::Matrix4d turn = Eigen::Matrix4d::Identity();
     turn.topLeftCorner<3, 3>() = frame_.camera.axes().transpose();
-    tell("Scanning again from this side");
     // New grid frame: the camera's axes; about the scan frame's origin, so that the turn alone counts.
     Eigen::Matrix4d grid_from_scan = scene_->description().config.orientation.scan_to_grid;
     turn_rad_ = 0.0;
@@ -174,9 +178,7 @@ void Controller::act(Action action) {
       return post(Kind::set_friction, 0.0, 0.0, !flag(haptics::kFlagFriction));
     case Action::stiffer:
     case Action::softer:
-      stiffness_n_per_m_ = std::clamp(stiffness_n_per_m_ * (action == Action::stiffer ? 1.25 : 0.8), 50.0, 5000.0);
-      post(Kind::set_stiffness, stiffness_n_per_m_);
-      return tell(fmt::format("Stiffness {:.0f} newtons per metre", stiffness_n_per_m_));
+      return post(Kind::scale_stiffness, action == Action::stiffer ? 1.25 : 0.8);
     case Action::describe:
       return post(Kind::describe);
     case Action::colour:
@@ -263,7 +265,7 @@ void Controller::act(Action action) {
       leave_ = true;
       break;
   }
-  hand_m_ = hand_m_.cwiseMax(-kWorkspaceHalfM).cwiseMin(kWorkspaceHalfM);
+  hand_m_ = hand_m_.cwiseMax(-reach_m()).cwiseMin(reach_m());
 }
 
 void Controller::mouse_move(double x, double y, const Layout& layout, const View& view, const Stage& stage,
@@ -299,7 +301,7 @@ void Controller::mouse_move(double x, double y, const Layout& layout, const View
         frame_.state.scale * Eigen::Vector2d(grid.x() - frame_.state.centre_m[0], grid.y() - frame_.state.centre_m[1]);
     z_m = height(grid.x(), grid.y());
   }
-  hand_m_ = hand_m_.cwiseMax(-kWorkspaceHalfM).cwiseMin(kWorkspaceHalfM);
+  hand_m_ = hand_m_.cwiseMax(-reach_m()).cwiseMin(reach_m());
 }
 
 void Controller::mouse_button(int button, bool down, int /*modifiers*/) {
@@ -380,7 +382,7 @@ void Controller::move_hand(double seconds, const HeightAt& height_at) {
     surface_m = state.scale * (height_at(x_m, y_m) - state.centre_m[2]);
     if (!std::isfinite(surface_m)) surface_m = 0.0;
   }
-  const double goal_m = std::clamp(surface_m + (pressed_ ? -press_m_ : offset_m_), -kWorkspaceHalfM, kWorkspaceHalfM);
+  const double goal_m = std::clamp(surface_m + (pressed_ ? -press_m_ : offset_m_), -reach_m(), reach_m());
   hand_z_m_ = hand_known_ ? hand_z_m_ + (1.0 - std::exp(-seconds / kHandFollowS)) * (goal_m - hand_z_m_) : goal_m;
   hand_known_ = true;
   haptics::PointerSample sample;

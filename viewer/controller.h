@@ -49,6 +49,7 @@ class Controller {
   void move_hand(double seconds, const HeightAt& height_at);
   void take_announcements(double time_s);
   [[nodiscard]] double step_m() const;
+  [[nodiscard]] double reach_m() const;  ///< of the hand to each side, device frame
 
   Connections connections_;
   pipeline::ScenePointer scene_;
@@ -56,7 +57,6 @@ class Controller {
   Frame frame_;
   bool leave_ = false;
   bool first_ = true;
-  double stiffness_n_per_m_ = 800.0;
 
   // The camera relative to the window.
   double turn_rad_ = 0.0, tilt_rad_ = 0.0, zoom_ = 1.0;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/scene/workspace.h"
+
 namespace sparsha::viewer {
 
 Window window_of(const haptics::State& state, const pipeline::SceneDescription& description) {
@@ -19,10 +21,9 @@ Window window_of(const haptics::State& state, const pipeline::SceneDescription& 
   }
   const std::size_t level = std::min<std::size_t>(state.level, description.levels.size() - 1);
   window.centre_m = centre;
-  // A level smaller than the window is reached as a whole.
   const pipeline::Lattice& lattice = description.levels[level];
-  const int nodes = std::min(description.config.levels.window, std::max(lattice.nx, lattice.ny));
-  window.width_m = std::max(nodes - 1, 1) * lattice.spacing_m;
+  window.width_m =
+      pipeline::window_width_m(static_cast<int>(state.window[2]), static_cast<int>(state.window[3]), lattice.spacing_m);
   window.meant = true;
   return window;
 }

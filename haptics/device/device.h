@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "haptics/contact/governor.h"
+#include "pipeline/scene/workspace.h"
 
 namespace sparsha::haptics {
 
@@ -37,7 +38,7 @@ struct DeviceSample {
 
 struct DeviceInfo {
   std::string name;  ///< "simulated", "Novint Falcon", ...
-  double workspace_width_m = 0.1;
+  double workspace_width_m = pipeline::kDeskWorkspaceM;
   DeviceLimits limits;
   bool paced = false;  ///< true: wait() paces the loop by the device's answers, else the servo's clock does
 };

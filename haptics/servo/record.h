@@ -10,12 +10,10 @@ namespace sparsha::haptics {
 struct Record {
   State state;
   std::array<double, 3> raw_device_m{};  ///< as the device gave it, NaN included
-  double stiffness_n_per_m = 0.0;
-  double period_s = 0.0;          ///< that the governor saw
-  double nominal_period_s = 0.0;  ///< of the servo's plan
-  std::int32_t window_i = 0, window_j = 0, window_nx = 0, window_ny = 0;
-  std::int32_t cell_i = 0, cell_j = 0;  ///< the proxy's cell in its level
-  double cell_m = 0.0;                  ///< and the cells' size, grid frame
+  double period_s = 0.0;                 ///< that the governor saw
+  double nominal_period_s = 0.0;         ///< of the servo's plan
+  std::int32_t cell_i = 0, cell_j = 0;   ///< the proxy's cell in its level
+  double cell_m = 0.0;                   ///< and the cells' size, grid frame
 };
 static_assert(std::is_trivially_copyable_v<Record>);
 

@@ -20,8 +20,8 @@ void append(std::string& text, std::uint64_t value) {
   text.push_back(',');
 }
 
-void append(std::string& text, std::int32_t value) {
-  char digits[16];
+void append(std::string& text, std::int64_t value) {
+  char digits[24];
   text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
   text.push_back(',');
 }
@@ -59,18 +59,15 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   append(text, state.command);
   append(text, state.flags);
   append(text, state.buttons);
-  append(text, record.stiffness_n_per_m);
+  append(text, state.stiffness_n_per_m);
   append(text, record.period_s);
   append(text, std::round(state.late_ns));
-  append(text, record.window_i);
-  append(text, record.window_j);
-  append(text, record.window_nx);
-  append(text, record.window_ny);
+  for (const std::int64_t value : state.window) append(text, value);
   append(text, device.workspace_width_m);
   append(text, device.limits.max_force_n);
   append(text, device.limits.slew_n_per_s);
   append(text, device.limits.least_damping_n_s_per_m);
-  append(text, static_cast<std::int32_t>(device.limits.delay_ticks));
+  append(text, static_cast<std::int64_t>(device.limits.delay_ticks));
   append(text, record.nominal_period_s);
   text.back() = '\n';
 }

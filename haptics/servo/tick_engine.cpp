@@ -266,11 +266,9 @@ void TickEngine::update(const DeviceSample& sample, double nominal_period_s) noe
   if (sample.homed) state.flags |= kFlagHomed;
   if (window_.texture) state.flags |= kFlagTexture;
   if (window_.friction) state.flags |= kFlagFriction;
-  record_.stiffness_n_per_m = stiffness_n_per_m_;
-  record_.window_i = window_.i0;
-  record_.window_j = window_.j0;
-  record_.window_nx = surface_->lattice.nx;
-  record_.window_ny = surface_->lattice.ny;
+  state.workspace_m = device_.workspace_width_m;
+  state.stiffness_n_per_m = stiffness_n_per_m_;
+  state.window = {window_.i0, window_.j0, surface_->lattice.nx, surface_->lattice.ny};
 
   const bool finite = sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHandM;
   if (finite)

@@ -23,6 +23,9 @@ namespace {
 constexpr double kSlowestHz = 100.0;
 constexpr double kFastestHz = 10000.0;
 constexpr double kFaultPauseS = 3.0;
+// Of what is asked for step by step.
+constexpr double kSoftestNPerM = 50.0;
+constexpr double kHardestNPerM = 5000.0;
 
 // Device buttons, from the front of a Falcon's grip.
 enum Button : std::size_t { kButtonPlus, kButtonForward, kButtonCentre, kButtonMinus };
@@ -128,15 +131,19 @@ struct Session::Implementation {
       case Request::Kind::describe:
         narrator.describe(now, info.workspace_width_m / now.scale);
         return;
-      case Request::Kind::set_stiffness: {
+      case Request::Kind::set_stiffness:
+      case Request::Kind::scale_stiffness: {
         if (!(request.x >= 0.0) || recording != nullptr) return;
-        stiffness_n_per_m = governed(request.x);
+        const double wish_n_per_m = request.kind == Request::Kind::set_stiffness
+                                        ? request.x
+                                        : std::clamp(stiffness_n_per_m * request.x, kSoftestNPerM, kHardestNPerM);
+        stiffness_n_per_m = governed(wish_n_per_m);
         Command command;
         command.kind = Command::Kind::stiffness;
         command.stiffness_n_per_m = stiffness_n_per_m;
         post(std::move(command));
         narrator.say(fmt::format("Stiffness {:.0f} newtons a metre{}", stiffness_n_per_m,
-                                 stiffness_n_per_m < request.x ? ", all the device can bear" : ""));
+                                 stiffness_n_per_m < wish_n_per_m ? ", all the device can bear" : ""));
         return;
       }
       default:

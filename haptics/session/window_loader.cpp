@@ -6,17 +6,12 @@
 #include <utility>
 
 #include "pipeline/base/error.h"
+#include "pipeline/scene/workspace.h"
 
 namespace sparsha::haptics {
 namespace {
 
 using pipeline::Lattice;
-
-constexpr int kSmallestWindow = 8;  // nodes a side
-
-int window_nodes(const pipeline::SceneDescription& scene) {
-  return std::max(kSmallestWindow, scene.config.levels.window);
-}
 
 /// First node of a run of `window` nodes around `centre`, or all `n` nodes when they fit.
 std::pair<int, int> run_around(double centre_nodes, int n, int window) {
@@ -28,7 +23,7 @@ std::pair<int, int> run_around(double centre_nodes, int n, int window) {
 }  // namespace
 
 int overview_level(const pipeline::SceneDescription& scene) {
-  const int window = window_nodes(scene);
+  const int window = pipeline::window_nodes(scene.config.levels.window);
   for (std::size_t level = 0; level < scene.levels.size(); ++level)
     if (std::max(scene.levels[level].nx, scene.levels[level].ny) <= window) return static_cast<int>(level);
   return static_cast<int>(scene.levels.size()) - 1;
@@ -42,13 +37,13 @@ Eigen::Vector2d middle_of(const Lattice& lattice) {
 WindowPlan plan_window(const pipeline::SceneDescription& scene, int level, const Eigen::Vector2d& centre_m,
                        double workspace_width_m) {
   const Lattice& lattice = scene.levels.at(static_cast<std::size_t>(level));
-  const int window = window_nodes(scene);
+  const int window = pipeline::window_nodes(scene.config.levels.window);
   WindowPlan plan;
   plan.level = level;
   const Eigen::Vector2d nodes = (centre_m - lattice.origin_m.head<2>()) / lattice.spacing_m;
   std::tie(plan.i0, plan.nx) = run_around(nodes.x(), lattice.nx, window);
   std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);
-  plan.scale = workspace_width_m / ((std::max(plan.nx, plan.ny) - 1) * lattice.spacing_m);
+  plan.scale = workspace_width_m / pipeline::window_width_m(plan.nx, plan.ny, lattice.spacing_m);
   return plan;
 }
 

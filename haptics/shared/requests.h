@@ -15,14 +15,15 @@ namespace sparsha::haptics {
 /// A wish; Session decides. Values in the unit that the comment names.
 struct Request {
   enum class Kind {
-    zoom_in,        ///< one level finer
-    zoom_out,       ///< one level coarser
-    pan,            ///< x, y: in window widths
-    move_to,        ///< x, y: new window centre, grid frame, metres
-    set_texture,    ///< on
-    set_friction,   ///< on
-    set_stiffness,  ///< x: N/m
-    describe,       ///< say where the hand is
+    zoom_in,          ///< one level finer
+    zoom_out,         ///< one level coarser
+    pan,              ///< x, y: in window widths
+    move_to,          ///< x, y: new window centre, grid frame, metres
+    set_texture,      ///< on
+    set_friction,     ///< on
+    set_stiffness,    ///< x: N/m
+    scale_stiffness,  ///< x: factor, within 50 to 5000 N/m
+    describe,         ///< say where the hand is
     quit
   };
   Kind kind = Kind::describe;

@@ -50,6 +50,9 @@ struct State {
   std::uint64_t buttons = 0;                      ///< down now
   std::array<std::uint64_t, 4> button_presses{};  ///< of the first four, so far: no reader is too slow for a click
   std::uint64_t flags = 0;                        ///< StateFlag bits
+  double workspace_m = 0.0;                       ///< width of the device's workspace, device frame
+  double stiffness_n_per_m = 0.0;                 ///< rendered in this tick
+  std::array<std::int64_t, 4> window{};           ///< nodes of the level: first i, first j, how many in i, in j
   std::uint64_t missed_ticks = 0;                 ///< skipped since the start
   std::uint64_t dropped_records = 0;              ///< rows the recorder could not take
 };

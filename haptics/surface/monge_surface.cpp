@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "haptics/surface/friction_law.h"
+#include "haptics/surface/friction_map.h"
 #include "haptics/surface/large_pages.h"
 #include "pipeline/base/error.h"
 

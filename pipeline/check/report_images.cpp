@@ -10,6 +10,8 @@
 #include <limits>
 
 #include "pipeline/check/report_shading.h"
+#include "pipeline/scene/friction_law.h"
+#include "pipeline/scene/workspace.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -130,30 +132,17 @@ Picture texture(const Layers& base) {
   return picture;
 }
 
-/// Dynamic friction coefficient of a node at scale 1; docs/architecture.md, "Friction map".
-float friction_at(const Layers& base, const SceneDescription& scene, double scale, double radius_m, std::size_t n) {
-  const FrictionConfig& config = *scene.config.friction;
-  if (std::isnan(base.grid.height_m[n])) return kUnknownHeight;
-  double mu = config.mu_0;
-  if (config.law == FrictionConfig::Law::curvature && !base.curvature_per_m.empty())
-    mu += scene.friction_c_m * base.curvature_per_m[n];
-  if (config.law == FrictionConfig::Law::paper && !base.mean_curvature_per_m.empty())
-    mu = 1 / (radius_m *
-              std::hypot(base.mean_curvature_per_m[n] / scale, base.gaussian_curvature_per_m2[n] / (scale * scale)));
-  return static_cast<float>(std::clamp(mu, 0.0, config.mu_max));
-}
-
 Picture friction(const Layers& base, const SceneDescription& scene) {
-  constexpr double kWorkspace = 0.1;  // metres, of a common desktop device; only law: paper depends on it
   Picture picture;
   picture.name = "friction";
   picture.title = "Friction";
   picture.map = ColourMap::friction;
   const FrictionConfig& config = *scene.config.friction;
-  const double scale = kWorkspace / (std::max(1, std::min(scene.config.levels.window, base.grid.lattice.nx) - 1) *
-                                     base.grid.lattice.spacing_m);
-  const Field field =
-      reduce(base.grid.lattice, [&](std::size_t n) { return friction_at(base, scene, scale, kWorkspace / 2, n); });
+  const double scale = level_scale(scene.config.levels.window, base.grid.lattice, kDeskWorkspaceM);
+  const FrictionLaw law(scene, scale, kDeskWorkspaceM);
+  const Field field = reduce(base.grid.lattice, [&](std::size_t n) {
+    return std::isnan(base.grid.height_m[n]) ? kUnknownHeight : law.dynamic(base, n);
+  });
   picture.high = config.mu_max;
   picture.caption = config.law == FrictionConfig::Law::paper
                         ? "Coefficient of sliding friction that the hand feels in a 10 cm workspace, from pale "

@@ -61,8 +61,8 @@ TEST(Controller, KeysBecomeRequests) {
   EXPECT_FALSE(got[5].on) << "texture is on in this state";
   EXPECT_EQ(got[6].kind, Kind::set_friction);
   EXPECT_EQ(got[7].kind, Kind::describe);
-  EXPECT_EQ(got[8].kind, Kind::set_stiffness);
-  EXPECT_NEAR(got[8].x, 1000.0, 1e-9);
+  EXPECT_EQ(got[8].kind, Kind::scale_stiffness);
+  EXPECT_NEAR(got[8].x, 1.25, 1e-9);
   EXPECT_EQ(got[9].kind, Kind::quit);
   EXPECT_TRUE(desk.controller->wants_to_leave());
 }

@@ -84,8 +84,11 @@ haptics::State touching(const pipeline::Scene& scene, double x_m, double y_m, do
   haptics::State state;
   state.tick = 1000;
   state.time_s = 1.0;
-  const double width_m = (description.config.levels.window - 1) * description.levels.front().spacing_m;
-  state.scale = 0.1 / width_m;
+  const pipeline::Lattice& level = description.levels.front();
+  const int nodes = std::min(description.config.levels.window, std::max(level.nx, level.ny));
+  state.window = {0, 0, nodes, nodes};
+  state.workspace_m = 0.1;
+  state.scale = 0.1 / ((nodes - 1) * level.spacing_m);
   state.centre_m = {cx_m, cy_m, z_m};
   state.proxy_m = {x_m, y_m, z_m};
   state.hip_m = {x_m, y_m, z_m - 0.002 / state.scale};

@@ -7,37 +7,13 @@
 #include <cstddef>
 #include <limits>
 
+#include "pipeline/scene/friction_law.h"
+#include "pipeline/scene/workspace.h"
+
 namespace sparsha::viewer {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kWorkspaceM = 0.1;         // device frame, of the pointer and of most desktop devices
-constexpr double kWorkspaceRadiusM = 0.05;  // R of law: paper
-
-double friction_of(const ReliefData& relief, const pipeline::SceneDescription& description, std::size_t k) {
-  const pipeline::FrictionConfig& friction = *description.config.friction;
-  switch (friction.law) {
-    case pipeline::FrictionConfig::Law::constant:
-      return friction.mu_0;
-    case pipeline::FrictionConfig::Law::curvature:
-      return relief.layers.curvature_per_m.empty()
-                 ? kNone
-                 : std::clamp(friction.mu_0 + description.friction_c_m * relief.layers.curvature_per_m[k], 0.0,
-                              friction.mu_max);
-    case pipeline::FrictionConfig::Law::paper: {
-      if (relief.layers.mean_curvature_per_m.empty()) return kNone;
-      // Curvature at the scale of level 0's window, as the hand meets it there.
-      const double width_m = (description.config.levels.window - 1) * description.levels.front().spacing_m;
-      const double scale = kWorkspaceM / std::max(width_m, 1e-12);
-      const double mean = relief.layers.mean_curvature_per_m[k] / scale;
-      const double gaussian = relief.layers.gaussian_curvature_per_m2[k] / (scale * scale);
-      const double size = std::hypot(mean, gaussian);
-      return size > 0.0 ? std::min(1.0 / (kWorkspaceRadiusM * size), friction.mu_max) : friction.mu_max;
-    }
-  }
-  return kNone;
-}
-
 /// The share-th quantile of finite magnitudes, from about 16000 samples.
 double quantile(const std::vector<double>& values, double share) {
   std::vector<double> some;
@@ -141,7 +117,11 @@ Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& d
   } else if (mode == ColourMode::friction) {
     own.unit = "\xC2\xB5";
     own.high = std::max(description.config.friction->mu_max, 1e-6);
-    for (std::size_t k = 0; k < count; ++k) values[k] = friction_of(relief, description, k);
+    // As the hand meets it in level 0's window.
+    const double scale =
+        level_scale(description.config.levels.window, description.levels.front(), pipeline::kDeskWorkspaceM);
+    const pipeline::FrictionLaw law(description, scale, pipeline::kDeskWorkspaceM);
+    for (std::size_t k = 0; k < count; ++k) values[k] = static_cast<double>(law.dynamic(relief.layers, k));
   } else {
     own.unit = "mm";
     own.map = ColourMap::diverging;

@@ -9,18 +9,16 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kWorkspaceWidthM = 0.1;
 constexpr double kLongestStepS = 0.1;  // a longer silence of the servo is simulated as this much
 
 class SimulatedDevice final : public Device {
  public:
   SimulatedDevice(std::uint64_t seed, double duration_s)
-      : round_(seed, kWorkspaceWidthM), hand_(parameters_, round_.target_m()), duration_s_(duration_s) {}
+      : round_(seed, pipeline::kDeskWorkspaceM), hand_(parameters_, round_.target_m()), duration_s_(duration_s) {}
 
   [[nodiscard]] DeviceInfo info() const override {
     DeviceInfo info;
     info.name = "simulated";
-    info.workspace_width_m = kWorkspaceWidthM;
     info.limits.max_force_n = parameters_.max_force_n;
     info.limits.least_damping_n_s_per_m = parameters_.damping_n_s_per_m;
     return info;

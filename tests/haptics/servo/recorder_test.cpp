@@ -44,7 +44,7 @@ Record record_at(std::uint64_t tick) {
   record.state.flags = kFlagHomed;
   record.period_s = 0.001;
   record.nominal_period_s = 0.001;
-  record.window_nx = record.window_ny = 10;
+  record.state.window = {0, 0, 10, 10};
   return record;
 }
 
@@ -89,7 +89,7 @@ TEST(Recorder, AnyDoubleSurvivesTheFileToTheLastBit) {
     }
     for (double& value : record.state.centre_m) value = std::generate_canonical<double, 53>(random) * 5.4e6;
     record.state.scale = std::generate_canonical<double, 53>(random);
-    record.stiffness_n_per_m = std::generate_canonical<double, 53>(random) * 1000.0;
+    record.state.stiffness_n_per_m = std::generate_canonical<double, 53>(random) * 1000.0;
     records.push_back(record);
   }
   records[7].raw_device_m[1] = std::numeric_limits<double>::quiet_NaN();
@@ -119,7 +119,7 @@ TEST(Recorder, AnyDoubleSurvivesTheFileToTheLastBit) {
         ASSERT_EQ(std::bit_cast<std::uint64_t>(row.position_m[axis]), std::bit_cast<std::uint64_t>(written));
       ASSERT_EQ(row.replay.centre_m[axis], records[i].state.centre_m[static_cast<std::size_t>(axis)]);
     }
-    ASSERT_EQ(row.replay.stiffness_n_per_m, records[i].stiffness_n_per_m);
+    ASSERT_EQ(row.replay.stiffness_n_per_m, records[i].state.stiffness_n_per_m);
   }
 }
 

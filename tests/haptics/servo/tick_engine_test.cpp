@@ -393,8 +393,8 @@ TEST(TickEngine, CommandsThatAreNoNumbersOrBeyondTheDeviceDoNotReachTheHand) {
     command.stiffness_n_per_m = wish;
     static_cast<void>(hand.engine.obey(command));
     const State& state = hand.go({0.0, 0.0, -0.001});
-    EXPECT_GE(hand.engine.record().stiffness_n_per_m, 0.0);
-    EXPECT_LE(hand.engine.record().stiffness_n_per_m, stiffness_limit(DeviceLimits{}, kPeriodS));
+    EXPECT_GE(hand.engine.state().stiffness_n_per_m, 0.0);
+    EXPECT_LE(hand.engine.state().stiffness_n_per_m, stiffness_limit(DeviceLimits{}, kPeriodS));
     EXPECT_TRUE(vector_of(state.force_n).allFinite());
   }
   Command scroll;

@@ -1,6 +1,7 @@
 // What a session makes of buttons, requests, devices that fail and new scenes.
 #include "haptics/session/session.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -205,6 +206,23 @@ TEST(Session, LimitsAStiffnessThatIsAskedForLaterAndSaysSo) {
   ASSERT_TRUE(poll_until(session, [&] { return said(session, "all the device can bear"); }));
   const double limit = stiffness_limit(make_simulated_device(1, 0.0)->info().limits, 0.001);
   EXPECT_EQ(session.stop().stiffness_n_per_m, limit);
+}
+
+TEST(Session, SpeaksOfTheStiffnessThatItRendersStepByStep) {
+  SessionOptions options;
+  options.haptics.stiffness_n_per_m = 400.0;
+  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), options);
+  session.start();
+  session.requests().post({Request::Kind::scale_stiffness, 0.8});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Stiffness 320 newtons a metre"); }));
+  for (int k = 0; k < 12; ++k) session.requests().post({Request::Kind::scale_stiffness, 1.25});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "all the device can bear"); }));
+  session.requests().post({Request::Kind::scale_stiffness, 0.8});
+  const double limit = stiffness_limit(make_simulated_device(1, 0.0)->info().limits, 0.001);
+  ASSERT_TRUE(poll_until(session, [&] {
+    return said(session, fmt::format("Stiffness {:.0f} newtons a metre", 0.8 * limit));
+  })) << "softer than what is rendered, not than what was wished";
+  EXPECT_EQ(session.stop().stiffness_n_per_m, 0.8 * limit);
 }
 
 TEST(Session, ANewSceneKeepsTheHandsPlaceAndTheOldSceneIsLetGo) {

@@ -149,7 +149,7 @@ inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene
         const haptics::State& state = engine.state();
         const Vector3d told(state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]);
         const Vector3d rendered(state.force_n[0], state.force_n[1], state.force_n[2]);
-        const double stiffness = engine.record().stiffness_n_per_m;
+        const double stiffness = engine.state().stiffness_n_per_m;
         Vector3d sent = told;
         if (!c.governed) {
           const double length = rendered.norm();
