@@ -100,9 +100,11 @@ std::string scene_text(const fs::path& folder, const pipeline::SceneDescription&
 }
 
 int run_info(const std::vector<std::string>& files, const CommonOptions& common) {
+  Terminal terminal(common);
   Json all = Json::array();
   std::string text;
   for (const std::string& file : files) {
+    terminal.progress().throw_if_cancelled();
     std::error_code code;
     if (fs::is_directory(file, code)) {
       const pipeline::ScenePointer scene = pipeline::open_scene(file, common.trusted());
@@ -113,7 +115,7 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
       }
       continue;
     }
-    const pipeline::ScanInfo info = pipeline::inspect_scan(file);
+    const pipeline::ScanInfo info = pipeline::inspect_scan(file, &terminal.progress());
     if (common.json) {
       all.push_back(scan_json(file, info));
     } else {

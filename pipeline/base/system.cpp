@@ -1,4 +1,4 @@
-// POSIX and Windows calls; nothing else of the pipeline includes system headers.
+// POSIX and Windows calls; nothing of the pipeline but this and system_child.cpp includes system headers.
 #include "pipeline/base/system.h"
 
 #include <algorithm>

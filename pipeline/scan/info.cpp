@@ -23,8 +23,8 @@ std::uint64_t count_duplicates(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
-ScanInfo inspect_scan(const std::filesystem::path& file) {
-  const RawScan scan = read_scan(file);
+ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress) {
+  const RawScan scan = read_scan(file, progress);
   ScanInfo info;
   info.format = scan.format;
   info.points = scan.records;

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "pipeline/base/system.h"
 
 #if SPARSHA_HAVE_LASZIP
 #include <laszip/laszip_api.h>
@@ -63,6 +67,11 @@ void check_packing(const ScanFile& file, const Header& header) {
 
 #if SPARSHA_HAVE_LASZIP
 
+/// What LASzip says when it fails.
+struct Failure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Closes before it destroys, as LASzip wants it; else a reader keeps its file.
 struct CloseUnpacker {
   bool open = false;
@@ -73,23 +82,24 @@ struct CloseUnpacker {
   }
 };
 
-/// A LASzip reader that is closed and destroyed whatever happens.
+/// A LASzip reader that is closed and destroyed whatever happens. Throws Failure.
 class Unpacker {
  public:
-  explicit Unpacker(const ScanFile& file) : file_(file) {
+  Unpacker() {
     laszip_POINTER laszip = nullptr;
-    if (laszip_create(&laszip) != 0) throw file_.error("LASzip could not start", "a working LASzip library");
+    if (laszip_create(&laszip) != 0) throw Failure("it could not start");
     laszip_.reset(laszip);
-    laszip_BOOL compressed = 0;
-    check(laszip_open_reader(laszip, file_.name.c_str(), &compressed));
-    laszip_.get_deleter().open = true;
-    check(laszip_get_point_pointer(laszip, &point_));
   }
 
-  void rewind() { check(laszip_seek_point(laszip_.get(), 0)); }
+  void open(const std::string& file) {
+    laszip_BOOL compressed = 0;
+    check(laszip_open_reader(laszip_.get(), file.c_str(), &compressed));
+    laszip_.get_deleter().open = true;
+    check(laszip_get_point_pointer(laszip_.get(), &point_));
+  }
 
-  /// The next point in the layout of the file's format, as far as PointReader looks at it.
-  const char* next(const Header& header) {
+  /// Appends the next point in the layout of the file's format, as far as PointReader looks at it.
+  void next(const Header& header, std::string& out) {
     check(laszip_read_point(laszip_.get()));
     const std::array<std::int32_t, 3> xyz = {point_->X, point_->Y, point_->Z};
     std::copy_n(reinterpret_cast<const char*>(xyz.data()), sizeof xyz, bytes_.begin());
@@ -101,7 +111,13 @@ class Unpacker {
     if (colour != 0) {
       std::copy_n(reinterpret_cast<const char*>(point_->rgb), 6, bytes_.begin() + static_cast<std::ptrdiff_t>(colour));
     }
-    return bytes_.data();
+    out.append(bytes_.data(), record_bytes(header));
+  }
+
+  /// Bytes that next() appends.
+  static std::size_t record_bytes(const Header& header) {
+    const std::size_t colour = header.colour_offset();
+    return colour != 0 ? colour + 6 : 16;
   }
 
  private:
@@ -110,14 +126,116 @@ class Unpacker {
     laszip_CHAR* message = nullptr;
     laszip_get_error(laszip_.get(), &message);
     const bool told = message != nullptr && *message != '\0';
-    throw file_.error(std::string("LASzip: ") + (told ? message : "unknown failure"), "an undamaged LAZ file");
+    throw Failure(told ? message : "unknown failure");
   }
 
-  const ScanFile& file_;
   std::unique_ptr<void, CloseUnpacker> laszip_;
   laszip_point_struct* point_ = nullptr;
   std::array<char, 64> bytes_{};
 };
+
+// What the child sends begins with one of these; points or the text of a failure follow.
+constexpr char kPoints = 'p';
+constexpr char kFailure = 'f';
+
+/// In the child: sends the points in blocks, the number of the present one as the step.
+void unpack(const ScanFile& file, const Header& header, const system::ChildOutput& out) {
+  const auto send = [&](const std::string& piece) { out.send(std::as_bytes(std::span(piece.data(), piece.size()))); };
+  constexpr std::size_t kBlock = std::size_t{1} << 16U;
+  try {
+    Unpacker unpacker;
+    try {
+      unpacker.open(file.name);
+      std::string block(1, kPoints);
+      for (std::uint64_t i = 0; i < header.points; ++i) {
+        out.step.store(i + 1, std::memory_order_relaxed);
+        unpacker.next(header, block);
+        if (block.size() < kBlock) continue;
+        send(block);
+        block.resize(1);
+      }
+      send(block);
+    } catch (const Failure& failure) {
+      send(kFailure + std::string(failure.what()));  // before the reader is closed, which may be too much for it
+    }
+  } catch (const Failure& failure) {
+    send(kFailure + std::string(failure.what()));
+  }
+}
+
+/// In this process: takes what the child sends. The range of the colours is found in the first points.
+class Arrivals {
+ public:
+  Arrivals(const Header& header, PointReader& reader, ScanWriter& out)
+      : header_(header),
+        reader_(reader),
+        out_(out),
+        size_(Unpacker::record_bytes(header)),
+        sample_(std::min<std::uint64_t>(header.points, 1000)) {}
+
+  void take(std::string_view piece) {
+    const char kind = piece.empty() ? '\0' : piece.front();
+    piece.remove_prefix(std::min<std::size_t>(piece.size(), 1));
+    if (kind == kFailure) {
+      failure = piece.substr(0, 1000);
+    } else if (kind == kPoints && piece.size() % size_ == 0 && piece.size() / size_ <= header_.points - count_) {
+      take_points(piece);
+    } else {
+      failure = "points that make no sense";
+    }
+  }
+  /// Throws when points are missing.
+  void finish(const ScanFile& file) const {
+    if (count_ != header_.points) {
+      throw file.error("LASzip gave " + std::to_string(count_) + " of " + std::to_string(header_.points) + " points",
+                       "an undamaged LAZ file");
+    }
+  }
+
+  std::string failure;
+
+ private:
+  void take_points(std::string_view points) {
+    count_ += points.size() / size_;
+    if (!begun_) {
+      first_ += points;
+      if (count_ < sample_) return;
+      for (std::size_t i = 0; i < sample_; ++i) reader_.look(first_.data() + i * size_);
+      out_.begin(0, header_.colour_offset() != 0, true);  // the number of points cannot be checked against the size
+      begun_ = true;
+      points = first_;
+    }
+    for (std::size_t at = 0; at < points.size(); at += size_) reader_.add(points.data() + at);
+  }
+
+  const Header& header_;
+  PointReader& reader_;
+  ScanWriter& out_;
+  std::size_t size_;
+  std::uint64_t sample_, count_ = 0;
+  bool begun_ = false;
+  std::string first_;
+};
+
+/// LASzip trusts what it unpacks: damaged points make it write where it must not, or run for ever. So it gets a process
+/// of its own. A copy of this one, for the library must not depend on where a program of its own may lie; LASzip needs
+/// none of this program's locks (docs/architecture.md).
+void unpack_in_child(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out) {
+  system::ChildLimits limits;
+  limits.memory_bytes += 2 * file.bytes.size();
+  Arrivals arrivals(header, reader, out);
+  const system::ChildEnd end =
+      system::run_in_child([&](const system::ChildOutput& output) { unpack(file, header, output); },
+                           [&](std::span<const std::byte> piece) {
+                             arrivals.take({reinterpret_cast<const char*>(piece.data()), piece.size()});
+                           },
+                           [&] { file.throw_if_cancelled(); }, limits);
+  const std::string place =
+      end.step == 0 ? "" : " at point " + std::to_string(end.step) + " of " + std::to_string(header.points);
+  if (!arrivals.failure.empty()) throw file.error("LASzip: " + arrivals.failure + place, "an undamaged LAZ file");
+  if (!end.failure.empty()) throw file.error("LASzip " + end.failure + place, "an undamaged LAZ file");
+  arrivals.finish(file);
+}
 
 #endif
 
@@ -127,12 +245,7 @@ void read_compressed(const ScanFile& file, const Header& header, PointReader& re
   check_packing(file, header);
   if (!header.warnings.empty()) throw file.error(header.warnings.front(), "an undamaged LAZ file");
 #if SPARSHA_HAVE_LASZIP
-  Unpacker unpacker(file);
-  const std::uint64_t sample = std::min<std::uint64_t>(header.points, 1000);
-  for (std::uint64_t i = 0; i < sample; ++i) reader.look(unpacker.next(header));
-  if (sample > 0) unpacker.rewind();
-  out.begin(0, header.colour_offset() != 0, true);  // the number of points cannot be checked against the file's size
-  for (std::uint64_t i = 0; i < header.points; ++i) reader.add(unpacker.next(header));
+  unpack_in_child(file, header, reader, out);
 #else
   (void)reader;
   (void)out;

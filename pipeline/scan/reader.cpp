@@ -87,13 +87,15 @@ void read_any(const ScanFile& file, ScanWriter& out) {
   read_xyz(file, out);
 }
 
-RawScan read_into(const std::string& name, std::string_view bytes, const MappedFile* map, const PointSink& sink) {
+RawScan read_into(const std::string& name, std::string_view bytes, const MappedFile* map, const PointSink& sink,
+                  const Progress* progress) {
   ScanFile file;
   file.name = name;
   file.extension = lower_case(std::filesystem::path(name).extension().string());
   if (!file.extension.empty()) file.extension.erase(0, 1);
   file.bytes = bytes;
   file.map = map;
+  file.progress = progress;
   RawScan scan;
   ScanWriter out(scan, sink);
   read_any(file, out);
@@ -103,14 +105,14 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
 
 }  // namespace
 
-RawScan read_scan(const std::filesystem::path& file) {
+RawScan read_scan(const std::filesystem::path& file, const Progress* progress) {
   const MappedFile map(file);
-  return map.whole([&] { return read_into(file.string(), map.text(), nullptr, {}); });
+  return map.whole([&] { return read_into(file.string(), map.text(), nullptr, {}, progress); });
 }
 
-RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink) {
+RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress) {
   const MappedFile map(file);
-  return map.whole([&] { return read_into(file.string(), map.text(), &map, sink); });
+  return map.whole([&] { return read_into(file.string(), map.text(), &map, sink, progress); });
 }
 
 bool is_quick_to_stream(const std::filesystem::path& file) {
@@ -127,6 +129,8 @@ bool is_quick_to_stream(const std::filesystem::path& file) {
   return is_pcd(scan) && (says("DATA binary\n") || says("DATA binary\r\n"));
 }
 
-RawScan read_scan_bytes(std::string_view bytes, const std::string& name) { return read_into(name, bytes, nullptr, {}); }
+RawScan read_scan_bytes(std::string_view bytes, const std::string& name) {
+  return read_into(name, bytes, nullptr, {}, nullptr);
+}
 
 }  // namespace sparsha::pipeline

@@ -35,8 +35,9 @@ struct RawScan {
 };
 
 /// Reads any supported file, told by content first and ending second. Throws Error{input} with file, line where there
-/// is one, and what was expected. A file that declares zero points gives zero points.
-[[nodiscard]] RawScan read_scan(const std::filesystem::path& file);
+/// is one, and what was expected; Cancelled when `progress` is cancelled. A
+/// file that declares zero points gives zero points.
+[[nodiscard]] RawScan read_scan(const std::filesystem::path& file, const Progress* progress = nullptr);
 
 /// Some consecutive valid points of a scan; spans are good during the call only.
 struct PointBlock {
@@ -48,7 +49,7 @@ using PointSink = std::function<void(const PointBlock&)>;
 
 /// read_scan in constant memory for the points: they go to `sink` block by block, in the file's order, and the result
 /// holds all the rest (faces too). Several threads may stream different files.
-RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink);
+RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress = nullptr);
 
 /// Reads, scales and poses one configured scan: scan = pose * units * p. The origin is `origin_m` when given, else
 /// common_origin's choice. Throws Error{input}, also on an empty scan; warns of implausible units through `progress`.
@@ -76,6 +77,6 @@ struct ScanInfo {
   std::optional<std::array<double, 7>> viewpoint;
   std::vector<std::string> warnings;
 };
-[[nodiscard]] ScanInfo inspect_scan(const std::filesystem::path& file);
+[[nodiscard]] ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress = nullptr);
 
 }  // namespace sparsha::pipeline

@@ -11,6 +11,7 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/files.h"
+#include "pipeline/base/progress.h"
 
 namespace sparsha::pipeline {
 
@@ -19,11 +20,16 @@ struct ScanFile {
   std::string name;
   std::string extension;
   std::string_view bytes;
-  const MappedFile* map = nullptr;  ///< null in tests that read from memory
+  const MappedFile* map = nullptr;     ///< null in tests that read from memory
+  const Progress* progress = nullptr;  ///< null when nobody can cancel
 
-  /// Tells the system that bytes before `offset` were read for the last time.
+  /// Bytes before `offset` were read for the last time: the system may have their memory back. Throws Cancelled.
   void done_before(std::size_t offset) const {
+    throw_if_cancelled();
     if (map != nullptr) map->release_before(offset);
+  }
+  void throw_if_cancelled() const {
+    if (progress != nullptr) progress->throw_if_cancelled();
   }
   [[nodiscard]] Error error(std::string wrong, std::string expected = {}) const {
     return input_error(name, std::move(wrong), std::move(expected));

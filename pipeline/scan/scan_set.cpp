@@ -108,7 +108,7 @@ struct ScanSet::Scan {
       sink(block);
     };
     if (streamed) {
-      (void)stream_scan(file, counted);
+      (void)stream_scan(file, counted, &progress);
     } else {
       counted({raw.points, raw.rgba, raw.intensity});
     }
@@ -142,12 +142,15 @@ struct ScanSet::Scan {
     scan->streamed = streamed;
     const bool bounds = config.units.unit == LengthUnit::longest_side;
     if (streamed) {
-      scan->raw = stream_scan(config.file, [&](const PointBlock& block) {
-        progress.throw_if_cancelled();
-        scan->look(block, bounds);
-      });
+      scan->raw = stream_scan(
+          config.file,
+          [&](const PointBlock& block) {
+            progress.throw_if_cancelled();
+            scan->look(block, bounds);
+          },
+          &progress);
     } else {
-      scan->raw = read_scan(config.file);
+      scan->raw = read_scan(config.file, &progress);
       scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity}, bounds);
     }
     const std::string name = config.file.string();

@@ -153,11 +153,14 @@ ScanSurvey survey_scan(const std::filesystem::path& file, Progress& progress, st
     // First how many there are and a few of them, then an even sample and the neighbours of the few.
     PointSample few;
     std::uint64_t count = 0;
-    survey.scan = stream_scan(file, [&](const PointBlock& block) {
-      progress.throw_if_cancelled();
-      count += block.points.size();
-      for (const Eigen::Vector3d& p : block.points) few.add(p);
-    });
+    survey.scan = stream_scan(
+        file,
+        [&](const PointBlock& block) {
+          progress.throw_if_cancelled();
+          count += block.points.size();
+          for (const Eigen::Vector3d& p : block.points) few.add(p);
+        },
+        &progress);
     if (count > kSample && survey.scan.faces.empty()) {
       std::vector<Eigen::Vector3d> places = few.points();
       const double reach = kReach * mean_spacing(places, count);
@@ -165,21 +168,24 @@ ScanSurvey survey_scan(const std::filesystem::path& file, Progress& progress, st
       const std::uint64_t every = count / kSample;
       std::uint64_t next = 0;
       std::uint64_t seen = 0;
-      (void)stream_scan(file, [&](const PointBlock& block) {
-        progress.throw_if_cancelled();
-        for (const Eigen::Vector3d& p : block.points) {
-          if (seen++ == next) {
-            survey.scan.points.push_back(p);
-            next += every;
-          }
-          neighbours.add(p);
-        }
-      });
+      (void)stream_scan(
+          file,
+          [&](const PointBlock& block) {
+            progress.throw_if_cancelled();
+            for (const Eigen::Vector3d& p : block.points) {
+              if (seen++ == next) {
+                survey.scan.points.push_back(p);
+                next += every;
+              }
+              neighbours.add(p);
+            }
+          },
+          &progress);
       survey.spacing = neighbours.median();
       return survey;
     }
   }
-  survey.scan = read_scan(file);
+  survey.scan = read_scan(file, &progress);
   survey.spacing = median_spacing(survey.scan.points);
   return survey;
 }

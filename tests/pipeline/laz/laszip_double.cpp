@@ -1,19 +1,38 @@
 #include "laszip_double.h"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <set>
 
 #include <laszip/laszip_api.h>
 
 namespace sparsha::pipeline::testing {
 
+namespace {
+
+LaszipBooks& shared_books() {
+  void* const page = ::mmap(nullptr, sizeof(LaszipBooks), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (page == MAP_FAILED) throw std::bad_alloc();
+  return *new (page) LaszipBooks;
+}
+
+}  // namespace
+
 LaszipFaults laszip_faults;
-LaszipBooks laszip_books;
+LaszipBooks& laszip_books = shared_books();
 
 namespace {
+
+void misuse(const std::string& text) {
+  std::snprintf(laszip_books.misuses, sizeof laszip_books.misuses, "%s", text.c_str());
+}
 
 constexpr char kGarble = 0x5C;
 constexpr std::size_t kTable = 8;  // where LAZ tells the place of its table of chunks
@@ -40,12 +59,12 @@ T value_at(const std::string& bytes, std::size_t at) {
 /// The reader, when it may be used like this.
 Reader* reader_of(laszip_POINTER pointer, const char* call, bool open) {
   if (living.count(pointer) == 0) {
-    laszip_books.misuses.push_back(std::string(call) + " of what is not alive");
+    misuse(std::string(call) + " of what is not alive");
     return nullptr;
   }
   auto* const reader = static_cast<Reader*>(pointer);
   if (reader->open != open) {
-    laszip_books.misuses.push_back(std::string(call) + (open ? " before opening" : " while open"));
+    misuse(std::string(call) + (open ? " before opening" : " while open"));
     return nullptr;
   }
   return reader;
@@ -108,17 +127,18 @@ laszip_I32 laszip_create(laszip_POINTER* pointer) {
   auto* const reader = new Reader;
   living.insert(reader);
   ++laszip_books.created;
+  laszip_books.process = ::getpid();
   *pointer = reader;
   return 0;
 }
 
 laszip_I32 laszip_destroy(laszip_POINTER pointer) {
   if (living.erase(pointer) == 0) {
-    laszip_books.misuses.emplace_back("destroy of what is not alive");
+    misuse("destroy of what is not alive");
     return 1;
   }
   auto* const reader = static_cast<Reader*>(pointer);
-  if (reader->open) laszip_books.misuses.emplace_back("destroy while open");
+  if (reader->open) misuse("destroy while open");
   delete reader;
   ++laszip_books.destroyed;
   return 0;
@@ -160,18 +180,10 @@ laszip_I32 laszip_get_point_pointer(laszip_POINTER pointer, laszip_point_struct*
   return 0;
 }
 
-laszip_I32 laszip_seek_point(laszip_POINTER pointer, laszip_I64 index) {
-  Reader* const reader = reader_of(pointer, "seek", true);
-  if (reader == nullptr) return 1;
-  if (laszip_faults.seek) return fail(*reader);
-  ++laszip_books.seeks;
-  reader->next = index;
-  return 0;
-}
-
 laszip_I32 laszip_read_point(laszip_POINTER pointer) {
   Reader* const reader = reader_of(pointer, "read", true);
   if (reader == nullptr) return 1;
+  if (reader->next == laszip_faults.read && laszip_faults.instead) laszip_faults.instead();
   const std::size_t at = static_cast<std::size_t>(reader->next) * reader->record_size;
   if (reader->next == laszip_faults.read || at + reader->record_size > reader->points.size()) return fail(*reader);
   std::string record = reader->points.substr(at, reader->record_size);
@@ -185,6 +197,7 @@ laszip_I32 laszip_read_point(laszip_POINTER pointer) {
 laszip_I32 laszip_close_reader(laszip_POINTER pointer) {
   Reader* const reader = reader_of(pointer, "close", true);
   if (reader == nullptr) return 1;
+  if (laszip_faults.close) ::raise(SIGSEGV);
   reader->open = false;
   ++laszip_books.closed;
   return 0;

@@ -2,13 +2,23 @@
 // proves nothing of LASzip itself.
 #include <gmock/gmock.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "laszip_double.h"
+#include "pipeline/base/progress.h"
 #include "tests/pipeline/scan/scan_files.h"
 
 namespace sparsha::pipeline {
@@ -22,21 +32,6 @@ using testing::laszip_books;
 using testing::laszip_faults;
 using testing::packed;
 using testing::set;
-
-/// After each test all that was made is destroyed, all that was opened closed, and no call was out of order.
-class LazReader : public ::testing::Test {
- protected:
-  void SetUp() override {
-    laszip_faults = {};
-    laszip_books = {};
-  }
-  void TearDown() override {
-    EXPECT_EQ(laszip_books.created, laszip_books.destroyed);
-    EXPECT_EQ(laszip_books.opened, laszip_books.closed);
-    EXPECT_THAT(laszip_books.misuses, ::testing::IsEmpty());
-  }
-  testing::ScanFolder folder_;
-};
 
 std::size_t colour_place(int format) {
   return format == 2 ? 20 : format == 3 || format == 5 ? 28 : format == 7 || format == 8 || format == 10 ? 30 : 0;
@@ -64,6 +59,38 @@ LasFile some_points(int minor, int format, int count) {
   return file;
 }
 
+/// After each test all that was made is destroyed, all that was opened closed, and no call was out of order.
+class LazReader : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    laszip_faults = {};
+    laszip_books = {};
+  }
+  void TearDown() override {
+    EXPECT_EQ(laszip_books.created, laszip_books.destroyed);
+    EXPECT_EQ(laszip_books.opened, laszip_books.closed);
+    EXPECT_STREQ(laszip_books.misuses, "");
+    expect_no_child();
+  }
+  /// Neither one that runs nor one that nobody has waited for.
+  static void expect_no_child() {
+    EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
+    EXPECT_EQ(errno, ECHILD);
+  }
+  /// The error of a file whose point 700 of 1500 ends LASzip like this.
+  [[nodiscard]] std::string message_when(std::function<void()> instead) {
+    laszip_faults.read = 699;
+    laszip_faults.instead = std::move(instead);
+    const auto error = error_of(folder_.write("a.laz", packed(some_points(4, 7, 1500))));
+    laszip_books = {};  // nothing was closed
+    if (!error) return "no error";
+    EXPECT_EQ(error->kind(), ErrorKind::input);
+    EXPECT_THAT(error->place().file, HasSubstr("a.laz"));
+    return error->wrong();
+  }
+  testing::ScanFolder folder_;
+};
+
 TEST_F(LazReader, GivesWhatTheSameFileUnpackedGives) {
   for (int minor = 0; minor <= 4; ++minor) {
     for (int format = 0; format <= 10; ++format) {
@@ -83,11 +110,11 @@ TEST_F(LazReader, GivesWhatTheSameFileUnpackedGives) {
   }
 }
 
-TEST_F(LazReader, LooksAtAThousandPointsForTheRangeOfColoursAndReadsAgainFromTheFirst) {
+TEST_F(LazReader, ReadsEachPointOnceInAProcessOfItsOwn) {
   const RawScan scan = folder_.read("a.laz", packed(some_points(2, 3, 1500)));
   EXPECT_EQ(laszip_books.created, 1);
-  EXPECT_EQ(laszip_books.seeks, 1);
-  EXPECT_EQ(laszip_books.reads, 1000 + 1500);
+  EXPECT_EQ(laszip_books.reads, 1500);
+  EXPECT_NE(laszip_books.process, ::getpid());
   EXPECT_EQ(scan.points[0], Eigen::Vector3d(450000.25, 450000.25, 2147483647 * 0.0005 + 450000.25));
 }
 
@@ -98,9 +125,8 @@ TEST_F(LazReader, ReadsAFileWithoutPoints) {
 TEST_F(LazReader, EveryFailureOfLaszipIsAnErrorThatRepeatsItsMessageAndLeavesNothingOpen) {
   const auto file = folder_.write("a.laz", packed(some_points(4, 7, 1500)));
   const std::vector<std::function<void()>> faults = {
-      [] { laszip_faults.open = true; }, [] { laszip_faults.point_pointer = true; }, [] { laszip_faults.seek = true; },
-      [] { laszip_faults.read = 0; },    [] { laszip_faults.read = 700; },           [] { laszip_faults.read = 1200; },
-      [] { laszip_faults.read = 1499; },
+      [] { laszip_faults.open = true; }, [] { laszip_faults.point_pointer = true; }, [] { laszip_faults.read = 0; },
+      [] { laszip_faults.read = 700; },  [] { laszip_faults.read = 1200; },          [] { laszip_faults.read = 1499; },
   };
   for (const auto& fault : faults) {
     laszip_faults = {};
@@ -118,7 +144,7 @@ TEST_F(LazReader, EveryFailureOfLaszipIsAnErrorThatRepeatsItsMessageAndLeavesNot
   EXPECT_THAT(error_of(file)->what(), HasSubstr("unknown failure"));
   laszip_faults = {};
   laszip_faults.create = true;
-  EXPECT_THAT(error_of(file)->what(), HasSubstr("LASzip could not start"));
+  EXPECT_THAT(error_of(file)->what(), HasSubstr("LASzip: it could not start"));
 }
 
 TEST_F(LazReader, RefusesAFileThatIsCutShort) {
@@ -128,11 +154,62 @@ TEST_F(LazReader, RefusesAFileThatIsCutShort) {
   EXPECT_EQ(error->kind(), ErrorKind::input);
 }
 
-TEST_F(LazReader, ClosesTheFileWhenItsPointsAreNotWanted) {
+TEST_F(LazReader, StopsUnpackingWhenThePointsAreNotWanted) {
   const auto file = folder_.write("a.laz", packed(some_points(2, 0, 200'000)));
   EXPECT_THROW((void)stream_scan(file, [](const PointBlock&) { throw std::runtime_error("no more"); }),
                std::runtime_error);
+  expect_no_child();
   EXPECT_EQ(laszip_books.opened, 1);
+  laszip_books = {};
+}
+
+TEST_F(LazReader, ACrashOfLaszipIsAnErrorOfTheFileThatTellsThePointReached) {
+  const auto crash = [](int number) { return [number] { ::raise(number); }; };
+  EXPECT_EQ(message_when(crash(SIGSEGV)), "LASzip was ended by signal 11 (Segmentation fault) at point 700 of 1500");
+  EXPECT_THAT(message_when(crash(SIGABRT)), HasSubstr("was ended by signal 6 "));
+  EXPECT_THAT(message_when(crash(SIGFPE)), HasSubstr("at point 700 of 1500"));
+  EXPECT_THAT(message_when([] { throw 1; }), HasSubstr("at point 700 of 1500"));
+}
+
+TEST_F(LazReader, LaszipThatEndsTheProgramEndsItsProcessOnly) {
+  for (const int code : {0, 3}) {
+    EXPECT_EQ(message_when([code] { std::exit(code); }),  // NOLINT(concurrency-mt-unsafe): what a library may do
+              "LASzip ended the process with code " + std::to_string(code) + " at point 700 of 1500");
+  }
+}
+
+TEST_F(LazReader, ACrashWhileClosingIsAnErrorAlthoughAllPointsHaveCome) {
+  const auto file = folder_.write("a.laz", packed(some_points(2, 0, 1500)));
+  laszip_faults.close = true;
+  EXPECT_THAT(error_of(file)->what(), HasSubstr("signal 11 (Segmentation fault) at point 1500 of 1500"));
+  laszip_faults.read = 9;  // the first failure is the one that tells
+  EXPECT_THAT(error_of(file)->what(), HasSubstr("LASzip: as the test wants it at point 10 of 1500"));
+  laszip_books = {};
+}
+
+TEST_F(LazReader, GreedForMemoryIsAnErrorOfTheFile) {
+  EXPECT_THAT(message_when([] { const std::vector<char> memory(std::size_t{4} << 30U); }),
+              HasSubstr("MB of memory at point 700 of 1500"));
+}
+
+TEST_F(LazReader, LaszipThatHangsIsStoppedByCancelling) {
+  laszip_faults.read = 699;
+  laszip_faults.instead = [] {
+    for (;;) ::pause();
+  };
+  const auto file = folder_.write("a.laz", packed(some_points(4, 7, 1500)));
+  Progress progress;
+  std::thread person([&] {
+    while (laszip_books.reads < 699) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    progress.cancel();
+  });
+  EXPECT_THROW((void)read_scan(file, &progress), Cancelled);
+  person.join();
+  expect_no_child();
+  ScanConfig config;
+  config.file = file;
+  EXPECT_THROW((void)load_scan(config, progress), Cancelled);
+  laszip_books = {};
 }
 
 TEST_F(LazReader, RefusesATruncationAtEveryByteBeforeTheLibrarySeesTheFile) {

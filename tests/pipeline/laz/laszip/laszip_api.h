@@ -18,7 +18,6 @@ typedef uint16_t laszip_U16;
 typedef int8_t laszip_I8;
 typedef int16_t laszip_I16;
 typedef int32_t laszip_I32;
-typedef int64_t laszip_I64;
 
 typedef struct laszip_point { /* NOLINT(readability-identifier-naming): the name that LASzip has */
   laszip_I32 X;
@@ -57,7 +56,6 @@ laszip_I32 laszip_destroy(laszip_POINTER pointer);
 laszip_I32 laszip_get_error(laszip_POINTER pointer, laszip_CHAR** error);
 laszip_I32 laszip_open_reader(laszip_POINTER pointer, const laszip_CHAR* file_name, laszip_BOOL* is_compressed);
 laszip_I32 laszip_get_point_pointer(laszip_POINTER pointer, laszip_point_struct** point_pointer);
-laszip_I32 laszip_seek_point(laszip_POINTER pointer, laszip_I64 index);
 laszip_I32 laszip_read_point(laszip_POINTER pointer);
 laszip_I32 laszip_close_reader(laszip_POINTER pointer);
 
