@@ -31,6 +31,7 @@ void refuse_missing_header(const ScanFile& file) {
     throw file.error("no PCD header", "lines such as 'FIELDS x y z'; plain columns of numbers should end in .xyz");
   }
   if (file.extension == "las" || file.extension == "laz") throw file.error("no LAS header", "the signature 'LASF'");
+  if (file.extension == "gltf") throw file.error("the file is a glTF model", kKnown);
   if (file.extension == "e57") throw file.error("no E57 header", "the signature 'ASTM-E57'");
 }
 

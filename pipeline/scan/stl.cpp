@@ -47,6 +47,8 @@ class TriangleSink {
   KeyTable<Vertex, VertexHash> table_;
 };
 
+Error no_facets(const ScanFile& file) { return file.error("the STL file has no facets", "at least one triangle"); }
+
 void read_binary(const ScanFile& file, ScanWriter& out) {
   if (file.bytes.size() < kHeader) throw file.error("too short for a binary STL file", "a header of 84 bytes");
   const std::uint64_t count = load<std::uint32_t>(file.bytes.data() + 80);
@@ -62,6 +64,7 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
     throw file.error("the header promises no triangles, the file has room for " + std::to_string(most),
                      "the number of triangles in bytes 81 to 84");
   }
+  if (count == 0) throw no_facets(file);
   if (most > count) {
     out.scan().warnings.push_back("the header promises " + std::to_string(count) +
                                   " triangles, the file has room for " + std::to_string(most) +
@@ -127,7 +130,7 @@ void read_ascii(const ScanFile& file, ScanWriter& out) {
   if (in_loop || solids > 0) {
     throw file.error_at(lines.number(), "the file ends within a solid", "'endsolid'; the file may be cut short");
   }
-  if (!any) throw file.error("the STL file has no facets", "at least one triangle");
+  if (!any) throw no_facets(file);
 }
 
 }  // namespace

@@ -4,16 +4,21 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/app/program.h"
 
 namespace sparsha {
 namespace {
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 TEST_F(Program, UsageErrorsExitWithTwoAndNameTheNearestWord) {
   EXPECT_EQ(run("").code, 2);
@@ -59,16 +64,73 @@ TEST_F(Program, AConfigurationsErrorsCarryFileLineAndColumnAndExitWithTwo) {
   EXPECT_FALSE(fs::exists(folder_ / "scene"));
 }
 
-TEST_F(Program, AnEmptyCloudIsInformationButNotAScene) {
-  write("empty.ply",
-        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
-  const Outcome info = run("info empty.ply --json");
-  EXPECT_EQ(info.code, 0);
-  EXPECT_EQ(nlohmann::json::parse(info.out)["points"], 0);
-  const Outcome build = run("build empty.ply --out scene");
-  EXPECT_EQ(build.code, 3);
-  EXPECT_THAT(build.err, HasSubstr("empty.ply"));
-  EXPECT_FALSE(fs::exists(folder_ / "scene"));
+/// A LAS 1.2 file of no points.
+std::string empty_las() {
+  std::string bytes(227, '\0');
+  const auto set = [&](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
+  bytes.replace(0, 4, "LASF");
+  bytes[24] = 1;
+  bytes[25] = 2;
+  set(94, std::uint16_t{227});
+  set(96, std::uint32_t{227});
+  set(105, std::uint16_t{20});
+  for (const std::size_t axis : {0, 1, 2}) set(131 + 8 * axis, 0.01);
+  return bytes;
+}
+
+TEST_F(Program, ADeclaredZeroOfPointsIsInformationButNotAScene) {
+  const std::string ply = "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string pcd =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 1\nPOINTS 0\n";
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"ascii.ply", "ply\nformat ascii 1.0\n" + ply + "end_header\n"},
+      {"binary.ply", "ply\nformat binary_little_endian 1.0\n" + ply + "end_header\n"},
+      {"mesh.ply",
+       "ply\nformat ascii 1.0\n" + ply + "element face 0\nproperty list uchar int vertex_indices\nend_header\n"},
+      {"ascii.pcd", pcd + "DATA ascii\n"},
+      {"binary.pcd", pcd + "DATA binary\n"},
+      {"packed.pcd", pcd + "DATA binary_compressed\n" + std::string(8, '\0')},
+      {"a.las", empty_las()},
+      {"a.pts", "0\n"},
+      {"a.ptx", "0\n0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"},
+  };
+  for (const auto& [name, bytes] : files) {
+    write(name, bytes);
+    const Outcome info = run("info " + name + " --json");
+    ASSERT_EQ(info.code, 0) << name << info.err;
+    const auto json = nlohmann::json::parse(info.out);
+    EXPECT_EQ(json["points"], 0) << name;
+    EXPECT_TRUE(json["extent_m"].is_null()) << name;
+    const Outcome build = run("build " + name + " --out scene");
+    EXPECT_EQ(build.code, 3) << name;
+    EXPECT_THAT(build.err, AllOf(HasSubstr(name), HasSubstr("no points"))) << name;
+    EXPECT_FALSE(fs::exists(folder_ / "scene"));
+  }
+}
+
+TEST_F(Program, AFileWithNothingThatCouldBeAPointIsNoScan) {
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"binary.stl", std::string(84, '\0')},
+      {"solid.stl", "solid of nothing" + std::string(68, '\0')},
+      {"ascii.stl", "solid a\nendsolid a\n"},
+      {"normals.obj", "vn 0 0 1\nvt 0 0\n"},
+      {"empty.xyz", ""},
+      {"blank.xyz", "\n\n\n"},
+      {"comments.xyz", "# only\n# comments\n"},
+      {"header.csv", "x,y,z\n"},
+      {"scene.gltf", "{\"asset\": {\"version\": \"2.0\"}}"},
+      {"model.glb", std::string("glTF\2\0\0\0\14\0\0\0", 12)},
+  };
+  for (const auto& [name, bytes] : files) {
+    write(name, bytes);
+    for (const std::string& arguments : {"info " + name, "build " + name + " --out scene", "new " + name}) {
+      const Outcome outcome = run(arguments);
+      EXPECT_EQ(outcome.code, 3) << arguments;
+      EXPECT_THAT(outcome.err, HasSubstr(name)) << arguments;
+      EXPECT_THAT(outcome.out, IsEmpty()) << arguments;
+    }
+    EXPECT_FALSE(fs::exists(folder_ / "scene"));
+  }
 }
 
 TEST_F(Program, InfoGivesOneObjectForOneFileAndAnArrayForSeveral) {

@@ -88,7 +88,7 @@ const Expected kFiles[] = {
     {"hostile/degenerate_mesh.obj", 3, 0, {0, 0, 0}, 1, false, nullptr},
     {"hostile/sphere_binary_solid_header.stl", 682, 0, {20, 20, 20}, 1360, false, nullptr},
     {"hostile/triangle_with_empty_solid.stl", 3, 0, {2, 2, 0}, 1, false, nullptr},
-    {"hostile/stl_empty_bin.stl", 0, 0, {}, 0, false, nullptr},
+    {"hostile/stl_empty_bin.stl", 0, 0, {}, 0, false, "no facets"},
     {"hostile/crlf_test.txt", 10, 0, {4.35, 1.98, 0.18}, 0, false, nullptr},
     {"hostile/badheader.txt", 8, 0, {4.5, 1, 5.5}, 0, false, nullptr},
     {"hostile/utm17_3.txt", 11, 0, {4.35, 1.98, 0.18}, 0, false, nullptr},
