@@ -172,18 +172,20 @@ BuildResult build_scene_folder(const Config& config, const BuildOptions& options
   }
   BuildResult result = build_scene(config, building, progress);
   progress.begin("write");
-  write_scene(*result.scene, target.temporary());
+  target.naming_target([&] { write_scene(*result.scene, target.temporary()); });
   progress.finish();
   result.report.stages = progress.stages();
   result.report.warnings = progress.warnings();
   result.report.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   result.report.peak_rss_bytes = system::peak_rss_bytes();
-  if (options.grid_only) {
-    write_file(target.temporary() / "report.json", report_json(*result.scene, result.report));
-  } else {
-    ThreadPool pool(options.threads);
-    write_report(*result.scene, result.report, target.temporary(), pool);
-  }
+  target.naming_target([&] {
+    if (options.grid_only) {
+      write_file(target.temporary() / "report.json", report_json(*result.scene, result.report));
+    } else {
+      ThreadPool pool(options.threads);
+      write_report(*result.scene, result.report, target.temporary(), pool);
+    }
+  });
   progress.throw_if_cancelled();
   require_replaceable(folder, config);  // once more: a build takes its time
   target.commit();

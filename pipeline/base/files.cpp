@@ -140,6 +140,29 @@ AtomicPath::~AtomicPath() {
   system::release(handle_);
 }
 
+void AtomicPath::rethrow_naming_target() const {
+  const auto renamed = [this](std::string text) {
+    const std::string from = temporary_.string();
+    const std::string to = target_.string();
+    for (std::size_t at = 0; from != to && (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+      text.replace(at, from.size(), to);
+    }
+    return text;
+  };
+  try {
+    throw;
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    const Place& place = error.place();
+    throw Error(error.kind(), {renamed(place.file), place.line, place.column}, renamed(error.wrong()),
+                renamed(error.expected()));
+  } catch (const fs::filesystem_error& error) {
+    throw output_error(renamed(error.path1().empty() ? target_.string() : error.path1().string()),
+                       error.code().message());
+  }
+}
+
 void AtomicPath::commit() {
   if (temporary_ == target_) return;
   std::error_code code;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -30,10 +31,22 @@ class AtomicPath {
   AtomicPath& operator=(const AtomicPath&) = delete;
 
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
+  /// What write() gives. An error that names something at the temporary path comes out naming it at the target, which
+  /// is what the user asked for; errors of std::filesystem become Error{failure}.
+  template <typename Write>
+  auto naming_target(const Write& write) const {
+    try {
+      return write();
+    } catch (const std::exception&) {
+      rethrow_naming_target();
+    }
+  }
   /// Throws Error{failure} when the rename fails; the old target is then still in place.
   void commit();
 
  private:
+  [[noreturn]] void rethrow_naming_target() const;
+
   std::filesystem::path target_;
   Kind kind_;
   std::filesystem::path temporary_;

@@ -32,12 +32,14 @@ std::vector<std::string> output_names(const SimulationConfig& config) {
   return names;
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (stream) return;
-  throw Error(ErrorKind::failure, {file.string(), 0, 0}, "cannot be written", "room on the disk");
+void write_text(const AtomicPath& file, const std::string& text) {
+  file.naming_target([&] {
+    std::ofstream stream(file.temporary(), std::ios::binary);
+    stream << text;
+    stream.close();
+    if (stream) return;
+    throw Error(ErrorKind::failure, {file.temporary().string(), 0, 0}, "cannot be written", "room on the disk");
+  });
 }
 
 SimulatedFile write_scan(const SimulationConfig& config, const Surface& surface, std::size_t index,
@@ -89,11 +91,11 @@ void write_simulation(const SimulationConfig& config, const std::filesystem::pat
     if (files.back().points == 0) progress.warn(name + " has no points: the station sees nothing of the surface");
   }
   std::size_t next = files.size();
-  write_text(temporary(next++), truth_json(config, truth, files));
-  write_text(temporary(next++), build_yaml(config, truth, files));
+  write_text(*written[next++], truth_json(config, truth, files));
+  write_text(*written[next++], build_yaml(config, truth, files));
   if (config.write_truth) {
     progress.begin("truth");
-    write_text(temporary(next++), truth_world_file(truth));
+    write_text(*written[next++], truth_world_file(truth));
     write_truth_tiff(truth, temporary(next), (out / "truth.tif").string(), pool, progress);
   }
   progress.throw_if_cancelled();

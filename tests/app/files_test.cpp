@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/app/program.h"
@@ -21,6 +24,9 @@ namespace sparsha {
 namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
 
 constexpr const char* kSimulation =
     "surface: {form: plane, size_m: [0.2, 0.2]}\nnodes: 64\nsampler: {points_per_node: 4}\n";
@@ -42,8 +48,7 @@ class Files : public Program {
     return std::any_of(fs::directory_iterator(folder_), fs::directory_iterator(),
                        [&](const auto& entry) { return entry.path().filename().string().starts_with(beginning); });
   }
-  // Starts the program, waits until `ready`, sends the signal, and gives the status of waitpid().
-  int interrupt(const std::string& arguments, int signal, const std::function<bool()>& ready, int times = 1) {
+  pid_t start(const std::string& arguments) {
     const std::string command = "cd \"" + folder_.path().string() + "\" && exec env -u DISPLAY -u WAYLAND_DISPLAY \"" +
                                 SPARSHA_PROGRAM + "\" " + arguments + " > .out 2> .err < /dev/null";
     const pid_t child = ::fork();
@@ -51,6 +56,11 @@ class Files : public Program {
       ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
       ::_exit(127);
     }
+    return child;
+  }
+  // Starts the program, waits until `ready`, sends the signal, and gives the status of waitpid().
+  int interrupt(const std::string& arguments, int signal, const std::function<bool()>& ready, int times = 1) {
+    const pid_t child = start(arguments);
     int status = 0;
     while (!ready()) {
       if (::waitpid(child, &status, WNOHANG) == child) {
@@ -249,6 +259,38 @@ TEST_F(Files, AFileThatMayNotGrowIsAnErrorAndLeavesNothing) {
   EXPECT_FALSE(fs::exists(folder_ / "mesh.ply"));
   EXPECT_TRUE(fs::is_empty(folder_ / "other"));
   EXPECT_FALSE(any_hidden("."));
+}
+
+TEST_F(Files, AnErrorWhileWritingNamesWhatWasAskedForWhereverTheDiskIsFull) {
+  simulate("scan");
+  ASSERT_EQ(run("build scan/sparsha.yaml -o scene --quiet").code, 0);
+  // Scans that are smaller than the truth about them.
+  std::string stations;
+  for (int i = 0; i < 8; ++i) {
+    stations += "  - {position_m: [0.1, 0.1, 1], target_m: [0.1, 0.1, 0], step_mrad: 40}\n";
+  }
+  write("tiny.yaml", "surface: {form: plane, size_m: [0.2, 0.2]}\nnodes: 4\nstations:\n" + stations);
+  const std::vector<std::pair<std::string, std::string>> commands = {
+      {"build scan/sparsha.yaml -o new", "new/"},
+      {"build scan/sparsha.yaml -o scene", "scene/"},
+      {"build scan/sparsha.yaml -o new --only grid", "new/"},
+      {"simulate tiny.yaml --out other", "other/"},
+      {"export scene --to mesh.ply", "mesh.ply"},
+      {"export scene --to mesh.tif", "mesh.tif"},
+  };
+  std::set<std::string> named;
+  for (const auto& [arguments, asked] : commands) {
+    for (const int blocks : {0, 1, 2, 4, 8, 16, 24, 32, 48, 64, 128}) {
+      const Outcome outcome = run(arguments + " --quiet", "/dev/null", "ulimit -f " + std::to_string(blocks) + ";");
+      if (outcome.code == 0 || outcome.err.empty()) continue;  // standard error is a file too
+      EXPECT_EQ(outcome.code, 1) << arguments;
+      EXPECT_EQ(outcome.err.substr(0, asked.size()), asked) << arguments << " with " << blocks;
+      EXPECT_THAT(outcome.err, Not(HasSubstr(".part-"))) << arguments << " with " << blocks;
+      named.insert(outcome.err.substr(0, outcome.err.find(':')));
+    }
+  }
+  EXPECT_THAT(named, IsSupersetOf({"new/level-0/height.tif", "scene/level-0/height.tif", "other/truth.json", "mesh.ply",
+                                   "mesh.tif"}));
 }
 
 TEST_F(Files, ASecondInterruptEndsASimulationFromFarAway) {

@@ -205,6 +205,29 @@ TEST_F(Files, AWriteProtectedTargetIsToldBeforeTheWork) {
   fs::permissions(folder_ / "locked", fs::perms::owner_all);
 }
 
+TEST_F(Files, ErrorsOfWhatIsWrittenToATemporaryPathNameTheTarget) {
+  const AtomicPath target(folder_ / "scene", AtomicPath::Kind::folder);
+  const fs::path inner = target.temporary() / "level-0" / "height.tif";
+  const auto thrown = [&](const auto& write) -> std::string {
+    try {
+      target.naming_target(write);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::failure);
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_EQ(thrown([&] {
+              throw Error(ErrorKind::failure, {inner.string(), 3, 4}, "no room in " + inner.string(), "room");
+            }),
+            (folder_ / "scene/level-0/height.tif").string() + ":3:4: error: no room in " +
+                (folder_ / "scene/level-0/height.tif").string() + "; room");
+  EXPECT_EQ(thrown([&] { fs::create_directory(inner); }).find((folder_ / "scene/level-0/height.tif: error: ").string()),
+            0U);
+  EXPECT_EQ(target.naming_target([] { return 7; }), 7);
+  EXPECT_THROW(target.naming_target([] { throw Cancelled(); }), Cancelled);
+}
+
 TEST_F(Files, LinesAppendedByManyAtOnceAreAllThereAndWholeBelowOneHeader) {
   const fs::path file = folder_ / "study.csv";
   constexpr int kWriters = 8;
