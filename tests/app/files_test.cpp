@@ -293,6 +293,52 @@ TEST_F(Files, AnErrorWhileWritingNamesWhatWasAskedForWhereverTheDiskIsFull) {
                                    "mesh.tif"}));
 }
 
+#if defined(__linux__)
+// Stops the program while it has `file` mapped; false when it has ended before.
+bool stop_while_mapped(pid_t program, const std::string& file) {
+  const auto mapped = [&] {
+    return text_of("/proc/" + std::to_string(program) + "/maps").find(file) != std::string::npos;
+  };
+  int status = 0;
+  while (!mapped()) {
+    if (::waitpid(program, &status, WNOHANG) == program) return false;
+  }
+  ::kill(program, SIGSTOP);
+  if (::waitpid(program, &status, WUNTRACED) != program || !WIFSTOPPED(status)) return false;
+  if (mapped()) return true;
+  ::kill(program, SIGKILL);
+  ::waitpid(program, &status, 0);
+  return false;
+}
+
+TEST_F(Files, AScanThatIsCutWhileItIsReadIsAnErrorOfTheInput) {
+  // Zeros that take no room on the disk: a binary PLY file of many points.
+  constexpr std::uintmax_t kPoints = 8'000'000;
+  const std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(kPoints) +
+                             "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  for (const char* const command : {"info cut.ply", "build cut.ply -o scene"}) {
+    bool caught = false;
+    for (int attempt = 0; attempt < 20 && !caught; ++attempt) {
+      write("cut.ply", header);
+      fs::resize_file(folder_ / "cut.ply", header.size() + 12 * kPoints);
+      const pid_t program = start(command);
+      caught = stop_while_mapped(program, "cut.ply");
+      if (!caught) continue;
+      fs::resize_file(folder_ / "cut.ply", 8192);
+      ::kill(program, SIGCONT);
+      int status = 0;
+      ASSERT_EQ(::waitpid(program, &status, 0), program);
+      ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
+      EXPECT_EQ(WEXITSTATUS(status), 3) << command;
+      EXPECT_THAT(text_of(folder_ / ".err"), HasSubstr("cut.ply: error: the file became shorter while it was read"));
+      EXPECT_THAT(text_of(folder_ / ".out"), IsEmpty());
+    }
+    EXPECT_TRUE(caught) << command << ": it was always too quick";
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "scene"));
+}
+#endif
+
 TEST_F(Files, ASecondInterruptEndsASimulationFromFarAway) {
   write("far.yaml",
         "surface: {form: sinusoid, size_m: [1, 1]}\nstations: [{position_m: [0.5, 0.5, 1e7], target_m: [0.5, 0.5, 0], "
