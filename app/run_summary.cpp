@@ -50,6 +50,11 @@ std::string summary_text(const haptics::SessionSummary& s, std::uint64_t strikes
     text += fmt::format("trouble   {} unfinished ticks, {} faults, {} rows not recorded\n", s.unfinished, s.faults,
                         s.dropped_records);
   }
+  if (s.watchdog_trips + s.late_faults > 0) {
+    text +=
+        fmt::format("pauses    {} over 10 ms took the force away: {} seen by the watchdog, {} by the servo itself\n",
+                    s.watchdog_trips + s.late_faults, s.watchdog_trips, s.late_faults);
+  }
   return text;
 }
 
@@ -72,6 +77,7 @@ std::string summary_json(const haptics::SessionSummary& s, std::uint64_t strikes
       {"lateness_histogram_100us", s.lateness_histogram},
       {"stiffness_n_per_m", s.stiffness_n_per_m},
       {"watchdog_trips", s.watchdog_trips},
+      {"late_faults", s.late_faults},
       {"locked_memory", s.locked_memory},
       {"windows_loaded", s.windows_loaded},
       {"window_load_s_max", s.window_load_s_max},
