@@ -111,8 +111,8 @@ struct ChildEnd {
 /// or `receive` throws ends the child and passes through. The child dies with this process.
 ///
 /// The child is a copy of this process (fork) with the calling thread alone. `work` must need no lock that another
-/// thread may hold: the heap is safe, for the C library resets it; the program's own mutexes and streams are not. Its
-/// exceptions are lost, its standard streams lead nowhere. Systems without fork run `work` in this process.
+/// thread may hold: the heap is safe, for the C library resets it (a sanitizer's is not); the program's own mutexes are
+/// not. Its exceptions are lost, its standard streams lead nowhere. Systems without fork run `work` in this process.
 ///
 /// Throws Error{failure} when the system gives no process.
 [[nodiscard]] ChildEnd run_in_child(const ChildWork& work, const ChildReceiver& receive,

@@ -129,6 +129,9 @@ TEST_F(ChildProcess, WorkThatGoesOnSendingMayUseMoreTimeThanThePauseBetweenTwoPi
 }
 
 TEST_F(ChildProcess, GreedForMemoryEndsTheWorkAndNotThisProcess) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers bring their own malloc";
+#endif
   const system::ChildLimits limits{.memory_bytes = std::uint64_t{64} << 20U};
   const auto take = [](std::size_t bytes) {
     return [bytes](const system::ChildOutput& output) {
@@ -205,6 +208,9 @@ TEST_F(ChildProcess, DiesWithTheProcessThatStartedIt) {
 #endif
 
 TEST_F(ChildProcess, SeveralThreadsHaveChildrenAtOnceWhileOthersUseTheHeap) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's malloc keeps the locks of other threads in a copy of the process";
+#endif
   std::atomic<bool> stop{false};
   std::vector<std::thread> threads;
   threads.reserve(6);
