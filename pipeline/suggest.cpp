@@ -1,12 +1,10 @@
-// Guesses a configuration from the points alone, and says why.
+// Guesses a configuration from the points alone, tries it, and says why.
 #include "pipeline/suggest.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -14,121 +12,15 @@
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/survey.h"
 #include "pipeline/scan/units.h"
+#include "pipeline/suggest_group.h"
+#include "pipeline/suggest_search.h"
+#include "pipeline/suggest_trial.h"
+#include "pipeline/suggest_view.h"
 
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Seen {
-  std::vector<Eigen::Vector3d> points_m;             // a sample of all scans
-  Eigen::Vector3d facing = Eigen::Vector3d::Zero();  // sum of triangle area vectors
-  double area = 0.0;                                 // sum of triangle areas
-  bool z_up_format = false;                          // formats whose z is up
-  bool depth_camera_format = false;                  // formats that depth cameras write in their own frame
-};
-
-struct Guess {
-  Eigen::Vector3d look_from = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d up = Eigen::Vector3d::UnitY();
-  std::string reason;
-};
-
-constexpr std::size_t kSample = 200000;
-
-void look_at(const RawScan& scan, double metres, Seen& seen) {
-  const std::size_t stride = std::max<std::size_t>(1, scan.points.size() / kSample);
-  for (std::size_t i = 0; i < scan.points.size(); i += stride) seen.points_m.push_back(scan.points[i] * metres);
-  for (const auto& face : scan.faces) {
-    const Eigen::Vector3d& a = scan.points[face[0]];
-    const Eigen::Vector3d normal = (scan.points[face[1]] - a).cross(scan.points[face[2]] - a);
-    seen.facing += normal;
-    seen.area += normal.norm();
-  }
-  for (const char* name : {"LAS", "LAZ", "E57", "PTX", "PTS", "STL"})
-    if (scan.format.starts_with(name)) seen.z_up_format = true;
-  if (scan.format.starts_with("PCD")) seen.depth_camera_format = true;
-}
-
-// The 1st to 99th percentile box: a far outlier says nothing about the object.
-std::array<Eigen::Vector3d, 2> inner_box(const std::vector<Eigen::Vector3d>& points) {
-  std::array<Eigen::Vector3d, 2> box;
-  std::vector<double> values(points.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::transform(points.begin(), points.end(), values.begin(), [axis](const auto& p) { return p[axis]; });
-    const auto at = [&](double share) {
-      const double place = share * static_cast<double>(values.size() - 1);
-      const auto n = static_cast<std::ptrdiff_t>(share < 0.5 ? std::floor(place) : std::ceil(place));
-      std::nth_element(values.begin(), values.begin() + n, values.end());
-      return values[static_cast<std::size_t>(n)];
-    };
-    box[0][axis] = at(0.01);
-    box[1][axis] = at(0.99);
-  }
-  return box;
-}
-
-// The coordinate axis within 25 degrees, else the direction rounded to three digits.
-Eigen::Vector3d snapped(const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d unit = direction.normalized();
-  Eigen::Index axis = 0;
-  unit.cwiseAbs().maxCoeff(&axis);
-  constexpr double kCos25 = 0.9063;
-  if (std::abs(unit[axis]) > kCos25) return Eigen::Vector3d::Unit(axis) * (unit[axis] > 0 ? 1.0 : -1.0);
-  return (unit * 1000.0).array().round() / 1000.0;
-}
-
-Eigen::Vector3d up_for(const Eigen::Vector3d& look_from, bool z_up) {
-  const Eigen::Vector3d first = z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d second = z_up ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
-  return std::abs(look_from.normalized().dot(first)) < 0.8 ? first : second;
-}
-
-Guess guess_view(const Seen& seen) {
-  const auto box = inner_box(seen.points_m);
-  const Eigen::Vector3d centre = 0.5 * (box[0] + box[1]);
-  const double size = (box[1] - box[0]).norm();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  std::size_t inside = 0;
-  for (const Eigen::Vector3d& point : seen.points_m) {
-    if (!((point.array() >= box[0].array()).all() && (point.array() <= box[1].array()).all())) continue;
-    covariance += (point - centre) * (point - centre).transpose();
-    ++inside;
-  }
-  covariance /= std::max<double>(1.0, static_cast<double>(inside));
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
-  const double flatness = std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / std::max(axes.eigenvalues()[1], 1e-300));
-
-  Guess guess;
-  bool z_up = seen.z_up_format;
-  if (seen.area > 0.0 && seen.facing.norm() > 0.3 * seen.area) {
-    guess.look_from = snapped(seen.facing);
-    guess.reason =
-        fmt::format("the triangles face this way ({:.0f} % of the area, net)", 100.0 * seen.facing.norm() / seen.area);
-  } else if (seen.depth_camera_format && box[0].z() > 0.1 * size) {
-    guess.look_from = -Eigen::Vector3d::UnitZ();
-    guess.up = -Eigen::Vector3d::UnitY();
-    guess.reason = "all points lie before the origin along z, as depth cameras see them: x right, y down, z away";
-    return guess;
-  } else if (flatness < 0.3) {
-    Eigen::Vector3d thin = axes.eigenvectors().col(0);
-    const bool scanner_side = centre.norm() < 100.0 * size && std::abs(thin.dot(centre)) > 0.5 * size;
-    if (scanner_side ? thin.dot(centre) > 0.0 : thin.sum() < 0.0) thin = -thin;
-    guess.look_from = snapped(thin);
-    guess.reason = fmt::format("the points are flat ({:.0f} % as thick as wide) across this direction{}",
-                               100.0 * flatness, scanner_side ? ", and the scan's origin lies on this side" : "");
-  } else if (seen.area == 0.0 && centre.norm() > size && centre.norm() < 100.0 * size) {
-    guess.look_from = snapped(-centre);
-    guess.reason = "the scan's origin, where scanners stand, lies on this side";
-  } else if (z_up) {
-    guess.look_from = -Eigen::Vector3d::UnitY();
-    guess.reason = "a solid object in a format whose z is up: its front is a guess, look at it and turn it";
-  } else {
-    guess.reason = "a solid object, y up by custom: its front is a guess, look at it and turn it";
-  }
-  guess.up = up_for(guess.look_from, z_up);
-  return guess;
-}
 
 // A YAML scalar that keeps quotes, backslashes and control characters of file names.
 std::string quoted(const std::string& text) {
@@ -148,19 +40,50 @@ std::string quoted(const std::string& text) {
 
 std::string vector(const Eigen::Vector3d& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x(), v.y(), v.z()); }
 
+// Whether the scan's main object is of a plausible size in metres, though strays far away make the scan large.
+bool plausible_metres(const RawScan& scan) {
+  const auto group = main_group(scan.points);
+  return group && !doubt_metres(group->crop.min_m, group->crop.max_m);
+}
+
+std::string precise(const Eigen::Vector3d& v) { return fmt::format("[{:.3f}, {:.3f}, {:.3f}]", v.x(), v.y(), v.z()); }
+
+// What the trial found, as comments.
+std::string verdict(const Choice& choice, double share) {
+  const Trial& trial = choice.trial;
+  std::string text = fmt::format("#   {}\n", trial.view.reason);
+  if (!choice.rejected.empty()) text += fmt::format("#   the first guess was: {}\n", choice.rejected);
+  if (!trial.fits) {
+    return text + fmt::format("#   THE CROSS-CHECK FAILS, from here and all other sides that were tried: {}\n",
+                              trial.complaint());
+  }
+  text +=
+      fmt::format("#   tried{}: half of the points lie within {} of the surface, {:.0f} % of the grid is measured\n",
+                  share < 1.0 ? fmt::format(" with {:.2g} % of the points", 100.0 * share) : "",
+                  plain_length(trial.median_m), 100.0 * trial.coverage);
+  if (!trial.complaint().empty()) text += fmt::format("#   look at the result: {}\n", trial.complaint());
+  constexpr double kEmpty = 0.05;
+  if (trial.coverage < kEmpty) {
+    text +=
+        "#   most of the grid is empty: 'grid.bounds_m' or a crop filter chooses one of objects that lie far apart\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress) {
   progress.begin("look at the scans");
-  Seen seen;
+  SeenScans seen;
+  TrialCloud points;
   std::string scan_block = "scans:\n";
-  double spacing_m = 0.0;
   for (const fs::path& file : scans) {
     const ScanSurvey survey = survey_scan(file, progress);
     const RawScan& scan = survey.scan;
     if (scan.points.empty()) {
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
+    require_lengths(scan, file.string());
     std::string unit = "m";
     std::string reason = "no sign of another unit";
     double metres = 1.0;
@@ -168,13 +91,13 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
       unit = to_string(*scan.unit);
       metres = metres_in(*scan.unit);
       reason = "the format says so";
-    } else if (const auto guess = guess_unit(scan)) {
+    } else if (const auto guess = guess_unit(scan); guess && !plausible_metres(scan)) {
       unit = to_string(guess->unit);
       metres = metres_in(guess->unit);
       reason = guess->reason;
     }
-    look_at(scan, metres, seen);
-    spacing_m = std::max(spacing_m, survey.spacing * metres);
+    seen.look_at(scan, metres);
+    points.add(survey, metres);
     std::error_code code;
     const fs::path relative =
         fs::absolute(file, code)
@@ -184,34 +107,45 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
     scan_block += fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(name), unit, reason);
   }
 
-  const Guess view = guess_view(seen);
-  const auto box = inner_box(seen.points_m);
-  const double longest_m = (box[1] - box[0]).maxCoeff();
+  const InnerBox box = inner_box(seen.points_m);
+  const double longest_m = (box.high - box.low).maxCoeff();
   constexpr double kLongest_m = 1e9;
-  if (!(longest_m <= kLongest_m && spacing_m <= kLongest_m)) {
+  if (!(longest_m <= kLongest_m)) {
     throw input_error(scans.front().string(), fmt::format("its points spread over {:.3g} m", longest_m),
                       "a scan of less than 1e9 m; damaged coordinates or another unit");
   }
-  constexpr double kMostNodes = 2000.0;
-  const double floor_m = std::max(longest_m / kMostNodes, HapticsConfig{}.resolution_m);
-  std::string spacing_reason = "the median distance between neighbouring points";
-  if (spacing_m < floor_m) {
-    spacing_m = floor_m;
-    spacing_reason = "finer than this neither grid nor hand gains";
+  std::string filter_block;
+  if (const auto group = points.has_faces() ? std::nullopt : main_group(seen.points_m)) {
+    const std::string what =
+        fmt::format("{:.1f} % of the points lie together, the others far away", 100.0 * group->share);
+    filter_block = fmt::format("filters:\n  - crop: {{min_m: {}, max_m: {}}}  # {}\n", precise(group->crop.min_m),
+                               precise(group->crop.max_m), what);
+    progress.warn(what + ", and are cropped: a grid over all of them would show none; name another 'crop' to see them");
+    seen.crop(group->crop);
+    points.crop(group->crop);
   }
-  constexpr double kMeshNodes = 500.0;
-  if (seen.area > 0.0 && spacing_m > longest_m / kMeshNodes) {
-    spacing_m = std::max(longest_m / kMeshNodes, HapticsConfig{}.resolution_m);
-    spacing_reason = "triangles are exact between their corners: 500 nodes along the longest side show their form";
+  progress.begin("try views");
+  const double share = points.share();
+  const Choice choice = find_view_and_spacing(points, seen, progress);
+  const View& view = choice.trial.view;
+  const double spacing_mm = (choice.spacing_m > 0.0 ? choice.spacing_m : 0.001) * 1e3;
+  if (choice.no_surface) {
+    throw input_error(scans.front().string(), choice.trial.error, "points that spread over a surface");
   }
-  if (!(spacing_m > 0.0)) spacing_m = 0.001;
-  const double spacing_mm = spacing_m * 1e3;
+  if (!choice.trial.fits) {
+    progress.warn(
+        fmt::format("no view and spacing that was tried passes the cross-check; from the likeliest side: {}; choose "
+                    "orientation and "
+                    "grid.spacing_mm yourself, or crop the scan to one surface",
+                    choice.trial.complaint()));
+  }
 
   std::string yaml = "# A first configuration, guessed from the scans: read it, look at the scene, correct it.\n";
   yaml += scan_block;
-  yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n#   {}\n", vector(view.look_from), vector(view.up),
-                      view.reason);
-  yaml += fmt::format("grid: {{spacing_mm: {:.3g}}}  # {}\n", spacing_mm, spacing_reason);
+  yaml += filter_block;
+  yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
+  yaml += verdict(choice, share);
+  yaml += fmt::format("grid: {{spacing_mm: {:.3g}}}  # {}\n", spacing_mm, choice.spacing_reason);
   yaml += fmt::format("fill: {{max_gap_mm: {:.3g}}}  # five spacings: small holes, no invented surface\n",
                       5.0 * spacing_mm);
   yaml += fmt::format(

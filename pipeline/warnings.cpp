@@ -22,6 +22,21 @@ std::string mm(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
 
 }  // namespace
 
+SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice, bool has_points,
+                             const std::optional<CheckResult>& check) {
+  const double apart = projection.point_spacing_m;
+  SurfaceDoubts doubts;
+  doubts.noisy = has_points && projection.noise_m > kNoisy * apart;
+  doubts.fine = has_points && apart > kFine * lattice.spacing_m;
+  doubts.explained_m = kFarNoises * projection.noise_m + kFarSpacings * std::max(apart, lattice.spacing_m);
+  if (check && check->cloud_to_surface.samples > 0) {
+    doubts.far = has_points && check->cloud_to_surface.median_m > doubts.explained_m;
+    doubts.not_theirs = check->cloud_to_surface.median_m > lattice.spacing_m;
+  }
+  doubts.unfacing = has_points && projection.closed && !projection.facing_known;
+  return doubts;
+}
+
 std::vector<std::string> surface_warnings(const Projection& projection, const Lattice& lattice, std::uint64_t measured,
                                           bool has_points, const std::optional<CheckResult>& check) {
   std::vector<std::string> warnings;
@@ -29,26 +44,24 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
   const double noise = projection.noise_m;
   const double apart = projection.point_spacing_m;
   const auto share = [&](std::uint64_t nodes) { return static_cast<double>(nodes) / static_cast<double>(measured); };
-  if (noise > kNoisy * apart) {
+  const SurfaceDoubts doubts = surface_doubts(projection, lattice, has_points, check);
+  if (doubts.noisy) {
     warnings.push_back(fmt::format(
         "the noise, {}, is more than half the distance between points, {}: forms of that size are not real; use a "
         "larger grid.spacing_mm, align the scans better, or give grid.noise_mm if it is known",
         mm(noise), mm(apart)));
   }
-  if (apart > kFine * lattice.spacing_m) {
+  if (doubts.fine) {
     warnings.push_back(
         fmt::format("the grid is {:.1f} times finer than the points, which are {} apart: it shows nothing more than "
                     "grid.spacing_mm: {:.3g} would",
                     apart / lattice.spacing_m, mm(apart), 1e3 * apart));
   }
-  if (check && check->cloud_to_surface.samples > 0) {
-    const double explained = kFarNoises * noise + kFarSpacings * std::max(apart, lattice.spacing_m);
-    if (check->cloud_to_surface.median_m > explained) {
-      warnings.push_back(fmt::format(
-          "half of the points lie farther than {} from the surface, and noise explains {}: look at the picture of the "
-          "errors in the report; another orientation or a smaller grid.spacing_mm may follow the points better",
-          mm(check->cloud_to_surface.median_m), mm(explained)));
-    }
+  if (doubts.far) {
+    warnings.push_back(fmt::format(
+        "half of the points lie farther than {} from the surface, and noise explains {}: look at the picture of the "
+        "errors in the report; another orientation or a smaller grid.spacing_mm may follow the points better",
+        mm(check->cloud_to_surface.median_m), mm(doubts.explained_m)));
   }
   if (share(projection.nodes_doubtful) > kDoubtful) {
     warnings.push_back(
@@ -62,7 +75,7 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
                     "unknown: scan the front there, or let 'fill' close them",
                     projection.nodes_turned_away, 100.0 * share(projection.nodes_turned_away)));
   }
-  if (projection.closed && !projection.facing_known) {
+  if (doubts.unfacing) {
     warnings.emplace_back(
         "much of what is seen first seems to face away, so that is not believed: holes in the front may show the back; "
         "look at the object from its scanned side");

@@ -13,8 +13,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kMostNodes = 2147483648.0;
-constexpr double kMostUnasked = 64.0 * 1024.0 * 1024.0;  // nodes of an automatic grid
-constexpr double kNodesPerPoint = 16.0;                  // of an automatic grid, or per corner of a triangle
+constexpr double kNodesPerPoint = 16.0;  // of an automatic grid, or per corner of a triangle
 // Bins, height, state and what the projection keeps beside them.
 constexpr double kBytesPerNode = 16.0;
 

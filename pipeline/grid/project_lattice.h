@@ -9,6 +9,9 @@
 
 namespace sparsha::pipeline {
 
+/// Nodes of a grid whose size nobody gave, at most.
+inline constexpr double kMostUnasked = 64.0 * 1024.0 * 1024.0;
+
 /// `extent` is relative to `origin_m`; bounds given in the configuration win over it. Unless a size is given,
 /// automatic bounds have nodes up to a quarter spacing beyond them, so that regular data keep their outer rows.
 /// Automatic spacing is max(point_spacing_m, resolution_m), and more where the grid would exceed 64 M nodes or 16 nodes

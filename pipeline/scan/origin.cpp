@@ -13,7 +13,7 @@ bool PointSample::before(const Entry& a, const Entry& b) {
 
 void PointSample::keep(std::uint64_t h, const Eigen::Vector3d& point) {
   kept_.push_back({h, point});
-  if (kept_.size() < 4 * kSize) return;
+  if (kept_.size() < 4 * size_) return;
   kept_ = smallest();
   const std::uint64_t largest = std::max_element(kept_.begin(), kept_.end(), before)->hash;
   threshold_ = largest == ~std::uint64_t{0} ? largest : largest + 1;  // ties are settled by the coordinates
@@ -21,10 +21,10 @@ void PointSample::keep(std::uint64_t h, const Eigen::Vector3d& point) {
 
 std::vector<PointSample::Entry> PointSample::smallest() const {
   std::vector<Entry> entries = kept_;
-  if (entries.size() <= kSize) return entries;
-  const auto middle = entries.begin() + static_cast<std::ptrdiff_t>(kSize);
+  if (entries.size() <= size_) return entries;
+  const auto middle = entries.begin() + static_cast<std::ptrdiff_t>(size_);
   std::nth_element(entries.begin(), middle, entries.end(), before);
-  entries.resize(kSize);
+  entries.resize(size_);
   return entries;
 }
 

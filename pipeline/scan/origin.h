@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace sparsha::pipeline {
 /// only, not on their order, and that merges. Constant memory.
 class PointSample {
  public:
+  explicit PointSample(std::size_t size = 4096) : size_(size) {}
+
   void add(const Eigen::Vector3d& point) {
     const std::uint64_t h = hash(point);
     if (h < threshold_) keep(h, point);
@@ -28,7 +31,6 @@ class PointSample {
   [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
 
  private:
-  static constexpr std::size_t kSize = 4096;
   struct Entry {
     std::uint64_t hash;
     Eigen::Vector3d point;
@@ -47,6 +49,7 @@ class PointSample {
   void keep(std::uint64_t h, const Eigen::Vector3d& point);
   [[nodiscard]] std::vector<Entry> smallest() const;
 
+  std::size_t size_;
   std::vector<Entry> kept_;
   std::uint64_t threshold_ = ~std::uint64_t{0};
 };

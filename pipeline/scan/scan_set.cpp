@@ -117,10 +117,7 @@ struct ScanSet::Scan {
   double scale(const ScanConfig& config, Progress& progress) const {
     const std::string name = config.file.string();
     const Units& units = config.units;
-    if (raw.degrees) {
-      throw input_error(name, "its x and y are degrees of longitude and latitude, its z is a length",
-                        "projected coordinates in metres or feet; reproject the scan first");
-    }
+    require_lengths(raw, name);
     if (units.unit == LengthUnit::longest_side) {
       const double side = (high - low).maxCoeff();
       if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");

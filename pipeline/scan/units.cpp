@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/base/error.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -61,6 +63,12 @@ std::optional<UnitGuess> guess_unit(const RawScan& scan) {
   PointSample sample;
   for (const Eigen::Vector3d& point : scan.points) sample.add(point);
   return doubt_metres(sample);
+}
+
+void require_lengths(const RawScan& scan, const std::string& file) {
+  if (!scan.degrees) return;
+  throw input_error(file, "its x and y are degrees of longitude and latitude, its z is a length",
+                    "projected coordinates in metres or feet; reproject the scan first");
 }
 
 }  // namespace sparsha::pipeline

@@ -28,4 +28,7 @@ struct UnitGuess {
 /// The same for a scan in memory whose format names no unit; nothing when it does. For `sparsha new`.
 [[nodiscard]] std::optional<UnitGuess> guess_unit(const RawScan& scan);
 
+/// Throws Error{input} for a scan in degrees, whose numbers no unit makes lengths.
+void require_lengths(const RawScan& scan, const std::string& file);
+
 }  // namespace sparsha::pipeline
