@@ -32,7 +32,7 @@ class TrialCloud {
   [[nodiscard]] Cloud finish();
 
  private:
-  static constexpr std::size_t kMostPoints = 250'000;
+  static constexpr std::size_t kMostPoints = 64'000;
 
   std::vector<Eigen::Vector3d> corners_m_;  // points of scans with faces
   std::vector<std::array<std::uint32_t, 3>> faces_;

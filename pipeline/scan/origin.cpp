@@ -13,7 +13,7 @@ bool PointSample::before(const Entry& a, const Entry& b) {
 
 void PointSample::keep(std::uint64_t h, const Eigen::Vector3d& point) {
   kept_.push_back({h, point});
-  if (kept_.size() < 4 * size_) return;
+  if (kept_.size() < 2 * size_) return;
   kept_ = smallest();
   const std::uint64_t largest = std::max_element(kept_.begin(), kept_.end(), before)->hash;
   threshold_ = largest == ~std::uint64_t{0} ? largest : largest + 1;  // ties are settled by the coordinates
