@@ -135,6 +135,7 @@ class Builder {
   void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<FilterConfig>& filters,
                    const Report::Points& points, const ApproveLattice& approve) {
     result_.points = points;
+    const std::vector<Station> stations = cloud->stations;
     auto removed = std::make_shared<Cloud>();
     if (!filters.empty()) {
       progress_.begin("filter");
@@ -145,6 +146,7 @@ class Builder {
     }
 
     progress_.begin("project");
+    cloud->stations = stations;  // filters make new clouds
     result_.projection =
         project(*cloud, scan_to_grid_, config_.grid, config_.haptics.resolution_m, pool_, progress_, approve);
     if (!checks()) return;
@@ -240,6 +242,7 @@ class Builder {
     points.filtered = points.read - thinner.voxels();
     points.read += points.invalid;
     const auto cloud = std::make_shared<Cloud>(thinner.finish());
+    cloud->stations = scans.stations();
     const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(crops.size()) + 1,
                                          filters_.end());
     build_cloud(cloud, rest, points, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {

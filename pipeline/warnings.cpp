@@ -75,6 +75,12 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
                     "unknown: scan the front there, or let 'fill' close them",
                     projection.nodes_turned_away, 100.0 * share(projection.nodes_turned_away)));
   }
+  for (const std::string& scan : projection.lying_stations) {
+    warnings.push_back(
+        fmt::format("{}: its points do not face the place where the file says that the scanner stood, so that place is "
+                    "not believed; the sides of the surface are told by what is seen from outside",
+                    scan));
+  }
   if (doubts.unfacing) {
     warnings.emplace_back(
         "much of what is seen first seems to face away, so that is not believed: holes in the front may show the back; "

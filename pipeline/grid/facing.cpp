@@ -26,6 +26,10 @@ constexpr float kAligned = 0.6F;       // cosine of normals that belong to one s
 constexpr int kRounds = 4;             // of votes handed to neighbours
 constexpr float kSure = 0.5F;          // mean vote, in directions seen from
 constexpr float kLowest = -std::numeric_limits<float>::infinity();
+constexpr double kTruthful = 0.75;  // share of a station's points that are known to face it
+constexpr std::size_t kFewPoints = 50;
+constexpr float kParallel = 0.9F;  // cosine of normals of neighbours that share a side
+constexpr float kGlancing = 0.1F;   // cosine of a ray that does not tell which side it met
 constexpr double kAgreement = 0.9;  // of a connected surface's votes, by weight
 constexpr std::size_t kPiece = 1U << 14U;
 
@@ -153,7 +157,7 @@ struct DepthMap {
 }  // namespace
 
 FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
-                         double spacing_m, ThreadPool& pool) {
+                         double spacing_m, const std::vector<StationView>& stations, ThreadPool& pool) {
   const OrientedPoints sample = draw_sample(pieces, totals.count, pool);
   const double thinned = static_cast<double>(totals.count) / std::max<double>(1.0, static_cast<double>(sample.count));
   spacing_m_ = spacing_m * std::sqrt(std::max(1.0, thinned));
@@ -190,6 +194,7 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
   find_neighbours(pool);
   spread_votes(pool);
   overrule_by_surface();
+  if (!stations.empty()) ask_stations(stations);
   near_.clear();
   near_counts_.clear();
 
@@ -361,6 +366,7 @@ void FacingField::overrule_by_surface() {
   for (const std::vector<Edge>& bucket : edges) {
     for (const Edge& edge : bucket) parts.join(edge.a, edge.b, edge.opposed);
   }
+  outside_.assign(votes_.size(), 0.0F);
   std::vector<double> sum(votes_.size(), 0.0);
   std::vector<double> size(votes_.size(), 0.0);
   for (const std::uint32_t d : of_slot_) {
@@ -372,7 +378,80 @@ void FacingField::overrule_by_surface() {
     const SurfaceParts::Place place = parts.find(d);
     if (!(std::abs(sum[place.root]) >= kAgreement * size[place.root])) continue;
     const bool outwards = (sum[place.root] > 0.0) != place.opposed;
-    votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * (outwards ? 1.0F : -1.0F);
+    outside_[d] = outwards ? 1.0F : -1.0F;
+    votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * outside_[d];
+  }
+}
+
+// Which side of each sample a station saw: 1 the normal's, -1 the other, 0 where it saw nothing near.
+std::vector<float> FacingField::seen_from(const StationView& station) const {
+  const BinRuler ruler(samples_.columns);
+  const int nx = samples_.columns.bins_x();
+  const int ny = samples_.columns.bins_y();
+  const auto reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
+  const auto sheet = static_cast<float>(kSheet * spacing_m_);
+  std::vector<float> sides(votes_.size(), 0.0F);
+  for (const Eigen::Vector3f& p : station.seen) {
+    int column = 0;
+    int row = 0;
+    if (!ruler.locate(p.x(), p.y(), column, row)) continue;
+    const Eigen::Vector3f ray = (station.place - p).normalized();
+    for (int j = std::max(0, row - 1); j <= std::min(ny - 1, row + 1); ++j) {
+      const std::uint32_t* start = row_start(static_cast<std::size_t>(j));
+      for (std::uint32_t d = start[std::max(0, column - 1)]; d < start[std::min(nx - 1, column + 1) + 1]; ++d) {
+        const Eigen::Vector3f normal(normal_x_[d], normal_y_[d], normal_z_[d]);
+        const Eigen::Vector3f apart = p - Eigen::Vector3f(samples_.x[d], samples_.y[d], height_[d]);
+        if (apart.squaredNorm() > reach2 || std::abs(normal.dot(apart)) > sheet) continue;
+        const float cosine = normal.dot(ray);
+        if (std::abs(cosine) >= kGlancing) sides[d] += cosine > 0.0F ? 1.0F : -1.0F;
+      }
+    }
+  }
+  for (float& side : sides) side = side > 0.0F ? 1.0F : side < 0.0F ? -1.0F : 0.0F;
+  return sides;
+}
+
+// Samples between those that a station saw are on the sides of their neighbours.
+void FacingField::spread_sides(std::vector<float>& sides) const {
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<float> known = sides;
+    for (std::size_t row = 0; row < near_.size(); ++row) {
+      const Neighbour* neighbour = near_[row].data();
+      const std::uint32_t first = row_begin(row);
+      for (std::uint32_t d = first; d < first + row_size(row); ++d) {
+        float sum = 0.0F;
+        for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++neighbour) {
+          if (std::abs(neighbour->cosine) >= kParallel) sum += neighbour->cosine * known[neighbour->sample];
+        }
+        if (known[d] == 0.0F) sides[d] = sum > kAligned ? 1.0F : sum < -kAligned ? -1.0F : 0.0F;
+      }
+    }
+  }
+}
+
+// A station cannot see the far side of what it scanned. But programs write stations that nobody stood at: of surfaces
+// that are closed enough for their votes to agree, a station has to be on the outer side of most. Sheets that are seen
+// on both sides say nothing.
+void FacingField::ask_stations(const std::vector<StationView>& stations) {
+  std::vector<float> sides(votes_.size(), 0.0F);
+  for (std::size_t s = 0; s < stations.size(); ++s) {
+    const std::vector<float> mine = seen_from(stations[s]);
+    std::size_t known = 0;
+    std::size_t agreed = 0;
+    for (const std::uint32_t d : of_slot_) {
+      if (mine[d] == 0.0F || outside_[d] == 0.0F) continue;
+      ++known;
+      agreed += outside_[d] == mine[d] ? 1 : 0;
+    }
+    if (known >= kFewPoints && static_cast<double>(agreed) < kTruthful * static_cast<double>(known)) {
+      lying_stations_.push_back(s);
+      continue;
+    }
+    for (const std::uint32_t d : of_slot_) sides[d] += mine[d];
+  }
+  spread_sides(sides);
+  for (const std::uint32_t d : of_slot_) {
+    if (sides[d] != 0.0F) votes_[d] = sides[d] > 0.0F ? 2.0F * kSure : -2.0F * kSure;
   }
 }
 

@@ -2,8 +2,11 @@
 // through a hole is no front, wherever one looks from.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/grid/project_extent.h"
@@ -13,17 +16,26 @@
 
 namespace sparsha::pipeline {
 
+/// Where a scanner stood and some points that it saw, as oriented points are.
+struct StationView {
+  Eigen::Vector3f place;
+  std::vector<Eigen::Vector3f> seen;
+};
+
 /// A sample of the cloud with outward normals, in columns.
 class FacingField {
  public:
   /// Of about `most` points, chosen by a hash. `spacing_m` is the cloud's on the surface. Depends neither on threads
-  /// nor on the points' order.
+  /// nor on the points' order. What a station saw faces it, unless its points' sides are known and say otherwise.
   FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent, double spacing_m,
-              ThreadPool& pool);
+              const std::vector<StationView>& stations, ThreadPool& pool);
 
   /// Of what the viewer sees first, the share that faces away: holes in the front. Where it is large, holes are an
   /// unlikely reason.
   [[nodiscard]] double share_turned_away() const;
+
+  /// Stations that contradict what is seen of their points from outside; they are not asked.
+  [[nodiscard]] const std::vector<std::size_t>& lying_stations() const { return lying_stations_; }
 
   /// Sets the facing of each disc: 1 towards the viewer, -1 away, 0 where neither is sure.
   void set_facing(TangentDiscs& discs, ThreadPool& pool) const;
@@ -37,6 +49,9 @@ class FacingField {
   void find_neighbours(ThreadPool& pool);
   void spread_votes(ThreadPool& pool);
   void overrule_by_surface();
+  void ask_stations(const std::vector<StationView>& stations);
+  [[nodiscard]] std::vector<float> seen_from(const StationView& station) const;
+  void spread_sides(std::vector<float>& sides) const;
   [[nodiscard]] FacingKernel kernel() const;
   /// The samples of a row of columns: the first, and how many.
   [[nodiscard]] std::uint32_t row_begin(std::size_t row) const { return row_start(row)[0]; }
@@ -57,7 +72,9 @@ class FacingField {
   std::vector<std::vector<Neighbour>> near_;           // of the samples of each row, in order, while votes are counted
   std::vector<std::uint32_t> near_counts_;
   std::vector<std::uint8_t> seen_;  // by the viewer
-  std::vector<float> away_top_m_;   // of each column: above it nothing near faces away
+  std::vector<float> outside_;      // where a surface's votes agree: 1 the normal's side, -1 the other; else 0
+  std::vector<std::size_t> lying_stations_;
+  std::vector<float> away_top_m_;  // of each column: above it nothing near faces away
 };
 
 }  // namespace sparsha::pipeline

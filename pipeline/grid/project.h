@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,6 +30,7 @@ struct Projection {
   std::uint64_t nodes_turned_away = 0;  ///< nodes left unknown because the highest layer faces away from the viewer
   std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely
   std::uint64_t nodes_unsure = 0;       ///< measured nodes of which nothing tells which way they face
+  std::vector<std::string> lying_stations;  ///< scans that were seen from elsewhere than they say, so it seems
   std::uint64_t used = 0, occluded = 0, outlier = 0, outside = 0;
   std::vector<PointFate> fate;             ///< one a point of the cloud
   std::vector<std::uint32_t> colour_rgba;  ///< when asked for and present

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "pipeline/base/error.h"
 #include "pipeline/grid/project_lattice.h"
 #include "pipeline/grid/project_samples.h"
@@ -20,11 +22,24 @@ constexpr double kMostSparse = 0.15;
 // Where more of what is seen first faces away, something else than holes is the reason.
 constexpr double kMostTurnedAway = 0.2;
 
+std::vector<StationView> views_of(const OrientedStations& oriented) {
+  const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector3f {
+    return ((oriented.scan_to_grid * p.homogeneous()).head<3>() - oriented.origin_m).cast<float>();
+  };
+  std::vector<StationView> views;
+  for (const Station& station : oriented.stations) {
+    views.push_back({place(station.place_m), {}});
+    for (const Eigen::Vector3d& p : station.seen_m) views.back().seen.push_back(place(p));
+  }
+  return views;
+}
+
 }  // namespace
 
 ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
-                               const Eigen::Vector3d& origin_m, bool only_mesh, const GridConfig& config,
+                               const OrientedStations& oriented, bool only_mesh, const GridConfig& config,
                                double resolution_m, ThreadPool& pool) {
+  const Eigen::Vector3d& origin_m = oriented.origin_m;
   CloudStatistics statistics = sample_cloud(pieces, extent, pool);
   ProjectionPlan plan;
   if (only_mesh) {
@@ -38,7 +53,14 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
       rule.spacing_m = surface.spacing_m * static_cast<double>(surface.scale);
       rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
       plan.discs = rule;
-      auto facing = std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m, pool);
+      auto facing = std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m, views_of(oriented), pool);
+      for (const std::size_t station : facing->lying_stations()) {
+        const Station& lying = oriented.stations[station];
+        if (!lying.declared) continue;  // a pose says where points are; where from, nobody promised
+        if (plan.lying_stations.empty() || plan.lying_stations.back() != lying.scan) {
+          plan.lying_stations.push_back(lying.scan);
+        }
+      }
       if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
     }
   }
@@ -62,6 +84,7 @@ Projection ProjectionPlan::empty_projection() const {
   projection.gap_m = gap_m;
   projection.closed = discs.has_value();
   projection.facing_known = facing != nullptr;
+  projection.lying_stations = lying_stations;
   projection.grid = DepthGrid(lattice);
   return projection;
 }

@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -15,6 +17,7 @@
 #include "pipeline/grid/project_node.h"
 #include "pipeline/grid/project_points.h"
 #include "pipeline/grid/tangent_discs.h"
+#include "pipeline/scan/cloud.h"
 #include "pipeline/scene/config.h"
 #include "pipeline/scene/depth_grid.h"
 
@@ -29,6 +32,7 @@ struct ProjectionPlan {
   double gap_m = 0.0;
   std::optional<DiscRule> discs;              ///< closed objects: nodes are decided by tangent discs
   std::shared_ptr<const FacingField> facing;  ///< with discs, when it is known what faces away
+  std::vector<std::string> lying_stations;    ///< files whose stations do not see the sides that are outside
 
   /// Memory of a point while it is sorted and nodes are measured, and some to spare; without the cloud's own.
   [[nodiscard]] std::uint64_t bytes_a_point() const { return discs ? 112 : 56; }
@@ -37,10 +41,17 @@ struct ProjectionPlan {
   [[nodiscard]] Projection empty_projection() const;
 };
 
-/// `totals` are of the pieces. `origin_m` is that of their points. Vertices of faces carry no noise: `only_mesh` says
+/// How points were oriented, and the stations in the frame that they came from.
+struct OrientedStations {
+  const std::vector<Station>& stations;
+  Eigen::Matrix4d scan_to_grid;
+  Eigen::Vector3d origin_m;  ///< of the oriented points
+};
+
+/// `totals` are of the pieces, `oriented` says how they were made. Vertices of faces carry no noise: `only_mesh` says
 /// there is nothing else. Throws as choose_lattice does.
 [[nodiscard]] ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals,
-                                             const Extent& extent, const Eigen::Vector3d& origin_m, bool only_mesh,
+                                             const Extent& extent, const OrientedStations& oriented, bool only_mesh,
                                              const GridConfig& config, double resolution_m, ThreadPool& pool);
 
 /// Throws Error{input} when no node is measured.

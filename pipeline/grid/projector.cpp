@@ -63,7 +63,8 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   totals.add(points);
   Extent extent = supported_extent(totals, whole, pool);
   include_faces(points, cloud_.faces, extent);
-  const ProjectionPlan plan = plan_projection(whole, totals, extent, origin_m, only_mesh_, config, resolution_m, pool);
+  const ProjectionPlan plan = plan_projection(whole, totals, extent, {cloud_.stations, scan_to_grid, origin_m},
+                                              only_mesh_, config, resolution_m, pool);
   if (approve) approve(plan.lattice, plan.bytes_a_point());
   Projection projection = plan.empty_projection();
   progress.throw_if_cancelled();

@@ -14,7 +14,11 @@ namespace sparsha::pipeline {
 SpilledCloud spill(const ScanSet& scans, const std::vector<CropConfig>& crops, bool colour, bool intensity,
                    const std::filesystem::path& folder, Progress& progress) {
   const PointLayout layout{colour && scans.has_colour(), intensity && scans.has_intensity()};
-  SpilledCloud cloud{scans.origin_m(), std::make_unique<PointFile>(folder, layout, 1), scans.invalid()};
+  SpilledCloud cloud;
+  cloud.origin_m = scans.origin_m();
+  cloud.file = std::make_unique<PointFile>(folder, layout, 1);
+  cloud.invalid = scans.invalid();
+  cloud.stations = scans.stations();
   cloud.invalid += scans.stream(
       [&](const CloudBlock& block) {
         std::array<float, 5> record{};

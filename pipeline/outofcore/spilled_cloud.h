@@ -23,6 +23,7 @@ struct SpilledCloud {
   std::uint64_t invalid = 0;
   std::uint64_t cropped = 0;
   float largest_intensity = 0.0F;
+  std::vector<Station> stations;
 
   [[nodiscard]] std::uint64_t size() const { return file->size(0); }
 };

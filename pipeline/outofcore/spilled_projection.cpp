@@ -56,7 +56,8 @@ SpilledProjection::SpilledProjection(SpilledCloud cloud, const Eigen::Matrix4d& 
   PointTotals totals;
   pieces([&](const OrientedPoints& points) { totals.add(points); });
   const Extent extent = supported_extent(totals, pieces, pool);
-  plan_ = plan_projection(pieces, totals, extent, plan_.origin_m, false, grid, resolution_m, pool);
+  plan_ = plan_projection(pieces, totals, extent, {cloud_.stations, scan_to_grid, plan_.origin_m}, false, grid,
+                          resolution_m, pool);
 }
 
 void SpilledProjection::fill_buckets(const std::filesystem::path& folder, ThreadPool& pool, Progress& progress) {

@@ -32,6 +32,7 @@ struct Scan {
   Roles roles;
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  bool posed = false;  // the file says where it was made from
   double colour_low = 0.0;
   double colour_high = 255.0;
 };
@@ -204,12 +205,15 @@ class Reader {
     if (rotation && turn.norm() > 0.0) scan.turn = turn.normalized().toRotationMatrix();
     scan.shift = {number_of(translation.child("x")), number_of(translation.child("y")),
                   number_of(translation.child("z"))};
+    scan.posed = !node.child("pose").empty();
     return scan;
   }
 
   void read_scan_points(const Scan& scan) {
     const Roles& roles = scan.roles;
     const bool posed = !scan.turn.isIdentity(0.0) || !scan.shift.isZero(0.0);
+    // The scanner is the origin of its own coordinates; without a pose or angles they may be anybody's.
+    out_.set_station(scan.posed || roles.spherical ? std::optional(scan.shift) : std::nullopt);
     std::vector<double> values(scan.wanted.size());
     const auto value = [&](int role) { return values[static_cast<std::size_t>(role)]; };
     const double colour_factor = 255.0 / (scan.colour_high - scan.colour_low);

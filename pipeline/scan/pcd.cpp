@@ -238,6 +238,11 @@ void read_pcd(const ScanFile& file, ScanWriter& out) {
                 : header.encoding == pcd::Encoding::binary ? "PCD binary"
                                                            : "PCD binary_compressed";
   scan.viewpoint = header.viewpoint;
+  // All zero is what programs write that do not know.
+  if (header.viewpoint) {
+    const Eigen::Vector3d place((*header.viewpoint)[0], (*header.viewpoint)[1], (*header.viewpoint)[2]);
+    if (!place.isZero(0.0)) out.set_station(place);
+  }
   for (const pcd::Field& field : header.fields) {
     if (field.name != "_") scan.fields.push_back(field.name);
   }

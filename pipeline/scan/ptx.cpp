@@ -59,6 +59,7 @@ class Reader {
     while (next_row(lines_, row, line)) {
       read_header(row);
       if (scans == 0) begin(lines_);
+      out_.set_station(shift_);  // the scanner is its own origin
       read_points();
       ++scans;
     }

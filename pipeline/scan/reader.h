@@ -17,6 +17,12 @@
 
 namespace sparsha::pipeline {
 
+/// From point `first` on, points were seen from `place`, which is unknown where it is absent. File units.
+struct RawStation {
+  std::size_t first = 0;
+  std::optional<Eigen::Vector3d> place;
+};
+
 /// One scan as the file has it: file units, double, before any pose but with the file's own.
 struct RawScan {
   std::string format;                               ///< "PLY binary little-endian", "LAS 1.2 pf3", ...
@@ -31,6 +37,7 @@ struct RawScan {
   bool degrees = false;   ///< x and y are longitude and latitude: shown by info, refused by load_scan
   std::size_t scans = 1;  ///< scans within the file
   std::optional<std::array<double, 7>> viewpoint;  ///< PCD: tx ty tz qw qx qy qz; shown, never applied
+  std::vector<RawStation> stations;                ///< in memory only, ascending; streams name them block by block
   std::vector<std::string> warnings;
 };
 
@@ -41,9 +48,10 @@ struct RawScan {
 
 /// Some consecutive valid points of a scan; spans are good during the call only.
 struct PointBlock {
-  std::span<const Eigen::Vector3d> points;  ///< file units, the file's own pose applied
-  std::span<const std::uint32_t> rgba;      ///< empty or one a point
-  std::span<const float> intensity;         ///< empty or one a point
+  std::span<const Eigen::Vector3d> points;   ///< file units, the file's own pose applied
+  std::span<const std::uint32_t> rgba;       ///< empty or one a point
+  std::span<const float> intensity;          ///< empty or one a point
+  std::optional<Eigen::Vector3d> station{};  ///< where the scanner stood, when the file says so
 };
 using PointSink = std::function<void(const PointBlock&)>;
 

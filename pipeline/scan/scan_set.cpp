@@ -18,6 +18,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr std::uint32_t kWhite = 0xFFFFFFFFU;
+constexpr std::size_t kMostStations = 256;  // of a file
 constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 
 /// pose * units for one scan.
@@ -83,8 +84,22 @@ struct ScanSet::Scan {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
   Placement placement;
+  struct Seen {
+    Eigen::Vector3d place;
+    PointSample sample;
+  };
+  std::vector<Seen> from;  ///< each station, file units
 
+  void look_from(const PointBlock& block) {
+    if (!block.station) return;
+    if (from.empty() || from.back().place != *block.station) {
+      if (from.size() == kMostStations) return;
+      from.push_back({*block.station, PointSample()});
+    }
+    for (const Eigen::Vector3d& p : block.points) from.back().sample.add(p);
+  }
   void look(const PointBlock& block, bool bounds) {
+    look_from(block);
     valid += block.points.size();
     colour = colour || !block.rgba.empty();
     intensity = intensity || !block.intensity.empty();
@@ -149,6 +164,12 @@ struct ScanSet::Scan {
     } else {
       scan->raw = read_scan(config.file, &progress);
       scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity}, bounds);
+      const std::vector<RawStation>& stations = scan->raw.stations;
+      for (std::size_t s = 0; s < stations.size(); ++s) {
+        const std::size_t end = s + 1 < stations.size() ? stations[s + 1].first : scan->raw.points.size();
+        const std::span points(scan->raw.points);
+        scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place});
+      }
     }
     const std::string name = config.file.string();
     for (const std::string& warning : scan->raw.warnings) progress.warn(name + ": " + warning);
@@ -193,8 +214,27 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
 
 ScanSet::~ScanSet() { *abandoned_ = true; }
 
+std::vector<Station> ScanSet::stations() const {
+  std::vector<Station> stations;
+  const auto add = [&](const Scan& scan, bool declared, const Eigen::Vector3d& place, const PointSample& sample) {
+    Station station{scan.file.string(), declared, scan.placement(place), sample.points()};
+    for (Eigen::Vector3d& p : station.seen_m) p = scan.placement(p);
+    stations.push_back(std::move(station));
+  };
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    const Scan& scan = *scans_[s];
+    for (const Scan::Seen& seen : scan.from) {
+      if (!seen.sample.empty()) add(scan, true, seen.place, seen.sample);
+    }
+    // A pose moves a scanner's own coordinates, whose origin it is.
+    if (scan.from.empty() && !configs_[s].pose.isIdentity(0.0)) add(scan, false, Eigen::Vector3d::Zero(), scan.sample);
+  }
+  return stations;
+}
+
 Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
   Cloud cloud;
+  cloud.stations = stations();
   cloud.origin_m = origin_m;
   cloud.resize_points(static_cast<std::size_t>(points_));
   cloud.faces.reserve(faces_);

@@ -48,6 +48,9 @@ class ScanSet {
   /// The median of the points in whole metres: a function of the set of points alone.
   [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
+  /// Where the scanners stood, for scans whose files or poses say so.
+  [[nodiscard]] std::vector<Station> stations() const;
+
   /// All points in one cloud, in the configuration's order. Points beyond float32 become invalid, and faces on them go.
   /// Gives back what Keep::quickest has kept, so that it comes last.
   [[nodiscard]] Cloud load(const Eigen::Vector3d& origin_m, Progress& progress);

@@ -25,6 +25,12 @@ void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity) {
   if (intensity) scan_.intensity.reserve(count);
 }
 
+void ScanWriter::set_station(const std::optional<Eigen::Vector3d>& place) {
+  flush();
+  station_ = place && place->allFinite() ? place : std::nullopt;
+  if (!sink_) scan_.stations.push_back({scan_.points.size(), station_});
+}
+
 void ScanWriter::add_invalid() {
   dropped_.push_back(valid_ + filled_ + dropped_.size());
   ++scan_.invalid;
@@ -46,7 +52,7 @@ void ScanWriter::flush() {
   const std::span rgba(rgba_.data(), colour_ ? filled_ : 0);
   const std::span intensity(intensity_.data(), has_intensity_ ? filled_ : 0);
   if (sink_) {
-    sink_({points, rgba, intensity});
+    sink_({points, rgba, intensity, station_});
   } else {
     scan_.points.insert(scan_.points.end(), points.begin(), points.end());
     scan_.rgba.insert(scan_.rgba.end(), rgba.begin(), rgba.end());

@@ -29,6 +29,9 @@ class ScanWriter {
   void begin(std::uint64_t records, bool colour, bool intensity);
   [[nodiscard]] bool has_colour() const { return colour_; }
 
+  /// Records from now on were seen from here, file units.
+  void set_station(const std::optional<Eigen::Vector3d>& place);
+
   /// One record. Counted as invalid when a coordinate is not finite.
   void add(double x, double y, double z) {
     if (!are_finite(x, y, z)) {
@@ -69,6 +72,7 @@ class ScanWriter {
   std::vector<std::uint32_t> rgba_;
   std::vector<float> intensity_;
   std::size_t filled_ = 0;
+  std::optional<Eigen::Vector3d> station_;
   std::uint64_t valid_ = 0;  ///< already handed over
   bool colour_ = false;
   bool has_intensity_ = false;

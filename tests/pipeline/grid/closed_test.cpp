@@ -150,6 +150,121 @@ TEST(ClosedObjects, NeverShowTheirBackThroughAHole) {
   }
 }
 
+Eigen::Vector3d at(const ObjectScan& scan, std::size_t k) {
+  return {scan.points[k][0], scan.points[k][1], scan.points[k][2]};
+}
+
+/// Twelve scanners around an object, 5 m from its origin, and of each the points that face it most.
+std::vector<pipeline::Station> stations_around(const ObjectScan& scan) {
+  std::vector<pipeline::Station> stations;
+  const double golden = std::numbers::phi;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-golden, golden}) {
+      for (const Eigen::Vector3d& place :
+           {Eigen::Vector3d(0, a, b), Eigen::Vector3d(a, b, 0), Eigen::Vector3d(b, 0, a)})
+        stations.push_back({"station " + std::to_string(stations.size()), true, 5.0 * place.normalized(), {}});
+    }
+  }
+  constexpr std::size_t kSeen = 4096;
+  for (std::size_t k = 0; k < scan.points.size(); ++k) {
+    const auto facing = [&](const pipeline::Station& station) { return scan.normals[k].dot(station.place_m); };
+    const auto best = std::max_element(stations.begin(), stations.end(),
+                                       [&](const auto& one, const auto& other) { return facing(one) < facing(other); });
+    if (best->seen_m.size() < kSeen) best->seen_m.push_back(at(scan, k));
+  }
+  return stations;
+}
+
+pipeline::Projection project_with(const ObjectScan& scan, std::vector<pipeline::Station> stations,
+                                  const Eigen::Matrix4d& view = Eigen::Matrix4d::Identity()) {
+  pipeline::GridConfig grid;
+  grid.spacing_m = scan.spacing_m;
+  pipeline::Cloud cloud = make_cloud(scan.points);
+  cloud.stations = std::move(stations);
+  return project_cloud(cloud, grid, view);
+}
+
+TEST(ClosedObjects, WithStationsKeepTheirBoundsAndTheirHoles) {
+  for (const NamedObject& named : objects()) {
+    ScanOptions options = cloud_of(kMany, 0.5);
+    options.hole_spacings = 10.0;
+    const ObjectScan scan = scan_object(*named.object, options);
+    const pipeline::Projection plain = project_with(scan, {});
+    const pipeline::Projection told = project_with(scan, stations_around(scan));
+    EXPECT_TRUE(told.lying_stations.empty()) << named.name;
+    EXPECT_TRUE(told.facing_known) << named.name;
+    EXPECT_LE(told.nodes_unsure, plain.nodes_unsure) << named.name;
+    const Judgement f = judge_object(told.grid, *named.object, scan);
+    EXPECT_EQ(f.hole_through, 0U) << named.name;
+    EXPECT_LE(f.wrong_smooth, wrong_bound(kMany, 0.5)) << named.name;
+  }
+}
+
+/// A screen folded to slopes of 70 degrees, scanned from above: an open sheet, which is seen from below as well.
+ObjectScan folded_screen() {
+  constexpr std::size_t kPoints = 60'000;
+  constexpr double kPeriod = 0.4, kSlope = 2.75;
+  ObjectScan scan;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(0.0, 2.0);
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    const double x = uniform(random);
+    const double phase = std::fmod(x, kPeriod) - 0.5 * kPeriod;
+    scan.points.push_back({x, uniform(random), kSlope * std::abs(phase)});
+    scan.normals.push_back(Eigen::Vector3d(phase > 0.0 ? -kSlope : kSlope, 0.0, 1.0).normalized());
+  }
+  scan.spacing_m = std::sqrt(4.0 * std::hypot(1.0, kSlope) / static_cast<double>(kPoints));
+  return scan;
+}
+
+TEST(ClosedObjects, OpenSheetsHaveSidesWhereTheirStationIsKnown) {
+  const ObjectScan scan = folded_screen();
+  pipeline::Station above{"above.ptx", true, {1.0, 1.0, 30.0}, {}};
+  for (std::size_t k = 0; k < 4096; ++k) above.seen_m.push_back(at(scan, k));
+  const auto unsure = [](const pipeline::Projection& p) {
+    return static_cast<double>(p.nodes_unsure) / static_cast<double>(p.used);
+  };
+  const pipeline::Projection plain = project_with(scan, {});
+  ASSERT_TRUE(plain.closed);
+  const pipeline::Projection told = project_with(scan, {above});
+  EXPECT_TRUE(told.lying_stations.empty());
+  EXPECT_TRUE(told.facing_known);
+  EXPECT_GT(unsure(plain), 0.1) << "both sides are seen from some of the directions";
+  EXPECT_LT(unsure(told), 0.2 * unsure(plain));
+  EXPECT_LE(told.nodes_turned_away, told.grid.lattice.count() / 1000)
+      << "along the folds, where points lie on both flanks";
+  // From the side that was not scanned everything faces away, which is said, and the sheet is shown all the same.
+  Eigen::Matrix4d from_below = Eigen::Matrix4d::Identity();
+  from_below(1, 1) = from_below(2, 2) = -1.0;
+  EXPECT_FALSE(project_with(scan, {above}, from_below).facing_known);
+}
+
+TEST(ClosedObjects, BelieveTheirStationsFromEverySide) {
+  const ObjectScan scan = scan_object(*objects()[3].object, cloud_of(50'000));
+  for (const Eigen::Matrix4d& view : six_views()) {
+    const pipeline::Projection told = project_with(scan, stations_around(scan), view);
+    EXPECT_TRUE(told.lying_stations.empty());
+    EXPECT_TRUE(told.facing_known);
+  }
+}
+
+TEST(ClosedObjects, DoNotBelieveAStationWithinThem) {
+  for (const std::size_t k : {1, 4}) {
+    const ObjectScan scan = scan_object(*objects()[k].object, cloud_of(50'000));
+    std::vector<Eigen::Vector3d> some;
+    for (std::size_t p = 0; p < 4096; ++p) some.push_back(at(scan, p));
+    // Two spheres: within the larger one. Knot: within its tube at some place.
+    const Eigen::Vector3d within = k == 1 ? Eigen::Vector3d(0.0, 0.0, 0.1) : at(scan, 0) - 0.2 * scan.normals[0];
+    const pipeline::Projection plain = project_with(scan, {});
+    const pipeline::Projection told = project_with(scan, {{"default.pcd", true, within, some}});
+    EXPECT_EQ(told.lying_stations, std::vector<std::string>{"default.pcd"});
+    EXPECT_EQ(told.grid.state, plain.grid.state);
+    const pipeline::Projection posed = project_with(scan, {{"posed.ply", false, within, some}});
+    EXPECT_TRUE(posed.lying_stations.empty()) << "a pose is no statement about a scanner";
+    EXPECT_EQ(posed.grid.state, plain.grid.state);
+  }
+}
+
 // Back as dense as the front and parallel to it, as in the bench's slab, under twenty seeds.
 TEST(ClosedObjects, TwentySlabsHaveNoNodeOnTheirBack) {
   constexpr int kNodes = 512;

@@ -149,6 +149,8 @@ TEST(E57Reader, ReadsSinglesDoublesAndPosesAcrossPacketsAndPages) {
     const RawScan scan = folder.read("a.e57", file.bytes());
     EXPECT_EQ(scan.unit, LengthUnit::m);
     ASSERT_EQ(scan.points.size(), x.size());
+    ASSERT_EQ(scan.stations.size(), 1U);
+    EXPECT_EQ(scan.stations[0].place, Eigen::Vector3d(10, 20, 30)) << "the scanner is its own origin";
     for (std::size_t i = 0; i < x.size(); ++i) {
       // A quarter turn about z: (x, y) becomes (-y, x); the quaternion need not be of unit length.
       EXPECT_LT((scan.points[i] - Eigen::Vector3d(10 - y[i], 20 + x[i], 30 + z[i])).norm(), 1e-12 * (700 + x[i]));
