@@ -71,6 +71,9 @@ class Rescan {
                                    haptics::Announcement::Priority::warning);
       return;
     }
+    // What is written of places on the object stays there.
+    std::optional<Eigen::Matrix4d>& regions = config.orientation.regions_scan_to_grid;
+    if (!regions) regions = config.orientation.scan_to_grid;
     config.orientation.scan_to_grid = scan_to_grid;
     config.grid.bounds_m.reset();
     session_.announcements().say("New depth scan");

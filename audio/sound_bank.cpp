@@ -5,6 +5,7 @@
 #include <map>
 
 #include "pipeline/base/error.h"
+#include "pipeline/scene/regions.h"
 #include "pipeline/scene/sound_limits.h"
 
 namespace sparsha::audio {
@@ -36,9 +37,7 @@ class ClipShelf {
 
 std::optional<std::size_t> SoundBank::region_at(double x_m, double y_m) const noexcept {
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    if (!regions[i].box_m) continue;
-    const auto& [left, bottom, right, top] = *regions[i].box_m;
-    if (x_m >= left && x_m <= right && y_m >= bottom && y_m <= top) return i;
+    if (regions[i].box_m && pipeline::in_box(*regions[i].box_m, x_m, y_m)) return i;
   }
   return std::nullopt;
 }

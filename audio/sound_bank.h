@@ -15,7 +15,7 @@
 
 namespace sparsha::audio {
 
-/// One region; `box_m` is xmin ymin xmax ymax in the grid frame, borders included; none = never struck.
+/// One region; `box_m` is xmin ymin xmax ymax in the regions' frame (pipeline/scene/regions.h); none = never struck.
 struct SoundRegion {
   std::string name;
   std::optional<std::array<double, 4>> box_m;
@@ -29,7 +29,7 @@ struct SoundBank {
   double scrape_gain = 0.0;           ///< 0 = no friction sound
   std::vector<std::string> warnings;  ///< what was asked for and cannot sound
 
-  /// Index of the first region that holds the point (grid frame, metres); none when there is none. No allocation.
+  /// Index of the first region that holds the place (regions' frame, metres); none when there is none. No allocation.
   [[nodiscard]] std::optional<std::size_t> region_at(double x_m, double y_m) const noexcept;
 };
 

@@ -22,10 +22,10 @@ std::optional<Strike> StrikeGate::strike(const SoundBank& bank, const haptics::C
   }
   if (event.kind != Kind::touch || !(event.peak_force_n > 0.0)) return std::nullopt;
   if (has_lifted_ && event.time_s >= lifted_s_ && event.time_s - lifted_s_ < kSameContact_s) return std::nullopt;
-  const auto region = bank.region_at(event.proxy_m[0], event.proxy_m[1]);
+  const auto region = bank.region_at(event.place_m[0], event.place_m[1]);
   if (!region) return std::nullopt;
   return Strike{*region, event.peak_force_n,
-                position_along(*bank.regions[*region].box_m, event.proxy_m[0], event.proxy_m[1])};
+                position_along(*bank.regions[*region].box_m, event.place_m[0], event.place_m[1])};
 }
 
 }  // namespace sparsha::audio

@@ -18,6 +18,7 @@
 #include "haptics_plot.h"
 #include "haptics_scenes.h"
 #include "haptics_stability.h"
+#include "pipeline/base/statistics.h"
 
 namespace sparsha::bench {
 namespace {
@@ -60,12 +61,7 @@ double between_ns(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::nano>(end - begin).count();
 }
 
-double share(std::vector<double>& values, double fraction) {
-  if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
+double share(std::vector<double>& values, double fraction) { return values.empty() ? 0.0 : quantile(values, fraction); }
 
 void measure_time(const HapticScene& scene, const Method& method, Figures& figures) {
   constexpr int kRuns = 5;

@@ -1,5 +1,6 @@
 // Errors in classes: everywhere, away from steps, on smooth parts, beside bars.
 #include "pipeline_judge.h"
+#include "pipeline/base/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,11 +20,8 @@ double rms(const std::vector<double>& errors) {
   return errors.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
-double quantile(std::vector<double> errors, double share) {
-  if (errors.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(errors.size() - 1));
-  std::nth_element(errors.begin(), errors.begin() + at, errors.end());
-  return errors[static_cast<std::size_t>(at)];
+double quantile_or_0(std::vector<double> errors, double share) {
+  return errors.empty() ? 0.0 : quantile(errors, share);
 }
 
 double percent_above(const std::vector<double>& errors, double limit) {
@@ -70,12 +68,12 @@ Figures judge(std::span<const Sample> samples, const pipeline::Truth& truth) {
   Figures f;
   f.coverage_percent = 100.0 * static_cast<double>(samples.size()) / static_cast<double>(truth.lattice().count());
   f.rms_away_mm = rms(away) / kMilli;
-  f.p99_away_mm = quantile(away, 0.99) / kMilli;
+  f.p99_away_mm = quantile_or_0(away, 0.99) / kMilli;
   f.off2_away_percent = percent_above(away, 2.0 * kMilli);
   f.rms_all_mm = rms(all) / kMilli;
   f.off5_all_percent = percent_above(all, 5.0 * kMilli);
   f.rms_smooth_mm = rms(smooth) / kMilli;
-  f.median_mm = quantile(all, 0.5) / kMilli;
+  f.median_mm = quantile_or_0(all, 0.5) / kMilli;
   f.beside_percent = beside.empty() ? 0.0 : 100.0 - percent_above(beside, 1.0 * kMilli);
   return f;
 }

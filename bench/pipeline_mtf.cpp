@@ -12,6 +12,7 @@
 #include <numbers>
 #include <random>
 
+#include "pipeline/base/statistics.h"
 #include "pipeline/base/yaml.h"
 #include "pipeline/grid/project.h"
 #include "pipeline/scan/reader.h"
@@ -171,11 +172,7 @@ Pair compare(const pipeline::DepthGrid& grid, const std::function<double(double,
   }
   pair.rms_m = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, errors.size())));
   pair.measured = static_cast<double>(errors.size()) / static_cast<double>(lattice.count());
-  if (!errors.empty()) {
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    pair.median_m = *middle;
-  }
+  if (!errors.empty()) pair.median_m = median(errors);
   return pair;
 }
 

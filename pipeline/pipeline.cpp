@@ -108,6 +108,9 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   scene.config = config;
   scene.sources = std::move(scans.sources);
   scene.scan_from_grid = config.orientation.scan_to_grid.inverse();
+  if (config.orientation.regions_scan_to_grid) {
+    scene.region_from_grid = *config.orientation.regions_scan_to_grid * scene.scan_from_grid;
+  }
   scene.noise_m = projection.noise_m;
   warn_of_size(projection.grid.lattice, progress);
 

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/base/statistics.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -129,9 +131,7 @@ InnerBox inner_box(const std::vector<Eigen::Vector3d>& points_m) {
     std::transform(points_m.begin(), points_m.end(), values.begin(), [axis](const auto& p) { return p[axis]; });
     const auto at = [&](double share) {
       const double place = share * static_cast<double>(values.size() - 1);
-      const auto n = static_cast<std::ptrdiff_t>(share < 0.5 ? std::floor(place) : std::ceil(place));
-      std::nth_element(values.begin(), values.begin() + n, values.end());
-      return values[static_cast<std::size_t>(n)];
+      return value_of_rank(values, static_cast<std::size_t>(share < 0.5 ? std::floor(place) : std::ceil(place)));
     };
     box.low[axis] = at(0.01);
     box.high[axis] = at(0.99);

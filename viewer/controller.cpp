@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/scene/regions.h"
 #include "pipeline/scene/workspace.h"
 
 namespace sparsha::viewer {
@@ -397,13 +398,10 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
   frame_.state = state;
   if (!scene_) return;
   frame_.part.clear();
-  if (state.tick != 0 && state.contact != 0)
-    for (const pipeline::PartConfig& part : scene_->description().config.parts)
-      if (state.proxy_m[0] >= part.box_m[0] && state.proxy_m[1] >= part.box_m[1] && state.proxy_m[0] <= part.box_m[2] &&
-          state.proxy_m[1] <= part.box_m[3]) {
-        frame_.part = part.say.empty() ? part.name : part.say;
-        break;
-      }
+  if (state.tick != 0 && state.contact != 0) {
+    const pipeline::PartConfig* part = pipeline::part_at(scene_->description(), state.place_m);
+    if (part != nullptr) frame_.part = part->say.empty() ? part->name : part->say;
+  }
   take_announcements(time_s);
   ease_camera(seconds, width, height);
   move_hand(seconds, height_at);

@@ -12,6 +12,7 @@
 
 #include "haptics/contact/rest_residual.h"
 #include "pipeline/base/files.h"
+#include "pipeline/base/statistics.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -29,9 +30,7 @@ double timer_overhead_ns() {
     const Clock::time_point begin = Clock::now();
     pause = nanoseconds(begin, Clock::now());
   }
-  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
-  std::nth_element(pauses.begin(), middle, pauses.end());
-  return *middle;
+  return median(pauses);
 }
 
 /// The value below which a share of the sorted values lies.

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include <Eigen/Core>
 
 #include "haptics/shared/spsc_queue.h"
 #include "haptics/surface/monge_surface.h"
+#include "pipeline/scene/regions.h"
 
 namespace sparsha::haptics {
 
@@ -23,6 +25,7 @@ struct HapticWindow {
   std::uint64_t id = 0;  ///< counts swaps of window, level or scene
   bool texture = true;
   bool friction = true;
+  std::optional<pipeline::RegionFrame> region_from_grid;  ///< of a scene that was turned
 };
 
 struct Command {

@@ -55,6 +55,7 @@ std::optional<ContactEvent> ContactEvents::update(const Input& input) noexcept {
     result.kind = kind;
     result.time_s = input.time_s;
     result.proxy_m = {input.proxy_m.x(), input.proxy_m.y(), input.proxy_m.z()};
+    result.place_m = input.place_m;
     result.level = input.level;
     event = result;
   };
@@ -72,11 +73,13 @@ std::optional<ContactEvent> ContactEvents::update(const Input& input) noexcept {
     }
     last_contact_s_ = input.time_s;
     last_proxy_m_ = input.proxy_m;
+    last_place_m_ = input.place_m;
   } else if (touching_ && input.time_s - last_contact_s_ >= kShortestLiftS) {
     touching_ = false;
     say(ContactEvent::Kind::lift);
     event->time_s = last_contact_s_;
     event->proxy_m = {last_proxy_m_.x(), last_proxy_m_.y(), last_proxy_m_.z()};
+    event->place_m = last_place_m_;
     reset();
   }
   was_sticking_ = input.contact && input.sticking;

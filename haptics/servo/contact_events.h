@@ -21,6 +21,7 @@ class ContactEvents {
     double time_s = 0.0;
     Eigen::Vector3d hand_m = Eigen::Vector3d::Zero();   ///< device frame
     Eigen::Vector3d proxy_m = Eigen::Vector3d::Zero();  ///< grid frame
+    std::array<double, 3> place_m{};                    ///< as State has it
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double stiffness_n_per_m = 0.0;
     std::uint64_t level = 0;
@@ -50,6 +51,7 @@ class ContactEvents {
   double last_contact_s_ = 0.0;
   double last_slip_s_ = -1.0;
   Eigen::Vector3d last_proxy_m_ = Eigen::Vector3d::Zero();
+  std::array<double, 3> last_place_m_{};
 };
 
 }  // namespace sparsha::haptics

@@ -131,8 +131,15 @@ void TickEngine::go_blind(const DeviceSample& sample) noexcept {
   if (!placed_) {
     state.hip_m = to_array(centre_m_ + hand_m_ / surface_->scale);
     state.proxy_m = state.hip_m;
+    state.place_m = place_of(centre_m_ + hand_m_ / surface_->scale);
   }
   if (!sample.fresh) state.flags |= kFlagStale;
+}
+
+std::array<double, 3> TickEngine::place_of(const Eigen::Vector3d& grid_m) const noexcept {
+  if (!window_.region_from_grid) return to_array(grid_m);
+  const pipeline::RegionFrame& frame = *window_.region_from_grid;
+  return to_array(frame.leftCols<3>() * grid_m + frame.col(3));
 }
 
 void TickEngine::make_safe() noexcept {
@@ -194,6 +201,7 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   slip_speed_ += (moved_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilterS);
   state.hip_m = to_array(hip_m);
   state.proxy_m = to_array(proxy_m);
+  state.place_m = place_of(proxy_m);
   state.normal = to_array(found_.normal);
   state.force_n = to_array(force_n);
   state.commanded_force_n = to_array(output.force_n);
@@ -214,6 +222,7 @@ void TickEngine::render(const DeviceSample& sample) noexcept {
   contact.time_s = sample.time_s;
   contact.hand_m = hand_m_;
   contact.proxy_m = proxy_m;
+  contact.place_m = state.place_m;
   contact.normal = found_.normal;
   contact.stiffness_n_per_m = stiffness_n_per_m_;
   contact.level = static_cast<std::uint64_t>(surface_->level);

@@ -2,6 +2,7 @@
 // exceptions. The servo's thread drives it in real time; tests and offline tools may drive it by hand.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -61,6 +62,7 @@ class TickEngine {
   [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
   void go_blind(const DeviceSample& sample) noexcept;
   void make_safe() noexcept;
+  [[nodiscard]] std::array<double, 3> place_of(const Eigen::Vector3d& grid_m) const noexcept;
   [[nodiscard]] std::uint64_t find_place(const Eigen::Vector3d& local) noexcept;
 
   DeviceInfo device_;

@@ -4,14 +4,12 @@
 
 #include <utility>
 
+#include "pipeline/scene/regions.h"
+
 namespace sparsha::haptics {
 namespace {
 
 constexpr double kSilenceS = 1.0;  // the same thing is said again only after so long an absence
-
-bool in_box(const std::array<double, 4>& box_m, double x, double y) {
-  return x >= box_m[0] && y >= box_m[1] && x <= box_m[2] && y <= box_m[3];
-}
 
 }  // namespace
 
@@ -34,9 +32,7 @@ void Narrator::set_scene(pipeline::ScenePointer scene) {
 void Narrator::say(std::string text, Announcement::Priority priority) { board_.say(std::move(text), priority); }
 
 const pipeline::PartConfig* Narrator::part_at(const State& state) const {
-  for (const pipeline::PartConfig& part : scene_->description().config.parts)
-    if (in_box(part.box_m, state.proxy_m[0], state.proxy_m[1])) return &part;
-  return nullptr;
+  return pipeline::part_at(scene_->description(), state.place_m);
 }
 
 void Narrator::watch(const State& state) {

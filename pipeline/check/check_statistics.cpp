@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/base/statistics.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -11,9 +13,7 @@ constexpr double kNormal95 = 1.959963984540054;  // half width of the central 95
 
 double rank(std::vector<double>& values, double fraction) {
   const auto n = static_cast<double>(values.size());
-  const auto nth = static_cast<std::ptrdiff_t>(std::clamp(std::ceil(fraction * n) - 1, 0.0, n - 1));
-  std::nth_element(values.begin(), values.begin() + nth, values.end());
-  return values[static_cast<std::size_t>(nth)];
+  return value_of_rank(values, static_cast<std::size_t>(std::clamp(std::ceil(fraction * n) - 1, 0.0, n - 1)));
 }
 
 }  // namespace

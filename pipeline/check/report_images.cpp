@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 
+#include "pipeline/base/statistics.h"
 #include "pipeline/check/report_shading.h"
 #include "pipeline/scene/friction_law.h"
 #include "pipeline/scene/workspace.h"
@@ -57,9 +58,7 @@ double quantile(const Field& field, double fraction) {
   for (std::size_t n = 0; n < field.values.size(); n += step)
     if (!std::isnan(field.values[n])) known.push_back(field.values[n]);
   if (known.empty()) return 0;
-  const auto nth = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(known.size() - 1));
-  std::nth_element(known.begin(), known.begin() + nth, known.end());
-  return known[static_cast<std::size_t>(nth)];
+  return static_cast<double>(sparsha::quantile(known, fraction));
 }
 
 std::uint8_t hatch(int column, int row) { return (column + row) % kHatchPeriod < kHatchPeriod / 2 ? 0 : 255; }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/base/statistics.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -83,9 +85,7 @@ Shading shade(const Field& heights, double pixel_m) {
     }
   Shading result{Field(width, height), 1};
   if (!steepness.empty()) {
-    const auto nth = static_cast<std::ptrdiff_t>(0.8 * static_cast<double>(steepness.size() - 1));
-    std::nth_element(steepness.begin(), steepness.begin() + nth, steepness.end());
-    const double steep = steepness[static_cast<std::size_t>(nth)];
+    const auto steep = static_cast<double>(sparsha::quantile(steepness, 0.8));
     if (steep > 0) result.exaggeration = std::clamp(kShownSlope / steep, kLeast, kMost);
   }
   for (std::size_t n = 0; n < result.light.values.size(); ++n) {

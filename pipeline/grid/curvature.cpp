@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "pipeline/base/statistics.h"
 #include "pipeline/grid/curvature_kernel.h"
 #include "pipeline/grid/layers.h"
 
@@ -154,13 +155,6 @@ Curvature curvature_of(const Derivatives& d, const Noise& noise) {
           gaussian};
 }
 
-double percentile(std::vector<float>& values, double fraction) {
-  if (values.empty()) return 0;
-  const auto nth = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + nth, values.end());
-  return values[static_cast<std::size_t>(nth)];
-}
-
 }  // namespace
 
 CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m, double scale_m,
@@ -221,7 +215,7 @@ CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& 
   measured.reserve(grid.lattice.count());
   for (std::size_t n = 0; n < counted.size(); ++n)
     if (counted[n] != 0) measured.push_back(map.rms_per_m[n]);
-  map.percentile_95_per_m = percentile(measured, 0.95);
+  map.percentile_95_per_m = measured.empty() ? 0.0 : static_cast<double>(quantile(measured, 0.95));
   return map;
 }
 

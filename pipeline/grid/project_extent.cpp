@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "pipeline/base/error.h"
+#include "pipeline/base/statistics.h"
 #include "pipeline/grid/project_kernel.h"
 
 namespace sparsha::pipeline {
@@ -116,9 +117,8 @@ void keep_supported_cells(Occupancy& cells, std::uint64_t points) {
   std::vector<std::uint32_t> occupied = sum_around(cells);
   cells.kept.assign(cells.count.size(), 0);
   if (occupied.empty()) return;
-  const auto middle = occupied.begin() + static_cast<std::ptrdiff_t>(occupied.size() / 2);
-  std::nth_element(occupied.begin(), middle, occupied.end());
-  const std::uint32_t least = std::max(std::min<std::uint32_t>(3, *middle), *middle / 64);
+  const std::uint32_t middle = median(occupied);
+  const std::uint32_t least = std::max(std::min<std::uint32_t>(3, middle), middle / 64);
   for (std::size_t c = 0; c < cells.count.size(); ++c) {
     cells.kept[c] = cells.count[c] > 0 && cells.around[c] >= least ? 1 : 0;
   }

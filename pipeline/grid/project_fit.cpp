@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/base/statistics.h"
 #include "pipeline/grid/project_kernel.h"
 
 namespace sparsha::pipeline {
@@ -132,10 +133,8 @@ double residual_scale_m(std::span<const NodePoint> points, std::vector<double>& 
   for (std::size_t k = 0; k < points.size(); ++k) {
     scratch[k] = std::abs(static_cast<double>(points[k].z) - value(quadric, points[k]));
   }
-  const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
-  std::nth_element(scratch.begin(), middle, scratch.end());
   const auto count = static_cast<double>(points.size());
-  return 1.4826 * *middle * std::sqrt(count / (count - 6.0));
+  return 1.4826 * median(scratch) * std::sqrt(count / (count - 6.0));
 }
 
 }  // namespace sparsha::pipeline

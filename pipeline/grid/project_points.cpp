@@ -8,6 +8,7 @@
 #include <limits>
 #include <mutex>
 
+#include "pipeline/base/statistics.h"
 #include "pipeline/grid/project_kernel.h"
 
 namespace sparsha::pipeline {
@@ -64,12 +65,6 @@ Box put_aside(OrientedPoints& points, std::size_t begin, std::size_t end) {
     }
   }
   return box;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // The cloud's origin as the grid frame has it.

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/base/statistics.h"
 #include "pipeline/grid/project_fit.h"
 #include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/project_node.h"
@@ -197,9 +198,7 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
   }
   if (in_space.flat > 0) {
     result.steep_share = static_cast<double>(in_space.steep) / static_cast<double>(in_space.flat);
-    const auto middle = in_space.spacings_m.begin() + static_cast<std::ptrdiff_t>(in_space.spacings_m.size() / 2);
-    std::nth_element(in_space.spacings_m.begin(), middle, in_space.spacings_m.end());
-    result.surface_spacing_m = *middle;
+    result.surface_spacing_m = median(in_space.spacings_m);
   }
 
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.

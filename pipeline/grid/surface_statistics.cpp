@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "pipeline/base/hash.h"
+#include "pipeline/base/statistics.h"
 #include "pipeline/grid/project_kernel.h"
 #include "pipeline/grid/surface_plane.h"
 
@@ -127,12 +128,6 @@ Measured measure_block(std::span<const Drawn> block, double margin_m, std::size_
     if (const std::optional<double> residual = near.residual_m(plane)) measured.noise_m.push_back(*residual);
   }
   return measured;
-}
-
-double quantile(std::vector<double>& values, double share) {
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/base/statistics.h"
+
 namespace sparsha::pipeline {
 
 bool PointSample::before(const Entry& a, const Entry& b) {
@@ -38,9 +40,7 @@ double quantile(const std::vector<Eigen::Vector3d>& points, int axis, double ran
   std::vector<double> values;
   values.reserve(points.size());
   for (const Eigen::Vector3d& p : points) values.push_back(p[axis]);
-  const auto at = static_cast<std::ptrdiff_t>(std::lround(rank * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
+  return value_of_rank(values, static_cast<std::size_t>(std::lround(rank * static_cast<double>(values.size() - 1))));
 }
 
 Eigen::Vector3d common_origin(const PointSample& sample) {

@@ -15,6 +15,7 @@
 #include <pcl/point_types.h>
 
 #include "pipeline/base/hash.h"
+#include "pipeline/base/statistics.h"
 #include "pipeline/scan/origin.h"
 
 namespace sparsha::pipeline {
@@ -24,12 +25,7 @@ constexpr std::uint64_t kSample = 100'000;
 constexpr double kReach = 4.0;  // mean spacings, about a place
 constexpr std::size_t kMostNeighbours = 64;
 
-double middle_of(std::vector<float>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
+double middle_of(std::vector<float>& values) { return values.empty() ? 0.0 : static_cast<double>(median(values)); }
 
 /// Gathers what lies within `reach` of each of some places, or a little more: cubes of that size that touch it.
 class Neighbourhoods {

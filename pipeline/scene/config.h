@@ -52,6 +52,8 @@ using FilterConfig = std::variant<CropConfig, VoxelConfig, OutlierConfig>;
 /// How the object is looked at; `scan_to_grid` is what counts, an invertible affine about the scan frame's origin.
 struct OrientationConfig {
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
+  /// Where parts and sounds are written in another grid frame; in memory only.
+  std::optional<Eigen::Matrix4d> regions_scan_to_grid;
 };
 /// Rotation whose +z looks at the viewer who stands in direction `look_from`, +y up. Throws Error{usage} when parallel.
 [[nodiscard]] Eigen::Matrix4d look_from(const Eigen::Vector3d& direction, const Eigen::Vector3d& up, double scale);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct ScanSource {
 struct SceneDescription {
   Config config;  ///< resolved: automatic values replaced by the ones used
   Eigen::Matrix4d scan_from_grid = Eigen::Matrix4d::Identity();
+  /// Of a scene that was scanned again from another side: its parts and sounds are written in another grid frame.
+  std::optional<Eigen::Matrix4d> region_from_grid;
   std::vector<Lattice> levels;  ///< level L has spacing 2^L times level 0's; all share origin_m
   std::vector<ScanSource> sources;
   double noise_m = 0.0;       ///< estimated standard deviation of the scan's range noise

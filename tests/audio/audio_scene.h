@@ -61,7 +61,7 @@ inline std::shared_ptr<const audio::SoundBank> bank(std::vector<pipeline::AudioR
 inline haptics::ContactEvent touch(double time_s, double x, double y, double force_n) {
   haptics::ContactEvent event;
   event.time_s = time_s;
-  event.proxy_m = {x, y, 0.0};
+  event.proxy_m = event.place_m = {x, y, 0.0};
   event.peak_force_n = force_n;
   return event;
 }

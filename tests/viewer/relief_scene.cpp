@@ -90,7 +90,7 @@ haptics::State touching(const pipeline::Scene& scene, double x_m, double y_m, do
   state.workspace_m = 0.1;
   state.scale = 0.1 / ((nodes - 1) * level.spacing_m);
   state.centre_m = {cx_m, cy_m, z_m};
-  state.proxy_m = {x_m, y_m, z_m};
+  state.proxy_m = state.place_m = {x_m, y_m, z_m};
   state.hip_m = {x_m, y_m, z_m - 0.002 / state.scale};
   state.normal = {0.0, 0.0, 1.0};
   state.force_n = state.commanded_force_n = {0.2, 0.1, 1.6};

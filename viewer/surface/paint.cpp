@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "pipeline/base/statistics.h"
 #include "pipeline/scene/friction_law.h"
 #include "pipeline/scene/workspace.h"
 
@@ -15,15 +16,12 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// The share-th quantile of finite magnitudes, from about 16000 samples.
-double quantile(const std::vector<double>& values, double share) {
+double typical(const std::vector<double>& values, double share) {
   std::vector<double> some;
   const std::size_t stride = std::max<std::size_t>(1, values.size() / 16384);
   for (std::size_t k = 0; k < values.size(); k += stride)
     if (std::isfinite(values[k])) some.push_back(std::abs(values[k]));
-  if (some.empty()) return 0.0;
-  const auto at = some.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(some.size() - 1));
-  std::nth_element(some.begin(), at, some.end());
-  return *at;
+  return some.empty() ? 0.0 : quantile(some, share);
 }
 
 Paint scan_colours(const ReliefData& relief) {
@@ -41,7 +39,7 @@ Paint scan_colours(const ReliefData& relief) {
   }
   paint.legend.title = "Intensity as scanned";
   std::vector<double> values(relief.layers.intensity.begin(), relief.layers.intensity.end());
-  const double low = quantile(values, 0.01), high = std::max(quantile(values, 0.99), low + 1e-12);
+  const double low = typical(values, 0.01), high = std::max(typical(values, 0.99), low + 1e-12);
   for (std::size_t k = 0; k < count; ++k) {
     if (!std::isfinite(values[k])) continue;
     const double share = std::clamp((values[k] - low) / (high - low), 0.0, 1.0);
@@ -127,7 +125,7 @@ Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& d
     own.map = ColourMap::diverging;
     for (std::size_t k = 0; k < count; ++k)
       values[k] = 1e3 * (static_cast<double>(relief.layers.grid.height_m[k]) - relief.layers.envelope_m[k]);
-    own.high = std::max(quantile(values, 0.98), 1e-6);
+    own.high = std::max(typical(values, 0.98), 1e-6);
     own.low = -own.high;
   }
   if (legend != nullptr) own = *legend;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/base/statistics.h"
 #include "viewer/surface/height_light.h"
 
 namespace sparsha::viewer {
@@ -93,9 +94,7 @@ double typical(const std::vector<float>& values) {
   std::vector<float> some;
   const std::size_t stride = std::max<std::size_t>(1, values.size() / 4096);
   for (std::size_t k = 0; k < values.size(); k += stride) some.push_back(std::abs(values[k]));
-  const auto at = some.begin() + static_cast<std::ptrdiff_t>(some.size() * 9 / 10);
-  std::nth_element(some.begin(), at, some.end());
-  return *at;
+  return static_cast<double>(value_of_rank(some, some.size() * 9 / 10));
 }
 
 /// Heights above their surroundings at two scales: ridges positive, grooves negative, each scaled by what is typical.

@@ -11,6 +11,7 @@
 #include "haptics/shared/state.h"
 #include "pipeline/base/error.h"
 #include "pipeline/base/files.h"
+#include "pipeline/base/statistics.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -199,9 +200,8 @@ double commonest_step(const std::vector<RecordedRow>& rows) {
   for (std::size_t i = 1; i < rows.size() && steps.size() < 1000; ++i)
     steps.push_back(rows[i].time_s - rows[i - 1].time_s);
   if (steps.empty()) return 0.001;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle > 0.0 ? *middle : 0.001;
+  const double step = median(steps);
+  return step > 0.0 ? step : 0.001;
 }
 
 }  // namespace

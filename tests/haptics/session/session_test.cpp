@@ -154,6 +154,42 @@ TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
   session.stop();
 }
 
+TEST(Session, PartsAndSoundsStayWhereTheyAreOnTheObjectWhenItIsScannedFromAnotherSide) {
+  // The same plate before and after a half turn about z: what was on the left is on the right.
+  const auto plate = [](bool turned) {
+    return testing::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
+                             [turned](pipeline::SceneDescription& d) {
+                               d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
+                               d.config.parts.push_back({"right", "Right half", {0.055, 0.0, 0.1, 0.1}});
+                               if (!turned) return;
+                               Eigen::Matrix4d half_turn = Eigen::Matrix4d::Identity();
+                               half_turn(0, 0) = half_turn(1, 1) = -1.0;
+                               half_turn(0, 3) = half_turn(1, 3) = 0.1;
+                               d.region_from_grid = half_turn;
+                             });
+  };
+  Placed hand;
+  Session session(plate(false), make_pointer_device(hand.place), SessionOptions{});
+  const auto events = session.add_contact_consumer();
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 100; }));
+  session.set_scene(plate(true));
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().surface_id == 2; }));
+  hand.put(-0.02, 0.01, 0.02);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().device_m[0] < -0.0199; }));
+  hand.put(-0.02, 0.01, -0.005);
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Right half"); }));
+  EXPECT_FALSE(said(session, "Left half"));
+  const State state = session.state().read();
+  EXPECT_NEAR(state.place_m[0], 0.1 - state.proxy_m[0], 1e-12);
+  EXPECT_NEAR(state.place_m[1], 0.1 - state.proxy_m[1], 1e-12);
+  EXPECT_EQ(state.place_m[2], state.proxy_m[2]);
+  session.stop();
+  ContactEvent touch;
+  ASSERT_TRUE(events->pop(touch));
+  EXPECT_NEAR(touch.place_m[0], 0.1 - touch.proxy_m[0], 1e-12) << "what sounds is asked by the same place";
+}
+
 /// Presses into the stone after 100 ms in the air, again and again, and then does what it is told to do wrong.
 enum class Trouble { none, not_a_number, unplugged, silent };
 std::unique_ptr<Device> troubled_device(const std::shared_ptr<std::atomic<Trouble>>& trouble) {

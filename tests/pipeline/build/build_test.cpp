@@ -6,6 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <Eigen/Geometry>
+
 #include "pipeline/base/error.h"
 #include "pipeline/base/files.h"
 #include "pipeline/pipeline.h"
@@ -55,6 +57,24 @@ TEST_F(Build, EveryPointReadIsAccountedForOnce) {
   EXPECT_GT(result.report.coverage, 0.95);
   ASSERT_TRUE(result.report.check.has_value());
   EXPECT_LT(result.report.check->cloud_to_surface.median_m, 3.0 * result.scene->description().noise_m);
+}
+
+TEST_F(Build, AScanFromAnotherSideKnowsWherePartsAndSoundsWereWritten) {
+  const Config first = sample_config({"grid={spacing_mm: 8}"});
+  EXPECT_FALSE(build_scene(first, {}, progress_).scene->description().region_from_grid.has_value());
+  Config again = first;
+  Eigen::Matrix4d tilt = Eigen::Matrix4d::Identity();
+  tilt.topLeftCorner<3, 3>() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  again.orientation.scan_to_grid = tilt * first.orientation.scan_to_grid;
+  again.orientation.regions_scan_to_grid = first.orientation.scan_to_grid;
+  again.grid.bounds_m.reset();
+  const ScenePointer scene = build_scene(again, {}, progress_).scene;
+  ASSERT_TRUE(scene->description().region_from_grid.has_value());
+  const Eigen::Vector4d on_object(0.4, 0.3, 0.05, 1.0);  // scan frame
+  const Eigen::Vector4d seen = again.orientation.scan_to_grid * on_object;
+  const Eigen::Vector4d written = first.orientation.scan_to_grid * on_object;
+  EXPECT_GT((seen - written).norm(), 0.01);
+  EXPECT_LT((*scene->description().region_from_grid * seen - written).norm(), 1e-12);
 }
 
 TEST_F(Build, NeitherThreadsNorTheOrderOfScansChangeAByteOfTheScene) {

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -145,6 +148,33 @@ TEST_F(OutOfCore, ClosedObjectsGiveTheSameBytesAsInMemoryOnCoarseGridsAndFine) {
         size);
     expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
   }
+}
+
+// The balls as two scanners before and behind them would write them, each what faces it.
+std::string two_stations() {
+  std::array<std::string, 2> rows;
+  std::array<int, 2> counts{};
+  std::istringstream text(two_balls());
+  for (double x = 0.0, y = 0.0, z = 0.0; text >> x >> y >> z;) {
+    const std::size_t station = z > (std::hypot(x - 0.05, y - 0.02) < 0.1 && z > 0.29 ? 0.4 : 0.0) ? 0 : 1;
+    rows[station] += fmt::format("{:.7f} {:.7f} {:.7f} 0.5\n", x, y, z - (station == 0 ? 3.0 : -3.0));
+    ++counts[station];
+  }
+  std::string ptx;
+  for (const std::size_t station : {0U, 1U}) {
+    const char* z = station == 0 ? "3" : "-3";
+    ptx +=
+        fmt::format("{}\n1\n0 0 {}\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 {} 1\n", counts[station], z, z);
+    ptx += rows[station];
+  }
+  return ptx;
+}
+
+TEST_F(OutOfCore, ClosedObjectsAreTurnedByTheirStationsAsInMemory) {
+  write_file(folder_ / "balls.ptx", two_stations());
+  const std::string text =
+      "scans: [{file: balls.ptx, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
+  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
 }
 
 TEST_F(OutOfCore, StripsTooFullForMemoryAreCutIntoColumns) {
