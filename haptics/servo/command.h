@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 #include <Eigen/Core>
 
@@ -25,7 +24,8 @@ struct HapticWindow {
   std::uint64_t id = 0;  ///< counts swaps of window, level or scene
   bool texture = true;
   bool friction = true;
-  std::optional<pipeline::RegionFrame> region_from_grid;  ///< of a scene that was turned
+  bool turned = false;  ///< the scene's parts and sounds are written in another frame:
+  pipeline::RegionFrame region_from_grid = pipeline::RegionFrame::Identity();
 };
 
 struct Command {

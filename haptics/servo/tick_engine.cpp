@@ -137,8 +137,8 @@ void TickEngine::go_blind(const DeviceSample& sample) noexcept {
 }
 
 std::array<double, 3> TickEngine::place_of(const Eigen::Vector3d& grid_m) const noexcept {
-  if (!window_.region_from_grid) return to_array(grid_m);
-  const pipeline::RegionFrame& frame = *window_.region_from_grid;
+  if (!window_.turned) return to_array(grid_m);
+  const pipeline::RegionFrame& frame = window_.region_from_grid;
   return to_array(frame.leftCols<3>() * grid_m + frame.col(3));
 }
 

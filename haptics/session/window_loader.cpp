@@ -64,7 +64,8 @@ HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, s
   window.id = id;
   window.texture = plan.texture;
   window.friction = plan.friction;
-  if (description.region_from_grid) window.region_from_grid = description.region_from_grid->topRows<3>();
+  window.turned = description.region_from_grid.has_value();
+  if (window.turned) window.region_from_grid = description.region_from_grid->topRows<3>();
   return window;
 }
 
