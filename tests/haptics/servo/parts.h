@@ -43,7 +43,7 @@ inline DeviceSample sample_at(const Eigen::Vector3d& position_m, double time_s) 
 
 /// Options for tests of anything but lateness: a machine that takes its processors away for up to `longest_gap_s`,
 /// again and again, changes nothing in them.
-inline ServoOptions patient(double longest_gap_s = 10.0) {
+inline ServoOptions patient(double longest_gap_s = 1.0) {
   ServoOptions options;
   options.engine.longest_gap_s = longest_gap_s;
   return options;

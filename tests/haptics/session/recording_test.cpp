@@ -50,7 +50,7 @@ TEST(Session, TheSimulatedHandTouchesAndEveryTickIsARow) {
   const test::TestFolder folder;
   SessionOptions options;
   options.record = folder / "run.csv";
-  options.longest_gap_s = 10.0;  // pauses of the machine are other tests' matter
+  options.longest_gap_s = 1.0;  // pauses of the machine are other tests' matter
   Session session(textured_scene(), make_simulated_device(1, 4.0), options);
   const auto events = session.add_contact_consumer();
   const SessionSummary summary = run_to_the_end(session);
