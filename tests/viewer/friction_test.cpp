@@ -61,7 +61,7 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
                    description.config.friction->law = c.law;
                    description.config.levels.window = c.window;
                    description.friction_c_m = kFrictionCM;
-          description.has_curvature = description.has_paper_curvatures = c.layers;
+                   description.has_curvature = description.has_paper_curvatures = c.layers;
                  },
                  [&](pipeline::Layers& layers) {
                    if (!c.layers) return;
