@@ -20,6 +20,7 @@ namespace {
 constexpr double kMost = 40000.0;      // points of the sample
 constexpr int kNeighbours = 10;        // of a sample's plane
 constexpr double kCellSpacings = 3.0;  // of a depth map: an empty cell is one in 8000
+constexpr double kMostCells = 4e6;     // of a depth map; an object alone needs thousands
 constexpr float kOblique = 0.25F;      // cosine under which a direction says nothing about a point
 constexpr double kSheet = 0.7;         // spacings across a surface that are still the same
 constexpr float kAligned = 0.6F;       // cosine of normals that belong to one surface
@@ -141,8 +142,13 @@ struct DepthMap {
     }
     const auto [u0, u1] = std::minmax_element(u.begin(), u.end());
     const auto [v0, v1] = std::minmax_element(v.begin(), v.end());
-    const int nu = static_cast<int>((*u1 - *u0) / cell_m) + 1;
-    const int nv = static_cast<int>((*v1 - *v0) / cell_m) + 1;
+    // Points far behind the others must not cost memory: cells that are too many become larger, which hides more.
+    const auto across = [&](float range) {
+      return std::floor(static_cast<double>(range) / static_cast<double>(cell_m)) + 1.0;
+    };
+    while (across(*u1 - *u0) * across(*v1 - *v0) > kMostCells) cell_m *= 2.0F;
+    const int nu = static_cast<int>(across(*u1 - *u0));
+    const int nv = static_cast<int>(across(*v1 - *v0));
     nearest.assign(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv), kNone);
     for (std::size_t k = 0; k < count; ++k) {
       const int i = std::clamp(static_cast<int>((u[k] - *u0) / cell_m), 0, nu - 1);

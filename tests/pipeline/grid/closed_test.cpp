@@ -217,6 +217,18 @@ ObjectScan folded_screen() {
   return scan;
 }
 
+TEST(ClosedObjects, PointsFarBehindThemCostNoMemoryAndChangeLittle) {
+  const NamedObject& named = objects()[0];
+  ObjectScan scan = scan_object(*named.object, cloud_of(50'000));
+  for (const double behind_m : {1e4, 1e9}) {
+    ObjectScan both = scan;
+    for (std::size_t k = 0; k < scan.points.size(); k += 20) both.points[k][2] -= behind_m;
+    const Judgement f = judge_object(project_scan(both).grid, *named.object, scan);
+    EXPECT_LE(f.wrong_smooth, 0.001) << behind_m;
+    EXPECT_GE(f.covered, 0.85) << behind_m;
+  }
+}
+
 TEST(ClosedObjects, OpenSheetsHaveSidesWhereTheirStationIsKnown) {
   const ObjectScan scan = folded_screen();
   pipeline::Station above{"above.ptx", true, {1.0, 1.0, 30.0}, {}};
