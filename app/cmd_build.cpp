@@ -9,10 +9,10 @@
 #include "app/inputs.h"
 #include "app/results.h"
 #include "app/terminal.h"
-#include "pipeline/base/error.h"
-#include "pipeline/base/system.h"
-#include "pipeline/pipeline.h"
-#include "pipeline/scene/scene_folder.h"
+#include "base/error.h"
+#include "base/system.h"
+#include "pipeline/build/build.h"
+#include "scene/scene_folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/results.h"
 #include "app/terminal.h"
-#include "pipeline/base/error.h"
-#include "pipeline/recheck.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "pipeline/build/recheck.h"
 
 namespace sparsha::app {
 

@@ -7,10 +7,10 @@
 
 #include "app/commands.h"
 #include "app/terminal.h"
+#include "base/error.h"
 #include "haptics/device/falcon/check.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/usb_transport.h"
-#include "pipeline/base/error.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {

@@ -19,10 +19,10 @@
 #include "app/terminal.h"
 #include "audio/engine.h"
 #include "audio/speech/speech.h"
+#include "base/error.h"
 #include "haptics/session/session.h"
-#include "pipeline/base/error.h"
-#include "pipeline/pipeline.h"
-#include "pipeline/scene/scene_folder.h"
+#include "pipeline/build/build.h"
+#include "scene/scene_folder.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
@@ -60,6 +60,10 @@ class Rescan {
   void start(const Eigen::Matrix4d& scan_to_grid) {
     if (result_.valid()) {
       session_.announcements().say("A depth scan is already running");
+      return;
+    }
+    if (session_.plays_recording()) {
+      session_.announcements().say("No new depth scan while a recording is played");
       return;
     }
     const pipeline::ScenePointer scene = session_.scene();
@@ -160,7 +164,127 @@ class Deliveries {
   std::exception_ptr failure_;
 };
 
-// Explores until the device, the user or the clock ends it.
+std::unique_ptr<haptics::Session> make_session(const pipeline::ScenePointer& scene, ChosenDevice& chosen,
+                                               const Arguments& arguments) {
+  haptics::SessionOptions options;
+  options.haptics = scene->description().config.haptics;
+  options.effects = {!arguments.no_texture, !arguments.no_friction};
+  options.record = arguments.record;
+  if (chosen.recording) return std::make_unique<haptics::Session>(scene, chosen.recording, options);
+  if (chosen.simulated) chosen.device = simulated_hand(scene->description(), arguments.duration_s);
+  return std::make_unique<haptics::Session>(scene, std::move(chosen.device), options);
+}
+
+// One run: the session, and all that looks on and listens.
+class Exploration {
+ public:
+  Exploration(const Arguments& arguments, const CommonOptions& common, Terminal& terminal, bool window)
+      : arguments_(arguments),
+        terminal_(terminal),
+        chosen_(choose_device(arguments.device, window)),
+        scene_(scene_from(arguments.scene, common.trusted(), terminal.progress())),
+        session_(make_session(scene_, chosen_, arguments)),
+        rescan_(*session_, common.trusted()) {
+    const pipeline::Config& config = scene_->description().config;
+    if (config.audio || !arguments.audio_out.empty()) {
+      audio::EngineOptions options;
+      options.wav = arguments.audio_out;
+      options.live = config.audio && !arguments.headless;
+      audio_ = std::make_unique<audio::Engine>(scene_, session_->add_contact_consumer(), session_->state(), options);
+    }
+    if (arguments.speech) {
+      speech_.emplace();
+      if (!speech_->available()) terminal.message("warning: no speech program is installed (espeak-ng)");
+    }
+  }
+
+  // Until the device, the user or the clock ends it.
+  void run(bool window) {
+    began_ = Clock::now();
+    session_->start();
+    if (audio_) audio_->start();
+    if (window) return run_window();
+    while (!over()) {
+      poll();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
+  void deliver(const CommonOptions& common) {
+    Deliveries deliveries;
+    deliveries.attempt([&] { session_->stop(); });
+    const haptics::SessionSummary summary = session_->stop();
+    if (audio_) deliveries.attempt([&] { audio_->stop(); });
+    if (!arguments_.screenshot.empty()) {
+      deliveries.attempt([&] {
+        viewer::write_screenshot(session_->scene(), touch_.state, scene_->description().config.viewer,
+                                 arguments_.screenshot);
+      });
+    }
+    if (!arguments_.study.empty()) {
+      deliveries.attempt([&] { append_study(arguments_.study, summary, ask_realism()); });
+    }
+    const std::uint64_t strikes = audio_ ? audio_->strikes() : 0;
+    print(common.json ? summary_json(summary, strikes) : summary_text(summary, strikes));
+    deliveries.settle();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] bool over() const {
+    const std::chrono::duration<double> elapsed = Clock::now() - began_;
+    return interrupted() || session_->finished() ||
+           (arguments_.duration_s > 0.0 && elapsed.count() >= arguments_.duration_s);
+  }
+
+  void poll() {
+    session_->poll();
+    if (audio_ && audio_->warning() != audio_warning_) {  // the sound device is looked for in the background
+      audio_warning_ = audio_->warning();
+      terminal_.message("warning: " + audio_warning_);
+    }
+    rescan_.poll();
+    touch_.see(session_->state().read());
+    for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {
+      heard_ = announcement.sequence;
+      if (speech_) speech_->say(announcement);
+      if (announcement.priority != haptics::Announcement::Priority::information) {
+        terminal_.message("warning: " + announcement.text);
+      }
+    }
+  }
+
+  void run_window() {
+    viewer::Connections connections;
+    connections.state = &session_->state();
+    connections.requests = &session_->requests();
+    connections.announcements = &session_->announcements();
+    connections.pointer = chosen_.pointer;
+    connections.poll = [this] { poll(); };
+    connections.finished = [this] { return over(); };
+    connections.scene = [this] { return session_->scene(); };
+    connections.speak = [this](const std::string& text) { session_->announcements().say(text); };
+    connections.rescan = [this](const Eigen::Matrix4d& scan_to_grid) { rescan_.start(scan_to_grid); };
+    viewer::ViewerOptions options;
+    options.kiosk = arguments_.kiosk;
+    viewer::run_window(connections, options);
+  }
+
+  const Arguments& arguments_;
+  Terminal& terminal_;
+  ChosenDevice chosen_;
+  pipeline::ScenePointer scene_;
+  std::unique_ptr<haptics::Session> session_;
+  std::unique_ptr<audio::Engine> audio_;
+  std::optional<audio::Speech> speech_;
+  Rescan rescan_;
+  LastTouch touch_;
+  std::uint64_t heard_ = 0;
+  std::string audio_warning_;
+  Clock::time_point began_;
+};
+
 int run_explore(const Arguments& arguments, const CommonOptions& common) {
   check_arguments(arguments);
   Terminal terminal(common);
@@ -168,93 +292,9 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
   if (!arguments.headless && !window && arguments.device != "auto") {
     terminal.message("no display: running without a window");
   }
-  ChosenDevice chosen = choose_device(arguments.device, window, arguments.duration_s);
-  const pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
-  const pipeline::Config& config = scene->description().config;
-
-  haptics::SessionOptions options;
-  options.haptics = config.haptics;
-  options.texture = !arguments.no_texture;
-  options.friction = !arguments.no_friction;
-  options.record = arguments.record;
-  haptics::Session session(scene, std::move(chosen.device), options);
-
-  std::unique_ptr<audio::Engine> engine;
-  if (config.audio || !arguments.audio_out.empty()) {
-    audio::EngineOptions audio_options;
-    audio_options.wav = arguments.audio_out;
-    audio_options.live = config.audio && !arguments.headless;
-    engine = std::make_unique<audio::Engine>(scene, session.add_contact_consumer(), session.state(), audio_options);
-  }
-  std::optional<audio::Speech> speech;
-  if (arguments.speech) {
-    speech.emplace();
-    if (!speech->available()) terminal.message("warning: no speech program is installed (espeak-ng)");
-  }
-
-  Rescan rescan(session, common.trusted());
-  LastTouch touch;
-  std::uint64_t heard = 0;
-  const auto began = std::chrono::steady_clock::now();
-  const auto over = [&] {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
-    return interrupted() || session.finished() ||
-           (arguments.duration_s > 0.0 && elapsed.count() >= arguments.duration_s);
-  };
-  std::string sound_warning;
-  const auto poll = [&] {
-    session.poll();
-    if (engine && engine->warning() != sound_warning) {  // the sound device is looked for in the background
-      sound_warning = engine->warning();
-      terminal.message("warning: " + sound_warning);
-    }
-    rescan.poll();
-    touch.see(session.state().read());
-    for (const haptics::Announcement& announcement : session.announcements().since(heard)) {
-      heard = announcement.sequence;
-      if (speech) speech->say(announcement);
-      if (announcement.priority != haptics::Announcement::Priority::information) {
-        terminal.message("warning: " + announcement.text);
-      }
-    }
-  };
-
-  session.start();
-  if (engine) engine->start();
-  if (window) {
-    viewer::Connections connections;
-    connections.state = &session.state();
-    connections.requests = &session.requests();
-    connections.announcements = &session.announcements();
-    connections.pointer = chosen.pointer;
-    connections.poll = poll;
-    connections.finished = over;
-    connections.scene = [&session] { return session.scene(); };
-    connections.speak = [&session](const std::string& text) { session.announcements().say(text); };
-    connections.rescan = [&rescan](const Eigen::Matrix4d& scan_to_grid) { rescan.start(scan_to_grid); };
-    viewer::ViewerOptions viewer_options;
-    viewer_options.kiosk = arguments.kiosk;
-    viewer::run_window(connections, viewer_options);
-  } else {
-    while (!over()) {
-      poll();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  }
-  Deliveries deliveries;
-  deliveries.attempt([&] { session.stop(); });
-  const haptics::SessionSummary summary = session.stop();
-  if (engine) deliveries.attempt([&] { engine->stop(); });
-  if (!arguments.screenshot.empty()) {
-    deliveries.attempt(
-        [&] { viewer::write_screenshot(session.scene(), touch.state, config.viewer, arguments.screenshot); });
-  }
-  const std::uint64_t strikes = engine ? engine->strikes() : 0;
-  if (!arguments.study.empty()) {
-    deliveries.attempt([&] { append_study(arguments.study, summary, ask_realism()); });
-  }
-  print(common.json ? summary_json(summary, strikes) : summary_text(summary, strikes));
-  deliveries.settle();
+  Exploration exploration(arguments, common, terminal, window);
+  exploration.run(window);
+  exploration.deliver(common);
   return 0;
 }
 

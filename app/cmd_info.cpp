@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
-#include "app/results.h"
 #include "app/terminal.h"
+#include "base/text.h"
 #include "pipeline/scan/reader.h"
-#include "pipeline/scene/scene.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

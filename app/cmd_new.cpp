@@ -4,7 +4,7 @@
 
 #include "app/commands.h"
 #include "app/terminal.h"
-#include "pipeline/suggest.h"
+#include "pipeline/suggest/suggest.h"
 
 namespace sparsha::app {
 

@@ -6,7 +6,7 @@
 
 #include "app/commands.h"
 #include "app/terminal.h"
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/simulate/simulate.h"
 
 namespace sparsha::app {

@@ -10,12 +10,13 @@
 
 #include "app/commands.h"
 #include "app/inputs.h"
-#include "app/results.h"
 #include "app/terminal.h"
-#include "haptics/contact/trace.h"
-#include "haptics/session/live_trace.h"
-#include "haptics/session/window_loader.h"
-#include "pipeline/base/error.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "haptics/replay/replay_trace.h"
+#include "haptics/replay/trace.h"
+#include "haptics/window/scene_surface.h"
+#include "haptics/window/scene_window.h"
 
 namespace sparsha::app {
 
@@ -39,8 +40,8 @@ struct Arguments {
 std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scene& scene, const Arguments& arguments) {
   const pipeline::SceneDescription& description = scene.description();
   haptics::SurfaceOptions options;
-  options.texture = !arguments.no_texture;
-  options.friction = !arguments.no_friction;
+  options.effects.texture = !arguments.no_texture;
+  options.effects.friction = !arguments.no_friction;
   if (arguments.level < 0 && arguments.centre.empty()) {
     return haptics::make_surface(description, scene.read_level(0), 0, 1.0, options);
   }
@@ -60,8 +61,7 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
                       fmt::format("about {:.6g} to {:.6g} and {:.6g} to {:.6g}", lattice.x_m(0),
                                   lattice.x_m(lattice.nx - 1), lattice.y_m(0), lattice.y_m(lattice.ny - 1)));
   }
-  plan.texture = options.texture;
-  plan.friction = options.friction;
+  plan.effects = options.effects;
   return haptics::load_window(scene, plan, 0).surface;
 }
 

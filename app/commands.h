@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "pipeline/scene/scene.h"
+#include "scene/scene.h"
 
 namespace CLI {
 class App;

@@ -1,9 +1,12 @@
 // auto: a Falcon, else the pointer when there is a display, else an error; never the simulated hand.
 #include "app/device_choice.h"
 
-#include "haptics/device/devices.h"
+#include "app/tour.h"
+#include "base/error.h"
+#include "haptics/device/simulated/simulated_device.h"
+#include "haptics/device/pointer/pointer_device.h"
 #include "haptics/device/falcon/falcon.h"
-#include "pipeline/base/error.h"
+#include "haptics/replay/path_device.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
@@ -21,12 +24,17 @@ ChosenDevice pointer_device() {
 
 }  // namespace
 
-ChosenDevice choose_device(const std::string& name, bool window, double duration_s) {
+ChosenDevice choose_device(const std::string& name, bool window) {
   ChosenDevice chosen;
   if (name == "simulated") {
-    chosen.device = haptics::make_simulated_device(kSeed, duration_s);
+    chosen.simulated = true;
   } else if (name.starts_with("playback:")) {
-    chosen.device = haptics::make_playback_device(name.substr(std::string("playback:").size()));
+    auto recording = std::make_shared<const haptics::Recording>(name.substr(std::string("playback:").size()));
+    // A path of the hand alone is rendered anew, as if the hand were there.
+    if (recording->windows().empty())
+      chosen.device = haptics::make_path_device(std::move(recording));
+    else
+      chosen.recording = std::move(recording);
   } else if (name == "pointer") {
     if (!window) {
       throw Error(ErrorKind::device, {}, "the pointer device needs a window, and there is none",
@@ -47,6 +55,10 @@ ChosenDevice choose_device(const std::string& name, bool window, double duration
     throw usage_error("there is no device '" + name + "'", "auto | falcon | pointer | simulated | playback:FILE");
   }
   return chosen;
+}
+
+std::unique_ptr<haptics::Device> simulated_hand(const pipeline::SceneDescription& scene, double duration_s) {
+  return haptics::make_simulated_device(kSeed, duration_s, tour_of(scene));
 }
 
 }  // namespace sparsha::app

@@ -5,18 +5,27 @@
 #include <string>
 
 #include "haptics/device/device.h"
-#include "haptics/shared/seqlock.h"
-#include "haptics/shared/state.h"
+#include "haptics/replay/recording.h"
+#include "haptics/state/seqlock.h"
+#include "haptics/state/state.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 
 struct ChosenDevice {
-  std::unique_ptr<haptics::Device> device;
+  std::unique_ptr<haptics::Device> device;                            ///< null when a run is played or simulated
+  bool simulated = false;                                             ///< simulated_hand() once the scene is known
+  std::shared_ptr<const haptics::Recording> recording;                ///< null unless it is
   std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< with the pointer device only
 };
 
-/// `name`: auto | falcon | pointer | simulated | playback:FILE. `window`: a window will be open. `duration_s` bounds
-/// the simulated round, 0 = for ever. Throws Error{device} that names the choices, Error{usage} for another name.
-[[nodiscard]] ChosenDevice choose_device(const std::string& name, bool window, double duration_s);
+/// `name`: auto | falcon | pointer | simulated | playback:FILE. `window`: a window will be open. Throws Error{device}
+/// that names the choices, Error{usage} for another name.
+[[nodiscard]] ChosenDevice choose_device(const std::string& name, bool window);
+
+/// The simulated hand, every time with the same seed: a tour of the scene, then rounds by chance. `duration_s` 0 = for
+/// ever.
+[[nodiscard]] std::unique_ptr<haptics::Device> simulated_hand(const pipeline::SceneDescription& scene,
+                                                              double duration_s);
 
 }  // namespace sparsha::app

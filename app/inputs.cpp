@@ -6,10 +6,10 @@
 #include <charconv>
 #include <cmath>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scene/override.h"
-#include "pipeline/scene/scene_folder.h"
-#include "pipeline/suggest.h"
+#include "base/error.h"
+#include "pipeline/suggest/suggest.h"
+#include "scene/override.h"
+#include "scene/scene_folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/files.h"
-#include "pipeline/base/progress.h"
-#include "pipeline/pipeline.h"
-#include "pipeline/scene/config.h"
-#include "pipeline/scene/scene.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/progress.h"
+#include "pipeline/build/build.h"
+#include "scene/config.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 

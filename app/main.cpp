@@ -7,9 +7,9 @@
 
 #include "app/commands.h"
 #include "app/terminal.h"
-#include "pipeline/base/error.h"
-#include "pipeline/base/system.h"
-#include "pipeline/base/yaml.h"
+#include "base/error.h"
+#include "base/system.h"
+#include "base/yaml.h"
 
 namespace {
 

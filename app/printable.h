@@ -1,4 +1,4 @@
-// Text that a terminal shows and does not obey.
+// Text that a terminal shows and does not apply.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // Lengths, counts and the build's summary.
 #include "app/results.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 
@@ -7,23 +8,6 @@
 #include <cmath>
 
 namespace sparsha::app {
-
-std::string length_text(double metres) {
-  const double size = std::abs(metres);
-  if (size == 0.0) return "0 m";
-  if (size < 1e-5) return fmt::format("{:.3g} um", metres * 1e6);
-  if (size < 0.1) return fmt::format("{:.3g} mm", metres * 1e3);
-  if (size < 1000.0) return fmt::format("{:.3g} m", metres);
-  return fmt::format("{:.4g} km", metres * 1e-3);
-}
-
-std::string count_text(std::uint64_t count) {
-  std::string digits = std::to_string(count);
-  for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > 0; place -= 3) {
-    digits.insert(static_cast<std::size_t>(place), 1, ' ');
-  }
-  return digits;
-}
 
 std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& report,
                           const std::filesystem::path& folder) {

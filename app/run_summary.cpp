@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/results.h"
+#include "base/text.h"
 
 namespace sparsha::app {
 

@@ -11,21 +11,15 @@
 #include <iostream>
 #include <string_view>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/system.h"
+#include "base/csv.h"
+#include "base/error.h"
+#include "base/system.h"
 
 namespace sparsha::app {
 namespace {
 
 constexpr std::string_view kHeader =
     "realism,duration_s,contact_s,contacts,path_m,mean_force_n,peak_force_n,area_m2,levels";
-
-std::string_view without_blanks(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 }  // namespace
 
@@ -43,7 +37,7 @@ void check_study(const std::string& name) {
   if (!std::filesystem::exists(file, code)) return;
   std::string header;
   if (std::filesystem::is_regular_file(file, code)) std::getline(std::ifstream(file), header);
-  if (without_blanks(header) != kHeader && std::filesystem::file_size(file, code) != 0) {
+  if (csv::trimmed(header) != kHeader && std::filesystem::file_size(file, code) != 0) {
     throw usage_error("--study " + name + ": " + file.string() + " holds something else than a study", "another name");
   }
 }
@@ -53,7 +47,7 @@ int ask_realism() {
     std::fputs("How real did it feel, from 1 (not at all) to 10 (like the object itself)? ", stderr);
     std::string line;
     if (!std::getline(std::cin, line)) return 0;
-    const std::string_view answer = without_blanks(line);
+    const std::string_view answer = csv::trimmed(line);
     int value = 0;
     const auto [end, code] = std::from_chars(answer.data(), answer.data() + answer.size(), value);
     if (code == std::errc{} && end == answer.data() + answer.size() && value >= 1 && value <= 10) return value;

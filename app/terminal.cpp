@@ -10,8 +10,8 @@
 #include <cstdlib>
 
 #include "app/printable.h"
-#include "pipeline/base/error.h"
-#include "pipeline/base/system.h"
+#include "base/error.h"
+#include "base/system.h"
 
 namespace sparsha::app {
 namespace {

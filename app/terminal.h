@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "app/commands.h"
-#include "pipeline/base/progress.h"
+#include "base/progress.h"
 
 namespace sparsha::app {
 

@@ -8,7 +8,7 @@
 
 #include <sndfile.h>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::audio {
 namespace {

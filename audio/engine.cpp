@@ -13,7 +13,7 @@
 #include "audio/live_stream.h"
 #include "audio/live_voice.h"
 #include "audio/wav_sink.h"
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::audio {
 namespace {

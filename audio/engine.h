@@ -7,10 +7,10 @@
 #include <memory>
 #include <string>
 
-#include "haptics/shared/seqlock.h"
-#include "haptics/shared/spsc_queue.h"
-#include "haptics/shared/state.h"
-#include "pipeline/scene/scene.h"
+#include "haptics/state/seqlock.h"
+#include "haptics/state/spsc_queue.h"
+#include "haptics/state/state.h"
+#include "scene/scene.h"
 
 namespace sparsha::audio {
 

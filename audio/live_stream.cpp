@@ -13,7 +13,7 @@
 #include <dlfcn.h>
 #endif
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::audio {
 namespace {
@@ -124,11 +124,6 @@ LiveStream::LiveStream() : implementation_(std::make_unique<Implementation>()) {
 LiveStream::~LiveStream() { stop(); }
 
 int LiveStream::sample_rate_hz() const { return static_cast<int>(implementation_->rate_hz); }
-
-double LiveStream::latency_s() const {
-  const PaStreamInfo* info = Pa_GetStreamInfo(implementation_->stream);
-  return info == nullptr ? 0.0 : info->outputLatency;
-}
 
 std::string LiveStream::name() const { return implementation_->name; }
 

@@ -22,8 +22,6 @@ class LiveStream {
   LiveStream& operator=(const LiveStream&) = delete;
 
   [[nodiscard]] int sample_rate_hz() const;
-  /// As the device reports it, seconds; 0 when it does not say.
-  [[nodiscard]] double latency_s() const;
   [[nodiscard]] std::string name() const;
 
   /// Starts the stream primed with silence. Throws Error{device}.

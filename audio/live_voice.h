@@ -7,8 +7,8 @@
 #include <span>
 
 #include "audio/synth.h"
-#include "haptics/shared/seqlock.h"
-#include "haptics/shared/spsc_queue.h"
+#include "haptics/state/seqlock.h"
+#include "haptics/state/spsc_queue.h"
 
 namespace sparsha::audio {
 

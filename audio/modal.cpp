@@ -77,7 +77,7 @@ double contact_time_s(double force_n) {
 }
 
 ModalBank::ModalBank(const PillarModes& modes, double sample_rate_hz)
-    : count_(modes.count), sample_rate_hz_(sample_rate_hz), fundamental_hz_(modes.partials[0].frequency_hz) {
+    : count_(modes.count), sample_rate_hz_(sample_rate_hz) {
   damp_length_ = static_cast<std::size_t>(kDampTime_s * sample_rate_hz);
   for (std::size_t n = 0; n < count_; ++n) {
     frequency_hz_[n] = modes.partials[n].frequency_hz;

@@ -9,7 +9,7 @@
 #include <array>
 #include <cstddef>
 
-#include "pipeline/scene/config.h"
+#include "scene/config.h"
 
 namespace sparsha::audio {
 
@@ -70,7 +70,6 @@ class ModalBank {
 
   std::size_t count_ = 0;
   double sample_rate_hz_ = 48000.0;
-  double fundamental_hz_ = 0.0;
   std::size_t damp_length_ = 0;
   std::size_t damped_ = 0;  ///< samples since damp()
   bool damping_ = false;

@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "base/hash.h"
+
 namespace sparsha::audio {
 
 /// What the hand does; SI, device frame.
@@ -37,7 +39,7 @@ class Scrape {
   double normalise_ = 0.0;  ///< makes the band's root mean square 1
   double state_1_ = 0.0, state_2_ = 0.0;
   std::uint32_t until_retune_ = 0;
-  std::uint64_t random_ = 0x9E3779B97F4A7C15U;
+  std::uint64_t random_ = kGoldenStep;
 };
 
 }  // namespace sparsha::audio

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <map>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scene/regions.h"
-#include "pipeline/scene/sound_limits.h"
+#include "base/error.h"
+#include "scene/regions.h"
+#include "scene/sound_limits.h"
 
 namespace sparsha::audio {
 namespace {

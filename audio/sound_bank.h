@@ -11,11 +11,11 @@
 
 #include "audio/clip.h"
 #include "audio/modal.h"
-#include "pipeline/scene/scene.h"
+#include "scene/scene.h"
 
 namespace sparsha::audio {
 
-/// One region; `box_m` is xmin ymin xmax ymax in the regions' frame (pipeline/scene/regions.h); none = never struck.
+/// One region; `box_m` is xmin ymin xmax ymax in the regions' frame (scene/regions.h); none = never struck.
 struct SoundRegion {
   std::string name;
   std::optional<std::array<double, 4>> box_m;

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "audio/sound_bank.h"
-#include "haptics/shared/state.h"
+#include "haptics/state/state.h"
 
 namespace sparsha::audio {
 

@@ -13,7 +13,7 @@
 #include "audio/scrape.h"
 #include "audio/sound_bank.h"
 #include "audio/strike_gate.h"
-#include "haptics/shared/state.h"
+#include "haptics/state/state.h"
 
 namespace sparsha::audio {
 

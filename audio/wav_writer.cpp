@@ -7,8 +7,8 @@
 
 #include <sndfile.h>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/files.h"
+#include "base/error.h"
+#include "base/files.h"
 
 namespace sparsha::audio {
 

@@ -11,6 +11,10 @@ if(SPARSHA_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${SPARSHA_CCACHE})
 endif()
 
+# Headers keep their paths from the root: `#include "haptics/proxy/proxy.h"` in the tree and against the package.
+include(GNUInstallDirs)
+set(SPARSHA_INSTALL_INCLUDE ${CMAKE_INSTALL_INCLUDEDIR}/sparsha)
+
 add_library(sparsha_options INTERFACE)
 target_include_directories(sparsha_options INTERFACE ${PROJECT_SOURCE_DIR})
 if(MSVC)
@@ -37,8 +41,9 @@ target_link_libraries(sparsha_options INTERFACE Threads::Threads)
 function(sparsha_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE sparsha_options ${ARG_PRIVATE})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:sparsha_options> ${ARG_PRIVATE})
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${SPARSHA_INSTALL_INCLUDE}>)
 endfunction()
 
 # sparsha_test(name SOURCES ... LIBS ...): a GoogleTest program whose cases CTest sees one by one.
@@ -50,28 +55,36 @@ function(sparsha_test name)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600 ${ARG_PROPERTIES})
 endfunction()
 
-# sparsha_folder_library(name folder... [PUBLIC ...] [PRIVATE ...]): one static library of the .cpp files of some folders.
+# sparsha_folder_library(name folder... [EXCEPT file...] [PUBLIC ...] [PRIVATE ...]): one static library of the .cpp
+# files of some folders.
 function(sparsha_folder_library name)
-  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "EXCEPT;PUBLIC;PRIVATE" ${ARGN})
   set(sources)
   foreach(folder ${ARG_UNPARSED_ARGUMENTS})
     file(GLOB found CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
     list(APPEND sources ${found})
   endforeach()
-  if(sources)
-    sparsha_library(${name} SOURCES ${sources} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  else()
-    add_library(${name} INTERFACE)
-    target_include_directories(${name} INTERFACE ${PROJECT_SOURCE_DIR})
-    target_link_libraries(${name} INTERFACE ${ARG_PUBLIC})
-  endif()
+  list(TRANSFORM ARG_EXCEPT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  foreach(source ${sources})
+    cmake_path(NORMAL_PATH source)
+    list(APPEND normal ${source})
+  endforeach()
+  list(REMOVE_ITEM normal ${ARG_EXCEPT})
+  sparsha_library(${name} SOURCES ${normal} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
-# sparsha_folder_test(folder libs...): the folder's *_test.cpp (and helpers) as one test program.
+# sparsha_folder_test(folder... libs...): the *_test.cpp (and helpers) of some folders as one test program, named after
+# the first of them.
 function(sparsha_folder_test folder)
+  string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
-  if(sources)
-    string(REPLACE "/" "_" name ${folder})
-    sparsha_test(${name}_test SOURCES ${sources} LIBS ${ARGN})
-  endif()
+  set(libraries ${ARGN})
+  foreach(argument ${ARGN})
+    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${argument})
+      file(GLOB found CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${argument}/*.cpp)
+      list(APPEND sources ${found})
+      list(REMOVE_ITEM libraries ${argument})
+    endif()
+  endforeach()
+  sparsha_test(${name}_test SOURCES ${sources} LIBS ${libraries})
 endfunction()

@@ -4,20 +4,48 @@ import re
 import subprocess
 import sys
 
-# Who may include whom, besides itself (docs/architecture.md).
+SHARED = ["scene", "base"]
+# What a room may include besides itself and the rooms inside it (docs/architecture.md). The longest name that a file's
+# path begins with is its room.
 ALLOWED = {
-    "app": ["pipeline", "haptics", "audio", "viewer"],
-    "viewer": ["haptics/shared", "pipeline/scene", "pipeline/base"],
-    "audio": ["haptics/shared", "pipeline/scene", "pipeline/base"],
-    "haptics": ["pipeline/scene", "pipeline/base"],
-    "pipeline": [],
+    "base": [],
+    "scene": ["base"],
+    "pipeline/scan": SHARED,
+    "pipeline/scan/formats": ["pipeline/scan", *SHARED],
+    "pipeline/filter": ["pipeline/scan", *SHARED],
+    "pipeline/projection": ["pipeline/scan", *SHARED],
+    "pipeline/layers": SHARED,
+    "pipeline/check": ["pipeline/projection", "pipeline/layers", "pipeline/scan", *SHARED],
+    "pipeline/report": ["pipeline/check", "pipeline/layers", *SHARED],
+    "pipeline/outofcore": ["pipeline/projection", "pipeline/check", "pipeline/filter", "pipeline/scan", *SHARED],
+    "pipeline/export": SHARED,
+    "pipeline/simulate": ["pipeline/export", *SHARED],
+    "pipeline/build": ["pipeline", *SHARED],
+    "pipeline/suggest": ["pipeline", *SHARED],
+    "haptics/state": [],
+    "haptics/surface": SHARED,
+    "haptics/proxy": ["haptics/surface", *SHARED],
+    "haptics/governor": ["haptics/state", *SHARED],
+    "haptics/device": ["haptics/governor", "haptics/state", *SHARED],
+    "haptics/servo": ["haptics/proxy", "haptics/governor", "haptics/device", "haptics/state", "haptics/surface", *SHARED],
+    "haptics/window": ["haptics/servo", "haptics/surface", *SHARED],
+    "haptics/replay": ["haptics/window", "haptics/servo", "haptics/proxy", "haptics/device", "haptics/state",
+                       "haptics/surface", *SHARED],
+    "haptics/session": ["haptics", *SHARED],
+    "audio": ["haptics/state", *SHARED],
+    "viewer": ["haptics/state", *SHARED],
+    "app": ["pipeline", "haptics", "audio", "viewer", *SHARED],
 }
-# Within the pipeline, base and scene stand alone, and so does haptics/shared.
-ALONE = {
-    "pipeline/base": [],
-    "pipeline/scene": ["pipeline/base"],
-    "haptics/shared": [],
-}
+# One file chooses the reader of a format, and no other file of its room knows the formats.
+EXCEPTIONS = {"pipeline/scan/reader.cpp": "pipeline/scan/formats"}
+# What is built on top of a room although its rule or its name would let it in.
+NOT_INSIDE = {"pipeline/scan": ["pipeline/scan/formats"], "pipeline/build": ["pipeline/suggest"]}
+# The embeddable core, for other programs: Eigen alone, so no header of it may reach YAML, files or scenes.
+CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/servo",
+        "haptics/device/device.h", "haptics/device/simulated"]
+CORE_SHARED = ["base/error.h", "base/system.h", "base/hash.h", "scene/depth_grid.h", "scene/workspace.h",
+               "scene/region_frame.h", "scene/haptics_config.h"]
+ROOMS = {name.split("/")[0] for name in ALLOWED}
 THIRD_PARTY = re.compile(
     r"(pcl|opencv2|libusb|portaudio|epoxy|imgui|GLFW|GL|EGL|CLI|yaml-cpp|nlohmann|tiffio|png|sndfile|spdlog|fmt|pugixml)"
     r"([./-]|$|\.h)"
@@ -25,9 +53,31 @@ THIRD_PARTY = re.compile(
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 
 
+def inside(path, room):
+    return path.startswith(room + "/")
+
+
+def room_of(path):
+    return max((room for room in ALLOWED if inside(path, room)), key=len, default=None)
+
+
+def may_include(path, room, name):
+    if path in EXCEPTIONS and inside(name, EXCEPTIONS[path]):
+        return True
+    if any(inside(name, other) for other in NOT_INSIDE.get(room, [])):
+        return False
+    return inside(name, room) or any(inside(name, other) for other in ALLOWED[room])
+
+
+def in_core(path):
+    return any(path == part or inside(path, part) for part in CORE)
+
+
 def problems(path):
-    room = path.split("/")[0]
-    folder = "/".join(path.split("/")[:2])
+    room = room_of(path)
+    if room is None:
+        yield f"{path}: no rule for this folder"
+        return
     for number, line in enumerate(open(path, encoding="utf-8"), 1):
         match = INCLUDE.match(line)
         if not match:
@@ -35,23 +85,19 @@ def problems(path):
         kind, name = match.groups()
         where = f"{path}:{number}"
         if kind == '"':
-            target = name.split("/")[0]
-            if target not in ALLOWED:
-                if "/" not in name:
-                    yield f'{where}: include "{name}" by its path from the root'
-                continue
-            allowed = target == room or any(name.startswith(p + "/") for p in ALLOWED[room])
-            if folder in ALONE:
-                allowed = name.startswith((folder + "/", *[p + "/" for p in ALONE[folder]]))
-            if not allowed:
-                yield f"{where}: {folder} must not include {name}"
+            if "/" not in name:
+                yield f'{where}: include "{name}" by its path from the root'
+            elif name.split("/")[0] in ROOMS and not may_include(path, room, name):
+                yield f"{where}: {room} must not include {name}"
+            elif in_core(path) and not in_core(name) and name not in CORE_SHARED:
+                yield f"{where}: {name} is not for the embeddable core"
         elif path.endswith(".h") and THIRD_PARTY.match(name):
             yield f"{where}: <{name}> belongs in a .cpp file"
 
 
 def main():
     files = subprocess.run(["git", "ls-files", "*.h", "*.cpp"], capture_output=True, text=True, check=True).stdout.split()
-    found = [p for path in files if path.split("/")[0] in ALLOWED for p in problems(path)]
+    found = [p for path in files if path.split("/")[0] in ROOMS for p in problems(path)]
     print("\n".join(found) if found else f"{len(files)} files keep the rules")
     return 1 if found else 0
 

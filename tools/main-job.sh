@@ -16,7 +16,7 @@ if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]; then
   echo "== explore it: the mouse is your hand (F1 for help, Esc to end)"
   "${explore[@]}" --device pointer
 else
-  echo "== explore it: 10 s with the simulated hand, since there is no display"
+  echo "== explore it: 10 s with the simulated hand (bell, three letters, lotus, one zoom), since there is no display"
   "${explore[@]}" --device simulated --headless --duration 10
 fi
 

@@ -30,7 +30,7 @@ asan() {
 
 # TSan: servo, session, devices, audio, thread pool.
 tsan() {
-  local threaded=(pipeline_base_test haptics_shared_test haptics_device_test haptics_servo_test haptics_session_test
+  local threaded=(base_test haptics_state_test haptics_device_test haptics_servo_test haptics_replay_test haptics_session_test
     audio_test)
   local program
   cmake --preset tsan > /dev/null

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/scene/scene.h"
+#include "scene/scene.h"
 
 namespace sparsha::viewer {
 

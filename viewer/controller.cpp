@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/scene/regions.h"
-#include "pipeline/scene/workspace.h"
+#include "scene/regions.h"
+#include "scene/workspace.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -136,22 +136,70 @@ void Controller::press(const KeyPress& press) {
 }
 
 void Controller::act(Action action) {
-  ViewSettings& settings = frame_.settings;
-  const auto flag = [&](std::uint64_t bit) { return (frame_.state.flags & bit) != 0; };
-  const auto on_off = [](const char* what, bool on) { return fmt::format("{} {}", what, on ? "on" : "off"); };
+  if (ask_session(action) || step_hand(action) || set_light(action) || move_camera(action) || set_view(action)) return;
+  switch (action) {
+    case Action::rescan:
+      if (!connections_.rescan) return tell("A new depth scan needs the scans this scene was made from");
+      frame_.asks_rescan = true;
+      return tell("Scan again from this side? Enter is yes, Escape is no");
+    case Action::next_item:
+      return move_focus(1);
+    case Action::previous_item:
+      return move_focus(-1);
+    case Action::escape:
+      return close_or_leave();
+    case Action::quit:
+      return leave();
+    default:
+      return;
+  }
+}
+
+// What the session does: level, window, effects, words.
+bool Controller::ask_session(Action action) {
+  const auto off = [&](std::uint64_t bit) { return (frame_.state.flags & bit) == 0; };
   switch (action) {
     case Action::zoom_in:
-      return post(Kind::zoom_in);
+      post(Kind::zoom_in);
+      return true;
     case Action::zoom_out:
-      return post(Kind::zoom_out);
+      post(Kind::zoom_out);
+      return true;
     case Action::pan_left:
-      return post(Kind::pan, -0.25, 0.0);
+      post(Kind::pan, -0.25, 0.0);
+      return true;
     case Action::pan_right:
-      return post(Kind::pan, 0.25, 0.0);
+      post(Kind::pan, 0.25, 0.0);
+      return true;
     case Action::pan_up:
-      return post(Kind::pan, 0.0, 0.25);
+      post(Kind::pan, 0.0, 0.25);
+      return true;
     case Action::pan_down:
-      return post(Kind::pan, 0.0, -0.25);
+      post(Kind::pan, 0.0, -0.25);
+      return true;
+    case Action::texture:
+      post(Kind::set_texture, 0.0, 0.0, off(haptics::kFlagTexture));
+      return true;
+    case Action::friction:
+      post(Kind::set_friction, 0.0, 0.0, off(haptics::kFlagFriction));
+      return true;
+    case Action::stiffer:
+      post(Kind::scale_stiffness, 1.25);
+      return true;
+    case Action::softer:
+      post(Kind::scale_stiffness, 0.8);
+      return true;
+    case Action::describe:
+      post(Kind::describe);
+      return true;
+    default:
+      return false;
+  }
+}
+
+// The pointer's hand, moved by keys.
+bool Controller::step_hand(Action action) {
+  switch (action) {
     case Action::hand_left:
       hand_m_.x() -= step_m();
       break;
@@ -173,100 +221,126 @@ void Controller::act(Action action) {
     case Action::press:
       pressed_ = !pressed_;
       break;
-    case Action::texture:
-      return post(Kind::set_texture, 0.0, 0.0, !flag(haptics::kFlagTexture));
-    case Action::friction:
-      return post(Kind::set_friction, 0.0, 0.0, !flag(haptics::kFlagFriction));
-    case Action::stiffer:
-    case Action::softer:
-      return post(Kind::scale_stiffness, action == Action::stiffer ? 1.25 : 0.8);
-    case Action::describe:
-      return post(Kind::describe);
-    case Action::colour:
-      if (!scene_) return;
-      settings.colour = next_mode(scene_->description(), settings.colour);
-      return tell(fmt::format("Colour: {}", name_of(settings.colour)));
+    default:
+      return false;
+  }
+  hand_m_ = hand_m_.cwiseMax(-reach_m()).cwiseMin(reach_m());
+  return true;
+}
+
+bool Controller::set_light(Action action) {
+  auto& light = frame_.settings.light;
+  switch (action) {
     case Action::light_turn:
-      settings.light.azimuth_rad -= kLightStepRad;
-      break;
+      light.azimuth_rad -= kLightStepRad;
+      return true;
     case Action::light_back:
-      settings.light.azimuth_rad += kLightStepRad;
-      break;
+      light.azimuth_rad += kLightStepRad;
+      return true;
     case Action::light_higher:
-      settings.light.elevation_rad = std::min(settings.light.elevation_rad + 0.08, 1.4);
-      break;
+      light.elevation_rad = std::min(light.elevation_rad + 0.08, 1.4);
+      return true;
     case Action::light_lower:
-      settings.light.elevation_rad = std::max(settings.light.elevation_rad - 0.08, 0.12);
-      break;
-    case Action::stereo:
-      if (!settings.anaglyph) {
-        settings.anaglyph = settings.anaglyph_grey = true;
-      } else if (settings.anaglyph_grey) {
-        settings.anaglyph_grey = false;
-      } else {
-        settings.anaglyph = false;
-      }
-      return tell(!settings.anaglyph       ? "Stereo off"
-                  : settings.anaglyph_grey ? "Stereo: red and cyan, grey"
-                                           : "Stereo: red and cyan, colours");
-    case Action::filled:
-      settings.mark_filled = !settings.mark_filled;
-      return tell(on_off("Marks on filled areas", settings.mark_filled));
-    case Action::contrast:
-      settings.high_contrast = !settings.high_contrast;
-      return tell(on_off("High contrast", settings.high_contrast));
-    case Action::large_type:
-      settings.large_type = !settings.large_type;
-      return tell(on_off("Large type", settings.large_type));
+      light.elevation_rad = std::max(light.elevation_rad - 0.08, 0.12);
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool Controller::move_camera(Action action) {
+  switch (action) {
     case Action::turn_left:
       turn_rad_ -= 0.08;
-      break;
+      return true;
     case Action::turn_right:
       turn_rad_ += 0.08;
-      break;
+      return true;
     case Action::tilt_up:
       tilt_rad_ = std::max(tilt_rad_ - 0.06, 0.0);
-      break;
+      return true;
     case Action::tilt_down:
       tilt_rad_ = std::min(tilt_rad_ + 0.06, 1.65);
-      break;
+      return true;
     case Action::closer:
       zoom_ = std::min(zoom_ * 1.15, 20.0);
-      break;
+      return true;
     case Action::farther:
       zoom_ = std::max(zoom_ / 1.15, 0.1);
-      break;
+      return true;
     case Action::camera_reset:
       turn_rad_ = 0.0;
       tilt_rad_ = kStandardTiltRad;
       zoom_ = 1.0;
       shift_.setZero();
-      break;
-    case Action::rescan:
-      if (!connections_.rescan) return tell("A new depth scan needs the scans this scene was made from");
-      frame_.asks_rescan = true;
-      return tell("Scan again from this side? Enter is yes, Escape is no");
+      return true;
+    default:
+      return false;
+  }
+}
+
+// What is drawn, and how.
+bool Controller::set_view(Action action) {
+  ViewSettings& settings = frame_.settings;
+  const auto turn = [&](const char* what, bool& setting) {
+    setting = !setting;
+    tell(fmt::format("{} {}", what, setting ? "on" : "off"));
+  };
+  switch (action) {
+    case Action::colour:
+      if (!scene_) return true;
+      settings.colour = next_mode(scene_->description(), settings.colour);
+      tell(fmt::format("Colour: {}", name_of(settings.colour)));
+      return true;
+    case Action::stereo:
+      next_stereo();
+      return true;
+    case Action::filled:
+      turn("Marks on filled areas", settings.mark_filled);
+      return true;
+    case Action::contrast:
+      turn("High contrast", settings.high_contrast);
+      return true;
+    case Action::large_type:
+      turn("Large type", settings.large_type);
+      return true;
     case Action::help:
       settings.help = !settings.help;
-      break;
-    case Action::next_item:
-      return move_focus(1);
-    case Action::previous_item:
-      return move_focus(-1);
-    case Action::escape:
-      if (settings.help || frame_.focused >= 0 || frame_.asks_rescan) {
-        settings.help = frame_.asks_rescan = false;
-        frame_.focused = -1;
-        return;
-      }
-      if (settings.kiosk) return;
-      [[fallthrough]];
-    case Action::quit:
-      post(Kind::quit);
-      leave_ = true;
-      break;
+      return true;
+    default:
+      return false;
   }
-  hand_m_ = hand_m_.cwiseMax(-reach_m()).cwiseMin(reach_m());
+}
+
+// Off, grey, coloured, off.
+void Controller::next_stereo() {
+  ViewSettings& settings = frame_.settings;
+  if (!settings.anaglyph) {
+    settings.anaglyph = settings.anaglyph_grey = true;
+  } else if (settings.anaglyph_grey) {
+    settings.anaglyph_grey = false;
+  } else {
+    settings.anaglyph = false;
+  }
+  tell(!settings.anaglyph       ? "Stereo off"
+       : settings.anaglyph_grey ? "Stereo: red and cyan, grey"
+                                : "Stereo: red and cyan, colours");
+}
+
+// Escape closes what is open; with nothing open it leaves, but not an exhibition.
+void Controller::close_or_leave() {
+  ViewSettings& settings = frame_.settings;
+  if (settings.help || frame_.focused >= 0 || frame_.asks_rescan) {
+    settings.help = frame_.asks_rescan = false;
+    frame_.focused = -1;
+  } else if (!settings.kiosk) {
+    leave();
+  }
+}
+
+void Controller::leave() {
+  post(Kind::quit);
+  leave_ = true;
 }
 
 void Controller::mouse_move(double x, double y, const Layout& layout, const View& view, const Stage& stage,

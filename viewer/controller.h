@@ -44,6 +44,15 @@ class Controller {
   void post(haptics::Request::Kind kind, double x = 0.0, double y = 0.0, bool on = false);
   void tell(const std::string& text,
             haptics::Announcement::Priority priority = haptics::Announcement::Priority::information);
+  // Each carries out the actions that are its own, and gives false for all others.
+  bool ask_session(Action action);
+  bool step_hand(Action action);
+  bool set_light(Action action);
+  bool move_camera(Action action);
+  bool set_view(Action action);
+  void next_stereo();
+  void close_or_leave();
+  void leave();
   void move_focus(int step);
   void ease_camera(double seconds, int width, int height);
   void move_hand(double seconds, const HeightAt& height_at);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/scene/workspace.h"
+#include "scene/workspace.h"
 
 namespace sparsha::viewer {
 

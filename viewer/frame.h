@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "haptics/shared/requests.h"
-#include "haptics/shared/state.h"
+#include "haptics/state/requests.h"
+#include "haptics/state/state.h"
 #include "viewer/camera.h"
 #include "viewer/surface/paint.h"
 

@@ -1,11 +1,21 @@
 // One picture without a display.
+#include "base/png.h"
 #include "viewer/controller.h"
 #include "viewer/gl/offscreen.h"
 #include "viewer/gui/gui.h"
 #include "viewer/picture.h"
-#include "viewer/png.h"
 
 namespace sparsha::viewer {
+namespace {
+
+std::vector<std::uint8_t> without_alpha(const std::vector<unsigned char>& rgba) {
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(rgba.size() / 4 * 3);
+  for (std::size_t k = 0; k + 3 < rgba.size(); k += 4) rgb.insert(rgb.end(), {rgba[k], rgba[k + 1], rgba[k + 2]});
+  return rgb;
+}
+
+}  // namespace
 
 void write_screenshot(const pipeline::ScenePointer& scene, const haptics::State& state,
                       const pipeline::ViewerConfig& config, const std::filesystem::path& file) {
@@ -24,7 +34,10 @@ void write_screenshot(const pipeline::ScenePointer& scene, const haptics::State&
   picture.draw(controller.frame(), target.framebuffer(), kWidth, kHeight);
   Gui gui;
   static_cast<void>(gui.draw(controller.frame(), controller.buttons(), picture, kWidth, kHeight, 0.01));
-  write_png(file, kWidth, kHeight, target.read_pixels());
+  PngFormat format;
+  format.width = kWidth;
+  format.height = kHeight;
+  write_png(file, format, without_alpha(target.read_pixels()));
 }
 
 }  // namespace sparsha::viewer

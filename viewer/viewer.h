@@ -9,10 +9,10 @@
 
 #include <Eigen/Core>
 
-#include "haptics/shared/requests.h"
-#include "haptics/shared/seqlock.h"
-#include "haptics/shared/state.h"
-#include "pipeline/scene/scene.h"
+#include "haptics/state/requests.h"
+#include "haptics/state/seqlock.h"
+#include "haptics/state/state.h"
+#include "scene/scene.h"
 
 namespace sparsha::viewer {
 

@@ -13,7 +13,7 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "viewer/controller.h"
 #include "viewer/gui/gui.h"
 #include "viewer/picture.h"

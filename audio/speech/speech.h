@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "haptics/shared/requests.h"
+#include "haptics/state/requests.h"
 
 namespace sparsha::audio {
 

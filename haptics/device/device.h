@@ -7,43 +7,31 @@
 
 #include <Eigen/Core>
 
-#include "haptics/contact/governor.h"
-#include "pipeline/scene/workspace.h"
+#include "haptics/governor/governor.h"
+#include "scene/workspace.h"
 
 namespace sparsha::haptics {
-
-/// What a recording adds to a hand position, so that a replay gives the same bits.
-struct ReplayTick {
-  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< grid point at the device frame's origin
-  double stiffness_n_per_m = 0.0;
-  double period_s = 0.001;          ///< that the governor saw
-  double nominal_period_s = 0.001;  ///< of the recorded servo's plan
-  std::uint64_t command = 0;
-  std::uint64_t flags = 0;  ///< StateFlag bits of the recorded tick
-};
 
 /// One reading. Device frame, metres.
 struct DeviceSample {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   std::uint64_t buttons = 0;
-  double time_s = 0.0;                 ///< when it was measured, on the servo's clock
-  double delay_s = 0.0;                ///< from a force's writing to a position that shows it, if measured; else 0
-  bool fresh = false;                  ///< false: nothing new; the servo then commands zero
-  bool homed = true;                   ///< false: positions are not absolute yet; the servo then commands zero
-  bool connected = true;               ///< false: unplugged
-  bool finished = false;               ///< playback and simulated rounds: no more samples will come
-  bool paused = false;                 ///< playback that waits for a window: this tick does not count
-  const ReplayTick* replay = nullptr;  ///< playback only; lives until the next reading
+  double time_s = 0.0;    ///< when it was measured, on the servo's clock
+  double delay_s = 0.0;   ///< from a force's writing to a position that shows it, if measured; else 0
+  bool fresh = false;     ///< false: nothing new; the servo then commands zero
+  bool homed = true;      ///< false: positions are not absolute yet; the servo then commands zero
+  bool connected = true;  ///< false: unplugged
+  bool finished = false;  ///< no more samples will come; one that is not fresh is none itself
 };
 
 struct DeviceInfo {
   std::string name;  ///< "simulated", "Novint Falcon", ...
   double workspace_width_m = pipeline::kDeskWorkspaceM;
   DeviceLimits limits;
-  bool paced = false;  ///< true: wait() paces the loop by the device's answers, else the servo's clock does
+  bool paced = false;    ///< true: wait() paces the loop by the device's answers, else the servo's clock does
+  double rate_hz = 0.0;  ///< of samples that come at a rate of their own whatever the servo's; 0 = none
+  std::string warning;   ///< to be told when a session begins; empty = nothing
 };
-
-class Recording;
 
 /// All calls but open-time ones come from the servo thread and must not allocate, lock or throw.
 class Device {
@@ -52,8 +40,6 @@ class Device {
   [[nodiscard]] virtual DeviceInfo info() const = 0;
   /// Paced devices: returns when an answer is there or after `timeout_s`; the only call that may block.
   virtual void wait(double timeout_s) noexcept { static_cast<void>(timeout_s); }
-  /// Playback only: what is being played, else null.
-  [[nodiscard]] virtual Recording* recording() noexcept { return nullptr; }
   /// The newest hand position. `time_s`: the servo's time of this tick, `period_s` the tick's length.
   [[nodiscard]] virtual DeviceSample read(double time_s, double period_s) noexcept = 0;
   /// Force to hold until the next call, newtons, device frame.

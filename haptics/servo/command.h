@@ -6,13 +6,19 @@
 
 #include <Eigen/Core>
 
-#include "haptics/shared/spsc_queue.h"
+#include "haptics/state/spsc_queue.h"
 #include "haptics/surface/monge_surface.h"
-#include "pipeline/scene/regions.h"
+#include "scene/region_frame.h"
 
 namespace sparsha::haptics {
 
 using SurfacePointer = std::shared_ptr<const MongeSurface>;
+
+/// Which surface effects are rendered.
+struct Effects {
+  bool texture = true;   ///< false: the envelope
+  bool friction = true;  ///< false: mu = 0 everywhere
+};
 
 /// The surface that is touched, and which nodes of which level it is.
 struct HapticWindow {
@@ -22,8 +28,7 @@ struct HapticWindow {
   int level_nx = 0;  ///< of the whole level; 0 = the window is all there is
   int level_ny = 0;
   std::uint64_t id = 0;  ///< counts swaps of window, level or scene
-  bool texture = true;
-  bool friction = true;
+  Effects effects;
   bool turned = false;  ///< the scene's parts and sounds are written in another frame:
   pipeline::RegionFrame region_from_grid = pipeline::RegionFrame::Identity();
 };
@@ -42,7 +47,6 @@ struct Command {
   Eigen::Vector3d scroll_m_per_s = Eigen::Vector3d::Zero();  ///< grid frame; never downwards in contact
   double stiffness_n_per_m = 0.0;
   std::uint64_t sequence = 0;  ///< counts commands from 1
-  std::uint64_t at_tick = 0;   ///< not before this tick; 0 = now
 };
 
 using CommandQueue = SpscQueue<Command>;

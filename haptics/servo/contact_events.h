@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "haptics/shared/state.h"
+#include "haptics/state/state.h"
 
 namespace sparsha::haptics {
 

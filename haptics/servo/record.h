@@ -1,9 +1,11 @@
 // One tick's row for the recorder: the State and what a replay needs besides.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <type_traits>
 
-#include "haptics/shared/state.h"
+#include "haptics/state/state.h"
 
 namespace sparsha::haptics {
 
@@ -16,5 +18,15 @@ struct Record {
   double cell_m = 0.0;                   ///< and the cells' size, grid frame
 };
 static_assert(std::is_trivially_copyable_v<Record>);
+
+/// Takes a row per tick from the servo's thread.
+class RecordSink {
+ public:
+  virtual ~RecordSink() = default;
+  /// Neither waits nor allocates. False: the row is lost, and counted.
+  virtual bool push(const Record& record) noexcept = 0;
+  /// Rows lost so far; any thread.
+  [[nodiscard]] virtual std::uint64_t dropped() const noexcept = 0;
+};
 
 }  // namespace sparsha::haptics

@@ -17,18 +17,16 @@ constexpr int kFinalZeros = 3;  // packets get lost; say it more than once
 }  // namespace
 
 Servo::Servo(Device& device, const ServoOptions& options, HapticWindow window, Seqlock<State>& state,
-             std::vector<std::shared_ptr<ContactQueue>> consumers, Recorder* recorder)
+             std::vector<std::shared_ptr<ContactQueue>> consumers, RecordSink* recorder)
     : device_(device),
       options_(options),
-      period_s_(1.0 / options.engine.rate_hz),
-      period_ns_(std::llround(1e9 / options.engine.rate_hz)),
-      patience_ns_(std::llround(1e9 * options.engine.longest_gap_s)),
+      period_s_(1.0 / options.renderer.rate_hz),
+      period_ns_(std::llround(1e9 / options.renderer.rate_hz)),
+      patience_ns_(std::llround(1e9 * options.renderer.longest_gap_s)),
       most_force_n_(usable(device.info().limits).max_force_n),
-      engine_(device.info(), options.engine, std::move(window)),
-      state_(state),
-      consumers_(std::move(consumers)),
-      recorder_(recorder),
-      watchdog_(device, std::max(options.engine.longest_gap_s, 2.0 * period_s_)) {}
+      renderer_(device.info(), options.renderer, std::move(window)),
+      publisher_(state, std::move(consumers), recorder),
+      watchdog_(device, std::max(options.renderer.longest_gap_s, 2.0 * period_s_)) {}
 
 Servo::~Servo() { stop(); }
 
@@ -44,7 +42,7 @@ void Servo::stop() {
   thread_.join();
   watchdog_.stop();
   figures_.watchdog_trips = watchdog_.trips();
-  figures_.faults = engine_.faults();
+  figures_.faults = renderer_.faults();
   figures_.late_faults = late_faults_.load();
   figures_.real_time = real_time_;
   figures_.locked_memory = locked_;
@@ -62,35 +60,26 @@ void Servo::prepare_thread() noexcept {
     locked_.store(lock_memory(), std::memory_order_relaxed);
   }
   touch_stack();
-  if (real_time_.load(std::memory_order_relaxed)) engine_.state().flags |= kFlagRealTime;
+  if (real_time_.load(std::memory_order_relaxed)) renderer_.state().flags |= kFlagRealTime;
   asked_.store(true, std::memory_order_release);
 }
 
 void Servo::take_commands() noexcept {
   if (leaving_ && !retired_.push(std::move(leaving_))) return;  // nobody collects: keep the surface we have
-  if (!has_pending_) {
-    if (!commands_.pop(pending_)) return;
-    has_pending_ = true;
-  }
-  if (pending_.at_tick > engine_.state().tick + 1) return;
+  if (!commands_.pop(command_)) return;
   const std::int64_t begun_ns = options_.clock.now_ns();
-  SurfacePointer old = engine_.obey(pending_);
-  has_pending_ = false;
+  SurfacePointer old = renderer_.apply(command_);
   if (old && !retired_.push(std::move(old))) leaving_ = std::move(old);
   figures_.swap_ns_max = std::max(figures_.swap_ns_max, static_cast<double>(options_.clock.now_ns() - begun_ns));
 }
 
 void Servo::publish() noexcept {
-  State& state = engine_.state();
+  State& state = renderer_.state();
   state.share_in_time = figures_.share_in_time;
   state.missed_ticks = figures_.missed_ticks;
-  state.dropped_records = recorder_ != nullptr ? recorder_->dropped() : 0;
-  state_.publish(state);
-  if (recorder_ != nullptr) static_cast<void>(recorder_->push(engine_.record()));
-  if (engine_.event())
-    for (const auto& consumer : consumers_) static_cast<void>(consumer->push(*engine_.event()));
-  faults_.store(engine_.faults(), std::memory_order_relaxed);
-  bad_positions_.store(engine_.bad_positions(), std::memory_order_relaxed);
+  publisher_.publish(renderer_);
+  faults_.store(renderer_.faults(), std::memory_order_relaxed);
+  bad_positions_.store(renderer_.bad_positions(), std::memory_order_relaxed);
 }
 
 // Since the last decision. A clock that went backwards tells as little as one that stood still.
@@ -114,27 +103,25 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   const DeviceSample sample = device_.read(time_s, period_s_);
   const std::int64_t in_hand_ns = options_.clock.now_ns();
   if (sample.finished) finished_.store(true, std::memory_order_release);
-  if (sample.paused) {
+  if (sample.finished && !sample.fresh) {  // nothing to render any more
     device_.write(Eigen::Vector3d::Zero());
     decided_ns_ = in_hand_ns;
     return;
   }
-  // A replay repeats the recorded faults, not those of this run; nobody holds its motors.
-  const bool watched = sample.replay == nullptr;
   const bool late_hand = late_wake || is_late(in_hand_ns);
   if (late_hand && !late_wake) stop_force();
-  if (watched && (late_hand || watchdog_.tripped())) engine_.fault();
-  engine_.update(sample, period_s_);
+  if (late_hand || watchdog_.tripped()) renderer_.fault();
+  renderer_.update(sample, period_s_);
   const std::int64_t decided_ns = options_.clock.now_ns();
   // The watchdog may have acted during this very tick: an old force must not overwrite its zero.
-  if (watched && (is_late(decided_ns) || watchdog_.tripped())) engine_.fail();
-  State& state = engine_.state();
+  if (is_late(decided_ns) || watchdog_.tripped()) renderer_.fail();
+  State& state = renderer_.state();
   deliver(state.commanded_force_n);
   // The pause may have come between the decision and the writing: then an old force has just gone out.
   const bool late_force = is_late(options_.clock.now_ns());
   if (late_force && !late_hand) {
     stop_force();
-    if (watched) engine_.fail();
+    renderer_.fail();
   }
   if (late_force && !tripped_) late_faults_.fetch_add(1, std::memory_order_relaxed);
   decided_ns_ = decided_ns;
@@ -159,9 +146,7 @@ void Servo::run() noexcept {
     run_by_the_clock();
   for (int i = 0; i < kFinalZeros; ++i) device_.write(Eigen::Vector3d::Zero());
   device_.zero();
-  State& state = engine_.state();
-  state.commanded_force_n = {};
-  state_.publish(state);
+  publisher_.publish_rest(renderer_);
 }
 
 void Servo::run_by_the_clock() noexcept {
@@ -170,7 +155,7 @@ void Servo::run_by_the_clock() noexcept {
   while (!stopping_.load(std::memory_order_relaxed)) {
     const std::int64_t planned_ns = start_ns + planned * period_ns_;
     options_.clock.sleep_until_ns(planned_ns);
-    watched_tick(planned_ns, static_cast<double>(planned) / options_.engine.rate_hz);
+    watched_tick(planned_ns, static_cast<double>(planned) / options_.renderer.rate_hz);
     const std::int64_t done_ns = options_.clock.now_ns();
     ++planned;
     // After a clock that went backwards the plan begins anew, or the servo would sleep until the old time comes again.
@@ -204,7 +189,7 @@ void Servo::watched_tick(std::int64_t planned_ns, double time_s) noexcept {
   const bool late = is_late(woke_ns);
   if (late) stop_force();
   tick(woke_ns - planned_ns, time_s, late);
-  if (tripped_) watchdog_.acknowledge();  // seen by the engine, which has disarmed
+  if (tripped_) watchdog_.acknowledge();  // seen by the renderer, which has disarmed
 }
 
 }  // namespace sparsha::haptics

@@ -10,21 +10,21 @@
 
 #include "haptics/device/device.h"
 #include "haptics/servo/command.h"
+#include "haptics/servo/haptic_renderer.h"
 #include "haptics/servo/histogram.h"
+#include "haptics/servo/publisher.h"
 #include "haptics/servo/real_time.h"
-#include "haptics/servo/recorder.h"
-#include "haptics/servo/tick_engine.h"
 #include "haptics/servo/watchdog.h"
-#include "haptics/shared/seqlock.h"
-#include "haptics/shared/spsc_queue.h"
-#include "haptics/shared/state.h"
+#include "haptics/state/seqlock.h"
+#include "haptics/state/spsc_queue.h"
+#include "haptics/state/state.h"
 
 namespace sparsha::haptics {
 
 struct ServoOptions {
-  EngineOptions engine;   ///< its longest gap is the watchdog's patience too, but never below two periods
-  bool real_time = true;  ///< ask for SCHED_FIFO and locked memory
-  ServoClock clock;       ///< the servo's; the watchdog has its own
+  RendererOptions renderer;  ///< its longest gap is the watchdog's patience too, but never below two periods
+  bool real_time = true;     ///< ask for SCHED_FIFO and locked memory
+  ServoClock clock;          ///< the servo's; the watchdog has its own
 };
 
 /// Read after stop().
@@ -47,7 +47,7 @@ class Servo {
  public:
   /// `device`, `state`, `consumers` and `recorder` outlive the servo. `recorder` may be null.
   Servo(Device& device, const ServoOptions& options, HapticWindow window, Seqlock<State>& state,
-        std::vector<std::shared_ptr<ContactQueue>> consumers, Recorder* recorder);
+        std::vector<std::shared_ptr<ContactQueue>> consumers, RecordSink* recorder);
   ~Servo();
   Servo(const Servo&) = delete;
   Servo& operator=(const Servo&) = delete;
@@ -102,15 +102,12 @@ class Servo {
   std::int64_t decided_ns_ = 0;  // when the last force was decided
   bool has_decided_ = false;
   bool tripped_ = false;  // the watchdog has, when this tick began
-  TickEngine engine_;
-  Seqlock<State>& state_;
-  std::vector<std::shared_ptr<ContactQueue>> consumers_;
-  Recorder* recorder_;
+  HapticRenderer renderer_;
+  Publisher publisher_;
   Watchdog watchdog_;
   CommandQueue commands_{64};
   RetiredQueue retired_{128};
-  Command pending_;  // taken from the queue, waiting for its tick
-  bool has_pending_ = false;
+  Command command_;         // the one being carried out
   SurfacePointer leaving_;  // waiting for room in the queue of retired surfaces
   std::uint64_t in_time_ = 0;
   ServoFigures figures_;

@@ -24,7 +24,7 @@ class Watchdog {
 
   /// Servo thread: a sign of life.
   void feed(std::int64_t time_ns) noexcept { fed_ns_.store(time_ns, std::memory_order_relaxed); }
-  /// Servo thread: has it bitten since the last acknowledge()? Its zero must not be overwritten by an old force.
+  /// Servo thread: has it acted since the last acknowledge()? Its zero must not be overwritten by an old force.
   [[nodiscard]] bool tripped() const noexcept { return tripped_.load(std::memory_order_acquire); }
   void acknowledge() noexcept { tripped_.store(false, std::memory_order_release); }
   [[nodiscard]] std::uint64_t trips() const noexcept { return trips_.load(std::memory_order_relaxed); }

@@ -19,13 +19,12 @@ Eigen::Vector2d across(const std::array<double, 3>& v) { return {v[0], v[1]}; }
 
 }  // namespace
 
-Navigator::Navigator(pipeline::ScenePointer scene, double workspace_width_m, bool texture, bool friction,
-                     Narrator& narrator)
+Navigator::Navigator(pipeline::ScenePointer scene, double workspace_width_m, const Effects& effects,
+                     Announcer& announcer)
     : scene_(std::move(scene)),
       workspace_width_m_(workspace_width_m),
-      texture_(texture),
-      friction_(friction),
-      narrator_(narrator),
+      effects_(effects),
+      announcer_(announcer),
       plan_(first_plan()) {}
 
 const pipeline::Lattice& Navigator::level(int index) const {
@@ -34,8 +33,7 @@ const pipeline::Lattice& Navigator::level(int index) const {
 
 WindowPlan Navigator::plan_at(int index, const Eigen::Vector2d& centre_m) const {
   WindowPlan plan = plan_window(scene_->description(), index, centre_m, workspace_width_m_);
-  plan.texture = texture_;
-  plan.friction = friction_;
+  plan.effects = effects_;
   return plan;
 }
 
@@ -55,11 +53,11 @@ WindowLoader::Job Navigator::job(const WindowPlan& plan) const {
 std::optional<WindowLoader::Job> Navigator::zoom(int step, const State& state) {
   const int next = plan_.level + step;
   if (next < 0) {
-    narrator_.say("Finest level");
+    announcer_.say("Finest level");
     return std::nullopt;
   }
   if (next > overview_level(scene_->description())) {
-    narrator_.say("Whole scene");
+    announcer_.say("Whole scene");
     return std::nullopt;
   }
   // Where the centre will be when the point under the proxy stays under the hand.
@@ -67,7 +65,7 @@ std::optional<WindowLoader::Job> Navigator::zoom(int step, const State& state) {
   const Eigen::Vector2d device = (point - across(state.centre_m)) * state.scale;
   const double scale = plan_at(next, point).scale;
   const WindowPlan plan = plan_at(next, point - device / scale);
-  narrator_.say_level(next, workspace_width_m_ / plan.scale);
+  announcer_.say_level(next, workspace_width_m_ / plan.scale);
   return job(plan);
 }
 
@@ -98,13 +96,12 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
     case Request::Kind::set_texture:
     case Request::Kind::set_friction: {
       const bool texture = request.kind == Request::Kind::set_texture;
-      bool& present = texture ? texture_ : friction_;
+      bool& present = texture ? effects_.texture : effects_.friction;
       if (present == request.on) return std::nullopt;
       present = request.on;
-      narrator_.say(std::string(texture ? "Texture " : "Friction ") + (request.on ? "on" : "off"));
+      announcer_.say(std::string(texture ? "Texture " : "Friction ") + (request.on ? "on" : "off"));
       WindowPlan plan = plan_;
-      plan.texture = texture_;
-      plan.friction = friction_;
+      plan.effects = effects_;
       return job(plan);
     }
     default:
@@ -114,7 +111,7 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
 
 WindowLoader::Job Navigator::change_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
-  narrator_.set_scene(scene_);
+  announcer_.set_scene(scene_);
   WindowLoader::Job result = job(first_plan());
   result.command.move = true;
   result.command.centre_m = middle_of(level(result.plan.level));
@@ -171,7 +168,7 @@ void Navigator::say_direction(const Eigen::Vector3d& velocity) {
       {{"Moving left", "Moving right"}, {"Moving down", "Moving up"}, {"Going deeper", "Coming nearer"}}};
   Eigen::Index axis = 0;
   velocity.cwiseAbs().maxCoeff(&axis);
-  narrator_.say(kWords[static_cast<std::size_t>(axis)][velocity[axis] > 0.0 ? 1 : 0]);
+  announcer_.say(kWords[static_cast<std::size_t>(axis)][velocity[axis] > 0.0 ? 1 : 0]);
 }
 
 }  // namespace sparsha::haptics

@@ -7,18 +7,18 @@
 #include <Eigen/Core>
 
 #include "haptics/servo/command.h"
-#include "haptics/session/narrator.h"
+#include "haptics/session/announcer.h"
 #include "haptics/session/window_loader.h"
-#include "haptics/shared/requests.h"
-#include "haptics/shared/state.h"
-#include "pipeline/scene/scene.h"
+#include "haptics/state/requests.h"
+#include "haptics/state/state.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 
 /// Session's thread only. Turns wishes and the hand's place into windows to load and commands to post.
 class Navigator {
  public:
-  Navigator(pipeline::ScenePointer scene, double workspace_width_m, bool texture, bool friction, Narrator& narrator);
+  Navigator(pipeline::ScenePointer scene, double workspace_width_m, const Effects& effects, Announcer& announcer);
 
   /// The overview.
   [[nodiscard]] WindowPlan first_plan() const;
@@ -47,9 +47,8 @@ class Navigator {
 
   pipeline::ScenePointer scene_;
   double workspace_width_m_;
-  bool texture_;
-  bool friction_;
-  Narrator& narrator_;
+  Effects effects_;
+  Announcer& announcer_;
   WindowPlan plan_;
   Eigen::Vector3d scroll_ = Eigen::Vector3d::Zero();  // last one commanded, grid frame, m/s
 };

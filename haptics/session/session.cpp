@@ -9,13 +9,16 @@
 #include <optional>
 #include <utility>
 
-#include "haptics/device/playback/recording.h"
-#include "haptics/servo/recorder.h"
+#include "base/error.h"
+#include "haptics/governor/governor.h"
+#include "haptics/replay/path_device.h"
+#include "haptics/replay/recorder.h"
+#include "haptics/replay/recording.h"
+#include "haptics/replay/replay.h"
 #include "haptics/servo/servo.h"
-#include "haptics/session/narrator.h"
+#include "haptics/session/announcer.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/window_loader.h"
-#include "pipeline/base/error.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -30,71 +33,48 @@ constexpr double kHardestNPerM = 5000.0;
 // Device buttons, from the front of a Falcon's grip.
 enum Button : std::size_t { kButtonPlus, kButtonForward, kButtonCentre, kButtonMinus };
 
-double checked_rate(double rate_hz, const Recording* recording) {
-  if (recording != nullptr) rate_hz = 1.0 / recording->period_s();
+double checked_rate(double rate_hz, double own_rate_hz) {
+  if (own_rate_hz > 0.0) rate_hz = own_rate_hz;
   if (rate_hz >= kSlowestHz && rate_hz <= kFastestHz) return rate_hz;
-  if (recording != nullptr)
+  if (own_rate_hz > 0.0)
     throw Error(ErrorKind::input, {}, fmt::format("the rows of the recording come at {:.6g} Hz", rate_hz),
                 "100 to 10000 rows a second");
   throw usage_error(fmt::format("a servo rate of {} Hz", rate_hz), "rate_hz from 100 to 10000");
 }
 
+DeviceInfo info_of(const Recording& recording) {
+  DeviceInfo info = recording.info();
+  info.rate_hz = 1.0 / recording.period_s();
+  info.warning = warning_of(recording);
+  return info;
+}
+
 }  // namespace
 
 struct Session::Implementation {
-  Implementation(pipeline::ScenePointer first_scene, std::unique_ptr<Device> hand, SessionOptions session_options)
+  Implementation(pipeline::ScenePointer first_scene, std::unique_ptr<Device> hand,
+                 std::shared_ptr<const Recording> played, SessionOptions session_options)
       : scene(std::move(first_scene)),
         device(std::move(hand)),
+        recording(std::move(played)),
         options(std::move(session_options)),
-        info(device->info()),
-        recording(device->recording()),
-        rate_hz(checked_rate(options.haptics.rate_hz, recording)),
-        narrator(announcements, scene),
-        navigator(scene, info.workspace_width_m, options.texture, options.friction, narrator),
+        info(device ? device->info() : info_of(*recording)),
+        rate_hz(checked_rate(options.haptics.rate_hz, info.rate_hz)),
+        announcer(announcements, scene),
+        navigator(scene, info.workspace_width_m, options.effects, announcer),
         recorder(options.record, info, rate_hz) {
-    if (recording != nullptr && recording->cut_short())
-      narrator.say("The recording ends in the middle of a row", Announcement::Priority::warning);
-    if (recording != nullptr && recording->limited())
-      narrator.say("The recording was made with a stronger device: its forces are limited",
-                   Announcement::Priority::warning);
-    if (recording != nullptr && recording->windows().empty()) recording = nullptr;
+    if (!info.warning.empty()) announcer.say(info.warning, Announcement::Priority::warning);
     stiffness_n_per_m = governed(options.haptics.stiffness_n_per_m);
-    if (recording != nullptr) {
-      first_window = load_recorded(*scene, recording->windows().front());
-      navigator.settle(recorded_plan(recording->windows().front()));
-      allow_recorded();
+    if (recording) {
+      recording->require_scene(scene->description());
+      navigator.settle(recording->windows().front().plan);
     } else {
       first_window = load_window(*scene, navigator.plan(), next_id++);
     }
   }
 
   [[nodiscard]] double governed(double wish_n_per_m) const {
-    return std::min(wish_n_per_m, stiffness_limit(info.limits, 1.0 / rate_hz));
-  }
-
-  // Playback: the windows of the recording, in its order, each ready before its row may be played.
-  void allow_recorded() {
-    const auto& windows = recording->windows();
-    recording->allow_until(next_recorded < windows.size() ? windows[next_recorded].row : recording->rows().size());
-  }
-  void feed_recorded() {
-    while (next_recorded < recording->windows().size()) {
-      if (!recorded_command) {
-        recorded_command.emplace();
-        recorded_command->kind = Command::Kind::swap;
-        recorded_command->window = load_recorded(*scene, recording->windows()[next_recorded]);
-        const std::size_t row = recording->windows()[next_recorded].row;
-        recorded_command->at_tick = row + 1;
-        recorded_command->move = true;
-        recorded_command->centre_m = recording->rows()[row].replay.centre_m.head<2>();
-        ++windows_loaded;
-      }
-      if (!servo->post(std::move(*recorded_command))) return;
-      recorded_command.reset();
-      navigator.settle(recorded_plan(recording->windows()[next_recorded]));
-      ++next_recorded;
-      allow_recorded();
-    }
+    return governed_stiffness(wish_n_per_m, info.limits, 1.0 / rate_hz);
   }
 
   void post(Command command) {
@@ -102,7 +82,7 @@ struct Session::Implementation {
     if (servo->post(std::move(command)))
       ++sequence;
     else
-      narrator.say("The servo does not answer", Announcement::Priority::warning);
+      announcer.say("The servo does not answer", Announcement::Priority::warning);
   }
 
   void request_window(std::optional<WindowLoader::Job> job) {
@@ -119,7 +99,7 @@ struct Session::Implementation {
       if (result->error.empty())
         post(std::move(result->job.command));
       else
-        narrator.say("A part of the scene cannot be read: " + result->error, Announcement::Priority::fault);
+        announcer.say("A part of the scene cannot be read: " + result->error, Announcement::Priority::fault);
     }
   }
 
@@ -129,11 +109,11 @@ struct Session::Implementation {
         quit = true;
         return;
       case Request::Kind::describe:
-        narrator.describe(now, info.workspace_width_m / now.scale);
+        announcer.describe(now, info.workspace_width_m / now.scale);
         return;
       case Request::Kind::set_stiffness:
       case Request::Kind::scale_stiffness: {
-        if (!(request.x >= 0.0) || recording != nullptr) return;
+        if (!(request.x >= 0.0) || recording) return;
         const double wish_n_per_m = request.kind == Request::Kind::set_stiffness
                                         ? request.x
                                         : std::clamp(stiffness_n_per_m * request.x, kSoftestNPerM, kHardestNPerM);
@@ -142,12 +122,12 @@ struct Session::Implementation {
         command.kind = Command::Kind::stiffness;
         command.stiffness_n_per_m = stiffness_n_per_m;
         post(std::move(command));
-        narrator.say(fmt::format("Stiffness {:.0f} newtons a metre{}", stiffness_n_per_m,
-                                 stiffness_n_per_m < wish_n_per_m ? ", all the device can bear" : ""));
+        announcer.say(fmt::format("Stiffness {:.0f} newtons a metre{}", stiffness_n_per_m,
+                                  stiffness_n_per_m < wish_n_per_m ? ", all the device can bear" : ""));
         return;
       }
       default:
-        if (recording == nullptr) request_window(navigator.wish(request, now));
+        if (!recording) request_window(navigator.wish(request, now));
     }
   }
 
@@ -159,7 +139,7 @@ struct Session::Implementation {
     if (pressed(kButtonPlus)) serve({Request::Kind::zoom_in}, now);
     if (pressed(kButtonMinus)) serve({Request::Kind::zoom_out}, now);
     if (pressed(kButtonCentre)) serve({Request::Kind::describe}, now);
-    if (pressed(kButtonForward) && recording == nullptr) request_window(navigator.change_scene(scene));
+    if (pressed(kButtonForward) && !recording) request_window(navigator.change_scene(scene));
   }
 
   struct Told {
@@ -170,19 +150,19 @@ struct Session::Implementation {
   void tell_fault(std::uint64_t count, double time_s, Told& told, const char* words) {
     if (count == told.count || time_s - told.time_s < kFaultPauseS) return;
     told = {count, time_s};
-    narrator.say(words, Announcement::Priority::fault);
+    announcer.say(words, Announcement::Priority::fault);
   }
 
   void watch_faults(const State& now) {
     if (!told_real_time && servo->asked_for_real_time()) {
       told_real_time = true;
       if (options.real_time && !servo->real_time())
-        narrator.say("Real-time scheduling was not granted: ticks may be late", Announcement::Priority::warning);
+        announcer.say("Real-time scheduling was not granted: ticks may be late", Announcement::Priority::warning);
       if (options.real_time && !servo->locked_memory())
-        narrator.say("Memory could not be locked: ticks may be late", Announcement::Priority::warning);
+        announcer.say("Memory could not be locked: ticks may be late", Announcement::Priority::warning);
     }
     if (servo->unplugged() && !unplugged_told)
-      narrator.say("The device is unplugged; forces are off", Announcement::Priority::fault);
+      announcer.say("The device is unplugged; forces are off", Announcement::Priority::fault);
     unplugged_told = servo->unplugged();
     tell_fault(servo->silences(), now.time_s, silences_told,
                "The servo fell silent; forces are off until the hand is in the air");
@@ -190,34 +170,33 @@ struct Session::Implementation {
                "The device gave no usable position; forces are off until the hand is in the air");
     if (now.dropped_records > dropped_told) {
       dropped_told = now.dropped_records;
-      narrator.say("The recording cannot keep up and loses rows", Announcement::Priority::warning);
+      announcer.say("The recording cannot keep up and loses rows", Announcement::Priority::warning);
     }
   }
 
   pipeline::ScenePointer scene;
   std::unique_ptr<Device> device;
+  std::shared_ptr<const Recording> recording;  // played instead of a device
   SessionOptions options;
   DeviceInfo info;
-  Recording* recording;
   double rate_hz;
   Seqlock<State> state;
   RequestQueue requests;
   AnnouncementBoard announcements;
   std::vector<std::shared_ptr<ContactQueue>> consumers;
-  Narrator narrator;
+  Announcer announcer;
   Navigator navigator;
   Recorder recorder;
   WindowLoader loader;
   HapticWindow first_window;
   std::unique_ptr<Servo> servo;
+  std::unique_ptr<Replay> replay;
   std::optional<SessionSummary> summary;
 
   std::uint64_t next_id = 1;
   std::uint64_t sequence = 0;
   std::array<std::uint64_t, 4> presses{};  // seen
   double stiffness_n_per_m = 0.0;
-  std::size_t next_recorded = 1;
-  std::optional<Command> recorded_command;
   bool quit = false;
   std::uint64_t windows_loaded = 1;
   double window_load_s_max = 0.0;
@@ -229,44 +208,58 @@ struct Session::Implementation {
 };
 
 Session::Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options)
-    : implementation_(std::make_unique<Implementation>(std::move(scene), std::move(device), std::move(options))) {}
+    : implementation_(
+          std::make_unique<Implementation>(std::move(scene), std::move(device), nullptr, std::move(options))) {}
+
+Session::Session(pipeline::ScenePointer scene, std::shared_ptr<const Recording> recording, SessionOptions options)
+    : implementation_(
+          std::make_unique<Implementation>(std::move(scene), nullptr, std::move(recording), std::move(options))) {}
 
 Session::~Session() {
   if (implementation_->servo) implementation_->servo->stop();
+  if (implementation_->replay) implementation_->replay->stop();
 }
 
 void Session::start() {
   Implementation& self = *implementation_;
-  if (self.servo) throw Error(ErrorKind::failure, {}, "the session has been started before");
-  ServoOptions options;
-  options.engine.rate_hz = self.rate_hz;
-  options.engine.stiffness_n_per_m = self.stiffness_n_per_m;
-  options.engine.solver = self.options.haptics.solver;
-  options.engine.solver_options.c1_surface = self.options.haptics.surface == pipeline::HapticsConfig::Surface::c1;
-  options.real_time = self.options.real_time;
-  options.engine.longest_gap_s = self.options.longest_gap_s;
-  self.servo = std::make_unique<Servo>(*self.device, options, std::move(self.first_window), self.state, self.consumers,
-                                       &self.recorder);
-  self.narrator.say_level(self.navigator.plan().level, self.navigator.width_m());
+  if (self.servo || self.replay) throw Error(ErrorKind::failure, {}, "the session has been started before");
+  RendererOptions renderer;
+  renderer.rate_hz = self.rate_hz;
+  renderer.stiffness_n_per_m = self.stiffness_n_per_m;
+  renderer.solver = self.options.haptics.solver;
+  renderer.solver_options.c1_surface = self.options.haptics.surface == pipeline::HapticsConfig::Surface::c1;
+  renderer.longest_gap_s = self.options.longest_gap_s;
+  if (self.recording) {
+    self.replay =
+        std::make_unique<Replay>(self.scene, self.recording, renderer, self.state, self.consumers, &self.recorder);
+  } else {
+    ServoOptions options;
+    options.renderer = renderer;
+    options.real_time = self.options.real_time;
+    self.servo = std::make_unique<Servo>(*self.device, options, std::move(self.first_window), self.state,
+                                         self.consumers, &self.recorder);
+  }
+  self.announcer.say_level(self.navigator.plan().level, self.navigator.width_m());
   self.recorder.start();
-  self.servo->start();
+  if (self.servo) self.servo->start();
+  if (self.replay) self.replay->start();
 }
 
 void Session::poll() {
   Implementation& self = *implementation_;
-  if (!self.servo || self.summary) return;
-  self.servo->collect();
+  if ((!self.servo && !self.replay) || self.summary) return;
+  if (self.replay) self.replay->poll();
   const State now = self.state.read();
-  self.watch_faults(now);
+  if (self.servo) {
+    self.servo->collect();
+    self.watch_faults(now);
+  }
   if (now.tick > 0) {
-    self.narrator.watch(now);
+    self.announcer.watch(now);
     self.press_buttons(now);
   }
   while (const std::optional<Request> request = self.requests.take()) self.serve(*request, now);
-  if (self.recording != nullptr) {
-    self.feed_recorded();
-    return;
-  }
+  if (self.replay) return;
   self.take_windows();
   if (now.tick == 0 || self.loader.busy() || now.command != self.sequence) return;
   // Only once the servo has caught up is its State about the present window.
@@ -275,16 +268,18 @@ void Session::poll() {
 }
 
 bool Session::finished() const {
-  return implementation_->quit || (implementation_->servo && implementation_->servo->finished());
+  const Implementation& self = *implementation_;
+  return self.quit || (self.servo && self.servo->finished()) || (self.replay && self.replay->finished());
 }
 
 SessionSummary Session::stop() {
   Implementation& self = *implementation_;
   if (self.summary) return *self.summary;
   SessionSummary summary;
-  if (self.servo) {
-    self.servo->stop();
-    const ServoFigures& servo = self.servo->figures();
+  if (self.servo || self.replay) {
+    if (self.servo) self.servo->stop();
+    if (self.replay) self.replay->stop();
+    const ServoFigures& servo = self.servo ? self.servo->figures() : self.replay->figures();
     summary.ticks = servo.ticks;
     summary.missed_ticks = servo.missed_ticks;
     summary.share_in_time = servo.share_in_time;
@@ -318,7 +313,7 @@ SessionSummary Session::stop() {
   summary.unfinished = figures.unfinished;
   summary.dropped_records = self.recorder.dropped();
   summary.stiffness_n_per_m = self.stiffness_n_per_m;
-  summary.windows_loaded = self.windows_loaded;
+  summary.windows_loaded = self.replay ? self.replay->windows_loaded() : self.windows_loaded;
   summary.window_load_s_max = self.window_load_s_max;
   self.summary = summary;
   if (lost) std::rethrow_exception(lost);
@@ -338,8 +333,11 @@ std::shared_ptr<ContactQueue> Session::add_contact_consumer() {
 
 pipeline::ScenePointer Session::scene() const { return implementation_->scene; }
 
+bool Session::plays_recording() const { return implementation_->recording != nullptr; }
+
 void Session::set_scene(pipeline::ScenePointer scene) {
   Implementation& self = *implementation_;
+  if (self.recording) throw Error(ErrorKind::usage, {}, "a recording is played on the scene it was made with");
   self.scene = std::move(scene);
   WindowLoader::Job job = self.navigator.change_scene(self.scene);
   if (self.servo) {

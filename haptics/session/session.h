@@ -7,20 +7,21 @@
 #include <memory>
 #include <vector>
 
-#include "haptics/contact/proxy.h"
 #include "haptics/device/device.h"
-#include "haptics/shared/requests.h"
-#include "haptics/shared/seqlock.h"
-#include "haptics/shared/spsc_queue.h"
-#include "haptics/shared/state.h"
-#include "pipeline/scene/scene.h"
+#include "haptics/servo/command.h"
+#include "haptics/state/requests.h"
+#include "haptics/state/seqlock.h"
+#include "haptics/state/spsc_queue.h"
+#include "haptics/state/state.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 
+class Recording;
+
 struct SessionOptions {
   pipeline::HapticsConfig haptics;  ///< wishes; the device limits them
-  bool texture = true;
-  bool friction = true;
+  Effects effects;
   std::filesystem::path record;  ///< run.csv; empty = none
   bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
   double longest_gap_s = 0.010;  ///< lateness that ends the force; longer only where no hand holds the device
@@ -59,6 +60,8 @@ class Session {
  public:
   /// Loads the first window. Throws Error.
   Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options);
+  /// Shows a recording that has windows instead of serving a hand; requests but `describe` and `quit` are not served.
+  Session(pipeline::ScenePointer scene, std::shared_ptr<const Recording> recording, SessionOptions options);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -77,7 +80,9 @@ class Session {
   /// A queue of contact events for one more consumer; call before start().
   [[nodiscard]] std::shared_ptr<ContactQueue> add_contact_consumer();
   [[nodiscard]] pipeline::ScenePointer scene() const;
-  /// A new scene, e.g. after a new depth scan; the hand keeps its place.
+  [[nodiscard]] bool plays_recording() const;
+  /// A new scene, e.g. after a new depth scan; the hand keeps its place. Throws Error{usage} when a recording is
+  /// played.
   void set_scene(pipeline::ScenePointer scene);
 
  private:

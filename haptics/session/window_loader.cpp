@@ -1,88 +1,9 @@
 #include "haptics/session/window_loader.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <utility>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scene/workspace.h"
-
 namespace sparsha::haptics {
-namespace {
-
-using pipeline::Lattice;
-
-/// First node of a run of `window` nodes around `centre`, or all `n` nodes when they fit.
-std::pair<int, int> run_around(double centre_nodes, int n, int window) {
-  if (n <= window) return {0, n};
-  const double first = std::round(centre_nodes - 0.5 * (window - 1));
-  return {static_cast<int>(std::clamp(first, -1e9, 1e9)), window};
-}
-
-}  // namespace
-
-int overview_level(const pipeline::SceneDescription& scene) {
-  const int window = pipeline::window_nodes(scene.config.levels.window);
-  for (std::size_t level = 0; level < scene.levels.size(); ++level)
-    if (std::max(scene.levels[level].nx, scene.levels[level].ny) <= window) return static_cast<int>(level);
-  return static_cast<int>(scene.levels.size()) - 1;
-}
-
-Eigen::Vector2d middle_of(const Lattice& lattice) {
-  return {lattice.origin_m.x() + 0.5 * (lattice.nx - 1) * lattice.spacing_m,
-          lattice.origin_m.y() + 0.5 * (lattice.ny - 1) * lattice.spacing_m};
-}
-
-WindowPlan plan_window(const pipeline::SceneDescription& scene, int level, const Eigen::Vector2d& centre_m,
-                       double workspace_width_m) {
-  const Lattice& lattice = scene.levels.at(static_cast<std::size_t>(level));
-  const int window = pipeline::window_nodes(scene.config.levels.window);
-  WindowPlan plan;
-  plan.level = level;
-  const Eigen::Vector2d nodes = (centre_m - lattice.origin_m.head<2>()) / lattice.spacing_m;
-  std::tie(plan.i0, plan.nx) = run_around(nodes.x(), lattice.nx, window);
-  std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);
-  plan.scale = workspace_width_m / pipeline::window_width_m(plan.nx, plan.ny, lattice.spacing_m);
-  return plan;
-}
-
-HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id) {
-  const pipeline::SceneDescription& description = scene.description();
-  const Lattice& level = description.levels.at(static_cast<std::size_t>(plan.level));
-  const pipeline::Layers layers = scene.read(plan.level, plan.i0, plan.j0, plan.nx, plan.ny);
-  SurfaceOptions options;
-  options.texture = plan.texture;
-  options.friction = plan.friction;
-  options.id = id;
-  HapticWindow window;
-  window.surface = make_surface(description, layers, plan.level, plan.scale, options);
-  window.i0 = plan.i0;
-  window.j0 = plan.j0;
-  window.level_nx = level.nx;
-  window.level_ny = level.ny;
-  window.id = id;
-  window.texture = plan.texture;
-  window.friction = plan.friction;
-  window.turned = description.region_from_grid.has_value();
-  if (window.turned) window.region_from_grid = description.region_from_grid->topRows<3>();
-  return window;
-}
-
-WindowPlan recorded_plan(const RecordedWindow& recorded) {
-  return {recorded.level, recorded.i0,    recorded.j0,      recorded.nx,
-          recorded.ny,    recorded.scale, recorded.texture, recorded.friction};
-}
-
-HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded) {
-  const WindowPlan plan = recorded_plan(recorded);
-  const std::vector<Lattice>& levels = scene.description().levels;
-  const auto level = static_cast<std::size_t>(plan.level);
-  if (plan.level < 0 || level >= levels.size() || plan.nx < 2 || plan.ny < 2 || plan.nx > levels[level].nx ||
-      plan.ny > levels[level].ny)
-    throw Error(ErrorKind::input, {}, "the recording was made with another scene", "the scene that it was made with");
-  return load_window(scene, plan, recorded.surface_id);
-}
 
 WindowLoader::WindowLoader() : thread_([this] { run(); }) {}
 

@@ -1,10 +1,10 @@
 #include "haptics/surface/large_pages.h"
 
-#include "pipeline/base/system.h"
+#include "base/system.h"
 
 namespace sparsha::haptics {
 
-std::vector<float> room_for(std::size_t count) {
+std::vector<float> reserve_large(std::size_t count) {
   std::vector<float> values;
   values.reserve(count);
   system::advise_large_pages(values.data(), count * sizeof(float));

@@ -5,86 +5,46 @@
 #include <cstddef>
 #include <utility>
 
-#include "haptics/surface/friction_map.h"
-#include "haptics/surface/large_pages.h"
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::haptics {
 namespace {
 
 using pipeline::Lattice;
-using pipeline::Layers;
-using pipeline::NodeState;
 
-void check(const pipeline::SceneDescription& scene, const Layers& window, int level, double scale) {
-  const Lattice& lattice = window.grid.lattice;
-  const auto wrong = [](const char* what) {
-    return Error(ErrorKind::failure, {}, what, "a window read from the scene");
+void check(const SurfaceParts& parts) {
+  const Lattice& lattice = parts.lattice;
+  const auto wrong = [](const char* what, const char* expected) {
+    return Error(ErrorKind::failure, {}, what, expected);
   };
-  if (lattice.nx < 2 || lattice.ny < 2 || !(lattice.spacing_m > 0.0)) throw wrong("a haptic window without a cell");
-  if (level < 0 || static_cast<std::size_t>(level) >= scene.levels.size())
-    throw wrong("a level that the scene has not");
-  if (!(scale > 0.0) || !std::isfinite(scale)) throw wrong("a window's scale that is not positive");
+  if (lattice.nx < 2 || lattice.ny < 2 || !(lattice.spacing_m > 0.0) || !lattice.origin_m.allFinite())
+    throw wrong("a surface without a cell", "at least 2 x 2 nodes and a positive spacing");
+  if (!(parts.scale > 0.0) || !std::isfinite(parts.scale))
+    throw wrong("a surface's scale that is not positive", "device metres per grid metre");
   const std::size_t count = lattice.count();
-  const auto fits = [count](std::size_t size) { return size == 0 || size == count; };
-  if (window.grid.height_m.size() != count || window.grid.state.size() != count || !fits(window.envelope_m.size()) ||
-      !fits(window.curvature_per_m.size()) || !fits(window.mean_curvature_per_m.size()) ||
-      !fits(window.gaussian_curvature_per_m2.size()))
-    throw wrong("layers of a haptic window that differ in size");
+  const std::size_t cells = static_cast<std::size_t>(lattice.nx - 1) * static_cast<std::size_t>(lattice.ny - 1);
+  if (parts.height_m.size() != count) throw wrong("heights that are not one per node", "nx * ny heights");
+  for (const std::vector<float>* friction : {&parts.friction.mu_dynamic, &parts.friction.mu_static})
+    if (!friction->empty() && friction->size() != count)
+      throw wrong("friction coefficients that are not one per node", "nx * ny coefficients or none");
+  if (parts.friction.mu_dynamic.empty() != parts.friction.mu_static.empty())
+    throw wrong("one of two friction coefficients is missing", "both or none");
+  if (!parts.cell_flags.empty() && parts.cell_flags.size() != cells)
+    throw wrong("cell flags that are not one per cell", "(nx - 1) * (ny - 1) flags or none");
 }
 
-/// Is a node of the window one of the level's own?
-class Inside {
- public:
-  Inside(const Lattice& level, const Lattice& window)
-      : first_i_(std::lround((window.origin_m.x() - level.origin_m.x()) / level.spacing_m)),
-        first_j_(std::lround((window.origin_m.y() - level.origin_m.y()) / level.spacing_m)),
-        nx_(level.nx),
-        ny_(level.ny) {}
-  [[nodiscard]] bool operator()(int i, int j) const {
-    return first_i_ + i >= 0 && first_i_ + i < nx_ && first_j_ + j >= 0 && first_j_ + j < ny_;
-  }
-
- private:
-  long first_i_;
-  long first_j_;
-  long nx_;
-  long ny_;
-};
-
-std::vector<std::uint8_t> flag_cells(const Layers& window, const Inside& inside) {
-  const Lattice& lattice = window.grid.lattice;
-  std::vector<std::uint8_t> nodes(lattice.count(), 0);
-  for (int j = 0; j < lattice.ny; ++j)
-    for (int i = 0; i < lattice.nx; ++i) {
-      const std::size_t node = lattice.index(i, j);
-      if (!inside(i, j))
-        nodes[node] = kCellOutside;
-      else if (window.grid.state[node] == NodeState::unknown)
-        nodes[node] = kCellUnknown;
-      else if (window.grid.state[node] == NodeState::filled)
-        nodes[node] = kCellFilled;
-    }
+/// kCellUnknown where a node of the cell is unknown; empty when all are known.
+std::vector<std::uint8_t> flag_unknown(const Lattice& lattice, const std::vector<float>& height_m) {
+  const auto unknown = [&](int i, int j) { return !std::isfinite(height_m[lattice.index(i, j)]); };
   std::vector<std::uint8_t> cells;
+  if (std::all_of(height_m.begin(), height_m.end(), [](float z) { return std::isfinite(z); })) return cells;
   cells.reserve(static_cast<std::size_t>(lattice.nx - 1) * static_cast<std::size_t>(lattice.ny - 1));
   for (int j = 0; j + 1 < lattice.ny; ++j)
     for (int i = 0; i + 1 < lattice.nx; ++i) {
-      const unsigned low = nodes[lattice.index(i, j)] | unsigned{nodes[lattice.index(i + 1, j)]};
-      const unsigned high = nodes[lattice.index(i, j + 1)] | unsigned{nodes[lattice.index(i + 1, j + 1)]};
-      cells.push_back(static_cast<std::uint8_t>(low | high));
+      const bool any = unknown(i, j) || unknown(i + 1, j) || unknown(i, j + 1) || unknown(i + 1, j + 1);
+      cells.push_back(any ? static_cast<std::uint8_t>(kCellUnknown) : std::uint8_t{0});
     }
   return cells;
-}
-
-/// Nodes that are unknown in the mask are unknown in height, whatever a layer holds there.
-std::vector<float> known_heights(const Layers& window, bool texture) {
-  const bool envelope = !texture && !window.envelope_m.empty();
-  const std::vector<float>& layer = envelope ? window.envelope_m : window.grid.height_m;
-  std::vector<float> heights = room_for(layer.size());
-  heights.assign(layer.begin(), layer.end());
-  for (std::size_t node = 0; node < heights.size(); ++node)
-    if (window.grid.state[node] == NodeState::unknown) heights[node] = pipeline::kUnknownHeight;
-  return heights;
 }
 
 }  // namespace
@@ -105,28 +65,24 @@ double MongeSurface::height(double x, double y) const noexcept {
   return (1.0 - t) * low + t * high;
 }
 
-std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene, const Layers& window,
-                                                 int level, double scale, const SurfaceOptions& options) {
-  check(scene, window, level, scale);
-  const Lattice& lattice = window.grid.lattice;
+std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
+  check(parts);
   auto surface = std::make_shared<MongeSurface>();
-  surface->lattice = lattice;
-  surface->id = options.id;
-  surface->level = level;
-  surface->scale = scale;
-  surface->cell_flags = flag_cells(window, Inside(scene.levels[static_cast<std::size_t>(level)], lattice));
-  surface->height_m = known_heights(window, options.texture);
-  continue_heights(surface->height_m, lattice.nx, lattice.ny);
-  if (options.friction) {
-    FrictionMap friction = evaluate_friction(scene, window, scale);
-    surface->mu_dynamic = std::move(friction.mu_dynamic);
-    surface->mu_static = std::move(friction.mu_static);
-  }
+  surface->lattice = parts.lattice;
+  surface->id = parts.id;
+  surface->level = parts.level;
+  surface->scale = parts.scale;
+  surface->cell_flags =
+      parts.cell_flags.empty() ? flag_unknown(parts.lattice, parts.height_m) : std::move(parts.cell_flags);
+  surface->height_m = std::move(parts.height_m);
+  continue_heights(surface->height_m, parts.lattice.nx, parts.lattice.ny);
+  surface->mu_dynamic = std::move(parts.friction.mu_dynamic);
+  surface->mu_static = std::move(parts.friction.mu_static);
   surface->highest_m = *std::max_element(surface->height_m.begin(), surface->height_m.end());
   const double middle_x = 0.5 * surface->width_m();
   const double middle_y = 0.5 * surface->depth_m();
-  surface->centre_m = options.centre_m.value_or(
-      lattice.origin_m + Eigen::Vector3d(middle_x, middle_y, surface->height(middle_x, middle_y)));
+  surface->centre_m = parts.centre_m.value_or(parts.lattice.origin_m +
+                                              Eigen::Vector3d(middle_x, middle_y, surface->height(middle_x, middle_y)));
   return surface;
 }
 

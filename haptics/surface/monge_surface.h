@@ -10,20 +10,12 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/scene/scene.h"
+#include "scene/depth_grid.h"
 
 namespace sparsha::haptics {
 
 /// Bits per cell, for State::flags.
 enum CellFlag : std::uint8_t { kCellFilled = 1, kCellUnknown = 2, kCellOutside = 4 };
-
-/// Which effects a window is loaded with.
-struct SurfaceOptions {
-  bool texture = true;                      ///< false: the envelope f_b
-  bool friction = true;                     ///< false: mu = 0 everywhere
-  std::uint64_t id = 0;                     ///< becomes MongeSurface::id
-  std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the surface in the window's middle
-};
 
 /// Immutable; made off the servo thread, read by it. Beyond its border the surface goes on level and frictionless.
 struct MongeSurface {
@@ -44,11 +36,27 @@ struct MongeSurface {
   [[nodiscard]] double height(double x, double y) const noexcept;
 };
 
-/// Builds the surface from a window's layers: friction by the scene's law, evaluated here at the window's scale (device
-/// metres per grid metre). Off the servo thread. Throws Error{failure} when layers and lattice do not match.
-[[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene,
-                                                               const pipeline::Layers& window, int level, double scale,
-                                                               const SurfaceOptions& options);
+/// Coefficients per node; both empty: frictionless.
+struct FrictionMap {
+  std::vector<float> mu_dynamic;
+  std::vector<float> mu_static;  ///< not below mu_dynamic
+};
+
+/// What a surface is made of.
+struct SurfaceParts {
+  pipeline::Lattice lattice;    ///< at least 2 x 2 nodes
+  std::vector<float> height_m;  ///< per node, row 0 at the bottom, relative to lattice.origin_m.z; NaN: unknown
+  FrictionMap friction;         ///< per node or empty
+  std::vector<std::uint8_t> cell_flags;  ///< (nx-1)*(ny-1) CellFlag bits; empty: kCellUnknown where a node is unknown
+  double scale = 1.0;                    ///< device metres per grid metre
+  int level = 0;
+  std::uint64_t id = 0;
+  std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the surface in the window's middle
+};
+
+/// Makes the surface; unknown heights are continued. Off the servo thread. Throws Error{failure} when sizes do not
+/// match the lattice, or lattice and scale are not positive and finite.
+[[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts);
 
 /// Continues heights into NaN nodes smoothly from the nearest known ones (pull-push, Gortler et al. 1996). In place.
 /// Everything unknown gives 0.

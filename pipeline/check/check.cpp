@@ -9,12 +9,12 @@
 
 #include <Eigen/Dense>
 
-#include "pipeline/base/hash.h"
-#include "pipeline/check/check_nearest.h"
-#include "pipeline/check/check_points.h"
-#include "pipeline/check/check_statistics.h"
-#include "pipeline/check/check_surface.h"
-#include "pipeline/grid/fill_closing.h"
+#include "base/hash.h"
+#include "pipeline/check/nearest.h"
+#include "pipeline/check/points.h"
+#include "pipeline/check/statistics.h"
+#include "pipeline/check/surface.h"
+#include "pipeline/layers/closing.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -26,8 +26,8 @@ constexpr std::size_t kSecondMethodSamples = 2000;
 constexpr int kSecondMethodRings = 24;  // points farther from the surface than this (spacings) are not judged twice
 
 bool counts(const Projection& projection, std::size_t n) {
-  if (projection.fate.empty()) return true;
-  return projection.fate[n] == PointFate::used || projection.fate[n] == PointFate::outlier;
+  if (projection.point_class.empty()) return true;
+  return projection.point_class[n] == PointClass::used || projection.point_class[n] == PointClass::outlier;
 }
 
 BandedPoints counted_points(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
@@ -153,18 +153,17 @@ std::vector<std::uint32_t> sample_nodes(const DepthGrid& grid, std::uint64_t wan
 }  // namespace
 
 CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m, double point_spacing_m,
-                        const std::optional<FillConfig>& fill, const CheckConfig& config, ThreadPool& pool,
-                        Progress& progress) {
+                        const std::optional<FillConfig>& fill, const CheckConfig& config, const Context& context) {
   const Lattice& lattice = grid.lattice;
   const auto wanted = static_cast<std::uint64_t>(std::max<std::int64_t>(0, config.samples));
   CheckResult result;
   // A noise of more than half the distance between points cannot be right, and must not excuse the surface.
   result.tolerance_m = std::max(lattice.spacing_m, 3 * std::min(noise_m, 0.5 * point_spacing_m));
 
-  progress.at(0.1);
+  context.progress.at(0.1);
   const std::vector<Place> sample = sample_points(points, wanted, lattice);
-  progress.at(0.3);
-  std::vector<float> distances = distances_to_surface(grid, sample, result, pool);
+  context.progress.at(0.3);
+  std::vector<float> distances = distances_to_surface(grid, sample, result, context.pool);
   // A grid without a single cell has no surface to be distant from.
   if (!distances.empty() && std::isinf(distances.front()))
     distances.clear();
@@ -174,18 +173,18 @@ CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, doub
   result.cloud_to_surface = statistics_of(distances, points.size);
   result.histogram_bin_m = kHistogramReach * result.cloud_to_surface.p99_m / kBins;
   result.cloud_histogram = histogram_of(distances, result.histogram_bin_m, kBins);
-  progress.at(0.5);
+  context.progress.at(0.5);
 
   std::uint64_t measured = 0;
   const std::vector<std::uint32_t> nodes = sample_nodes(grid, wanted, measured);
-  distances = nearest_point_distances(grid, nodes, points, point_spacing_m, pool);
+  distances = nearest_point_distances(grid, nodes, points, point_spacing_m, context.pool);
   if (points.size == 0) distances.clear();
   result.surface_to_cloud = statistics_of(distances, measured);
   result.surface_histogram_bin_m = kHistogramReach * result.surface_to_cloud.p99_m / kBins;
   result.surface_histogram = histogram_of(distances, result.surface_histogram_bin_m, kBins);
-  progress.at(0.9);
+  context.progress.at(0.9);
 
-  const std::size_t inside = outline_nodes(grid, fill ? fill->max_gap_m : 0.0, pool).count();
+  const std::size_t inside = outline_nodes(grid, fill ? fill->max_gap_m : 0.0, context.pool).count();
   if (inside > 0 && !distances.empty()) {
     const auto near =
         std::count_if(distances.begin(), distances.end(), [&](float d) { return std::abs(d) <= result.tolerance_m; });
@@ -194,16 +193,15 @@ CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, doub
   } else if (inside > 0) {
     result.completeness = 0.0;
   }
-  progress.at(1.0);
+  context.progress.at(1.0);
   return result;
 }
 
 CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
-                        const std::optional<FillConfig>& fill, const CheckConfig& config, ThreadPool& pool,
-                        Progress& progress) {
-  const BandedPoints points = counted_points(cloud, scan_to_grid, projection, pool);
+                        const std::optional<FillConfig>& fill, const CheckConfig& config, const Context& context) {
+  const BandedPoints points = counted_points(cloud, scan_to_grid, projection, context.pool);
   return cross_check(points.counted(), projection.grid, projection.noise_m, projection.point_spacing_m, fill, config,
-                     pool, progress);
+                     context);
 }
 
 }  // namespace sparsha::pipeline

@@ -7,12 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/base/thread_pool.h"
-#include "pipeline/grid/project.h"
+#include "base/context.h"
+#include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"
-#include "pipeline/scene/config.h"
-#include "pipeline/scene/depth_grid.h"
+#include "scene/config.h"
+#include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
 
@@ -55,11 +54,11 @@ struct CountedPoints {
 /// `noise_m` and `point_spacing_m` are the projection's.
 [[nodiscard]] CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m,
                                       double point_spacing_m, const std::optional<FillConfig>& fill,
-                                      const CheckConfig& config, ThreadPool& pool, Progress& progress);
+                                      const CheckConfig& config, const Context& context);
 
 /// `projection` says which points count. Scene frame: grid = scan_to_grid * scan.
 [[nodiscard]] CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
                                       const Projection& projection, const std::optional<FillConfig>& fill,
-                                      const CheckConfig& config, ThreadPool& pool, Progress& progress);
+                                      const CheckConfig& config, const Context& context);
 
 }  // namespace sparsha::pipeline

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/files.h"
+#include "base/error.h"
+#include "base/files.h"
 #include "pipeline/export/formats.h"
-#include "pipeline/scene/layer_file.h"
+#include "scene/layer_file.h"
 
 namespace sparsha::pipeline {
 namespace {

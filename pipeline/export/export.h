@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/scene/scene.h"
+#include "base/progress.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 

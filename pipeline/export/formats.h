@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/scene/scene.h"
+#include "base/progress.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 

@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/scene/scene.h"
+#include "base/progress.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/filter/outliers.h"
 #include "pipeline/filter/voxel.h"
 
@@ -62,23 +62,23 @@ Error nothing_left(const std::string& filter) {
   return {ErrorKind::input, {}, "nothing is left after the filter '" + filter + "'", "a filter that keeps some points"};
 }
 
-FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool, Progress& progress,
+FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
                            Cloud* removed_outliers) {
   FilterCounts counts;
   for (const FilterConfig& filter : filters) {
-    progress.throw_if_cancelled();
+    context.progress.throw_if_cancelled();
     if (const auto* crop = std::get_if<CropConfig>(&filter)) {
       counts.filtered += keep_only(cloud, inside(cloud, *crop));
       check_left(cloud, "crop");
     } else if (const auto* voxel = std::get_if<VoxelConfig>(&filter)) {
       const std::size_t before = cloud.size();
-      thin_to_voxels(cloud, voxel->leaf_m, progress);
+      thin_to_voxels(cloud, voxel->leaf_m, context.progress);
       counts.filtered += before - cloud.size();
       cloud.faces.clear();
     } else if (const auto* outliers = std::get_if<OutlierConfig>(&filter)) {
       const std::vector<std::uint8_t> keep = outliers->method == OutlierConfig::Method::pcl
                                                  ? statistical_inliers_by_pcl(cloud, *outliers)
-                                                 : statistical_inliers(cloud, *outliers, pool, progress);
+                                                 : statistical_inliers(cloud, *outliers, context);
       if (removed_outliers != nullptr) copy_removed(cloud, keep, *removed_outliers);
       counts.outlier += keep_only(cloud, keep);
       check_left(cloud, "outliers");

@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/progress.h"
-#include "pipeline/base/thread_pool.h"
+#include "base/context.h"
+#include "base/error.h"
 #include "pipeline/scan/cloud.h"
-#include "pipeline/scene/config.h"
+#include "scene/config.h"
 
 namespace sparsha::pipeline {
 
@@ -38,7 +37,7 @@ struct FilterCounts {
 /// Applies `filters` in order. Faces survive only while no point is taken away. Points that an outlier filter takes
 /// away go to `removed_outliers` (positions only, same origin) when it is given: a cross-check must see them. Throws
 /// Error{usage} when a voxel leaf is too small for the extent, Error{input} when nothing is left.
-FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, ThreadPool& pool, Progress& progress,
+FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
                            Cloud* removed_outliers = nullptr);
 
 }  // namespace sparsha::pipeline

@@ -261,13 +261,13 @@ void NeighbourTree::search_leaf(const Leaf& leaf, Search& search) const {
   }
 }
 
-std::vector<float> NeighbourTree::mean_distances(int neighbours, ThreadPool& pool, Progress& progress) const {
+std::vector<float> NeighbourTree::mean_distances(int neighbours, const Context& context) const {
   std::vector<float> mean(size_, 0.0F);
   const std::size_t k = std::min(static_cast<std::size_t>(neighbours), size_ > 0 ? size_ - 1 : 0);
   if (k == 0) return mean;
   constexpr std::size_t kGrain = 64;
-  pool.for_ranges(leaves_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    progress.throw_if_cancelled();
+  context.pool.for_ranges(leaves_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    context.progress.throw_if_cancelled();
     Search search(k + 1);
     for (std::size_t l = begin; l < end; ++l) {
       const Leaf& leaf = leaves_[l];

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/base/thread_pool.h"
+#include "base/context.h"
+#include "base/thread_pool.h"
 
 namespace sparsha::pipeline {
 
@@ -21,7 +21,7 @@ class NeighbourTree {
 
   /// mean[i] = mean distance of point i to its `neighbours` nearest other points; the number is cut to what there is.
   /// Does not depend on the number of threads. Throws Cancelled.
-  [[nodiscard]] std::vector<float> mean_distances(int neighbours, ThreadPool& pool, Progress& progress) const;
+  [[nodiscard]] std::vector<float> mean_distances(int neighbours, const Context& context) const;
 
   static constexpr std::size_t kLeaf = 16;
 

@@ -35,12 +35,11 @@ double threshold(const std::vector<float>& distances, double sigma) {
 
 }  // namespace
 
-std::vector<std::uint8_t> statistical_inliers(const Cloud& cloud, const OutlierConfig& config, ThreadPool& pool,
-                                              Progress& progress) {
+std::vector<std::uint8_t> statistical_inliers(const Cloud& cloud, const OutlierConfig& config, const Context& context) {
   std::vector<std::uint8_t> keep(cloud.size(), 1);
   if (cloud.size() < 2) return keep;
-  const NeighbourTree tree(cloud.xyz1(), cloud.size(), pool);
-  const std::vector<float> distances = tree.mean_distances(config.neighbours, pool, progress);
+  const NeighbourTree tree(cloud.xyz1(), cloud.size(), context.pool);
+  const std::vector<float> distances = tree.mean_distances(config.neighbours, context);
   const double most = threshold(distances, config.sigma);
   for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = static_cast<double>(distances[i]) <= most ? 1 : 0;
   return keep;

@@ -4,17 +4,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/base/thread_pool.h"
+#include "base/context.h"
 #include "pipeline/scan/cloud.h"
-#include "pipeline/scene/config.h"
+#include "scene/config.h"
 
 namespace sparsha::pipeline {
 
 /// keep[i] = 0 where the mean distance of point i to its neighbours exceeds mean + sigma * standard deviation of all
 /// such distances. Depends neither on threads nor on the order of the points.
 [[nodiscard]] std::vector<std::uint8_t> statistical_inliers(const Cloud& cloud, const OutlierConfig& config,
-                                                            ThreadPool& pool, Progress& progress);
+                                                            const Context& context);
 
 /// The same by pcl::StatisticalOutlierRemoval.
 [[nodiscard]] std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config);

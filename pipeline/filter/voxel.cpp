@@ -11,10 +11,10 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/exact_sum.h"
-#include "pipeline/base/hash.h"
-#include "pipeline/base/key_table.h"
+#include "base/error.h"
+#include "base/exact_sum.h"
+#include "base/hash.h"
+#include "base/key_table.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -119,8 +119,8 @@ class VoxelThinner::Sums final : public Implementation {
     point.hash = hash_cell(point.cell);
     point.rgba = rgba;
     point.intensity = intensity;
-    table_.foresee_slot(point.hash);
-    if (next_ >= kAhead / 2) table_.foresee_record(waiting_[(next_ - kAhead / 2) % kAhead].hash);
+    table_.prefetch_slot(point.hash);
+    if (next_ >= kAhead / 2) table_.prefetch_record(waiting_[(next_ - kAhead / 2) % kAhead].hash);
     ++next_;
   }
 

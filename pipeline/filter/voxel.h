@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/base/progress.h"
+#include "base/progress.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::pipeline {

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "pipeline/scan/scan_set.h"
-#include "pipeline/scene/config.h"
-#include "pipeline/scene/depth_grid.h"
+#include "scene/config.h"
+#include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
 

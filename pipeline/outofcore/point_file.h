@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/base/system.h"
+#include "base/system.h"
 
 namespace sparsha::pipeline {
 

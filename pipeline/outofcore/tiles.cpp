@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::pipeline {
 namespace {

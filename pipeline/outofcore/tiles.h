@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/grid/project_bins.h"
+#include "pipeline/projection/bins.h"
 
 namespace sparsha::pipeline {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pipeline/scan/reader.h"
-#include "pipeline/scan/survey.h"
+#include "pipeline/scan/scan_statistics.h"
 #include "pipeline/scan/units.h"
 
 namespace sparsha::pipeline {

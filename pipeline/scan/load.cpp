@@ -1,8 +1,8 @@
 // From files to one cloud in metres.
-#include "pipeline/base/progress.h"
+#include "base/progress.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/scan_set.h"
-#include "pipeline/scene/scene.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/base/statistics.h"
+#include "base/statistics.h"
 
 namespace sparsha::pipeline {
 

@@ -1,12 +1,15 @@
 // One origin for all scans of a scene, chosen from the set of points alone.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "base/hash.h"
 
 namespace sparsha::pipeline {
 
@@ -41,10 +44,7 @@ class PointSample {
     const auto x = std::bit_cast<std::uint64_t>(point.x() + 0.0);
     const auto y = std::bit_cast<std::uint64_t>(point.y() + 0.0);
     const auto z = std::bit_cast<std::uint64_t>(point.z() + 0.0);
-    std::uint64_t h = x ^ std::rotl(y, 21) ^ std::rotl(z, 42);
-    h = (h ^ (h >> 32)) * 0xD6E8FEB86659FD93ULL;
-    h = (h ^ (h >> 29) ^ std::rotl(z, 7)) * 0xBF58476D1CE4E5B9ULL;
-    return h ^ (h >> 32);
+    return hash_words(std::array<std::uint64_t, 3>{x, y, z});
   }
   void keep(std::uint64_t h, const Eigen::Vector3d& point);
   [[nodiscard]] std::vector<Entry> smallest() const;

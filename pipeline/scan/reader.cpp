@@ -1,18 +1,18 @@
 // Tells a scan's format, by its content first and its ending second, and hands it to that format's reader.
 #include "pipeline/scan/reader.h"
 
-#include "pipeline/scan/e57.h"
-#include "pipeline/scan/las.h"
-#include "pipeline/scan/obj.h"
-#include "pipeline/scan/pcd.h"
-#include "pipeline/scan/ply.h"
-#include "pipeline/scan/ptx.h"
+#include "pipeline/scan/formats/e57/e57.h"
+#include "pipeline/scan/formats/las/las.h"
+#include "pipeline/scan/formats/obj.h"
+#include "pipeline/scan/formats/pcd/pcd.h"
+#include "pipeline/scan/formats/ply/ply.h"
+#include "pipeline/scan/formats/ptx.h"
+#include "pipeline/scan/formats/stl.h"
+#include "pipeline/scan/formats/text/xyz.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/scan_file.h"
 #include "pipeline/scan/scan_writer.h"
-#include "pipeline/scan/stl.h"
 #include "pipeline/scan/text.h"
-#include "pipeline/scan/xyz.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 
 #include "pipeline/scan/cloud.h"
-#include "pipeline/scene/config.h"
+#include "scene/config.h"
 
 namespace sparsha::pipeline {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/scene/config.h"
+#include "base/progress.h"
+#include "scene/config.h"
 
 namespace sparsha::pipeline {
 

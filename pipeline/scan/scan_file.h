@@ -9,9 +9,9 @@
 #include <string_view>
 #include <type_traits>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/files.h"
-#include "pipeline/base/progress.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/progress.h"
 
 namespace sparsha::pipeline {
 

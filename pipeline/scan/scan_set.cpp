@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/base/files.h"
+#include "base/files.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"

@@ -12,10 +12,10 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/base/progress.h"
+#include "base/progress.h"
 #include "pipeline/scan/cloud.h"
-#include "pipeline/scene/config.h"
-#include "pipeline/scene/scene.h"
+#include "scene/config.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::pipeline {
 namespace {

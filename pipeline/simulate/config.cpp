@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/simulate/frames.h"
 #include "pipeline/simulate/simulate.h"
 

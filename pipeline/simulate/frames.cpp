@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::pipeline {
 
@@ -39,12 +39,11 @@ std::size_t file_count(const SimulationConfig& config) {
   return std::get<ScannerConfig>(config.scan).stations.size();
 }
 
-void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                   Progress& progress, const SimulatedPointSink& sink) {
+void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink) {
   if (std::holds_alternative<SamplerConfig>(config.scan)) {
-    sample_file(config, surface, index, pool, progress, sink);
+    sample_file(config, surface, index, context, sink);
   } else {
-    scan_station(config, surface, index, pool, progress, sink);
+    scan_station(config, surface, index, context, sink);
   }
 }
 
@@ -53,7 +52,7 @@ SimulatedScan generate(const SimulationConfig& config, ThreadPool& pool) {
   Progress progress;
   SimulatedScan scan;
   for (std::size_t file = 0; file < file_count(config); ++file) {
-    generate_file(config, surface, file, pool, progress, [&](std::span<const SimulatedPoint> points) {
+    generate_file(config, surface, file, {pool, progress}, [&](std::span<const SimulatedPoint> points) {
       for (const SimulatedPoint& point : points) {
         scan.points_m.push_back(point.position_m);
         scan.is_front.push_back(point.is_front ? 1 : 0);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/base/hash.h"
+#include "base/hash.h"
 
 namespace sparsha::pipeline {
 namespace {

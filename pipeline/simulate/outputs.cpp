@@ -29,17 +29,16 @@ const char* form_name(const Form& form) {
 
 }  // namespace
 
-void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown, ThreadPool& pool,
-                      Progress& progress) {
+void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown, const Context& context) {
   const Lattice& lattice = truth.lattice();
   const auto nx = static_cast<std::size_t>(lattice.nx);
   HeightTiff tiff(file, shown, lattice.nx, lattice.ny, true);
   std::vector<double> band;
   for (int top = 0; top < lattice.ny; top += HeightTiff::kBand) {
-    progress.at(static_cast<double>(top) / lattice.ny);
+    context.progress.at(static_cast<double>(top) / lattice.ny);
     const auto rows = static_cast<std::size_t>(std::min(HeightTiff::kBand, lattice.ny - top));
     band.resize(rows * nx);
-    pool.for_ranges(rows, 8, [&](std::size_t begin, std::size_t end) {
+    context.pool.for_ranges(rows, 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row) {
         const double y = lattice.y_m(lattice.ny - 1 - top - static_cast<int>(row));
         for (int i = 0; i < lattice.nx; ++i)

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "pipeline/base/hash.h"
+#include "base/hash.h"
 
 namespace sparsha::pipeline {
 

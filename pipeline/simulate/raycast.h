@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/base/thread_pool.h"
+#include "base/thread_pool.h"
 
 namespace sparsha::pipeline {
 

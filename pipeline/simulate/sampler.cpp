@@ -63,21 +63,20 @@ class Sampler {
 
 }  // namespace
 
-void sample_file(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                 Progress& progress, const SimulatedPointSink& sink) {
+void sample_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink) {
   const Sampler sampler(config, surface);
   const auto files = static_cast<std::uint64_t>(std::get<SamplerConfig>(config.scan).files);
   const std::uint64_t begin = sampler.count() * index / files;
   const std::uint64_t end = sampler.count() * (index + 1) / files;
   std::vector<SimulatedPoint> block;
   for (std::uint64_t first = begin; first < end; first += kBlock) {
-    progress.at(static_cast<double>(first - begin) / static_cast<double>(end - begin));
+    context.progress.at(static_cast<double>(first - begin) / static_cast<double>(end - begin));
     const std::uint64_t last = std::min(end, first + kBlock);
     const auto place = [&](std::uint64_t k) {
       return (k - first) + sampler.backs_before(k) - sampler.backs_before(first);
     };
     block.resize(place(last));
-    pool.for_ranges(last - first, kGrain, [&](std::size_t low, std::size_t high) {
+    context.pool.for_ranges(last - first, kGrain, [&](std::size_t low, std::size_t high) {
       for (std::uint64_t k = first + low; k < first + high; ++k) {
         std::uint64_t at = place(k);
         block[at++] = sampler.point(Stream::front, k);

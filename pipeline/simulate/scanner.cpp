@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/simulate/frames.h"
 #include "pipeline/simulate/generate.h"
 #include "pipeline/simulate/plain_math.h"
@@ -163,21 +163,20 @@ FieldOfView Station::field_of_view() const {
 
 }  // namespace
 
-void scan_station(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                  Progress& progress, const SimulatedPointSink& sink) {
-  const Station station(config, surface, index, pool);
+void scan_station(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink) {
+  const Station station(config, surface, index, context.pool);
   const FieldOfView view = station.field_of_view();
   const std::int64_t elevations = view.elevation_high - view.elevation_low + 1;
   const std::int64_t at_once = std::clamp<std::int64_t>(kBeamsAtOnce / elevations, 1, kColumnsAtOnce);
   std::vector<std::vector<SimulatedPoint>> columns(static_cast<std::size_t>(at_once));
   for (std::int64_t first = view.azimuth_low; first <= view.azimuth_high; first += at_once) {
-    progress.at(static_cast<double>(first - view.azimuth_low) /
+    context.progress.at(static_cast<double>(first - view.azimuth_low) /
                 static_cast<double>(view.azimuth_high + 1 - view.azimuth_low));
     const std::int64_t last = std::min(view.azimuth_high, first + at_once - 1);
-    pool.for_ranges(static_cast<std::size_t>(last - first + 1), 1, [&](std::size_t begin, std::size_t end) {
+    context.pool.for_ranges(static_cast<std::size_t>(last - first + 1), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c) {
         columns[c].clear();
-        station.scan_column(view, first + static_cast<std::int64_t>(c), columns[c], progress);
+        station.scan_column(view, first + static_cast<std::int64_t>(c), columns[c], context.progress);
       }
     });
     for (std::size_t c = 0; c < static_cast<std::size_t>(last - first + 1); ++c) sink(columns[c]);

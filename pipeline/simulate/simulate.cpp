@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/files.h"
+#include "base/error.h"
+#include "base/files.h"
 #include "pipeline/simulate/frames.h"
 #include "pipeline/simulate/outputs.h"
 #include "pipeline/simulate/ply_stream.h"
@@ -43,8 +43,7 @@ void write_text(const AtomicPath& file, const std::string& text) {
 }
 
 SimulatedFile write_scan(const SimulationConfig& config, const Surface& surface, std::size_t index,
-                         const std::filesystem::path& temporary, const std::string& shown, ThreadPool& pool,
-                         Progress& progress) {
+                         const std::filesystem::path& temporary, const std::string& shown, const Context& context) {
   StationPose frame{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
   if (config.station_frame) {
     frame = scan_from_station(config, std::get<ScannerConfig>(config.scan).stations[index]);
@@ -53,7 +52,7 @@ SimulatedFile write_scan(const SimulationConfig& config, const Surface& surface,
   file.name = file_name(config, index);
   PlyStream stream(temporary, shown, {config.double_precision, config.intensity, config.colour},
                    fmt::format("simulated scan, seed {}, metres", config.seed));
-  generate_file(config, surface, index, pool, progress, [&](std::span<const SimulatedPoint> points) {
+  generate_file(config, surface, index, context, [&](std::span<const SimulatedPoint> points) {
     stream.append(points, frame.rotation, frame.translation_m);
     for (const SimulatedPoint& point : points) {
       file.back += point.is_front ? 0 : 1;
@@ -87,7 +86,7 @@ void write_simulation(const SimulationConfig& config, const std::filesystem::pat
     const std::string name = file_name(config, index);
     progress.begin("scan " + name);
     files.push_back(
-        write_scan(config, truth.surface(), index, temporary(index), (out / name).string(), pool, progress));
+        write_scan(config, truth.surface(), index, temporary(index), (out / name).string(), {pool, progress}));
     if (files.back().points == 0) progress.warn(name + " has no points: the station sees nothing of the surface");
   }
   std::size_t next = files.size();
@@ -96,7 +95,7 @@ void write_simulation(const SimulationConfig& config, const std::filesystem::pat
   if (config.write_truth) {
     progress.begin("truth");
     write_text(*written[next++], truth_world_file(truth));
-    write_truth_tiff(truth, temporary(next), (out / "truth.tif").string(), pool, progress);
+    write_truth_tiff(truth, temporary(next), (out / "truth.tif").string(), {pool, progress});
   }
   progress.throw_if_cancelled();
   for (const auto& path : written) path->commit();

@@ -12,11 +12,12 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/base/thread_pool.h"
-#include "pipeline/base/yaml.h"
-#include "pipeline/scene/depth_grid.h"
+#include "base/context.h"
+#include "base/progress.h"
+#include "base/thread_pool.h"
+#include "base/yaml.h"
 #include "pipeline/simulate/surface.h"
+#include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
 
@@ -105,8 +106,7 @@ class Truth {
 
 /// Calls `sink` with the points of file `index` in the file's order, block by block; memory stays below some MB.
 using SimulatedPointSink = std::function<void(std::span<const SimulatedPoint>)>;
-void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, ThreadPool& pool,
-                   Progress& progress, const SimulatedPointSink& sink);
+void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink);
 [[nodiscard]] std::size_t file_count(const SimulationConfig& config);
 
 /// All points in memory. The same configuration gives the same bits whatever the pool.

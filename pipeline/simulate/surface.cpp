@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/simulate/forms.h"
 #include "pipeline/simulate/noise_field.h"
 #include "pipeline/simulate/relief.h"

@@ -244,7 +244,7 @@ TEST_F(Files, WhatAKilledBuildLeftIsGoneAfterTheNext) {
       return entry.path().filename().string().starts_with(".scene.part-") && !fs::is_empty(entry.path(), code) && !code;
     });
   };
-  const int status = interrupt("build " + relief_ + " --set grid.spacing_mm=0.1 --out scene", SIGKILL, writing);
+  const int status = interrupt("build " + relief_ + " --set grid.spacing_mm=0.25 --out scene", SIGKILL, writing);
   ASSERT_TRUE(WIFSIGNALED(status));
   ASSERT_TRUE(any_hidden(".scene.part-"));
   ASSERT_EQ(run("build " + relief_ + " --out scene --quiet").code, 0);

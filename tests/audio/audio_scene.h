@@ -7,7 +7,8 @@
 
 #include "audio/sound_bank.h"
 #include "audio/synth.h"
-#include "pipeline/scene/scene.h"
+#include "scene/scene.h"
+#include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 
 namespace audio_scene {
@@ -37,20 +38,11 @@ inline pipeline::AudioRegionConfig clip(const std::string& name, std::array<doub
 /// A 2x2 flat scene with these sounds.
 inline pipeline::ScenePointer scene(std::vector<pipeline::AudioRegionConfig> regions,
                                     std::optional<double> friction_gain = std::nullopt) {
-  pipeline::SceneDescription description;
   pipeline::AudioConfig audio;
   audio.regions = std::move(regions);
   audio.friction_sound_gain = friction_gain;
-  description.config.audio = audio;
-  pipeline::Lattice lattice;
-  lattice.nx = lattice.ny = 2;
-  lattice.spacing_m = 1.0;
-  description.levels = {lattice};
-  pipeline::Layers layers;
-  layers.grid = pipeline::DepthGrid(lattice);
-  layers.grid.height_m.assign(4, 0.0F);
-  layers.grid.state.assign(4, pipeline::NodeState::measured);
-  return pipeline::make_scene(description, {layers});
+  return sparsha::test::scene_of([](double, double) { return 0.0; }, {2, 2, 1.0},
+                           [&](pipeline::SceneDescription& description) { description.config.audio = audio; });
 }
 
 inline std::shared_ptr<const audio::SoundBank> bank(std::vector<pipeline::AudioRegionConfig> regions,

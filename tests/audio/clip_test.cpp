@@ -10,8 +10,8 @@
 
 #include "audio/clip_player.h"
 #include "audio_scene.h"
+#include "base/error.h"
 #include "listening.h"
-#include "pipeline/base/error.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 
 #include "audio/wav_sink.h"
 #include "audio_scene.h"
+#include "base/error.h"
 #include "listening.h"
-#include "pipeline/base/error.h"
 
 namespace {
 

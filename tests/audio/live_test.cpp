@@ -11,8 +11,8 @@
 #include "audio/live_stream.h"
 #include "audio/speech/child_process.h"
 #include "audio_scene.h"
-#include "pipeline/base/error.h"
-#include "pipeline/base/system.h"
+#include "base/error.h"
+#include "base/system.h"
 
 namespace {
 

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "audio_scene.h"
-#include "haptics/servo/tick_engine.h"
+#include "haptics/servo/haptic_renderer.h"
 #include "listening.h"
-#include "tests/haptics/servo/parts.h"
-#include "tests/haptics/shared/scenes.h"
+#include "tests/support/scenes.h"
+#include "tests/support/servo_parts.h"
 
 namespace {
 
@@ -19,10 +19,10 @@ struct Heard {
 
 /// A hand comes down on a plane at `speed`, `phase` of a tick late, read by an encoder of 0.058 mm.
 Heard strike(double speed_m_per_s, double phase) {
-  const auto scene = sparsha::testing::flat_scene();
+  const auto scene = sparsha::test::flat_scene();
   haptics::DeviceInfo info;
   info.name = "scripted";
-  haptics::TickEngine tick(info, {}, haptics::window_on(scene));
+  haptics::HapticRenderer tick(info, {}, haptics::window_on(scene));
   audio::Synth synth(audio_scene::bank({audio_scene::note("sa", {-1, -1, 1, 1}, 240.0, 1.2)}));
   constexpr double kEncoder_m = 58e-6;
   const double start_m = 0.2 * speed_m_per_s + 0.002;

@@ -1,8 +1,8 @@
 // Any text as a configuration: a Config that reads back from its own YAML, or an Error with a place.
 #include <string_view>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scene/config.h"
+#include "base/error.h"
+#include "scene/config.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace sparsha;

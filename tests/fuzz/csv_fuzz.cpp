@@ -1,6 +1,6 @@
 // Any bytes as path.csv or run.csv.
-#include "haptics/contact/trace.h"
-#include "pipeline/base/error.h"
+#include "base/error.h"
+#include "haptics/replay/trace.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scan/e57_pages.h"
+#include "base/error.h"
+#include "pipeline/scan/formats/e57/pages.h"
 #include "pipeline/scan/read_bytes.h"
 
 namespace {

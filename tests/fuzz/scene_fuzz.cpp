@@ -1,9 +1,9 @@
 // Any bytes as scene.yaml beside a small real layer: a scene that can be read, or an Error.
 #include <vector>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scene/layer_file.h"
-#include "pipeline/scene/scene.h"
+#include "base/error.h"
+#include "scene/layer_file.h"
+#include "scene/scene.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

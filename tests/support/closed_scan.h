@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/scene/depth_grid.h"
+#include "scene/depth_grid.h"
 #include "tests/support/closed_objects.h"
 #include "tests/support/relief_scene.h"
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-#include "pipeline/scene/depth_grid.h"
+#include "scene/depth_grid.h"
 
 namespace sparsha::pipeline::testing {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/scan/reader.h"
 #include "tests/support/closed_objects.h"
 

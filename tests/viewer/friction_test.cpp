@@ -6,7 +6,8 @@
 #include <cstdint>
 
 #include "haptics/surface/monge_surface.h"
-#include "pipeline/check/report_images.h"
+#include "haptics/window/scene_surface.h"
+#include "pipeline/report/images.h"
 #include "relief_scene.h"
 #include "viewer/surface/paint.h"
 

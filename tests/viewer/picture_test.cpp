@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "relief_scene.h"
 #include "studio.h"
 #include "tests/support/test_folder.h"

@@ -4,40 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace sparsha::viewer::test {
-
-pipeline::ScenePointer scene_of(const Height& height, const SceneOptions& options,
-                                const std::function<void(pipeline::SceneDescription&)>& edit,
-                                const std::function<void(pipeline::Layers&)>& edit_layers) {
-  pipeline::SceneDescription description;
-  std::vector<pipeline::Layers> levels;
-  description.height_min_m = 1e30;
-  description.height_max_m = -1e30;
-  for (int level = 0; level < options.levels; ++level) {
-    const int factor = 1 << level;
-    pipeline::Lattice lattice{(options.nx - 1) / factor + 1, (options.ny - 1) / factor + 1, options.spacing_m * factor,
-                              options.origin_m};
-    pipeline::Layers layers;
-    layers.grid = pipeline::DepthGrid(lattice);
-    for (int j = 0; j < lattice.ny; ++j)
-      for (int i = 0; i < lattice.nx; ++i) {
-        const double z_m = height(i * lattice.spacing_m, j * lattice.spacing_m);
-        if (!std::isfinite(z_m)) continue;
-        layers.grid.height_m[lattice.index(i, j)] = static_cast<float>(z_m);
-        layers.grid.state[lattice.index(i, j)] = pipeline::NodeState::measured;
-        description.height_min_m = std::min(description.height_min_m, options.origin_m.z() + z_m);
-        description.height_max_m = std::max(description.height_max_m, options.origin_m.z() + z_m);
-      }
-    if (edit_layers) edit_layers(layers);
-    description.levels.push_back(lattice);
-    levels.push_back(std::move(layers));
-  }
-  description.config.levels.window = 100;
-  if (edit) edit(description);
-  return pipeline::make_scene(std::move(description), std::move(levels));
-}
 
 double lotus(double x_m, double y_m) {
   const double x = (x_m - 0.2) / 0.2, y = (y_m - 0.2) / 0.2;

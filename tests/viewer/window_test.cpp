@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "relief_scene.h"
 #include "viewer/viewer.h"
 

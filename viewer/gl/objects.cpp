@@ -8,7 +8,7 @@
 
 #include <epoxy/gl.h>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 
 namespace sparsha::viewer::gl {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "viewer/gui/brush.h"
 #include "viewer/gui/parts.h"
 #include "viewer/picture.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "pipeline/base/thread_pool.h"
+#include "base/thread_pool.h"
 
 namespace sparsha::viewer {
 

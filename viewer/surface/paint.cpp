@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <limits>
 
-#include "pipeline/base/statistics.h"
-#include "pipeline/scene/friction_law.h"
-#include "pipeline/scene/workspace.h"
+#include "base/statistics.h"
+#include "scene/friction_law.h"
+#include "scene/workspace.h"
 
 namespace sparsha::viewer {
 namespace {

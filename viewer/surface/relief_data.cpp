@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pipeline/base/statistics.h"
+#include "base/statistics.h"
 #include "viewer/surface/height_light.h"
 
 namespace sparsha::viewer {

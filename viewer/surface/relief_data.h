@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/base/thread_pool.h"
-#include "pipeline/scene/scene.h"
+#include "base/thread_pool.h"
+#include "scene/scene.h"
 
 namespace sparsha::viewer {
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "haptics/device/falcon/usb_transport.h"
-#include "pipeline/base/error.h"
 
 namespace sparsha::haptics::falcon {
 namespace {
@@ -22,25 +22,25 @@ constexpr double kGoodRate_hz = 800.0, kGoodShare = 0.99;
 double since(Steady::time_point then) { return std::chrono::duration<double>(Steady::now() - then).count(); }
 
 /// One question and its answer. `gone` when unplugged.
-Wire ask(Transport& wire, AnswerStream& stream, std::uint8_t flags, Answer& answer, double& round_trip_s) {
+TransportStatus ask(Transport& wire, AnswerStream& stream, std::uint8_t flags, Answer& answer, double& round_trip_s) {
   const Steady::time_point began = Steady::now();
-  Wire status = wire.post(encode({}, flags));
-  if (status == Wire::gone) return status;
+  TransportStatus status = wire.post(encode({}, flags));
+  if (status == TransportStatus::gone) return status;
   UsbPacket bytes{};
   double waited = 0.0;
   while (waited < kAnswerTime_s) {
     std::size_t size = 0;
     status = wire.receive(bytes, size, kAnswerTime_s - waited);
-    if (status != Wire::ok) return status;
+    if (status != TransportStatus::ok) return status;
     round_trip_s = since(began);
     if (size > kModemBytes)
       if (const auto got = stream.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
         answer = *got;
-        return Wire::ok;
+        return TransportStatus::ok;
       }
     waited = since(began);
   }
-  return Wire::nothing;
+  return TransportStatus::nothing;
 }
 
 LinkQuality measure(Transport& wire, double seconds, Answer& last) {
@@ -53,9 +53,9 @@ LinkQuality measure(Transport& wire, double seconds, Answer& last) {
   while (since(began) < seconds && link.asked < most) {
     double round_trip = 0.0;
     ++link.asked;
-    const Wire status = ask(wire, stream, kHomingRequest, last, round_trip);
-    if (status == Wire::gone) break;
-    if (status == Wire::ok) {
+    const TransportStatus status = ask(wire, stream, kHomingRequest, last, round_trip);
+    if (status == TransportStatus::gone) break;
+    if (status == TransportStatus::ok) {
       ++link.answered;
       times.push_back(round_trip * 1e3);
     }
@@ -170,9 +170,10 @@ void watch(Transport& wire, const Flags& flags, const std::function<bool(const R
   const Steady::time_point began = Steady::now();
   Steady::time_point heard = began;
   for (;;) {
-    const Wire status = ask(wire, stream, flags(reading), reading.answer, reading.round_trip_s);
-    if (status == Wire::gone) throw Error(ErrorKind::device, {}, "Falcon: unplugged", "a Falcon that stays plugged in");
-    if (status == Wire::nothing) {
+    const TransportStatus status = ask(wire, stream, flags(reading), reading.answer, reading.round_trip_s);
+    if (status == TransportStatus::gone)
+      throw Error(ErrorKind::device, {}, "Falcon: unplugged", "a Falcon that stays plugged in");
+    if (status == TransportStatus::nothing) {
       if (since(heard) > kSilent_s)
         throw Error(ErrorKind::device, {}, "Falcon: it has not answered for a second",
                     "its power supply and USB plugged in");

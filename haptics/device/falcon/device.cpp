@@ -39,7 +39,7 @@ class FalconDevice final : public Device {
     UsbPacket bytes{};
     std::size_t size = 0;
     for (int i = 0; i < kFinalZeros; ++i) {
-      if (wire_->write(off, 20) == Wire::gone) break;
+      if (wire_->write(off, 20) == TransportStatus::gone) break;
       static_cast<void>(wire_->receive(bytes, size, 0.002));
     }
   }
@@ -61,9 +61,9 @@ class FalconDevice final : public Device {
       const double left = answered ? 0.0 : std::max(timeout_s, kPatience_s) - since(began);
       UsbPacket bytes{};
       std::size_t size = 0;
-      const Wire status = wire_->receive(bytes, size, std::max(0.0, left));
-      if (status == Wire::gone) connected_ = false;
-      if (status != Wire::ok) return;
+      const TransportStatus status = wire_->receive(bytes, size, std::max(0.0, left));
+      if (status == TransportStatus::gone) connected_ = false;
+      if (status != TransportStatus::ok) return;
       if (size <= kModemBytes) continue;
       if (const auto answer = stream_.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
         take(*answer);
@@ -108,9 +108,9 @@ class FalconDevice final : public Device {
   }
 
   void ask(const MotorCommand& command) noexcept {
-    const Wire status = wire_->post(encode(command, lights()));
-    if (status == Wire::gone) connected_ = false;
-    if (status != Wire::ok) return;
+    const TransportStatus status = wire_->post(encode(command, lights()));
+    if (status == TransportStatus::gone) connected_ = false;
+    if (status != TransportStatus::ok) return;
     commanded_ = command;
     asked_ = true;
     asked_at_ = Steady::now();
@@ -187,13 +187,13 @@ std::unique_ptr<Device> make_falcon_device(const FalconOptions& options) {
 FalconEmulator::Hand emulated_hand() {
   return [](double time_s, const Eigen::Vector3d&) -> Eigen::Vector3d {
     // z: out, in, to the centre, then presses and lifts every two seconds while circling.
-    const auto glide = [](double from, double to, double share) {
+    const auto ease = [](double from, double to, double share) {
       const double s = std::clamp(share, 0.0, 1.0);
       return from + (to - from) * s * s * (3.0 - 2.0 * s);
     };
-    double z = glide(0.1346, 0.170, time_s / 0.3);
-    if (time_s > 0.3) z = glide(0.170, 0.105, (time_s - 0.3) / 0.4);
-    if (time_s > 0.7) z = glide(0.105, 0.160, (time_s - 0.7) / 0.4);
+    double z = ease(0.1346, 0.170, time_s / 0.3);
+    if (time_s > 0.3) z = ease(0.170, 0.105, (time_s - 0.3) / 0.4);
+    if (time_s > 0.7) z = ease(0.105, 0.160, (time_s - 0.7) / 0.4);
     if (time_s < 1.1) return {0.0, 0.0, z};
     const double t = time_s - 1.1;
     const double radius = 0.02 * std::min(1.0, t);

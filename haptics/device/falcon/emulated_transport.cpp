@@ -18,41 +18,41 @@ class EmulatedTransport final : public Transport {
   EmulatedTransport(std::shared_ptr<FalconEmulator> emulator, Clock clock)
       : emulator_(std::move(emulator)), clock_(clock), began_(Steady::now()) {}
 
-  Wire control(Request request, std::uint16_t value) noexcept override {
-    if (!emulator_->plugged()) return Wire::gone;
+  TransportStatus control(Request request, std::uint16_t value) noexcept override {
+    if (!emulator_->plugged()) return TransportStatus::gone;
     emulator_->control(request, value);
-    return Wire::ok;
+    return TransportStatus::ok;
   }
-  Wire write(std::span<const std::uint8_t> bytes, int) noexcept override {
-    if (!emulator_->plugged()) return Wire::gone;
+  TransportStatus write(std::span<const std::uint8_t> bytes, int) noexcept override {
+    if (!emulator_->plugged()) return TransportStatus::gone;
     emulator_->write(bytes, now_s());
-    return Wire::ok;
+    return TransportStatus::ok;
   }
-  Wire read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept override {
-    const Wire status = receive(packet, size, 0.0);
-    if (status != Wire::nothing) return status;
+  TransportStatus read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept override {
+    const TransportStatus status = receive(packet, size, 0.0);
+    if (status != TransportStatus::nothing) return status;
     // The bridge reports its modem lines when the latency timer runs out, data or none.
     pass(std::min(0.016, static_cast<double>(timeout_ms) * 1e-3));
     size = kModemBytes;
-    return Wire::ok;
+    return TransportStatus::ok;
   }
-  Wire post(std::span<const std::uint8_t> bytes) noexcept override {
+  TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override {
     posted_s_ = now_s();
     return write(bytes, 0);
   }
-  Wire receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
-    if (!emulator_->plugged()) return Wire::gone;
+  TransportStatus receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
+    if (!emulator_->plugged()) return TransportStatus::gone;
     const std::vector<std::uint8_t> data = emulator_->read();
     if (data.empty()) {
       pass(timeout_s);
-      return Wire::nothing;
+      return TransportStatus::nothing;
     }
     if (posted_s_ >= 0.0) pass(posted_s_ + kFrame_s - now_s());
     packet[0] = 0x01;
     packet[1] = 0x60;
     std::copy(data.begin(), data.end(), packet.begin() + kModemBytes);
     size = kModemBytes + data.size();
-    return Wire::ok;
+    return TransportStatus::ok;
   }
   void urgent(std::span<const std::uint8_t> bytes) noexcept override { emulator_->write(bytes, now_s()); }
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/files.h"
+#include "base/error.h"
+#include "base/files.h"
 
 namespace sparsha::haptics::falcon {
 namespace {
@@ -26,7 +26,7 @@ const char* const kPowerRemedy =
 }
 
 void set(Transport& wire, Request request, std::uint16_t value, const char* what) {
-  if (wire.control(request, value) != Wire::ok)
+  if (wire.control(request, value) != TransportStatus::ok)
     throw fault(std::string("the USB bridge refuses to set ") + what, "a Falcon that stays plugged in");
 }
 
@@ -36,7 +36,7 @@ void purge(Transport& wire) {
 }
 
 void send(Transport& wire, std::span<const std::uint8_t> bytes, const char* step) {
-  if (wire.write(bytes, kTimeout_ms) != Wire::ok)
+  if (wire.write(bytes, kTimeout_ms) != TransportStatus::ok)
     throw fault(std::string("cannot write during the ") + step, kPowerRemedy);
 }
 
@@ -46,9 +46,9 @@ std::vector<std::uint8_t> collect(Transport& wire, std::size_t wanted, int tries
   UsbPacket packet{};
   for (int i = 0; i < tries && bytes.size() < wanted; ++i) {
     std::size_t size = 0;
-    const Wire status = wire.read(packet, size, kTimeout_ms);
-    if (status == Wire::gone) throw fault("unplugged while starting", "a Falcon that stays plugged in");
-    if (status == Wire::ok && size > kModemBytes)
+    const TransportStatus status = wire.read(packet, size, kTimeout_ms);
+    if (status == TransportStatus::gone) throw fault("unplugged while starting", "a Falcon that stays plugged in");
+    if (status == TransportStatus::ok && size > kModemBytes)
       bytes.insert(bytes.end(), packet.begin() + kModemBytes, packet.begin() + static_cast<std::ptrdiff_t>(size));
   }
   return bytes;
@@ -91,12 +91,12 @@ void enter_run_mode(Transport& wire) {
 bool exchange(Transport& wire, AnswerStream& stream, const Packet& packet, Answer& answer, int tries) {
   UsbPacket bytes{};
   for (int i = 0; i < tries; ++i) {
-    if (wire.write(packet, kTimeout_ms) == Wire::gone) return false;
+    if (wire.write(packet, kTimeout_ms) == TransportStatus::gone) return false;
     for (int wait = 0; wait < 5; ++wait) {
       std::size_t size = 0;
-      const Wire status = wire.read(bytes, size, 5);
-      if (status == Wire::gone) return false;
-      if (status == Wire::nothing) break;
+      const TransportStatus status = wire.read(bytes, size, 5);
+      if (status == TransportStatus::gone) return false;
+      if (status == TransportStatus::nothing) break;
       if (size <= kModemBytes) continue;  // the latency timer's empty packets, one a millisecond
       if (const auto got = stream.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
         answer = *got;

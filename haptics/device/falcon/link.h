@@ -22,7 +22,7 @@ namespace sparsha::haptics::falcon {
 /// The image that `options` or SPARSHA_FALCON_FIRMWARE name; empty when neither does. Throws as read_firmware().
 [[nodiscard]] std::vector<std::uint8_t> firmware_image(const FalconOptions& options);
 
-/// 1.5 Mbaud, latency timer 1 ms, buffers purged. Throws Error{device} when the bridge does not obey.
+/// 1.5 Mbaud, latency timer 1 ms, buffers purged. Throws Error{device} when the bridge does not apply.
 void enter_run_mode(Transport& wire);
 
 /// Sends `packet` and waits for a well-formed answer, up to `tries` times 5 ms.

@@ -22,7 +22,11 @@ inline constexpr std::size_t kModemBytes = 2;
 inline constexpr std::size_t kUsbPacketBytes = 64;
 using UsbPacket = std::array<std::uint8_t, kUsbPacketBytes>;
 
-enum class Wire : std::uint8_t { ok, nothing, gone };  ///< done; nothing within the time; unplugged or failed for good
+enum class TransportStatus : std::uint8_t {
+  ok,
+  nothing,
+  gone
+};  ///< done; nothing within the time; unplugged or failed for good
 
 /// Two ways to talk: blocking calls while opening, and the servo's calls, which never throw or lock. One thread, except
 /// urgent().
@@ -34,16 +38,16 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
 
   // Opening; milliseconds.
-  virtual Wire control(Request request, std::uint16_t value) noexcept = 0;
-  virtual Wire write(std::span<const std::uint8_t> bytes, int timeout_ms) noexcept = 0;
+  virtual TransportStatus control(Request request, std::uint16_t value) noexcept = 0;
+  virtual TransportStatus write(std::span<const std::uint8_t> bytes, int timeout_ms) noexcept = 0;
   /// One USB packet, modem bytes included; `size` its length (kModemBytes = no data yet, still `ok`).
-  virtual Wire read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept = 0;
+  virtual TransportStatus read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept = 0;
 
   // Running.
   /// Hands the bytes over without waiting; `nothing` when the last ones are still on their way.
-  virtual Wire post(std::span<const std::uint8_t> bytes) noexcept = 0;
+  virtual TransportStatus post(std::span<const std::uint8_t> bytes) noexcept = 0;
   /// Waits for the next USB packet that carries data, at most `timeout_s`; with 0 takes only what is there.
-  virtual Wire receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept = 0;
+  virtual TransportStatus receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept = 0;
   /// Like post(), from any thread, past whatever the servo is doing.
   virtual void urgent(std::span<const std::uint8_t> bytes) noexcept = 0;
 };

@@ -11,9 +11,9 @@
 
 #include <libusb.h>
 
+#include "base/error.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/packet.h"
-#include "pipeline/base/error.h"
 
 namespace sparsha::haptics::falcon {
 namespace {
@@ -111,37 +111,37 @@ class UsbTransport final : public Transport {
     libusb_close(handle_);
   }
 
-  Wire control(Request request, std::uint16_t value) noexcept override {
+  TransportStatus control(Request request, std::uint16_t value) noexcept override {
     constexpr std::uint8_t kVendorOut = 0x40;
     const int status = libusb_control_transfer(handle_, kVendorOut, static_cast<std::uint8_t>(request), value, 0,
                                                nullptr, 0, kControlTimeout_ms);
-    return status >= 0 ? Wire::ok : fate(status);
+    return status >= 0 ? TransportStatus::ok : status_of(status);
   }
 
-  Wire write(std::span<const std::uint8_t> bytes, int timeout_ms) noexcept override {
+  TransportStatus write(std::span<const std::uint8_t> bytes, int timeout_ms) noexcept override {
     std::array<std::uint8_t, kUsbPacketBytes> copy{};
     const std::size_t size = std::min(bytes.size(), copy.size());
     std::memcpy(copy.data(), bytes.data(), size);
     int sent = 0;
     const int status = libusb_bulk_transfer(handle_, kOut, copy.data(), static_cast<int>(size), &sent,
                                             static_cast<unsigned>(timeout_ms));
-    if (status != 0) return fate(status);
-    return static_cast<std::size_t>(sent) == size ? Wire::ok : Wire::nothing;
+    if (status != 0) return status_of(status);
+    return static_cast<std::size_t>(sent) == size ? TransportStatus::ok : TransportStatus::nothing;
   }
 
-  Wire read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept override {
+  TransportStatus read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept override {
     if (incoming_.busy.load()) return receive(packet, size, timeout_ms * 1e-3);
     int got = 0;
     const int status = libusb_bulk_transfer(handle_, kIn, packet.data(), static_cast<int>(packet.size()), &got,
                                             static_cast<unsigned>(std::max(1, timeout_ms)));
     size = static_cast<std::size_t>(got);
-    if (status == LIBUSB_ERROR_TIMEOUT && got > 0) return Wire::ok;
-    return status == 0 ? Wire::ok : fate(status);
+    if (status == LIBUSB_ERROR_TIMEOUT && got > 0) return TransportStatus::ok;
+    return status == 0 ? TransportStatus::ok : status_of(status);
   }
 
-  Wire post(std::span<const std::uint8_t> bytes) noexcept override { return submit(posts_, bytes); }
+  TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override { return submit(posts_, bytes); }
 
-  Wire receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
+  TransportStatus receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
     const Steady::time_point limit = Steady::now() + std::chrono::duration_cast<Steady::duration>(
                                                          std::chrono::duration<double>(std::max(0.0, timeout_s)));
     for (;;) {
@@ -150,15 +150,15 @@ class UsbTransport final : public Transport {
         size = received_[received_first_].size;
         received_first_ = (received_first_ + 1) % kReceived;
         --received_count_;
-        return Wire::ok;
+        return TransportStatus::ok;
       }
-      if (gone_.load(std::memory_order_relaxed)) return Wire::gone;
-      if (!incoming_.busy.load() && !listen()) return Wire::gone;
+      if (gone_.load(std::memory_order_relaxed)) return TransportStatus::gone;
+      if (!incoming_.busy.load() && !listen()) return TransportStatus::gone;
       const auto left = std::chrono::duration_cast<std::chrono::microseconds>(limit - Steady::now()).count();
       timeval wait{static_cast<time_t>(std::max<long>(0, left) / 1000000), std::max<long>(0, left) % 1000000};
       static_cast<void>(libusb_handle_events_timeout_completed(context_.get(), &wait, nullptr));
       if (received_count_ == 0 && !gone_.load(std::memory_order_relaxed) && Steady::now() >= limit)
-        return Wire::nothing;
+        return TransportStatus::nothing;
     }
   }
 
@@ -181,15 +181,15 @@ class UsbTransport final : public Transport {
     slot.owner = this;
   }
 
-  Wire fate(int status) noexcept {
-    if (status == LIBUSB_ERROR_TIMEOUT) return Wire::nothing;
+  TransportStatus status_of(int status) noexcept {
+    if (status == LIBUSB_ERROR_TIMEOUT) return TransportStatus::nothing;
     gone_.store(true, std::memory_order_relaxed);
-    return Wire::gone;
+    return TransportStatus::gone;
   }
 
   template <std::size_t N>
-  Wire submit(std::array<Slot, N>& slots, std::span<const std::uint8_t> bytes) noexcept {
-    if (gone_.load(std::memory_order_relaxed)) return Wire::gone;
+  TransportStatus submit(std::array<Slot, N>& slots, std::span<const std::uint8_t> bytes) noexcept {
+    if (gone_.load(std::memory_order_relaxed)) return TransportStatus::gone;
     for (Slot& slot : slots) {
       bool idle = false;
       if (slot.transfer == nullptr || !slot.busy.compare_exchange_strong(idle, true)) continue;
@@ -198,11 +198,11 @@ class UsbTransport final : public Transport {
       libusb_fill_bulk_transfer(slot.transfer, handle_, kOut, slot.bytes.data(), static_cast<int>(size), &sent, &slot,
                                 kPostTimeout_ms);
       const int status = libusb_submit_transfer(slot.transfer);
-      if (status == 0) return Wire::ok;
+      if (status == 0) return TransportStatus::ok;
       slot.busy.store(false);
-      return status == LIBUSB_ERROR_BUSY ? Wire::nothing : fate(status);
+      return status == LIBUSB_ERROR_BUSY ? TransportStatus::nothing : status_of(status);
     }
-    return Wire::nothing;
+    return TransportStatus::nothing;
   }
 
   static void LIBUSB_CALL sent(libusb_transfer* transfer) {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "haptics/device/devices.h"
+#include "haptics/device/pointer/pointer_device.h"
 
 namespace sparsha::haptics {
 namespace {

@@ -1,10 +1,12 @@
 // A device in software: the simulated hand explores, feels the force one tick late, and is read through its encoder.
 #include <atomic>
 #include <memory>
+#include <utility>
+#include <vector>
 
-#include "haptics/device/devices.h"
+#include "haptics/device/simulated/simulated_device.h"
+#include "haptics/device/simulated/exploration_script.h"
 #include "haptics/device/simulated/hand.h"
-#include "haptics/device/simulated/round.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -13,8 +15,10 @@ constexpr double kLongestStepS = 0.1;  // a longer silence of the servo is simul
 
 class SimulatedDevice final : public Device {
  public:
-  SimulatedDevice(std::uint64_t seed, double duration_s)
-      : round_(seed, pipeline::kDeskWorkspaceM), hand_(parameters_, round_.target_m()), duration_s_(duration_s) {}
+  SimulatedDevice(std::uint64_t seed, double duration_s, std::vector<TourStop> tour)
+      : script_(seed, pipeline::kDeskWorkspaceM, std::move(tour)),
+        hand_(parameters_, script_.target_m()),
+        duration_s_(duration_s) {}
 
   [[nodiscard]] DeviceInfo info() const override {
     DeviceInfo info;
@@ -31,13 +35,14 @@ class SimulatedDevice final : public Device {
         next_n_.setZero();
       }
       const double dt_s = std::min(time_s - time_s_, kLongestStepS);
-      hand_.advance(round_.advance(held_n_, hand_.position_m(), dt_s), held_n_, dt_s);
+      hand_.advance(script_.advance(held_n_, hand_.position_m(), dt_s), held_n_, dt_s);
       held_n_ = next_n_;
     }
     started_ = true;
     time_s_ = time_s;
     DeviceSample sample;
     sample.position_m = hand_.measured_m();
+    sample.buttons = script_.buttons();
     sample.time_s = time_s;
     sample.fresh = true;
     sample.finished = duration_s_ > 0.0 && time_s >= duration_s_;
@@ -51,7 +56,7 @@ class SimulatedDevice final : public Device {
 
  private:
   HandParameters parameters_;
-  ExplorationRound round_;
+  ExplorationScript script_;
   SimulatedHand hand_;
   double duration_s_;
   bool started_ = false;
@@ -63,8 +68,8 @@ class SimulatedDevice final : public Device {
 
 }  // namespace
 
-std::unique_ptr<Device> make_simulated_device(std::uint64_t seed, double duration_s) {
-  return std::make_unique<SimulatedDevice>(seed, duration_s);
+std::unique_ptr<Device> make_simulated_device(std::uint64_t seed, double duration_s, std::vector<TourStop> tour) {
+  return std::make_unique<SimulatedDevice>(seed, duration_s, std::move(tour));
 }
 
 }  // namespace sparsha::haptics

@@ -1,4 +1,5 @@
-#include "haptics/device/devices.h"
+#include "haptics/device/pointer/pointer_device.h"
+#include "haptics/device/simulated/simulated_device.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <vector>
 
 namespace sparsha::haptics {
 namespace {
@@ -177,6 +179,50 @@ TEST(SimulatedDevice, SurvivesForcesThatAreNone) {
     device->write({0.0, 0.0, bad});
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(device->read(time_s += 0.001, 0.001).position_m.allFinite());
   }
+}
+
+TEST(SimulatedDevice, VisitsTheStopsOfItsTourInTheirOrderAndGoesOnExploring) {
+  const auto stone = [](double x, double y) { return 0.001 * std::sin(200.0 * x) * std::cos(150.0 * y); };
+  const Eigen::Vector2d bell(0.01, 0.02);
+  const Eigen::Vector2d letter(-0.03, -0.02);
+  const Eigen::Vector2d left(-0.03, 0.01);
+  const Eigen::Vector2d right(0.03, 0.01);
+  const auto device = make_simulated_device(5, 0.0,
+                                            {{TourStop::Kind::strike, bell, bell, 0},
+                                             {TourStop::Kind::strike, letter, letter, 0},
+                                             {TourStop::Kind::stroke, left, right, 2}});
+  struct Touch {
+    Eigen::Vector2d first, last;
+    int ticks = 0;
+    int button_ticks = 0;
+  };
+  std::vector<Touch> touches;
+  bool was_in = false;
+  for (int tick = 0; tick < 12000; ++tick) {
+    const DeviceSample sample = device->read(tick * 0.001, 0.001);
+    const Eigen::Vector2d place = sample.position_m.head<2>();
+    const double depth = stone(place.x(), place.y()) - sample.position_m.z();
+    if (depth > 0.0) {
+      if (!was_in) touches.push_back({place, place});
+      touches.back().last = place;
+      ++touches.back().ticks;
+      touches.back().button_ticks += sample.buttons == 2 ? 1 : 0;
+    } else {
+      EXPECT_EQ(sample.buttons, 0U);
+    }
+    was_in = depth > 0.0;
+    device->write({0.0, 0.0, std::min(8.0, 800.0 * std::max(0.0, depth))});
+  }
+  ASSERT_GE(touches.size(), 4U) << "three stops, and rounds by chance after them";
+  constexpr double kNearM = 0.003;  // a hand that moves is not exact
+  EXPECT_LT((touches[0].first - bell).norm(), kNearM);
+  EXPECT_LT((touches[1].first - letter).norm(), kNearM);
+  EXPECT_LT(touches[0].ticks, 150) << "a strike is short";
+  EXPECT_LT(touches[1].ticks, 150);
+  EXPECT_LT((touches[2].first - left).norm(), kNearM);
+  EXPECT_LT((touches[2].last - right).norm(), 2.0 * kNearM);
+  EXPECT_GT(touches[2].ticks, 1500);
+  EXPECT_NEAR(touches[2].button_ticks, 100, 2) << "a click in the middle of the stroke";
 }
 
 }  // namespace

@@ -16,8 +16,9 @@
 #include <new>
 #include <thread>
 
+#include "haptics/replay/recorder.h"
 #include "haptics/servo/servo.h"
-#include "tests/haptics/servo/parts.h"
+#include "tests/support/servo_parts.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SPARSHA_SANITIZED 1
@@ -106,7 +107,7 @@ class WatchingDevice final : public Device {
 };
 
 pipeline::ScenePointer hills() {
-  return testing::scene_of(testing::hills_m, 201, 0.1, 200, Eigen::Vector3d::Zero(),
+  return sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1, 200, Eigen::Vector3d::Zero(),
                            [](pipeline::SceneDescription& d) { d.config.friction = pipeline::FrictionConfig{}; });
 }
 

@@ -17,7 +17,7 @@
 
 #include "haptics/servo/real_time.h"
 #include "haptics/servo/servo.h"
-#include "tests/haptics/servo/parts.h"
+#include "tests/support/servo_parts.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -132,7 +132,7 @@ TEST(Lateness, APauseAtAnyPlaceOfATickEndsTheForceUntilTheHandHasBeenInTheAir) {
         ServoOptions options;
         options.real_time = false;
         options.clock = device.clock();
-        Servo servo(device, options, window_on(testing::flat_scene()), state, {}, nullptr);
+        Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
         servo.start();
         ASSERT_TRUE(eventually([&] { return servo.finished(); })) << "no clock makes it sleep for ever";
         servo.stop();
@@ -158,7 +158,7 @@ TEST(Lateness, BelowTenMillisecondsIsNoFaultAndGrowsTheForceByOneNominalStepOnly
     ServoOptions options;
     options.real_time = false;
     options.clock = device.clock();
-    Servo servo(device, options, window_on(testing::flat_scene()), state, {}, nullptr);
+    Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
     servo.start();
     ASSERT_TRUE(eventually([&] { return servo.finished(); }));
     servo.stop();
@@ -175,9 +175,9 @@ TEST(Lateness, AHundredHertzAreSlowAndNotLate) {
   Seqlock<State> state;
   ServoOptions options;
   options.real_time = false;
-  options.engine.rate_hz = 100.0;
+  options.renderer.rate_hz = 100.0;
   options.clock = device.clock();
-  Servo servo(device, options, window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return servo.finished(); }));
   servo.stop();
@@ -232,8 +232,8 @@ class Child {
       Seqlock<State> state;
       ServoOptions options;
       options.real_time = real_time;
-      options.engine.longest_gap_s = 1e-9 * static_cast<double>(patience_ns);
-      Servo servo(device, options, window_on(testing::flat_scene()), state, {}, nullptr);
+      options.renderer.longest_gap_s = 1e-9 * static_cast<double>(patience_ns);
+      Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
       servo.start();
       while (!shared->stop.load()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       servo.stop();

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "haptics/device/devices.h"
+#include "haptics/device/simulated/simulated_device.h"
 #include "haptics/servo/real_time.h"
-#include "tests/haptics/servo/parts.h"
+#include "tests/support/servo_parts.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -30,8 +30,8 @@ TEST(Servo, RunsAtItsRateAndReportsWhatItGot) {
     const auto device = make_simulated_device(2, 0.0);
     Seqlock<State> state;
     ServoOptions options;
-    options.engine.rate_hz = rate_hz;
-    Servo servo(*device, options, window_on(testing::scene_of(testing::hills_m, 201, 0.1)), state, {}, nullptr);
+    options.renderer.rate_hz = rate_hz;
+    Servo servo(*device, options, window_on(sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1)), state, {}, nullptr);
     const std::int64_t begun_ns = now_ns();
     servo.start();
     ASSERT_TRUE(eventually([&] { return state.read().time_s > 1.0; }));
@@ -65,7 +65,7 @@ TEST(Servo, TheWatchdogZeroesTheDeviceWhileTheServoIsStalledAndForcesStayOffUnti
     return stalled.load() && hold.load() ? in_stone(time_s) : touch(tick, time_s);
   });
   Seqlock<State> state;
-  Servo servo(device, patient(0.3), window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(0.3), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   stall.store(true);
@@ -122,7 +122,7 @@ TEST(Servo, AnswersADeviceThatGivesNotANumberWithZeroForce) {
     return sample;
   });
   Seqlock<State> state;
-  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   bad.store(true);
@@ -141,7 +141,7 @@ TEST(Servo, AnswersUnpluggingWithZeroForceAndSaysSo) {
     return sample;
   });
   Seqlock<State> state;
-  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   EXPECT_FALSE(servo.unplugged());
@@ -154,7 +154,7 @@ TEST(Servo, AnswersUnpluggingWithZeroForceAndSaysSo) {
 TEST(Servo, EndsInZeroForce) {
   ScriptedDevice device([](std::uint64_t tick, double time_s) { return touch(tick, time_s); });
   Seqlock<State> state;
-  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.force_n() > 0.0; }));
   servo.stop();
@@ -171,7 +171,7 @@ TEST(Servo, SkipsTheTicksItMissedInsteadOfCatchingUp) {
     return in_air(time_s);
   });
   Seqlock<State> state;
-  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {}, nullptr);
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.ticks() > 60; }));
   servo.stop();
@@ -181,7 +181,7 @@ TEST(Servo, SkipsTheTicksItMissedInsteadOfCatchingUp) {
 }
 
 TEST(Servo, RetiredSurfacesAreFreedByTheThreadThatCollects) {
-  const auto scene = testing::flat_scene();
+  const auto scene = sparsha::test::flat_scene();
   const auto device = make_simulated_device(2, 0.0);
   Seqlock<State> state;
   std::atomic<int> freed{0};
@@ -217,7 +217,7 @@ TEST(Servo, RetiredSurfacesAreFreedByTheThreadThatCollects) {
 }
 
 TEST(Servo, KeepsItsSurfaceWhenNobodyCollectsTheRetiredOnes) {
-  const auto scene = testing::flat_scene();
+  const auto scene = sparsha::test::flat_scene();
   const auto device = make_simulated_device(2, 0.0);
   Seqlock<State> state;
   Servo servo(*device, patient(), window_on(scene), state, {}, nullptr);
@@ -243,7 +243,7 @@ TEST(Servo, GivesEveryConsumerEveryContactEvent) {
   Seqlock<State> state;
   const auto first = std::make_shared<ContactQueue>(1024);
   const auto second = std::make_shared<ContactQueue>(1024);
-  Servo servo(device, patient(), window_on(testing::flat_scene()), state, {first, second}, nullptr);
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {first, second}, nullptr);
   servo.start();
   ASSERT_TRUE(eventually([&] { return device.ticks() > 1050; }));
   servo.stop();

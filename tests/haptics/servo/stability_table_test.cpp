@@ -1,5 +1,5 @@
 // What a hand gets from loops as they really are: delays and rates that nobody declared, jitter, lost ticks. The hand,
-// its clock and its books (tests/haptics/shared/touch_loop.h) share no code with the governor.
+// its clock and its books (tests/support/touch_loop.h) share no code with the governor.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <map>
 #include <vector>
 
-#include "tests/haptics/shared/touch_loop.h"
+#include "tests/support/touch_loop.h"
 
-namespace sparsha::testing {
+namespace sparsha::test {
 namespace {
 
 constexpr double kMostJ = 0.010;    // in ten seconds
@@ -134,4 +134,4 @@ TEST(StabilityTable, HeavyHandsThatStrikeAreCalmWithinASecond) {
 }
 
 }  // namespace
-}  // namespace sparsha::testing
+}  // namespace sparsha::test

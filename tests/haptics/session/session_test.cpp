@@ -15,11 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include "haptics/device/devices.h"
-#include "pipeline/base/error.h"
-#include "tests/haptics/servo/parts.h"
-#include "tests/haptics/session/runs.h"
-#include "tests/haptics/shared/scenes.h"
+#include "base/error.h"
+#include "haptics/device/simulated/simulated_device.h"
+#include "haptics/device/pointer/pointer_device.h"
+#include "tests/support/scenes.h"
+#include "tests/support/recorded_runs.h"
+#include "tests/support/servo_parts.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -27,7 +28,7 @@ namespace {
 TEST(Session, StiffnessIsWhatTheDeviceCanBear) {
   SessionOptions options;
   options.haptics.stiffness_n_per_m = 1e5;
-  Session session(testing::flat_scene(), make_simulated_device(1, 0.05), options);
+  Session session(sparsha::test::flat_scene(), make_simulated_device(1, 0.05), options);
   const DeviceLimits limits = make_simulated_device(1, 0.0)->info().limits;
   EXPECT_EQ(run_to_the_end(session).stiffness_n_per_m, stiffness_limit(limits, 0.001));
 }
@@ -35,7 +36,7 @@ TEST(Session, StiffnessIsWhatTheDeviceCanBear) {
 TEST(Session, RefusesARateThatNoServoCanKeep) {
   SessionOptions options;
   options.haptics.rate_hz = 50'000.0;
-  EXPECT_THROW(Session(testing::flat_scene(), make_simulated_device(1, 0.1), options), Error);
+  EXPECT_THROW(Session(sparsha::test::flat_scene(), make_simulated_device(1, 0.1), options), Error);
 }
 
 /// A hand at a fixed place, moved by the test.
@@ -116,7 +117,7 @@ TEST(Session, TheWindowFollowsAHandAtTheWorkspacesRimToTheEdgeOfTheScene) {
 }
 
 TEST(Session, AReliefDeeperThanTheWorkspaceComesIntoReachAtItsRim) {
-  const auto scene = testing::scene_of([](double x, double) { return 1.5 * x; }, 101, 0.1);  // 15 cm deep
+  const auto scene = sparsha::test::scene_of([](double x, double) { return 1.5 * x; }, 101, 0.1);  // 15 cm deep
   Placed hand;
   Session session(scene, make_pointer_device(hand.place), SessionOptions{});
   session.start();
@@ -131,7 +132,7 @@ TEST(Session, AReliefDeeperThanTheWorkspaceComesIntoReachAtItsRim) {
 }
 
 TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
-  const auto scene = testing::scene_of([](double x, double) { return x > 0.07 ? std::nan("") : 0.0; }, 101, 0.1, 200,
+  const auto scene = sparsha::test::scene_of([](double x, double) { return x > 0.07 ? std::nan("") : 0.0; }, 101, 0.1, 200,
                                        Eigen::Vector3d::Zero(),
                                        [](pipeline::SceneDescription& d) {
                                          d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
@@ -157,7 +158,7 @@ TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
 TEST(Session, PartsAndSoundsStayWhereTheyAreOnTheObjectWhenItIsScannedFromAnotherSide) {
   // The same plate before and after a half turn about z: what was on the left is on the right.
   const auto plate = [](bool turned) {
-    return testing::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
+    return sparsha::test::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
                              [turned](pipeline::SceneDescription& d) {
                                d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
                                d.config.parts.push_back({"right", "Right half", {0.055, 0.0, 0.1, 0.1}});
@@ -212,7 +213,7 @@ TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
     const auto trouble = std::make_shared<std::atomic<Trouble>>(Trouble::none);
     SessionOptions options;
     options.longest_gap_s = 0.3;  // the machine's own pauses are not what is tested
-    Session session(testing::flat_scene(), troubled_device(trouble), options);
+    Session session(sparsha::test::flat_scene(), troubled_device(trouble), options);
     session.start();
     ASSERT_TRUE(poll_until(session, [&] { return session.state().read().commanded_force_n[2] > 0.0; }));
     trouble->store(wrong);
@@ -227,7 +228,7 @@ TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
 
 TEST(Session, SaysWhenRealTimeWasNotGranted) {
   SessionOptions options;
-  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), options);
+  Session session(sparsha::test::flat_scene(), make_simulated_device(1, 0.0), options);
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 20; }));
   const bool granted = (session.state().read().flags & kFlagRealTime) != 0;
@@ -236,7 +237,7 @@ TEST(Session, SaysWhenRealTimeWasNotGranted) {
 }
 
 TEST(Session, LimitsAStiffnessThatIsAskedForLaterAndSaysSo) {
-  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), SessionOptions{});
+  Session session(sparsha::test::flat_scene(), make_simulated_device(1, 0.0), SessionOptions{});
   session.start();
   session.requests().post({Request::Kind::set_stiffness, 1e6});
   ASSERT_TRUE(poll_until(session, [&] { return said(session, "all the device can bear"); }));
@@ -247,7 +248,7 @@ TEST(Session, LimitsAStiffnessThatIsAskedForLaterAndSaysSo) {
 TEST(Session, SpeaksOfTheStiffnessThatItRendersStepByStep) {
   SessionOptions options;
   options.haptics.stiffness_n_per_m = 400.0;
-  Session session(testing::flat_scene(), make_simulated_device(1, 0.0), options);
+  Session session(sparsha::test::flat_scene(), make_simulated_device(1, 0.0), options);
   session.start();
   session.requests().post({Request::Kind::scale_stiffness, 0.8});
   ASSERT_TRUE(poll_until(session, [&] { return said(session, "Stiffness 320 newtons a metre"); }));
@@ -263,12 +264,12 @@ TEST(Session, SpeaksOfTheStiffnessThatItRendersStepByStep) {
 
 TEST(Session, ANewSceneKeepsTheHandsPlaceAndTheOldSceneIsLetGo) {
   Placed hand;
-  auto first = testing::flat_scene(0.0);
+  auto first = sparsha::test::flat_scene(0.0);
   const std::weak_ptr<const pipeline::Scene> watch = first;
   Session session(std::move(first), make_pointer_device(hand.place), SessionOptions{});
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
-  session.set_scene(testing::flat_scene(7.0, 151, 3.0));
+  session.set_scene(sparsha::test::flat_scene(7.0, 151, 3.0));
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().surface_id == 2; }));
   const State state = session.state().read();
   EXPECT_NEAR(state.centre_m[2], 7.0, 1e-5);

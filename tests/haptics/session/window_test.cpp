@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "haptics/session/narrator.h"
+#include "haptics/session/announcer.h"
 #include "haptics/session/window_loader.h"
-#include "tests/haptics/shared/scenes.h"
+#include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::haptics {
@@ -65,15 +65,8 @@ TEST(Window, AWindowIsCentredOnThePointAndMayReachBeyondTheLevel) {
   EXPECT_LT(plan_window(description, 0, {10.0, 20.0}, 0.1).i0, -90);
 }
 
-TEST(Window, LengthsAreSpokenInUnitsAPersonUses) {
-  EXPECT_EQ(spoken_length(0.0032), "3.2 millimetres");
-  EXPECT_EQ(spoken_length(0.035), "3.5 centimetres");
-  EXPECT_EQ(spoken_length(0.12), "12 centimetres");
-  EXPECT_EQ(spoken_length(1.5), "1.5 metres");
-}
-
 TEST(WindowLoader, LoadsInOrderOffTheCallersThread) {
-  const auto scene = testing::scene_of(testing::hills_m, 401, 0.1, 101);
+  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);
   WindowLoader loader;
   for (std::uint64_t id = 1; id <= 5; ++id) {
     WindowLoader::Job job;
@@ -127,7 +120,7 @@ TEST(Window, LoadsFromASixteenThousandNodeSceneOnDiskReadingOnlyItsTiles) {
   const int nodes = nightly ? 16384 : 2048;
   const test::TestFolder folder;
   pipeline::write_scene(
-      *testing::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200, Eigen::Vector3d::Zero(),
+      *sparsha::test::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200, Eigen::Vector3d::Zero(),
                          [](pipeline::SceneDescription& d) {
                            pipeline::ScanConfig scan;
                            scan.file = "none.ply";

@@ -8,11 +8,11 @@
 
 #include <Eigen/Geometry>
 
-#include "pipeline/base/error.h"
-#include "pipeline/base/files.h"
-#include "pipeline/pipeline.h"
-#include "pipeline/recheck.h"
-#include "pipeline/suggest.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "pipeline/build/build.h"
+#include "pipeline/build/recheck.h"
+#include "pipeline/suggest/suggest.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

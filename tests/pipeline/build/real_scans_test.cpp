@@ -14,12 +14,12 @@
 #include <ostream>
 #include <thread>
 
-#include "haptics/device/devices.h"
+#include "base/error.h"
+#include "haptics/device/simulated/simulated_device.h"
 #include "haptics/session/session.h"
-#include "pipeline/base/error.h"
-#include "pipeline/pipeline.h"
+#include "pipeline/build/build.h"
 #include "pipeline/scan/reader.h"
-#include "pipeline/suggest.h"
+#include "pipeline/suggest/suggest.h"
 
 namespace sparsha::pipeline {
 namespace {

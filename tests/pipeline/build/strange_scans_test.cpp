@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/base/error.h"
-#include "pipeline/pipeline.h"
-#include "pipeline/suggest.h"
+#include "base/error.h"
+#include "pipeline/build/build.h"
+#include "pipeline/suggest/suggest.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

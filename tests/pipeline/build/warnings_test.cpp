@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scene/config.h"
-#include "pipeline/warnings.h"
+#include "base/error.h"
+#include "pipeline/build/warnings.h"
+#include "scene/config.h"
 
 namespace sparsha::pipeline {
 namespace {

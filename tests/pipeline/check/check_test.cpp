@@ -9,12 +9,12 @@
 #include <cstring>
 #include <numeric>
 
-#include "clouds.h"
-#include "pipeline/base/hash.h"
-#include "pipeline/check/check_nearest.h"
-#include "pipeline/check/check_points.h"
-#include "pipeline/check/check_statistics.h"
-#include "pipeline/check/check_surface.h"
+#include "base/hash.h"
+#include "pipeline/check/nearest.h"
+#include "pipeline/check/points.h"
+#include "pipeline/check/statistics.h"
+#include "pipeline/check/surface.h"
+#include "tests/support/checked_cloud.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -194,7 +194,7 @@ TEST(Statistics, SamplesHaveTheSizeThatWasAskedFor) {
 struct Scene {
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
   std::vector<Eigen::Vector3d> in_grid, in_scan;
-  std::vector<PointFate> fate;
+  std::vector<PointClass> point_class;
   DepthGrid grid;
   Eigen::Vector3d origin{1000, -500, 200};
 
@@ -209,7 +209,7 @@ struct Scene {
     std::normal_distribution<double> noise(0, 0.0005);
     for (int k = 0; k < count; ++k) {
       const double x = 0.39 * unit(random), y = 0.29 * unit(random);
-      fate.push_back(k % 50 == 0 ? PointFate::outlier : k % 31 == 0 ? PointFate::occluded : PointFate::used);
+      point_class.push_back(k % 50 == 0 ? PointClass::outlier : k % 31 == 0 ? PointClass::occluded : PointClass::used);
       const double dz = k % 50 == 0 ? 0.03 : k % 31 == 0 ? -0.1 : noise(random);
       in_grid.push_back(corner + Eigen::Vector3d(x, y, 0.1 * x + 0.2 * y + dz));
       in_scan.push_back((scan_to_grid.inverse() * in_grid.back().homogeneous()).head<3>());
@@ -217,7 +217,7 @@ struct Scene {
   }
   [[nodiscard]] Projection projection() const {
     Projection result = projection_of(grid, in_scan.size());
-    result.fate = fate;
+    result.point_class = point_class;
     result.noise_m = 0.0005;
     return result;
   }
@@ -229,7 +229,7 @@ CheckResult run(const Scene& scene, std::int64_t samples, unsigned threads,
   Progress progress;
   progress.begin("check");
   return cross_check(cloud_of(scene.in_scan, scene.origin), scene.scan_to_grid, scene.projection(), fill, {samples},
-                     pool, progress);
+                     {pool, progress});
 }
 
 TEST(CrossCheck, MeasuresEveryPointThatCountsOutliersIncluded) {
@@ -240,7 +240,7 @@ TEST(CrossCheck, MeasuresEveryPointThatCountsOutliersIncluded) {
   std::vector<double> oracle;
   double signed_sum = 0;
   for (std::size_t k = 0; k < scene.in_grid.size(); ++k) {
-    if (scene.fate[k] == PointFate::occluded) continue;
+    if (scene.point_class[k] == PointClass::occluded) continue;
     const Eigen::Vector3d p = scene.in_grid[k] - Eigen::Vector3d(3, 4, 5);
     const double distance = (p.z() - 0.1 * p.x() - 0.2 * p.y()) / norm;
     oracle.push_back(std::abs(distance));
@@ -281,7 +281,7 @@ TEST(CrossCheck, DependsNeitherOnThreadsNorOnTheOrderOfPoints) {
   Scene shuffled = scene;
   for (std::size_t k = 0; k < order.size(); ++k) {
     shuffled.in_scan[k] = scene.in_scan[order[k]];
-    shuffled.fate[k] = scene.fate[order[k]];
+    shuffled.point_class[k] = scene.point_class[order[k]];
   }
   const CheckResult mixed = run(shuffled, 3000, 2);
   for (const CheckResult* other : {&three, &mixed}) {
@@ -308,7 +308,7 @@ TEST(CrossCheck, CompletenessCountsMeasuredNodesWithAPointInsideTheOutline) {
   Progress progress;
   progress.begin("check");
   const CheckResult result = cross_check(cloud_of(points), Eigen::Matrix4d::Identity(),
-                                         projection_of(grid, points.size()), {}, {0}, pool, progress);
+                                         projection_of(grid, points.size()), {}, {0}, {pool, progress});
   EXPECT_DOUBLE_EQ(result.tolerance_m, 0.01);
   // Inside the outline lie all 1600 nodes. Column 20 is 10.2 mm from the last point, so only 800 - 100 have one.
   EXPECT_DOUBLE_EQ(*result.completeness, 700.0 / 1600);
@@ -320,7 +320,7 @@ TEST(CrossCheck, SaysNothingWhereThereIsNothing) {
   Progress progress;
   progress.begin("check");
   const CheckResult result = cross_check(cloud, Eigen::Matrix4d::Identity(),
-                                         projection_of(DepthGrid(lattice_of(5, 5, 1)), 0), {}, {}, pool, progress);
+                                         projection_of(DepthGrid(lattice_of(5, 5, 1)), 0), {}, {}, {pool, progress});
   EXPECT_EQ(result.cloud_to_surface.samples, 0U);
   EXPECT_EQ(result.surface_to_cloud.samples, 0U);
   EXPECT_FALSE(result.completeness.has_value());
@@ -334,7 +334,7 @@ TEST(CrossCheck, CanBeCancelled) {
   progress.begin("check");
   progress.cancel();
   EXPECT_THROW((void)cross_check(cloud_of(scene.in_scan, scene.origin), scene.scan_to_grid, scene.projection(), {}, {},
-                                 pool, progress),
+                                 {pool, progress}),
                Cancelled);
 }
 

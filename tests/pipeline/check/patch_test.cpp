@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "pipeline/check/check_patch.h"
+#include "pipeline/check/patch.h"
 
 namespace sparsha::pipeline {
 namespace {

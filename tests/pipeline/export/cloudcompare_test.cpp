@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include "pipeline/build/build.h"
 #include "pipeline/export/export.h"
-#include "pipeline/pipeline.h"
 #include "pipeline/simulate/simulate.h"
 #include "tests/support/test_folder.h"
 

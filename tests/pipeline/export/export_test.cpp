@@ -8,7 +8,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "readers.h"
 #include "tests/support/test_folder.h"
 

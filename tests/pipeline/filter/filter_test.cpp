@@ -14,7 +14,7 @@
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/point_types.h>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/filter/neighbour_tree.h"
 #include "pipeline/filter/outliers.h"
 
@@ -92,7 +92,7 @@ TEST(NeighbourTree, AgreesWithBruteForceOnEveryPoint) {
     const Points points = relief(count, 5);
     for (const int k : {1, 8, 20}) {
       const Cloud cloud = cloud_of(points);
-      const std::vector<float> mean = NeighbourTree(cloud.xyz1(), cloud.size(), pool).mean_distances(k, pool, progress);
+      const std::vector<float> mean = NeighbourTree(cloud.xyz1(), cloud.size(), pool).mean_distances(k, {pool, progress});
       for (std::size_t i = 0; i < points.size(); i += 1 + count / 200) {
         const float expected = brute_force_mean(points, i, static_cast<std::size_t>(k));
         // Squares of float32 differences: a few roundings of the largest coordinate's last place.
@@ -111,7 +111,7 @@ TEST(OutlierFilter, DecidesAsPclDoesOnAllButOneInAThousandPoints) {
       OutlierConfig config;
       config.neighbours = neighbours;
       config.sigma = 0.1 * seed;
-      const std::vector<std::uint8_t> own = statistical_inliers(cloud, config, pool, progress);
+      const std::vector<std::uint8_t> own = statistical_inliers(cloud, config, {pool, progress});
       const std::vector<std::uint8_t> theirs = statistical_inliers_by_pcl(cloud, config);
       std::size_t different = 0;
       for (std::size_t i = 0; i < own.size(); ++i) different += own[i] != theirs[i] ? 1 : 0;
@@ -128,14 +128,14 @@ TEST(OutlierFilter, DependsNeitherOnThreadsNorOnTheOrderOfPoints) {
   points.resize(points.size() - 1);
   OutlierConfig config;
   config.sigma = 1.0;
-  const std::vector<std::uint8_t> expected = statistical_inliers(cloud_of(points), config, one, progress);
-  EXPECT_EQ(expected, statistical_inliers(cloud_of(points), config, four, progress));
+  const std::vector<std::uint8_t> expected = statistical_inliers(cloud_of(points), config, {one, progress});
+  EXPECT_EQ(expected, statistical_inliers(cloud_of(points), config, {four, progress}));
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), std::mt19937(3));
   Points shuffled;
   for (const std::size_t i : order) shuffled.push_back(points[i]);
-  const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(shuffled), config, four, progress);
+  const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(shuffled), config, {four, progress});
   for (std::size_t i = 0; i < order.size(); ++i) ASSERT_EQ(keep[i], expected[order[i]]);
 }
 
@@ -147,7 +147,7 @@ TEST(OutlierFilter, KeepsARegularLatticeWhole) {
   OutlierConfig config;
   config.neighbours = 1;
   config.sigma = 0.0;
-  const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(ring), config, pool, progress);
+  const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(ring), config, {pool, progress});
   EXPECT_THAT(keep, testing::Each(1));
 }
 
@@ -160,7 +160,7 @@ TEST(OutlierFilter, TakesAwayThePointsFarFromAllOthersAndTheirAttributes) {
   points.insert(points.begin() + 7, {5.0F, 5.0F, 5.0F});
   Cloud cloud = cloud_of(points, true);
   cloud.faces.push_back({0, 1, 2});
-  const FilterCounts counts = apply_filters(cloud, {OutlierConfig{}}, pool, progress);
+  const FilterCounts counts = apply_filters(cloud, {OutlierConfig{}}, {pool, progress});
   EXPECT_EQ(counts.outlier, 1U);
   EXPECT_EQ(counts.filtered, 0U);
   ASSERT_EQ(cloud.size(), 400U);
@@ -177,7 +177,7 @@ TEST(CropFilter, KeepsWhatLiesInTheBoxOfTheScanFrameBordersIncluded) {
   cloud.origin_m = {450000, 5412000, 100};
   cloud.faces.push_back({0, 1, 3});
   const CropConfig crop{{450000, 5412000, 100}, {450001, 5412001, 101}};
-  const FilterCounts counts = apply_filters(cloud, {crop}, pool, progress);
+  const FilterCounts counts = apply_filters(cloud, {crop}, {pool, progress});
   EXPECT_EQ(counts.filtered, 2U);
   EXPECT_EQ(points_of(cloud), (Points{{0, 0, 0}, {1, 1, 1}}));
 }
@@ -187,7 +187,7 @@ TEST(CropFilter, KeepsFacesWhileNoPointGoes) {
   Progress progress;
   Cloud cloud = cloud_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   cloud.faces.push_back({0, 1, 2});
-  apply_filters(cloud, {CropConfig{{-1, -1, -1}, {2, 2, 2}}}, pool, progress);
+  apply_filters(cloud, {CropConfig{{-1, -1, -1}, {2, 2, 2}}}, {pool, progress});
   EXPECT_EQ(cloud.faces.size(), 1U);
 }
 
@@ -196,7 +196,7 @@ TEST(CropFilter, SaysSoWhenNothingIsLeft) {
   Progress progress;
   Cloud cloud = cloud_of({{0, 0, 0}});
   try {
-    apply_filters(cloud, {CropConfig{{1, 1, 1}, {2, 2, 2}}}, pool, progress);
+    apply_filters(cloud, {CropConfig{{1, 1, 1}, {2, 2, 2}}}, {pool, progress});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::input);
@@ -216,7 +216,7 @@ TEST(VoxelFilter, GivesTheCentroidsOfPclsVoxelGrid) {
   grid.setLeafSize(leaf, leaf, leaf);
   pcl::PointCloud<pcl::PointXYZ> expected;
   grid.filter(expected);
-  const FilterCounts counts = apply_filters(cloud, {VoxelConfig{static_cast<double>(leaf)}}, pool, progress);
+  const FilterCounts counts = apply_filters(cloud, {VoxelConfig{static_cast<double>(leaf)}}, {pool, progress});
   ASSERT_EQ(cloud.size(), expected.size());
   EXPECT_EQ(counts.filtered, points.size() - expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -231,7 +231,7 @@ TEST(VoxelFilter, WorksWherePclsIndicesOverflow) {
   ThreadPool pool(1);
   Progress progress;
   Cloud cloud = cloud_of({{0.1F, 0.1F, 0.1F}, {0.1001F, 0.1001F, 0.1001F}, {9e3F, 0, 0}, {0, 9e3F, 9e3F}}, true);
-  apply_filters(cloud, {VoxelConfig{0.001}}, pool, progress);
+  apply_filters(cloud, {VoxelConfig{0.001}}, {pool, progress});
   EXPECT_EQ(cloud.size(), 3U);
 }
 
@@ -240,15 +240,15 @@ TEST(VoxelFilter, DoesNotDependOnTheOrderOfPointsAndAveragesAttributes) {
   Progress progress;
   Points points = relief(4000, 2);
   Cloud cloud = cloud_of(points);
-  apply_filters(cloud, {VoxelConfig{0.03}}, pool, progress);
+  apply_filters(cloud, {VoxelConfig{0.03}}, {pool, progress});
   std::shuffle(points.begin(), points.end(), std::mt19937(1));
   Cloud shuffled = cloud_of(points);
-  apply_filters(shuffled, {VoxelConfig{0.03}}, pool, progress);
+  apply_filters(shuffled, {VoxelConfig{0.03}}, {pool, progress});
   EXPECT_EQ(points_of(cloud), points_of(shuffled));
 
   Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
   two.rgba = {0xFF000000U, 0xFF0000FEU};
-  apply_filters(two, {VoxelConfig{1.0}}, pool, progress);
+  apply_filters(two, {VoxelConfig{1.0}}, {pool, progress});
   EXPECT_EQ(two.rgba, std::vector<std::uint32_t>{0xFF00007FU});
   EXPECT_EQ(two.intensity, std::vector<float>{0.5F});
 }
@@ -276,7 +276,7 @@ TEST(VoxelFilter, GivesTheSameBytesInAnyOrderWhateverTheIntensities) {
       cloud.rgba[i] = rgba[order[i]];
       cloud.intensity[i] = plain ? static_cast<float>(order[i] % 256) : intensity[order[i]];
     }
-    apply_filters(cloud, {VoxelConfig{0.03}}, pool, progress);
+    apply_filters(cloud, {VoxelConfig{0.03}}, {pool, progress});
     return cloud;
   };
   for (const bool plain : {false, true}) {
@@ -298,11 +298,11 @@ TEST(VoxelFilter, TheMeanOfIntensitiesIsExactToTheLastPlace) {
   Progress progress;
   Cloud three = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}, {0.3F, 0.3F, 0.3F}}, true);
   three.intensity = {1e30F, 6.0F, -1e30F};
-  apply_filters(three, {VoxelConfig{1.0}}, pool, progress);
+  apply_filters(three, {VoxelConfig{1.0}}, {pool, progress});
   EXPECT_EQ(three.intensity, std::vector<float>{2.0F});
   Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
   two.intensity = {std::numeric_limits<float>::infinity(), 1.0F};
-  apply_filters(two, {VoxelConfig{1.0}}, pool, progress);
+  apply_filters(two, {VoxelConfig{1.0}}, {pool, progress});
   EXPECT_TRUE(std::isnan(two.intensity.at(0))) << "no number";
 }
 
@@ -311,7 +311,7 @@ TEST(VoxelFilter, RefusesALeafBelowThePrecisionOfTheCoordinates) {
   Progress progress;
   Cloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}});
   cloud.origin_m = {5e6, 0, 0};
-  EXPECT_THROW(apply_filters(cloud, {VoxelConfig{1e-9}}, pool, progress), Error);
+  EXPECT_THROW(apply_filters(cloud, {VoxelConfig{1e-9}}, {pool, progress}), Error);
 }
 
 TEST(Filters, StopWhenCancelled) {
@@ -319,7 +319,7 @@ TEST(Filters, StopWhenCancelled) {
   Progress progress;
   progress.cancel();
   Cloud cloud = cloud_of(relief(100, 1));
-  EXPECT_THROW(apply_filters(cloud, {OutlierConfig{}}, pool, progress), Cancelled);
+  EXPECT_THROW(apply_filters(cloud, {OutlierConfig{}}, {pool, progress}), Cancelled);
 }
 
 }  // namespace

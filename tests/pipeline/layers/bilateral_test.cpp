@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "pipeline/grid/bilateral_kernel.h"
-#include "pipeline/grid/layers.h"
+#include "pipeline/layers/bilateral_kernel.h"
+#include "pipeline/layers/layers.h"
 #include "tests/support/grids.h"
 
 namespace sparsha::pipeline {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "pipeline/grid/curvature_kernel.h"
-#include "pipeline/grid/layers.h"
+#include "pipeline/layers/curvature_kernel.h"
+#include "pipeline/layers/layers.h"
 #include "tests/support/grids.h"
 
 namespace sparsha::pipeline {

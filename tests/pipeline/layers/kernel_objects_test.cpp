@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <memory>
+#include <regex>
 #include <string>
 
 namespace {
@@ -20,17 +21,21 @@ TEST(KernelObjects, DefineNoWeakSymbol) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers add weak symbols of their own";
 #endif
-  const std::string symbols = output_of("nm -A -C '" SPARSHA_GRID_LIBRARY "' 2>/dev/null");
-  if (symbols.empty()) GTEST_SKIP() << "nm is not installed";
+  const std::regex kernel("[a-z0-9_]*kernels?(_avx[0-9]*)?\\.cpp\\.o");
   int kernels = 0;
-  for (std::size_t begin = 0; begin < symbols.size();) {
-    const std::size_t end = std::min(symbols.find('\n', begin), symbols.size());
-    const std::string line = symbols.substr(begin, end - begin);
-    begin = end + 1;
-    if (line.find("_kernel") == std::string::npos || line.find(".cpp.o") == std::string::npos) continue;
-    if (line.find("_kernel") > line.find(".cpp.o")) continue;  // a kernel's user
-    ++kernels;
-    for (const char* weak : {" W ", " V ", " u ", " w ", " v "}) EXPECT_EQ(line.find(weak), std::string::npos) << line;
+  for (const char* library : {SPARSHA_LAYERS_LIBRARY, SPARSHA_PROJECTION_LIBRARY}) {
+    const std::string symbols = output_of("nm -A -C '" + std::string(library) + "' 2>/dev/null");
+    if (symbols.empty()) GTEST_SKIP() << "nm is not installed";
+    for (std::size_t begin = 0; begin < symbols.size();) {
+      const std::size_t end = std::min(symbols.find('\n', begin), symbols.size());
+      const std::string line = symbols.substr(begin, end - begin);
+      begin = end + 1;
+      if (!std::regex_search(line, kernel)) continue;
+      ++kernels;
+      for (const char* weak : {" W ", " V ", " u ", " w ", " v "}) {
+        EXPECT_EQ(line.find(weak), std::string::npos) << line;
+      }
+    }
   }
   EXPECT_GT(kernels, 0);
 }

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "pipeline/grid/layers.h"
+#include "pipeline/layers/layers.h"
 #include "tests/support/grids.h"
 
 namespace sparsha::pipeline {

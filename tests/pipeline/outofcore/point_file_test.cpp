@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/outofcore/point_file.h"
 #include "tests/support/test_folder.h"
 

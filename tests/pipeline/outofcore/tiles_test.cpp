@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/outofcore/tiles.h"
 
 namespace sparsha::pipeline {

@@ -6,13 +6,13 @@
 #include <gmock/gmock.h>
 #include <Eigen/Geometry>
 
-#include "pipeline/base/files.h"
-#include "pipeline/base/progress.h"
+#include "base/files.h"
+#include "base/progress.h"
 #include "pipeline/scan/scan_set.h"
-#include "pipeline/scan/survey.h"
+#include "pipeline/scan/scan_statistics.h"
 #include "pipeline/scan/units.h"
-#include "pipeline/scene/scene.h"
-#include "scan_files.h"
+#include "scene/scene.h"
+#include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -259,8 +259,8 @@ TEST(SurveyScan, OfAStreamSaysWhatTheWholeScanSays) {
   text << "5000 5000 5000\n";
   const std::filesystem::path file = folder.write("a.xyz", text.str());
   Progress progress;
-  const ScanSurvey whole = survey_scan(file, progress);
-  const ScanSurvey stream = survey_scan(file, progress, 0);
+  const ScanStatistics whole = scan_statistics(file, progress);
+  const ScanStatistics stream = scan_statistics(file, progress, 0);
   EXPECT_EQ(whole.scan.points.size(), kPoints + 1U);
   EXPECT_EQ(stream.scan.records, whole.scan.records);
   EXPECT_EQ(stream.scan.points.size(), kPoints + 1U);  // every point: fewer than two samples

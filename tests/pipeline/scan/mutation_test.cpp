@@ -2,7 +2,7 @@
 #include <random>
 
 #include "pipeline/scan/read_bytes.h"
-#include "scan_files.h"
+#include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
 namespace {

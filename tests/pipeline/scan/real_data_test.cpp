@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "pipeline/base/progress.h"
-#include "pipeline/base/system.h"
-#include "scan_files.h"
+#include "base/progress.h"
+#include "base/system.h"
+#include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
 namespace {

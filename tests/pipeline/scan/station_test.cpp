@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/base/files.h"
-#include "pipeline/base/progress.h"
+#include "base/files.h"
+#include "base/progress.h"
 #include "pipeline/scan/scan_set.h"
 #include "tests/support/test_folder.h"
 

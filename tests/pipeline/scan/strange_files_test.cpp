@@ -3,10 +3,10 @@
 
 #include <cstring>
 
-#include "pipeline/scan/lzf.h"
+#include "pipeline/scan/formats/pcd/lzf.h"
+#include "pipeline/scan/scan_statistics.h"
 #include "pipeline/scan/scan_writer.h"
-#include "pipeline/scan/survey.h"
-#include "scan_files.h"
+#include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
 namespace {

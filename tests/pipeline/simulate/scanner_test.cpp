@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/base/error.h"
+#include "base/error.h"
 #include "pipeline/simulate/simulate.h"
 
 namespace sparsha::pipeline {

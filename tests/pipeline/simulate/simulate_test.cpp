@@ -10,8 +10,8 @@
 #include <iterator>
 #include <sstream>
 
-#include "pipeline/base/error.h"
-#include "pipeline/scene/config.h"
+#include "base/error.h"
+#include "scene/config.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

@@ -1,0 +1,69 @@
+// bench_pipeline: accuracy and speed of the way from scans to heights, CloudCompare beside it when it is installed.
+// With --strict the exit code is 1 when a figure breaks its bound; the tables mark such figures in any case.
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "run.h"
+
+namespace {
+
+constexpr const char* kUsage =
+    "usage: bench_pipeline [--out DIR] [--mode quick|full] [--strict] [--only accuracy|closed|mtf|speed|c2m|huge]\n"
+    "                      [--scenes TEXT] [--no-cloudcompare] [--all] [--huge POINTS] [--program PATH]\n";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  namespace fs = std::filesystem;
+  sparsha::bench::RunOptions options;
+  options.program = fs::path(argv[0]).parent_path() / "sparsha";
+  std::string only;
+  bool strict = false;
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const bool more = k + 1 < words.size();
+    if (words[k] == "--mode" && more && (words[k + 1] == "quick" || words[k + 1] == "full")) {
+      options.quick = words[++k] == "quick";
+    } else if (words[k] == "--strict") {
+      strict = true;
+    } else if (words[k] == "--all") {
+      options.every = true;
+    } else if (words[k] == "--no-cloudcompare") {
+      options.cloudcompare = false;
+    } else if (words[k] == "--out" && more) {
+      options.out = words[++k];
+    } else if (words[k] == "--only" && more) {
+      only = words[++k];
+    } else if (words[k] == "--scenes" && more) {
+      options.scenes = words[++k];
+    } else if (words[k] == "--huge" && more) {
+      options.huge_points = std::strtod(words[++k].c_str(), nullptr);
+    } else if (words[k] == "--program" && more) {
+      options.program = words[++k];
+    } else {
+      std::fputs(kUsage, stderr);
+      return 2;
+    }
+  }
+  bool kept = true;
+  try {
+    fs::create_directories(options.out);
+    options.work = options.out / ("bench_pipeline-" + std::to_string(getpid()));
+    if (only.empty() || only == "accuracy") kept = sparsha::bench::run_accuracy(options) && kept;
+    if (only.empty() || only == "closed") kept = sparsha::bench::run_closed(options) && kept;
+    if (only.empty() || only == "mtf") sparsha::bench::run_mtf(options);
+    if (only.empty() || only == "c2m") kept = sparsha::bench::run_cross_check(options) && kept;
+    if (only.empty() || only == "speed") sparsha::bench::run_speed(options);
+    if (only.empty() || only == "huge") kept = sparsha::bench::run_huge(options) && kept;
+    fs::remove_all(options.work);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return kept || !strict ? 0 : 1;
+}

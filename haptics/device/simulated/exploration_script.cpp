@@ -1,0 +1,178 @@
+#include "haptics/device/simulated/exploration_script.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "base/hash.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kHoverHeightM = 0.03;   // first height above the device's origin, where the surface is
+constexpr double kLiftM = 0.025;         // above the last place that was touched
+constexpr double kApproachSpeed = 0.05;  // m/s
+constexpr double kTravelSpeed = 0.15;    // m/s, in the air
+constexpr double kTouchForceN = 0.15;    // a fingertip notices this
+constexpr double kForceGain = 0.02;      // m/s of intended depth per newton missing
+constexpr double kSearchSpeed = 0.08;    // m/s downwards when the surface is lost
+constexpr double kLateralLimitN = 2.0;   // a wall: slow down and climb
+constexpr double kClimbSpeed = 0.04;     // m/s
+constexpr double kLongestApproachS = 2.0;
+constexpr double kDeepestM = -0.2;    // nobody reaches through the table
+constexpr double kStrikeSpeed = 0.3;  // m/s
+constexpr double kStruckForceN = 0.4;
+constexpr double kLongestStrikeS = 0.4;
+constexpr double kTourStrokeS = 2.6;
+constexpr double kTourStrokeForceN = 1.2;
+constexpr double kButtonS = 0.1;
+
+}  // namespace
+
+ExplorationScript::ExplorationScript(std::uint64_t seed, double workspace_width_m, std::vector<TourStop> tour)
+    : tour_(std::move(tour)),
+      random_(seed),
+      radius_m_(0.3 * workspace_width_m),
+      target_m_(0.0, 0.0, kHoverHeightM),
+      goal_m_(target_m_) {
+  phase_length_s_ = 0.3;
+  if (const TourStop* first = stop()) goal_m_.head<2>() = first->at_m;
+}
+
+std::uint64_t ExplorationScript::buttons() const noexcept {
+  const TourStop* now = stop();
+  const double since_s = phase_s_ - 0.5 * phase_length_s_;
+  const bool pressed = now != nullptr && phase_ == Phase::stroke && since_s >= 0.0 && since_s < kButtonS;
+  return pressed ? now->buttons : 0;
+}
+
+// SplitMix64 (Steele, Lea, Flood 2014): the same numbers with every standard library.
+double ExplorationScript::uniform(double low, double high) noexcept {
+  const std::uint64_t bits = mix_bits(random_ += kGoldenStep);
+  return low + (high - low) * (static_cast<double>(bits >> 11U) * 0x1.0p-53);
+}
+
+void ExplorationScript::enter(Phase phase) noexcept {
+  phase_ = phase;
+  phase_s_ = 0.0;
+  switch (phase) {
+    case Phase::hover: {
+      if (const TourStop* next = stop()) {
+        goal_m_ = {next->at_m.x(), next->at_m.y(), target_m_.z()};
+        phase_length_s_ = 0.0;
+        break;
+      }
+      const double angle = uniform(0.0, 2.0 * std::numbers::pi);
+      const double radius = radius_m_ * std::sqrt(uniform(0.0, 1.0));
+      goal_m_ = {radius * std::cos(angle), radius * std::sin(angle), target_m_.z()};
+      phase_length_s_ = uniform(0.2, 0.4);
+      break;
+    }
+    case Phase::approach:
+      phase_length_s_ = kLongestApproachS;
+      break;
+    case Phase::strike:
+      phase_length_s_ = kLongestStrikeS;
+      break;
+    case Phase::press:
+      wanted_force_n_ = stop() != nullptr ? kTourStrokeForceN : uniform(0.6, 2.0);
+      phase_length_s_ = uniform(0.3, 0.6);
+      break;
+    case Phase::stroke:
+      if (const TourStop* now = stop()) {
+        const Eigen::Vector2d way = now->to_m - target_m_.head<2>();
+        phase_length_s_ = kTourStrokeS;
+        speed_ = way.norm() / kTourStrokeS;
+        heading_rad_ = std::atan2(way.y(), way.x());
+        break;
+      }
+      speed_ = uniform(0.02, 0.08);
+      heading_rad_ = uniform(0.0, 2.0 * std::numbers::pi);
+      phase_length_s_ = uniform(2.5, 4.0);
+      break;
+    case Phase::lift:
+      goal_m_ = target_m_;
+      break;
+  }
+}
+
+// Keeps the force across the surface near the wanted one by moving the intended depth.
+void ExplorationScript::regulate(const Eigen::Vector3d& felt_force_n, double dt_s) noexcept {
+  const double up_n = felt_force_n.z();
+  const double lateral_n = std::hypot(felt_force_n.x(), felt_force_n.y());
+  double rate = -kForceGain * (wanted_force_n_ - up_n);
+  if (up_n < kTouchForceN && lateral_n < kTouchForceN) rate = -kSearchSpeed;
+  if (lateral_n > kLateralLimitN) rate = kClimbSpeed;
+  target_m_.z() = std::max(kDeepestM, target_m_.z() + std::clamp(rate, -kSearchSpeed, kClimbSpeed) * dt_s);
+}
+
+void ExplorationScript::hover(double dt_s) noexcept {
+  const Eigen::Vector3d way = goal_m_ - target_m_;
+  const double longest = kTravelSpeed * dt_s;
+  if (way.norm() > longest) {
+    target_m_ += way * (longest / way.norm());
+    return;
+  }
+  target_m_ = goal_m_;
+  if (phase_s_ < phase_length_s_) return;
+  const TourStop* next = stop();
+  enter(next != nullptr && next->kind == TourStop::Kind::strike ? Phase::strike : Phase::approach);
+}
+
+// Where a stroke goes: straight on in a tour, else wandering, and back before the workspace ends.
+void ExplorationScript::steer(double dt_s) noexcept {
+  if (stop() != nullptr) return;
+  turn_rad_per_s_ += (uniform(-60.0, 60.0) - 2.0 * turn_rad_per_s_) * dt_s;
+  const Eigen::Vector2d place = target_m_.head<2>();
+  if (place.norm() > radius_m_) {  // come about, the shorter way
+    const double home = std::atan2(-place.y(), -place.x());
+    turn_rad_per_s_ = 4.0 * std::remainder(home - heading_rad_, 2.0 * std::numbers::pi);
+  }
+  heading_rad_ += turn_rad_per_s_ * dt_s;
+}
+
+const Eigen::Vector3d& ExplorationScript::advance(const Eigen::Vector3d& felt_force_n, const Eigen::Vector3d& hand_m,
+                                                  double dt_s) noexcept {
+  phase_s_ += dt_s;
+  switch (phase_) {
+    case Phase::hover:
+      hover(dt_s);
+      break;
+    case Phase::approach:
+      target_m_.z() -= kApproachSpeed * dt_s;
+      if (felt_force_n.norm() > kTouchForceN || phase_s_ >= phase_length_s_) enter(Phase::press);
+      break;
+    case Phase::strike:
+      target_m_.z() -= kStrikeSpeed * dt_s;
+      if (felt_force_n.norm() > kStruckForceN || phase_s_ >= phase_length_s_) enter(Phase::lift);
+      break;
+    case Phase::press:
+      regulate(felt_force_n, dt_s);
+      if (phase_s_ >= phase_length_s_) enter(Phase::stroke);
+      break;
+    case Phase::stroke: {
+      regulate(felt_force_n, dt_s);
+      steer(dt_s);
+      const double lateral_n = std::hypot(felt_force_n.x(), felt_force_n.y());
+      const double advance_m = speed_ * std::clamp(1.5 - lateral_n / kLateralLimitN, 0.0, 1.0) * dt_s;
+      target_m_.x() += advance_m * std::cos(heading_rad_);
+      target_m_.y() += advance_m * std::sin(heading_rad_);
+      if (phase_s_ >= phase_length_s_) enter(Phase::lift);
+      break;
+    }
+    case Phase::lift:
+      // Through the air from where the hand really is: the intended place lies below the surface.
+      if (phase_s_ <= dt_s) goal_m_.z() = std::max(std::max(hand_m.z(), target_m_.z()) + kLiftM, kHoverHeightM);
+      target_m_.z() += kTravelSpeed * dt_s;
+      if (target_m_.z() >= goal_m_.z()) {
+        if (stop() != nullptr) ++next_;
+        enter(Phase::hover);
+        goal_m_.z() = target_m_.z();
+      }
+      break;
+  }
+  return target_m_;
+}
+
+}  // namespace sparsha::haptics

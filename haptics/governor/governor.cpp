@@ -1,0 +1,284 @@
+#include "haptics/governor/governor.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace sparsha::haptics {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kArmingTime = 0.050;  // s in free space
+
+// Nothing that a hand holds is stronger, stiffer or more damped.
+constexpr double kMostForceN = 100.0;
+constexpr double kMostSlewNPerS = 1e6;
+constexpr double kMostDampingNSPerM = 100.0;
+
+// What no loop through a bus and motors undercuts, whatever is declared.
+constexpr double kLeastDelayS = 0.001;
+constexpr double kJitter = 1.15;       // of the nominal period: not yet another rate
+constexpr double kSoftenS = 0.020;     // time constants of the stiffness in contact
+constexpr double kSoftenSwings = 3.0;  // half-swings
+constexpr double kStiffenS = 0.300;
+constexpr double kSofter = 0.5;  // after each onset of oscillation
+constexpr double kSoftest = 0.06;
+constexpr double kForgetS = 10.0;      // in free space, until the whole stiffness is tried again
+constexpr double kStrikeMPerS = 0.08;  // a faster touch is a strike
+constexpr double kBounceS = 0.100;     // a hand that comes back sooner has bounced
+constexpr double kThrownS = 0.090;     // longest touch of a hand that is thrown back
+constexpr double kFlightS = 0.400;
+constexpr double kRestitution = 0.8;
+constexpr int kMostThrows = 2;
+constexpr double kVelocityS = 0.006;   // time constant of the hand's velocity
+constexpr double kDampingRatio = 0.6;  // of the added damping, once the half-period of the swing is known
+constexpr double kFirstHalfPeriodS = 0.040;
+constexpr double kCalmS = 0.200;
+constexpr double kPatienceS = 0.5;  // of the damping with a swing that does not become calm
+constexpr double kLargeM = 100e-6;  // smaller swings do not soften the wall further
+constexpr double kLargeSteps = 5.0;
+constexpr double kDecay = 0.8;  // of a swing's size in that time
+constexpr double kAxisS = 0.3;
+constexpr double kDeadSteps = 0.1;      // encoder steps in kVelocityS that are no velocity
+constexpr double kPlay = 1.05;          // encoder steps that are flicker
+constexpr double kCreditNSPerM = 0.25;  // damping that every hand has
+
+/// NaN becomes zero.
+double between_zero_and(double most, double value) noexcept { return value > 0.0 ? std::min(value, most) : 0.0; }
+
+Vector3d clamped(const Vector3d& force_n, double most_n) noexcept {
+  const double magnitude = force_n.norm();
+  return magnitude > most_n ? Vector3d(force_n * (most_n / magnitude)) : force_n;
+}
+
+}  // namespace
+
+DeviceLimits usable(const DeviceLimits& limits) noexcept {
+  DeviceLimits result;
+  result.max_force_n = between_zero_and(kMostForceN, limits.max_force_n);
+  result.slew_n_per_s = between_zero_and(kMostSlewNPerS, limits.slew_n_per_s);
+  result.least_damping_n_s_per_m = between_zero_and(kMostDampingNSPerM, limits.least_damping_n_s_per_m);
+  result.delay_ticks = std::clamp(limits.delay_ticks, 0, kLongestDelayTicks);
+  return result;
+}
+
+Vector3d deliverable(const Vector3d& force_n, double most_n) noexcept {
+  const double magnitude = force_n.norm();
+  if (!(magnitude > 0.0) || !std::isfinite(magnitude) || !(most_n > 0.0)) return Vector3d::Zero();
+  return clamped(force_n, most_n);
+}
+
+double stiffness_limit(const DeviceLimits& limits, double period_s, double delay_s) noexcept {
+  const double declared_s = limits.delay_ticks * period_s;
+  const double delay = std::max({declared_s, delay_s, kLeastDelayS});
+  return 0.8 * limits.least_damping_n_s_per_m / (0.5 * period_s + delay);
+}
+
+double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcept {
+  double period_s = std::max(nominal_period_s, periods_.p95_s(nominal_period_s));
+  if (period_s < kJitter * nominal_period_s) period_s = nominal_period_s;
+  const double limit = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
+  const double target = borne_share_ * (wish_n_per_m > 0.0 ? std::min(wish_n_per_m, limit) : 0.0);
+  if (wish_n_per_m != wish_n_per_m_) rising_ = true;
+  wish_n_per_m_ = wish_n_per_m;
+  if (stiffness_n_per_m_ < 0.0 || !in_contact_) {
+    stiffness_n_per_m_ = target;
+    rising_ = false;
+  } else if (target < stiffness_n_per_m_) {
+    // Softened faster than a heavy hand can follow, the wall would set it swinging.
+    const double time_s = std::max(kSoftenS, kSoftenSwings * swing_.half_period_s());
+    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, nominal_period_s / time_s);
+  } else if (rising_) {
+    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, nominal_period_s / kStiffenS);
+  }
+  return stiffness_n_per_m_;
+}
+
+void Governor::disarm() noexcept {
+  armed_ = false;
+  free_s_ = 0.0;
+}
+
+void Governor::count_free_time(const GovernorInput& input) noexcept {
+  free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, input.nominal_period_s);
+  if (free_s_ < kArmingTime) return;
+  armed_ = true;
+  energy_j_ = 0.0;
+}
+
+/// The smallest move of the last one to two seconds is taken for the encoder's step.
+void Governor::learn_step(double moved_m, double period_s) noexcept {
+  constexpr double kLeastM = 1e-6;
+  constexpr double kMostM = 100e-6;
+  learning_s_ += std::min(period_s, 0.01);
+  if (moved_m > kLeastM && moved_m < kMostM && (least_moves_m_[0] == 0.0 || moved_m < least_moves_m_[0]))
+    least_moves_m_[0] = moved_m;
+  if (learning_s_ < 1.0) return;
+  learning_s_ = 0.0;
+  if (least_moves_m_[0] > 0.0)
+    step_m_ = least_moves_m_[1] > 0.0 ? std::min(least_moves_m_[0], least_moves_m_[1]) : least_moves_m_[0];
+  least_moves_m_[1] = least_moves_m_[0];
+  least_moves_m_[0] = 0.0;
+}
+
+void Governor::damp() noexcept {
+  if (!damping_) {
+    damping_s_ = 0.0;
+    damped_m_ = HUGE_VAL;
+  }
+  damping_ = true;
+}
+
+void Governor::soften() noexcept {
+  borne_share_ = std::max(kSoftest, kSofter * borne_share_);
+  damping_s_ = 0.0;
+}
+
+/// A hand that comes back from the wall as fast as it went in, again and again, is thrown by it.
+void Governor::watch_strike(double speed_m_per_s, double away_s) noexcept {
+  const bool thrown = contact_s_ < kThrownS && away_s < kFlightS && speed_m_per_s > kRestitution * struck_m_per_s_;
+  throws_ = thrown && speed_m_per_s > kStrikeMPerS ? throws_ + 1 : 0;
+  struck_m_per_s_ = speed_m_per_s;
+  if (speed_m_per_s > kStrikeMPerS) damp();
+  if (throws_ < kMostThrows) return;
+  throws_ = 0;
+  unstable_ = true;
+  soften();
+}
+
+/// Strikes and growing swings: both get damping until they are calm, a growing swing a softer wall besides.
+void Governor::watch_hand(const GovernorInput& input) noexcept {
+  const Vector3d moved_m = has_last_ ? Vector3d(input.position_m - last_position_m_) : Vector3d::Zero();
+  const double period_s = std::max(input.period_s, 0.1 * input.nominal_period_s);
+  velocity_ += (moved_m / period_s - velocity_) * std::min(1.0, period_s / kVelocityS);
+  learn_step(moved_m.norm(), period_s);
+  periods_.add(input.period_s);
+  if (input.delay_s > 0.0) delays_.add(input.delay_s);
+  in_contact_ = input.contact;
+  if (input.contact) {
+    const bool comes = away_s_ > 0.005;
+    if (away_s_ > kBounceS || axis_.isZero(0.0)) {
+      swing_.reset();
+      axis_ = input.normal;
+    }
+    const double away_s = std::exchange(away_s_, 0.0);
+    // A mean normal: along it the rise and fall of what is stroked shows.
+    axis_ += (input.normal - axis_) * std::min(1.0, period_s / kAxisS);
+    if (comes) watch_strike(-velocity_.dot(input.normal), away_s);
+    contact_s_ = comes ? 0.0 : contact_s_ + period_s;
+  } else {
+    away_s_ += std::min(period_s, 2.0 * input.nominal_period_s);
+    borne_share_ = std::min(1.0, borne_share_ + std::min(period_s, input.nominal_period_s) / kForgetS);
+    if (away_s_ > kBounceS) damping_ = unstable_ = false;
+  }
+  const Vector3d surface_m = has_last_ ? Vector3d(input.proxy_m - last_proxy_m_) : Vector3d::Zero();
+  last_proxy_m_ = input.proxy_m;
+  using Finding = SwingDetector::Finding;
+  Finding finding = Finding::none;
+  if (away_s_ <= kBounceS)
+    finding = swing_.update(period_s, moved_m.dot(axis_), input.contact ? surface_m.dot(axis_) : 0.0,
+                            input.contact ? surface_m.norm() : 0.0, step_m_);
+  if (finding != Finding::none) damp();
+  if (finding == Finding::growing) {
+    soften();
+    unstable_ = true;
+  }
+  if (!damping_) return;
+  damping_s_ += std::min(period_s, 0.01);
+  if (damping_s_ > kPatienceS) {
+    const double large_m = std::max(kLargeM, kLargeSteps * step_m_);
+    if (unstable_ && swing_.quiet_s() < kCalmS && swing_.size_m() > std::max(large_m, kDecay * damped_m_)) soften();
+    damping_s_ = 0.0;
+    damped_m_ = swing_.size_m();
+  }
+  if (input.contact && !unstable_ && swing_.quiet_s() > kCalmS) damping_ = false;
+}
+
+/// Takes from the force where the hand moves out, never below zero: the wall gives back less than it got.
+Vector3d Governor::damped(const GovernorInput& input) const noexcept {
+  const double magnitude_n = input.force_n.norm();
+  if (!damping_ || !(magnitude_n > 0.0)) return input.force_n;
+  const double half_s = swing_.half_period_s() > 0.0 ? swing_.half_period_s() : kFirstHalfPeriodS;
+  const double damping = 2.0 * kDampingRatio * input.stiffness_n_per_m * half_s / std::numbers::pi;
+  const double out = velocity_.dot(input.force_n) / magnitude_n - kDeadSteps * step_m_ / kVelocityS;
+  if (out <= 0.0) return input.force_n;
+  return input.force_n * std::max(0.0, 1.0 - damping * out / magnitude_n);
+}
+
+/// What the hand put in over the last interval, with the force that the device held then. Credited is the damping that
+/// every hand has, and no move within an encoder's step is booked: their flicker would drain the books of a hand at
+/// rest. Gains count only as far as the spring stores them: what friction ate cannot come back.
+void Governor::book(const GovernorInput& input) noexcept {
+  displacement_m_.setZero();
+  damped_j_ = 0.0;
+  if (has_last_) {
+    const Vector3d held_n = commanded_n_[delay()];
+    const double held = held_n.norm();
+    displacement_m_ = input.position_m - booked_m_;
+    if (held > 0.0) {
+      const double along_m = displacement_m_.dot(held_n) / held;
+      displacement_m_ -= held_n * (std::clamp(along_m, -kPlay * step_m_, kPlay * step_m_) / held);
+    }
+    booked_m_ += displacement_m_;
+    damped_j_ = std::min(kCreditNSPerM, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
+                std::max(input.period_s, input.nominal_period_s);
+    const double work_j = damped_j_ - held_n.dot(displacement_m_);
+    const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
+    energy_j_ = std::min(energy_j_ + std::min(work_j, stored_j), input.spring_energy_j);
+  } else {
+    booked_m_ = input.position_m;
+  }
+  has_last_ = true;
+  last_position_m_ = input.position_m;
+  last_spring_energy_j_ = input.spring_energy_j;
+}
+
+/// Growth beyond the slew limit is cut. Whatever lies between zero and the last force is a decrease and free.
+Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexcept {
+  const Vector3d& last = commanded_n_[0];
+  const double squared = last.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp(force_n.dot(last) / squared, 0.0, 1.0) : 0.0;
+  const Vector3d from = share * last;
+  return from + clamped(force_n - from, limits_.slew_n_per_s * period_s);
+}
+
+/// Takes from the force what would deliver more than is in the books, the forces already on their way included, if the
+/// hand goes on as it moved last.
+Vector3d Governor::passive(const Vector3d& force_n) const noexcept {
+  const double outward_j = force_n.dot(displacement_m_);
+  if (outward_j <= 0.0) return force_n;
+  double balance_j = energy_j_ + damped_j_ + kOverdraftJ;
+  for (std::size_t k = 0; k < delay(); ++k)
+    balance_j += damped_j_ - std::max(0.0, commanded_n_[k].dot(displacement_m_));
+  if (balance_j >= 0.0) return force_n;
+  return force_n * std::max(0.0, 1.0 + balance_j / outward_j);
+}
+
+GovernorOutput Governor::command(const Vector3d& force_n, bool saturated) noexcept {
+  for (std::size_t k = kLongestDelay; k > 0; --k) commanded_n_[k] = commanded_n_[k - 1];
+  commanded_n_[0] = force_n;
+  return {force_n, saturated, armed_, energy_j_};
+}
+
+GovernorOutput Governor::update(const GovernorInput& input) noexcept {
+  const bool finite = input.position_m.allFinite() && input.force_n.allFinite() &&
+                      std::isfinite(input.spring_energy_j) && input.stiffness_n_per_m >= 0.0 &&
+                      input.proxy_m.allFinite() && input.normal.allFinite();
+  if (!input.fresh || !finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) {
+    if (!finite) disarm();
+    has_last_ = false;
+    energy_j_ = std::min(energy_j_, 0.0);
+    return command(Vector3d::Zero(), false);
+  }
+  count_free_time(input);
+  watch_hand(input);
+  book(input);
+  if (!armed_) return command(Vector3d::Zero(), false);
+  const Vector3d most = clamped(damped(input), limits_.max_force_n);
+  const Vector3d grown = slewed(most, std::min(input.period_s, input.nominal_period_s));
+  const Vector3d safe = deliverable(passive(grown), limits_.max_force_n);
+  return command(safe, safe != input.force_n);
+}
+
+}  // namespace sparsha::haptics

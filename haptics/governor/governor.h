@@ -1,0 +1,142 @@
+// Between the renderer's force and the hand: stiffness limit, clamp, slew, passivity, arming.
+// Servo thread only; no allocation, no exceptions. Device frame, newtons, metres, seconds.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "haptics/governor/loop_meter.h"
+#include "haptics/governor/swing.h"
+
+namespace sparsha::haptics {
+
+inline constexpr int kLongestDelayTicks = 4;
+/// What the books of a contact open with, joules: less than a touch feels.
+inline constexpr double kOverdraftJ = 50e-6;
+
+/// What a device can bear.
+struct DeviceLimits {
+  double max_force_n = 8.0;
+  double least_damping_n_s_per_m = 2.0;  ///< least damping of hand and device
+  double slew_n_per_s = 1500.0;          ///< growth of force
+  int delay_ticks = 1;                   ///< a force reaches the hand this many ticks after it was written, 0 to 4
+};
+
+/// The same with every number in the range of things that hands hold: what is not a number, negative or absurd becomes
+/// the safe end (no force, no damping, no growth). Whoever takes limits from outside goes through here.
+[[nodiscard]] DeviceLimits usable(const DeviceLimits& limits) noexcept;
+
+/// The last clamp before any device: at most `most_n` long, direction kept; zero when the force or the limit is not a
+/// number.
+[[nodiscard]] Eigen::Vector3d deliverable(const Eigen::Vector3d& force_n, double most_n) noexcept;
+
+/// 0.8 b / (T / 2 + delay): below where a sampled wall goes unstable (0.8 since at the edge itself decay takes
+/// minutes). The delay is the declared or the measured one, whichever is longer, and never below a millisecond.
+[[nodiscard]] double stiffness_limit(const DeviceLimits& limits, double period_s, double delay_s = 0.0) noexcept;
+
+/// What the renderer may use of the stiffness that the user wishes, N/m.
+[[nodiscard]] inline double governed_stiffness(double requested_n_per_m, const DeviceLimits& limits,
+                                               double period_s) noexcept {
+  return std::min(requested_n_per_m, stiffness_limit(limits, period_s));
+}
+
+struct GovernorInput {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();     ///< the renderer's, at the governed stiffness
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< measured hand position
+  Eigen::Vector3d proxy_m = Eigen::Vector3d::Zero();     ///< device frame; the hand itself when free
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< of the surface there, unit; zero when free
+  double stiffness_n_per_m = 0.0;                        ///< that the force was rendered with
+  double delay_s = 0.0;                                  ///< that the device measured; 0 = it does not measure
+  double spring_energy_j = 0.0;                          ///< 0.5 k |X_p - X_h|^2, device frame
+  double period_s = 0.001;                               ///< since the last tick
+  /// Of the servo's plan. A tick that was longer or shorter earns nothing: no growth of force, no free time, no credit.
+  double nominal_period_s = 0.001;
+  bool fresh = true;  ///< the position is new and finite
+  bool contact = false;
+};
+
+struct GovernorOutput {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  bool saturated = false;  ///< clamp, slew or passivity changed the force
+  bool armed = false;
+  double energy_j = 0.0;  ///< observed: negative means energy was delivered to the hand
+};
+
+/// The steps of docs/touch.md, "Governor", in that order. The passivity observer (Hannaford & Ryu 2002) counts
+/// energy anew for each contact after 50 ms in free space.
+class Governor {
+ public:
+  explicit Governor(const DeviceLimits& limits) noexcept : limits_(usable(limits)) {}
+  [[nodiscard]] GovernorOutput update(const GovernorInput& input) noexcept;
+  /// What the renderer may use of a wished stiffness now, N/m: no more than the measured loop bears and no more than
+  /// the hand has shown to bear. In contact it falls within a few swings and rises only with the wish. Call before each
+  /// update().
+  [[nodiscard]] double stiffness(double wish_n_per_m, double nominal_period_s) noexcept;
+  /// After start, fault or homing: force comes back only after 50 ms in free space.
+  void disarm() noexcept;
+  /// Offline rendering needs no arming.
+  void arm() noexcept { armed_ = true; }
+
+ private:
+  static constexpr std::size_t kLongestDelay = kLongestDelayTicks;
+
+  void watch_hand(const GovernorInput& input) noexcept;
+  void watch_strike(double speed_m_per_s, double away_s) noexcept;
+  void damp() noexcept;
+  void soften() noexcept;
+  void learn_step(double moved_m, double period_s) noexcept;
+  [[nodiscard]] Eigen::Vector3d damped(const GovernorInput& input) const noexcept;
+  void count_free_time(const GovernorInput& input) noexcept;
+  void book(const GovernorInput& input) noexcept;
+  [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
+  [[nodiscard]] Eigen::Vector3d passive(const Eigen::Vector3d& force_n) const noexcept;
+  [[nodiscard]] GovernorOutput command(const Eigen::Vector3d& force_n, bool saturated) noexcept;
+  [[nodiscard]] std::size_t delay() const noexcept { return static_cast<std::size_t>(limits_.delay_ticks); }
+
+  DeviceLimits limits_;
+  bool armed_ = false;
+  double free_s_ = 0.0;
+  bool has_last_ = false;
+  std::array<Eigen::Vector3d, kLongestDelay + 1> commanded_n_ = zeros();  ///< newest first
+  Eigen::Vector3d last_position_m_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d displacement_m_ = Eigen::Vector3d::Zero();
+  double damped_j_ = 0.0;
+  double last_spring_energy_j_ = 0.0;
+  double energy_j_ = 0.0;
+  Eigen::Vector3d booked_m_ = Eigen::Vector3d::Zero();  // the hand without the encoder's flicker
+
+  LoopMeter periods_;
+  LoopMeter delays_;
+  SwingDetector swing_;
+  double wish_n_per_m_ = -1.0;
+  bool rising_ = false;              // the wish has changed in this contact
+  double stiffness_n_per_m_ = -1.0;  // allowed now; negative before the first tick
+  double borne_share_ = 1.0;         // of the wish, that this hand has shown to bear
+  bool in_contact_ = false;
+  bool damping_ = false;         // against a strike or a growing swing
+  bool unstable_ = false;        // a swing has grown in this contact
+  double damping_s_ = 0.0;       // since it began, or since the wall was softened last
+  double damped_m_ = 0.0;        // the swing's size then
+  double contact_s_ = 0.0;       // of this touch
+  double struck_m_per_s_ = 0.0;  // at its beginning
+  int throws_ = 0;
+  double away_s_ = 0.0;                             // since the last contact
+  Eigen::Vector3d axis_ = Eigen::Vector3d::Zero();  // the last normal
+  Eigen::Vector3d last_proxy_m_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  // of the hand, low-passed
+  double step_m_ = 0.0;                                 // the encoder's, as far as it has shown
+  double least_moves_m_[2] = {};                        // of this second and of the last one
+  double learning_s_ = 0.0;
+
+  static std::array<Eigen::Vector3d, kLongestDelay + 1> zeros() {
+    std::array<Eigen::Vector3d, kLongestDelay + 1> forces;
+    forces.fill(Eigen::Vector3d::Zero());
+    return forces;
+  }
+};
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,110 @@
+// The source paper's proxy (Aniyath et al. 2014, eq. 1 to 6): the tangential part of the way to the hand, taken in
+// steps of rho, each followed by a projection along the normal; friction scales the step by 1 - mu_d cot(beta). It
+// chatters at patch creases; the exact solver does not.
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/proxy/ray_march.h"
+#include "haptics/proxy/update.h"
+
+namespace sparsha::haptics {
+namespace {
+
+struct Normal {
+  double x, y, z;
+};
+
+Normal unit_normal(const BilinearPatch& patch, const CellPoint& p) noexcept {
+  const double fs = patch.slope_s(p.s, p.t);
+  const double ft = patch.slope_t(p.s, p.t);
+  const double inverse = 1.0 / std::sqrt(1.0 + fs * fs + ft * ft);
+  return {-fs * inverse, -ft * inverse, inverse};
+}
+
+/// The surface point on the line q + alpha n: Newton on the gap; straight down where that does not settle.
+CellPoint project_along(const BilinearSurface& surface, const CellVector& q, const Normal& n) noexcept {
+  constexpr int kIterations = 20;
+  constexpr double kSettled = 1e-13;  // cells
+  double alpha = 0.0;
+  for (int k = 0; k < kIterations; ++k) {
+    CellPoint p = locate(surface, {q.x + alpha * n.x, q.y + alpha * n.y, q.z + alpha * n.z});
+    const BilinearPatch patch = surface.patch(p.i, p.j);
+    const double gap = p.z - patch.height(p.s, p.t);
+    if (std::abs(gap) <= kSettled * (1.0 + std::abs(p.z))) {
+      p.z = patch.height(p.s, p.t);
+      return p;
+    }
+    const double slope = n.z - patch.slope_s(p.s, p.t) * n.x - patch.slope_t(p.s, p.t) * n.y;
+    if (!(slope > 0.0)) break;
+    alpha -= gap / slope;
+    if (!(std::abs(alpha) < kFarthestCell)) break;
+  }
+  CellPoint p = locate(surface, q);
+  p.z = surface.patch(p.i, p.j).height(p.s, p.t);
+  return p;
+}
+
+/// One iteration; false when it did not move or the hand leaves the surface.
+bool step(const BilinearSurface& surface, const CellVector& hip, const SolverOptions& options, CellPoint& p,
+          bool& contact) noexcept {
+  const Normal n = unit_normal(surface.patch(p.i, p.j), p);
+  const CellVector v = hip - p;
+  const double along = n.x * v.x + n.y * v.y + n.z * v.z;
+  if (along > 0.0) {
+    contact = false;
+    return false;
+  }
+  const CellVector tangential{v.x - along * n.x, v.y - along * n.y, v.z - along * n.z};
+  const double length =
+      std::sqrt(tangential.x * tangential.x + tangential.y * tangential.y + tangential.z * tangential.z);
+  double factor = 1.0;
+  if (surface.has_friction() && length > 0.0)
+    factor = std::clamp(1.0 - surface.mu_dynamic(p.i, p.j, p.s, p.t) * -along / length, 0.0, 1.0);
+  const double rho = options.paper_rho * factor;
+  if (rho * length <= options.tolerance_cells) return false;
+  const CellVector q{p.i + p.s + rho * tangential.x, p.j + p.t + rho * tangential.y, p.z + rho * tangential.z};
+  p = project_along(surface, q, n);
+  return true;
+}
+
+}  // namespace
+
+ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip, ProxyState& state,
+                         const SolverOptions& options) noexcept {
+  const BilinearSurface cells(surface);
+  const CellVector hand = to_cells(cells, hip);
+  if (!is_reachable(hand)) return report_no_hand(state);
+  CellPoint p;
+  if (!place_of(cells, state, p)) {
+    state = start_proxy(surface, hip);
+    static_cast<void>(place_of(cells, state, p));
+  }
+  const double floor = cells.patch(p.i, p.j).height(p.s, p.t);
+  if (state.contact || p.z < floor) p.z = floor, state.contact = true;
+  state.sticking = false;
+
+  int segments = 0;
+  bool at_hand = false;
+  bool settled = false;
+  bool leaving = false;
+  for (int k = 0; k < options.paper_iterations && !at_hand && !settled; ++k) {
+    if (state.contact) {
+      ++segments;
+      const bool moved = step(cells, hand, options, p, state.contact);
+      settled = !moved && state.contact;
+      leaving = !state.contact;
+      if (state.contact) continue;
+    }
+    const MarchEnd end = march_to_hand(cells, hand, p, leaving, segments, options.segment_limit);
+    leaving = false;
+    state.contact = end == MarchEnd::surface;
+    at_hand = end == MarchEnd::hand;
+    if (end == MarchEnd::limit) break;
+  }
+  ProxyUpdate update = report(surface, cells, hip, p, at_hand, {}, state);
+  update.segments = segments;
+  update.unfinished = !at_hand && !settled && options.paper_iterations > 1;
+  return update;
+}
+
+}  // namespace sparsha::haptics

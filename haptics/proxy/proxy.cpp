@@ -1,0 +1,105 @@
+#include "haptics/proxy/proxy.h"
+
+#include "haptics/proxy/exact_solver.h"
+#include "haptics/proxy/hot.h"
+#include "haptics/proxy/update.h"
+
+namespace sparsha::haptics {
+namespace {
+
+template <class Surface>
+CellPoint place_or_start(const MongeSurface& monge, const Surface& surface, const Eigen::Vector3d& hip_m,
+                         ProxyState& state) noexcept {
+  CellPoint p;
+  if (!place_of(surface, state, p)) {
+    state = start_proxy(monge, hip_m);
+    static_cast<void>(place_of(surface, state, p));
+  }
+  return p;
+}
+
+template <bool kFriction, class Surface>
+ProxyUpdate finish(const MongeSurface& monge, const Surface& surface, const Eigen::Vector3d& hip_m, const CellPoint& p,
+                   const ExactSolver<Surface, kFriction>& solver, ProxyState& state) noexcept {
+  ProxyUpdate update = report(monge, surface, hip_m, p, !state.contact && !solver.unfinished(), solver.place(), state);
+  update.segments = solver.segments();
+  update.unfinished = solver.unfinished();
+  return update;
+}
+
+/// The general solver from the state's proxy. Like `go_on`, it makes anew what the fast path keeps in registers.
+template <bool kFriction, class Surface>
+SPARSHA_SELDOM ProxyUpdate solve(const MongeSurface& monge, const Eigen::Vector3d& hip_m, ProxyState& state,
+                                 const SolverOptions& options) noexcept {
+  const Surface surface(monge);
+  const CellVector hip = to_cells(surface, hip_m);
+  if (!is_reachable(hip)) return report_no_hand(state);
+  CellPoint p = place_or_start(monge, surface, hip_m, state);
+  ExactSolver<Surface, kFriction> solver(surface, hip, options);
+  solver.settle_and_solve(p, state.contact, state.sticking);
+  return finish(monge, surface, hip_m, p, solver, state);
+}
+
+/// The general solver from where the fast path has handed over.
+template <bool kFriction>
+SPARSHA_SELDOM ProxyUpdate go_on(const MongeSurface& monge, const Eigen::Vector3d& hip_m, CellPoint p,
+                                 SolverState course, ProxyState& state, const SolverOptions& options) noexcept {
+  const BilinearSurface surface(monge);
+  ExactSolver<BilinearSurface, kFriction> solver(surface, to_cells(surface, hip_m), options);
+  solver.go_on(p, state.contact, state.sticking, course);
+  return finish(monge, surface, hip_m, p, solver, state);
+}
+
+/// The fast path where the state is as the solver left it, in contact inside a cell; else the general solver.
+template <bool kFriction>
+SPARSHA_HOT inline ProxyUpdate update_bilinear(const MongeSurface& monge, const BilinearSurface& surface,
+                                               const Eigen::Vector3d& hip_m, ProxyState& state,
+                                               const SolverOptions& options) noexcept {
+  CellPoint p{state.cell.i, state.cell.j, state.cell.s, state.cell.t, state.cell.z};
+  const CellVector hip = to_cells(surface, hip_m);
+  if (!state.contact || !surface.is_inner(p.i, p.j) || !is_strictly_inside(p) || !is_at(surface, p, state.position) ||
+      !is_reachable(hip))
+    return solve<kFriction, BilinearSurface>(monge, hip_m, state, options);
+  const BilinearPatch patch = surface.patch_inside(p.i, p.j);
+  if (p.z != patch.height(p.s, p.t)) return solve<kFriction, BilinearSurface>(monge, hip_m, state, options);
+  SolverState course;
+  course.sticking = kFriction && state.sticking;
+  course.may_stick_again = kFriction && !state.sticking;
+  RestPlace place;
+  FastPath<kFriction> path(surface, hip, options.tolerance_cells, p, patch, both(0.0), course);
+  if (path.follow(options.segment_limit, place) != FastPathEnd::rest)
+    return go_on<kFriction>(monge, hip_m, p, course, state, options);
+  return report_rest<kFriction>(monge, surface, p, place, course, state);
+}
+
+}  // namespace
+
+ProxyState start_proxy(const MongeSurface& surface, const Eigen::Vector3d& hip) noexcept {
+  ProxyState state;
+  const BilinearSurface cells(surface);
+  const CellVector hand = to_cells(cells, hip);
+  if (!is_reachable(hand)) return state;
+  CellPoint p = locate(cells, hand);
+  const double floor = cells.patch(p.i, p.j).height(p.s, p.t);
+  state.contact = hand.z < floor;
+  state.sticking = state.contact;
+  p.z = state.contact ? floor : hand.z;
+  keep_place(cells, p, state);
+  if (!state.contact) state.position = hip;
+  return state;
+}
+
+ProxyUpdate update_exact(const MongeSurface& surface, const Eigen::Vector3d& hip, ProxyState& state,
+                         const SolverOptions& options) noexcept {
+  const bool friction = !surface.mu_dynamic.empty() && !surface.mu_static.empty();
+  if (options.c1_surface) [[unlikely]]
+    return friction ? solve<true, C1Surface>(surface, hip, state, options)
+                    : solve<false, C1Surface>(surface, hip, state, options);
+  const double spacing_m = surface.lattice.spacing_m;
+  const double cells_per_m = state.cell.spacing_m == spacing_m ? state.cell.cells_per_m : 1.0 / spacing_m;
+  const BilinearSurface cells(surface, cells_per_m);
+  return friction ? update_bilinear<true>(surface, cells, hip, state, options)
+                  : update_bilinear<false>(surface, cells, hip, state, options);
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,61 @@
+#include "haptics/replay/path_device.h"
+
+#include <utility>
+
+#include "haptics/state/state.h"
+
+namespace sparsha::haptics {
+namespace {
+
+class PathDevice final : public Device {
+ public:
+  explicit PathDevice(std::shared_ptr<const Recording> recording) : recording_(std::move(recording)) {}
+
+  [[nodiscard]] DeviceInfo info() const override {
+    DeviceInfo info = recording_->info();
+    info.rate_hz = 1.0 / recording_->period_s();
+    info.warning = warning_of(*recording_);
+    return info;
+  }
+
+  [[nodiscard]] DeviceSample read(double, double) noexcept override {
+    if (next_ < recording_->rows().size()) return sample_of(recording_->rows()[next_++]);
+    DeviceSample sample;
+    sample.finished = true;
+    return sample;
+  }
+
+  void write(const Eigen::Vector3d&) noexcept override {}
+  void zero() noexcept override {}
+
+ private:
+  std::shared_ptr<const Recording> recording_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+DeviceSample sample_of(const RecordedRow& row) noexcept {
+  DeviceSample sample;
+  sample.position_m = row.position_m;
+  sample.buttons = row.buttons;
+  sample.time_s = row.time_s;
+  sample.fresh = (row.tick.flags & kFlagStale) == 0;
+  sample.homed = (row.tick.flags & kFlagHomed) != 0;
+  return sample;
+}
+
+std::string warning_of(const Recording& recording) {
+  std::string text;
+  if (recording.cut_short()) text = "The recording ends in the middle of a row";
+  if (recording.limited())
+    text +=
+        std::string(text.empty() ? "" : "; ") + "The recording was made with a stronger device: its forces are limited";
+  return text;
+}
+
+std::unique_ptr<Device> make_path_device(std::shared_ptr<const Recording> recording) {
+  return std::make_unique<PathDevice>(std::move(recording));
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,288 @@
+#include "haptics/replay/recording.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "base/csv.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/statistics.h"
+#include "haptics/state/state.h"
+
+namespace sparsha::haptics {
+namespace {
+
+enum Column : std::size_t {
+  kTime,
+  kX,
+  kY,
+  kZ,
+  kButtons,
+  kCentreX,
+  kCentreY,
+  kCentreZ,
+  kScale,
+  kSurface,
+  kCommand,
+  kFlags,
+  kLevel,
+  kStiffness,
+  kPeriod,
+  kWindowI,
+  kWindowJ,
+  kWindowNx,
+  kWindowNy,
+  kWorkspace,
+  kMaxForce,
+  kSlew,
+  kDamping,
+  kDelay,
+  kNominalPeriod,
+  kColumns
+};
+constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
+                                                           "device_x_m",
+                                                           "device_y_m",
+                                                           "device_z_m",
+                                                           "buttons",
+                                                           "centre_x_m",
+                                                           "centre_y_m",
+                                                           "centre_z_m",
+                                                           "scale",
+                                                           "surface_id",
+                                                           "command",
+                                                           "flags",
+                                                           "level",
+                                                           "stiffness_n_per_m",
+                                                           "period_s",
+                                                           "window_i",
+                                                           "window_j",
+                                                           "window_nx",
+                                                           "window_ny",
+                                                           "workspace_m",
+                                                           "max_force_n",
+                                                           "slew_n_per_s",
+                                                           "least_damping_n_s_per_m",
+                                                           "delay_ticks",
+                                                           "nominal_period_s"};
+
+constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
+
+// Where each known column stands in the file.
+std::array<std::size_t, kColumns> find_columns(const std::string& file, std::string_view header, std::size_t& count) {
+  std::array<std::size_t, kColumns> place;
+  place.fill(kAbsent);
+  count = 0;
+  while (!header.empty()) {
+    const std::string_view name = csv::trimmed(csv::take_field(header));
+    const auto known = std::find(kNames.begin(), kNames.end(), name);
+    if (known != kNames.end()) place[static_cast<std::size_t>(known - kNames.begin())] = count;
+    ++count;
+  }
+  for (const Column column : {kTime, kX, kY, kZ})
+    if (place[column] == kAbsent)
+      throw input_error_at(file, 1, "no column " + std::string(kNames[column]),
+                           "a run.csv as `explore --record` writes it");
+  return place;
+}
+
+// Reads as many numbers as there are fields; what is wrong with the line, or nothing.
+std::string read_fields(std::string_view line, std::vector<double>& fields) {
+  for (double& value : fields) {
+    const std::string_view field = csv::take_field(line);
+    if (!csv::to_number(field, value)) return csv::in_quotes(field) + " is not a number";
+  }
+  return line.empty() ? "" : "more fields than the header names";
+}
+
+/// What a column may hold; `whole` numbers only where so said.
+struct Range {
+  double low, high;
+  bool whole = false;
+};
+
+// The device's own position may be what a broken device gave: the servo judges it.
+constexpr Range range_of(Column column) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  constexpr double kLeast = std::numeric_limits<double>::min();
+  switch (column) {
+    case kX:
+    case kY:
+    case kZ:
+      return {-kAny, kAny};
+    case kTime:
+    case kCentreX:
+    case kCentreY:
+    case kCentreZ:
+      return {-1e9, 1e9};
+    case kScale:
+      return {1e-9, 1e9};
+    case kButtons:
+    case kSurface:
+    case kCommand:
+    case kFlags:
+      return {0.0, 0x1p62, true};
+    case kLevel:
+      return {0.0, 64.0, true};
+    case kWindowI:
+    case kWindowJ:
+    case kWindowNx:
+    case kWindowNy:
+      return {-1e9, 1e9, true};
+    case kStiffness:
+      return {0.0, 1e5};
+    case kPeriod:
+      return {kLeast, 1e9};
+    case kNominalPeriod:
+      return {1e-5, 1.0};
+    case kWorkspace:
+      return {1e-3, 10.0};
+    case kMaxForce:
+      return {0.0, 100.0};
+    case kSlew:
+      return {kLeast, 1e6};
+    case kDamping:
+      return {0.0, 100.0};
+    case kDelay:
+      return {0.0, kLongestDelayTicks, true};
+    case kColumns:
+      break;
+  }
+  return {0.0, 0.0};
+}
+
+std::string wrong_value(const std::array<std::size_t, kColumns>& place, const std::vector<double>& fields) {
+  for (std::size_t column = 0; column < kColumns; ++column) {
+    if (place[column] == kAbsent || column == kX || column == kY || column == kZ) continue;
+    const double value = fields[place[column]];
+    const Range range = range_of(static_cast<Column>(column));
+    if (value >= range.low && value <= range.high && (!range.whole || value == std::floor(value))) continue;
+    return "an impossible " + std::string(kNames[column]);
+  }
+  return "";
+}
+
+/// The weaker of what the recorded device had and of playback's own limits.
+DeviceLimits limits_of(const DeviceLimits& recorded, bool& limited) {
+  const DeviceLimits own;
+  DeviceLimits result = recorded;
+  result.max_force_n = std::min(recorded.max_force_n, own.max_force_n);
+  result.slew_n_per_s = std::min(recorded.slew_n_per_s, own.slew_n_per_s);
+  limited = result.max_force_n < recorded.max_force_n || result.slew_n_per_s < recorded.slew_n_per_s;
+  return usable(result);
+}
+
+std::uint64_t word(double value) { return static_cast<std::uint64_t>(value); }
+
+double commonest_step(const std::vector<RecordedRow>& rows) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < rows.size() && steps.size() < 1000; ++i)
+    steps.push_back(rows[i].time_s - rows[i - 1].time_s);
+  if (steps.empty()) return 0.001;
+  const double step = median(steps);
+  return step > 0.0 ? step : 0.001;
+}
+
+}  // namespace
+
+Recording::Recording(const std::filesystem::path& file) {
+  const MappedFile mapped(file);
+  std::string_view text = mapped.text();
+  const bool ends_whole = text.ends_with('\n');
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const std::string name = file.string();
+  std::size_t count = 0;
+  const auto place = find_columns(name, csv::take_line(text), count);
+  const bool has_ticks =
+      std::all_of(kNames.begin() + kCentreX, kNames.begin() + kWindowI, [&](const std::string_view& known) {
+        return place[static_cast<std::size_t>(&known - kNames.data())] != kAbsent;
+      });
+  const bool has_windows = has_ticks && place[kWindowI] != kAbsent && place[kWindowJ] != kAbsent &&
+                           place[kWindowNx] != kAbsent && place[kWindowNy] != kAbsent;
+  std::vector<double> fields(count);
+  int line_number = 1;
+  while (!text.empty()) {
+    const std::string_view line = csv::take_line(text);
+    ++line_number;
+    if (line.empty()) continue;
+    std::string wrong = read_fields(line, fields);
+    if (!wrong.empty() && text.empty() && !ends_whole && !rows_.empty()) {
+      cut_short_ = true;
+      break;
+    }
+    if (wrong.empty()) wrong = wrong_value(place, fields);
+    if (!wrong.empty())
+      throw input_error_at(name, line_number, wrong,
+                           std::to_string(count) + " numbers as `explore --record` writes them");
+    const auto at = [&](Column column, double otherwise) {
+      return place[column] == kAbsent ? otherwise : fields[place[column]];
+    };
+    RecordedRow row;
+    row.time_s = at(kTime, 0.0);
+    if (!rows_.empty() && !(row.time_s > rows_.back().time_s))
+      throw input_error_at(name, line_number, "time does not increase", "t_s above that of the row before");
+    row.position_m = {at(kX, 0.0), at(kY, 0.0), at(kZ, 0.0)};
+    row.buttons = word(at(kButtons, 0.0));
+    row.tick.centre_m = {at(kCentreX, 0.0), at(kCentreY, 0.0), at(kCentreZ, 0.0)};
+    row.tick.stiffness_n_per_m = at(kStiffness, 0.0);
+    row.tick.period_s = at(kPeriod, 0.001);
+    row.tick.nominal_period_s = at(kNominalPeriod, 0.0);
+    row.tick.command = word(at(kCommand, 0.0));
+    row.tick.flags = word(at(kFlags, static_cast<double>(kFlagHomed)));
+    const std::uint64_t surface_id = word(at(kSurface, 0.0));
+    if (has_windows && (windows_.empty() || windows_.back().surface_id != surface_id)) {
+      RecordedWindow window;
+      window.row = rows_.size();
+      window.surface_id = surface_id;
+      window.plan.level = static_cast<int>(at(kLevel, 0.0));
+      window.plan.i0 = static_cast<int>(at(kWindowI, 0.0));
+      window.plan.j0 = static_cast<int>(at(kWindowJ, 0.0));
+      window.plan.nx = static_cast<int>(at(kWindowNx, 0.0));
+      window.plan.ny = static_cast<int>(at(kWindowNy, 0.0));
+      window.plan.scale = at(kScale, 1.0);
+      window.plan.effects.texture = (row.tick.flags & kFlagTexture) != 0;
+      window.plan.effects.friction = (row.tick.flags & kFlagFriction) != 0;
+      windows_.push_back(window);
+    }
+    if (rows_.empty()) {
+      info_.name = "playback";
+      info_.workspace_width_m = at(kWorkspace, info_.workspace_width_m);
+      DeviceLimits recorded;
+      recorded.max_force_n = at(kMaxForce, recorded.max_force_n);
+      recorded.slew_n_per_s = at(kSlew, recorded.slew_n_per_s);
+      recorded.least_damping_n_s_per_m = at(kDamping, recorded.least_damping_n_s_per_m);
+      recorded.delay_ticks = static_cast<int>(at(kDelay, recorded.delay_ticks));
+      info_.limits = limits_of(recorded, limited_);
+    }
+    rows_.push_back(row);
+  }
+  mapped.require_whole();
+  if (rows_.empty())
+    throw input_error_at(name, line_number, "the recording has no rows", "at least one row below the header");
+  if (place[kNominalPeriod] != kAbsent) {
+    period_s_ = rows_.front().tick.nominal_period_s;
+  } else {
+    period_s_ = commonest_step(rows_);
+    for (RecordedRow& row : rows_) row.tick.nominal_period_s = period_s_;
+  }
+}
+
+void Recording::require_scene(const pipeline::SceneDescription& scene) const {
+  for (const RecordedWindow& window : windows_) {
+    const WindowPlan& plan = window.plan;
+    const auto level = static_cast<std::size_t>(plan.level);
+    if (plan.level < 0 || level >= scene.levels.size() || plan.nx < 2 || plan.ny < 2 ||
+        plan.nx > scene.levels[level].nx || plan.ny > scene.levels[level].ny)
+      throw Error(ErrorKind::input, {}, "the recording was made with another scene", "the scene that it was made with");
+  }
+}
+
+HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded) {
+  return load_window(scene, recorded.plan, recorded.surface_id);
+}
+
+}  // namespace sparsha::haptics

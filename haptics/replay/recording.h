@@ -1,0 +1,62 @@
+// A recorded run (run.csv) in memory: the path of the hand, and the windows that it was made on.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "haptics/device/device.h"
+#include "haptics/servo/haptic_renderer.h"
+#include "haptics/window/scene_window.h"
+#include "scene/scene.h"
+
+namespace sparsha::haptics {
+
+/// From `row` on the recording was made on this window.
+struct RecordedWindow {
+  std::size_t row = 0;
+  std::uint64_t surface_id = 0;
+  WindowPlan plan;
+};
+
+/// Makes the surface of a recorded window. Throws Error{input} when tiles cannot be read.
+[[nodiscard]] HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded);
+
+struct RecordedRow {
+  double time_s = 0.0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< device frame; NaN where the device gave NaN
+  std::uint64_t buttons = 0;
+  RecordedTick tick;
+};
+
+/// Immutable.
+class Recording {
+ public:
+  /// Reads the columns that it knows by name; only t_s and device_x_m, device_y_m, device_z_m are required.
+  /// Throws Error{input} with file and line.
+  explicit Recording(const std::filesystem::path& file);
+
+  [[nodiscard]] const std::vector<RecordedRow>& rows() const noexcept { return rows_; }
+  /// Empty when the file has no window columns: then only the hand is played.
+  [[nodiscard]] const std::vector<RecordedWindow>& windows() const noexcept { return windows_; }
+  [[nodiscard]] const DeviceInfo& info() const noexcept { return info_; }
+  /// The last row was cut in the middle, as by a power failure, and is left out.
+  [[nodiscard]] bool cut_short() const noexcept { return cut_short_; }
+  /// The recorded device was stronger than the limits of replays (DeviceLimits' defaults), which then apply.
+  [[nodiscard]] bool limited() const noexcept { return limited_; }
+  /// Of the recorded servo's plan; of older recordings the commonest step between rows.
+  [[nodiscard]] double period_s() const noexcept { return period_s_; }
+  /// Throws Error{input} unless every window lies in the scene.
+  void require_scene(const pipeline::SceneDescription& scene) const;
+
+ private:
+  std::vector<RecordedRow> rows_;
+  std::vector<RecordedWindow> windows_;
+  DeviceInfo info_;
+  bool cut_short_ = false;
+  bool limited_ = false;
+  double period_s_ = 0.001;
+};
+
+}  // namespace sparsha::haptics

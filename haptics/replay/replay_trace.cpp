@@ -1,0 +1,48 @@
+#include "haptics/replay/replay_trace.h"
+
+#include <chrono>
+#include <utility>
+
+#include "haptics/replay/recorded_run.h"
+
+namespace sparsha::haptics {
+namespace {
+
+Eigen::Vector3d to_vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+TraceResult trace_recording(const pipeline::Scene& scene, const Recording& recording,
+                            const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
+  RendererOptions options;
+  options.solver = haptics.solver;
+  options.solver_options = solver;
+  options.solver_options.c1_surface = solver.c1_surface || haptics.surface == pipeline::HapticsConfig::Surface::c1;
+  const bool c1 = options.solver_options.c1_surface && haptics.solver == pipeline::HapticsConfig::Solver::exact;
+
+  RecordedRun run(scene, recording, options);
+  TraceRecorder recorder(recording.rows().size());
+  while (!run.finished()) {
+    if (run.needs_window()) run.change_window();
+    const auto begin = std::chrono::steady_clock::now();
+    run.step();
+    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - begin;
+
+    const State& state = run.renderer().state();
+    TraceRow row;
+    row.t_s = state.time_s;
+    row.hip_m = to_vector(state.hip_m);
+    row.proxy_m = to_vector(state.proxy_m);
+    row.force_n = to_vector(state.force_n);
+    row.contact = state.contact != 0;
+    row.level = static_cast<int>(state.level);
+    row.tick_ns = elapsed.count();
+    const MongeSurface& surface = *run.renderer().window().surface;
+    ProxyUpdate found = run.renderer().found();
+    found.unfinished = (state.flags & kFlagUnfinished) != 0;
+    recorder.add(row, surface, found, row.hip_m - surface.lattice.origin_m, c1);
+  }
+  return std::move(recorder).finish();
+}
+
+}  // namespace sparsha::haptics

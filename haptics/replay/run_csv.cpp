@@ -1,0 +1,48 @@
+// How a row of run.csv looks (docs/formats.md): 17 significant digits, so that reading gives back the same bits.
+#include <cmath>
+
+#include "base/csv.h"
+#include "haptics/replay/recorder.h"
+
+namespace sparsha::haptics {
+const std::string& run_csv_header() {
+  static const std::string header =
+      "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,level,tick_ns,"
+      "device_x_m,device_y_m,device_z_m,centre_x_m,centre_y_m,centre_z_m,scale,commanded_force_x_n,"
+      "commanded_force_y_n,commanded_force_z_n,surface_id,command,flags,buttons,stiffness_n_per_m,period_s,late_ns,"
+      "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m,delay_"
+      "ticks,nominal_period_s\n";
+  return header;
+}
+
+void append_run_csv_row(std::string& text, const Record& record, const DeviceInfo& device) {
+  const State& state = record.state;
+  csv::append(text, state.time_s);
+  csv::append(text, state.hip_m);
+  csv::append(text, state.proxy_m);
+  csv::append(text, state.force_n);
+  csv::append(text, state.contact);
+  csv::append(text, state.level);
+  csv::append(text, std::round(state.tick_ns));
+  csv::append(text, record.raw_device_m);
+  csv::append(text, state.centre_m);
+  csv::append(text, state.scale);
+  csv::append(text, state.commanded_force_n);
+  csv::append(text, state.surface_id);
+  csv::append(text, state.command);
+  csv::append(text, state.flags);
+  csv::append(text, state.buttons);
+  csv::append(text, state.stiffness_n_per_m);
+  csv::append(text, record.period_s);
+  csv::append(text, std::round(state.late_ns));
+  for (const std::int64_t value : state.window) csv::append(text, value);
+  csv::append(text, device.workspace_width_m);
+  csv::append(text, device.limits.max_force_n);
+  csv::append(text, device.limits.slew_n_per_s);
+  csv::append(text, device.limits.least_damping_n_s_per_m);
+  csv::append(text, static_cast<std::int64_t>(device.limits.delay_ticks));
+  csv::append(text, record.nominal_period_s);
+  csv::end_row(text);
+}
+
+}  // namespace sparsha::haptics

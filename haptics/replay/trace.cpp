@@ -1,0 +1,133 @@
+#include "haptics/replay/trace.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "base/csv.h"
+#include "base/files.h"
+#include "base/statistics.h"
+#include "haptics/proxy/rest_residual.h"
+
+namespace sparsha::haptics {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double nanoseconds(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::nano>(end - begin).count();
+}
+
+/// What two readings of the clock cost with nothing between them: the median of many.
+double timer_overhead_ns() {
+  std::vector<double> pauses(2001);
+  for (double& pause : pauses) {
+    const Clock::time_point begin = Clock::now();
+    pause = nanoseconds(begin, Clock::now());
+  }
+  return median(pauses);
+}
+
+void summarise_times(const std::vector<TraceRow>& rows, TraceSummary& summary) {
+  std::vector<double> times;
+  times.reserve(rows.size());
+  double sum = 0.0;
+  for (const TraceRow& row : rows) {
+    times.push_back(row.tick_ns);
+    sum += row.tick_ns;
+  }
+  if (times.empty()) return;
+  summary.ns_p50 = quantile(times, 0.5);
+  summary.ns_p99 = quantile(times, 0.99);
+  summary.ns_p999 = quantile(times, 0.999);
+  summary.ns_max = *std::max_element(times.begin(), times.end());
+  summary.ns_mean = sum / static_cast<double>(times.size());
+}
+
+}  // namespace
+
+TraceRecorder::TraceRecorder(std::size_t rows) {
+  result_.summary.timer_overhead_ns = timer_overhead_ns();
+  result_.rows.reserve(rows);
+  residuals_.reserve(rows);
+}
+
+void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found,
+                        const Eigen::Vector3d& hip_local_m, bool c1_surface) {
+  TraceSummary& summary = result_.summary;
+  ++summary.updates;
+  row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
+  result_.rows.push_back(row);
+  if (!row.proxy_m.allFinite() || !row.force_n.allFinite()) ++summary.not_a_number;
+  if (found.unfinished) ++summary.unfinished;
+  if (!row.contact) return;
+  ++summary.contacts;
+  const RestResidual residual = rest_residual(surface, found, hip_local_m, c1_surface);
+  residuals_.push_back(residual.excess_cells);
+  if (residual.below_cells > 0.0) ++summary.below_surface;
+}
+
+TraceResult TraceRecorder::finish() && {
+  TraceSummary& summary = result_.summary;
+  summarise_times(result_.rows, summary);
+  if (!residuals_.empty()) {
+    summary.residual_cells_p99 = quantile(residuals_, 0.99);
+    summary.residual_cells_max = *std::max_element(residuals_.begin(), residuals_.end());
+  }
+  return std::move(result_);
+}
+
+TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
+                  const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
+  SolverOptions options = solver;
+  options.c1_surface = options.c1_surface || haptics.surface == pipeline::HapticsConfig::Surface::c1;
+  TraceRecorder recorder(path.size());
+
+  const Eigen::Vector3d& origin = surface.lattice.origin_m;
+  const bool paper = haptics.solver == pipeline::HapticsConfig::Solver::paper;
+  const double newtons_per_m = haptics.stiffness_n_per_m * surface.scale;
+  ProxyState state;
+  bool started = false;
+  for (const HipSample& sample : path) {
+    const Eigen::Vector3d hip = sample.position_m - origin;
+    if (!started && hip.allFinite()) {
+      state = start_proxy(surface, hip);
+      started = true;
+    }
+    const Clock::time_point begin = Clock::now();
+    const ProxyUpdate update =
+        paper ? update_paper(surface, hip, state, options) : update_exact(surface, hip, state, options);
+    const double elapsed_ns = nanoseconds(begin, Clock::now());
+
+    TraceRow row;
+    row.t_s = sample.t_s;
+    row.hip_m = sample.position_m;
+    row.proxy_m = update.position == hip ? sample.position_m : Eigen::Vector3d(update.position + origin);
+    row.force_n = update.contact ? Eigen::Vector3d(newtons_per_m * (update.position - hip)) : Eigen::Vector3d::Zero();
+    row.contact = update.contact;
+    row.tick_ns = elapsed_ns;
+    row.level = surface.level;
+    recorder.add(row, surface, update, hip, options.c1_surface && !paper);
+  }
+  return std::move(recorder).finish();
+}
+
+void write_trace(const std::filesystem::path& file, const TraceResult& result) {
+  std::string text =
+      "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,level,tick_ns\n";
+  for (const TraceRow& row : result.rows) {
+    csv::append(text, row.t_s);
+    for (const Eigen::Vector3d* v : {&row.hip_m, &row.proxy_m, &row.force_n})
+      for (const double coordinate : *v) csv::append(text, coordinate);
+    csv::append(text, std::int64_t{row.contact});
+    csv::append(text, std::int64_t{row.level});
+    csv::append(text, row.tick_ns);
+    csv::end_row(text);
+  }
+  write_file(file, text);
+}
+
+}  // namespace sparsha::haptics

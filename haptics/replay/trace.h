@@ -1,0 +1,67 @@
+// Offline rendering: a path of the hand in, proxy and force out (`sparsha trace`).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "haptics/proxy/proxy.h"
+#include "haptics/surface/monge_surface.h"
+#include "scene/config.h"
+
+namespace sparsha::haptics {
+
+struct HipSample {
+  double t_s = 0.0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+};
+
+/// Reads path.csv (t_s,x_m,y_m,z_m) or the HIP columns of a run.csv. Throws Error{input} with file and line.
+[[nodiscard]] std::vector<HipSample> read_hip_path(const std::filesystem::path& file);
+
+/// One row of trace.csv; grid frame, force in the device frame.
+struct TraceRow {
+  double t_s = 0.0;
+  Eigen::Vector3d hip_m, proxy_m, force_n;
+  bool contact = false;
+  double tick_ns = 0.0;
+  int level = 0;
+};
+
+/// What `trace --json` prints.
+struct TraceSummary {
+  std::uint64_t updates = 0, contacts = 0, below_surface = 0, not_a_number = 0, unfinished = 0;
+  double ns_p50 = 0, ns_p99 = 0, ns_p999 = 0, ns_max = 0, ns_mean = 0, timer_overhead_ns = 0;
+  double residual_cells_p99 = 0, residual_cells_max = 0;  ///< of rest condition (c), in cells
+};
+
+struct TraceResult {
+  std::vector<TraceRow> rows;
+  TraceSummary summary;
+};
+
+/// Renders `path` (grid frame) on `surface`. At the first sample the proxy starts above or at the HIP.
+[[nodiscard]] TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
+                                const pipeline::HapticsConfig& haptics, const SolverOptions& options);
+
+/// Gathers rows and judges every rest, for trace() and others that render offline.
+class TraceRecorder {
+ public:
+  explicit TraceRecorder(std::size_t rows);
+
+  /// `row.tick_ns` as measured; `found` on `surface` for the hand at `hip_local_m`.
+  void add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found, const Eigen::Vector3d& hip_local_m,
+           bool c1_surface);
+  [[nodiscard]] TraceResult finish() &&;
+
+ private:
+  TraceResult result_;
+  std::vector<double> residuals_;
+};
+
+/// Writes trace.csv atomically, 17 significant digits, with each row's own level.
+void write_trace(const std::filesystem::path& file, const TraceResult& result);
+}  // namespace sparsha::haptics

@@ -1,0 +1,321 @@
+#include "haptics/servo/haptic_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kSlipFilterS = 0.005;   // time constant of the published slip speed
+constexpr double kFarthestHandM = 10.0;  // no hand is so far from its device
+
+std::array<double, 3> to_array(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
+
+Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& centre_m) noexcept {
+  const pipeline::Lattice& lattice = surface.lattice;
+  const double z = surface.height(centre_m.x() - lattice.origin_m.x(), centre_m.y() - lattice.origin_m.y());
+  return {centre_m.x(), centre_m.y(), lattice.origin_m.z() + z};
+}
+
+}  // namespace
+
+HapticRenderer::HapticRenderer(const DeviceInfo& device, const RendererOptions& options, HapticWindow window)
+    : device_(device),
+      options_(options),
+      window_(std::move(window)),
+      surface_(window_.surface.get()),
+      centre_m_(point_on(*surface_, surface_->centre_m.head<2>())),
+      wish_n_per_m_(options.stiffness_n_per_m),
+      stiffness_n_per_m_(0.0),
+      governor_(device.limits),
+      events_(options.rate_hz) {
+  record_.state.centre_m = to_array(centre_m_);
+  record_.state.scale = surface_->scale;
+}
+
+ProxyUpdate HapticRenderer::solve(const Eigen::Vector3d& hip_local) noexcept {
+  return options_.solver == pipeline::HapticsConfig::Solver::paper
+             ? update_paper(*surface_, hip_local, proxy_, options_.solver_options)
+             : update_exact(*surface_, hip_local, proxy_, options_.solver_options);
+}
+
+// Cell flags at the proxy and nearness to the window's border; the cell goes into the record.
+std::uint64_t HapticRenderer::find_place(const Eigen::Vector3d& local) noexcept {
+  const pipeline::Lattice& lattice = surface_->lattice;
+  const double u = local.x() / lattice.spacing_m;
+  const double v = local.y() / lattice.spacing_m;
+  const double last_u = lattice.nx - 1;
+  const double last_v = lattice.ny - 1;
+  std::uint64_t flags = 0;
+  if (!(u > 1.0 && v > 1.0 && u < last_u - 1.0 && v < last_v - 1.0)) flags |= kFlagWindowBorder;
+  const double end_u = window_.level_nx > 0 ? window_.level_nx - 1 : last_u;
+  const double end_v = window_.level_ny > 0 ? window_.level_ny - 1 : last_v;
+  if (u + window_.i0 < 0.0 || v + window_.j0 < 0.0 || u + window_.i0 > end_u || v + window_.j0 > end_v)
+    flags |= kFlagOutside;
+  const int i = static_cast<int>(std::clamp(u, 0.0, last_u - 1.0));
+  const int j = static_cast<int>(std::clamp(v, 0.0, last_v - 1.0));
+  record_.cell_i = window_.i0 + i;
+  record_.cell_j = window_.j0 + j;
+  record_.cell_m = lattice.spacing_m;
+  const std::size_t cell =
+      static_cast<std::size_t>(j) * static_cast<std::size_t>(lattice.nx - 1) + static_cast<std::size_t>(i);
+  const unsigned cell_flags = surface_->cell_flags.empty() ? 0U : surface_->cell_flags[cell];
+  if ((cell_flags & kCellFilled) != 0) flags |= kFlagFilledArea;
+  if ((cell_flags & kCellUnknown) != 0) flags |= kFlagUnknownArea;
+  if ((cell_flags & kCellOutside) != 0) flags |= kFlagOutside;
+  return flags;
+}
+
+// The hand and the surface under it keep their places in the device frame, so that a swap is not felt as a step:
+// c' = g_p - d_p / scale' across, and along z the new surface comes to where the old one was (ALGORITHMS "Pyramid and
+// window"). The rest of the way the proxy slides, and the governor limits the growth of force.
+void HapticRenderer::swap(Command& command) noexcept {
+  const MongeSurface& old = *surface_;
+  const Eigen::Vector3d proxy_grid_m = proxy_.position + old.lattice.origin_m;
+  const Eigen::Vector3d proxy_device_m = (proxy_grid_m - centre_m_) * old.scale;
+  const double below_m = proxy_.contact
+                             ? proxy_grid_m.z()
+                             : old.lattice.origin_m.z() + old.height(proxy_.position.x(), proxy_.position.y());
+  const double surface_device_m = (below_m - centre_m_.z()) * old.scale;
+
+  swapped_ = true;
+  std::swap(window_, command.window);  // the old surface leaves with the command
+  surface_ = window_.surface.get();
+  const MongeSurface& fresh = *surface_;
+  if (command.move && command.centre_m.allFinite())
+    centre_m_.head<2>() = command.centre_m;
+  else
+    centre_m_.head<2>() = proxy_grid_m.head<2>() - proxy_device_m.head<2>() / fresh.scale;
+  if (!placed_) {
+    centre_m_ = point_on(fresh, centre_m_.head<2>());
+    return;
+  }
+  const Eigen::Vector2d place = centre_m_.head<2>() + proxy_device_m.head<2>() / fresh.scale;
+  const Eigen::Vector2d local = place - fresh.lattice.origin_m.head<2>();
+  const double height = fresh.height(local.x(), local.y());
+  centre_m_.z() = fresh.lattice.origin_m.z() + height - surface_device_m / fresh.scale;
+  const double z = centre_m_.z() + proxy_device_m.z() / fresh.scale - fresh.lattice.origin_m.z();
+  proxy_.position = {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)};
+}
+
+SurfacePointer HapticRenderer::apply(Command& command) noexcept {
+  SurfacePointer retired;
+  switch (command.kind) {
+    case Command::Kind::swap:
+      swap(command);
+      retired = std::move(command.window.surface);
+      break;
+    case Command::Kind::scroll:
+      scroll_m_per_s_ = command.scroll_m_per_s.allFinite() ? command.scroll_m_per_s : Eigen::Vector3d::Zero();
+      break;
+    case Command::Kind::stiffness:
+      wish_n_per_m_ = command.stiffness_n_per_m;
+      break;
+  }
+  record_.state.command = command.sequence;
+  return retired;
+}
+
+// A position that cannot be used: no force, no rendering, and no force again before the hand has been in free space.
+void HapticRenderer::render_invalid_sample(const DeviceSample& sample) noexcept {
+  make_safe();
+  State& state = record_.state;
+  state.force_n = {};
+  state.normal = {};
+  state.penetration_m = 0.0;
+  state.slip_speed_m_per_s = 0.0;
+  state.friction_coefficient = 0.0;
+  state.contact = 0;
+  if (!placed_) {
+    state.hip_m = to_array(centre_m_ + hand_m_ / surface_->scale);
+    state.proxy_m = state.hip_m;
+    state.place_m = place_of(centre_m_ + hand_m_ / surface_->scale);
+  }
+  if (!sample.fresh) state.flags |= kFlagStale;
+}
+
+std::array<double, 3> HapticRenderer::place_of(const Eigen::Vector3d& grid_m) const noexcept {
+  if (!window_.turned) return to_array(grid_m);
+  const pipeline::RegionFrame& frame = window_.region_from_grid;
+  return to_array(frame.leftCols<3>() * grid_m + frame.col(3));
+}
+
+void HapticRenderer::make_safe() noexcept {
+  GovernorInput input;
+  input.position_m = hand_m_;
+  input.fresh = false;
+  input.period_s = record_.period_s;
+  input.nominal_period_s = record_.nominal_period_s;
+  static_cast<void>(governor_.update(input));
+  governor_.disarm();
+  events_.reset();
+  record_.state.commanded_force_n = {};
+  record_.state.flags &= ~static_cast<std::uint64_t>(kFlagSaturated | kFlagArmed);
+}
+
+void HapticRenderer::fail() noexcept {
+  State& state = record_.state;
+  if ((state.flags & kFlagFault) != 0) return;
+  state.flags |= kFlagFault;
+  ++faults_;
+  make_safe();
+  event_.reset();
+}
+
+void HapticRenderer::render(const DeviceSample& sample) noexcept {
+  State& state = record_.state;
+  const pipeline::Lattice& lattice = surface_->lattice;
+  // In the grid frame first: `trace` starts from the same number.
+  const Eigen::Vector3d hip_m = centre_m_ + hand_m_ / surface_->scale;
+  const Eigen::Vector3d hip_local = hip_m - lattice.origin_m;
+  if (!placed_) {
+    proxy_ = start_proxy(*surface_, hip_local);
+    placed_ = true;
+  }
+  const Eigen::Vector3d before = proxy_.position;
+  found_ = solve(hip_local);
+  const Eigen::Vector3d away = found_.contact ? Eigen::Vector3d(found_.position - hip_local) : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d force_n = stiffness_n_per_m_ * surface_->scale * away;
+  // A free proxy is the hand itself, to the last bit.
+  const Eigen::Vector3d proxy_m =
+      found_.position == hip_local ? hip_m : Eigen::Vector3d(found_.position + lattice.origin_m);
+
+  GovernorInput input;
+  input.force_n = force_n;
+  input.position_m = hand_m_;
+  input.proxy_m = hand_m_ + surface_->scale * away;
+  input.normal = found_.normal;
+  input.stiffness_n_per_m = stiffness_n_per_m_;
+  input.delay_s = sample.delay_s;
+  state.penetration_m = surface_->scale * away.norm();
+  input.spring_energy_j = 0.5 * stiffness_n_per_m_ * state.penetration_m * state.penetration_m;
+  input.period_s = record_.period_s;
+  input.nominal_period_s = record_.nominal_period_s;
+  input.fresh = sample.fresh;
+  input.contact = found_.contact;
+  const GovernorOutput output = governor_.update(input);
+
+  const double moved_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;
+  slip_speed_ += (moved_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilterS);
+  state.hip_m = to_array(hip_m);
+  state.proxy_m = to_array(proxy_m);
+  state.place_m = place_of(proxy_m);
+  state.normal = to_array(found_.normal);
+  state.force_n = to_array(force_n);
+  state.commanded_force_n = to_array(output.force_n);
+  state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
+  state.friction_coefficient = found_.mu_dynamic;
+  state.contact = found_.contact ? 1 : 0;
+  state.flags |= find_place(found_.position);
+  if (found_.sticking) state.flags |= kFlagSticking;
+  if (found_.unfinished) state.flags |= kFlagUnfinished;
+  if (output.saturated) state.flags |= kFlagSaturated;
+  if (output.armed) state.flags |= kFlagArmed;
+  if (!sample.fresh) {
+    state.flags |= kFlagStale;
+    state.commanded_force_n = {};
+  }
+
+  ContactEvents::Input contact;
+  contact.time_s = sample.time_s;
+  contact.hand_m = hand_m_;
+  contact.proxy_m = proxy_m;
+  contact.place_m = state.place_m;
+  contact.normal = found_.normal;
+  contact.stiffness_n_per_m = stiffness_n_per_m_;
+  contact.level = static_cast<std::uint64_t>(surface_->level);
+  contact.contact = found_.contact;
+  contact.sticking = found_.sticking;
+  if (sample.fresh) event_ = events_.update(contact);  // a stale place says nothing about speed
+}
+
+// Ticks that were missed do not let the window jump.
+void HapticRenderer::scroll(double nominal_period_s) noexcept {
+  Eigen::Vector3d step = scroll_m_per_s_ * std::min(record_.period_s, nominal_period_s);
+  if (proxy_.contact) step.z() = std::max(0.0, step.z());  // the window never presses the hand into the stone
+  centre_m_ += step;
+}
+
+void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s) noexcept {
+  record_.nominal_period_s = nominal_period_s;
+  record_.period_s = nominal_period_s;
+  if (std::isfinite(sample.time_s)) {
+    if (has_time_ && sample.time_s > last_time_s_) record_.period_s = sample.time_s - last_time_s_;
+    has_time_ = true;
+    last_time_s_ = sample.time_s;
+  }
+  if (!swapped_) scroll(nominal_period_s);
+  stiffness_n_per_m_ = governor_.stiffness(wish_n_per_m_, nominal_period_s);
+  const bool fault = std::exchange(fault_, false) || record_.period_s > nominal_period_s + options_.longest_gap_s;
+  tick(sample, fault);
+}
+
+void HapticRenderer::replay(const DeviceSample& sample, const RecordedTick& recorded) noexcept {
+  centre_m_ = recorded.centre_m;
+  stiffness_n_per_m_ = recorded.stiffness_n_per_m;
+  record_.period_s = recorded.period_s;
+  record_.nominal_period_s = recorded.nominal_period_s;
+  record_.state.command = recorded.command;
+  record_.state.flags = recorded.flags & static_cast<std::uint64_t>(kFlagRealTime);
+  tick(sample, (recorded.flags & kFlagFault) != 0);
+}
+
+// What is known of a tick before anything is rendered.
+void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
+  State& state = record_.state;
+  ++state.tick;
+  state.time_s = sample.time_s;
+  for (std::size_t button = 0; button < state.button_presses.size(); ++button)
+    state.button_presses[button] += (sample.buttons & ~state.buttons) >> button & 1U;
+  state.buttons = sample.buttons;
+  state.level = static_cast<std::uint64_t>(surface_->level);
+  state.surface_id = window_.id;
+  state.scale = surface_->scale;
+  state.centre_m = to_array(centre_m_);
+  state.flags &= static_cast<std::uint64_t>(kFlagRealTime);
+  if (sample.homed) state.flags |= kFlagHomed;
+  if (window_.effects.texture) state.flags |= kFlagTexture;
+  if (window_.effects.friction) state.flags |= kFlagFriction;
+  state.workspace_m = device_.workspace_width_m;
+  state.stiffness_n_per_m = stiffness_n_per_m_;
+  state.window = {window_.i0, window_.j0, surface_->lattice.nx, surface_->lattice.ny};
+}
+
+void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
+  State& state = record_.state;
+  event_.reset();
+  swapped_ = false;
+  record_.raw_device_m = to_array(sample.position_m);
+  describe_tick(sample);
+
+  const bool finite = sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHandM;
+  if (finite)
+    hand_m_ = sample.position_m;
+  else
+    ++bad_positions_;
+  state.device_m = to_array(hand_m_);
+  fault = fault || !finite || !sample.connected;
+  if (fault && sample.homed) {
+    state.flags |= kFlagFault;
+    ++faults_;
+  }
+  if (!sample.homed) {
+    // Counts from power-up say nothing: not even the renderer may use them, and the proxy starts anew after homing.
+    placed_ = false;
+    render_invalid_sample(sample);
+  } else if (!finite) {
+    render_invalid_sample(sample);
+  } else {
+    render(sample);
+    stale_s_ = sample.fresh ? 0.0 : stale_s_ + record_.period_s;
+    if (stale_s_ > options_.longest_gap_s) make_safe();
+    if (fault) {
+      make_safe();
+      event_.reset();
+    }
+  }
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,110 @@
+// Everything between a hand position and a force, for one tick: no allocation, no locks, no system calls, no
+// exceptions. The servo's thread drives it in real time; tests and offline tools may drive it by hand.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "haptics/device/device.h"
+#include "haptics/governor/governor.h"
+#include "haptics/proxy/proxy.h"
+#include "haptics/servo/command.h"
+#include "haptics/servo/contact_events.h"
+#include "haptics/servo/record.h"
+#include "haptics/state/state.h"
+#include "scene/haptics_config.h"
+
+namespace sparsha::haptics {
+
+struct RendererOptions {
+  double rate_hz = 1000.0;
+  double stiffness_n_per_m = 800.0;  ///< the wish; rendered is what the device can bear
+  pipeline::HapticsConfig::Solver solver = pipeline::HapticsConfig::Solver::exact;
+  SolverOptions solver_options;
+  /// Longer without news of the hand, or later than planned, is a fault: forces need free space again.
+  double longest_gap_s = 0.010;
+};
+
+/// What a recording adds to a hand position, so that a replay gives the same bits.
+struct RecordedTick {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< grid point at the device frame's origin
+  double stiffness_n_per_m = 0.0;
+  double period_s = 0.001;          ///< that the governor saw
+  double nominal_period_s = 0.001;  ///< of the recorded servo's plan
+  std::uint64_t command = 0;
+  std::uint64_t flags = 0;  ///< StateFlag bits of the recorded tick
+};
+
+class HapticRenderer {
+ public:
+  /// The device frame's origin begins at `window`'s centre, z of the surface there.
+  HapticRenderer(const DeviceInfo& device, const RendererOptions& options, HapticWindow window);
+
+  /// Takes a sample to a force: state().commanded_force_n. `nominal_period_s` stands for the first tick's length.
+  void update(const DeviceSample& sample, double nominal_period_s) noexcept;
+
+  /// The same for a tick of a recording, with its centre, stiffness, times and faults instead of this run's.
+  void replay(const DeviceSample& sample, const RecordedTick& recorded) noexcept;
+
+  /// Carries out a command; a surface that is no longer needed is moved into the return value.
+  [[nodiscard]] SurfacePointer apply(Command& command) noexcept;
+
+  /// Zero force from now on until the hand has been in free space (watchdog, unplugging); this tick is flagged.
+  void fault() noexcept { fault_ = true; }
+  /// The same for the tick that was just updated: its force is zero after all.
+  void fail() noexcept;
+
+  [[nodiscard]] const State& state() const noexcept { return record_.state; }
+  [[nodiscard]] State& state() noexcept { return record_.state; }
+  [[nodiscard]] const Record& record() const noexcept { return record_; }
+  /// What the last update had to say.
+  [[nodiscard]] const std::optional<ContactEvent>& event() const noexcept { return event_; }
+  [[nodiscard]] const HapticWindow& window() const noexcept { return window_; }
+  /// What the last rendered tick found, local frame of the window.
+  [[nodiscard]] const ProxyUpdate& found() const noexcept { return found_; }
+  [[nodiscard]] std::uint64_t faults() const noexcept { return faults_; }
+  /// Ticks whose position was not a number.
+  [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_; }
+
+ private:
+  void swap(Command& command) noexcept;
+  void scroll(double nominal_period_s) noexcept;
+  void tick(const DeviceSample& sample, bool fault) noexcept;
+  void describe_tick(const DeviceSample& sample) noexcept;
+  void render(const DeviceSample& sample) noexcept;
+  [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
+  void render_invalid_sample(const DeviceSample& sample) noexcept;
+  void make_safe() noexcept;
+  [[nodiscard]] std::array<double, 3> place_of(const Eigen::Vector3d& grid_m) const noexcept;
+  [[nodiscard]] std::uint64_t find_place(const Eigen::Vector3d& local) noexcept;
+
+  DeviceInfo device_;
+  RendererOptions options_;
+  HapticWindow window_;
+  const MongeSurface* surface_;  // window_.surface.get()
+  Eigen::Vector3d centre_m_;     // grid point at the device frame's origin
+  Eigen::Vector3d scroll_m_per_s_ = Eigen::Vector3d::Zero();
+  double wish_n_per_m_;
+  double stiffness_n_per_m_;  // of this tick
+  Governor governor_;
+  ContactEvents events_;
+  std::optional<ContactEvent> event_;
+  ProxyState proxy_;
+  ProxyUpdate found_;
+  Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();  // last finite hand position, device frame
+  bool placed_ = false;                               // the proxy has been started
+  bool fault_ = false;
+  bool swapped_ = false;  // since the last update: the recorded centre is then the swap's own
+  bool has_time_ = false;
+  double stale_s_ = 0.0;  // without a fresh sample
+  double last_time_s_ = 0.0;
+  double slip_speed_ = 0.0;
+  std::uint64_t faults_ = 0;
+  std::uint64_t bad_positions_ = 0;
+  Record record_;
+};
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,85 @@
+// What the servo tells the world each tick: one trivially copyable struct of 64-bit words.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+namespace sparsha::haptics {
+
+/// Bits of State::flags.
+enum StateFlag : std::uint64_t {
+  kFlagSticking = 1U << 0,      ///< friction holds the proxy
+  kFlagUnknownArea = 1U << 1,   ///< the proxy is over a node that was never measured or filled (frictionless)
+  kFlagOutside = 1U << 2,       ///< the proxy is outside the scene's lattice
+  kFlagWindowBorder = 1U << 3,  ///< the proxy is within a cell of the window's border
+  kFlagSaturated = 1U << 4,     ///< the governor limited the force
+  kFlagArmed = 1U << 5,         ///< forces are delivered
+  kFlagStale = 1U << 6,         ///< the device gave no fresh position; force is zero
+  kFlagFault = 1U << 7,         ///< watchdog, NaN or unplugging; force is zero
+  kFlagUnfinished = 1U << 8,    ///< the proxy goes on next tick
+  kFlagFilledArea = 1U << 9,    ///< the proxy is over filled nodes
+  kFlagRealTime = 1U << 10,     ///< SCHED_FIFO was granted
+  kFlagHomed = 1U << 11,        ///< the device knows its absolute position
+  kFlagTexture = 1U << 12,      ///< the surface with its texture is rendered (else its envelope)
+  kFlagFriction = 1U << 13,     ///< friction is rendered
+};
+
+/// Positions in metres. Grid frame unless said otherwise; forces in newtons, device frame.
+struct State {
+  std::uint64_t tick = 0;
+  double time_s = 0.0;                        ///< since the servo started, of this sample
+  std::array<double, 3> hip_m{};              ///< haptic interaction point X_h
+  std::array<double, 3> proxy_m{};            ///< X_p
+  std::array<double, 3> place_m{};            ///< X_p in the frame that the scene's parts and sounds are written in
+  std::array<double, 3> normal{};             ///< unit surface normal at the proxy, grid frame; 0 when free
+  std::array<double, 3> force_n{};            ///< the renderer's force k * scale * (X_p - X_h), before the governor
+  std::array<double, 3> commanded_force_n{};  ///< what the device was told
+  std::array<double, 3> device_m{};           ///< hand position, device frame
+  std::array<double, 3> centre_m{};           ///< grid point that is the device frame's origin
+  double scale = 1.0;                         ///< device metres per grid metre
+  double penetration_m = 0.0;                 ///< |X_p - X_h|, device frame
+  double slip_speed_m_per_s = 0.0;            ///< of the proxy along the surface, device frame
+  double friction_coefficient = 0.0;          ///< mu_d at the proxy
+  double tick_ns = 0.0;                       ///< from hand position in hand to force decided
+  double late_ns = 0.0;                       ///< wake-up after the planned instant
+  double share_in_time = 1.0;                 ///< ticks begun within 1 ms of plan, of all so far
+  std::uint64_t contact = 0;                  ///< 1 in contact
+  std::uint64_t level = 0;
+  std::uint64_t surface_id = 0;                   ///< counts swaps of window, level or scene
+  std::uint64_t command = 0;                      ///< sequence number of the last command applied
+  std::uint64_t buttons = 0;                      ///< down now
+  std::array<std::uint64_t, 4> button_presses{};  ///< of the first four, so far: no reader is too slow for a click
+  std::uint64_t flags = 0;                        ///< StateFlag bits
+  double workspace_m = 0.0;                       ///< width of the device's workspace, device frame
+  double stiffness_n_per_m = 0.0;                 ///< rendered in this tick
+  std::array<std::int64_t, 4> window{};           ///< nodes of the level: first i, first j, how many in i, in j
+  std::uint64_t missed_ticks = 0;                 ///< skipped since the start
+  std::uint64_t dropped_records = 0;              ///< rows the recorder could not take
+};
+
+static_assert(std::is_trivially_copyable_v<State>);
+static_assert(sizeof(State) % 8 == 0);
+
+/// One contact's beginning or end, for audio and speech.
+struct ContactEvent {
+  enum class Kind : std::uint64_t { touch, lift, slip };
+  Kind kind = Kind::touch;
+  double time_s = 0.0;                ///< servo time
+  std::array<double, 3> proxy_m{};    ///< grid frame
+  std::array<double, 3> place_m{};    ///< the same place as State has it
+  double normal_speed_m_per_s = 0.0;  ///< of the hand towards the surface, device frame, low-passed
+  double peak_force_n = 0.0;          ///< predicted peak v_n * sqrt(k m), newtons
+  std::uint64_t level = 0;
+};
+static_assert(std::is_trivially_copyable_v<ContactEvent>);
+
+/// Where the pointer device's hand is wanted; written by the viewer, read by the pointer device.
+struct PointerSample {
+  std::array<double, 3> device_m{};  ///< device frame
+  std::uint64_t buttons = 0;
+  std::uint64_t sequence = 0;  ///< counts samples; 0 = none yet
+};
+static_assert(std::is_trivially_copyable_v<PointerSample>);
+
+}  // namespace sparsha::haptics

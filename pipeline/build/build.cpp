@@ -1,0 +1,198 @@
+// Configuration -> Scene: read, filter, project, then only the layers that the configuration asks for.
+#include "pipeline/build/build.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/system.h"
+#include "base/thread_pool.h"
+#include "pipeline/build/project_scans.h"
+#include "pipeline/build/warnings.h"
+#include "pipeline/layers/layers.h"
+#include "pipeline/projection/projection.h"
+#include "pipeline/scan/repeated.h"
+#include "scene/scene_folder.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// A jump between neighbouring nodes that is a step of the object and not its slope or noise.
+double step_height(const Projection& projection) { return projection.gap_m; }
+
+void count_nodes(const DepthGrid& grid, Report& report, SceneDescription& scene) {
+  std::size_t measured = 0;
+  std::size_t filled = 0;
+  float low = std::numeric_limits<float>::infinity();
+  float high = -low;
+  for (std::size_t n = 0; n < grid.height_m.size(); ++n) {
+    if (grid.state[n] == NodeState::unknown) continue;
+    (grid.state[n] == NodeState::measured ? measured : filled) += 1;
+    low = std::min(low, grid.height_m[n]);
+    high = std::max(high, grid.height_m[n]);
+  }
+  const auto all = static_cast<double>(grid.height_m.size());
+  report.coverage = static_cast<double>(measured) / all;
+  report.filled_fraction = static_cast<double>(filled) / all;
+  if (measured + filled > 0) {
+    scene.height_min_m = grid.lattice.origin_m.z() + static_cast<double>(low);
+    scene.height_max_m = grid.lattice.origin_m.z() + static_cast<double>(high);
+  }
+}
+
+void warn_of_size(const Lattice& lattice, Progress& progress) {
+  constexpr double kSmall = 0.005;  // metres; smaller and larger objects are rare in a heritage lab
+  constexpr double kLarge = 200.0;
+  const double longest = lattice.spacing_m * (std::max(lattice.nx, lattice.ny) - 1);
+  if (longest >= kSmall && longest <= kLarge) return;
+  progress.warn(fmt::format("the object is {:.3g} m long; check 'units' of its scans{}", longest,
+                            longest > kLarge ? " (millimetres read as metres?)" : " (metres read as millimetres?)"));
+}
+
+// White noise of the heights, a node: the points' own, averaged over as many as fall to a measured node.
+double node_noise(const Projection& projection, const DepthGrid& grid) {
+  const auto measured = std::count(grid.state.begin(), grid.state.end(), NodeState::measured);
+  const double points = static_cast<double>(projection.used) / std::max(1.0, static_cast<double>(measured));
+  return projection.noise_m / std::sqrt(std::max(1.0, points));
+}
+
+// Texture and friction layers of level 0.
+void add_texture(const Config& config, const Projection& projection, const Context& context, Layers& base,
+                 SceneDescription& scene) {
+  if (!config.texture) return;
+  context.progress.begin("texture");
+  base.envelope_m = bilateral_envelope(base.grid, *config.texture, context.pool);
+  scene.has_envelope = true;
+  if (!config.friction || config.friction->law == FrictionConfig::Law::constant) return;
+  context.progress.begin("friction map");
+  FrictionConfig& friction = *scene.config.friction;
+  if (!(friction.scale_m > 0.0)) {
+    friction.scale_m = std::max(3.0 * base.grid.lattice.spacing_m, config.texture->sigma_space_m);
+  }
+  CurvatureMap map = texture_curvature(base.grid, base.envelope_m, friction.scale_m, node_noise(projection, base.grid),
+                                       step_height(projection), context.pool, config.texture->sigma_space_m);
+  scene.friction_c_m = friction_slope(map, friction);
+  base.curvature_per_m = std::move(map.rms_per_m);
+  scene.has_curvature = true;
+  if (friction.law != FrictionConfig::Law::paper) return;
+  base.mean_curvature_per_m = std::move(map.mean_per_m);
+  base.gaussian_curvature_per_m2 = std::move(map.gaussian_per_m2);
+  scene.has_paper_curvatures = true;
+}
+
+}  // namespace
+
+BuildResult build_scene(const Config& given, const BuildOptions& options, Progress& progress) {
+  const auto began = std::chrono::steady_clock::now();
+  Config config = given;
+  config.scans = without_repeats(given.scans, progress);
+  ThreadPool pool(options.threads);
+  ProjectedScans scans = project_scans(config, options, {pool, progress});
+  Projection& projection = scans.projection;
+
+  Report report;
+  report.points = scans.points;
+  report.points.used = projection.used;
+  report.points.occluded = projection.occluded;
+  report.points.outlier += projection.outlier;
+  report.points.outside = projection.outside;
+  SceneDescription scene;
+  scene.config = config;
+  scene.sources = std::move(scans.sources);
+  scene.scan_from_grid = config.orientation.scan_to_grid.inverse();
+  if (config.orientation.regions_scan_to_grid) {
+    scene.region_from_grid = *config.orientation.regions_scan_to_grid * scene.scan_from_grid;
+  }
+  scene.noise_m = projection.noise_m;
+  warn_of_size(projection.grid.lattice, progress);
+
+  Layers base;
+  base.grid = std::move(projection.grid);
+  base.colour_rgba = std::move(projection.colour_rgba);
+  base.intensity = std::move(projection.intensity);
+  scene.has_colour = !base.colour_rgba.empty();
+  scene.has_intensity = !base.intensity.empty();
+  if (scene.config.grid.size == 0) scene.config.grid.spacing_m = base.grid.lattice.spacing_m;
+
+  std::vector<Layers> levels;
+  if (!options.grid_only) {
+    if (config.fill) {
+      progress.begin("fill");
+      fill_gaps(base.grid, *config.fill, step_height(projection), pool);
+    }
+    const auto measured =
+        static_cast<std::uint64_t>(std::count(base.grid.state.begin(), base.grid.state.end(), NodeState::measured));
+    // Before the other layers, so that points and layers are not in memory together.
+    if (scans.check) {
+      progress.begin("cross-check");
+      report.check = scans.check(base.grid);
+      scans.check = nullptr;
+      if (!options.force) require_surface_near_points(base.grid.lattice, *report.check);
+    }
+    const bool has_points = projection.noise_m > 0.0;  // a mesh has none
+    for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, has_points, report.check)) {
+      progress.warn(std::move(text));
+    }
+    add_texture(config, projection, {pool, progress}, base, scene);
+    progress.begin("pyramid");
+    levels = build_pyramid(base, config.levels.window, pool);
+  } else {
+    scene.config.texture.reset();
+    scene.config.friction.reset();
+  }
+  progress.finish();
+
+  count_nodes(base.grid, report, scene);
+  levels.insert(levels.begin(), std::move(base));
+  for (const Layers& level : levels) scene.levels.push_back(level.grid.lattice);
+
+  BuildResult result;
+  result.scene = make_scene(std::move(scene), std::move(levels));
+  report.stages = progress.stages();
+  report.warnings = progress.warnings();
+  report.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  report.peak_rss_bytes = system::peak_rss_bytes();
+  result.report = std::move(report);
+  return result;
+}
+
+BuildResult build_scene_folder(const Config& config, const BuildOptions& options, const std::filesystem::path& folder,
+                               Progress& progress) {
+  const auto began = std::chrono::steady_clock::now();
+  require_replaceable(folder, config);
+  AtomicPath target(folder, AtomicPath::Kind::folder);
+  BuildOptions building = options;
+  if (building.spill_folder.empty()) {
+    building.spill_folder = folder.parent_path().empty() ? std::filesystem::path(".") : folder.parent_path();
+  }
+  BuildResult result = build_scene(config, building, progress);
+  progress.begin("write");
+  target.naming_target([&] { write_scene(*result.scene, target.temporary()); });
+  progress.finish();
+  result.report.stages = progress.stages();
+  result.report.warnings = progress.warnings();
+  result.report.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  result.report.peak_rss_bytes = system::peak_rss_bytes();
+  target.naming_target([&] {
+    if (options.grid_only) {
+      write_file(target.temporary() / "report.json", report_json(*result.scene, result.report));
+    } else {
+      ThreadPool pool(options.threads);
+      write_report(*result.scene, result.report, target.temporary(), pool);
+    }
+  });
+  progress.throw_if_cancelled();
+  require_replaceable(folder, config);  // once more: a build takes its time
+  target.commit();
+  return result;
+}
+
+}  // namespace sparsha::pipeline

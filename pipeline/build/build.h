@@ -1,0 +1,41 @@
+// The whole way from a configuration to a scene folder, stage by stage.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "base/progress.h"
+#include "pipeline/report/report.h"
+#include "scene/config.h"
+#include "scene/scene.h"
+
+namespace sparsha::pipeline {
+
+struct BuildOptions {
+  unsigned threads = 0;    ///< 0 = one per core
+  bool grid_only = false;  ///< read, project and write heights; nothing else
+  bool force = false;      ///< also a scene whose surface lies more than a spacing from half of the points
+  /// Limit of memory; 0 = none. What does not fit is built through files on disk, with the same result.
+  std::uint64_t memory_bytes = 0;
+  /// At most so many points in memory at once, whatever they need; 0 = as many as memory_bytes allows.
+  std::uint64_t memory_points = 0;
+  /// Where such files are, without a name: they go with the build. build_scene_folder takes the scene's parent folder
+  /// when it is empty, build_scene the system's folder for temporary files.
+  std::filesystem::path spill_folder;
+};
+
+struct BuildResult {
+  ScenePointer scene;
+  Report report;
+};
+
+/// Builds a scene that lives in memory. Throws Error{usage, input}, Error{failure} when a limit cannot be kept;
+/// Cancelled.
+[[nodiscard]] BuildResult build_scene(const Config& config, const BuildOptions& options, Progress& progress);
+
+/// Builds and writes the scene folder as a whole: beside the target, then renamed, so that an old scene survives
+/// failure.
+BuildResult build_scene_folder(const Config& config, const BuildOptions& options, const std::filesystem::path& folder,
+                               Progress& progress);
+
+}  // namespace sparsha::pipeline

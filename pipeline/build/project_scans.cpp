@@ -1,0 +1,300 @@
+// What the limit allows decides where points live; nothing that is computed depends on it.
+#include "pipeline/build/project_scans.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include "base/error.h"
+#include "base/system.h"
+#include "pipeline/filter/filter.h"
+#include "pipeline/filter/voxel.h"
+#include "pipeline/outofcore/cloud_on_disk.h"
+#include "pipeline/outofcore/memory.h"
+#include "pipeline/outofcore/tiled_check.h"
+#include "pipeline/outofcore/tiled_projection.h"
+#include "pipeline/scan/scan_set.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// What became of a point that an outlier filter took away: the cross-check counts it unless the view does not see it.
+PointClass class_of(const Eigen::Vector3d& grid_point_m, const DepthGrid& grid, double gap_m) {
+  const Lattice& lattice = grid.lattice;
+  const double u = (grid_point_m.x() - lattice.origin_m.x()) / lattice.spacing_m;
+  const double v = (grid_point_m.y() - lattice.origin_m.y()) / lattice.spacing_m;
+  if (!(u >= -0.5 && v >= -0.5 && u <= lattice.nx - 0.5 && v <= lattice.ny - 0.5)) return PointClass::outside;
+  const int i = std::clamp(static_cast<int>(std::lround(u)), 0, lattice.nx - 1);
+  const int j = std::clamp(static_cast<int>(std::lround(v)), 0, lattice.ny - 1);
+  const auto height = static_cast<double>(grid.height_m[lattice.index(i, j)]);
+  const double depth = lattice.origin_m.z() + height - grid_point_m.z();
+  return depth > gap_m ? PointClass::occluded : PointClass::outlier;  // an unknown height occludes nothing
+}
+
+// Puts points that filters took for outliers back before the cross-check, which must judge the surface by all of them.
+void add_outliers(Cloud& cloud, const Cloud& removed, const Eigen::Matrix4d& scan_to_grid, Projection& projection) {
+  const std::size_t first = cloud.size();
+  if (removed.size() == 0) return;
+  cloud.resize_points(first + removed.size());
+  for (std::size_t n = 0; n < removed.size(); ++n) {
+    const float* point = removed.xyz1() + 4 * n;
+    std::copy_n(point, 3, cloud.xyz1() + 4 * (first + n));
+    const Eigen::Vector3d scan = removed.origin_m + Eigen::Map<const Eigen::Vector3f>(point).cast<double>();
+    const Eigen::Vector3d grid = (scan_to_grid * scan.homogeneous()).head<3>();
+    projection.point_class.push_back(class_of(grid, projection.grid, projection.gap_m));
+  }
+}
+
+Error no_points(const Config& config) {
+  return input_error(config.scans.front().file.string(), "there are no points to build from",
+                     "a scan with at least one finite point");
+}
+
+// Bytes a point that bytes_in_memory() allows for its projection.
+constexpr std::uint64_t kWindowBytes = 56;
+
+// Thrown while a build in memory turns out to exceed the limit.
+struct DoesNotFit {};
+
+class Builder {
+ public:
+  Builder(const Config& config, const BuildOptions& options, const Context& context)
+      : config_(config),
+        options_(options),
+        pool_(context.pool),
+        progress_(context.progress),
+        scan_to_grid_(config.orientation.scan_to_grid),
+        limit_{options.memory_bytes, options.memory_points} {
+    if (!options.grid_only) filters_ = config.filters;
+  }
+
+  ProjectedScans run() {
+    progress_.begin("read");
+    ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_);
+    try {
+      if (!points_fit(scans)) throw DoesNotFit();
+      build_in_memory(scans);
+    } catch (const DoesNotFit&) {
+      result_ = {};
+      require_points_only(scans);
+      if (thins()) {
+        build_thinned(scans);
+      } else {
+        build_out_of_core(scans);
+      }
+    }
+    result_.sources = scans.sources();
+    return std::move(result_);
+  }
+
+ private:
+  /// Looked for when it is needed: a TMPDIR that does not exist is no matter for what fits into memory.
+  [[nodiscard]] std::filesystem::path spill_folder() const {
+    if (!options_.spill_folder.empty()) return options_.spill_folder;
+    std::error_code code;
+    std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+    if (!code) return folder;
+    throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
+                "TMPDIR, if set, naming a folder");
+  }
+  [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
+
+  [[nodiscard]] bool points_fit(const ScanSet& scans) const {
+    if (limit_.points > 0 && scans.points() > limit_.points) return false;
+    return limit_.bytes == 0 || bytes_in_memory(scans, filters_) <= limit_.bytes;
+  }
+
+  [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const Lattice& lattice) const {
+    return bytes_of_nodes(config_, options_.grid_only, config_.grid.colour && scans.has_colour(),
+                          config_.grid.intensity && scans.has_intensity(), lattice);
+  }
+
+  void build_in_memory(ScanSet& scans) {
+    auto cloud = std::make_shared<Cloud>(scans.load(scans.origin_m(), progress_));
+    if (cloud->size() == 0) throw no_points(config_);
+    Report::Points points;
+    points.read = cloud->size() + cloud->invalid;
+    points.invalid = cloud->invalid;
+    build_cloud(cloud, filters_, points, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
+      std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
+      // What is counted for a point is enough for windows; discs take more.
+      needed += (std::max(bytes_a_point, kWindowBytes) - kWindowBytes) * scans.points();
+      if (checks()) needed += bytes_of_sample(*config_.check, scans.points(), lattice);
+      if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
+      require_room(lattice, node_bytes(scans, lattice));
+    });
+  }
+
+  // Filters and projects a cloud of which `points` says what has become so far.
+  void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<FilterConfig>& filters,
+                   const Report::Points& points, const ApproveLattice& approve) {
+    result_.points = points;
+    const std::vector<Station> stations = cloud->stations;
+    auto removed = std::make_shared<Cloud>();
+    if (!filters.empty()) {
+      progress_.begin("filter");
+      const FilterCounts counts =
+          apply_filters(*cloud, filters, {pool_, progress_}, config_.check ? removed.get() : nullptr);
+      result_.points.filtered += counts.filtered;
+      result_.points.outlier += counts.outlier;
+    }
+
+    progress_.begin("project");
+    cloud->stations = stations;  // filters make new clouds
+    result_.projection =
+        project(*cloud, scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_}, approve);
+    if (!checks()) return;
+    auto classes = std::make_shared<Projection>();
+    classes->point_class = std::move(result_.projection.point_class);
+    classes->noise_m = result_.projection.noise_m;
+    classes->point_spacing_m = result_.projection.point_spacing_m;
+    classes->gap_m = result_.projection.gap_m;
+    result_.check = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_, cloud,
+                     removed, classes](DepthGrid& grid) {
+      classes->grid = std::move(grid);
+      add_outliers(*cloud, *removed, scan_to_grid, *classes);
+      CheckResult check = cross_check(*cloud, scan_to_grid, *classes, config.fill, *config.check, {pool, progress});
+      grid = std::move(classes->grid);
+      return check;
+    };
+  }
+
+  // Before memory is taken for what cannot be there: a system that promises more kills the program later.
+  static void require_room(const Lattice& lattice, std::uint64_t bytes) {
+    const std::uint64_t memory = system::physical_memory_bytes();
+    if (memory == 0 || bytes <= memory / 10 * 9) return;
+    throw usage_error(fmt::format("a grid of {} x {} nodes needs about {} MB for its layers, this machine has {} MB",
+                                  lattice.nx, lattice.ny, bytes / 1'000'000U, memory / 1'000'000U),
+                      "a smaller grid.size or larger grid.spacing_mm");
+  }
+
+  // Faces, and filters that look farther than a point, are not for points on disk.
+  void require_points_only(const ScanSet& scans) const {
+    const auto refuse = [&](const std::string& what, const std::string& remedy) {
+      throw Error(ErrorKind::failure, {},
+                  fmt::format("{} points{} need about {} MB and the grid in memory, more than the limit, and {}",
+                              scans.points(), scans.faces() > 0 ? fmt::format(" and {} faces", scans.faces()) : "",
+                              bytes_in_memory(scans, filters_) / 1'000'000U + 1, what),
+                  remedy);
+    };
+    if (scans.faces() > 0) refuse("scans with faces are built in memory only", "a higher --memory");
+    for (const FilterConfig& filter : filters_) {
+      if (std::holds_alternative<VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
+      if (std::holds_alternative<OutlierConfig>(filter)) {
+        refuse(
+            "the filter 'outliers' works in memory only",
+            "a higher --memory, a voxel filter before it, or no 'outliers': the projection leaves them out by itself");
+      }
+    }
+  }
+
+  [[nodiscard]] bool thins() const {
+    return std::any_of(filters_.begin(), filters_.end(),
+                       [](const FilterConfig& filter) { return std::holds_alternative<VoxelConfig>(filter); });
+  }
+
+  // The filters before the first voxel filter, which are crops, or all.
+  [[nodiscard]] std::vector<CropConfig> leading_crops() const {
+    std::vector<CropConfig> crops;
+    for (const FilterConfig& filter : filters_) {
+      if (!std::holds_alternative<CropConfig>(filter)) break;
+      crops.push_back(std::get<CropConfig>(filter));
+    }
+    return crops;
+  }
+
+  // Streams the scans through a voxel filter, whose voxels must fit into memory.
+  void build_thinned(const ScanSet& scans) {
+    progress_.begin("filter");
+    const std::vector<CropConfig> crops = leading_crops();
+    const auto& voxel = std::get<VoxelConfig>(filters_[crops.size()]);
+    const std::uint64_t most = most_voxels(limit_);
+    const Eigen::Vector3d& origin_m = scans.origin_m();
+    VoxelThinner thinner(origin_m, voxel.leaf_m, scans.has_colour(), scans.has_intensity());
+    Report::Points points;
+    points.invalid = scans.invalid();
+    std::uint64_t kept = 0;
+    points.invalid += scans.stream(
+        [&](const CloudBlock& block) {
+          points.read += block.points.size();
+          for (std::size_t k = 0; k < block.points.size(); ++k) {
+            const Eigen::Vector3f& p = block.points[k];
+            if (!is_inside(crops, origin_m, p)) continue;
+            ++kept;
+            thinner.add(p.data(), block.rgba.empty() ? 0U : block.rgba[k],
+                        block.intensity.empty() ? 0.0F : block.intensity[k]);
+          }
+          if (thinner.voxels() <= most) return;
+          throw Error(
+              ErrorKind::failure, {},
+              fmt::format("the filter 'voxel' leaves more than {} points, which do not fit the memory limit", most),
+              "a larger leaf_mm or a higher --memory");
+        },
+        progress_);
+    if (points.read == 0) throw no_points(config_);
+    if (kept == 0) throw nothing_left("crop");
+    points.filtered = points.read - thinner.voxels();
+    points.read += points.invalid;
+    const auto cloud = std::make_shared<Cloud>(thinner.finish());
+    cloud->stations = scans.stations();
+    const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(crops.size()) + 1,
+                                         filters_.end());
+    build_cloud(cloud, rest, points, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
+      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_a_point, lattice);
+    });
+  }
+
+  void build_out_of_core(const ScanSet& scans) {
+    progress_.begin("spill");
+    CloudOnDisk cloud =
+        spill(scans, leading_crops(), config_.grid.colour, config_.grid.intensity, spill_folder(), progress_);
+    if (cloud.size() == 0) throw no_points(config_);
+    result_.points = {};
+    result_.points.read = cloud.size() + cloud.invalid + cloud.cropped;
+    result_.points.invalid = cloud.invalid;
+    result_.points.filtered = cloud.cropped;
+
+    progress_.begin("project");
+    TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_});
+    const Lattice& lattice = tiled.plan().lattice;
+    const std::uint64_t tile_points =
+        points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_a_point(), lattice);
+    if (checks()) {
+      require_room_for_sample(limit_, *config_.check, result_.points.read, node_bytes(scans, lattice), lattice);
+    }
+    result_.projection = tiled.run(tile_points, spill_folder(), {pool_, progress_});
+    system::trim_heap();
+    if (!checks()) return;
+    auto points = std::make_shared<BucketedPoints>(tiled.take_points());
+    const double noise_m = result_.projection.noise_m;
+    const double point_spacing_m = result_.projection.point_spacing_m;
+    result_.check = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_, points,
+                     noise_m, point_spacing_m](DepthGrid& grid) {
+      const CountedPoints counted = counted_points(*points, scan_to_grid, grid.lattice, progress);
+      return cross_check(counted, grid, noise_m, point_spacing_m, config.fill, *config.check, {pool, progress});
+    };
+  }
+
+  const Config& config_;
+  const BuildOptions& options_;
+  ThreadPool& pool_;
+  Progress& progress_;
+  Eigen::Matrix4d scan_to_grid_;
+  MemoryLimit limit_;
+  std::vector<FilterConfig> filters_;
+  ProjectedScans result_;
+};
+
+}  // namespace
+
+ProjectedScans project_scans(const Config& config, const BuildOptions& options, const Context& context) {
+  return Builder(config, options, context).run();
+}
+
+}  // namespace sparsha::pipeline

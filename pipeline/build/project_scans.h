@@ -1,0 +1,30 @@
+// From scans to heights: in memory, or through files on disk where a memory limit asks for it.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "base/context.h"
+#include "pipeline/build/build.h"
+#include "pipeline/check/check.h"
+#include "pipeline/projection/projection.h"
+#include "pipeline/report/report.h"
+#include "scene/config.h"
+#include "scene/scene.h"
+
+namespace sparsha::pipeline {
+
+struct ProjectedScans {
+  Projection projection;
+  std::vector<ScanSource> sources;
+  Report::Points points;
+  /// Checks the finished grid (which it may hold meanwhile) against the points; null when nothing asks for it.
+  std::function<CheckResult(DepthGrid& grid)> check;
+};
+
+/// Reads, filters and projects. The same result whether out of core or not. Throws Error{usage, input}; Error{failure}
+/// when a limit cannot be kept, naming the filter or the grid that is in the way, or the disk is full; Cancelled. The
+/// arguments must outlive `check`.
+[[nodiscard]] ProjectedScans project_scans(const Config& config, const BuildOptions& options, const Context& context);
+
+}  // namespace sparsha::pipeline

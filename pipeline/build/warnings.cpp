@@ -1,0 +1,107 @@
+// Limits, and the sentences that go with them.
+#include "pipeline/build/warnings.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kNoisy = 0.5;        // noise, point spacings
+constexpr double kFine = 3.0;         // point spacings a grid spacing
+constexpr double kFarNoises = 3.0;    // median distance that noise explains, standard deviations,
+constexpr double kFarSpacings = 0.2;  // and what form between nodes and points adds, spacings
+constexpr double kDoubtful = 0.01;    // shares of measured nodes
+constexpr double kTurnedAway = 0.001;
+constexpr double kUnsure = 0.2;
+
+std::string mm(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
+
+}  // namespace
+
+SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice, bool has_points,
+                             const std::optional<CheckResult>& check) {
+  const double apart = projection.point_spacing_m;
+  SurfaceDoubts doubts;
+  doubts.noisy = has_points && projection.noise_m > kNoisy * apart;
+  doubts.fine = has_points && apart > kFine * lattice.spacing_m;
+  doubts.explained_m = kFarNoises * projection.noise_m + kFarSpacings * std::max(apart, lattice.spacing_m);
+  if (check && check->cloud_to_surface.samples > 0) {
+    doubts.far = has_points && check->cloud_to_surface.median_m > doubts.explained_m;
+    doubts.not_theirs = check->cloud_to_surface.median_m > lattice.spacing_m;
+  }
+  doubts.unfacing = has_points && projection.closed && !projection.facing_known;
+  return doubts;
+}
+
+std::vector<std::string> surface_warnings(const Projection& projection, const Lattice& lattice, std::uint64_t measured,
+                                          bool has_points, const std::optional<CheckResult>& check) {
+  std::vector<std::string> warnings;
+  if (!has_points || measured == 0) return warnings;
+  const double noise = projection.noise_m;
+  const double apart = projection.point_spacing_m;
+  const auto share = [&](std::uint64_t nodes) { return static_cast<double>(nodes) / static_cast<double>(measured); };
+  const SurfaceDoubts doubts = surface_doubts(projection, lattice, has_points, check);
+  if (doubts.noisy) {
+    warnings.push_back(fmt::format(
+        "the noise, {}, is more than half the distance between points, {}: forms of that size are not real; use a "
+        "larger grid.spacing_mm, align the scans better, or give grid.noise_mm if it is known",
+        mm(noise), mm(apart)));
+  }
+  if (doubts.fine) {
+    warnings.push_back(
+        fmt::format("the grid is {:.1f} times finer than the points, which are {} apart: it shows nothing more than "
+                    "grid.spacing_mm: {:.3g} would",
+                    apart / lattice.spacing_m, mm(apart), 1e3 * apart));
+  }
+  if (doubts.far) {
+    warnings.push_back(fmt::format(
+        "half of the points lie farther than {} from the surface, and noise explains {}: look at the picture of the "
+        "errors in the report; another orientation or a smaller grid.spacing_mm may follow the points better",
+        mm(check->cloud_to_surface.median_m), mm(doubts.explained_m)));
+  }
+  if (share(projection.nodes_doubtful) > kDoubtful) {
+    warnings.push_back(
+        fmt::format("two layers were hard to tell apart at {:.1f} % of the nodes: they are closer than the noise and "
+                    "the distance of the points allow; crop one of them away, or scan more densely",
+                    100.0 * share(projection.nodes_doubtful)));
+  }
+  if (share(projection.nodes_turned_away) > kTurnedAway) {
+    warnings.push_back(
+        fmt::format("through holes in the front the inside of the back is seen at {} nodes ({:.1f} %), which are left "
+                    "unknown: scan the front there, or let 'fill' close them",
+                    projection.nodes_turned_away, 100.0 * share(projection.nodes_turned_away)));
+  }
+  for (const std::string& scan : projection.lying_stations) {
+    warnings.push_back(
+        fmt::format("{}: its points do not face the place where the file says that the scanner stood, so that place is "
+                    "not believed; the sides of the surface are told by what is seen from outside",
+                    scan));
+  }
+  if (doubts.unfacing) {
+    warnings.emplace_back(
+        "much of what is seen first seems to face away, so that is not believed: holes in the front may show the back; "
+        "look at the object from its scanned side");
+  } else if (share(projection.nodes_unsure) > kUnsure) {
+    warnings.push_back(
+        fmt::format("which way the surface faces is not known at {:.0f} % of the nodes: a hole in the front may show "
+                    "the back there; scans of more sides tell",
+                    100.0 * share(projection.nodes_unsure)));
+  }
+  return warnings;
+}
+
+void require_surface_near_points(const Lattice& lattice, const CheckResult& check) {
+  const DistanceStatistics& distances = check.cloud_to_surface;
+  if (distances.samples == 0 || distances.median_m <= lattice.spacing_m) return;
+  throw input_error({},
+                    fmt::format("the surface lies more than a grid spacing ({}) from half of the points ({} in the "
+                                "median): it is not theirs",
+                                mm(lattice.spacing_m), mm(distances.median_m)),
+                    "another orientation, a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
+}
+
+}  // namespace sparsha::pipeline

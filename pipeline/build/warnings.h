@@ -1,0 +1,34 @@
+// What a person should know before trusting a depth grid: each with what to do about it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/check/check.h"
+#include "pipeline/projection/projection.h"
+
+namespace sparsha::pipeline {
+
+/// What is wrong with a surface, in figures; `surface_warnings` puts the same into words.
+struct SurfaceDoubts {
+  bool noisy = false;        ///< noise is more than half the distance between points
+  bool fine = false;         ///< the grid is more than three times finer than the points
+  bool far = false;          ///< half of the points lie farther from the surface than `explained_m`
+  bool not_theirs = false;   ///< half of the points lie more than a grid spacing from the surface
+  bool unfacing = false;     ///< much of what is seen first seems to face away
+  double explained_m = 0.0;  ///< median distance that noise, and form between nodes and points, explain
+};
+[[nodiscard]] SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice, bool has_points,
+                                           const std::optional<CheckResult>& check);
+
+/// About a projection, whose grid is `lattice` with `measured` measured nodes, and its cross-check where there is one.
+/// `has_points`: there is more than a mesh.
+[[nodiscard]] std::vector<std::string> surface_warnings(const Projection& projection, const Lattice& lattice,
+                                                        std::uint64_t measured, bool has_points,
+                                                        const std::optional<CheckResult>& check);
+
+/// Throws Error{input} when the surface lies farther from half of the points than a grid spacing: it is not theirs.
+void require_surface_near_points(const Lattice& lattice, const CheckResult& check);
+
+}  // namespace sparsha::pipeline

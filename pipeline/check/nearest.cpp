@@ -1,0 +1,148 @@
+// Building a tree costs more than asking it. Each strip of rows builds its own over the points within a reach of its
+// sampled nodes; nodes whose nearest point lies beyond are asked again with a larger reach, at last of all points.
+#include "pipeline/check/nearest.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/check/tree.h"
+#include "pipeline/layers/closing.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kLeastReach = 0.5;  // spacings, of the first try
+constexpr double kFirstReach = 1.0;  // point spacings, of the first try; most nodes have a point this near
+constexpr double kGrowth = 2.0;      // of the reach from try to try
+constexpr double kTrusted = 0.99;    // of the reach; the rest is for the rounding of floats
+constexpr int kStripRows = 48;       // node rows with a tree of their own
+constexpr int kCellsPerReach = 3;    // resolution of the mask of kept places
+constexpr std::size_t kNodesPerPiece = 1024;
+
+/// Places within `reach` (spacings) of a node of some rows, as cells of reach / kCellsPerReach.
+class Mask {
+ public:
+  Mask(int nx, double first_row, double last_row, double reach)
+      : reach_(reach),
+        y0_(static_cast<float>(first_row - reach)),
+        per_cell_(static_cast<float>(kCellsPerReach / reach)),
+        marked_(cells(nx - 1), cells(last_row - first_row)) {}
+
+  void mark(double x, double y) {
+    const int i0 = column(x - reach_), i1 = column(x + reach_), j0 = row(y - reach_), j1 = row(y + reach_);
+    for (int j = j0; j <= j1; ++j)
+      for (int i = i0; i <= i1; ++i) marked_.insert(i, j);
+  }
+  [[nodiscard]] bool holds(float x, float y) const {
+    const float i = (x + static_cast<float>(reach_)) * per_cell_, j = (y - y0_) * per_cell_;
+    return i >= 0 && j >= 0 && i < static_cast<float>(marked_.nx()) && j < static_cast<float>(marked_.ny()) &&
+           marked_.contains(static_cast<int>(i), static_cast<int>(j));
+  }
+
+ private:
+  [[nodiscard]] int cells(double extent) const {
+    return static_cast<int>((extent + 2 * reach_) * kCellsPerReach / reach_) + 2;
+  }
+  [[nodiscard]] int column(double x) const {
+    return static_cast<int>((static_cast<float>(x) + static_cast<float>(reach_)) * per_cell_);
+  }
+  [[nodiscard]] int row(double y) const { return static_cast<int>((static_cast<float>(y) - y0_) * per_cell_); }
+
+  double reach_;
+  float y0_, per_cell_;
+  NodeSet marked_;
+};
+
+class Search {
+ public:
+  Search(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes, const CountedPoints& points)
+      : result(nodes.size(), std::numeric_limits<float>::infinity()),
+        grid_(grid),
+        nodes_(nodes),
+        points_(points),
+        nx_(static_cast<std::uint32_t>(grid.lattice.nx)),
+        spacing_(grid.lattice.spacing_m) {}
+
+  std::vector<float> result;
+
+  /// Node k's nearest among the tree's points, when it is nearer than what is known.
+  void ask(const PointTree& tree, std::span<const float> xyz, std::size_t k, PointTree::Answer& answer) {
+    const std::uint32_t node = nodes_[k];
+    const double x = (node % nx_) * spacing_, y = (node / nx_) * spacing_, z = grid_.height_m[node];
+    if (!tree.nearest(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), answer)) return;
+    const float* point = xyz.data() + 3 * static_cast<std::size_t>(answer.index[0]);
+    const double dx = point[0] - x, dy = point[1] - y, dz = point[2] - z;
+    const auto found = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
+    const float known = std::abs(result[k]);
+    if (std::abs(found) < known || (std::abs(found) == known && found > result[k])) result[k] = found;
+  }
+
+  /// Answers the nodes [begin, end) of one strip; returns those that the points within a strip's height cannot decide.
+  std::vector<std::size_t> strip(std::size_t strip, std::size_t begin, std::size_t end, double reach) {
+    std::vector<std::size_t> open;
+    for (std::size_t k = begin; k < end; ++k) open.push_back(k);
+    const double first = static_cast<double>(strip) * kStripRows, last = first + kStripRows - 1;
+    const auto per_spacing = static_cast<float>(1 / spacing_);
+    std::vector<std::array<float, 3>> chosen;
+    PointTree::Answer answer;
+    for (; !open.empty() && reach < kStripRows; reach *= kGrowth) {
+      Mask mask(grid_.lattice.nx, first, last, reach);
+      for (const std::size_t k : open) mask.mark(nodes_[k] % nx_, static_cast<double>(nodes_[k] / nx_));
+      chosen.clear();
+      points_.in_rows(first - reach, last + reach, [&](std::span<const float> xyz) {
+        for (std::size_t p = 0; p < xyz.size(); p += 3) {
+          if (mask.holds(xyz[p] * per_spacing, xyz[p + 1] * per_spacing)) {
+            chosen.push_back({xyz[p], xyz[p + 1], xyz[p + 2]});
+          }
+        }
+      });
+      // Of points at equal distances a tree names the one that it met first.
+      std::sort(chosen.begin(), chosen.end());
+      const std::span<const float> xyz(chosen.empty() ? nullptr : chosen.front().data(), 3 * chosen.size());
+      const PointTree tree(xyz);
+      for (const std::size_t k : open) ask(tree, xyz, k, answer);
+      std::erase_if(open, [&](std::size_t k) { return std::abs(result[k]) <= kTrusted * reach * spacing_; });
+    }
+    return open;
+  }
+
+ private:
+  const DepthGrid& grid_;
+  const std::vector<std::uint32_t>& nodes_;
+  const CountedPoints& points_;
+  std::uint32_t nx_;
+  double spacing_;
+};
+
+}  // namespace
+
+std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
+                                           const CountedPoints& points, double point_spacing_m, ThreadPool& pool) {
+  Search search(grid, nodes, points);
+  if (nodes.empty() || points.size == 0) return std::move(search.result);
+  const double reach = std::max(kLeastReach, kFirstReach * point_spacing_m / grid.lattice.spacing_m);
+  const std::size_t strip_nodes = kStripRows * static_cast<std::size_t>(grid.lattice.nx);
+  std::vector<std::vector<std::size_t>> undecided((grid.lattice.count() + strip_nodes - 1) / strip_nodes);
+  pool.for_ranges(undecided.size(), 1, [&](std::size_t strip, std::size_t) {
+    const auto begin = std::lower_bound(nodes.begin(), nodes.end(), strip * strip_nodes);
+    const auto end = std::lower_bound(begin, nodes.end(), (strip + 1) * strip_nodes);
+    undecided[strip] = search.strip(strip, static_cast<std::size_t>(begin - nodes.begin()),
+                                    static_cast<std::size_t>(end - nodes.begin()), reach);
+  });
+  std::vector<std::size_t> open;
+  for (const std::vector<std::size_t>& some : undecided) open.insert(open.end(), some.begin(), some.end());
+  if (!open.empty()) {
+    points.each([&](std::span<const float> xyz) {
+      const PointTree tree(xyz);
+      pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
+        PointTree::Answer answer;
+        for (std::size_t n = begin; n < end; ++n) search.ask(tree, xyz, open[n], answer);
+      });
+    });
+  }
+  return std::move(search.result);
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,134 @@
+// PLY, OBJ and XYZ in the scan's own frame.
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "pipeline/export/formats.h"
+#include "pipeline/export/node_rows.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kBuffer = 1U << 20;  // bytes
+
+/// Collects bytes and hands them to the file by the megabyte.
+class Output {
+ public:
+  Output(const std::filesystem::path& file, std::string shown)
+      : stream_(file, std::ios::binary), shown_(std::move(shown)) {
+    check();
+  }
+  template <typename Word>
+  void put(Word word) {
+    static_assert(std::endian::native == std::endian::little, "PLY files are written little-endian");
+    const std::size_t at = buffer_.size();
+    buffer_.resize(at + sizeof(word));
+    std::memcpy(&buffer_[at], &word, sizeof(word));
+    spill(kBuffer);
+  }
+  template <typename... Values>
+  void print(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(buffer_), format, std::forward<Values>(values)...);
+    spill(kBuffer);
+  }
+  void close() {
+    spill(0);
+    stream_.close();
+    check();
+  }
+
+ private:
+  void spill(std::size_t limit) {
+    if (buffer_.size() <= limit) return;
+    stream_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    buffer_.clear();
+    check();
+  }
+  void check() {
+    if (!stream_) {
+      throw Error(ErrorKind::failure, {shown_, 0, 0}, "cannot be written: the disk may be full or the folder read-only",
+                  "expected a folder that can be written to");
+    }
+  }
+  std::ofstream stream_;
+  std::string shown_;
+  std::vector<char> buffer_;
+};
+
+/// What every header says: the frame, and that filled nodes are among the vertices.
+std::string remark(bool nodes_only) {
+  return nodes_only ? "measured nodes in the scan frame, metres"
+                    : "measured and filled nodes in the scan frame, metres";
+}
+
+void put_colour(Output& output, std::uint32_t rgba) {
+  for (const unsigned shift : {0U, 8U, 16U}) output.put(static_cast<std::uint8_t>(rgba >> shift));
+}
+
+}  // namespace
+
+void export_ply(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+                Progress& progress) {
+  const MeshCounts counts = count_mesh(scene, nodes_only, progress);
+  if (counts.vertices > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorKind::failure, {shown, 0, 0}, "more vertices than PLY indices can count",
+                "expected at most 2^32 nodes");
+  }
+  const bool colour = scene.description().has_colour;
+  // Many readers know signed indices only; unsigned ones are for meshes that need them.
+  const char* index = counts.vertices > std::numeric_limits<std::int32_t>::max() ? "uint" : "int";
+  Output output(file, shown);
+  output.print("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n", remark(nodes_only),
+               counts.vertices);
+  for (const char* axis : {"x", "y", "z"}) output.print("property double {}\n", axis);
+  if (colour) output.print("property uchar red\nproperty uchar green\nproperty uchar blue\n");
+  if (!nodes_only) output.print("element face {}\nproperty list uchar {} vertex_indices\n", counts.triangles, index);
+  output.print("end_header\n");
+  for_each_vertex(scene, nodes_only, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
+    for (int axis = 0; axis < 3; ++axis) output.put(p[axis]);
+    if (colour) put_colour(output, rgba);
+  });
+  if (!nodes_only) {
+    for_each_triangle(scene, progress, [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+      output.put(std::uint8_t{3});
+      for (const std::uint64_t corner : {a, b, c}) output.put(static_cast<std::uint32_t>(corner));
+    });
+  }
+  output.close();
+}
+
+void export_obj(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+                Progress& progress) {
+  const bool colour = scene.description().has_colour;
+  Output output(file, shown);
+  output.print("# {}\n", remark(nodes_only));
+  for_each_vertex(scene, nodes_only, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
+    output.print("v {} {} {}", p.x(), p.y(), p.z());
+    if (colour) {
+      output.print(" {:.4f} {:.4f} {:.4f}", (rgba & 0xFFU) / 255.0, (rgba >> 8U & 0xFFU) / 255.0,
+                   (rgba >> 16U & 0xFFU) / 255.0);
+    }
+    output.print("\n");
+  });
+  if (!nodes_only) {
+    for_each_triangle(scene, progress, [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+      output.print("f {} {} {}\n", a + 1, b + 1, c + 1);
+    });
+  }
+  output.close();
+}
+
+void export_xyz(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+                Progress& progress) {
+  Output output(file, shown);
+  for_each_vertex(scene, nodes_only, progress,
+                  [&](const Eigen::Vector3d& p, std::uint32_t) { output.print("{} {} {}\n", p.x(), p.y(), p.z()); });
+  output.close();
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,188 @@
+// Dilation by a disc = union over dy of rows dilated by the disc's half width at dy; 64 nodes a word.
+#include "pipeline/layers/closing.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <span>
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kRowsPerPiece = 64;
+
+using Words = std::span<std::uint64_t>;
+using ConstWords = std::span<const std::uint64_t>;
+
+/// target |= source moved by `shift` bits to higher indices.
+void or_moved_up(Words target, ConstWords source, int shift) {
+  const auto words = static_cast<std::size_t>(shift / 64);
+  const int bits = shift % 64;
+  for (std::size_t k = source.size(); k-- > words;) {
+    std::uint64_t value = source[k - words] << bits;
+    if (bits != 0 && k > words) value |= source[k - words - 1] >> (64 - bits);
+    target[k] |= value;
+  }
+}
+
+/// target |= source moved by `shift` bits to lower indices.
+void or_moved_down(Words target, ConstWords source, int shift) {
+  const auto words = static_cast<std::size_t>(shift / 64);
+  const int bits = shift % 64;
+  for (std::size_t k = 0; k + words < source.size(); ++k) {
+    std::uint64_t value = source[k + words] >> bits;
+    if (bits != 0 && k + words + 1 < source.size()) value |= source[k + words + 1] << (64 - bits);
+    target[k] |= value;
+  }
+}
+
+/// Zeroes the bits beyond nx in a row's last word.
+std::uint64_t last_word_mask(int nx) { return nx % 64 == 0 ? ~std::uint64_t{0} : (std::uint64_t{1} << (nx % 64)) - 1; }
+
+/// Grows every run of a row by `width` nodes on both sides, tripling its reach each time.
+void dilate_row(Words row, int width, int nx, std::vector<std::uint64_t>& scratch) {
+  for (int reach = 0; reach < width;) {
+    const int step = std::min(2 * reach + 1, width - reach);
+    scratch.assign(row.begin(), row.end());
+    or_moved_up(row, scratch, step);
+    or_moved_down(row, scratch, step);
+    reach += step;
+  }
+  row.back() &= last_word_mask(nx);
+}
+
+/// A copy with `margin` empty nodes all around.
+NodeSet with_margin(const NodeSet& set, int margin) {
+  NodeSet result(set.nx() + 2 * margin, set.ny() + 2 * margin);
+  std::vector<std::uint64_t> wide(result.words_per_row());
+  for (int j = 0; j < set.ny(); ++j) {
+    std::copy_n(set.row(j), set.words_per_row(), wide.begin());
+    or_moved_up({result.row(j + margin), result.words_per_row()}, wide, margin);
+  }
+  return result;
+}
+
+NodeSet without_margin(const NodeSet& set, int margin) {
+  NodeSet result(set.nx() - 2 * margin, set.ny() - 2 * margin);
+  std::vector<std::uint64_t> moved(set.words_per_row());
+  for (int j = 0; j < result.ny(); ++j) {
+    std::fill(moved.begin(), moved.end(), 0);
+    or_moved_down(moved, {set.row(j + margin), set.words_per_row()}, margin);
+    std::copy_n(moved.begin(), result.words_per_row(), result.row(j));
+    result.row(j)[result.words_per_row() - 1] &= last_word_mask(result.nx());
+  }
+  return result;
+}
+
+}  // namespace
+
+NodeSet::NodeSet(int nx, int ny)
+    : nx_(nx),
+      ny_(ny),
+      words_((static_cast<std::size_t>(nx) + 63) / 64),
+      bits_(words_ * static_cast<std::size_t>(ny)) {}
+
+void NodeSet::invert() {
+  for (int j = 0; j < ny_; ++j) {
+    std::uint64_t* words = row(j);
+    for (std::size_t k = 0; k < words_; ++k) words[k] = ~words[k];
+    if (words_ > 0) words[words_ - 1] &= last_word_mask(nx_);
+  }
+}
+
+std::size_t NodeSet::count() const {
+  std::size_t total = 0;
+  for (const std::uint64_t word : bits_) total += static_cast<std::size_t>(std::popcount(word));
+  return total;
+}
+
+NodeSet nodes_of(const DepthGrid& grid, NodeState state) {
+  NodeSet result(grid.lattice.nx, grid.lattice.ny);
+  for (int j = 0; j < result.ny(); ++j) {
+    const NodeState* states = grid.state.data() + grid.lattice.index(0, j);
+    std::uint64_t* words = result.row(j);
+    for (int i = 0; i < result.nx(); ++i)
+      words[i >> 6] |= static_cast<std::uint64_t>(states[i] == state ? 1 : 0) << (i & 63);
+  }
+  return result;
+}
+
+NodeSet dilate_by_disc(const NodeSet& set, double radius, ThreadPool& pool) {
+  NodeSet result(set.nx(), set.ny());
+  if (set.nx() == 0 || set.ny() == 0) return result;
+  NodeSet widened = set;
+  const double squared = radius * radius * (1 + 1e-12);
+  const int reach = std::min(static_cast<int>(std::sqrt(squared)), set.ny() - 1);
+  const auto rows = static_cast<std::size_t>(set.ny());
+  const std::size_t words = set.words_per_row();
+  int width = 0;
+  for (int dy = reach; dy >= 0; --dy) {
+    const double half = std::sqrt(std::max(0.0, squared - static_cast<double>(dy) * dy));
+    const int wanted = static_cast<int>(std::min(half, static_cast<double>(set.nx())));
+    if (wanted > width) {
+      pool.for_ranges(rows, kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint64_t> scratch;
+        for (std::size_t j = begin; j < end; ++j)
+          dilate_row({widened.row(static_cast<int>(j)), words}, wanted - width, set.nx(), scratch);
+      });
+      width = wanted;
+    }
+    pool.for_ranges(rows, kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+      for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j) {
+        std::uint64_t* target = result.row(j);
+        for (const int other : {j - dy, j + dy}) {
+          if (other < 0 || other >= set.ny()) continue;
+          const std::uint64_t* source = widened.row(other);
+          for (std::size_t k = 0; k < words; ++k) target[k] |= source[k];
+        }
+      }
+    });
+  }
+  return result;
+}
+
+NodeSet close_by_disc(const NodeSet& set, double diameter, ThreadPool& pool) {
+  const double radius = diameter / 2;
+  if (radius < 1 || set.nx() == 0 || set.ny() == 0) return set;
+  const int margin = static_cast<int>(std::min(radius * (1 + 1e-12), static_cast<double>(set.nx() + set.ny()))) + 1;
+  NodeSet free = dilate_by_disc(with_margin(set, margin), radius, pool);
+  free.invert();
+  NodeSet closed = dilate_by_disc(free, radius, pool);
+  closed.invert();
+  return without_margin(closed, margin);
+}
+
+NodeSet fill_holes(const NodeSet& set) {
+  NodeSet outside(set.nx(), set.ny());
+  std::vector<std::pair<int, int>> pending;
+  const auto visit = [&](int i, int j) {
+    if (set.contains(i, j) || outside.contains(i, j)) return;
+    outside.insert(i, j);
+    pending.emplace_back(i, j);
+  };
+  for (int i = 0; i < set.nx(); ++i) {
+    visit(i, 0);
+    visit(i, set.ny() - 1);
+  }
+  for (int j = 0; j < set.ny(); ++j) {
+    visit(0, j);
+    visit(set.nx() - 1, j);
+  }
+  while (!pending.empty()) {
+    const auto [i, j] = pending.back();
+    pending.pop_back();
+    if (i > 0) visit(i - 1, j);
+    if (i + 1 < set.nx()) visit(i + 1, j);
+    if (j > 0) visit(i, j - 1);
+    if (j + 1 < set.ny()) visit(i, j + 1);
+  }
+  outside.invert();
+  return outside;
+}
+
+NodeSet outline_nodes(const DepthGrid& grid, double max_gap_m, ThreadPool& pool) {
+  const double diameter = std::max(max_gap_m / grid.lattice.spacing_m, 3.0);
+  return fill_holes(close_by_disc(nodes_of(grid, NodeState::measured), diameter, pool));
+}
+
+}  // namespace sparsha::pipeline

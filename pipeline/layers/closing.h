@@ -1,0 +1,50 @@
+// Morphology of node sets by discs, on packed bits: the closing that says which gaps are filled, and the outline.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/thread_pool.h"
+#include "scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// One bit a node, rows packed into 64-bit words; bits beyond nx are zero.
+class NodeSet {
+ public:
+  NodeSet(int nx, int ny);
+
+  [[nodiscard]] int nx() const { return nx_; }
+  [[nodiscard]] int ny() const { return ny_; }
+  [[nodiscard]] std::size_t words_per_row() const { return words_; }
+  [[nodiscard]] std::uint64_t* row(int j) { return bits_.data() + static_cast<std::size_t>(j) * words_; }
+  [[nodiscard]] const std::uint64_t* row(int j) const { return bits_.data() + static_cast<std::size_t>(j) * words_; }
+  [[nodiscard]] bool contains(int i, int j) const { return ((row(j)[i >> 6] >> (i & 63)) & 1U) != 0; }
+  void insert(int i, int j) { row(j)[i >> 6] |= std::uint64_t{1} << (i & 63); }
+  /// Complement within nx x ny.
+  void invert();
+  [[nodiscard]] std::size_t count() const;
+
+ private:
+  int nx_, ny_;
+  std::size_t words_;
+  std::vector<std::uint64_t> bits_;
+};
+
+/// Nodes whose state is `state`.
+[[nodiscard]] NodeSet nodes_of(const DepthGrid& grid, NodeState state);
+
+/// Nodes within `radius` (in spacings, inclusive) of a node of `set`. Time grows with nodes * radius / 64.
+[[nodiscard]] NodeSet dilate_by_disc(const NodeSet& set, double radius, ThreadPool& pool);
+
+/// Closing by a disc of `diameter` (in spacings), as if the lattice went on empty beyond its border: a node belongs to
+/// it when no disc free of `set` and centred on a node covers it.
+[[nodiscard]] NodeSet close_by_disc(const NodeSet& set, double diameter, ThreadPool& pool);
+
+/// Everything that the outer border of `set` encloses: `set` and its holes. Paths outside go along rows and columns.
+[[nodiscard]] NodeSet fill_holes(const NodeSet& set);
+
+/// Nodes inside the outline: outer border of the measured nodes closed by a disc of max(max_gap_m, 3 spacings).
+[[nodiscard]] NodeSet outline_nodes(const DepthGrid& grid, double max_gap_m, ThreadPool& pool);
+
+}  // namespace sparsha::pipeline

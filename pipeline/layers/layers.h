@@ -1,0 +1,42 @@
+// What is computed on a depth grid: fill, texture, friction map and pyramid.
+#pragma once
+
+#include <vector>
+
+#include "base/progress.h"
+#include "base/thread_pool.h"
+#include "scene/config.h"
+#include "scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// Fills unknown nodes inside the morphological closing of the measured ones by a disc of `max_gap_m`, never outside
+/// the outline, not across a step higher than `step_m` (the lower side wins). Filled nodes are marked.
+void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadPool& pool);
+
+/// Bilateral-filtered heights f_b (Tomasi & Manduchi 1998), NaN where unknown; texture is h = f - f_b.
+[[nodiscard]] std::vector<float> bilateral_envelope(const DepthGrid& grid, const TextureConfig& config,
+                                                    ThreadPool& pool);
+
+/// Curvatures of the texture f - f_b by a Gaussian-weighted quadratic fit at `scale_m`, less their noise expectation;
+/// 0 where the window has unknown nodes or a step. `noise_m` is the heights' white noise a node (of points with n a
+/// node: their noise / sqrt(n)); `sigma_space_m` is the envelope's, which takes most of that noise along (0: it takes
+/// none).
+struct CurvatureMap {
+  std::vector<float> rms_per_m;        ///< k = sqrt(max(0, 2H^2 - K))
+  std::vector<float> mean_per_m;       ///< H
+  std::vector<float> gaussian_per_m2;  ///< K
+  double percentile_95_per_m = 0.0;    ///< of k over measured nodes
+  double noise_floor_per_m = 0.0;      ///< k that noise alone would give
+};
+[[nodiscard]] CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m,
+                                             double scale_m, double noise_m, double step_m, ThreadPool& pool,
+                                             double sigma_space_m = 0.0);
+
+/// Slope c of law: curvature, metres; see ALGORITHMS "Friction map".
+[[nodiscard]] double friction_slope(const CurvatureMap& map, const FrictionConfig& config);
+
+/// Levels 1, 2, ... below `base` until the longer side has at most `window` nodes. NaN-aware low-pass before halving.
+[[nodiscard]] std::vector<Layers> build_pyramid(const Layers& base, int window, ThreadPool& pool);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,46 @@
+// Pass 1 of building out of core.
+#include "pipeline/outofcore/cloud_on_disk.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "base/error.h"
+#include "pipeline/filter/filter.h"
+#include "pipeline/projection/attributes.h"
+
+namespace sparsha::pipeline {
+
+CloudOnDisk spill(const ScanSet& scans, const std::vector<CropConfig>& crops, bool colour, bool intensity,
+                  const std::filesystem::path& folder, Progress& progress) {
+  const PointLayout layout{colour && scans.has_colour(), intensity && scans.has_intensity()};
+  CloudOnDisk cloud;
+  cloud.origin_m = scans.origin_m();
+  cloud.file = std::make_unique<PointFile>(folder, layout, 1);
+  cloud.invalid = scans.invalid();
+  cloud.stations = scans.stations();
+  cloud.invalid += scans.stream(
+      [&](const CloudBlock& block) {
+        std::array<float, 5> record{};
+        for (std::size_t k = 0; k < block.points.size(); ++k) {
+          const Eigen::Vector3f& p = block.points[k];
+          if (!is_inside(crops, cloud.origin_m, p)) {
+            ++cloud.cropped;
+            continue;
+          }
+          std::copy_n(p.data(), 3, record.begin());
+          if (layout.colour) record[3] = std::bit_cast<float>(block.rgba[k]);
+          if (layout.intensity) {
+            record[layout.words() - 1] = block.intensity[k];
+            cloud.largest_intensity = std::max(cloud.largest_intensity, largest_magnitude(&block.intensity[k], 1));
+          }
+          cloud.file->add(0, record.data());
+        }
+      },
+      progress);
+  cloud.file->finish();
+  if (cloud.size() == 0 && cloud.cropped > 0) throw nothing_left("crop");
+  return cloud;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,210 @@
+// Every decision rests on integers or on points sorted by their own coordinates, so it does not matter how they are cut
+// into pieces and tiles.
+#include "pipeline/outofcore/tiled_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.h"
+#include "pipeline/projection/attributes.h"
+#include "pipeline/projection/classification.h"
+#include "pipeline/projection/measure_rows.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kMostBuckets = 256;
+
+// Shares of the stage, for the time left.
+constexpr double kPlanned = 0.3, kBucketed = 0.45, kFitted = 0.85;
+
+}  // namespace
+
+/// Some records of a bucket, oriented.
+struct TiledProjection::Piece {
+  std::size_t bucket;
+  const PointRecords& records;
+  OrientedPoints points;
+};
+
+OrientedPoints TiledProjection::orient(const PointRecords& records, ThreadPool& pool) const {
+  return orient_points(raw_points(records), cloud_.origin_m, scan_to_grid_, plan_.origin_m, pool);
+}
+
+TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
+                                 double resolution_m, const Context& context)
+    : cloud_(std::move(cloud)), scan_to_grid_(scan_to_grid) {
+  // How often the points are gone through depends on them: each pass is worth half of what is left.
+  double begun = 0.0;
+  double share = kPlanned / 2;
+  const auto each = [&](const std::function<void(const PointRecords&)>& use) {
+    cloud_.file->read(0, PointFile::kPiece, [&](const PointRecords& records) {
+      const double done = static_cast<double>(records.first) / static_cast<double>(cloud_.size());
+      context.progress.at(begun + share * done);
+      use(records);
+    });
+    begun += share;
+    share /= 2;
+  };
+  plan_.origin_m = robust_origin(
+      cloud_.size(), [&](const auto& use) { each([&](const PointRecords& records) { use(raw_points(records)); }); },
+      cloud_.origin_m, scan_to_grid, context.pool);
+  const OrientedPieces pieces = [&](const auto& use) {
+    each([&](const PointRecords& records) { use(orient(records, context.pool)); });
+  };
+  PointTotals totals;
+  pieces([&](const OrientedPoints& points) { totals.add(points); });
+  const Extent extent = supported_extent(totals, pieces, context.pool);
+  plan_ = plan_projection(pieces, totals, extent, {cloud_.stations, scan_to_grid, plan_.origin_m}, false, grid,
+                          resolution_m, context.pool);
+}
+
+void TiledProjection::fill_buckets(const std::filesystem::path& folder, const Context& context) {
+  const BinLocator locator(plan_.bins);
+  const auto rows = static_cast<std::size_t>(plan_.bins.bins_y());
+  row_points_.assign(rows, 0);
+  points_.origin_m = cloud_.origin_m;
+  points_.rows_per_bucket = static_cast<int>((rows + kMostBuckets - 1) / kMostBuckets);
+  const auto per_bucket = static_cast<std::size_t>(points_.rows_per_bucket);
+  points_.file = std::make_unique<PointFile>(folder, cloud_.file->layout(), (rows + per_bucket - 1) / per_bucket);
+  cloud_.file->read(0, PointFile::kPiece, [&](const PointRecords& records) {
+    const double done = static_cast<double>(records.first) / static_cast<double>(cloud_.size());
+    context.progress.at(kPlanned + (kBucketed - kPlanned) * done);
+    const OrientedPoints points = orient(records, context.pool);
+    for (std::size_t k = 0; k < points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (!locator.locate(points.x[k], points.y[k], column, row)) {
+        ++beyond_;
+        continue;
+      }
+      ++row_points_[static_cast<std::size_t>(row)];
+      points_.file->add(static_cast<std::size_t>(row) / per_bucket, records.xyz(k));
+    }
+  });
+  points_.file->finish();
+  cloud_.file.reset();
+}
+
+/// All buckets that hold points of the bin rows [first_row, last_row), piece by piece.
+void TiledProjection::each_piece(int first_row, int last_row, ThreadPool& pool,
+                                 const std::function<void(const Piece&)>& use) const {
+  const auto first = static_cast<std::size_t>(first_row / points_.rows_per_bucket);
+  const auto last = static_cast<std::size_t>((last_row - 1) / points_.rows_per_bucket);
+  for (std::size_t bucket = first; bucket <= last; ++bucket) {
+    points_.file->read(bucket, PointFile::kPiece, [&](const PointRecords& records) {
+      use({bucket, records, orient(records, pool)});
+    });
+  }
+}
+
+std::vector<std::uint64_t> TiledProjection::count_columns(int first_row, int last_row, ThreadPool& pool) const {
+  const BinLocator locator(plan_.bins);
+  std::vector<std::uint64_t> counts(static_cast<std::size_t>(plan_.bins.bins_x()), 0);
+  each_piece(first_row, last_row, pool, [&](const Piece& piece) {
+    for (std::size_t k = 0; k < piece.points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (!locator.locate(piece.points.x[k], piece.points.y[k], column, row)) continue;
+      if (row >= first_row && row < last_row) ++counts[static_cast<std::size_t>(column)];
+    }
+  });
+  return counts;
+}
+
+OrientedPoints TiledProjection::load_tile(const Tile& tile, ThreadPool& pool) const {
+  const BinLocator locator(plan_.bins);
+  const BinWindow& window = tile.bins;
+  const auto room = static_cast<std::size_t>(tile.points);
+  OrientedPoints all;
+  all.origin_m = plan_.origin_m;
+  all.x = make_buffer<float>(room);
+  all.y = make_buffer<float>(room);
+  all.z = make_buffer<float>(room);
+  each_piece(window.first_row, window.last_row, pool, [&](const Piece& piece) {
+    for (std::size_t k = 0; k < piece.points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (!locator.locate(piece.points.x[k], piece.points.y[k], column, row)) continue;
+      if (row < window.first_row || row >= window.last_row || column < window.first_column ||
+          column >= window.last_column) {
+        continue;
+      }
+      all.x[all.count] = piece.points.x[k];
+      all.y[all.count] = piece.points.y[k];
+      all.z[all.count] = piece.points.z[k];
+      ++all.count;
+    }
+  });
+  return all;
+}
+
+void TiledProjection::fit_tile(const Tile& tile, const Context& context, Projection& projection) const {
+  DepthGrid& grid = projection.grid;
+  // One row more to each side: nodes are compared with their neighbours.
+  const int first = std::max(0, tile.first_row - 1);
+  const int last = std::min(plan_.lattice.ny, tile.last_row + 1);
+  Lattice lattice = plan_.lattice;
+  lattice.ny = last - first;
+  DepthGrid rows(lattice);
+  const std::vector<std::uint8_t> verdicts =
+      measure_rows(load_tile(tile, context.pool), {}, plan_, tile.bins, first, context, rows);
+  for (int j = tile.first_row; j < tile.last_row; ++j) {
+    const std::size_t from = lattice.index(tile.first_column, j - first);
+    const std::size_t to = plan_.lattice.index(tile.first_column, j);
+    const auto count = static_cast<std::size_t>(tile.last_column - tile.first_column);
+    std::copy_n(rows.height_m.data() + from, count, grid.height_m.data() + to);
+    std::copy_n(rows.state.data() + from, count, grid.state.data() + to);
+    if (!verdicts.empty()) add_verdicts(verdicts.data() + from, verdicts.data() + from + count, projection);
+  }
+}
+
+void TiledProjection::decide_classes(const Context& context, Projection& projection) {
+  const PointLayout layout = points_.file->layout();
+  AttributeSums sums(plan_.lattice, plan_.bins, layout.colour, layout.intensity, cloud_.largest_intensity);
+  std::vector<PointClass> point_class(PointFile::kPiece);
+  std::vector<std::uint32_t> rgba;
+  std::vector<float> intensity;
+  points_.counts_bits.resize(points_.file->buckets());
+  projection.outside = beyond_;
+  each_piece(0, plan_.bins.bins_y(), context.pool, [&](const Piece& piece) {
+    const double done = static_cast<double>(piece.bucket) / static_cast<double>(points_.file->buckets());
+    context.progress.at(kFitted + (1.0 - kFitted) * done);
+    const std::size_t count = piece.points.count;
+    add_classes(classify_points(piece.points, plan_.bins, projection.grid, plan_.gap_m, context.pool, point_class.data()),
+                projection);
+    std::vector<std::uint64_t>& bits = points_.counts_bits[piece.bucket];
+    bits.resize(static_cast<std::size_t>((piece.records.first + count + 63) / 64), 0);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool counts = point_class[k] == PointClass::used || point_class[k] == PointClass::outlier;
+      const std::uint64_t record = piece.records.first + k;
+      if (counts) bits[static_cast<std::size_t>(record / 64)] |= std::uint64_t{1} << (record % 64);
+    }
+    if (layout.words() == 3) return;
+    rgba.resize(layout.colour ? count : 0);
+    intensity.resize(layout.intensity ? count : 0);
+    for (std::size_t k = 0; k < rgba.size(); ++k) rgba[k] = piece.records.rgba(k);
+    for (std::size_t k = 0; k < intensity.size(); ++k) intensity[k] = piece.records.intensity(k);
+    sums.add(piece.points, point_class.data(), rgba.data(), intensity.data());
+  });
+  points_.counted = projection.used + projection.outlier;
+  sums.write(projection);
+}
+
+Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem::path& folder, const Context& context) {
+  fill_buckets(folder, context);
+  Projection projection = plan_.empty_projection();
+  // A neighbour's height decides too, and it may look as far.
+  const std::vector<Tile> tiles = cut_into_tiles(plan_.bins, bins_beyond(plan_) + 1, tile_points, row_points_,
+                                                 [&](int first, int last) { return count_columns(first, last, context.pool); });
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
+    fit_tile(tiles[t], context, projection);
+  }
+  require_a_measured_node(projection.grid);
+  decide_classes(context, projection);
+  return projection;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,68 @@
+// The projection of a cloud on disk, tile by tile: the same bits as of the same cloud in memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "base/context.h"
+#include "base/thread_pool.h"
+#include "pipeline/outofcore/cloud_on_disk.h"
+#include "pipeline/outofcore/point_file.h"
+#include "pipeline/outofcore/tiles.h"
+#include "pipeline/projection/plan.h"
+#include "pipeline/projection/projection.h"
+#include "scene/config.h"
+
+namespace sparsha::pipeline {
+
+/// Points in buckets of `rows_per_bucket` bin rows, and which of them a cross-check counts.
+struct BucketedPoints {
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of the records
+  std::unique_ptr<PointFile> file;
+  int rows_per_bucket = 1;
+  std::uint64_t counted = 0;                            ///< used points and outliers
+  std::vector<std::vector<std::uint64_t>> counts_bits;  ///< of each bucket, a bit a record
+
+  [[nodiscard]] bool counts(std::size_t bucket, std::uint64_t record) const {
+    return ((counts_bits[bucket][record / 64] >> (record % 64)) & 1U) != 0;
+  }
+};
+
+class TiledProjection {
+ public:
+  /// Goes through the cloud a few times for everything that is decided before a node is fitted. Throws as project().
+  TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid, double resolution_m,
+                  const Context& context);
+
+  [[nodiscard]] const ProjectionPlan& plan() const { return plan_; }
+
+  /// Sorts the points into buckets on disk, gives the cloud back, and measures tile by tile with at most `tile_points`
+  /// in memory. The projection's `point_class` stays empty. Once only. Throws Error{failure} when one node's points are
+  /// more.
+  [[nodiscard]] Projection run(std::uint64_t tile_points, const std::filesystem::path& folder, const Context& context);
+
+  /// What a cross-check needs, after run().
+  [[nodiscard]] BucketedPoints take_points() { return std::move(points_); }
+
+ private:
+  struct Piece;
+  void fill_buckets(const std::filesystem::path& folder, const Context& context);
+  void each_piece(int first_row, int last_row, ThreadPool& pool, const std::function<void(const Piece&)>& use) const;
+  [[nodiscard]] std::vector<std::uint64_t> count_columns(int first_row, int last_row, ThreadPool& pool) const;
+  [[nodiscard]] OrientedPoints load_tile(const Tile& tile, ThreadPool& pool) const;
+  void fit_tile(const Tile& tile, const Context& context, Projection& projection) const;
+  void decide_classes(const Context& context, Projection& projection);
+  [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;
+
+  CloudOnDisk cloud_;
+  Eigen::Matrix4d scan_to_grid_;
+  ProjectionPlan plan_;
+  std::uint64_t beyond_ = 0;               ///< points outside all bins
+  std::vector<std::uint64_t> row_points_;  ///< in each row of bins
+  BucketedPoints points_;
+};
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,398 @@
+// Votes by depth maps of the sample: a point that is seen from a direction faces it.
+#include "pipeline/projection/facing.h"
+#include "pipeline/projection/facing_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "base/hash.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kMost = 40000.0;      // points of the sample
+constexpr int kNeighbours = 10;        // of a sample's plane
+constexpr double kCellSpacings = 3.0;  // of a depth map: an empty cell is one in 8000
+constexpr double kMostCells = 4e6;     // of a depth map; an object alone needs thousands
+constexpr float kOblique = 0.25F;      // cosine under which a direction says nothing about a point
+constexpr float kLowest = -std::numeric_limits<float>::infinity();
+constexpr double kAgreement = 0.9;  // of a connected surface's votes, by weight
+constexpr std::size_t kPiece = 1U << 14U;
+
+std::uint64_t hash_of(float x, float y, float z) {
+  return hash_words(std::array<std::uint64_t, 3>{std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y),
+                                                 std::bit_cast<std::uint32_t>(z)});
+}
+
+OrientedPoints draw_sample(const OrientedPieces& pieces, std::uint64_t count, ThreadPool& pool) {
+  const double share = std::min(1.0, kMost / std::max(1.0, static_cast<double>(count)));
+  const auto limit = static_cast<std::uint32_t>(share * 4294967295.0);
+  std::vector<std::array<float, 3>> drawn;
+  std::mutex mutex;
+  pieces([&](const OrientedPoints& points) {
+    pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::array<float, 3>> mine;
+      for (std::size_t k = begin; k < end; ++k) {
+        if (static_cast<std::uint32_t>(mix_bits(hash_of(points.x[k], points.y[k], points.z[k]))) > limit) continue;
+        if (points.x[k] < OrientedPoints::kFarAway) mine.push_back({points.x[k], points.y[k], points.z[k]});
+      }
+      const std::lock_guard lock(mutex);
+      drawn.insert(drawn.end(), mine.begin(), mine.end());
+    });
+  });
+  OrientedPoints sample;
+  sample.count = drawn.size();
+  sample.x = make_buffer<float>(sample.count);
+  sample.y = make_buffer<float>(sample.count);
+  sample.z = make_buffer<float>(sample.count);
+  for (std::size_t k = 0; k < drawn.size(); ++k) {
+    sample.x[k] = drawn[k][0];
+    sample.y[k] = drawn[k][1];
+    sample.z[k] = drawn[k][2];
+  }
+  return sample;
+}
+
+/// The directions from the middle of a cube to its faces, edges and corners.
+std::vector<Eigen::Vector3f> all_directions() {
+  std::vector<Eigen::Vector3f> directions;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        directions.push_back(
+            Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)).normalized());
+      }
+    }
+  }
+  return directions;
+}
+
+/// Samples that are connected, and which of them have opposed normals: a forest with a sign on every branch.
+class SurfaceParts {
+ public:
+  struct Place {
+    std::uint32_t root;
+    bool opposed;  // to the root
+  };
+  explicit SurfaceParts(std::size_t samples) : up_(samples), opposed_(samples, 0), size_(samples, 1) {
+    std::iota(up_.begin(), up_.end(), 0U);
+  }
+
+  [[nodiscard]] Place find(std::uint32_t sample) const {
+    bool opposed = false;
+    while (up_[sample] != sample) {
+      opposed = opposed != (opposed_[sample] != 0);
+      sample = up_[sample];
+    }
+    return {sample, opposed};
+  }
+  void join(std::uint32_t a, std::uint32_t b, bool opposed) {
+    Place of_a = find(a);
+    Place of_b = find(b);
+    if (of_a.root == of_b.root) return;
+    if (size_[of_a.root] < size_[of_b.root]) std::swap(of_a, of_b);
+    up_[of_b.root] = of_a.root;  // the smaller below the larger keeps branches short
+    size_[of_a.root] += size_[of_b.root];
+    opposed_[of_b.root] = (of_a.opposed != of_b.opposed) != opposed ? 1 : 0;
+  }
+
+ private:
+  std::vector<std::uint32_t> up_;
+  std::vector<std::uint8_t> opposed_;
+  std::vector<std::uint32_t> size_;
+};
+
+/// What is seen of points from one direction: square cells across it, the nearest depth in each.
+struct DepthMap {
+  Eigen::Vector3f right, up, towards;
+  std::vector<float> u, v, depth;      // of each point; larger depths are nearer
+  std::vector<std::uint32_t> cell;     // of each point
+  std::vector<std::uint32_t> nearest;  // point of each cell, or kNone
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+
+  explicit DepthMap(const Eigen::Vector3f& direction)
+      : right(direction.unitOrthogonal()), up(direction.cross(right)), towards(direction) {}
+
+  /// Requires points, `count` of them.
+  void draw(std::size_t count, const float* x, const float* y, const float* z, float cell_m) {
+    u.resize(count);
+    v.resize(count);
+    depth.resize(count);
+    cell.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      u[k] = x[k] * right.x() + y[k] * right.y() + z[k] * right.z();
+      v[k] = x[k] * up.x() + y[k] * up.y() + z[k] * up.z();
+      depth[k] = x[k] * towards.x() + y[k] * towards.y() + z[k] * towards.z();
+    }
+    const auto [u0, u1] = std::minmax_element(u.begin(), u.end());
+    const auto [v0, v1] = std::minmax_element(v.begin(), v.end());
+    // Points far behind the others must not cost memory: cells that are too many become larger, which hides more.
+    const auto across = [&](float range) {
+      return std::floor(static_cast<double>(range) / static_cast<double>(cell_m)) + 1.0;
+    };
+    while (across(*u1 - *u0) * across(*v1 - *v0) > kMostCells) cell_m *= 2.0F;
+    const int nu = static_cast<int>(across(*u1 - *u0));
+    const int nv = static_cast<int>(across(*v1 - *v0));
+    nearest.assign(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv), kNone);
+    for (std::size_t k = 0; k < count; ++k) {
+      const int i = std::clamp(static_cast<int>((u[k] - *u0) / cell_m), 0, nu - 1);
+      const int j = std::clamp(static_cast<int>((v[k] - *v0) / cell_m), 0, nv - 1);
+      cell[k] = static_cast<std::uint32_t>(j) * static_cast<std::uint32_t>(nu) + static_cast<std::uint32_t>(i);
+      std::uint32_t& here = nearest[cell[k]];
+      if (here == kNone || depth[k] > depth[here]) here = static_cast<std::uint32_t>(k);
+    }
+  }
+};
+
+}  // namespace
+
+FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
+                         double spacing_m, const std::vector<StationView>& stations, ThreadPool& pool) {
+  const OrientedPoints sample = draw_sample(pieces, totals.count, pool);
+  const double thinned = static_cast<double>(totals.count) / std::max<double>(1.0, static_cast<double>(sample.count));
+  spacing_m_ = spacing_m * std::sqrt(std::max(1.0, thinned));
+  DiscRule rule;
+  rule.spacing_m = spacing_m_;
+  rule.neighbours = kNeighbours;
+  rule.least_nz = 0.01;
+  BinLattice columns;
+  columns.spacing_m = disc_column_m(rule);
+  columns.x0_m = extent.xmin_m;
+  columns.y0_m = extent.ymin_m;
+  columns.nx = static_cast<int>(extent.width_m() / columns.spacing_m) + 2;
+  columns.ny = static_cast<int>(extent.height_m() / columns.spacing_m) + 2;
+  samples_ = find_discs(sample, {}, columns, BinWindow::all(columns), rule, true, pool);
+
+  const auto row_length = static_cast<std::size_t>(columns.bins_x());
+  for (std::size_t row = 0; row < static_cast<std::size_t>(columns.bins_y()); ++row) {
+    const std::uint32_t first = row_begin(row);
+    for (std::uint32_t d = first; d < first + row_size(row); ++d) of_slot_.push_back(d);
+  }
+  const std::size_t size = of_slot_.empty() ? 0 : of_slot_.back() + 1;
+  for (std::vector<float>* values : {&height_, &normal_x_, &normal_y_, &normal_z_, &votes_}) {
+    values->assign(size + FacingKernel::kReadAhead, 0.0F);
+  }
+  for (const std::uint32_t d : of_slot_) {
+    const float a = samples_.slope_x[d];
+    const float b = samples_.slope_y[d];
+    height_[d] = samples_.height(d);
+    normal_z_[d] = 1.0F / std::sqrt(1.0F + a * a + b * b);
+    normal_x_[d] = -a * normal_z_[d];
+    normal_y_[d] = -b * normal_z_[d];
+  }
+  vote(pool);
+  find_neighbours(pool);
+  spread_votes(pool);
+  overrule_by_surface();
+  if (!stations.empty()) ask_stations(stations);
+  near_.clear();
+  near_counts_.clear();
+
+  // Most discs lie where no sample near may face away, which needs no closer look.
+  const auto nx = row_length;
+  const auto ny = static_cast<std::size_t>(columns.bins_y());
+  std::vector<float> own(nx * ny, kLowest);
+  std::vector<std::uint8_t> empty(own.size(), 0);
+  for (std::size_t c = 0; c < own.size(); ++c) {
+    const std::uint32_t* start = samples_.start.get() + c / nx * (nx + 1) + c % nx;
+    empty[c] = start[0] == start[1] ? 1 : 0;
+    for (std::uint32_t d = start[0]; d < start[1]; ++d) {
+      if (votes_[d] <= 0.0F) own[c] = std::max(own[c], height_[d]);
+    }
+  }
+  away_top_m_.assign(own.size(), kLowest);
+  for (std::size_t j = 0; j < ny; ++j) {
+    for (std::size_t i = 0; i < nx; ++i) {
+      for (std::size_t b = j > 0 ? j - 1 : 0; b <= std::min(ny - 1, j + 1); ++b) {
+        for (std::size_t a = i > 0 ? i - 1 : 0; a <= std::min(nx - 1, i + 1); ++a) {
+          away_top_m_[j * nx + i] = std::max(away_top_m_[j * nx + i], own[b * nx + a]);
+        }
+      }
+      if (empty[j * nx + i] != 0) away_top_m_[j * nx + i] = -kLowest;  // nothing known: always look
+      away_top_m_[j * nx + i] += static_cast<float>(2.5 * spacing_m_);
+    }
+  }
+}
+
+double FacingField::share_turned_away() const {
+  std::size_t seen = 0;
+  std::size_t turned = 0;
+  for (const std::uint32_t d : of_slot_) {
+    if (seen_[d] == 0) continue;
+    ++seen;
+    turned += votes_[d] < -kSure ? 1 : 0;
+  }
+  return seen == 0 ? 0.0 : static_cast<double>(turned) / static_cast<double>(seen);
+}
+
+void FacingField::vote(ThreadPool& pool) {
+  const std::vector<Eigen::Vector3f> directions = all_directions();
+  std::vector<std::vector<float>> votes(directions.size());
+  if (of_slot_.empty()) return;
+  const std::size_t count = of_slot_.size();
+  std::vector<float> x(count), y(count), z(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    x[k] = samples_.x[of_slot_[k]];
+    y[k] = samples_.y[of_slot_[k]];
+    z[k] = height_[of_slot_[k]];
+  }
+  pool.for_ranges(directions.size(), 1, [&](std::size_t number, std::size_t) {
+    DepthMap map(directions[number]);
+    map.draw(count, x.data(), y.data(), z.data(), static_cast<float>(kCellSpacings * spacing_m_));
+    std::vector<float>& mine = votes[number];
+    mine.assign(votes_.size(), 0.0F);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t d = of_slot_[k];
+      const Eigen::Vector3f normal(normal_x_[d], normal_y_[d], normal_z_[d]);
+      const float cosine = normal.dot(map.towards);
+      if (std::abs(cosine) < kOblique) continue;
+      // What is seen lies on the nearest point's surface; another sheet before it, however close, hides it.
+      const std::uint32_t nearest = map.nearest[map.cell[k]];
+      const Eigen::Vector3f before(x[nearest] - x[k], y[nearest] - y[k], z[nearest] - z[k]);
+      if (std::abs(normal.dot(before)) <= static_cast<float>(kSheet * spacing_m_)) mine[d] = cosine;
+    }
+  });
+  seen_.assign(votes_.size(), 0);
+  for (std::size_t number = 0; number < directions.size(); ++number) {
+    const std::vector<float>& mine = votes[number];
+    const bool viewer = directions[number].z() > 0.99F;
+    for (std::size_t d = 0; d < mine.size(); ++d) {
+      votes_[d] += mine[d];
+      if (viewer) seen_[d] = mine[d] != 0.0F ? 1 : 0;
+    }
+  }
+}
+
+FacingKernel FacingField::kernel() const {
+  const BinLocator locator(samples_.columns);
+  FacingKernel kernel;
+  kernel.start = samples_.start.get();
+  kernel.columns = static_cast<std::size_t>(samples_.columns.bins_x());
+  kernel.rows = static_cast<std::size_t>(samples_.columns.bins_y());
+  kernel.x_shift_m = locator.x_shift_m;
+  kernel.y_shift_m = locator.y_shift_m;
+  kernel.per_m = locator.per_m;
+  kernel.x = samples_.x.get();
+  kernel.y = samples_.y.get();
+  kernel.z = height_.data();
+  kernel.normal_x = normal_x_.data();
+  kernel.normal_y = normal_y_.data();
+  kernel.normal_z = normal_z_.data();
+  kernel.votes = votes_.data();
+  kernel.away_top_m = away_top_m_.data();
+  kernel.reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
+  kernel.sheet_m = static_cast<float>(kSheet * spacing_m_);
+  kernel.aligned = kAligned;
+  kernel.sure = kSure;
+  return kernel;
+}
+
+// Neighbours on the same surface: near, with a normal that is nearly parallel, and not before or behind.
+void FacingField::find_neighbours(ThreadPool& pool) {
+  const FacingKernel shared = kernel();
+  near_.resize(shared.rows);
+  near_counts_.assign(votes_.size(), 0);
+  pool.for_ranges(shared.rows, 1, [&](std::size_t row, std::size_t) {
+    std::vector<std::uint32_t> aligned;
+    std::vector<float> cosine;
+    for (std::size_t column = 0; column < shared.columns; ++column) {
+      const std::uint32_t* start = shared.start + row * (shared.columns + 1) + column;
+      if (start[0] == start[1]) continue;
+      std::size_t most = FacingKernel::kReadAhead;
+      for (std::size_t j = row > 0 ? row - 1 : 0; j <= std::min(shared.rows - 1, row + 1); ++j) most += row_size(j);
+      aligned.resize(std::max(aligned.size(), most));
+      cosine.resize(aligned.size());
+      for (std::uint32_t d = start[0]; d < start[1]; ++d) {
+        const std::size_t count = fastest_kernels().list_aligned(shared, row, column, d, aligned.data(), cosine.data());
+        for (std::size_t n = 0; n < count; ++n) near_[row].push_back({aligned[n], cosine[n]});
+        near_counts_[d] = static_cast<std::uint32_t>(count);
+      }
+    }
+  });
+}
+
+// Half of a sample's vote becomes, several times over, the mean of its neighbours'.
+void FacingField::spread_votes(ThreadPool& pool) {
+  std::vector<float> spread(votes_.size(), 0.0F);
+  for (int round = 0; round < kRounds; ++round) {
+    pool.for_ranges(near_.size(), 1, [&](std::size_t row, std::size_t) {
+      const Neighbour* neighbour = near_[row].data();
+      const std::uint32_t first = row_begin(row);
+      for (std::uint32_t d = first; d < first + row_size(row); ++d) {
+        float sum = 0.0F;
+        for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++neighbour) {
+          sum += neighbour->cosine * std::abs(neighbour->cosine) * votes_[neighbour->sample];
+        }
+        spread[d] = 0.5F * votes_[d] + 0.5F * sum / static_cast<float>(near_counts_[d] + 1);
+      }
+    });
+    votes_.swap(spread);
+  }
+}
+
+// The inside of a wall is seen through a hole as well as its outside around it: only the surface that connects the two,
+// around the wall's rim, tells. So normals are aligned along the flattest connections (Hoppe et al. 1992, section 3.3),
+// and where the votes of a connected surface agree well, those that do not are overruled.
+void FacingField::overrule_by_surface() {
+  struct Edge {
+    std::uint32_t a, b;
+    bool opposed;
+  };
+  constexpr std::size_t kBuckets = 256;
+  std::vector<std::vector<Edge>> edges(kBuckets);
+  for (std::size_t row = 0; row < near_.size(); ++row) {
+    const Neighbour* cursor = near_[row].data();
+    const std::uint32_t first = row_begin(row);
+    for (std::uint32_t d = first; d < first + row_size(row); ++d) {
+      for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++cursor) {
+        if (cursor->sample <= d) continue;
+        const float bent = (1.0F - std::min(1.0F, std::abs(cursor->cosine))) / (1.0F - kAligned);
+        const auto bucket = std::min(kBuckets - 1, static_cast<std::size_t>(bent * static_cast<float>(kBuckets)));
+        edges[bucket].push_back({d, cursor->sample, cursor->cosine < 0.0F});
+      }
+    }
+  }
+  SurfaceParts parts(votes_.size());
+  for (const std::vector<Edge>& bucket : edges) {
+    for (const Edge& edge : bucket) parts.join(edge.a, edge.b, edge.opposed);
+  }
+  outside_.assign(votes_.size(), 0.0F);
+  std::vector<double> sum(votes_.size(), 0.0);
+  std::vector<double> size(votes_.size(), 0.0);
+  for (const std::uint32_t d : of_slot_) {
+    const SurfaceParts::Place place = parts.find(d);
+    sum[place.root] += static_cast<double>(place.opposed ? -votes_[d] : votes_[d]);
+    size[place.root] += static_cast<double>(std::abs(votes_[d]));
+  }
+  for (const std::uint32_t d : of_slot_) {
+    const SurfaceParts::Place place = parts.find(d);
+    if (!(std::abs(sum[place.root]) >= kAgreement * size[place.root])) continue;
+    const bool outwards = (sum[place.root] > 0.0) != place.opposed;
+    outside_[d] = outwards ? 1.0F : -1.0F;
+    votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * outside_[d];
+  }
+}
+
+void FacingField::set_facing(TangentDiscs& discs, ThreadPool& pool) const {
+  const FacingKernel shared = kernel();
+  const auto row_length = static_cast<std::size_t>(discs.columns.bins_x());
+  const auto first = static_cast<std::size_t>(discs.window.first_row);
+  pool.for_ranges(static_cast<std::size_t>(discs.window.last_row) - first, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = first + begin; row < first + end; ++row) {
+      const std::uint32_t* start = discs.start.get() + row * (row_length + 1);
+      fastest_kernels().find_facing(shared, discs.x.get(), discs.y.get(), discs.records.get(), start[0],
+                                    start[row_length]);
+    }
+  });
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,80 @@
+// Which side of a surface is outside, voted by what is seen of it from 26 directions: so a layer seen from behind
+// through a hole is no front, wherever one looks from.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/thread_pool.h"
+#include "pipeline/projection/extent.h"
+#include "pipeline/projection/points.h"
+#include "pipeline/projection/simd/kernels.h"
+#include "pipeline/projection/tangent_discs.h"
+
+namespace sparsha::pipeline {
+
+/// Where a scanner stood and some points that it saw, as oriented points are.
+struct StationView {
+  Eigen::Vector3f place;
+  std::vector<Eigen::Vector3f> seen;
+};
+
+/// A sample of the cloud with outward normals, in columns.
+class FacingField {
+ public:
+  /// Of about `most` points, chosen by a hash. `spacing_m` is the cloud's on the surface. Depends neither on threads
+  /// nor on the points' order. What a station saw faces it, unless its points' sides are known and say otherwise.
+  FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent, double spacing_m,
+              const std::vector<StationView>& stations, ThreadPool& pool);
+
+  /// Of what the viewer sees first, the share that faces away: holes in the front. Where it is large, holes are an
+  /// unlikely reason.
+  [[nodiscard]] double share_turned_away() const;
+
+  /// Stations that contradict what is seen of their points from outside; they are not asked.
+  [[nodiscard]] const std::vector<std::size_t>& lying_stations() const { return lying_stations_; }
+
+  /// Sets the facing of each disc: 1 towards the viewer, -1 away, 0 where neither is sure.
+  void set_facing(TangentDiscs& discs, ThreadPool& pool) const;
+
+ private:
+  struct Neighbour {
+    std::uint32_t sample;
+    float cosine;  // of the normals
+  };
+  void vote(ThreadPool& pool);
+  void find_neighbours(ThreadPool& pool);
+  void spread_votes(ThreadPool& pool);
+  void overrule_by_surface();
+  void ask_stations(const std::vector<StationView>& stations);
+  [[nodiscard]] std::vector<float> seen_from(const StationView& station) const;
+  void spread_sides(std::vector<float>& sides) const;
+  [[nodiscard]] FacingKernel kernel() const;
+  /// The samples of a row of columns: the first, and how many.
+  [[nodiscard]] std::uint32_t row_begin(std::size_t row) const { return row_start(row)[0]; }
+  [[nodiscard]] std::uint32_t row_size(std::size_t row) const {
+    return row_start(row)[samples_.columns.bins_x()] - row_start(row)[0];
+  }
+  [[nodiscard]] const std::uint32_t* row_start(std::size_t row) const {
+    return samples_.start.get() + row * static_cast<std::size_t>(samples_.columns.bins_x() + 1);
+  }
+
+  double spacing_m_ = 0.0;  // of the sample
+  TangentDiscs samples_;
+  std::vector<std::uint32_t> of_slot_;  // samples in order -> places in the arrays of samples_
+  // By place, and some zeros beyond for vector reads.
+  std::vector<float> height_;                          // metres
+  std::vector<float> normal_x_, normal_y_, normal_z_;  // unit; z >= 0
+  std::vector<float> votes_;                           // positive: the normal points outwards
+  std::vector<std::vector<Neighbour>> near_;           // of the samples of each row, in order, while votes are counted
+  std::vector<std::uint32_t> near_counts_;
+  std::vector<std::uint8_t> seen_;  // by the viewer
+  std::vector<float> outside_;      // where a surface's votes agree: 1 the normal's side, -1 the other; else 0
+  std::vector<std::size_t> lying_stations_;
+  std::vector<float> away_top_m_;  // of each column: above it nothing near faces away
+};
+
+}  // namespace sparsha::pipeline

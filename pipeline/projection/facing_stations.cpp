@@ -1,0 +1,93 @@
+// Which side of a surface its scanners stood on, where the scans say so.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "pipeline/projection/bins.h"
+#include "pipeline/projection/facing.h"
+#include "pipeline/projection/facing_rules.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kTruthful = 0.75;  // share of a station's points that are known to face it
+constexpr std::size_t kFewPoints = 50;
+constexpr float kParallel = 0.9F;  // cosine of normals of neighbours that share a side
+constexpr float kGlancing = 0.1F;  // cosine of a ray that does not tell which side it met
+
+}  // namespace
+
+// Which side of each sample a station saw: 1 the normal's, -1 the other, 0 where it saw nothing near.
+std::vector<float> FacingField::seen_from(const StationView& station) const {
+  const BinLocator ruler(samples_.columns);
+  const int nx = samples_.columns.bins_x();
+  const int ny = samples_.columns.bins_y();
+  const auto reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
+  const auto sheet = static_cast<float>(kSheet * spacing_m_);
+  std::vector<float> sides(votes_.size(), 0.0F);
+  for (const Eigen::Vector3f& p : station.seen) {
+    int column = 0;
+    int row = 0;
+    if (!ruler.locate(p.x(), p.y(), column, row)) continue;
+    const Eigen::Vector3f ray = (station.place - p).normalized();
+    for (int j = std::max(0, row - 1); j <= std::min(ny - 1, row + 1); ++j) {
+      const std::uint32_t* start = row_start(static_cast<std::size_t>(j));
+      for (std::uint32_t d = start[std::max(0, column - 1)]; d < start[std::min(nx - 1, column + 1) + 1]; ++d) {
+        const Eigen::Vector3f normal(normal_x_[d], normal_y_[d], normal_z_[d]);
+        const Eigen::Vector3f apart = p - Eigen::Vector3f(samples_.x[d], samples_.y[d], height_[d]);
+        if (apart.squaredNorm() > reach2 || std::abs(normal.dot(apart)) > sheet) continue;
+        const float cosine = normal.dot(ray);
+        if (std::abs(cosine) >= kGlancing) sides[d] += cosine > 0.0F ? 1.0F : -1.0F;
+      }
+    }
+  }
+  for (float& side : sides) side = side > 0.0F ? 1.0F : side < 0.0F ? -1.0F : 0.0F;
+  return sides;
+}
+
+// Samples between those that a station saw are on the sides of their neighbours.
+void FacingField::spread_sides(std::vector<float>& sides) const {
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<float> known = sides;
+    for (std::size_t row = 0; row < near_.size(); ++row) {
+      const Neighbour* neighbour = near_[row].data();
+      const std::uint32_t first = row_begin(row);
+      for (std::uint32_t d = first; d < first + row_size(row); ++d) {
+        float sum = 0.0F;
+        for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++neighbour) {
+          if (std::abs(neighbour->cosine) >= kParallel) sum += neighbour->cosine * known[neighbour->sample];
+        }
+        if (known[d] == 0.0F) sides[d] = sum > kAligned ? 1.0F : sum < -kAligned ? -1.0F : 0.0F;
+      }
+    }
+  }
+}
+
+// A station cannot see the far side of what it scanned. But programs write stations that nobody stood at: of surfaces
+// that are closed enough for their votes to agree, a station has to be on the outer side of most. Sheets that are seen
+// on both sides say nothing.
+void FacingField::ask_stations(const std::vector<StationView>& stations) {
+  std::vector<float> sides(votes_.size(), 0.0F);
+  for (std::size_t s = 0; s < stations.size(); ++s) {
+    const std::vector<float> mine = seen_from(stations[s]);
+    std::size_t known = 0;
+    std::size_t agreed = 0;
+    for (const std::uint32_t d : of_slot_) {
+      if (mine[d] == 0.0F || outside_[d] == 0.0F) continue;
+      ++known;
+      agreed += outside_[d] == mine[d] ? 1 : 0;
+    }
+    if (known >= kFewPoints && static_cast<double>(agreed) < kTruthful * static_cast<double>(known)) {
+      lying_stations_.push_back(s);
+      continue;
+    }
+    for (const std::uint32_t d : of_slot_) sides[d] += mine[d];
+  }
+  spread_sides(sides);
+  for (const std::uint32_t d : of_slot_) {
+    if (sides[d] != 0.0F) votes_[d] = sides[d] > 0.0F ? 2.0F * kSure : -2.0F * kSure;
+  }
+}
+
+}  // namespace sparsha::pipeline

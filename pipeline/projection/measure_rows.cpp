@@ -1,0 +1,103 @@
+// Windows of nodes for reliefs, tangent discs for closed objects.
+#include "pipeline/projection/measure_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/projection/fit_rows.h"
+#include "pipeline/projection/simd/kernels.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kLinkNoise = 4.0;  // standard deviations between two discs of one layer
+
+// The columns that hold the points of a window of the nodes' bins.
+BinWindow columns_of(const BinLattice& nodes, const BinWindow& window, const BinLattice& columns) {
+  const BinLocator bins(nodes);
+  const BinLocator locator(columns);
+  const auto row_at = [&](int row) {
+    const double y = static_cast<double>(bins.y_shift_m) + row * nodes.spacing_m;
+    return (y - static_cast<double>(locator.y_shift_m)) / columns.spacing_m;
+  };
+  BinWindow all = BinWindow::all(columns);
+  all.first_row = std::clamp(static_cast<int>(std::floor(row_at(window.first_row))) - 1, 0, columns.bins_y() - 1);
+  all.last_row =
+      std::clamp(static_cast<int>(std::ceil(row_at(window.last_row))) + 1, all.first_row + 1, columns.bins_y());
+  return all;
+}
+
+std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const ProjectionPlan& plan, int first_row,
+                                        const Context& context, DepthGrid& rows) {
+  const BinLocator locator(discs.columns);
+  DiscNodeKernel shared;
+  shared.start = discs.start.get();
+  shared.x = discs.x.get();
+  shared.y = discs.y.get();
+  shared.slope_x = discs.slope_x.get();
+  shared.slope_y = discs.slope_y.get();
+  shared.radius2 = discs.radius2.get();
+  shared.records = discs.records.get();
+  shared.rings = discs.rings.data();
+  shared.bins_x = static_cast<std::size_t>(discs.columns.bins_x());
+  shared.first_row = static_cast<std::size_t>(discs.window.first_row);
+  shared.last_row = static_cast<std::size_t>(discs.window.last_row);
+  shared.columns_x0_m = locator.x_shift_m;
+  shared.columns_y0_m = locator.y_shift_m;
+  shared.per_side = locator.per_m;
+  shared.x0_m = plan.bins.x0_m;
+  shared.y0_m = plan.bins.y0_m;
+  shared.spacing_m = plan.bins.spacing_m;
+  shared.nx = static_cast<std::size_t>(rows.lattice.nx);
+  shared.per_reach = static_cast<float>(1.0 / DiscRule::kReach);
+  shared.link_noise_m = static_cast<float>(kLinkNoise * plan.rule.noise_m);
+  std::vector<std::uint8_t> verdicts(rows.lattice.count());
+  context.pool.for_ranges(static_cast<std::size_t>(rows.lattice.ny), 4, [&](std::size_t begin, std::size_t end) {
+    context.progress.throw_if_cancelled();
+    const auto scratch = make_buffer<float>(DiscNodeKernel::kScratch);
+    DiscNodeKernel kernel = shared;
+    kernel.scratch = scratch.get();
+    for (std::size_t j = begin; j < end; ++j) {
+      const std::size_t at = j * kernel.nx;
+      fastest_kernels().fit_disc_nodes(kernel, static_cast<std::size_t>(first_row) + j, rows.height_m.data() + at,
+                                       verdicts.data() + at);
+      for (std::size_t node = at; node < at + kernel.nx; ++node) {
+        if ((verdicts[node] & DiscNodeKernel::kMeasured) != 0) rows.state[node] = NodeState::measured;
+      }
+    }
+  });
+  return verdicts;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::vector<std::uint8_t>& skip,
+                                       const ProjectionPlan& plan, const BinWindow& window, int first_row,
+                                       const Context& context, DepthGrid& rows, MemoryStore* store) {
+  if (!plan.discs) {
+    const Bins bins = sort_into_bins(points, skip, plan.bins, window, context.pool, store);
+    fit_rows(bins, plan.rule, plan.gap_m, first_row, context, rows);
+    return {};
+  }
+  const BinLattice columns = disc_columns(plan.bins, *plan.discs);
+  TangentDiscs discs =
+      find_discs(points, skip, columns, columns_of(plan.bins, window, columns), *plan.discs, false, context.pool, store);
+  context.progress.throw_if_cancelled();
+  if (plan.facing) plan.facing->set_facing(discs, context.pool);
+  return fit_disc_rows(discs, plan, first_row, context, rows);
+}
+
+int bins_beyond(const ProjectionPlan& plan) {
+  if (!plan.discs) return widest_look(plan.rule);
+  return static_cast<int>(std::ceil(disc_reach_m(*plan.discs) / plan.lattice.spacing_m)) + 2;
+}
+
+void add_verdicts(const std::uint8_t* first, const std::uint8_t* last, Projection& projection) {
+  for (; first != last; ++first) {
+    projection.nodes_turned_away += (*first & DiscNodeKernel::kAway) != 0 ? 1 : 0;
+    projection.nodes_doubtful += (*first & DiscNodeKernel::kDoubtful) != 0 ? 1 : 0;
+    projection.nodes_unsure += (*first & DiscNodeKernel::kUnsure) != 0 ? 1 : 0;
+  }
+}
+
+}  // namespace sparsha::pipeline

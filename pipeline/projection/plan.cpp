@@ -1,0 +1,98 @@
+// The lattice follows from the extent and the spacing, the rules of the nodes from noise and spacing.
+#include "pipeline/projection/plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "base/error.h"
+#include "pipeline/projection/lattice.h"
+#include "pipeline/projection/sampling.h"
+#include "pipeline/projection/surface_statistics.h"
+
+namespace sparsha::pipeline {
+
+namespace {
+
+// Of neighbourhoods in space, flat ones: where more are steep, points belong to a closed object.
+constexpr double kSteepShare = 0.2;
+// Where points are this sparse at more places, the median says little about their spacing, and discs would miss them.
+constexpr double kMostSparse = 0.15;
+// Where more of what is seen first faces away, something else than holes is the reason.
+constexpr double kMostTurnedAway = 0.2;
+
+std::vector<StationView> views_of(const OrientedStations& oriented) {
+  const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector3f {
+    return ((oriented.scan_to_grid * p.homogeneous()).head<3>() - oriented.origin_m).cast<float>();
+  };
+  std::vector<StationView> views;
+  for (const Station& station : oriented.stations) {
+    views.push_back({place(station.place_m), {}});
+    for (const Eigen::Vector3d& p : station.seen_m) views.back().seen.push_back(place(p));
+  }
+  return views;
+}
+
+}  // namespace
+
+ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
+                               const OrientedStations& oriented, bool only_mesh, const GridConfig& config,
+                               double resolution_m, ThreadPool& pool) {
+  const Eigen::Vector3d& origin_m = oriented.origin_m;
+  CloudStatistics statistics = sample_cloud(pieces, extent, pool);
+  ProjectionPlan plan;
+  if (only_mesh) {
+    statistics.noise_m = 0.0;
+  } else if (statistics.steep_share > kSteepShare && statistics.surface_spacing_m > 0.0) {
+    const SurfaceStatistics surface = surface_statistics(pieces, extent, statistics.surface_spacing_m, pool);
+    if (surface.spacing_m > 0.0 && surface.sparse_share <= kMostSparse) {
+      statistics.noise_m = surface.noise_m;
+      statistics.point_spacing_m = surface.spacing_m;
+      DiscRule rule;
+      rule.spacing_m = surface.spacing_m * static_cast<double>(surface.scale);
+      rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
+      plan.discs = rule;
+      auto facing = std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m, views_of(oriented), pool);
+      for (const std::size_t station : facing->lying_stations()) {
+        const Station& lying = oriented.stations[station];
+        if (!lying.declared) continue;  // a pose says where points are; where from, nobody promised
+        if (plan.lying_stations.empty() || plan.lying_stations.back() != lying.scan) {
+          plan.lying_stations.push_back(lying.scan);
+        }
+      }
+      if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
+    }
+  }
+  if (config.noise_m) statistics.noise_m = *config.noise_m;
+
+  plan.origin_m = origin_m;
+  plan.point_spacing_m = statistics.point_spacing_m;
+  plan.gap_m = layer_gap_m(statistics.noise_m, statistics.point_spacing_m);
+  plan.lattice = choose_lattice(config, extent, origin_m, statistics.point_spacing_m, resolution_m);
+  plan.bins = {plan.lattice.nx, plan.lattice.ny, plan.lattice.spacing_m, plan.lattice.origin_m.x() - origin_m.x(),
+               plan.lattice.origin_m.y() - origin_m.y()};
+  const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
+  plan.rule = {statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};
+  return plan;
+}
+
+Projection ProjectionPlan::empty_projection() const {
+  Projection projection;
+  projection.noise_m = rule.noise_m;
+  projection.point_spacing_m = point_spacing_m;
+  projection.gap_m = gap_m;
+  projection.closed = discs.has_value();
+  projection.facing_known = facing != nullptr;
+  projection.lying_stations = lying_stations;
+  projection.grid = DepthGrid(lattice);
+  return projection;
+}
+
+void require_a_measured_node(const DepthGrid& grid) {
+  if (std::find(grid.state.begin(), grid.state.end(), NodeState::measured) != grid.state.end()) return;
+  throw input_error({}, "no node of the depth grid can be measured: too few points near each other",
+                    "four points around a node; a larger grid.spacing_mm, other bounds or another orientation");
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,60 @@
+// What is decided before a node is fitted: origin, lattice, noise, spacing and gap. It needs all points, but not at
+// once.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/thread_pool.h"
+#include "pipeline/projection/bins.h"
+#include "pipeline/projection/extent.h"
+#include "pipeline/projection/facing.h"
+#include "pipeline/projection/node_fitter.h"
+#include "pipeline/projection/points.h"
+#include "pipeline/projection/projection.h"
+#include "pipeline/projection/tangent_discs.h"
+#include "pipeline/scan/cloud.h"
+#include "scene/config.h"
+#include "scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+struct ProjectionPlan {
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of oriented points
+  Lattice lattice;
+  BinLattice bins;
+  NodeFitParameters rule;
+  double point_spacing_m = 0.0;
+  double gap_m = 0.0;
+  std::optional<DiscRule> discs;              ///< closed objects: nodes are decided by tangent discs
+  std::shared_ptr<const FacingField> facing;  ///< with discs, when it is known what faces away
+  std::vector<std::string> lying_stations;    ///< files whose stations do not see the sides that are outside
+
+  /// Memory of a point while it is sorted and nodes are measured, and some to spare; without the cloud's own.
+  [[nodiscard]] std::uint64_t bytes_a_point() const { return discs ? 112 : 56; }
+
+  /// With nothing measured yet.
+  [[nodiscard]] Projection empty_projection() const;
+};
+
+/// How points were oriented, and the stations in the frame that they came from.
+struct OrientedStations {
+  const std::vector<Station>& stations;
+  Eigen::Matrix4d scan_to_grid;
+  Eigen::Vector3d origin_m;  ///< of the oriented points
+};
+
+/// `totals` are of the pieces, `oriented` says how they were made. Vertices of faces carry no noise: `only_mesh` says
+/// there is nothing else. Throws as choose_lattice does.
+[[nodiscard]] ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals,
+                                             const Extent& extent, const OrientedStations& oriented, bool only_mesh,
+                                             const GridConfig& config, double resolution_m, ThreadPool& pool);
+
+/// Throws Error{input} when no node is measured.
+void require_a_measured_node(const DepthGrid& grid);
+
+}  // namespace sparsha::pipeline

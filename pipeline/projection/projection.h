@@ -1,0 +1,52 @@
+// From an oriented cloud to a depth grid: front layer, robust local fit, exact triangles: docs/architecture.md,
+// "How the surface is computed".
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/context.h"
+#include "pipeline/scan/cloud.h"
+#include "scene/config.h"
+#include "scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// What became of each point that reached the projection.
+enum class PointClass : std::uint8_t { used, occluded, outlier, outside };
+
+struct Projection {
+  DepthGrid grid;
+  double noise_m = 0.0;                 ///< standard deviation of the points about the fits, from samples
+  double point_spacing_m = 0.0;         ///< median spacing of front points
+  double gap_m = 0.0;                   ///< the depth gap that separates front from back
+  bool closed = false;                  ///< decided by tangent discs, see tangent_discs.h; only then are these counted:
+  bool facing_known = false;            ///< layers that face away were told from others
+  std::uint64_t nodes_turned_away = 0;  ///< nodes left unknown because the highest layer faces away from the viewer
+  std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely
+  std::uint64_t nodes_unsure = 0;       ///< measured nodes of which nothing tells which way they face
+  std::vector<std::string> lying_stations;  ///< scans that were seen from elsewhere than they say, so it seems
+  std::uint64_t used = 0, occluded = 0, outlier = 0, outside = 0;
+  std::vector<PointClass> point_class;     ///< one a point of the cloud
+  std::vector<std::uint32_t> colour_rgba;  ///< when asked for and present
+  std::vector<float> intensity;
+};
+
+/// May refuse a lattice by throwing.
+using ApproveLattice = std::function<void(const Lattice& lattice, std::uint64_t bytes_a_point)>;
+
+/// Projects `cloud` as seen along -z of the grid frame, grid = scan_to_grid * scan. `resolution_m` bounds the automatic
+/// spacing from below. Looking at a cloud from one side after another is faster by a Projector. The result depends
+/// neither on the pool's threads nor on the order of the points. Throws Error{input} when no node can be measured,
+/// Error{usage} when the grid would exceed 2^31 nodes or memory. `approve`, when given, sees the lattice, and how many
+/// bytes a point takes while nodes are measured, before memory
+/// is taken for it and may throw.
+[[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
+                                 double resolution_m, const Context& context,
+                                 const ApproveLattice& approve = {});
+
+}  // namespace sparsha::pipeline

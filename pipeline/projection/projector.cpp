@@ -1,0 +1,99 @@
+// The projection's stages in order; each stage has its own file beside this one.
+#include "pipeline/projection/projector.h"
+
+#include <algorithm>
+#include <array>
+#include <new>
+
+#include "base/error.h"
+#include "pipeline/projection/attributes.h"
+#include "pipeline/projection/classification.h"
+#include "pipeline/projection/measure_rows.h"
+#include "pipeline/projection/plan.h"
+#include "pipeline/projection/triangles.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// One flag a point that is a vertex of a face; empty without faces.
+std::vector<std::uint8_t> flag_vertices(const Cloud& cloud, std::size_t points) {
+  std::vector<std::uint8_t> flags;
+  if (cloud.faces.empty()) return flags;
+  flags.assign(points, 0);
+  for (const std::array<std::uint32_t, 3>& face : cloud.faces) {
+    for (const std::uint32_t v : face) {
+      if (v >= points) throw input_error({}, "a face names point " + std::to_string(v), "faces index existing points");
+      flags[v] = 1;
+    }
+  }
+  return flags;
+}
+
+// Where both a mesh and points give a height, the mesh counts unless the points lie in front of it by more than the
+// gap.
+void merge_mesh(const TriangleHeights& mesh, double gap_m, DepthGrid& grid) {
+  for (std::size_t node = 0; node < mesh.height_m.size(); ++node) {
+    if (mesh.face[node] == TriangleHeights::kNone) continue;
+    const bool points_in_front = grid.state[node] == NodeState::measured &&
+                                 static_cast<double>(grid.height_m[node] - mesh.height_m[node]) > gap_m;
+    if (points_in_front) continue;
+    grid.height_m[node] = mesh.height_m[node];
+    grid.state[node] = NodeState::measured;
+  }
+}
+
+}  // namespace
+
+Projector::Projector(const Cloud& cloud, ThreadPool& pool, bool keep_memory)
+    : cloud_(cloud), raw_(raw_points(cloud)), keep_memory_(keep_memory) {
+  if (raw_.count == 0) throw input_error({}, "no points to project", "at least four points");
+  vertices_ = flag_vertices(cloud, raw_.count);
+  only_mesh_ = !vertices_.empty() && std::find(vertices_.begin(), vertices_.end(), 0) == vertices_.end();
+  origin_sample_ = origin_sample(
+      raw_.count, [&](const auto& use) { use(raw_); }, pool);
+}
+
+Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridConfig& config, double resolution_m,
+                              const Context& context, const ApproveLattice& approve) try {
+  MemoryStore* const store = keep_memory_ ? &memory_ : nullptr;
+  const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);
+  const OrientedPoints points = orient_points(raw_, cloud_.origin_m, scan_to_grid, origin_m, context.pool, store);
+  const OrientedPieces whole = [&](const auto& use) { use(points); };
+  PointTotals totals;
+  totals.add(points);
+  Extent extent = supported_extent(totals, whole, context.pool);
+  include_faces(points, cloud_.faces, extent);
+  const ProjectionPlan plan = plan_projection(whole, totals, extent, {cloud_.stations, scan_to_grid, origin_m},
+                                              only_mesh_, config, resolution_m, context.pool);
+  if (approve) approve(plan.lattice, plan.bytes_a_point());
+  Projection projection = plan.empty_projection();
+  context.progress.throw_if_cancelled();
+
+  if (!only_mesh_) {
+    const std::vector<std::uint8_t> verdicts =
+        measure_rows(points, vertices_, plan, BinWindow::all(plan.bins), 0, context, projection.grid, store);
+    add_verdicts(verdicts.data(), verdicts.data() + verdicts.size(), projection);
+  }
+  TriangleHeights mesh;
+  if (!cloud_.faces.empty()) {
+    mesh = project_triangles(points, cloud_.faces, plan.bins, context.pool);
+    merge_mesh(mesh, projection.gap_m, projection.grid);
+  }
+  require_a_measured_node(projection.grid);
+  projection.point_class.resize(points.count);
+  add_classes(classify_points(points, plan.bins, projection.grid, plan.gap_m, context.pool, projection.point_class.data()),
+              projection);
+  const bool colour = config.colour && cloud_.rgba.size() == points.count;
+  const bool intensity = config.intensity && cloud_.intensity.size() == points.count;
+  if (colour || intensity) {
+    const float largest = intensity ? largest_magnitude(cloud_.intensity.data(), points.count) : 0.0F;
+    AttributeSums sums(projection.grid.lattice, plan.bins, colour, intensity, largest);
+    sums.add(points, projection.point_class.data(), cloud_.rgba.data(), cloud_.intensity.data());
+    sums.write(projection, cloud_, points, mesh);
+  }
+  return projection;
+} catch (const std::bad_alloc&) {
+  throw usage_error("the depth grid does not fit into memory", "a smaller grid.size or larger grid.spacing_mm");
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,235 @@
+// Blocks of about 36 points; in each the front layer is found, fitted and counted.
+#include "pipeline/projection/sampling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "base/statistics.h"
+#include "pipeline/projection/local_fit.h"
+#include "pipeline/projection/node_fitter.h"
+#include "pipeline/projection/simd/kernels.h"
+#include "pipeline/projection/surface_plane.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kBlockSpacings = 6.0;
+// The estimates of blocks of about 36 points scatter; this is how their quantile lies to the true value.
+constexpr double kNoiseQuantile = 0.35;
+constexpr double kNoiseOfQuantile = 1.08;
+constexpr double kBlocks = 700.0;
+constexpr std::size_t kPiece = 1U << 15U;
+constexpr std::size_t kBatch = 1U << 10U;
+constexpr std::size_t kBlocksAtOnce = 32;
+
+struct Sample {
+  std::uint64_t block;
+  NodePoint point;
+};
+
+bool before(const NodePoint& a, const NodePoint& b) {
+  if (a.z != b.z) return a.z > b.z;
+  if (a.u != b.u) return a.u < b.u;
+  return a.v < b.v;
+}
+
+// The points of one block, the highest first, and what the latest round made of its front.
+struct Block {
+  std::size_t begin = 0, end = 0;
+  std::size_t front_begin = 0, front_size = 0;
+  double noise_m = -1.0;
+};
+
+// Gathers the samples of each block; the order of the blocks and of their points is that of the samples.
+std::vector<Block> gather_blocks(const std::vector<Sample>& samples, std::vector<NodePoint>& points) {
+  std::unordered_map<std::uint64_t, std::size_t> number;
+  std::vector<std::size_t> of_sample(samples.size());
+  std::vector<Block> blocks;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    // Scan lines stay in a block for a while.
+    const bool again = k > 0 && samples[k].block == samples[k - 1].block;
+    of_sample[k] = again ? of_sample[k - 1] : number.try_emplace(samples[k].block, blocks.size()).first->second;
+    if (of_sample[k] == blocks.size()) blocks.emplace_back();
+    ++blocks[of_sample[k]].end;
+  }
+  std::size_t total = 0;
+  for (Block& block : blocks) {
+    block.begin = total;
+    total += std::exchange(block.end, total);
+  }
+  points.resize(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) points[blocks[of_sample[k]].end++] = samples[k].point;
+  return blocks;
+}
+
+// The value that a share of the weight does not exceed.
+struct Weighted {
+  double value, weight;
+};
+double weighted_quantile(std::vector<Weighted>& values, double share, double otherwise) {
+  double total = 0.0;
+  for (const Weighted& v : values) total += v.weight;
+  if (!(total > 0.0)) return otherwise;
+  std::sort(values.begin(), values.end(), [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  double below = 0.0;
+  for (const Weighted& v : values) {
+    below += v.weight;
+    if (below >= share * total) return v.value;
+  }
+  return values.back().value;
+}
+
+// Neighbourhoods about the middle of a block: how many are flat, and of these steep, and their point spacing.
+struct Steepness {
+  std::size_t flat = 0, steep = 0;
+  std::vector<double> spacings_m;
+};
+Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
+  constexpr std::size_t kNeighbours = 10;
+  constexpr float kMiddle = 0.17F;
+  constexpr double kSteep = 0.5;  // z of a normal
+  Steepness result;
+  if (block.size() < kNeighbours) return result;
+  std::vector<SpacePoint> points;
+  for (const NodePoint& p : block) {
+    points.push_back({p.u * static_cast<float>(side), p.v * static_cast<float>(side), p.z});
+  }
+  Neighbourhood near(points);
+  for (std::size_t k = 0; k < block.size(); ++k) {
+    if (!(std::abs(block[k].u) < kMiddle && std::abs(block[k].v) < kMiddle)) continue;
+    near.take(k, kNeighbours, std::numeric_limits<double>::infinity());
+    const SurfacePlane plane = near.plane();
+    if (!plane.planar()) continue;
+    ++result.flat;
+    result.steep += plane.normal[2] < kSteep ? 1 : 0;
+    result.spacings_m.push_back(near.radius_m(kNeighbours) *
+                                std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
+  }
+  return result;
+}
+
+// Highest run of points, linked in z by the gap, that has at least max(3, 1/12) of the block's points.
+std::span<const NodePoint> front_layer(std::span<const NodePoint> sorted, double gap_m) {
+  const std::size_t least = std::max<std::size_t>(3, (sorted.size() + 11) / 12);
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= sorted.size(); ++k) {
+    if (k < sorted.size() && static_cast<double>(sorted[k - 1].z - sorted[k].z) <= gap_m) continue;
+    if (k - begin >= least) return sorted.subspan(begin, k - begin);
+    begin = k;
+  }
+  return {};
+}
+
+}  // namespace
+
+CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent, ThreadPool& pool) {
+  CloudStatistics result;
+  const double count = static_cast<double>(std::max<std::uint64_t>(1, extent.supported));
+  const double area = std::min(extent.covered_area_m2, std::max(extent.width_m() * extent.height_m(), 1e-30));
+  const double mean_spacing = std::sqrt(std::max(area, 1e-30) / count);
+  result.point_spacing_m = mean_spacing;
+  if (extent.width_m() * extent.height_m() <= 0.0) {
+    result.point_spacing_m = std::max(extent.width_m(), extent.height_m()) / count;
+    return result;
+  }
+
+  const double side = kBlockSpacings * mean_spacing;
+  const double blocks = area / (side * side);
+  BlockKernel blocks_drawn;
+  blocks_drawn.x0_m = static_cast<float>(extent.xmin_m);
+  blocks_drawn.y0_m = static_cast<float>(extent.ymin_m);
+  blocks_drawn.per_m = static_cast<float>(1.0 / side);
+  blocks_drawn.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
+  std::vector<Sample> samples;
+  pieces([&](const OrientedPoints& points) {
+    std::vector<std::vector<Sample>> parts((points.count + kPiece - 1) / kPiece);
+    pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+      std::vector<Sample>& mine = parts[begin / kPiece];
+      std::array<std::uint32_t, kBatch> drawn;
+      for (std::size_t first = begin; first < end; first += kBatch) {
+        const std::size_t here = fastest_kernels().draw_blocks(
+            blocks_drawn, points.x.get() + first, points.y.get() + first, std::min(kBatch, end - first), drawn.data());
+        for (std::size_t d = 0; d < here; ++d) {
+          const std::size_t k = first + drawn[d];
+          const float a = (points.x[k] - blocks_drawn.x0_m) * blocks_drawn.per_m;
+          const float b = (points.y[k] - blocks_drawn.y0_m) * blocks_drawn.per_m;
+          const auto i = static_cast<std::uint32_t>(a);
+          const auto j = static_cast<std::uint32_t>(b);
+          mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
+                          {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
+        }
+      }
+    });
+    for (const std::vector<Sample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
+  });
+  std::vector<NodePoint> points;
+  std::vector<Block> found = gather_blocks(samples, points);
+  pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const auto first = points.begin() + static_cast<std::ptrdiff_t>(found[b].begin);
+      const auto last = points.begin() + static_cast<std::ptrdiff_t>(found[b].end);
+      std::sort(first, last, before);
+      // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
+      const auto same = [](const NodePoint& p, const NodePoint& q) { return !before(p, q) && !before(q, p); };
+      found[b].end = found[b].begin + static_cast<std::size_t>(std::unique(first, last, same) - first);
+    }
+  });
+
+  std::vector<Steepness> parts(found.size());
+  pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      parts[b] = steepness_of_block({points.data() + found[b].begin, found[b].end - found[b].begin}, side);
+    }
+  });
+  Steepness in_space;
+  for (const Steepness& part : parts) {
+    in_space.flat += part.flat;
+    in_space.steep += part.steep;
+    in_space.spacings_m.insert(in_space.spacings_m.end(), part.spacings_m.begin(), part.spacings_m.end());
+  }
+  if (in_space.flat > 0) {
+    result.steep_share = static_cast<double>(in_space.steep) / static_cast<double>(in_space.flat);
+    result.surface_spacing_m = median(in_space.spacings_m);
+  }
+
+  // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
+  for (int round = 0; round < 5; ++round) {
+    pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+      std::vector<double> scratch;
+      for (std::size_t b = begin; b < end; ++b) {
+        Block& block = found[b];
+        const std::span<const NodePoint> all(points.data() + block.begin, block.end - block.begin);
+        const double block_spacing = side / std::sqrt(static_cast<double>(all.size()));
+        const std::span<const NodePoint> front = front_layer(all, layer_gap_m(result.noise_m, block_spacing));
+        const std::size_t front_begin = front.empty() ? 0 : static_cast<std::size_t>(front.data() - all.data());
+        if (front_begin == block.front_begin && front.size() == block.front_size) continue;
+        block.front_begin = front_begin;
+        block.front_size = front.size();
+        block.noise_m = residual_scale_m(front, scratch);
+      }
+    });
+    std::vector<Weighted> noises;
+    std::vector<Weighted> spacings;
+    for (const Block& block : found) {
+      if (block.front_size == 0) continue;
+      const auto weight = static_cast<double>(block.front_size);
+      spacings.push_back({side / std::sqrt(weight), weight});
+      if (block.noise_m >= 0.0) noises.push_back({block.noise_m, weight});
+    }
+    // Form and mixed layers only ever add to the noise of a block: its lower quantile is what the scanner did.
+    result.noise_m = kNoiseOfQuantile * weighted_quantile(noises, kNoiseQuantile, 0.0);
+    result.point_spacing_m = weighted_quantile(spacings, 0.5, mean_spacing);
+  }
+  return result;
+}
+
+}  // namespace sparsha::pipeline

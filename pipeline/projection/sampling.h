@@ -1,0 +1,21 @@
+// Noise and spacing of the front points, from small blocks chosen by a hash.
+#pragma once
+
+#include "pipeline/projection/extent.h"
+#include "pipeline/projection/points.h"
+
+namespace sparsha::pipeline {
+
+struct CloudStatistics {
+  double noise_m = 0.0;          ///< standard deviation of heights about local quadrics
+  double point_spacing_m = 0.0;  ///< median of 1/sqrt(front points per square metre), each front point counting once
+  /// Share of neighbourhoods in space that are steep, of those that are flat: about a half on a closed object, hardly
+  /// any on a relief. And the side of the square that a point occupies on them, median; 0 where there are none.
+  double steep_share = 0.0;
+  double surface_spacing_m = 0.0;
+};
+
+/// Depends neither on threads nor on the points' order.
+[[nodiscard]] CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent, ThreadPool& pool);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,330 @@
+// Tangent discs: for each point the plane through its nearest neighbours in space, found in columns of points that are
+// sorted by height. Included once for each instruction set.
+#pragma once
+
+#include "pipeline/projection/simd/kernels.h"
+#include "pipeline/projection/simd/vectors.h"
+
+namespace {
+
+using sparsha::pipeline::DiscKernel;
+
+constexpr std::size_t kMostRings = 3;
+
+/// Candidates for neighbours of points, and how far they are from one of them.
+struct Candidates {
+  float* x;
+  float* y;
+  float* z;
+  float* r2;  // squared distances
+  std::size_t count = 0;
+};
+
+// The first or the second of two lists.
+SPARSHA_INLINE Candidates candidates_in(const DiscKernel& k, std::size_t list) {
+  const std::size_t room = DiscKernel::kMostCandidates + DiscKernel::kReadAhead;
+  float* s = k.scratch + list * 4 * room;
+  return {s, s + room, s + 2 * room, s + 3 * room, 0};
+}
+
+// Points [begin, end), appended as far as there is room.
+SPARSHA_INLINE void append(const DiscKernel& k, std::size_t begin, std::size_t end, Candidates& to) {
+  const std::size_t room = DiscKernel::kMostCandidates - to.count;
+  const std::size_t here = end - begin < room ? end - begin : room;
+  for (std::size_t p = 0; p < here; p += kLanes) {
+    store(to.x + to.count + p, load(k.x + begin + p));
+    store(to.y + to.count + p, load(k.y + begin + p));
+    store(to.z + to.count + p, load(k.z + begin + p));
+  }
+  to.count += here;
+}
+
+// Beyond the last candidate are some that are infinitely far away.
+SPARSHA_INLINE void finish(Candidates& c) { store(c.x + c.count, all(__builtin_inff())); }
+
+SPARSHA_INLINE void measure(const DiscKernel& k, std::size_t point, Candidates& c) {
+  const float x = k.x[point];
+  const float y = k.y[point];
+  const float z = k.z[point];
+  for (std::size_t p = 0; p < c.count; p += kLanes) {
+    const Floats dx = load(c.x + p) - x;
+    const Floats dy = load(c.y + p) - y;
+    const Floats dz = load(c.z + p) - z;
+    store(c.r2 + p, dx * dx + dy * dy + dz * dz);
+  }
+}
+
+SPARSHA_INLINE std::int32_t count_within(const Candidates& c, float r2) {
+  Ints within{};
+  for (std::size_t p = 0; p < c.count; p += kLanes) within -= load(c.r2 + p) <= r2;
+  return total(within);
+}
+
+// First point of [begin, end), which descend in z, that is lower than `z` (or as low, when `equal` is).
+SPARSHA_INLINE std::size_t first_below(const float* heights, std::size_t begin, std::size_t end, float z, bool equal) {
+  while (begin < end) {
+    const std::size_t middle = begin + (end - begin) / 2;
+    const bool above = equal ? heights[middle] > z : heights[middle] >= z;
+    if (above) {
+      begin = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  return begin;
+}
+
+// Candidates from `rings` columns to each side, within `reach` in z.
+SPARSHA_APART void gather_wide(const DiscKernel& k, std::size_t row, std::size_t column, std::size_t rings,
+                               std::size_t point, Candidates& to) {
+  const float z = k.z[point];
+  const float reach = k.side_m * static_cast<float>(rings);
+  to.count = 0;
+  const std::size_t row0 = row > k.first_row + rings ? row - rings : k.first_row;
+  const std::size_t row1 = row + rings < k.last_row ? row + rings : k.last_row - 1;
+  const std::size_t column0 = column > rings ? column - rings : 0;
+  const std::size_t column1 = column + rings < k.bins_x ? column + rings : k.bins_x - 1;
+  for (std::size_t j = row0; j <= row1; ++j) {
+    for (std::size_t i = column0; i <= column1; ++i) {
+      const std::uint32_t* bin = k.start + j * k.bins_x + i;
+      const std::size_t begin = first_below(k.z, bin[0], bin[1], z + reach, true);
+      append(k, begin, first_below(k.z, begin, bin[1], z - reach, false), to);
+    }
+  }
+  finish(to);
+  measure(k, point, to);
+}
+
+/// The columns around one, and where a window of heights that moves down stands in each.
+struct Windows {
+  std::uint32_t begin[9], end[9], last[9];
+  std::size_t count = 0;
+};
+
+SPARSHA_INLINE Windows windows_around(const DiscKernel& k, std::size_t row, std::size_t column) {
+  Windows w;
+  for (std::size_t j = row > k.first_row ? row - 1 : row; j <= row + 1 && j < k.last_row; ++j) {
+    for (std::size_t i = column > 0 ? column - 1 : 0; i <= column + 1 && i < k.bins_x; ++i) {
+      const std::uint32_t* bin = k.start + j * k.bins_x + i;
+      if (bin[0] == bin[1]) continue;
+      w.begin[w.count] = w.end[w.count] = bin[0];
+      w.last[w.count++] = bin[1];
+    }
+  }
+  return w;
+}
+
+// Candidates for the points from `top` down to `bottom` of the column in the middle.
+SPARSHA_INLINE void gather_near(const DiscKernel& k, Windows& w, float top, float bottom, Candidates& to) {
+  top += k.side_m;
+  bottom -= k.side_m;
+  to.count = 0;
+  for (std::size_t c = 0; c < w.count; ++c) {
+    while (w.begin[c] < w.last[c] && k.z[w.begin[c]] > top) ++w.begin[c];
+    if (w.end[c] < w.begin[c]) w.end[c] = w.begin[c];
+    while (w.end[c] < w.last[c] && k.z[w.end[c]] >= bottom) ++w.end[c];
+    append(k, w.begin[c], w.end[c], to);
+  }
+  finish(to);
+}
+
+// The squared radius that holds about the wanted number of candidates, no more than `most`; 0 when they are too few.
+SPARSHA_INLINE float neighbourhood2(const DiscKernel& k, const Candidates& c, float most, std::int32_t& count) {
+  count = count_within(c, most);
+  if (count < k.least) return 0.0F;
+  float r2 = most;
+  // On a surface the number within grows as the squared radius.
+  for (int round = 0; round < 6 && (count > k.wanted + 3 || count < k.wanted - 3); ++round) {
+    float next = r2 * static_cast<float>(k.wanted) / static_cast<float>(count);
+    next = next < most ? next : most;
+    if (next == r2) break;
+    r2 = next;
+    count = count_within(c, r2);
+    if (count < 1) count = 1;
+  }
+  if (count >= k.least) return r2;
+  r2 = most;
+  count = count_within(c, most);
+  return r2;
+}
+
+/// Sums over neighbourhoods of up to eight points, one a lane.
+struct DiscBatch {
+  float count[kLanes], r2[kLanes];
+  float sum[9][kLanes];  // x y z xx xy xz yy yz zz
+  std::uint32_t point[kLanes];
+  std::size_t size = 0;
+};
+
+SPARSHA_INLINE void add_moments(const DiscKernel& k, const Candidates& c, float r2, std::int32_t count,
+                                std::size_t point, DiscBatch& batch) {
+  const float x0 = k.x[point];
+  const float y0 = k.y[point];
+  const float z0 = k.z[point];
+  Floats s[9] = {};
+  for (std::size_t p = 0; p < c.count; p += kLanes) {
+    const Ints in = load(c.r2 + p) <= r2;
+    const Floats x = masked(in, load(c.x + p) - x0);
+    const Floats y = masked(in, load(c.y + p) - y0);
+    const Floats z = masked(in, load(c.z + p) - z0);
+    s[0] += x;
+    s[1] += y;
+    s[2] += z;
+    s[3] += x * x;
+    s[4] += x * y;
+    s[5] += x * z;
+    s[6] += y * y;
+    s[7] += y * z;
+    s[8] += z * z;
+  }
+  const Eight eight = totals(s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7]);
+  for (std::size_t m = 0; m < 8; ++m) batch.sum[m][batch.size] = eight.at[m];
+  batch.sum[8][batch.size] = total(s[8]);
+  batch.count[batch.size] = static_cast<float>(count);
+  batch.r2[batch.size] = r2;
+  batch.point[batch.size++] = static_cast<std::uint32_t>(point);
+}
+
+SPARSHA_INLINE Floats root(Floats a) {
+  Floats r{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) r[lane] = __builtin_sqrtf(a[lane]);
+  return r;
+}
+
+// Planes of the batch: the eigenvector of the smallest eigenvalue of each covariance (Hoppe et al. 1992).
+SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
+  for (std::size_t lane = batch.size; lane < kLanes; ++lane) {
+    for (auto& sum : batch.sum) sum[lane] = 0.0F;
+    batch.count[lane] = batch.r2[lane] = 1.0F;
+  }
+  const Floats per_count = 1.0F / load(batch.count);
+  const Floats mx = load(batch.sum[0]) * per_count;
+  const Floats my = load(batch.sum[1]) * per_count;
+  const Floats mz = load(batch.sum[2]) * per_count;
+  Floats xx = load(batch.sum[3]) * per_count - mx * mx;
+  Floats xy = load(batch.sum[4]) * per_count - mx * my;
+  Floats xz = load(batch.sum[5]) * per_count - mx * mz;
+  Floats yy = load(batch.sum[6]) * per_count - my * my;
+  Floats yz = load(batch.sum[7]) * per_count - my * mz;
+  Floats zz = load(batch.sum[8]) * per_count - mz * mz;
+  const Floats trace = xx + yy + zz;
+  const Ints spread = trace > 0.0F;
+  const Floats unit = choose(spread, 1.0F / choose(spread, trace, all(1.0F)), Floats{});
+  xx *= unit;
+  xy *= unit;
+  xz *= unit;
+  yy *= unit;
+  yz *= unit;
+  zz *= unit;
+  // Of the characteristic polynomial t^3 - t^2 + minors t - determinant, Newton's steps from 0 climb to the least root.
+  const Floats minors = xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz;
+  const Floats determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+  Floats t{};
+  for (int step = 0; step < 8; ++step) {
+    const Floats value = ((t - 1.0F) * t + minors) * t - determinant;
+    const Floats slope = (3.0F * t - 2.0F) * t + minors;
+    const Ints rising = slope > 1e-9F;
+    t -= choose(rising, value / choose(rising, slope, all(1.0F)), Floats{});
+  }
+  t = most(t, Floats{});
+  // The other two: their sum is 1 - t, their product minors - t (1 - t).
+  const Floats half = 0.5F * (1.0F - t);
+  const Floats product = minors - t * (1.0F - t);
+  const Floats apart = root(most(half * half - product, Floats{}));
+  const Floats middle = half - apart;
+  const Floats largest_value = half + apart;
+  // The axis is orthogonal to the rows of the matrix less t: the longest of their three cross products.
+  const Floats a = xx - t;
+  const Floats b = yy - t;
+  const Floats c = zz - t;
+  Floats nx = xy * yz - xz * b;
+  Floats ny = xz * xy - a * yz;
+  Floats nz = a * b - xy * xy;
+  Floats longest = nx * nx + ny * ny + nz * nz;
+  const auto offer = [&](Floats ox, Floats oy, Floats oz) __attribute__((always_inline)) {
+    const Floats length = ox * ox + oy * oy + oz * oz;
+    const Ints longer = length > longest;
+    nx = choose(longer, ox, nx);
+    ny = choose(longer, oy, ny);
+    nz = choose(longer, oz, nz);
+    longest = choose(longer, length, longest);
+  };
+  offer(xy * c - xz * yz, xz * xz - a * c, a * yz - xy * xz);
+  offer(b * c - yz * yz, xz * yz - xy * c, xy * yz - xz * b);
+  const Ints known = longest > 0.0F;
+  const Floats per_length = choose(known, 1.0F / root(choose(known, longest, all(1.0F))), Floats{});
+  const Ints down = nz < 0.0F;
+  const Floats sign = choose(down, -per_length, per_length);
+  nx *= sign;
+  ny *= sign;
+  nz *= sign;
+
+  const Floats spacing2 = load(batch.r2) * 3.14159265F * per_count;
+  const Ints good = known & (nz >= k.least_nz) & (spacing2 <= k.most_spacing_m * k.most_spacing_m) &
+                    (t <= 0.5F * middle) & (middle >= 0.02F * largest_value);
+  const Floats upright = choose(good, nz, all(1.0F));
+  const Floats slope_x = -nx / upright;
+  const Floats slope_y = -ny / upright;
+  // The point's distance above the plane, along z, and the foot of its perpendicular.
+  const Floats offset = mx * nx + my * ny + mz * nz;
+  const Floats above = -offset / upright;
+  const Floats radius2 = choose(good, spacing2 * k.reach * k.reach, all(-1.0F));
+  for (std::size_t lane = 0; lane < batch.size; ++lane) {
+    const std::size_t p = batch.point[lane];
+    k.foot_x[p] = k.x[p] + offset[lane] * nx[lane];
+    k.foot_y[p] = k.y[p] + offset[lane] * ny[lane];
+    k.foot_z[p] = k.z[p] + offset[lane] * nz[lane];
+    k.slope_x[p] = slope_x[lane];
+    k.slope_y[p] = slope_y[lane];
+    k.above[p] = above[lane];
+    k.radius2[p] = radius2[lane];
+  }
+  batch.size = 0;
+}
+
+// The neighbourhood of a point, among the candidates near or, when they are too few, from farther columns.
+SPARSHA_INLINE void add_point(const DiscKernel& k, std::size_t row, std::size_t column, std::size_t point,
+                              Candidates& near, DiscBatch& batch) {
+  measure(k, point, near);
+  std::int32_t count = 0;
+  float r2 = neighbourhood2(k, near, k.side_m * k.side_m, count);
+  if (r2 > 0.0F) {
+    add_moments(k, near, r2, count, point, batch);
+    return;
+  }
+  Candidates far = candidates_in(k, 1);
+  for (std::size_t rings = 2; r2 == 0.0F && rings <= kMostRings; ++rings) {
+    gather_wide(k, row, column, rings, point, far);
+    const float reach = k.side_m * static_cast<float>(rings);
+    r2 = neighbourhood2(k, far, reach * reach, count);
+  }
+  if (r2 > 0.0F) add_moments(k, far, r2, count, point, batch);
+}
+
+SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
+  DiscBatch batch;
+  Candidates near = candidates_in(k, 0);
+  for (std::size_t column = 0; column < k.bins_x; ++column) {
+    const std::size_t bin = row * k.bins_x + column;
+    const std::size_t end = k.start[bin + 1];
+    if (k.start[bin] == end) continue;
+    for (std::size_t p = k.start[bin]; p < end; ++p) k.radius2[p] = -1.0F;
+    Windows windows = windows_around(k, row, column);
+    for (std::size_t begin = k.start[bin]; begin < end && k.z[begin] >= k.needed_m[bin];) {
+      // Points at nearly one height have nearly the same candidates.
+      std::size_t last = begin + 1;
+      while (last < end && k.z[begin] - k.z[last] <= 0.5F * k.side_m && k.z[last] >= k.needed_m[bin]) ++last;
+      gather_near(k, windows, k.z[begin], k.z[last - 1], near);
+      for (std::size_t p = begin; p < last; ++p) {
+        // A point that stands there twice makes no other disc.
+        if (p > k.start[bin] && k.z[p] == k.z[p - 1] && k.x[p] == k.x[p - 1] && k.y[p] == k.y[p - 1]) continue;
+        add_point(k, row, column, p, near, batch);
+        if (batch.size == kLanes) write_discs(k, batch);
+      }
+      begin = last;
+    }
+  }
+  if (batch.size > 0) write_discs(k, batch);
+}
+
+}  // namespace

@@ -1,0 +1,97 @@
+// Covariance and quadric of a few points, in double.
+#include "pipeline/projection/surface_plane.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace sparsha::pipeline {
+
+std::size_t Neighbourhood::take(std::size_t index, std::size_t count, double most_m) {
+  centre_ = index;
+  const SpacePoint& p = points_[index];
+  near_.clear();
+  const auto most2 = static_cast<float>(most_m * most_m);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const float dx = points_[k].x - p.x;
+    const float dy = points_[k].y - p.y;
+    const float dz = points_[k].z - p.z;
+    const float distance2 = dx * dx + dy * dy + dz * dz;
+    if (distance2 <= most2) near_.push_back({distance2, k});
+  }
+  const auto nearer = [](const Near& a, const Near& b) {
+    return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.index < b.index;
+  };
+  count = std::min(count, near_.size());
+  if (count == 0) return 0;
+  const auto last = near_.begin() + static_cast<std::ptrdiff_t>(count);
+  std::nth_element(near_.begin(), last - 1, near_.end(), nearer);
+  near_.erase(last, near_.end());
+  std::sort(near_.begin(), near_.end(), nearer);
+  return count;
+}
+
+double Neighbourhood::radius_m(std::size_t count) const {
+  return std::sqrt(static_cast<double>(near_[count - 1].distance2));
+}
+
+std::array<double, 3> Neighbourhood::relative(std::size_t k) const {
+  const SpacePoint& p = points_[near_[k].index];
+  const SpacePoint& c = points_[centre_];
+  return {static_cast<double>(p.x - c.x), static_cast<double>(p.y - c.y), static_cast<double>(p.z - c.z)};
+}
+
+SurfacePlane Neighbourhood::plane() const {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const std::array<double, 3> at = relative(k);
+    const Eigen::Vector3d p(at[0], at[1], at[2]);
+    mean += p;
+    second += p * p.transpose();
+  }
+  const auto count = static_cast<double>(near_.size());
+  mean /= count;
+  const Eigen::Matrix3d covariance = second / count - mean * mean.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  SurfacePlane plane;
+  const Eigen::Vector3d normal = axes.eigenvectors().col(0) * (axes.eigenvectors()(2, 0) < 0.0 ? -1.0 : 1.0);
+  plane.normal = {normal.x(), normal.y(), normal.z()};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    plane.variance_m2[axis] = std::max(0.0, axes.eigenvalues()[static_cast<Eigen::Index>(axis)]);
+  }
+  plane.radius_m = std::sqrt(static_cast<double>(near_.back().distance2));
+  return plane;
+}
+
+std::optional<double> Neighbourhood::residual_m(const SurfacePlane& plane) const {
+  using Row = Eigen::Matrix<double, 6, 1>;
+  const Eigen::Vector3d normal(plane.normal[0], plane.normal[1], plane.normal[2]);
+  const Eigen::Vector3d u = normal.unitOrthogonal();
+  const Eigen::Vector3d v = normal.cross(u);
+  if (!(plane.radius_m > 0.0)) return std::nullopt;
+  std::vector<Row> rows;
+  std::vector<double> heights;
+  Eigen::Matrix<double, 6, 6> normal_matrix = Eigen::Matrix<double, 6, 6>::Zero();
+  Row right = Row::Zero();
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const std::array<double, 3> at = relative(k);
+    const Eigen::Vector3d p(at[0], at[1], at[2]);
+    const double a = p.dot(u) / plane.radius_m;
+    const double b = p.dot(v) / plane.radius_m;
+    rows.emplace_back((Row() << 1.0, a, b, a * a, a * b, b * b).finished());
+    heights.push_back(p.dot(normal));
+    normal_matrix += rows.back() * rows.back().transpose();
+    right += rows.back() * heights.back();
+  }
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal_matrix);
+  if (!(solver.vectorD().minCoeff() > 1e-9 * solver.vectorD().maxCoeff())) return std::nullopt;
+  const Row quadric = solver.solve(right);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < rows.size(); ++k) sum += std::pow(heights[k] - rows[k].dot(quadric), 2);
+  return std::sqrt(sum / (static_cast<double>(rows.size()) - 6.0));
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,333 @@
+// Written for a curator first: what was scanned, how big, how well; then the pictures; then everything a specialist
+// asks.
+#include "pipeline/report/html.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "base/text.h"
+#include "pipeline/report/base64.h"
+#include "pipeline/report/style.h"
+#include "pipeline/report/svg.h"
+#include "scene/layer_file.h"
+
+#ifndef SPARSHA_VERSION
+#define SPARSHA_VERSION "unknown"
+#endif
+
+namespace sparsha::pipeline {
+namespace {
+
+std::string percent(double fraction) {
+  if (!std::isfinite(fraction)) return "unknown";
+  // Neither must 99.97 % read as 100 % nor 0.03 % as 0 %.
+  const double value = 100 * fraction;
+  const bool near_all = value > 99.9 && value<100, near_none = value> 0 && value < 0.1;
+  if (near_none && value < 0.01) return "under 0.01\u202F%";
+  return fmt::format("{:.{}f}\u202F%", near_all ? std::floor(value * 100) / 100 : value, near_all || near_none ? 2 : 1);
+}
+
+std::string title_of(const SceneDescription& scene) {
+  if (scene.sources.empty()) return "Untitled scan";
+  std::string title = scene.sources.front().file.stem().string();
+  if (scene.sources.size() > 1) title += fmt::format(" and {} more", scene.sources.size() - 1);
+  return title;
+}
+
+std::string size_text(const SceneDescription& scene) {
+  if (scene.levels.empty()) return "unknown";
+  const Lattice& l = scene.levels.front();
+  return fmt::format("{} wide, {} tall, {} deep", length_text((l.nx - 1) * l.spacing_m, TextStyle::typeset),
+                     length_text((l.ny - 1) * l.spacing_m, TextStyle::typeset),
+                     length_text(scene.height_max_m - scene.height_min_m, TextStyle::typeset));
+}
+
+/// One sentence in plain words.
+std::string lead(const SceneDescription& scene, const Report& report) {
+  std::string text = fmt::format("A surface {}, from {} points.", size_text(scene),
+                                 count_text(report.points.read, TextStyle::typeset));
+  text += fmt::format(" {} of the picture is measured", percent(report.coverage));
+  if (report.filled_fraction > 0)
+    text += fmt::format(" and {} filled across small gaps", percent(report.filled_fraction));
+  text += ".";
+  if (report.check && report.check->cloud_to_surface.samples > 0)
+    text += fmt::format(" Half of the scan's points lie within {} of this surface, 95\u202F% within {}.",
+                        length_text(report.check->cloud_to_surface.median_m, TextStyle::typeset),
+                        length_text(report.check->cloud_to_surface.p95_m, TextStyle::typeset));
+  return text;
+}
+
+std::string key_figures(const SceneDescription& scene, const Report& report) {
+  std::string html = "<dl class='figures'>";
+  const auto add = [&](const char* name, const std::string& value, const std::string& note) {
+    html += fmt::format("<div><dt>{}</dt><dd>{}{}</dd></div>", name, value,
+                        note.empty() ? "" : fmt::format(" <small>{}</small>", note));
+  };
+  if (!scene.levels.empty()) {
+    const Lattice& l = scene.levels.front();
+    add("Size",
+        fmt::format("{} \u00D7 {}", length_text((l.nx - 1) * l.spacing_m, TextStyle::typeset),
+                    length_text((l.ny - 1) * l.spacing_m, TextStyle::typeset)),
+        fmt::format("depth {}", length_text(scene.height_max_m - scene.height_min_m, TextStyle::typeset)));
+    add("Resolution", length_text(l.spacing_m, TextStyle::typeset), fmt::format("{} \u00D7 {} nodes", l.nx, l.ny));
+  }
+  add("Coverage", percent(report.coverage), fmt::format("{} filled", percent(report.filled_fraction)));
+  if (scene.noise_m > 0)
+    add("Scanner noise", length_text(scene.noise_m, TextStyle::typeset), "standard deviation, estimated");
+  if (report.check) {
+    const CheckResult& check = *report.check;
+    if (check.cloud_to_surface.samples > 0)
+      add("Points to surface", length_text(check.cloud_to_surface.median_m, TextStyle::typeset),
+          fmt::format("median; 95\u202F% within {}", length_text(check.cloud_to_surface.p95_m, TextStyle::typeset)));
+    if (check.completeness)
+      add("Completeness", percent(*check.completeness),
+          fmt::format("of the outline has a point within {}", length_text(check.tolerance_m, TextStyle::typeset)));
+  }
+  return html + "</dl>";
+}
+
+std::string warnings(const Report& report) {
+  if (report.warnings.empty()) return "<p>There are no warnings.</p>";
+  std::string html = "<div class='warnings' role='note' aria-label='Warnings'><ul>";
+  for (const std::string& text : report.warnings) html += fmt::format("<li>{}</li>", escape_html(text));
+  return html + "</ul></div>";
+}
+
+/// Appends, because the pictures are most of the page.
+void add_figure(std::string& html, const Picture& picture, const std::string& png, double width_m, bool wide) {
+  html += fmt::format("<figure class='{}{}'><div class='picture'><img src='data:image/png;base64,", wide ? "wide" : "",
+                      picture.width < 400 ? " tiny" : "");
+  append_base64(html, png);
+  html += fmt::format(
+      "' width='{}' height='{}' alt='{}'>{}</div>{}<figcaption><h3>{}</h3><p>{}</p></figcaption></figure>\n",
+      picture.width, picture.height, escape_html(picture.alternative), scale_bar_html(width_m), legend_svg(picture),
+      escape_html(picture.title), escape_html(picture.caption));
+}
+
+std::string points_table(const Report::Points& p) {
+  std::string html =
+      "<table><caption>What became of the points</caption><thead><tr><th scope='col' class='text'>Points</th>"
+      "<th scope='col'>Count</th><th scope='col'>Share</th></tr></thead><tbody>";
+  const auto row = [&](const char* name, std::uint64_t count) {
+    html += fmt::format("<tr><th scope='row'>{}</th><td>{}</td><td>{}</td></tr>", name,
+                        count_text(count, TextStyle::typeset),
+                        p.read > 0 ? percent(static_cast<double>(count) / static_cast<double>(p.read)) : "\u2013");
+  };
+  row("read", p.read);
+  row("used for the surface", p.used);
+  row("occluded, behind the surface", p.occluded);
+  row("outliers", p.outlier);
+  row("outside the grid", p.outside);
+  row("taken away by filters", p.filtered);
+  row("invalid in the file", p.invalid);
+  return html + "</tbody></table>";
+}
+
+// One row a figure, so that the table fits a narrow page.
+std::string distances_table(const CheckResult& check) {
+  const DistanceStatistics& to_surface = check.cloud_to_surface;
+  const DistanceStatistics& to_cloud = check.surface_to_cloud;
+  std::string html =
+      "<div class='scroll' tabindex='0' role='region' aria-label='Table of distances'><table><caption>Unsigned "
+      "distances; the signed mean is positive towards the viewer</caption><thead><tr><th scope='col' class='text'>"
+      "Distances</th><th scope='col'>from scan points to surface</th><th scope='col'>from surface nodes to scan "
+      "points</th></tr></thead><tbody>";
+  const auto row = [&](const char* name, const auto& text) {
+    const auto cell = [&](const DistanceStatistics& s) { return s.samples == 0 ? "\u2013" : text(s); };
+    html +=
+        fmt::format("<tr><th scope='row'>{}</th><td>{}</td><td>{}</td></tr>", name, cell(to_surface), cell(to_cloud));
+  };
+  const auto length_row = [&](const char* name, double DistanceStatistics::*figure) {
+    row(name, [figure](const DistanceStatistics& s) { return length_text(s.*figure, TextStyle::typeset); });
+  };
+  row("samples", [](const DistanceStatistics& s) { return count_text(s.samples, TextStyle::typeset); });
+  row("mean", [](const DistanceStatistics& s) {
+    return length_text(s.mean_m, TextStyle::typeset) +
+           (s.mean_ci95_m > 0 ? fmt::format(" \u00B1 {}", length_text(s.mean_ci95_m, TextStyle::typeset)) : "");
+  });
+  length_row("RMS", &DistanceStatistics::rms_m);
+  length_row("median", &DistanceStatistics::median_m);
+  length_row("MAD", &DistanceStatistics::mad_m);
+  length_row("95\u202F% within", &DistanceStatistics::p95_m);
+  length_row("99\u202F% within", &DistanceStatistics::p99_m);
+  length_row("largest", &DistanceStatistics::max_m);
+  length_row("signed mean", &DistanceStatistics::signed_mean_m);
+  return html + "</tbody></table></div>";
+}
+
+std::string histogram(const char* title, const std::vector<std::uint64_t>& counts, double bin_m,
+                      const DistanceStatistics& s) {
+  if (s.samples == 0) return {};
+  std::uint64_t shown = 0;
+  for (const std::uint64_t count : counts) shown += count;
+  const std::string summary = fmt::format(
+      "Histogram, {}: median {}, 95 % within {}, 99 % within {}.", title, length_text(s.median_m, TextStyle::typeset),
+      length_text(s.p95_m, TextStyle::typeset), length_text(s.p99_m, TextStyle::typeset));
+  std::string html = fmt::format(
+      "<section><h3>{}</h3>{}<p>{} of {} distances are shown; {} lie beyond the right end.</p><details><summary>The "
+      "histogram as a table</summary><table><caption>Distances, counted by range</caption><thead><tr><th "
+      "scope='col'>From</th><th scope='col'>To</th><th "
+      "scope='col'>Count</th>"
+      "</tr></thead><tbody>",
+      title,
+      histogram_svg(counts, bin_m,
+                    {{s.median_m, "median " + length_text(s.median_m, TextStyle::typeset)},
+                     {s.p95_m, "95 % " + length_text(s.p95_m, TextStyle::typeset)}},
+                    summary),
+      count_text(shown, TextStyle::typeset), count_text(s.samples, TextStyle::typeset),
+      count_text(s.samples - shown, TextStyle::typeset));
+  constexpr std::size_t kBinsPerRow = 4;
+  for (std::size_t k = 0; k < counts.size(); k += kBinsPerRow) {
+    std::uint64_t count = 0;
+    const std::size_t end = std::min(counts.size(), k + kBinsPerRow);
+    for (std::size_t n = k; n < end; ++n) count += counts[n];
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td></tr>", length_text(static_cast<double>(k) * bin_m, TextStyle::typeset),
+        length_text(static_cast<double>(end) * bin_m, TextStyle::typeset), count_text(count, TextStyle::typeset));
+  }
+  return html + "</tbody></table></details></section>";
+}
+
+std::string difference_text(double metres) {
+  constexpr double kNanometre = 1e-9;
+  return metres < kNanometre ? "less than a nanometre" : "at most " + length_text(metres, TextStyle::typeset);
+}
+
+std::string accuracy(const Report& report) {
+  if (!report.check) return "<p>No cross-check was asked for (the configuration has no <code>check</code> block).</p>";
+  const CheckResult& check = *report.check;
+  std::string html = "<p>The surface was compared with the raw points in both directions, by exact nearest distances.";
+  if (check.second_method_samples > 0)
+    html += fmt::format(" A second method measured {} of the points again and differs by {}.",
+                        count_text(check.second_method_samples, TextStyle::typeset),
+                        difference_text(check.second_method_max_difference_m));
+  if (check.cloud_to_surface.mean_ci95_m > 0)
+    html += " The figures come from a random sample; \u00B1 is the 95\u202F% confidence interval of the mean.";
+  html += "</p>" + distances_table(check) + "<div class='columns'>";
+  html += histogram("From scan points to the surface", check.cloud_histogram, check.histogram_bin_m,
+                    check.cloud_to_surface);
+  html += histogram("From surface nodes to scan points", check.surface_histogram, check.surface_histogram_bin_m,
+                    check.surface_to_cloud);
+  return html + "</div>";
+}
+
+std::string inputs(const SceneDescription& scene) {
+  std::string html =
+      "<div class='scroll' tabindex='0' role='region' aria-label='Table of input files'><table><caption>Scan files and "
+      "their "
+      "fingerprints</caption><thead><tr><th scope='col' class='text'>File</th><th scope='col'>Points</th>"
+      "<th scope='col' class='text'>SHA-256</th></tr></thead><tbody>";
+  for (const ScanSource& source : scene.sources)
+    html += fmt::format("<tr><th scope='row'>{}</th><td>{}</td><td class='text'><code class='hash'>{}</code></td></tr>",
+                        escape_html(source.file.generic_string()), count_text(source.points, TextStyle::typeset),
+                        escape_html(source.sha256));
+  return html + "</tbody></table></div>";
+}
+
+std::string grid_table(const SceneDescription& scene) {
+  std::string html =
+      "<table><caption>Levels of detail</caption><thead><tr><th scope='col'>Level</th><th scope='col'>Nodes</th>"
+      "<th scope='col'>Spacing</th></tr></thead><tbody>";
+  for (std::size_t k = 0; k < scene.levels.size(); ++k)
+    html += fmt::format("<tr><th scope='row'>{}</th><td>{} \u00D7 {}</td><td>{}</td></tr>", k, scene.levels[k].nx,
+                        scene.levels[k].ny, length_text(scene.levels[k].spacing_m, TextStyle::typeset));
+  html += "</tbody></table>";
+  if (!scene.levels.empty()) {
+    const Eigen::Vector3d& o = scene.levels.front().origin_m;
+    html += fmt::format("<p>{} Origin of the grid: x {:.4f}\u202Fm, y {:.4f}\u202Fm, z {:.4f}\u202Fm.</p>",
+                        keeps_scan_axes(scene.scan_from_grid)
+                            ? "The grid keeps the scan's own axes, so the layers' world files place them on its map."
+                            : "The object is looked at from a direction of its own: the layers' world files hold local "
+                              "coordinates, not the scan's.",
+                        o.x(), o.y(), o.z());
+  }
+  return html;
+}
+
+std::string stages(const Report& report) {
+  std::string html =
+      "<table><caption>Time taken</caption><thead><tr><th scope='col' class='text'>Stage</th><th "
+      "scope='col'>Seconds</th>"
+      "</tr></thead><tbody>";
+  for (const StageTime& stage : report.stages)
+    html += fmt::format("<tr><th scope='row'>{}</th><td>{:.3f}</td></tr>", escape_html(stage.name), stage.seconds);
+  html += fmt::format("<tr><th scope='row'>all, with writing</th><td>{:.3f}</td></tr></tbody></table>",
+                      report.total_seconds);
+  if (report.peak_rss_bytes > 0)
+    html += fmt::format("<p>Peak memory: {:.0f}\u202FMB.</p>", static_cast<double>(report.peak_rss_bytes) / 1e6);
+  return html;
+}
+
+constexpr const char* kWords = R"html(<dl class='words'>
+<dt>Coverage</dt><dd>Share of the grid's nodes whose height was measured. Filled heights never count as measured.</dd>
+<dt>Completeness</dt><dd>Share of the nodes inside the object's outline that have a raw point within the tolerance.</dd>
+<dt>Points to surface</dt><dd>Straight distance from each raw point to the modelled surface; outliers are included, points behind the surface are not.</dd>
+<dt>RMS, MAD</dt><dd>Root of the mean square; median of the deviations from the median, which single outliers do not move.</dd>
+<dt>Outliers, occluded</dt><dd>Points that stand alone before or behind the surface; points of parts that this view hides, such as the back.</dd>
+<dt>Texture and friction</dt><dd>The fine relief on top of the smoothed form, and the resistance that a hand feels when it slides over it.</dd>
+</dl>)html";
+
+}  // namespace
+
+std::string report_html(const Scene& scene, const Report& report, const std::vector<Picture>& pictures,
+                        const std::vector<std::string>& encoded) {
+  const SceneDescription& description = scene.description();
+  std::size_t size = 1U << 16;
+  for (const std::string& png : encoded) size += png.size() * 4 / 3;
+  const std::string title = escape_html(title_of(description));
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<meta name='viewport' "
+      "content='width=device-width, initial-scale=1'>\n<title>{0} \u2013 scan "
+      "report</title>\n<style>{1}</style>\n</head>\n<body>\n"
+      "<a class='skip' href='#main'>Skip to the content</a>\n<header>\n<p class='kicker'>Scan "
+      "report</p>\n<h1>{0}</h1>\n"
+      "<p class='lead'>{2}</p>\n<nav aria-label='Sections'><ul>",
+      title, kReportStyle, lead(description, report));
+  html.reserve(size);
+  const std::vector<std::pair<std::string, std::string>> sections = {
+      {"pictures", "Pictures"},     {"accuracy", "Accuracy"},         {"points", "Points and grid"},
+      {"inputs", "Inputs"},         {"words", "What the words mean"}, {"configuration", "Configuration"},
+      {"making", "How it was made"}};
+  for (const auto& [id, name] : sections) html += fmt::format("<li><a href='#{}'>{}</a></li>", id, name);
+  html +=
+      "</ul></nav>\n</header>\n<main id='main'>\n<section aria-labelledby='figures-h'><h2 id='figures-h'>At a "
+      "glance</h2>";
+  html += key_figures(description, report) +
+          "</section>\n<section aria-labelledby='warnings-h'><h2 id='warnings-h'>Warnings</h2>";
+  html += warnings(report) + "</section>\n";
+  const auto open = [&](std::size_t k) {
+    html += fmt::format("<section id='{0}' aria-labelledby='{0}-h'><h2 id='{0}-h'>{1}</h2>", sections[k].first,
+                        sections[k].second);
+  };
+  const auto section = [&](std::size_t k, const std::string& body) {
+    open(k);
+    html += body + "</section>\n";
+  };
+  open(0);
+  html += "<div class='gallery'>\n";
+  for (std::size_t k = 0; k < pictures.size(); ++k) {
+    const Lattice& lattice = description.levels.front();
+    add_figure(html, pictures[k], encoded[k], pictures[k].width * nodes_per_pixel(lattice) * lattice.spacing_m, k == 0);
+  }
+  html += "</div></section>\n";
+  section(1, accuracy(report));
+  section(2, "<div class='columns'><div>" + points_table(report.points) + "</div><div>" + grid_table(description) +
+                 "</div></div>");
+  section(3, inputs(description));
+  section(4, kWords);
+  section(5,
+          "<p>Everything needed to build this scene again from its scans.</p><pre tabindex='0' role='region' "
+          "aria-label='Configuration in YAML'><code>" +
+              escape_html(to_yaml(description.config)) + "</code></pre>");
+  section(6, stages(report));
+  html += fmt::format(
+      "</main>\n<footer><p>Made by Sparsha {}. Lengths are in the unit that stands beside them; heights grow "
+      "towards the viewer.</p></footer>\n</body>\n</html>\n",
+      SPARSHA_VERSION);
+  return html;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,234 @@
+// Every picture is a field of one value a pixel, painted through a colour map; unknown pixels are hatched.
+#include "pipeline/report/images.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "base/statistics.h"
+#include "pipeline/report/shading.h"
+#include "scene/friction_law.h"
+#include "scene/workspace.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr int kMaxSide = 1024;   // pixels
+constexpr int kHatchPeriod = 8;  // pixels
+constexpr double kMillimetres = 1000;
+constexpr std::size_t kQuantileSample = 1U << 16;
+constexpr double kSamplesPerSpot = 4;  // of the error map: samples that one spot should average
+
+/// Means of a layer over the nodes of each pixel; value(n) is NaN where node n has none.
+template <typename Value>
+Field reduce(const Lattice& lattice, const Value& value) {
+  const int factor = nodes_per_pixel(lattice);
+  Field field((lattice.nx + factor - 1) / factor, (lattice.ny + factor - 1) / factor);
+  for (int row = 0; row < field.height; ++row) {
+    // The top pixel row holds the last node rows.
+    const int j1 = lattice.ny - row * factor, j0 = std::max(0, j1 - factor);
+    for (int column = 0; column < field.width; ++column) {
+      if (factor == 1) {
+        field.at(column, row) = value(lattice.index(column, j0));
+        continue;
+      }
+      double sum = 0;
+      int count = 0;
+      for (int j = j0; j < j1; ++j)
+        for (int i = column * factor; i < std::min(lattice.nx, (column + 1) * factor); ++i) {
+          const float v = value(lattice.index(i, j));
+          if (std::isnan(v)) continue;
+          sum += v;
+          ++count;
+        }
+      if (count > 0) field.at(column, row) = static_cast<float>(sum / count);
+    }
+  }
+  return field;
+}
+
+/// Value below which `fraction` of the known pixels lie, from a regular sample of them: it ends a legend, no more.
+double quantile(const Field& field, double fraction) {
+  std::vector<float> known;
+  const std::size_t step = field.values.size() / kQuantileSample + 1;
+  for (std::size_t n = 0; n < field.values.size(); n += step)
+    if (!std::isnan(field.values[n])) known.push_back(field.values[n]);
+  if (known.empty()) return 0;
+  return static_cast<double>(sparsha::quantile(known, fraction));
+}
+
+std::uint8_t hatch(int column, int row) { return (column + row) % kHatchPeriod < kHatchPeriod / 2 ? 0 : 255; }
+
+/// Pixels from values; `low` and `high` in the field's own unit.
+void paint(Picture& picture, const Field& field, double low, double high) {
+  picture.width = field.width;
+  picture.height = field.height;
+  picture.pixels.resize(field.values.size());
+  const double scale = 253 / (high > low ? high - low : 1);
+  std::size_t n = 0;
+  for (int row = 0; row < field.height; ++row)
+    for (int column = 0; column < field.width; ++column, ++n) {
+      const double level = (field.values[n] - low) * scale;
+      picture.pixels[n] = std::isnan(field.values[n]) ? hatch(column, row)
+                                                      : static_cast<std::uint8_t>(1.5 + std::clamp(level, 0.0, 253.0));
+    }
+}
+
+Picture relief(const Field& heights, double pixel_m) {
+  Picture picture;
+  picture.name = "relief";
+  picture.title = "Shaded relief";
+  picture.map = ColourMap::relief;
+  picture.legend = Picture::Legend::none;
+  const Shading shading = shade(heights, pixel_m);
+  picture.caption = fmt::format(
+      "The measured surface lit from the upper left, as under raking light; slopes are drawn {:.2g} times as steep as "
+      "they "
+      "are.",
+      shading.exaggeration);
+  picture.alternative = "The object's surface in raking light from the upper left.";
+  paint(picture, shading.light, 0, 1);
+  return picture;
+}
+
+Picture height(const Field& heights) {
+  Picture picture;
+  picture.name = "height";
+  picture.title = "Height";
+  picture.map = ColourMap::height;
+  picture.unit = "mm";
+  const double low = quantile(heights, 0.0005), high = quantile(heights, 0.9995);
+  picture.high = (high - low) * kMillimetres;
+  picture.clipped = true;
+  picture.caption = "Distance towards the viewer, from dark blue (farthest) to light yellow (nearest).";
+  picture.alternative = fmt::format("Height map of the object; heights span {:.3g} mm.", picture.high);
+  paint(picture, heights, low, high);
+  return picture;
+}
+
+Picture texture(const Layers& base) {
+  Picture picture;
+  picture.name = "texture";
+  picture.title = "Surface texture";
+  picture.map = ColourMap::texture;
+  picture.unit = "mm";
+  const Field field =
+      reduce(base.grid.lattice, [&](std::size_t n) { return base.grid.height_m[n] - base.envelope_m[n]; });
+  Field magnitude = field;
+  for (float& v : magnitude.values) v = std::abs(v);
+  const double most = std::max(quantile(magnitude, 0.99), 1e-9);
+  picture.low = -most * kMillimetres;
+  picture.high = most * kMillimetres;
+  picture.clipped = true;
+  picture.caption = "What stands out from the smoothed form (brown) or lies below it (blue): tool marks, grain, wear.";
+  picture.alternative =
+      fmt::format("Map of the fine texture; 99 % of it lies within {:.2g} mm of the smoothed form.", picture.high);
+  paint(picture, field, -most, most);
+  return picture;
+}
+
+Picture friction(const Layers& base, const SceneDescription& scene) {
+  Picture picture;
+  picture.name = "friction";
+  picture.title = "Friction";
+  picture.map = ColourMap::friction;
+  const FrictionConfig& config = *scene.config.friction;
+  const double scale = level_scale(scene.config.levels.window, base.grid.lattice, kDeskWorkspaceM);
+  const FrictionLaw law(scene, scale, kDeskWorkspaceM);
+  const Field field = reduce(base.grid.lattice, [&](std::size_t n) {
+    return std::isnan(base.grid.height_m[n]) ? kUnknownHeight : law.dynamic(base, n);
+  });
+  picture.high = config.mu_max;
+  picture.caption = config.law == FrictionConfig::Law::paper
+                        ? "Coefficient of sliding friction that the hand feels in a 10 cm workspace, from pale "
+                          "(smooth) to dark (rough)."
+                        : "Coefficient of sliding friction that the hand feels, from pale (smooth) to dark (rough).";
+  picture.alternative =
+      fmt::format("Map of the friction coefficient; its median is {:.2f}, its 95th percentile {:.2f}.",
+                  quantile(field, 0.5), quantile(field, 0.95));
+  paint(picture, field, 0, config.mu_max);
+  return picture;
+}
+
+Picture coverage(const DepthGrid& grid, const Report& report) {
+  Picture picture;
+  picture.name = "coverage";
+  picture.title = "Coverage";
+  picture.legend = Picture::Legend::states;
+  picture.caption =
+      "Where heights were measured, where small gaps were filled from their surroundings, and where nothing is known.";
+  picture.alternative = fmt::format(
+      "Map of coverage: {:.1f} % of the nodes are measured, {:.1f} % filled, {:.1f} % unknown.", 100 * report.coverage,
+      100 * report.filled_fraction, 100 * (1 - report.coverage - report.filled_fraction));
+  const Field field = reduce(grid.lattice, [&](std::size_t n) {
+    if (grid.state[n] == NodeState::unknown) return kUnknownHeight;
+    return grid.state[n] == NodeState::measured ? 0.0F : 1.0F;
+  });
+  paint(picture, field, 0, 1);
+  for (std::size_t k = 1; k < 255; ++k) picture.palette[k] = k < 128 ? kMeasuredColour : kFilledColour;
+  picture.palette[0] = kHatchLight;
+  picture.palette[255] = kHatchDark;
+  return picture;
+}
+
+Picture error(const Field& heights, const Lattice& lattice, const CheckResult& check) {
+  Picture picture;
+  picture.name = "error";
+  picture.title = "Error";
+  picture.map = ColourMap::error;
+  picture.unit = "mm";
+  Field field = reduce(lattice, [&](std::size_t n) { return check.node_error_m[n]; });
+  const auto sampled = static_cast<double>(
+      std::count_if(field.values.begin(), field.values.end(), [](float v) { return !std::isnan(v); }));
+  if (sampled > 0) {
+    const double pixels = static_cast<double>(field.values.size());
+    const int radius = static_cast<int>(std::ceil(std::sqrt(kSamplesPerSpot * pixels / sampled) / 2)) - 1;
+    field = average_about(field, std::clamp(radius, 0, 64));
+    for (std::size_t n = 0; n < field.values.size(); ++n)
+      if (std::isnan(heights.values[n])) field.values[n] = kUnknownHeight;
+  }
+  const double most = std::max(check.cloud_to_surface.p95_m, 1e-9);
+  picture.high = most * kMillimetres;
+  picture.clipped = true;
+  picture.caption =
+      "Mean distance between the scan's points and the surface about each place, from pale (small) to dark (large).";
+  picture.alternative = fmt::format(
+      "Map of the distance between points and surface; half of the points lie within {:.2g} mm, "
+      "95 % within {:.2g} mm.",
+      check.cloud_to_surface.median_m * kMillimetres, picture.high);
+  paint(picture, field, 0, most);
+  return picture;
+}
+
+}  // namespace
+
+int nodes_per_pixel(const Lattice& lattice) {
+  return std::max(1, (std::max(lattice.nx, lattice.ny) + kMaxSide - 1) / kMaxSide);
+}
+
+std::vector<Picture> make_pictures(const Layers& base, const SceneDescription& scene, const Report& report,
+                                   ThreadPool& pool) {
+  const Lattice& lattice = base.grid.lattice;
+  const Field heights = reduce(lattice, [&](std::size_t n) { return base.grid.height_m[n]; });
+  std::vector<std::function<Picture()>> makers;
+  makers.emplace_back([&] { return relief(heights, nodes_per_pixel(lattice) * lattice.spacing_m); });
+  makers.emplace_back([&] { return height(heights); });
+  if (!base.envelope_m.empty()) makers.emplace_back([&] { return texture(base); });
+  if (scene.config.friction) makers.emplace_back([&] { return friction(base, scene); });
+  makers.emplace_back([&] { return coverage(base.grid, report); });
+  if (report.check && report.check->node_error_m.size() == lattice.count() &&
+      report.check->cloud_to_surface.samples > 0)
+    makers.emplace_back([&] { return error(heights, lattice, *report.check); });
+  std::vector<Picture> pictures(makers.size());
+  pool.for_ranges(makers.size(), 1, [&](std::size_t k, std::size_t) {
+    pictures[k] = makers[k]();
+    if (pictures[k].legend != Picture::Legend::states) pictures[k].palette = palette_of(pictures[k].map);
+  });
+  return pictures;
+}
+
+}  // namespace sparsha::pipeline

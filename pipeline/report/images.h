@@ -1,0 +1,37 @@
+// The pictures of a report: layers of level 0 as pixels with a palette, and what their legends say.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/thread_pool.h"
+#include "pipeline/report/colour.h"
+#include "pipeline/report/report.h"
+
+namespace sparsha::pipeline {
+
+/// One picture. Top row first; a pixel covers `nodes_per_pixel` nodes each way.
+struct Picture {
+  std::string name;  ///< file name without ending: relief, height, texture, friction, coverage, error
+  std::string title;
+  std::string caption;      ///< what is seen and how to read it
+  std::string alternative;  ///< for those who do not see it
+  ColourMap map = ColourMap::relief;
+  std::string unit;          ///< of the legend's values
+  double low = 0, high = 0;  ///< values of the legend's ends, in `unit`
+  bool clipped = false;      ///< values beyond the ends exist and have the ends' colours
+  enum class Legend { none, ramp, states } legend = Legend::ramp;
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+  Palette palette{};
+};
+
+/// The pictures that the scene and the report have data for, in the order of the page. At most 1024 pixels a side.
+[[nodiscard]] std::vector<Picture> make_pictures(const Layers& base, const SceneDescription& scene,
+                                                 const Report& report, ThreadPool& pool);
+
+/// Nodes that one pixel stands for, along each side.
+[[nodiscard]] int nodes_per_pixel(const Lattice& lattice);
+
+}  // namespace sparsha::pipeline

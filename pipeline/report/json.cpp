@@ -1,0 +1,92 @@
+// report.json: the keys are a contract (docs/formats.md).
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/report/report.h"
+#include "scene/layer_file.h"
+
+#ifndef SPARSHA_VERSION
+#define SPARSHA_VERSION "unknown"
+#endif
+
+namespace sparsha::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON knows no NaN: what is not known is null.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json statistics(const DistanceStatistics& s) {
+  if (s.samples == 0) return nullptr;
+  return {{"samples", s.samples},
+          {"mean_m", number(s.mean_m)},
+          {"rms_m", number(s.rms_m)},
+          {"median_m", number(s.median_m)},
+          {"mad_m", number(s.mad_m)},
+          {"p95_m", number(s.p95_m)},
+          {"p99_m", number(s.p99_m)},
+          {"max_m", number(s.max_m)},
+          {"signed_mean_m", number(s.signed_mean_m)},
+          {"mean_ci95_m", number(s.mean_ci95_m)}};
+}
+
+Json histogram(const std::vector<std::uint64_t>& counts, double bin_m) {
+  if (counts.empty() || !(bin_m > 0)) return nullptr;
+  return {{"bin_m", bin_m}, {"counts", counts}};
+}
+
+Json check(const std::optional<CheckResult>& result) {
+  if (!result) return {{"cloud_to_surface", nullptr}, {"surface_to_cloud", nullptr}, {"completeness", nullptr}};
+  const CheckResult& r = *result;
+  Json second = nullptr;
+  if (r.second_method_samples > 0)
+    second = {{"samples", r.second_method_samples}, {"max_difference_m", number(r.second_method_max_difference_m)}};
+  return {{"cloud_to_surface", statistics(r.cloud_to_surface)},
+          {"surface_to_cloud", statistics(r.surface_to_cloud)},
+          {"completeness", r.completeness ? number(*r.completeness) : Json(nullptr)},
+          {"tolerance_m", number(r.tolerance_m)},
+          {"cloud_histogram", histogram(r.cloud_histogram, r.histogram_bin_m)},
+          {"surface_histogram", histogram(r.surface_histogram, r.surface_histogram_bin_m)},
+          {"second_method", second}};
+}
+
+}  // namespace
+
+std::string report_json(const Scene& scene, const Report& report) {
+  const SceneDescription& description = scene.description();
+  const Lattice lattice = description.levels.empty() ? Lattice{} : description.levels.front();
+  const Report::Points& p = report.points;
+
+  Json json;
+  json["version"] = SPARSHA_VERSION;
+  json["points"] = {{"read", p.read},       {"used", p.used},         {"occluded", p.occluded}, {"outlier", p.outlier},
+                    {"outside", p.outside}, {"filtered", p.filtered}, {"invalid", p.invalid}};
+  json["grid"] = {
+      {"nx", lattice.nx},
+      {"ny", lattice.ny},
+      {"spacing_m", number(lattice.spacing_m)},
+      {"levels", description.levels.size()},
+      {"origin_m", {number(lattice.origin_m.x()), number(lattice.origin_m.y()), number(lattice.origin_m.z())}},
+      {"axes", keeps_scan_axes(description.scan_from_grid) ? "scan" : "local"}};
+  json["size_m"] = {number((lattice.nx - 1) * lattice.spacing_m), number((lattice.ny - 1) * lattice.spacing_m),
+                    number(description.height_max_m - description.height_min_m)};
+  json["coverage"] = number(report.coverage);
+  json["filled_fraction"] = number(report.filled_fraction);
+  json["noise_m"] = number(description.noise_m);
+  json["check"] = check(report.check);
+  json["inputs"] = Json::array();
+  for (const ScanSource& source : description.sources)
+    json["inputs"].push_back(
+        {{"file", source.file.generic_string()}, {"sha256", source.sha256}, {"points", source.points}});
+  json["warnings"] = report.warnings;
+  json["stages"] = Json::array();
+  for (const StageTime& stage : report.stages)
+    json["stages"].push_back({{"name", stage.name}, {"seconds", number(stage.seconds)}});
+  json["total_seconds"] = number(report.total_seconds);
+  json["peak_rss_bytes"] = report.peak_rss_bytes;
+  // File names and warnings may hold bytes that are not UTF-8; they are replaced, not fatal.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace sparsha::pipeline

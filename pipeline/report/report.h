@@ -1,0 +1,33 @@
+// report.json, report.html and the PNG previews of a scene folder.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/check/check.h"
+#include "scene/scene.h"
+
+namespace sparsha::pipeline {
+
+/// Everything report.json says (docs/formats.md); SI units.
+struct Report {
+  struct Points {
+    std::uint64_t read = 0, used = 0, occluded = 0, outlier = 0, outside = 0, filtered = 0, invalid = 0;
+  } points;
+  double coverage = 0.0;         ///< measured nodes / all
+  double filled_fraction = 0.0;  ///< filled nodes / all
+  std::optional<CheckResult> check;
+  std::vector<StageTime> stages;
+  double total_seconds = 0.0;
+  std::uint64_t peak_rss_bytes = 0;
+  std::vector<std::string> warnings;
+};
+
+[[nodiscard]] std::string report_json(const Scene& scene, const Report& report);
+/// Writes report.json, report.html and the previews (relief.png, height.png, texture.png, friction.png, coverage.png,
+/// error.png; those that the scene has) into an existing folder.
+void write_report(const Scene& scene, const Report& report, const std::filesystem::path& folder, ThreadPool& pool);
+
+}  // namespace sparsha::pipeline

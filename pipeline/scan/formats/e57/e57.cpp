@@ -1,0 +1,254 @@
+#include "pipeline/scan/formats/e57/e57.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <pugixml.hpp>
+
+#include "pipeline/scan/formats/e57/points.h"
+#include "pipeline/scan/scalar.h"
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace e57 {
+namespace {
+
+/// Index of a field within the wanted streams, -1 without.
+struct Roles {
+  int a = -1, b = -1, c = -1;  ///< x y z, or range azimuth elevation
+  bool spherical = false;
+  int invalid = -1;
+  int red = -1, green = -1, blue = -1;
+  int intensity = -1;
+};
+
+struct Scan {
+  std::uint64_t section = 0;
+  std::uint64_t records = 0;
+  std::vector<Field> fields;
+  std::vector<std::size_t> wanted;
+  Roles roles;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  bool posed = false;  // the file says where it was made from
+  double colour_low = 0.0;
+  double colour_high = 255.0;
+};
+
+/// A text without the blanks around it; empty where there is none.
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+class Reader {
+ public:
+  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), pages_(file) {}
+
+  void read() {
+    const std::string text = pages_.xml();
+    pugi::xml_document document;
+    const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
+    if (!parsed) throw file_.error(std::string("the XML section is damaged: ") + parsed.description(), "XML");
+    std::vector<Scan> scans;
+    for (const pugi::xml_node& node : document.child("e57Root").child("data3D").children("vectorChild")) {
+      scans.push_back(parse_scan(node));
+    }
+    if (scans.empty()) throw file_.error("the file has no 3D data", "at least one scan");
+    RawScan& scan = out_.scan();
+    scan.format = "E57";
+    scan.unit = LengthUnit::m;
+    scan.scans = scans.size();
+    bool colour = false;
+    bool intensity = false;
+    std::uint64_t records = 0;
+    for (const Scan& s : scans) {
+      colour = colour || s.roles.red >= 0;
+      intensity = intensity || s.roles.intensity >= 0;
+      records += std::min<std::uint64_t>(s.records, file_.bytes.size() * 8);
+    }
+    for (const Field& field : scans.front().fields) scan.fields.push_back(field.name);
+    // A record may be as short as a few bits, so only what the bytes surely hold is reserved.
+    out_.begin(std::min<std::uint64_t>(records, file_.bytes.size() / 4), colour, intensity);
+    for (const Scan& s : scans) read_scan_points(s);
+  }
+
+ private:
+  /// The finite number that `text` is; `otherwise` when there is none.
+  double number_in(std::string_view text, const char* name, double otherwise) const {
+    text = trimmed(text);
+    if (text.empty()) return otherwise;
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    if (parse_number(text.data(), end, value) != end || !std::isfinite(value)) {
+      throw file_.error(in_quotes(text) + " as " + in_quotes(name) + " in the XML section", "a finite number");
+    }
+    return value;
+  }
+  double number_of(const pugi::xml_node& node) const { return number_in(node.child_value(), node.name(), 0.0); }
+
+  std::int64_t integer_of(const pugi::xml_attribute& attribute, std::int64_t otherwise) const {
+    const std::string_view text = trimmed(attribute.value());
+    if (text.empty()) return otherwise;
+    std::int64_t value = 0;
+    const char* const end = text.data() + text.size();
+    if (parse_integer(text.data(), end, value) == end) return value;
+    const double number = number_in(text, attribute.name(), 0.0);  // "3.0" is whole too
+    constexpr double kExact = 9007199254740992.0;
+    if (number != std::floor(number) || std::fabs(number) > kExact) {
+      throw file_.error(in_quotes(text) + " as " + in_quotes(attribute.name()) + " in the XML section",
+                        "a whole number of 64 bits");
+    }
+    return static_cast<std::int64_t>(number);
+  }
+
+  void parse_fields(const pugi::xml_node& node, Scan& scan, int depth) const {
+    for (const pugi::xml_node& child : node.children()) {
+      if (child.type() != pugi::node_element) continue;
+      const std::string_view type = child.attribute("type").value();
+      Field field;
+      field.name = child.name();
+      if (type == "Float") {
+        const bool single = std::string_view(child.attribute("precision").value()) == "single";
+        field.kind = single ? Field::Kind::single : Field::Kind::real;
+      } else if (type == "Integer" || type == "ScaledInteger") {
+        field.kind = Field::Kind::integer;
+        field.minimum = integer_of(child.attribute("minimum"), std::numeric_limits<std::int64_t>::min());
+        field.maximum = integer_of(child.attribute("maximum"), std::numeric_limits<std::int64_t>::max());
+        if (field.maximum < field.minimum) {
+          throw file_.error("field " + in_quotes(field.name) + " has a maximum below its minimum",
+                            "an undamaged E57 file");
+        }
+        if (type == "ScaledInteger") {
+          field.scale = number_in(child.attribute("scale").value(), "scale", 1.0);
+          field.offset = number_in(child.attribute("offset").value(), "offset", 0.0);
+          if (field.scale == 0.0) {
+            throw file_.error("field " + in_quotes(field.name) + " has a scale of zero", "a scale that is not zero");
+          }
+        }
+      } else if (type == "Structure" && depth < 16) {
+        parse_fields(child, scan, depth + 1);
+        continue;
+      } else {
+        field.kind = Field::Kind::other;
+      }
+      scan.fields.push_back(std::move(field));
+    }
+  }
+
+  int want(Scan& scan, std::string_view name) const {
+    for (std::size_t i = 0; i < scan.fields.size(); ++i) {
+      if (scan.fields[i].name != name || scan.fields[i].kind == Field::Kind::other) continue;
+      scan.wanted.push_back(i);
+      return static_cast<int>(scan.wanted.size()) - 1;
+    }
+    return -1;
+  }
+
+  void choose_fields(const pugi::xml_node& node, Scan& scan) const {
+    const auto has = [&](std::string_view name) {
+      return std::any_of(scan.fields.begin(), scan.fields.end(), [&](const Field& f) { return f.name == name; });
+    };
+    Roles& roles = scan.roles;
+    roles.spherical = !has("cartesianX") && has("sphericalRange");
+    roles.a = want(scan, roles.spherical ? "sphericalRange" : "cartesianX");
+    roles.b = want(scan, roles.spherical ? "sphericalAzimuth" : "cartesianY");
+    roles.c = want(scan, roles.spherical ? "sphericalElevation" : "cartesianZ");
+    if (roles.a < 0 || roles.b < 0 || roles.c < 0) {
+      throw file_.error("a scan has neither Cartesian nor spherical coordinates",
+                        "cartesianX, Y, Z or sphericalRange, Azimuth, Elevation");
+    }
+    roles.invalid = want(scan, roles.spherical ? "sphericalInvalidState" : "cartesianInvalidState");
+    roles.intensity = want(scan, "intensity");
+    if (has("colorRed") && has("colorGreen") && has("colorBlue")) {
+      roles.red = want(scan, "colorRed");
+      roles.green = want(scan, "colorGreen");
+      roles.blue = want(scan, "colorBlue");
+      if (roles.green < 0 || roles.blue < 0) roles.red = -1;
+    }
+    if (roles.red >= 0) {
+      const pugi::xml_node limits = node.child("colorLimits");
+      const Field& red = scan.fields[scan.wanted[static_cast<std::size_t>(roles.red)]];
+      const bool whole = red.kind == Field::Kind::integer;
+      scan.colour_low = limits ? number_of(limits.child("colorRedMinimum")) : 0.0;
+      scan.colour_high = limits  ? number_of(limits.child("colorRedMaximum"))
+                         : whole ? static_cast<double>(red.maximum) * red.scale + red.offset
+                                 : 1.0;
+      if (!(scan.colour_high > scan.colour_low)) scan.colour_high = scan.colour_low + 255.0;
+    }
+  }
+
+  Scan parse_scan(const pugi::xml_node& node) const {
+    Scan scan;
+    const pugi::xml_node points = node.child("points");
+    const std::int64_t records = integer_of(points.attribute("recordCount"), -1);
+    const std::int64_t section = integer_of(points.attribute("fileOffset"), -1);
+    if (records < 0 || section < 0) throw file_.error("a scan without points", "their place and number");
+    for (const pugi::xml_node& codec : points.child("codecs").children("vectorChild")) {
+      if (!codec.child("bitPackCodec")) throw file_.error("points packed by an unknown codec", "bitPackCodec");
+    }
+    scan.records = static_cast<std::uint64_t>(records);
+    scan.section = static_cast<std::uint64_t>(section);
+    parse_fields(points.child("prototype"), scan, 0);
+    choose_fields(node, scan);
+    const pugi::xml_node rotation = node.child("pose").child("rotation");
+    const pugi::xml_node translation = node.child("pose").child("translation");
+    Eigen::Quaterniond turn(number_of(rotation.child("w")), number_of(rotation.child("x")),
+                            number_of(rotation.child("y")), number_of(rotation.child("z")));
+    if (rotation && !(turn.norm() > 0.0)) {
+      out_.scan().warnings.push_back("the quaternion of a scan's pose is zero; taken as no rotation");
+    }
+    if (rotation && turn.norm() > 0.0) scan.turn = turn.normalized().toRotationMatrix();
+    scan.shift = {number_of(translation.child("x")), number_of(translation.child("y")),
+                  number_of(translation.child("z"))};
+    scan.posed = !node.child("pose").empty();
+    return scan;
+  }
+
+  void read_scan_points(const Scan& scan) {
+    const Roles& roles = scan.roles;
+    const bool posed = !scan.turn.isIdentity(0.0) || !scan.shift.isZero(0.0);
+    // The scanner is the origin of its own coordinates; without a pose or angles they may be anybody's.
+    out_.set_station(scan.posed || roles.spherical ? std::optional(scan.shift) : std::nullopt);
+    std::vector<double> values(scan.wanted.size());
+    const auto value = [&](int role) { return values[static_cast<std::size_t>(role)]; };
+    const double colour_factor = 255.0 / (scan.colour_high - scan.colour_low);
+    const auto channel = [&](int role) {
+      return colour_byte((value(role) - scan.colour_low) * colour_factor, ColourScale::byte);
+    };
+    read_points(
+        file_, pages_, scan.section, scan.records, scan.fields, scan.wanted, [&](std::vector<FieldStream>& streams) {
+          for (std::size_t i = 0; i < streams.size(); ++i) values[i] = streams[i].take();
+          if (roles.invalid >= 0 && value(roles.invalid) != 0.0) {
+            out_.add_invalid();
+            return;
+          }
+          Eigen::Vector3d p(value(roles.a), value(roles.b), value(roles.c));
+          if (roles.spherical) {
+            const double flat = p.x() * std::cos(p.z());
+            p = {flat * std::cos(p.y()), flat * std::sin(p.y()), p.x() * std::sin(p.z())};
+          }
+          if (posed) p = scan.turn * p + scan.shift;
+          const std::uint32_t rgba =
+              roles.red >= 0 ? pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue)) : kWhite;
+          out_.add(p.x(), p.y(), p.z(), rgba, roles.intensity >= 0 ? static_cast<float>(value(roles.intensity)) : 0.0F);
+        });
+  }
+
+  const ScanFile& file_;
+  ScanWriter& out_;
+  Pages pages_;
+};
+
+}  // namespace
+}  // namespace e57
+
+bool is_e57(const ScanFile& file) { return file.bytes.substr(0, 8) == "ASTM-E57"; }
+
+void read_e57(const ScanFile& file, ScanWriter& out) { e57::Reader(file, out).read(); }
+
+}  // namespace sparsha::pipeline

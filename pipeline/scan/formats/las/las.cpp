@@ -1,0 +1,133 @@
+#include "pipeline/scan/formats/las/las.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "pipeline/scan/formats/las/header.h"
+#include "pipeline/scan/formats/las/laz.h"
+#include "pipeline/scan/scalar.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+/// Withheld points are to be treated as deleted (LAS 1.4 R15, table 8 and 16); LAS 1.0 knows no such flag.
+bool is_withheld(const las::Header& header, const char* point) {
+  const auto flags = load<std::uint8_t>(point + 15);
+  return header.format >= 6 ? (flags & 4) != 0 : header.minor > 0 && (flags & 128) != 0;
+}
+
+}  // namespace
+
+bool is_las(const ScanFile& file) { return file.bytes.substr(0, 4) == "LASF"; }
+
+namespace las {
+
+PointReader::PointReader(const Header& header, const Units& units, ScanWriter& out)
+    : header_(header), out_(out), colour_(header.colour_offset()), z_factor_(units.z_factor) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::int32_t a = stored(header.box_low[k] - header.box_side, k);
+    const std::int32_t b = stored(header.box_high[k] + header.box_side, k);
+    low_[k] = std::min(a, b);  // a scale may be negative
+    high_[k] = std::max(a, b);
+    least_[k] = std::numeric_limits<std::int32_t>::max();
+    most_[k] = std::numeric_limits<std::int32_t>::min();
+  }
+}
+
+std::int32_t PointReader::stored(double coordinate, std::size_t axis) const {
+  constexpr double kLow = std::numeric_limits<std::int32_t>::min();
+  constexpr double kHigh = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::clamp((coordinate - header_.offset[axis]) / header_.scale[axis], kLow, kHigh));
+}
+
+void PointReader::compare_with_box(const ScanFile& file) {
+  if (outside_ == 0 || !(header_.box_side > 0.0)) return;
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    longest = std::max(longest, (static_cast<double>(most_[k]) - least_[k]) * std::fabs(header_.scale[k]));
+  }
+  // Many points, and spread: a box that somebody forgot to move has the points' size.
+  constexpr double kAbsurd = 100.0;
+  if (outside_ > count_ / 100 && longest > kAbsurd * header_.box_side) {
+    throw file.error(fmt::format("{} of {} points lie far outside the header's box, {:.3g} across where it has {:.3g}",
+                                 outside_, count_, longest, header_.box_side),
+                     "undamaged points; the file may have been copied as text");
+  }
+  out_.scan().warnings.push_back(
+      fmt::format("{} of {} points lie far outside the box that the header gives", outside_, count_));
+}
+
+void PointReader::look(const char* point) {
+  if (colour_ == 0) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    largest_ = std::max(largest_, static_cast<double>(load<std::uint16_t>(point + colour_ + 2 * k)));
+  }
+  scale_ = colour_scale(largest_, false);
+}
+
+void PointReader::add(const char* point) {
+  if (is_withheld(header_, point)) {
+    out_.add_invalid();
+    return;
+  }
+  std::array<std::int32_t, 3> xyz;
+  bool outside = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    xyz[k] = load<std::int32_t>(point + 4 * k);
+    least_[k] = std::min(least_[k], xyz[k]);
+    most_[k] = std::max(most_[k], xyz[k]);
+    outside = outside || xyz[k] < low_[k] || xyz[k] > high_[k];
+  }
+  ++count_;
+  outside_ += outside ? 1 : 0;
+  const auto coordinate = [&](std::size_t k) {
+    return static_cast<double>(xyz[k]) * header_.scale[k] + header_.offset[k];
+  };
+  std::uint32_t rgba = kWhite;
+  if (colour_ != 0) {
+    const auto channel = [&](std::size_t k) {
+      return colour_byte(load<std::uint16_t>(point + colour_ + 2 * k), scale_);
+    };
+    rgba = pack_rgba(channel(0), channel(1), channel(2));
+  }
+  out_.add(coordinate(0), coordinate(1), z_factor_ == 1.0 ? coordinate(2) : coordinate(2) * z_factor_, rgba,
+           static_cast<float>(load<std::uint16_t>(point + 12)));
+}
+
+}  // namespace las
+
+void read_las(const ScanFile& file, ScanWriter& out) {
+  const las::Header header = las::parse_header(file);
+  const las::Units units = las::find_units(header);
+  RawScan& scan = out.scan();
+  scan.format =
+      (header.compressed ? "LAZ 1." : "LAS 1.") + std::to_string(header.minor) + " pf" + std::to_string(header.format);
+  scan.unit = units.unit;
+  scan.degrees = units.degrees;
+  scan.warnings = header.warnings;
+  scan.warnings.insert(scan.warnings.end(), units.warnings.begin(), units.warnings.end());
+  scan.fields = {"x", "y", "z", "intensity"};
+  const bool colour = header.colour_offset() != 0;
+  if (colour) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
+  las::PointReader reader(header, units, out);
+  if (header.compressed) {
+    las::read_compressed(file, header, reader, out);
+    reader.compare_with_box(file);
+    return;
+  }
+  out.begin(header.points, colour, true);
+  const char* p = file.bytes.data() + header.first_point;
+  for (std::uint64_t i = 0; i < std::min<std::uint64_t>(header.points, 1000); ++i) {
+    reader.look(p + i * header.record_size);
+  }
+  for (std::uint64_t i = 0; i < header.points; ++i, p += header.record_size) {
+    reader.add(p);
+    if ((i & 0xFFFF) == 0xFFFF) file.done_before(static_cast<std::size_t>(p - file.bytes.data()));
+  }
+  reader.compare_with_box(file);
+}
+
+}  // namespace sparsha::pipeline

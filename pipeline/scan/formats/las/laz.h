@@ -1,0 +1,39 @@
+// Points of LAS files, packed or not.
+#pragma once
+
+#include "pipeline/scan/formats/las/header.h"
+#include "pipeline/scan/scalar.h"
+#include "pipeline/scan/scan_writer.h"
+
+namespace sparsha::pipeline::las {
+
+/// Turns points, as LAS lays them out, into records.
+class PointReader {
+ public:
+  PointReader(const Header& header, const Units& units, ScanWriter& out);
+
+  /// To be called with some points before the first add(): finds the range of the colours.
+  void look(const char* point);
+  void add(const char* point);
+  /// To be called behind the last point: throws Error{input}, or warns, when points lie far outside the header's box.
+  void compare_with_box(const ScanFile& file);
+
+ private:
+  [[nodiscard]] std::int32_t stored(double coordinate, std::size_t axis) const;
+
+  const Header& header_;
+  ScanWriter& out_;
+  std::size_t colour_;
+  double z_factor_;
+  double largest_ = 0.0;
+  ColourScale scale_ = ColourScale::byte;
+  std::array<std::int32_t, 3> low_,
+      high_;                                  ///< the box with a margin, as points store coordinates
+  std::array<std::int32_t, 3> least_, most_;  ///< of the points
+  std::uint64_t count_ = 0, outside_ = 0;
+};
+
+/// Reads LAZ points through LASzip. Throws Error{input} when the file is damaged, or when this build has no LASzip.
+void read_compressed(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out);
+
+}  // namespace sparsha::pipeline::las

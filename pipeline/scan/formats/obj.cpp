@@ -1,0 +1,205 @@
+#include "pipeline/scan/formats/obj.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/scan/scalar.h"
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+/// Statements of the text: comments and blank lines left out, continued lines joined.
+class Statements {
+ public:
+  explicit Statements(std::string_view text) : lines_(text, byte_order_mark(text)) {}
+
+  bool next(std::string_view& statement) {
+    std::string_view line;
+    while (lines_.next(line)) {
+      number_ = lines_.number();
+      if (!line.empty() && line.back() == '\\') {
+        joined_.assign(line.substr(0, line.size() - 1));
+        while (lines_.next(line)) {
+          joined_ += ' ';
+          const bool more = !line.empty() && line.back() == '\\';
+          joined_.append(more ? line.substr(0, line.size() - 1) : line);
+          if (!more) break;
+        }
+        line = joined_;
+      }
+      const char* const end = line.data() + line.size();
+      const char* const begin = skip_blanks(line.data(), end);
+      if (begin == end || *begin == '#') continue;
+      statement = {begin, static_cast<std::size_t>(end - begin)};
+      return true;
+    }
+    return false;
+  }
+  /// Line on which the statement began.
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] std::size_t offset() const { return lines_.offset(); }
+
+ private:
+  LineReader lines_;
+  std::string joined_;
+  int number_ = 0;
+};
+
+bool is_vertex(std::string_view statement) {
+  return statement.size() > 1 && statement[0] == 'v' && is_blank(statement[1]);
+}
+
+/// An exponent whose sign stands before its letter, "3.1+e2", is read as "3.1e+2"; seen in the wild.
+const char* parse_swapped_exponent(const char* p, const char* end, double& value) {
+  if (end - p < 3 || (*p != '+' && *p != '-') || (p[1] != 'e' && p[1] != 'E')) return p;
+  std::int64_t power = 0;
+  const char* const stop = parse_integer(p + 2, end, power);
+  if (stop == nullptr || power < 0 || power > 300) return p;
+  value *= std::pow(10.0, static_cast<double>(*p == '-' ? -power : power));
+  return stop;
+}
+
+class Reader {
+ public:
+  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out) {}
+
+  void read() {
+    inspect();
+    Statements statements(file_.bytes);
+    std::string_view statement;
+    std::size_t told = 0;
+    while (statements.next(statement)) {
+      if (is_vertex(statement)) {
+        vertex(statement, statements.number());
+      } else if (statement[0] == 'f' && statement.size() > 1 && is_blank(statement[1])) {
+        face(statement, statements.number());
+      }
+      if (statements.offset() - told > (1U << 22)) {
+        told = statements.offset();
+        file_.done_before(told - 1);
+      }
+    }
+    if (vertices_ == 0) throw file_.error("the OBJ file has no vertices", "lines 'v x y z'");
+    RawScan& scan = out_.scan();
+    if (swapped_ > 0) {
+      scan.warnings.push_back(std::to_string(swapped_) + " numbers like '3.1+e2' were read as '3.1e+2'");
+    }
+    if (uncoloured_ > 0) {
+      scan.warnings.push_back("only some vertices have colours; " + std::to_string(uncoloured_) +
+                              " are taken as white");
+    }
+  }
+
+ private:
+  /// Colours or not, and their range, from the first vertices.
+  void inspect() {
+    Statements statements(file_.bytes);
+    std::string_view statement;
+    double largest = 0.0;
+    for (int seen = 0; seen < 1000 && statements.next(statement);) {
+      if (!is_vertex(statement)) continue;
+      ++seen;
+      const int count = parse_values(statement, statements.number());
+      if (count < 6) continue;
+      colour_ = true;
+      for (std::size_t k = 3; k < 6; ++k) largest = std::max(largest, values_[k]);
+    }
+    scale_ = colour_scale(largest, true);
+    swapped_ = 0;
+    RawScan& scan = out_.scan();
+    scan.format = "OBJ";
+    scan.fields = {"x", "y", "z"};
+    if (colour_) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
+    out_.begin(0, colour_, false);
+  }
+
+  /// Numbers behind the keyword, at most seven.
+  int parse_values(std::string_view statement, int line) {
+    const char* p = statement.data() + 1;
+    const char* const end = statement.data() + statement.size();
+    int count = 0;
+    for (p = skip_blanks(p, end); p < end && *p != '#'; p = skip_blanks(p, end)) {
+      double value = 0.0;
+      const char* stop = parse_number(p, end, value);
+      if (stop != nullptr && stop < end && !is_blank(*stop)) {
+        const char* const swapped = parse_swapped_exponent(stop, end, value);
+        if (swapped != stop) ++swapped_;
+        stop = swapped;
+      }
+      if (stop == nullptr || (stop < end && !is_blank(*stop)) || count == 7) {
+        throw file_.error_at(line, in_quotes({p, static_cast<std::size_t>(end - p)}) + " in a vertex",
+                             "three coordinates and at most four more numbers");
+      }
+      values_[static_cast<std::size_t>(count++)] = value;
+      p = stop;
+    }
+    if (count < 3) throw file_.error_at(line, "a vertex with " + std::to_string(count) + " numbers", "'v x y z'");
+    return count;
+  }
+
+  void vertex(std::string_view statement, int line) {
+    const int count = parse_values(statement, line);
+    std::uint32_t rgba = kWhite;
+    if (count >= 6) {
+      rgba = pack_rgba(colour_byte(values_[3], scale_), colour_byte(values_[4], scale_),
+                       colour_byte(values_[5], scale_), count == 7 ? colour_byte(values_[6], scale_) : 255);
+    } else if (colour_) {
+      ++uncoloured_;
+    }
+    out_.add(values_[0], values_[1], values_[2], rgba);
+    ++vertices_;
+  }
+
+  void face(std::string_view statement, int line) {
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    std::string_view rest = statement.substr(1);
+    corners_.clear();
+    for (std::string_view word = take_word(rest); !word.empty() && word[0] != '#'; word = take_word(rest)) {
+      std::int64_t index = 0;
+      const char* const stop = parse_integer(word.data(), word.data() + word.size(), index);
+      if (stop == nullptr || (stop < word.data() + word.size() && *stop != '/')) {
+        throw file_.error_at(line, in_quotes(word) + " is no vertex of a face", "'v', 'v/t', 'v//n' or 'v/t/n'");
+      }
+      if (corners_.size() == ScanWriter::kMostCorners) {
+        throw file_.error_at(line, "a face of more than " + std::to_string(corners_.size()) + " corners", "fewer");
+      }
+      // Negative numbers count back from the last vertex so far.
+      const std::int64_t number = index < 0 ? static_cast<std::int64_t>(vertices_) + index : index - 1;
+      corners_.push_back(index == 0 || number < 0 || number >= kNone ? kNone : static_cast<std::uint32_t>(number));
+    }
+    out_.add_polygon(corners_);
+  }
+
+  const ScanFile& file_;
+  ScanWriter& out_;
+  std::array<double, 7> values_{};
+  std::vector<std::uint32_t> corners_;
+  std::uint64_t vertices_ = 0;
+  bool colour_ = false;
+  ColourScale scale_ = ColourScale::unit;
+  std::uint64_t swapped_ = 0;
+  std::uint64_t uncoloured_ = 0;
+};
+
+}  // namespace
+
+bool is_obj(const ScanFile& file) {
+  static constexpr std::string_view kKeywords[] = {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl", "l", "p"};
+  Statements statements(file.bytes.substr(0, 1 << 16));
+  std::string_view statement;
+  for (int seen = 0; seen < 16 && statements.next(statement); ++seen) {
+    std::string_view rest = statement;
+    const std::string_view word = take_word(rest);
+    bool known = false;
+    for (const std::string_view keyword : kKeywords) known = known || word == keyword;
+    if (!known) return false;
+    if (word == "v" || word == "f" || word == "mtllib") return true;
+  }
+  return false;
+}
+
+void read_obj(const ScanFile& file, ScanWriter& out) { Reader(file, out).read(); }
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,266 @@
+// The body of a binary PLY file, either byte order. Records of fixed size take the quick way.
+#include <algorithm>
+
+#include "pipeline/scan/formats/ply/ply.h"
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline::ply {
+namespace {
+
+/// Offset and type of one wanted property; absent ones have offset kNone.
+struct Slot {
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  std::size_t offset = kNone;
+  ScalarType type = ScalarType::f32;
+
+  [[nodiscard]] bool present() const { return offset != kNone; }
+};
+
+struct VertexLayout {
+  Slot x, y, z, red, green, blue, alpha, intensity;
+  ColourScale scale = ColourScale::byte;
+};
+
+template <bool big>
+class Body {
+ public:
+  Body(const ScanFile& file, const Header& header, ScanWriter& out)
+      : file_(file), out_(out), p_(file.bytes.data() + header.body), end_(file.bytes.data() + file.bytes.size()) {}
+
+  void read_vertices(const Element& vertex) {
+    if (vertex.count == 0) return;  // there may be no record to look at
+    const VertexColumns columns = vertex_columns(file_, vertex);
+    if (vertex.has_lists()) {
+      read_vertices_with_lists(vertex, columns);
+      return;
+    }
+    const std::size_t stride = vertex.least_size(false);
+    if (static_cast<std::size_t>(end_ - p_) / stride < vertex.count) throw cut_short(vertex);
+    std::vector<std::size_t> offsets;
+    record_offsets(vertex, p_, offsets);
+    VertexLayout layout = make_layout(vertex, columns, offsets);
+    if (columns.has_colour()) layout.scale = sampled_scale(vertex, layout, stride);
+    const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
+                            layout.blue.type == ScalarType::u8 && !layout.alpha.present() &&
+                            !layout.intensity.present();
+    const bool plain = !columns.has_colour() && !layout.intensity.present();
+    const bool same = layout.x.type == layout.y.type && layout.x.type == layout.z.type;
+    constexpr std::size_t kChunk = 1 << 16;
+    for (std::uint64_t left = vertex.count; left > 0;) {
+      const auto chunk = static_cast<std::size_t>(std::min<std::uint64_t>(left, kChunk));
+      const char* const stop = p_ + chunk * stride;
+      if (same && layout.x.type == ScalarType::f32 && plain) {
+        for (; p_ < stop; p_ += stride) add_plain<float>(layout);
+      } else if (same && layout.x.type == ScalarType::f64 && plain) {
+        for (; p_ < stop; p_ += stride) add_plain<double>(layout);
+      } else if (same && layout.x.type == ScalarType::f32 && bytes_only) {
+        for (; p_ < stop; p_ += stride) add_with_bytes<float>(layout);
+      } else if (same && layout.x.type == ScalarType::f64 && bytes_only) {
+        for (; p_ < stop; p_ += stride) add_with_bytes<double>(layout);
+      } else {
+        for (; p_ < stop; p_ += stride) add_any(layout, p_);
+      }
+      left -= chunk;
+      file_.done_before(static_cast<std::size_t>(p_ - file_.bytes.data()));
+    }
+  }
+
+  void read_faces(const Element& element, Role role) {
+    const auto wanted = static_cast<std::size_t>(index_list(element));
+    std::vector<std::size_t> offsets;
+    std::vector<std::int64_t> list;
+    const Property& property = element.properties[wanted];
+    const std::size_t count_size = size_of(*property.count_type);
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      const char* const next = record_offsets(element, p_, offsets);
+      if (next == nullptr) throw cut_short(element);
+      const char* q = p_ + offsets[wanted];
+      const auto length = static_cast<std::size_t>(load_scalar<big>(q, *property.count_type));
+      q += count_size;
+      if (role == Role::face && length > ScanWriter::kMostCorners) {
+        throw file_.error("a face of " + std::to_string(length) + " corners",
+                          "at most " + std::to_string(ScanWriter::kMostCorners));
+      }
+      list.resize(length);
+      for (std::int64_t& value : list) {
+        value = index_at(q, property.type);
+        q += size_of(property.type);
+      }
+      role == Role::strips ? add_strip(list, out_) : add_face(list, out_);
+      p_ = next;
+    }
+  }
+
+  /// Called behind the last element: a count that is too small leaves points or faces out.
+  void warn_of_more(const Element& last) {
+    const auto left = static_cast<std::size_t>(end_ - p_);
+    if (left > 0 && has_translated_line_ends(file_.bytes)) {
+      throw file_.error("its line feeds were turned into CR LF: the file was copied as text", "a copy of its bytes");
+    }
+    if (left < std::min<std::size_t>(last.least_size(false), kPadding)) return;
+    out_.scan().warnings.push_back(std::to_string(left) + " bytes behind the last record are left out");
+  }
+
+  void skip(const Element& element) {
+    if (!element.has_lists()) {
+      const std::size_t size = element.least_size(false);
+      if (size > 0 && static_cast<std::size_t>(end_ - p_) / size < element.count) throw cut_short(element);
+      p_ += size * static_cast<std::size_t>(element.count);
+      return;
+    }
+    std::vector<std::size_t> offsets;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      p_ = record_offsets(element, p_, offsets);
+      if (p_ == nullptr) throw cut_short(element);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kPadding = 4;  // a line end, or zeros up to a word
+
+  [[nodiscard]] Error cut_short(const Element& element) const {
+    return file_.error("the file ends within element " + in_quotes(element.name) + ", which should have " +
+                           std::to_string(element.count) + " records",
+                       "a complete file");
+  }
+
+  static std::int64_t index_at(const char* q, ScalarType type) {
+    switch (type) {
+      case ScalarType::i32:
+        return load<std::int32_t, big>(q);
+      case ScalarType::u32:
+        return load<std::uint32_t, big>(q);
+      default: {
+        const double value = load_scalar<big>(q, type);
+        return value >= 0.0 && value < 9e15 ? static_cast<std::int64_t>(value) : -1;
+      }
+    }
+  }
+
+  /// Where each property of the record at `record` begins. Returns the record's end, null when the file ends first.
+  const char* record_offsets(const Element& element, const char* record, std::vector<std::size_t>& offsets) const {
+    offsets.clear();
+    const auto left = static_cast<std::size_t>(end_ - record);
+    std::size_t at = 0;
+    for (const Property& property : element.properties) {
+      offsets.push_back(at);
+      const std::size_t size = size_of(property.count_type.value_or(property.type));
+      if (left - at < size) return nullptr;
+      if (property.count_type) {
+        const double length = load_scalar<big>(record + at, *property.count_type);
+        at += size;
+        const std::size_t most = (left - at) / size_of(property.type);
+        if (!(length >= 0.0) || length > static_cast<double>(most)) return nullptr;
+        at += static_cast<std::size_t>(length) * size_of(property.type);
+      } else {
+        at += size;
+      }
+    }
+    return record + at;
+  }
+
+  static VertexLayout make_layout(const Element& vertex, const VertexColumns& columns,
+                                  const std::vector<std::size_t>& offsets) {
+    const auto slot = [&](int column) {
+      if (column < 0) return Slot{};
+      const auto i = static_cast<std::size_t>(column);
+      return Slot{offsets[i], vertex.properties[i].type};
+    };
+    VertexLayout layout;
+    layout.x = slot(columns.x);
+    layout.y = slot(columns.y);
+    layout.z = slot(columns.z);
+    if (columns.has_colour()) {
+      layout.red = slot(columns.red);
+      layout.green = slot(columns.green);
+      layout.blue = slot(columns.blue);
+      layout.alpha = slot(columns.alpha);
+    }
+    layout.intensity = slot(columns.intensity);
+    return layout;
+  }
+
+  ColourScale sampled_scale(const Element& vertex, const VertexLayout& layout, std::size_t stride) const {
+    constexpr std::uint64_t kSample = 1000;
+    double largest = 0.0;
+    const char* q = p_;
+    for (std::uint64_t i = 0; i < std::min(vertex.count, kSample); ++i, q += stride) {
+      for (const Slot& slot : {layout.red, layout.green, layout.blue}) {
+        largest = std::max(largest, load_scalar<big>(q + slot.offset, slot.type));
+      }
+    }
+    return colour_scale(largest, is_floating(layout.red.type));
+  }
+
+  void read_vertices_with_lists(const Element& vertex, const VertexColumns& columns) {
+    std::vector<std::size_t> offsets;
+    for (std::uint64_t i = 0; i < vertex.count; ++i) {
+      const char* const next = record_offsets(vertex, p_, offsets);
+      if (next == nullptr) throw cut_short(vertex);
+      VertexLayout layout = make_layout(vertex, columns, offsets);
+      if (layout.red.present() && is_floating(layout.red.type)) layout.scale = ColourScale::unit;
+      add_any(layout, p_);
+      p_ = next;
+    }
+  }
+
+  template <typename T>
+  void add_plain(const VertexLayout& layout) {
+    out_.add(load<T, big>(p_ + layout.x.offset), load<T, big>(p_ + layout.y.offset),
+             load<T, big>(p_ + layout.z.offset));
+  }
+
+  template <typename T>
+  void add_with_bytes(const VertexLayout& layout) {
+    out_.add(load<T, big>(p_ + layout.x.offset), load<T, big>(p_ + layout.y.offset), load<T, big>(p_ + layout.z.offset),
+             pack_rgba(load<std::uint8_t>(p_ + layout.red.offset), load<std::uint8_t>(p_ + layout.green.offset),
+                       load<std::uint8_t>(p_ + layout.blue.offset)));
+  }
+
+  void add_any(const VertexLayout& layout, const char* q) {
+    const auto value = [&](const Slot& slot) { return load_scalar<big>(q + slot.offset, slot.type); };
+    std::uint32_t rgba = kWhite;
+    if (layout.red.present()) {
+      rgba = pack_rgba(colour_byte(value(layout.red), layout.scale), colour_byte(value(layout.green), layout.scale),
+                       colour_byte(value(layout.blue), layout.scale),
+                       layout.alpha.present() ? colour_byte(value(layout.alpha), layout.scale) : 255);
+    }
+    out_.add(value(layout.x), value(layout.y), value(layout.z), rgba,
+             layout.intensity.present() ? static_cast<float>(value(layout.intensity)) : 0.0F);
+  }
+
+  const ScanFile& file_;
+  ScanWriter& out_;
+  const char* p_;
+  const char* end_;
+};
+
+template <bool big>
+void read_body(const ScanFile& file, const Header& header, ScanWriter& out) {
+  std::size_t needed = 0;  // elements behind the last one of use are not read
+  for (std::size_t i = 0; i < header.elements.size(); ++i) {
+    if (role_of(header.elements[i]) != Role::other) needed = i + 1;
+  }
+  Body<big> body(file, header, out);
+  for (std::size_t i = 0; i < needed; ++i) {
+    const Element& element = header.elements[i];
+    if (element.properties.empty()) continue;
+    const Role role = role_of(element);
+    if (role == Role::vertex) {
+      body.read_vertices(element);
+    } else if (role == Role::other) {
+      body.skip(element);
+    } else {
+      body.read_faces(element, role);
+    }
+  }
+  if (needed > 0 && needed == header.elements.size()) body.warn_of_more(header.elements.back());
+}
+
+}  // namespace
+
+void read_binary_body(const ScanFile& file, const Header& header, ScanWriter& out) {
+  header.encoding == Encoding::big ? read_body<true>(file, header, out) : read_body<false>(file, header, out);
+}
+
+}  // namespace sparsha::pipeline::ply

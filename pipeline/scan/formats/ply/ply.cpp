@@ -1,0 +1,131 @@
+#include "pipeline/scan/formats/ply/ply.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace ply {
+
+VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
+  VertexColumns columns;
+  columns.x = vertex.find({"x"});
+  columns.y = vertex.find({"y"});
+  columns.z = vertex.find({"z"});
+  for (const int column : {columns.x, columns.y, columns.z}) {
+    if (column < 0 || vertex.properties[static_cast<std::size_t>(column)].count_type) {
+      throw file.error_at(vertex.line, "the vertices have no x, y and z", "properties x, y and z of element vertex");
+    }
+  }
+  for (const std::string_view name : {"x", "y", "z"}) {
+    const auto same = [&](const Property& property) { return property.name == name; };
+    if (std::count_if(vertex.properties.begin(), vertex.properties.end(), same) > 1) {
+      throw file.error_at(vertex.line, "the vertices have " + in_quotes(name) + " twice", "each property once");
+    }
+  }
+  columns.red = vertex.find({"red", "diffuse_red", "r"});
+  columns.green = vertex.find({"green", "diffuse_green", "g"});
+  columns.blue = vertex.find({"blue", "diffuse_blue", "b"});
+  columns.alpha = vertex.find({"alpha", "diffuse_alpha"});
+  columns.intensity = vertex.find({"intensity", "scalar_intensity", "reflectance"});
+  for (int* column : {&columns.red, &columns.green, &columns.blue, &columns.alpha, &columns.intensity}) {
+    if (*column >= 0 && vertex.properties[static_cast<std::size_t>(*column)].count_type) *column = -1;
+  }
+  return columns;
+}
+
+Role role_of(const Element& element) {
+  if (element.name == "vertex" || element.name == "vertices") return Role::vertex;
+  if (index_list(element) < 0) return Role::other;
+  if (element.name == "face" || element.name == "faces") return Role::face;
+  if (element.name == "tristrips" || element.name == "tristrip") return Role::strips;
+  return Role::other;
+}
+
+int index_list(const Element& element) {
+  const int column = element.find({"vertex_indices", "vertex_index"});
+  return column >= 0 && element.properties[static_cast<std::size_t>(column)].count_type ? column : -1;
+}
+
+namespace {
+
+std::uint32_t vertex_number(std::int64_t value) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  return value < 0 || value >= kNone ? kNone : static_cast<std::uint32_t>(value);
+}
+
+}  // namespace
+
+void add_strip(const std::vector<std::int64_t>& strip, ScanWriter& out) {
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < strip.size(); ++i) {
+    if (strip[i] < 0) {
+      begin = i + 1;
+    } else if (i >= begin + 2) {
+      const bool odd = ((i - begin) & 1U) != 0;
+      const std::uint32_t a = vertex_number(strip[i - 2]);
+      const std::uint32_t b = vertex_number(strip[i - 1]);
+      const std::uint32_t c = vertex_number(strip[i]);
+      if (a == b || b == c || a == c) continue;
+      odd ? out.add_triangle(b, a, c) : out.add_triangle(a, b, c);
+    }
+  }
+}
+
+void add_face(const std::vector<std::int64_t>& corners, ScanWriter& out) {
+  if (corners.size() == 3) {
+    out.add_triangle(vertex_number(corners[0]), vertex_number(corners[1]), vertex_number(corners[2]));
+    return;
+  }
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(corners.size());
+  for (const std::int64_t corner : corners) numbers.push_back(vertex_number(corner));
+  out.add_polygon(numbers);
+}
+
+}  // namespace ply
+
+bool is_ply(const ScanFile& file) {
+  const std::string_view head = file.bytes.substr(0, 16);
+  if (lower_case(head.substr(0, 3)) != "ply") return false;
+  const std::size_t end = head.find_first_not_of(" \t", 3);
+  return end != std::string_view::npos && (head[end] == '\n' || head[end] == '\r');
+}
+
+void read_ply(const ScanFile& file, ScanWriter& out) {
+  const ply::Header header = ply::parse_header(file);
+  const ply::Element* vertex = nullptr;
+  for (const ply::Element& element : header.elements) {
+    if (ply::role_of(element) != ply::Role::vertex) continue;
+    if (vertex != nullptr) throw file.error_at(element.line, "a second vertex element", "only one");
+    vertex = &element;
+  }
+  if (vertex == nullptr) throw file.error("the PLY header has no vertex element", "'element vertex COUNT'");
+
+  RawScan& scan = out.scan();
+  for (const ply::Property& property : vertex->properties) scan.fields.push_back(property.name);
+  const bool ascii = header.encoding == ply::Encoding::ascii;
+  scan.format = ascii                                      ? "PLY ascii"
+                : header.encoding == ply::Encoding::little ? "PLY binary little-endian"
+                                                           : "PLY binary big-endian";
+  const std::size_t body = file.bytes.size() - header.body;
+  std::size_t left = body;
+  for (const ply::Element& element : header.elements) {
+    // In ASCII the last separator may be missing, hence one more.
+    const std::size_t size = element.least_size(ascii);
+    const std::size_t most = size == 0 ? 0 : (left + (ascii ? 1 : 0)) / size;
+    if (size > 0 && element.count > most) {
+      throw file.error_at(element.line,
+                          std::to_string(element.count) + " records of element " + in_quotes(element.name) +
+                              " cannot be in the " + std::to_string(body) + " bytes behind the header",
+                          "a header that fits the file; it may be cut short");
+    }
+    left -= std::min<std::size_t>(left, static_cast<std::size_t>(element.count) * size);
+  }
+  const ply::VertexColumns columns = ply::vertex_columns(file, *vertex);
+  out.begin(vertex->count, columns.has_colour(), columns.intensity >= 0);
+  ascii ? ply::read_ascii_body(file, header, out) : ply::read_binary_body(file, header, out);
+}
+
+}  // namespace sparsha::pipeline

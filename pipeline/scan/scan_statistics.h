@@ -1,0 +1,27 @@
+// What a first configuration needs to know of a scan, without its points in memory when there are many.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/progress.h"
+#include "pipeline/scan/reader.h"
+
+namespace sparsha::pipeline {
+
+struct ScanStatistics {
+  /// The scan without attributes. Of a large scan without faces `points` is an even sample of some 100 000.
+  RawScan scan;
+  double spacing = 0.0;  ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
+};
+
+/// Files beyond `large_bytes` are streamed, unless they hold faces. Throws as read_scan; Cancelled.
+[[nodiscard]] ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress,
+                                             std::uint64_t large_bytes = 256'000'000);
+
+/// Median distance of sampled points to the nearest one that is not at the same place; 0 without any.
+[[nodiscard]] double median_spacing(const std::vector<Eigen::Vector3d>& points);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,145 @@
+// Trials in a fixed order, so that the same points give the same choice.
+#include "pipeline/suggest/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pipeline/projection/lattice.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kMostNodes = 2000.0;  // along the longest side
+constexpr double kMeshNodes = 500.0;
+
+// Searches views and spacings for a surface that passes its own cross-check.
+class Search {
+ public:
+  Search(TrialCloud& points, const SeenScans& seen, Progress& progress)
+      : mesh_(points.has_faces()),
+        share_(points.share()),
+        neighbour_m_(points.neighbour_m()),
+        views_(likely_views(seen)),
+        trials_(points, progress) {
+    const InnerBox box = inner_box(seen.points_m);
+    longest_m_ = (box.high - box.low).maxCoeff();
+    floor_m_ = std::max(longest_m_ / kMostNodes, HapticsConfig{}.resolution_m);
+  }
+
+  [[nodiscard]] Choice run() {
+    std::vector<Trial> tried{first(views_.front())};
+    if (tried[0].flawless() || (views_.front().evident && tried[0].fits)) return chosen(tried[0], tried[0], 1);
+    constexpr int kCoarsest = 8;
+    const Trial guess = tried[0];
+    // What is seen in the points' form is more to go by than a finer grid, custom is not.
+    if (views_.front().evident) {
+      for (int times = 2; times <= kCoarsest; times *= 2) {
+        const Trial trial = coarser(guess, times);
+        if (trial.fits) return chosen(guess, trial, times);
+      }
+    }
+    for (const bool oblique : {false, true}) {
+      for (std::size_t v = 1; v < views_.size(); ++v) {
+        if (views_[v].oblique() == oblique) tried.push_back(first(views_[v]));
+      }
+      if (const Trial* best = best_of(tried)) return chosen(guess, *best, 1);
+    }
+    const std::vector<Trial> firsts = tried;
+    for (int times = 2; 2 * times <= kCoarsest; times *= 2) {
+      for (std::size_t v = 0; v < firsts.size(); ++v) tried[v] = coarser(firsts[v], times);
+      if (const Trial* best = best_of(tried)) return chosen(guess, *best, times);
+    }
+    Choice failed = chosen(guess, guess, 1);
+    failed.no_surface = std::all_of(firsts.begin(), firsts.end(), [](const Trial& t) { return !t.error.empty(); });
+    return failed;
+  }
+
+ private:
+  // A mesh is exact between its corners; a cloud's grid is as fine as its points on the surface.
+  [[nodiscard]] Trial first(const View& view) {
+    if (mesh_) {
+      const Trial trial = trials_.run(view, mesh_spacing_m());
+      constexpr double kNotFiner = 2.9;  // points a grid spacing, where some belong to no triangle
+      return trial.error.empty() && trial.doubts.fine ? trials_.run(view, trial.point_spacing_m / kNotFiner) : trial;
+    }
+    return trials_.run_at_own_spacing(view, std::max(neighbour_m_ / std::sqrt(share_), floor_m_));
+  }
+  [[nodiscard]] Trial coarser(const Trial& trial, int times) {
+    const double spacing_m = trial.error.empty() ? trial.spacing_m : std::max(neighbour_m_, floor_m_);
+    return trials_.run(trial.view, times * spacing_m);
+  }
+  [[nodiscard]] double mesh_spacing_m() const {
+    const double fine_m = std::max(longest_m_ / kMeshNodes, HapticsConfig{}.resolution_m);
+    return std::min(std::max(neighbour_m_, floor_m_), fine_m);
+  }
+  // The one that shows the most surface, the first of equal ones.
+  template <typename Accept>
+  static const Trial* widest(const std::vector<Trial>& trials, const Accept& accept) {
+    const Trial* best = nullptr;
+    for (const Trial& trial : trials) {
+      if (accept(trial) && (best == nullptr || trial.area_m2 > best->area_m2)) best = &trial;
+    }
+    return best;
+  }
+
+  // Without a flaw if there is one, else the guess, else whatever passes; of these what shows most.
+  static const Trial* best_of(const std::vector<Trial>& tried) {
+    const Trial* best = widest(tried, [](const Trial& trial) { return trial.flawless(); });
+    if (best == nullptr && tried.front().fits) best = tried.data();
+    return best != nullptr ? best : widest(tried, [](const Trial& trial) { return trial.fits; });
+  }
+
+  [[nodiscard]] Choice chosen(const Trial& guess, const Trial& trial, int times) const {
+    Choice choice;
+    choice.trial = trial;
+    if (&trial != &guess && (trial.view.look_from - guess.view.look_from).norm() > 1e-9) {
+      choice.rejected = fmt::format("{}; but {}", guess.view.reason, guess.complaint());
+    }
+    const double tried_m = trial.error.empty() ? trial.spacing_m : std::max(neighbour_m_, floor_m_);
+    choice.spacing_m = tried_m;
+    if (!mesh_ && share_ < 1.0) {
+      const double least_m = trial.spacing_m * std::sqrt(trial.nodes / kMostUnasked);
+      choice.spacing_m = std::max({tried_m * std::sqrt(share_), times * floor_m_, times * trial.noise_m, least_m});
+    }
+    choice.spacing_reason = reason(trial, choice.spacing_m, times);
+    return choice;
+  }
+
+  [[nodiscard]] std::string reason(const Trial& trial, double spacing_m, int times) const {
+    if (times > 1)
+      return fmt::format("{} times the distance between points: the surface of a finer grid is not theirs", times);
+    if (!trial.error.empty()) return kNeighbours;
+    if (mesh_ && trial.spacing_m > 1.01 * mesh_spacing_m()) {
+      return "a third of the distance between the points that belong to no triangle";
+    }
+    if (mesh_ && neighbour_m_ > longest_m_ / kMeshNodes) {
+      return "triangles are exact between their corners: 500 nodes along the longest side show their form";
+    }
+    if (spacing_m < 1.2 * floor_m_) return "finer than this neither grid nor hand gains";
+    if (mesh_) return kNeighbours;
+    if (share_ < 1.0 && spacing_m <= trial.noise_m) return "the noise of the points, which exceeds their distance";
+    const double own_m = trial.point_spacing_m * std::sqrt(share_);
+    if (spacing_m < 1.01 * own_m) return "the distance between neighbouring points on the surface";
+    return spacing_m < 1.2 * neighbour_m_ ? kNeighbours : "few points for so wide a grid: a finer one would be empty";
+  }
+
+  static constexpr const char* kNeighbours = "the median distance between neighbouring points";
+  bool mesh_;
+  double share_;
+  double neighbour_m_;
+  double longest_m_ = 0.0;
+  double floor_m_ = 0.0;
+  std::vector<View> views_;
+  Trials trials_;
+};
+
+}  // namespace
+
+Choice find_view_and_spacing(TrialCloud& points, const SeenScans& seen, Progress& progress) {
+  return Search(points, seen, progress).run();
+}
+
+}  // namespace sparsha::pipeline

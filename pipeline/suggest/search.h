@@ -1,0 +1,24 @@
+// The view and the spacing of a first configuration: such that its surface passes its own cross-check.
+#pragma once
+
+#include <string>
+
+#include "base/progress.h"
+#include "pipeline/suggest/trial.h"
+#include "pipeline/suggest/view.h"
+
+namespace sparsha::pipeline {
+
+struct Choice {
+  Trial trial;             ///< the one that was chosen; of the guess where none passes
+  double spacing_m = 0.0;  ///< for all points, of which trials may have had a sample
+  std::string spacing_reason;
+  bool no_surface = false;  ///< from any side
+  std::string rejected;     ///< the guess and what was wrong with it, when another view was chosen
+};
+
+/// Tries the likeliest view first, then coarser grids where the points' form tells that view, then the other views,
+/// then coarser grids for all. Takes the points.
+[[nodiscard]] Choice find_view_and_spacing(TrialCloud& points, const SeenScans& seen, Progress& progress);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,163 @@
+// Guesses a configuration from the points alone, tries it, and says why.
+#include "pipeline/suggest/suggest.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "pipeline/scan/reader.h"
+#include "pipeline/scan/scan_statistics.h"
+#include "pipeline/scan/units.h"
+#include "pipeline/suggest/group.h"
+#include "pipeline/suggest/search.h"
+#include "pipeline/suggest/trial.h"
+#include "pipeline/suggest/view.h"
+
+namespace sparsha::pipeline {
+namespace fs = std::filesystem;
+
+namespace {
+
+// A YAML scalar that keeps quotes, backslashes and control characters of file names.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+      result += c;
+    } else if (static_cast<unsigned char>(c) < ' ' || c == 127) {
+      result += fmt::format("\\x{:02X}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+std::string vector(const Eigen::Vector3d& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x(), v.y(), v.z()); }
+
+// Whether the scan's main object is of a plausible size in metres, though strays far away make the scan large.
+bool plausible_metres(const RawScan& scan) {
+  const auto group = main_group(scan.points);
+  return group && !doubt_metres(group->crop.min_m, group->crop.max_m);
+}
+
+std::string precise(const Eigen::Vector3d& v) { return fmt::format("[{:.3f}, {:.3f}, {:.3f}]", v.x(), v.y(), v.z()); }
+
+// What the trial found, as comments.
+std::string verdict(const Choice& choice, double share) {
+  const Trial& trial = choice.trial;
+  std::string text = fmt::format("#   {}\n", trial.view.reason);
+  if (!choice.rejected.empty()) text += fmt::format("#   the first guess was: {}\n", choice.rejected);
+  if (!trial.fits) {
+    return text + fmt::format("#   THE CROSS-CHECK FAILS, from here and all other sides that were tried: {}\n",
+                              trial.complaint());
+  }
+  text +=
+      fmt::format("#   tried{}: half of the points lie within {} of the surface, {:.0f} % of the grid is measured\n",
+                  share < 1.0 ? fmt::format(" with {:.2g} % of the points", 100.0 * share) : "",
+                  plain_length(trial.median_m), 100.0 * trial.coverage);
+  if (!trial.complaint().empty()) text += fmt::format("#   look at the result: {}\n", trial.complaint());
+  constexpr double kEmpty = 0.05;
+  if (trial.coverage < kEmpty) {
+    text +=
+        "#   most of the grid is empty: 'grid.bounds_m' or a crop filter chooses one of objects that lie far apart\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress) {
+  progress.begin("look at the scans");
+  SeenScans seen;
+  TrialCloud points;
+  std::string scan_block = "scans:\n";
+  for (const fs::path& file : scans) {
+    const ScanStatistics statistics = scan_statistics(file, progress);
+    const RawScan& scan = statistics.scan;
+    if (scan.points.empty()) {
+      throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
+    }
+    require_lengths(scan, file.string());
+    std::string unit = "m";
+    std::string reason = "no sign of another unit";
+    double metres = 1.0;
+    if (scan.unit) {
+      unit = to_string(*scan.unit);
+      metres = metres_in(*scan.unit);
+      reason = "the format says so";
+    } else if (const auto guess = guess_unit(scan); guess && !plausible_metres(scan)) {
+      unit = to_string(guess->unit);
+      metres = metres_in(guess->unit);
+      reason = guess->reason;
+    }
+    seen.look_at(scan, metres);
+    points.add(statistics, metres);
+    std::error_code code;
+    const fs::path relative =
+        fs::absolute(file, code)
+            .lexically_normal()
+            .lexically_relative(fs::absolute(folder.empty() ? fs::path(".") : folder, code).lexically_normal());
+    const std::string name = (relative.empty() ? fs::absolute(file, code) : relative).generic_string();
+    scan_block += fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(name), unit, reason);
+  }
+
+  const InnerBox box = inner_box(seen.points_m);
+  const double longest_m = (box.high - box.low).maxCoeff();
+  constexpr double kLongest_m = 1e9;
+  if (!(longest_m <= kLongest_m)) {
+    throw input_error(scans.front().string(), fmt::format("its points spread over {:.3g} m", longest_m),
+                      "a scan of less than 1e9 m; damaged coordinates or another unit");
+  }
+  std::string filter_block;
+  if (const auto group = points.has_faces() ? std::nullopt : main_group(seen.points_m)) {
+    const std::string what =
+        fmt::format("{:.1f} % of the points lie together, the others far away", 100.0 * group->share);
+    filter_block = fmt::format("filters:\n  - crop: {{min_m: {}, max_m: {}}}  # {}\n", precise(group->crop.min_m),
+                               precise(group->crop.max_m), what);
+    progress.warn(what + ", and are cropped: a grid over all of them would show none; name another 'crop' to see them");
+    seen.crop(group->crop);
+    points.crop(group->crop);
+  }
+  progress.begin("try views");
+  const double share = points.share();
+  const Choice choice = find_view_and_spacing(points, seen, progress);
+  const View& view = choice.trial.view;
+  const double spacing_mm = (choice.spacing_m > 0.0 ? choice.spacing_m : 0.001) * 1e3;
+  if (choice.no_surface) {
+    throw input_error(scans.front().string(), choice.trial.error, "points that spread over a surface");
+  }
+  if (!choice.trial.fits) {
+    progress.warn(
+        fmt::format("no view and spacing that was tried passes the cross-check; from the likeliest side: {}; choose "
+                    "orientation and "
+                    "grid.spacing_mm yourself, or crop the scan to one surface",
+                    choice.trial.complaint()));
+  }
+
+  std::string yaml = "# A first configuration, guessed from the scans: read it, look at the scene, correct it.\n";
+  yaml += scan_block;
+  yaml += filter_block;
+  yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
+  yaml += verdict(choice, share);
+  yaml += fmt::format("grid: {{spacing_mm: {:.3g}}}  # {}\n", spacing_mm, choice.spacing_reason);
+  yaml += fmt::format("fill: {{max_gap_mm: {:.3g}}}  # five spacings: small holes, no invented surface\n",
+                      5.0 * spacing_mm);
+  yaml += fmt::format(
+      "texture: {{sigma_space_mm: {:.3g}, sigma_range_mm: {:.3g}}}  # three spacings, and a height of one\n",
+      3.0 * spacing_mm, spacing_mm);
+  yaml += "friction: {law: curvature}\ncheck: {samples: 50000}\n";
+
+  Suggestion suggestion;
+  suggestion.config = parse_config(yaml::parse_text(yaml, "the suggested configuration"), folder);
+  suggestion.yaml = std::move(yaml);
+  progress.finish();
+  return suggestion;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,82 @@
+// Trials of a first configuration: the surface that a view and a spacing would give, and its own cross-check.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "base/thread_pool.h"
+#include "pipeline/build/warnings.h"
+#include "pipeline/projection/projector.h"
+#include "pipeline/scan/cloud.h"
+#include "pipeline/scan/origin.h"
+#include "pipeline/scan/scan_statistics.h"
+#include "pipeline/suggest/view.h"
+
+namespace sparsha::pipeline {
+
+/// Points for trials: all of them, or of clouds without faces a sample chosen by a hash.
+class TrialCloud {
+ public:
+  void add(const ScanStatistics& statistics, double metres);
+  /// Keeps what lies in the box; for clouds without faces.
+  void crop(const CropConfig& box);
+  /// Points kept over all points, 0 to 1.
+  [[nodiscard]] double share() const;
+  [[nodiscard]] bool has_faces() const { return !faces_.empty(); }
+  /// Median distance between neighbouring points, metres: of all where there is one scan, which has told it.
+  [[nodiscard]] double neighbour_m() const;
+  /// Takes what was added.
+  [[nodiscard]] Cloud finish();
+
+ private:
+  static constexpr std::size_t kMostPoints = 64'000;
+
+  std::vector<Eigen::Vector3d> corners_m_;  // points of scans with faces
+  std::vector<std::array<std::uint32_t, 3>> faces_;
+  PointSample loose_m_{kMostPoints};
+  std::uint64_t kept_ = 0;
+  std::uint64_t all_ = 0;
+  std::size_t scans_ = 0;
+  double spacing_m_ = 0.0;  // the widest of the scans'
+};
+
+/// "0.25 mm", "12 m".
+[[nodiscard]] std::string plain_length(double metres);
+
+struct Trial {
+  View view;
+  std::string error;                ///< why there is no surface; else the rest is known
+  double spacing_m = 0, nodes = 0;  ///< of the grid
+  SurfaceDoubts doubts;
+  double point_spacing_m = 0, noise_m = 0, median_m = 0;  ///< median: of the points' distances to the surface
+  double measured = 0, coverage = 0, area_m2 = 0;         ///< measured nodes, as a share and as an area
+  bool fits = false;                                      ///< the cross-check passes, with some room
+
+  /// Nothing to complain of that another view might spare.
+  [[nodiscard]] bool flawless() const { return fits && noise_m <= point_spacing_m && !doubts.unfacing; }
+  /// What is wrong with it, or what a build will warn of; empty when nothing is.
+  [[nodiscard]] std::string complaint() const;
+};
+
+class Trials {
+ public:
+  Trials(TrialCloud& points, Progress& progress);
+
+  /// As a build with fill over five spacings would find it.
+  [[nodiscard]] Trial run(const View& view, double spacing_m);
+  /// With the points' own distance on the surface for spacing, or `least_m` where that is clearly more.
+  [[nodiscard]] Trial run_at_own_spacing(const View& view, double least_m);
+
+ private:
+  [[nodiscard]] Trial run(const View& view, double spacing_m, const ApproveLattice& approve);
+
+  ThreadPool pool_;
+  Progress& progress_;
+  Cloud cloud_;
+  std::optional<Projector> projector_;
+};
+
+}  // namespace sparsha::pipeline

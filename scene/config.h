@@ -1,0 +1,147 @@
+// The configuration as plain values, one struct a block of the YAML file (docs/configuration.md).
+// An absent optional block is an empty std::optional and costs nothing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/yaml.h"
+#include "scene/haptics_config.h"
+
+namespace sparsha::pipeline {
+
+/// Unit of a scan's coordinates. `automatic`: the format's own, else metres with a warning when implausible.
+enum class LengthUnit { automatic, m, cm, mm, ft, us_ft, longest_side };
+
+/// "m", "cm", "mm", "ft", "us_ft", as configurations have it; "unknown" for automatic, else "longest_side_mm".
+[[nodiscard]] std::string to_string(LengthUnit unit);
+
+struct Units {
+  LengthUnit unit = LengthUnit::automatic;
+  double longest_side_m = 0.0;  ///< with LengthUnit::longest_side
+};
+
+/// One file and where its scanner stood: scan = pose * units * (pose stored in the file) * p.
+struct ScanConfig {
+  std::filesystem::path file;  ///< absolute, or relative to the current folder
+  Units units;
+  Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();  ///< rigid, metres
+};
+
+struct CropConfig {
+  Eigen::Vector3d min_m;  ///< scan frame, after poses
+  Eigen::Vector3d max_m;
+};
+struct VoxelConfig {
+  double leaf_m = 0.0005;
+};
+struct OutlierConfig {
+  enum class Method { fast, pcl };
+  int neighbours = 8;
+  double sigma = 2.0;
+  Method method = Method::fast;
+};
+using FilterConfig = std::variant<CropConfig, VoxelConfig, OutlierConfig>;
+
+/// How the object is looked at; `scan_to_grid` is what counts, an invertible affine about the scan frame's origin.
+struct OrientationConfig {
+  Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
+  /// Where parts and sounds are written in another grid frame; in memory only.
+  std::optional<Eigen::Matrix4d> regions_scan_to_grid;
+};
+/// Rotation whose +z looks at the viewer who stands in direction `look_from`, +y up. Throws Error{usage} when parallel.
+[[nodiscard]] Eigen::Matrix4d look_from(const Eigen::Vector3d& direction, const Eigen::Vector3d& up, double scale);
+
+struct GridConfig {
+  int size = 0;                                   ///< nodes along the longer side; 0 = not given
+  double spacing_m = 0.0;                         ///< 0 = not given; neither given = automatic
+  std::optional<std::array<double, 4>> bounds_m;  ///< xmin ymin xmax ymax, grid frame
+  std::optional<double> noise_m;                  ///< of the points across the surface; absent = estimated
+  bool colour = false;                            ///< keep a colour layer when the scans have colour
+  bool intensity = false;                         ///< keep an intensity layer when the scans have intensity
+};
+struct FillConfig {
+  double max_gap_m = 0.005;
+};
+struct TextureConfig {
+  enum class Method { direct, opencv };
+  double sigma_space_m = 0.002;
+  double sigma_range_m = 0.0005;
+  Method method = Method::direct;
+};
+struct FrictionConfig {
+  enum class Law { curvature, paper, constant };
+  Law law = Law::curvature;
+  double mu_static = 0.4;
+  double mu_0 = 0.2;
+  double mu_max = 0.9;
+  double scale_m = 0.0;       ///< 0 = max(3 spacings, sigma_space)
+  std::optional<double> c_m;  ///< slope of law: curvature, metres (mu per 1/m); absent = from the 95th percentile
+};
+struct LevelsConfig {
+  int window = 200;  ///< nodes per side of the haptic window
+};
+struct CheckConfig {
+  std::int64_t samples = 50000;  ///< 0 = all
+};
+struct PartConfig {
+  std::string name;
+  std::string say;
+  std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax, grid frame
+};
+struct ModalConfig {
+  double frequency_hz = 240.0;
+  double decay_s = 1.2;
+};
+struct AudioRegionConfig {
+  std::string name;
+  std::optional<std::array<double, 4>> box_m;  ///< grid frame
+  std::optional<int> label;                    ///< of the label layer
+  std::variant<ModalConfig, std::filesystem::path> sound;
+};
+struct AudioConfig {
+  std::vector<AudioRegionConfig> regions;
+  std::optional<double> friction_sound_gain;
+};
+struct ViewerConfig {
+  enum class Colour { relief, height, scan, friction, texture };
+  enum class Stereo { off, anaglyph };
+  Colour colour = Colour::relief;
+  Stereo stereo = Stereo::off;
+};
+
+struct Config {
+  std::vector<ScanConfig> scans;
+  std::vector<FilterConfig> filters;
+  OrientationConfig orientation;
+  GridConfig grid;
+  std::optional<FillConfig> fill;
+  std::optional<TextureConfig> texture;
+  std::optional<FrictionConfig> friction;
+  LevelsConfig levels;
+  std::optional<CheckConfig> check;
+  HapticsConfig haptics;
+  std::vector<PartConfig> parts;
+  std::optional<AudioConfig> audio;
+  ViewerConfig viewer;
+};
+
+/// Reads a configuration; paths become relative to `folder` (the file's own). Throws Error{usage} with line, column and
+/// the nearest valid key. Contradictions (size and spacing_mm, singular matrices, parallel `up`) are errors too.
+[[nodiscard]] Config parse_config(const yaml::Node& root, const std::filesystem::path& folder);
+/// True for the scene.yaml of a scene: a configuration, and what was made of it.
+[[nodiscard]] bool describes_scene(const yaml::Node& root);
+/// Of a scene.yaml the configuration alone: the scene can be built again.
+[[nodiscard]] Config load_config(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
+
+/// The same configuration as YAML text that parse_config reads back to equal values.
+[[nodiscard]] std::string to_yaml(const Config& config);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,162 @@
+// The configuration back as YAML, so that scene.yaml can be read and built again.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "scene/config.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// Shortest text that reads back to the same double.
+std::string number(double value) { return fmt::format("{}", value); }
+
+// Metres to the unit of a key, by the shortest decimal that reads back (times 1e-3) to the same metres.
+std::string millimetres(double metres) {
+  const double scaled = metres * 1000.0;
+  for (int digits = 1; digits <= 17; ++digits) {
+    const double rounded = std::stod(fmt::format("{:.{}g}", scaled, digits));
+    if (rounded * 1e-3 == metres) return number(rounded);
+  }
+  return number(scaled);
+}
+
+std::string quote(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (c == '\n') {
+      result += "\\n";
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      result += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string matrix(const Eigen::Matrix4d& m) {
+  std::string text = "[";
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) text += (text.size() > 1 ? ", " : "") + number(m(row, column));
+  return text + "]";
+}
+
+std::string box(const std::array<double, 4>& b) {
+  return fmt::format("[{}, {}, {}, {}]", number(b[0]), number(b[1]), number(b[2]), number(b[3]));
+}
+
+std::string vector(const Eigen::Vector3d& v) {
+  return fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z()));
+}
+
+std::string units(const Units& value) {
+  if (value.unit == LengthUnit::automatic) return {};
+  const std::string name = to_string(value.unit);
+  return value.unit == LengthUnit::longest_side ? "{" + name + ": " + millimetres(value.longest_side_m) + "}" : name;
+}
+
+std::string filter_text(const FilterConfig& filter) {
+  if (const auto* crop = std::get_if<CropConfig>(&filter)) {
+    return fmt::format("  - crop: {{min_m: {}, max_m: {}}}\n", vector(crop->min_m), vector(crop->max_m));
+  }
+  if (const auto* voxel = std::get_if<VoxelConfig>(&filter)) {
+    return fmt::format("  - voxel: {{leaf_mm: {}}}\n", millimetres(voxel->leaf_m));
+  }
+  const auto& outlier = std::get<OutlierConfig>(filter);
+  return fmt::format("  - outliers: {{neighbours: {}, sigma: {}, method: {}}}\n", outlier.neighbours,
+                     number(outlier.sigma), outlier.method == OutlierConfig::Method::pcl ? "pcl" : "fast");
+}
+
+std::string grid_text(const GridConfig& grid) {
+  std::string text = "grid: {";
+  const auto add = [&](const std::string& entry) { text += (text.back() == '{' ? "" : ", ") + entry; };
+  if (grid.size > 0) add(fmt::format("size: {}", grid.size));
+  if (grid.spacing_m > 0) add("spacing_mm: " + millimetres(grid.spacing_m));
+  if (grid.noise_m) add("noise_mm: " + millimetres(*grid.noise_m));
+  if (grid.bounds_m) add("bounds_m: " + box(*grid.bounds_m));
+  if (grid.colour) add("colour: true");
+  if (grid.intensity) add("intensity: true");
+  return text + "}\n";
+}
+
+std::string friction_text(const FrictionConfig& friction) {
+  static constexpr std::array<std::string_view, 3> kLaws{"curvature", "paper", "constant"};
+  std::string text = fmt::format("friction: {{law: {}, mu_static: {}, mu_0: {}, mu_max: {}",
+                                 kLaws[static_cast<std::size_t>(friction.law)], number(friction.mu_static),
+                                 number(friction.mu_0), number(friction.mu_max));
+  if (friction.scale_m > 0) text += ", scale_mm: " + millimetres(friction.scale_m);
+  if (friction.c_m) text += ", c_m: " + number(*friction.c_m);
+  return text + "}\n";
+}
+
+std::string audio_text(const AudioConfig& audio) {
+  std::string text = audio.regions.empty() && !audio.friction_sound_gain ? "audio: {}\n" : "audio:\n";
+  if (!audio.regions.empty()) text += "  regions:\n";
+  for (const AudioRegionConfig& region : audio.regions) {
+    text += "    - {name: " + quote(region.name);
+    if (region.box_m) text += ", box_m: " + box(*region.box_m);
+    if (region.label) text += fmt::format(", label: {}", *region.label);
+    if (const auto* modal = std::get_if<ModalConfig>(&region.sound)) {
+      text += fmt::format(", modal: {{frequency_hz: {}, decay_s: {}}}", number(modal->frequency_hz),
+                          number(modal->decay_s));
+    } else {
+      text += ", clip: " + quote(std::get<std::filesystem::path>(region.sound).generic_string());
+    }
+    text += "}\n";
+  }
+  if (audio.friction_sound_gain) text += "  friction_sound: {gain: " + number(*audio.friction_sound_gain) + "}\n";
+  return text;
+}
+
+}  // namespace
+
+std::string to_string(LengthUnit unit) {
+  static constexpr std::array<const char*, 7> kNames{"unknown", "m", "cm", "mm", "ft", "us_ft", "longest_side_mm"};
+  return kNames[static_cast<std::size_t>(unit)];
+}
+
+std::string to_yaml(const Config& config) {
+  std::string text = config.scans.empty() ? "scans: []\n" : "scans:\n";
+  for (const ScanConfig& scan : config.scans) {
+    text += "  - file: " + quote(scan.file.generic_string()) + "\n";
+    if (const std::string unit = units(scan.units); !unit.empty()) text += "    units: " + unit + "\n";
+    if (scan.pose != Eigen::Matrix4d::Identity()) text += "    pose: {matrix: " + matrix(scan.pose) + "}\n";
+  }
+  if (!config.filters.empty()) text += "filters:\n";
+  for (const FilterConfig& filter : config.filters) text += filter_text(filter);
+  text += "orientation: {matrix: " + matrix(config.orientation.scan_to_grid) + "}\n";
+  text += grid_text(config.grid);
+  if (config.fill) text += "fill: {max_gap_mm: " + millimetres(config.fill->max_gap_m) + "}\n";
+  if (config.texture) {
+    text += fmt::format("texture: {{sigma_space_mm: {}, sigma_range_mm: {}, method: {}}}\n",
+                        millimetres(config.texture->sigma_space_m), millimetres(config.texture->sigma_range_m),
+                        config.texture->method == TextureConfig::Method::opencv ? "opencv" : "direct");
+  }
+  if (config.friction) text += friction_text(*config.friction);
+  text += fmt::format("levels: {{window: {}}}\n", config.levels.window);
+  if (config.check) {
+    text += config.check->samples == 0 ? "check: {samples: all}\n"
+                                       : fmt::format("check: {{samples: {}}}\n", config.check->samples);
+  }
+  const HapticsConfig& haptics = config.haptics;
+  text +=
+      fmt::format("haptics: {{stiffness_n_per_m: {}, solver: {}, surface: {}, rate_hz: {}, resolution_mm: {}}}\n",
+                  number(haptics.stiffness_n_per_m), haptics.solver == HapticsConfig::Solver::exact ? "exact" : "paper",
+                  haptics.surface == HapticsConfig::Surface::bilinear ? "bilinear" : "c1", number(haptics.rate_hz),
+                  millimetres(haptics.resolution_m));
+  if (!config.parts.empty()) text += "parts:\n";
+  for (const PartConfig& part : config.parts) {
+    text += "  - {name: " + quote(part.name) + ", say: " + quote(part.say) + ", box_m: " + box(part.box_m) + "}\n";
+  }
+  if (config.audio) text += audio_text(*config.audio);
+  static constexpr std::array<std::string_view, 5> kColours{"relief", "height", "scan", "friction", "texture"};
+  text += fmt::format("viewer: {{colour: {}, stereo: {}}}\n", kColours[static_cast<std::size_t>(config.viewer.colour)],
+                      config.viewer.stereo == ViewerConfig::Stereo::off ? "off" : "anaglyph");
+  return text;
+}
+
+}  // namespace sparsha::pipeline

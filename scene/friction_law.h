@@ -1,0 +1,33 @@
+// The one friction law: what is felt, shown and reported of a scene's friction.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace sparsha::pipeline {
+
+/// Friction coefficients of nodes from the scene's curvature layers.
+/// law curvature: mu_d = clamp(mu_0 + c k, 0, mu_max), k in scene units, so that zoom does not change the stone.
+/// law paper: mu_d = 1 / (R sqrt(H^2 + K^2)) clamped to [0, mu_max] (Aniyath et al., eq. 7 to 9), curvatures at the
+/// window's scale, R = half the workspace's width, metres. law constant: mu_0. Where the curvature is not known, near
+/// steps and holes or because the scene has no such layer, mu_d is mu_0 (law curvature and paper), within [0, mu_max].
+class FrictionLaw {
+ public:
+  /// `scale`: device metres a grid metre. Requires a scene with a friction block; it outlives the law.
+  FrictionLaw(const SceneDescription& scene, double scale, double workspace_m);
+
+  /// mu_d at a node of `layers`, whether or not its height is known.
+  [[nodiscard]] float dynamic(const Layers& layers, std::size_t node) const;
+  /// mu_s where mu_d is `dynamic`: never less.
+  [[nodiscard]] float at_rest(float dynamic) const;
+
+ private:
+  const FrictionConfig& config_;
+  double c_m_;
+  double scale_;
+  double radius_m_;
+};
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,16 @@
+// The configuration's `haptics` block, apart from the rest for programs that render touch without scenes.
+#pragma once
+
+namespace sparsha::pipeline {
+
+struct HapticsConfig {
+  enum class Solver { exact, paper };
+  enum class Surface { bilinear, c1 };
+  double stiffness_n_per_m = 800.0;
+  Solver solver = Solver::exact;
+  Surface surface = Surface::bilinear;
+  double rate_hz = 1000.0;
+  double resolution_m = 0.00005;
+};
+
+}  // namespace sparsha::pipeline

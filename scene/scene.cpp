@@ -1,0 +1,90 @@
+// Scenes in memory.
+#include "scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "scene/window_lattice.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+template <typename Value>
+void copy_window(const std::vector<Value>& from, const Lattice& level, int i0, int j0, int nx, int ny, Value outside,
+                 std::vector<Value>& to) {
+  if (from.empty()) return;
+  to.assign(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny), outside);
+  const int i_begin = std::max(i0, 0);
+  const int i_end = std::min(i0 + nx, level.nx);
+  if (i_begin >= i_end) return;
+  for (int j = std::max(j0, 0); j < std::min(j0 + ny, level.ny); ++j) {
+    const auto source = from.begin() + static_cast<std::ptrdiff_t>(level.index(i_begin, j));
+    const auto target = to.begin() + (static_cast<std::ptrdiff_t>(j - j0) * nx + (i_begin - i0));
+    std::copy(source, source + (i_end - i_begin), target);
+  }
+}
+
+class MemoryScene final : public Scene {
+ public:
+  MemoryScene(SceneDescription description, std::vector<Layers> levels)
+      : description_(std::move(description)), levels_(std::move(levels)) {}
+
+  [[nodiscard]] const SceneDescription& description() const override { return description_; }
+  [[nodiscard]] std::filesystem::path folder() const override { return {}; }
+  [[nodiscard]] const Layers* in_memory(int level) const override {
+    return &levels_.at(static_cast<std::size_t>(level));
+  }
+
+  [[nodiscard]] Layers read(int level, int i0, int j0, int nx, int ny) const override {
+    const Layers& from = levels_.at(static_cast<std::size_t>(level));
+    const Lattice& lattice = from.grid.lattice;
+    Layers to;
+    to.grid.lattice = window_lattice(lattice, i0, j0, nx, ny);
+    copy_window(from.grid.height_m, lattice, i0, j0, nx, ny, kUnknownHeight, to.grid.height_m);
+    copy_window(from.grid.state, lattice, i0, j0, nx, ny, NodeState::unknown, to.grid.state);
+    copy_window(from.envelope_m, lattice, i0, j0, nx, ny, kUnknownHeight, to.envelope_m);
+    copy_window(from.curvature_per_m, lattice, i0, j0, nx, ny, 0.0F, to.curvature_per_m);
+    copy_window(from.mean_curvature_per_m, lattice, i0, j0, nx, ny, 0.0F, to.mean_curvature_per_m);
+    copy_window(from.gaussian_curvature_per_m2, lattice, i0, j0, nx, ny, 0.0F, to.gaussian_curvature_per_m2);
+    copy_window(from.colour_rgba, lattice, i0, j0, nx, ny, std::uint32_t{0}, to.colour_rgba);
+    copy_window(from.intensity, lattice, i0, j0, nx, ny, kUnknownHeight, to.intensity);
+    return to;
+  }
+
+ private:
+  SceneDescription description_;
+  std::vector<Layers> levels_;
+};
+
+}  // namespace
+
+Layers Scene::read_level(int level) const {
+  const Lattice& lattice = description().levels.at(static_cast<std::size_t>(level));
+  return read(level, 0, 0, lattice.nx, lattice.ny);
+}
+
+ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels) {
+  bool matches = !levels.empty() && levels.size() == description.levels.size();
+  for (std::size_t l = 0; matches && l < levels.size(); ++l) {
+    const Lattice& promised = description.levels[l];
+    const Layers& layers = levels[l];
+    const auto fits = [&](bool promised_layer, std::size_t size) {
+      return size == (promised_layer ? promised.count() : 0);
+    };
+    matches = layers.grid.lattice.nx == promised.nx && layers.grid.lattice.ny == promised.ny && promised.nx > 0 &&
+              promised.ny > 0 && fits(true, layers.grid.height_m.size()) && fits(true, layers.grid.state.size()) &&
+              fits(description.has_envelope, layers.envelope_m.size()) &&
+              fits(description.has_curvature, layers.curvature_per_m.size()) &&
+              fits(description.has_paper_curvatures, layers.mean_curvature_per_m.size()) &&
+              fits(description.has_paper_curvatures, layers.gaussian_curvature_per_m2.size()) &&
+              fits(description.has_colour, layers.colour_rgba.size()) &&
+              fits(description.has_intensity, layers.intensity.size());
+  }
+  if (!matches) throw Error(ErrorKind::failure, {}, "the layers do not match the scene's description");
+  return std::make_shared<MemoryScene>(std::move(description), std::move(levels));
+}
+
+}  // namespace sparsha::pipeline

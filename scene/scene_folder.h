@@ -1,0 +1,23 @@
+// What may be done with a scene's folder: replace it, and follow what it names.
+#pragma once
+
+#include <filesystem>
+
+#include "base/files.h"
+#include "scene/scene.h"
+
+namespace sparsha::pipeline {
+
+/// Throws Error{usage} unless `folder` is new, empty, or holds what `sparsha build` wrote and nothing else: foreign
+/// files are named. So it does for a symbolic link, and for a folder in which a scan of `config` lies. A scene's own
+/// clips may lie in it: they are copied into the one that takes its place.
+void require_replaceable(const std::filesystem::path& folder, const Config& config);
+
+/// Throws Error{usage} when an output would take the place of a file of the scene in `folder`.
+void require_no_scene_file(const std::filesystem::path& folder, const NamedPath& output);
+
+/// Throws Error{input} when a scan that the scene names lies outside its folder and is not, byte for byte, the one it
+/// was made from. A scene may come from a stranger, who must not choose which files of this machine are read.
+void require_own_scans(const SceneDescription& scene, const std::filesystem::path& folder);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,30 @@
+// Which part of a level a hand reaches at once, and how much it is magnified.
+#pragma once
+
+#include <algorithm>
+
+#include "scene/depth_grid.h"
+
+namespace sparsha::pipeline {
+
+/// Width of a desktop device's workspace, metres: what pictures and offline paths assume where no device is known.
+inline constexpr double kDeskWorkspaceM = 0.1;
+
+/// Nodes a side of a window where `levels.window` is `wanted`; levels that have fewer are touched as a whole.
+[[nodiscard]] inline int window_nodes(int wanted) {
+  constexpr int kSmallest = 8;
+  return std::max(kSmallest, wanted);
+}
+
+/// Width of a window of nx x ny nodes, grid frame, metres: that of its longer side.
+[[nodiscard]] inline double window_width_m(int nx, int ny, double spacing_m) {
+  return std::max(1, std::max(nx, ny) - 1) * spacing_m;
+}
+
+/// Device metres a grid metre where a window of `levels.window` nodes of a level fills a workspace of `workspace_m`.
+[[nodiscard]] inline double level_scale(int wanted, const Lattice& level, double workspace_m) {
+  const int most = window_nodes(wanted);
+  return workspace_m / window_width_m(std::min(level.nx, most), std::min(level.ny, most), level.spacing_m);
+}
+
+}  // namespace sparsha::pipeline

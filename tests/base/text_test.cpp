@@ -1,0 +1,52 @@
+#include "base/text.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace sparsha {
+namespace {
+
+TEST(Text, LengthsHaveTheUnitThatKeepsThemShort) {
+  EXPECT_EQ(length_text(0.0), "0 mm");
+  EXPECT_EQ(length_text(41e-6), "41 um");
+  EXPECT_EQ(length_text(2.1e-4), "0.21 mm");
+  EXPECT_EQ(length_text(0.0994), "99.4 mm");
+  EXPECT_EQ(length_text(0.36), "36 cm");
+  EXPECT_EQ(length_text(-0.36), "-36 cm");
+  EXPECT_EQ(length_text(12.345), "12.3 m");
+  EXPECT_EQ(length_text(5412000.0), "5412 km");
+  EXPECT_EQ(length_text(1e-9), "0.001 um");
+  EXPECT_EQ(length_text(std::numeric_limits<double>::infinity()), "unknown");
+  EXPECT_EQ(length_text(std::nan("")), "unknown");
+}
+
+TEST(Text, PagesHaveTheirOwnSignsAndSpeechItsOwnWords) {
+  EXPECT_EQ(length_text(-41e-6, TextStyle::typeset), "\u221241\u202F\u00B5m");
+  EXPECT_EQ(length_text(0.0032, TextStyle::spoken), "3.2 millimetres");
+  EXPECT_EQ(length_text(0.035, TextStyle::spoken), "3.5 centimetres");
+  EXPECT_EQ(length_text(0.12, TextStyle::spoken), "12 centimetres");
+  EXPECT_EQ(length_text(0.357, TextStyle::typeset), "35.7\u202Fcm");
+  EXPECT_EQ(length_text(0.0009, TextStyle::typeset), "0.9\u202Fmm");
+  EXPECT_EQ(length_text(12.5, TextStyle::typeset), "12.5\u202Fm");
+  EXPECT_EQ(length_text(1.5, TextStyle::spoken), "1.5 metres");
+}
+
+TEST(Text, ValuesKeepTheirSignificantDigitsWithoutExponents) {
+  EXPECT_EQ(value_text(0.0), "0");
+  EXPECT_EQ(value_text(1.0), "1");
+  EXPECT_EQ(value_text(1234.56), "1235");
+  EXPECT_EQ(value_text(0.0012345), "0.00123");
+  EXPECT_EQ(value_text(99.96), "100");
+}
+
+TEST(Text, CountsAreGroupedByThousands) {
+  EXPECT_EQ(count_text(0), "0");
+  EXPECT_EQ(count_text(999), "999");
+  EXPECT_EQ(count_text(1234567), "1 234 567");
+  EXPECT_EQ(count_text(1000, TextStyle::typeset), "1\u202F000");
+}
+
+}  // namespace
+}  // namespace sparsha

@@ -1,0 +1,60 @@
+# Installs the core into an empty folder, builds the examples against it and runs them, and compiles all headers. cmake -DBUILD=... -DSOURCE=... -DWORK=... -DCOMPILER=... -DFLAGS=... -P run.cmake
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "${ARGV}\nended with ${code}:\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD} --component haptics --prefix ${WORK}/prefix)
+
+# Nothing but Eigen and the standard library behind the headers.
+file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include/sparsha ${WORK}/prefix/include/sparsha/*.h)
+list(LENGTH headers count)
+if(count LESS 20)
+  message(FATAL_ERROR "only ${count} headers are installed")
+endif()
+foreach(header ${headers})
+  file(STRINGS ${WORK}/prefix/include/sparsha/${header} lines REGEX "^ *# *include *<")
+  foreach(line ${lines})
+    if(line MATCHES "<(yaml|tiff|openssl|fmt|spdlog|pcl|opencv|libusb|nlohmann)")
+      message(FATAL_ERROR "${header}: ${line}")
+    endif()
+  endforeach()
+  list(APPEND includes "#include \"${header}\"")
+endforeach()
+
+run(${CMAKE_COMMAND} -S ${SOURCE}/examples -B ${WORK}/examples -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} --build ${WORK}/examples)
+file(GLOB sources ${SOURCE}/examples/*.cpp)
+foreach(source ${sources})
+  cmake_path(GET source STEM example)
+  file(STRINGS ${source} lines)
+  list(LENGTH lines count)
+  if(count GREATER 60)
+    message(FATAL_ERROR "${example} has ${count} lines; at most 60")
+  endif()
+  run(${WORK}/examples/${example})
+  message(STATUS "${example}: ${output}")
+endforeach()
+
+# All of them at once, as a user's prefix header might.
+list(JOIN includes "\n" includes)
+file(WRITE ${WORK}/headers/all.cpp "${includes}\n")
+file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.20)\nproject(headers LANGUAGES CXX)\n"
+  "set(CMAKE_CXX_STANDARD 20)\nfind_package(Sparsha REQUIRED COMPONENTS haptics)\nadd_library(headers OBJECT all.cpp)\n"
+  "target_link_libraries(headers PRIVATE sparsha::haptics)\n")
+run(${CMAKE_COMMAND} -S ${WORK}/headers -B ${WORK}/headers/build -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} --build ${WORK}/headers/build)
+
+# A component that there is not is named, and nothing is found.
+file(WRITE ${WORK}/wrong/CMakeLists.txt "cmake_minimum_required(VERSION 3.20)\nproject(wrong LANGUAGES CXX)\n"
+  "find_package(Sparsha COMPONENTS haptics viewer QUIET)\nif(Sparsha_FOUND)\n  message(FATAL_ERROR found)\nendif()\n")
+run(${CMAKE_COMMAND} -S ${WORK}/wrong -B ${WORK}/wrong/build -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DCMAKE_CXX_COMPILER=${COMPILER})
+file(REMOVE_RECURSE ${WORK})

@@ -1,0 +1,201 @@
+// Bringing an emulated Falcon to life, and what is said when it does not come.
+#include "haptics/device/falcon/link.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "base/error.h"
+#include "haptics/device/falcon/check.h"
+
+namespace {
+
+using namespace sparsha;
+using namespace sparsha::haptics::falcon;
+
+/// Not a firmware: random bytes, which is all that the wire cares about.
+std::vector<std::uint8_t> image() {
+  std::mt19937 random(9);
+  std::vector<std::uint8_t> bytes(7777);
+  for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+  return bytes;
+}
+
+struct Bench {
+  std::shared_ptr<FalconEmulator> emulator;
+  std::unique_ptr<Transport> wire;
+  explicit Bench(const EmulatorOptions& options)
+      : emulator(std::make_shared<FalconEmulator>(options)),
+        wire(make_emulated_transport(emulator, Clock::virtual_time)) {}
+};
+
+EmulatorOptions bare() {
+  EmulatorOptions options;
+  options.firmware_loaded = false;
+  return options;
+}
+
+std::string reason(const std::function<void()>& action, ErrorKind kind = ErrorKind::device) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind);
+    EXPECT_FALSE(error.expected().empty());
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FalconLink, RunningFirmwareIsRecognisedAndLeftAlone) {
+  Bench bench{EmulatorOptions{}};
+  bring_up(*bench.wire, image());
+  EXPECT_TRUE(bench.emulator->uploaded().empty());
+}
+
+TEST(FalconLink, FirmwareIsLoadedToTheByteWhenNoneRuns) {
+  Bench bench(bare());
+  double last = 0.0;
+  bring_up(*bench.wire, image(), 1, [&last](double share) {
+    EXPECT_GE(share, last);
+    last = share;
+  });
+  EXPECT_EQ(bench.emulator->uploaded(), image());
+  EXPECT_TRUE(bench.emulator->firmware_loaded());
+  EXPECT_DOUBLE_EQ(last, 1.0);
+}
+
+TEST(FalconLink, ACorruptedEchoIsAFailedAttemptAndTheNextSucceeds) {
+  EmulatorOptions options = bare();
+  options.corrupt_echo_byte = 2600;
+  Bench once(options);
+  EXPECT_NE(reason([&] { bring_up(*once.wire, image(), 1); }).find("echo differs"), std::string::npos);
+  Bench twice(options);
+  bring_up(*twice.wire, image(), 2);
+  EXPECT_TRUE(twice.emulator->firmware_loaded());
+}
+
+TEST(FalconLink, ADeafBootLoaderIsGreetedAgain) {
+  EmulatorOptions options = bare();
+  options.deaf_handshakes = 20;
+  Bench bench(options);
+  bring_up(*bench.wire, image(), 1);
+  EXPECT_TRUE(bench.emulator->firmware_loaded());
+}
+
+TEST(FalconLink, WithoutPowerTheRemedyNamesThePowerSupply) {
+  EmulatorOptions options = bare();
+  options.powered = false;
+  Bench bench(options);
+  EXPECT_NE(reason([&] { bring_up(*bench.wire, image(), 2); }).find("power supply"), std::string::npos);
+}
+
+TEST(FalconLink, WithoutAnImageTheRemedyNamesTheVariable) {
+  Bench bench(bare());
+  EXPECT_NE(reason([&] { bring_up(*bench.wire, {}); }).find("SPARSHA_FALCON_FIRMWARE"), std::string::npos);
+}
+
+TEST(FalconLink, UnpluggingIsAnErrorNotAHang) {
+  Bench bench(bare());
+  bench.emulator->unplug();
+  EXPECT_NE(reason([&] { bring_up(*bench.wire, image()); }), "");
+}
+
+TEST(FalconLink, AnImageOfImpossibleSizeIsRefused) {
+  const auto file = std::filesystem::temp_directory_path() / ("falcon-image-" + std::to_string(getpid()));
+  std::ofstream(file) << "short";
+  EXPECT_NE(reason([&] { static_cast<void>(read_firmware(file)); }).find("not a Falcon firmware"), std::string::npos);
+  std::filesystem::remove(file);
+  EXPECT_NE(reason([&] { static_cast<void>(read_firmware(file)); }).find("cannot read"), std::string::npos);
+}
+
+CheckStep::Result result(const CheckReport& report, const std::string& name) {
+  for (const CheckStep& step : report.steps)
+    if (step.name == name) return step.result;
+  ADD_FAILURE() << "no step " << name;
+  return CheckStep::Result::skipped;
+}
+
+using Result = CheckStep::Result;
+
+TEST(FalconCheck, AHealthyHomedDevicePassesEveryStep) {
+  EmulatorOptions options;
+  options.homed = true;
+  Bench bench(options);
+  const CheckReport report = check_wire(*bench.wire, {}, 0.05);
+  for (const CheckStep& step : report.steps) EXPECT_EQ(step.result, Result::passed) << step.name << ": " << step.detail;
+  EXPECT_TRUE(report.passed());
+  EXPECT_EQ(bench.emulator->command(), MotorCommand{});
+}
+
+TEST(FalconCheck, EveryFailedStepHasARemedyAndWhatNeedsItIsSkipped) {
+  EmulatorOptions dead = bare();
+  dead.powered = false;
+  Bench unpowered(dead);
+  const CheckReport power = check_wire(*unpowered.wire, {}, 0.05);
+  EXPECT_EQ(result(power, "power"), Result::failed);
+  EXPECT_EQ(result(power, "firmware"), Result::skipped);
+  EXPECT_EQ(result(power, "link"), Result::skipped);
+
+  Bench empty(bare());
+  const CheckReport firmware = check_wire(*empty.wire, {}, 0.05);
+  EXPECT_EQ(result(firmware, "power"), Result::passed);
+  EXPECT_EQ(result(firmware, "firmware"), Result::failed);
+
+  Bench lost{EmulatorOptions{}};
+  const CheckReport homing = check_wire(*lost.wire, {}, 0.05);
+  EXPECT_EQ(result(homing, "homing"), Result::failed);
+  EXPECT_EQ(result(homing, "link"), Result::passed);
+
+  EmulatorOptions leaky;
+  leaky.homed = true;
+  leaky.lose_every = 10;
+  Bench bad(leaky);
+  EXPECT_EQ(result(check_wire(*bad.wire, {}, 0.05), "link"), Result::failed);
+
+  for (const CheckReport& report : {power, firmware, homing})
+    for (const CheckStep& step : report.steps)
+      if (step.result == Result::failed) {
+        EXPECT_FALSE(step.remedy.empty()) << step.name;
+      }
+}
+
+TEST(FalconCheck, HomingWaitsForThePullAndThePushUnderZeroForce) {
+  Bench bench{EmulatorOptions{}};
+  bring_up(*bench.wire, {});
+  int step = 0;
+  const bool homed = home(*bench.wire, 5.0, [&](const Reading& reading) {
+    ++step;
+    bench.emulator->set_position({0, 0, step < 50 ? 0.135 : step < 100 ? 0.170 : 0.105});
+    if (step < 100) {
+      EXPECT_FALSE(reading.homed);
+    }
+  });
+  EXPECT_TRUE(homed);
+  EXPECT_GE(step, 100);
+  EXPECT_EQ(bench.emulator->force_before_homing(), 0U);
+  EXPECT_NE(bench.emulator->flags() & kHomingRequest, 0);
+}
+
+TEST(FalconCheck, MonitorShowsWhereTheGripIsAndWhichButtonsAreDown) {
+  EmulatorOptions options;
+  options.homed = true;
+  Bench bench(options);
+  bring_up(*bench.wire, {});
+  bench.emulator->set_position({0.02, -0.01, 0.14});
+  bench.emulator->set_buttons(5);
+  int count = 0;
+  monitor(*bench.wire, [&](const Reading& reading) {
+    EXPECT_TRUE(reading.reachable);
+    // Half a count of each encoder is at most 0.03 mm at the grip.
+    EXPECT_LT((reading.position_m - Eigen::Vector3d(0.02, -0.01, 0.14)).norm(), 5e-5);
+    EXPECT_EQ(reading.answer.buttons, 5);
+    return ++count < 10;
+  });
+  bench.emulator->unplug();
+  EXPECT_NE(reason([&] { monitor(*bench.wire, [](const Reading&) { return true; }); }).find("unplugged"),
+            std::string::npos);
+}
+
+}  // namespace

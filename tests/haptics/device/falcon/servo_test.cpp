@@ -1,0 +1,168 @@
+// The Falcon under the servo's own tick: a hand with mass presses a wall through kinematics, encoders and motors.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "haptics/device/falcon/falcon.h"
+#include "haptics/device/falcon/link.h"
+#include "haptics/servo/haptic_renderer.h"
+#include "haptics/servo/servo.h"
+#include "tests/support/allocations.h"
+#include "tests/support/scenes.h"
+#include "tests/support/servo_parts.h"
+
+namespace {
+
+using namespace sparsha::haptics;
+using namespace sparsha::haptics::falcon;
+using Eigen::Vector3d;
+
+/// A person's hand on the grip: 0.15 kg held by 300 N/m and 2 N s/m at a place that moves. Falcon frame.
+class Grasp {
+ public:
+  explicit Grasp(std::function<Vector3d(double)> wanted) : wanted_(std::move(wanted)), position_(wanted_(0.0)) {}
+  Vector3d operator()(double time_s, const Vector3d& force_n) {
+    constexpr double kMass = 0.15, kStiffness = 300.0, kDamping = 2.0, kStep = 1e-5;
+    for (; time_ < time_s; time_ += kStep) {
+      const Vector3d pull = kStiffness * (wanted_(time_) - position_) - kDamping * velocity_ + force_n;
+      velocity_ += kStep / kMass * pull;
+      position_ += kStep * velocity_;
+    }
+    return position_;
+  }
+
+ private:
+  std::function<Vector3d(double)> wanted_;
+  Vector3d position_;
+  Vector3d velocity_ = Vector3d::Zero();
+  double time_ = 0.0;
+};
+
+/// Pulls out, pushes in, comes back out in 0.9 s, then presses 10 mm behind the device frame's origin.
+Vector3d home_and_press(double t) {
+  const auto ease = [t](double from, double to, double begin, double end) {
+    const double s = std::clamp((t - begin) / (end - begin), 0.0, 1.0);
+    return from + (to - from) * s * s * (3.0 - 2.0 * s);
+  };
+  const double z = t < 0.3   ? ease(0.135, 0.172, 0.0, 0.25)
+                   : t < 0.6 ? ease(0.172, 0.105, 0.3, 0.55)
+                   : t < 1.0 ? ease(0.105, 0.160, 0.6, 0.9)
+                             : ease(0.160, 0.130, 1.1, 1.4);
+  return {0.005, -0.003, z};
+}
+
+TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) {
+  auto emulator = std::make_shared<FalconEmulator>();
+  auto grasp = std::make_shared<Grasp>(home_and_press);
+  emulator->set_hand([grasp](double time_s, const Vector3d& force_n) { return (*grasp)(time_s, force_n); });
+  const auto device = make_falcon_device(make_emulated_transport(emulator, Clock::virtual_time), {});
+  RendererOptions options;
+  options.stiffness_n_per_m = governed_stiffness(800.0, device->info().limits, 1e-3);
+  HapticRenderer tick(device->info(), options, window_on(sparsha::test::flat_scene()));
+
+  double least_m = 1e9, most_m = -1e9, force_n = 0.0;
+  constexpr int kTicks = 3500;
+  for (int i = 0; i < kTicks; ++i) {
+    device->wait(1e-3);
+    const DeviceSample sample = device->read(i * 1e-3, 1e-3);
+    tick.update(sample, 1e-3);
+    const State& state = tick.state();
+    device->write({state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]});
+    if (i < kTicks - 1000) continue;
+    EXPECT_EQ(state.contact, 1U);
+    least_m = std::min(least_m, sample.position_m.z());
+    most_m = std::max(most_m, sample.position_m.z());
+    force_n += state.commanded_force_n[2] / 1000.0;
+  }
+  EXPECT_EQ(emulator->force_before_homing(), 0U);
+  // Two springs in a row: the hand's 300 N/m pulls to 10 mm depth, the wall's holds.
+  const double k = options.stiffness_n_per_m;
+  const double expected_n = 0.010 * 300.0 * k / (300.0 + k);
+  EXPECT_NEAR(force_n, expected_n, 0.02 * expected_n);
+  // At rest within three encoder steps (0.028 mm along the axis at z = 0.14).
+  EXPECT_LT(most_m - least_m, 3.0 * 28e-6);
+}
+
+TEST(FalconUnderTheServo, TheWatchdogZeroesTheMotorsWhenTheServoStalls) {
+  auto emulator = std::make_shared<FalconEmulator>();
+  auto grasp = std::make_shared<Grasp>(home_and_press);
+  emulator->set_hand([grasp](double time_s, const Vector3d& force_n) { return (*grasp)(time_s, force_n); });
+
+  /// The Falcon, whose read() hangs on command.
+  struct Stalling final : Device {
+    std::unique_ptr<Device> falcon;
+    std::atomic<bool> stall{false};
+    DeviceInfo info() const override { return falcon->info(); }
+    void wait(double timeout_s) noexcept override { falcon->wait(timeout_s); }
+    DeviceSample read(double time_s, double period_s) noexcept override {
+      while (stall.load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return falcon->read(time_s, period_s);
+    }
+    void write(const Vector3d& force_n) noexcept override { falcon->write(force_n); }
+    void zero() noexcept override { falcon->zero(); }
+  } device;
+  device.falcon = make_falcon_device(make_emulated_transport(emulator, Clock::real_time), {});
+
+  sparsha::haptics::Seqlock<State> state;
+  ServoOptions options;
+  options.real_time = false;
+  options.renderer.longest_gap_s = 0.3;  // the machine's own pauses are not what is tested
+  Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
+  servo.start();
+  EXPECT_TRUE(eventually([&] { return emulator->command() != MotorCommand{}; })) << "the hand presses after 1.4 s";
+  device.stall.store(true);
+  // It switches the motors off first and counts afterwards.
+  EXPECT_TRUE(eventually([&] { return servo.watchdog_trips() >= 1 && emulator->command() == MotorCommand{}; }));
+  device.stall.store(false);
+  servo.stop();
+  EXPECT_EQ(emulator->command(), MotorCommand{});
+}
+
+/// A wire that answers at once from a fixed place and allocates nothing.
+class PlainWire final : public Transport {
+ public:
+  TransportStatus control(Request, std::uint16_t) noexcept override { return TransportStatus::ok; }
+  TransportStatus write(std::span<const std::uint8_t> bytes, int) noexcept override { return post(bytes); }
+  TransportStatus read(UsbPacket& packet, std::size_t& size, int) noexcept override {
+    return receive(packet, size, 0.0);
+  }
+  TransportStatus post(std::span<const std::uint8_t>) noexcept override {
+    asked_ = true;
+    return TransportStatus::ok;
+  }
+  TransportStatus receive(UsbPacket& packet, std::size_t& size, double) noexcept override {
+    if (!asked_) return TransportStatus::nothing;
+    asked_ = false;
+    const Packet answer = encode_answer({600 + (++count_ % 50), 610, 620}, 0, 7);
+    std::copy(answer.begin(), answer.end(), packet.begin() + kModemBytes);
+    size = kModemBytes + answer.size();
+    return TransportStatus::ok;
+  }
+  void urgent(std::span<const std::uint8_t>) noexcept override {}
+
+ private:
+  bool asked_ = false;
+  int count_ = 0;
+};
+
+TEST(FalconUnderTheServo, ItsTicksAllocateNothing) {
+  const auto device = make_falcon_device(std::make_unique<PlainWire>(), {});
+  DeviceSample sample;
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      device->wait(1e-3);
+      sample = device->read(0.0, 1e-3);
+      device->write({1, 2, 3});
+      device->zero();
+    }
+  };
+  run(50);
+  const std::size_t before = allocations::count();
+  run(1000);
+  EXPECT_EQ(allocations::count(), before);
+  EXPECT_TRUE(sample.fresh);
+  EXPECT_TRUE(sample.homed);
+}
+
+}  // namespace

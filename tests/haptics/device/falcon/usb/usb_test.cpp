@@ -1,0 +1,135 @@
+// The real libusb against an emulated bus: finding, opening, firmware, forces, unplugging.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "base/error.h"
+#include "emulated_bus.h"
+#include "haptics/device/falcon/check.h"
+#include "haptics/device/falcon/falcon.h"
+#include "haptics/device/falcon/usb_transport.h"
+
+namespace {
+
+using namespace sparsha;
+using namespace sparsha::haptics;
+using namespace sparsha::haptics::falcon;
+using Eigen::Vector3d;
+
+class UsbFalcon : public testing::Test {
+ protected:
+  void plug(const EmulatorOptions& options = {}) {
+    emulator = std::make_shared<FalconEmulator>(options);
+    bus = std::make_unique<emulated_bus::Bus>(emulator);
+  }
+  void SetUp() override {
+    if (!emulated_bus::possible()) GTEST_SKIP() << "umockdev's library is not preloaded";
+  }
+  static void run(Device& device, int ticks, const Vector3d& force_n = Vector3d::Zero()) {
+    for (int i = 0; i < ticks; ++i) {
+      device.wait(0.001);
+      last = device.read(0.0, 0.001);
+      fresh += last.fresh ? 1 : 0;
+      device.write(force_n);
+    }
+  }
+  static inline DeviceSample last;
+  static inline int fresh = 0;
+  std::shared_ptr<FalconEmulator> emulator;
+  std::unique_ptr<emulated_bus::Bus> bus;
+};
+
+TEST_F(UsbFalcon, IsFoundWhenPluggedIn) {
+  plug();
+  const auto found = find_falcons();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].bus, 1);
+  EXPECT_EQ(found[0].address, 5);
+  EXPECT_TRUE(found[0].accessible) << found[0].problem;
+}
+
+TEST_F(UsbFalcon, LoadsFirmwareOverRealTransfers) {
+  EmulatorOptions options;
+  options.firmware_loaded = false;
+  plug(options);
+  std::vector<std::uint8_t> image(5000);
+  std::mt19937 random(1);
+  for (auto& byte : image) byte = static_cast<std::uint8_t>(random());
+  const auto wire = open_usb_transport();
+  bring_up(*wire, image, 1);
+  EXPECT_EQ(emulator->uploaded(), image);
+  EXPECT_TRUE(emulator->firmware_loaded());
+}
+
+TEST_F(UsbFalcon, FeelsTheHandAndPushesBack) {
+  plug();
+  const auto device = make_falcon_device();
+  for (const double z : {0.170, 0.105, 0.160, 0.14}) {
+    emulator->set_position({0, 0.01, z});
+    run(*device, 60);
+  }
+  EXPECT_TRUE(last.homed);
+  EXPECT_LT((last.position_m - Vector3d(0, 0.01, 0)).norm(), 5e-5);
+  fresh = 0;
+  const Vector3d force(1, -1, 2);
+  run(*device, 200, force);
+  EXPECT_GT(fresh, 50);  // a loaded machine delays the emulated bus
+  EXPECT_LT((emulator->force_n() - force).norm(), 0.01);
+  device->zero();
+  run(*device, 3);
+  EXPECT_EQ(emulator->command(), MotorCommand{});
+  EXPECT_EQ(emulator->force_before_homing(), 0U);
+}
+
+TEST_F(UsbFalcon, EndsInZeroForceWhenClosed) {
+  plug();
+  {
+    const auto device = make_falcon_device();
+    for (const double z : {0.170, 0.105, 0.160, 0.14}) {
+      emulator->set_position({0, 0, z});
+      run(*device, 40, {0, 0, 3});
+    }
+    EXPECT_NE(emulator->command(), MotorCommand{});
+  }
+  EXPECT_EQ(emulator->command(), MotorCommand{});
+}
+
+TEST_F(UsbFalcon, UnpluggingIsNoticedWithinTicksAndClosingDoesNotHang) {
+  plug();
+  const auto device = make_falcon_device();
+  run(*device, 20);
+  EXPECT_TRUE(last.connected);
+  emulator->unplug();
+  run(*device, 20);
+  EXPECT_FALSE(last.connected);
+  EXPECT_FALSE(last.fresh);
+}
+
+TEST_F(UsbFalcon, TheCheckWalksFromUsbToTheLink) {
+  EmulatorOptions options;
+  options.homed = true;
+  plug(options);
+  const CheckReport report = check_falcon();
+  ASSERT_EQ(report.steps.size(), 6U);
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(report.steps[i].result, CheckStep::Result::passed) << report.steps[i].name;
+  // The emulated bus is as fast as this machine lets it be: the rate is shown, not judged.
+  std::printf("link: %s\n", report.steps[5].detail.c_str());
+  EXPECT_GT(report.link.answered, 50U);
+}
+
+TEST_F(UsbFalcon, WithoutOneOpeningSaysWhatToPlugIn) {
+  EXPECT_TRUE(find_falcons().empty());
+  try {
+    static_cast<void>(open_usb_transport());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    EXPECT_FALSE(error.expected().empty());
+  }
+  const CheckReport report = check_falcon();
+  EXPECT_EQ(report.steps.front().result, CheckStep::Result::failed);
+  EXPECT_FALSE(report.steps.front().remedy.empty());
+}
+
+}  // namespace

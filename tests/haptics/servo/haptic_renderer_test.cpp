@@ -1,0 +1,428 @@
+#include "haptics/servo/haptic_renderer.h"
+#include "haptics/window/scene_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/support/servo_parts.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kPeriodS = 0.001;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+Eigen::Vector3d vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+/// A renderer with a clock.
+class Hand {
+ public:
+  explicit Hand(HapticWindow window, RendererOptions options = {})
+      : renderer(DeviceInfo{}, options, std::move(window)) {}
+  const State& go(const Eigen::Vector3d& device_m) {
+    renderer.update(sample_at(device_m, kPeriodS * static_cast<double>(tick_++)), kPeriodS);
+    return renderer.state();
+  }
+  const State& go(DeviceSample sample) {
+    sample.time_s = kPeriodS * static_cast<double>(tick_++);
+    renderer.update(sample, kPeriodS);
+    return renderer.state();
+  }
+  /// 60 ms in the air arm the governor.
+  void arm() {
+    for (int i = 0; i < 60; ++i) go({0.0, 0.0, 0.02});
+  }
+  /// Slowly to a place, so that the slew limit does not show.
+  const State& press(const Eigen::Vector3d& device_m, int ticks = 200) {
+    const Eigen::Vector3d from = vector_of(renderer.state().device_m);
+    for (int i = 1; i <= ticks; ++i) go(Eigen::Vector3d(from + (device_m - from) * (static_cast<double>(i) / ticks)));
+    for (int i = 0; i < 20; ++i) go(device_m);
+    return renderer.state();
+  }
+
+  HapticRenderer renderer;
+
+ private:
+  std::uint64_t tick_ = 0;
+};
+
+TEST(HapticRenderer, PutsTheDevicesOriginOnTheSurfaceAtTheWindowsCentre) {
+  Hand hand(window_on(sparsha::test::flat_scene(0.25)));
+  const State& state = hand.go({0.0, 0.0, 0.01});
+  EXPECT_NEAR(state.centre_m[2], 0.25, 0.25 * 1e-7);  // heights are stored as floats
+  EXPECT_NEAR(state.centre_m[0], 0.05, kEpsilon);
+  EXPECT_EQ(state.contact, 0U);
+  EXPECT_EQ(state.penetration_m, 0.0);
+  EXPECT_EQ(vector_of(state.hip_m), vector_of(state.proxy_m));
+}
+
+TEST(HapticRenderer, PushesWithStiffnessTimesDepthInTheDeviceFrameAtAnyScale) {
+  for (const double width_m : {1e-3, 0.1, 10.0, 1000.0}) {
+    Hand hand(window_on(sparsha::test::flat_scene(0.0, 101, width_m)));
+    hand.arm();
+    const State& state = hand.press({0.001, 0.002, -0.002});
+    EXPECT_NEAR(state.force_n[2], 800.0 * 0.002, 1e-9) << width_m;
+    EXPECT_NEAR(state.penetration_m, 0.002, 1e-12) << width_m;
+    EXPECT_NEAR(state.commanded_force_n[2], 800.0 * 0.002, 0.01 * 1.6) << width_m;
+    EXPECT_EQ(state.contact, 1U);
+    EXPECT_TRUE((state.flags & kFlagArmed) != 0);
+  }
+}
+
+TEST(HapticRenderer, GivesNoForceBeforeTheHandHasBeenInFreeSpaceForFiftyMilliseconds) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  for (int i = 0; i < 500; ++i) {
+    const State& state = hand.go({0.0, 0.0, -0.003});  // starts inside the stone
+    ASSERT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+    ASSERT_GT(state.force_n[2], 0.0) << "the renderer itself knows the force";
+  }
+  for (int i = 0; i < 40; ++i) hand.go({0.0, 0.0, 0.003});
+  EXPECT_EQ(hand.go({0.0, 0.0, -0.001}).commanded_force_n[2], 0.0) << "40 ms are not enough";
+  for (int i = 0; i < 60; ++i) hand.go({0.0, 0.0, 0.003});
+  for (int i = 0; i < 10; ++i) hand.go({0.0, 0.0, -0.001});
+  EXPECT_GT(hand.renderer.state().commanded_force_n[2], 0.5);
+}
+
+TEST(HapticRenderer, AnswersNotANumberWithZeroForceAtOnceAndArmsAnew) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    Hand hand(window_on(sparsha::test::flat_scene()));
+    hand.arm();
+    const State before = hand.press({0.0, 0.0, -0.002});
+    ASSERT_GT(before.commanded_force_n[2], 1.0);
+    const State& fault = hand.go(Eigen::Vector3d(0.0, bad, -0.002));
+    EXPECT_EQ(vector_of(fault.commanded_force_n).norm(), 0.0);
+    EXPECT_TRUE((fault.flags & kFlagFault) != 0);
+    EXPECT_TRUE((fault.flags & kFlagArmed) == 0);
+    EXPECT_EQ(vector_of(fault.device_m), vector_of(before.device_m)) << "the last good place stays";
+    EXPECT_TRUE(std::isfinite(fault.proxy_m[0]) && std::isfinite(fault.hip_m[1]));
+    for (int i = 0; i < 100; ++i)
+      ASSERT_EQ(vector_of(hand.go({0.0, 0.0, -0.002}).commanded_force_n).norm(), 0.0) << "still in the stone";
+    hand.arm();
+    EXPECT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+    EXPECT_EQ(hand.renderer.faults(), 1U);
+  }
+}
+
+TEST(HapticRenderer, GivesNoForceOnAStaleSampleAndGoesOnWithTheNext) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  hand.press({0.0, 0.0, -0.002});
+  DeviceSample stale = sample_at({0.0, 0.0, -0.002}, 0.0);
+  stale.fresh = false;
+  const State& state = hand.go(stale);
+  EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((state.flags & kFlagStale) != 0);
+  EXPECT_TRUE((state.flags & kFlagFault) == 0);
+  EXPECT_TRUE((hand.go({0.0, 0.0, -0.002}).flags & kFlagStale) == 0);
+}
+
+TEST(HapticRenderer, GivesNoForceWhenUnpluggedOrNotHomed) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  hand.press({0.0, 0.0, -0.002});
+  DeviceSample gone = sample_at({0.0, 0.0, -0.002}, 0.0);
+  gone.connected = false;
+  EXPECT_EQ(vector_of(hand.go(gone).commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagFault) != 0);
+  DeviceSample unknown = sample_at({0.3, 0.0, -0.5}, 0.0);
+  unknown.homed = false;
+  const State& state = hand.go(unknown);
+  EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+  EXPECT_EQ(vector_of(state.force_n).norm(), 0.0) << "positions that are not absolute render nothing";
+  EXPECT_TRUE((state.flags & kFlagHomed) == 0);
+  EXPECT_EQ(hand.go({0.0, 0.0, 0.02}).contact, 0U) << "after homing the proxy starts where the hand is";
+}
+
+TEST(HapticRenderer, ForceEndsWithContactAndNeverPulls) {
+  Hand hand(window_on(sparsha::test::scene_of(sparsha::test::hills_m, 101, 0.1)));
+  hand.arm();
+  for (int i = 0; i < 4000; ++i) {
+    const double t = i * 0.001;
+    const State& state =
+        hand.go(Eigen::Vector3d(0.03 * std::sin(2.1 * t), 0.03 * std::cos(1.7 * t), 0.004 * std::sin(9.0 * t)));
+    const Eigen::Vector3d force = vector_of(state.commanded_force_n);
+    if (state.contact == 0)
+      ASSERT_EQ(force.norm(), 0.0);
+    else
+      ASSERT_GE(force.dot(vector_of(state.normal)), -1e-9);
+  }
+}
+
+TEST(HapticRenderer, ASwapInContactKeepsTheHandTheProxyAndTheForceWhereTheyWere) {
+  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);  // levels 0, 1, 2
+  Hand hand(window_on(scene, 2));
+  hand.arm();
+  const State before = hand.press({0.012, -0.017, -0.003});
+  ASSERT_EQ(before.contact, 1U);
+  const Eigen::Vector3d proxy_before = (vector_of(before.proxy_m) - vector_of(before.centre_m)) * before.scale;
+
+  // Level 0 around the hand, four times larger in the hand.
+  const pipeline::Lattice& fine = scene->description().levels[0];
+  const int i0 = 180;
+  const int j0 = 80;
+  Command command;
+  command.kind = Command::Kind::swap;
+  command.sequence = 5;
+  command.window.surface = make_surface(scene->description(), scene->read(0, i0, j0, 101, 101), 0,
+                                        0.1 / (100 * fine.spacing_m), SurfaceOptions{});
+  command.window.i0 = i0;
+  command.window.j0 = j0;
+  command.window.id = 2;
+  const SurfacePointer retired = hand.renderer.apply(command);
+  ASSERT_NE(retired, nullptr);
+  EXPECT_EQ(retired->level, 2);
+  const State after = hand.go({0.012, -0.017, -0.003});
+  EXPECT_EQ(after.command, 5U);
+  EXPECT_EQ(after.surface_id, 2U);
+  EXPECT_EQ(after.level, 0U);
+  EXPECT_NEAR(after.scale / before.scale, 4.0, 1e-12);
+  EXPECT_EQ(after.contact, 1U);
+  // Before the first update the proxy is where it was to rounding; the update lets it slide on the finer relief, by no
+  // more than the way that the difference of slopes asks for: the relief is 0.4 steep at most.
+  const Eigen::Vector3d proxy_after = (vector_of(after.proxy_m) - vector_of(after.centre_m)) * after.scale;
+  EXPECT_LT((proxy_after - proxy_before).norm(), 0.5 * before.penetration_m);
+  EXPECT_NEAR(after.penetration_m, before.penetration_m, 0.25 * before.penetration_m);
+  // What is under the finger stays under the finger.
+  EXPECT_NEAR(after.proxy_m[0], before.proxy_m[0], 0.5 * before.penetration_m / after.scale + 1e-12);
+  const double growth = vector_of(after.commanded_force_n).norm() - vector_of(before.commanded_force_n).norm();
+  EXPECT_LE(growth, 1500.0 * kPeriodS * (1.0 + 1e-9)) << "the slew limit of 1.5 N a millisecond";
+}
+
+TEST(HapticRenderer, ASwapInTheAirKeepsTheClearance) {
+  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1, 101);
+  Hand hand(window_on(scene, 1));
+  const Eigen::Vector3d place(0.02, 0.01, 0.006);
+  const State before = hand.go(place);
+  ASSERT_EQ(before.contact, 0U);
+  Command command;
+  command.kind = Command::Kind::swap;
+  command.window = window_on(scene, 0, 2);
+  static_cast<void>(hand.renderer.apply(command));
+  const State after = hand.go(place);
+  EXPECT_EQ(after.contact, 0U);
+  const auto clearance = [&](const State& s) {
+    return (s.hip_m[2] - sparsha::test::hills_m(s.hip_m[0], s.hip_m[1])) * s.scale;
+  };
+  // Interpolation error of the coarser grid: h^2 kappa / 8 both ways.
+  EXPECT_NEAR(clearance(after), clearance(before), 2.0 * 0.001 * 0.001 * 0.004 * (80.0 * 80.0 + 65.0 * 65.0) / 8.0);
+}
+
+TEST(HapticRenderer, AMoveInContactPutsTheNewPlaceUnderTheHandWithoutAStepInForce) {
+  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);
+  Hand hand(window_on(scene, 2));
+  hand.arm();
+  const State before = hand.press({0.01, 0.01, -0.002});
+  Command command;
+  command.kind = Command::Kind::swap;
+  command.window = window_on(scene, 2, 9);
+  command.move = true;
+  command.centre_m = {0.03, 0.04};
+  static_cast<void>(hand.renderer.apply(command));
+  const State after = hand.go({0.01, 0.01, -0.002});
+  EXPECT_EQ(after.centre_m[0], 0.03);
+  EXPECT_EQ(after.centre_m[1], 0.04);
+  EXPECT_EQ(after.contact, 1U);
+  EXPECT_LE(vector_of(after.commanded_force_n).norm() - vector_of(before.commanded_force_n).norm(), 1.5 + 1e-9);
+  EXPECT_LT(after.penetration_m, 2.0 * before.penetration_m);
+}
+
+TEST(HapticRenderer, ScrollsTheWindowSmoothlyUnderTheHand) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.go({0.045, 0.0, 0.01});
+  Command command;
+  command.kind = Command::Kind::scroll;
+  command.scroll_m_per_s = {0.02, 0.0, 0.0};
+  static_cast<void>(hand.renderer.apply(command));
+  const double start = hand.renderer.state().centre_m[0];
+  for (int i = 0; i < 100; ++i) hand.go({0.045, 0.0, 0.01});
+  EXPECT_NEAR(hand.renderer.state().centre_m[0] - start, 0.02 * 0.1, 1e-9);
+}
+
+TEST(HapticRenderer, NeverScrollsDownOnAHandInContact) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  const State before = hand.press({0.0, 0.0, -0.001});
+  Command command;
+  command.kind = Command::Kind::scroll;
+  command.scroll_m_per_s = {0.0, 0.0, -0.05};
+  static_cast<void>(hand.renderer.apply(command));
+  for (int i = 0; i < 100; ++i) hand.go({0.0, 0.0, -0.001});
+  EXPECT_EQ(hand.renderer.state().centre_m, before.centre_m);
+  EXPECT_EQ(hand.renderer.state().force_n, before.force_n);
+}
+
+TEST(HapticRenderer, FlagsBorderOutsideUnknownAndFilled) {
+  const auto scene =
+      sparsha::test::scene_of([](double x, double y) { return x < 0.03 && y < 0.03 ? std::nan("") : 0.0; }, 101, 0.1);
+  Hand hand(window_on(scene));
+  hand.go({0.0, 0.0, 0.01});
+  EXPECT_EQ(hand.renderer.state().flags & (kFlagWindowBorder | kFlagOutside | kFlagUnknownArea | kFlagFilledArea), 0U);
+  hand.go({-0.04, -0.04, 0.01});
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagUnknownArea) != 0);
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagOutside) == 0);
+  hand.go({0.0495, 0.0, 0.01});
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagWindowBorder) != 0);
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagOutside) == 0);
+  hand.go({0.0505, 0.0, 0.01});
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagWindowBorder) != 0);
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagOutside) != 0);
+}
+
+TEST(HapticRenderer, RecordsTheCellThatIsTouchedHoweverFarTheSceneIsFromTheOrigin) {
+  for (const double x0 : {0.0, -3.0, 1e7}) {
+    const Eigen::Vector3d origin_m(x0, -2.0 * x0, x0);
+    Hand hand(window_on(sparsha::test::scene_of([x0](double, double) { return x0; }, 101, 0.1, 200, origin_m)));
+    hand.arm();
+    hand.press({0.0125, -0.0215, -0.002});  // of a workspace of 0.1 m, its origin at the window's middle
+    const Record& record = hand.renderer.record();
+    EXPECT_EQ(record.cell_i, 62) << x0;
+    EXPECT_EQ(record.cell_j, 28) << x0;
+    EXPECT_NEAR(record.cell_m, 0.001, kEpsilon) << x0;
+  }
+}
+
+TEST(HapticRenderer, CountsEveryClickHoweverShort) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  const auto hold = [&](std::uint64_t buttons, int ticks) {
+    DeviceSample sample = sample_at({0.0, 0.0, 0.02}, 0.0);
+    sample.buttons = buttons;
+    for (int i = 0; i < ticks; ++i) hand.go(sample);
+  };
+  using Presses = std::array<std::uint64_t, 4>;
+  hold(0, 30);
+  EXPECT_EQ(hand.renderer.state().button_presses, Presses{});
+  hold(0b0001, 2);  // shorter than any reader's look
+  hold(0, 30);
+  EXPECT_EQ(hand.renderer.state().button_presses, (Presses{1, 0, 0, 0}));
+  hold(0b1000, 500);  // held
+  hold(0b1100, 100);  // and another with it
+  hold(0, 30);
+  EXPECT_EQ(hand.renderer.state().button_presses, (Presses{1, 0, 1, 1}));
+  hold(0b1001, 40);
+  EXPECT_EQ(hand.renderer.state().button_presses, (Presses{2, 0, 1, 2}));
+}
+
+TEST(HapticRenderer, IdenticalSamplesGiveIdenticalBits) {
+  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1);
+  Hand first(window_on(scene));
+  Hand second(window_on(scene));
+  for (int i = 0; i < 3000; ++i) {
+    const double t = i * 0.001;
+    const Eigen::Vector3d place(0.03 * std::sin(2.1 * t), 0.03 * std::cos(1.7 * t), 0.004 * std::cos(5.0 * t));
+    const State a = first.go(place);
+    const State b = second.go(place);
+    ASSERT_EQ(a.proxy_m, b.proxy_m);
+    ASSERT_EQ(a.force_n, b.force_n);
+    ASSERT_EQ(a.commanded_force_n, b.commanded_force_n);
+  }
+}
+
+TEST(HapticRenderer, NoNewsOfTheHandForTenMillisecondsNeedsFreeSpaceBeforeForce) {
+  for (const int lost : {5, 9, 12, 100}) {
+    Hand hand(window_on(sparsha::test::flat_scene()));
+    hand.arm();
+    ASSERT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+    DeviceSample stale = sample_at({0.0, 0.0, -0.002}, 0.0);
+    stale.fresh = false;
+    for (int i = 0; i < lost; ++i) ASSERT_EQ(vector_of(hand.go(stale).commanded_force_n).norm(), 0.0);
+    for (int i = 0; i < 100; ++i) hand.go({0.0, 0.0, -0.002});
+    const double after = hand.renderer.state().commanded_force_n[2];
+    if (lost < 10)
+      EXPECT_GT(after, 1.0) << lost;
+    else
+      EXPECT_EQ(after, 0.0) << lost;
+    hand.arm();
+    EXPECT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+  }
+}
+
+TEST(HapticRenderer, AGapInTheHandsTimeIsAFaultAndMovesNoWindow) {
+  Hand hand(window_on(sparsha::test::flat_scene(0.0, 101, 1.0)));
+  Command scroll;
+  scroll.scroll_m_per_s = {0.01, 0.0, 0.0};
+  static_cast<void>(hand.renderer.apply(scroll));
+  hand.arm();
+  hand.press({0.0, 0.0, -0.002});
+  const State before = hand.renderer.state();
+  DeviceSample late = sample_at({0.0, 0.0, -0.002}, before.time_s + 1.0);
+  hand.renderer.update(late, kPeriodS);
+  const State& state = hand.renderer.state();
+  EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((state.flags & kFlagFault) != 0);
+  EXPECT_NEAR(state.centre_m[0] - before.centre_m[0], 0.01 * kPeriodS, 1e-12) << "one nominal tick's way";
+  for (int i = 1; i < 100; ++i) {
+    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, late.time_s + i * kPeriodS), kPeriodS);
+    ASSERT_EQ(vector_of(hand.renderer.state().commanded_force_n).norm(), 0.0) << "still in the stone";
+  }
+}
+
+TEST(HapticRenderer, TimesThatGoBackwardsOrAreNoNumbersLastOneNominalTick) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  for (const double time_s : {kNan, -1.0, -1e300, -std::numeric_limits<double>::infinity(), kNan}) {
+    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, time_s), kPeriodS);
+    EXPECT_EQ(hand.renderer.record().period_s, kPeriodS) << time_s;
+    EXPECT_TRUE(vector_of(hand.renderer.state().commanded_force_n).allFinite());
+    EXPECT_LE(hand.renderer.state().commanded_force_n[2], 8.0);
+  }
+}
+
+TEST(HapticRenderer, AHandThatIsFartherThanAnyHandIsAFaultAndNoFreeSpace) {
+  for (const double far : {11.0, -11.0, 1e12, -1e30, 1e308}) {
+    Hand hand(window_on(sparsha::test::flat_scene()));
+    for (int i = 0; i < 100; ++i) {
+      const State& state = hand.go({0.0, 0.0, far});
+      ASSERT_TRUE((state.flags & kFlagFault) != 0) << far;
+      ASSERT_TRUE((state.flags & kFlagArmed) == 0);
+    }
+    for (int i = 0; i < 20; ++i) ASSERT_EQ(hand.go({0.0, 0.0, -0.002}).commanded_force_n[2], 0.0);
+  }
+}
+
+TEST(HapticRenderer, CommandsThatAreNoNumbersOrBeyondTheDeviceDoNotReachTheHand) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  for (const double wish : {1e9, std::numeric_limits<double>::infinity(), kNan, -5.0}) {
+    Command command;
+    command.kind = Command::Kind::stiffness;
+    command.stiffness_n_per_m = wish;
+    static_cast<void>(hand.renderer.apply(command));
+    const State& state = hand.go({0.0, 0.0, -0.001});
+    EXPECT_GE(hand.renderer.state().stiffness_n_per_m, 0.0);
+    EXPECT_LE(hand.renderer.state().stiffness_n_per_m, stiffness_limit(DeviceLimits{}, kPeriodS));
+    EXPECT_TRUE(vector_of(state.force_n).allFinite());
+  }
+  Command scroll;
+  scroll.scroll_m_per_s = {0.0, kNan, 0.0};
+  static_cast<void>(hand.renderer.apply(scroll));
+  Command swap;
+  swap.kind = Command::Kind::swap;
+  swap.window = window_on(sparsha::test::flat_scene(), 0, 2);
+  swap.move = true;
+  swap.centre_m = {kNan, 0.0};
+  static_cast<void>(hand.renderer.apply(swap));
+  hand.arm();
+  EXPECT_TRUE(std::isfinite(hand.renderer.state().centre_m[0]) && std::isfinite(hand.renderer.state().centre_m[1]));
+}
+
+TEST(HapticRenderer, ATickThatFailsAfterItsForceWasDecidedIsZeroAndFlaggedOnce) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  ASSERT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
+  hand.renderer.fail();
+  hand.renderer.fail();
+  EXPECT_EQ(hand.renderer.faults(), 1U);
+  EXPECT_EQ(vector_of(hand.renderer.state().commanded_force_n).norm(), 0.0);
+  EXPECT_TRUE((hand.renderer.state().flags & kFlagFault) != 0);
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(hand.go({0.0, 0.0, -0.002}).commanded_force_n[2], 0.0);
+}
+
+}  // namespace
+}  // namespace sparsha::haptics

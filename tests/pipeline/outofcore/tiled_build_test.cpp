@@ -1,0 +1,409 @@
+// Scenes built through files on disk, byte by byte against scenes built in memory.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "pipeline/build/build.h"
+#include "pipeline/simulate/simulate.h"
+#include "tests/support/test_folder.h"
+
+#if !defined(_WIN32)
+#include <sys/resource.h>
+#include <csignal>
+#endif
+
+namespace sparsha::pipeline {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargest = 1U << 30U;
+
+SimulationConfig relief(int nodes, int files) {
+  SimulationConfig config;
+  config.nodes = nodes;
+  config.seed = 4;
+  config.surface.form = AccuracyForm{};
+  config.surface.back = {BackConfig::Kind::rough, 0.1, 0.003, 0.3};
+  config.outlier_fraction = 0.005;
+  config.scan = SamplerConfig{2.5, 1.0, files};
+  config.write_truth = false;
+  return config;
+}
+
+class OutOfCore : public ::testing::Test {
+ protected:
+  Config simulated(const SimulationConfig& simulation, const std::vector<std::string>& settings = {}) {
+    write_simulation(simulation, folder_ / "scan", progress_);
+    return load_config(folder_ / "scan" / "sparsha.yaml", settings);
+  }
+  /// Every file of the scene, and of the report all but times and memory.
+  static void expect_same(const fs::path& a, const fs::path& b) {
+    std::size_t compared = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(a)) {
+      const fs::path relative = entry.path().lexically_relative(a);
+      const bool counts = relative == "scene.yaml" || relative.string().starts_with("level-");
+      if (!entry.is_regular_file() || !counts) continue;
+      ASSERT_TRUE(fs::exists(b / relative)) << relative;
+      EXPECT_TRUE(read_file(entry.path(), kLargest) == read_file(b / relative, kLargest)) << relative << " differs";
+      ++compared;
+    }
+    EXPECT_GE(compared, 4U);
+    EXPECT_EQ(report(a), report(b));
+  }
+  static nlohmann::json report(const fs::path& scene) {
+    auto json = nlohmann::json::parse(read_file(scene / "report.json", kLargest));
+    for (const char* key : {"stages", "total_seconds", "peak_rss_bytes"}) json.erase(key);
+    return json;
+  }
+  static bool spilled(const fs::path& scene) {
+    const auto json = nlohmann::json::parse(read_file(scene / "report.json", kLargest));
+    return std::any_of(json["stages"].begin(), json["stages"].end(),
+                       [](const auto& stage) { return stage["name"] == "spill"; });
+  }
+  void build(const Config& config, const std::string& name, std::uint64_t points, unsigned threads = 2) {
+    BuildOptions options;
+    options.threads = threads;
+    options.memory_points = points;
+    Progress progress;
+    build_scene_folder(config, options, folder_ / name, progress);
+    EXPECT_EQ(spilled(folder_ / name), points > 0);
+  }
+  /// In memory and with so few points at once.
+  void expect_same_out_of_core(const Config& config, std::uint64_t points) {
+    build(config, "memory", 0);
+    build(config, "disk", points);
+    expect_same(folder_ / "memory", folder_ / "disk");
+  }
+
+  const test::TestFolder folder_;
+  Progress progress_;
+};
+
+const std::vector<std::string> kAllLayers = {"texture={}", "friction={}", "fill={max_gap_mm: 8}",
+                                             "check={samples: 5000}"};
+
+TEST_F(OutOfCore, OneFileGivesTheSameBytesAsInMemory) {
+  expect_same_out_of_core(simulated(relief(200, 1), kAllLayers), 40'000);
+}
+
+TEST_F(OutOfCore, NeitherThreadsNorTheOrderOfFilesChangeAByte) {
+  Config config = simulated(relief(180, 3), kAllLayers);
+  build(config, "memory", 0);
+  for (const unsigned threads : {1U, 2U, 3U}) {
+    std::rotate(config.scans.begin(), config.scans.begin() + 1, config.scans.end());
+    build(config, "disk", 30'000, threads);
+    // The report lists inputs and their points in the configuration's order.
+    auto a = report(folder_ / "memory");
+    auto b = report(folder_ / "disk");
+    a.erase("inputs");
+    b.erase("inputs");
+    EXPECT_EQ(a, b);
+    EXPECT_TRUE(read_file(folder_ / "memory" / "scene.yaml", kLargest) ==
+                read_file(folder_ / "disk" / "scene.yaml", kLargest));
+    for (const char* layer : {"height.tif", "mask.tif", "envelope.tif", "curvature.tif"}) {
+      EXPECT_TRUE(read_file(folder_ / "memory" / "level-0" / layer, kLargest) ==
+                  read_file(folder_ / "disk" / "level-0" / layer, kLargest))
+          << layer;
+    }
+  }
+}
+
+// A ball before a larger one, as text: what is steep, hidden, turned away or seen through a hole is decided by discs.
+std::string two_balls() {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  std::string text;
+  for (int k = 0; k < 90'000; ++k) {
+    Eigen::Vector3d direction(normal(random), normal(random), normal(random));
+    direction.normalize();
+    const bool before = k % 5 == 0;
+    const double radius = (before ? 0.1 : 0.2) + 0.0002 * normal(random);
+    const Eigen::Vector3d p = radius * direction + Eigen::Vector3d(before ? 0.05 : 0.0, 0.02, before ? 0.4 : 0.0);
+    if (!before && direction.z() > 0.98) continue;  // a hole
+    text += fmt::format("{:.7f} {:.7f} {:.7f}\n", p.x(), p.y(), p.z());
+  }
+  return text;
+}
+
+TEST_F(OutOfCore, ClosedObjectsGiveTheSameBytesAsInMemoryOnCoarseGridsAndFine) {
+  write_file(folder_ / "balls.xyz", two_balls());
+  for (const char* size : {"60", "200", "450"}) {
+    const std::string text = fmt::format(
+        "scans: [{{file: balls.xyz, units: m}}]\ngrid: {{size: {}}}\nfill: {{max_gap_mm: 8}}\ncheck: {{samples: "
+        "4000}}\n",
+        size);
+    expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
+  }
+}
+
+// The balls as two scanners before and behind them would write them, each what faces it.
+std::string two_stations() {
+  std::array<std::string, 2> rows;
+  std::array<int, 2> counts{};
+  std::istringstream text(two_balls());
+  for (double x = 0.0, y = 0.0, z = 0.0; text >> x >> y >> z;) {
+    const std::size_t station = z > (std::hypot(x - 0.05, y - 0.02) < 0.1 && z > 0.29 ? 0.4 : 0.0) ? 0 : 1;
+    rows[station] += fmt::format("{:.7f} {:.7f} {:.7f} 0.5\n", x, y, z - (station == 0 ? 3.0 : -3.0));
+    ++counts[station];
+  }
+  std::string ptx;
+  for (const std::size_t station : {0U, 1U}) {
+    const char* z = station == 0 ? "3" : "-3";
+    ptx +=
+        fmt::format("{}\n1\n0 0 {}\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 {} 1\n", counts[station], z, z);
+    ptx += rows[station];
+  }
+  return ptx;
+}
+
+TEST_F(OutOfCore, ClosedObjectsAreTurnedByTheirStationsAsInMemory) {
+  write_file(folder_ / "balls.ptx", two_stations());
+  const std::string text =
+      "scans: [{file: balls.ptx, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
+  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
+}
+
+TEST_F(OutOfCore, StripsTooFullForMemoryAreCutIntoColumns) {
+  // The halo of a node holds up to 17 x 17 bins of about 4 points.
+  expect_same_out_of_core(simulated(relief(120, 1)), 6'000);
+}
+
+TEST_F(OutOfCore, GridsFinerAndCoarserThanTheCloudAreTheSame) {
+  write_simulation(relief(120, 1), folder_ / "scan", progress_);
+  for (const char* grid : {"grid={size: 300}", "grid={size: 40}", "grid={}"}) {
+    expect_same_out_of_core(load_config(folder_ / "scan" / "sparsha.yaml", {grid}), 25'000);
+  }
+}
+
+TEST_F(OutOfCore, EveryPointMayBeChecked) {
+  expect_same_out_of_core(simulated(relief(100, 2), {"check={samples: all}"}), 15'000);
+}
+
+TEST_F(OutOfCore, ColourAndIntensityAreTheSame) {
+  SimulationConfig simulation = relief(120, 2);
+  simulation.colour = true;
+  simulation.intensity = true;
+  expect_same_out_of_core(simulated(simulation, {"grid.colour=true", "grid.intensity=true"}), 20'000);
+}
+
+TEST_F(OutOfCore, GeoreferencedScansSeenHorizontallyAreTheSame) {
+  SimulationConfig simulation = relief(150, 2);
+  simulation.origin_m = {450000.25, 5412000.5, 312.0};
+  simulation.look_from = {0.6, 0.8, 0.0};
+  simulation.up = {0.0, 0.0, 1.0};
+  simulation.double_precision = true;
+  expect_same_out_of_core(simulated(simulation, {"texture={}"}), 30'000);
+}
+
+TEST_F(OutOfCore, CroppedPointsAreFilteredWhileTheyAreStreamed) {
+  expect_same_out_of_core(
+      simulated(relief(150, 2), {"filters=[{crop: {min_m: [0.2, 0.1, -1], max_m: [0.9, 0.7, 1]}}]", "grid={}"}),
+      20'000);
+}
+
+TEST_F(OutOfCore, AVoxelFilterStreamsIntoMemory) {
+  SimulationConfig simulation = relief(150, 2);
+  simulation.colour = true;
+  simulation.intensity = true;
+  const std::string crop = "{crop: {min_m: [0.2, 0.1, -1], max_m: [0.9, 0.7, 1]}}";
+  const std::string filters = "filters=[" + crop + ", {voxel: {leaf_mm: 12}}, {outliers: {neighbours: 8, sigma: 3}}]";
+  const Config config = simulated(simulation, {filters, "grid={spacing_mm: 8, colour: true, intensity: true}"});
+  build(config, "memory", 0);
+  BuildOptions options;
+  options.memory_points = 20'000;
+  build_scene_folder(config, options, folder_ / "disk", progress_);
+  expect_same(folder_ / "memory", folder_ / "disk");
+  options.memory_points = 1000;  // fewer than voxels
+  Progress progress;
+  try {
+    build_scene_folder(config, options, folder_ / "disk", progress);
+    FAIL() << "more voxels than allowed";
+  } catch (const Error& error) {
+    EXPECT_NE(error.wrong().find("'voxel'"), std::string::npos);
+  }
+}
+
+TEST_F(OutOfCore, FarOutliersAndDuplicatesAreTheSame) {
+  Config config = simulated(relief(120, 1), {"grid={}"});
+  std::ofstream far(folder_ / "scan" / "far.xyz");
+  far << "1e6 2e6 -3e6\n4000 -4000 4000\n4000 -4000 4000\n";
+  far.close();
+  config.scans.push_back(config.scans.front());
+  ScanConfig scan;
+  scan.file = folder_ / "scan" / "far.xyz";
+  scan.units.unit = LengthUnit::m;
+  config.scans.push_back(scan);
+  expect_same_out_of_core(config, 20'000);
+}
+
+/// The simulated points with a scan file's own precision: text, or whole steps of a LAS file.
+std::vector<std::array<std::int32_t, 3>> whole_steps(double step_m) {
+  const SimulatedScan scan = generate(relief(100, 1));
+  std::vector<std::array<std::int32_t, 3>> points;
+  for (const Eigen::Vector3d& p : scan.points_m) {
+    points.push_back({static_cast<std::int32_t>(std::lround(p.x() / step_m)),
+                      static_cast<std::int32_t>(std::lround(p.y() / step_m)),
+                      static_cast<std::int32_t>(std::lround(p.z() / step_m))});
+  }
+  return points;
+}
+
+Config config_of(const fs::path& file) {
+  Config config;
+  ScanConfig scan;
+  scan.file = file;
+  scan.units.unit = LengthUnit::m;
+  config.scans = {scan};
+  config.check = CheckConfig{3000};
+  return config;
+}
+
+TEST_F(OutOfCore, TextIsTheSame) {
+  std::ofstream text(folder_ / "scan.xyz");
+  for (const auto& p : whole_steps(1e-5))
+    text << fmt::format("{:.5f} {:.5f} {:.5f}\n", p[0] * 1e-5, p[1] * 1e-5, p[2] * 1e-5);
+  text.close();
+  expect_same_out_of_core(config_of(folder_ / "scan.xyz"), 15'000);
+}
+
+TEST_F(OutOfCore, PlyInTextIsTheSame) {
+  // Properties in an order of their own, lines of Windows, no faces.
+  const auto points = whole_steps(1e-5);
+  std::ofstream ply(folder_ / "scan.ply", std::ios::binary);
+  ply << "ply\r\nformat ascii 1.0\r\ncomment points only\r\nelement vertex " << points.size()
+      << "\r\nproperty double z\r\nproperty uchar red\r\nproperty uchar green\r\nproperty uchar blue\r\n"
+         "property double x\r\nproperty float intensity\r\nproperty double y\r\nend_header\r\n";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& p = points[i];
+    ply << fmt::format("{:.5f} {} {} {} {:.5f} {} {:.5f}\r\n", p[2] * 1e-5, i % 256, i / 7 % 256, i / 3 % 256,
+                       p[0] * 1e-5, 0.25 * static_cast<double>(i % 1000), p[1] * 1e-5);
+  }
+  ply.close();
+  Config config = config_of(folder_ / "scan.ply");
+  config.grid.colour = true;
+  config.grid.intensity = true;
+  expect_same_out_of_core(config, 15'000);
+}
+
+TEST_F(OutOfCore, LasIsTheSame) {
+  // LAS 1.2, point format 0, steps of 10 um.
+  const auto points = whole_steps(1e-5);
+  std::string bytes(227, '\0');
+  const auto set = [&](std::size_t at, const auto& value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
+  std::memcpy(bytes.data(), "LASF", 4);
+  bytes[24] = 1;
+  bytes[25] = 2;
+  set(94, std::uint16_t{227});
+  set(96, std::uint32_t{227});
+  set(105, std::uint16_t{20});
+  set(107, static_cast<std::uint32_t>(points.size()));
+  for (std::size_t k = 0; k < 3; ++k) set(131 + 8 * k, 1e-5);
+  for (const auto& p : points) {
+    std::string record(20, '\0');
+    std::memcpy(record.data(), p.data(), 12);
+    bytes += record;
+  }
+  write_file(folder_ / "scan.las", bytes);
+  expect_same_out_of_core(config_of(folder_ / "scan.las"), 15'000);
+}
+
+/// The error that building under that option gives.
+Error refused(const Config& config, const BuildOptions& options, const fs::path& scene) {
+  Progress progress;
+  try {
+    build_scene_folder(config, options, scene, progress);
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "the limit was not refused";
+  return usage_error("");
+}
+
+TEST_F(OutOfCore, WhatCannotBeKeptIsRefusedByNameAndLeavesNothing) {
+  BuildOptions options;
+  options.memory_points = 10'000;
+  const Config outliers = simulated(relief(100, 1), {"filters=[{outliers: {neighbours: 8, sigma: 2}}]"});
+  EXPECT_NE(refused(outliers, options, folder_ / "scene").wrong().find("'outliers'"), std::string::npos);
+  Config plain = outliers;
+  plain.filters.clear();
+  options.memory_points = 20;  // fewer than the halo of a node
+  EXPECT_NE(refused(plain, options, folder_ / "scene").wrong().find("a single node"), std::string::npos);
+  options = {};
+  options.memory_bytes = 1'000'000;
+  EXPECT_NE(refused(plain, options, folder_ / "scene").wrong().find("MB"), std::string::npos);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "only the scan is left";
+}
+
+TEST_F(OutOfCore, ACrossCheckOfMorePointsThanFitIsRefused) {
+  // About 400 000 points: 19 MB of sample beside 70 MB for the program.
+  Config config = simulated(relief(600, 1), {"check={samples: all}"});
+  BuildOptions options;
+  options.memory_bytes = 80'000'000;
+  EXPECT_NE(refused(config, options, folder_ / "scene").wrong().find("cross-check"), std::string::npos);
+  config.check->samples = 5000;
+  build_scene_folder(config, options, folder_ / "scene", progress_);
+  EXPECT_TRUE(spilled(folder_ / "scene"));
+}
+
+TEST_F(OutOfCore, CancellingInAnyStageKeepsTheOldSceneAndLeavesNothingElse) {
+  const Config config = simulated(relief(100, 1), kAllLayers);
+  build(config, "scene", 10'000);
+  const std::string before = read_file(folder_ / "scene" / "scene.yaml", kLargest);
+  for (const char* stage : {"spill", "project", "cross-check"}) {
+    for (const int updates : {1, 3}) {
+      Progress* cancelled = nullptr;
+      int seen = 0;
+      bool here = false;
+      Progress progress([&](const ProgressUpdate& update) {
+        if (update.kind == ProgressUpdate::Kind::stage) here = update.text == stage;
+        if (here && ++seen == updates) cancelled->cancel();
+      });
+      cancelled = &progress;
+      BuildOptions options;
+      options.memory_points = 10'000;
+      EXPECT_THROW(build_scene_folder(config, options, folder_ / "scene", progress), Cancelled) << stage;
+    }
+  }
+  EXPECT_EQ(read_file(folder_ / "scene" / "scene.yaml", kLargest), before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
+}
+
+#if !defined(_WIN32)
+TEST_F(OutOfCore, AFullDiskIsAnErrorThatKeepsTheOldScene) {
+  const Config config = simulated(relief(150, 1));
+  build(config, "scene", 20'000);
+  // A limit on the size of files stands for the full disk: what is spilled has some 600 kB.
+  struct rlimit old {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
+  auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
+  struct rlimit little = old;
+  little.rlim_cur = 300'000;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+  BuildOptions options;
+  options.memory_points = 20'000;
+  const Error error = refused(config, options, folder_ / "scene");
+  ::setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(error.kind(), ErrorKind::failure);
+  EXPECT_NE(error.expected().find("room on the disk"), std::string::npos) << error.what();
+  EXPECT_TRUE(fs::exists(folder_ / "scene" / "scene.yaml"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
+}
+#endif
+
+}  // namespace
+}  // namespace sparsha::pipeline

@@ -1,0 +1,356 @@
+// report.json by its contract, the pictures pixel by pixel, report.html by the rules of accessibility.
+#include "pipeline/report/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "pipeline/report/base64.h"
+#include "pipeline/report/colour.h"
+#include "pipeline/report/images.h"
+#include "pipeline/report/style.h"
+#include "pipeline/report/svg.h"
+#include "tests/support/checked_cloud.h"
+#include "tests/support/test_folder.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using nlohmann::json;
+using testing::grid_of;
+using testing::lattice_of;
+
+ScenePointer example_scene(const std::string& file = "../scans/altar <left> & \"right\".ply") {
+  Layers base;
+  base.grid = grid_of(lattice_of(120, 90, 0.001, {1, 2, 3}),
+                      [](double x, double y) { return 0.01 * std::sin(60 * x) * std::cos(50 * y); });
+  for (int j = 10; j < 20; ++j)
+    for (int i = 10; i < 30; ++i) {
+      base.grid.height_m[base.grid.lattice.index(i, j)] = kUnknownHeight;
+      base.grid.state[base.grid.lattice.index(i, j)] = NodeState::unknown;
+    }
+  base.grid.state[base.grid.lattice.index(60, 60)] = NodeState::filled;
+  base.envelope_m = base.grid.height_m;
+  for (std::size_t n = 0; n < base.envelope_m.size(); n += 3) base.envelope_m[n] += 0.0001F;
+  base.curvature_per_m.assign(base.grid.lattice.count(), 4.0F);
+  SceneDescription scene;
+  scene.config.texture = TextureConfig{};
+  scene.config.friction = FrictionConfig{};
+  scene.config.check = CheckConfig{};
+  scene.levels = {base.grid.lattice};
+  scene.sources = {{file, std::string(64, 'a'), 12345}};
+  scene.config.scans.push_back({file, {}, Eigen::Matrix4d::Identity()});
+  scene.noise_m = 0.0002;
+  scene.height_min_m = 2.99;
+  scene.height_max_m = 3.01;
+  scene.friction_c_m = 0.01;
+  scene.has_envelope = scene.has_curvature = true;
+  std::vector<Layers> levels;
+  levels.push_back(std::move(base));
+  return make_scene(std::move(scene), std::move(levels));
+}
+
+Report example_report() {
+  Report report;
+  report.points = {12345, 12000, 100, 45, 150, 30, 20};
+  report.coverage = 0.98;
+  report.filled_fraction = 0.0001;
+  CheckResult check;
+  check.cloud_to_surface = {5000, 1e-4, 1.3e-4, 8e-5, 4e-5, 2.5e-4, 4e-4, 9e-3, 1e-6, 2e-6};
+  check.surface_to_cloud = {5000, 4e-4, 5e-4, 4e-4, 1e-4, 8e-4, 1e-3, 2e-3, 2e-6, 2e-6};
+  check.completeness = 0.97;
+  check.tolerance_m = 0.001;
+  check.node_error_m.assign(120 * 90, kUnknownHeight);
+  for (std::size_t n = 0; n < check.node_error_m.size(); n += 7) check.node_error_m[n] = 1e-4F;
+  check.cloud_histogram.assign(64, 70);
+  check.histogram_bin_m = 1e-5;
+  check.surface_histogram.assign(64, 75);
+  check.surface_histogram_bin_m = 2e-5;
+  check.second_method_samples = 200;
+  report.check = check;
+  report.stages = {{"read", 0.1}, {"project", 0.2}};
+  report.total_seconds = 0.35;
+  report.peak_rss_bytes = 200000000;
+  report.warnings = {"the size is <implausible> & odd"};
+  return report;
+}
+
+TEST(ReportJson, HasEveryKeyOfTheContract) {
+  const json report = json::parse(report_json(*example_scene(), example_report()));
+  for (const char* pointer : {"/points/read",    "/points/used",     "/points/occluded",
+                              "/points/outlier", "/points/outside",  "/points/filtered",
+                              "/points/invalid", "/grid/nx",         "/grid/ny",
+                              "/grid/spacing_m", "/size_m/0",        "/size_m/1",
+                              "/size_m/2",       "/coverage",        "/filled_fraction",
+                              "/noise_m",        "/stages/0/name",   "/stages/0/seconds",
+                              "/total_seconds",  "/peak_rss_bytes",  "/check/completeness",
+                              "/inputs/0/file",  "/inputs/0/sha256", "/inputs/0/points",
+                              "/warnings/0",     "/version"})
+    EXPECT_TRUE(report.contains(json::json_pointer(pointer))) << pointer;
+  for (const char* direction : {"cloud_to_surface", "surface_to_cloud"})
+    for (const char* key : {"samples", "mean_m", "rms_m", "median_m", "mad_m", "p95_m", "p99_m", "max_m"})
+      EXPECT_TRUE(report["check"][direction][key].is_number()) << direction << ' ' << key;
+}
+
+TEST(ReportJson, ReadIsTheSumOfTheOthers) {
+  const json points = json::parse(report_json(*example_scene(), example_report()))["points"];
+  std::uint64_t sum = 0;
+  for (const auto& [key, value] : points.items()) sum += key == "read" ? 0 : value.get<std::uint64_t>();
+  EXPECT_EQ(points["read"], sum);
+}
+
+TEST(ReportJson, SaysNullWhereThereAreNoFigures) {
+  Report report = example_report();
+  report.check.reset();
+  json parsed = json::parse(report_json(*example_scene(), report));
+  EXPECT_TRUE(parsed["check"]["cloud_to_surface"].is_null());
+  EXPECT_TRUE(parsed["check"]["surface_to_cloud"].is_null());
+  EXPECT_TRUE(parsed["check"]["completeness"].is_null());
+  report.check.emplace();
+  report.coverage = std::numeric_limits<double>::quiet_NaN();
+  parsed = json::parse(report_json(*example_scene(), report));
+  EXPECT_TRUE(parsed["check"]["cloud_to_surface"].is_null());
+  EXPECT_TRUE(parsed["coverage"].is_null());
+}
+
+TEST(ReportJson, SurvivesNamesThatAreNoUtf8) {
+  const json report = json::parse(report_json(*example_scene("caf\xE9.ply"), example_report()));
+  EXPECT_THAT(report["inputs"][0]["file"].get<std::string>(), ::testing::StartsWith("caf"));
+}
+
+TEST(ReportPage, EncodesBase64AsTheStandardsVectors) {
+  const auto base64 = [](const std::string& bytes) {
+    std::string text;
+    append_base64(text, bytes);
+    return text;
+  };
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+}
+
+TEST(ReportPictures, ShowTheTopRowFirstAndMarkUnknownNodes) {
+  const ScenePointer scene = example_scene();
+  ThreadPool pool(2);
+  const std::vector<Picture> pictures =
+      make_pictures(scene->read_level(0), scene->description(), example_report(), pool);
+  std::vector<std::string> names;
+  for (const Picture& picture : pictures) names.push_back(picture.name);
+  EXPECT_THAT(names, ::testing::ElementsAre("relief", "height", "texture", "friction", "coverage", "error"));
+  for (const Picture& picture : pictures) {
+    ASSERT_EQ(picture.width, 120);
+    ASSERT_EQ(picture.height, 90);
+    EXPECT_FALSE(picture.alternative.empty());
+    // Nodes (10..29, 10..19) are unknown: pixel rows 70 to 79.
+    for (int row = 0; row < 90; ++row)
+      for (int column = 0; column < 120; ++column) {
+        const std::uint8_t value = picture.pixels[static_cast<std::size_t>(row * 120 + column)];
+        const bool unknown = column >= 10 && column < 30 && row >= 70 && row < 80;
+        ASSERT_EQ(value == 0 || value == 255, unknown) << picture.name << ' ' << column << ' ' << row;
+      }
+  }
+}
+
+TEST(ReportPictures, StayBelow1024PixelsASide) {
+  Layers base;
+  base.grid = grid_of(lattice_of(3001, 50, 0.001), [](double x, double) { return x; });
+  SceneDescription scene;
+  scene.levels = {base.grid.lattice};
+  ThreadPool pool(1);
+  const std::vector<Picture> pictures = make_pictures(base, scene, Report{}, pool);
+  EXPECT_EQ(pictures[0].width, 1001);
+  EXPECT_EQ(pictures[0].height, 17);
+}
+
+/// Relative luminance, WCAG 2.1.
+double luminance(const Rgb& c) {
+  const auto channel = [](std::uint8_t v) {
+    const double s = v / 255.0;
+    return s <= 0.03928 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  };
+  return 0.2126 * channel(c.r) + 0.7152 * channel(c.g) + 0.0722 * channel(c.b);
+}
+
+double contrast(const Rgb& a, const Rgb& b) {
+  const auto [low, high] = std::minmax({luminance(a), luminance(b)});
+  return (high + 0.05) / (low + 0.05);
+}
+
+Rgb parse_colour(const std::string& hex) {
+  const auto part = [&](std::size_t k) {
+    return static_cast<std::uint8_t>(std::stoi(hex.substr(1 + 2 * k, 2), nullptr, 16));
+  };
+  return {part(0), part(1), part(2)};
+}
+
+TEST(ReportColours, GrowSteadilyInLightness) {
+  for (const ColourMap map : {ColourMap::relief, ColourMap::height, ColourMap::friction, ColourMap::error}) {
+    const bool rising = luminance(colour_at(map, 1)) > luminance(colour_at(map, 0));
+    for (int k = 1; k <= 64; ++k) {
+      const double before = luminance(colour_at(map, (k - 1) / 64.0)), here = luminance(colour_at(map, k / 64.0));
+      EXPECT_EQ(here > before, rising) << static_cast<int>(map) << ' ' << k;
+    }
+    EXPECT_GT(contrast(colour_at(map, 0), colour_at(map, 1)), 7);
+  }
+  // The diverging map is lightest in the middle.
+  for (int k = 1; k <= 32; ++k) {
+    EXPECT_GT(luminance(colour_at(ColourMap::texture, k / 64.0)),
+              luminance(colour_at(ColourMap::texture, (k - 1) / 64.0)));
+    EXPECT_GT(luminance(colour_at(ColourMap::texture, 1 - k / 64.0)),
+              luminance(colour_at(ColourMap::texture, 1 - (k - 1) / 64.0)));
+  }
+}
+
+/// What a dichromat sees (Vienot, Brettel & Mollon 1999), linear RGB.
+std::array<double, 3> dichromat(const Rgb& c, bool deutan) {
+  const auto channel = [](std::uint8_t v) {
+    const double s = v / 255.0;
+    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  };
+  const double r = channel(c.r), g = channel(c.g), b = channel(c.b);
+  if (deutan) return {0.29275 * r + 0.70725 * g, 0.29275 * r + 0.70725 * g, -0.02234 * r + 0.02234 * g + b};
+  return {0.11238 * r + 0.88762 * g, 0.11238 * r + 0.88762 * g, 0.00401 * r - 0.00401 * g + b};
+}
+
+TEST(ReportColours, StayApartForDichromats) {
+  for (const bool deutan : {false, true}) {
+    for (const ColourMap map : {ColourMap::height, ColourMap::texture, ColourMap::friction, ColourMap::error})
+      for (int a = 0; a <= 8; ++a)
+        for (int b = a + 1; b <= 8; ++b) {
+          const auto x = dichromat(colour_at(map, a / 8.0), deutan), y = dichromat(colour_at(map, b / 8.0), deutan);
+          double apart = 0;
+          for (std::size_t k = 0; k < 3; ++k) apart = std::max(apart, std::abs(std::cbrt(x[k]) - std::cbrt(y[k])));
+          EXPECT_GT(apart, 0.03) << "map " << static_cast<int>(map) << " colours " << a << ' ' << b;
+        }
+  }
+  EXPECT_GT(contrast(kMeasuredColour, kFilledColour), 3);
+  EXPECT_GT(contrast(kMeasuredColour, kHatchDark), 3);
+}
+
+class ReportFolder : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ThreadPool pool(2);
+    write_report(*example_scene(), example_report(), folder_, pool);
+    std::ifstream file(folder_ / "report.html");
+    std::stringstream text;
+    text << file.rdbuf();
+    html_ = text.str();
+  }
+
+  /// All matches of the expression's first group (or the whole when it has none).
+  [[nodiscard]] std::vector<std::string> all(const std::string& expression) const {
+    // Base-64 bodies are long; std::regex would recurse through them.
+    std::string text;
+    for (std::size_t begin = 0; begin < html_.size();) {
+      const std::size_t at = html_.find(";base64,", begin);
+      text += html_.substr(begin, at == std::string::npos ? std::string::npos : at - begin);
+      if (at == std::string::npos) break;
+      begin = html_.find_first_of("'\"", at);
+    }
+    const std::regex regex(expression);
+    std::vector<std::string> found;
+    for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it)
+      found.push_back((*it)[it->size() > 1 ? 1 : 0].str());
+    return found;
+  }
+
+  const test::TestFolder folder_;
+  std::string html_;
+};
+
+TEST_F(ReportFolder, HoldsTheReportsAndThePreviews) {
+  for (const char* name : {"report.json", "report.html", "relief.png", "height.png", "texture.png", "friction.png",
+                           "coverage.png", "error.png"})
+    EXPECT_GT(std::filesystem::file_size(folder_ / name), 100U) << name;
+}
+
+TEST_F(ReportFolder, PageNeedsNothingButItself) {
+  EXPECT_THAT(html_, ::testing::Not(::testing::HasSubstr("http")));
+  EXPECT_THAT(html_, ::testing::Not(::testing::HasSubstr("<script")));
+  EXPECT_THAT(html_, ::testing::Not(::testing::HasSubstr("<link")));
+  EXPECT_THAT(html_, ::testing::Not(::testing::HasSubstr("@import")));
+  for (const std::string& source : all("src='([^']*)'")) EXPECT_EQ(source, "data:image/png");
+  for (const std::string& target : all("href='([^']*)'")) EXPECT_EQ(target[0], '#') << target;
+}
+
+TEST_F(ReportFolder, PageIsStructuredForAssistiveTechnology) {
+  EXPECT_THAT(html_, ::testing::StartsWith("<!DOCTYPE html>\n<html lang='en'>"));
+  EXPECT_EQ(all("<title>[^<]+</title>").size(), 1U);
+  EXPECT_EQ(all("<h1>").size(), 1U);
+  EXPECT_EQ(all("<main ").size(), 1U);
+  EXPECT_GE(all("<nav aria-label='[^']+'>").size(), 1U);
+  EXPECT_EQ(all("<img ").size(), 6U);
+  EXPECT_EQ(all("<img [^>]*alt='[^']{10,}'").size(), 6U);
+  EXPECT_EQ(all("<svg ").size(), all("<svg [^>]*role='img' aria-label='[^']{10,}'").size());
+  EXPECT_EQ(all("<table>").size(), all("<table><caption>[^<]+</caption>").size());
+  EXPECT_EQ(all("<th[ >]").size(), all("<th [^>]*scope='(col|row)'").size());
+  // Headings do not skip a level.
+  int level = 1;
+  for (const std::string& heading : all("<h([1-6])[ >]")) {
+    EXPECT_LE(std::stoi(heading), level + 1);
+    level = std::stoi(heading);
+  }
+  // Every jump has its target, and no id stands twice.
+  const std::vector<std::string> ids = all(" id='([^']+)'");
+  const std::set<std::string> unique(ids.begin(), ids.end());
+  EXPECT_EQ(ids.size(), unique.size());
+  for (const std::string& target : all("href='#([^']+)'")) EXPECT_TRUE(unique.count(target)) << target;
+  for (const std::string& target : all("aria-labelledby='([^']+)'")) EXPECT_TRUE(unique.count(target)) << target;
+  // What scrolls can be reached with the keyboard.
+  EXPECT_EQ(all("<pre").size(), all("<pre tabindex='0'").size());
+  EXPECT_EQ(all("class='scroll'").size(), all("class='scroll' tabindex='0' role='region' aria-label='[^']+'").size());
+}
+
+TEST_F(ReportFolder, PageEscapesWhatFilesAndWarningsSay) {
+  EXPECT_THAT(html_, ::testing::HasSubstr("altar &lt;left&gt; &amp; &quot;right&quot;"));
+  EXPECT_THAT(html_, ::testing::HasSubstr("the size is &lt;implausible&gt; &amp; odd"));
+  EXPECT_THAT(html_, ::testing::Not(::testing::HasSubstr("<left>")));
+}
+
+TEST_F(ReportFolder, PageHasBalancedTags) {
+  std::vector<std::string> open;
+  const std::set<std::string> empty = {"meta", "img", "br", "hr", "stop", "rect", "line"};
+  for (const std::string& tag : all("<(/?[a-zA-Z][a-zA-Z0-9]*)[^>]*>")) {
+    if (tag[0] == '/') {
+      ASSERT_FALSE(open.empty()) << tag;
+      EXPECT_EQ("/" + open.back(), tag);
+      open.pop_back();
+    } else if (!empty.count(tag)) {
+      open.push_back(tag);
+    }
+  }
+  EXPECT_THAT(open, ::testing::IsEmpty());
+}
+
+TEST_F(ReportFolder, PagesPaletteHasTheContrastOfWcagAa) {
+  const std::string style = kReportStyle;
+  const auto colour = [&](const std::string& name) {
+    const std::size_t at = style.find("--" + name + ":#");
+    EXPECT_NE(at, std::string::npos) << name;
+    return parse_colour(style.substr(at + name.size() + 3, 7));
+  };
+  for (const char* ground : {"paper", "card"})
+    for (const char* text : {"ink", "soft", "accent"})
+      EXPECT_GE(contrast(colour(text), colour(ground)), 4.5) << text << " on " << ground;
+  EXPECT_GE(contrast(colour("warnink"), colour("warn")), 4.5);
+  EXPECT_GE(contrast(colour("bar"), colour("paper")), 3);  // graphics
+}
+
+TEST(ReportText, RoundsBarsAndEscapesNames) {
+  EXPECT_EQ(nice_length(0.3), 0.2);
+  EXPECT_EQ(nice_length(5), 5);
+  EXPECT_EQ(escape_html("a\xFF<b>"), "a\uFFFD&lt;b&gt;");
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

@@ -1,0 +1,295 @@
+// E57: an own little writer makes files of every packing; what it packed must come back.
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include <gmock/gmock.h>
+
+#include "pipeline/scan/formats/e57/pages.h"
+#include "tests/support/scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using testing::error_of_bytes;
+using testing::expect_refused;
+using ::testing::HasSubstr;
+using testing::put;
+using testing::ScanFolder;
+
+/// CRC-32C bit by bit.
+std::uint32_t slow_crc32c(std::string_view bytes) {
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1U) != 0 ? crc >> 1 ^ 0x82F63B78U : crc >> 1;
+  }
+  return ~crc;
+}
+
+/// Bits of one field, least significant first.
+class Bits {
+ public:
+  void add(std::uint64_t value, int count) {
+    for (int i = 0; i < count; ++i) {
+      if (filled_ % 8 == 0) bytes_ += '\0';
+      if ((value >> i & 1) != 0) bytes_.back() = static_cast<char>(bytes_.back() | (1 << (filled_ % 8)));
+      ++filled_;
+    }
+  }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  std::size_t filled_ = 0;
+};
+
+struct E57File {
+  std::string prototype;
+  std::string before_points;  ///< XML beside the points: pose, limits
+  std::vector<std::string> streams;
+  std::uint64_t records = 0;
+  std::size_t per_packet = 1000;  ///< bytes of each stream in a packet
+
+  [[nodiscard]] std::string bytes() const {
+    std::string logical(48, '\0');
+    std::string packets;
+    std::size_t longest = 0;
+    for (const std::string& s : streams) longest = std::max(longest, s.size());
+    for (std::size_t at = 0; at < longest; at += per_packet) {
+      std::string body;
+      std::string lengths;
+      for (const std::string& s : streams) {
+        const std::string piece = at < s.size() ? s.substr(at, per_packet) : "";
+        put(lengths, static_cast<std::uint16_t>(piece.size()));
+        body += piece;
+      }
+      std::string packet = std::string("\x01\x00", 2);
+      std::size_t size = 6 + lengths.size() + body.size();
+      const std::size_t padding = (4 - size % 4) % 4;
+      size += padding;
+      put(packet, static_cast<std::uint16_t>(size - 1));
+      put(packet, static_cast<std::uint16_t>(streams.size()));
+      packets += packet + lengths + body + std::string(padding, '\0');
+    }
+    put(logical, std::uint64_t{1});  // section of a compressed vector
+    put(logical, static_cast<std::uint64_t>(32 + packets.size()));
+    put(logical, std::uint64_t{80});  // the packets follow at once
+    put(logical, std::uint64_t{0});
+    logical += packets;
+    const std::string xml =
+        "<?xml version=\"1.0\"?><e57Root type=\"Structure\"><data3D type=\"Vector\"><vectorChild "
+        "type=\"Structure\">" +
+        before_points + "<points type=\"CompressedVector\" fileOffset=\"48\" recordCount=\"" + std::to_string(records) +
+        "\"><prototype type=\"Structure\">" + prototype +
+        "</prototype><codecs type=\"Vector\"/></points></vectorChild></data3D></e57Root>";
+    const std::size_t xml_at = logical.size();
+    logical += xml;
+    logical.resize((logical.size() + 1019) / 1020 * 1020, ' ');
+    std::string head = "ASTM-E57";
+    put(head, std::uint32_t{1});
+    put(head, std::uint32_t{0});
+    put(head, static_cast<std::uint64_t>(logical.size() / 1020 * 1024));
+    put(head, static_cast<std::uint64_t>(xml_at / 1020 * 1024 + xml_at % 1020));
+    put(head, static_cast<std::uint64_t>(xml.size()));
+    put(head, std::uint64_t{1024});
+    logical.replace(0, 48, head);
+    return with_checksums(logical);
+  }
+
+  static std::string with_checksums(const std::string& logical) {
+    std::string physical;
+    for (std::size_t at = 0; at < logical.size(); at += 1020) {
+      const std::string page = logical.substr(at, 1020);
+      physical += page;
+      put(physical, slow_crc32c(page), true);
+    }
+    return physical;
+  }
+};
+
+std::string reals(const std::vector<double>& values, bool single) {
+  std::string bytes;
+  for (const double v : values) single ? put(bytes, static_cast<float>(v)) : put(bytes, v);
+  return bytes;
+}
+
+TEST(Crc32c, MatchesTheBitwiseDefinitionAndItsCheckValue) {
+  EXPECT_EQ(e57::crc32c("123456789"), 0xE3069283U);
+  std::mt19937 random(1);
+  std::string bytes;
+  for (int n = 0; n < 100; ++n) {
+    EXPECT_EQ(e57::crc32c(bytes), slow_crc32c(bytes));
+    bytes += static_cast<char>(random());
+  }
+}
+
+TEST(E57Reader, ReadsSinglesDoublesAndPosesAcrossPacketsAndPages) {
+  const ScanFolder folder;
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> z;
+  for (int i = 0; i < 700; ++i) {
+    x.push_back(0.25 * i);
+    y.push_back(i / 3.0);
+    z.push_back(-i);
+  }
+  E57File file;
+  file.records = x.size();
+  file.streams = {reals(x, true), reals(y, false), reals(z, true)};
+  file.prototype =
+      "<cartesianX type=\"Float\" precision=\"single\"/><cartesianY type=\"Float\"/>"
+      "<cartesianZ type=\"Float\" precision=\"single\"/>";
+  file.before_points =
+      "<pose type=\"Structure\"><rotation type=\"Structure\"><w type=\"Float\">1</w><x type=\"Float\"/>"
+      "<y type=\"Float\"/><z type=\"Float\">1</z></rotation><translation type=\"Structure\">"
+      "<x type=\"Float\">10</x><y type=\"Float\">20</y><z type=\"Float\">3e1</z></translation></pose>";
+  for (const std::size_t per_packet : {1U, 7U, 1000U}) {  // values are cut by the ends of packets
+    file.per_packet = per_packet;
+    const RawScan scan = folder.read("a.e57", file.bytes());
+    EXPECT_EQ(scan.unit, LengthUnit::m);
+    ASSERT_EQ(scan.points.size(), x.size());
+    ASSERT_EQ(scan.stations.size(), 1U);
+    EXPECT_EQ(scan.stations[0].place, Eigen::Vector3d(10, 20, 30)) << "the scanner is its own origin";
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      // A quarter turn about z: (x, y) becomes (-y, x); the quaternion need not be of unit length.
+      EXPECT_LT((scan.points[i] - Eigen::Vector3d(10 - y[i], 20 + x[i], 30 + z[i])).norm(), 1e-12 * (700 + x[i]));
+    }
+  }
+}
+
+TEST(E57Reader, UnpacksIntegersOfEveryWidth) {
+  const ScanFolder folder;
+  std::mt19937_64 random(5);
+  for (int bits = 0; bits <= 64; ++bits) {
+    const std::uint64_t range = bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+    const std::int64_t minimum =
+        bits == 64 ? std::numeric_limits<std::int64_t>::min() : -static_cast<std::int64_t>(range / 3);
+    const auto maximum = static_cast<std::int64_t>(static_cast<std::uint64_t>(minimum) + range);
+    Bits packed;
+    std::vector<double> expected;
+    std::vector<double> other;
+    for (int i = 0; i < 100; ++i) {
+      const std::uint64_t raw = bits == 0 ? 0 : random() & range;
+      packed.add(raw, bits);
+      const auto value = static_cast<std::int64_t>(static_cast<std::uint64_t>(minimum) + raw);
+      expected.push_back(static_cast<double>(value) * 0.001 + 5.0);
+      other.push_back(i);
+    }
+    E57File file;
+    file.records = 100;
+    file.streams = {packed.bytes(), reals(other, false), reals(other, false)};
+    file.per_packet = 37;
+    file.prototype = "<cartesianX type=\"ScaledInteger\" minimum=\"" + std::to_string(minimum) + "\" maximum=\"" +
+                     std::to_string(maximum) +
+                     "\" scale=\"0.001\" offset=\"5\"/><cartesianY type=\"Float\"/><cartesianZ type=\"Float\"/>";
+    const RawScan scan = folder.read("i.e57", file.bytes());
+    ASSERT_EQ(scan.points.size(), 100U) << bits;
+    for (std::size_t i = 0; i < 100; ++i) ASSERT_EQ(scan.points[i].x(), expected[i]) << bits << " bits";
+  }
+}
+
+TEST(E57Reader, TurnsSphericalCoordinatesAndDropsInvalidOnes) {
+  const ScanFolder folder;
+  Bits state;
+  for (const int s : {0, 1, 2}) state.add(static_cast<std::uint64_t>(s), 2);
+  E57File file;
+  file.records = 3;
+  file.streams = {reals({2, 2, 2}, false), reals({M_PI / 2, 0, 0}, false), reals({M_PI / 6, 0, 0}, false),
+                  state.bytes()};
+  file.prototype =
+      "<sphericalRange type=\"Float\"/><sphericalAzimuth type=\"Float\"/><sphericalElevation type=\"Float\"/>"
+      "<sphericalInvalidState type=\"Integer\" minimum=\"0\" maximum=\"2\"/>";
+  const RawScan scan = folder.read("s.e57", file.bytes());
+  EXPECT_EQ(scan.records, 3U);
+  EXPECT_EQ(scan.invalid, 2U);
+  ASSERT_EQ(scan.points.size(), 1U);
+  EXPECT_LT((scan.points[0] - Eigen::Vector3d(0, std::sqrt(3.0), 1)).norm(), 1e-15 * 4);
+}
+
+TEST(E57Reader, ScalesColoursByTheirLimits) {
+  const ScanFolder folder;
+  E57File file;
+  file.records = 1;
+  Bits colour;
+  colour.add(1023, 10);
+  Bits half;
+  half.add(512, 10);
+  file.streams = {reals({0}, false), reals({0}, false), reals({0}, false), colour.bytes(),
+                  half.bytes(),      half.bytes(),      reals({0.5}, true)};
+  const std::string ten_bits = " type=\"Integer\" minimum=\"0\" maximum=\"1023\"/>";
+  file.prototype = "<cartesianX type=\"Float\"/><cartesianY type=\"Float\"/><cartesianZ type=\"Float\"/><colorRed" +
+                   ten_bits + "<colorGreen" + ten_bits + "<colorBlue" + ten_bits +
+                   "<intensity type=\"Float\" precision=\"single\"/>";
+  const RawScan scan = folder.read("c.e57", file.bytes());
+  EXPECT_EQ(scan.rgba, std::vector<std::uint32_t>{0xFF8080FFU});
+  EXPECT_EQ(scan.intensity, std::vector<float>{0.5F});
+}
+
+TEST(E57Reader, RefusesLiesAndDamage) {
+  const ScanFolder folder;
+  E57File file;
+  file.records = 2;
+  file.streams = {reals({1, 2}, false), reals({1, 2}, false), reals({1, 2}, false)};
+  file.prototype = "<cartesianX type=\"Float\"/><cartesianY type=\"Float\"/><cartesianZ type=\"Float\"/>";
+  ASSERT_FALSE(error_of_bytes("good.e57", file.bytes()));
+  const auto refuse = [](const std::string& bytes, const char* message) { expect_refused("lie.e57", bytes, message); };
+  const std::string good = file.bytes();
+  for (std::size_t at = 48; at < good.size(); at += 101) {
+    std::string bytes = good;
+    bytes[at] = static_cast<char>(bytes[at] ^ 4);
+    refuse(bytes, "checksum of page");
+  }
+  for (std::size_t n = 0; n < good.size(); n += 13) {
+    EXPECT_TRUE(error_of_bytes("cut.e57", std::string_view(good).substr(0, n))) << n;
+  }
+  E57File lie = file;
+  lie.records = 4000000000U;
+  refuse(lie.bytes(), "4000000000 points cannot be");
+  lie.records = 3;
+  refuse(lie.bytes(), "end after 2 of 3 points");
+  lie = file;
+  lie.prototype = "<cartesianX type=\"Float\"/><cartesianY type=\"Float\"/>";
+  refuse(lie.bytes(), "neither Cartesian nor spherical");
+  lie.prototype = file.prototype + "<intensity type=\"Float\"/>";
+  refuse(lie.bytes(), "packet of 3 streams");
+  lie.prototype = "<cartesianX type=\"Integer\" minimum=\"5\" maximum=\"4\"/>" + file.prototype;
+  refuse(lie.bytes(), "maximum below its minimum");
+  lie.prototype = "<cartesianX type=\"Float\">";
+  refuse(lie.bytes(), "XML section is damaged");
+  // Constant coordinates take no bits; then nothing bounds the number of records but us.
+  lie.prototype =
+      "<cartesianX type=\"Integer\" minimum=\"5\" maximum=\"5\"/><cartesianY type=\"Integer\" minimum=\"5\" "
+      "maximum=\"5\"/><cartesianZ type=\"Integer\" minimum=\"5\" maximum=\"5\"/>";
+  lie.records = 4000000000U;
+  refuse(lie.bytes(), "cannot be");
+}
+
+TEST(E57Reader, RefusesNumbersOfItsXmlThatAreNoneInsteadOfTakingDefaults) {
+  const ScanFolder folder;
+  const auto with = [](const std::string& attributes, const std::string& shift) {
+    E57File file;
+    for (const char axis : {'X', 'Y', 'Z'}) {
+      file.prototype += std::string("<cartesian") + axis + " type=\"ScaledInteger\" maximum=\"7\" " + attributes + "/>";
+      file.streams.emplace_back(1, '\x0A');
+    }
+    file.before_points = "<pose><translation><x> " + shift + "\n</x></translation></pose>";
+    file.records = 2;
+    return file.bytes();
+  };
+  const auto refuse = [](const std::string& bytes, const char* message) {
+    expect_refused("number.e57", bytes, message);
+  };
+  EXPECT_EQ(folder.read("good.e57", with("minimum=\"0\" scale=\"0.5\"", "100")).points.at(0),
+            Eigen::Vector3d(101, 1, 1));
+  EXPECT_EQ(folder.read("whole.e57", with("minimum=\"0.0\"", "")).points.at(0), Eigen::Vector3d(2, 2, 2));
+  refuse(with("minimum=\"0\" scale=\"abc\"", "0"), "'abc' as 'scale'");
+  refuse(with("minimum=\"0\" scale=\"0\"", "0"), "scale of zero");
+  refuse(with("minimum=\"0.5\"", "0"), "'0.5' as 'minimum'");
+  refuse(with("minimum=\"zero\"", "0"), "'zero' as 'minimum'");
+  refuse(with("minimum=\"0\"", "1,5"), "'1,5' as 'x'");
+  refuse(with("minimum=\"0\"", "nan"), "'nan' as 'x'");
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

@@ -1,0 +1,86 @@
+// OBJ: vertices with and without colours, faces of every spelling.
+#include <gmock/gmock.h>
+
+#include "tests/support/scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::expect_refused;
+using ::testing::HasSubstr;
+using testing::ScanFolder;
+using Face = std::array<std::uint32_t, 3>;
+
+TEST(ObjReader, ReadsVerticesAndFacesOfEverySpelling) {
+  const ScanFolder folder;
+  const RawScan scan =
+      folder.read("a.obj",
+                  "# made by hand\nmtllib x.mtl\no thing\n  v 0 0 0\nv\t1 0 0 # corner\nvt 0 0\nvn 0 0 1\n"
+                  "v 1 1 0 1.0\nv 0 1 0\ng side\nusemtl m\ns off\nf 1 2 3\nf 1/1 3/1 4/1\nf 1//1 2//1 3//1\n"
+                  "f 1/1/1 2/1/1 3/1/1 4/1/1\nf -4 -3 -1\nl 1 2\np 1\n");
+  EXPECT_EQ(scan.format, "OBJ");
+  EXPECT_EQ(scan.records, 4U);
+  EXPECT_EQ(scan.points[2], Eigen::Vector3d(1, 1, 0));
+  EXPECT_THAT(scan.faces,
+              ElementsAre(Face{0, 1, 2}, Face{0, 2, 3}, Face{0, 1, 2}, Face{0, 1, 3}, Face{0, 1, 2}, Face{0, 2, 3}));
+  EXPECT_TRUE(scan.rgba.empty());
+  EXPECT_TRUE(scan.warnings.empty());
+}
+
+TEST(ObjReader, ReadsCrlfBlankLinesContinuationsAndNoLastLineEnd) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("a.obj", "\r\nv 0 0 \\\r\n 0\r\n\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 \\\r\n2 \\\r\n3");
+  EXPECT_EQ(scan.records, 3U);
+  EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}));
+}
+
+TEST(ObjReader, ReadsColoursOfFractionsAndBytes) {
+  const ScanFolder folder;
+  EXPECT_THAT(folder.read("f.obj", "v 0 0 0 1 0.5 0\nv 1 1 1 0 0 1\n").rgba, ElementsAre(0xFF0080FFU, 0xFFFF0000U));
+  EXPECT_THAT(folder.read("b.obj", "v 0 0 0 255 128 0\nv 1 1 1 0 0 1\n").rgba, ElementsAre(0xFF0080FFU, 0xFF010000U));
+  EXPECT_THAT(folder.read("a.obj", "v 0 0 0 1 0.5 0 0\n").rgba, ElementsAre(0x000080FFU));
+  const RawScan mixed = folder.read("m.obj", "v 0 0 0 1 0.5 0\nv 1 1 1\n");
+  EXPECT_THAT(mixed.rgba, ElementsAre(0xFF0080FFU, 0xFFFFFFFFU));
+  EXPECT_EQ(mixed.warnings.size(), 1U);
+}
+
+TEST(ObjReader, CountsInvalidVerticesAndKeepsTheNumbersOfTheOthers) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("n.obj", "v nan 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\nf 1 2 3\nf -1 -2 -3\n");
+  EXPECT_EQ(scan.invalid, 1U);
+  EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}, Face{2, 1, 0}));
+}
+
+TEST(ObjReader, ReadsAnExponentWithItsSignBeforeItsLetterAndSaysSo) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("e.obj", "v 1e+2 2.e+1 3.1+e2\nv 1. +.5 -3.1-e2\n");
+  EXPECT_DOUBLE_EQ(scan.points[0].z(), 310.0);
+  EXPECT_DOUBLE_EQ(scan.points[1].z(), -0.031);
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("2 numbers")));
+}
+
+TEST(ObjReader, LeavesOutFacesOnMissingVerticesAndSaysSo) {
+  const ScanFolder folder;
+  const RawScan scan =
+      folder.read("f.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 12\nf 0 1 2\nf -9 1 2\nf 1 2 3\nf 1 2 3 99999999999\n");
+  EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}));
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("4 faces")));
+}
+
+TEST(ObjReader, RefusesBrokenLinesWithTheirNumber) {
+  const ScanFolder folder;
+  const auto refuse = [](const std::string& text, int line, const char* message) {
+    expect_refused("b.obj", text, message, line);
+  };
+  refuse("v 1 2\n", 1, "a vertex with 2 numbers");
+  refuse("v 0 0 0\nv 1 x 3\n", 2, "'x 3' in a vertex");
+  refuse("v 1 2 3 4 5 6 7 8\n", 1, "in a vertex");
+  refuse("v 1 2 3\nf 1 b 3\n", 2, "'b' is no vertex");
+  refuse("v 1 2 3\nf 1 2.5 3\n", 2, "'2.5' is no vertex");
+  refuse("# nothing\nf -4 -3 -2", 0, "no vertices");
+  refuse(std::string("\xFE\xFF\0v\0 \0001", 8), 0, "UTF-16");
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

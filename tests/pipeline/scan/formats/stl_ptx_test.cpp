@@ -1,0 +1,111 @@
+// STL: distinct vertices, both encodings, headers that lie. PTX: several scans, each in its place.
+#include <gmock/gmock.h>
+
+#include "tests/support/scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::expect_refused;
+using ::testing::HasSubstr;
+using testing::put;
+using testing::ScanFolder;
+using Face = std::array<std::uint32_t, 3>;
+
+std::string binary_stl(const std::string& head, std::uint32_t claimed, const std::vector<float>& coordinates) {
+  std::string bytes = head;
+  bytes.resize(80, ' ');
+  put(bytes, claimed);
+  for (std::size_t at = 0; at < coordinates.size(); at += 9) {
+    for (int i = 0; i < 3; ++i) put(bytes, 0.0F);
+    for (std::size_t i = 0; i < 9; ++i) put(bytes, coordinates[at + i]);
+    put(bytes, std::uint16_t{0});
+  }
+  return bytes;
+}
+
+const std::vector<float> kTwoTriangles = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, -0.0F, 1, 0};
+
+TEST(StlReader, ReadsBinaryTrianglesOfDistinctVertices) {
+  const ScanFolder folder;
+  for (const std::string head : {"made by a test", "solid but binary"}) {
+    const RawScan scan = folder.read("b.stl", binary_stl(head, 2, kTwoTriangles));
+    EXPECT_EQ(scan.format, "STL binary");
+    EXPECT_EQ(scan.records, 4U);
+    EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}, Face{1, 3, 2}));
+  }
+}
+
+TEST(StlReader, ReadsAsciiWithSeveralSolidsAndCrlf) {
+  const ScanFolder folder;
+  const std::string facet =
+      "facet normal 0 0 1\r\n outer loop\r\n  vertex 0 0 0\r\n  VERTEX 1e0 0 0\r\n  vertex 0 1. 0\r\n"
+      " endloop\r\nendfacet\r\n";
+  const RawScan scan = folder.read("a.stl", "solid one\r\n" + facet + "endsolid one\r\nsolid\r\nendsolid\r\n");
+  EXPECT_EQ(scan.format, "STL ascii");
+  EXPECT_EQ(scan.records, 3U);
+  EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}));
+}
+
+TEST(StlReader, CountsInvalidVertices) {
+  const ScanFolder folder;
+  std::vector<float> coordinates = kTwoTriangles;
+  coordinates[0] = std::numeric_limits<float>::quiet_NaN();
+  const RawScan scan = folder.read("n.stl", binary_stl("", 2, coordinates));
+  EXPECT_EQ(scan.invalid, 1U);
+  EXPECT_EQ(scan.faces.size(), 1U);
+}
+
+TEST(StlReader, RefusesLies) {
+  const ScanFolder folder;
+  const auto refuse = [](const std::string& bytes, const char* message) { expect_refused("lie.stl", bytes, message); };
+  std::string huge = binary_stl("head", 4000000000U, kTwoTriangles);
+  huge[5] = '\0';
+  refuse(huge, "promises 4000000000 triangles");
+  refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n",
+         "loop of 2");
+  refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\nendloop\nendfacet\nendsolid\n", "in a vertex");
+  refuse("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "ends within a solid");
+  refuse(binary_stl("", 0, {}), "no facets");
+  refuse(binary_stl("solid x", 0, {}), "no facets");
+  refuse("solid x\nendsolid x\n", "no facets");
+  refuse("solid x\nfacet normal 0 0 1\nendfacet\nendsolid x\n", "no facets");
+  refuse("solid x\nfacet\nnonsense\nendsolid\n", "unknown STL line");
+}
+
+const std::string kUnit = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+
+TEST(PtxReader, AppliesEachScansMatrixToItsRowsOfPoints) {
+  const ScanFolder folder;
+  // A quarter turn about z, then a shift: the matrix multiplies row vectors from the right.
+  const std::string text = "2\n1\n" + kUnit + "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n0 0 0 0.5\n" + "1\n1\n" +
+                           kUnit + "0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 20 30 1\n1 0 0 0.25\n";
+  const RawScan scan = folder.read("a.ptx", text);
+  EXPECT_EQ(scan.format, "PTX text");
+  EXPECT_EQ(scan.scans, 2U);
+  EXPECT_EQ(scan.records, 3U);
+  EXPECT_EQ(scan.invalid, 1U) << "a cell without answer is 0 0 0";
+  EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 21, 30)));
+  EXPECT_THAT(scan.intensity, ElementsAre(0.5F, 0.25F));
+}
+
+TEST(PtxReader, ReadsColours) {
+  const ScanFolder folder;
+  EXPECT_THAT(folder.read("c.ptx", "1\n1\n" + kUnit + "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5 1 2 3\n").rgba,
+              ElementsAre(0xFF030201U));
+}
+
+TEST(PtxReader, RefusesLies) {
+  const ScanFolder folder;
+  const std::string matrix = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  const auto refuse = [](const std::string& text, const char* message) { expect_refused("lie.ptx", text, message); };
+  refuse("100000\n100000\n" + kUnit + matrix + "1 2 3 0.5\n", "10000000000 points cannot be");
+  refuse("2\n1\n" + kUnit + matrix + "1.000 2.000 3.000 0.5\n", "ends after 1 of 2");
+  refuse("1\n1\n" + kUnit + matrix + "1 2 3 grey\n", "no PTX point");
+  refuse("1\n1\n" + kUnit + matrix + "1 2 3 0.5\n1\n1\n0 0 0\n", "within a scan's header");
+  refuse("1\n1\n" + kUnit + "1 0 0\n", "bad line 7");
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

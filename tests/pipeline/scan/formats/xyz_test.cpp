@@ -1,0 +1,106 @@
+// Columns of numbers: every separator, header and meaning of columns.
+#include <gmock/gmock.h>
+
+#include "tests/support/scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::expect_refused;
+using ::testing::HasSubstr;
+using testing::ScanFolder;
+
+TEST(XyzReader, ReadsBlanksTabsCommasAndSemicolons) {
+  const ScanFolder folder;
+  for (const std::string text : {"1 2 3\n4 5 6\n", "1\t2\t3\r\n4\t5\t6\r\n", "1,2,3\n4,5,6", "1;2;3\n4;5;6\n",
+                                 " 1 , 2 , 3 \n\n\n4 , 5 , 6\n", "\"1\",\"2\",\"3\"\n\"4\",\"5\",\"6\"\n"}) {
+    const RawScan scan = folder.read("a.xyz", text);
+    EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6))) << text;
+    EXPECT_EQ(scan.format, "XYZ text");
+  }
+}
+
+TEST(XyzReader, ReadsDecimalCommasBetweenSemicolons) {
+  const ScanFolder folder;
+  EXPECT_THAT(folder.read("a.csv", "X;Y;Z\n1,5;2,25;-3,125\n4;5,5;6\n").points,
+              ElementsAre(Eigen::Vector3d(1.5, 2.25, -3.125), Eigen::Vector3d(4, 5.5, 6)));
+}
+
+TEST(XyzReader, UsesTheNamesOfAHeaderInAnyOrder) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("a.csv",
+                                   "\"Name\",\"Intensity\",\"Z\",\"Y [m]\",\"X(m)\",\"Blue\",\"Green\",\"Red\"\n"
+                                   "p1,0.5,3,2,1,30,20,10\np2,0.25,6,5,4,3,2,255\n");
+  EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
+  EXPECT_THAT(scan.intensity, ElementsAre(0.5F, 0.25F));
+  EXPECT_THAT(scan.rgba, ElementsAre(0xFF1E140AU, 0xFF0302FFU));
+}
+
+TEST(XyzReader, KeepsIntensityAndColoursOfCloudCompare) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("a.asc", "//X Y Z Rf Gf Bf Intensity\n2\n1 2 3 0 0.5 1 15.0\n4 5 6 1 1 1 7\n");
+  EXPECT_EQ(scan.records, 2U);
+  EXPECT_THAT(scan.rgba, ElementsAre(0xFFFF8000U, 0xFFFFFFFFU));
+  EXPECT_THAT(scan.intensity, ElementsAre(15.0F, 7.0F));
+  EXPECT_THAT(scan.fields, ElementsAre("x", "y", "z", "rf", "gf", "bf", "intensity"));
+}
+
+TEST(XyzReader, GuessesColumnsWithoutAHeader) {
+  const ScanFolder folder;
+  EXPECT_THAT(folder.read("a.xyz", "1 2 3 117 73 49\n1 2 4 0 255 7\n").rgba, ElementsAre(0xFF314975U, 0xFF07FF00U));
+  EXPECT_TRUE(folder.read("n.xyz", "1 2 3 0 0 -1\n1 2 4 0.6 0 0.8\n").rgba.empty()) << "normals are no colours";
+  const RawScan pts = folder.read("a.pts", "2\r\n1 2 3 -1200 10 20 30\r\n1 2 4 17 1 2 3\r\n");
+  EXPECT_THAT(pts.intensity, ElementsAre(-1200.0F, 17.0F));
+  EXPECT_THAT(pts.rgba, ElementsAre(0xFF1E140AU, 0xFF030201U));
+  EXPECT_THAT(folder.read("i.xyz", "1 2 3 0.5\n1 2 4 7\n").intensity, ElementsAre(0.5F, 7.0F));
+}
+
+TEST(XyzReader, ReadsSeveralCountedBlocksAsScans) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("a.pts", "2\n1 2 3\n4 5 6\n1\n7 8 9\n");
+  EXPECT_EQ(scan.records, 3U);
+  EXPECT_EQ(scan.scans, 2U);
+  EXPECT_EQ(folder.read("z.pts", "0\n").records, 0U);
+}
+
+TEST(XyzReader, TakesAMissingOrWrittenNanAsInvalid) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("a.csv", "x,y,z\n1,2,3\n1,,3\nnan,2,3\n1,2,\n");
+  EXPECT_EQ(scan.records, 4U);
+  EXPECT_EQ(scan.invalid, 3U);
+}
+
+TEST(XyzReader, SkipsCommentsByteOrderMarkAndWordsBeforeTheFirstRow) {
+  const ScanFolder folder;
+  EXPECT_EQ(folder.read("a.txt", "\xEF\xBB\xBF# scanned 2019\nStation A\n1 2 3\n# half way\n4 5 6\n").records, 2U);
+}
+
+TEST(XyzReader, TellsFormatByContentNotByEnding) {
+  const ScanFolder folder;
+  EXPECT_EQ(folder.read("a.txt", "v 1 2 3\nv 4 5 6\n").format, "OBJ");
+  EXPECT_EQ(folder
+                .read("a.obj",
+                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                      "property float z\nend_header\n1 2 3\n")
+                .format,
+            "PLY ascii");
+  EXPECT_EQ(folder.read("scan", "1 2 3\n").format, "XYZ text");
+}
+
+TEST(XyzReader, RefusesBrokenRowsWithTheirLine) {
+  const ScanFolder folder;
+  const auto refuse = [](const std::string& text, int line, const char* message) {
+    expect_refused("b.txt", text, message, line);
+  };
+  refuse("1 2 3\n4 5\n", 2, "a row of 2 values");
+  refuse("1 2 3\n4 five 6\n", 2, "'five' is not a number");
+  refuse("1 2 3\nend of scan\n", 2, "not a row of numbers");
+  refuse("3\n1 2 3\n4 5 6\n", 3, "only 2 rows follow the count 3");
+  refuse("1 2\n3 4\n", 1, "a row of 2 values");
+  refuse("nothing here\n", 1, "no rows of numbers");
+  refuse(std::string("\x01\x02\x03\0\x05", 5), 0, "binary data");
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

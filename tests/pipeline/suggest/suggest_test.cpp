@@ -1,0 +1,258 @@
+// What `sparsha new` suggests is built, passes its own cross-check and lies on the surface the points were taken from.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "pipeline/build/build.h"
+#include "pipeline/scan/reader.h"
+#include "pipeline/suggest/group.h"
+#include "pipeline/suggest/suggest.h"
+#include "tests/support/test_folder.h"
+
+namespace sparsha::pipeline {
+namespace {
+namespace fs = std::filesystem;
+
+using Points = std::vector<Eigen::Vector3d>;
+
+class Suggested : public ::testing::Test {
+ protected:
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double normal(double sigma) { return std::normal_distribution<double>(0.0, sigma)(random_); }
+  /// Uniform on a sphere, with noise across it.
+  Points shell(std::size_t count, const Eigen::Vector3d& centre, double radius, double noise = 0.0) {
+    Points points;
+    while (points.size() < count) {
+      const Eigen::Vector3d p(normal(1.0), normal(1.0), normal(1.0));
+      points.emplace_back(centre + p.normalized() * (radius + (noise > 0.0 ? normal(noise) : 0.0)));
+    }
+    return points;
+  }
+  /// A waved square of 1 m, x and y its own axes.
+  Points relief(std::size_t count, double noise) {
+    Points points;
+    while (points.size() < count) {
+      const double x = uniform(0, 1);
+      const double y = uniform(0, 1);
+      points.emplace_back(x, y, waves(x, y) + normal(noise));
+    }
+    return points;
+  }
+  static double waves(double x, double y) { return 0.03 * std::sin(9 * x) * std::cos(7 * y); }
+
+  fs::path write(const Points& points, const std::string& name = "scan.xyz") const {
+    std::ofstream file(folder_ / name);
+    file.precision(12);
+    for (const Eigen::Vector3d& p : points) file << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+    return folder_ / name;
+  }
+  /// Builds what is suggested for the file, which must give no error and no warning about the surface's fit.
+  BuildResult build(const fs::path& file) {
+    Progress progress;
+    suggestion_ = suggest_config({file}, {}, progress);
+    EXPECT_TRUE(progress.warnings().empty()) << progress.warnings().front();
+    return build_suggested();
+  }
+  BuildResult build_suggested() {
+    Progress progress;
+    BuildResult result = build_scene(suggestion_.config, {}, progress);
+    EXPECT_FALSE(warned(result, "farther than")) << suggestion_.yaml;
+    EXPECT_FALSE(warned(result, "times finer than")) << suggestion_.yaml;
+    EXPECT_LE(result.report.check->cloud_to_surface.median_m, suggestion_.config.grid.spacing_m) << suggestion_.yaml;
+    EXPECT_GT(result.report.check->cloud_to_surface.samples, 0U);
+    return result;
+  }
+  static bool warned(const BuildResult& result, const std::string& words) {
+    const std::vector<std::string>& warnings = result.report.warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [&](const std::string& w) { return w.find(words) != std::string::npos; });
+  }
+  /// Share of measured nodes whose place in the scan frame satisfies `holds`.
+  static double share(const BuildResult& result, const std::function<bool(const Eigen::Vector3d&)>& holds) {
+    const DepthGrid grid = result.scene->read_level(0).grid;
+    const Eigen::Matrix4d& to_scan = result.scene->description().scan_from_grid;
+    std::size_t all = 0;
+    std::size_t good = 0;
+    for (int j = 0; j < grid.lattice.ny; ++j) {
+      for (int i = 0; i < grid.lattice.nx; ++i) {
+        const std::size_t n = grid.lattice.index(i, j);
+        if (grid.state[n] != NodeState::measured) continue;
+        const double z = grid.lattice.origin_m.z() + static_cast<double>(grid.height_m[n]);
+        const Eigen::Vector4d p = to_scan * Eigen::Vector4d(grid.lattice.x_m(i), grid.lattice.y_m(j), z, 1.0);
+        ++all;
+        if (holds(p.head<3>())) ++good;
+      }
+    }
+    EXPECT_GT(all, 100U);
+    return static_cast<double>(good) / static_cast<double>(std::max<std::size_t>(1, all));
+  }
+  [[nodiscard]] Eigen::Vector3d towards_viewer() const {
+    return suggestion_.config.orientation.scan_to_grid.block<1, 3>(2, 0).transpose().normalized();
+  }
+
+  std::mt19937_64 random_{7};
+  const test::TestFolder folder_;
+  Suggestion suggestion_;
+};
+
+TEST_F(Suggested, AShellOfPointsIsSeenAsItsFrontHalf) {
+  const BuildResult result = build(write(shell(20000, {0, 0, 0}, 1.0)));
+  const double spacing = std::sqrt(4 * std::numbers::pi / 20000);
+  EXPECT_NEAR(suggestion_.config.grid.spacing_m, spacing, 0.2 * spacing);
+  EXPECT_GT(share(result,
+                  [&](const Eigen::Vector3d& p) {
+                    return std::abs(p.norm() - 1.0) < 0.5 * spacing && p.dot(towards_viewer()) > -spacing;
+                  }),
+            0.97);
+}
+
+TEST_F(Suggested, NoiseOfManyPointSpacingsCoarsensTheGridUntilTheCheckPasses) {
+  constexpr double kNoise = 0.02;  // points are 4.5 mm apart
+  const BuildResult result = build(write(relief(50000, kNoise)));
+  EXPECT_GT(suggestion_.config.grid.spacing_m, 0.5 * kNoise);
+  EXPECT_GT(std::abs(towards_viewer().z()), 0.99);
+  EXPECT_GT(share(result, [&](const Eigen::Vector3d& p) { return std::abs(p.z() - waves(p.x(), p.y())) < 3 * kNoise; }),
+            0.97);
+}
+
+TEST_F(Suggested, ACloudOfWhichASampleWasTriedPassesAsAWhole) {
+  constexpr std::size_t kPoints = 600'000;
+  const BuildResult result = build(write(shell(kPoints, {0, 0, 0}, 1.0, 0.0005)));
+  const double spacing = std::sqrt(4 * std::numbers::pi / kPoints);
+  EXPECT_NEAR(suggestion_.config.grid.spacing_m, spacing, 0.2 * spacing);
+  EXPECT_NE(suggestion_.yaml.find("% of the points"), std::string::npos);
+  EXPECT_GT(share(result, [&](const Eigen::Vector3d& p) { return std::abs(p.norm() - 1.0) < spacing; }), 0.97);
+}
+
+TEST_F(Suggested, ARoomScannedFromInsideKeepsToItsWalls) {
+  const Eigen::Vector3d half(3.0, 2.0, 1.5);
+  constexpr double kNoise = 0.002;
+  Points points;
+  while (points.size() < 60000) {
+    const Eigen::Vector3d beam = Eigen::Vector3d(normal(1.0), normal(1.0), normal(1.0)).normalized();
+    const double range = (half.array() / beam.array().abs().max(1e-9)).minCoeff();
+    points.emplace_back(beam * (range + normal(kNoise)));
+  }
+  const BuildResult result = build(write(points));
+  const double spacing = suggestion_.config.grid.spacing_m;
+  EXPECT_GT(share(result,
+                  [&](const Eigen::Vector3d& p) {
+                    return ((p.cwiseAbs() - half).array().abs() < spacing + 3 * kNoise).any();
+                  }),
+            0.95);
+}
+
+TEST_F(Suggested, GroundInSurveyCoordinatesIsSeenFromAbove) {
+  Points points;
+  for (int n = 0; n < 20000; ++n) points.emplace_back(uniform(500, 550), uniform(400, 450), uniform(200, 200.1));
+  (void)build(write(points));
+  EXPECT_GT(towards_viewer().z(), 0.99);
+}
+
+TEST_F(Suggested, OfTwoObjectsFarApartOneIsShownAndTheOtherCroppedWithAWarning) {
+  Points points = shell(12000, {0, 0, 0}, 0.5);
+  const Points other = shell(8000, {1000, 300, 0}, 0.5);
+  points.insert(points.end(), other.begin(), other.end());
+  const fs::path file = write(points);
+  Progress progress;
+  suggestion_ = suggest_config({file}, {}, progress);
+  ASSERT_EQ(progress.warnings().size(), 1U);
+  EXPECT_NE(progress.warnings().front().find("60.0 % of the points"), std::string::npos);
+  const BuildResult result = build_suggested();
+  EXPECT_EQ(result.report.points.filtered, 8000U);
+  const double spacing = std::sqrt(std::numbers::pi / 12000);
+  EXPECT_GT(share(result, [&](const Eigen::Vector3d& p) { return std::abs(p.norm() - 0.5) < 0.5 * spacing; }), 0.97);
+}
+
+TEST_F(Suggested, StraysAllAroundAnObjectDoNotHideIt) {
+  Points points = shell(20000, {0, 0, 0}, 1.0);
+  for (int n = 0; n < 400; ++n) points.emplace_back(uniform(-50, 50), uniform(-50, 50), uniform(-50, 50));
+  const fs::path file = write(points);
+  Progress progress;
+  suggestion_ = suggest_config({file}, {}, progress);
+  const BuildResult result = build_suggested();
+  const double spacing = std::sqrt(4 * std::numbers::pi / 20000);
+  EXPECT_LT(suggestion_.config.grid.spacing_m, 1.2 * spacing);
+  EXPECT_GT(share(result, [&](const Eigen::Vector3d& p) { return std::abs(p.norm() - 1.0) < 0.5 * spacing; }), 0.97);
+}
+
+TEST_F(Suggested, ACloudWithoutASurfaceIsSaidToFailTheCheckOnScreenAndInTheFile) {
+  Points points;
+  for (int n = 0; n < 10000; ++n) points.emplace_back(normal(1.0), normal(1.0), normal(1.0));
+  const fs::path file = write(points);
+  Progress progress;
+  const Suggestion suggestion = suggest_config({file}, {}, progress);
+  ASSERT_EQ(progress.warnings().size(), 1U);
+  EXPECT_NE(progress.warnings().front().find("passes the cross-check"), std::string::npos);
+  EXPECT_NE(suggestion.yaml.find("CROSS-CHECK FAILS"), std::string::npos);
+  EXPECT_THROW((void)build_scene(suggestion.config, {}, progress), Error);
+}
+
+TEST_F(Suggested, TheOrderOfThePointsDoesNotMatter) {
+  Points points = shell(5000, {0.3, 0.2, 0.1}, 1.0, 0.01);
+  Progress progress;
+  const std::string once = suggest_config({write(points)}, {}, progress).yaml;
+  std::shuffle(points.begin(), points.end(), random_);
+  EXPECT_EQ(suggest_config({write(points)}, {}, progress).yaml, once);
+}
+
+TEST(MainGroup, IsTheLargestOfGroupsFarApartAndNothingWhereTheyAreNear) {
+  Points points;
+  for (int n = 0; n < 1000; ++n) points.emplace_back(0.001 * n, 0.001 * (n % 7), 0.0);
+  EXPECT_FALSE(main_group(points).has_value());
+  for (int n = 0; n < 500; ++n) points.emplace_back(5.0 + 0.001 * n, 0.0, 0.0);
+  EXPECT_FALSE(main_group(points).has_value());                              // a fifth of the whole is well seen
+  for (int n = 0; n < 500; ++n) points.emplace_back(100.0, 0.001 * n, 0.0);  // only beside this both are small
+  const auto group = main_group(points);
+  ASSERT_TRUE(group.has_value());
+  EXPECT_DOUBLE_EQ(group->share, 0.5);
+  EXPECT_GT(group->crop.min_m.x(), -0.2);
+  EXPECT_GE(group->crop.max_m.x(), 0.999);
+  EXPECT_LT(group->crop.max_m.x(), 1.2);
+}
+
+TEST(SuggestedForRealScans, EveryCloudOfAThousandPointsPassesItsOwnCheck) {
+  const char* folder = std::getenv("SPARSHA_SCANS_DIR");
+  if (folder == nullptr) GTEST_SKIP() << "SPARSHA_SCANS_DIR is not set: no real scans at hand";
+  int judged = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    Progress progress;
+    ScanConfig scan;
+    scan.file = entry.path();
+    try {
+      if (load_scan(scan, progress).size() < 1000) continue;
+    } catch (const Error&) {
+      EXPECT_THROW((void)suggest_config({entry.path()}, {}, progress), Error) << entry.path();
+      continue;
+    }
+    SCOPED_TRACE(entry.path().string());
+    Progress quiet;
+    const Suggestion suggestion = suggest_config({entry.path()}, {}, quiet);
+    BuildResult result;
+    ASSERT_NO_THROW(result = build_scene(suggestion.config, {}, quiet)) << suggestion.yaml;
+    EXPECT_LE(result.report.check->cloud_to_surface.median_m, suggestion.config.grid.spacing_m);
+    for (const std::string& warning : result.report.warnings) {
+      EXPECT_EQ(warning.find("farther than"), std::string::npos) << warning;
+      EXPECT_EQ(warning.find("times finer than"), std::string::npos) << warning;
+      EXPECT_EQ(warning.find("seems to face away"), std::string::npos) << warning;
+    }
+    ++judged;
+  }
+  EXPECT_GT(judged, 20);
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

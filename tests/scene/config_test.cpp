@@ -1,0 +1,154 @@
+// The configuration: defaults, units, poses, orientation, contradictions, and the way back to YAML.
+#include "scene/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <numbers>
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+Config parse(const std::string& text) { return parse_config(yaml::parse_text(text, "c.yaml"), "folder"); }
+
+std::string message_of(const std::string& text) {
+  try {
+    (void)parse(text);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    return error.what();
+  }
+  return "no error";
+}
+
+const std::string kScan = "scans: [{file: a.ply}]\n";
+
+TEST(Config, NeedsOnlyScansAndLeavesOptionalBlocksOut) {
+  const Config config = parse(kScan);
+  EXPECT_EQ(config.scans[0].file, "folder/a.ply");
+  EXPECT_FALSE(config.fill || config.texture || config.friction || config.check || config.audio);
+  EXPECT_TRUE(config.orientation.scan_to_grid.isIdentity());
+  EXPECT_EQ(config.haptics.stiffness_n_per_m, 800.0);
+}
+
+TEST(Config, FillsTheKeysLeftOutOfABlockWithTheDocumentedValues) {
+  const Config config = parse(kScan + "fill:\ntexture: {}\nfriction: {}\ncheck: {}\n");
+  EXPECT_DOUBLE_EQ(config.fill->max_gap_m, 0.005);
+  EXPECT_DOUBLE_EQ(config.texture->sigma_space_m, 0.002);
+  EXPECT_DOUBLE_EQ(config.texture->sigma_range_m, 0.0005);
+  EXPECT_EQ(config.friction->law, FrictionConfig::Law::curvature);
+  EXPECT_EQ(config.friction->mu_max, 0.9);
+  EXPECT_EQ(config.check->samples, 50000);
+}
+
+TEST(Config, FrictionWithoutTextureUsesTheTexturesDefaults) {
+  EXPECT_TRUE(parse(kScan + "friction: {law: constant}\n").texture.has_value());
+}
+
+TEST(Config, PosesTurnByQuaternionXyzwThenTranslate) {
+  const Config config = parse(
+      "scans: [{file: a.ply, pose: {translate: [1, 2, 3], quaternion: [0, 0, 0.70710678118654752, "
+      "0.70710678118654752]}}]");
+  const Eigen::Vector4d moved = config.scans[0].pose * Eigen::Vector4d(1, 0, 0, 1);  // +90 degrees about z: x to y
+  EXPECT_NEAR((moved - Eigen::Vector4d(1, 3, 3, 1)).norm(), 0.0, 8 * kEpsilon);
+}
+
+TEST(Config, EulerAnglesTurnAboutFixedAxesXFirst) {
+  const Config config = parse("scans: [{file: a.ply, pose: {euler_deg: [90, 0, 90]}}]");
+  // x first: y to z; then about fixed z: z stays.
+  const Eigen::Vector4d moved = config.scans[0].pose * Eigen::Vector4d(0, 1, 0, 1);
+  EXPECT_NEAR((moved - Eigen::Vector4d(0, 0, 1, 1)).norm(), 0.0, 8 * kEpsilon);
+}
+
+TEST(Config, LookingFromADirectionPutsItOnZAndUpOnY) {
+  const Config config = parse(kScan + "orientation: {look_from: [1, 0, 0], up: [0, 0, 1], scale: 2}\n");
+  const Eigen::Matrix3d m = config.orientation.scan_to_grid.topLeftCorner<3, 3>();
+  EXPECT_NEAR((m * Eigen::Vector3d::UnitX() - 2 * Eigen::Vector3d::UnitZ()).norm(), 0.0, 8 * kEpsilon);
+  EXPECT_NEAR((m * Eigen::Vector3d::UnitZ() - 2 * Eigen::Vector3d::UnitY()).norm(), 0.0, 8 * kEpsilon);
+  EXPECT_NEAR(m.determinant(), 8.0, 64 * kEpsilon);  // right-handed
+}
+
+struct Refusal {
+  const char* name;
+  std::string text;
+  std::vector<const char*> says;
+};
+
+TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
+  const std::vector<Refusal> cases = {
+      {"no scans", "grid: {}\n", {"has no 'scans'"}},
+      {"empty scans", "scans: []\n", {"c.yaml:1:8", "scans is empty"}},
+      {"misspelt scans", "scan: [{file: a.ply}]\n", {"has no key 'scan'; did you mean 'scans'?"}},
+      {"unknown key", kScan + "grid: {sizes: 3}\n", {"c.yaml:2:8", "grid has no key 'sizes'", "'size'"}},
+      {"unknown unit", "scans: [{file: a.ply, units: inches}]\n", {"c.yaml:1:30", "units is 'inches'", "m | cm | mm"}},
+      {"degrees", "scans: [{file: a.ply, units: degrees}]\n", {"units is 'degrees'"}},
+      {"size and spacing", kScan + "grid: {size: 3, spacing_mm: 1}\n", {"'size' and 'spacing_mm' contradict"}},
+      {"parallel up", kScan + "orientation: {look_from: [0, 1, 0], up: [0, 2, 0]}\n", {"up is parallel to look_from"}},
+      {"default up", kScan + "orientation: {look_from: [0, 1, 0]}\n", {"up is parallel to look_from"}},
+      {"singular", kScan + "orientation: {matrix: [1,0,0,0, 0,1,0,0, 1,1,0,0, 0,0,0,1]}\n", {"the matrix is singular"}},
+      {"not affine", kScan + "orientation: {matrix: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}\n", {"the last row"}},
+      {"not rigid", "scans: [{file: a, pose: {matrix: [2,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}}]\n", {"not rigid"}},
+      {"quaternion", "scans: [{file: a, pose: {quaternion: [0, 0, 0, 2]}}]\n", {"does not have length 1"}},
+      {"empty crop", kScan + "filters: [{crop: {min_m: [0,0,0], max_m: [1,0,1]}}]\n", {"the crop box is empty"}},
+      {"two filters in one", kScan + "filters: [{crop: {}, voxel: {}}]\n", {"a filter has 2 keys"}},
+      {"unknown filter", kScan + "filters: [{voxels: {leaf_mm: 1}}]\n", {"'voxels'", "did you mean 'voxel'?"}},
+      {"negative leaf", kScan + "filters: [{voxel: {leaf_mm: -1}}]\n", {"leaf_mm is -1"}},
+      {"size of one", kScan + "grid: {size: 1}\n", {"size is 1"}},
+      {"inverted bounds", kScan + "grid: {bounds_m: [1, 0, 0, 1]}\n", {"the box is empty"}},
+      {"mu_0 above mu_max", kScan + "friction: {mu_0: 2}\n", {"mu_0 is above mu_max"}},
+      {"law", kScan + "friction: {law: papers}\n", {"law is 'papers'", "did you mean 'paper'?"}},
+      {"region without sound", kScan + "audio: {regions: [{name: x, box_m: [0,0,1,1]}]}\n", {"has no sound"}},
+      {"region with two",
+       kScan + "audio: {regions: [{name: x, label: 1, box_m: [0,0,1,1], clip: a}]}\n",
+       {"'box_m' and 'label' contradict"}},
+      {"not a map", "[1, 2]\n", {"the configuration is a list"}},
+      {"nothing", "", {"the configuration is nothing"}},
+  };
+  for (const Refusal& refusal : cases) {
+    const std::string message = message_of(refusal.text);
+    for (const char* part : refusal.says) EXPECT_THAT(message, HasSubstr(part)) << refusal.name;
+  }
+}
+
+TEST(Config, ReadsBackWhatItWrites) {
+  const std::string text = R"(
+scans:
+  - {file: "a b\"c.ply", units: mm, pose: {translate: [1, 2, 3], euler_deg: [10, 20, 30]}}
+  - {file: b.ply, units: {longest_side_mm: 300}}
+filters: [{crop: {min_m: [-1, -1, -1], max_m: [1, 1, 1]}}, {voxel: {leaf_mm: 0.3}}, {outliers: {neighbours: 9, sigma: 1.5, method: pcl}}]
+orientation: {look_from: [1, 2, 3], up: [0, 0, 1], scale: 1.5}
+grid: {spacing_mm: 0.7, bounds_m: [0, 0, 1, 1], colour: true}
+fill: {max_gap_mm: 0.1}
+texture: {sigma_space_mm: 0.3, sigma_range_mm: 0.07}
+friction: {law: paper, scale_mm: 1.1, c_m: 0.02}
+levels: {window: 100}
+check: {samples: all}
+haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, rate_hz: 2000, resolution_mm: 0.03}
+parts: [{name: a, say: "A, b: c", box_m: [0, 0, 1, 1]}]
+audio:
+  regions: [{name: sa, box_m: [0, 0, 1, 1], modal: {frequency_hz: 240.5, decay_s: 0.7}}, {name: re, label: 2, clip: re.wav}]
+  friction_sound: {gain: 0.25}
+viewer: {colour: friction, stereo: anaglyph}
+)";
+  const Config config = parse_config(yaml::parse_text(text, "c.yaml"), {});
+  const std::string written = to_yaml(config);
+  const Config again = parse_config(yaml::parse_text(written, "again"), {});
+  EXPECT_EQ(to_yaml(again), written);
+  EXPECT_EQ(again.scans[0].file, "a b\"c.ply");
+  EXPECT_EQ(again.scans[0].pose, config.scans[0].pose);
+  EXPECT_EQ(again.scans[1].units.longest_side_m, config.scans[1].units.longest_side_m);
+  EXPECT_EQ(again.orientation.scan_to_grid, config.orientation.scan_to_grid);
+  EXPECT_EQ(again.grid.spacing_m, config.grid.spacing_m);
+  EXPECT_EQ(again.texture->sigma_range_m, config.texture->sigma_range_m);
+  EXPECT_EQ(again.parts[0].say, "A, b: c");
+  EXPECT_EQ(again.check->samples, 0);
+  EXPECT_EQ(std::get<ModalConfig>(again.audio->regions[0].sound).frequency_hz, 240.5);
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

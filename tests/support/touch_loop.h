@@ -1,0 +1,218 @@
+// A hand that touches a surface through the renderer, with the delays, rates and losses that a real loop has. Its
+// mechanics, its clock and its books share no code with the governor or with the simulated device.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "haptics/servo/haptic_renderer.h"
+#include "tests/support/scenes.h"
+#include "tests/support/servo_parts.h"
+
+namespace sparsha::test {
+
+enum class Ground : std::uint8_t { plane, sphere, grating, relief };
+inline constexpr std::array kGrounds = {Ground::plane, Ground::sphere, Ground::grating, Ground::relief};
+
+inline const char* name_of(Ground ground) {
+  constexpr std::array kNames = {"plane", "sphere", "grating", "relief"};
+  return kNames[static_cast<std::size_t>(ground)];
+}
+
+/// Metres on a square of 0.1 m; device frame = grid frame about its middle.
+inline double height_of(Ground ground, double x, double y) {
+  const double u = x - 0.05;
+  const double v = y - 0.05;
+  switch (ground) {
+    case Ground::plane:
+      return 0.0;
+    case Ground::sphere:
+      return std::sqrt(0.0064 - std::min(0.0063, u * u + v * v)) - 0.08;
+    case Ground::grating:
+      return 0.00015 * std::sin(2.0 * std::numbers::pi * u / 0.004);
+    case Ground::relief:
+      return 0.003 * std::sin(90.0 * u) * std::cos(70.0 * v) + 0.0001 * std::sin(2000.0 * u) * std::sin(1700.0 * v);
+  }
+  return 0.0;
+}
+
+/// How the loop really is, and what the device says of itself.
+struct TouchCase {
+  Ground ground = Ground::plane;
+  bool stroke = false;           ///< else hold
+  double strike_m_per_s = 0.0;   ///< > 0: a blow at this speed instead of a gentle approach
+  double mass_kg = 0.15;         ///< of hand and device
+  double damping_n_s_per_m = 2;  ///< towards the intended place
+  double grip_n_per_m = 300.0;   ///< the spring that the hand is
+  double wish_n_per_m = 800.0;
+  double rate_hz = 1000.0;        ///< real
+  double configured_hz = 1000.0;  ///< planned
+  double jitter_s = 0.0;          ///< a tick comes late by up to so much
+  double lost = 0.0;              ///< share of ticks that never come
+  double delay_s = 0.001;         ///< from the writing of a force to the hand
+  int declared_ticks = 1;         ///< what the device says of that
+  bool governed = true;           ///< else the wished spring reaches the hand, up to 8 N
+  double duration_s = 10.0;
+  double encoder_step_m = 20e-6;
+  std::uint64_t seed = 1;
+};
+
+struct TouchResult {
+  double delivered_j = 0.0;   ///< most that the hand got beyond what the spring gave back, from any moment on
+  double swing_m = 0.0;       ///< of the hand along z over the last two seconds
+  double calm_s = -1.0;       ///< strikes: when the last swing of more than three encoder steps ended, after contact
+  double altered = 0.0;       ///< share of ticks in contact whose force is off by more than 1 % of wish * depth
+  double static_share = 0.0;  ///< mean force over governed stiffness * depth in the last second
+  double stiffness_n_per_m = 0.0;
+};
+
+/// One run. `scene`: of make_ground(). A run of ten seconds takes some 30 ms.
+inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene) {
+  using Eigen::Vector3d;
+  constexpr double kStep = 20e-6;
+  haptics::DeviceInfo info;
+  info.name = "test hand";
+  info.limits.delay_ticks = c.declared_ticks;
+  haptics::RendererOptions options;
+  options.rate_hz = c.configured_hz;
+  options.stiffness_n_per_m = c.wish_n_per_m;
+  haptics::HapticRenderer renderer(info, options, haptics::window_on(scene, 0, 1, false));
+  const double governed_n_per_m = haptics::governed_stiffness(c.wish_n_per_m, info.limits, 1.0 / c.configured_hz);
+
+  const auto floor_m = [&](double x, double y) {
+    return height_of(c.ground, x + 0.05, y + 0.05) - height_of(c.ground, 0.05, 0.05);
+  };
+  // Presses with about a newton, however soft the wall; the intended place follows the coarse shape under the hand.
+  const double depth_m = 1.0 / c.grip_n_per_m + std::min(0.005, 1.0 / governed_n_per_m);
+  const auto shape_m = [&](double x, double y) { return c.ground == Ground::grating ? 0.0 : floor_m(x, y); };
+  const auto intended = [&](double t) -> Vector3d {
+    constexpr double kHover = 0.01;
+    constexpr double kBegin = 0.15;
+    Vector3d place = Vector3d::Zero();
+    if (c.strike_m_per_s > 0.0) {
+      const double way = std::min(kHover + depth_m, c.strike_m_per_s * std::max(0.0, t - kBegin));
+      place.z() = kHover - way;
+      return place;
+    }
+    const double s = std::clamp((t - kBegin) / 0.8, 0.0, 1.0);
+    const double share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);  // minimum jerk
+    if (c.stroke && t > 1.5) {
+      const double w = t - 1.5;
+      const double begin = std::min(1.0, w);
+      place.x() = begin * 0.02 * std::sin(2.0 * std::numbers::pi * 0.45 * w);
+      place.y() = begin * 0.01 * std::sin(2.0 * std::numbers::pi * 0.31 * w);
+    }
+    place.z() = kHover - share * (kHover + depth_m) + share * shape_m(place.x(), place.y());
+    return place;
+  };
+
+  std::mt19937_64 random(c.seed);
+  const auto uniform = [&] { return std::generate_canonical<double, 53>(random); };
+  struct Force {
+    double time_s;
+    Vector3d force_n;
+  };
+  std::deque<Force> on_the_way;
+  Vector3d held = Vector3d::Zero();
+  Vector3d position = intended(0.0);
+  Vector3d velocity = Vector3d::Zero();
+  TouchResult result;
+  double work_j = 0.0;
+  double least_j = std::numeric_limits<double>::infinity();
+  double low = 1.0;
+  double high = -1.0;
+  std::uint64_t ticks = 0;
+  std::uint64_t altered = 0;
+  double force_sum = 0.0;
+  double wanted_sum = 0.0;
+  double touched_s = -1.0;
+  // Strikes: extremes of the last 100 ms tell whether the hand still swings.
+  std::deque<std::array<double, 2>> recent;
+  std::uint64_t planned = 0;
+  double next_tick_s = 0.0;
+  for (std::uint64_t step = 0; static_cast<double>(step) * kStep < c.duration_s; ++step) {
+    const double t = static_cast<double>(step) * kStep;
+    if (t >= next_tick_s) {
+      if (uniform() >= c.lost) {
+        Vector3d measured = position;
+        for (int axis = 0; axis < 3; ++axis)
+          measured[axis] = c.encoder_step_m * std::round(position[axis] / c.encoder_step_m);
+        renderer.update(haptics::sample_at(measured, t), 1.0 / c.configured_hz);
+        const haptics::State& state = renderer.state();
+        const Vector3d told(state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]);
+        const Vector3d rendered(state.force_n[0], state.force_n[1], state.force_n[2]);
+        const double stiffness = renderer.state().stiffness_n_per_m;
+        Vector3d sent = told;
+        if (!c.governed) {
+          const double length = rendered.norm();
+          const double whole = stiffness > 0.0 ? c.wish_n_per_m / stiffness : 0.0;
+          sent = length > 0.0 ? Vector3d(rendered * std::min(whole, 8.0 / length)) : Vector3d::Zero();
+        }
+        on_the_way.push_back({t + c.delay_s, sent});
+        result.stiffness_n_per_m = stiffness;
+        const double spring_j = stiffness > 0.0 ? 0.5 * rendered.squaredNorm() / stiffness : 0.0;
+        if (state.contact != 0 && touched_s < 0.0) touched_s = t;
+        if (touched_s >= 0.0) {
+          least_j = std::min(least_j, work_j + spring_j);
+          result.delivered_j = std::max(result.delivered_j, work_j + spring_j - least_j);
+        }
+        if (state.contact != 0) {
+          ++ticks;
+          const Vector3d wanted =
+              stiffness > 0.0 ? Vector3d(rendered * (governed_n_per_m / stiffness)) : Vector3d::Zero();
+          if ((told - wanted).norm() > 0.01 * wanted.norm() + 1e-3) ++altered;
+          if (t > c.duration_s - 1.0) {
+            force_sum += told.norm();
+            wanted_sum += wanted.norm();
+          }
+        }
+      }
+      // The next planned tick that is still to come, late by chance.
+      const double period = 1.0 / c.rate_hz;
+      do ++planned;
+      while (static_cast<double>(planned) * period <= t);
+      next_tick_s = static_cast<double>(planned) * period + c.jitter_s * uniform();
+    }
+    while (!on_the_way.empty() && on_the_way.front().time_s <= t) {
+      held = on_the_way.front().force_n;
+      on_the_way.pop_front();
+    }
+    const Vector3d place = intended(t);
+    const Vector3d place_velocity = (intended(t + kStep) - place) / kStep;
+    const Vector3d pull =
+        held - c.grip_n_per_m * (position - place) - c.damping_n_s_per_m * (velocity - place_velocity);
+    velocity += pull * (kStep / c.mass_kg);
+    position += velocity * kStep;
+    work_j += held.dot(velocity) * kStep;
+    if (t > c.duration_s - 2.0) {
+      low = std::min(low, position.z());
+      high = std::max(high, position.z());
+    }
+    if (c.strike_m_per_s > 0.0 && touched_s >= 0.0 && step % 50 == 0) {
+      recent.push_back({t, position.z()});
+      while (recent.front()[0] < t - 0.15) recent.pop_front();
+      double least = 1.0;
+      double most = -1.0;
+      for (const auto& [when, z] : recent) least = std::min(least, z), most = std::max(most, z);
+      if (most - least > 3.0 * c.encoder_step_m) result.calm_s = t - 0.15 - touched_s;
+    }
+  }
+  result.swing_m = high - low;
+  result.altered = ticks > 0 ? static_cast<double>(altered) / static_cast<double>(ticks) : 0.0;
+  result.static_share = wanted_sum > 0.0 ? force_sum / wanted_sum : 0.0;
+  return result;
+}
+
+inline pipeline::ScenePointer make_ground(Ground ground) {
+  return scene_of([ground](double x, double y) { return height_of(ground, x, y); }, 401, 0.1, 401);
+}
+
+}  // namespace sparsha::test
