@@ -19,7 +19,7 @@ struct Unit {
   double limit_m;
   double per_m;
   std::string_view plain;
-  std::string_view typeset;
+  std::string_view symbol;
   int digits;
 };
 
@@ -59,8 +59,17 @@ std::string length_text(double metres, TextStyle style) {
   const bool spoken = style == TextStyle::spoken;
   const Unit& unit = spoken ? unit_of(std::abs(metres), kSpoken) : unit_of(std::abs(metres), kWritten);
   const std::string value = value_text(metres * unit.per_m, unit.digits, style);
-  return style == TextStyle::typeset ? fmt::format("{}{}{}", value, kNarrowSpace, unit.typeset)
-                                     : fmt::format("{} {}", value, unit.plain);
+  if (style == TextStyle::typeset) return fmt::format("{}{}{}", value, kNarrowSpace, unit.symbol);
+  return fmt::format("{} {}", value, style == TextStyle::screen ? unit.symbol : unit.plain);
+}
+
+double round_number(double limit) {
+  if (!(limit > 0.0) || !std::isfinite(limit)) return 0.0;
+  const double power = std::pow(10.0, std::floor(std::log10(limit)));
+  for (const double step : {5.0, 2.0}) {
+    if (step * power <= limit * (1.0 + 1e-12)) return step * power;
+  }
+  return power;
 }
 
 std::string count_text(std::uint64_t count, TextStyle style) {

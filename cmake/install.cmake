@@ -4,9 +4,10 @@ include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Sparsha)
 
 set_target_properties(sparsha_base_core PROPERTIES EXPORT_NAME base)
+set_target_properties(sparsha_scene_core PROPERTIES EXPORT_NAME scene)
 set_target_properties(sparsha_state PROPERTIES EXPORT_NAME state)
 set_target_properties(sparsha_haptics PROPERTIES EXPORT_NAME haptics)
-install(TARGETS sparsha_base_core sparsha_state sparsha_haptics EXPORT SparshaTargets
+install(TARGETS sparsha_base_core sparsha_scene_core sparsha_state sparsha_haptics EXPORT SparshaTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT haptics)
 install(EXPORT SparshaTargets NAMESPACE sparsha:: DESTINATION ${package} COMPONENT haptics)
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "scene/continuation.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -75,7 +76,7 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
   surface->cell_flags =
       parts.cell_flags.empty() ? flag_unknown(parts.lattice, parts.height_m) : std::move(parts.cell_flags);
   surface->height_m = std::move(parts.height_m);
-  continue_heights(surface->height_m, parts.lattice.nx, parts.lattice.ny);
+  pipeline::continue_heights(surface->height_m, parts.lattice.nx, parts.lattice.ny);
   surface->mu_dynamic = std::move(parts.friction.mu_dynamic);
   surface->mu_static = std::move(parts.friction.mu_static);
   surface->highest_m = *std::max_element(surface->height_m.begin(), surface->height_m.end());

@@ -58,8 +58,4 @@ struct SurfaceParts {
 /// match the lattice, or lattice and scale are not positive and finite.
 [[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts);
 
-/// Continues heights into NaN nodes smoothly from the nearest known ones (pull-push, Gortler et al. 1996). In place.
-/// Everything unknown gives 0.
-void continue_heights(std::vector<float>& height_m, int nx, int ny);
-
 }  // namespace sparsha::haptics

@@ -36,7 +36,7 @@ std::string ramp_legend(const Picture& picture) {
     stops += fmt::format("<stop offset='{:.4f}' stop-color='{}'/>", t, css(colour_at(picture.map, t)));
   }
   // Ticks stand at round values; the ends are named when values beyond them are shown in the ends' colours.
-  const double step = nice_length((picture.high - picture.low) / 3);
+  const double step = round_number((picture.high - picture.low) / 3);
   std::string ticks;
   for (double k = std::ceil(picture.low / step - 1e-9); k * step <= picture.high * (1 + 1e-9) && step > 0; k += 1) {
     const double x = 10 + 300 * (k * step - picture.low) / (picture.high - picture.low);
@@ -100,21 +100,13 @@ std::string escape_html(std::string_view text) {
   return result;
 }
 
-double nice_length(double limit) {
-  if (!(limit > 0) || !std::isfinite(limit)) return 0;
-  const double power = std::pow(10, std::floor(std::log10(limit)));
-  for (const double factor : {5.0, 2.0})
-    if (factor * power <= limit * (1 + 1e-12)) return factor * power;
-  return power;
-}
-
 std::string legend_svg(const Picture& picture) {
   if (picture.legend == Picture::Legend::states) return states_legend();
   return picture.legend == Picture::Legend::ramp && picture.high > picture.low ? ramp_legend(picture) : std::string();
 }
 
 std::string scale_bar_html(double picture_width_m) {
-  const double length = nice_length(picture_width_m * 0.3);
+  const double length = round_number(picture_width_m * 0.3);
   if (!(length > 0)) return {};
   return fmt::format("<div class='bar' style='width:{:.3f}%'><span>{}</span></div>", 100 * length / picture_width_m,
                      length_text(length, TextStyle::typeset));
@@ -134,7 +126,7 @@ std::string histogram_svg(const std::vector<std::uint64_t>& counts, double bin_m
                         kLeft + width * static_cast<double>(k) + 0.5, kBase - tall, width - 1, tall);
   }
   std::string axis = fmt::format("<line x1='{0}' x2='{1}' y1='{2}' y2='{2}'/>", kLeft, kLeft + kWidth, kBase);
-  const double step = nice_length(extent / 4);
+  const double step = round_number(extent / 4);
   constexpr double kRoom = 24;  // half of a label, which must not leave the picture
   for (double k = 0; k * step <= extent; k += 1) {
     const double x = kLeft + kWidth * k * step / extent;

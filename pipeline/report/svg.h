@@ -13,9 +13,6 @@ namespace sparsha::pipeline {
 /// Text as HTML: & < > " ' are escaped, bytes that are no valid UTF-8 become U+FFFD.
 [[nodiscard]] std::string escape_html(std::string_view text);
 
-/// 1, 2 or 5 times a power of ten, at most `limit`.
-[[nodiscard]] double nice_length(double limit);
-
 /// The colour ramp with its ticks, or the named states.
 [[nodiscard]] std::string legend_svg(const Picture& picture);
 

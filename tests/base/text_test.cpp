@@ -30,6 +30,7 @@ TEST(Text, PagesHaveTheirOwnSignsAndSpeechItsOwnWords) {
   EXPECT_EQ(length_text(0.357, TextStyle::typeset), "35.7\u202Fcm");
   EXPECT_EQ(length_text(0.0009, TextStyle::typeset), "0.9\u202Fmm");
   EXPECT_EQ(length_text(12.5, TextStyle::typeset), "12.5\u202Fm");
+  EXPECT_EQ(length_text(0.00008, TextStyle::screen), "80 \u00B5m");
   EXPECT_EQ(length_text(1.5, TextStyle::spoken), "1.5 metres");
 }
 
@@ -39,6 +40,17 @@ TEST(Text, ValuesKeepTheirSignificantDigitsWithoutExponents) {
   EXPECT_EQ(value_text(1234.56), "1235");
   EXPECT_EQ(value_text(0.0012345), "0.00123");
   EXPECT_EQ(value_text(99.96), "100");
+}
+
+TEST(Text, RoundNumbersAreOneTwoOrFiveTimesAPowerOfTen) {
+  EXPECT_DOUBLE_EQ(round_number(0.7), 0.5);
+  EXPECT_DOUBLE_EQ(round_number(0.3), 0.2);
+  EXPECT_DOUBLE_EQ(round_number(5.0), 5.0);
+  EXPECT_DOUBLE_EQ(round_number(0.049), 0.02);
+  EXPECT_DOUBLE_EQ(round_number(130.0), 100.0);
+  for (const double none : {0.0, -3.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(round_number(none), 0.0);
+  }
 }
 
 TEST(Text, CountsAreGroupedByThousands) {

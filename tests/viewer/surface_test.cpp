@@ -21,8 +21,6 @@
 namespace sparsha::viewer::test {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
 Heights bumps(int nx, int ny, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -95,27 +93,6 @@ TEST(HeightLight, ResultsDoNotDependOnThreads) {
   const Heights heights = bumps(70, 50, 5);
   EXPECT_EQ(sky_visibility(heights, 2.0, one), sky_visibility(heights, 2.0, four));
   EXPECT_EQ(soft_shadow(heights, 2.3, 0.5, 0.1, one), soft_shadow(heights, 2.3, 0.5, 0.1, four));
-}
-
-TEST(ContinueHeights, KeepsKnownNodesAndStaysWithinTheirRange) {
-  Heights heights = bumps(61, 37, 3);
-  const std::vector<float> truth = heights.value;
-  const auto [low, high] = std::ranges::minmax(truth);
-  for (int j = 10; j < 30; ++j)
-    for (int i = 20; i < 61; ++i) heights.value[static_cast<std::size_t>(j * 61 + i)] = kNaN;
-  continue_heights(heights);
-  for (int j = 0; j < 37; ++j)
-    for (int i = 0; i < 61; ++i) {
-      const auto k = static_cast<std::size_t>(j * 61 + i);
-      if (j < 10 || j >= 30 || i < 20) {
-        EXPECT_EQ(heights.value[k], truth[k]);
-      }
-      EXPECT_GE(heights.value[k], low - 1e-4F);
-      EXPECT_LE(heights.value[k], high + 1e-4F);
-    }
-  Heights nothing{5, 4, std::vector<float>(20, kNaN)};
-  continue_heights(nothing);
-  for (const float h : nothing.value) EXPECT_EQ(h, 0.0F);
 }
 
 TEST(Blur, KeepsAConstantAndTheMeanOfAnImpulse) {
@@ -214,18 +191,6 @@ TEST(Camera, NearPointsHaveCrossedParallaxAndTheTargetHasNone) {
   // Off-axis, not toe-in: no vertical parallax anywhere.
   const Eigen::Vector3d corner(0.3, 0.25, 0.1);
   EXPECT_NEAR(left.to_pixel(corner)->y(), right.to_pixel(corner)->y(), 1e-9);
-}
-
-TEST(Texts, LengthsReadNaturally) {
-  EXPECT_EQ(length_text(0.179), "179 mm");
-  EXPECT_EQ(length_text(0.0125), "12.5 mm");
-  EXPECT_EQ(length_text(2.0), "2 m");
-  EXPECT_EQ(length_text(0.00008), "80 \xC2\xB5m");
-  EXPECT_EQ(length_text(0.1), "100 mm");
-  EXPECT_DOUBLE_EQ(round_length(0.7), 0.5);
-  EXPECT_DOUBLE_EQ(round_length(0.049), 0.02);
-  EXPECT_DOUBLE_EQ(round_length(130.0), 100.0);
-  EXPECT_EQ(round_length(0.0), 0.0);
 }
 
 TEST(Paint, ModesFollowWhatTheSceneHas) {

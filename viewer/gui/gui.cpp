@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <backends/imgui_impl_opengl3.h>
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include "base/error.h"
@@ -14,30 +13,6 @@
 #include "viewer/picture.h"
 
 namespace sparsha::viewer {
-
-std::string length_text(double length_m) {
-  const double size = std::abs(length_m);
-  const auto digits = [](double value) { return std::abs(value) >= 99.95 ? 0 : std::abs(value) >= 9.995 ? 1 : 2; };
-  const auto text = [&](double value, const char* unit) {
-    std::string number = fmt::format("{:.{}f}", value, digits(value));
-    if (number.find('.') != std::string::npos) {
-      while (number.back() == '0') number.pop_back();
-      if (number.back() == '.') number.pop_back();
-    }
-    return fmt::format("{} {}", number, unit);
-  };
-  if (size >= 1.0) return text(length_m, "m");
-  if (size >= 1e-3 || size == 0.0) return text(1e3 * length_m, "mm");
-  return text(1e6 * length_m, "\xC2\xB5m");
-}
-
-double round_length(double limit) {
-  if (!(limit > 0.0)) return 0.0;
-  const double power = std::pow(10.0, std::floor(std::log10(limit)));
-  for (const double step : {5.0, 2.0})
-    if (step * power <= limit) return step * power;
-  return power;
-}
 
 struct Gui::Implementation {
   ImGuiContext* context = nullptr;

@@ -11,11 +11,6 @@ namespace sparsha::viewer {
 
 class Picture;
 
-/// "12 mm", "3.5 m", "80 µm": three digits at most.
-[[nodiscard]] std::string length_text(double length_m);
-/// The longest of 1, 2, 5 times a power of ten that is at most `limit`.
-[[nodiscard]] double round_length(double limit);
-
 /// One ImGui context with its fonts. Needs a current OpenGL context for its whole life.
 class Gui {
  public:

@@ -6,6 +6,7 @@
 
 #include <imgui.h>
 
+#include "base/text.h"
 #include "viewer/gui/gui.h"
 #include "viewer/gui/parts.h"
 #include "viewer/picture.h"
@@ -66,7 +67,7 @@ float draw_legend(const Brush& brush, const Legend& legend, float x, float y, fl
 void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture) {
   const View& view = picture.detail_view();
   const double pixels_per_m = view.pixels_per_unit(frame.camera.target) / picture.stage().unit_m;
-  const double length_m = round_length(0.22 * layout.detail.width / pixels_per_m);
+  const double length_m = round_number(0.22 * layout.detail.width / pixels_per_m);
   const auto length = static_cast<float>(length_m * pixels_per_m);
   const float x = static_cast<float>(layout.detail.x) + brush.px(22.0F);
   const float y = static_cast<float>(layout.detail.y) + brush.px(40.0F);
@@ -77,7 +78,7 @@ void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout
     brush.list->AddLine(ImVec2(x, y - tick), ImVec2(x, y + tick), colour, width);
     brush.list->AddLine(ImVec2(x + length, y - tick), ImVec2(x + length, y + tick), colour, width);
   }
-  const std::string words = length_text(length_m);
+  const std::string words = length_text(length_m, TextStyle::screen);
   const float top = y - tick - brush.fonts.text->FontSize - brush.px(2.0F);
   brush.text_centred(brush.fonts.text, x + 0.5F * length + 1.0F, top + 1.0F, dark, words);
   brush.text_centred(brush.fonts.text, x + 0.5F * length, top, light, words);
@@ -139,7 +140,7 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   const Window window = window_of(state, description);
   const double extent_m =
       std::max(description.levels.front().nx, description.levels.front().ny) * description.levels.front().spacing_m;
-  brush.text_right(fonts.small, x + width, brush.px(26.0F), theme.dim, length_text(extent_m));
+  brush.text_right(fonts.small, x + width, brush.px(26.0F), theme.dim, length_text(extent_m, TextStyle::screen));
 
   float y = image_bottom + brush.px(10.0F);
   y += draw_legend(brush, picture.legend(), x, y, width);
@@ -180,7 +181,7 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
     };
     const auto on = [&](std::uint64_t bit) { return (state.flags & bit) != 0; };
     row("Level", fmt::format("{} of {}", state.level + 1, description.levels.size()), "Window",
-        length_text(window.width_m));
+        length_text(window.width_m, TextStyle::screen));
     row("Texture", on(haptics::kFlagTexture) ? "on" : "off", "Friction",
         !on(haptics::kFlagFriction) ? std::string("off")
         : state.contact != 0        ? fmt::format("\xC2\xB5 {:.2f}", state.friction_coefficient)

@@ -98,62 +98,6 @@ void mean_rows(std::vector<float>& values, int nx, int ny, int radius) {
 
 }  // namespace
 
-void continue_heights(Heights& heights) {
-  struct Level {
-    int nx, ny;
-    std::vector<float> sum, weight;
-  };
-  const auto known = [](float value) { return std::isfinite(value); };
-  if (std::ranges::all_of(heights.value, known)) return;
-  std::vector<Level> levels;
-  levels.push_back({heights.nx, heights.ny, heights.value, std::vector<float>(heights.value.size(), 1.0F)});
-  for (std::size_t k = 0; k < heights.value.size(); ++k)
-    if (!known(heights.value[k])) levels[0].sum[k] = levels[0].weight[k] = 0.0F;
-  // Pull: every coarser node is the mean of the known ones below it.
-  while (levels.back().nx > 1 || levels.back().ny > 1) {
-    const Level& fine = levels.back();
-    Level coarse{(fine.nx + 1) / 2, (fine.ny + 1) / 2, {}, {}};
-    coarse.sum.assign(size_of(coarse.nx, coarse.ny), 0.0F);
-    coarse.weight.assign(coarse.sum.size(), 0.0F);
-    for (int j = 0; j < fine.ny; ++j)
-      for (int i = 0; i < fine.nx; ++i) {
-        const std::size_t from = size_of(j, fine.nx) + static_cast<std::size_t>(i);
-        const std::size_t to = size_of(j / 2, coarse.nx) + static_cast<std::size_t>(i / 2);
-        coarse.sum[to] += fine.sum[from] * fine.weight[from];
-        coarse.weight[to] += fine.weight[from];
-      }
-    for (std::size_t k = 0; k < coarse.sum.size(); ++k) {
-      if (coarse.weight[k] > 0.0F) coarse.sum[k] /= coarse.weight[k];
-      coarse.weight[k] = std::min(coarse.weight[k], 1.0F);
-    }
-    levels.push_back(std::move(coarse));
-  }
-  // Push: unknown nodes take the bilinear interpolation of the coarser level.
-  for (std::size_t l = levels.size() - 1; l > 0; --l) {
-    const Level& coarse = levels[l];
-    Level& fine = levels[l - 1];
-    for (int j = 0; j < fine.ny; ++j)
-      for (int i = 0; i < fine.nx; ++i) {
-        const std::size_t k = size_of(j, fine.nx) + static_cast<std::size_t>(i);
-        if (fine.weight[k] > 0.0F) continue;
-        // Coarse node n stands for fine nodes 2n and 2n + 1: its centre is at 2n + 0.5.
-        const float x = std::clamp((static_cast<float>(i) - 0.5F) / 2.0F, 0.0F, static_cast<float>(coarse.nx - 1));
-        const float y = std::clamp((static_cast<float>(j) - 0.5F) / 2.0F, 0.0F, static_cast<float>(coarse.ny - 1));
-        const int i0 = static_cast<int>(x);
-        const int j0 = static_cast<int>(y);
-        const int i1 = std::min(i0 + 1, coarse.nx - 1);
-        const int j1 = std::min(j0 + 1, coarse.ny - 1);
-        const float u = x - static_cast<float>(i0);
-        const float v = y - static_cast<float>(j0);
-        const auto at = [&](int ci, int cj) {
-          return coarse.sum[size_of(cj, coarse.nx) + static_cast<std::size_t>(ci)];
-        };
-        fine.sum[k] = (1 - v) * ((1 - u) * at(i0, j0) + u * at(i1, j0)) + v * ((1 - u) * at(i0, j1) + u * at(i1, j1));
-      }
-  }
-  heights.value = std::move(levels[0].sum);
-}
-
 std::vector<float> light_visibility(const Heights& heights, double azimuth_rad, double elevation_rad, double softness) {
   const double dx = std::cos(azimuth_rad);
   const double dy = std::sin(azimuth_rad);

@@ -1,5 +1,5 @@
 // Light on a height field, baked on the processor: which share of a distant light each node sees, what reaches it from
-// the whole sky, and heights continued over nodes that have none.
+// the whole sky.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,6 @@ struct Heights {
   int ny = 0;
   std::vector<float> value;
 };
-
-/// Replaces NaN and infinities by a smooth continuation of the nearest known heights (pull-push, Gortler et al. 1996);
-/// all zero when nothing is known. Cost: about 10 ns a node.
-void continue_heights(Heights& heights);
 
 /// Share, 0 to 1, of a light at `azimuth_rad` (counted from +x towards +y, where the light comes FROM) and
 /// `elevation_rad` above the lattice that each node sees. `softness` is the height in spacings over which a shadow's

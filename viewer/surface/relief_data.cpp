@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/statistics.h"
+#include "scene/continuation.h"
 #include "viewer/surface/height_light.h"
 
 namespace sparsha::viewer {
@@ -151,9 +152,8 @@ ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, dou
   relief.height_min_m = relief.lattice.origin_m.z() + low;
   relief.height_max_m = relief.lattice.origin_m.z() + high;
 
-  Heights filled{relief.lattice.nx, relief.lattice.ny, source};
-  continue_heights(filled);
-  relief.height_m = std::move(filled.value);
+  relief.height_m = source;
+  pipeline::continue_heights(relief.height_m, relief.lattice.nx, relief.lattice.ny);
   compute_slopes(relief, pool);
 
   const Heights heights = in_spacings(relief);

@@ -151,42 +151,4 @@ TEST(Friction, OfLawConstantIsTheSameEverywhereAndCanBeTurnedOff) {
   EXPECT_TRUE(make_surface(window.scene, window.layers, 0, 1.0, options)->mu_dynamic.empty());
 }
 
-TEST(PullPush, KeepsKnownHeightsAndContinuesThemSmoothlyWithoutNan) {
-  constexpr int kNodes = 97;
-  const auto height = [](int i, int j) { return 0.02 * i - 0.01 * j + 0.1 * std::sin(0.2 * i) * std::cos(0.15 * j); };
-  std::vector<float> heights;
-  for (int j = 0; j < kNodes; ++j)
-    for (int i = 0; i < kNodes; ++i) {
-      const bool hole = std::hypot(i - 30, j - 40) < 12.0 || i > 80;
-      heights.push_back(hole ? kNan : static_cast<float>(height(i, j)));
-    }
-  const std::vector<float> before = heights;
-  continue_heights(heights, kNodes, kNodes);
-  float steepest_known = 0.0F;
-  float steepest_filled = 0.0F;
-  for (int j = 0; j < kNodes; ++j)
-    for (int i = 0; i + 1 < kNodes; ++i) {
-      const std::size_t k = static_cast<std::size_t>(j * kNodes + i);
-      ASSERT_TRUE(std::isfinite(heights[k]));
-      if (std::isfinite(before[k])) {
-        EXPECT_EQ(heights[k], before[k]);
-      }
-      const float step = std::abs(heights[k + 1] - heights[k]);
-      const bool known = std::isfinite(before[k]) && std::isfinite(before[k + 1]);
-      (known ? steepest_known : steepest_filled) = std::max(known ? steepest_known : steepest_filled, step);
-    }
-  EXPECT_LE(steepest_filled, 2.0F * steepest_known) << "no edge that the known surface does not have";
-}
-
-TEST(PullPush, GivesALevelSurfaceWhereOneNodeOrNoneIsKnown) {
-  std::vector<float> heights(35, kNan);
-  continue_heights(heights, 7, 5);
-  EXPECT_EQ(heights, std::vector<float>(35, 0.0F));
-  heights.assign(35, kNan);
-  heights[17] = 1.25F;
-  heights[3] = std::numeric_limits<float>::infinity();
-  continue_heights(heights, 7, 5);
-  for (const float z : heights) EXPECT_NEAR(z, 1.25F, 1e-6F);
-}
-
 }  // namespace sparsha::haptics::test

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
-#include "haptics/surface/monge_surface.h"
+#include "scene/continuation.h"
 
-namespace sparsha::haptics {
+namespace sparsha::pipeline {
 namespace {
 
 constexpr int kSweeps = 8;  // relaxations a level; errors longer than that are the coarser level's
@@ -122,4 +123,4 @@ void continue_heights(std::vector<float>& height_m, int nx, int ny) {
   height_m = std::move(levels.front().value);
 }
 
-}  // namespace sparsha::haptics
+}  // namespace sparsha::pipeline
