@@ -3,9 +3,9 @@
 
 #include "app/tour.h"
 #include "base/error.h"
-#include "haptics/device/simulated/simulated_device.h"
-#include "haptics/device/pointer/pointer_device.h"
 #include "haptics/device/falcon/falcon.h"
+#include "haptics/device/pointer/pointer_device.h"
+#include "haptics/device/simulated/simulated_device.h"
 #include "haptics/replay/path_device.h"
 #include "viewer/viewer.h"
 

@@ -17,8 +17,8 @@ struct Clip {
 /// the file's own rate samples stay as they are. Throws Error{input} with the file and the reason.
 [[nodiscard]] Clip load_clip(const std::filesystem::path& file, int sample_rate_hz);
 
-/// Band-limited resampling of interleaved frames with linear phase (libsoxr's "very high quality": 28 bits, pass band to
-/// 0.95 of the lower Nyquist frequency). ceil(frames * to / from) frames come back. Throws Error{failure}.
+/// Band-limited resampling of interleaved frames with linear phase (libsoxr's "very high quality": 28 bits, pass band
+/// to 0.95 of the lower Nyquist frequency). ceil(frames * to / from) frames come back. Throws Error{failure}.
 [[nodiscard]] std::vector<float> resample(const std::vector<float>& samples, int channels, double from_hz,
                                           double to_hz);
 

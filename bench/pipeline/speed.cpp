@@ -98,8 +98,8 @@ void time_projection(const RunOptions& options, int nodes, Table& table) {
               truth.lattice().count(), best, 0, figures.rms_away_mm);
     pipeline::Projector projector(cloud, pool);
     const Best again = best_of(options.quick ? 3 : 9, [&] {
-      projection =
-          projector.project(config.orientation.scan_to_grid, config.grid, config.haptics.resolution_m, {pool, progress});
+      projection = projector.project(config.orientation.scan_to_grid, config.grid, config.haptics.resolution_m,
+                                     {pool, progress});
     });
     table.row(fmt::format("look again at 1 M indexed points, {0} x {0}", nodes), "sparsha", threads, cloud.size(),
               truth.lattice().count(), again, 0, judge(samples_of(projection.grid, truth), truth).rms_away_mm);

@@ -72,8 +72,7 @@ std::vector<HipSample> read_hip_path(const std::filesystem::path& file) {
         }
     }
     if (!(seen[0] && seen[1] && seen[2] && seen[3]) || fields > count)
-      throw input_error_at(name, line, "the row has " + std::to_string(fields) + " fields",
-                           "as many as the header");
+      throw input_error_at(name, line, "the row has " + std::to_string(fields) + " fields", "as many as the header");
     path.push_back({value[0], {value[1], value[2], value[3]}});
   }
   mapped.require_whole();

@@ -261,7 +261,8 @@ class Builder {
     result_.points.filtered = cloud.cropped;
 
     progress_.begin("project");
-    TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_});
+    TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m,
+                          {pool_, progress_});
     const Lattice& lattice = tiled.plan().lattice;
     const std::uint64_t tile_points =
         points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_a_point(), lattice);

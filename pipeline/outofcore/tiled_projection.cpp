@@ -172,8 +172,9 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
     const double done = static_cast<double>(piece.bucket) / static_cast<double>(points_.file->buckets());
     context.progress.at(kFitted + (1.0 - kFitted) * done);
     const std::size_t count = piece.points.count;
-    add_classes(classify_points(piece.points, plan_.bins, projection.grid, plan_.gap_m, context.pool, point_class.data()),
-                projection);
+    add_classes(
+        classify_points(piece.points, plan_.bins, projection.grid, plan_.gap_m, context.pool, point_class.data()),
+        projection);
     std::vector<std::uint64_t>& bits = points_.counts_bits[piece.bucket];
     bits.resize(static_cast<std::size_t>((piece.records.first + count + 63) / 64), 0);
     for (std::size_t k = 0; k < count; ++k) {
@@ -192,12 +193,14 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
   sums.write(projection);
 }
 
-Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem::path& folder, const Context& context) {
+Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem::path& folder,
+                                const Context& context) {
   fill_buckets(folder, context);
   Projection projection = plan_.empty_projection();
   // A neighbour's height decides too, and it may look as far.
-  const std::vector<Tile> tiles = cut_into_tiles(plan_.bins, bins_beyond(plan_) + 1, tile_points, row_points_,
-                                                 [&](int first, int last) { return count_columns(first, last, context.pool); });
+  const std::vector<Tile> tiles =
+      cut_into_tiles(plan_.bins, bins_beyond(plan_) + 1, tile_points, row_points_,
+                     [&](int first, int last) { return count_columns(first, last, context.pool); });
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
     fit_tile(tiles[t], context, projection);

@@ -106,7 +106,8 @@ bool is_lone_pit(const DepthGrid& grid, std::size_t i, std::size_t j, float abov
 
 // A node far below a neighbour, with a point or two at the neighbour's height in its window, may have missed a front
 // that chance has thinned there: wider windows decide again.
-void look_again(const Bins& bins, const NodeFitParameters& rule, double gap_m, int first_row, const Context& context, DepthGrid& grid) {
+void look_again(const Bins& bins, const NodeFitParameters& rule, double gap_m, int first_row, const Context& context,
+                DepthGrid& grid) {
   const Lattice& lattice = grid.lattice;
   const auto nx = static_cast<std::size_t>(lattice.nx);
   const auto ny = static_cast<std::size_t>(lattice.ny);
@@ -161,7 +162,8 @@ void look_again(const Bins& bins, const NodeFitParameters& rule, double gap_m, i
 
 }  // namespace
 
-void fit_rows(const Bins& bins, const NodeFitParameters& rule, double gap_m, int first_row, const Context& context, DepthGrid& rows) {
+void fit_rows(const Bins& bins, const NodeFitParameters& rule, double gap_m, int first_row, const Context& context,
+              DepthGrid& rows) {
   fit_nodes(bins, rule, first_row, context, rows);
   look_again(bins, rule, gap_m, first_row, context, rows);
 }

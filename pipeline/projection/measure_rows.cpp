@@ -80,8 +80,8 @@ std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::
     return {};
   }
   const BinLattice columns = disc_columns(plan.bins, *plan.discs);
-  TangentDiscs discs =
-      find_discs(points, skip, columns, columns_of(plan.bins, window, columns), *plan.discs, false, context.pool, store);
+  TangentDiscs discs = find_discs(points, skip, columns, columns_of(plan.bins, window, columns), *plan.discs, false,
+                                  context.pool, store);
   context.progress.throw_if_cancelled();
   if (plan.facing) plan.facing->set_facing(discs, context.pool);
   return fit_disc_rows(discs, plan, first_row, context, rows);

@@ -46,7 +46,6 @@ using ApproveLattice = std::function<void(const Lattice& lattice, std::uint64_t 
 /// bytes a point takes while nodes are measured, before memory
 /// is taken for it and may throw.
 [[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
-                                 double resolution_m, const Context& context,
-                                 const ApproveLattice& approve = {});
+                                 double resolution_m, const Context& context, const ApproveLattice& approve = {});
 
 }  // namespace sparsha::pipeline

@@ -39,7 +39,8 @@ std::size_t file_count(const SimulationConfig& config) {
   return std::get<ScannerConfig>(config.scan).stations.size();
 }
 
-void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink) {
+void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context,
+                   const SimulatedPointSink& sink) {
   if (std::holds_alternative<SamplerConfig>(config.scan)) {
     sample_file(config, surface, index, context, sink);
   } else {

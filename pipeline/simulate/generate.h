@@ -10,9 +10,11 @@
 namespace sparsha::pipeline {
 
 /// Points an orthographic camera sees.
-void sample_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink);
+void sample_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context,
+                 const SimulatedPointSink& sink);
 /// Points a station's beams meet.
-void scan_station(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink);
+void scan_station(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context,
+                  const SimulatedPointSink& sink);
 
 /// Signed error along the beam: Gaussian noise, and for an outlier up to the spread either way.
 [[nodiscard]] double range_error(const SimulationConfig& config, Random& random, bool& is_outlier);

@@ -29,7 +29,8 @@ const char* form_name(const Form& form) {
 
 }  // namespace
 
-void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown, const Context& context) {
+void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown,
+                      const Context& context) {
   const Lattice& lattice = truth.lattice();
   const auto nx = static_cast<std::size_t>(lattice.nx);
   HeightTiff tiff(file, shown, lattice.nx, lattice.ny, true);

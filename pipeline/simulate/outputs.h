@@ -17,7 +17,8 @@ struct SimulatedFile {
 };
 
 /// True heights as a tiled float64 TIFF, absolute, grid frame, top row first. Throws Error{failure}.
-void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown, const Context& context);
+void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown,
+                      const Context& context);
 [[nodiscard]] std::string truth_world_file(const Truth& truth);
 [[nodiscard]] std::string truth_json(const SimulationConfig& config, const Truth& truth,
                                      const std::vector<SimulatedFile>& files);

@@ -63,7 +63,8 @@ class Sampler {
 
 }  // namespace
 
-void sample_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink) {
+void sample_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context,
+                 const SimulatedPointSink& sink) {
   const Sampler sampler(config, surface);
   const auto files = static_cast<std::uint64_t>(std::get<SamplerConfig>(config.scan).files);
   const std::uint64_t begin = sampler.count() * index / files;

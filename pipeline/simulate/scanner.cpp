@@ -163,7 +163,8 @@ FieldOfView Station::field_of_view() const {
 
 }  // namespace
 
-void scan_station(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink) {
+void scan_station(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context,
+                  const SimulatedPointSink& sink) {
   const Station station(config, surface, index, context.pool);
   const FieldOfView view = station.field_of_view();
   const std::int64_t elevations = view.elevation_high - view.elevation_low + 1;
@@ -171,7 +172,7 @@ void scan_station(const SimulationConfig& config, const Surface& surface, std::s
   std::vector<std::vector<SimulatedPoint>> columns(static_cast<std::size_t>(at_once));
   for (std::int64_t first = view.azimuth_low; first <= view.azimuth_high; first += at_once) {
     context.progress.at(static_cast<double>(first - view.azimuth_low) /
-                static_cast<double>(view.azimuth_high + 1 - view.azimuth_low));
+                        static_cast<double>(view.azimuth_high + 1 - view.azimuth_low));
     const std::int64_t last = std::min(view.azimuth_high, first + at_once - 1);
     context.pool.for_ranges(static_cast<std::size_t>(last - first + 1), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = begin; c < end; ++c) {

@@ -106,7 +106,8 @@ class Truth {
 
 /// Calls `sink` with the points of file `index` in the file's order, block by block; memory stays below some MB.
 using SimulatedPointSink = std::function<void(std::span<const SimulatedPoint>)>;
-void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context, const SimulatedPointSink& sink);
+void generate_file(const SimulationConfig& config, const Surface& surface, std::size_t index, const Context& context,
+                   const SimulatedPointSink& sink);
 [[nodiscard]] std::size_t file_count(const SimulationConfig& config);
 
 /// All points in memory. The same configuration gives the same bits whatever the pool.

@@ -42,7 +42,7 @@ inline pipeline::ScenePointer scene(std::vector<pipeline::AudioRegionConfig> reg
   audio.regions = std::move(regions);
   audio.friction_sound_gain = friction_gain;
   return sparsha::test::scene_of([](double, double) { return 0.0; }, {2, 2, 1.0},
-                           [&](pipeline::SceneDescription& description) { description.config.audio = audio; });
+                                 [&](pipeline::SceneDescription& description) { description.config.audio = audio; });
 }
 
 inline std::shared_ptr<const audio::SoundBank> bank(std::vector<pipeline::AudioRegionConfig> regions,

@@ -20,11 +20,12 @@ inline pipeline::ScenePointer textured_scene(int nodes = 401) {
   const auto stone = [](double x, double y) {
     return sparsha::test::hills_m(x, y) + 0.0003 * std::sin(900.0 * x) * std::sin(700.0 * y);
   };
-  return sparsha::test::scene_of(stone, nodes, 0.1, 101, Eigen::Vector3d(2.0, -3.0, 0.5), [](pipeline::SceneDescription& d) {
-    d.config.friction = pipeline::FrictionConfig{};
-    d.config.friction->law = pipeline::FrictionConfig::Law::constant;
-    d.config.parts.push_back({"middle", "The middle of it", {2.0, -3.0, 2.1, -2.9}});
-  });
+  return sparsha::test::scene_of(stone, nodes, 0.1, 101, Eigen::Vector3d(2.0, -3.0, 0.5),
+                                 [](pipeline::SceneDescription& d) {
+                                   d.config.friction = pipeline::FrictionConfig{};
+                                   d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+                                   d.config.parts.push_back({"middle", "The middle of it", {2.0, -3.0, 2.1, -2.9}});
+                                 });
 }
 
 /// From start to stop; one of `wishes` is posted every 0.3 s.

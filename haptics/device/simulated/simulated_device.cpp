@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "haptics/device/simulated/simulated_device.h"
 #include "haptics/device/simulated/exploration_script.h"
 #include "haptics/device/simulated/hand.h"
+#include "haptics/device/simulated/simulated_device.h"
 
 namespace sparsha::haptics {
 namespace {

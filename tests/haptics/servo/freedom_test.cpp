@@ -108,7 +108,7 @@ class WatchingDevice final : public Device {
 
 pipeline::ScenePointer hills() {
   return sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1, 200, Eigen::Vector3d::Zero(),
-                           [](pipeline::SceneDescription& d) { d.config.friction = pipeline::FrictionConfig{}; });
+                                 [](pipeline::SceneDescription& d) { d.config.friction = pipeline::FrictionConfig{}; });
 }
 
 /// Over two seconds of stroking with window changes on the way; at least 500 ticks, 100 of them with force.

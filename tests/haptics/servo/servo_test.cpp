@@ -31,7 +31,8 @@ TEST(Servo, RunsAtItsRateAndReportsWhatItGot) {
     Seqlock<State> state;
     ServoOptions options;
     options.renderer.rate_hz = rate_hz;
-    Servo servo(*device, options, window_on(sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1)), state, {}, nullptr);
+    Servo servo(*device, options, window_on(sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1)), state, {},
+                nullptr);
     const std::int64_t begun_ns = now_ns();
     servo.start();
     ASSERT_TRUE(eventually([&] { return state.read().time_s > 1.0; }));

@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "haptics/device/simulated/simulated_device.h"
 #include "haptics/device/pointer/pointer_device.h"
-#include "tests/support/scenes.h"
+#include "haptics/device/simulated/simulated_device.h"
 #include "tests/support/recorded_runs.h"
+#include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 
 namespace sparsha::haptics {
@@ -132,11 +132,11 @@ TEST(Session, AReliefDeeperThanTheWorkspaceComesIntoReachAtItsRim) {
 }
 
 TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
-  const auto scene = sparsha::test::scene_of([](double x, double) { return x > 0.07 ? std::nan("") : 0.0; }, 101, 0.1, 200,
-                                       Eigen::Vector3d::Zero(),
-                                       [](pipeline::SceneDescription& d) {
-                                         d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
-                                       });
+  const auto scene = sparsha::test::scene_of([](double x, double) { return x > 0.07 ? std::nan("") : 0.0; }, 101, 0.1,
+                                             200, Eigen::Vector3d::Zero(),
+                                             [](pipeline::SceneDescription& d) {
+                                               d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
+                                             });
   Placed hand;
   Session session(scene, make_pointer_device(hand.place), SessionOptions{});
   session.start();
@@ -159,15 +159,15 @@ TEST(Session, PartsAndSoundsStayWhereTheyAreOnTheObjectWhenItIsScannedFromAnothe
   // The same plate before and after a half turn about z: what was on the left is on the right.
   const auto plate = [](bool turned) {
     return sparsha::test::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
-                             [turned](pipeline::SceneDescription& d) {
-                               d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
-                               d.config.parts.push_back({"right", "Right half", {0.055, 0.0, 0.1, 0.1}});
-                               if (!turned) return;
-                               Eigen::Matrix4d half_turn = Eigen::Matrix4d::Identity();
-                               half_turn(0, 0) = half_turn(1, 1) = -1.0;
-                               half_turn(0, 3) = half_turn(1, 3) = 0.1;
-                               d.region_from_grid = half_turn;
-                             });
+                                   [turned](pipeline::SceneDescription& d) {
+                                     d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
+                                     d.config.parts.push_back({"right", "Right half", {0.055, 0.0, 0.1, 0.1}});
+                                     if (!turned) return;
+                                     Eigen::Matrix4d half_turn = Eigen::Matrix4d::Identity();
+                                     half_turn(0, 0) = half_turn(1, 1) = -1.0;
+                                     half_turn(0, 3) = half_turn(1, 3) = 0.1;
+                                     d.region_from_grid = half_turn;
+                                   });
   };
   Placed hand;
   Session session(plate(false), make_pointer_device(hand.place), SessionOptions{});

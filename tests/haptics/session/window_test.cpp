@@ -119,14 +119,14 @@ TEST(Window, LoadsFromASixteenThousandNodeSceneOnDiskReadingOnlyItsTiles) {
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   const int nodes = nightly ? 16384 : 2048;
   const test::TestFolder folder;
-  pipeline::write_scene(
-      *sparsha::test::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200, Eigen::Vector3d::Zero(),
-                         [](pipeline::SceneDescription& d) {
-                           pipeline::ScanConfig scan;
-                           scan.file = "none.ply";
-                           d.config.scans.push_back(scan);
-                         }),
-      folder);
+  pipeline::write_scene(*sparsha::test::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200,
+                                                 Eigen::Vector3d::Zero(),
+                                                 [](pipeline::SceneDescription& d) {
+                                                   pipeline::ScanConfig scan;
+                                                   scan.file = "none.ply";
+                                                   d.config.scans.push_back(scan);
+                                                 }),
+                        folder);
   const auto scene = pipeline::open_scene(folder);
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> place(0.0, 1.0);
