@@ -309,7 +309,7 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_flag("--headless", arguments->headless, "no window");
   command->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
       ->check(CLI::Range(0.001, 1e7));
-  command->add_option("--record", arguments->record, "run.csv, one row a tick");
+  command->add_option("--record", arguments->record, "run.csv, one row per tick");
   command->add_option("--screenshot", arguments->screenshot, "view.png, 1280x720, the last touch of the run");
   command->add_option("--audio-out", arguments->audio_out, "run.wav, its start is t_s = 0");
   command->add_flag("--no-texture", arguments->no_texture, "render the envelope, without surface effects");

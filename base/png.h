@@ -15,7 +15,7 @@ namespace sparsha {
 
 /// What a picture is. Rows are written from the top down.
 struct PngFormat {
-  enum class Pixel { grey16, rgb8, palette8 };  ///< 2 bytes (big-endian), 3 bytes, 1 byte a pixel
+  enum class Pixel { grey16, rgb8, palette8 };  ///< 2 bytes (big-endian), 3 bytes, 1 byte per pixel
   int width = 0;
   int height = 0;
   Pixel pixel = Pixel::rgb8;

@@ -41,7 +41,7 @@ int main() {
     in_contact += now.contact != 0 ? 1 : 0;
   }
   servo.stop();
-  std::printf("%llu ticks, seen in contact %d times, peak force %.2f N, %.0f ns a tick (median)\n",
+  std::printf("%llu ticks, seen in contact %d times, peak force %.2f N, %.0f ns per tick (median)\n",
               static_cast<unsigned long long>(servo.figures().ticks), in_contact, peak_n,
               servo.figures().tick_ns.quantile_ns(0.5));
   return servo.figures().ticks > 0 ? 0 : 1;

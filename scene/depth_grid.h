@@ -46,7 +46,7 @@ struct DepthGrid {
       : lattice(l), height_m(l.count(), kUnknownHeight), state(l.count(), NodeState::unknown) {}
 };
 
-/// A level's (or a window's) layers. Optional layers are empty when the scene has none; else one value a node.
+/// A level's (or a window's) layers. Optional layers are empty when the scene has none; else one value per node.
 struct Layers {
   DepthGrid grid;
   std::vector<float> envelope_m;                 ///< f_b, bilateral-filtered heights, relative to origin_m.z

@@ -8,7 +8,7 @@
 
 namespace sparsha::pipeline {
 
-/// One value a node; `name` as scene.yaml lists it, and of its file in a level's folder.
+/// One value per node; `name` as scene.yaml lists it, and of its file in a level's folder.
 struct OptionalLayer {
   const char* name;
   bool SceneDescription::*present;

@@ -12,7 +12,7 @@ namespace sparsha::pipeline {
 struct TiffLayout {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::uint32_t tile = 0;     ///< nodes a side; 0: the file is not tiled, or not square
+  std::uint32_t tile = 0;     ///< nodes per side; 0: the file is not tiled, or not square
   std::uint16_t bits = 32;    ///< of a sample
   std::uint16_t samples = 1;  ///< 4: red, green, blue, alpha
   bool floating = true;       ///< IEEE numbers, of which NaN is declared to be "no data"; else unsigned integers

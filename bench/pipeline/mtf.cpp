@@ -254,7 +254,7 @@ void run_gratings(double per_node, double noise_spacings, double slope, Table& t
   grid.spacing_m = kSpacing;
   grid.bounds_m = {0.0, 0.0, side + 0.25 * kSpacing, side + 0.25 * kSpacing};
   const pipeline::Projection projection = test::project_cloud(test::make_cloud(points), grid);
-  table.rows(fmt::format("gratings of slope {}, {} points a node", slope, per_node),
+  table.rows(fmt::format("gratings of slope {}, {} points per node", slope, per_node),
              compare(projection.grid, height_m));
 }
 

@@ -11,12 +11,7 @@ class PathDevice final : public Device {
  public:
   explicit PathDevice(std::shared_ptr<const Recording> recording) : recording_(std::move(recording)) {}
 
-  [[nodiscard]] DeviceInfo info() const override {
-    DeviceInfo info = recording_->info();
-    info.rate_hz = 1.0 / recording_->period_s();
-    info.warning = warning_of(*recording_);
-    return info;
-  }
+  [[nodiscard]] DeviceInfo info() const override { return played_device(*recording_); }
 
   [[nodiscard]] DeviceSample read(double, double) noexcept override {
     if (next_ < recording_->rows().size()) return sample_of(recording_->rows()[next_++]);
@@ -45,13 +40,14 @@ DeviceSample sample_of(const RecordedRow& row) noexcept {
   return sample;
 }
 
-std::string warning_of(const Recording& recording) {
-  std::string text;
-  if (recording.cut_short()) text = "The recording ends in the middle of a row";
+DeviceInfo played_device(const Recording& recording) {
+  DeviceInfo info = recording.info();
+  info.rate_hz = 1.0 / recording.period_s();
+  if (recording.cut_short()) info.warning = "The recording ends in the middle of a row";
   if (recording.limited())
-    text +=
-        std::string(text.empty() ? "" : "; ") + "The recording was made with a stronger device: its forces are limited";
-  return text;
+    info.warning += std::string(info.warning.empty() ? "" : "; ") +
+                    "The recording was made with a stronger device: its forces are limited";
+  return info;
 }
 
 std::unique_ptr<Device> make_path_device(std::shared_ptr<const Recording> recording) {

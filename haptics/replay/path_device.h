@@ -14,7 +14,7 @@ namespace sparsha::haptics {
 /// The row as the device gave it.
 [[nodiscard]] DeviceSample sample_of(const RecordedRow& row) noexcept;
 
-/// What a user should know of the recording before it is played; empty = nothing.
-[[nodiscard]] std::string warning_of(const Recording& recording);
+/// The recorded device as it is played: paced by the recording's rows, with a warning of what a user should know.
+[[nodiscard]] DeviceInfo played_device(const Recording& recording);
 
 }  // namespace sparsha::haptics

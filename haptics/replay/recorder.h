@@ -1,4 +1,4 @@
-// Takes a row a tick from the servo through a bounded queue; a thread of its own counts and writes run.csv.
+// Takes a row per tick from the servo through a bounded queue; a thread of its own counts and writes run.csv.
 #pragma once
 
 #include <array>

@@ -7,11 +7,6 @@
 #include "base/error.h"
 
 namespace sparsha::haptics {
-namespace {
-
-constexpr std::int64_t kInTimeNs = 1'000'000;
-
-}  // namespace
 
 Replay::Replay(pipeline::ScenePointer scene, std::shared_ptr<const Recording> recording, const RendererOptions& options,
                Seqlock<State>& state, std::vector<std::shared_ptr<ContactQueue>> consumers, RecordSink* recorder)
@@ -40,12 +35,8 @@ void Replay::tick(std::int64_t late_ns) noexcept {
   const std::int64_t begun_ns = clock_.now_ns();
   run_.step();
   const std::int64_t tick_ns = clock_.now_ns() - begun_ns;
-  ++figures_.ticks;
-  if (late_ns <= kInTimeNs) ++in_time_;
-  figures_.share_in_time = static_cast<double>(in_time_) / static_cast<double>(figures_.ticks);
+  figures_.count(tick_ns, late_ns);
   figures_.faults = run_.renderer().faults();
-  figures_.tick_ns.add(tick_ns);
-  figures_.lateness.add(late_ns);
   State& state = run_.renderer().state();
   state.tick_ns = static_cast<double>(tick_ns);
   state.late_ns = static_cast<double>(late_ns);

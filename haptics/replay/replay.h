@@ -46,7 +46,6 @@ class Replay {
   Publisher publisher_;
   ServoClock clock_;
   ServoFigures figures_;
-  std::uint64_t in_time_ = 0;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> finished_{false};
   std::atomic<std::uint64_t> windows_{1};

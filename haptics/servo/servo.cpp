@@ -16,6 +16,14 @@ constexpr int kFinalZeros = 3;  // packets get lost; say it more than once
 
 }  // namespace
 
+void ServoFigures::count(std::int64_t took_ns, std::int64_t late_ns) noexcept {
+  tick_ns.add(took_ns);
+  lateness.add(late_ns);
+  ++ticks;
+  if (late_ns <= kInTimeNs) ++ticks_in_time;
+  share_in_time = static_cast<double>(ticks_in_time) / static_cast<double>(ticks + missed_ticks);
+}
+
 Servo::Servo(Device& device, const ServoOptions& options, HapticWindow window, Seqlock<State>& state,
              std::vector<std::shared_ptr<ContactQueue>> consumers, RecordSink* recorder)
     : device_(device),
@@ -130,11 +138,7 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
 
   state.tick_ns = static_cast<double>(decided_ns - in_hand_ns);
   state.late_ns = static_cast<double>(late_ns);
-  figures_.tick_ns.add(decided_ns - in_hand_ns);
-  figures_.lateness.add(late_ns);
-  ++figures_.ticks;
-  if (late_ns <= kInTimeNs) ++in_time_;
-  figures_.share_in_time = static_cast<double>(in_time_) / static_cast<double>(figures_.ticks + figures_.missed_ticks);
+  figures_.count(decided_ns - in_hand_ns, late_ns);
   publish();
 }
 

@@ -34,12 +34,16 @@ struct ServoFigures {
   std::uint64_t faults = 0;       ///< ticks with NaN, unplugging, lateness or after the watchdog has tripped
   std::uint64_t late_faults = 0;  ///< pauses beyond the patience that the servo itself noticed
   std::uint64_t watchdog_trips = 0;
-  double share_in_time = 1.0;  ///< ticks begun within 1 ms of plan, missed ones in the count
-  bool real_time = false;      ///< SCHED_FIFO was granted
+  std::uint64_t ticks_in_time = 0;  ///< begun within 1 ms of plan
+  double share_in_time = 1.0;       ///< of all ticks, missed ones in the count
+  bool real_time = false;           ///< SCHED_FIFO was granted
   bool locked_memory = false;
   double swap_ns_max = 0.0;  ///< longest command
   TimeHistogram tick_ns;
   LatenessHistogram lateness;
+
+  /// Counts one tick. Servo thread.
+  void count(std::int64_t took_ns, std::int64_t late_ns) noexcept;
 };
 
 /// One thread calls start(), post(), collect() and stop(); the servo's own thread does the rest.
@@ -109,7 +113,6 @@ class Servo {
   RetiredQueue retired_{128};
   Command command_;         // the one being carried out
   SurfacePointer leaving_;  // waiting for room in the queue of retired surfaces
-  std::uint64_t in_time_ = 0;
   ServoFigures figures_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> finished_{false};

@@ -42,13 +42,6 @@ double checked_rate(double rate_hz, double own_rate_hz) {
   throw usage_error(fmt::format("a servo rate of {} Hz", rate_hz), "rate_hz from 100 to 10000");
 }
 
-DeviceInfo info_of(const Recording& recording) {
-  DeviceInfo info = recording.info();
-  info.rate_hz = 1.0 / recording.period_s();
-  info.warning = warning_of(recording);
-  return info;
-}
-
 }  // namespace
 
 struct Session::Implementation {
@@ -58,7 +51,7 @@ struct Session::Implementation {
         device(std::move(hand)),
         recording(std::move(played)),
         options(std::move(session_options)),
-        info(device ? device->info() : info_of(*recording)),
+        info(device ? device->info() : played_device(*recording)),
         rate_hz(checked_rate(options.haptics.rate_hz, info.rate_hz)),
         announcer(announcements, scene),
         navigator(scene, info.workspace_width_m, options.effects, announcer),

@@ -21,7 +21,7 @@ struct WindowPlan {
 [[nodiscard]] int overview_level(const pipeline::SceneDescription& scene);
 
 /// The window of a level around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
-/// the level is the same computation), else levels.window nodes a side. Scale = workspace width / window width.
+/// the level is the same computation), else levels.window nodes per side. Scale = workspace width / window width.
 [[nodiscard]] WindowPlan plan_window(const pipeline::SceneDescription& scene, int level,
                                      const Eigen::Vector2d& centre_m, double workspace_width_m);
 

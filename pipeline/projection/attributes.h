@@ -19,7 +19,7 @@ class AttributeSums {
   /// Which attributes are summed. `largest_intensity` is the largest magnitude of a finite one.
   AttributeSums(const Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity, float largest_intensity);
 
-  /// `rgba` and `intensity` hold one value a point where they are summed.
+  /// `rgba` and `intensity` hold one value per point where they are summed.
   void add(const OrientedPoints& points, const PointClass* point_class, const std::uint32_t* rgba,
            const float* intensity);
 

@@ -27,7 +27,7 @@ constexpr std::size_t kMany = 48;
 constexpr double kChance = 1e-3;
 constexpr double kChanceOfMany = 1e-2;
 constexpr double kChanceAlone = 1e-1;
-// The kernel's radius at four points a node, and its share of that where there are many.
+// The kernel's radius at four points per node, and its share of that where there are many.
 constexpr double kRadius = 1.5;
 constexpr double kNarrowest = 0.7;
 // Ranks are counted pair by pair up to so many points; more are sorted.

@@ -28,8 +28,8 @@ struct NodeFit {
 /// of 56 degrees descends from one point to the next.
 [[nodiscard]] double layer_gap_m(double noise_m, double point_spacing_m);
 
-/// Radius of the kernel in spacings: 1.5 local ones at four points a node, wider where points are few, less where there
-/// are points to spare. `window_area` in nodes.
+/// Radius of the kernel in spacings: 1.5 local ones at four points per node, wider where points are few, less where
+/// there are points to spare. `window_area` in nodes.
 [[nodiscard]] double kernel_radius(double spacing, std::size_t points, double window_area);
 /// What it falls to where spacings are 1 and points many.
 [[nodiscard]] double least_kernel_radius();

@@ -21,7 +21,7 @@ struct Rows {
   std::size_t nx, first, last;
 };
 
-// Below these heights, one a column, points are hidden: all columns around have two points far above.
+// Below these heights, one per column, points are hidden: all columns around have two points far above.
 std::vector<float> hidden_below(const Bins& bins, const Rows& rows, double depth_m, ThreadPool& pool) {
   const std::size_t nx = rows.nx;
   std::vector<float> second(bins.lattice.bin_count(), kLowest);
@@ -49,7 +49,7 @@ std::vector<float> hidden_below(const Bins& bins, const Rows& rows, double depth
   return hidden;
 }
 
-/// What the kernel writes, one value a point.
+/// What the kernel writes, one value per point.
 struct Found {
   Buffer<float> x, y, z, slope_x, slope_y, above, radius2;
 

@@ -38,7 +38,7 @@ struct DiscRule {
 struct TangentDiscs {
   BinLattice columns;
   BinWindow window;                 ///< the columns that are there
-  Buffer<std::uint32_t> start;      ///< bins_x() + 1 values a row; those of the window's rows are set
+  Buffer<std::uint32_t> start;      ///< bins_x() + 1 values per row; those of the window's rows are set
   Buffer<float> x, y;               ///< feet, metres relative to the oriented points' origin
   Buffer<float> slope_x, slope_y;   ///< dz/dx, dz/dy
   Buffer<float> radius2;            ///< of the disc, m^2

@@ -1,4 +1,4 @@
-// Every picture is a field of one value a pixel, painted through a colour map; unknown pixels are hatched.
+// Every picture is a field of one value per pixel, painted through a colour map; unknown pixels are hatched.
 #include "pipeline/report/images.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Fields of one value a pixel, and the shading of heights.
+// Fields of one value per pixel, and the shading of heights.
 #pragma once
 
 #include <limits>

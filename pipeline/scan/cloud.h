@@ -36,8 +36,8 @@ struct Station {
 struct Cloud {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   std::shared_ptr<pcl::PointCloud<pcl::PointXYZ>> points;
-  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one a point
-  std::vector<float> intensity;                     ///< empty or one a point
+  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one per point
+  std::vector<float> intensity;                     ///< empty or one per point
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points
   std::uint64_t invalid = 0;                        ///< records of the file that were not finite or flagged invalid
   std::vector<Station> stations;                    ///< of the scans that say where they were made from

@@ -27,8 +27,8 @@ struct RawStation {
 struct RawScan {
   std::string format;                               ///< "PLY binary little-endian", "LAS 1.2 pf3", ...
   std::vector<Eigen::Vector3d> points;              ///< finite ones only
-  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one a point
-  std::vector<float> intensity;                     ///< empty or one a point
+  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one per point
+  std::vector<float> intensity;                     ///< empty or one per point
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles of valid points, indices into `points`
   std::uint64_t records = 0;                        ///< point records (STL: distinct vertices), invalid ones included
   std::uint64_t invalid = 0;                        ///< records not finite or flagged invalid
@@ -49,8 +49,8 @@ struct RawScan {
 /// Some consecutive valid points of a scan; spans are good during the call only.
 struct PointBlock {
   std::span<const Eigen::Vector3d> points;   ///< file units, the file's own pose applied
-  std::span<const std::uint32_t> rgba;       ///< empty or one a point
-  std::span<const float> intensity;          ///< empty or one a point
+  std::span<const std::uint32_t> rgba;       ///< empty or one per point
+  std::span<const float> intensity;          ///< empty or one per point
   std::optional<Eigen::Vector3d> station{};  ///< where the scanner stood, when the file says so
 };
 using PointSink = std::function<void(const PointBlock&)>;

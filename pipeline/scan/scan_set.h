@@ -23,8 +23,8 @@ namespace sparsha::pipeline {
 /// origin. Spans are good during the call only.
 struct CloudBlock {
   std::span<const Eigen::Vector3f> points;
-  std::span<const std::uint32_t> rgba;  ///< empty or one a point
-  std::span<const float> intensity;     ///< empty or one a point
+  std::span<const std::uint32_t> rgba;  ///< empty or one per point
+  std::span<const float> intensity;     ///< empty or one per point
 };
 
 class ScanSet {

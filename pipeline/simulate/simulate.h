@@ -53,7 +53,7 @@ struct SimulationConfig {
   bool double_precision = false;  ///< PLY coordinates
   bool intensity = false;         ///< PLY: float intensity, 0 to 1
   bool colour = false;            ///< PLY: red green blue
-  bool write_truth = true;        ///< truth.tif; 8 bytes a node
+  bool write_truth = true;        ///< truth.tif; 8 bytes per node
   bool station_frame = false;     ///< files in the stations' own frames, poses in the configuration
 };
 

@@ -30,7 +30,7 @@ struct ScanOptions {
 
 struct ObjectScan {
   Points points;
-  std::vector<Eigen::Vector3d> normals;  ///< true ones, outward, one a point
+  std::vector<Eigen::Vector3d> normals;  ///< true ones, outward, one per point
   double spacing_m = 0.0;                ///< mean: root of area over points
   double noise_m = 0.0;
   std::optional<Hole> hole;  ///< nothing where no place of the front can hold one

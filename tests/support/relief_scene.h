@@ -59,7 +59,7 @@ inline void sample_surface(Points& out, const HeightFunction& f, std::size_t cou
   }
 }
 
-/// The relief at 512 nodes with `front` and `back` points a node; the back is rough and 60 mm behind.
+/// The relief at 512 nodes with `front` and `back` points per node; the back is rough and 60 mm behind.
 inline Points relief_scan(double front, double back, std::uint64_t seed, double sigma_m = 0.0002) {
   std::mt19937_64 random(seed);
   Points points;

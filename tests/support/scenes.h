@@ -25,7 +25,7 @@ struct SceneOptions {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
 };
 
-/// `height_m` above the origin at x, y in metres from node (0, 0). A window has 100 nodes a side.
+/// `height_m` above the origin at x, y in metres from node (0, 0). A window has 100 nodes per side.
 inline pipeline::ScenePointer scene_of(const HeightFunction& height_m, const SceneOptions& options,
                                        const EditDescription& edit = {}, const EditLayers& edit_layers = {}) {
   pipeline::SceneDescription description;

@@ -18,7 +18,7 @@ struct Heights {
 
 /// Share, 0 to 1, of a light at `azimuth_rad` (counted from +x towards +y, where the light comes FROM) and
 /// `elevation_rad` above the lattice that each node sees. `softness` is the height in spacings over which a shadow's
-/// edge fades. Cost: about 3 ns a node. Heights outside the lattice cast no shadow.
+/// edge fades. Cost: about 3 ns per node. Heights outside the lattice cast no shadow.
 [[nodiscard]] std::vector<float> light_visibility(const Heights& heights, double azimuth_rad, double elevation_rad,
                                                   double softness);
 

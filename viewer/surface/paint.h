@@ -22,7 +22,7 @@ struct Legend {
   bool scale = false;  ///< a colour bar is meant; false: only the title
 };
 
-/// sRGB colour and, as alpha, whether there is one: four bytes a node. Empty for ColourMode::relief.
+/// sRGB colour and, as alpha, whether there is one: four bytes per node. Empty for ColourMode::relief.
 struct Paint {
   std::vector<std::uint8_t> rgba;
   Legend legend;

@@ -1,4 +1,4 @@
-// What the graphics card is given of a piece of a scene: heights, slopes, baked light and tones, one value a node.
+// What the graphics card is given of a piece of a scene: heights, slopes, baked light and tones, one value per node.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct ReliefData {
   bool envelope = false;           ///< heights are the envelope's (texture switched off)
   std::vector<float> height_m;     ///< relative to lattice.origin_m.z; unknown nodes continued smoothly
   std::vector<float> slope;        ///< dz/dx and dz/dy of each node, interleaved
-  std::vector<std::uint8_t> tone;  ///< four bytes a node: sky light, curvature (128 flat), known, filled
+  std::vector<std::uint8_t> tone;  ///< four bytes per node: sky light, curvature (128 flat), known, filled
   double rms_slope = 0.0;
   double height_min_m = 0.0;  ///< grid frame, of known nodes
   double height_max_m = 0.0;
@@ -34,7 +34,7 @@ struct ReliefData {
   [[nodiscard]] double height_at(double x_m, double y_m) const;
 };
 
-/// Reads nothing; all work is on `layers`. `noise_m` keeps noise from being drawn as form. Cost: about 0.2 us a node
+/// Reads nothing; all work is on `layers`. `noise_m` keeps noise from being drawn as form. Cost: about 0.2 us per node
 /// and thread.
 [[nodiscard]] ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, double noise_m,
                                         ThreadPool& pool);

@@ -24,7 +24,7 @@ struct NodeKernel {
   const float* z = nullptr;
   std::size_t bins_x = 0;
   std::size_t margin = 0;  ///< bins before node 0 in x and y
-  std::size_t nx = 0;      ///< nodes a row
+  std::size_t nx = 0;      ///< nodes per row
   double x0_m = 0.0, y0_m = 0.0, spacing_m = 0.0;
   float band_m = 0.0F;   ///< half height of the band that is searched for the front
   float scale_m = 0.0F;  ///< standard deviation of residuals
@@ -124,7 +124,7 @@ struct DiscKernel {
   static constexpr std::size_t kMostCandidates = 8192;  ///< of a point's neighbours; others are not looked at
   static constexpr std::size_t kScratch = 8 * (kMostCandidates + kReadAhead);
 
-  const std::uint32_t* start = nullptr;  ///< first point of each column, bins_x columns a row
+  const std::uint32_t* start = nullptr;  ///< first point of each column, bins_x columns per row
   const float* x = nullptr;              ///< metres
   const float* y = nullptr;
   const float* z = nullptr;
@@ -168,7 +168,7 @@ struct DiscNodeKernel {
     kUnsure = 8,    ///< nothing tells which way the layer faces
   };
 
-  const std::uint32_t* start = nullptr;  ///< first disc of each column, bins_x + 1 values a row
+  const std::uint32_t* start = nullptr;  ///< first disc of each column, bins_x + 1 values per row
   const float* x = nullptr;              ///< the discs, as DiscKernel has them
   const float* y = nullptr;
   const float* slope_x = nullptr;
@@ -194,7 +194,7 @@ struct DiscNodeKernel {
 struct FacingKernel {
   static constexpr std::size_t kReadAhead = 24;
 
-  const std::uint32_t* start = nullptr;  ///< first sample of each column, columns + 1 values a row
+  const std::uint32_t* start = nullptr;  ///< first sample of each column, columns + 1 values per row
   std::size_t columns = 0, rows = 0;
   float x_shift_m = 0.0F, y_shift_m = 0.0F, per_m = 1.0F;  ///< see BinLocator
   const float* x = nullptr;                                ///< metres

@@ -142,7 +142,7 @@ enum Verdict : std::uint8_t {
   kWider
 };
 
-// Decides a window of 2 reach + 1 nodes a side, if it is one simple layer.
+// Decides a window of 2 reach + 1 nodes per side, if it is one simple layer.
 SPARSHA_INLINE Verdict fit_node(const sparsha::pipeline::NodeKernel& k, Window& window, std::size_t count,
                                 std::size_t reach, float& height) {
   Ints in_count{};

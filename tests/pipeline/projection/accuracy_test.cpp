@@ -55,7 +55,7 @@ TEST(ProjectionAccuracy, SmoothPartsStayWithinTheNoiseOfTheirPoints) {
     sample_surface(points, smooth_forms_m, points_for(per_node, kSize), {kNoise, 0.0}, random);
     const pipeline::Projection p = project_cloud(make_cloud(points), nodes(kSize));
     const Errors errors = judge(p.grid, smooth_forms_m, anywhere);
-    EXPECT_LE(errors.rms_m, 0.7 * kNoise / std::sqrt(per_node)) << per_node << " points a node";
+    EXPECT_LE(errors.rms_m, 0.7 * kNoise / std::sqrt(per_node)) << per_node << " points per node";
   }
 }
 

@@ -261,7 +261,7 @@ TEST(ProjectionKernels, FitNodesBitForBitWithEveryInstructionSet) {
     const auto a = fit_all(bins, pipeline::baseline_kernels());
     for (const auto* kernels : vector_kernels()) {
       const auto b = fit_all(bins, *kernels);
-      EXPECT_EQ(a.second, b.second) << per_node << " points a node";
+      EXPECT_EQ(a.second, b.second) << per_node << " points per node";
       EXPECT_EQ(0, std::memcmp(a.first.data(), b.first.data(), a.first.size() * sizeof(float))) << per_node;
     }
   }

@@ -267,7 +267,7 @@ TEST(Projection, ManyCopiesOfAPointLeaveItsNeighboursAsTheyAre) {
     const double change = static_cast<double>(p.grid.height_m[node]) - static_cast<double>(plain.grid.height_m[node]);
     if (!(std::abs(change) < 0.005)) ++far;
   }
-  EXPECT_LE(far, 49U) << "a node's window has seven nodes a side at most where points are dense";
+  EXPECT_LE(far, 49U) << "a node's window has seven nodes per side at most where points are dense";
 }
 
 TEST(Projection, RefusesGridsThatCannotFit) {
