@@ -1,30 +1,52 @@
-# The embeddable core as a package: cmake --install build --component haptics --prefix PREFIX, then
-# find_package(Sparsha COMPONENTS haptics) and sparsha::haptics.
+# What other programs embed, as a package of two components:
+#   cmake --install build --component haptics --prefix PREFIX; find_package(Sparsha COMPONENTS haptics): sparsha::haptics
+#   and then cmake --install build --component pcl --prefix PREFIX; find_package(Sparsha COMPONENTS pcl): sparsha::pcl
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Sparsha)
 
-set_target_properties(sparsha_base_core PROPERTIES EXPORT_NAME base)
-set_target_properties(sparsha_scene_core PROPERTIES EXPORT_NAME scene)
-set_target_properties(sparsha_state PROPERTIES EXPORT_NAME state)
-set_target_properties(sparsha_haptics PROPERTIES EXPORT_NAME haptics)
-install(TARGETS sparsha_base_core sparsha_scene_core sparsha_state sparsha_haptics EXPORT SparshaTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT haptics)
-install(EXPORT SparshaTargets NAMESPACE sparsha:: DESTINATION ${package} COMPONENT haptics)
+# sparsha_package(component export-set NAME target...): the libraries, under sparsha::NAME.
+function(sparsha_package component set)
+  list(LENGTH ARGN count)
+  math(EXPR last "${count} - 1")
+  foreach(i RANGE 0 ${last} 2)
+    math(EXPR next "${i} + 1")
+    list(GET ARGN ${i} name)
+    list(GET ARGN ${next} target)
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+    install(TARGETS ${target} EXPORT ${set} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+  endforeach()
+  install(EXPORT ${set} NAMESPACE sparsha:: DESTINATION ${package} COMPONENT ${component})
+endfunction()
+
+# sparsha_headers(component folder file...): headers keep their paths from the root.
+function(sparsha_headers component folder)
+  list(TRANSFORM ARGN PREPEND ${folder}/)
+  install(FILES ${ARGN} DESTINATION ${SPARSHA_INSTALL_INCLUDE}/${folder} COMPONENT ${component})
+endfunction()
+
+# What both components stand on belongs to the first: CMake exports a target once.
+sparsha_package(haptics SparshaCoreTargets base sparsha_base_core scene sparsha_scene_core)
+sparsha_headers(haptics base error.h)
+sparsha_headers(haptics scene depth_grid.h)
 
 # The headers that tools/check-rooms.py lets the core include.
+sparsha_package(haptics SparshaHapticsTargets state sparsha_state haptics sparsha_haptics)
 foreach(folder governor servo state)
   install(DIRECTORY haptics/${folder}/ DESTINATION ${SPARSHA_INSTALL_INCLUDE}/haptics/${folder} COMPONENT haptics
     FILES_MATCHING PATTERN "*.h")
 endforeach()
-install(FILES haptics/surface/monge_surface.h DESTINATION ${SPARSHA_INSTALL_INCLUDE}/haptics/surface COMPONENT haptics)
-install(FILES haptics/proxy/proxy.h DESTINATION ${SPARSHA_INSTALL_INCLUDE}/haptics/proxy COMPONENT haptics)
-install(FILES haptics/device/device.h
-  DESTINATION ${SPARSHA_INSTALL_INCLUDE}/haptics/device COMPONENT haptics)
-install(FILES haptics/device/simulated/exploration_script.h haptics/device/simulated/simulated_device.h
-  DESTINATION ${SPARSHA_INSTALL_INCLUDE}/haptics/device/simulated COMPONENT haptics)
-install(FILES base/error.h DESTINATION ${SPARSHA_INSTALL_INCLUDE}/base COMPONENT haptics)
-install(FILES scene/depth_grid.h scene/workspace.h scene/region_frame.h scene/haptics_config.h
-  DESTINATION ${SPARSHA_INSTALL_INCLUDE}/scene COMPONENT haptics)
+sparsha_headers(haptics haptics/surface monge_surface.h)
+sparsha_headers(haptics haptics/proxy proxy.h)
+sparsha_headers(haptics haptics/device device.h)
+sparsha_headers(haptics haptics/device/simulated exploration_script.h simulated_device.h)
+sparsha_headers(haptics scene workspace.h region_frame.h haptics_config.h)
+
+# Templates over PCL's point types, and what they are built on.
+sparsha_package(pcl SparshaPclTargets scan sparsha_scan_core filter sparsha_filter_core projection sparsha_projection
+  pcl sparsha_for_pcl)
+install(DIRECTORY sparsha/pcl/ DESTINATION ${SPARSHA_INSTALL_INCLUDE}/sparsha/pcl COMPONENT pcl
+  FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
+sparsha_headers(pcl pipeline/scan cloud.h)
 
 configure_package_config_file(cmake/SparshaConfig.cmake.in ${CMAKE_BINARY_DIR}/SparshaConfig.cmake
   INSTALL_DESTINATION ${package})

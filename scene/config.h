@@ -52,6 +52,11 @@ using FilterConfig = std::variant<CropConfig, VoxelConfig, OutlierConfig>;
 
 /// How the object is looked at; `scan_to_grid` is what counts, an invertible affine about the scan frame's origin.
 struct OrientationConfig {
+  enum class Face { automatic, plane, principal };
+  /// Looked for in the points when the scene is built; then scan_to_grid holds what was found, and this is absent.
+  std::optional<Face> face;
+  std::optional<Eigen::Vector3d> face_up;  ///< scan frame; absent = the format's own
+  double face_scale = 1.0;
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
   /// Where parts and sounds are written in another grid frame; in memory only.
   std::optional<Eigen::Matrix4d> regions_scan_to_grid;

@@ -81,6 +81,12 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
                     "not believed; the sides of the surface are told by what is seen from outside",
                     scan));
   }
+  for (const std::string& scan : projection.lying_normals) {
+    warnings.push_back(
+        fmt::format("{}: the normals in the file do not point outwards, so they are not believed; the sides of the "
+                    "surface are told by what is seen from outside",
+                    scan));
+  }
   if (doubts.unfacing) {
     warnings.emplace_back(
         "much of what is seen first seems to face away, so that is not believed: holes in the front may show the back; "

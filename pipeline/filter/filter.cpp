@@ -19,6 +19,7 @@ std::uint64_t keep_only(Cloud& cloud, const std::vector<std::uint8_t>& keep) {
       for (std::size_t k = 0; k < 3; ++k) xyz[4 * kept + k] = xyz[4 * i + k];
       if (!cloud.rgba.empty()) cloud.rgba[kept] = cloud.rgba[i];
       if (!cloud.intensity.empty()) cloud.intensity[kept] = cloud.intensity[i];
+      if (!cloud.normals.empty()) cloud.normals[kept] = cloud.normals[i];
     }
     ++kept;
   }
@@ -27,6 +28,7 @@ std::uint64_t keep_only(Cloud& cloud, const std::vector<std::uint8_t>& keep) {
   cloud.resize_points(kept);
   if (!cloud.rgba.empty()) cloud.rgba.resize(kept);
   if (!cloud.intensity.empty()) cloud.intensity.resize(kept);
+  if (!cloud.normals.empty()) cloud.normals.resize(kept);
   cloud.faces.clear();
   return gone;
 }
@@ -75,6 +77,7 @@ FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filter
       thin_to_voxels(cloud, voxel->leaf_m, context.progress);
       counts.filtered += before - cloud.size();
       cloud.faces.clear();
+      cloud.normals.clear();
     } else if (const auto* outliers = std::get_if<OutlierConfig>(&filter)) {
       const std::vector<std::uint8_t> keep = outliers->method == OutlierConfig::Method::pcl
                                                  ? statistical_inliers_by_pcl(cloud, *outliers)

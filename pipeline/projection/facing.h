@@ -16,10 +16,12 @@
 
 namespace sparsha::pipeline {
 
-/// Where a scanner stood and some points that it saw, as oriented points are.
+/// Some points that a scanner saw, as oriented points are, and the unit direction in which each was seen from, or in
+/// which its file's normal points.
 struct StationView {
-  Eigen::Vector3f place;
   std::vector<Eigen::Vector3f> seen;
+  std::vector<Eigen::Vector3f> towards;
+  bool normals = false;  ///< `towards` are normals
 };
 
 /// A sample of the cloud with outward normals, in columns.

@@ -25,12 +25,15 @@ std::vector<float> FacingField::seen_from(const StationView& station) const {
   const int ny = samples_.columns.bins_y();
   const auto reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
   const auto sheet = static_cast<float>(kSheet * spacing_m_);
+  // A normal belongs to the surface that is along it, and not to the other flank of an edge.
+  const float least = station.normals ? kParallel : kGlancing;
   std::vector<float> sides(votes_.size(), 0.0F);
-  for (const Eigen::Vector3f& p : station.seen) {
+  for (std::size_t k = 0; k < station.seen.size(); ++k) {
+    const Eigen::Vector3f& p = station.seen[k];
     int column = 0;
     int row = 0;
     if (!ruler.locate(p.x(), p.y(), column, row)) continue;
-    const Eigen::Vector3f ray = (station.place - p).normalized();
+    const Eigen::Vector3f& ray = station.towards[k];
     for (int j = std::max(0, row - 1); j <= std::min(ny - 1, row + 1); ++j) {
       const std::uint32_t* start = row_start(static_cast<std::size_t>(j));
       for (std::uint32_t d = start[std::max(0, column - 1)]; d < start[std::min(nx - 1, column + 1) + 1]; ++d) {
@@ -38,7 +41,7 @@ std::vector<float> FacingField::seen_from(const StationView& station) const {
         const Eigen::Vector3f apart = p - Eigen::Vector3f(samples_.x[d], samples_.y[d], height_[d]);
         if (apart.squaredNorm() > reach2 || std::abs(normal.dot(apart)) > sheet) continue;
         const float cosine = normal.dot(ray);
-        if (std::abs(cosine) >= kGlancing) sides[d] += cosine > 0.0F ? 1.0F : -1.0F;
+        if (std::abs(cosine) >= least) sides[d] += cosine > 0.0F ? 1.0F : -1.0F;
       }
     }
   }

@@ -26,10 +26,19 @@ std::vector<StationView> views_of(const OrientedStations& oriented) {
   const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector3f {
     return ((oriented.scan_to_grid * p.homogeneous()).head<3>() - oriented.origin_m).cast<float>();
   };
+  // Normals stay across the surface when it is sheared or scaled.
+  const Eigen::Matrix3d of_normals = oriented.scan_to_grid.topLeftCorner<3, 3>().inverse().transpose();
   std::vector<StationView> views;
   for (const Station& station : oriented.stations) {
-    views.push_back({place(station.place_m), {}});
-    for (const Eigen::Vector3d& p : station.seen_m) views.back().seen.push_back(place(p));
+    StationView& view = views.emplace_back();
+    view.normals = !station.normals.empty();
+    const Eigen::Vector3f stood = place(station.place_m);
+    for (std::size_t k = 0; k < station.seen_m.size(); ++k) {
+      view.seen.push_back(place(station.seen_m[k]));
+      view.towards.push_back(station.normals.empty()
+                                 ? (stood - view.seen.back()).normalized()
+                                 : (of_normals * station.normals[k].cast<double>()).cast<float>().normalized());
+    }
   }
   return views;
 }
@@ -57,9 +66,8 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
       for (const std::size_t station : facing->lying_stations()) {
         const Station& lying = oriented.stations[station];
         if (!lying.declared) continue;  // a pose says where points are; where from, nobody promised
-        if (plan.lying_stations.empty() || plan.lying_stations.back() != lying.scan) {
-          plan.lying_stations.push_back(lying.scan);
-        }
+        std::vector<std::string>& scans = lying.normals.empty() ? plan.lying_stations : plan.lying_normals;
+        if (scans.empty() || scans.back() != lying.scan) scans.push_back(lying.scan);
       }
       if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
     }
@@ -85,6 +93,7 @@ Projection ProjectionPlan::empty_projection() const {
   projection.closed = discs.has_value();
   projection.facing_known = facing != nullptr;
   projection.lying_stations = lying_stations;
+  projection.lying_normals = lying_normals;
   projection.grid = DepthGrid(lattice);
   return projection;
 }

@@ -33,6 +33,7 @@ struct ProjectionPlan {
   std::optional<DiscRule> discs;              ///< closed objects: nodes are decided by tangent discs
   std::shared_ptr<const FacingField> facing;  ///< with discs, when it is known what faces away
   std::vector<std::string> lying_stations;    ///< files whose stations do not see the sides that are outside
+  std::vector<std::string> lying_normals;     ///< files whose normals do not point outwards
 
   /// Memory of a point while it is sorted and nodes are measured, and some to spare; without the cloud's own.
   [[nodiscard]] std::uint64_t bytes_a_point() const { return discs ? 112 : 56; }

@@ -30,6 +30,7 @@ struct Projection {
   std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely
   std::uint64_t nodes_unsure = 0;       ///< measured nodes of which nothing tells which way they face
   std::vector<std::string> lying_stations;  ///< scans that were seen from elsewhere than they say, so it seems
+  std::vector<std::string> lying_normals;   ///< scans whose normals do not point outwards, so it seems
   std::uint64_t used = 0, occluded = 0, outlier = 0, outside = 0;
   std::vector<PointClass> point_class;     ///< one per point of the cloud
   std::vector<std::uint32_t> colour_rgba;  ///< when asked for and present

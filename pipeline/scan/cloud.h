@@ -23,12 +23,14 @@ class ThreadPool;
 
 namespace sparsha::pipeline {
 
-/// Where a scanner stood, and a sample of what it saw from there. Scan frame, metres.
+/// What tells the outer side of a surface: where a scanner stood and a sample of what it saw from there; or the normals
+/// that a file states, at a sample of its points. Scan frame, metres.
 struct Station {
   std::string scan;       ///< file
   bool declared = false;  ///< by the file; else the scan's pose moved its origin there
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d> seen_m;  ///< chosen by a hash of the coordinates
+  std::vector<Eigen::Vector3d> seen_m;   ///< chosen by a hash of the coordinates
+  std::vector<Eigen::Vector3f> normals;  ///< as the file states them, one per seen_m; then place_m says nothing
 };
 
 /// Points are float32, relative to a double origin, so that a georeferenced scan keeps 0.1 mm. Points are finite;
@@ -38,6 +40,7 @@ struct Cloud {
   std::shared_ptr<pcl::PointCloud<pcl::PointXYZ>> points;
   std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one per point
   std::vector<float> intensity;                     ///< empty or one per point
+  std::vector<Eigen::Vector3f> normals;             ///< as PCL's users give them; empty or one per point
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points
   std::uint64_t invalid = 0;                        ///< records of the file that were not finite or flagged invalid
   std::vector<Station> stations;                    ///< of the scans that say where they were made from

@@ -10,11 +10,14 @@ namespace sparsha::pipeline {
 
 bool PointSample::before(const Entry& a, const Entry& b) {
   if (a.hash != b.hash) return a.hash < b.hash;
-  return std::lexicographical_compare(a.point.begin(), a.point.end(), b.point.begin(), b.point.end());
+  if (a.point != b.point) {
+    return std::lexicographical_compare(a.point.begin(), a.point.end(), b.point.begin(), b.point.end());
+  }
+  return std::lexicographical_compare(a.normal.begin(), a.normal.end(), b.normal.begin(), b.normal.end());
 }
 
-void PointSample::keep(std::uint64_t h, const Eigen::Vector3d& point) {
-  kept_.push_back({h, point});
+void PointSample::keep(const Entry& entry) {
+  kept_.push_back(entry);
   if (kept_.size() < 2 * size_) return;
   kept_ = smallest();
   const std::uint64_t largest = std::max_element(kept_.begin(), kept_.end(), before)->hash;
@@ -34,6 +37,12 @@ std::vector<Eigen::Vector3d> PointSample::points() const {
   std::vector<Eigen::Vector3d> points;
   for (const Entry& entry : smallest()) points.push_back(entry.point);
   return points;
+}
+
+std::vector<Eigen::Vector3f> PointSample::normals() const {
+  std::vector<Eigen::Vector3f> normals;
+  for (const Entry& entry : smallest()) normals.push_back(entry.normal);
+  return normals;
 }
 
 double quantile(const std::vector<Eigen::Vector3d>& points, int axis, double rank) {

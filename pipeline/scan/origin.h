@@ -19,24 +19,28 @@ class PointSample {
  public:
   explicit PointSample(std::size_t size = 4096) : size_(size) {}
 
-  void add(const Eigen::Vector3d& point) {
+  /// `normal`: what goes with the point, see normals().
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3f& normal = Eigen::Vector3f::Zero()) {
     const std::uint64_t h = hash(point);
-    if (h < threshold_) keep(h, point);
+    if (h < threshold_) keep({h, point, normal});
   }
   /// Adds another sample's points, moved by `place`; they keep their hashes, so that scans merge in any order.
   template <typename Place>
   void merge(const PointSample& other, const Place& place) {
     for (const Entry& entry : other.smallest()) {
-      if (entry.hash < threshold_) keep(entry.hash, place(entry.point));
+      if (entry.hash < threshold_) keep({entry.hash, place(entry.point), entry.normal});
     }
   }
   [[nodiscard]] bool empty() const { return kept_.empty(); }
   [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
+  /// As they were given, in the order of points().
+  [[nodiscard]] std::vector<Eigen::Vector3f> normals() const;
 
  private:
   struct Entry {
     std::uint64_t hash;
     Eigen::Vector3d point;
+    Eigen::Vector3f normal;
   };
   static bool before(const Entry& a, const Entry& b);
   static std::uint64_t hash(const Eigen::Vector3d& point) {
@@ -46,7 +50,7 @@ class PointSample {
     const auto z = std::bit_cast<std::uint64_t>(point.z() + 0.0);
     return hash_words(std::array<std::uint64_t, 3>{x, y, z});
   }
-  void keep(std::uint64_t h, const Eigen::Vector3d& point);
+  void keep(const Entry& entry);
   [[nodiscard]] std::vector<Entry> smallest() const;
 
   std::size_t size_;

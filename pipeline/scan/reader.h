@@ -29,6 +29,7 @@ struct RawScan {
   std::vector<Eigen::Vector3d> points;              ///< finite ones only
   std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one per point
   std::vector<float> intensity;                     ///< empty or one per point
+  std::vector<Eigen::Vector3f> normals;             ///< as stated, of any length; empty or one per point
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles of valid points, indices into `points`
   std::uint64_t records = 0;                        ///< point records (STL: distinct vertices), invalid ones included
   std::uint64_t invalid = 0;                        ///< records not finite or flagged invalid
@@ -48,10 +49,11 @@ struct RawScan {
 
 /// Some consecutive valid points of a scan; spans are good during the call only.
 struct PointBlock {
-  std::span<const Eigen::Vector3d> points;   ///< file units, the file's own pose applied
-  std::span<const std::uint32_t> rgba;       ///< empty or one per point
-  std::span<const float> intensity;          ///< empty or one per point
-  std::optional<Eigen::Vector3d> station{};  ///< where the scanner stood, when the file says so
+  std::span<const Eigen::Vector3d> points;     ///< file units, the file's own pose applied
+  std::span<const std::uint32_t> rgba;         ///< empty or one per point
+  std::span<const float> intensity;            ///< empty or one per point
+  std::optional<Eigen::Vector3d> station{};    ///< where the scanner stood, when the file says so
+  std::span<const Eigen::Vector3f> normals{};  ///< empty or one per point
 };
 using PointSink = std::function<void(const PointBlock&)>;
 

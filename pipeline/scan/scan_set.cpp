@@ -88,7 +88,8 @@ struct ScanSet::Scan {
     Eigen::Vector3d place;
     PointSample sample;
   };
-  std::vector<Seen> from;  ///< each station, file units
+  std::vector<Seen> from;   ///< each station, file units
+  PointSample with_normal;  ///< points whose normals the file states, file units
 
   void look_from(const PointBlock& block) {
     if (!block.station) return;
@@ -98,8 +99,15 @@ struct ScanSet::Scan {
     }
     for (const Eigen::Vector3d& p : block.points) from.back().sample.add(p);
   }
+  void look_at_normals(const PointBlock& block) {
+    for (std::size_t i = 0; i < block.normals.size(); ++i) {
+      const Eigen::Vector3f& normal = block.normals[i];
+      if (normal.allFinite() && normal.squaredNorm() > 0.0F) with_normal.add(block.points[i], normal);
+    }
+  }
   void look(const PointBlock& block, bool bounds) {
     look_from(block);
+    look_at_normals(block);
     valid += block.points.size();
     colour = colour || !block.rgba.empty();
     intensity = intensity || !block.intensity.empty();
@@ -163,12 +171,12 @@ struct ScanSet::Scan {
           &progress);
     } else {
       scan->raw = read_scan(config.file, &progress);
-      scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity}, bounds);
+      scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals}, bounds);
       const std::vector<RawStation>& stations = scan->raw.stations;
       for (std::size_t s = 0; s < stations.size(); ++s) {
         const std::size_t end = s + 1 < stations.size() ? stations[s + 1].first : scan->raw.points.size();
         const std::span points(scan->raw.points);
-        scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place});
+        scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place, {}});
       }
     }
     const std::string name = config.file.string();
@@ -217,8 +225,13 @@ ScanSet::~ScanSet() { *abandoned_ = true; }
 std::vector<Station> ScanSet::stations() const {
   std::vector<Station> stations;
   const auto add = [&](const Scan& scan, bool declared, const Eigen::Vector3d& place, const PointSample& sample) {
-    Station station{scan.file.string(), declared, scan.placement(place), sample.points()};
+    Station station{scan.file.string(), declared, scan.placement(place), sample.points(), {}};
     for (Eigen::Vector3d& p : station.seen_m) p = scan.placement(p);
+    if (&sample == &scan.with_normal) {
+      station.normals = sample.normals();
+      const Eigen::Matrix3f turn = scan.placement.turn_and_scale.cast<float>();
+      for (Eigen::Vector3f& n : station.normals) n = (turn * n.normalized()).normalized();
+    }
     stations.push_back(std::move(station));
   };
   for (std::size_t s = 0; s < scans_.size(); ++s) {
@@ -228,6 +241,7 @@ std::vector<Station> ScanSet::stations() const {
     }
     // A pose moves a scanner's own coordinates, whose origin it is.
     if (scan.from.empty() && !configs_[s].pose.isIdentity(0.0)) add(scan, false, Eigen::Vector3d::Zero(), scan.sample);
+    if (!scan.with_normal.empty()) add(scan, true, Eigen::Vector3d::Zero(), scan.with_normal);
   }
   return stations;
 }

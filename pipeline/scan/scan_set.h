@@ -48,7 +48,7 @@ class ScanSet {
   /// The median of the points in whole metres: a function of the set of points alone.
   [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
-  /// Where the scanners stood, for scans whose files or poses say so.
+  /// Where the scanners stood, for scans whose files or poses say so, and normals that files state.
   [[nodiscard]] std::vector<Station> stations() const;
 
   /// All points in one cloud, in the configuration's order. Points beyond float32 become invalid, and faces on them go.

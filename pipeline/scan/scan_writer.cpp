@@ -15,14 +15,16 @@ constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink)
     : scan_(scan), sink_(sink), points_(kBlock), rgba_(kBlock, kWhite), intensity_(kBlock) {}
 
-void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity) {
+void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity, bool normals) {
   colour_ = colour;
   has_intensity_ = intensity;
+  if (normals) normals_.resize(kBlock);
   if (sink_) return;
   const auto count = static_cast<std::size_t>(records);
   scan_.points.reserve(count);
   if (colour) scan_.rgba.reserve(count);
   if (intensity) scan_.intensity.reserve(count);
+  if (normals) scan_.normals.reserve(count);
 }
 
 void ScanWriter::set_station(const std::optional<Eigen::Vector3d>& place) {
@@ -51,12 +53,14 @@ void ScanWriter::flush() {
   const std::span points(points_.data(), filled_);
   const std::span rgba(rgba_.data(), colour_ ? filled_ : 0);
   const std::span intensity(intensity_.data(), has_intensity_ ? filled_ : 0);
+  const std::span normals(normals_.data(), normals_.empty() ? 0 : filled_);
   if (sink_) {
-    sink_({points, rgba, intensity, station_});
+    sink_({points, rgba, intensity, station_, normals});
   } else {
     scan_.points.insert(scan_.points.end(), points.begin(), points.end());
     scan_.rgba.insert(scan_.rgba.end(), rgba.begin(), rgba.end());
     scan_.intensity.insert(scan_.intensity.end(), intensity.begin(), intensity.end());
+    scan_.normals.insert(scan_.normals.end(), normals.begin(), normals.end());
   }
   valid_ += filled_;
   filled_ = 0;

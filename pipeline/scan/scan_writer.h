@@ -26,11 +26,14 @@ class ScanWriter {
   [[nodiscard]] RawScan& scan() { return scan_; }
 
   /// To be called once before the first record, with a number already checked against the file's size.
-  void begin(std::uint64_t records, bool colour, bool intensity);
+  void begin(std::uint64_t records, bool colour, bool intensity, bool normals = false);
   [[nodiscard]] bool has_colour() const { return colour_; }
 
   /// Records from now on were seen from here, file units.
   void set_station(const std::optional<Eigen::Vector3d>& place);
+
+  /// Of the next record, when there are normals: of any length, turned as the file's own pose turns points.
+  void set_normal(double x, double y, double z) { normals_[filled_] = Eigen::Vector3d(x, y, z).cast<float>(); }
 
   /// One record. Counted as invalid when a coordinate is not finite.
   void add(double x, double y, double z) {
@@ -71,6 +74,7 @@ class ScanWriter {
   std::vector<Eigen::Vector3d> points_;
   std::vector<std::uint32_t> rgba_;
   std::vector<float> intensity_;
+  std::vector<Eigen::Vector3f> normals_;  // a block, or nothing
   std::size_t filled_ = 0;
   std::optional<Eigen::Vector3d> station_;
   std::uint64_t valid_ = 0;  ///< already handed over

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "base/statistics.h"
+#include "pipeline/orient/face.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -50,12 +51,6 @@ Eigen::Vector3d snapped(const Eigen::Vector3d& direction) {
   return (unit * 1000.0).array().round() / 1000.0 + 0.0;
 }
 
-Eigen::Vector3d up_for(const Eigen::Vector3d& look_from, bool z_up) {
-  const Eigen::Vector3d first = z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d second = z_up ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
-  return std::abs(look_from.normalized().dot(first)) < 0.8 ? first : second;
-}
-
 // Of a place over its distance along the view, within 60 degrees: survey coordinates lie far aside of their zero.
 constexpr double kSteepest = 2.0;
 
@@ -79,11 +74,8 @@ View guess_view(const SeenScans& seen, const InnerBox& box, const Thinness& thin
     guess.reason = "all points lie before the origin along z, as depth cameras see them: x right, y down, z away";
     return guess;
   } else if (thin.flatness < 0.3) {
-    Eigen::Vector3d direction = thin.direction;
-    const double before = std::abs(direction.dot(centre));
-    const bool scanner_side = before > 0.5 * size && before < 100.0 * size && centre.norm() < kSteepest * before;
-    if (scanner_side ? direction.dot(centre) > 0.0 : direction.sum() < 0.0) direction = -direction;
-    guess.look_from = snapped(direction);
+    const bool scanner_side = origin_is_a_scanner(thin.direction, centre, size);
+    guess.look_from = snapped(seen_side(thin.direction, centre, size));
     guess.reason = fmt::format("the points are flat ({:.0f} % as thick as wide) across this direction{}",
                                100.0 * thin.flatness, scanner_side ? ", and the scan's origin lies on this side" : "");
   } else if (seen.area == 0.0 && centre.norm() > size && centre.norm() < 100.0 * size) {
@@ -98,7 +90,7 @@ View guess_view(const SeenScans& seen, const InnerBox& box, const Thinness& thin
     guess.evident = false;
     guess.reason = "a solid object, y up by custom: its front is a guess, look at it and turn it";
   }
-  guess.up = up_for(guess.look_from, seen.z_up_format);
+  guess.up = customary_up(guess.look_from, seen.z_up_format);
   return guess;
 }
 
@@ -146,7 +138,7 @@ std::vector<View> likely_views(const SeenScans& seen) {
   const auto add = [&](const Eigen::Vector3d& direction, const std::string& reason) {
     View view;
     view.look_from = snapped(direction);
-    view.up = up_for(view.look_from, seen.z_up_format);
+    view.up = customary_up(view.look_from, seen.z_up_format);
     view.reason = reason;
     const auto same = [&](const View& v) {
       return v.look_from.normalized().dot(view.look_from.normalized()) > 1.0 - 1e-9;

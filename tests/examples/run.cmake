@@ -1,4 +1,5 @@
-# Installs the core into an empty folder, builds the examples against it and runs them, and compiles all headers. cmake -DBUILD=... -DSOURCE=... -DWORK=... -DCOMPILER=... -DFLAGS=... -P run.cmake
+# Installs both components into empty folders, builds the examples against them and runs them, and compiles all headers
+# of the core. cmake -DBUILD=... -DSOURCE=... -DWORK=... -DCOMPILER=... -DFLAGS=... -P run.cmake
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT code EQUAL 0)
@@ -10,6 +11,8 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --component haptics --prefix ${WORK}/prefix)
+run(${CMAKE_COMMAND} --install ${BUILD} --component pcl --prefix ${WORK}/both)
+run(${CMAKE_COMMAND} --install ${BUILD} --component haptics --prefix ${WORK}/both)
 
 # Nothing but Eigen and the standard library behind the headers.
 file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include/sparsha ${WORK}/prefix/include/sparsha/*.h)
@@ -27,7 +30,7 @@ foreach(header ${headers})
   list(APPEND includes "#include \"${header}\"")
 endforeach()
 
-run(${CMAKE_COMMAND} -S ${SOURCE}/examples -B ${WORK}/examples -DCMAKE_PREFIX_PATH=${WORK}/prefix
+run(${CMAKE_COMMAND} -S ${SOURCE}/examples -B ${WORK}/examples -DCMAKE_PREFIX_PATH=${WORK}/both
   -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK}/examples)
 file(GLOB sources ${SOURCE}/examples/*.cpp)
@@ -42,7 +45,7 @@ foreach(source ${sources})
   message(STATUS "${example}: ${output}")
 endforeach()
 
-# All of them at once, as a user's prefix header might.
+# The haptics component alone, all headers at once, as a user's prefix header might.
 list(JOIN includes "\n" includes)
 file(WRITE ${WORK}/headers/all.cpp "${includes}\n")
 file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.20)\nproject(headers LANGUAGES CXX)\n"
@@ -51,6 +54,12 @@ file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.20)\
 run(${CMAKE_COMMAND} -S ${WORK}/headers -B ${WORK}/headers/build -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK}/headers/build)
+
+# A program built with PCL's component starts without VTK.
+execute_process(COMMAND ldd ${WORK}/examples/05_from_a_pcl_cloud OUTPUT_VARIABLE libraries)
+if(libraries MATCHES "vtk")
+  message(FATAL_ERROR "VTK is linked:\n${libraries}")
+endif()
 
 # A component that there is not is named, and nothing is found.
 file(WRITE ${WORK}/wrong/CMakeLists.txt "cmake_minimum_required(VERSION 3.20)\nproject(wrong LANGUAGES CXX)\n"

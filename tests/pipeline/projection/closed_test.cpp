@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <numbers>
 
 #include "tests/support/closed_scan.h"
@@ -162,7 +163,7 @@ std::vector<pipeline::Station> stations_around(const ObjectScan& scan) {
     for (const double b : {-golden, golden}) {
       for (const Eigen::Vector3d& place :
            {Eigen::Vector3d(0, a, b), Eigen::Vector3d(a, b, 0), Eigen::Vector3d(b, 0, a)})
-        stations.push_back({"station " + std::to_string(stations.size()), true, 5.0 * place.normalized(), {}});
+        stations.push_back({"station " + std::to_string(stations.size()), true, 5.0 * place.normalized(), {}, {}});
     }
   }
   constexpr std::size_t kSeen = 4096;
@@ -231,7 +232,7 @@ TEST(ClosedObjects, PointsFarBehindThemCostNoMemoryAndChangeLittle) {
 
 TEST(ClosedObjects, OpenSheetsHaveSidesWhereTheirStationIsKnown) {
   const ObjectScan scan = folded_screen();
-  pipeline::Station above{"above.ptx", true, {1.0, 1.0, 30.0}, {}};
+  pipeline::Station above{"above.ptx", true, {1.0, 1.0, 30.0}, {}, {}};
   for (std::size_t k = 0; k < 4096; ++k) above.seen_m.push_back(at(scan, k));
   const auto unsure = [](const pipeline::Projection& p) {
     return static_cast<double>(p.nodes_unsure) / static_cast<double>(p.used);
@@ -251,6 +252,57 @@ TEST(ClosedObjects, OpenSheetsHaveSidesWhereTheirStationIsKnown) {
   EXPECT_FALSE(project_with(scan, {above}, from_below).facing_known);
 }
 
+/// What a file states of 4096 points: their true normals, turned by `lie`.
+pipeline::Station stated_normals(const ObjectScan& scan, const std::function<double(std::size_t)>& lie) {
+  pipeline::Station stated{"stated.ply", true, Eigen::Vector3d::Zero(), {}, {}};
+  for (std::size_t k = 0; k < 4096; ++k) {
+    stated.seen_m.push_back(at(scan, k));
+    stated.normals.emplace_back((lie(k) * scan.normals[k]).cast<float>());
+  }
+  return stated;
+}
+
+TEST(ClosedObjects, OpenSheetsHaveSidesWhereTheirNormalsAreStated) {
+  const ObjectScan scan = folded_screen();
+  const pipeline::Projection plain = project_with(scan, {});
+  const pipeline::Projection told = project_with(scan, {stated_normals(scan, [](std::size_t) { return 1.0; })});
+  EXPECT_TRUE(told.lying_normals.empty());
+  EXPECT_TRUE(told.facing_known);
+  EXPECT_LT(static_cast<double>(told.nodes_unsure), 0.2 * static_cast<double>(plain.nodes_unsure));
+  EXPECT_LE(told.nodes_turned_away, told.grid.lattice.count() / 500)
+      << "along the folds, where discs lie on both flanks";
+}
+
+TEST(ClosedObjects, WithStatedNormalsKeepTheirBoundsAndTheirHoles) {
+  for (const NamedObject& named : objects()) {
+    ScanOptions options = cloud_of(kMany, 0.5);
+    options.hole_spacings = 10.0;
+    const ObjectScan scan = scan_object(*named.object, options);
+    for (const Eigen::Matrix4d& view : {Eigen::Matrix4d(Eigen::Matrix4d::Identity()), six_views()[2]}) {
+      const pipeline::Projection told =
+          project_with(scan, {stated_normals(scan, [](std::size_t) { return 1.0; })}, view);
+      EXPECT_TRUE(told.lying_normals.empty()) << named.name;
+      EXPECT_TRUE(told.facing_known) << named.name;
+      if (!view.isIdentity(0.0)) continue;
+      const Judgement f = judge_object(told.grid, *named.object, scan);
+      EXPECT_EQ(f.hole_through, 0U) << named.name;
+      EXPECT_LE(f.wrong_smooth, wrong_bound(kMany, 0.5)) << named.name;
+    }
+  }
+}
+
+TEST(ClosedObjects, DoNotBelieveNormalsThatPointInwardsOrEitherWay) {
+  const ObjectScan scan = scan_object(*objects()[3].object, cloud_of(50'000));
+  const pipeline::Projection plain = project_with(scan, {});
+  for (const auto& lie : {std::function<double(std::size_t)>([](std::size_t) { return -1.0; }),
+                          std::function<double(std::size_t)>([](std::size_t k) { return k % 2 == 0 ? 1.0 : -1.0; })}) {
+    const pipeline::Projection told = project_with(scan, {stated_normals(scan, lie)});
+    EXPECT_EQ(told.lying_normals, std::vector<std::string>{"stated.ply"});
+    EXPECT_TRUE(told.lying_stations.empty());
+    EXPECT_EQ(told.grid.state, plain.grid.state);
+  }
+}
+
 TEST(ClosedObjects, BelieveTheirStationsFromEverySide) {
   const ObjectScan scan = scan_object(*objects()[3].object, cloud_of(50'000));
   for (const Eigen::Matrix4d& view : six_views()) {
@@ -268,10 +320,10 @@ TEST(ClosedObjects, DoNotBelieveAStationWithinThem) {
     // Two spheres: within the larger one. Knot: within its tube at some place.
     const Eigen::Vector3d within = k == 1 ? Eigen::Vector3d(0.0, 0.0, 0.1) : at(scan, 0) - 0.2 * scan.normals[0];
     const pipeline::Projection plain = project_with(scan, {});
-    const pipeline::Projection told = project_with(scan, {{"default.pcd", true, within, some}});
+    const pipeline::Projection told = project_with(scan, {{"default.pcd", true, within, some, {}}});
     EXPECT_EQ(told.lying_stations, std::vector<std::string>{"default.pcd"});
     EXPECT_EQ(told.grid.state, plain.grid.state);
-    const pipeline::Projection posed = project_with(scan, {{"posed.ply", false, within, some}});
+    const pipeline::Projection posed = project_with(scan, {{"posed.ply", false, within, some, {}}});
     EXPECT_TRUE(posed.lying_stations.empty()) << "a pose is no statement about a scanner";
     EXPECT_EQ(posed.grid.state, plain.grid.state);
   }

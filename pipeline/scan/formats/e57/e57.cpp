@@ -22,6 +22,7 @@ struct Roles {
   int invalid = -1;
   int red = -1, green = -1, blue = -1;
   int intensity = -1;
+  int nx = -1, ny = -1, nz = -1;  // of the extension for normals
 };
 
 struct Scan {
@@ -65,15 +66,18 @@ class Reader {
     scan.scans = scans.size();
     bool colour = false;
     bool intensity = false;
+    bool normals = false;
     std::uint64_t records = 0;
     for (const Scan& s : scans) {
       colour = colour || s.roles.red >= 0;
       intensity = intensity || s.roles.intensity >= 0;
+      normals = normals || s.roles.nx >= 0;
       records += std::min<std::uint64_t>(s.records, file_.bytes.size() * 8);
     }
     for (const Field& field : scans.front().fields) scan.fields.push_back(field.name);
     // A record may be as short as a few bits, so only what the bytes surely hold is reserved.
-    out_.begin(std::min<std::uint64_t>(records, file_.bytes.size() / 4), colour, intensity);
+    out_.begin(std::min<std::uint64_t>(records, file_.bytes.size() / 4), colour, intensity, normals);
+    normals_ = normals;
     for (const Scan& s : scans) read_scan_points(s);
   }
 
@@ -164,6 +168,12 @@ class Reader {
     }
     roles.invalid = want(scan, roles.spherical ? "sphericalInvalidState" : "cartesianInvalidState");
     roles.intensity = want(scan, "intensity");
+    if (has("nor:normalX") && has("nor:normalY") && has("nor:normalZ")) {
+      roles.nx = want(scan, "nor:normalX");
+      roles.ny = want(scan, "nor:normalY");
+      roles.nz = want(scan, "nor:normalZ");
+      if (roles.ny < 0 || roles.nz < 0) roles.nx = -1;
+    }
     if (has("colorRed") && has("colorGreen") && has("colorBlue")) {
       roles.red = want(scan, "colorRed");
       roles.green = want(scan, "colorGreen");
@@ -235,12 +245,19 @@ class Reader {
           if (posed) p = scan.turn * p + scan.shift;
           const std::uint32_t rgba =
               roles.red >= 0 ? pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue)) : kWhite;
+          if (roles.nx >= 0) {
+            const Eigen::Vector3d n = scan.turn * Eigen::Vector3d(value(roles.nx), value(roles.ny), value(roles.nz));
+            out_.set_normal(n.x(), n.y(), n.z());
+          } else if (normals_) {
+            out_.set_normal(0.0, 0.0, 0.0);  // of another scan of the file
+          }
           out_.add(p.x(), p.y(), p.z(), rgba, roles.intensity >= 0 ? static_cast<float>(value(roles.intensity)) : 0.0F);
         });
   }
 
   const ScanFile& file_;
   ScanWriter& out_;
+  bool normals_ = false;  // any of the scans has some
   Pages pages_;
 };
 

@@ -18,6 +18,7 @@ struct Wanted {
   const Field* packed;  ///< rgb or rgba in one 32-bit value
   const Field *red, *green, *blue;
   const Field* intensity;
+  const Field *normal_x, *normal_y, *normal_z;  ///< all or none
   ColourScale scale = ColourScale::byte;
 
   [[nodiscard]] bool has_colour() const { return packed != nullptr || red != nullptr; }
@@ -41,6 +42,10 @@ Wanted wanted_fields(const ScanFile& file, const Header& header) {
     if (wanted.green == nullptr || wanted.blue == nullptr) wanted.red = nullptr;
   }
   wanted.intensity = header.find("intensity");
+  wanted.normal_x = header.find("normal_x");
+  wanted.normal_y = header.find("normal_y");
+  wanted.normal_z = header.find("normal_z");
+  if (wanted.normal_y == nullptr || wanted.normal_z == nullptr) wanted.normal_x = nullptr;
   return wanted;
 }
 
@@ -107,6 +112,9 @@ void read_records(const ScanFile& file, const Header& header, Wanted wanted, con
       rgba = pack_rgba(colour_byte(body.value(*wanted.red, i), wanted.scale),
                        colour_byte(body.value(*wanted.green, i), wanted.scale),
                        colour_byte(body.value(*wanted.blue, i), wanted.scale));
+    }
+    if (wanted.normal_x != nullptr) {
+      out.set_normal(body.value(*wanted.normal_x, i), body.value(*wanted.normal_y, i), body.value(*wanted.normal_z, i));
     }
     const float intensity = wanted.intensity != nullptr ? static_cast<float>(body.value(*wanted.intensity, i)) : 0.0F;
     if (floats) {
@@ -206,6 +214,9 @@ void read_ascii(const ScanFile& file, const Header& header, Wanted wanted, ScanW
                        colour_byte(row[wanted.green->column], wanted.scale),
                        colour_byte(row[wanted.blue->column], wanted.scale));
     }
+    if (wanted.normal_x != nullptr) {
+      out.set_normal(row[wanted.normal_x->column], row[wanted.normal_y->column], row[wanted.normal_z->column]);
+    }
     out.add(row[wanted.x->column], row[wanted.y->column], row[wanted.z->column], rgba,
             wanted.intensity != nullptr ? static_cast<float>(row[wanted.intensity->column]) : 0.0F);
   }
@@ -265,7 +276,7 @@ void read_pcd(const ScanFile& file, ScanWriter& out) {
     scan.warnings.push_back("the file has room for " + std::to_string(most) + " points, its header promises " +
                             std::to_string(header.points) + "; the others are left out");
   }
-  out.begin(header.points, wanted.has_colour(), wanted.intensity != nullptr);
+  out.begin(header.points, wanted.has_colour(), wanted.intensity != nullptr, wanted.normal_x != nullptr);
   if (header.points == 0) return;
   switch (header.encoding) {
     case pcd::Encoding::ascii:

@@ -122,6 +122,7 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
                        colour_byte(record[columns.blue], scale),
                        columns.alpha >= 0 ? colour_byte(record[columns.alpha], scale) : 255);
     }
+    if (columns.has_normals()) out.set_normal(record[columns.nx], record[columns.ny], record[columns.nz]);
     out.add(record[columns.x], record[columns.y], record[columns.z], rgba,
             intensity ? static_cast<float>(record[columns.intensity]) : 0.0F);
   }

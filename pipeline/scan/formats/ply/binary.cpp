@@ -18,6 +18,7 @@ struct Slot {
 
 struct VertexLayout {
   Slot x, y, z, red, green, blue, alpha, intensity;
+  Slot nx, ny, nz;  // all or none
   ColourScale scale = ColourScale::byte;
 };
 
@@ -177,6 +178,11 @@ class Body {
       layout.alpha = slot(columns.alpha);
     }
     layout.intensity = slot(columns.intensity);
+    if (columns.has_normals()) {
+      layout.nx = slot(columns.nx);
+      layout.ny = slot(columns.ny);
+      layout.nz = slot(columns.nz);
+    }
     return layout;
   }
 
@@ -204,20 +210,29 @@ class Body {
     }
   }
 
+  void set_normal(const VertexLayout& layout, const char* q) {
+    if (!layout.nx.present()) return;
+    const auto value = [&](const Slot& slot) { return load_scalar<big>(q + slot.offset, slot.type); };
+    out_.set_normal(value(layout.nx), value(layout.ny), value(layout.nz));
+  }
+
   template <typename T>
   void add_plain(const VertexLayout& layout) {
+    set_normal(layout, p_);
     out_.add(load<T, big>(p_ + layout.x.offset), load<T, big>(p_ + layout.y.offset),
              load<T, big>(p_ + layout.z.offset));
   }
 
   template <typename T>
   void add_with_bytes(const VertexLayout& layout) {
+    set_normal(layout, p_);
     out_.add(load<T, big>(p_ + layout.x.offset), load<T, big>(p_ + layout.y.offset), load<T, big>(p_ + layout.z.offset),
              pack_rgba(load<std::uint8_t>(p_ + layout.red.offset), load<std::uint8_t>(p_ + layout.green.offset),
                        load<std::uint8_t>(p_ + layout.blue.offset)));
   }
 
   void add_any(const VertexLayout& layout, const char* q) {
+    set_normal(layout, q);
     const auto value = [&](const Slot& slot) { return load_scalar<big>(q + slot.offset, slot.type); };
     std::uint32_t rgba = kWhite;
     if (layout.red.present()) {

@@ -29,7 +29,11 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
   columns.blue = vertex.find({"blue", "diffuse_blue", "b"});
   columns.alpha = vertex.find({"alpha", "diffuse_alpha"});
   columns.intensity = vertex.find({"intensity", "scalar_intensity", "reflectance"});
-  for (int* column : {&columns.red, &columns.green, &columns.blue, &columns.alpha, &columns.intensity}) {
+  columns.nx = vertex.find({"nx", "normal_x"});
+  columns.ny = vertex.find({"ny", "normal_y"});
+  columns.nz = vertex.find({"nz", "normal_z"});
+  for (int* column : {&columns.red, &columns.green, &columns.blue, &columns.alpha, &columns.intensity, &columns.nx,
+                      &columns.ny, &columns.nz}) {
     if (*column >= 0 && vertex.properties[static_cast<std::size_t>(*column)].count_type) *column = -1;
   }
   return columns;
@@ -124,7 +128,7 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
     left -= std::min<std::size_t>(left, static_cast<std::size_t>(element.count) * size);
   }
   const ply::VertexColumns columns = ply::vertex_columns(file, *vertex);
-  out.begin(vertex->count, columns.has_colour(), columns.intensity >= 0);
+  out.begin(vertex->count, columns.has_colour(), columns.intensity >= 0, columns.has_normals());
   ascii ? ply::read_ascii_body(file, header, out) : ply::read_binary_body(file, header, out);
 }
 

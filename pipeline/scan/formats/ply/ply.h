@@ -53,8 +53,10 @@ struct VertexColumns {
   int x = -1, y = -1, z = -1;
   int red = -1, green = -1, blue = -1, alpha = -1;
   int intensity = -1;
+  int nx = -1, ny = -1, nz = -1;
 
   [[nodiscard]] bool has_colour() const { return red >= 0 && green >= 0 && blue >= 0; }
+  [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
 };
 [[nodiscard]] VertexColumns vertex_columns(const ScanFile& file, const Element& vertex);
 

@@ -1,5 +1,7 @@
 #include "pipeline/scan/formats/text/table.h"
 
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,6 +71,27 @@ std::size_t usual_count(const std::vector<TableRow>& sample) {
   return empty_end ? usual - 1 : usual;
 }
 
+/// Unit vectors, not all of which point one way: as programs write normals behind coordinates.
+bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  std::size_t rows = 0;
+  bool negative = false;
+  for (const TableRow& row : sample) {
+    if (row.count != usual) continue;
+    const Eigen::Vector3d normal(row.values[first], row.values[first + 1], row.values[first + 2]);
+    if (normal.isZero(0.0)) continue;  // of points for which none was found
+    if (!(std::abs(normal.norm() - 1.0) < 0.01)) return false;
+    negative = negative || (normal.array() < 0.0).any();
+    ++rows;
+  }
+  return negative && rows >= 3;
+}
+
+void set_normals(TableColumns& columns, int first) {
+  columns.nx = first;
+  columns.ny = first + 1;
+  columns.nz = first + 2;
+}
+
 void set_colour(TableColumns& columns, int first) {
   columns.red = first;
   columns.green = first + 1;
@@ -81,9 +104,12 @@ void guess_unnamed(TableColumns& columns, const std::vector<TableRow>& sample, b
   if (usual >= 7 && pts && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
     columns.intensity = 3;
+  } else if (usual == 6 && look_like_normals(sample, usual, 3)) {
+    set_normals(columns, 3);
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
     if (usual == 7) columns.intensity = 6;
+    if (usual == 9 && look_like_normals(sample, usual, 6)) set_normals(columns, 6);
   } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
     columns.intensity = 3;
@@ -102,6 +128,9 @@ void guess_unnamed(TableColumns& columns, const std::vector<TableRow>& sample, b
   label(columns.green, "green");
   label(columns.blue, "blue");
   label(columns.intensity, "intensity");
+  label(columns.nx, "nx");
+  label(columns.ny, "ny");
+  label(columns.nz, "nz");
 }
 
 void use_names(TableColumns& columns, const std::vector<std::string>& names, const NamedCoordinates& named) {
@@ -119,6 +148,14 @@ void use_names(TableColumns& columns, const std::vector<std::string>& names, con
     columns.blue = blue;
   }
   columns.intensity = find(names, {"intensity", "scalar_intensity", "i", "reflectance"});
+  const int nx = find(names, {"nx", "normal_x", "normalx"});
+  const int ny = find(names, {"ny", "normal_y", "normaly"});
+  const int nz = find(names, {"nz", "normal_z", "normalz"});
+  if (nx >= 0 && ny >= 0 && nz >= 0) {
+    columns.nx = nx;
+    columns.ny = ny;
+    columns.nz = nz;
+  }
 }
 
 }  // namespace

@@ -43,6 +43,7 @@ struct TableColumns {
   int x = 0, y = 1, z = 2;
   int red = -1, green = -1, blue = -1;
   int intensity = -1;
+  int nx = -1, ny = -1, nz = -1;
   bool degrees = false;  ///< x and y are longitude and latitude
   ColourScale scale = ColourScale::byte;
   std::size_t usual = 3;            ///< columns of most rows
@@ -50,6 +51,7 @@ struct TableColumns {
   std::vector<std::string> warnings;
 
   [[nodiscard]] bool has_colour() const { return red >= 0; }
+  [[nodiscard]] bool has_normals() const { return nx >= 0; }
   [[nodiscard]] int last() const;
 };
 

@@ -122,7 +122,7 @@ class Reader {
     scan.fields = columns_.fields;
     scan.warnings = columns_.warnings;
     scan.degrees = columns_.degrees;
-    out_.begin(0, columns_.has_colour(), columns_.intensity >= 0);
+    out_.begin(0, columns_.has_colour(), columns_.intensity >= 0, columns_.has_normals());
   }
 
   [[nodiscard]] std::string expected_row() const {
@@ -145,10 +145,20 @@ class Reader {
                        colour_byte(value(columns_.green), columns_.scale),
                        colour_byte(value(columns_.blue), columns_.scale));
     }
+    if (columns_.has_normals()) set_normal(row);
     out_.add(value(columns_.x), value(columns_.y), value(columns_.z), rgba,
              columns_.intensity >= 0 ? static_cast<float>(value(columns_.intensity)) : 0.0F);
     ++rows_;
     ++rows_of_block_;
+  }
+
+  /// A row may end before its normal.
+  void set_normal(const TableRow& row) {
+    const auto value = [&](int column) {
+      const auto i = static_cast<std::size_t>(column);
+      return i < row.count ? row.values[i] : 0.0;
+    };
+    out_.set_normal(value(columns_.nx), value(columns_.ny), value(columns_.nz));
   }
 
   /// PTS files may hold several scans, each with its count.

@@ -124,6 +124,26 @@ TEST(Crc32c, MatchesTheBitwiseDefinitionAndItsCheckValue) {
   }
 }
 
+TEST(E57Reader, ReadsNormalsOfTheExtensionAndTurnsThemWithTheScan) {
+  const ScanFolder folder;
+  E57File file;
+  file.records = 2;
+  file.streams = {reals({1, 2}, true),    reals({3, 4}, true), reals({5, 6}, true),
+                  reals({0.6, -1}, true), reals({0, 0}, true), reals({0.8, 0}, false)};
+  for (const char* axis : {"cartesianX", "cartesianY", "cartesianZ", "nor:normalX", "nor:normalY"})
+    file.prototype += std::string("<") + axis + " type=\"Float\" precision=\"single\"/>";
+  file.prototype += "<nor:normalZ type=\"Float\"/>";
+  // A quarter turn about z: x becomes y.
+  file.before_points =
+      "<pose type=\"Structure\"><rotation type=\"Structure\"><w type=\"Float\">1</w><x type=\"Float\"/>"
+      "<y type=\"Float\"/><z type=\"Float\">1</z></rotation></pose>";
+  const RawScan scan = folder.read("a.e57", file.bytes());
+  ASSERT_EQ(scan.normals.size(), 2U);
+  EXPECT_LT((scan.normals[0] - Eigen::Vector3f(0.0F, 0.6F, 0.8F)).norm(), 1e-6F);
+  EXPECT_LT((scan.normals[1] - Eigen::Vector3f(0.0F, -1.0F, 0.0F)).norm(), 1e-6F);
+  EXPECT_LT((scan.points[0] - Eigen::Vector3d(-3.0, 1.0, 5.0)).norm(), 1e-6);
+}
+
 TEST(E57Reader, ReadsSinglesDoublesAndPosesAcrossPacketsAndPages) {
   const ScanFolder folder;
   std::vector<double> x;
