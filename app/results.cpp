@@ -24,6 +24,10 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
                       count_text(points.read), count_text(points.used), count_text(points.occluded),
                       count_text(points.outlier), count_text(points.outside), count_text(points.filtered),
                       count_text(points.invalid));
+  for (const pipeline::Report::Filter& filter : report.filters) {
+    text += fmt::format("filter    {}: {} taken away{}{}\n", filter.name, count_text(filter.removed),
+                        filter.outliers ? " as outliers" : "", filter.found.empty() ? "" : "; " + filter.found);
+  }
   text += fmt::format("coverage  {:.1f} % of the nodes measured, {:.1f} % filled", 100.0 * report.coverage,
                       100.0 * report.filled_fraction);
   // A mesh has none.

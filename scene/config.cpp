@@ -1,5 +1,6 @@
 // Reads every block of the configuration and refuses what it does not know.
 #include "scene/config.h"
+#include "scene/config_reader.h"
 #include "scene/override.h"
 #include "scene/sound_limits.h"
 
@@ -18,22 +19,6 @@ using yaml::MapReader;
 using yaml::Node;
 
 constexpr std::array<std::string_view, 3> kSceneKeys = {"scene", "origin_m", "scan_from_grid"};
-constexpr double kAny = 1e12;  // widest coordinate that is believed, metres
-constexpr double kMm = 1e-3;
-constexpr double kSmallest = 1e-12;  // smallest length that is believed, in the key's unit
-
-void read_mm(MapReader& reader, std::string_view key, double& value_m, double low_mm, double high_mm) {
-  if (reader.optional(key) == nullptr) return;
-  double value_mm = 0.0;
-  reader.read(key, value_mm, low_mm, high_mm);
-  value_m = value_mm * kMm;
-}
-
-Eigen::Vector3d vector(const Node& node) {
-  const std::vector<double> v = yaml::to_doubles(node, 3);
-  return {v[0], v[1], v[2]};
-}
-
 std::array<double, 4> read_box(const Node& node) {
   const std::vector<double> v = yaml::to_doubles(node, 4);
   if (!(v[0] < v[2] && v[1] < v[3])) {
@@ -79,21 +64,6 @@ Eigen::Matrix4d matrix(const Node& node) {
     throw yaml::error_at(node, "the matrix is singular", "an invertible affine matrix");
   }
   return m;
-}
-
-// At most one of the keys may be present; the index of it, or -1.
-int exclusive(MapReader& reader, const std::vector<std::string>& keys) {
-  int found = -1;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const Node* value = reader.optional(keys[i]);
-    if (value == nullptr) continue;
-    if (found >= 0) {
-      throw yaml::error_at(*value, "'" + keys[static_cast<std::size_t>(found)] + "' and '" + keys[i] + "' contradict",
-                           "one of them");
-    }
-    found = static_cast<int>(i);
-  }
-  return found;
 }
 
 Units parse_units(const Node& node) {
@@ -157,48 +127,6 @@ ScanConfig parse_scan(const Node& node, const std::filesystem::path& folder) {
   if (const Node* pose = reader.optional("pose")) scan.pose = parse_pose(*pose);
   reader.finish();
   return scan;
-}
-
-FilterConfig parse_filter(const Node& node) {
-  MapReader reader(node, "a filter");
-  if (node.entries.size() != 1) {
-    reader.optional("crop");
-    reader.optional("voxel");
-    reader.optional("outliers");
-    reader.finish();
-    throw yaml::error_at(node, "a filter has " + std::to_string(node.entries.size()) + " keys",
-                         "one of crop, voxel, outliers");
-  }
-  if (const Node* crop = reader.optional("crop")) {
-    MapReader keys(*crop, "crop");
-    CropConfig config{vector(keys.required("min_m")), vector(keys.required("max_m"))};
-    keys.finish();
-    if (!(config.min_m.array() < config.max_m.array()).all()) {
-      throw yaml::error_at(*crop, "the crop box is empty", "min_m below max_m in x, y and z");
-    }
-    return config;
-  }
-  if (const Node* voxel = reader.optional("voxel")) {
-    MapReader keys(*voxel, "voxel");
-    VoxelConfig config;
-    read_mm(keys, "leaf_mm", config.leaf_m, kSmallest, kAny);
-    keys.finish();
-    return config;
-  }
-  if (const Node* outliers = reader.optional("outliers")) {
-    OutlierConfig config;
-    if (outliers->kind == Node::Kind::null) return config;
-    MapReader keys(*outliers, "outliers");
-    keys.read("neighbours", config.neighbours, 1, 1000);
-    keys.read("sigma", config.sigma, 1e-6, 1e6);
-    int method = 0;
-    keys.read_choice("method", method, {"fast", "pcl"});
-    config.method = static_cast<OutlierConfig::Method>(method);
-    keys.finish();
-    return config;
-  }
-  reader.finish();
-  throw yaml::error_at(node, "an empty filter", "one of crop, voxel, outliers");
 }
 
 OrientationConfig parse_orientation(const Node& node) {
@@ -415,10 +343,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   if (!scans.is_sequence()) throw yaml::error_at(scans, "scans is not a list", "a list of {file, units, pose}");
   for (const Node& item : scans.items) config.scans.push_back(parse_scan(item, folder));
   if (config.scans.empty()) throw yaml::error_at(scans, "scans is empty", "at least one {file: ...}");
-  if (const Node* filters = reader.optional("filters")) {
-    if (!filters->is_sequence()) throw yaml::error_at(*filters, "filters is not a list", "a list of filters");
-    for (const Node& item : filters->items) config.filters.push_back(parse_filter(item));
-  }
+  if (const Node* filters = reader.optional("filters")) config.filters = parse_filters(*filters);
   if (const Node* node = reader.optional("orientation")) config.orientation = parse_orientation(*node);
   if (const Node* node = reader.optional("grid")) config.grid = parse_grid(*node);
   if (const Node* node = reader.optional("fill")) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "scene/config.h"
@@ -59,16 +60,56 @@ std::string units(const Units& value) {
   return value.unit == LengthUnit::longest_side ? "{" + name + ": " + millimetres(value.longest_side_m) + "}" : name;
 }
 
+template <typename Method>
+const char* method(Method value) {
+  return value == Method::pcl ? "pcl" : "fast";
+}
+
+std::string filter_keys(const CropConfig& crop) {
+  return fmt::format("min_m: {}, max_m: {}", vector(crop.min_m), vector(crop.max_m));
+}
+
+std::string filter_keys(const VoxelConfig& voxel) { return "leaf_mm: " + millimetres(voxel.leaf_m); }
+
+std::string filter_keys(const OutlierConfig& outliers) {
+  return fmt::format("neighbours: {}, sigma: {}, method: {}", outliers.neighbours, number(outliers.sigma),
+                     method(outliers.method));
+}
+
+std::string filter_keys(const RadiusOutlierConfig& outliers) {
+  return fmt::format("radius_mm: {}, neighbours: {}, method: {}", millimetres(outliers.radius_m), outliers.neighbours,
+                     method(outliers.method));
+}
+
+std::string filter_keys(const PassConfig& pass) {
+  std::string text = fmt::format("axis: {}", "xyz"[pass.axis]);
+  if (std::isfinite(pass.min_m)) text += ", min_m: " + number(pass.min_m);
+  if (std::isfinite(pass.max_m)) text += ", max_m: " + number(pass.max_m);
+  return text;
+}
+
+std::string filter_keys(const RemovePlaneConfig& plane) {
+  static constexpr std::array<std::string_view, 3> kSides{"below", "above", "both"};
+  return fmt::format("distance_mm: {}, side: {}, normal: {}, max_angle_deg: {}", millimetres(plane.distance_m),
+                     kSides[static_cast<std::size_t>(plane.side)], vector(plane.normal), number(plane.max_angle_deg));
+}
+
+std::string filter_keys(const KeepConfig& keep) {
+  return fmt::format("{}, tolerance_mm: {}, method: {}",
+                     keep.nearest_to_m ? "nearest_to: " + vector(*keep.nearest_to_m) : "cluster: largest",
+                     millimetres(keep.tolerance_m), method(keep.method));
+}
+
+std::string filter_keys(const SmoothConfig& smooth) {
+  return fmt::format("radius_mm: {}, order: {}, method: {}", millimetres(smooth.radius_m), smooth.order,
+                     method(smooth.method));
+}
+
+std::string filter_keys(const ThinConfig& thin) { return fmt::format("points_per_node: {}", thin.points_per_node); }
+
 std::string filter_text(const FilterConfig& filter) {
-  if (const auto* crop = std::get_if<CropConfig>(&filter)) {
-    return fmt::format("  - crop: {{min_m: {}, max_m: {}}}\n", vector(crop->min_m), vector(crop->max_m));
-  }
-  if (const auto* voxel = std::get_if<VoxelConfig>(&filter)) {
-    return fmt::format("  - voxel: {{leaf_mm: {}}}\n", millimetres(voxel->leaf_m));
-  }
-  const auto& outlier = std::get<OutlierConfig>(filter);
-  return fmt::format("  - outliers: {{neighbours: {}, sigma: {}, method: {}}}\n", outlier.neighbours,
-                     number(outlier.sigma), outlier.method == OutlierConfig::Method::pcl ? "pcl" : "fast");
+  const std::string keys = std::visit([](const auto& config) { return filter_keys(config); }, filter);
+  return "  - " + filter_name(filter) + ": {" + keys + "}\n";
 }
 
 std::string grid_text(const GridConfig& grid) {

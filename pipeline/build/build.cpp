@@ -100,6 +100,8 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
 
   Report report;
   report.points = scans.points;
+  report.filters = std::move(scans.filters);
+  report.kept_m = std::move(scans.kept_m);
   report.points.used = projection.used;
   report.points.occluded = projection.occluded;
   report.points.outlier += projection.outlier;

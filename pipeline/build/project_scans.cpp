@@ -14,11 +14,13 @@
 #include "base/error.h"
 #include "base/system.h"
 #include "pipeline/filter/filter.h"
+#include "pipeline/filter/streamed.h"
 #include "pipeline/filter/voxel.h"
 #include "pipeline/outofcore/cloud_on_disk.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/outofcore/tiled_check.h"
 #include "pipeline/outofcore/tiled_projection.h"
+#include "pipeline/projection/projector.h"
 #include "pipeline/scan/scan_set.h"
 
 namespace sparsha::pipeline {
@@ -35,6 +37,14 @@ PointClass class_of(const Eigen::Vector3d& grid_point_m, const DepthGrid& grid, 
   const auto height = static_cast<double>(grid.height_m[lattice.index(i, j)]);
   const double depth = lattice.origin_m.z() + height - grid_point_m.z();
   return depth > gap_m ? PointClass::occluded : PointClass::outlier;  // an unknown height occludes nothing
+}
+
+// The cross-check judges the surface by the points as measured: what a filter moved goes back.
+void restore_measured(Cloud& cloud) {
+  for (std::size_t n = 0; n < cloud.measured.size(); ++n) {
+    std::copy_n(cloud.measured[n].data(), 3, cloud.xyz1() + 4 * n);
+  }
+  cloud.measured = {};
 }
 
 // Puts points that filters took for outliers back before the cross-check, which must judge the surface by all of them.
@@ -70,6 +80,7 @@ class Builder {
         pool_(context.pool),
         progress_(context.progress),
         scan_to_grid_(config.orientation.scan_to_grid),
+        grid_(config.grid),
         limit_{options.memory_bytes, options.memory_points} {
     if (!options.grid_only) filters_ = config.filters;
   }
@@ -82,6 +93,7 @@ class Builder {
       build_in_memory(scans);
     } catch (const DoesNotFit&) {
       result_ = {};
+      grid_ = config_.grid;
       require_points_only(scans);
       if (thins()) {
         build_thinned(scans);
@@ -121,7 +133,7 @@ class Builder {
     Report::Points points;
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
-    build_cloud(cloud, filters_, points, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
+    build_cloud(cloud, filters_, points, {}, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
       std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
       // What is counted for a point is enough for windows; discs take more.
       needed += (std::max(bytes_a_point, kWindowBytes) - kWindowBytes) * scans.points();
@@ -131,24 +143,32 @@ class Builder {
     });
   }
 
-  // Filters and projects a cloud of which `points` says what has become so far.
+  // Filters and projects a cloud of which `points` and `before` say what has become so far.
   void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<FilterConfig>& filters,
-                   const Report::Points& points, const ApproveLattice& approve) {
+                   const Report::Points& points, FilterSteps&& before, const ApproveLattice& approve) {
     result_.points = points;
+    add_steps(std::move(before));
     const std::vector<Station> stations = cloud->stations;
     auto removed = std::make_shared<Cloud>();
+    double moved_rms_m = 0.0;
     if (!filters.empty()) {
       progress_.begin("filter");
-      const FilterCounts counts =
-          apply_filters(*cloud, filters, {pool_, progress_}, config_.check ? removed.get() : nullptr);
-      result_.points.filtered += counts.filtered;
-      result_.points.outlier += counts.outlier;
+      FilterNeeds needs;
+      needs.spacing_m = [this](const Cloud& present) { return planned_spacing_m(present); };
+      needs.removed_outliers = config_.check ? removed.get() : nullptr;
+      FilterSteps steps = apply_filters(*cloud, filters, {pool_, progress_}, needs);
+      moved_rms_m = steps.moved_rms_m;
+      add_steps(std::move(steps));
     }
+    if (!filters_.empty()) result_.kept_m = sample_of_kept(*cloud).points();
 
     progress_.begin("project");
     cloud->stations = stations;  // filters make new clouds
     result_.projection =
-        project(*cloud, scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_}, approve);
+        project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approve);
+    // The noise is that of the points as measured; a mesh has none.
+    double& noise_m = result_.projection.noise_m;
+    if (noise_m > 0.0) noise_m = std::hypot(noise_m, moved_rms_m);
     if (!checks()) return;
     auto classes = std::make_shared<Projection>();
     classes->point_class = std::move(result_.projection.point_class);
@@ -158,12 +178,36 @@ class Builder {
     result_.check = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_, cloud,
                      removed, classes](DepthGrid& grid) {
       classes->grid = std::move(grid);
+      restore_measured(*cloud);
       add_outliers(*cloud, *removed, scan_to_grid, *classes);
       CheckResult check = cross_check(*cloud, scan_to_grid, *classes, config.fill, *config.check, {pool, progress});
       grid = std::move(classes->grid);
       return check;
     };
   }
+
+  void add_steps(FilterSteps&& steps) {
+    result_.points.filtered += steps.filtered();
+    result_.points.outlier += steps.outliers();
+    for (const FilterStep& step : steps.steps) {
+      result_.filters.push_back(
+          {step.name, step.removed, step.outliers, step.merges, step.found, step.sample.points()});
+    }
+  }
+
+  // Spacing of the grid, metres of the scan frame, for `thin`. An automatic one is kept from here on: thinning must not
+  // make the grid coarser.
+  double planned_spacing_m(const Cloud& cloud) {
+    if (!(grid_.spacing_m > 0.0)) {
+      const double spacing_m = Projector(cloud, pool_, false)
+                                   .lattice(scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_})
+                                   .spacing_m;
+      if (grid_.size == 0) grid_.spacing_m = spacing_m;
+      return spacing_m / scale();
+    }
+    return grid_.spacing_m / scale();
+  }
+  [[nodiscard]] double scale() const { return std::cbrt(std::abs(scan_to_grid_.topLeftCorner<3, 3>().determinant())); }
 
   // Before memory is taken for what cannot be there: a system that promises more kills the program later.
   static void require_room(const Lattice& lattice, std::uint64_t bytes) {
@@ -186,12 +230,19 @@ class Builder {
     if (scans.faces() > 0) refuse("scans with faces are built in memory only", "a higher --memory");
     for (const FilterConfig& filter : filters_) {
       if (std::holds_alternative<VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
-      if (std::holds_alternative<OutlierConfig>(filter)) {
-        refuse(
-            "the filter 'outliers' works in memory only",
-            "a higher --memory, a voxel filter before it, or no 'outliers': the projection leaves them out by itself");
-      }
+      if (can_be_streamed(filter)) continue;
+      const std::string name = filter_name(filter);
+      refuse("the filter '" + name + "' works in memory only",
+             "a higher --memory, a voxel filter before it" + without(filter, name));
     }
+  }
+
+  // What the projection does by itself.
+  static std::string without(const FilterConfig& filter, const std::string& name) {
+    if (std::holds_alternative<OutlierConfig>(filter) || std::holds_alternative<RadiusOutlierConfig>(filter)) {
+      return ", or no '" + name + "': the projection leaves them out by itself";
+    }
+    return std::holds_alternative<ThinConfig>(filter) ? ", or no 'thin': the projection does not need it" : "";
   }
 
   [[nodiscard]] bool thins() const {
@@ -199,21 +250,12 @@ class Builder {
                        [](const FilterConfig& filter) { return std::holds_alternative<VoxelConfig>(filter); });
   }
 
-  // The filters before the first voxel filter, which are crops, or all.
-  [[nodiscard]] std::vector<CropConfig> leading_crops() const {
-    std::vector<CropConfig> crops;
-    for (const FilterConfig& filter : filters_) {
-      if (!std::holds_alternative<CropConfig>(filter)) break;
-      crops.push_back(std::get<CropConfig>(filter));
-    }
-    return crops;
-  }
-
   // Streams the scans through a voxel filter, whose voxels must fit into memory.
   void build_thinned(const ScanSet& scans) {
     progress_.begin("filter");
-    const std::vector<CropConfig> crops = leading_crops();
-    const auto& voxel = std::get<VoxelConfig>(filters_[crops.size()]);
+    StreamedFilters streamed(scans, filters_, {pool_, progress_});
+    const std::size_t leading = streamed.count();
+    const auto& voxel = std::get<VoxelConfig>(filters_[leading]);
     const std::uint64_t most = most_voxels(limit_);
     const Eigen::Vector3d& origin_m = scans.origin_m();
     VoxelThinner thinner(origin_m, voxel.leaf_m, scans.has_colour(), scans.has_intensity());
@@ -225,7 +267,7 @@ class Builder {
           points.read += block.points.size();
           for (std::size_t k = 0; k < block.points.size(); ++k) {
             const Eigen::Vector3f& p = block.points[k];
-            if (!is_inside(crops, origin_m, p)) continue;
+            if (!streamed.keep(p)) continue;
             ++kept;
             thinner.add(p.data(), block.rgba.empty() ? 0U : block.rgba[k],
                         block.intensity.empty() ? 0.0F : block.intensity[k]);
@@ -238,27 +280,30 @@ class Builder {
         },
         progress_);
     if (points.read == 0) throw no_points(config_);
-    if (kept == 0) throw nothing_left("crop");
-    points.filtered = points.read - thinner.voxels();
+    FilterSteps steps = streamed.finish(progress_);
+    FilterStep& voxels = steps.steps.emplace_back();
+    voxels.name = filter_name(filters_[leading]);
+    voxels.merges = true;
+    voxels.removed = kept - thinner.voxels();
     points.read += points.invalid;
     const auto cloud = std::make_shared<Cloud>(thinner.finish());
     cloud->stations = scans.stations();
-    const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(crops.size()) + 1,
-                                         filters_.end());
-    build_cloud(cloud, rest, points, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
+    const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1, filters_.end());
+    build_cloud(cloud, rest, points, std::move(steps), [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
       (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_a_point, lattice);
     });
   }
 
   void build_out_of_core(const ScanSet& scans) {
     progress_.begin("spill");
-    CloudOnDisk cloud =
-        spill(scans, leading_crops(), config_.grid.colour, config_.grid.intensity, spill_folder(), progress_);
+    CloudOnDisk cloud = spill(scans, StreamedFilters(scans, filters_, {pool_, progress_}), config_.grid.colour,
+                              config_.grid.intensity, spill_folder(), progress_);
     if (cloud.size() == 0) throw no_points(config_);
     result_.points = {};
-    result_.points.read = cloud.size() + cloud.invalid + cloud.cropped;
     result_.points.invalid = cloud.invalid;
-    result_.points.filtered = cloud.cropped;
+    result_.kept_m = cloud.filters.kept.points();
+    add_steps(std::move(cloud.filters));
+    result_.points.read = cloud.size() + cloud.invalid + result_.points.filtered;
 
     progress_.begin("project");
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m,
@@ -287,6 +332,7 @@ class Builder {
   ThreadPool& pool_;
   Progress& progress_;
   Eigen::Matrix4d scan_to_grid_;
+  GridConfig grid_;
   MemoryLimit limit_;
   std::vector<FilterConfig> filters_;
   ProjectedScans result_;

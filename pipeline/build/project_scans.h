@@ -18,6 +18,8 @@ struct ProjectedScans {
   Projection projection;
   std::vector<ScanSource> sources;
   Report::Points points;
+  std::vector<Report::Filter> filters;
+  std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame; empty without filters
   /// Checks the finished grid (which it may hold meanwhile) against the points; null when nothing asks for it.
   std::function<CheckResult(DepthGrid& grid)> check;
 };

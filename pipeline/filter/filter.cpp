@@ -1,93 +1,320 @@
+// One function a filter; what it found is put into words here.
 #include "pipeline/filter/filter.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
 
-#include "base/error.h"
+#include <fmt/format.h>
+
+#include "base/statistics.h"
+#include "base/text.h"
+#include "pipeline/filter/clusters.h"
+#include "pipeline/filter/neighbour_tree.h"
 #include "pipeline/filter/outliers.h"
+#include "pipeline/filter/plane.h"
+#include "pipeline/filter/point_test.h"
+#include "pipeline/filter/smooth.h"
+#include "pipeline/filter/thin.h"
 #include "pipeline/filter/voxel.h"
 
 namespace sparsha::pipeline {
 namespace {
 
+using Flags = std::vector<std::uint8_t>;
+
+template <typename T>
+void move_kept(std::vector<T>& values, std::size_t from, std::size_t to) {
+  if (!values.empty()) values[to] = values[from];
+}
+
+template <typename T>
+void cut(std::vector<T>& values, std::size_t kept) {
+  if (!values.empty()) values.resize(kept);
+}
+
 /// Takes the points with keep[i] == 0 away, and then all faces. Returns how many went.
-std::uint64_t keep_only(Cloud& cloud, const std::vector<std::uint8_t>& keep) {
+std::uint64_t keep_only(Cloud& cloud, const Flags& keep) {
   float* const xyz = cloud.xyz1();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < keep.size(); ++i) {
     if (keep[i] == 0) continue;
     if (kept != i) {
       for (std::size_t k = 0; k < 3; ++k) xyz[4 * kept + k] = xyz[4 * i + k];
-      if (!cloud.rgba.empty()) cloud.rgba[kept] = cloud.rgba[i];
-      if (!cloud.intensity.empty()) cloud.intensity[kept] = cloud.intensity[i];
-      if (!cloud.normals.empty()) cloud.normals[kept] = cloud.normals[i];
+      move_kept(cloud.rgba, i, kept);
+      move_kept(cloud.intensity, i, kept);
+      move_kept(cloud.normals, i, kept);
+      move_kept(cloud.measured, i, kept);
     }
     ++kept;
   }
   const std::size_t gone = keep.size() - kept;
   if (gone == 0) return 0;
   cloud.resize_points(kept);
-  if (!cloud.rgba.empty()) cloud.rgba.resize(kept);
-  if (!cloud.intensity.empty()) cloud.intensity.resize(kept);
-  if (!cloud.normals.empty()) cloud.normals.resize(kept);
+  cut(cloud.rgba, kept);
+  cut(cloud.intensity, kept);
+  cut(cloud.normals, kept);
+  cut(cloud.measured, kept);
   cloud.faces.clear();
   return gone;
 }
 
-std::vector<std::uint8_t> inside(const Cloud& cloud, const CropConfig& crop) {
-  std::vector<std::uint8_t> keep(cloud.size());
-  const float* const xyz = cloud.xyz1();
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    keep[i] = is_inside(crop, cloud.origin_m, Eigen::Map<const Eigen::Vector3f>(xyz + 4 * i)) ? 1 : 0;
-  }
-  return keep;
+Eigen::Vector3f as_measured(const Cloud& cloud, std::size_t i) {
+  return cloud.measured.empty() ? Eigen::Vector3f(Eigen::Map<const Eigen::Vector3f>(cloud.xyz1() + 4 * i))
+                                : cloud.measured[i];
 }
 
 /// Appends the points with keep[i] == 0 to `removed`.
-void copy_removed(const Cloud& cloud, const std::vector<std::uint8_t>& keep, Cloud& removed) {
+void copy_removed(const Cloud& cloud, const Flags& keep, Cloud& removed) {
   std::size_t next = removed.size();
   removed.origin_m = cloud.origin_m;
   removed.resize_points(next + static_cast<std::size_t>(std::count(keep.begin(), keep.end(), std::uint8_t{0})));
   for (std::size_t i = 0; i < keep.size(); ++i) {
     if (keep[i] != 0) continue;
-    std::copy_n(cloud.xyz1() + 4 * i, 3, removed.xyz1() + 4 * next);
+    const Eigen::Vector3f p = as_measured(cloud, i);
+    std::copy_n(p.data(), 3, removed.xyz1() + 4 * next);
     ++next;
   }
 }
 
-void check_left(const Cloud& cloud, const char* filter) {
-  if (cloud.size() == 0) throw nothing_left(filter);
+Flags kept_by(const Cloud& cloud, const PointTest& test, const Context& context) {
+  constexpr std::size_t kPointsATime = std::size_t{1} << 16;
+  Flags keep(cloud.size());
+  const float* const xyz = cloud.xyz1();
+  context.pool.for_ranges(keep.size(), kPointsATime, [&](std::size_t begin, std::size_t end) {
+    context.progress.throw_if_cancelled();
+    for (std::size_t i = begin; i < end; ++i) {
+      keep[i] = keeps(test, cloud.origin_m, Eigen::Map<const Eigen::Vector3f>(xyz + 4 * i)) ? 1 : 0;
+    }
+  });
+  return keep;
+}
+
+/// Median distance of a point to its nearest neighbour. For messages.
+double spacing_of(const Cloud& cloud, const Context& context) {
+  if (cloud.size() < 2) return 0.0;
+  std::vector<float> nearest = NeighbourTree(cloud.xyz1(), cloud.size(), context.pool).mean_distances(1, context);
+  return static_cast<double>(median(nearest));
+}
+
+std::string share_text(std::uint64_t part, std::uint64_t whole) {
+  return fmt::format("{:.1f} %",
+                     100.0 * static_cast<double>(part) / static_cast<double>(std::max<std::uint64_t>(1, whole)));
+}
+
+/// Applies one filter after the other to a cloud.
+class FilterRun {
+ public:
+  FilterRun(Cloud& cloud, const Context& context, const FilterNeeds& needs)
+      : cloud_(cloud), context_(context), needs_(needs) {}
+
+  FilterSteps run(const std::vector<FilterConfig>& filters) {
+    for (std::size_t k = 0; k < filters.size(); ++k) {
+      context_.progress.at(static_cast<double>(k) / static_cast<double>(filters.size()));
+      result_.steps.emplace_back().name = filter_name(filters[k]);
+      std::visit([&](const auto& filter) { apply(filter); }, filters[k]);
+      if (cloud_.size() == 0) throw nothing_left(step().name, step().found);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  FilterStep& step() { return result_.steps.back(); }
+
+  void take_away(const Flags& keep) {
+    if (!step().merges) {
+      for (std::size_t i = 0; i < keep.size(); ++i) {
+        if (keep[i] == 0) step().sample.add(cloud_.origin_m + as_measured(cloud_, i).cast<double>());
+      }
+    }
+    if (step().outliers && needs_.removed_outliers != nullptr) copy_removed(cloud_, keep, *needs_.removed_outliers);
+    step().removed = keep_only(cloud_, keep);
+  }
+
+  void apply(const CropConfig& crop) { take_away(kept_by(cloud_, crop, context_)); }
+  void apply(const PassConfig& pass) { take_away(kept_by(cloud_, pass, context_)); }
+
+  void apply(const VoxelConfig& voxel) {
+    step().merges = true;
+    const std::size_t before = cloud_.size();
+    thin_to_voxels(cloud_, voxel.leaf_m, context_.progress);
+    step().removed = before - cloud_.size();
+    cloud_.faces.clear();
+  }
+
+  void apply(const OutlierConfig& outliers) {
+    step().outliers = true;
+    take_away(outliers.method == OutlierConfig::Method::pcl ? statistical_inliers_by_pcl(cloud_, outliers)
+                                                            : statistical_inliers(cloud_, outliers, context_));
+  }
+
+  void apply(const RadiusOutlierConfig& outliers) {
+    step().outliers = true;
+    const Flags keep = outliers.method == RadiusOutlierConfig::Method::pcl ? radius_inliers_by_pcl(cloud_, outliers)
+                                                                           : radius_inliers(cloud_, outliers, context_);
+    const auto gone = static_cast<std::size_t>(std::count(keep.begin(), keep.end(), std::uint8_t{0}));
+    if (2 * gone > keep.size()) {
+      step().found = fmt::format(
+          "{} of the points have fewer than {} neighbours within {}; half of the points have "
+          "their nearest one within {}",
+          share_text(gone, keep.size()), outliers.neighbours, length_text(outliers.radius_m),
+          length_text(spacing_of(cloud_, context_)));
+      if (gone < keep.size()) {
+        context_.progress.warn("the filter 'radius_outliers' takes most of the points away: " + step().found +
+                               "; give a larger radius_mm or fewer neighbours");
+      }
+    }
+    take_away(keep);
+  }
+
+  void apply(const RemovePlaneConfig& config) {
+    PlaneSample sample(config.distance_m);
+    const float* const xyz = cloud_.xyz1();
+    for (std::size_t i = 0; i < cloud_.size(); ++i) {
+      if ((i & 0xFFFF) == 0) context_.progress.throw_if_cancelled();
+      sample.add(Eigen::Map<const Eigen::Vector3f>(xyz + 4 * i));
+    }
+    const FoundPlane plane = find_plane(sample, config, context_);
+    step().found = to_string(plane);
+    const std::uint64_t before = cloud_.size();
+    for (std::size_t i = 0; i < cloud_.size(); ++i) {
+      const double height = height_m(plane.cut, Eigen::Map<const Eigen::Vector3f>(xyz + 4 * i));
+      if (std::abs(height) <= plane.cut.distance_m) ++step().in_plane;
+    }
+    take_away(kept_by(cloud_, plane.cut, context_));
+    warn_of_plane(step(), before, context_.progress);
+  }
+
+  void apply(const KeepConfig& config) {
+    const KeptCluster kept = choose_cluster(cloud_, config, context_);
+    const std::uint64_t before = cloud_.size();
+    step().found = fmt::format("{} cluster{}; the one kept has {} points", count_text(kept.clusters),
+                               kept.clusters == 1 ? "" : "s", count_text(kept.points));
+    if (kept.next > 0) step().found += fmt::format(", the largest other one {}", count_text(kept.next));
+    if (config.nearest_to_m) step().found += fmt::format("; it is {} from nearest_to", length_text(kept.away_m));
+    require_cluster(config, kept);
+    take_away(kept.keep);
+    if (config.nearest_to_m && kept.away_m > config.tolerance_m) {
+      context_.progress.warn(
+          fmt::format("the cluster that 'keep' keeps lies {} from nearest_to, farther than "
+                      "tolerance_mm; nearest_to is a place of the scan frame, metres",
+                      length_text(kept.away_m)));
+    }
+    if (!config.nearest_to_m && 2 * kept.next > kept.points) {
+      context_.progress.warn(fmt::format(
+          "the filter 'keep' keeps a cluster of {} points and takes one of {} away ({} points in all): if that belongs "
+          "to the object too, give a larger tolerance_mm",
+          count_text(kept.points), count_text(kept.next), count_text(before)));
+    }
+  }
+
+  /// Throws when what would be kept cannot be meant.
+  void require_cluster(const KeepConfig& config, const KeptCluster& kept) {
+    const auto refuse = [&](const std::string& wrong, const std::string& expected) {
+      throw Error(ErrorKind::input, {}, "the filter 'keep' finds no cluster: " + wrong, expected);
+    };
+    if (2 * kept.alone > cloud_.size()) {
+      refuse(fmt::format("{} of the points have none or one other within {}; half of the points have their nearest one "
+                         "within {}",
+                         share_text(kept.alone, cloud_.size()), length_text(config.tolerance_m),
+                         length_text(spacing_of(cloud_, context_))),
+             "a larger tolerance_mm: a few times the points' distance");
+    }
+    const double size = diagonal();
+    if (config.nearest_to_m && kept.away_m > size) {
+      refuse(fmt::format("the nearest one lies {} from nearest_to, and all points together are {} large",
+                         length_text(kept.away_m), length_text(size)),
+             "a place on or near the object, scan frame, metres");
+    }
+  }
+
+  [[nodiscard]] double diagonal() const {
+    Eigen::Vector3f low = Eigen::Map<const Eigen::Vector3f>(cloud_.xyz1());
+    Eigen::Vector3f high = low;
+    for (std::size_t i = 0; i < cloud_.size(); ++i) {
+      const Eigen::Map<const Eigen::Vector3f> p(cloud_.xyz1() + 4 * i);
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    return (high - low).cast<double>().norm();
+  }
+
+  void apply(const SmoothConfig& config) {
+    const Smoothing smoothing = smooth_points(cloud_, config, context_);
+    const std::uint64_t all = cloud_.size();
+    if (smoothing.unmoved == all) {
+      throw Error(ErrorKind::input, {},
+                  fmt::format("the filter 'smooth' moves nothing: no point has two neighbours within {} and a surface "
+                              "through them; half of the points have their nearest one within {}",
+                              length_text(config.radius_m), length_text(spacing_of(cloud_, context_))),
+                  "a larger radius_mm: three times the points' distance or more");
+    }
+    result_.moved_rms_m = std::hypot(result_.moved_rms_m, smoothing.rms_m);
+    step().found =
+        fmt::format("points moved by {} RMS, at most {}", length_text(smoothing.rms_m), length_text(smoothing.most_m));
+    if (smoothing.unmoved > 0) step().found += fmt::format("; {} not moved", count_text(smoothing.unmoved));
+    constexpr std::uint64_t kFew = 100;
+    if (smoothing.unmoved > all / kFew) {
+      context_.progress.warn(fmt::format(
+          "the filter 'smooth' leaves {} of the points where they are, since fewer than three points lie within {}: "
+          "half of the points have their nearest one within {}; give a larger radius_mm",
+          share_text(smoothing.unmoved, all), length_text(config.radius_m), length_text(spacing_of(cloud_, context_))));
+    }
+  }
+
+  void apply(const ThinConfig& config) {
+    step().merges = true;
+    const double spacing = needs_.spacing_m ? needs_.spacing_m(cloud_) : spacing_of(cloud_, context_);
+    if (!(spacing > 0.0)) throw nothing_left("thin", "all points are in one place");
+    take_away(thinned(cloud_, spacing, config.points_per_node, context_));
+    step().found = fmt::format("at most {} point{} in a cube of {}", config.points_per_node,
+                               config.points_per_node == 1 ? "" : "s", length_text(spacing));
+  }
+
+  Cloud& cloud_;
+  const Context& context_;
+  const FilterNeeds& needs_;
+  FilterSteps result_;
+};
+
+std::uint64_t sum_of(const std::vector<FilterStep>& steps, bool outliers) {
+  return std::accumulate(steps.begin(), steps.end(), std::uint64_t{0}, [&](std::uint64_t sum, const FilterStep& step) {
+    return step.outliers == outliers ? sum + step.removed : sum;
+  });
 }
 
 }  // namespace
 
-Error nothing_left(const std::string& filter) {
-  return {ErrorKind::input, {}, "nothing is left after the filter '" + filter + "'", "a filter that keeps some points"};
+std::uint64_t FilterSteps::filtered() const { return sum_of(steps, false); }
+std::uint64_t FilterSteps::outliers() const { return sum_of(steps, true); }
+
+PointSample sample_of_kept(const Cloud& cloud) {
+  PointSample sample(FilterSteps::kSample);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    sample.add(cloud.origin_m + Eigen::Map<const Eigen::Vector3f>(cloud.xyz1() + 4 * i).cast<double>());
+  }
+  return sample;
 }
 
-FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
-                           Cloud* removed_outliers) {
-  FilterCounts counts;
-  for (const FilterConfig& filter : filters) {
-    context.progress.throw_if_cancelled();
-    if (const auto* crop = std::get_if<CropConfig>(&filter)) {
-      counts.filtered += keep_only(cloud, inside(cloud, *crop));
-      check_left(cloud, "crop");
-    } else if (const auto* voxel = std::get_if<VoxelConfig>(&filter)) {
-      const std::size_t before = cloud.size();
-      thin_to_voxels(cloud, voxel->leaf_m, context.progress);
-      counts.filtered += before - cloud.size();
-      cloud.faces.clear();
-      cloud.normals.clear();
-    } else if (const auto* outliers = std::get_if<OutlierConfig>(&filter)) {
-      const std::vector<std::uint8_t> keep = outliers->method == OutlierConfig::Method::pcl
-                                                 ? statistical_inliers_by_pcl(cloud, *outliers)
-                                                 : statistical_inliers(cloud, *outliers, context);
-      if (removed_outliers != nullptr) copy_removed(cloud, keep, *removed_outliers);
-      counts.outlier += keep_only(cloud, keep);
-      check_left(cloud, "outliers");
-    }
-  }
-  return counts;
+Error nothing_left(const std::string& filter, const std::string& found) {
+  return {ErrorKind::input,
+          {},
+          "nothing is left after the filter '" + filter + "'" + (found.empty() ? "" : ": " + found),
+          "a filter that keeps some points"};
+}
+
+void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progress) {
+  if (3 * step.in_plane <= 2 * before || step.removed == before) return;
+  progress.warn(fmt::format(
+      "{} of the points lie in the plane that 'remove_plane' takes away: {}; if that is the object itself, as the "
+      "picture of the filters in the report shows, give another normal, a smaller max_angle_deg or no 'remove_plane'",
+      share_text(step.in_plane, before), step.found));
+}
+
+FilterSteps apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
+                          const FilterNeeds& needs) {
+  return FilterRun(cloud, context, needs).run(filters);
 }
 
 }  // namespace sparsha::pipeline

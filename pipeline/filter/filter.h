@@ -1,43 +1,66 @@
 // The filters a configuration can name, in its order. All keep colour, intensity and the origin.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "base/context.h"
 #include "base/error.h"
 #include "pipeline/scan/cloud.h"
+#include "pipeline/scan/origin.h"
 #include "scene/config.h"
 
 namespace sparsha::pipeline {
 
-/// How many points each kind of filter took away.
-struct FilterCounts {
-  std::uint64_t filtered = 0;  ///< by crop and voxel
-  std::uint64_t outlier = 0;   ///< by outliers
+/// What one filter did.
+struct FilterStep {
+  static constexpr std::size_t kSample = std::size_t{1} << 15;
+
+  std::string name;  ///< as in the configuration
+  std::uint64_t removed = 0;
+  bool outliers = false;        ///< what it takes away are outliers, which the cross-check still counts
+  bool merges = false;          ///< other points stand for those that are gone
+  std::uint64_t in_plane = 0;   ///< of those that remove_plane takes away: within the plane's thickness
+  std::string found;            ///< what it found, in words; may be empty
+  PointSample sample{kSample};  ///< of what it took away, scan frame; not of what is merged
 };
 
-/// True when a crop keeps a point of a cloud with that origin.
-[[nodiscard]] inline bool is_inside(const CropConfig& crop, const Eigen::Vector3d& origin_m,
-                                    const Eigen::Vector3f& point) {
-  const Eigen::Vector3d p = origin_m + point.cast<double>();
-  return (p.array() >= crop.min_m.array()).all() && (p.array() <= crop.max_m.array()).all();
-}
+/// What all of them did, in order.
+struct FilterSteps {
+  static constexpr std::size_t kSample = std::size_t{1} << 17;
 
-[[nodiscard]] inline bool is_inside(const std::vector<CropConfig>& crops, const Eigen::Vector3d& origin_m,
-                                    const Eigen::Vector3f& point) {
-  return std::all_of(crops.begin(), crops.end(), [&](const CropConfig& c) { return is_inside(c, origin_m, point); });
-}
+  std::vector<FilterStep> steps;
+  PointSample kept{kSample};  ///< of the points that are left, scan frame; by StreamedFilters
+  double moved_rms_m = 0.0;   ///< how far `smooth` moved points, RMS
+
+  [[nodiscard]] std::uint64_t filtered() const;  ///< points taken away that are no outliers
+  [[nodiscard]] std::uint64_t outliers() const;
+};
+
+/// What filters need to know beside the cloud, and what is asked of them.
+struct FilterNeeds {
+  /// Spacing of the grid that the cloud will be projected on, metres of the scan frame; for `thin`.
+  std::function<double(const Cloud& cloud)> spacing_m;
+  /// Where points go that outlier filters take away (positions as measured, same origin): a cross-check must see them.
+  Cloud* removed_outliers = nullptr;
+};
+
+/// A sample of a cloud for pictures, scan frame.
+[[nodiscard]] PointSample sample_of_kept(const Cloud& cloud);
 
 /// What a filter throws that takes all points away.
-[[nodiscard]] Error nothing_left(const std::string& filter);
+[[nodiscard]] Error nothing_left(const std::string& filter, const std::string& found = {});
 
-/// Applies `filters` in order. Faces survive only while no point is taken away. Points that an outlier filter takes
-/// away go to `removed_outliers` (positions only, same origin) when it is given: a cross-check must see them. Throws
-/// Error{usage} when a voxel leaf is too small for the extent, Error{input} when nothing is left.
-FilterCounts apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
-                           Cloud* removed_outliers = nullptr);
+/// A warning when most of the points lay in the plane: then it may be the object itself.
+void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progress);
+
+/// Applies `filters` in order. Faces survive only while no point is taken away. `smooth` moves points and leaves their
+/// places as measured in cloud.measured. The result does not depend on the number of threads. Warns of what looks like
+/// a mistake. Throws Error{usage} when a voxel leaf is too small for the extent, Error{input} when nothing is left or
+/// what a filter looks for is not there; Cancelled.
+FilterSteps apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
+                          const FilterNeeds& needs = {});
 
 }  // namespace sparsha::pipeline

@@ -1,4 +1,5 @@
-// Points that lie farther from their neighbours than the others do (Rusu et al. 2008, statistical outlier removal).
+// Points that lie farther from their neighbours than the others do (Rusu et al. 2008, statistical outlier removal), or
+// than a given radius.
 #pragma once
 
 #include <cstdint>
@@ -17,5 +18,13 @@ namespace sparsha::pipeline {
 
 /// The same by pcl::StatisticalOutlierRemoval.
 [[nodiscard]] std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config);
+
+/// keep[i] = 0 where fewer than `neighbours` other points lie within the radius of point i, its border included.
+/// Distances are FLANN's. Depends neither on threads nor on the order of the points.
+[[nodiscard]] std::vector<std::uint8_t> radius_inliers(const Cloud& cloud, const RadiusOutlierConfig& config,
+                                                       const Context& context);
+
+/// The same by pcl::RadiusOutlierRemoval.
+[[nodiscard]] std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const RadiusOutlierConfig& config);
 
 }  // namespace sparsha::pipeline

@@ -227,7 +227,7 @@ FoundFace find_face(const FacePoints& points, Face face, const std::optional<Eig
     for (const Eigen::Vector3d& p : object.points_m) {
       unit.emplace_back(((p - object.centre_m()) / object.size_m()).cast<float>());
     }
-    const std::optional<FoundPlane> plane = largest_plane(unit, kFaceThickness);
+    const std::optional<FacePlane> plane = largest_plane(unit, kFaceThickness);
     const double share =
         plane ? static_cast<double>(plane->inliers.size()) / static_cast<double>(object.points_m.size()) : 0.0;
     if (share >= (face == Face::plane ? kLeastShare : kEvidentShare)) {

@@ -42,8 +42,8 @@ Normals::Ptr normals_of(const Points::Ptr& points, double radius) {
 }
 
 // The least squares plane of some points.
-FoundPlane fitted(const Points& points, const pcl::Indices& inliers) {
-  FoundPlane plane;
+FacePlane fitted(const Points& points, const pcl::Indices& inliers) {
+  FacePlane plane;
   plane.centre.setZero();
   for (const pcl::index_t i : inliers) {
     plane.inliers.push_back(static_cast<std::size_t>(i));
@@ -61,7 +61,7 @@ FoundPlane fitted(const Points& points, const pcl::Indices& inliers) {
 
 }  // namespace
 
-std::optional<FoundPlane> largest_plane(const std::vector<Eigen::Vector3f>& points, double distance) {
+std::optional<FacePlane> largest_plane(const std::vector<Eigen::Vector3f>& points, double distance) {
   if (points.size() < 4) return std::nullopt;
   Points::Ptr cloud(new Points);
   cloud->reserve(points.size());
@@ -86,7 +86,7 @@ std::optional<FoundPlane> largest_plane(const std::vector<Eigen::Vector3f>& poin
   model->selectWithinDistance(coefficients, distance, inliers);
   // RANSAC's plane goes through three noisy points; that of all its points is better, and has more of them.
   for (int round = 0; round < 3 && inliers.size() >= 3; ++round) {
-    const FoundPlane plane = fitted(*cloud, inliers);
+    const FacePlane plane = fitted(*cloud, inliers);
     Eigen::VectorXf refined(4);
     for (int axis = 0; axis < 3; ++axis) refined[axis] = static_cast<float>(plane.normal[axis]);
     refined[3] = static_cast<float>(-plane.normal.dot(plane.centre));

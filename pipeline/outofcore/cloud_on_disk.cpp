@@ -6,12 +6,11 @@
 #include <bit>
 
 #include "base/error.h"
-#include "pipeline/filter/filter.h"
 #include "pipeline/projection/attributes.h"
 
 namespace sparsha::pipeline {
 
-CloudOnDisk spill(const ScanSet& scans, const std::vector<CropConfig>& crops, bool colour, bool intensity,
+CloudOnDisk spill(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
                   const std::filesystem::path& folder, Progress& progress) {
   const PointLayout layout{colour && scans.has_colour(), intensity && scans.has_intensity()};
   CloudOnDisk cloud;
@@ -24,10 +23,7 @@ CloudOnDisk spill(const ScanSet& scans, const std::vector<CropConfig>& crops, bo
         std::array<float, 5> record{};
         for (std::size_t k = 0; k < block.points.size(); ++k) {
           const Eigen::Vector3f& p = block.points[k];
-          if (!is_inside(crops, cloud.origin_m, p)) {
-            ++cloud.cropped;
-            continue;
-          }
+          if (!filters.keep(p)) continue;
           std::copy_n(p.data(), 3, record.begin());
           if (layout.colour) record[3] = std::bit_cast<float>(block.rgba[k]);
           if (layout.intensity) {
@@ -39,7 +35,7 @@ CloudOnDisk spill(const ScanSet& scans, const std::vector<CropConfig>& crops, bo
       },
       progress);
   cloud.file->finish();
-  if (cloud.size() == 0 && cloud.cropped > 0) throw nothing_left("crop");
+  cloud.filters = filters.finish(progress);
   return cloud;
 }
 

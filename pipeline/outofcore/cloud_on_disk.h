@@ -10,6 +10,7 @@
 
 #include "base/progress.h"
 #include "base/thread_pool.h"
+#include "pipeline/filter/streamed.h"
 #include "pipeline/outofcore/point_file.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/scan/scan_set.h"
@@ -21,17 +22,17 @@ struct CloudOnDisk {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   std::unique_ptr<PointFile> file;  ///< one bucket
   std::uint64_t invalid = 0;
-  std::uint64_t cropped = 0;
+  FilterSteps filters;  ///< what they took away
   float largest_intensity = 0.0F;
   std::vector<Station> stations;
 
   [[nodiscard]] std::uint64_t size() const { return file->size(0); }
 };
 
-/// Streams the scans once more, rounds every point as a Cloud holds it, and keeps those inside all of `crops`.
+/// Streams the scans once more, rounds every point as a Cloud holds it, and keeps those that the filters keep.
 /// Attributes that are asked for are kept too. Throws Error{input} when nothing is left, Error{failure} when the disk
 /// is full.
-[[nodiscard]] CloudOnDisk spill(const ScanSet& scans, const std::vector<CropConfig>& crops, bool colour, bool intensity,
+[[nodiscard]] CloudOnDisk spill(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
                                 const std::filesystem::path& folder, Progress& progress);
 
 /// The raw points of some records, at most as long as the records live.

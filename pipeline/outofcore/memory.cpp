@@ -15,10 +15,13 @@ namespace {
 constexpr std::uint64_t kProgram = 70'000'000;  // code, libraries, buffers
 constexpr std::uint64_t kLeastTilePoints = 100'000;
 
-// Bytes a point of a cloud in memory and what its projection sorts; filters need no more, but for voxels.
+// Bytes a point of a cloud in memory and what its projection sorts; filters need no more, but for voxels, for what
+// sorts points into cells, and for the places of moved points.
 constexpr std::uint64_t kPoint = 64;
 constexpr std::uint64_t kAttribute = 4;
 constexpr std::uint64_t kVoxel = 140;
+constexpr std::uint64_t kCells = 48;
+constexpr std::uint64_t kMoved = 12;
 constexpr std::uint64_t kFace = 40;
 
 // Bytes an item of a cross-check's sample, while it is drawn or measured.
@@ -38,13 +41,23 @@ constexpr double kFrictionScratch = 15.5;
 constexpr double kAllLevels = 4.0 / 3.0;
 constexpr double kPictures = 1.0;
 
+bool sorts_into_cells(const FilterConfig& filter) {
+  return std::holds_alternative<RadiusOutlierConfig>(filter) || std::holds_alternative<KeepConfig>(filter) ||
+         std::holds_alternative<SmoothConfig>(filter) || std::holds_alternative<ThinConfig>(filter);
+}
+
 }  // namespace
 
 std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<FilterConfig>& filters) {
-  const bool voxels = std::any_of(filters.begin(), filters.end(),
-                                  [](const FilterConfig& f) { return std::holds_alternative<VoxelConfig>(f); });
-  const std::uint64_t a_point =
-      kPoint + (scans.has_colour() ? kAttribute : 0) + (scans.has_intensity() ? kAttribute : 0) + (voxels ? kVoxel : 0);
+  const auto any = [&](const auto& test) { return std::any_of(filters.begin(), filters.end(), test); };
+  std::uint64_t a_point = kPoint + (scans.has_colour() ? kAttribute : 0) + (scans.has_intensity() ? kAttribute : 0);
+  const bool smooths = any([](const FilterConfig& f) { return std::holds_alternative<SmoothConfig>(f); });
+  if (any([](const FilterConfig& f) { return std::holds_alternative<VoxelConfig>(f); })) {
+    a_point += kVoxel;
+  } else if (any(sorts_into_cells)) {
+    a_point += kCells;
+  }
+  if (smooths) a_point += kMoved;
   return kProgram + a_point * scans.points() + kFace * scans.faces();
 }
 

@@ -10,6 +10,7 @@
 #include "base/context.h"
 #include "base/thread_pool.h"
 #include "pipeline/projection/buffer.h"
+#include "pipeline/projection/plan.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"
@@ -30,7 +31,15 @@ class Projector {
   [[nodiscard]] Projection project(const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid, double resolution_m,
                                    const Context& context, const ApproveLattice& approve = {});
 
+  /// The lattice that project() would choose, without anything being measured. The same errors.
+  [[nodiscard]] Lattice lattice(const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid, double resolution_m,
+                                const Context& context);
+
  private:
+  [[nodiscard]] ProjectionPlan plan(const OrientedPoints& points, const Eigen::Matrix4d& scan_to_grid,
+                                    const Eigen::Vector3d& origin_m, const GridConfig& grid, double resolution_m,
+                                    ThreadPool& pool) const;
+
   const Cloud& cloud_;
   RawPoints raw_;
   std::vector<std::uint8_t> vertices_;  // one flag a point that is a vertex of a face; empty without faces

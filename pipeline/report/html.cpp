@@ -126,6 +126,33 @@ std::string points_table(const Report::Points& p) {
   return html + "</tbody></table>";
 }
 
+std::string filters_table(const Report& report) {
+  if (report.filters.empty()) return {};
+  std::string html =
+      "<div class='scroll' tabindex='0' role='region' aria-label='Table of filters'><table><caption>What the filters "
+      "took "
+      "away, in their order</caption><thead><tr><th scope='col' class='text'>Filter</th><th scope='col'>Points</th><th "
+      "scope='col'>Share</th><th scope='col' class='text'>What it found</th></tr></thead><tbody>";
+  for (const Report::Filter& filter : report.filters) {
+    const double share =
+        report.points.read > 0 ? static_cast<double>(filter.removed) / static_cast<double>(report.points.read) : 0.0;
+    html += fmt::format("<tr><th scope='row'><code>{}</code></th><td>{}</td><td>{}</td><td class='text'>{}{}</td></tr>",
+                        filter.name, count_text(filter.removed, TextStyle::typeset), percent(share),
+                        escape_html(filter.found),
+                        filter.outliers ? std::string(filter.found.empty() ? "" : "; ") + "counted as outliers" : "");
+  }
+  html += "</tbody></table></div>";
+  const bool moved = std::any_of(report.filters.begin(), report.filters.end(),
+                                 [](const Report::Filter& filter) { return filter.name == "smooth"; });
+  if (moved) {
+    html +=
+        "<p>The filter <code>smooth</code> moved the points that the surface was fitted to. All distances in this "
+        "report "
+        "are measured from the points as they were scanned.</p>";
+  }
+  return html;
+}
+
 // One row a figure, so that the table fits a narrow page.
 std::string distances_table(const CheckResult& check) {
   const DistanceStatistics& to_surface = check.cloud_to_surface;
@@ -310,12 +337,13 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   html += "<div class='gallery'>\n";
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     const Lattice& lattice = description.levels.front();
-    add_figure(html, pictures[k], encoded[k], pictures[k].width * nodes_per_pixel(lattice) * lattice.spacing_m, k == 0);
+    const double grid_m = pictures[k].width * nodes_per_pixel(lattice) * lattice.spacing_m;
+    add_figure(html, pictures[k], encoded[k], pictures[k].width_m > 0 ? pictures[k].width_m : grid_m, k == 0);
   }
   html += "</div></section>\n";
   section(1, accuracy(report));
   section(2, "<div class='columns'><div>" + points_table(report.points) + "</div><div>" + grid_table(description) +
-                 "</div></div>");
+                 "</div></div>" + filters_table(report));
   section(3, inputs(description));
   section(4, kWords);
   section(5,

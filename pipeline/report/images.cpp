@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "base/statistics.h"
+#include "pipeline/report/filter_picture.h"
 #include "pipeline/report/shading.h"
 #include "scene/friction_law.h"
 #include "scene/workspace.h"
@@ -223,10 +224,13 @@ std::vector<Picture> make_pictures(const Layers& base, const SceneDescription& s
   if (report.check && report.check->node_error_m.size() == lattice.count() &&
       report.check->cloud_to_surface.samples > 0)
     makers.emplace_back([&] { return error(heights, lattice, *report.check); });
+  if (has_filter_picture(report)) makers.emplace_back([&] { return filter_picture(scene, report); });
   std::vector<Picture> pictures(makers.size());
   pool.for_ranges(makers.size(), 1, [&](std::size_t k, std::size_t) {
     pictures[k] = makers[k]();
-    if (pictures[k].legend != Picture::Legend::states) pictures[k].palette = palette_of(pictures[k].map);
+    const Picture::Legend legend = pictures[k].legend;
+    if (legend != Picture::Legend::states && legend != Picture::Legend::entries)
+      pictures[k].palette = palette_of(pictures[k].map);
   });
   return pictures;
 }

@@ -13,7 +13,7 @@ namespace sparsha::pipeline {
 
 /// One picture. Top row first; a pixel covers `nodes_per_pixel` nodes each way.
 struct Picture {
-  std::string name;  ///< file name without ending: relief, height, texture, friction, coverage, error
+  std::string name;  ///< file name without ending: relief, height, texture, friction, coverage, error, filters
   std::string title;
   std::string caption;      ///< what is seen and how to read it
   std::string alternative;  ///< for those who do not see it
@@ -21,7 +21,13 @@ struct Picture {
   std::string unit;          ///< of the legend's values
   double low = 0, high = 0;  ///< values of the legend's ends, in `unit`
   bool clipped = false;      ///< values beyond the ends exist and have the ends' colours
-  enum class Legend { none, ramp, states } legend = Legend::ramp;
+  enum class Legend { none, ramp, states, entries } legend = Legend::ramp;
+  struct Entry {
+    std::string label;
+    Rgb colour;
+  };
+  std::vector<Entry> entries;  ///< with Legend::entries
+  double width_m = 0;          ///< of the picture, where it is not the grid's
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
   Palette palette{};

@@ -62,6 +62,13 @@ std::string report_json(const Scene& scene, const Report& report) {
   json["version"] = SPARSHA_VERSION;
   json["points"] = {{"read", p.read},       {"used", p.used},         {"occluded", p.occluded}, {"outlier", p.outlier},
                     {"outside", p.outside}, {"filtered", p.filtered}, {"invalid", p.invalid}};
+  json["filters"] = Json::array();
+  for (const Report::Filter& filter : report.filters) {
+    json["filters"].push_back({{"name", filter.name},
+                               {"removed", filter.removed},
+                               {"counted_as", filter.outliers ? "outlier" : "filtered"},
+                               {"found", filter.found.empty() ? Json(nullptr) : Json(filter.found)}});
+  }
   json["grid"] = {
       {"nx", lattice.nx},
       {"ny", lattice.ny},

@@ -31,8 +31,10 @@ void write_report(const Scene& scene, const Report& report, const std::filesyste
   const std::vector<Picture> pictures = make_pictures(base, description, report, pool);
   const double pixel_m = nodes_per_pixel(base.grid.lattice) * base.grid.lattice.spacing_m;
   std::vector<std::string> encoded(pictures.size());
-  pool.for_ranges(pictures.size(), 1,
-                  [&](std::size_t begin, std::size_t) { encoded[begin] = encode(pictures[begin], pixel_m); });
+  pool.for_ranges(pictures.size(), 1, [&](std::size_t begin, std::size_t) {
+    encoded[begin] = encode(pictures[begin],
+                            pictures[begin].width_m > 0 ? pictures[begin].width_m / pictures[begin].width : pixel_m);
+  });
   for (std::size_t k = 0; k < pictures.size(); ++k) write_file(folder / (pictures[k].name + ".png"), encoded[k]);
   write_file(folder / "report.html", report_html(scene, report, pictures, encoded));
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pipeline/check/check.h"
 #include "scene/scene.h"
 
@@ -16,8 +18,19 @@ struct Report {
   struct Points {
     std::uint64_t read = 0, used = 0, occluded = 0, outlier = 0, outside = 0, filtered = 0, invalid = 0;
   } points;
-  double coverage = 0.0;         ///< measured nodes / all
-  double filled_fraction = 0.0;  ///< filled nodes / all
+  /// What a filter of the configuration did, in their order.
+  struct Filter {
+    std::string name;
+    std::uint64_t removed = 0;
+    bool outliers = false;                  ///< counted in points.outlier, else in points.filtered
+    bool merges = false;                    ///< other points stand for those that are gone
+    std::string found;                      ///< in words; may be empty
+    std::vector<Eigen::Vector3d> sample_m;  ///< of the points it took away, scan frame, for the picture
+  };
+  std::vector<Filter> filters;
+  std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame
+  double coverage = 0.0;                ///< measured nodes / all
+  double filled_fraction = 0.0;         ///< filled nodes / all
   std::optional<CheckResult> check;
   std::vector<StageTime> stages;
   double total_seconds = 0.0;
@@ -27,7 +40,7 @@ struct Report {
 
 [[nodiscard]] std::string report_json(const Scene& scene, const Report& report);
 /// Writes report.json, report.html and the previews (relief.png, height.png, texture.png, friction.png, coverage.png,
-/// error.png; those that the scene has) into an existing folder.
+/// error.png, filters.png; those that the scene has) into an existing folder.
 void write_report(const Scene& scene, const Report& report, const std::filesystem::path& folder, ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

@@ -71,6 +71,23 @@ std::string states_legend() {
       entry(120, css(kFilledColour), "filled"), entry(212, "url(#hatch)", "unknown"));
 }
 
+std::string entries_legend(const Picture& picture) {
+  constexpr int kRow = 26;
+  std::string rows;
+  std::string label = "Legend:";
+  int y = 8;
+  for (const Picture::Entry& entry : picture.entries) {
+    rows += fmt::format(
+        "<rect x='4' y='{}' width='22' height='16' fill='{}' class='frame'/><text x='34' y='{}' "
+        "class='start'>{}</text>",
+        y, css(entry.colour), y + 13, escape_html(entry.label));
+    label += (label.back() == ':' ? " " : ", ") + entry.label;
+    y += kRow;
+  }
+  return fmt::format("<svg class='legend' viewBox='0 0 320 {}' role='img' aria-label='{}'>{}</svg>", y + 2,
+                     escape_html(label), rows);
+}
+
 }  // namespace
 
 std::string escape_html(std::string_view text) {
@@ -102,6 +119,7 @@ std::string escape_html(std::string_view text) {
 
 std::string legend_svg(const Picture& picture) {
   if (picture.legend == Picture::Legend::states) return states_legend();
+  if (picture.legend == Picture::Legend::entries) return entries_legend(picture);
   return picture.legend == Picture::Legend::ramp && picture.high > picture.low ? ramp_legend(picture) : std::string();
 }
 

@@ -161,9 +161,9 @@ TEST(OutlierFilter, TakesAwayThePointsFarFromAllOthersAndTheirAttributes) {
   points.insert(points.begin() + 7, {5.0F, 5.0F, 5.0F});
   Cloud cloud = cloud_of(points, true);
   cloud.faces.push_back({0, 1, 2});
-  const FilterCounts counts = apply_filters(cloud, {OutlierConfig{}}, {pool, progress});
-  EXPECT_EQ(counts.outlier, 1U);
-  EXPECT_EQ(counts.filtered, 0U);
+  const FilterSteps counts = apply_filters(cloud, {OutlierConfig{}}, {pool, progress});
+  EXPECT_EQ(counts.outliers(), 1U);
+  EXPECT_EQ(counts.filtered(), 0U);
   ASSERT_EQ(cloud.size(), 400U);
   EXPECT_EQ(cloud.rgba[6], 6U);
   EXPECT_EQ(cloud.rgba[7], 8U);
@@ -178,8 +178,8 @@ TEST(CropFilter, KeepsWhatLiesInTheBoxOfTheScanFrameBordersIncluded) {
   cloud.origin_m = {450000, 5412000, 100};
   cloud.faces.push_back({0, 1, 3});
   const CropConfig crop{{450000, 5412000, 100}, {450001, 5412001, 101}};
-  const FilterCounts counts = apply_filters(cloud, {crop}, {pool, progress});
-  EXPECT_EQ(counts.filtered, 2U);
+  const FilterSteps counts = apply_filters(cloud, {crop}, {pool, progress});
+  EXPECT_EQ(counts.filtered(), 2U);
   EXPECT_EQ(points_of(cloud), (Points{{0, 0, 0}, {1, 1, 1}}));
 }
 
@@ -217,9 +217,9 @@ TEST(VoxelFilter, GivesTheCentroidsOfPclsVoxelGrid) {
   grid.setLeafSize(leaf, leaf, leaf);
   pcl::PointCloud<pcl::PointXYZ> expected;
   grid.filter(expected);
-  const FilterCounts counts = apply_filters(cloud, {VoxelConfig{static_cast<double>(leaf)}}, {pool, progress});
+  const FilterSteps counts = apply_filters(cloud, {VoxelConfig{static_cast<double>(leaf)}}, {pool, progress});
   ASSERT_EQ(cloud.size(), expected.size());
-  EXPECT_EQ(counts.filtered, points.size() - expected.size());
+  EXPECT_EQ(counts.filtered(), points.size() - expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     // PCL adds up to some hundred float32 numbers below 1.
     EXPECT_NEAR(cloud.xyz1()[4 * i], expected[i].x, 2e-5F);

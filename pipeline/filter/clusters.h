@@ -1,0 +1,34 @@
+// Groups of points that lie close together (Rusu 2009, Euclidean cluster extraction), and the one to keep.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/context.h"
+#include "pipeline/scan/cloud.h"
+#include "scene/config.h"
+
+namespace sparsha::pipeline {
+
+/// label[i] = number of point i's cluster; clusters are numbered by their first point. Points closer than the tolerance
+/// (float32 distances, as FLANN computes them) are in one. Points of all threads and orders: the same clusters.
+[[nodiscard]] std::vector<std::uint32_t> euclidean_clusters(const Cloud& cloud, double tolerance_m,
+                                                            const Context& context);
+
+/// The same by pcl::EuclideanClusterExtraction, from one point to the next; single-threaded.
+[[nodiscard]] std::vector<std::uint32_t> euclidean_clusters_by_pcl(const Cloud& cloud, double tolerance_m);
+
+struct KeptCluster {
+  std::vector<std::uint8_t> keep;  ///< one a point
+  std::uint64_t points = 0;
+  std::uint64_t clusters = 0;  ///< in all
+  std::uint64_t next = 0;      ///< points of the largest other one
+  std::uint64_t alone = 0;     ///< points in clusters of one or two
+  double away_m = 0.0;         ///< from nearest_to to the nearest point
+};
+
+/// Of equal ones that with the smallest point by x, y, z. The cloud must have points.
+[[nodiscard]] KeptCluster choose_cluster(const Cloud& cloud, const KeepConfig& config, const Context& context);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,33 @@
+// Lengths, vectors and keys that exclude each other.
+#include "scene/config_reader.h"
+
+namespace sparsha::pipeline {
+
+void read_mm(yaml::MapReader& reader, std::string_view key, double& value_m, double low_mm, double high_mm) {
+  constexpr double kMm = 1e-3;
+  if (reader.optional(key) == nullptr) return;
+  double value_mm = 0.0;
+  reader.read(key, value_mm, low_mm, high_mm);
+  value_m = value_mm * kMm;
+}
+
+Eigen::Vector3d vector(const yaml::Node& node) {
+  const std::vector<double> v = yaml::to_doubles(node, 3);
+  return {v[0], v[1], v[2]};
+}
+
+int exclusive(yaml::MapReader& reader, const std::vector<std::string>& keys) {
+  int found = -1;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const yaml::Node* value = reader.optional(keys[i]);
+    if (value == nullptr) continue;
+    if (found >= 0) {
+      throw yaml::error_at(*value, "'" + keys[static_cast<std::size_t>(found)] + "' and '" + keys[i] + "' contradict",
+                           "one of them");
+    }
+    found = static_cast<int>(i);
+  }
+  return found;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,29 @@
+// What the readers of configuration blocks share; for the files scene/config*.cpp alone.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/yaml.h"
+#include "scene/config.h"
+
+namespace sparsha::pipeline {
+
+constexpr double kAny = 1e12;        // widest coordinate that is believed, metres
+constexpr double kSmallest = 1e-12;  // smallest length that is believed, in the key's unit
+
+/// Reads a length in millimetres, when the key is present, into metres.
+void read_mm(yaml::MapReader& reader, std::string_view key, double& value_m, double low_mm, double high_mm);
+
+[[nodiscard]] Eigen::Vector3d vector(const yaml::Node& node);
+
+/// At most one of the keys may be present; the index of it, or -1.
+int exclusive(yaml::MapReader& reader, const std::vector<std::string>& keys);
+
+/// The block `filters`.
+[[nodiscard]] std::vector<FilterConfig> parse_filters(const yaml::Node& node);
+
+}  // namespace sparsha::pipeline
