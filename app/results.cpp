@@ -28,6 +28,7 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
     text += fmt::format("filter    {}: {} taken away{}{}\n", filter.name, count_text(filter.removed),
                         filter.outliers ? " as outliers" : "", filter.found.empty() ? "" : "; " + filter.found);
   }
+  if (!report.orientation.empty()) text += "face      " + report.orientation + '\n';
   text += fmt::format("coverage  {:.1f} % of the nodes measured, {:.1f} % filled", 100.0 * report.coverage,
                       100.0 * report.filled_fraction);
   // A mesh has none.

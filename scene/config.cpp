@@ -132,11 +132,21 @@ ScanConfig parse_scan(const Node& node, const std::filesystem::path& folder) {
 OrientationConfig parse_orientation(const Node& node) {
   OrientationConfig orientation;
   MapReader reader(node, "orientation");
-  const int form = exclusive(reader, {"look_from", "euler_deg", "quaternion", "matrix"});
+  const int form = exclusive(reader, {"look_from", "euler_deg", "quaternion", "matrix", "face"});
   double scale = 1.0;
   reader.read("scale", scale, 1e-9, 1e9);
   const Node* up = reader.optional("up");
+  int face = 0;
+  if (form == 4) reader.read_choice("face", face, {"auto", "plane", "principal"});
   reader.finish();
+  if (form == 4) {
+    orientation.face = static_cast<OrientationConfig::Face>(face);
+    orientation.face_scale = scale;
+    if (up == nullptr) return orientation;
+    orientation.face_up = vector(*up);
+    if (orientation.face_up->isZero(0.0)) throw yaml::error_at(*up, "'up' has no direction", "a vector of some length");
+    return orientation;
+  }
   if (up != nullptr && form > 0) throw yaml::error_at(*up, "'up' belongs to 'look_from'", "leave it out");
   Eigen::Matrix4d& m = orientation.scan_to_grid;
   if (form == 3) {

@@ -112,6 +112,15 @@ std::string filter_text(const FilterConfig& filter) {
   return "  - " + filter_name(filter) + ": {" + keys + "}\n";
 }
 
+std::string orientation_text(const OrientationConfig& orientation) {
+  if (!orientation.face) return "orientation: {matrix: " + matrix(orientation.scan_to_grid) + "}\n";
+  static constexpr std::array<std::string_view, 3> kFaces{"auto", "plane", "principal"};
+  std::string text = fmt::format("orientation: {{face: {}", kFaces[static_cast<std::size_t>(*orientation.face)]);
+  if (orientation.face_up) text += ", up: " + vector(*orientation.face_up);
+  if (orientation.face_scale != 1.0) text += ", scale: " + number(orientation.face_scale);
+  return text + "}\n";
+}
+
 std::string grid_text(const GridConfig& grid) {
   std::string text = "grid: {";
   const auto add = [&](const std::string& entry) { text += (text.back() == '{' ? "" : ", ") + entry; };
@@ -169,7 +178,7 @@ std::string to_yaml(const Config& config) {
   }
   if (!config.filters.empty()) text += "filters:\n";
   for (const FilterConfig& filter : config.filters) text += filter_text(filter);
-  text += "orientation: {matrix: " + matrix(config.orientation.scan_to_grid) + "}\n";
+  text += orientation_text(config.orientation);
   text += grid_text(config.grid);
   if (config.fill) text += "fill: {max_gap_mm: " + millimetres(config.fill->max_gap_m) + "}\n";
   if (config.texture) {

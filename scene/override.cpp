@@ -16,9 +16,11 @@ struct Rivals {
 const std::vector<Rivals>& rivals() {
   static const std::vector<Rivals> all = {
       {"grid", {"size", "spacing_mm"}, {"size", "spacing_mm"}},
-      {"orientation", {"euler_deg", "quaternion"}, {"look_from", "up", "euler_deg", "quaternion", "matrix"}},
-      {"orientation", {"matrix"}, {"look_from", "up", "euler_deg", "quaternion", "scale"}},
-      {"orientation", {"look_from", "up"}, {"euler_deg", "quaternion", "matrix"}},
+      {"orientation", {"euler_deg", "quaternion"}, {"look_from", "up", "euler_deg", "quaternion", "matrix", "face"}},
+      {"orientation", {"matrix"}, {"look_from", "up", "euler_deg", "quaternion", "scale", "face"}},
+      {"orientation", {"look_from"}, {"euler_deg", "quaternion", "matrix", "face"}},
+      {"orientation", {"face"}, {"look_from", "euler_deg", "quaternion", "matrix"}},
+      {"orientation", {"up"}, {"euler_deg", "quaternion", "matrix"}},
       {"pose", {"euler_deg", "quaternion"}, {"euler_deg", "quaternion", "matrix"}},
       {"pose", {"matrix"}, {"euler_deg", "quaternion", "translate"}},
   };

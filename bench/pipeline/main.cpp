@@ -13,7 +13,8 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: bench_pipeline [--out DIR] [--mode quick|full] [--strict] [--only accuracy|closed|mtf|speed|c2m|huge]\n"
+    "usage: bench_pipeline [--out DIR] [--mode quick|full] [--strict] [--only "
+    "accuracy|closed|normals|mtf|speed|c2m|huge]\n"
     "                      [--scenes TEXT] [--no-cloudcompare] [--all] [--huge POINTS] [--program PATH]\n";
 
 }  // namespace
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
     options.work = options.out / ("bench_pipeline-" + std::to_string(getpid()));
     if (only.empty() || only == "accuracy") kept = sparsha::bench::run_accuracy(options) && kept;
     if (only.empty() || only == "closed") kept = sparsha::bench::run_closed(options) && kept;
+    if (only.empty() || only == "normals") sparsha::bench::run_normals(options);
     if (only.empty() || only == "mtf") sparsha::bench::run_mtf(options);
     if (only.empty() || only == "c2m") kept = sparsha::bench::run_cross_check(options) && kept;
     if (only.empty() || only == "speed") sparsha::bench::run_speed(options);

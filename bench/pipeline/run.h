@@ -27,6 +27,8 @@ void run_mtf(const RunOptions& options);
 bool run_cross_check(const RunOptions& options);
 /// Raw clouds of whole objects, CloudCompare's raster beside: pipeline_closed.csv. False when a bound is broken.
 bool run_closed(const RunOptions& options);
+/// Tangent discs beside pcl::NormalEstimationOMP, errors and times: pipeline_normals.csv.
+void run_normals(const RunOptions& options);
 /// Scans that do not fit their --memory, a tenth of the points and all of them, beside the same builds in memory:
 /// pipeline_huge.csv. False when a limit is broken or a byte differs.
 bool run_huge(const RunOptions& options);

@@ -102,11 +102,17 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   report.points = scans.points;
   report.filters = std::move(scans.filters);
   report.kept_m = std::move(scans.kept_m);
+  report.orientation = std::move(scans.orientation);
   report.points.used = projection.used;
   report.points.occluded = projection.occluded;
   report.points.outlier += projection.outlier;
   report.points.outside = projection.outside;
   SceneDescription scene;
+  if (config.orientation.face) {
+    config.orientation.face.reset();
+    config.orientation.face_up.reset();
+    config.orientation.scan_to_grid = scans.scan_to_grid;
+  }
   scene.config = config;
   scene.sources = std::move(scans.sources);
   scene.scan_from_grid = config.orientation.scan_to_grid.inverse();

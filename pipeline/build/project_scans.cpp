@@ -16,6 +16,7 @@
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
 #include "pipeline/filter/voxel.h"
+#include "pipeline/orient/face.h"
 #include "pipeline/outofcore/cloud_on_disk.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/outofcore/tiled_check.h"
@@ -82,18 +83,21 @@ class Builder {
         scan_to_grid_(config.orientation.scan_to_grid),
         grid_(config.grid),
         limit_{options.memory_bytes, options.memory_points} {
+    oriented_ = !config.orientation.face.has_value();
     if (!options.grid_only) filters_ = config.filters;
   }
 
   ProjectedScans run() {
     progress_.begin("read");
     ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_);
+    z_up_ = scans.z_up();
     try {
       if (!points_fit(scans)) throw DoesNotFit();
       build_in_memory(scans);
     } catch (const DoesNotFit&) {
       result_ = {};
       grid_ = config_.grid;
+      oriented_ = !config_.orientation.face.has_value();
       require_points_only(scans);
       if (thins()) {
         build_thinned(scans);
@@ -102,6 +106,7 @@ class Builder {
       }
     }
     result_.sources = scans.sources();
+    result_.scan_to_grid = scan_to_grid_;
     return std::move(result_);
   }
 
@@ -162,8 +167,9 @@ class Builder {
     }
     if (!filters_.empty()) result_.kept_m = sample_of_kept(*cloud).points();
 
-    progress_.begin("project");
     cloud->stations = stations;  // filters make new clouds
+    if (!oriented_) find_orientation(sample_of_kept(*cloud).points(), stations);
+    progress_.begin("project");
     result_.projection =
         project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approve);
     // The noise is that of the points as measured; a mesh has none.
@@ -195,10 +201,25 @@ class Builder {
     }
   }
 
+  // What `face` asks for, found once: by the filter that needs it first, or by what is left of the points.
+  void find_orientation(const std::vector<Eigen::Vector3d>& points_m, const std::vector<Station>& stations) {
+    constexpr std::size_t kEnough = 20000;
+    progress_.begin("orient");
+    PointSample sample(kEnough);
+    for (const Eigen::Vector3d& p : points_m) sample.add(p);
+    const OrientationConfig& orientation = config_.orientation;
+    FoundFace found =
+        find_face({sample.points(), stations, z_up_}, *orientation.face, orientation.face_up, orientation.face_scale);
+    scan_to_grid_ = found.scan_to_grid;
+    result_.orientation = std::move(found.reason);
+    oriented_ = true;
+  }
+
   // Spacing of the grid, metres of the scan frame, for `thin`. An automatic one is kept from here on: thinning must not
   // make the grid coarser.
   double planned_spacing_m(const Cloud& cloud) {
     if (!(grid_.spacing_m > 0.0)) {
+      if (!oriented_) find_orientation(sample_of_kept(cloud).points(), cloud.stations);
       const double spacing_m = Projector(cloud, pool_, false)
                                    .lattice(scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_})
                                    .spacing_m;
@@ -296,8 +317,10 @@ class Builder {
 
   void build_out_of_core(const ScanSet& scans) {
     progress_.begin("spill");
-    CloudOnDisk cloud = spill(scans, StreamedFilters(scans, filters_, {pool_, progress_}), config_.grid.colour,
-                              config_.grid.intensity, spill_folder(), progress_);
+    StreamedFilters streamed(scans, filters_, {pool_, progress_});
+    if (!oriented_) streamed.sample_kept();
+    CloudOnDisk cloud =
+        spill(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity, spill_folder(), progress_);
     if (cloud.size() == 0) throw no_points(config_);
     result_.points = {};
     result_.points.invalid = cloud.invalid;
@@ -305,6 +328,8 @@ class Builder {
     add_steps(std::move(cloud.filters));
     result_.points.read = cloud.size() + cloud.invalid + result_.points.filtered;
 
+    if (!oriented_) find_orientation(result_.kept_m, cloud.stations);
+    if (filters_.empty()) result_.kept_m.clear();
     progress_.begin("project");
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m,
                           {pool_, progress_});
@@ -332,6 +357,8 @@ class Builder {
   ThreadPool& pool_;
   Progress& progress_;
   Eigen::Matrix4d scan_to_grid_;
+  bool oriented_ = true;
+  bool z_up_ = false;
   GridConfig grid_;
   MemoryLimit limit_;
   std::vector<FilterConfig> filters_;

@@ -17,6 +17,8 @@ namespace sparsha::pipeline {
 struct ProjectedScans {
   Projection projection;
   std::vector<ScanSource> sources;
+  Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();  ///< the configuration's, or what `face` has found
+  std::string orientation;                                     ///< what `face` has found, in words; else empty
   Report::Points points;
   std::vector<Report::Filter> filters;
   std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame; empty without filters

@@ -22,6 +22,7 @@ StreamedFilters::StreamedFilters(const ScanSet& scans, const std::vector<FilterC
     if (const auto* pass = std::get_if<PassConfig>(&filter)) tests_.emplace_back(*pass);
     if (const auto* plane = std::get_if<RemovePlaneConfig>(&filter)) add_plane(scans, *plane, context);
   }
+  samples_ = !tests_.empty();
 }
 
 void StreamedFilters::add_plane(const ScanSet& scans, const RemovePlaneConfig& config, const Context& context) {
@@ -57,7 +58,7 @@ bool StreamedFilters::keep(const Eigen::Vector3f& point) {
     steps_.steps[k].sample.add(origin_m_ + point.cast<double>());
     return false;
   }
-  if (!tests_.empty()) steps_.kept.add(origin_m_ + point.cast<double>());
+  if (samples_) steps_.kept.add(origin_m_ + point.cast<double>());
   return true;
 }
 

@@ -23,6 +23,8 @@ class StreamedFilters {
 
   /// How many filters at the start of the list these are.
   [[nodiscard]] std::size_t count() const { return tests_.size(); }
+  /// A sample of what is kept is taken also where there are no filters.
+  void sample_kept() { samples_ = true; }
   /// `point` is relative to the scans' origin. Counts.
   [[nodiscard]] bool keep(const Eigen::Vector3f& point);
   /// To be called when all points have come. Warns; throws Error{input} when none was kept.
@@ -36,6 +38,7 @@ class StreamedFilters {
   std::vector<PointTest> tests_;
   FilterSteps steps_;
   std::uint64_t points_ = 0;
+  bool samples_ = false;
 };
 
 }  // namespace sparsha::pipeline

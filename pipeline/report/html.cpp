@@ -322,8 +322,9 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   html +=
       "</ul></nav>\n</header>\n<main id='main'>\n<section aria-labelledby='figures-h'><h2 id='figures-h'>At a "
       "glance</h2>";
-  html += key_figures(description, report) +
-          "</section>\n<section aria-labelledby='warnings-h'><h2 id='warnings-h'>Warnings</h2>";
+  html += key_figures(description, report);
+  if (!report.orientation.empty()) html += "<p>Front: " + escape_html(report.orientation) + ".</p>";
+  html += "</section>\n<section aria-labelledby='warnings-h'><h2 id='warnings-h'>Warnings</h2>";
   html += warnings(report) + "</section>\n";
   const auto open = [&](std::size_t k) {
     html += fmt::format("<section id='{0}' aria-labelledby='{0}-h'><h2 id='{0}-h'>{1}</h2>", sections[k].first,

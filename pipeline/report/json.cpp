@@ -69,6 +69,7 @@ std::string report_json(const Scene& scene, const Report& report) {
                                {"counted_as", filter.outliers ? "outlier" : "filtered"},
                                {"found", filter.found.empty() ? Json(nullptr) : Json(filter.found)}});
   }
+  json["orientation"] = report.orientation.empty() ? Json(nullptr) : Json(report.orientation);
   json["grid"] = {
       {"nx", lattice.nx},
       {"ny", lattice.ny},

@@ -28,6 +28,7 @@ struct Report {
     std::vector<Eigen::Vector3d> sample_m;  ///< of the points it took away, scan frame, for the picture
   };
   std::vector<Filter> filters;
+  std::string orientation;              ///< what `face` has found, in words; else empty
   std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame
   double coverage = 0.0;                ///< measured nodes / all
   double filled_fraction = 0.0;         ///< filled nodes / all

@@ -1,6 +1,9 @@
 // Tells a scan's format, by its content first and its ending second, and hands it to that format's reader.
 #include "pipeline/scan/reader.h"
 
+#include <algorithm>
+#include <array>
+
 #include "pipeline/scan/formats/e57/e57.h"
 #include "pipeline/scan/formats/las/las.h"
 #include "pipeline/scan/formats/obj.h"
@@ -132,6 +135,11 @@ bool is_quick_to_stream(const std::filesystem::path& file) {
 
 RawScan read_scan_bytes(std::string_view bytes, const std::string& name) {
   return read_into(name, bytes, nullptr, {}, nullptr);
+}
+
+bool is_z_up(const std::string& format) {
+  constexpr std::array kNames = {"LAS", "LAZ", "E57", "PTX", "PTS", "STL"};
+  return std::any_of(kNames.begin(), kNames.end(), [&](const char* name) { return format.starts_with(name); });
 }
 
 }  // namespace sparsha::pipeline

@@ -42,6 +42,9 @@ struct RawScan {
   std::vector<std::string> warnings;
 };
 
+/// Of a RawScan's format: whether z is up by its custom, else y.
+[[nodiscard]] bool is_z_up(const std::string& format);
+
 /// Reads any supported file, told by content first and ending second. Throws Error{input} with file, line where there
 /// is one, and what was expected; Cancelled when `progress` is cancelled. A
 /// file that declares zero points gives zero points.

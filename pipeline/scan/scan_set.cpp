@@ -211,6 +211,7 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
       faces_ += scan.raw.faces.size();
       colour_ = colour_ || scan.colour;
       intensity_ = intensity_ || scan.intensity;
+      z_up_ = z_up_ || is_z_up(scan.raw.format);
       sample.merge(scan.sample, scan.placement);
     }
   } catch (...) {

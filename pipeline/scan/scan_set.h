@@ -45,6 +45,8 @@ class ScanSet {
   [[nodiscard]] std::uint64_t faces() const { return faces_; }
   [[nodiscard]] bool has_colour() const { return colour_; }
   [[nodiscard]] bool has_intensity() const { return intensity_; }
+  /// By the custom of any of the formats, see is_z_up().
+  [[nodiscard]] bool z_up() const { return z_up_; }
   /// The median of the points in whole metres: a function of the set of points alone.
   [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
@@ -72,7 +74,7 @@ class ScanSet {
   std::vector<std::future<std::string>> digests_;
   std::uint64_t points_ = 0, invalid_ = 0;
   std::size_t faces_ = 0;
-  bool colour_ = false, intensity_ = false;
+  bool colour_ = false, intensity_ = false, z_up_ = false;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
 };
 

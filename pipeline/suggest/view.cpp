@@ -105,8 +105,7 @@ void SeenScans::look_at(const RawScan& scan, double metres) {
     facing += normal;
     area += normal.norm();
   }
-  for (const char* name : {"LAS", "LAZ", "E57", "PTX", "PTS", "STL"})
-    if (scan.format.starts_with(name)) z_up_format = true;
+  if (is_z_up(scan.format)) z_up_format = true;
   if (scan.format.starts_with("PCD")) depth_camera_format = true;
 }
 
