@@ -111,7 +111,9 @@ class FilterRun {
 
   FilterSteps run(const std::vector<FilterConfig>& filters) {
     for (std::size_t k = 0; k < filters.size(); ++k) {
-      context_.progress.at(static_cast<double>(k) / static_cast<double>(filters.size()));
+      done_ = static_cast<double>(k) / static_cast<double>(filters.size());
+      each_ = 1.0 / static_cast<double>(filters.size());
+      context_.progress.at(done_);
       result_.steps.emplace_back().name = filter_name(filters[k]);
       std::visit([&](const auto& filter) { apply(filter); }, filters[k]);
       if (cloud_.size() == 0) throw nothing_left(step().name, step().found);
@@ -241,7 +243,8 @@ class FilterRun {
   }
 
   void apply(const SmoothConfig& config) {
-    const Smoothing smoothing = smooth_points(cloud_, config, context_);
+    const Smoothing smoothing =
+        smooth_points(cloud_, config, context_, [&](double share) { context_.progress.at(done_ + each_ * share); });
     const std::uint64_t all = cloud_.size();
     if (smoothing.unmoved == all) {
       throw Error(ErrorKind::input, {},
@@ -276,6 +279,8 @@ class FilterRun {
   const Context& context_;
   const FilterNeeds& needs_;
   FilterSteps result_;
+  double done_ = 0.0;  ///< share of the stage before the present filter
+  double each_ = 1.0;  ///< share of a filter
 };
 
 std::uint64_t sum_of(const std::vector<FilterStep>& steps, bool outliers) {

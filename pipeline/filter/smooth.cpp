@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "base/exact_sum.h"
 #include "pipeline/filter/cells.h"
@@ -52,13 +53,18 @@ class CellFitter {
 };
 
 void fit_by_cells(const Cloud& cloud, const SmoothConfig& config, const Context& context,
-                  std::vector<Eigen::Vector3f>& moved) {
+                  const std::function<void(double)>& at, std::vector<Eigen::Vector3f>& moved) {
   const CellOrder order(cloud, config.radius_m, context);
+  std::mutex telling;
+  std::size_t done = 0;
   context.pool.for_ranges(order.cells(), kCellsATime, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();
     CellOrder::Sweep sweep(order);
     CellFitter fitter(cloud, config);
     for (std::size_t cell = begin; cell < end; ++cell) fitter.fit(order, cell, sweep.near(cell), moved);
+    const std::lock_guard lock(telling);
+    done += end - begin;
+    if (at) at(static_cast<double>(done) / static_cast<double>(order.cells()));
   });
 }
 
@@ -81,13 +87,14 @@ void fit_by_pcl(const Cloud& cloud, const SmoothConfig& config, std::vector<Eige
 
 }  // namespace
 
-Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context& context) {
+Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context& context,
+                        const std::function<void(double)>& at) {
   const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   std::vector<Eigen::Vector3f> moved(cloud.size(), none);
   if (config.method == SmoothConfig::Method::pcl) {
     fit_by_pcl(cloud, config, moved);
   } else {
-    fit_by_cells(cloud, config, context, moved);
+    fit_by_cells(cloud, config, context, at, moved);
   }
   const bool first = cloud.measured.empty();
   if (first) cloud.measured.reserve(cloud.size());

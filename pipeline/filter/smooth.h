@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "base/context.h"
 #include "pipeline/scan/cloud.h"
@@ -20,6 +21,8 @@ struct Smoothing {
 /// one thread. A point without a fit, or whose fit lies farther away than the radius, stays where it is. Positions as
 /// measured go to cloud.measured, unless a filter before has put them there. Depends neither on threads nor on the
 /// order of the points.
-Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context& context);
+/// `at` is told which share of the points is done, by one thread at a time.
+Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context& context,
+                        const std::function<void(double)>& at = {});
 
 }  // namespace sparsha::pipeline

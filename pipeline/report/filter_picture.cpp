@@ -21,7 +21,6 @@ constexpr int kLongSide = 960;    // pixels
 constexpr int kShortSide = 240;   // at least
 constexpr double kMargin = 0.03;  // of the view's extent, at each side
 constexpr int kShades = 30;       // of each colour
-constexpr int kFewPoints = 20000;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr Rgb kBackground{0xF6, 0xF7, 0xF8};
 constexpr Rgb kKeptColour{0xD9, 0xD6, 0xCF};
@@ -143,6 +142,22 @@ Rgb shaded(const Rgb& colour, double share) {
   return {part(colour.r), part(colour.g), part(colour.b)};
 }
 
+/// Side of a point's square, pixels: wide enough to close a surface that fills a part of the layer's bounding box.
+int square_side(const std::vector<Eigen::Vector3d>& points, double pixel) {
+  constexpr double kFill = 1.5;
+  constexpr int kLeast = 3;
+  constexpr int kMost = 7;
+  Range x;
+  Range y;
+  for (const Eigen::Vector3d& p : points) {
+    x = {std::min(x.low, p.x()), std::max(x.high, p.x())};
+    y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
+  }
+  const double area =
+      x.width() * y.width() / (pixel * pixel) / static_cast<double>(std::max<std::size_t>(1, points.size()));
+  return std::clamp(static_cast<int>(std::min(kFill * std::sqrt(std::max(0.0, area)), 100.0)), kLeast, kMost);
+}
+
 void paint(Picture& picture, const Buffer& buffer, const std::vector<Layer>& layers) {
   picture.palette[0] = kBackground;
   for (std::size_t l = 0; l < layers.size(); ++l) {
@@ -216,7 +231,7 @@ Picture filter_picture(const SceneDescription& scene, const Report& report) {
   const double left = 0.5 * (x.low + x.high) - 0.5 * buffer.width * pixel;
   const double top = 0.5 * (y.low + y.high) + 0.5 * buffer.height * pixel;
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    const int size = layers[l].points.size() < kFewPoints ? 4 : 3;
+    const int size = layers[l].outliers ? 5 : square_side(layers[l].points, pixel);
     for (const Eigen::Vector3d& p : layers[l].points) {
       const double u = (p.x() - left) / pixel;
       const double v = (top - p.y()) / pixel;

@@ -98,6 +98,24 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"two filters in one", kScan + "filters: [{crop: {}, voxel: {}}]\n", {"a filter has 2 keys"}},
       {"unknown filter", kScan + "filters: [{voxels: {leaf_mm: 1}}]\n", {"'voxels'", "did you mean 'voxel'?"}},
       {"negative leaf", kScan + "filters: [{voxel: {leaf_mm: -1}}]\n", {"leaf_mm is -1"}},
+      {"axis", kScan + "filters: [{pass: {axis: w, min_m: 0}}]\n", {"axis is 'w'"}},
+      {"pass without limits", kScan + "filters: [{pass: {axis: z}}]\n", {"c.yaml:2:18", "pass has no limit"}},
+      {"empty pass", kScan + "filters: [{pass: {axis: z, min_m: 2, max_m: 1}}]\n", {"pass keeps nothing"}},
+      {"no pass", kScan + "filters: [{pass: }]\n", {"pass"}},
+      {"side", kScan + "filters: [{remove_plane: {side: beneath}}]\n", {"side is 'beneath'", "below"}},
+      {"no normal", kScan + "filters: [{remove_plane: {normal: [0, 0, 0]}}]\n", {"normal has no direction"}},
+      {"normal of nan", kScan + "filters: [{remove_plane: {normal: [0, .nan, 1]}}]\n", {"c.yaml:2:"}},
+      {"no angle", kScan + "filters: [{remove_plane: {max_angle_deg: 0}}]\n", {"max_angle_deg is 0"}},
+      {"no distance", kScan + "filters: [{remove_plane: {distance_mm: 0}}]\n", {"distance_mm is 0"}},
+      {"cluster", kScan + "filters: [{keep: {cluster: biggest}}]\n", {"cluster is 'biggest'", "largest"}},
+      {"two clusters",
+       kScan + "filters: [{keep: {cluster: largest, nearest_to: [0, 0, 0]}}]\n",
+       {"'cluster' and 'nearest_to' contradict"}},
+      {"order of smooth", kScan + "filters: [{smooth: {order: 9}}]\n", {"order is 9"}},
+      {"voxel after smooth", kScan + "filters: [{smooth: }, {voxel: {leaf_mm: 1}}]\n", {"'voxel' after 'smooth'"}},
+      {"thin to nothing", kScan + "filters: [{thin: {points_per_node: 0}}]\n", {"points_per_node is 0"}},
+      {"neighbours", kScan + "filters: [{radius_outliers: {neighbours: 0}}]\n", {"neighbours is 0"}},
+      {"no filter", kScan + "filters: [{}]\n", {"one of crop, voxel, outliers, radius_outliers"}},
       {"size of one", kScan + "grid: {size: 1}\n", {"size is 1"}},
       {"inverted bounds", kScan + "grid: {bounds_m: [1, 0, 0, 1]}\n", {"the box is empty"}},
       {"mu_0 above mu_max", kScan + "friction: {mu_0: 2}\n", {"mu_0 is above mu_max"}},
@@ -120,7 +138,11 @@ TEST(Config, ReadsBackWhatItWrites) {
 scans:
   - {file: "a b\"c.ply", units: mm, pose: {translate: [1, 2, 3], euler_deg: [10, 20, 30]}}
   - {file: b.ply, units: {longest_side_mm: 300}}
-filters: [{crop: {min_m: [-1, -1, -1], max_m: [1, 1, 1]}}, {voxel: {leaf_mm: 0.3}}, {outliers: {neighbours: 9, sigma: 1.5, method: pcl}}]
+filters: [{crop: {min_m: [-1, -1, -1], max_m: [1, 1, 1]}}, {voxel: {leaf_mm: 0.3}}, {outliers: {neighbours: 9, sigma: 1.5, method: pcl}},
+  {radius_outliers: {radius_mm: 1.3, neighbours: 7, method: pcl}}, {pass: {axis: y, max_m: 0.1}},
+  {remove_plane: {distance_mm: 0.7, side: both, normal: [1, 2, 3], max_angle_deg: 12.5}},
+  {keep: {cluster: {nearest_to: [1, 2.5, 3]}, tolerance_mm: 1.1}}, {keep: {cluster: largest, method: pcl}},
+  {smooth: {radius_mm: 2.3, order: 3}}, {thin: {points_per_node: 6}}]
 orientation: {look_from: [1, 2, 3], up: [0, 0, 1], scale: 1.5}
 grid: {spacing_mm: 0.7, bounds_m: [0, 0, 1, 1], colour: true}
 fill: {max_gap_mm: 0.1}
@@ -139,6 +161,15 @@ viewer: {colour: friction, stereo: anaglyph}
   const std::string written = to_yaml(config);
   const Config again = parse_config(yaml::parse_text(written, "again"), {});
   EXPECT_EQ(to_yaml(again), written);
+  ASSERT_EQ(again.filters.size(), 10U);
+  EXPECT_EQ(std::get<PassConfig>(again.filters[4]).max_m, 0.1);
+  EXPECT_TRUE(std::isinf(std::get<PassConfig>(again.filters[4]).min_m));
+  EXPECT_EQ(std::get<RemovePlaneConfig>(again.filters[5]).normal, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(std::get<RemovePlaneConfig>(again.filters[5]).distance_m,
+            std::get<RemovePlaneConfig>(config.filters[5]).distance_m);
+  EXPECT_EQ(std::get<KeepConfig>(again.filters[6]).nearest_to_m, Eigen::Vector3d(1, 2.5, 3));
+  EXPECT_FALSE(std::get<KeepConfig>(again.filters[7]).nearest_to_m.has_value());
+  EXPECT_EQ(std::get<SmoothConfig>(again.filters[8]).order, 3);
   EXPECT_EQ(again.scans[0].file, "a b\"c.ply");
   EXPECT_EQ(again.scans[0].pose, config.scans[0].pose);
   EXPECT_EQ(again.scans[1].units.longest_side_m, config.scans[1].units.longest_side_m);

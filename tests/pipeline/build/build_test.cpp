@@ -59,6 +59,46 @@ TEST_F(Build, EveryPointReadIsAccountedForOnce) {
   EXPECT_LT(result.report.check->cloud_to_surface.median_m, 3.0 * result.scene->description().noise_m);
 }
 
+TEST_F(Build, SmoothingIsJudgedByThePointsAsMeasured) {
+  const std::vector<std::string> settings = {"grid={spacing_mm: 4}", "check={samples: all}"};
+  const BuildResult plain = build_scene(sample_config(settings), {}, progress_);
+  std::vector<std::string> smooth = settings;
+  smooth.emplace_back("filters=[{smooth: {radius_mm: 6, order: 2}}]");
+  const BuildResult smoothed = build_scene(sample_config(smooth), {}, progress_);
+  const DistanceStatistics& before = plain.report.check->cloud_to_surface;
+  const DistanceStatistics& after = smoothed.report.check->cloud_to_surface;
+  // The points that were moved lie nearer to the surface, by the noise; those that were measured do not.
+  EXPECT_GT(after.median_m, 0.9 * before.median_m);
+  EXPECT_GT(smoothed.scene->description().noise_m, 0.8 * plain.scene->description().noise_m);
+  const Report::Points& points = smoothed.report.points;
+  EXPECT_EQ(points.read,
+            points.used + points.occluded + points.outlier + points.outside + points.filtered + points.invalid);
+}
+
+TEST_F(Build, ThinningKeepsAnAutomaticGridAsItWas) {
+  const Config whole = sample_config({"grid={}"});
+  Config thinned = whole;
+  thinned.filters.emplace_back(ThinConfig{2});
+  const BuildResult a = build_scene(whole, {}, progress_);
+  const BuildResult b = build_scene(thinned, {}, progress_);
+  EXPECT_EQ(a.scene->description().levels.front().spacing_m, b.scene->description().levels.front().spacing_m);
+  ASSERT_EQ(b.report.filters.size(), whole.filters.size() + 1);
+  EXPECT_EQ(b.report.filters.back().removed, b.report.points.filtered);
+  EXPECT_GT(b.report.points.filtered, 0U);
+}
+
+TEST_F(Build, PointsThatAreRemovedForTheirRadiusAreOutliersThatTheCheckSees) {
+  Config config = sample_config({"grid={spacing_mm: 4}", "check={samples: all}"});
+  const std::uint64_t before = build_scene(config, {}, progress_).report.check->cloud_to_surface.samples;
+  config.filters = {RadiusOutlierConfig{0.004, 3, {}}};
+  const BuildResult result = build_scene(config, {}, progress_);
+  EXPECT_GT(result.report.filters.at(0).removed, 0U);
+  EXPECT_GE(result.report.points.outlier, result.report.filters[0].removed);
+  EXPECT_EQ(result.report.points.filtered, 0U);
+  // Some of them lie behind the surface, where the check looks at none; most lie before it or beside it.
+  EXPECT_GT(result.report.check->cloud_to_surface.samples + result.report.filters[0].removed, before);
+}
+
 TEST_F(Build, AScanFromAnotherSideKnowsWherePartsAndSoundsWereWritten) {
   const Config first = sample_config({"grid={spacing_mm: 8}"});
   EXPECT_FALSE(build_scene(first, {}, progress_).scene->description().region_from_grid.has_value());

@@ -215,6 +215,37 @@ TEST_F(OutOfCore, CroppedPointsAreFilteredWhileTheyAreStreamed) {
       20'000);
 }
 
+TEST_F(OutOfCore, APassAndAPlaneAreFilteredWhileTheyAreStreamed) {
+  // The relief's back goes with the plane of its ground.
+  expect_same_out_of_core(
+      simulated(relief(150, 2),
+                {"filters=[{pass: {axis: x, min_m: 0.2}}, {remove_plane: {distance_mm: 20, side: above, "
+                 "max_angle_deg: 30}}, {pass: {axis: y, max_m: 0.7}}]",
+                 "grid={spacing_mm: 8}"}),
+      20'000);
+  const nlohmann::json filters = report(folder_ / "disk")["filters"];
+  ASSERT_EQ(filters.size(), 3U);
+  for (const nlohmann::json& filter : filters) EXPECT_GT(filter["removed"], 0) << filter["name"];
+}
+
+TEST_F(OutOfCore, AFilterThatNeedsAllPointsIsRefusedByName) {
+  write_simulation(relief(150, 1), folder_ / "scan", progress_);
+  for (const std::string name : {"outliers", "radius_outliers", "keep", "smooth", "thin"}) {
+    const Config config =
+        load_config(folder_ / "scan" / "sparsha.yaml", {"filters=[{pass: {axis: x, min_m: 0.1}}, {" + name + ": }]"});
+    BuildOptions options;
+    options.memory_points = 10'000;
+    Progress progress;
+    try {
+      build_scene_folder(config, options, folder_ / "disk", progress);
+      FAIL() << name << " was not refused";
+    } catch (const Error& error) {
+      EXPECT_NE(error.wrong().find("'" + name + "'"), std::string::npos) << error.what();
+      EXPECT_NE(error.expected().find("--memory"), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST_F(OutOfCore, AVoxelFilterStreamsIntoMemory) {
   SimulationConfig simulation = relief(150, 2);
   simulation.colour = true;
@@ -233,7 +264,7 @@ TEST_F(OutOfCore, AVoxelFilterStreamsIntoMemory) {
     build_scene_folder(config, options, folder_ / "disk", progress);
     FAIL() << "more voxels than allowed";
   } catch (const Error& error) {
-    EXPECT_NE(error.wrong().find("'voxel'"), std::string::npos);
+    EXPECT_NE(error.wrong().find("'voxel'"), std::string::npos) << error.what();
   }
 }
 

@@ -120,6 +120,61 @@ TEST(ReportJson, SaysNullWhereThereAreNoFigures) {
   EXPECT_TRUE(parsed["coverage"].is_null());
 }
 
+/// A report of a build that took a floor away, some outliers, and thinned what was left.
+Report filtered_report() {
+  Report report = example_report();
+  Report::Filter floor{"remove_plane", 2000, false, false, "a <plane>", {}};
+  Report::Filter outliers{"radius_outliers", 3, true, false, "", {}};
+  Report::Filter thin{"thin", 500, false, true, "", {}};
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) {
+      floor.sample_m.emplace_back(1 + 0.003 * i, 1.95, 3 + 0.003 * j);
+      report.kept_m.emplace_back(1 + 0.003 * i, 2 + 0.002 * j, 3);
+    }
+  outliers.sample_m = {{1.05, 2.05, 3.05}, {1e6, 1e6, 1e6}};
+  report.filters = {floor, outliers, thin};
+  return report;
+}
+
+TEST(ReportJson, ListsWhatEachFilterTookAway) {
+  const json filters = json::parse(report_json(*example_scene(), filtered_report()))["filters"];
+  ASSERT_EQ(filters.size(), 3U);
+  EXPECT_EQ(filters[0]["name"], "remove_plane");
+  EXPECT_EQ(filters[0]["removed"], 2000);
+  EXPECT_EQ(filters[0]["counted_as"], "filtered");
+  EXPECT_EQ(filters[0]["found"], "a <plane>");
+  EXPECT_EQ(filters[1]["counted_as"], "outlier");
+  EXPECT_TRUE(filters[1]["found"].is_null());
+  EXPECT_TRUE(json::parse(report_json(*example_scene(), example_report()))["filters"].empty());
+}
+
+TEST(ReportPictures, ShowWhatTheFiltersTookAwayInColoursOfALegend) {
+  const ScenePointer scene = example_scene();
+  ThreadPool pool(2);
+  const std::vector<Picture> pictures =
+      make_pictures(scene->read_level(0), scene->description(), filtered_report(), pool);
+  const Picture& picture = pictures.back();
+  ASSERT_EQ(picture.name, "filters");
+  ASSERT_EQ(picture.entries.size(), 3U) << "what is left, the floor and the outliers; thinning has no places";
+  EXPECT_THAT(picture.entries[1].label, ::testing::HasSubstr("remove_plane"));
+  EXPECT_THAT(picture.alternative, ::testing::HasSubstr("remove_plane took"));
+  EXPECT_THAT(legend_svg(picture), ::testing::HasSubstr("aria-label='Legend: left by the filters, remove_plane"));
+  // The colour of a legend's entry in its lightest shade, and how many pixels have any shade of its hue.
+  const auto pixels_like = [&](const Rgb& colour) {
+    return std::count_if(picture.pixels.begin(), picture.pixels.end(), [&](std::uint8_t p) {
+      const Rgb& c = picture.palette[p];
+      const double share = c.r / std::max(1.0, static_cast<double>(colour.r));
+      return p != 0 && std::abs(c.g - share * colour.g) <= 2 && std::abs(c.b - share * colour.b) <= 2;
+    });
+  };
+  const auto all = static_cast<std::ptrdiff_t>(picture.pixels.size());
+  EXPECT_GT(pixels_like(picture.entries[0].colour), all / 40);
+  EXPECT_GT(pixels_like(picture.entries[1].colour), all / 40);
+  EXPECT_GT(pixels_like(picture.entries[2].colour), 0) << "the near outlier";
+  EXPECT_LE(std::max(picture.width, picture.height), 1024) << "the far outlier does not shrink the object";
+  EXPECT_NEAR(picture.width_m, 0.17, 0.06);
+}
+
 TEST(ReportJson, SurvivesNamesThatAreNoUtf8) {
   const json report = json::parse(report_json(*example_scene("caf\xE9.ply"), example_report()));
   EXPECT_THAT(report["inputs"][0]["file"].get<std::string>(), ::testing::StartsWith("caf"));
