@@ -129,6 +129,23 @@ ScanConfig parse_scan(const Node& node, const std::filesystem::path& folder) {
   return scan;
 }
 
+RegisterConfig parse_register(const Node& node) {
+  RegisterConfig config;
+  if (node.kind == Node::Kind::null) return config;
+  MapReader reader(node, "register");
+  int method = 0;
+  reader.read_choice("method", method, {"gicp", "point_to_plane", "icp"});
+  config.method = static_cast<RegisterConfig::Method>(method);
+  read_mm(reader, "max_distance_mm", config.max_distance_m, kSmallest, kAny);
+  read_mm(reader, "voxel_mm", config.voxel_m, kSmallest, kAny);
+  reader.read("min_overlap", config.min_overlap, 0.01, 1.0);
+  reader.finish();
+  if (config.max_distance_m > 0 && config.max_distance_m < config.voxel_m) {
+    throw yaml::error_at(node, "max_distance_mm is below voxel_mm", "voxel_mm <= max_distance_mm");
+  }
+  return config;
+}
+
 OrientationConfig parse_orientation(const Node& node) {
   OrientationConfig orientation;
   MapReader reader(node, "orientation");
@@ -354,6 +371,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   for (const Node& item : scans.items) config.scans.push_back(parse_scan(item, folder));
   if (config.scans.empty()) throw yaml::error_at(scans, "scans is empty", "at least one {file: ...}");
   if (const Node* filters = reader.optional("filters")) config.filters = parse_filters(*filters);
+  if (const Node* node = reader.optional("register")) config.registration = parse_register(*node);
   if (const Node* node = reader.optional("orientation")) config.orientation = parse_orientation(*node);
   if (const Node* node = reader.optional("grid")) config.grid = parse_grid(*node);
   if (const Node* node = reader.optional("fill")) {

@@ -93,6 +93,15 @@ using FilterConfig = std::variant<CropConfig, VoxelConfig, OutlierConfig, Radius
 /// The filter's key in a configuration, e.g. "remove_plane".
 [[nodiscard]] std::string filter_name(const FilterConfig& filter);
 
+/// How `sparsha register` finds the poses of the scans; a build measures with it and moves nothing.
+struct RegisterConfig {
+  enum class Method { gicp, point_to_plane, icp };
+  Method method = Method::gicp;
+  double max_distance_m = 0.0;  ///< how far rough poses may put one place apart; 0 = 15 % of the longest side
+  double voxel_m = 0.0;         ///< of the thinned points that are compared; 0 = at most 40 000 points a scan
+  double min_overlap = 0.1;     ///< least share of a scan's points that a pair must have in common
+};
+
 /// How the object is looked at; `scan_to_grid` is what counts, an invertible affine about the scan frame's origin.
 struct OrientationConfig {
   enum class Face { automatic, plane, principal };
@@ -168,6 +177,7 @@ struct ViewerConfig {
 struct Config {
   std::vector<ScanConfig> scans;
   std::vector<FilterConfig> filters;
+  std::optional<RegisterConfig> registration;  ///< the block `register`
   OrientationConfig orientation;
   GridConfig grid;
   std::optional<FillConfig> fill;

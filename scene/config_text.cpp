@@ -121,6 +121,14 @@ std::string orientation_text(const OrientationConfig& orientation) {
   return text + "}\n";
 }
 
+std::string register_text(const RegisterConfig& config) {
+  static constexpr std::array<std::string_view, 3> kMethods{"gicp", "point_to_plane", "icp"};
+  std::string text = fmt::format("register: {{method: {}", kMethods[static_cast<std::size_t>(config.method)]);
+  if (config.max_distance_m > 0) text += ", max_distance_mm: " + millimetres(config.max_distance_m);
+  if (config.voxel_m > 0) text += ", voxel_mm: " + millimetres(config.voxel_m);
+  return text + ", min_overlap: " + number(config.min_overlap) + "}\n";
+}
+
 std::string grid_text(const GridConfig& grid) {
   std::string text = "grid: {";
   const auto add = [&](const std::string& entry) { text += (text.back() == '{' ? "" : ", ") + entry; };
@@ -178,6 +186,7 @@ std::string to_yaml(const Config& config) {
   }
   if (!config.filters.empty()) text += "filters:\n";
   for (const FilterConfig& filter : config.filters) text += filter_text(filter);
+  if (config.registration) text += register_text(*config.registration);
   text += orientation_text(config.orientation);
   text += grid_text(config.grid);
   if (config.fill) text += "fill: {max_gap_mm: " + millimetres(config.fill->max_gap_m) + "}\n";

@@ -12,6 +12,7 @@ ALLOWED = {
     "scene": ["base"],
     "pipeline/scan": SHARED,
     "pipeline/scan/formats": ["pipeline/scan", *SHARED],
+    "pipeline/register": ["pipeline/scan", *SHARED],
     "pipeline/filter": ["pipeline/scan", *SHARED],
     "pipeline/orient": ["pipeline/scan", *SHARED],
     "pipeline/projection": ["pipeline/scan", *SHARED],

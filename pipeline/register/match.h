@@ -1,0 +1,60 @@
+// Where two posed surfaces meet: pairs of elements, and what they say of overlap and distance.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "pipeline/register/surface.h"
+
+namespace sparsha::pipeline {
+
+/// Two elements that are taken for the same place. Common frame.
+struct Match {
+  Eigen::Vector3d place;        ///< between the two
+  Eigen::Vector3d from_normal;  ///< both with the sign of the one searched from
+  Eigen::Vector3d to_normal;
+  double distance_m = 0.0;  ///< from minus to, along the mean normal (Rusinkiewicz 2019)
+  std::size_t from = 0;     ///< elements
+  std::size_t to = 0;
+
+  [[nodiscard]] Eigen::Vector3d normal() const { return (from_normal + to_normal).normalized(); }
+};
+
+struct MatchLimits {
+  double distance_m = 0.0;
+  double least_cosine = 0.7;  ///< between normals
+  std::size_t most = 0;       ///< of the elements at most so many, evenly chosen; 0 = all
+  bool any_sign = false;      ///< normals may be opposite although their signs are known
+};
+
+struct Matches {
+  std::vector<Match> pairs;
+  std::size_t tried = 0;  ///< elements with a normal
+  [[nodiscard]] double share() const {
+    return tried == 0 ? 0.0 : static_cast<double>(pairs.size()) / static_cast<double>(tried);
+  }
+};
+
+/// For elements of `from` the nearest ones of `to`. Places where `to` ends match nothing: what lies beyond them would
+/// pull. Poses take the surfaces' coordinates to the common frame.
+/// Only the elements `among` are tried where it is given.
+[[nodiscard]] Matches match(const Surface& from, const Eigen::Isometry3d& from_pose, const Surface& to,
+                            const Eigen::Isometry3d& to_pose, const MatchLimits& limits,
+                            const std::vector<std::size_t>* among = nullptr);
+
+/// Of two surfaces, in both directions.
+struct Agreement {
+  double overlap = 0.0;     ///< the larger of the two shares
+  double residual_m = 0.0;  ///< RMS of the distances
+  std::size_t matches = 0;
+  /// Mean information about the motion of one against the other, of unit distances and of lengths over `reach_m`:
+  /// its smallest eigenvalue is near 0 when a motion changes no distance. From products of the two surfaces' own
+  /// normals, whose noises are independent, so that noise does not look like form.
+  double least_information = 0.0;
+};
+[[nodiscard]] Agreement agreement(const Surface& a, const Eigen::Isometry3d& a_pose, const Surface& b,
+                                  const Eigen::Isometry3d& b_pose, const MatchLimits& limits);
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,205 @@
+// Scans are streamed twice, for their extent and for their voxels, so that memory grows with the voxels only.
+#include "pipeline/register/posed_scan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "pipeline/scan/origin.h"
+#include "pipeline/scan/scan_set.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kInside = 0.01;             // rank at which the box around the points begins
+constexpr double kFinestShare = 1.0 / 3000;  // of the longest side: the finest automatic voxel
+constexpr double kOutsideSides = 1.5;        // longest sides from the middle beyond which a pose's origin is believed
+constexpr std::size_t kLeastElements = 50;
+
+struct Extent {
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  double longest_m = 0.0;
+};
+
+Extent extent_of(const ScanSet& set, Progress& progress) {
+  PointSample sample;
+  set.stream(
+      [&](const CloudBlock& block) {
+        for (const Eigen::Vector3f& p : block.points) sample.add(p.cast<double>());
+      },
+      progress);
+  const std::vector<Eigen::Vector3d> points = sample.points();
+  Extent extent;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = quantile(points, axis, kInside);
+    const double high = quantile(points, axis, 1.0 - kInside);
+    extent.middle_m[axis] = 0.5 * (low + high);
+    extent.longest_m = std::max(extent.longest_m, high - low);
+  }
+  return extent;
+}
+
+// Where the scanner stood, in the scan's coordinates relative to its origin: as the file says, else the origin of
+// coordinates that a pose moves, when it lies outside of the scan. Several places in one file are none.
+std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const ScanConfig& config, const Extent& extent) {
+  const std::vector<Station> stations = set.stations();
+  if (stations.size() > 1) return std::nullopt;
+  if (stations.size() == 1) return stations.front().place_m - set.origin_m();
+  if (config.pose.isIdentity(0.0)) return std::nullopt;
+  const Eigen::Vector3d place = -set.origin_m();
+  if ((place - extent.middle_m).norm() < kOutsideSides * extent.longest_m) return std::nullopt;
+  return place;
+}
+
+// Where somebody far away would stand to see all of the surface: a scan from one place that nobody knows. Its side is
+// the one to which the surface bulges. Nothing for a surface that has more than one side, or no side.
+std::optional<Eigen::Vector3d> guessed_place(const Surface& surface, const Extent& extent) {
+  constexpr int kRounds = 10;
+  constexpr double kLeastSeen = 0.98;   // share of elements that do not lie edge-on
+  constexpr double kEdgeOn = 0.1;       // cosine
+  constexpr double kLeastBulge = 0.05;  // mean of normal times direction from the middle
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  std::vector<const Surface::Element*> elements;
+  for (const Surface::Element& element : surface.elements()) {
+    if (element.normal.isZero(0.0)) continue;
+    elements.push_back(&element);
+    middle += element.point;
+  }
+  if (elements.empty()) return std::nullopt;
+  middle /= static_cast<double>(elements.size());
+  Eigen::Vector3d view = Eigen::Vector3d::Zero();
+  double best = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Vector3d direction = Eigen::Vector3d::Unit(axis);
+    double seen = 0.0;
+    for (int round = 0; round < kRounds; ++round) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (const Surface::Element* e : elements) sum += e->normal.dot(direction) < 0.0 ? -e->normal : e->normal;
+      seen = sum.norm();
+      direction = sum.normalized();
+    }
+    if (seen > best) {
+      best = seen;
+      view = direction;
+    }
+  }
+  std::size_t seen = 0;
+  double bulge = 0.0;
+  for (const Surface::Element* e : elements) {
+    const double cosine = e->normal.dot(view);
+    if (std::fabs(cosine) > kEdgeOn) ++seen;
+    bulge += (cosine < 0.0 ? -1.0 : 1.0) * e->normal.dot((e->point - middle).normalized());
+  }
+  bulge /= static_cast<double>(elements.size());
+  if (static_cast<double>(seen) < kLeastSeen * static_cast<double>(elements.size())) return std::nullopt;
+  if (std::fabs(bulge) < kLeastBulge) return std::nullopt;
+  return extent.middle_m + (bulge < 0.0 ? -1e3 : 1e3) * extent.longest_m * view;
+}
+
+PosedScan read_one(const ScanConfig& config, double voxel_m, const Context& context) {
+  PosedScan scan;
+  scan.name = config.file.string();
+  ScanConfig unposed = config;
+  unposed.pose.setIdentity();
+  const ScanSet set({unposed}, ScanSet::Keep::quickest, false, context.progress);
+  scan.origin_m = set.origin_m();
+  const Extent extent = extent_of(set, context.progress);
+  scan.longest_m = extent.longest_m;
+  if (!(extent.longest_m > 0.0)) {
+    throw input_error(scan.name, "the points of the scan lie in one place, which cannot be registered", "a surface");
+  }
+  const double leaf_m = voxel_m > 0.0 ? voxel_m : extent.longest_m * kFinestShare;
+  VoxelMeans means(leaf_m);
+  set.stream(
+      [&](const CloudBlock& block) {
+        for (const Eigen::Vector3f& p : block.points) means.add(p.cast<double>());
+      },
+      context.progress);
+  std::optional<Eigen::Vector3d> place = place_of(set, config, extent);
+  std::vector<Eigen::Vector3d> points = means.points();
+  const auto make = [&](std::size_t most) {
+    points = thinned_to(points, most, leaf_m);
+    return std::make_unique<Surface>(points, place, context);
+  };
+  scan.middle_m = extent.middle_m;
+  if (!place) {
+    place = guessed_place(Surface(thinned_to(points, kMediumPoints, leaf_m), std::nullopt, context), extent);
+    if (place) scan.guessed_view = (*place - extent.middle_m).normalized();
+  }
+  scan.fine = make(voxel_m > 0.0 ? points.size() : kFinePoints);
+  scan.medium = make(kMediumPoints);
+  scan.coarse = make(kCoarsePoints);
+  const auto& elements = scan.medium->elements();
+  const auto planes =
+      std::count_if(elements.begin(), elements.end(), [](const Surface::Element& e) { return !e.normal.isZero(0.0); });
+  if (static_cast<std::size_t>(planes) < kLeastElements) {
+    throw input_error(
+        scan.name,
+        fmt::format("only {} of {} thinned points lie on a surface, too few to be registered", planes, elements.size()),
+        fmt::format("at least {}; denser points or a smaller register.voxel_mm", kLeastElements));
+  }
+  return scan;
+}
+
+}  // namespace
+
+namespace {
+
+// The scans of one object lie behind each other's surfaces, as seen from where they were made.
+void turn_views(std::vector<PosedScan>& scans) {
+  constexpr double kClear = 0.1;  // longest sides by which the others lie in front
+  for (PosedScan& scan : scans) {
+    if (scan.guessed_view.isZero(0.0)) continue;
+    Eigen::Vector3d others = Eigen::Vector3d::Zero();
+    for (const PosedScan& other : scans)
+      if (&other != &scan) others += other.pose * other.middle_m;
+    others /= static_cast<double>(std::max<std::size_t>(1, scans.size() - 1));
+    const double in_front = (scan.pose.linear() * scan.guessed_view).dot(others - scan.pose * scan.middle_m);
+    if (in_front < kClear * scan.longest_m) continue;
+    for (Surface* surface : {scan.fine.get(), scan.medium.get(), scan.coarse.get()}) surface->flip();
+  }
+}
+
+}  // namespace
+
+double PosedScans::longest_m() const {
+  double longest = 0.0;
+  for (const PosedScan& scan : scans) longest = std::max(longest, scan.longest_m);
+  return longest;
+}
+
+double PosedScans::spacing_m(std::unique_ptr<Surface> PosedScan::*level) const {
+  double spacing = 0.0;
+  for (const PosedScan& scan : scans) spacing = std::max(spacing, (scan.*level)->spacing_m());
+  return spacing;
+}
+
+Eigen::Matrix4d PosedScans::pose_of(std::size_t scan, const Eigen::Isometry3d& pose) const {
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  result.topLeftCorner<3, 3>() = pose.linear();
+  result.topRightCorner<3, 1>() = pose.translation() + origin_m - pose.linear() * scans[scan].origin_m;
+  return result;
+}
+
+PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, const Context& context) {
+  PosedScans result;
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    result.scans.push_back(read_one(scans[s], voxel_m, context));
+    context.progress.at(static_cast<double>(s + 1) / static_cast<double>(scans.size()));
+  }
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    PosedScan& scan = result.scans[s];
+    const Eigen::Matrix3d turn = scans[s].pose.topLeftCorner<3, 3>();
+    const Eigen::Vector3d place = turn * scan.origin_m + scans[s].pose.topRightCorner<3, 1>();
+    if (s == 0) result.origin_m = place;
+    // A matrix of a configuration is rigid to three digits only.
+    scan.pose.linear() = s == 0 ? turn : Eigen::Quaterniond(turn).normalized().toRotationMatrix();
+    scan.pose.translation() = place - result.origin_m;
+  }
+  turn_views(result.scans);
+  return result;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,47 @@
+// One scan of the set as registration sees it: three thinnings of its points, and its pose about a common origin.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "base/context.h"
+#include "pipeline/register/surface.h"
+#include "scene/config.h"
+
+namespace sparsha::pipeline {
+
+struct PosedScan {
+  std::string name;  ///< file
+  /// Of its coordinates (file, units applied), which are kept relative to it.
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
+  double longest_m = 0.0;  ///< longest side of the box around 98 % of the points in each direction
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();  ///< of that box, relative to the origin
+  /// Where the scan was made from, when that had to be guessed from its surface alone; else 0.
+  Eigen::Vector3d guessed_view = Eigen::Vector3d::Zero();
+  std::unique_ptr<Surface> fine, medium, coarse;
+  /// Scan's coordinates to the common frame.
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+};
+
+struct PosedScans {
+  std::vector<PosedScan> scans;
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of the common frame in the scan frame
+
+  [[nodiscard]] double longest_m() const;
+  [[nodiscard]] double spacing_m(std::unique_ptr<Surface> PosedScan::*level) const;  ///< the coarsest scan's
+  /// The pose of a scan as configurations have it.
+  [[nodiscard]] Eigen::Matrix4d pose_of(std::size_t scan, const Eigen::Isometry3d& pose) const;
+};
+
+/// Reads and thins. `voxel_m` 0: at most kFinePoints a scan. Throws Error{input}, also on a scan that has no surface;
+/// Cancelled.
+[[nodiscard]] PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, const Context& context);
+
+constexpr std::size_t kFinePoints = 40000;
+constexpr std::size_t kMediumPoints = 6000;
+constexpr std::size_t kCoarsePoints = 1500;
+
+}  // namespace sparsha::pipeline

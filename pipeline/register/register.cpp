@@ -1,0 +1,327 @@
+// Read and thin, align pairs that meet, link them to the first scan, relax all poses together, measure again.
+#include "pipeline/register/register.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "pipeline/register/graph.h"
+#include "pipeline/register/match.h"
+#include "pipeline/register/pairwise.h"
+#include "pipeline/register/posed_scan.h"
+#include "pipeline/register/relaxation.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr double kAutomaticReach = 0.15;  // longest sides: 10 degrees at the rim of an object, and 5 % of its size
+constexpr double kTouch = 3.0;            // spacings within which aligned surfaces are one
+constexpr double kShrink = 0.6;           // of the distance from round to round of an alignment
+constexpr int kIterations = 8;            // of PCL in a round
+constexpr int kLastIterations = 30;
+constexpr double kMostTurn = 35.0 * 3.14159265358979323846 / 180.0;  // rough poses are not worse than that
+constexpr double kMostShift = 0.35;                                  // longest sides
+constexpr std::size_t kLeastMatches = 100;
+constexpr double kLeastInformation = 2e-4;
+constexpr double kRelaxedShare = 0.5;   // of min_overlap: pairs that have less in common still help to place scans
+constexpr int kRelaxations = 3;         // at most, until the same pairs meet as before
+constexpr double kContradiction = 2.0;  // reach of touch within which a pair's own result agrees with all others
+
+/// A pair while it is worked on.
+struct Pair {
+  PairFit fit;
+  bool candidate = false;
+  bool any_sign = false;  ///< normals face opposite sides where the scans meet: their signs were guessed wrongly
+  Eigen::Isometry3d aligned = Eigen::Isometry3d::Identity();  ///< second to first
+  Agreement agreement;                                        ///< of the medium surfaces, when aligned
+};
+
+PairFit::Fit fit_of(const Agreement& agreement, double within_m) {
+  return {within_m, agreement.overlap, agreement.residual_m, agreement.matches};
+}
+
+class Registrar {
+ public:
+  Registrar(const std::vector<ScanConfig>& scans, const RegisterConfig& config, const Context& context)
+      : configs_(scans), config_(config), context_(context) {
+    if (scans.size() < 2) {
+      throw usage_error("one scan alone cannot be registered", "a configuration with two or more scans");
+    }
+    context.progress.begin("read");
+    posed_ = read_posed_scans(scans, config.voxel_m, context);
+    reach_m_ = config.max_distance_m > 0.0 ? config.max_distance_m : kAutomaticReach * posed_.longest_m();
+    medium_touch_m_ = kTouch * posed_.spacing_m(&PosedScan::medium);
+    fine_touch_m_ = kTouch * posed_.spacing_m(&PosedScan::fine);
+    for (std::size_t a = 0; a < scans.size(); ++a)
+      for (std::size_t b = a + 1; b < scans.size(); ++b) {
+        pairs_.emplace_back();
+        pairs_.back().fit.first = a;
+        pairs_.back().fit.second = b;
+      }
+  }
+
+  Registration run() {
+    context_.progress.begin("align pairs");
+    for_pairs([this](Pair& pair) { align(pair); });
+    link();
+    context_.progress.begin("relax");
+    relax();
+    for_pairs([this](Pair& pair) { measure_after(pair); });
+    Registration result;
+    for (std::size_t s = 0; s < configs_.size(); ++s)
+      result.poses.push_back(s == 0 ? configs_[s].pose : posed_.pose_of(s, posed_.scans[s].pose));
+    result.pairs = found();
+    return result;
+  }
+
+  std::vector<PairFit> measure() {
+    context_.progress.begin("measure pairs");
+    for_pairs([this](Pair& pair) {
+      measure_after(pair);
+      pair.fit.before = pair.fit.after;
+      if (pair.fit.after.overlap >= config_.min_overlap) pair.fit.use = PairFit::Use::used;
+    });
+    return found();
+  }
+
+ private:
+  template <typename Work>
+  void for_pairs(const Work& work) {
+    std::atomic<std::size_t> done{0};
+    context_.pool.for_ranges(pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        context_.progress.throw_if_cancelled();
+        work(pairs_[k]);
+        context_.progress.at(static_cast<double>(++done) / static_cast<double>(pairs_.size()));
+      }
+    });
+  }
+
+  [[nodiscard]] const PosedScan& first(const Pair& pair) const { return posed_.scans[pair.fit.first]; }
+  [[nodiscard]] const PosedScan& second(const Pair& pair) const { return posed_.scans[pair.fit.second]; }
+
+  [[nodiscard]] Agreement agree(const Pair& pair, std::unique_ptr<Surface> PosedScan::*level, double within_m,
+                                const Eigen::Isometry3d& second_to_first) const {
+    MatchLimits limits;
+    limits.distance_m = within_m;
+    limits.most = kMediumPoints;
+    limits.any_sign = pair.any_sign;
+    return agreement(*(first(pair).*level), Eigen::Isometry3d::Identity(), *(second(pair).*level), second_to_first,
+                     limits);
+  }
+
+  // Coarse to fine with shrinking distances.
+  void align(Pair& pair) const {
+    const Eigen::Isometry3d guess = first(pair).pose.inverse() * second(pair).pose;
+    doubt_signs(pair, guess);
+    pair.fit.before = fit_of(agree(pair, &PosedScan::medium, reach_m_, guess), reach_m_);
+    pair.candidate = pair.fit.before.overlap >= 0.5 * config_.min_overlap;
+    if (!pair.candidate) return;
+    Eigen::Isometry3d pose = guess;
+    const double medium_touch_m = kTouch * std::max(first(pair).medium->spacing_m(), second(pair).medium->spacing_m());
+    const double coarse_touch_m = kTouch * std::max(first(pair).coarse->spacing_m(), second(pair).coarse->spacing_m());
+    double distance_m = reach_m_;
+    for (; distance_m > medium_touch_m; distance_m *= kShrink) {
+      context_.progress.throw_if_cancelled();
+      const bool coarse = distance_m > coarse_touch_m;
+      const Surface& source = coarse ? *second(pair).coarse : *second(pair).medium;
+      const Surface& target = coarse ? *first(pair).coarse : *first(pair).medium;
+      pose = align_pair(source, target, pose, config_.method, distance_m, kIterations, pair.any_sign);
+    }
+    pose = align_pair(*second(pair).medium, *first(pair).medium, pose, config_.method, medium_touch_m, kLastIterations,
+                      pair.any_sign);
+    pair.aligned = pose;
+    pair.agreement = agree(pair, &PosedScan::medium, medium_touch_m, pose);
+    judge(pair, guess);
+  }
+
+  // Where the place of a scanner is guessed, its normals may all face the wrong side.
+  void doubt_signs(Pair& pair, const Eigen::Isometry3d& guess) const {
+    const double with_sign = agree(pair, &PosedScan::coarse, reach_m_, guess).overlap;
+    pair.any_sign = true;
+    const double without = agree(pair, &PosedScan::coarse, reach_m_, guess).overlap;
+    pair.any_sign = with_sign < 0.3 * without;
+  }
+
+  void judge(Pair& pair, const Eigen::Isometry3d& guess) const {
+    if (pair.agreement.overlap < config_.min_overlap || pair.agreement.matches < kLeastMatches) return;
+    pair.fit.use = pair.agreement.least_information < kLeastInformation ? PairFit::Use::weak : PairFit::Use::used;
+    const double turn = Eigen::AngleAxisd(Eigen::Matrix3d(guess.linear().transpose() * pair.aligned.linear())).angle();
+    if (turn > kMostTurn || moved_m(pair, guess) > kMostShift * posed_.longest_m()) {
+      pair.fit.use = PairFit::Use::rejected;
+    }
+  }
+
+  // How far the pair's own result lies from another relative pose: RMS over the second scan.
+  [[nodiscard]] double moved_m(const Pair& pair, const Eigen::Isometry3d& other) const {
+    double sum = 0.0;
+    const auto& elements = second(pair).coarse->elements();
+    for (const Surface::Element& element : elements)
+      sum += (pair.aligned * element.point - other * element.point).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(elements.size()));
+  }
+
+  // Poses along the heaviest tree; weak pairs only where there is nothing else.
+  void link() {
+    std::vector<WeighedEdge> edges;
+    std::vector<const Pair*> of_edge;
+    for (const Pair& pair : pairs_) {
+      if (pair.fit.use != PairFit::Use::used) continue;
+      edges.push_back({{pair.fit.first, pair.fit.second, pair.any_sign},
+                       pair.agreement.overlap * std::sqrt(static_cast<double>(pair.agreement.matches))});
+      of_edge.push_back(&pair);
+    }
+    const Tree tree = heaviest_tree(posed_.scans.size(), edges);
+    if (!tree.unreached.empty()) throw unlinked(tree);
+    std::vector<bool> placed(posed_.scans.size(), false);
+    placed[0] = true;
+    for (const std::size_t k : tree.edges) {
+      const Pair& pair = *of_edge[k];
+      PosedScan& a = posed_.scans[pair.fit.first];
+      PosedScan& b = posed_.scans[pair.fit.second];
+      if (placed[pair.fit.first]) {
+        b.pose = a.pose * pair.aligned;
+      } else {
+        a.pose = b.pose * pair.aligned.inverse();
+      }
+      placed[pair.fit.first] = placed[pair.fit.second] = true;
+    }
+  }
+
+  [[nodiscard]] Error unlinked(const Tree& tree) const {
+    const auto reached = [&](std::size_t scan) {
+      return std::find(tree.unreached.begin(), tree.unreached.end(), scan) == tree.unreached.end();
+    };
+    // The pair that comes nearest to linking a scan that is left.
+    const Pair* best = nullptr;
+    for (const Pair& pair : pairs_) {
+      if (reached(pair.fit.first) == reached(pair.fit.second)) continue;
+      const auto rank = [](const Pair& p) {
+        return std::pair(p.fit.use == PairFit::Use::none ? 0 : 1,
+                         p.candidate ? p.agreement.overlap : p.fit.before.overlap - 1.0);
+      };
+      if (best == nullptr || rank(pair) > rank(*best)) best = &pair;
+    }
+    const std::size_t lost = reached(best->fit.first) ? best->fit.second : best->fit.first;
+    const std::string& other = posed_.scans[lost == best->fit.second ? best->fit.first : best->fit.second].name;
+    const std::string& name = posed_.scans[lost].name;
+    switch (best->fit.use) {
+      case PairFit::Use::weak:
+        return input_error(
+            name,
+            "what this scan and " + other +
+                " have in common can slide (a plane, a cylinder or a sphere), so its pose is not determined",
+            "scans that share corners, edges or carving, or a part of another scan that holds both");
+      case PairFit::Use::rejected:
+        return input_error(
+            name,
+            fmt::format("aligning this scan with {} moves it by {}, farther than a rough pose may be wrong", other,
+                        length_text(moved_m(*best, first(*best).pose.inverse() * second(*best).pose))),
+            "poses within 10 degrees and 5 % of the object's size");
+      default:
+        break;
+    }
+    if (!best->candidate) {
+      return input_error(
+          name,
+          fmt::format(
+              "with the poses as given, {:.1f} % of its points have their place within {} on another scan (most "
+              "on {})",
+              100.0 * best->fit.before.overlap, length_text(reach_m_), other),
+          fmt::format("at least {:.3g} %: better poses or a larger register.max_distance_mm",
+                      100.0 * config_.min_overlap));
+    }
+    return input_error(name,
+                       fmt::format("{:.1f} % of its points have their place on {}, the scan with which it has most in "
+                                   "common",
+                                   100.0 * best->agreement.overlap, other),
+                       fmt::format("at least {:.3g} % and {} of the thinned points: more overlap, better poses or a "
+                                   "smaller register.min_overlap",
+                                   100.0 * config_.min_overlap, kLeastMatches));
+  }
+
+  // Pairs that meet with the present poses, the given ones of which may not have been aligned by themselves.
+  [[nodiscard]] std::vector<Edge> meeting() const {
+    std::vector<Edge> edges;
+    for (const Pair& pair : pairs_) {
+      const Eigen::Isometry3d relative = first(pair).pose.inverse() * second(pair).pose;
+      const Agreement agreement = agree(pair, &PosedScan::medium, medium_touch_m_, relative);
+      if (agreement.overlap >= kRelaxedShare * config_.min_overlap && agreement.matches >= kLeastMatches)
+        edges.push_back({pair.fit.first, pair.fit.second, pair.any_sign});
+    }
+    return edges;
+  }
+
+  void relax() {
+    std::vector<PosedSurface> surfaces;
+    for (const PosedScan& scan : posed_.scans) surfaces.push_back({scan.fine.get(), scan.pose});
+    std::vector<Edge> edges = meeting();
+    for (int round = 0; round < kRelaxations; ++round) {
+      relax_jointly(surfaces, edges, medium_touch_m_, fine_touch_m_, context_);
+      for (std::size_t s = 1; s < surfaces.size(); ++s) posed_.scans[s].pose = surfaces[s].pose;
+      std::vector<Edge> again = meeting();
+      if (again == edges) break;
+      edges = std::move(again);
+    }
+    for (Pair& pair : pairs_) {
+      if (pair.fit.use != PairFit::Use::used) continue;
+      const Eigen::Isometry3d relative = first(pair).pose.inverse() * second(pair).pose;
+      if (moved_m(pair, relative) > kContradiction * medium_touch_m_) pair.fit.use = PairFit::Use::rejected;
+    }
+  }
+
+  void measure_after(Pair& pair) const {
+    const Eigen::Isometry3d relative = first(pair).pose.inverse() * second(pair).pose;
+    pair.fit.after = fit_of(agree(pair, &PosedScan::fine, fine_touch_m_, relative), fine_touch_m_);
+  }
+
+  [[nodiscard]] std::vector<PairFit> found() const {
+    std::vector<PairFit> result;
+    for (const Pair& pair : pairs_)
+      if (pair.fit.before.matches + pair.fit.after.matches > 0) result.push_back(pair.fit);
+    return result;
+  }
+
+  const std::vector<ScanConfig>& configs_;
+  const RegisterConfig& config_;
+  const Context& context_;
+  PosedScans posed_;
+  std::vector<Pair> pairs_;
+  double reach_m_ = 0.0;
+  double medium_touch_m_ = 0.0;
+  double fine_touch_m_ = 0.0;
+};
+
+}  // namespace
+
+std::string to_string(PairFit::Use use) {
+  switch (use) {
+    case PairFit::Use::none:
+      return "none";
+    case PairFit::Use::used:
+      return "used";
+    case PairFit::Use::weak:
+      return "weak";
+    case PairFit::Use::rejected:
+      return "rejected";
+  }
+  return {};
+}
+
+Registration register_scans(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
+                            const Context& context) {
+  return Registrar(scans, config, context).run();
+}
+
+std::vector<PairFit> measure_pairs(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
+                                   const Context& context) {
+  return Registrar(scans, config, context).measure();
+}
+
+}  // namespace sparsha::pipeline

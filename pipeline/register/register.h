@@ -1,0 +1,53 @@
+// Stations with rough poses -> poses that make them one cloud, and how well each pair of them agrees.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/context.h"
+#include "scene/config.h"
+
+namespace sparsha::pipeline {
+
+/// How two scans of a set lie to each other; indices into the configuration's scans, first < second.
+struct PairFit {
+  /// What was found within a distance: the larger share of one scan's points that have their place on the other, and
+  /// the RMS distance there.
+  struct Fit {
+    double within_m = 0.0;
+    double overlap = 0.0;
+    double residual_m = 0.0;
+    std::size_t matches = 0;
+  };
+  enum class Use {
+    none,      ///< too little in common
+    used,      ///< part of the graph
+    weak,      ///< in common only what can slide (a plane, a cylinder, a sphere)
+    rejected,  ///< contradicts the others, or moved farther than rough poses may be wrong
+  };
+  std::size_t first = 0;
+  std::size_t second = 0;
+  Fit before;  ///< poses as given
+  Fit after;   ///< poses as found; as given where nothing was registered
+  Use use = Use::none;
+};
+[[nodiscard]] std::string to_string(PairFit::Use use);
+
+struct Registration {
+  std::vector<Eigen::Matrix4d> poses;  ///< of the configuration's scans; the first is as given
+  std::vector<PairFit> pairs;          ///< all that have something in common before or after
+};
+
+/// Finds poses. Throws Error{usage} on a single scan; Error{input} naming the scans when one cannot be linked to the
+/// first: too little overlap, or surfaces that slide; Cancelled. The result does not depend on the number of threads.
+[[nodiscard]] Registration register_scans(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
+                                          const Context& context);
+
+/// Measures pairs with the poses as given and moves nothing: `before` and `after` are the same.
+[[nodiscard]] std::vector<PairFit> measure_pairs(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
+                                                 const Context& context);
+
+}  // namespace sparsha::pipeline

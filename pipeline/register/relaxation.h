@@ -1,0 +1,33 @@
+// All poses at once: what pairs of scans say of each other, weighed together.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "base/context.h"
+#include "pipeline/register/surface.h"
+
+namespace sparsha::pipeline {
+
+/// A surface and its pose in the common frame.
+struct PosedSurface {
+  const Surface* surface = nullptr;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+};
+struct Edge {
+  std::size_t a = 0;
+  std::size_t b = 0;
+  bool any_sign = false;  ///< of normals (MatchLimits)
+  bool operator==(const Edge&) const = default;
+};
+
+/// Moves all poses but the first so that the surfaces of each edge meet: Gauss-Newton on the distances of matches along
+/// their mean normals (Rusinkiewicz 2019, "A symmetric objective function for ICP"), Tukey's weights, matches found
+/// anew in each iteration, within distances that shrink from `from_m` to `to_m`. Every pose must be linked to the
+/// first. Does not depend on the number of threads. Throws Cancelled.
+void relax_jointly(std::vector<PosedSurface>& scans, const std::vector<Edge>& edges, double from_m, double to_m,
+                   const Context& context);
+
+}  // namespace sparsha::pipeline

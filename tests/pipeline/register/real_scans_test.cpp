@@ -1,0 +1,57 @@
+// Real range scans whose poses are known: the Stanford bunny's.
+#include <cstdlib>
+
+#include "tests/pipeline/register/stations.h"
+
+namespace sparsha::pipeline::testing {
+namespace {
+
+constexpr double kPublished_m =
+    0.3e-3;  // how well bun.conf itself is known; RMS over points, best rigid motion removed
+
+void expect_bunny(const RegisterConfig& config, double degrees, double shift_m, int seeds) {
+  SPARSHA_REAL_SCANS_OR_SKIP(folder);
+  const std::vector<ScanConfig> truth = bunny(folder / "scans" / "bunny_range");
+  ASSERT_EQ(truth.size(), 4U);
+  int good = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const std::vector<ScanConfig> rough = disturbed(truth, static_cast<std::uint64_t>(seed), degrees, shift_m);
+    ASSERT_GT(rms_error(truth, {rough[0].pose, rough[1].pose, rough[2].pose, rough[3].pose}), 10.0 * kPublished_m);
+    try {
+      const double error = rms_error(truth, registered(rough, config).poses);
+      if (error <= kPublished_m) ++good;
+      ::testing::Test::RecordProperty("seed_" + std::to_string(seed) + "_mm", std::to_string(1e3 * error));
+    } catch (const Error& error) {
+      ADD_FAILURE() << "seed " << seed << ": " << error.what();
+    }
+  }
+  EXPECT_GE(good, seeds - seeds / 20);
+}
+
+int seeds() { return std::getenv("SPARSHA_NIGHTLY") != nullptr ? 20 : 2; }
+
+TEST(RegisterBunny, ScansTurnedByFiveDegreesAndShiftedByTenMillimetresComeBackByGicp) {
+  expect_bunny({}, 5.0, 0.010, seeds());
+}
+
+TEST(RegisterBunny, ScansTurnedByTenDegreesAndShiftedByFivePercentComeBack) {
+  expect_bunny({}, 10.0, 0.05 * 0.155, seeds());
+}
+
+TEST(RegisterBunny, PointToPlaneAndPointToPointComeBackToo) {
+  RegisterConfig config;
+  config.method = RegisterConfig::Method::point_to_plane;
+  expect_bunny(config, 5.0, 0.010, seeds());
+  config.method = RegisterConfig::Method::icp;
+  expect_bunny(config, 5.0, 0.010, seeds());
+}
+
+TEST(RegisterBunny, DistancesOfTheDocumentedExampleWorkToo) {
+  RegisterConfig config;
+  config.max_distance_m = 0.010;
+  config.voxel_m = 0.002;
+  expect_bunny(config, 5.0, 0.010, seeds());
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline::testing
