@@ -21,8 +21,8 @@ constexpr double kLeastDelayS = 0.001;
 constexpr double kJitter = 1.15;       // of the nominal period: not yet another rate
 constexpr double kSoftenS = 0.020;     // time constants of the stiffness in contact
 constexpr double kSoftenSwings = 3.0;  // half-swings
-constexpr double kStiffenS = 0.300;
-constexpr double kSofter = 0.5;  // after each onset of oscillation
+constexpr double kWishS = 0.120;       // until a new wish is fulfilled in contact
+constexpr double kSofter = 0.5;        // after each onset of oscillation
 constexpr double kSoftest = 0.06;
 constexpr double kForgetS = 10.0;      // in free space, until the whole stiffness is tried again
 constexpr double kStrikeMPerS = 0.08;  // a faster touch is a strike
@@ -46,6 +46,8 @@ constexpr double kCreditNSPerM = 0.25;  // damping that every hand has
 
 /// NaN becomes zero.
 double between_zero_and(double most, double value) noexcept { return value > 0.0 ? std::min(value, most) : 0.0; }
+
+double smooth_step(double share) noexcept { return share * share * (3.0 - 2.0 * share); }
 
 Vector3d clamped(const Vector3d& force_n, double most_n) noexcept {
   const double magnitude = force_n.norm();
@@ -80,17 +82,20 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcep
   if (period_s < kJitter * nominal_period_s) period_s = nominal_period_s;
   const double limit = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
   const double target = borne_share_ * (wish_n_per_m > 0.0 ? std::min(wish_n_per_m, limit) : 0.0);
-  if (wish_n_per_m != wish_n_per_m_) rising_ = true;
+  if (wish_n_per_m != wish_n_per_m_) wished_s_ = 0.0;
   wish_n_per_m_ = wish_n_per_m;
   if (stiffness_n_per_m_ < 0.0 || !in_contact_) {
     stiffness_n_per_m_ = target;
-    rising_ = false;
+    wished_s_ = kWishS;
+  } else if (wished_s_ < kWishS) {
+    // By the wish: a smooth step, so that it is no kick.
+    const double left = 1.0 - smooth_step(wished_s_ / kWishS);
+    wished_s_ = std::min(kWishS, wished_s_ + nominal_period_s);
+    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWishS)) / left);
   } else if (target < stiffness_n_per_m_) {
     // Softened faster than a heavy hand can follow, the wall would set it swinging.
     const double time_s = std::max(kSoftenS, kSoftenSwings * swing_.half_period_s());
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, nominal_period_s / time_s);
-  } else if (rising_) {
-    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, nominal_period_s / kStiffenS);
   }
   return stiffness_n_per_m_;
 }
@@ -131,6 +136,7 @@ void Governor::damp() noexcept {
 }
 
 void Governor::soften() noexcept {
+  wished_s_ = kWishS;
   borne_share_ = std::max(kSoftest, kSofter * borne_share_);
   damping_s_ = 0.0;
 }

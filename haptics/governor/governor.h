@@ -113,7 +113,7 @@ class Governor {
   LoopMeter delays_;
   SwingDetector swing_;
   double wish_n_per_m_ = -1.0;
-  bool rising_ = false;              // the wish has changed in this contact
+  double wished_s_ = 1.0;            // since the wish has changed in this contact
   double stiffness_n_per_m_ = -1.0;  // allowed now; negative before the first tick
   double borne_share_ = 1.0;         // of the wish, that this hand has shown to bear
   bool in_contact_ = false;

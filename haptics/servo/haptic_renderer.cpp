@@ -35,10 +35,10 @@ HapticRenderer::HapticRenderer(const DeviceInfo& device, const RendererOptions& 
   record_.state.scale = surface_->scale;
 }
 
-ProxyUpdate HapticRenderer::solve(const Eigen::Vector3d& hip_local) noexcept {
+ProxyUpdate HapticRenderer::solve(const Eigen::Vector3d& hip_local, ProxyState& proxy) const noexcept {
   return options_.solver == pipeline::HapticsConfig::Solver::paper
-             ? update_paper(*surface_, hip_local, proxy_, options_.solver_options)
-             : update_exact(*surface_, hip_local, proxy_, options_.solver_options);
+             ? update_paper(*surface_, hip_local, proxy, options_.solver_options)
+             : update_exact(*surface_, hip_local, proxy, options_.solver_options);
 }
 
 // Cell flags at the proxy and nearness to the window's border; the cell goes into the record.
@@ -70,7 +70,7 @@ std::uint64_t HapticRenderer::find_place(const Eigen::Vector3d& local) noexcept 
 
 // The hand and the surface under it keep their places in the device frame, so that a swap is not felt as a step:
 // c' = g_p - d_p / scale' across, and along z the new surface comes to where the old one was (ALGORITHMS "Pyramid and
-// window"). The rest of the way the proxy slides, and the governor limits the growth of force.
+// window"). The rest of the way the proxy slides, and the force fades to its new value.
 void HapticRenderer::swap(Command& command) noexcept {
   const MongeSurface& old = *surface_;
   const Eigen::Vector3d proxy_grid_m = proxy_.position + old.lattice.origin_m;
@@ -98,6 +98,25 @@ void HapticRenderer::swap(Command& command) noexcept {
   centre_m_.z() = fresh.lattice.origin_m.z() + height - surface_device_m / fresh.scale;
   const double z = centre_m_.z() + proxy_device_m.z() / fresh.scale - fresh.lattice.origin_m.z();
   proxy_.position = {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)};
+  begin_fade();
+}
+
+// What the new surface gives for the same hand tells how far the force is to go. Where it is another force, static
+// friction holds no longer: a hand that breaks loose later feels a second step. The proxy stays where it is; the next
+// tick finds its way, in a replay too.
+void HapticRenderer::begin_fade() noexcept {
+  const Eigen::Vector3d hip_local = centre_m_ + hand_m_ / surface_->scale - surface_->lattice.origin_m;
+  const auto force_n = [&](ProxyState proxy) -> Eigen::Vector3d {
+    const ProxyUpdate fresh = solve(hip_local, proxy);
+    if (!fresh.contact) return Eigen::Vector3d::Zero();
+    return stiffness_n_per_m_ * surface_->scale * (fresh.position - hip_local);
+  };
+  Eigen::Vector3d fresh_n = force_n(proxy_);
+  if (proxy_.sticking && SwapFade::is_felt(felt_n_, fresh_n)) {
+    proxy_.sticking = false;
+    fresh_n = force_n(proxy_);
+  }
+  fade_.begin(felt_n_, fresh_n, hand_m_, stiffness_n_per_m_);
 }
 
 SurfacePointer HapticRenderer::apply(Command& command) noexcept {
@@ -143,6 +162,8 @@ std::array<double, 3> HapticRenderer::place_of(const Eigen::Vector3d& grid_m) co
 }
 
 void HapticRenderer::make_safe() noexcept {
+  fade_.end();
+  felt_n_.setZero();
   GovernorInput input;
   input.position_m = hand_m_;
   input.fresh = false;
@@ -164,6 +185,36 @@ void HapticRenderer::fail() noexcept {
   event_.reset();
 }
 
+// The rendered force, or what a swap has left of the one before it: then as a spring to where that force stands.
+GovernorInput HapticRenderer::governor_input(const DeviceSample& sample, const Eigen::Vector3d& away_m,
+                                             const Eigen::Vector3d& force_n) noexcept {
+  GovernorInput input;
+  input.force_n = force_n;
+  input.position_m = hand_m_;
+  input.proxy_m = hand_m_ + away_m;
+  input.normal = found_.normal;
+  input.stiffness_n_per_m = stiffness_n_per_m_;
+  input.delay_s = sample.delay_s;
+  const double depth_m = away_m.norm();
+  input.spring_energy_j = 0.5 * stiffness_n_per_m_ * depth_m * depth_m;
+  input.period_s = record_.period_s;
+  input.nominal_period_s = record_.nominal_period_s;
+  input.fresh = sample.fresh;
+  input.contact = found_.contact;
+  felt_n_ = force_n;
+  if (!fade_.active()) return input;
+  const double step_s = std::min(record_.period_s, record_.nominal_period_s);
+  felt_n_ = fade_.apply(force_n, hand_m_, stiffness_n_per_m_, step_s);
+  const double felt = felt_n_.norm();
+  if (!(felt > 0.0 && stiffness_n_per_m_ > 0.0)) return input;
+  input.force_n = felt_n_;
+  input.proxy_m = hand_m_ + felt_n_ / stiffness_n_per_m_;
+  input.spring_energy_j = 0.5 * felt * felt / stiffness_n_per_m_;
+  input.normal = found_.contact ? found_.normal : Eigen::Vector3d(felt_n_ / felt);
+  input.contact = true;
+  return input;
+}
+
 void HapticRenderer::render(const DeviceSample& sample) noexcept {
   State& state = record_.state;
   const pipeline::Lattice& lattice = surface_->lattice;
@@ -175,26 +226,15 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
     placed_ = true;
   }
   const Eigen::Vector3d before = proxy_.position;
-  found_ = solve(hip_local);
+  found_ = solve(hip_local, proxy_);
   const Eigen::Vector3d away = found_.contact ? Eigen::Vector3d(found_.position - hip_local) : Eigen::Vector3d::Zero();
   const Eigen::Vector3d force_n = stiffness_n_per_m_ * surface_->scale * away;
   // A free proxy is the hand itself, to the last bit.
   const Eigen::Vector3d proxy_m =
       found_.position == hip_local ? hip_m : Eigen::Vector3d(found_.position + lattice.origin_m);
 
-  GovernorInput input;
-  input.force_n = force_n;
-  input.position_m = hand_m_;
-  input.proxy_m = hand_m_ + surface_->scale * away;
-  input.normal = found_.normal;
-  input.stiffness_n_per_m = stiffness_n_per_m_;
-  input.delay_s = sample.delay_s;
   state.penetration_m = surface_->scale * away.norm();
-  input.spring_energy_j = 0.5 * stiffness_n_per_m_ * state.penetration_m * state.penetration_m;
-  input.period_s = record_.period_s;
-  input.nominal_period_s = record_.nominal_period_s;
-  input.fresh = sample.fresh;
-  input.contact = found_.contact;
+  const GovernorInput input = governor_input(sample, surface_->scale * away, force_n);
   const GovernorOutput output = governor_.update(input);
 
   const double moved_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;

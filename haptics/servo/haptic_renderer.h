@@ -14,6 +14,7 @@
 #include "haptics/servo/command.h"
 #include "haptics/servo/contact_events.h"
 #include "haptics/servo/record.h"
+#include "haptics/servo/swap_fade.h"
 #include "haptics/state/state.h"
 #include "scene/haptics_config.h"
 
@@ -75,7 +76,10 @@ class HapticRenderer {
   void tick(const DeviceSample& sample, bool fault) noexcept;
   void describe_tick(const DeviceSample& sample) noexcept;
   void render(const DeviceSample& sample) noexcept;
-  [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local) noexcept;
+  [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local, ProxyState& proxy) const noexcept;
+  void begin_fade() noexcept;
+  [[nodiscard]] GovernorInput governor_input(const DeviceSample& sample, const Eigen::Vector3d& away_m,
+                                             const Eigen::Vector3d& force_n) noexcept;
   void render_invalid_sample(const DeviceSample& sample) noexcept;
   void make_safe() noexcept;
   [[nodiscard]] std::array<double, 3> place_of(const Eigen::Vector3d& grid_m) const noexcept;
@@ -94,6 +98,8 @@ class HapticRenderer {
   std::optional<ContactEvent> event_;
   ProxyState proxy_;
   ProxyUpdate found_;
+  SwapFade fade_;
+  Eigen::Vector3d felt_n_ = Eigen::Vector3d::Zero();  // what the governor was given last
   Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();  // last finite hand position, device frame
   bool placed_ = false;                               // the proxy has been started
   bool fault_ = false;
