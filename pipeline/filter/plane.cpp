@@ -17,7 +17,8 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kFewest = 3;
-constexpr double kLeastShare = 0.005;  // of the surface: less is found in any scan by chance
+constexpr std::size_t kFewestPlaces = 50;  // of the sample: fewer are planes by chance
+constexpr double kLeastShare = 0.005;      // of the surface: less is found in any scan by chance
 // RMS distance over the tolerated one: 0.58 where a sphere passes through, 0.45 for a cylinder; noise of half of it
 // leaves 0.44, of 0.7 of it 0.5. So what is above the lower bound must not be a quadric.
 constexpr double kMostSpread = 0.5;
@@ -154,9 +155,11 @@ FoundPlane find_plane(PlaneSample& sample, const RemovePlaneConfig& config, cons
   context.progress.throw_if_cancelled();
   std::vector<Eigen::Vector3f> points = sample.take();
   const Eigen::Vector3d direction = config.normal.normalized();
-  if (points.size() < kFewest) {
-    throw no_plane(config, fmt::format("it sees {} places with points", points.size()),
-                   "three places or more, farther apart than distance_mm");
+  if (points.size() < kFewestPlaces) {
+    throw no_plane(config,
+                   fmt::format("the scan fills {} cube{} of twice distance_mm, {}", points.size(),
+                               points.size() == 1 ? "" : "s", length_text(2.0 * config.distance_m)),
+                   fmt::format("a scan that fills {} or more: a smaller distance_mm, or more points", kFewestPlaces));
   }
   // Centred and scaled, since PCL computes planes in float32.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -166,13 +169,12 @@ FoundPlane find_plane(PlaneSample& sample, const RemovePlaneConfig& config, cons
     p = (p.cast<double>() - centre).cast<float>();
     size += static_cast<double>(p.cwiseAbs().maxCoeff()) / static_cast<double>(points.size());
   }
-  if (!(size > 0.0)) throw no_plane(config, "all points are in one place", "three places or more");
   for (Eigen::Vector3f& p : points) p = (p.cast<double>() / size).cast<float>();
   const double distance = config.distance_m / size;
 
   const Eigen::Vector4d found = plane_by_pcl(points, direction, config.max_angle_deg, distance);
   if (!(found.head<3>().norm() > 0.0)) {
-    throw no_plane(config, "there is none of any size", "another normal, or a larger max_angle_deg");
+    throw no_plane(config, "no three points have one", "another normal, or a larger max_angle_deg");
   }
   Fit fit;
   fit.normal = found.head<3>().normalized();

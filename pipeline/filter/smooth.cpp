@@ -10,7 +10,11 @@
 #include <limits>
 #include <mutex>
 
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "base/exact_sum.h"
+#include "base/text.h"
 #include "pipeline/filter/cells.h"
 
 namespace sparsha::pipeline {
@@ -52,16 +56,38 @@ class CellFitter {
   pcl::MLSResult result_;
 };
 
+/// Throws when neighbourhoods are so large that the fits would take hours.
+void require_few_neighbours(const CellOrder& order, const SmoothConfig& config) {
+  constexpr double kMost = 20000.0;
+  double sum = 0.0;
+  CellOrder::Sweep sweep(order);
+  for (std::size_t cell = 0; cell < order.cells(); ++cell) {
+    std::size_t near = 0;
+    for (const CellOrder::Range& range : sweep.near(cell)) near += order.points(range).size();
+    sum += static_cast<double>(near) * static_cast<double>(order.points(cell).size());
+  }
+  const double mean = sum / static_cast<double>(order.points().size());
+  if (mean <= kMost) return;
+  // The sphere of a surface is about 0.38 of the cells' part of it.
+  throw usage_error(fmt::format("the filter 'smooth' would fit about {:.0f} points at a time within {}", 0.38 * mean,
+                                length_text(config.radius_m)),
+                    "a smaller radius_mm (four to five point distances), or a voxel filter before it");
+}
+
 void fit_by_cells(const Cloud& cloud, const SmoothConfig& config, const Context& context,
                   const std::function<void(double)>& at, std::vector<Eigen::Vector3f>& moved) {
   const CellOrder order(cloud, config.radius_m, context);
+  require_few_neighbours(order, config);
   std::mutex telling;
   std::size_t done = 0;
   context.pool.for_ranges(order.cells(), kCellsATime, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();
     CellOrder::Sweep sweep(order);
     CellFitter fitter(cloud, config);
-    for (std::size_t cell = begin; cell < end; ++cell) fitter.fit(order, cell, sweep.near(cell), moved);
+    for (std::size_t cell = begin; cell < end; ++cell) {
+      context.progress.throw_if_cancelled();
+      fitter.fit(order, cell, sweep.near(cell), moved);
+    }
     const std::lock_guard lock(telling);
     done += end - begin;
     if (at) at(static_cast<double>(done) / static_cast<double>(order.cells()));

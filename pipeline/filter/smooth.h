@@ -21,7 +21,8 @@ struct Smoothing {
 /// one thread. A point without a fit, or whose fit lies farther away than the radius, stays where it is. Positions as
 /// measured go to cloud.measured, unless a filter before has put them there. Depends neither on threads nor on the
 /// order of the points.
-/// `at` is told which share of the points is done, by one thread at a time.
+/// Throws Error{usage} when neighbourhoods have thousands of points. `at` is told which share of the points is done, by
+/// one thread at a time.
 Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context& context,
                         const std::function<void(double)>& at = {});
 

@@ -207,13 +207,19 @@ TEST(RemovePlane, RefusesTwoPointsOnePlaceAndALine) {
   LabelledCloud few;
   few.add({0, 0, 0}, Part::object);
   few.add({1, 0, 0}, Part::object);
-  EXPECT_THAT(error_of(few.cloud(), {}), HasSubstr("2 places"));
+  EXPECT_THAT(error_of(few.cloud(), {}), HasSubstr("2 cubes"));
   LabelledCloud same;
   for (int i = 0; i < 100; ++i) same.add({1, 2, 3}, Part::object);
-  EXPECT_THAT(error_of(same.cloud(), {}), HasSubstr("1 place"));
+  EXPECT_THAT(error_of(same.cloud(), {}), HasSubstr("1 cube of"));
   LabelledCloud line;
   for (int i = 0; i < 100; ++i) line.add({0.1 * i, 0, 0}, Part::object);
   EXPECT_THAT(error_of(line.cloud(), {}), HasSubstr("no plane"));
+}
+
+TEST(RemovePlane, SaysThatTheDistanceIsTooLargeForTheScan) {
+  RemovePlaneConfig config;
+  config.distance_m = 0.5;
+  EXPECT_THAT(error_of(sphere_on_floor(14).cloud(), config), HasSubstr("smaller distance_mm"));
 }
 
 TEST(RemovePlane, WarnsWhenTheObjectItselfMayBeThePlane) {

@@ -132,6 +132,16 @@ TEST(Smooth, RefusesARadiusBelowTheSpacingAndPointsInOnePlace) {
   EXPECT_THAT(error_of(three.cloud(), 0.1), HasSubstr("moves nothing"));
 }
 
+TEST(Smooth, RefusesARadiusWithThousandsOfPointsInItAndCanBeCancelled) {
+  Cloud cloud = noisy_sphere(8).cloud();
+  Work work;
+  EXPECT_THROW(apply_filters(cloud, {SmoothConfig{0.1, 2, {}}}, work.context()), Error);
+  Work cancelled;
+  const auto stop = [&](double) { cancelled.progress.cancel(); };
+  EXPECT_THROW(smooth_points(cloud, {0.003, 2, {}}, cancelled.context(), stop), Cancelled);
+  EXPECT_TRUE(cloud.measured.empty());
+}
+
 TEST(Smooth, FiltersAfterItKeepPointsAndTheirMeasuredPlacesTogether) {
   LabelledCloud scene = noisy_sphere(6, 20000);
   Cloud cloud = scene.cloud();
