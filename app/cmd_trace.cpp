@@ -35,6 +35,7 @@ struct Arguments {
   double rho = 0.5;
   int iterations = 100;
   bool live = false;
+  double tip_radius_mm = 0.0;
 };
 
 std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scene& scene, const Arguments& arguments) {
@@ -42,6 +43,7 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
   haptics::SurfaceOptions options;
   options.effects.texture = !arguments.no_texture;
   options.effects.friction = !arguments.no_friction;
+  options.tip_radius_m = 1e-3 * arguments.tip_radius_mm;
   if (arguments.level < 0 && arguments.centre.empty()) {
     return haptics::make_surface(description, scene.read_level(0), 0, 1.0, options);
   }
@@ -62,6 +64,7 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
                                   lattice.x_m(lattice.nx - 1), lattice.y_m(0), lattice.y_m(lattice.ny - 1)));
   }
   plan.effects = options.effects;
+  plan.tip_radius_m = options.tip_radius_m;
   return haptics::load_window(scene, plan, 0).surface;
 }
 
@@ -146,10 +149,12 @@ void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_option("--centre", arguments->centre, "X Y: centre of the window, grid frame, metres")->expected(2);
   command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
   command->add_flag("--no-friction", arguments->no_friction, "render without friction");
+  command->add_option("--tip-radius-mm", arguments->tip_radius_mm, "touch with a ball, device frame; default: a point")
+      ->check(CLI::Range(0.0, 2.0));
   command
       ->add_flag("--live", arguments->live,
                  "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
-      ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction");
+      ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm");
   command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(CLI::Range(0.01, 1.0));
   command->add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
       ->check(CLI::Range(1, 1000000));

@@ -265,6 +265,7 @@ HapticsConfig parse_haptics(const Node& node) {
   haptics.surface = static_cast<HapticsConfig::Surface>(surface);
   reader.read("rate_hz", haptics.rate_hz, 100.0, 10000.0);
   read_mm(reader, "resolution_mm", haptics.resolution_m, 1e-6, 1000.0);
+  read_mm(reader, "tip_radius_mm", haptics.tip_radius_m, 0.0, 2.0);
   reader.finish();
   return haptics;
 }

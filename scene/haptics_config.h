@@ -11,6 +11,7 @@ struct HapticsConfig {
   Surface surface = Surface::bilinear;
   double rate_hz = 1000.0;
   double resolution_m = 0.00005;
+  double tip_radius_m = 0.0005;  ///< of the ball that touches, device frame; 0: a point
 };
 
 }  // namespace sparsha::pipeline

@@ -235,7 +235,7 @@ std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& 
   if (state.tick == 0) return std::nullopt;
   const auto vector = [](const std::array<double, 3>& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
   Hand hand;
-  hand.proxy = stage_.to_world(vector(state.proxy_m));
+  hand.proxy = stage_.to_world(vector(haptics::touched_place(state)));
   hand.hip = stage_.to_world(vector(state.hip_m));
   if (!hand.proxy.allFinite() || !hand.hip.allFinite()) return std::nullopt;
   const Eigen::Vector3d normal = vector(state.normal);

@@ -42,6 +42,7 @@ enum Column : std::size_t {
   kDamping,
   kDelay,
   kNominalPeriod,
+  kTipRadius,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -68,7 +69,8 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "slew_n_per_s",
                                                            "least_damping_n_s_per_m",
                                                            "delay_ticks",
-                                                           "nominal_period_s"};
+                                                           "nominal_period_s",
+                                                           "tip_radius_m"};
 
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
@@ -139,6 +141,8 @@ constexpr Range range_of(Column column) {
       return {kLeast, 1e9};
     case kNominalPeriod:
       return {1e-5, 1.0};
+    case kTipRadius:
+      return {0.0, 0.1};
     case kWorkspace:
       return {1e-3, 10.0};
     case kMaxForce:
@@ -244,6 +248,7 @@ Recording::Recording(const std::filesystem::path& file) {
       window.plan.nx = static_cast<int>(at(kWindowNx, 0.0));
       window.plan.ny = static_cast<int>(at(kWindowNy, 0.0));
       window.plan.scale = at(kScale, 1.0);
+      window.plan.tip_radius_m = at(kTipRadius, 0.0);
       window.plan.effects.texture = (row.tick.flags & kFlagTexture) != 0;
       window.plan.effects.friction = (row.tick.flags & kFlagFriction) != 0;
       windows_.push_back(window);

@@ -241,13 +241,14 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   slip_speed_ += (moved_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilterS);
   state.hip_m = to_array(hip_m);
   state.proxy_m = to_array(proxy_m);
-  state.place_m = place_of(proxy_m);
   state.normal = to_array(found_.normal);
   state.force_n = to_array(force_n);
   state.commanded_force_n = to_array(output.force_n);
   state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
   state.friction_coefficient = found_.mu_dynamic;
   state.contact = found_.contact ? 1 : 0;
+  const std::array<double, 3> touched_m = touched_place(state);
+  state.place_m = place_of({touched_m[0], touched_m[1], touched_m[2]});
   state.flags |= find_place(found_.position);
   if (found_.sticking) state.flags |= kFlagSticking;
   if (found_.unfinished) state.flags |= kFlagUnfinished;
@@ -320,6 +321,7 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (window_.effects.friction) state.flags |= kFlagFriction;
   state.workspace_m = device_.workspace_width_m;
   state.stiffness_n_per_m = stiffness_n_per_m_;
+  state.tip_radius_m = surface_->tip_radius_m;
   state.window = {window_.i0, window_.j0, surface_->lattice.nx, surface_->lattice.ny};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -31,7 +32,7 @@ struct State {
   double time_s = 0.0;                        ///< since the servo started, of this sample
   std::array<double, 3> hip_m{};              ///< haptic interaction point X_h
   std::array<double, 3> proxy_m{};            ///< X_p
-  std::array<double, 3> place_m{};            ///< X_p in the frame that the scene's parts and sounds are written in
+  std::array<double, 3> place_m{};            ///< touched_place() in the frame of the scene\'s parts and sounds
   std::array<double, 3> normal{};             ///< unit surface normal at the proxy, grid frame; 0 when free
   std::array<double, 3> force_n{};            ///< the renderer's force k * scale * (X_p - X_h), before the governor
   std::array<double, 3> commanded_force_n{};  ///< what the device was told
@@ -53,6 +54,7 @@ struct State {
   std::uint64_t flags = 0;                        ///< StateFlag bits
   double workspace_m = 0.0;                       ///< width of the device's workspace, device frame
   double stiffness_n_per_m = 0.0;                 ///< rendered in this tick
+  double tip_radius_m = 0.0;                      ///< of the fingertip, device frame
   std::array<std::int64_t, 4> window{};           ///< nodes of the level: first i, first j, how many in i, in j
   std::uint64_t missed_ticks = 0;                 ///< skipped since the start
   std::uint64_t dropped_records = 0;              ///< rows the recorder could not take
@@ -61,13 +63,24 @@ struct State {
 static_assert(std::is_trivially_copyable_v<State>);
 static_assert(sizeof(State) % 8 == 0);
 
+/// Where the fingertip touches the stone, grid frame; X_p when it is a point or free. X_p moves on the surface of a
+/// ball's centre, lowered by its radius, and the ball touches along the normal.
+[[nodiscard]] inline std::array<double, 3> touched_place(const State& state) noexcept {
+  std::array<double, 3> place = state.proxy_m;
+  if (state.contact == 0 || !(state.tip_radius_m > 0.0)) return place;
+  const double radius_m = state.tip_radius_m / state.scale;
+  for (std::size_t axis = 0; axis < place.size(); ++axis)
+    place[axis] += radius_m * ((axis == 2 ? 1.0 : 0.0) - state.normal[axis]);
+  return place;
+}
+
 /// One contact's beginning or end, for audio and speech.
 struct ContactEvent {
   enum class Kind : std::uint64_t { touch, lift, slip };
   Kind kind = Kind::touch;
   double time_s = 0.0;                ///< servo time
   std::array<double, 3> proxy_m{};    ///< grid frame
-  std::array<double, 3> place_m{};    ///< the same place as State has it
+  std::array<double, 3> place_m{};    ///< touched_place() in the frame of the scene\'s parts and sounds
   double normal_speed_m_per_s = 0.0;  ///< of the hand towards the surface, device frame, low-passed
   double peak_force_n = 0.0;          ///< predicted peak v_n * sqrt(k m), newtons
   std::uint64_t level = 0;

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "haptics/surface/fingertip.h"
+#include "haptics/surface/large_pages.h"
 #include "scene/continuation.h"
 
 namespace sparsha::haptics {
@@ -22,9 +24,13 @@ void check(const SurfaceParts& parts) {
     throw wrong("a surface without a cell", "at least 2 x 2 nodes and a positive spacing");
   if (!(parts.scale > 0.0) || !std::isfinite(parts.scale))
     throw wrong("a surface's scale that is not positive", "device metres per grid metre");
+  if (!(parts.tip_radius_m >= 0.0) || !std::isfinite(parts.tip_radius_m) || parts.margin < 0)
+    throw wrong("a fingertip's radius or margin that is negative", "a radius in device metres, a number of nodes");
   const std::size_t count = lattice.count();
   const std::size_t cells = static_cast<std::size_t>(lattice.nx - 1) * static_cast<std::size_t>(lattice.ny - 1);
-  if (parts.height_m.size() != count) throw wrong("heights that are not one per node", "nx * ny heights");
+  const auto nodes = [&](int n) { return static_cast<std::size_t>(n) + 2 * static_cast<std::size_t>(parts.margin); };
+  if (parts.height_m.size() != nodes(lattice.nx) * nodes(lattice.ny))
+    throw wrong("heights that are not one per node", "nx * ny heights, and those of the margin");
   for (const std::vector<float>* friction : {&parts.friction.mu_dynamic, &parts.friction.mu_static})
     if (!friction->empty() && friction->size() != count)
       throw wrong("friction coefficients that are not one per node", "nx * ny coefficients or none");
@@ -48,7 +54,23 @@ std::vector<std::uint8_t> flag_unknown(const Lattice& lattice, const std::vector
   return cells;
 }
 
+/// `height` without `margin` nodes on every side.
+std::vector<float> cropped(const std::vector<float>& height, const Lattice& lattice, int margin) {
+  std::vector<float> result = reserve_large(lattice.count());
+  const auto row = static_cast<std::ptrdiff_t>(lattice.nx) + 2 * margin;
+  for (int j = 0; j < lattice.ny; ++j) {
+    const auto begin = height.begin() + (j + margin) * row + margin;
+    result.insert(result.end(), begin, begin + lattice.nx);
+  }
+  return result;
+}
+
 }  // namespace
+
+int margin_of(double tip_radius_m, double scale, double spacing_m) {
+  const double nodes = std::ceil(tip_radius_m / (scale * spacing_m));
+  return nodes > 0.0 ? static_cast<int>(std::min(nodes, 1e4)) : 0;
+}
 
 double MongeSurface::height(double x, double y) const noexcept {
   const double u = std::clamp(x / lattice.spacing_m, 0.0, static_cast<double>(lattice.nx - 1));
@@ -73,10 +95,17 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
   surface->id = parts.id;
   surface->level = parts.level;
   surface->scale = parts.scale;
-  surface->cell_flags =
-      parts.cell_flags.empty() ? flag_unknown(parts.lattice, parts.height_m) : std::move(parts.cell_flags);
+  surface->tip_radius_m = parts.tip_radius_m;
   surface->height_m = std::move(parts.height_m);
-  pipeline::continue_heights(surface->height_m, parts.lattice.nx, parts.lattice.ny);
+  if (parts.cell_flags.empty())
+    parts.cell_flags = flag_unknown(
+        parts.lattice, parts.margin > 0 ? cropped(surface->height_m, parts.lattice, parts.margin) : surface->height_m);
+  surface->cell_flags = std::move(parts.cell_flags);
+  const int nx = parts.lattice.nx + 2 * parts.margin;
+  const int ny = parts.lattice.ny + 2 * parts.margin;
+  pipeline::continue_heights(surface->height_m, nx, ny);
+  touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale);
+  if (parts.margin > 0) surface->height_m = cropped(surface->height_m, parts.lattice, parts.margin);
   surface->mu_dynamic = std::move(parts.friction.mu_dynamic);
   surface->mu_static = std::move(parts.friction.mu_static);
   surface->highest_m = *std::max_element(surface->height_m.begin(), surface->height_m.end());

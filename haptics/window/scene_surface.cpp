@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "haptics/surface/large_pages.h"
 #include "scene/friction_law.h"
+#include "scene/window_lattice.h"
 #include "scene/workspace.h"
 
 namespace sparsha::haptics {
@@ -88,6 +89,36 @@ std::vector<float> known_heights(const Layers& window, bool texture) {
   return heights;
 }
 
+template <typename Value>
+void crop(std::vector<Value>& values, int nx, int ny, int margin) {
+  if (values.empty()) return;
+  std::vector<Value> inner;
+  inner.reserve(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny));
+  for (int j = margin; j < ny - margin; ++j) {
+    const auto row = values.begin() + static_cast<std::ptrdiff_t>(j) * nx;
+    inner.insert(inner.end(), row + margin, row + (nx - margin));
+  }
+  values = std::move(inner);
+}
+
+/// What touch needs of the layers, without the margin.
+Layers without_margin(const Layers& wide, int margin) {
+  Layers window;
+  const int nx = wide.grid.lattice.nx;
+  const int ny = wide.grid.lattice.ny;
+  window.grid = wide.grid;
+  window.grid.lattice = pipeline::window_lattice(wide.grid.lattice, margin, margin, nx - 2 * margin, ny - 2 * margin);
+  window.envelope_m = wide.envelope_m;
+  window.curvature_per_m = wide.curvature_per_m;
+  window.mean_curvature_per_m = wide.mean_curvature_per_m;
+  window.gaussian_curvature_per_m2 = wide.gaussian_curvature_per_m2;
+  crop(window.grid.state, nx, ny, margin);
+  for (std::vector<float>* values : {&window.grid.height_m, &window.envelope_m, &window.curvature_per_m,
+                                     &window.mean_curvature_per_m, &window.gaussian_curvature_per_m2})
+    crop(*values, nx, ny, margin);
+  return window;
+}
+
 }  // namespace
 
 FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const pipeline::Layers& window, double scale) {
@@ -108,14 +139,19 @@ FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const pip
   return map;
 }
 
-std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene, const Layers& window,
+std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene, const Layers& layers,
                                                  int level, double scale, const SurfaceOptions& options) {
-  check(scene, window, level, scale);
+  check(scene, layers, level, scale);
+  const bool wide = options.margin > 0;
+  const Layers inner = wide ? without_margin(layers, options.margin) : Layers{};
+  const Layers& window = wide ? inner : layers;
   const Lattice& lattice = window.grid.lattice;
   SurfaceParts parts;
   parts.lattice = lattice;
   parts.cell_flags = flag_cells(window, Inside(scene.levels[static_cast<std::size_t>(level)], lattice));
-  parts.height_m = known_heights(window, options.effects.texture);
+  parts.height_m = known_heights(layers, options.effects.texture);
+  parts.tip_radius_m = options.tip_radius_m;
+  parts.margin = options.margin;
   if (options.effects.friction) parts.friction = evaluate_friction(scene, window, scale);
   parts.scale = scale;
   parts.level = level;

@@ -16,6 +16,8 @@ namespace sparsha::haptics {
 struct SurfaceOptions {
   Effects effects;
   std::uint64_t id = 0;                     ///< becomes MongeSurface::id
+  double tip_radius_m = 0.0;                ///< of the ball that touches, device frame; 0: a point
+  int margin = 0;                           ///< the layers reach so many nodes beyond the window on every side
   std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the surface in the window's middle
 };
 

@@ -45,14 +45,19 @@ WindowPlan plan_window(const pipeline::SceneDescription& scene, int level, const
   std::tie(plan.i0, plan.nx) = run_around(nodes.x(), lattice.nx, window);
   std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);
   plan.scale = workspace_width_m / pipeline::window_width_m(plan.nx, plan.ny, lattice.spacing_m);
+  plan.tip_radius_m = scene.config.haptics.tip_radius_m;
   return plan;
 }
 
 HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id) {
   const pipeline::SceneDescription& description = scene.description();
   const Lattice& level = description.levels.at(static_cast<std::size_t>(plan.level));
-  const pipeline::Layers layers = scene.read(plan.level, plan.i0, plan.j0, plan.nx, plan.ny);
   SurfaceOptions options;
+  options.tip_radius_m = plan.tip_radius_m;
+  options.margin = margin_of(plan.tip_radius_m, plan.scale, level.spacing_m);
+  const int more = 2 * options.margin;
+  const pipeline::Layers layers =
+      scene.read(plan.level, plan.i0 - options.margin, plan.j0 - options.margin, plan.nx + more, plan.ny + more);
   options.effects = plan.effects;
   options.id = id;
   HapticWindow window;

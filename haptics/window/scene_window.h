@@ -15,13 +15,15 @@ struct WindowPlan {
   int i0 = 0, j0 = 0, nx = 0, ny = 0;
   double scale = 1.0;  ///< device metres per grid metre
   Effects effects;
+  double tip_radius_m = 0.0;  ///< of the ball that touches, device frame; 0: a point
 };
 
 /// The finest level that fits whole into a window of the configured size; the coarsest when none does.
 [[nodiscard]] int overview_level(const pipeline::SceneDescription& scene);
 
 /// The window of a level around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
-/// the level is the same computation), else levels.window nodes per side. Scale = workspace width / window width.
+/// the level is the same computation), else levels.window nodes per side. Scale = workspace width / window width. The
+/// fingertip is the configuration's.
 [[nodiscard]] WindowPlan plan_window(const pipeline::SceneDescription& scene, int level,
                                      const Eigen::Vector2d& centre_m, double workspace_width_m);
 

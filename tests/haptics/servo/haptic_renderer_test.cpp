@@ -1,5 +1,6 @@
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/scene_surface.h"
+#include "haptics/window/scene_window.h"
 
 #include <gtest/gtest.h>
 
@@ -319,6 +320,31 @@ TEST(HapticRenderer, IdenticalSamplesGiveIdenticalBits) {
     ASSERT_EQ(a.proxy_m, b.proxy_m);
     ASSERT_EQ(a.force_n, b.force_n);
     ASSERT_EQ(a.commanded_force_n, b.commanded_force_n);
+  }
+}
+
+TEST(HapticRenderer, ShowsTheFingertipWhereItTouchesTheStone) {
+  // A ball of 2 mm in a bowl and on a dome of 20 mm: contact lies on the stone itself, not on the ball's own surface.
+  for (const double up : {-1.0, 1.0}) {
+    const auto round = [up](double x, double y) {
+      const double across = std::hypot(x - 0.05, y - 0.05);
+      return up * std::sqrt(std::max(0.0, 0.02 * 0.02 - across * across));
+    };
+    WindowPlan plan = plan_window(sparsha::test::scene_of(round, 401, 0.1, 401)->description(), 0, {0.05, 0.05}, 0.1);
+    plan.tip_radius_m = 0.002;
+    Hand hand(load_window(*sparsha::test::scene_of(round, 401, 0.1, 401), plan, 1));
+    hand.arm();
+    const State& state = hand.press({0.008, -0.003, up * 0.02 * 0.9 - up * 0.02 - 0.003});
+    ASSERT_EQ(state.contact, 1U);
+    ASSERT_GT(std::hypot(state.normal[0], state.normal[1]), 0.2);
+    const std::array<double, 3> touched = touched_place(state);
+    const double off = std::hypot(touched[0] - 0.05, touched[1] - 0.05, touched[2]) - 0.02;
+    // Nodes 0.25 mm apart: the height of a chord, and the crease's share of the radius.
+    EXPECT_LT(std::abs(off), 1e-5) << up;
+    const double wrong = std::hypot(state.proxy_m[0] - 0.05, state.proxy_m[1] - 0.05, state.proxy_m[2]) - 0.02;
+    EXPECT_GT(std::abs(wrong), 5.0 * std::abs(off)) << up;
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(state.place_m[static_cast<std::size_t>(axis)], touched[static_cast<std::size_t>(axis)]);
   }
 }
 
