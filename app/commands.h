@@ -34,6 +34,7 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run);
 void add_trace(CLI::App& app, const CommonOptions& common, Run& run);
 void add_export(CLI::App& app, const CommonOptions& common, Run& run);
 void add_simulate(CLI::App& app, const CommonOptions& common, Run& run);
+void add_register(CLI::App& app, const CommonOptions& common, Run& run);
 void add_info(CLI::App& app, const CommonOptions& common, Run& run);
 void add_device(CLI::App& app, const CommonOptions& common, Run& run);
 

@@ -14,11 +14,13 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/system.h"
+#include "base/text.h"
 #include "base/thread_pool.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/build/warnings.h"
 #include "pipeline/layers/layers.h"
 #include "pipeline/projection/projection.h"
+#include "pipeline/register/register.h"
 #include "pipeline/scan/repeated.h"
 #include "scene/scene_folder.h"
 
@@ -88,6 +90,46 @@ void add_texture(const Config& config, const Projection& projection, const Conte
   scene.has_paper_curvatures = true;
 }
 
+// How the scans fit each other, for the report; poses stay as they are.
+std::vector<ScanPair> pairs_of(const Config& config, const BuildOptions& options, const Context& context) {
+  std::vector<ScanPair> pairs;
+  if (!config.registration || config.scans.size() < 2 || options.grid_only) return pairs;
+  if (options.memory_bytes > 0) {
+    context.progress.warn("with --memory, overlap and residual of the scans are not measured");
+    return pairs;
+  }
+  std::vector<PairFit> fits;
+  try {
+    fits = measure_pairs(config.scans, *config.registration, context);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    context.progress.warn(std::string("overlap and residual of the scans are not measured: ") + error.what());
+    return pairs;
+  }
+  std::vector<bool> linked(config.scans.size(), false);
+  for (const PairFit& fit : fits) {
+    const bool used = fit.use == PairFit::Use::used;
+    const std::string first = config.scans[fit.first].file.generic_string();
+    const std::string second = config.scans[fit.second].file.generic_string();
+    pairs.push_back({first, second, fit.after.within_m, fit.after.overlap, fit.after.residual_m, used});
+    if (used) linked[fit.first] = linked[fit.second] = true;
+    constexpr double kNotOne = 1.0 / 6.0;  // of the distance within which points are in common: half a point distance
+    if (used && fit.after.residual_m > kNotOne * fit.after.within_m) {
+      context.progress.warn(
+          fmt::format("{} and {} lie {} apart (RMS) where they overlap; `sparsha register` finds poses", first, second,
+                      length_text(fit.after.residual_m)));
+    }
+  }
+  for (std::size_t s = 0; s < linked.size(); ++s) {
+    if (linked[s]) continue;
+    context.progress.warn(
+        fmt::format("{} has less than {:.3g} % in common with every other scan; `sparsha register` finds "
+                    "poses for scans that overlap",
+                    config.scans[s].file.generic_string(), 100.0 * config.registration->min_overlap));
+  }
+  return pairs;
+}
+
 }  // namespace
 
 BuildResult build_scene(const Config& given, const BuildOptions& options, Progress& progress) {
@@ -99,6 +141,7 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   Projection& projection = scans.projection;
 
   Report report;
+  report.pairs = pairs_of(config, options, {pool, progress});
   report.points = scans.points;
   report.filters = std::move(scans.filters);
   report.kept_m = std::move(scans.kept_m);

@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "pipeline/report/base64.h"
+#include "pipeline/report/scan_graph.h"
 #include "pipeline/report/style.h"
 #include "pipeline/report/svg.h"
 #include "scene/layer_file.h"
@@ -345,7 +346,7 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   section(1, accuracy(report));
   section(2, "<div class='columns'><div>" + points_table(report.points) + "</div><div>" + grid_table(description) +
                  "</div></div>" + filters_table(report));
-  section(3, inputs(description));
+  section(3, inputs(description) + scan_graph_html(report.pairs));
   section(4, kWords);
   section(5,
           "<p>Everything needed to build this scene again from its scans.</p><pre tabindex='0' role='region' "

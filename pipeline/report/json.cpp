@@ -87,6 +87,16 @@ std::string report_json(const Scene& scene, const Report& report) {
   for (const ScanSource& source : description.sources)
     json["inputs"].push_back(
         {{"file", source.file.generic_string()}, {"sha256", source.sha256}, {"points", source.points}});
+  if (!report.pairs.empty()) {
+    json["pairs"] = Json::array();
+    for (const ScanPair& pair : report.pairs)
+      json["pairs"].push_back({{"first", pair.first},
+                               {"second", pair.second},
+                               {"within_m", number(pair.within_m)},
+                               {"overlap", number(pair.overlap)},
+                               {"residual_m", number(pair.residual_m)},
+                               {"linked", pair.linked}});
+  }
   json["warnings"] = report.warnings;
   json["stages"] = Json::array();
   for (const StageTime& stage : report.stages)

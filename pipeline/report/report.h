@@ -13,6 +13,15 @@
 
 namespace sparsha::pipeline {
 
+/// How two scans fit each other with the poses that the scene was built with.
+struct ScanPair {
+  std::string first, second;  ///< files
+  double within_m = 0.0;      ///< points nearer than that are in common
+  double overlap = 0.0;       ///< the larger share of one scan's points in common
+  double residual_m = 0.0;    ///< RMS distance of what is in common
+  bool linked = false;        ///< enough in common
+};
+
 /// Everything report.json says (docs/formats.md); SI units.
 struct Report {
   struct Points {
@@ -33,6 +42,7 @@ struct Report {
   double coverage = 0.0;                ///< measured nodes / all
   double filled_fraction = 0.0;         ///< filled nodes / all
   std::optional<CheckResult> check;
+  std::vector<ScanPair> pairs;  ///< of a configuration with a block `register`
   std::vector<StageTime> stages;
   double total_seconds = 0.0;
   std::uint64_t peak_rss_bytes = 0;

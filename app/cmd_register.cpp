@@ -1,0 +1,118 @@
+// sparsha register CONFIG: poses that make the scans one cloud, in a copy of the configuration.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/inputs.h"
+#include "app/terminal.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/text.h"
+#include "base/thread_pool.h"
+#include "pipeline/register/register.h"
+#include "scene/pose_text.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Arguments {
+  std::string config;
+  std::string out;
+  std::vector<std::string> settings;
+  unsigned threads = 0;
+};
+
+std::string table(const pipeline::Config& config, const pipeline::Registration& found) {
+  const auto fit = [](const pipeline::PairFit::Fit& f) {
+    return fmt::format("{:>5.1f} %  {:>9}", 100.0 * f.overlap, f.matches > 0 ? length_text(f.residual_m) : "-");
+  };
+  std::string text = "overlap and residual (RMS) of each pair\nbefore              after               use\n";
+  for (const pipeline::PairFit& pair : found.pairs) {
+    text += fmt::format("{}  {}  {:<8}  {} - {}\n", fit(pair.before), fit(pair.after), to_string(pair.use),
+                        config.scans[pair.first].file.filename().string(),
+                        config.scans[pair.second].file.filename().string());
+  }
+  if (!found.pairs.empty()) {
+    text +=
+        fmt::format("before: points within {} of each other; after: within {}",
+                    length_text(found.pairs.front().before.within_m), length_text(found.pairs.front().after.within_m));
+  }
+  return text;
+}
+
+std::string json(const pipeline::Config& config, const pipeline::Registration& found) {
+  using Json = nlohmann::ordered_json;
+  Json result;
+  result["scans"] = Json::array();
+  for (std::size_t s = 0; s < config.scans.size(); ++s) {
+    Json pose = Json::array();
+    for (int k = 0; k < 16; ++k) pose.push_back(found.poses[s](k / 4, k % 4));
+    result["scans"].push_back({{"file", config.scans[s].file.generic_string()}, {"pose", pose}});
+  }
+  const auto fit = [](const pipeline::PairFit::Fit& f) {
+    return Json{{"within_m", f.within_m},
+                {"overlap", f.overlap},
+                {"residual_m", f.matches > 0 ? Json(f.residual_m) : Json(nullptr)},
+                {"matches", f.matches}};
+  };
+  result["pairs"] = Json::array();
+  for (const pipeline::PairFit& pair : found.pairs) {
+    result["pairs"].push_back({{"first", pair.first},
+                               {"second", pair.second},
+                               {"use", to_string(pair.use)},
+                               {"before", fit(pair.before)},
+                               {"after", fit(pair.after)}});
+  }
+  return result.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+int run_register(const Arguments& arguments, const CommonOptions& common) {
+  Terminal terminal(common);
+  if (!is_config(arguments.config)) {
+    throw usage_error("'" + arguments.config + "' is not a configuration",
+                      "a CONFIG.yaml with scans and their rough poses; `sparsha new SCAN...` writes a first one");
+  }
+  if (!arguments.out.empty()) check_outputs({{"--out", arguments.out}}, arguments.config);
+  const pipeline::Config config =
+      config_from({arguments.config}, arguments.settings, common.trusted(), terminal.progress());
+  ThreadPool pool(arguments.threads);
+  const pipeline::Registration found = pipeline::register_scans(
+      config.scans, config.registration.value_or(pipeline::RegisterConfig{}), {pool, terminal.progress()});
+  terminal.progress().finish();
+  end_progress_line();
+  terminal.message(table(config, found));
+  const fs::path folder = arguments.out.empty() ? fs::path() : fs::path(arguments.out).parent_path();
+  std::string yaml;
+  if (!arguments.out.empty() || !common.json)
+    yaml = pipeline::text_with_poses(arguments.config, config, found.poses, folder);
+  if (!arguments.out.empty()) write_file(arguments.out, yaml);
+  if (common.json) {
+    print(json(config, found));
+  } else if (arguments.out.empty()) {
+    print(yaml);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_register(CLI::App& app, const CommonOptions& common, Run& run) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("register", "Align scans; writes the configuration with the found poses");
+  command->add_option("config", arguments->config, "configuration with two or more scans")->required();
+  command->add_option("--out,-o", arguments->out, "file for the configuration; default: standard output");
+  command->add_option("--set", arguments->settings, "override a key, e.g. register.voxel_mm=1")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--threads", arguments->threads, "threads; 0 = one a core")->check(CLI::Range(0U, 1024U));
+  command->callback(
+      [arguments, &common, &run] { run = [arguments, &common] { return run_register(*arguments, common); }; });
+}
+
+}  // namespace sparsha::app
