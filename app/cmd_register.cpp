@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "app/commands.h"
 #include "app/inputs.h"
@@ -86,7 +87,8 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
       config.scans, config.registration.value_or(pipeline::RegisterConfig{}), {pool, terminal.progress()});
   terminal.progress().finish();
   end_progress_line();
-  terminal.message(table(config, found));
+  std::istringstream lines(table(config, found));
+  for (std::string line; std::getline(lines, line);) terminal.message(line);  // which is for one line
   const fs::path folder = arguments.out.empty() ? fs::path() : fs::path(arguments.out).parent_path();
   std::string yaml;
   if (!arguments.out.empty() || !common.json)
