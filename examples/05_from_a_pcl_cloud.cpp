@@ -16,7 +16,7 @@ int main() {
   std::normal_distribution<float> normal;
   for (int i = 0; i < 200000; ++i) {
     Eigen::Vector3f direction(normal(random), normal(random), normal(random));
-    pcl::PointXYZRGB point(200, 180, 150);
+    pcl::PointXYZRGB point;
     point.getVector3fMap() = (0.05F + 0.0001F * normal(random)) * direction.normalized();
     if (i % 1000 == 0) point.getVector3fMap() *= 1.5F + 0.2F * std::abs(normal(random));
     scan->push_back(point);

@@ -30,8 +30,8 @@ std::string pose_text(const Eigen::Matrix4d& pose) {
                      q.x(), q.y(), q.z(), q.w());
 }
 
+// Where there is no way from the folder to the path (another drive), the path itself.
 fs::path relative_to(const fs::path& path, const fs::path& folder) {
-  if (path.is_absolute()) return path;
   std::error_code code;
   const fs::path relative =
       fs::absolute(path, code)
@@ -218,10 +218,13 @@ std::string text_with_poses(const fs::path& file, const Config& config, const st
   }
   if (const std::optional<std::string> text = edited(file, wanted, moved, folder); text && says(*text, wanted, folder))
     return *text;
-  for (ScanConfig& scan : wanted.scans) scan.file = relative_to(scan.file, folder);
+  const auto relocate = [&](fs::path& path) {
+    if (!path.is_absolute()) path = relative_to(path, folder);
+  };
+  for (ScanConfig& scan : wanted.scans) relocate(scan.file);
   if (wanted.audio) {
     for (AudioRegionConfig& region : wanted.audio->regions)
-      if (auto* clip = std::get_if<fs::path>(&region.sound)) *clip = relative_to(*clip, folder);
+      if (auto* clip = std::get_if<fs::path>(&region.sound)) relocate(*clip);
   }
   return to_yaml(wanted);
 }

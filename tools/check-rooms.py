@@ -100,9 +100,35 @@ def problems(path):
             yield f"{where}: <{name}> belongs in a .cpp file"
 
 
+def types_of(path):
+    """Qualified names of the types that a file defines outside anonymous namespaces."""
+    spaces = []
+    for number, line in enumerate(open(path, encoding="utf-8"), 1):
+        opened = re.match(r"^namespace ?([\w:]*) ?{", line)
+        if opened:
+            spaces.append(opened.group(1))
+        elif line.startswith("}  // namespace") and spaces:
+            spaces.pop()
+        defined = re.match(r"^(?:class|struct|enum class|enum|union) (\w+)(?: final)?(?: :[^:].*)? ?{", line)
+        if defined and "" not in spaces:
+            yield "::".join([*spaces, defined.group(1)]), f"{path}:{number}"
+
+
+def types_defined_twice(files):
+    """Two types of one name make one program undefined, and the linker does not say so."""
+    places = {}
+    for path in files:
+        for name, where in types_of(path):
+            places.setdefault(name, []).append(where)
+    for name, found in places.items():
+        if len(found) > 1:
+            yield f"{found[1]}: {name} is defined in {found[0]} too"
+
+
 def main():
     files = subprocess.run(["git", "ls-files", "*.h", "*.cpp"], capture_output=True, text=True, check=True).stdout.split()
     found = [p for path in files if path.split("/")[0] in ROOMS for p in problems(path)]
+    found += types_defined_twice([path for path in files if path.split("/")[0] in ROOMS])
     print("\n".join(found) if found else f"{len(files)} files keep the rules")
     return 1 if found else 0
 

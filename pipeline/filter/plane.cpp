@@ -143,7 +143,7 @@ std::vector<Eigen::Vector3f> PlaneSample::take() {
 }
 
 std::string to_string(const FoundPlane& plane) {
-  const Eigen::Vector3d& n = plane.cut.normal;
+  const Eigen::Vector3d n = (1e4 * plane.cut.normal).array().round() / 1e4 + 0.0;  // no "-0.0000"
   return fmt::format(
       "a plane with the normal [{:.4f}, {:.4f}, {:.4f}], {:.2f} degrees from the one given; {:.1f} % of the surface "
       "lies within {} of it, {} RMS",

@@ -36,7 +36,7 @@ Matrix6d information(const std::vector<Match>& pairs) {
 
 }  // namespace
 
-Matches match(const Surface& from, const Eigen::Isometry3d& from_pose, const Surface& to,
+Matches match(const StationSurface& from, const Eigen::Isometry3d& from_pose, const StationSurface& to,
               const Eigen::Isometry3d& to_pose, const MatchLimits& limits, const std::vector<std::size_t>* among) {
   Matches result;
   const Eigen::Isometry3d to_from = to_pose.inverse() * from_pose;
@@ -47,12 +47,12 @@ Matches match(const Surface& from, const Eigen::Isometry3d& from_pose, const Sur
   const std::size_t count = among != nullptr ? among->size() : (all.size() + step - 1) / step;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = among != nullptr ? (*among)[k] : k * step;
-    const Surface::Element& a = all[i];
+    const StationSurface::Element& a = all[i];
     if (a.normal.isZero(0.0)) continue;
     ++result.tried;
-    const Surface::Nearest nearest = to.nearest(to_from * a.point, limits.distance_m);
+    const StationSurface::Nearest nearest = to.nearest(to_from * a.point, limits.distance_m);
     if (nearest.index >= to.elements().size() || nearest.distance2 > limit2) continue;
-    const Surface::Element& b = to.elements()[nearest.index];
+    const StationSurface::Element& b = to.elements()[nearest.index];
     if (b.border || b.normal.isZero(0.0)) continue;
     Match pair;
     pair.from_normal = from_pose.linear() * a.normal;
@@ -74,7 +74,7 @@ Matches match(const Surface& from, const Eigen::Isometry3d& from_pose, const Sur
   return result;
 }
 
-Agreement agreement(const Surface& a, const Eigen::Isometry3d& a_pose, const Surface& b,
+Agreement agreement(const StationSurface& a, const Eigen::Isometry3d& a_pose, const StationSurface& b,
                     const Eigen::Isometry3d& b_pose, const MatchLimits& limits) {
   Agreement result;
   Matches there = match(a, a_pose, b, b_pose, limits);

@@ -40,7 +40,7 @@ struct Matches {
 /// For elements of `from` the nearest ones of `to`. Places where `to` ends match nothing: what lies beyond them would
 /// pull. Poses take the surfaces' coordinates to the common frame.
 /// Only the elements `among` are tried where it is given.
-[[nodiscard]] Matches match(const Surface& from, const Eigen::Isometry3d& from_pose, const Surface& to,
+[[nodiscard]] Matches match(const StationSurface& from, const Eigen::Isometry3d& from_pose, const StationSurface& to,
                             const Eigen::Isometry3d& to_pose, const MatchLimits& limits,
                             const std::vector<std::size_t>* among = nullptr);
 
@@ -54,7 +54,7 @@ struct Agreement {
   /// normals, whose noises are independent, so that noise does not look like form.
   double least_information = 0.0;
 };
-[[nodiscard]] Agreement agreement(const Surface& a, const Eigen::Isometry3d& a_pose, const Surface& b,
+[[nodiscard]] Agreement agreement(const StationSurface& a, const Eigen::Isometry3d& a_pose, const StationSurface& b,
                                   const Eigen::Isometry3d& b_pose, const MatchLimits& limits);
 
 }  // namespace sparsha::pipeline

@@ -87,7 +87,7 @@ Eigen::Isometry3d run_icp(const PclSurface& source, const PclSurface& target, do
 
 }  // namespace
 
-Eigen::Isometry3d align_pair(const Surface& source, const Surface& target, const Eigen::Isometry3d& guess,
+Eigen::Isometry3d align_pair(const StationSurface& source, const StationSurface& target, const Eigen::Isometry3d& guess,
                              RegisterConfig::Method method, double distance_m, int iterations, bool any_sign) {
   const double unit = target.spacing_m();
   if (!(unit > 0.0)) return guess;
@@ -100,10 +100,10 @@ Eigen::Isometry3d align_pair(const Surface& source, const Surface& target, const
   PclSurface from;
   PclSurface to;
   for (const Match& pair : meeting.pairs) {
-    const Surface::Element& element = source.elements()[pair.from];
+    const StationSurface::Element& element = source.elements()[pair.from];
     from.add(guess * element.point / unit, guess.linear() * element.normal);
   }
-  for (const Surface::Element& element : target.elements()) {
+  for (const StationSurface::Element& element : target.elements()) {
     if (!element.normal.isZero(0.0)) to.add(element.point / unit, element.normal);
   }
   // PCL reports to standard error what is no error here.

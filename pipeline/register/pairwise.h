@@ -12,8 +12,8 @@ namespace sparsha::pipeline {
 /// GeneralizedIterativeClosestPoint, or IterativeClosestPoint with point-to-plane or point-to-point distances.
 /// Correspondences reach `distance_m`. Elements of the source that meet the border of the target, or nothing, are left
 /// out: PCL would let them pull. One thread; the same result every time. The guess when nothing can be aligned.
-[[nodiscard]] Eigen::Isometry3d align_pair(const Surface& source, const Surface& target, const Eigen::Isometry3d& guess,
-                                           RegisterConfig::Method method, double distance_m, int iterations,
-                                           bool any_sign);
+[[nodiscard]] Eigen::Isometry3d align_pair(const StationSurface& source, const StationSurface& target,
+                                           const Eigen::Isometry3d& guess, RegisterConfig::Method method,
+                                           double distance_m, int iterations, bool any_sign);
 
 }  // namespace sparsha::pipeline

@@ -55,14 +55,14 @@ std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const ScanConfig& co
 
 // Where somebody far away would stand to see all of the surface: a scan from one place that nobody knows. Its side is
 // the one to which the surface bulges. Nothing for a surface that has more than one side, or no side.
-std::optional<Eigen::Vector3d> guessed_place(const Surface& surface, const Extent& extent) {
+std::optional<Eigen::Vector3d> guessed_place(const StationSurface& surface, const Extent& extent) {
   constexpr int kRounds = 10;
   constexpr double kLeastSeen = 0.98;   // share of elements that do not lie edge-on
   constexpr double kEdgeOn = 0.1;       // cosine
   constexpr double kLeastBulge = 0.05;  // mean of normal times direction from the middle
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  std::vector<const Surface::Element*> elements;
-  for (const Surface::Element& element : surface.elements()) {
+  std::vector<const StationSurface::Element*> elements;
+  for (const StationSurface::Element& element : surface.elements()) {
     if (element.normal.isZero(0.0)) continue;
     elements.push_back(&element);
     middle += element.point;
@@ -76,7 +76,7 @@ std::optional<Eigen::Vector3d> guessed_place(const Surface& surface, const Exten
     double seen = 0.0;
     for (int round = 0; round < kRounds; ++round) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const Surface::Element* e : elements) sum += e->normal.dot(direction) < 0.0 ? -e->normal : e->normal;
+      for (const StationSurface::Element* e : elements) sum += e->normal.dot(direction) < 0.0 ? -e->normal : e->normal;
       seen = sum.norm();
       direction = sum.normalized();
     }
@@ -87,7 +87,7 @@ std::optional<Eigen::Vector3d> guessed_place(const Surface& surface, const Exten
   }
   std::size_t seen = 0;
   double bulge = 0.0;
-  for (const Surface::Element* e : elements) {
+  for (const StationSurface::Element* e : elements) {
     const double cosine = e->normal.dot(view);
     if (std::fabs(cosine) > kEdgeOn) ++seen;
     bulge += (cosine < 0.0 ? -1.0 : 1.0) * e->normal.dot((e->point - middle).normalized());
@@ -121,19 +121,19 @@ PosedScan read_one(const ScanConfig& config, double voxel_m, const Context& cont
   std::vector<Eigen::Vector3d> points = means.points();
   const auto make = [&](std::size_t most) {
     points = thinned_to(points, most, leaf_m);
-    return std::make_unique<Surface>(points, place, context);
+    return std::make_unique<StationSurface>(points, place, context);
   };
   scan.middle_m = extent.middle_m;
   if (!place) {
-    place = guessed_place(Surface(thinned_to(points, kMediumPoints, leaf_m), std::nullopt, context), extent);
+    place = guessed_place(StationSurface(thinned_to(points, kMediumPoints, leaf_m), std::nullopt, context), extent);
     if (place) scan.guessed_view = (*place - extent.middle_m).normalized();
   }
   scan.fine = make(voxel_m > 0.0 ? points.size() : kFinePoints);
   scan.medium = make(kMediumPoints);
   scan.coarse = make(kCoarsePoints);
   const auto& elements = scan.medium->elements();
-  const auto planes =
-      std::count_if(elements.begin(), elements.end(), [](const Surface::Element& e) { return !e.normal.isZero(0.0); });
+  const auto planes = std::count_if(elements.begin(), elements.end(),
+                                    [](const StationSurface::Element& e) { return !e.normal.isZero(0.0); });
   if (static_cast<std::size_t>(planes) < kLeastElements) {
     throw input_error(
         scan.name,
@@ -158,7 +158,7 @@ void turn_views(std::vector<PosedScan>& scans) {
     others /= static_cast<double>(std::max<std::size_t>(1, scans.size() - 1));
     const double in_front = (scan.pose.linear() * scan.guessed_view).dot(others - scan.pose * scan.middle_m);
     if (in_front < kClear * scan.longest_m) continue;
-    for (Surface* surface : {scan.fine.get(), scan.medium.get(), scan.coarse.get()}) surface->flip();
+    for (StationSurface* surface : {scan.fine.get(), scan.medium.get(), scan.coarse.get()}) surface->flip();
   }
 }
 
@@ -170,7 +170,7 @@ double PosedScans::longest_m() const {
   return longest;
 }
 
-double PosedScans::spacing_m(std::unique_ptr<Surface> PosedScan::*level) const {
+double PosedScans::spacing_m(std::unique_ptr<StationSurface> PosedScan::*level) const {
   double spacing = 0.0;
   for (const PosedScan& scan : scans) spacing = std::max(spacing, (scan.*level)->spacing_m());
   return spacing;

@@ -21,7 +21,7 @@ struct PosedScan {
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();  ///< of that box, relative to the origin
   /// Where the scan was made from, when that had to be guessed from its surface alone; else 0.
   Eigen::Vector3d guessed_view = Eigen::Vector3d::Zero();
-  std::unique_ptr<Surface> fine, medium, coarse;
+  std::unique_ptr<StationSurface> fine, medium, coarse;
   /// Scan's coordinates to the common frame.
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
 };
@@ -31,7 +31,7 @@ struct PosedScans {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of the common frame in the scan frame
 
   [[nodiscard]] double longest_m() const;
-  [[nodiscard]] double spacing_m(std::unique_ptr<Surface> PosedScan::*level) const;  ///< the coarsest scan's
+  [[nodiscard]] double spacing_m(std::unique_ptr<StationSurface> PosedScan::*level) const;  ///< the coarsest scan's
   /// The pose of a scan as configurations have it.
   [[nodiscard]] Eigen::Matrix4d pose_of(std::size_t scan, const Eigen::Isometry3d& pose) const;
 };

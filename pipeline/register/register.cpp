@@ -106,7 +106,7 @@ class Registrar {
   [[nodiscard]] const PosedScan& first(const Pair& pair) const { return posed_.scans[pair.fit.first]; }
   [[nodiscard]] const PosedScan& second(const Pair& pair) const { return posed_.scans[pair.fit.second]; }
 
-  [[nodiscard]] Agreement agree(const Pair& pair, std::unique_ptr<Surface> PosedScan::*level, double within_m,
+  [[nodiscard]] Agreement agree(const Pair& pair, std::unique_ptr<StationSurface> PosedScan::*level, double within_m,
                                 const Eigen::Isometry3d& second_to_first) const {
     MatchLimits limits;
     limits.distance_m = within_m;
@@ -130,8 +130,8 @@ class Registrar {
     for (; distance_m > medium_touch_m; distance_m *= kShrink) {
       context_.progress.throw_if_cancelled();
       const bool coarse = distance_m > coarse_touch_m;
-      const Surface& source = coarse ? *second(pair).coarse : *second(pair).medium;
-      const Surface& target = coarse ? *first(pair).coarse : *first(pair).medium;
+      const StationSurface& source = coarse ? *second(pair).coarse : *second(pair).medium;
+      const StationSurface& target = coarse ? *first(pair).coarse : *first(pair).medium;
       pose = align_pair(source, target, pose, config_.method, distance_m, kIterations, pair.any_sign);
     }
     pose = align_pair(*second(pair).medium, *first(pair).medium, pose, config_.method, medium_touch_m, kLastIterations,
@@ -162,7 +162,7 @@ class Registrar {
   [[nodiscard]] double moved_m(const Pair& pair, const Eigen::Isometry3d& other) const {
     double sum = 0.0;
     const auto& elements = second(pair).coarse->elements();
-    for (const Surface::Element& element : elements)
+    for (const StationSurface::Element& element : elements)
       sum += (pair.aligned * element.point - other * element.point).squaredNorm();
     return std::sqrt(sum / static_cast<double>(elements.size()));
   }

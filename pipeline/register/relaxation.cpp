@@ -53,14 +53,14 @@ class Relaxation {
   void measure_reach() {
     double count = 0.0;
     for (const PosedSurface& scan : scans_) {
-      for (const Surface::Element& element : scan.surface->elements()) {
+      for (const StationSurface::Element& element : scan.surface->elements()) {
         middle_ += scan.pose * element.point;
         count += 1.0;
       }
     }
     middle_ /= std::max(1.0, count);
     for (const PosedSurface& scan : scans_)
-      for (const Surface::Element& element : scan.surface->elements())
+      for (const StationSurface::Element& element : scan.surface->elements())
         reach_m_ += (scan.pose * element.point - middle_).squaredNorm();
     reach_m_ = std::sqrt(reach_m_ / std::max(1.0, count));
     if (!(reach_m_ > 0.0)) reach_m_ = 1.0;

@@ -13,7 +13,7 @@ namespace sparsha::pipeline {
 
 /// A surface and its pose in the common frame.
 struct PosedSurface {
-  const Surface* surface = nullptr;
+  const StationSurface* surface = nullptr;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
 };
 struct Edge {

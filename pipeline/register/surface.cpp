@@ -26,7 +26,7 @@ constexpr std::size_t kGrain = 1024;
 
 }  // namespace
 
-struct Surface::Tree {
+struct StationSurface::Tree {
   pcl::KdTreeFLANN<pcl::PointXYZ> search;
 
   int find(const Eigen::Vector3d& point, int count, pcl::Indices& indices, std::vector<float>& distances2) const {
@@ -35,8 +35,8 @@ struct Surface::Tree {
   }
 };
 
-Surface::Surface(std::vector<Eigen::Vector3d> points, const std::optional<Eigen::Vector3d>& place,
-                 const Context& context)
+StationSurface::StationSurface(std::vector<Eigen::Vector3d> points, const std::optional<Eigen::Vector3d>& place,
+                               const Context& context)
     : tree_(std::make_unique<Tree>()), signed_(place.has_value()) {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   elements_.resize(points.size());
@@ -63,9 +63,9 @@ Surface::Surface(std::vector<Eigen::Vector3d> points, const std::optional<Eigen:
   });
 }
 
-Surface::~Surface() = default;
+StationSurface::~StationSurface() = default;
 
-void Surface::fit(std::size_t index, const std::optional<Eigen::Vector3d>& place) {
+void StationSurface::fit(std::size_t index, const std::optional<Eigen::Vector3d>& place) {
   Element& element = elements_[index];
   pcl::Indices indices;
   std::vector<float> distances2;
@@ -99,11 +99,11 @@ void Surface::fit(std::size_t index, const std::optional<Eigen::Vector3d>& place
   element.border = aside.norm() > kBorder * distance;
 }
 
-void Surface::flip() {
+void StationSurface::flip() {
   for (Element& element : elements_) element.normal = -element.normal;
 }
 
-Surface::Nearest Surface::nearest(const Eigen::Vector3d& point, double within_m) const {
+StationSurface::Nearest StationSurface::nearest(const Eigen::Vector3d& point, double within_m) const {
   thread_local pcl::Indices indices;
   thread_local std::vector<float> distances2;
   // Bounded: a search without a limit visits most of the tree when the point is far away.

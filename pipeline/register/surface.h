@@ -19,13 +19,14 @@ namespace sparsha::pipeline {
 
 /// Points of one thinning. A point whose neighbourhood is no surface (an outlier, a line) has the normal 0 and is not
 /// compared. Normals have no sign unless `place` of the scanner is known: then they face it.
-class Surface {
+class StationSurface {
  public:
   /// `points` in metres. Throws Cancelled.
-  Surface(std::vector<Eigen::Vector3d> points, const std::optional<Eigen::Vector3d>& place, const Context& context);
-  ~Surface();
-  Surface(const Surface&) = delete;
-  Surface& operator=(const Surface&) = delete;
+  StationSurface(std::vector<Eigen::Vector3d> points, const std::optional<Eigen::Vector3d>& place,
+                 const Context& context);
+  ~StationSurface();
+  StationSurface(const StationSurface&) = delete;
+  StationSurface& operator=(const StationSurface&) = delete;
 
   struct Element {
     Eigen::Vector3d point;                             ///< as thinned
