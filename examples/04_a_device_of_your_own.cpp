@@ -6,7 +6,6 @@
 
 #include "haptics/device/device.h"
 #include "haptics/servo/servo.h"
-
 using namespace sparsha::haptics;
 
 class FallingMass final : public Device {
@@ -56,6 +55,6 @@ int main() {
   const double z_m = state.read().device_m[2];
   servo.stop();
   std::printf("the mass rests %.2f mm deep; m g / k is %.2f mm at 800 N/m\n", -1e3 * z_m, 1e3 * 0.1 * 9.81 / 800.0);
-  // Where the machine pauses, the wall is softened or taken away. Without a plate the mass would fall a metre.
+  // Where the machine pauses, the wall gives way a little; without it the mass falls a metre.
   return (z_m > -0.05 && z_m < 0.01) || servo.silences() > 0 ? 0 : 1;
 }
