@@ -126,7 +126,7 @@ def types_defined_twice(files):
 
 
 def main():
-    files = subprocess.run(["git", "ls-files", "*.h", "*.cpp"], capture_output=True, text=True, check=True).stdout.split()
+    files = subprocess.run(["git", "ls-files", "*.h", "*.cpp", "*.hpp"], capture_output=True, text=True, check=True).stdout.split()
     found = [p for path in files if path.split("/")[0] in ROOMS for p in problems(path)]
     found += types_defined_twice([path for path in files if path.split("/")[0] in ROOMS])
     print("\n".join(found) if found else f"{len(files)} files keep the rules")
