@@ -4,7 +4,7 @@ set -euo pipefail
 build=$1
 budget=$2
 base=$(git rev-list -1 --before='1 day ago' HEAD || true)
-sources() { grep -E '^(base|scene|pipeline|haptics|audio|viewer|app)/.*\.cpp$' || true; }
+sources() { grep -E '^(base|scene|pipeline|haptics|sparsha|audio|viewer|app)/.*\.cpp$' || true; }
 changed=$(if [ -n "$base" ]; then git diff --name-only --diff-filter=AMR "$base" HEAD; else git ls-files; fi | sources)
 day=$(($(date +%s) / 86400))
 tenth=$(git ls-files | sources | awk -v day="$day" 'NR % 10 == day % 10')
