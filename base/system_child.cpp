@@ -193,7 +193,10 @@ void write_all(int out, const void* data, std::size_t size) {
   const auto allow_time = [&] {
     struct rusage used {};
     ::getrusage(RUSAGE_SELF, &used);
-    limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + limits.seconds + 1);
+    // Both at once: their whole seconds alone may be almost two less than their sum.
+    const auto microseconds = used.ru_utime.tv_usec + used.ru_stime.tv_usec;
+    const auto whole = used.ru_utime.tv_sec + used.ru_stime.tv_sec + microseconds / 1'000'000;
+    limit(RLIMIT_CPU, static_cast<rlim_t>(whole) + limits.seconds + 1);
   };
   std::uint32_t end = kReturned;
   try {
