@@ -87,8 +87,8 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcep
   if (stiffness_n_per_m_ < 0.0 || !in_contact_) {
     stiffness_n_per_m_ = target;
     wished_s_ = kWishS;
-  } else if (wished_s_ < kWishS) {
-    // By the wish: a smooth step, so that it is no kick.
+  } else if (wished_s_ < kWishS && stiffness_n_per_m_ <= borne_share_ * limit) {
+    // By the wish: a smooth step, so that it is no kick. What the loop does not bear goes at once, below.
     const double left = 1.0 - smooth_step(wished_s_ / kWishS);
     wished_s_ = std::min(kWishS, wished_s_ + nominal_period_s);
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWishS)) / left);

@@ -32,7 +32,7 @@ struct State {
   double time_s = 0.0;                        ///< since the servo started, of this sample
   std::array<double, 3> hip_m{};              ///< haptic interaction point X_h
   std::array<double, 3> proxy_m{};            ///< X_p
-  std::array<double, 3> place_m{};            ///< touched_place() in the frame of the scene\'s parts and sounds
+  std::array<double, 3> place_m{};            ///< touched_place() in the frame of the scene's parts and sounds
   std::array<double, 3> normal{};             ///< unit surface normal at the proxy, grid frame; 0 when free
   std::array<double, 3> force_n{};            ///< the renderer's force k * scale * (X_p - X_h), before the governor
   std::array<double, 3> commanded_force_n{};  ///< what the device was told
@@ -80,7 +80,7 @@ struct ContactEvent {
   Kind kind = Kind::touch;
   double time_s = 0.0;                ///< servo time
   std::array<double, 3> proxy_m{};    ///< grid frame
-  std::array<double, 3> place_m{};    ///< touched_place() in the frame of the scene\'s parts and sounds
+  std::array<double, 3> place_m{};    ///< touched_place() in the frame of the scene's parts and sounds
   double normal_speed_m_per_s = 0.0;  ///< of the hand towards the surface, device frame, low-passed
   double peak_force_n = 0.0;          ///< predicted peak v_n * sqrt(k m), newtons
   std::uint64_t level = 0;
