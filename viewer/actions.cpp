@@ -8,8 +8,8 @@ namespace sparsha::viewer {
 namespace {
 
 constexpr std::array kActions{
-    ActionInfo{Action::zoom_out, Group::touch, "-", "Zoom out", "a wider window, one level coarser", true, true},
-    ActionInfo{Action::zoom_in, Group::touch, "+", "Zoom in", "a smaller window, one level finer", true, true},
+    ActionInfo{Action::zoom_out, Group::touch, "-", "Zoom out", "a wider window, or one level coarser", true, true},
+    ActionInfo{Action::zoom_in, Group::touch, "+", "Zoom in", "one level finer, or nearer to the stone", true, true},
     ActionInfo{Action::pan_left, Group::touch, "\xE2\x86\x90", "Left", "move the window left", false, true},
     ActionInfo{Action::pan_right, Group::touch, "\xE2\x86\x92", "Right", "move the window right", false, true},
     ActionInfo{Action::pan_up, Group::touch, "\xE2\x86\x91", "Up", "move the window up", false, true},

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "base/text.h"
@@ -11,6 +12,16 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr double kSilenceS = 1.0;  // the same thing is said again only after so long an absence
+
+/// Words for a view that shows the stone at its own size or larger; none for smaller ones.
+std::string magnification_text(double scale) {
+  constexpr double kOwnSize = 0.05;  // a few nodes cannot be exactly 1:1
+  if (scale < 1.0 - kOwnSize) return {};
+  if (scale < 1.0 + kOwnSize) return ", at its own size";
+  const double whole = std::round(scale);
+  if (std::abs(scale - whole) < kOwnSize * whole) return fmt::format(", {:.0f} times its size", whole);
+  return fmt::format(", {:.1f} times its size", scale);
+}
 
 }  // namespace
 
@@ -47,9 +58,10 @@ void Announcer::watch(const State& state) {
   unknown_ = unknown;
 }
 
-void Announcer::say_level(int level, double width_m) {
+void Announcer::say_level(int level, double width_m, double scale) {
   const std::size_t count = scene_->description().levels.size();
-  say(fmt::format("Level {} of {}, {} across", level + 1, count, length_text(width_m, TextStyle::spoken)));
+  say(fmt::format("Level {} of {}, {} across{}", level + 1, count, length_text(width_m, TextStyle::spoken),
+                  magnification_text(scale)));
 }
 
 void Announcer::describe(const State& state, double width_m) {

@@ -18,8 +18,9 @@ class Announcer {
   void set_scene(pipeline::ScenePointer scene);
   /// Compares with what was said last: parts, unknown areas, edges of the scene.
   void watch(const State& state);
-  /// "Level 2 of 4, 12 by 12 centimetres."
-  void say_level(int level, double width_m);
+  /// "Level 2 of 4, 12 centimetres across"; nearer views add how many times the stone's size is felt.
+  /// `scale`: device metres per grid metre.
+  void say_level(int level, double width_m, double scale);
   /// Where the hand is, at length.
   void describe(const State& state, double width_m);
   void say(std::string text, Announcement::Priority priority = Announcement::Priority::information);

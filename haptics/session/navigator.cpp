@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace sparsha::haptics {
 namespace {
@@ -31,15 +32,15 @@ const pipeline::Lattice& Navigator::level(int index) const {
   return scene_->description().levels.at(static_cast<std::size_t>(index));
 }
 
-WindowPlan Navigator::plan_at(int index, const Eigen::Vector2d& centre_m) const {
-  WindowPlan plan = plan_window(scene_->description(), index, centre_m, workspace_width_m_);
+WindowPlan Navigator::plan_at(const ZoomStep& step, const Eigen::Vector2d& centre_m) const {
+  WindowPlan plan = plan_window(scene_->description(), step, centre_m, workspace_width_m_);
   plan.effects = effects_;
   return plan;
 }
 
 WindowPlan Navigator::first_plan() const {
-  const int overview = overview_level(scene_->description());
-  return plan_at(overview, middle_of(level(overview)));
+  const ZoomStep overview = zoom_steps(scene_->description(), workspace_width_m_).front();
+  return plan_at(overview, middle_of(level(overview.level)));
 }
 
 WindowLoader::Job Navigator::job(const WindowPlan& plan) const {
@@ -50,22 +51,27 @@ WindowLoader::Job Navigator::job(const WindowPlan& plan) const {
   return result;
 }
 
-std::optional<WindowLoader::Job> Navigator::zoom(int step, const State& state) {
-  const int next = plan_.level + step;
-  if (next < 0) {
-    announcer_.say("Finest level");
+std::optional<WindowLoader::Job> Navigator::zoom(Zoom direction, const State& state) {
+  const std::vector<ZoomStep> steps = zoom_steps(scene_->description(), workspace_width_m_);
+  const auto here = std::find_if(steps.begin(), steps.end(), [this](const ZoomStep& step) {
+    return step.level == plan_.level && step.nodes == plan_.nodes;
+  });
+  if (here == steps.end()) return std::nullopt;
+  if (direction == Zoom::in && here + 1 == steps.end()) {
+    announcer_.say("Closest view");
     return std::nullopt;
   }
-  if (next > overview_level(scene_->description())) {
+  if (direction == Zoom::out && here == steps.begin()) {
     announcer_.say("Whole scene");
     return std::nullopt;
   }
+  const ZoomStep& next = direction == Zoom::in ? *(here + 1) : *(here - 1);
   // Where the centre will be when the point under the proxy stays under the hand.
   const Eigen::Vector2d point = across(state.proxy_m);
   const Eigen::Vector2d device = (point - across(state.centre_m)) * state.scale;
   const double scale = plan_at(next, point).scale;
   const WindowPlan plan = plan_at(next, point - device / scale);
-  announcer_.say_level(next, workspace_width_m_ / plan.scale);
+  announcer_.say_level(next.level, workspace_width_m_ / plan.scale, plan.scale);
   return job(plan);
 }
 
@@ -73,7 +79,7 @@ WindowLoader::Job Navigator::move(Eigen::Vector2d centre_m) const {
   const pipeline::Lattice& lattice = level(plan_.level);
   centre_m.x() = std::clamp(centre_m.x(), lattice.x_m(0), lattice.x_m(lattice.nx - 1));
   centre_m.y() = std::clamp(centre_m.y(), lattice.y_m(0), lattice.y_m(lattice.ny - 1));
-  WindowLoader::Job result = job(plan_at(plan_.level, centre_m));
+  WindowLoader::Job result = job(plan_at({plan_.level, plan_.nodes}, centre_m));
   result.command.move = true;
   result.command.centre_m = centre_m;
   return result;
@@ -84,9 +90,9 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
   const auto finite = [&] { return std::isfinite(request.x) && std::isfinite(request.y); };
   switch (request.kind) {
     case Request::Kind::zoom_in:
-      return zoom(-1, state);
+      return zoom(Zoom::in, state);
     case Request::Kind::zoom_out:
-      return zoom(+1, state);
+      return zoom(Zoom::out, state);
     case Request::Kind::pan:
       if (!finite()) return std::nullopt;
       return move(centre_m + Eigen::Vector2d(request.x, request.y) * width_m());
@@ -128,7 +134,7 @@ std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {
   };
   if (!near_border(node.x(), plan_.i0, plan_.nx, lattice.nx) && !near_border(node.y(), plan_.j0, plan_.ny, lattice.ny))
     return std::nullopt;
-  const WindowPlan plan = plan_at(plan_.level, across(state.proxy_m));
+  const WindowPlan plan = plan_at({plan_.level, plan_.nodes}, across(state.proxy_m));
   if (plan.i0 == plan_.i0 && plan.j0 == plan_.j0) return std::nullopt;
   return job(plan);
 }

@@ -38,12 +38,13 @@ class Navigator {
   [[nodiscard]] std::optional<Command> scroll(const State& state);
 
  private:
+  enum class Zoom { in, out };
   [[nodiscard]] const pipeline::Lattice& level(int index) const;
   [[nodiscard]] WindowLoader::Job job(const WindowPlan& plan) const;
-  [[nodiscard]] std::optional<WindowLoader::Job> zoom(int step, const State& state);
+  [[nodiscard]] std::optional<WindowLoader::Job> zoom(Zoom direction, const State& state);
   [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m) const;
   void say_direction(const Eigen::Vector3d& velocity);
-  [[nodiscard]] WindowPlan plan_at(int level, const Eigen::Vector2d& centre_m) const;
+  [[nodiscard]] WindowPlan plan_at(const ZoomStep& step, const Eigen::Vector2d& centre_m) const;
 
   pipeline::ScenePointer scene_;
   double workspace_width_m_;

@@ -232,7 +232,7 @@ void Session::start() {
     self.servo = std::make_unique<Servo>(*self.device, options, std::move(self.first_window), self.state,
                                          self.consumers, &self.recorder);
   }
-  self.announcer.say_level(self.navigator.plan().level, self.navigator.width_m());
+  self.announcer.say_level(self.navigator.plan().level, self.navigator.width_m(), self.navigator.plan().scale);
   self.recorder.start();
   if (self.servo) self.servo->start();
   if (self.replay) self.replay->start();

@@ -14,6 +14,10 @@ namespace {
 
 using pipeline::Lattice;
 
+constexpr double kNearestScale = 8.0;      // device metres per grid metre
+constexpr double kFarthestNodesM = 0.004;  // between nodes, device frame: beyond, a window shows its cells and no stone
+constexpr double kWorthAStep = 1.2;        // times nearer
+
 /// First node of a run of `window` nodes around `centre`, or all `n` nodes when they fit.
 std::pair<int, int> run_around(double centre_nodes, int n, int window) {
   if (n <= window) return {0, n};
@@ -35,12 +39,34 @@ Eigen::Vector2d middle_of(const Lattice& lattice) {
           lattice.origin_m.y() + 0.5 * (lattice.ny - 1) * lattice.spacing_m};
 }
 
+std::vector<ZoomStep> zoom_steps(const pipeline::SceneDescription& scene, double workspace_width_m) {
+  const int window = pipeline::window_nodes(scene.config.levels.window);
+  std::vector<ZoomStep> steps;
+  for (int level = overview_level(scene); level >= 0; --level) steps.push_back({level, window});
+  const Lattice& finest = scene.levels.front();
+  const double nearest = std::min(kNearestScale, kFarthestNodesM / finest.spacing_m);
+  double scale = pipeline::level_scale(window, finest, workspace_width_m);
+  for (double next = std::exp2(std::ceil(std::log2(kWorthAStep * scale))); scale * kWorthAStep < nearest; next *= 2.0) {
+    scale = next * kWorthAStep < nearest ? next : nearest;
+    const double cells = workspace_width_m / (scale * finest.spacing_m);
+    steps.push_back({0, pipeline::window_nodes(1 + static_cast<int>(std::lround(cells)))});
+  }
+  return steps;
+}
+
 WindowPlan plan_window(const pipeline::SceneDescription& scene, int level, const Eigen::Vector2d& centre_m,
                        double workspace_width_m) {
-  const Lattice& lattice = scene.levels.at(static_cast<std::size_t>(level));
-  const int window = pipeline::window_nodes(scene.config.levels.window);
+  return plan_window(scene, ZoomStep{level, pipeline::window_nodes(scene.config.levels.window)}, centre_m,
+                     workspace_width_m);
+}
+
+WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& step, const Eigen::Vector2d& centre_m,
+                       double workspace_width_m) {
+  const Lattice& lattice = scene.levels.at(static_cast<std::size_t>(step.level));
+  const int window = step.nodes;
   WindowPlan plan;
-  plan.level = level;
+  plan.level = step.level;
+  plan.nodes = step.nodes;
   const Eigen::Vector2d nodes = (centre_m - lattice.origin_m.head<2>()) / lattice.spacing_m;
   std::tie(plan.i0, plan.nx) = run_around(nodes.x(), lattice.nx, window);
   std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "haptics/servo/command.h"
 #include "scene/scene.h"
@@ -13,6 +14,7 @@ namespace sparsha::haptics {
 struct WindowPlan {
   int level = 0;
   int i0 = 0, j0 = 0, nx = 0, ny = 0;
+  int nodes = 0;       ///< per side that the zoom step asks for; the level may have fewer
   double scale = 1.0;  ///< device metres per grid metre
   Effects effects;
   double tip_radius_m = 0.0;  ///< of the ball that touches, device frame; 0: a point
@@ -21,9 +23,23 @@ struct WindowPlan {
 /// The finest level that fits whole into a window of the configured size; the coarsest when none does.
 [[nodiscard]] int overview_level(const pipeline::SceneDescription& scene);
 
-/// The window of a level around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
-/// the level is the same computation), else levels.window nodes per side. Scale = workspace width / window width. The
+/// How much of the scene lies under the hand: so many nodes per side of a level.
+struct ZoomStep {
+  int level = 0;
+  int nodes = 0;
+};
+
+/// From the whole scene to the nearest view: `levels.window` nodes of every level from overview_level() to level 0,
+/// then ever fewer nodes of level 0, each step twice as near at a whole power of two (1:1, 2:1, ...), to 8 times the
+/// stone's size or to nodes 4 mm apart under the hand, whichever comes first.
+[[nodiscard]] std::vector<ZoomStep> zoom_steps(const pipeline::SceneDescription& scene, double workspace_width_m);
+
+/// The window of a step around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
+/// the level is the same computation), else the step's nodes per side. Scale = workspace width / window width. The
 /// fingertip is the configuration's.
+[[nodiscard]] WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& step,
+                                     const Eigen::Vector2d& centre_m, double workspace_width_m);
+/// The same with levels.window nodes per side.
 [[nodiscard]] WindowPlan plan_window(const pipeline::SceneDescription& scene, int level,
                                      const Eigen::Vector2d& centre_m, double workspace_width_m);
 

@@ -65,6 +65,60 @@ TEST(Window, AWindowIsCentredOnThePointAndMayReachBeyondTheLevel) {
   EXPECT_LT(plan_window(description, 0, {10.0, 20.0}, 0.1).i0, -90);
 }
 
+TEST(Window, ZoomingGoesOnBeyondTheFinestLevelByWholePowersOfTwoUpToItsLimits) {
+  constexpr double kWidthM = 0.1;
+  for (const double spacing_m : {0.00002, 0.0001, 0.0009, 0.001, 0.0037, 0.02}) {
+    for (const int window : {200, 60}) {
+      auto description = description_of(1600, 1200, 4, window);
+      for (pipeline::Lattice& level : description.levels) level.spacing_m *= spacing_m / 0.001;
+      const std::vector<ZoomStep> steps = zoom_steps(description, kWidthM);
+      ASSERT_GE(steps.size(), 1U);
+      EXPECT_EQ(steps.front().level, overview_level(description));
+      double before = 0.0;
+      int near = 0;
+      const double full = kWidthM / ((window - 1) * spacing_m);
+      for (const ZoomStep& step : steps) {
+        const WindowPlan plan = plan_window(description, step, middle_of(description.levels.front()), kWidthM);
+        EXPECT_GT(plan.scale, 1.15 * before) << spacing_m;
+        before = plan.scale;
+        if (step.level > 0 || step.nodes == window) continue;
+        ++near;
+        const double power = std::log2(plan.scale);
+        const bool last = near == static_cast<int>(steps.size()) - 1 - overview_level(description);
+        if (!last) {
+          EXPECT_NEAR(power, std::round(power), 0.06) << spacing_m << ", " << plan.scale;
+        }
+        EXPECT_LE(plan.scale, 8.0 * 1.03) << spacing_m;
+        EXPECT_LE(plan.scale * spacing_m, 0.004 * 1.03) << spacing_m;
+      }
+      // The nearest view is at one of the limits, within a step that is not worth taking.
+      const double limit = std::min(8.0, 0.004 / spacing_m);
+      EXPECT_GE(before, std::max(limit / 1.25, full * 0.99)) << spacing_m;
+      EXPECT_LE(before, std::max(limit * 1.03, full * 1.01)) << spacing_m;
+    }
+  }
+}
+
+TEST(Window, ANearWindowHoldsTheSameStoneInFewerNodes) {
+  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);
+  const std::vector<ZoomStep> steps = zoom_steps(scene->description(), 0.1);
+  ASSERT_GE(steps.size(), 3U);
+  const Eigen::Vector2d centre_m = middle_of(scene->description().levels.front()) + Eigen::Vector2d(0.003, -0.002);
+  const HapticWindow wide = load_window(*scene, plan_window(scene->description(), 0, centre_m, 0.1), 1);
+  const HapticWindow near = load_window(*scene, plan_window(scene->description(), steps.back(), centre_m, 0.1), 2);
+  EXPECT_LE(near.surface->lattice.nx, wide.surface->lattice.nx / 2 + 1);
+  EXPECT_NEAR(near.surface->width_m() * near.surface->scale, 0.1, 1e-12);
+  // The fingertip is smaller on the stone, and a point where it is off.
+  auto sharp = plan_window(scene->description(), steps.back(), centre_m, 0.1);
+  sharp.tip_radius_m = 0.0;
+  const HapticWindow point = load_window(*scene, sharp, 3);
+  const pipeline::Lattice& lattice = point.surface->lattice;
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i)
+      EXPECT_NEAR(point.surface->height_m[lattice.index(i, j)] + lattice.origin_m.z(),
+                  sparsha::test::hills_m(lattice.x_m(i), lattice.y_m(j)), 1e-6);
+}
+
 TEST(WindowLoader, LoadsInOrderOffTheCallersThread) {
   const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);
   WindowLoader loader;
