@@ -32,6 +32,8 @@ endif()
 if(SPARSHA_SANITIZE)
   target_compile_options(sparsha_options INTERFACE
     -fsanitize=${SPARSHA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # Eigen allocates in another way under AddressSanitizer; memory that PCL's library frees must come from malloc.
+  target_compile_definitions(sparsha_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_link_options(sparsha_options INTERFACE -fsanitize=${SPARSHA_SANITIZE})
 endif()
 find_package(Threads REQUIRED)
