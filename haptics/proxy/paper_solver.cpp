@@ -1,6 +1,6 @@
 // The source paper's proxy (Aniyath et al. 2014, eq. 1 to 6): the tangential part of the way to the hand, taken in
-// steps of rho, each followed by a projection along the normal; friction scales the step by 1 - mu_d cot(beta). It
-// chatters at patch creases; the exact solver does not.
+// steps of rho, each followed by a projection along the normal; friction scales the step by 1 - mu_d cot(beta) once
+// tan(beta) has exceeded mu_s. It chatters at patch creases; the exact solver does not.
 #include <algorithm>
 #include <cmath>
 
@@ -46,20 +46,27 @@ CellPoint project_along(const BilinearSurface& surface, const CellVector& q, con
 
 /// One iteration; false when it did not move or the hand leaves the surface.
 bool step(const BilinearSurface& surface, const CellVector& hip, const SolverOptions& options, CellPoint& p,
-          bool& contact) noexcept {
+          bool& contact, SolverState& course) noexcept {
   const Normal n = unit_normal(surface.patch(p.i, p.j), p);
   const CellVector v = hip - p;
   const double along = n.x * v.x + n.y * v.y + n.z * v.z;
   if (along > 0.0) {
     contact = false;
+    course.sticking = false;
     return false;
   }
   const CellVector tangential{v.x - along * n.x, v.y - along * n.y, v.z - along * n.z};
   const double length =
       std::sqrt(tangential.x * tangential.x + tangential.y * tangential.y + tangential.z * tangential.z);
   double factor = 1.0;
-  if (surface.has_friction() && length > 0.0)
-    factor = std::clamp(1.0 - surface.mu_dynamic(p.i, p.j, p.s, p.t) * -along / length, 0.0, 1.0);
+  if (surface.has_friction() && length > 0.0) {
+    const double mu_d = surface.mu_dynamic(p.i, p.j, p.s, p.t);
+    if (course.sticking && length <= surface.mu_static(p.i, p.j, p.s, p.t) * -along) return false;
+    course.sticking = course.may_stick_again && length < kStickAgain * mu_d * -along;
+    course.may_stick_again = false;
+    if (course.sticking) return false;
+    factor = std::clamp(1.0 - mu_d * -along / length, 0.0, 1.0);
+  }
   const double rho = options.paper_rho * factor;
   if (rho * length <= options.tolerance_cells) return false;
   const CellVector q{p.i + p.s + rho * tangential.x, p.j + p.t + rho * tangential.y, p.z + rho * tangential.z};
@@ -81,7 +88,9 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
   }
   const double floor = cells.patch(p.i, p.j).height(p.s, p.t);
   if (state.contact || p.z < floor) p.z = floor, state.contact = true;
-  state.sticking = false;
+  SolverState course;
+  course.sticking = cells.has_friction() && state.contact && state.sticking;
+  course.may_stick_again = cells.has_friction() && state.contact && !state.sticking;
 
   int segments = 0;
   bool at_hand = false;
@@ -90,7 +99,7 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
   for (int k = 0; k < options.paper_iterations && !at_hand && !settled; ++k) {
     if (state.contact) {
       ++segments;
-      const bool moved = step(cells, hand, options, p, state.contact);
+      const bool moved = step(cells, hand, options, p, state.contact, course);
       settled = !moved && state.contact;
       leaving = !state.contact;
       if (state.contact) continue;
@@ -98,9 +107,11 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
     const MarchEnd end = march_to_hand(cells, hand, p, leaving, segments, options.segment_limit);
     leaving = false;
     state.contact = end == MarchEnd::surface;
+    course.sticking = cells.has_friction() && state.contact;
     at_hand = end == MarchEnd::hand;
     if (end == MarchEnd::limit) break;
   }
+  state.sticking = course.sticking;
   ProxyUpdate update = report(surface, cells, hip, p, at_hand, {}, state);
   update.segments = segments;
   update.unfinished = !at_hand && !settled && options.paper_iterations > 1;

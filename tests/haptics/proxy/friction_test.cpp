@@ -1,7 +1,10 @@
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -83,6 +86,79 @@ TEST(FrictionAtContact, YieldsAboveMuStaticAndSticksAgainBelowNineTenthsOfMuDyna
   update = at(slid + 0.59 * depth);
   EXPECT_TRUE(update.sticking);
   EXPECT_EQ(update.position.x(), slid);
+}
+
+TEST(FrictionAtContact, OfThePapersSolverYieldsAtMuStaticAndSlidesWithMuDynamic) {
+  const Incline plane(0.01, 0.0, 0.0, 0.8, 0.3);
+  const double depth = 0.01;
+  const auto hand = [&](double x) { return Vector3d(x, 0.3, -depth); };
+  SolverOptions options;
+  options.paper_iterations = 2000;
+  ProxyState state = start_proxy(plane.surface, hand(0.2));
+  const auto at = [&](double x) { return update_paper(plane.surface, hand(x), state, options); };
+  EXPECT_TRUE(at(0.2).sticking);
+  // The hand goes on slowly: nothing gives before 0.8 of the press.
+  ProxyUpdate update;
+  double x = 0.2;
+  for (; x < 0.2 + 0.7999 * depth; x += 0.01 * depth) {
+    update = at(x);
+    ASSERT_TRUE(update.sticking) << x;
+    ASSERT_EQ(update.position.x(), 0.2);
+  }
+  update = at(0.2 + 0.8001 * depth);
+  EXPECT_FALSE(update.sticking);
+  EXPECT_NEAR(update.position.x(), 0.2 + (0.8001 - 0.3) * depth, 1e-6 * depth);
+  // It slides on with 0.3, and needs 0.8 again only once it was held by clearly less.
+  update = at(0.2 + 1.2 * depth);
+  EXPECT_NEAR(update.position.x(), 0.2 + 0.9 * depth, 1e-6 * depth);
+  const double slid = update.position.x();
+  EXPECT_TRUE(at(slid + 0.2699 * depth).sticking);
+  update = at(slid + 0.79 * depth);
+  EXPECT_TRUE(update.sticking);
+  EXPECT_EQ(update.position.x(), slid);
+}
+
+TEST(FrictionAtContact, ABlockOnASpringSticksAndSlipsWithThePeriodOfTheClosedForm) {
+  // A block of mass m is dragged over a plane by a spring k whose end goes at v: the hand is the block, the proxy is
+  // where friction holds it. While it sticks the spring loads by k v t; at mu_s N it slips as an oscillator about
+  // mu_d N: x(t) = -(d/k) cos(w t) + ..., d = (mu_s - mu_d) N, until it is at rest on the ground again. The tick is
+  // fine, so that the period is the law's and not the clock's.
+  const Incline plane(0.01, 0.0, 0.0, 0.8, 0.4);
+  const double press_m = 0.0001;           // of the hand into the plane
+  const double contact_n_per_m = 80000.0;  // stiff against the spring: the ground hardly gives
+  const double normal_n = contact_n_per_m * press_m;
+  const double spring_n_per_m = 400.0;
+  const double mass_kg = 0.5;
+  const double pull_m_per_s = 0.05;
+  const double dt = 2e-6;
+  double x = 0.2;
+  double speed = 0.0;
+  double drawn = x;
+  ProxyState state = start_proxy(plane.surface, {x, 0.3, -press_m});
+  std::vector<double> slips;
+  bool stuck = true;
+  for (int k = 0; k < 2'000'000 && slips.size() < 7; ++k) {
+    drawn += pull_m_per_s * dt;
+    const Vector3d hand(x, 0.3, -press_m);
+    const ProxyUpdate update = update_exact(plane.surface, hand, state, {});
+    const double force = contact_n_per_m * (update.position.x() - x) + spring_n_per_m * (drawn - x);
+    // Contact damping stands for the block's own: it decides how fast the ground's spring settles, not the period.
+    const double damping = update.sticking ? 2.0 * std::sqrt(contact_n_per_m * mass_kg) : 0.0;
+    speed += dt * (force - damping * speed) / mass_kg;
+    x += dt * speed;
+    if (stuck && !update.sticking) slips.push_back(k * dt);
+    stuck = update.sticking;
+  }
+  ASSERT_EQ(slips.size(), 7U);
+  const double mean = (slips.back() - slips[2]) / 4.0;
+  // While it slips: u = spring stretch - mu_d N / k starts at d / k with rate v, swings at w and sticks when the block
+  // has the plane's speed again; then the spring loads from there at v.
+  const double w = std::sqrt(spring_n_per_m / mass_kg);
+  const double d = (0.8 - 0.4) * normal_n / spring_n_per_m;
+  const double slipping = (2.0 * std::numbers::pi - 2.0 * std::atan2(d * w, pull_m_per_s)) / w;
+  const double sticking = 2.0 * d / pull_m_per_s;
+  std::printf("  stick-slip period %.4f s, closed form %.4f s\n", mean, slipping + sticking);
+  EXPECT_NEAR(mean, slipping + sticking, 0.05 * (slipping + sticking));
 }
 
 TEST(FrictionAtContact, SlipHoldsTheConeAndOpposesTheMotionOnCurvedSurfaces) {
