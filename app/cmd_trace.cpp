@@ -36,6 +36,7 @@ struct Arguments {
   int iterations = 100;
   bool live = false;
   double tip_radius_mm = 0.0;
+  std::string creases = "sharp";
 };
 
 std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scene& scene, const Arguments& arguments) {
@@ -116,6 +117,7 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   haptics::SolverOptions options;
   options.paper_rho = arguments.rho;
   options.paper_iterations = arguments.iterations;
+  if (arguments.creases == "rounded") options.shape = haptics::CellShape::rounded;
   const haptics::TraceResult result = arguments.live
                                           ? trace_recording(*scene, haptics::Recording(arguments.hip), haptics, options)
                                           : trace_path(*scene, arguments, haptics, options);
@@ -152,9 +154,14 @@ void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_option("--tip-radius-mm", arguments->tip_radius_mm, "touch with a ball, device frame; default: a point")
       ->check(CLI::Range(0.0, 2.0));
   command
+      ->add_option("--creases", arguments->creases,
+                   "of the bilinear surface; sharp: the reference, rounded: as a hand feels them")
+      ->check(CLI::IsMember({"sharp", "rounded"}))
+      ->capture_default_str();
+  command
       ->add_flag("--live", arguments->live,
                  "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
-      ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm");
+      ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm", "--creases");
   command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(CLI::Range(0.01, 1.0));
   command->add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
       ->check(CLI::Range(1, 1000000));

@@ -203,10 +203,11 @@ std::string to_yaml(const Config& config) {
   }
   const HapticsConfig& haptics = config.haptics;
   text += fmt::format(
-      "haptics: {{stiffness_n_per_m: {}, solver: {}, surface: {}, rate_hz: {}, resolution_mm: {}, "
+      "haptics: {{stiffness_n_per_m: {}, solver: {}, surface: {}, creases: {}, rate_hz: {}, resolution_mm: {}, "
       "tip_radius_mm: {}}}\n",
       number(haptics.stiffness_n_per_m), haptics.solver == HapticsConfig::Solver::exact ? "exact" : "paper",
-      haptics.surface == HapticsConfig::Surface::bilinear ? "bilinear" : "c1", number(haptics.rate_hz),
+      haptics.surface == HapticsConfig::Surface::bilinear ? "bilinear" : "c1",
+      haptics.creases == HapticsConfig::Creases::sharp ? "sharp" : "rounded", number(haptics.rate_hz),
       millimetres(haptics.resolution_m), millimetres(haptics.tip_radius_m));
   if (!config.parts.empty()) text += "parts:\n";
   for (const PartConfig& part : config.parts) {

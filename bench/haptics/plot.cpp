@@ -35,7 +35,8 @@ bool write_plot(const std::filesystem::path& file, const std::vector<PlotPoint>&
   const Axis x = decades(&PlotPoint::ns, kMargin, kWidth - 20.0);
   const Axis y = decades(&PlotPoint::error, kHeight - kMargin, 20.0);
   // Colour-blind-safe (Okabe & Ito), and a shape for each method.
-  const std::map<std::string, std::string> colours = {{"exact", "#0072B2"}, {"c1", "#009E73"}, {"paper", "#D55E00"}};
+  const std::map<std::string, std::string> colours = {
+      {"exact", "#0072B2"}, {"rounded", "#CC79A7"}, {"c1", "#009E73"}, {"paper", "#D55E00"}};
   std::ofstream svg(file);
   svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << kWidth << ' ' << kHeight
       << "\" font-family=\"sans-serif\" font-size=\"14\" role=\"img\">\n<title>Time of a proxy update against the "

@@ -29,7 +29,7 @@ using haptics::SolverOptions;
 using Clock = std::chrono::steady_clock;
 
 struct Method {
-  std::string name;  ///< exact | c1 | paper
+  std::string name;  ///< exact | rounded | c1 | paper
   SolverOptions options;
 };
 
@@ -104,7 +104,7 @@ void measure_error(const HapticScene& scene, const Method& method, Figures& figu
     if (found.unfinished) ++figures.unfinished;
     if (!found.contact) continue;
     if (scene.truth.empty())
-      errors.push_back(rest_residual(scene.surface, found, scene.hands[tick], method.options.c1_surface).excess_cells);
+      errors.push_back(rest_residual(scene.surface, found, scene.hands[tick], method.options.shape).excess_cells);
     else
       errors.push_back((found.position - scene.truth[tick]).norm() / (scene.truth[tick] - scene.hands[tick]).norm());
     figures.error_mean += errors.back();
@@ -160,10 +160,10 @@ Method exact(double tolerance = 1e-9) {
   method.options.tolerance_cells = tolerance;
   return method;
 }
-Method c1(double tolerance = 1e-9) {
-  Method method{"c1", {}};
+Method smooth(haptics::CellShape shape, double tolerance = 1e-9) {
+  Method method{shape == haptics::CellShape::c1 ? "c1" : "rounded", {}};
   method.options.tolerance_cells = tolerance;
-  method.options.c1_surface = true;
+  method.options.shape = shape;
   return method;
 }
 Method paper(double rho, int iterations) {
@@ -181,19 +181,24 @@ bool run(bool quick, const std::filesystem::path& out) {
   for (const int nodes : {200, 800}) {
     const HapticScene scene = sinusoid_scene(nodes, 0.25, ticks, false);
     for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) table.add(scene, exact(tolerance));
-    for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) table.add(scene, c1(tolerance));
+    for (const auto shape : {haptics::CellShape::rounded, haptics::CellShape::c1})
+      for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) table.add(scene, smooth(shape, tolerance));
     for (const double rho : {0.1, 0.3, 0.5, 0.7, 0.9})
       for (const int iterations : {1, 3, 10, 30, 100})
         if (!quick || (nodes == 200 && rho == 0.5)) table.add(scene, paper(rho, iterations));
   }
   // With friction: how time grows with the cells crossed, and with the surface.
   for (const double cells : {0.05, 0.25, 1.0, 4.0, 16.0}) table.add(sinusoid_scene(200, cells, ticks, true), exact());
-  table.add(sinusoid_scene(200, 0.25, ticks, true), c1());
+  for (const auto shape : {haptics::CellShape::rounded, haptics::CellShape::c1})
+    for (const double cells : {0.25, 1.0, 4.0}) table.add(sinusoid_scene(200, cells, ticks, true), smooth(shape));
   table.add(sinusoid_scene(800, 0.25, ticks, true), exact());
   if (!quick)
     for (const double cells : {0.25, 1.0})
       for (const bool friction : {false, true}) table.add(sinusoid_scene(8192, cells, ticks, friction), exact());
-  for (const double cells : {0.25, 1.0}) table.add(stone_scene(1025, cells, ticks, true, 1), exact());
+  for (const double cells : {0.25, 1.0}) {
+    table.add(stone_scene(1025, cells, ticks, true, 1), exact());
+    table.add(stone_scene(1025, cells, ticks, true, 1), smooth(haptics::CellShape::rounded));
+  }
   return table.good() && write_plot(out / "haptics_speed.svg", table.points()) && write_figures(out) &&
          write_stability(out, quick);
 }

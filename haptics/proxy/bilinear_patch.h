@@ -159,6 +159,12 @@ class BilinearSurface {
     prefetch_rows(i, j);
   }
 
+ protected:
+  [[nodiscard]] const float* heights() const noexcept { return height_; }
+  [[nodiscard]] std::size_t node(int i, int j) const noexcept {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i);
+  }
+
  private:
   SPARSHA_HOT void prefetch_rows(int i, int j) const noexcept {
     for (const int row : {j - 3, j - 2, j - 1, j + 2, j + 3, j + 4}) {
@@ -172,9 +178,6 @@ class BilinearSurface {
   [[nodiscard]] SPARSHA_HOT Patch patch_of(double z00, double z10, double z01, double z11) const noexcept {
     z00 *= cells_per_m_, z10 *= cells_per_m_, z01 *= cells_per_m_, z11 *= cells_per_m_;
     return {z00, z10 - z00, z01 - z00, (z11 - z10) - (z01 - z00)};
-  }
-  [[nodiscard]] std::size_t node(int i, int j) const noexcept {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i);
   }
   [[nodiscard]] SPARSHA_HOT double interpolate(const float* values, int i, int j, double s, double t) const noexcept {
     if (!is_inner(i, j)) return 0.0;

@@ -12,6 +12,7 @@
 #include "haptics/proxy/fast_path.h"
 #include "haptics/proxy/place.h"
 #include "haptics/proxy/ray_march.h"
+#include "haptics/proxy/smooth_path.h"
 #include "haptics/proxy/tangent_cone.h"
 #include "haptics/proxy/touching_cells.h"
 
@@ -67,7 +68,8 @@ class ExactSolver {
         course_.may_stick_again = false;
         continue;
       }
-      if (may_take_fast_path && !landed && rests_on_fast_path(p, from)) return;
+      // Where the proxy has just landed, creases decide whether it leaves again; a smooth surface has none.
+      if (may_take_fast_path && !(landed && Surface::kHasFastPath) && rests_on_fast_path(p, from)) return;
       may_take_fast_path = true;
       from = p;
       const CellVector w = hip_ - p;
@@ -129,7 +131,9 @@ class ExactSolver {
       FastPath<kFriction> path(surface_, hip_, tolerance_, p, patch, inward, course_);
       return path.follow(limit_, place_) == FastPathEnd::rest;
     } else {
-      return false;
+      if (!surface_.is_deep(p.i, p.j)) return false;
+      SmoothPath<kFriction, Surface::kBasis> path(surface_, hip_, tolerance_, p, course_);
+      return path.follow(place_);
     }
   }
 

@@ -50,6 +50,26 @@ SPARSHA_SELDOM ProxyUpdate go_on(const MongeSurface& monge, const Eigen::Vector3
   return finish(monge, surface, hip_m, p, solver, state);
 }
 
+/// The smooth fast path where the state is as the solver left it, in contact away from the border; else the general
+/// solver.
+template <bool kFriction, CubicBasis kBasis>
+ProxyUpdate update_smooth(const MongeSurface& monge, double cells_per_m, const Eigen::Vector3d& hip_m,
+                          ProxyState& state, const SolverOptions& options) noexcept {
+  const BicubicSurface<kBasis> surface(monge, cells_per_m);
+  CellPoint p{state.cell.i, state.cell.j, state.cell.s, state.cell.t, state.cell.z};
+  const CellVector hip = to_cells(surface, hip_m);
+  if (!state.contact || !surface.is_deep(p.i, p.j) || !is_at(surface, p, state.position) || !is_reachable(hip))
+    return solve<kFriction, BicubicSurface<kBasis>>(monge, hip_m, state, options);
+  SolverState course;
+  course.sticking = kFriction && state.sticking;
+  course.may_stick_again = kFriction && !state.sticking;
+  RestPlace place;
+  SmoothPath<kFriction, kBasis> path(surface, hip, options.tolerance_cells, p, course);
+  if (path.follow(place)) return report_rest<kFriction>(monge, surface, p, place, course, state);
+  // From where the tick began: the general steps take its decisions themselves.
+  return solve<kFriction, BicubicSurface<kBasis>>(monge, hip_m, state, options);
+}
+
 /// The fast path where the state is as the solver left it, in contact inside a cell; else the general solver.
 template <bool kFriction>
 SPARSHA_HOT inline ProxyUpdate update_bilinear(const MongeSurface& monge, const BilinearSurface& surface,
@@ -74,6 +94,22 @@ SPARSHA_HOT inline ProxyUpdate update_bilinear(const MongeSurface& monge, const 
 
 }  // namespace
 
+CellShape shape_of(pipeline::HapticsConfig::Surface surface, pipeline::HapticsConfig::Creases creases) noexcept {
+  using Config = pipeline::HapticsConfig;
+  if (surface == Config::Surface::c1) return CellShape::c1;
+  return creases == Config::Creases::rounded ? CellShape::rounded : CellShape::bilinear;
+}
+
+double touched_height(const MongeSurface& surface, double x_m, double y_m, CellShape shape) noexcept {
+  const auto height_on = [&](const auto& cells) {
+    const CellPoint p = locate(cells, to_cells(cells, {x_m, y_m, 0.0}));
+    return cells.patch(p.i, p.j).height(p.s, p.t) * cells.cell_m();
+  };
+  if (shape == CellShape::c1) return height_on(C1Surface(surface));
+  if (shape == CellShape::rounded) return height_on(RoundedSurface(surface));
+  return surface.height(x_m, y_m);
+}
+
 ProxyState start_proxy(const MongeSurface& surface, const Eigen::Vector3d& hip) noexcept {
   ProxyState state;
   const BilinearSurface cells(surface);
@@ -92,11 +128,14 @@ ProxyState start_proxy(const MongeSurface& surface, const Eigen::Vector3d& hip) 
 ProxyUpdate update_exact(const MongeSurface& surface, const Eigen::Vector3d& hip, ProxyState& state,
                          const SolverOptions& options) noexcept {
   const bool friction = !surface.mu_dynamic.empty() && !surface.mu_static.empty();
-  if (options.c1_surface) [[unlikely]]
-    return friction ? solve<true, C1Surface>(surface, hip, state, options)
-                    : solve<false, C1Surface>(surface, hip, state, options);
   const double spacing_m = surface.lattice.spacing_m;
   const double cells_per_m = state.cell.spacing_m == spacing_m ? state.cell.cells_per_m : 1.0 / spacing_m;
+  if (options.shape == CellShape::rounded)
+    return friction ? update_smooth<true, CubicBasis::b_spline>(surface, cells_per_m, hip, state, options)
+                    : update_smooth<false, CubicBasis::b_spline>(surface, cells_per_m, hip, state, options);
+  if (options.shape == CellShape::c1) [[unlikely]]
+    return friction ? update_smooth<true, CubicBasis::catmull_rom>(surface, cells_per_m, hip, state, options)
+                    : update_smooth<false, CubicBasis::catmull_rom>(surface, cells_per_m, hip, state, options);
   const BilinearSurface cells(surface, cells_per_m);
   return friction ? update_bilinear<true>(surface, cells, hip, state, options)
                   : update_bilinear<false>(surface, cells, hip, state, options);

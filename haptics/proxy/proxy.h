@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "haptics/surface/monge_surface.h"
+#include "scene/haptics_config.h"
 
 namespace sparsha::haptics {
 
@@ -44,13 +45,24 @@ struct ProxyUpdate {
   std::uint8_t cell_flags = 0;
 };
 
+/// What lies between the nodes: bilinear cells with creases between them, bicubic patches through the nodes, or the
+/// bilinear surface with its creases rounded by the uniform cubic B-spline (haptics/proxy/bicubic_patch.h).
+enum class CellShape { bilinear, c1, rounded };
+
+/// What the configuration asks for; a path without a hand is traced on sharp creases unless its caller says otherwise.
+[[nodiscard]] CellShape shape_of(pipeline::HapticsConfig::Surface surface,
+                                 pipeline::HapticsConfig::Creases creases) noexcept;
+
 struct SolverOptions {
   double tolerance_cells = 1e-9;  ///< rest tolerance, of a cell
   int segment_limit = 4000;
-  double paper_rho = 0.5;      ///< the paper's solver: step factor
-  int paper_iterations = 100;  ///< and iterations a tick
-  bool c1_surface = false;     ///< haptics.surface c1: bicubic patches, no creases; the exact solver only
+  double paper_rho = 0.5;                 ///< the paper's solver: step factor
+  int paper_iterations = 100;             ///< and iterations a tick
+  CellShape shape = CellShape::bilinear;  ///< the exact solver's; the paper's is bilinear always
 };
+
+/// Height of the surface that the exact solver touches at local (x, y).
+[[nodiscard]] double touched_height(const MongeSurface& surface, double x_m, double y_m, CellShape shape) noexcept;
 
 /// Starts at or above the HIP at height max(z, f).
 [[nodiscard]] ProxyState start_proxy(const MongeSurface& surface, const Eigen::Vector3d& hip) noexcept;

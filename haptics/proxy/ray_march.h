@@ -79,7 +79,6 @@ template <class Surface>
       if (!leaving) skim(surface, hip, p, segments, limit);
     }
     ++segments;
-    const auto patch = surface.patch(p.i, p.j);
     const CellVector w = hip - p;
     // Where the ray leaves the cell.
     double end = 1.0;
@@ -105,7 +104,11 @@ template <class Surface>
     else
       step_j = 0;
 
-    const double hit = ray_patch_hit(patch, p, w, end, leaving);
+    bool clear = false;
+    if constexpr (!Surface::kHasFastPath)
+      clear = !leaving && surface.is_below(p.i, p.j, std::min(p.z, p.z + end * w.z));
+    const auto patch = clear ? typename Surface::Patch{} : surface.patch(p.i, p.j);
+    const double hit = clear ? std::numeric_limits<double>::infinity() : ray_patch_hit(patch, p, w, end, leaving);
     leaving = false;
     if (hit <= end) {
       p.s += hit * w.x;
@@ -117,7 +120,7 @@ template <class Surface>
     p.s += end * w.x;
     p.t += end * w.y;
     surface.keep_in_cell(p);
-    const double floor = patch.height(p.s, p.t);
+    const double floor = clear ? -std::numeric_limits<double>::infinity() : patch.height(p.s, p.t);
     if (step_i == 0 && step_j == 0) {
       // At the hand; rounding may have put it a hair below the patch.
       p.z = std::max(hip.z, floor);

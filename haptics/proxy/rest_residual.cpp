@@ -41,8 +41,16 @@ RestResidual residual_on(const Surface& surface, const ProxyUpdate& update, cons
 }  // namespace
 
 RestResidual rest_residual(const MongeSurface& surface, const ProxyUpdate& update, const Eigen::Vector3d& hip,
-                           bool c1_surface) noexcept {
-  return c1_surface ? residual_on(C1Surface(surface), update, hip) : residual_on(BilinearSurface(surface), update, hip);
+                           CellShape shape) noexcept {
+  switch (shape) {
+    case CellShape::c1:
+      return residual_on(C1Surface(surface), update, hip);
+    case CellShape::rounded:
+      return residual_on(RoundedSurface(surface), update, hip);
+    case CellShape::bilinear:
+      break;
+  }
+  return residual_on(BilinearSurface(surface), update, hip);
 }
 
 }  // namespace sparsha::haptics

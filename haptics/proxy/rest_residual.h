@@ -16,6 +16,6 @@ struct RestResidual {
 
 /// Of an update that found contact, for a hand at `hip`, local frame. mu is mu_static while sticking.
 [[nodiscard]] RestResidual rest_residual(const MongeSurface& surface, const ProxyUpdate& update,
-                                         const Eigen::Vector3d& hip, bool c1_surface = false) noexcept;
+                                         const Eigen::Vector3d& hip, CellShape shape = CellShape::bilinear) noexcept;
 
 }  // namespace sparsha::haptics

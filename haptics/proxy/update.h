@@ -66,8 +66,8 @@ template <class Surface>
 }
 
 /// The same for a proxy that the fast path brought to rest strictly inside an inner cell.
-template <bool kFriction>
-[[nodiscard]] SPARSHA_HOT inline ProxyUpdate report_rest(const MongeSurface& monge, const BilinearSurface& surface,
+template <bool kFriction, class Surface>
+[[nodiscard]] SPARSHA_HOT inline ProxyUpdate report_rest(const MongeSurface& monge, const Surface& surface,
                                                          const CellPoint& p, const RestPlace& place,
                                                          const SolverState& course, ProxyState& state) noexcept {
   surface.prefetch_around(p.i, p.j);

@@ -17,8 +17,7 @@ TraceResult trace_recording(const pipeline::Scene& scene, const Recording& recor
   RendererOptions options;
   options.solver = haptics.solver;
   options.solver_options = solver;
-  options.solver_options.c1_surface = solver.c1_surface || haptics.surface == pipeline::HapticsConfig::Surface::c1;
-  const bool c1 = options.solver_options.c1_surface && haptics.solver == pipeline::HapticsConfig::Solver::exact;
+  if (haptics.surface == pipeline::HapticsConfig::Surface::c1) options.solver_options.shape = CellShape::c1;
 
   RecordedRun run(scene, recording, options);
   TraceRecorder recorder(recording.rows().size());
@@ -40,7 +39,7 @@ TraceResult trace_recording(const pipeline::Scene& scene, const Recording& recor
     const MongeSurface& surface = *run.renderer().window().surface;
     ProxyUpdate found = run.renderer().found();
     found.unfinished = (state.flags & kFlagUnfinished) != 0;
-    recorder.add(row, surface, found, row.hip_m - surface.lattice.origin_m, c1);
+    recorder.add(row, surface, found, row.hip_m - surface.lattice.origin_m, run.renderer().shape());
   }
   return std::move(recorder).finish();
 }

@@ -56,7 +56,7 @@ TraceRecorder::TraceRecorder(std::size_t rows) {
 }
 
 void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found,
-                        const Eigen::Vector3d& hip_local_m, bool c1_surface) {
+                        const Eigen::Vector3d& hip_local_m, CellShape shape) {
   TraceSummary& summary = result_.summary;
   ++summary.updates;
   row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
@@ -65,7 +65,7 @@ void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUp
   if (found.unfinished) ++summary.unfinished;
   if (!row.contact) return;
   ++summary.contacts;
-  const RestResidual residual = rest_residual(surface, found, hip_local_m, c1_surface);
+  const RestResidual residual = rest_residual(surface, found, hip_local_m, shape);
   residuals_.push_back(residual.excess_cells);
   if (residual.below_cells > 0.0) ++summary.below_surface;
 }
@@ -83,7 +83,7 @@ TraceResult TraceRecorder::finish() && {
 TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
                   const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
   SolverOptions options = solver;
-  options.c1_surface = options.c1_surface || haptics.surface == pipeline::HapticsConfig::Surface::c1;
+  if (haptics.surface == pipeline::HapticsConfig::Surface::c1) options.shape = CellShape::c1;
   TraceRecorder recorder(path.size());
 
   const Eigen::Vector3d& origin = surface.lattice.origin_m;
@@ -110,7 +110,7 @@ TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& pat
     row.contact = update.contact;
     row.tick_ns = elapsed_ns;
     row.level = surface.level;
-    recorder.add(row, surface, update, hip, options.c1_surface && !paper);
+    recorder.add(row, surface, update, hip, paper ? CellShape::bilinear : options.shape);
   }
   return std::move(recorder).finish();
 }

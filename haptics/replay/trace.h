@@ -54,7 +54,7 @@ class TraceRecorder {
 
   /// `row.tick_ns` as measured; `found` on `surface` for the hand at `hip_local_m`.
   void add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found, const Eigen::Vector3d& hip_local_m,
-           bool c1_surface);
+           CellShape shape);
   [[nodiscard]] TraceResult finish() &&;
 
  private:

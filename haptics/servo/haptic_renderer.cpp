@@ -41,6 +41,11 @@ ProxyUpdate HapticRenderer::solve(const Eigen::Vector3d& hip_local, ProxyState& 
              : update_exact(*surface_, hip_local, proxy, options_.solver_options);
 }
 
+CellShape HapticRenderer::shape() const noexcept {
+  return options_.solver == pipeline::HapticsConfig::Solver::paper ? CellShape::bilinear
+                                                                   : options_.solver_options.shape;
+}
+
 // Cell flags at the proxy and nearness to the window's border; the cell goes into the record.
 std::uint64_t HapticRenderer::find_place(const Eigen::Vector3d& local) noexcept {
   const pipeline::Lattice& lattice = surface_->lattice;
@@ -75,9 +80,9 @@ void HapticRenderer::swap(Command& command) noexcept {
   const MongeSurface& old = *surface_;
   const Eigen::Vector3d proxy_grid_m = proxy_.position + old.lattice.origin_m;
   const Eigen::Vector3d proxy_device_m = (proxy_grid_m - centre_m_) * old.scale;
-  const double below_m = proxy_.contact
-                             ? proxy_grid_m.z()
-                             : old.lattice.origin_m.z() + old.height(proxy_.position.x(), proxy_.position.y());
+  const double below_m = proxy_.contact ? proxy_grid_m.z()
+                                        : old.lattice.origin_m.z() +
+                                              touched_height(old, proxy_.position.x(), proxy_.position.y(), shape());
   const double surface_device_m = (below_m - centre_m_.z()) * old.scale;
 
   swapped_ = true;
@@ -94,7 +99,7 @@ void HapticRenderer::swap(Command& command) noexcept {
   }
   const Eigen::Vector2d place = centre_m_.head<2>() + proxy_device_m.head<2>() / fresh.scale;
   const Eigen::Vector2d local = place - fresh.lattice.origin_m.head<2>();
-  const double height = fresh.height(local.x(), local.y());
+  const double height = touched_height(fresh, local.x(), local.y(), shape());
   centre_m_.z() = fresh.lattice.origin_m.z() + height - surface_device_m / fresh.scale;
   const double z = centre_m_.z() + proxy_device_m.z() / fresh.scale - fresh.lattice.origin_m.z();
   proxy_.position = {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)};
@@ -300,6 +305,8 @@ void HapticRenderer::replay(const DeviceSample& sample, const RecordedTick& reco
   record_.nominal_period_s = recorded.nominal_period_s;
   record_.state.command = recorded.command;
   record_.state.flags = recorded.flags & static_cast<std::uint64_t>(kFlagRealTime);
+  CellShape& shape = options_.solver_options.shape;
+  if (shape != CellShape::c1) shape = (recorded.flags & kFlagRounded) != 0 ? CellShape::rounded : CellShape::bilinear;
   tick(sample, (recorded.flags & kFlagFault) != 0);
 }
 
@@ -319,10 +326,30 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (sample.homed) state.flags |= kFlagHomed;
   if (window_.effects.texture) state.flags |= kFlagTexture;
   if (window_.effects.friction) state.flags |= kFlagFriction;
+  if (shape() == CellShape::rounded) state.flags |= kFlagRounded;
   state.workspace_m = device_.workspace_width_m;
   state.stiffness_n_per_m = stiffness_n_per_m_;
   state.tip_radius_m = surface_->tip_radius_m;
   state.window = {window_.i0, window_.j0, surface_->lattice.nx, surface_->lattice.ny};
+}
+
+void HapticRenderer::rehearse() const noexcept {
+  if (!placed_) return;
+  const Eigen::Vector3d hip_local = centre_m_ + hand_m_ / surface_->scale - surface_->lattice.origin_m;
+  ProxyState proxy = proxy_;
+  const ProxyUpdate found = solve(hip_local, proxy);
+  GovernorInput input;
+  input.position_m = hand_m_;
+  input.contact = found.contact;
+  input.normal = found.normal;
+  if (found.contact) input.force_n = stiffness_n_per_m_ * surface_->scale * (found.position - hip_local);
+  input.proxy_m = hand_m_ + input.force_n / std::max(stiffness_n_per_m_, 1.0);
+  input.stiffness_n_per_m = stiffness_n_per_m_;
+  input.period_s = record_.nominal_period_s;
+  input.nominal_period_s = record_.nominal_period_s;
+  Governor governor = governor_;
+  static_cast<void>(governor.stiffness(wish_n_per_m_, record_.nominal_period_s));
+  static_cast<void>(governor.update(input));
 }
 
 void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {

@@ -24,7 +24,7 @@ struct RendererOptions {
   double rate_hz = 1000.0;
   double stiffness_n_per_m = 800.0;  ///< the wish; rendered is what the device can bear
   pipeline::HapticsConfig::Solver solver = pipeline::HapticsConfig::Solver::exact;
-  SolverOptions solver_options;
+  SolverOptions solver_options{.shape = CellShape::rounded};
   /// Longer without news of the hand, or later than planned, is a fault: forces need free space again.
   double longest_gap_s = 0.010;
 };
@@ -50,6 +50,10 @@ class HapticRenderer {
   /// The same for a tick of a recording, with its centre, stiffness, times and faults instead of this run's.
   void replay(const DeviceSample& sample, const RecordedTick& recorded) noexcept;
 
+  /// Solves and governs the last hand position once more on copies and forgets the result: the core that wakes from
+  /// sleep then has the next tick's code and data in its caches. Changes nothing.
+  void rehearse() const noexcept;
+
   /// Carries out a command; a surface that is no longer needed is moved into the return value.
   [[nodiscard]] SurfacePointer apply(Command& command) noexcept;
 
@@ -66,6 +70,8 @@ class HapticRenderer {
   [[nodiscard]] const HapticWindow& window() const noexcept { return window_; }
   /// What the last rendered tick found, local frame of the window.
   [[nodiscard]] const ProxyUpdate& found() const noexcept { return found_; }
+  /// What lies between the nodes for the solver at work.
+  [[nodiscard]] CellShape shape() const noexcept;
   [[nodiscard]] std::uint64_t faults() const noexcept { return faults_; }
   /// Ticks whose position was not a number.
   [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_; }

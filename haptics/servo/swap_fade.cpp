@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDurationS = 0.080;
+constexpr double kDurationS = 0.075;
 constexpr double kAimS = 0.105;
 constexpr double kShortestS = 0.020;
 constexpr double kSettledS = 0.300;    // since the swap; then a hand that slips does so by itself

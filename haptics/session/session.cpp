@@ -220,7 +220,7 @@ void Session::start() {
   renderer.rate_hz = self.rate_hz;
   renderer.stiffness_n_per_m = self.stiffness_n_per_m;
   renderer.solver = self.options.haptics.solver;
-  renderer.solver_options.c1_surface = self.options.haptics.surface == pipeline::HapticsConfig::Surface::c1;
+  renderer.solver_options.shape = shape_of(self.options.haptics.surface, self.options.haptics.creases);
   renderer.longest_gap_s = self.options.longest_gap_s;
   if (self.recording) {
     self.replay =

@@ -24,6 +24,7 @@ enum StateFlag : std::uint64_t {
   kFlagHomed = 1U << 11,        ///< the device knows its absolute position
   kFlagTexture = 1U << 12,      ///< the surface with its texture is rendered (else its envelope)
   kFlagFriction = 1U << 13,     ///< friction is rendered
+  kFlagRounded = 1U << 14,      ///< the bilinear surface's creases are rounded
 };
 
 /// Positions in metres. Grid frame unless said otherwise; forces in newtons, device frame.

@@ -151,7 +151,7 @@ texture: {sigma_space_mm: 0.3, sigma_range_mm: 0.07}
 friction: {law: paper, scale_mm: 1.1, c_m: 0.02}
 levels: {window: 100}
 check: {samples: all}
-haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, rate_hz: 2000, resolution_mm: 0.03, tip_radius_mm: 0.3}
+haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, creases: sharp, rate_hz: 2000, resolution_mm: 0.03, tip_radius_mm: 0.3}
 parts: [{name: a, say: "A, b: c", box_m: [0, 0, 1, 1]}]
 audio:
   regions: [{name: sa, box_m: [0, 0, 1, 1], modal: {frequency_hz: 240.5, decay_s: 0.7}}, {name: re, label: 2, clip: re.wav}]

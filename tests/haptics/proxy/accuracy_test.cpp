@@ -117,7 +117,7 @@ TEST(Accuracy, WhereASurfaceCurvesBothWaysNoBilinearForceKeepsToTheBoundOfOneDir
 
 TEST(Accuracy, OfTheC1ForceIsAHundredTimesBetter) {
   SolverOptions c1;
-  c1.c1_surface = true;
+  c1.shape = CellShape::c1;
   EXPECT_LE(follow(200, c1).mean, 0.01 * follow(200, {}).mean);
 }
 

@@ -17,11 +17,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-SolverOptions c1_options() {
+SolverOptions options_of(CellShape shape) {
   SolverOptions options;
-  options.c1_surface = true;
+  options.shape = shape;
   return options;
 }
+SolverOptions c1_options() { return options_of(CellShape::c1); }
 
 struct Roughness {
   double jump = 0.0;        ///< largest change of force between ticks, beyond what the true surface gives, of the force
@@ -112,7 +113,9 @@ TEST(C1Surface, BringsForceJumpAndHysteresisUnderHalfAPercent) {
   EXPECT_LT(smooth.hysteresis, 0.005);
 }
 
-TEST(C1Surface, RestsAndStaysAboveAtRandomMovesOnSmoothAndRoughGround) {
+class SmoothSurface : public ::testing::TestWithParam<CellShape> {};
+
+TEST_P(SmoothSurface, RestsAndStaysAboveAtRandomMovesOnSmoothAndRoughGround) {
   std::mt19937_64 random(43);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::uint64_t unfinished = 0;
@@ -123,11 +126,19 @@ TEST(C1Surface, RestsAndStaysAboveAtRandomMovesOnSmoothAndRoughGround) {
                                           : make_rough_surface(50, 1.0 / 49, 0.06 * uniform(random), random);
     if (run % 2 == 0) set_random_friction(surface, 0.8, random);
     ProxyState state = start_proxy(surface, {0.5, 0.5, 0.0});
+    double x = 0.5;
+    double y = 0.5;
     for (int k = 0; k < 1000; ++k, ++moves) {
-      const double x = 1.2 * uniform(random) - 0.1;
-      const double y = 1.2 * uniform(random) - 0.1;
+      // Leaps, and every other run strokes of a fraction of a cell, which the fast path takes.
+      if (run % 4 < 2 || k % 100 == 0) {
+        x = 1.2 * uniform(random) - 0.1;
+        y = 1.2 * uniform(random) - 0.1;
+      } else {
+        x += 0.01 * (uniform(random) - 0.5);
+        y += 0.01 * (uniform(random) - 0.5);
+      }
       const Vector3d hand(x, y, surface.height(x, y) + 0.03 * (uniform(random) - 0.8));
-      const ProxyUpdate update = update_exact(surface, hand, state, c1_options());
+      const ProxyUpdate update = update_exact(surface, hand, state, options_of(GetParam()));
       ASSERT_TRUE(update.position.allFinite());
       if (update.unfinished) {
         ++unfinished;
@@ -137,13 +148,16 @@ TEST(C1Surface, RestsAndStaysAboveAtRandomMovesOnSmoothAndRoughGround) {
         ASSERT_EQ(update.position, hand);
         continue;
       }
-      const RestResidual residual = rest_residual(surface, update, hand, true);
+      const RestResidual residual = rest_residual(surface, update, hand, GetParam());
       ASSERT_LE(residual.excess_cells, 1.1e-9) << "run " << run << " move " << k;
       ASSERT_EQ(residual.below_cells, 0.0) << "run " << run << " move " << k;
     }
   }
   EXPECT_LE(unfinished, moves / 1000);
 }
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SmoothSurface, ::testing::Values(CellShape::c1, CellShape::rounded),
+                         [](const auto& shape) { return shape.param == CellShape::c1 ? "C1" : "Rounded"; });
 
 TEST(C1Surface, APlaneStaysAPlaneUpToTheBorder) {
   const MongeSurface plane = make_surface_of(20, 20, 0.0625, [](double x, double y) { return 0.5 * x - 0.25 * y; });

@@ -105,6 +105,7 @@ TEST(Session, PlaybackOfARecordingGivesIdenticalBitsThroughZoomsAndPans) {
   SessionOptions again;
   again.record = folder / "again.csv";
   again.haptics.stiffness_n_per_m = 123.0;  // the recording knows better
+  again.haptics.creases = pipeline::HapticsConfig::Creases::sharp;
   const auto session = session_of(scene, options.record, again);
   EXPECT_EQ(run_to_the_end(*session).windows_loaded, summary.windows_loaded);
   const auto first = read_csv(options.record);
@@ -133,7 +134,7 @@ TEST(Session, TraceOfARecordingEqualsTheLiveRun) {
   const auto path = read_hip_path(options.record);
   const WindowPlan plan = plan_window(scene->description(), 0, middle_of(scene->description().levels[0]), 0.1);
   const HapticWindow window = load_window(*scene, plan, 1);
-  const TraceResult result = trace(*window.surface, path, options.haptics, SolverOptions{});
+  const TraceResult result = trace(*window.surface, path, options.haptics, SolverOptions{.shape = CellShape::rounded});
   ASSERT_EQ(result.rows.size() + 1, csv.size());
   std::uint64_t contacts = 0;
   for (std::size_t i = 0; i < result.rows.size(); ++i) {
