@@ -12,7 +12,9 @@ namespace {
 constexpr int kServoPriority = 80;
 constexpr int kWatchdogPriority = 85;
 constexpr std::int64_t kInTimeNs = 1'000'000;
-constexpr int kFinalZeros = 3;  // packets get lost; say it more than once
+constexpr std::int64_t kRehearsalNs = 40'000;
+constexpr int kMostLooks = 20'000;  // at the clock, should it stand still
+constexpr int kFinalZeros = 3;      // packets get lost; say it more than once
 
 }  // namespace
 
@@ -153,12 +155,23 @@ void Servo::run() noexcept {
   publisher_.publish_rest(renderer_);
 }
 
+// A core that wakes from sleep is slow for its first microseconds: it wakes early, rehearses, and waits awake. A clock
+// that went backwards meanwhile is for the tick to judge.
+void Servo::wait_until(std::int64_t planned_ns) noexcept {
+  options_.clock.sleep_until_ns(planned_ns - kRehearsalNs);
+  const auto left_ns = [&] { return planned_ns - options_.clock.now_ns(); };
+  if (left_ns() <= 0) return;
+  renderer_.rehearse();
+  for (int look = 0; look < kMostLooks; ++look)
+    if (const std::int64_t left = left_ns(); left <= 0 || left > 2 * kRehearsalNs) return;
+}
+
 void Servo::run_by_the_clock() noexcept {
   std::int64_t start_ns = options_.clock.now_ns() + period_ns_;
   std::int64_t planned = 0;  // ticks since the start
   while (!stopping_.load(std::memory_order_relaxed)) {
     const std::int64_t planned_ns = start_ns + planned * period_ns_;
-    options_.clock.sleep_until_ns(planned_ns);
+    wait_until(planned_ns);
     watched_tick(planned_ns, static_cast<double>(planned) / options_.renderer.rate_hz);
     const std::int64_t done_ns = options_.clock.now_ns();
     ++planned;

@@ -88,6 +88,7 @@ class Servo {
   void run() noexcept;
   void prepare_thread() noexcept;
   void run_by_the_clock() noexcept;
+  void wait_until(std::int64_t planned_ns) noexcept;
   void run_paced() noexcept;
   void watched_tick(std::int64_t planned_ns, double time_s) noexcept;
   void tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept;
