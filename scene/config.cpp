@@ -19,6 +19,10 @@ using yaml::MapReader;
 using yaml::Node;
 
 constexpr std::array<std::string_view, 3> kSceneKeys = {"scene", "origin_m", "scan_from_grid"};
+constexpr double kLeastStiffness_n_per_m = 1.0;
+constexpr double kMostStiffness_n_per_m = 1e5;
+constexpr double kMostFriction = 10.0;
+
 std::array<double, 4> read_box(const Node& node) {
   const std::vector<double> v = yaml::to_doubles(node, 4);
   if (!(v[0] < v[2] && v[1] < v[3])) {
@@ -222,9 +226,9 @@ FrictionConfig parse_friction(const Node& node) {
   int law = 0;
   reader.read_choice("law", law, {"curvature", "paper", "constant"});
   friction.law = static_cast<FrictionConfig::Law>(law);
-  reader.read("mu_static", friction.mu_static, 0.0, 10.0);
-  reader.read("mu_0", friction.mu_0, 0.0, 10.0);
-  reader.read("mu_max", friction.mu_max, 0.0, 10.0);
+  reader.read("mu_static", friction.mu_static, 0.0, kMostFriction);
+  reader.read("mu_0", friction.mu_0, 0.0, kMostFriction);
+  reader.read("mu_max", friction.mu_max, 0.0, kMostFriction);
   read_mm(reader, "scale_mm", friction.scale_m, kSmallest, kAny);
   if (const Node* c = reader.optional("c_m")) {
     friction.c_m = yaml::to_double(*c);
@@ -256,7 +260,7 @@ CheckConfig parse_check(const Node& node) {
 HapticsConfig parse_haptics(const Node& node) {
   HapticsConfig haptics;
   MapReader reader(node, "haptics");
-  reader.read("stiffness_n_per_m", haptics.stiffness_n_per_m, 1.0, 1e5);
+  reader.read("stiffness_n_per_m", haptics.stiffness_n_per_m, kLeastStiffness_n_per_m, kMostStiffness_n_per_m);
   int solver = 0;
   reader.read_choice("solver", solver, {"exact", "paper"});
   haptics.solver = static_cast<HapticsConfig::Solver>(solver);
@@ -269,8 +273,46 @@ HapticsConfig parse_haptics(const Node& node) {
   reader.read("rate_hz", haptics.rate_hz, 100.0, 10000.0);
   read_mm(reader, "resolution_mm", haptics.resolution_m, 1e-6, 1000.0);
   read_mm(reader, "tip_radius_mm", haptics.tip_radius_m, 0.0, 2.0);
+  reader.read("impact", haptics.impact);
+  reader.read("grain", haptics.grain);
+  read_material(reader, "material", haptics.material);
   reader.finish();
   return haptics;
+}
+
+void read_number(MapReader& reader, std::string_view key, std::optional<double>& value, double low, double high) {
+  if (reader.optional(key) == nullptr) return;
+  double number = low;
+  reader.read(key, number, low, high);
+  value = number;
+}
+
+PartTouch parse_touch(MapReader& reader, const Node& node) {
+  PartTouch touch;
+  read_number(reader, "stiffness_n_per_m", touch.stiffness_n_per_m, kLeastStiffness_n_per_m, kMostStiffness_n_per_m);
+  read_number(reader, "mu_dynamic", touch.mu_dynamic, 0.0, kMostFriction);
+  read_number(reader, "mu_static", touch.mu_static, 0.0, kMostFriction);
+  if (reader.optional("material") != nullptr) {
+    touch.material = Material::granite;
+    read_material(reader, "material", *touch.material);
+  }
+  if (touch.mu_static && !touch.mu_dynamic) {
+    throw yaml::error_at(*node.find("mu_static"), "a part has mu_static without mu_dynamic", "mu_dynamic beside it");
+  }
+  if (touch.mu_static && *touch.mu_static < *touch.mu_dynamic) {
+    throw yaml::error_at(node, "mu_static is below mu_dynamic", "mu_dynamic <= mu_static");
+  }
+  return touch;
+}
+
+void require_friction(const Node& parts, const Config& config) {
+  if (config.friction) return;
+  for (const Node& part : parts.items) {
+    if (const Node* mu = part.find("mu_dynamic")) {
+      throw yaml::error_at(*mu, "a part has friction and the scene has none",
+                           "the block 'friction', for instance {law: constant, mu_static: 0, mu_0: 0}");
+    }
+  }
 }
 
 std::vector<PartConfig> parse_parts(const Node& node) {
@@ -283,6 +325,7 @@ std::vector<PartConfig> parse_parts(const Node& node) {
     part.say = part.name;
     reader.read("say", part.say);
     part.box_m = read_box(reader.required("box_m"));
+    part.touch = parse_touch(reader, item);
     reader.finish();
     parts.push_back(std::move(part));
   }
@@ -396,7 +439,10 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   }
   if (const Node* node = reader.optional("check")) config.check = parse_check(*node);
   if (const Node* node = reader.optional("haptics")) config.haptics = parse_haptics(*node);
-  if (const Node* node = reader.optional("parts")) config.parts = parse_parts(*node);
+  if (const Node* node = reader.optional("parts")) {
+    config.parts = parse_parts(*node);
+    require_friction(*node, config);
+  }
   if (const Node* node = reader.optional("audio")) config.audio = parse_audio(*node, folder);
   if (const Node* node = reader.optional("viewer")) config.viewer = parse_viewer(*node);
   reader.finish();

@@ -148,10 +148,18 @@ struct LevelsConfig {
 struct CheckConfig {
   std::int64_t samples = 50000;  ///< 0 = all
 };
+/// How a part is touched where it differs from the rest of the scene.
+struct PartTouch {
+  std::optional<double> stiffness_n_per_m;
+  std::optional<double> mu_dynamic;
+  std::optional<double> mu_static;  ///< without it the larger of mu_dynamic and the scene's mu_static
+  std::optional<Material> material;
+};
 struct PartConfig {
   std::string name;
   std::string say;
   std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax, grid frame
+  PartTouch touch{};
 };
 struct ModalConfig {
   double frequency_hz = 240.0;

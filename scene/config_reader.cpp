@@ -11,6 +11,14 @@ void read_mm(yaml::MapReader& reader, std::string_view key, double& value_m, dou
   value_m = value_mm * kMm;
 }
 
+void read_material(yaml::MapReader& reader, std::string_view key, Material& material) {
+  std::vector<std::string> names;
+  for (const MaterialTouch& known : kMaterials) names.emplace_back(known.name);
+  int index = static_cast<int>(material);
+  reader.read_choice(key, index, names);
+  material = static_cast<Material>(index);
+}
+
 Eigen::Vector3d vector(const yaml::Node& node) {
   const std::vector<double> v = yaml::to_doubles(node, 3);
   return {v[0], v[1], v[2]};

@@ -18,6 +18,9 @@ constexpr double kSmallest = 1e-12;  // smallest length that is believed, in the
 /// Reads a length in millimetres, when the key is present, into metres.
 void read_mm(yaml::MapReader& reader, std::string_view key, double& value_m, double low_mm, double high_mm);
 
+/// Reads a name of the table of materials, when the key is present.
+void read_material(yaml::MapReader& reader, std::string_view key, Material& material);
+
 [[nodiscard]] Eigen::Vector3d vector(const yaml::Node& node);
 
 /// At most one of the keys may be present; the index of it, or -1.

@@ -170,6 +170,24 @@ std::string audio_text(const AudioConfig& audio) {
   return text;
 }
 
+// What is left at its default is not written: scenes without it stay what they were.
+std::string invented_text(const HapticsConfig& haptics) {
+  std::string text;
+  if (haptics.impact) text += ", impact: on";
+  if (haptics.grain) text += ", grain: on";
+  if (haptics.material != Material::granite) text += fmt::format(", material: {}", touch_of(haptics.material).name);
+  return text;
+}
+
+std::string touch_text(const PartTouch& touch) {
+  std::string text;
+  if (touch.stiffness_n_per_m) text += ", stiffness_n_per_m: " + number(*touch.stiffness_n_per_m);
+  if (touch.mu_dynamic) text += ", mu_dynamic: " + number(*touch.mu_dynamic);
+  if (touch.mu_static) text += ", mu_static: " + number(*touch.mu_static);
+  if (touch.material) text += fmt::format(", material: {}", touch_of(*touch.material).name);
+  return text;
+}
+
 }  // namespace
 
 std::string to_string(LengthUnit unit) {
@@ -204,14 +222,15 @@ std::string to_yaml(const Config& config) {
   const HapticsConfig& haptics = config.haptics;
   text += fmt::format(
       "haptics: {{stiffness_n_per_m: {}, solver: {}, surface: {}, creases: {}, rate_hz: {}, resolution_mm: {}, "
-      "tip_radius_mm: {}}}\n",
+      "tip_radius_mm: {}{}}}\n",
       number(haptics.stiffness_n_per_m), haptics.solver == HapticsConfig::Solver::exact ? "exact" : "paper",
       haptics.surface == HapticsConfig::Surface::bilinear ? "bilinear" : "c1",
       haptics.creases == HapticsConfig::Creases::sharp ? "sharp" : "rounded", number(haptics.rate_hz),
-      millimetres(haptics.resolution_m), millimetres(haptics.tip_radius_m));
+      millimetres(haptics.resolution_m), millimetres(haptics.tip_radius_m), invented_text(haptics));
   if (!config.parts.empty()) text += "parts:\n";
   for (const PartConfig& part : config.parts) {
-    text += "  - {name: " + quote(part.name) + ", say: " + quote(part.say) + ", box_m: " + box(part.box_m) + "}\n";
+    text += "  - {name: " + quote(part.name) + ", say: " + quote(part.say) + ", box_m: " + box(part.box_m) +
+            touch_text(part.touch) + "}\n";
   }
   if (config.audio) text += audio_text(*config.audio);
   static constexpr std::array<std::string_view, 5> kColours{"relief", "height", "scan", "friction", "texture"};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/region_frame.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -14,7 +16,31 @@ double value_at(const std::vector<float>& layer, std::size_t node) {
 }  // namespace
 
 FrictionLaw::FrictionLaw(const SceneDescription& scene, double scale, double workspace_m)
-    : config_(*scene.config.friction), c_m_(scene.friction_c_m), scale_(scale), radius_m_(0.5 * workspace_m) {}
+    : config_(*scene.config.friction),
+      c_m_(scene.friction_c_m),
+      scale_(scale),
+      radius_m_(0.5 * workspace_m),
+      scene_(scene) {
+  for (const PartConfig& part : scene.config.parts) {
+    if (!part.touch.mu_dynamic) continue;
+    const double mu = *part.touch.mu_dynamic;
+    parts_.push_back({part.box_m, mu, part.touch.mu_static.value_or(std::max(config_.mu_static, mu))});
+  }
+}
+
+double FrictionLaw::with_parts(const Layers& layers, std::size_t node, double mu, double Part::*own) const {
+  const Lattice& lattice = layers.grid.lattice;
+  const auto nx = static_cast<std::size_t>(lattice.nx);
+  Eigen::Vector4d place(lattice.x_m(static_cast<int>(node % nx)), lattice.y_m(static_cast<int>(node / nx)), 0.0, 1.0);
+  if (scene_.region_from_grid) {
+    const double height_m = static_cast<double>(layers.grid.height_m[node]);
+    place.z() = lattice.origin_m.z() + (std::isfinite(height_m) ? height_m : 0.0);
+    place = *scene_.region_from_grid * place;
+  }
+  for (auto part = parts_.rbegin(); part != parts_.rend(); ++part)
+    mu += ((*part).*own - mu) * share_inside(part->box_m, place.x(), place.y(), kBorderM / scale_);
+  return mu;
+}
 
 float FrictionLaw::dynamic(const Layers& layers, std::size_t node) const {
   double mu = config_.mu_0;
@@ -26,9 +52,15 @@ float FrictionLaw::dynamic(const Layers& layers, std::size_t node) const {
     const double gaussian = value_at(layers.gaussian_curvature_per_m2, node) / (scale_ * scale_);
     if (std::isfinite(mean) && std::isfinite(gaussian)) mu = 1.0 / (radius_m_ * std::hypot(mean, gaussian));
   }
-  return static_cast<float>(std::clamp(mu, 0.0, config_.mu_max));
+  mu = std::clamp(mu, 0.0, config_.mu_max);
+  if (!parts_.empty()) mu = with_parts(layers, node, mu, &Part::mu_dynamic);
+  return static_cast<float>(mu);
 }
 
-float FrictionLaw::at_rest(float dynamic) const { return std::max(static_cast<float>(config_.mu_static), dynamic); }
+float FrictionLaw::at_rest(const Layers& layers, std::size_t node, float dynamic) const {
+  double mu = config_.mu_static;
+  if (!parts_.empty()) mu = with_parts(layers, node, mu, &Part::mu_static);
+  return std::max(static_cast<float>(mu), dynamic);
+}
 
 }  // namespace sparsha::pipeline

@@ -1,6 +1,8 @@
 // The configuration's `haptics` block, apart from the rest for programs that render touch without scenes.
 #pragma once
 
+#include "scene/materials.h"
+
 namespace sparsha::pipeline {
 
 struct HapticsConfig {
@@ -14,6 +16,10 @@ struct HapticsConfig {
   double rate_hz = 1000.0;
   double resolution_m = 0.00005;
   double tip_radius_m = 0.0005;  ///< of the ball that touches, device frame; 0: a point
+  // Invented, not measured:
+  bool impact = false;                    ///< a strike rings
+  bool grain = false;                     ///< the texture's spectrum goes on above what the scan resolves
+  Material material = Material::granite;  ///< of both, where a part has none of its own
 };
 
 }  // namespace sparsha::pipeline

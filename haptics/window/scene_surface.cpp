@@ -134,7 +134,7 @@ FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const pip
   for (std::size_t node = 0; node < lattice.count(); ++node) {
     if (window.grid.state[node] == pipeline::NodeState::unknown) continue;
     map.mu_dynamic[node] = law.dynamic(window, node);
-    map.mu_static[node] = law.at_rest(map.mu_dynamic[node]);
+    map.mu_static[node] = law.at_rest(window, node, map.mu_dynamic[node]);
   }
   return map;
 }

@@ -120,6 +120,20 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"inverted bounds", kScan + "grid: {bounds_m: [1, 0, 0, 1]}\n", {"the box is empty"}},
       {"mu_0 above mu_max", kScan + "friction: {mu_0: 2}\n", {"mu_0 is above mu_max"}},
       {"law", kScan + "friction: {law: papers}\n", {"law is 'papers'", "did you mean 'paper'?"}},
+      {"material", kScan + "haptics: {material: granit}\n", {"material is 'granit'", "did you mean 'granite'?"}},
+      {"impact", kScan + "haptics: {impact: granite}\n", {"neither true nor false"}},
+      {"part's friction alone",
+       kScan + "parts: [{name: a, box_m: [0,0,1,1], mu_dynamic: 0.3}]\n",
+       {"a part has friction and the scene has none", "the block 'friction'"}},
+      {"part's static friction alone",
+       kScan + "friction: {}\nparts: [{name: a, box_m: [0,0,1,1], mu_static: 0.3}]\n",
+       {"mu_static without mu_dynamic"}},
+      {"part's friction upside down",
+       kScan + "friction: {}\nparts: [{name: a, box_m: [0,0,1,1], mu_static: 0.3, mu_dynamic: 0.4}]\n",
+       {"mu_static is below mu_dynamic"}},
+      {"part's stiffness",
+       kScan + "parts: [{name: a, box_m: [0,0,1,1], stiffness_n_per_m: -1}]\n",
+       {"stiffness_n_per_m"}},
       {"region without sound", kScan + "audio: {regions: [{name: x, box_m: [0,0,1,1]}]}\n", {"has no sound"}},
       {"region with two",
        kScan + "audio: {regions: [{name: x, label: 1, box_m: [0,0,1,1], clip: a}]}\n",
@@ -151,8 +165,10 @@ texture: {sigma_space_mm: 0.3, sigma_range_mm: 0.07}
 friction: {law: paper, scale_mm: 1.1, c_m: 0.02}
 levels: {window: 100}
 check: {samples: all}
-haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, creases: sharp, rate_hz: 2000, resolution_mm: 0.03, tip_radius_mm: 0.3}
-parts: [{name: a, say: "A, b: c", box_m: [0, 0, 1, 1]}]
+haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, creases: sharp, rate_hz: 2000, resolution_mm: 0.03, tip_radius_mm: 0.3, impact: on,
+  grain: on, material: bronze}
+parts: [{name: a, say: "A, b: c", box_m: [0, 0, 1, 1]},
+  {name: b, box_m: [0, 0, 1, 1], stiffness_n_per_m: 350.5, mu_dynamic: 0.3, mu_static: 0.45, material: marble}]
 audio:
   regions: [{name: sa, box_m: [0, 0, 1, 1], modal: {frequency_hz: 240.5, decay_s: 0.7}}, {name: re, label: 2, clip: re.wav}]
   friction_sound: {gain: 0.25}
@@ -183,8 +199,21 @@ viewer: {colour: friction, stereo: anaglyph}
   EXPECT_EQ(again.grid.spacing_m, config.grid.spacing_m);
   EXPECT_EQ(again.texture->sigma_range_m, config.texture->sigma_range_m);
   EXPECT_EQ(again.parts[0].say, "A, b: c");
+  EXPECT_TRUE(again.haptics.impact);
+  EXPECT_TRUE(again.haptics.grain);
+  EXPECT_EQ(again.haptics.material, Material::bronze);
+  EXPECT_FALSE(again.parts[0].touch.stiffness_n_per_m || again.parts[0].touch.material);
+  EXPECT_EQ(again.parts[1].touch.stiffness_n_per_m, 350.5);
+  EXPECT_EQ(again.parts[1].touch.mu_dynamic, 0.3);
+  EXPECT_EQ(again.parts[1].touch.mu_static, 0.45);
+  EXPECT_EQ(again.parts[1].touch.material, Material::marble);
   EXPECT_EQ(again.check->samples, 0);
   EXPECT_EQ(std::get<ModalConfig>(again.audio->regions[0].sound).frequency_hz, 240.5);
+}
+
+TEST(Config, WithoutImpactGrainAndMaterialIsWrittenAsItWasBeforeThereWereAny) {
+  const std::string written = to_yaml(parse_config(yaml::parse_text(kScan, "c.yaml"), {}));
+  for (const char* word : {"impact", "grain", "material"}) EXPECT_EQ(written.find(word), std::string::npos) << word;
 }
 
 }  // namespace
