@@ -30,8 +30,9 @@ ALLOWED = {
     "haptics/proxy": ["haptics/surface", *SHARED],
     "haptics/governor": ["haptics/state", *SHARED],
     "haptics/device": ["haptics/governor", "haptics/state", *SHARED],
-    "haptics/servo": ["haptics/proxy", "haptics/governor", "haptics/device", "haptics/state", "haptics/surface", *SHARED],
-    "haptics/window": ["haptics/servo", "haptics/surface", *SHARED],
+    "haptics/effects": SHARED,
+    "haptics/servo": ["haptics/effects", "haptics/proxy", "haptics/governor", "haptics/device", "haptics/state", "haptics/surface", *SHARED],
+    "haptics/window": ["haptics/effects", "haptics/servo", "haptics/surface", *SHARED],
     "haptics/replay": ["haptics/window", "haptics/servo", "haptics/proxy", "haptics/device", "haptics/state",
                        "haptics/surface", *SHARED],
     "haptics/session": ["haptics", *SHARED],
@@ -44,10 +45,10 @@ EXCEPTIONS = {"pipeline/scan/reader.cpp": "pipeline/scan/formats"}
 # What is built on top of a room although its rule or its name would let it in.
 NOT_INSIDE = {"pipeline/scan": ["pipeline/scan/formats"], "pipeline/build": ["pipeline/suggest"]}
 # The embeddable core, for other programs: Eigen alone, so no header of it may reach YAML, files or scenes.
-CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/servo",
+CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/effects", "haptics/servo",
         "haptics/device/device.h", "haptics/device/simulated"]
 CORE_SHARED = ["base/error.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/depth_grid.h", "scene/workspace.h",
-               "scene/region_frame.h", "scene/haptics_config.h"]
+               "scene/region_frame.h", "scene/haptics_config.h", "scene/materials.h"]
 # Templates over PCL's point types, for programs that include PCL anyway.
 PCL_API = "sparsha/pcl"
 ROOMS = {name.split("/")[0] for name in ALLOWED}

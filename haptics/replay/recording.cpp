@@ -251,6 +251,8 @@ Recording::Recording(const std::filesystem::path& file) {
       window.plan.tip_radius_m = at(kTipRadius, 0.0);
       window.plan.effects.texture = (row.tick.flags & kFlagTexture) != 0;
       window.plan.effects.friction = (row.tick.flags & kFlagFriction) != 0;
+      window.plan.impact = (row.tick.flags & kFlagImpact) != 0;
+      window.plan.grain = (row.tick.flags & kFlagGrain) != 0;
       windows_.push_back(window);
     }
     if (rows_.empty()) {

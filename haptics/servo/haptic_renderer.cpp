@@ -12,6 +12,7 @@ constexpr double kSlipFilterS = 0.005;   // time constant of the published slip 
 constexpr double kFarthestHandM = 10.0;  // no hand is so far from its device
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
+Eigen::Vector3d to_vector(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 
 Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& centre_m) noexcept {
   const pipeline::Lattice& lattice = surface.lattice;
@@ -103,6 +104,7 @@ void HapticRenderer::swap(Command& command) noexcept {
   centre_m_.z() = fresh.lattice.origin_m.z() + height - surface_device_m / fresh.scale;
   const double z = centre_m_.z() + proxy_device_m.z() / fresh.scale - fresh.lattice.origin_m.z();
   proxy_.position = {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)};
+  effects_.swap();
   begin_fade();
 }
 
@@ -168,6 +170,7 @@ std::array<double, 3> HapticRenderer::place_of(const Eigen::Vector3d& grid_m) co
 
 void HapticRenderer::make_safe() noexcept {
   fade_.end();
+  effects_.reset();
   felt_n_.setZero();
   GovernorInput input;
   input.position_m = hand_m_;
@@ -220,6 +223,35 @@ GovernorInput HapticRenderer::governor_input(const DeviceSample& sample, const E
   return input;
 }
 
+// Impact and grain, on top of what the surface gives.
+void HapticRenderer::add_effects(GovernorInput& input, const Eigen::Vector3d& moved_m) noexcept {
+  const SurfaceEffects* effects = surface_->effects.get();
+  EffectForces::Input tick;
+  tick.period_s = record_.period_s;
+  tick.nominal_period_s = record_.nominal_period_s;
+  tick.hand_m = hand_m_;
+  tick.place_m = to_vector(record_.state.place_m);
+  tick.moved_m = moved_m;
+  tick.normal = found_.normal;
+  tick.force_n = input.force_n;
+  tick.delay_ticks = static_cast<std::size_t>(std::max(0, device_.limits.delay_ticks));
+  tick.contact = found_.contact;
+  tick.touch = event_ && event_->kind == ContactEvent::Kind::touch;
+  if (tick.touch) tick.approach_m_per_s = event_->normal_speed_m_per_s;
+  const EffectForces::Output added = effects_.update(tick, effects);
+  if (effects == nullptr) return;
+  input.force_n += added.force_n;
+  input.spring_energy_j += added.stored_j;
+}
+
+// The user's, or that of the part under the hand.
+double HapticRenderer::wished_stiffness() noexcept {
+  const SurfaceEffects* effects = surface_->effects.get();
+  if (!placed_ || effects == nullptr || !effects->has_stiffness()) return wish_n_per_m_;
+  const double share = options_.stiffness_n_per_m > 0.0 ? wish_n_per_m_ / options_.stiffness_n_per_m : 0.0;
+  return effects_.stiffness(wish_n_per_m_, share, to_vector(record_.state.place_m), *effects);
+}
+
 void HapticRenderer::render(const DeviceSample& sample) noexcept {
   State& state = record_.state;
   const pipeline::Lattice& lattice = surface_->lattice;
@@ -239,30 +271,14 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
       found_.position == hip_local ? hip_m : Eigen::Vector3d(found_.position + lattice.origin_m);
 
   state.penetration_m = surface_->scale * away.norm();
-  const GovernorInput input = governor_input(sample, surface_->scale * away, force_n);
-  const GovernorOutput output = governor_.update(input);
-
-  const double moved_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;
-  slip_speed_ += (moved_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilterS);
   state.hip_m = to_array(hip_m);
   state.proxy_m = to_array(proxy_m);
   state.normal = to_array(found_.normal);
   state.force_n = to_array(force_n);
-  state.commanded_force_n = to_array(output.force_n);
-  state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
   state.friction_coefficient = found_.mu_dynamic;
   state.contact = found_.contact ? 1 : 0;
   const std::array<double, 3> touched_m = touched_place(state);
   state.place_m = place_of({touched_m[0], touched_m[1], touched_m[2]});
-  state.flags |= find_place(found_.position);
-  if (found_.sticking) state.flags |= kFlagSticking;
-  if (found_.unfinished) state.flags |= kFlagUnfinished;
-  if (output.saturated) state.flags |= kFlagSaturated;
-  if (output.armed) state.flags |= kFlagArmed;
-  if (!sample.fresh) {
-    state.flags |= kFlagStale;
-    state.commanded_force_n = {};
-  }
 
   ContactEvents::Input contact;
   contact.time_s = sample.time_s;
@@ -275,6 +291,26 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   contact.contact = found_.contact;
   contact.sticking = found_.sticking;
   if (sample.fresh) event_ = events_.update(contact);  // a stale place says nothing about speed
+
+  const Eigen::Vector3d moved_m =
+      found_.contact ? Eigen::Vector3d(surface_->scale * (found_.position - before)) : Eigen::Vector3d::Zero();
+  GovernorInput input = governor_input(sample, surface_->scale * away, force_n);
+  add_effects(input, moved_m);
+  const GovernorOutput output = governor_.update(input);
+
+  const double travel_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;
+  slip_speed_ += (travel_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilterS);
+  state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
+  state.commanded_force_n = to_array(output.force_n);
+  state.flags |= find_place(found_.position);
+  if (found_.sticking) state.flags |= kFlagSticking;
+  if (found_.unfinished) state.flags |= kFlagUnfinished;
+  if (output.saturated) state.flags |= kFlagSaturated;
+  if (output.armed) state.flags |= kFlagArmed;
+  if (!sample.fresh) {
+    state.flags |= kFlagStale;
+    state.commanded_force_n = {};
+  }
 }
 
 // Ticks that were missed do not let the window jump.
@@ -293,7 +329,7 @@ void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s)
     last_time_s_ = sample.time_s;
   }
   if (!swapped_) scroll(nominal_period_s);
-  stiffness_n_per_m_ = governor_.stiffness(wish_n_per_m_, nominal_period_s);
+  stiffness_n_per_m_ = governor_.stiffness(wished_stiffness(), nominal_period_s);
   const bool fault = std::exchange(fault_, false) || record_.period_s > nominal_period_s + options_.longest_gap_s;
   tick(sample, fault);
 }
@@ -327,6 +363,8 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (window_.effects.texture) state.flags |= kFlagTexture;
   if (window_.effects.friction) state.flags |= kFlagFriction;
   if (shape() == CellShape::rounded) state.flags |= kFlagRounded;
+  if (surface_->effects && surface_->effects->impact) state.flags |= kFlagImpact;
+  if (surface_->effects && surface_->effects->grain) state.flags |= kFlagGrain;
   state.workspace_m = device_.workspace_width_m;
   state.stiffness_n_per_m = stiffness_n_per_m_;
   state.tip_radius_m = surface_->tip_radius_m;

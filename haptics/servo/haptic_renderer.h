@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "haptics/device/device.h"
+#include "haptics/effects/effect_forces.h"
 #include "haptics/governor/governor.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/servo/command.h"
@@ -84,6 +85,8 @@ class HapticRenderer {
   void render(const DeviceSample& sample) noexcept;
   [[nodiscard]] ProxyUpdate solve(const Eigen::Vector3d& hip_local, ProxyState& proxy) const noexcept;
   void begin_fade() noexcept;
+  [[nodiscard]] double wished_stiffness() noexcept;
+  void add_effects(GovernorInput& input, const Eigen::Vector3d& moved_m) noexcept;
   [[nodiscard]] GovernorInput governor_input(const DeviceSample& sample, const Eigen::Vector3d& away_m,
                                              const Eigen::Vector3d& force_n) noexcept;
   void render_invalid_sample(const DeviceSample& sample) noexcept;
@@ -105,6 +108,7 @@ class HapticRenderer {
   ProxyState proxy_;
   ProxyUpdate found_;
   SwapFade fade_;
+  EffectForces effects_;
   Eigen::Vector3d felt_n_ = Eigen::Vector3d::Zero();  // what the governor was given last
   Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();  // last finite hand position, device frame
   bool placed_ = false;                               // the proxy has been started

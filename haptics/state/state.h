@@ -25,6 +25,8 @@ enum StateFlag : std::uint64_t {
   kFlagTexture = 1U << 12,      ///< the surface with its texture is rendered (else its envelope)
   kFlagFriction = 1U << 13,     ///< friction is rendered
   kFlagRounded = 1U << 14,      ///< the bilinear surface's creases are rounded
+  kFlagImpact = 1U << 15,       ///< strikes ring, which is invented
+  kFlagGrain = 1U << 16,        ///< grain finer than the scan is rendered, which is invented
 };
 
 /// Positions in metres. Grid frame unless said otherwise; forces in newtons, device frame.

@@ -96,6 +96,7 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
   surface->level = parts.level;
   surface->scale = parts.scale;
   surface->tip_radius_m = parts.tip_radius_m;
+  surface->effects = std::move(parts.effects);
   surface->height_m = std::move(parts.height_m);
   if (parts.cell_flags.empty())
     parts.cell_flags = flag_unknown(

@@ -17,6 +17,8 @@ namespace sparsha::haptics {
 /// Bits per cell, for State::flags.
 enum CellFlag : std::uint8_t { kCellFilled = 1, kCellUnknown = 2, kCellOutside = 4 };
 
+struct SurfaceEffects;
+
 /// Immutable; made off the servo thread, read by it. Beyond its border the surface goes on level and frictionless.
 struct MongeSurface {
   pipeline::Lattice lattice;             ///< of the window, grid frame
@@ -30,6 +32,7 @@ struct MongeSurface {
   double tip_radius_m = 0.0;                                   ///< device frame; heights are a ball's, lowered by it
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();          ///< grid point at the device frame's origin
   double highest_m = std::numeric_limits<double>::infinity();  ///< no node is higher; above it nothing is searched
+  std::shared_ptr<const SurfaceEffects> effects;               ///< haptics/effects; null: none
 
   [[nodiscard]] double width_m() const { return (lattice.nx - 1) * lattice.spacing_m; }
   [[nodiscard]] double depth_m() const { return (lattice.ny - 1) * lattice.spacing_m; }
@@ -54,7 +57,8 @@ struct SurfaceParts {
   int margin = 0;  ///< height_m reaches so many nodes beyond the lattice on every side, for the ball to touch
   int level = 0;
   std::uint64_t id = 0;
-  std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the surface in the window's middle
+  std::optional<Eigen::Vector3d> centre_m;        ///< grid frame; absent: the surface in the window's middle
+  std::shared_ptr<const SurfaceEffects> effects;  ///< may be null
 };
 
 /// Nodes beyond a window that a ball over its border can touch.

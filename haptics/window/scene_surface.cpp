@@ -157,6 +157,7 @@ std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescriptio
   parts.level = level;
   parts.id = options.id;
   parts.centre_m = options.centre_m;
+  parts.effects = options.surface_effects;
   return make_surface(std::move(parts));
 }
 

@@ -19,6 +19,7 @@ struct SurfaceOptions {
   double tip_radius_m = 0.0;                ///< of the ball that touches, device frame; 0: a point
   int margin = 0;                           ///< the layers reach so many nodes beyond the window on every side
   std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the surface in the window's middle
+  std::shared_ptr<const SurfaceEffects> surface_effects;  ///< may be null
 };
 
 /// Coefficients per node by the scene's FrictionLaw, both 0 where nothing was measured or filled. Empty when the scene

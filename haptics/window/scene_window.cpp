@@ -1,5 +1,6 @@
 #include "haptics/window/scene_window.h"
 
+#include "haptics/window/scene_effects.h"
 #include "haptics/window/scene_surface.h"
 
 #include <algorithm>
@@ -72,6 +73,8 @@ WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& 
   std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);
   plan.scale = workspace_width_m / pipeline::window_width_m(plan.nx, plan.ny, lattice.spacing_m);
   plan.tip_radius_m = scene.config.haptics.tip_radius_m;
+  plan.impact = scene.config.haptics.impact;
+  plan.grain = scene.config.haptics.grain;
   return plan;
 }
 
@@ -86,6 +89,7 @@ HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, s
       scene.read(plan.level, plan.i0 - options.margin, plan.j0 - options.margin, plan.nx + more, plan.ny + more);
   options.effects = plan.effects;
   options.id = id;
+  options.surface_effects = make_effects(scene, plan);
   HapticWindow window;
   window.surface = make_surface(description, layers, plan.level, plan.scale, options);
   window.i0 = plan.i0;

@@ -18,6 +18,8 @@ struct WindowPlan {
   double scale = 1.0;  ///< device metres per grid metre
   Effects effects;
   double tip_radius_m = 0.0;  ///< of the ball that touches, device frame; 0: a point
+  bool impact = false;        ///< invented: strikes ring
+  bool grain = false;         ///< invented: the texture goes on above what the scan resolves
 };
 
 /// The finest level that fits whole into a window of the configured size; the coarsest when none does.
@@ -36,7 +38,7 @@ struct ZoomStep {
 
 /// The window of a step around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
 /// the level is the same computation), else the step's nodes per side. Scale = workspace width / window width. The
-/// fingertip is the configuration's.
+/// fingertip, impact and grain are the configuration's.
 [[nodiscard]] WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& step,
                                      const Eigen::Vector2d& centre_m, double workspace_width_m);
 /// The same with levels.window nodes per side.

@@ -1,0 +1,69 @@
+// What the effects of a surface add to its force in a tick: the ring of a strike and the grain under a sliding hand;
+// and the stiffness that is wished where the hand is.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "haptics/effects/grain.h"
+#include "haptics/effects/impact.h"
+#include "haptics/effects/surface_effects.h"
+
+namespace sparsha::haptics {
+
+/// Servo thread only; no allocation, no exceptions.
+class EffectForces {
+ public:
+  struct Input {
+    double period_s = 0.001;
+    double nominal_period_s = 0.001;
+    Eigen::Vector3d hand_m = Eigen::Vector3d::Zero();   ///< device frame
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< touched, frame of the scene's parts
+    Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();  ///< of the proxy since the last tick, device frame
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< unit; zero when free
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< of the surface
+    std::size_t delay_ticks = 0;                        ///< declared, as for the governor
+    bool contact = false;
+    bool touch = false;             ///< the contact has begun with this tick
+    double approach_m_per_s = 0.0;  ///< then: of the hand towards the surface
+  };
+  struct Output {
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< to be added
+    double stored_j = 0.0;                              ///< what the hand has put into the grain and may get back
+  };
+  /// `effects` may be null: then nothing is added, and nothing is remembered.
+  [[nodiscard]] Output update(const Input& input, const SurfaceEffects* effects) noexcept;
+
+  /// The wish where the hand was last, in steps too large for an encoder's flicker; the governor makes them smooth.
+  /// `share`: of the configured stiffness that the user wishes now.
+  [[nodiscard]] double stiffness(double base_n_per_m, double share, const Eigen::Vector3d& place_m,
+                                 const SurfaceEffects& effects) noexcept;
+
+  /// The surface has been exchanged: a strike needs a hand that comes from free space.
+  void swap() noexcept { impact_.reset(); }
+  /// After faults and homing.
+  void reset() noexcept;
+
+ private:
+  [[nodiscard]] double stored(const Input& input, double most_j) noexcept;
+
+  static constexpr std::size_t kLongestDelay = 4;
+  Impact impact_;
+  Grain grain_;
+  std::array<Eigen::Vector3d, kLongestDelay + 1> grain_n_ = zeros();  // newest first
+  Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();
+  double stored_j_ = 0.0;
+  bool was_contact_ = false;
+  double stiffness_n_per_m_ = 0.0;  // told the governor last
+  double last_wished_n_per_m_ = -1.0;
+
+  static std::array<Eigen::Vector3d, kLongestDelay + 1> zeros() {
+    std::array<Eigen::Vector3d, kLongestDelay + 1> forces;
+    forces.fill(Eigen::Vector3d::Zero());
+    return forces;
+  }
+};
+
+}  // namespace sparsha::haptics

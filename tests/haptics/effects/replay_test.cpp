@@ -1,0 +1,98 @@
+// A recording of a run with impact, grain and parts holds all that a replay needs for the same bits.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "haptics/device/simulated/simulated_device.h"
+#include "haptics/effects/surface_effects.h"
+#include "haptics/replay/recorded_run.h"
+#include "haptics/session/session.h"
+#include "tests/support/recorded_runs.h"
+#include "tests/support/test_folder.h"
+
+namespace sparsha::haptics {
+namespace {
+
+/// The scene of the session's tests, and its middle of wood and soft.
+pipeline::ScenePointer invented_scene() {
+  const auto stone = [](double x, double y) {
+    return sparsha::test::hills_m(x, y) + 0.0001 * std::sin(900.0 * x) * std::sin(700.0 * y);
+  };
+  return sparsha::test::scene_of(stone, 401, 0.1, 101, Eigen::Vector3d(2.0, -3.0, 0.5),
+                                 [](pipeline::SceneDescription& d) {
+                                   d.config.friction = pipeline::FrictionConfig{};
+                                   d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+                                   d.config.haptics.impact = true;
+                                   d.config.haptics.grain = true;
+                                   pipeline::PartTouch touch;
+                                   touch.material = pipeline::Material::wood;
+                                   touch.stiffness_n_per_m = 500.0;
+                                   touch.mu_dynamic = 0.3;
+                                   d.config.parts.push_back({"middle", "", {2.03, -2.97, 2.07, -2.93}, touch});
+                                 });
+}
+
+TEST(Replay, OfARunWithImpactGrainAndPartsCommandsTheSameBits) {
+  const test::TestFolder folder;
+  const auto scene = invented_scene();
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  Session session(scene, make_simulated_device(3, 3.0), options);
+  run_to_the_end(session, {{Request::Kind::zoom_in},
+                           {Request::Kind::pan, 0.2, -0.1},
+                           {Request::Kind::set_stiffness, 500.0},
+                           {Request::Kind::zoom_in},
+                           {Request::Kind::zoom_out}});
+  const Recording recording(options.record);
+  RecordedRun run(*scene, recording, RendererOptions{});
+  std::size_t differing = 0;
+  std::size_t added = 0;
+  std::ifstream file(options.record);
+  std::string live;
+  std::getline(file, live);
+  std::size_t row = 0;
+  // From a column of run.csv to the next.
+  const auto field = [](const std::string& line, std::size_t column) {
+    std::size_t from = 0;
+    for (std::size_t k = 0; k < column; ++k) from = line.find(',', from) + 1;
+    return std::stod(line.substr(from));
+  };
+  constexpr std::size_t kCommandedX = 20;
+  while (!run.finished()) {
+    if (run.needs_window()) run.change_window();
+    run.step();
+    const State& state = run.renderer().state();
+    ASSERT_TRUE(std::getline(file, live));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (field(live, kCommandedX + axis) != state.commanded_force_n[axis] && ++differing < 5)
+        ADD_FAILURE() << "row " << row << ": " << live << " and " << state.commanded_force_n[axis];
+    if ((state.flags & kFlagImpact) != 0 && (state.flags & kFlagGrain) != 0 &&
+        state.commanded_force_n != state.force_n && state.contact != 0)
+      ++added;
+    ++row;
+  }
+  EXPECT_EQ(differing, 0U);
+  EXPECT_GT(added, 100U) << "impact and grain were felt at all";
+}
+
+TEST(Replay, OfARunWithoutImpactAndGrainAddsNoneWhateverTheSceneSaysNow) {
+  const test::TestFolder folder;
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  Session session(textured_scene(), make_simulated_device(3, 1.0), options);
+  run_to_the_end(session);
+  const Recording recording(options.record);
+  for (const RecordedWindow& window : recording.windows()) {
+    EXPECT_FALSE(window.plan.impact);
+    EXPECT_FALSE(window.plan.grain);
+  }
+  RecordedRun run(*invented_scene(), recording, RendererOptions{});
+  EXPECT_FALSE(run.renderer().window().surface->effects != nullptr &&
+               (run.renderer().window().surface->effects->impact || run.renderer().window().surface->effects->grain));
+}
+
+}  // namespace
+}  // namespace sparsha::haptics
