@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "scene/region_frame.h"
 #include "scene/scene.h"
@@ -20,5 +21,9 @@ namespace sparsha::pipeline {
   }
   return nullptr;
 }
+
+/// Where a part lies in the grid frame, xmin ymin xmax ymax: its own box, or, of a scene that was scanned from another
+/// side, the box of the measured places that belong to it; empty when there are none.
+[[nodiscard]] std::optional<std::array<double, 4>> part_box(const Scene& scene, const PartConfig& part);
 
 }  // namespace sparsha::pipeline

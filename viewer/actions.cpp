@@ -10,6 +10,9 @@ namespace {
 constexpr std::array kActions{
     ActionInfo{Action::zoom_out, Group::touch, "-", "Zoom out", "a wider window, or one level coarser", true, true},
     ActionInfo{Action::zoom_in, Group::touch, "+", "Zoom in", "one level finer, or nearer to the stone", true, true},
+    ActionInfo{Action::next_part, Group::touch, "N", "Next part", "go to the next named part", false, false},
+    ActionInfo{Action::previous_part, Group::touch, "B", "Part before", "go to the named part before", false, false},
+    ActionInfo{Action::whole_scene, Group::touch, "W", "Whole", "the whole of it", false, false},
     ActionInfo{Action::pan_left, Group::touch, "\xE2\x86\x90", "Left", "move the window left", false, true},
     ActionInfo{Action::pan_right, Group::touch, "\xE2\x86\x92", "Right", "move the window right", false, true},
     ActionInfo{Action::pan_up, Group::touch, "\xE2\x86\x91", "Up", "move the window up", false, true},
@@ -52,6 +55,7 @@ constexpr std::array kActions{
     ActionInfo{Action::previous_item, Group::program, "Shift Tab", "Previous", "back through the buttons", false,
                false},
     ActionInfo{Action::help, Group::program, "F1 or H", "Help", "this page", true, true},
+    ActionInfo{Action::tour, Group::program, "F2", "Tour", "a minute in which the buttons are learnt", false, false},
     ActionInfo{Action::escape, Group::program, "Esc", "Close", "close what is open, else leave", false, false},
     ActionInfo{Action::quit, Group::program, "Q", "Quit", "leave", false, false},
 };
@@ -69,6 +73,10 @@ constexpr std::array kBindings{
     Binding{'+', kAny, Action::zoom_in, false},
     Binding{'=', kAny, Action::zoom_in, false},
     Binding{'-', kAny, Action::zoom_out, false},
+    Binding{'N', 0, Action::next_part, false},
+    Binding{'B', 0, Action::previous_part, false},
+    Binding{'W', 0, Action::whole_scene, false},
+    Binding{key::kF2, 0, Action::tour, false},
     Binding{key::kLeft, 0, Action::pan_left, true},
     Binding{key::kRight, 0, Action::pan_right, true},
     Binding{key::kUp, 0, Action::pan_up, true},

@@ -9,6 +9,10 @@ namespace sparsha::viewer {
 enum class Action {
   zoom_in,
   zoom_out,
+  next_part,
+  previous_part,
+  whole_scene,
+  tour,
   pan_left,
   pan_right,
   pan_up,
@@ -52,7 +56,7 @@ enum class Action {
 /// Keys as the layout names them: printable ones are their upper-case character, others have names here.
 namespace key {
 inline constexpr int kLeft = 256, kRight = 257, kUp = 258, kDown = 259, kPageUp = 260, kPageDown = 261, kHome = 262,
-                     kEnter = 263, kEscape = 264, kTab = 265, kF1 = 266;
+                     kEnter = 263, kEscape = 264, kTab = 265, kF1 = 266, kF2 = 267;
 }  // namespace key
 
 /// Bits of KeyPress::modifiers.

@@ -165,6 +165,18 @@ bool Controller::ask_session(Action action) {
     case Action::zoom_out:
       post(Kind::zoom_out);
       return true;
+    case Action::next_part:
+      post(Kind::next_part);
+      return true;
+    case Action::previous_part:
+      post(Kind::previous_part);
+      return true;
+    case Action::whole_scene:
+      post(Kind::whole_scene);
+      return true;
+    case Action::tour:
+      post(Kind::tour);
+      return true;
     case Action::pan_left:
       post(Kind::pan, -0.25, 0.0);
       return true;

@@ -83,6 +83,8 @@ int key_of(int glfw_key, int scancode) {
       return key::kTab;
     case GLFW_KEY_F1:
       return key::kF1;
+    case GLFW_KEY_F2:
+      return key::kF2;
     case GLFW_KEY_SPACE:
       return ' ';
     case GLFW_KEY_KP_ADD:

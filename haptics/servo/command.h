@@ -38,6 +38,7 @@ struct Command {
     swap,       ///< touch `window`; the hand keeps its place
     scroll,     ///< let the window's centre move with `scroll_m_per_s` until told otherwise
     stiffness,  ///< render with `stiffness_n_per_m`
+    drag,       ///< `on`: the window's centre moves with the hand, and nothing is touched, until told otherwise
   };
   Kind kind = Kind::scroll;
   HapticWindow window;
@@ -46,6 +47,7 @@ struct Command {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();        ///< grid frame
   Eigen::Vector3d scroll_m_per_s = Eigen::Vector3d::Zero();  ///< grid frame; never downwards in contact
   double stiffness_n_per_m = 0.0;
+  bool on = false;
   std::uint64_t sequence = 0;  ///< counts commands from 1
 };
 

@@ -105,7 +105,7 @@ void HapticRenderer::swap(Command& command) noexcept {
   const double z = centre_m_.z() + proxy_device_m.z() / fresh.scale - fresh.lattice.origin_m.z();
   proxy_.position = {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)};
   effects_.swap();
-  begin_fade();
+  if (!dragging_) begin_fade();
 }
 
 // What the new surface gives for the same hand tells how far the force is to go. Where it is another force, static
@@ -139,9 +139,44 @@ SurfacePointer HapticRenderer::apply(Command& command) noexcept {
     case Command::Kind::stiffness:
       wish_n_per_m_ = command.stiffness_n_per_m;
       break;
+    case Command::Kind::drag:
+      letting_go_ = dragging_ && !command.on;
+      if (command.on) set_dragging(true);
+      break;
   }
   record_.state.command = command.sequence;
   return retired;
+}
+
+bool HapticRenderer::is_place(const DeviceSample& sample) noexcept {
+  return sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHandM;
+}
+
+// What was felt fades, as after a swap.
+void HapticRenderer::set_dragging(bool on) noexcept {
+  if (on && !dragging_ && placed_)
+    fade_.begin(felt_n_, Eigen::Vector3d::Zero(), hand_m_, std::max(stiffness_n_per_m_, 1.0));
+  dragging_ = on;
+  if (!on) letting_go_ = false;
+}
+
+// The place of the scene under the hand stays under it, as far as the level reaches.
+void HapticRenderer::drag(const Eigen::Vector3d& hand_m) noexcept {
+  centre_m_.head<2>() -= (hand_m - hand_m_).head<2>() / surface_->scale;
+  const pipeline::Lattice& lattice = surface_->lattice;
+  const Eigen::Vector2d low = lattice.origin_m.head<2>() - Eigen::Vector2d(window_.i0, window_.j0) * lattice.spacing_m;
+  const Eigen::Vector2d nodes(window_.level_nx > 0 ? window_.level_nx : lattice.nx,
+                              window_.level_ny > 0 ? window_.level_ny : lattice.ny);
+  const Eigen::Vector2d high = low + (nodes - Eigen::Vector2d::Ones()) * lattice.spacing_m;
+  centre_m_.head<2>() = centre_m_.head<2>().cwiseMax(low).cwiseMin(high);
+}
+
+// The stone comes back where the hand is in the air; a hand that would be inside lies on the surface.
+void HapticRenderer::let_go(const Eigen::Vector3d& hand_m) noexcept {
+  const Eigen::Vector3d hip_local = centre_m_ + hand_m / surface_->scale - surface_->lattice.origin_m;
+  const double height = touched_height(*surface_, hip_local.x(), hip_local.y(), shape());
+  centre_m_.z() += std::max(0.0, height - hip_local.z());
+  set_dragging(false);
 }
 
 // A position that cannot be used: no force, no rendering, and no force again before the hand has been in free space.
@@ -262,8 +297,13 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
     proxy_ = start_proxy(*surface_, hip_local);
     placed_ = true;
   }
+  if (dragging_ || dragged_) {  // the hand was in the air all the while
+    proxy_ = {};
+    proxy_.position = hip_local;
+  }
+  dragged_ = dragging_;
   const Eigen::Vector3d before = proxy_.position;
-  found_ = solve(hip_local, proxy_);
+  found_ = dragging_ ? ProxyUpdate{.position = hip_local} : solve(hip_local, proxy_);
   const Eigen::Vector3d away = found_.contact ? Eigen::Vector3d(found_.position - hip_local) : Eigen::Vector3d::Zero();
   const Eigen::Vector3d force_n = stiffness_n_per_m_ * surface_->scale * away;
   // A free proxy is the hand itself, to the last bit.
@@ -328,13 +368,18 @@ void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s)
     has_time_ = true;
     last_time_s_ = sample.time_s;
   }
-  if (!swapped_) scroll(nominal_period_s);
+  if (!swapped_ && !dragging_) scroll(nominal_period_s);
+  if (dragging_ && placed_ && sample.homed && is_place(sample)) {
+    drag(sample.position_m);
+    if (letting_go_) let_go(sample.position_m);
+  }
   stiffness_n_per_m_ = governor_.stiffness(wished_stiffness(), nominal_period_s);
   const bool fault = std::exchange(fault_, false) || record_.period_s > nominal_period_s + options_.longest_gap_s;
   tick(sample, fault);
 }
 
 void HapticRenderer::replay(const DeviceSample& sample, const RecordedTick& recorded) noexcept {
+  set_dragging((recorded.flags & kFlagDragged) != 0);
   centre_m_ = recorded.centre_m;
   stiffness_n_per_m_ = recorded.stiffness_n_per_m;
   record_.period_s = recorded.period_s;
@@ -363,6 +408,7 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (window_.effects.texture) state.flags |= kFlagTexture;
   if (window_.effects.friction) state.flags |= kFlagFriction;
   if (shape() == CellShape::rounded) state.flags |= kFlagRounded;
+  if (dragging_) state.flags |= kFlagDragged;
   if (surface_->effects && surface_->effects->impact) state.flags |= kFlagImpact;
   if (surface_->effects && surface_->effects->grain) state.flags |= kFlagGrain;
   state.workspace_m = device_.workspace_width_m;
@@ -397,7 +443,7 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
   record_.raw_device_m = to_array(sample.position_m);
   describe_tick(sample);
 
-  const bool finite = sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHandM;
+  const bool finite = is_place(sample);
   if (finite)
     hand_m_ = sample.position_m;
   else

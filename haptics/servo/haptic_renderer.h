@@ -80,6 +80,10 @@ class HapticRenderer {
  private:
   void swap(Command& command) noexcept;
   void scroll(double nominal_period_s) noexcept;
+  void set_dragging(bool on) noexcept;
+  void drag(const Eigen::Vector3d& hand_m) noexcept;
+  void let_go(const Eigen::Vector3d& hand_m) noexcept;
+  [[nodiscard]] static bool is_place(const DeviceSample& sample) noexcept;
   void tick(const DeviceSample& sample, bool fault) noexcept;
   void describe_tick(const DeviceSample& sample) noexcept;
   void render(const DeviceSample& sample) noexcept;
@@ -113,7 +117,10 @@ class HapticRenderer {
   Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();  // last finite hand position, device frame
   bool placed_ = false;                               // the proxy has been started
   bool fault_ = false;
-  bool swapped_ = false;  // since the last update: the recorded centre is then the swap's own
+  bool dragging_ = false;
+  bool letting_go_ = false;  // dragging until a hand position is known
+  bool dragged_ = false;     // in the last tick
+  bool swapped_ = false;     // since the last update: the recorded centre is then the swap's own
   bool has_time_ = false;
   double stale_s_ = 0.0;  // without a fresh sample
   double last_time_s_ = 0.0;

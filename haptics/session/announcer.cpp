@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "base/text.h"
@@ -62,6 +64,15 @@ void Announcer::say_level(int level, double width_m, double scale) {
   const std::size_t count = scene_->description().levels.size();
   say(fmt::format("Level {} of {}, {} across{}", level + 1, count, length_text(width_m, TextStyle::spoken),
                   magnification_text(scale)));
+}
+
+void Announcer::say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m) {
+  constexpr std::array<const char*, 12> kHours{"twelve", "one",   "two",   "three", "four", "five",
+                                               "six",    "seven", "eight", "nine",  "ten",  "eleven"};
+  const double turns = std::atan2(way_m.x(), way_m.y()) / (2.0 * std::numbers::pi);  // from twelve o'clock, clockwise
+  const auto hour = static_cast<std::size_t>(std::lround(12.0 * (turns + 1.0))) % kHours.size();
+  say(fmt::format("{}, {}, {} o'clock", part.say.empty() ? part.name : part.say,
+                  length_text(way_m.norm(), TextStyle::spoken), kHours[hour]));
 }
 
 void Announcer::describe(const State& state, double width_m) {

@@ -21,6 +21,8 @@ class Announcer {
   /// "Level 2 of 4, 12 centimetres across"; nearer views add how many times the stone's size is felt.
   /// `scale`: device metres per grid metre.
   void say_level(int level, double width_m, double scale);
+  /// A part that the window goes to, and its way from the hand, grid frame: "Lotus, 12 centimetres, two o'clock".
+  void say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m);
   /// Where the hand is, at length.
   void describe(const State& state, double width_m);
   void say(std::string text, Announcement::Priority priority = Announcement::Priority::information);

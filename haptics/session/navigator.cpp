@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/regions.h"
+
 namespace sparsha::haptics {
 namespace {
 
@@ -79,10 +81,46 @@ WindowLoader::Job Navigator::move(Eigen::Vector2d centre_m) const {
   const pipeline::Lattice& lattice = level(plan_.level);
   centre_m.x() = std::clamp(centre_m.x(), lattice.x_m(0), lattice.x_m(lattice.nx - 1));
   centre_m.y() = std::clamp(centre_m.y(), lattice.y_m(0), lattice.y_m(lattice.ny - 1));
-  WindowLoader::Job result = job(plan_at({plan_.level, plan_.nodes}, centre_m));
+  return move(plan_at({plan_.level, plan_.nodes}, centre_m), centre_m);
+}
+
+WindowLoader::Job Navigator::move(const WindowPlan& plan, const Eigen::Vector2d& centre_m) const {
+  WindowLoader::Job result = job(plan);
   result.command.move = true;
   result.command.centre_m = centre_m;
   return result;
+}
+
+WindowLoader::Job Navigator::whole_scene() const {
+  const WindowPlan plan = first_plan();
+  return move(plan, middle_of(level(plan.level)));
+}
+
+// To the nearest view that shows the whole part, with its way from the hand in words.
+std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
+  constexpr double kRoom = 1.1;  // window widths a part
+  const auto& parts = scene_->description().config.parts;
+  if (parts.empty()) {
+    announcer_.say("There are no named parts");
+    return std::nullopt;
+  }
+  const std::size_t count = parts.size();
+  part_ = step > 0 ? part_ % count + 1 : (part_ + count - 2) % count + 1;
+  const pipeline::PartConfig& part = parts[part_ - 1];
+  const std::optional<std::array<double, 4>> box = pipeline::part_box(*scene_, part);
+  if (!box) {
+    announcer_.say(part.name + " is not on this side");
+    return std::nullopt;
+  }
+  const Eigen::Vector2d centre_m(0.5 * ((*box)[0] + (*box)[2]), 0.5 * ((*box)[1] + (*box)[3]));
+  const double size_m = std::max((*box)[2] - (*box)[0], (*box)[3] - (*box)[1]);
+  WindowPlan plan = first_plan();
+  for (const ZoomStep& nearer : zoom_steps(scene_->description(), workspace_width_m_))
+    if (const WindowPlan next = plan_at(nearer, centre_m); workspace_width_m_ / next.scale >= kRoom * size_m)
+      plan = next;
+  announcer_.say_part(part, centre_m - across(state.hip_m));
+  announcer_.say_level(plan.level, workspace_width_m_ / plan.scale, plan.scale);
+  return move(plan, centre_m);
 }
 
 std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const State& state) {
@@ -93,6 +131,12 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       return zoom(Zoom::in, state);
     case Request::Kind::zoom_out:
       return zoom(Zoom::out, state);
+    case Request::Kind::whole_scene:
+      return whole_scene();
+    case Request::Kind::next_part:
+      return part(+1, state);
+    case Request::Kind::previous_part:
+      return part(-1, state);
     case Request::Kind::pan:
       if (!finite()) return std::nullopt;
       return move(centre_m + Eigen::Vector2d(request.x, request.y) * width_m());
@@ -118,10 +162,8 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
 WindowLoader::Job Navigator::change_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
   announcer_.set_scene(scene_);
-  WindowLoader::Job result = job(first_plan());
-  result.command.move = true;
-  result.command.centre_m = middle_of(level(result.plan.level));
-  return result;
+  part_ = 0;
+  return whole_scene();
 }
 
 std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {

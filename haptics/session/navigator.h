@@ -30,6 +30,8 @@ class Navigator {
 
   /// A wish that changes the window; empty when it changes nothing (and says why).
   [[nodiscard]] std::optional<WindowLoader::Job> wish(const Request& request, const State& state);
+  /// The overview of the same scene.
+  [[nodiscard]] WindowLoader::Job whole_scene() const;
   /// A change of scene.
   [[nodiscard]] WindowLoader::Job change_scene(pipeline::ScenePointer scene);
   /// Fresh tiles when the proxy is near the border of those loaded; empty when it is not or there are none beyond.
@@ -43,6 +45,8 @@ class Navigator {
   [[nodiscard]] WindowLoader::Job job(const WindowPlan& plan) const;
   [[nodiscard]] std::optional<WindowLoader::Job> zoom(Zoom direction, const State& state);
   [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m) const;
+  [[nodiscard]] WindowLoader::Job move(const WindowPlan& plan, const Eigen::Vector2d& centre_m) const;
+  [[nodiscard]] std::optional<WindowLoader::Job> part(int step, const State& state);
   void say_direction(const Eigen::Vector3d& velocity);
   [[nodiscard]] WindowPlan plan_at(const ZoomStep& step, const Eigen::Vector2d& centre_m) const;
 
@@ -51,6 +55,7 @@ class Navigator {
   Effects effects_;
   Announcer& announcer_;
   WindowPlan plan_;
+  std::size_t part_ = 0;                              // one beyond the part that was gone to; 0: none yet
   Eigen::Vector3d scroll_ = Eigen::Vector3d::Zero();  // last one commanded, grid frame, m/s
 };
 

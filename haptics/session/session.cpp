@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
 #include <optional>
@@ -17,6 +16,8 @@
 #include "haptics/replay/replay.h"
 #include "haptics/servo/servo.h"
 #include "haptics/session/announcer.h"
+#include "haptics/session/button_tour.h"
+#include "haptics/session/buttons.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/window_loader.h"
 
@@ -26,12 +27,10 @@ namespace {
 constexpr double kSlowestHz = 100.0;
 constexpr double kFastestHz = 10000.0;
 constexpr double kFaultPauseS = 3.0;
+constexpr double kHelpAgainS = 30.0;
 // Of what is asked for step by step.
 constexpr double kSoftestNPerM = 50.0;
 constexpr double kHardestNPerM = 5000.0;
-
-// Device buttons, from the front of a Falcon's grip.
-enum Button : std::size_t { kButtonPlus, kButtonForward, kButtonCentre, kButtonMinus };
 
 double checked_rate(double rate_hz, double own_rate_hz) {
   if (own_rate_hz > 0.0) rate_hz = own_rate_hz;
@@ -119,20 +118,57 @@ struct Session::Implementation {
                                   stiffness_n_per_m < wish_n_per_m ? ", all the device can bear" : ""));
         return;
       }
+      case Request::Kind::help:
+        helped_s = now.time_s;
+        announcer.say(button_help());
+        return;
+      case Request::Kind::tour:
+        helped_s = -kHelpAgainS;
+        tour.start(now.time_s, !scene->description().config.parts.empty());
+        return;
+      case Request::Kind::drag: {
+        if (recording) return;
+        Command command;
+        command.kind = Command::Kind::drag;
+        command.on = request.on;
+        post(std::move(command));
+        return;
+      }
       default:
         if (!recording) request_window(navigator.wish(request, now));
     }
   }
 
-  void press_buttons(const State& now) {
-    // A contact that bounces between two looks is one click.
-    const auto pressed = [&](Button button) {
-      return std::exchange(presses[button], now.button_presses[button]) != now.button_presses[button];
-    };
-    if (pressed(kButtonPlus)) serve({Request::Kind::zoom_in}, now);
-    if (pressed(kButtonMinus)) serve({Request::Kind::zoom_out}, now);
-    if (pressed(kButtonCentre)) serve({Request::Kind::describe}, now);
-    if (pressed(kButtonForward) && !recording) request_window(navigator.change_scene(scene));
+  void use_buttons(const State& now) {
+    const std::vector<Gesture> gestures = buttons.read(now);
+    for (const Gesture gesture : gestures) serve(request_of(gesture, now), now);
+    tour.watch(gestures, now.time_s);
+  }
+
+  Request request_of(Gesture gesture, const State& now) {
+    using Kind = Request::Kind;
+    switch (gesture) {
+      case Gesture::zoom_in:
+        return {Kind::zoom_in};
+      case Gesture::zoom_out:
+        return {Kind::zoom_out};
+      case Gesture::next_part:
+        return {Kind::next_part};
+      case Gesture::previous_part:
+        return {Kind::previous_part};
+      case Gesture::whole_scene:
+        return {Kind::whole_scene};
+      case Gesture::drag:
+        return {Kind::drag, 0.0, 0.0, true};
+      case Gesture::let_go:
+        return {Kind::drag, 0.0, 0.0, false};
+      case Gesture::help:
+        // Asked for once more, help becomes a tour.
+        return {now.time_s - helped_s < kHelpAgainS ? Kind::tour : Kind::help};
+      case Gesture::describe:
+        break;
+    }
+    return {Kind::describe};
   }
 
   struct Told {
@@ -188,7 +224,9 @@ struct Session::Implementation {
 
   std::uint64_t next_id = 1;
   std::uint64_t sequence = 0;
-  std::array<std::uint64_t, 4> presses{};  // seen
+  Buttons buttons;
+  ButtonTour tour{announcer};
+  double helped_s = -kHelpAgainS;  // when help was given last
   double stiffness_n_per_m = 0.0;
   bool quit = false;
   std::uint64_t windows_loaded = 1;
@@ -249,7 +287,7 @@ void Session::poll() {
   }
   if (now.tick > 0) {
     self.announcer.watch(now);
-    self.press_buttons(now);
+    self.use_buttons(now);
   }
   while (const std::optional<Request> request = self.requests.take()) self.serve(*request, now);
   if (self.replay) return;
@@ -257,6 +295,7 @@ void Session::poll() {
   if (now.tick == 0 || self.loader.busy() || now.command != self.sequence) return;
   // Only once the servo has caught up is its State about the present window.
   self.request_window(self.navigator.follow(now));
+  if ((now.flags & kFlagDragged) != 0) return;  // the hand at the rim drags, it does not scroll
   if (std::optional<Command> command = self.navigator.scroll(now)) self.post(std::move(*command));
 }
 

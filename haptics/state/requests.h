@@ -23,7 +23,13 @@ struct Request {
     set_friction,     ///< on
     set_stiffness,    ///< x: N/m
     scale_stiffness,  ///< x: factor, within 50 to 5000 N/m
+    whole_scene,      ///< the overview, with the scene's middle in the middle
+    next_part,        ///< the window goes to the next named part
+    previous_part,    ///< likewise
+    drag,             ///< on: the stone moves with the hand, without force, until this is asked for with off
     describe,         ///< say where the hand is
+    help,             ///< say what the buttons do
+    tour,             ///< a minute in which the buttons are learnt
     quit
   };
   Kind kind = Kind::describe;

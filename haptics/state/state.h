@@ -27,6 +27,7 @@ enum StateFlag : std::uint64_t {
   kFlagRounded = 1U << 14,      ///< the bilinear surface's creases are rounded
   kFlagImpact = 1U << 15,       ///< strikes ring, which is invented
   kFlagGrain = 1U << 16,        ///< grain finer than the scan is rendered, which is invented
+  kFlagDragged = 1U << 17,      ///< the hand drags the window; nothing is touched meanwhile
 };
 
 /// Positions in metres. Grid frame unless said otherwise; forces in newtons, device frame.

@@ -97,7 +97,9 @@ TEST(Session, PlaybackOfARecordingGivesIdenticalBitsThroughZoomsAndPans) {
                                          {Request::Kind::zoom_in},  // nearer than level 0's whole window
                                          {Request::Kind::set_friction, 0.0, 0.0, false},
                                          {Request::Kind::move_to, 2.04, -2.96},
+                                         {Request::Kind::drag, 0.0, 0.0, true},
                                          {Request::Kind::zoom_out},
+                                         {Request::Kind::drag, 0.0, 0.0, false},
                                          {Request::Kind::zoom_out},
                                          {Request::Kind::set_texture, 0.0, 0.0, false}});
   EXPECT_EQ(summary.levels, (std::vector<int>{0, 1, 2}));

@@ -75,31 +75,104 @@ TEST(Session, ZoomsWithTheDevicesButtonsAndSaysTheLevel) {
   EXPECT_EQ(session.state().read().level, 0U);  // nothing yet
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
   EXPECT_EQ(session.state().read().level, 2U);
-  hand.put(0.0, 0.0, 0.02, 1);  // plus
+  const auto click = [&](std::uint64_t button) {
+    hand.put(0.0, 0.0, 0.02, button);
+    return poll_until(session, [&] { return session.state().read().buttons == button; }) &&
+           (hand.put(0.0, 0.0, 0.02, 0), poll_until(session, [&] { return session.state().read().buttons == 0; }));
+  };
+  ASSERT_TRUE(click(1));  // plus
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().level == 1; }));
-  hand.put(0.0, 0.0, 0.02, 0);
-  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().buttons == 0; }));
-  hand.put(0.0, 0.0, 0.02, 1);
+  ASSERT_TRUE(click(1));
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().level == 0; }));
-  hand.put(0.0, 0.0, 0.02, 0);
-  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().buttons == 0; }));
   for (int press = 0; press < 12 && !said(session, "Closest view"); ++press) {
     const std::uint64_t before = session.state().read().surface_id;
-    hand.put(0.0, 0.0, 0.02, 1);
-    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().buttons == 1; }));
-    hand.put(0.0, 0.0, 0.02, 0);
-    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().buttons == 0; }));
+    ASSERT_TRUE(click(1));
     ASSERT_TRUE(poll_until(
         session, [&] { return session.state().read().surface_id > before || said(session, "Closest view"); }));
   }
   EXPECT_TRUE(said(session, "Closest view"));
   EXPECT_EQ(session.state().read().level, 0U);
-  hand.put(0.0, 0.0, 0.02, 2);  // forward: the whole scene
+  ASSERT_TRUE(click(2));  // forward: the whole scene
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().level == 2; }));
   EXPECT_TRUE(said(session, "Level 1 of 3"));
   const SessionSummary summary = session.stop();
   EXPECT_EQ(summary.levels, (std::vector<int>{0, 1, 2}));
   std::printf("swap at most %.1f us\n", summary.swap_ns_max * 1e-3);
+}
+
+TEST(Session, HeldButtonsGoFromPartToPartAndSayTheWay) {
+  const auto scene = sparsha::test::scene_of(
+      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](pipeline::SceneDescription& d) {
+        d.config.parts.push_back({"leaf", "A leaf", {0.07, 0.08, 0.08, 0.09}});
+        d.config.parts.push_back({"edge", "The left edge", {0.0, 0.0, 0.03, 0.1}});
+      });
+  Placed hand;
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  const auto hold = [&](std::uint64_t button) {
+    const std::uint64_t before = session.state().read().surface_id;
+    hand.put(0.0, 0.0, 0.02, button);
+    const bool moved = poll_until(session, [&] { return session.state().read().surface_id > before; });
+    hand.put(0.0, 0.0, 0.02, 0);
+    return moved && poll_until(session, [&] { return session.state().read().buttons == 0; });
+  };
+  ASSERT_TRUE(hold(1));
+  State state = session.state().read();
+  EXPECT_NEAR(state.hip_m[0], 0.075, 1e-9);
+  EXPECT_NEAR(state.hip_m[1], 0.085, 1e-9);
+  // 25 mm right and 35 mm up of the middle is about one o'clock; the whole leaf lies in the window.
+  EXPECT_TRUE(said(session, "A leaf, 4.3 centimetres, one o'clock")) << ::testing::PrintToString(words(session));
+  const double width_m = state.workspace_m / state.scale;
+  EXPECT_GE(width_m, 0.01);
+  EXPECT_LE(width_m, 0.03) << "and not much else";
+  ASSERT_TRUE(hold(1));
+  EXPECT_NEAR(session.state().read().hip_m[0], 0.015, 1e-9);
+  ASSERT_TRUE(hold(8));  // minus: back
+  EXPECT_NEAR(session.state().read().hip_m[0], 0.075, 1e-9);
+  ASSERT_TRUE(hold(8));  // and round to the last
+  EXPECT_NEAR(session.state().read().hip_m[0], 0.015, 1e-9);
+  session.stop();
+}
+
+TEST(Session, TheForwardButtonDragsTheStoneWhileItIsHeld) {
+  Placed hand;
+  Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  session.requests().post({Request::Kind::zoom_in});
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().level == 1; }));
+  const State before = session.state().read();
+  hand.put(0.0, 0.0, 0.02, 2);
+  ASSERT_TRUE(poll_until(session, [&] { return (session.state().read().flags & kFlagDragged) != 0; }));
+  hand.put(-0.02, 0.01, 0.02, 2);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().device_m[0] < -0.0199; }));
+  const State dragged = session.state().read();
+  EXPECT_NEAR(dragged.hip_m[0], before.hip_m[0], 1e-9);
+  EXPECT_NEAR(dragged.centre_m[0] - before.centre_m[0], -dragged.device_m[0] / before.scale, 1e-9);
+  EXPECT_GT(dragged.centre_m[0] - before.centre_m[0], 0.019 / before.scale);
+  hand.put(-0.02, 0.01, 0.02, 0);
+  ASSERT_TRUE(poll_until(session, [&] { return (session.state().read().flags & kFlagDragged) == 0; }));
+  const State let_go = session.state().read();
+  hand.put(0.0, 0.0, 0.02, 0);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().device_m[0] > -0.0001; }));
+  EXPECT_EQ(session.state().read().centre_m, let_go.centre_m) << "the stone stays there";
+  session.stop();
+}
+
+TEST(Session, HoldingTheMiddleButtonHelpsAndHoldingItAgainGivesATour) {
+  Placed hand;
+  Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  for (const char* words : {"Right button: closer", "The grip has four buttons"}) {
+    EXPECT_FALSE(said(session, words));
+    hand.put(0.0, 0.0, 0.02, 4);
+    ASSERT_TRUE(poll_until(session, [&] { return said(session, words); }));
+    hand.put(0.0, 0.0, 0.02, 0);
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().buttons == 0; }));
+  }
+  session.stop();
 }
 
 TEST(Session, TheWindowFollowsAHandAtTheWorkspacesRimToTheEdgeOfTheScene) {

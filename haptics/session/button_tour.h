@@ -1,0 +1,39 @@
+// A minute in which a first-time visitor learns the buttons by using them.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "haptics/session/announcer.h"
+#include "haptics/session/buttons.h"
+
+namespace sparsha::haptics {
+
+/// Says what to do, waits until it is done or for some seconds, and goes on. Session's thread only.
+class ButtonTour {
+ public:
+  explicit ButtonTour(Announcer& announcer) : announcer_(announcer) {}
+
+  /// Begins, or begins anew. Without named parts their step is left out.
+  void start(double time_s, bool has_parts);
+  [[nodiscard]] bool running() const { return step_ < steps_.size(); }
+  void watch(const std::vector<Gesture>& gestures, double time_s);
+
+ private:
+  struct Step {
+    const char* words;
+    Gesture awaited;
+    Gesture also;
+  };
+  void go_on(double time_s, const char* praise);
+
+  Announcer& announcer_;
+  std::vector<Step> steps_;
+  std::size_t step_ = 0;
+  double since_s_ = 0.0;
+};
+
+/// The buttons in one breath.
+[[nodiscard]] const char* button_help();
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,49 @@
+#include "haptics/session/buttons.h"
+
+#include <cstddef>
+#include <optional>
+
+namespace sparsha::haptics {
+namespace {
+
+struct Meaning {
+  Gesture click;
+  Gesture hold;
+  double hold_s;  ///< pressed for so long it is held
+  std::optional<Gesture> release;
+};
+
+// Right, forward, centre, left: bits 0 to 3 of State::buttons, from the front of a Falcon's grip.
+constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_part, 0.6, {}},
+                                            {Gesture::whole_scene, Gesture::drag, 0.2, Gesture::let_go},
+                                            {Gesture::describe, Gesture::help, 0.8, {}},
+                                            {Gesture::zoom_out, Gesture::previous_part, 0.6, {}}}};
+
+}  // namespace
+
+std::vector<Gesture> Buttons::read(const State& state) {
+  std::vector<Gesture> gestures;
+  for (std::size_t k = 0; k < buttons_.size(); ++k) {
+    Button& button = buttons_[k];
+    const Meaning& meaning = kMeanings[k];
+    const bool down = (state.buttons >> k & 1U) != 0;
+    // A contact that bounces between two looks is one press; one that came and went between them is a click.
+    const bool pressed = state.button_presses[k] != button.presses;
+    button.presses = state.button_presses[k];
+    if (pressed && !button.down) button = {button.presses, true, false, state.time_s};
+    if (!button.down) continue;
+    if (!down) {
+      if (!button.held)
+        gestures.push_back(meaning.click);
+      else if (meaning.release)
+        gestures.push_back(*meaning.release);
+      button.down = false;
+    } else if (!button.held && state.time_s - button.since_s >= meaning.hold_s) {
+      button.held = true;
+      gestures.push_back(meaning.hold);
+    }
+  }
+  return gestures;
+}
+
+}  // namespace sparsha::haptics

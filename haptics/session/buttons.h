@@ -1,0 +1,33 @@
+// What a visitor means by the buttons of a device's grip: clicks, and buttons that are held.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "haptics/state/state.h"
+
+namespace sparsha::haptics {
+
+/// The grip's four buttons as seen from the front: right and left zoom, held they go to the next and previous part; the
+/// centre says where the hand is, held it helps; forward drags the stone while it is held, clicked it shows the whole
+/// scene.
+enum class Gesture { zoom_in, zoom_out, next_part, previous_part, describe, help, drag, let_go, whole_scene };
+
+/// Session's thread only.
+class Buttons {
+ public:
+  /// What has been done since the last call, in the order of the buttons. Clicks count when the button is let go.
+  [[nodiscard]] std::vector<Gesture> read(const State& state);
+
+ private:
+  struct Button {
+    std::uint64_t presses = 0;  ///< seen
+    bool down = false;
+    bool held = false;  ///< long enough, and said so
+    double since_s = 0.0;
+  };
+  std::array<Button, 4> buttons_{};
+};
+
+}  // namespace sparsha::haptics
