@@ -8,6 +8,9 @@ namespace {
 
 constexpr double kStiffnessStep = 0.02;  // smaller changes of a wish wait
 constexpr double kMostDeviations = 6.0;  // of the grain's heights, from the lowest to the highest
+constexpr double kLatestS = 0.004;       // from a tick to the hand
+constexpr double kLeakW = 0.0003;        // of what the grain gives, that every hand takes
+constexpr double kBearableJ = 0.0002;    // beyond that and the grain's own heights it becomes weaker
 
 }  // namespace
 
@@ -16,6 +19,7 @@ void EffectForces::reset() noexcept {
   grain_.reset();
   grain_n_ = zeros();
   stored_j_ = 0.0;
+  given_j_.fill(0.0);
   was_contact_ = false;
 }
 
@@ -38,10 +42,24 @@ double EffectForces::stiffness(double base_n_per_m, double share, const Eigen::V
   return stiffness_n_per_m_;
 }
 
+/// The share of the grain that the loop bears. A hand that yields to a force which comes late gets more than it gave;
+/// how late is not known, so that the worst of all delays counts.
+double EffectForces::bearable(const Input& input, double most_j) noexcept {
+  const Eigen::Vector3d moved_m = input.hand_m - last_m_;
+  const double leaked_j = kLeakW * std::min(input.period_s, input.nominal_period_s);
+  double worst_j = 0.0;
+  for (std::size_t k = 0; k <= kLongestDelay && static_cast<double>(k) * input.nominal_period_s <= kLatestS; ++k) {
+    given_j_[k] = std::max(-most_j, given_j_[k] + grain_n_[k].dot(moved_m) - leaked_j);
+    worst_j = std::max(worst_j, given_j_[k]);
+  }
+  return std::clamp(1.0 - (worst_j - most_j) / kBearableJ, 0.0, 1.0);
+}
+
 EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffects* effects) noexcept {
   Output output;
   const bool stayed = was_contact_ && input.contact;
   was_contact_ = input.contact;
+  if (!stayed) grain_n_ = zeros();
   if (effects == nullptr) return output;
   const double pressed_n = input.contact ? std::max(0.0, input.force_n.dot(input.normal)) : 0.0;
   const double x_m = input.place_m.x();
@@ -71,9 +89,11 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
     const double press_n = pressed_n * effects->grain_gain_at(x_m, y_m);
     const Eigen::Vector3d slope =
         effects->region_from_grid.transpose() * Eigen::Vector3d(grain.slope.x(), grain.slope.y(), 0.0);
-    const Eigen::Vector3d force_n = press_n * (slope.dot(input.normal) * input.normal - slope);
+    const double most_j = kMostDeviations * press_n * effects->scale * grain.deviation_m;
+    const double share = bearable(input, most_j);
+    const Eigen::Vector3d force_n = share * press_n * (slope.dot(input.normal) * input.normal - slope);
     output.force_n += force_n;
-    output.stored_j = stored(input, kMostDeviations * press_n * effects->scale * grain.deviation_m);
+    output.stored_j = stored(input, most_j);
     std::copy_backward(grain_n_.begin(), grain_n_.end() - 1, grain_n_.end());
     grain_n_[0] = force_n;
   }

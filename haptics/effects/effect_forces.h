@@ -49,12 +49,15 @@ class EffectForces {
  private:
   [[nodiscard]] double stored(const Input& input, double most_j) noexcept;
 
-  static constexpr std::size_t kLongestDelay = 4;
+  [[nodiscard]] double bearable(const Input& input, double most_j) noexcept;
+
+  static constexpr std::size_t kLongestDelay = 15;
   Impact impact_;
   Grain grain_;
   std::array<Eigen::Vector3d, kLongestDelay + 1> grain_n_ = zeros();  // newest first
   Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();
   double stored_j_ = 0.0;
+  std::array<double, kLongestDelay + 1> given_j_{};  // by the grain, if it reaches the hand so many ticks late
   bool was_contact_ = false;
   double stiffness_n_per_m_ = 0.0;  // told the governor last
   double last_wished_n_per_m_ = -1.0;

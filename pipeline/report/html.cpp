@@ -87,6 +87,12 @@ std::string key_figures(const SceneDescription& scene, const Report& report) {
       add("Completeness", percent(*check.completeness),
           fmt::format("of the outline has a point within {}", length_text(check.tolerance_m, TextStyle::typeset)));
   }
+  const HapticsConfig& haptics = scene.config.haptics;
+  if (haptics.impact || haptics.grain)
+    add("Invented",
+        haptics.impact && haptics.grain ? "ring of strikes, fine grain"
+                                        : (haptics.impact ? "ring of strikes" : "fine grain"),
+        "is felt, was not measured");
   return html + "</dl>";
 }
 
@@ -296,6 +302,7 @@ constexpr const char* kWords = R"html(<dl class='words'>
 <dt>RMS, MAD</dt><dd>Root of the mean square; median of the deviations from the median, which single outliers do not move.</dd>
 <dt>Outliers, occluded</dt><dd>Points that stand alone before or behind the surface; points of parts that this view hides, such as the back.</dd>
 <dt>Texture and friction</dt><dd>The fine relief on top of the smoothed form, and the resistance that a hand feels when it slides over it.</dd>
+<dt>Invented</dt><dd>What a hand feels and no scan has measured: the ring of a strike, by the material named in the configuration, and grain finer than the scan resolves, which continues the statistics of the measured heights. No height and no figure of this report contains it.</dd>
 </dl>)html";
 
 }  // namespace

@@ -82,6 +82,9 @@ std::string report_json(const Scene& scene, const Report& report) {
   json["coverage"] = number(report.coverage);
   json["filled_fraction"] = number(report.filled_fraction);
   json["noise_m"] = number(description.noise_m);
+  json["invented"] = Json::array();
+  if (description.config.haptics.impact) json["invented"].push_back("impact");
+  if (description.config.haptics.grain) json["invented"].push_back("grain");
   json["check"] = check(report.check);
   json["inputs"] = Json::array();
   for (const ScanSource& source : description.sources)

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptics/servo/haptic_renderer.h"
@@ -74,8 +75,8 @@ struct TouchResult {
   double stiffness_n_per_m = 0.0;
 };
 
-/// One run. `scene`: of make_ground(). A run of ten seconds takes some 30 ms.
-inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene) {
+/// One run on a window of 0.1 m. A run of ten seconds takes some 30 ms.
+inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window) {
   using Eigen::Vector3d;
   constexpr double kStep = 20e-6;
   haptics::DeviceInfo info;
@@ -84,7 +85,7 @@ inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene
   haptics::RendererOptions options;
   options.rate_hz = c.configured_hz;
   options.stiffness_n_per_m = c.wish_n_per_m;
-  haptics::HapticRenderer renderer(info, options, haptics::window_on(scene, 0, 1, false));
+  haptics::HapticRenderer renderer(info, options, std::move(window));
   const double governed_n_per_m = haptics::governed_stiffness(c.wish_n_per_m, info.limits, 1.0 / c.configured_hz);
 
   const auto floor_m = [&](double x, double y) {
@@ -209,6 +210,11 @@ inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene
   result.altered = ticks > 0 ? static_cast<double>(altered) / static_cast<double>(ticks) : 0.0;
   result.static_share = wanted_sum > 0.0 ? force_sum / wanted_sum : 0.0;
   return result;
+}
+
+/// `scene`: of make_ground().
+inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene) {
+  return touch(c, haptics::window_on(scene, 0, 1, false));
 }
 
 inline pipeline::ScenePointer make_ground(Ground ground) {

@@ -186,6 +186,9 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
         !on(haptics::kFlagFriction) ? std::string("off")
         : state.contact != 0        ? fmt::format("\xC2\xB5 {:.2f}", state.friction_coefficient)
                                     : std::string("on"));
+    if (on(haptics::kFlagImpact) || on(haptics::kFlagGrain))
+      row("Strike", on(haptics::kFlagImpact) ? "invented" : "as measured", "Grain",
+          on(haptics::kFlagGrain) ? std::string("invented") : std::string("as measured"));
     row("Magnified", fmt::format("{:.3g} \xC3\x97", state.scale), "Ticks in time",
         fmt::format("{:.1f} %", 100.0 * std::clamp(state.share_in_time, 0.0, 1.0)));
   }

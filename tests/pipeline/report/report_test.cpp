@@ -1,4 +1,5 @@
 // report.json by its contract, the pictures pixel by pixel, report.html by the rules of accessibility.
+#include "pipeline/report/html.h"
 #include "pipeline/report/report.h"
 
 #include <gmock/gmock.h>
@@ -92,11 +93,23 @@ TEST(ReportJson, HasEveryKeyOfTheContract) {
                               "/noise_m",        "/stages/0/name",   "/stages/0/seconds",
                               "/total_seconds",  "/peak_rss_bytes",  "/check/completeness",
                               "/inputs/0/file",  "/inputs/0/sha256", "/inputs/0/points",
-                              "/warnings/0",     "/version"})
+                              "/warnings/0",     "/version",         "/invented"})
     EXPECT_TRUE(report.contains(json::json_pointer(pointer))) << pointer;
   for (const char* direction : {"cloud_to_surface", "surface_to_cloud"})
     for (const char* key : {"samples", "mean_m", "rms_m", "median_m", "mad_m", "p95_m", "p99_m", "max_m"})
       EXPECT_TRUE(report["check"][direction][key].is_number()) << direction << ' ' << key;
+}
+
+TEST(Report, SaysWhatIsFeltAndWasInvented) {
+  const auto scene = example_scene();
+  EXPECT_TRUE(json::parse(report_json(*scene, example_report()))["invented"].empty());
+  SceneDescription description = scene->description();
+  description.config.haptics.impact = description.config.haptics.grain = true;
+  const auto inventive = make_scene(description, {scene->read_level(0)});
+  EXPECT_EQ(json::parse(report_json(*inventive, example_report()))["invented"], json({"impact", "grain"}));
+  const std::string html = report_html(*inventive, example_report(), {}, {});
+  EXPECT_NE(html.find("was not measured"), std::string::npos);
+  EXPECT_EQ(report_html(*scene, example_report(), {}, {}).find("was not measured"), std::string::npos);
 }
 
 TEST(ReportJson, ReadIsTheSumOfTheOthers) {
