@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/cmd_emulate.h"
 #include "app/commands.h"
 #include "app/terminal.h"
 #include "base/error.h"
@@ -149,14 +150,7 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_subcommand("home", "home the encoders")->callback([&common, &run] {
     run = [&common] { return home_device(common); };
   });
-  command->add_subcommand("emulate", "walk the same checks on an emulated Falcon")->callback([&common, &run] {
-    run = [&common] {
-      auto emulator = std::make_shared<falcon::FalconEmulator>();
-      emulator->set_hand(falcon::emulated_hand());
-      const auto wire = falcon::make_emulated_transport(emulator, falcon::Clock::real_time);
-      return report_check(falcon::check_wire(*wire, {}), common);
-    };
-  });
+  add_emulate(*command, common, run);
 }
 
 }  // namespace sparsha::app

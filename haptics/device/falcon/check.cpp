@@ -53,7 +53,7 @@ LinkQuality measure(Transport& wire, double seconds, Answer& last) {
   while (since(began) < seconds && link.asked < most) {
     double round_trip = 0.0;
     ++link.asked;
-    const TransportStatus status = ask(wire, stream, kHomingRequest, last, round_trip);
+    const TransportStatus status = ask(wire, stream, kHomingRequest | kLightRed, last, round_trip);
     if (status == TransportStatus::gone) break;
     if (status == TransportStatus::ok) {
       ++link.answered;

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <thread>
 
 #include "haptics/device/falcon/falcon.h"
@@ -182,29 +181,6 @@ std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, cons
 
 std::unique_ptr<Device> make_falcon_device(const FalconOptions& options) {
   return make_falcon_device(open_usb_transport(), options);
-}
-
-FalconEmulator::Hand emulated_hand() {
-  return [](double time_s, const Eigen::Vector3d&) -> Eigen::Vector3d {
-    // z: out, in, to the centre, then presses and lifts every two seconds while circling.
-    const auto ease = [](double from, double to, double share) {
-      const double s = std::clamp(share, 0.0, 1.0);
-      return from + (to - from) * s * s * (3.0 - 2.0 * s);
-    };
-    double z = ease(0.1346, 0.170, time_s / 0.3);
-    if (time_s > 0.3) z = ease(0.170, 0.105, (time_s - 0.3) / 0.4);
-    if (time_s > 0.7) z = ease(0.105, 0.160, (time_s - 0.7) / 0.4);
-    if (time_s < 1.1) return {0.0, 0.0, z};
-    const double t = time_s - 1.1;
-    const double radius = 0.02 * std::min(1.0, t);
-    return {radius * std::cos(2.0 * t), radius * std::sin(2.0 * t), 0.145 + 0.015 * std::cos(std::numbers::pi * t)};
-  };
-}
-
-std::unique_ptr<Device> make_emulated_falcon(const FalconOptions& options) {
-  auto emulator = std::make_shared<FalconEmulator>();
-  emulator->set_hand(emulated_hand());
-  return make_falcon_device(make_emulated_transport(emulator, Clock::real_time), options);
 }
 
 }  // namespace sparsha::haptics::falcon

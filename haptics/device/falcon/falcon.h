@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "haptics/device/device.h"
-#include "haptics/device/falcon/emulator.h"
 #include "haptics/device/falcon/transport.h"
 
 namespace sparsha::haptics::falcon {
@@ -43,9 +42,5 @@ struct FoundFalcon {
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(const FalconOptions& options = {});
 /// The same over any wire.
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, const FalconOptions& options);
-/// An emulated Falcon in real time that homes itself within a second and then strokes a plane at its centre.
-[[nodiscard]] std::unique_ptr<Device> make_emulated_falcon(const FalconOptions& options = {});
-/// The hand of make_emulated_falcon: pulls out, pushes in, comes to the centre, circles.
-[[nodiscard]] FalconEmulator::Hand emulated_hand();
 
 }  // namespace sparsha::haptics::falcon

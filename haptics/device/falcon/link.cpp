@@ -84,6 +84,9 @@ std::vector<std::uint8_t> read_firmware(const std::filesystem::path& file) {
 
 void enter_run_mode(Transport& wire) {
   set(wire, Request::latency, 1, "its latency timer");
+  // An answer's last byte sends what the bridge holds at once. One that does not know this still has its timer.
+  if (wire.control(Request::event_character, value::kEventAnswer) == TransportStatus::gone)
+    throw fault("unplugged while starting", "a Falcon that stays plugged in");
   set(wire, Request::baud, value::kBaudRun, "1.5 Mbaud");
   purge(wire);
 }
@@ -123,6 +126,7 @@ std::vector<std::uint8_t> firmware_image(const FalconOptions& options) {
 bool boot_loader_answers(Transport& wire) {
   purge(wire);
   set(wire, Request::latency, 16, "its latency timer");
+  static_cast<void>(wire.control(Request::event_character, value::kEventNone));
   set(wire, Request::baud, value::kBaud9600, "9600 baud");
   set(wire, Request::data, value::kData8N1, "8 data bits");
   set(wire, Request::flow, 0, "flow control");

@@ -49,12 +49,6 @@ Packet encode(const MotorCommand& command, std::uint8_t flags) noexcept {
   return packet_of(clamped, flags);
 }
 
-Packet encode_answer(const Counts& counts, std::uint8_t buttons, std::uint8_t homed) noexcept {
-  return packet_of(counts, (buttons & 0xFU) | ((homed & 0x7U) << 4U));
-}
-
-std::optional<MotorCommand> decode_command(const Packet& packet) noexcept { return values_of(packet); }
-
 std::optional<Answer> decode_answer(const Packet& packet) noexcept {
   const auto counts = values_of(packet);
   if (!counts) return std::nullopt;

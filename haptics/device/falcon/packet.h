@@ -33,9 +33,7 @@ struct Answer {
 
 /// A question; commands beyond the amplifiers' range are clamped.
 [[nodiscard]] Packet encode(const MotorCommand& command, std::uint8_t flags) noexcept;
-[[nodiscard]] Packet encode_answer(const Counts& counts, std::uint8_t buttons, std::uint8_t homed) noexcept;
 /// Empty when the bytes are not a well-formed packet.
-[[nodiscard]] std::optional<MotorCommand> decode_command(const Packet& packet) noexcept;
 [[nodiscard]] std::optional<Answer> decode_answer(const Packet& packet) noexcept;
 
 /// Motor counts for torques at the arms, N m: the whole vector is scaled down to the range, so that a force keeps its

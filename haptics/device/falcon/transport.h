@@ -9,12 +9,21 @@
 namespace sparsha::haptics::falcon {
 
 /// Vendor requests of the FTDI bridge (bmRequestType 0x40, index 0, no data).
-enum class Request : std::uint8_t { reset = 0, modem = 1, flow = 2, baud = 3, data = 4, latency = 9 };
+enum class Request : std::uint8_t {
+  reset = 0,
+  modem = 1,
+  flow = 2,
+  baud = 3,
+  data = 4,
+  event_character = 6,
+  latency = 9
+};
 namespace value {
 inline constexpr std::uint16_t kPurgeReceive = 1, kPurgeTransmit = 2;
 inline constexpr std::uint16_t kDtrLow = 0x0100, kDtrHigh = 0x0101, kRtsLow = 0x0200;
 inline constexpr std::uint16_t kBaud9600 = 0x4138, kBaudUpload = 0x0015, kBaudRun = 0x0002;
 inline constexpr std::uint16_t kData8N1 = 0x0008;
+inline constexpr std::uint16_t kEventNone = 0x0000, kEventAnswer = 0x013E;  ///< off; the '>' that ends an answer
 }  // namespace value
 
 /// Every packet from the bridge begins with this many bytes of modem status.

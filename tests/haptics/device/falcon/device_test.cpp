@@ -11,18 +11,21 @@
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/packet.h"
 #include "haptics/device/falcon/transport.h"
+#include "haptics/emulator/person.h"
+#include "tests/support/emulated_falcon.h"
 
 namespace {
 
 using namespace sparsha::haptics;
 using namespace sparsha::haptics::falcon;
+using namespace sparsha::test;
 using Eigen::Vector3d;
 
 class FalconOnTheBench : public testing::Test {
  protected:
   void start(EmulatorOptions options = {}, Clock clock = Clock::virtual_time) {
-    emulator = std::make_shared<FalconEmulator>(options);
-    device = make_falcon_device(make_emulated_transport(emulator, clock), {});
+    emulator = std::make_shared<EmulatedFalcon>(options);
+    device = make_falcon_device(make_wire(*emulator, clock), {});
   }
   /// One servo tick that asks for a force.
   DeviceSample tick(const Vector3d& force_n = Vector3d::Zero()) {
@@ -41,7 +44,7 @@ class FalconOnTheBench : public testing::Test {
     hold({0, 0, 0.160}, 20);
   }
 
-  std::shared_ptr<FalconEmulator> emulator;
+  std::shared_ptr<EmulatedFalcon> emulator;
   std::unique_ptr<Device> device;
   double ticks = 0;
 };
@@ -93,7 +96,7 @@ TEST_F(FalconOnTheBench, NeverSendsForceBeforeHomingAndTheSecondGate) {
   hold({0, 0, 0.150}, 50, force);
   EXPECT_FALSE(tick(force).homed) << "not pulled out yet";
   EXPECT_EQ(emulator->command(), MotorCommand{});
-  EXPECT_EQ(emulator->force_before_homing(), 0U);
+  EXPECT_EQ(emulator->device->unsafe_commands(), 0U);
   hold({0, 0, 0.160}, 3, force);
   EXPECT_TRUE(tick(force).homed);
   tick(force);
@@ -105,12 +108,12 @@ TEST_F(FalconOnTheBench, LosingItsHomeEndsForceAtOnce) {
   home();
   hold({0, 0, 0.14}, 6, {0, 0, 3});
   ASSERT_NE(emulator->command(), MotorCommand{});
-  emulator->power_cycle();
+  emulator->device->power_cycle();
   for (int i = 0; i < 20; ++i) {
     const DeviceSample sample = tick({0, 0, 3});
     EXPECT_TRUE(!sample.fresh || !sample.homed || i == 0);
   }
-  EXPECT_EQ(emulator->force_before_homing(), 0U);
+  EXPECT_EQ(emulator->device->unsafe_commands(), 0U);
 }
 
 TEST_F(FalconOnTheBench, ZeroFromAnotherThreadTakesTheForceAway) {
@@ -172,8 +175,8 @@ class Chatter final : public Transport {
 };
 
 TEST_F(FalconOnTheBench, ADeviceThatNeverStopsTalkingDoesNotHoldTheServo) {
-  emulator = std::make_shared<FalconEmulator>(EmulatorOptions{});
-  auto wire = std::make_unique<Chatter>(make_emulated_transport(emulator, Clock::virtual_time));
+  emulator = std::make_shared<EmulatedFalcon>(EmulatorOptions{});
+  auto wire = std::make_unique<Chatter>(make_wire(*emulator, Clock::virtual_time));
   Chatter& chatter = *wire;
   device = make_falcon_device(std::move(wire), {});
   home();
@@ -205,7 +208,7 @@ TEST_F(FalconOnTheBench, AForceThatIsNotANumberIsZero) {
 TEST_F(FalconOnTheBench, UnpluggingIsSaidAndNothingHangs) {
   start();
   home();
-  emulator->unplug();
+  emulator->device->unplug(true, 0.0);
   DeviceSample sample;
   for (int i = 0; i < 5; ++i) sample = tick({0, 0, 3});
   EXPECT_FALSE(sample.connected);
@@ -230,18 +233,20 @@ TEST_F(FalconOnTheBench, LostGarbledAndSplitAnswersAreSurvived) {
     }
   }
   EXPECT_GT(fresh, 200);
-  EXPECT_EQ(emulator->force_before_homing(), 0U);
+  EXPECT_EQ(emulator->device->unsafe_commands(), 0U);
 }
 
 TEST_F(FalconOnTheBench, PassesTheButtonsOn) {
   start();
-  emulator->set_buttons(9);
+  emulator->device->set_buttons(9);
   tick();
   EXPECT_EQ(tick().buttons, 9U);
 }
 
-TEST(FalconInRealTime, TheEmulatedOneHomesItselfAndRunsNearAKilohertz) {
-  const auto device = make_emulated_falcon();
+TEST(FalconInRealTime, APersonHomesItAndItRunsNearAKilohertz) {
+  EmulatedFalcon falcon;
+  falcon.device->set_hand(sparsha::haptics::emulator::make_person());
+  const auto device = make_falcon_device(make_wire(falcon, Clock::real_time), {});
   EXPECT_TRUE(device->info().paced);
   int fresh = 0, homed = 0;
   for (int i = 0; i < 2000; ++i) {

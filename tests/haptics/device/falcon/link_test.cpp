@@ -9,11 +9,13 @@
 
 #include "base/error.h"
 #include "haptics/device/falcon/check.h"
+#include "tests/support/emulated_falcon.h"
 
 namespace {
 
 using namespace sparsha;
 using namespace sparsha::haptics::falcon;
+using namespace sparsha::test;
 
 /// Not a firmware: random bytes, which is all that the wire cares about.
 std::vector<std::uint8_t> image() {
@@ -24,11 +26,10 @@ std::vector<std::uint8_t> image() {
 }
 
 struct Bench {
-  std::shared_ptr<FalconEmulator> emulator;
+  std::shared_ptr<EmulatedFalcon> emulator;
   std::unique_ptr<Transport> wire;
   explicit Bench(const EmulatorOptions& options)
-      : emulator(std::make_shared<FalconEmulator>(options)),
-        wire(make_emulated_transport(emulator, Clock::virtual_time)) {}
+      : emulator(std::make_shared<EmulatedFalcon>(options)), wire(make_wire(*emulator, Clock::virtual_time)) {}
 };
 
 EmulatorOptions bare() {
@@ -51,7 +52,7 @@ std::string reason(const std::function<void()>& action, ErrorKind kind = ErrorKi
 TEST(FalconLink, RunningFirmwareIsRecognisedAndLeftAlone) {
   Bench bench{EmulatorOptions{}};
   bring_up(*bench.wire, image());
-  EXPECT_TRUE(bench.emulator->uploaded().empty());
+  EXPECT_TRUE(bench.emulator->device->uploaded().empty());
 }
 
 TEST(FalconLink, FirmwareIsLoadedToTheByteWhenNoneRuns) {
@@ -61,8 +62,8 @@ TEST(FalconLink, FirmwareIsLoadedToTheByteWhenNoneRuns) {
     EXPECT_GE(share, last);
     last = share;
   });
-  EXPECT_EQ(bench.emulator->uploaded(), image());
-  EXPECT_TRUE(bench.emulator->firmware_loaded());
+  EXPECT_EQ(bench.emulator->device->uploaded(), image());
+  EXPECT_TRUE(bench.emulator->device->firmware_loaded());
   EXPECT_DOUBLE_EQ(last, 1.0);
 }
 
@@ -73,7 +74,7 @@ TEST(FalconLink, ACorruptedEchoIsAFailedAttemptAndTheNextSucceeds) {
   EXPECT_NE(reason([&] { bring_up(*once.wire, image(), 1); }).find("echo differs"), std::string::npos);
   Bench twice(options);
   bring_up(*twice.wire, image(), 2);
-  EXPECT_TRUE(twice.emulator->firmware_loaded());
+  EXPECT_TRUE(twice.emulator->device->firmware_loaded());
 }
 
 TEST(FalconLink, ADeafBootLoaderIsGreetedAgain) {
@@ -81,7 +82,7 @@ TEST(FalconLink, ADeafBootLoaderIsGreetedAgain) {
   options.deaf_handshakes = 20;
   Bench bench(options);
   bring_up(*bench.wire, image(), 1);
-  EXPECT_TRUE(bench.emulator->firmware_loaded());
+  EXPECT_TRUE(bench.emulator->device->firmware_loaded());
 }
 
 TEST(FalconLink, WithoutPowerTheRemedyNamesThePowerSupply) {
@@ -98,7 +99,7 @@ TEST(FalconLink, WithoutAnImageTheRemedyNamesTheVariable) {
 
 TEST(FalconLink, UnpluggingIsAnErrorNotAHang) {
   Bench bench(bare());
-  bench.emulator->unplug();
+  bench.emulator->device->unplug(true, 0.0);
   EXPECT_NE(reason([&] { bring_up(*bench.wire, image()); }), "");
 }
 
@@ -174,8 +175,8 @@ TEST(FalconCheck, HomingWaitsForThePullAndThePushUnderZeroForce) {
   });
   EXPECT_TRUE(homed);
   EXPECT_GE(step, 100);
-  EXPECT_EQ(bench.emulator->force_before_homing(), 0U);
-  EXPECT_NE(bench.emulator->flags() & kHomingRequest, 0);
+  EXPECT_EQ(bench.emulator->device->unsafe_commands(), 0U);
+  EXPECT_NE(bench.emulator->device->flags() & kHomingRequest, 0);
 }
 
 TEST(FalconCheck, MonitorShowsWhereTheGripIsAndWhichButtonsAreDown) {
@@ -184,7 +185,7 @@ TEST(FalconCheck, MonitorShowsWhereTheGripIsAndWhichButtonsAreDown) {
   Bench bench(options);
   bring_up(*bench.wire, {});
   bench.emulator->set_position({0.02, -0.01, 0.14});
-  bench.emulator->set_buttons(5);
+  bench.emulator->device->set_buttons(5);
   int count = 0;
   monitor(*bench.wire, [&](const Reading& reading) {
     EXPECT_TRUE(reading.reachable);
@@ -193,7 +194,7 @@ TEST(FalconCheck, MonitorShowsWhereTheGripIsAndWhichButtonsAreDown) {
     EXPECT_EQ(reading.answer.buttons, 5);
     return ++count < 10;
   });
-  bench.emulator->unplug();
+  bench.emulator->device->unplug(true, 0.0);
   EXPECT_NE(reason([&] { monitor(*bench.wire, [](const Reading&) { return true; }); }).find("unplugged"),
             std::string::npos);
 }

@@ -6,9 +6,12 @@
 #include <random>
 #include <string>
 
+#include "haptics/emulator/codec.h"
+
 namespace {
 
 using namespace sparsha::haptics::falcon;
+using sparsha::haptics::emulator::answer_bytes;
 
 Packet text(const std::string& letters) {
   Packet packet{};
@@ -28,7 +31,6 @@ TEST(FalconPacket, TracesOfTheVendorsDriverDecodeAndEncodeToTheLetter) {
                 {{-679, 2529, -1862}, "<JFNPBOJAKLIPEA>"}};
   for (const auto& [command, letters] : golden) {
     EXPECT_EQ(encode(command, kLightBlue), text(letters));
-    EXPECT_EQ(decode_command(text(letters)), command);
   }
   EXPECT_EQ(encode({}, 0), text("<AAAAAAAAAAAAAA>"));
   EXPECT_EQ(decode_answer(text("<JFKPAAAAAAAAAA>"))->counts, (Counts{-1447, 0, 0}));
@@ -36,8 +38,8 @@ TEST(FalconPacket, TracesOfTheVendorsDriverDecodeAndEncodeToTheLetter) {
 
 TEST(FalconPacket, EveryNumberAndFlagRoundTrips) {
   for (int value = -32768; value <= 32767; ++value) {
-    const auto answer = decode_answer(encode_answer({value, -1, 7}, static_cast<std::uint8_t>(value & 15),
-                                                    static_cast<std::uint8_t>((value >> 4) & 7)));
+    const auto answer = decode_answer(answer_bytes({value, -1, 7}, static_cast<std::uint8_t>(value & 15),
+                                                   static_cast<std::uint8_t>((value >> 4) & 7)));
     ASSERT_TRUE(answer);
     EXPECT_EQ(answer->counts, (Counts{value, -1, 7}));
     EXPECT_EQ(answer->buttons, value & 15);
@@ -46,7 +48,7 @@ TEST(FalconPacket, EveryNumberAndFlagRoundTrips) {
 }
 
 TEST(FalconPacket, MalformedPacketsAreRefused) {
-  const Packet good = encode_answer({1, 2, 3}, 5, 7);
+  const Packet good = answer_bytes({1, 2, 3}, 5, 7);
   ASSERT_TRUE(decode_answer(good));
   for (std::size_t at = 0; at < kPacketBytes; ++at) {
     if (at == 14) continue;  // its meaning is unknown
@@ -78,7 +80,7 @@ TEST(FalconPacket, AStreamCutAnywhereGivesEveryAnswer) {
   std::mt19937 random(4);
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 1000; ++i) {
-    const Packet packet = encode_answer({i, -i, 2 * i}, 0, 7);
+    const Packet packet = answer_bytes({i, -i, 2 * i}, 0, 7);
     bytes.insert(bytes.end(), packet.begin(), packet.end());
   }
   AnswerStream stream;
@@ -103,8 +105,8 @@ TEST(FalconPacket, AStreamFindsItsFeetAgainAfterRubbish) {
     for (auto& byte : rubbish) byte = random() % 4 == 0 ? '<' : static_cast<std::uint8_t>(random());
     static_cast<void>(stream.feed(rubbish));
     // After rubbish that ends in a false beginning, at most one answer is lost in finding out.
-    static_cast<void>(stream.feed(encode_answer({0, 0, 0}, 0, 0)));
-    const auto answer = stream.feed(encode_answer({i, i, i}, 1, 7));
+    static_cast<void>(stream.feed(answer_bytes({0, 0, 0}, 0, 0)));
+    const auto answer = stream.feed(answer_bytes({i, i, i}, 1, 7));
     if (answer && answer->counts[0] == i) ++found;
   }
   EXPECT_EQ(found, 2000);

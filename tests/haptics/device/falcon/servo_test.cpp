@@ -9,6 +9,7 @@
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/servo/servo.h"
 #include "tests/support/allocations.h"
+#include "tests/support/emulated_falcon.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 
@@ -16,6 +17,7 @@ namespace {
 
 using namespace sparsha::haptics;
 using namespace sparsha::haptics::falcon;
+using namespace sparsha::test;
 using Eigen::Vector3d;
 
 /// A person's hand on the grip: 0.15 kg held by 300 N/m and 2 N s/m at a place that moves. Falcon frame.
@@ -53,10 +55,10 @@ Vector3d home_and_press(double t) {
 }
 
 TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) {
-  auto emulator = std::make_shared<FalconEmulator>();
+  auto emulator = std::make_shared<EmulatedFalcon>();
   auto grasp = std::make_shared<Grasp>(home_and_press);
   emulator->set_hand([grasp](double time_s, const Vector3d& force_n) { return (*grasp)(time_s, force_n); });
-  const auto device = make_falcon_device(make_emulated_transport(emulator, Clock::virtual_time), {});
+  const auto device = make_falcon_device(make_wire(*emulator, Clock::virtual_time), {});
   RendererOptions options;
   options.stiffness_n_per_m = governed_stiffness(800.0, device->info().limits, 1e-3);
   HapticRenderer tick(device->info(), options, window_on(sparsha::test::flat_scene()));
@@ -75,7 +77,7 @@ TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) 
     most_m = std::max(most_m, sample.position_m.z());
     force_n += state.commanded_force_n[2] / 1000.0;
   }
-  EXPECT_EQ(emulator->force_before_homing(), 0U);
+  EXPECT_EQ(emulator->device->unsafe_commands(), 0U);
   // Two springs in a row: the hand's 300 N/m pulls to 10 mm depth, the wall's holds.
   const double k = options.stiffness_n_per_m;
   const double expected_n = 0.010 * 300.0 * k / (300.0 + k);
@@ -85,7 +87,7 @@ TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) 
 }
 
 TEST(FalconUnderTheServo, TheWatchdogZeroesTheMotorsWhenTheServoStalls) {
-  auto emulator = std::make_shared<FalconEmulator>();
+  auto emulator = std::make_shared<EmulatedFalcon>();
   auto grasp = std::make_shared<Grasp>(home_and_press);
   emulator->set_hand([grasp](double time_s, const Vector3d& force_n) { return (*grasp)(time_s, force_n); });
 
@@ -102,7 +104,7 @@ TEST(FalconUnderTheServo, TheWatchdogZeroesTheMotorsWhenTheServoStalls) {
     void write(const Vector3d& force_n) noexcept override { falcon->write(force_n); }
     void zero() noexcept override { falcon->zero(); }
   } device;
-  device.falcon = make_falcon_device(make_emulated_transport(emulator, Clock::real_time), {});
+  device.falcon = make_falcon_device(make_wire(*emulator, Clock::real_time), {});
 
   sparsha::haptics::Seqlock<State> state;
   ServoOptions options;
@@ -134,7 +136,7 @@ class PlainWire final : public Transport {
   TransportStatus receive(UsbPacket& packet, std::size_t& size, double) noexcept override {
     if (!asked_) return TransportStatus::nothing;
     asked_ = false;
-    const Packet answer = encode_answer({600 + (++count_ % 50), 610, 620}, 0, 7);
+    const Packet answer = sparsha::haptics::emulator::answer_bytes({600 + (++count_ % 50), 610, 620}, 0, 7);
     std::copy(answer.begin(), answer.end(), packet.begin() + kModemBytes);
     size = kModemBytes + answer.size();
     return TransportStatus::ok;

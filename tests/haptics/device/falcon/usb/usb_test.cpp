@@ -4,10 +4,10 @@
 #include <random>
 
 #include "base/error.h"
-#include "emulated_bus.h"
 #include "haptics/device/falcon/check.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/usb_transport.h"
+#include "haptics/emulator/usb_bus.h"
 
 namespace {
 
@@ -18,12 +18,13 @@ using Eigen::Vector3d;
 
 class UsbFalcon : public testing::Test {
  protected:
-  void plug(const EmulatorOptions& options = {}) {
-    emulator = std::make_shared<FalconEmulator>(options);
-    bus = std::make_unique<emulated_bus::Bus>(emulator);
+  void plug(const emulator::FalconOptions& options = {}) {
+    falcon = std::make_shared<emulator::Falcon>(options);
+    bus = std::make_unique<emulator::UsbBus>(std::vector{falcon});
   }
+  void hold(const Vector3d& place_m) { falcon->set_place({place_m.x(), place_m.y(), place_m.z()}); }
   void SetUp() override {
-    if (!emulated_bus::possible()) GTEST_SKIP() << "umockdev's library is not preloaded";
+    if (!emulator::UsbBus::preloaded()) GTEST_SKIP() << "umockdev's library is not preloaded";
   }
   static void run(Device& device, int ticks, const Vector3d& force_n = Vector3d::Zero()) {
     for (int i = 0; i < ticks; ++i) {
@@ -35,8 +36,8 @@ class UsbFalcon : public testing::Test {
   }
   static inline DeviceSample last;
   static inline int fresh = 0;
-  std::shared_ptr<FalconEmulator> emulator;
-  std::unique_ptr<emulated_bus::Bus> bus;
+  std::shared_ptr<emulator::Falcon> falcon;
+  std::unique_ptr<emulator::UsbBus> bus;
 };
 
 TEST_F(UsbFalcon, IsFoundWhenPluggedIn) {
@@ -49,7 +50,7 @@ TEST_F(UsbFalcon, IsFoundWhenPluggedIn) {
 }
 
 TEST_F(UsbFalcon, LoadsFirmwareOverRealTransfers) {
-  EmulatorOptions options;
+  emulator::FalconOptions options;
   options.firmware_loaded = false;
   plug(options);
   std::vector<std::uint8_t> image(5000);
@@ -57,15 +58,15 @@ TEST_F(UsbFalcon, LoadsFirmwareOverRealTransfers) {
   for (auto& byte : image) byte = static_cast<std::uint8_t>(random());
   const auto wire = open_usb_transport();
   bring_up(*wire, image, 1);
-  EXPECT_EQ(emulator->uploaded(), image);
-  EXPECT_TRUE(emulator->firmware_loaded());
+  EXPECT_EQ(falcon->uploaded(), image);
+  EXPECT_TRUE(falcon->firmware_loaded());
 }
 
 TEST_F(UsbFalcon, FeelsTheHandAndPushesBack) {
   plug();
   const auto device = make_falcon_device();
   for (const double z : {0.170, 0.105, 0.160, 0.14}) {
-    emulator->set_position({0, 0.01, z});
+    hold({0, 0.01, z});
     run(*device, 60);
   }
   EXPECT_TRUE(last.homed);
@@ -74,11 +75,12 @@ TEST_F(UsbFalcon, FeelsTheHandAndPushesBack) {
   const Vector3d force(1, -1, 2);
   run(*device, 200, force);
   EXPECT_GT(fresh, 50);  // a loaded machine delays the emulated bus
-  EXPECT_LT((emulator->force_n() - force).norm(), 0.01);
+  const auto felt = falcon->force_n();
+  EXPECT_LT((Vector3d(felt[0], felt[1], felt[2]) - force).norm(), 0.01);
   device->zero();
   run(*device, 3);
-  EXPECT_EQ(emulator->command(), MotorCommand{});
-  EXPECT_EQ(emulator->force_before_homing(), 0U);
+  EXPECT_EQ(falcon->motors(), MotorCommand{});
+  EXPECT_EQ(falcon->unsafe_commands(), 0U);
 }
 
 TEST_F(UsbFalcon, EndsInZeroForceWhenClosed) {
@@ -86,12 +88,12 @@ TEST_F(UsbFalcon, EndsInZeroForceWhenClosed) {
   {
     const auto device = make_falcon_device();
     for (const double z : {0.170, 0.105, 0.160, 0.14}) {
-      emulator->set_position({0, 0, z});
+      hold({0, 0, z});
       run(*device, 40, {0, 0, 3});
     }
-    EXPECT_NE(emulator->command(), MotorCommand{});
+    EXPECT_NE(falcon->motors(), MotorCommand{});
   }
-  EXPECT_EQ(emulator->command(), MotorCommand{});
+  EXPECT_EQ(falcon->motors(), MotorCommand{});
 }
 
 TEST_F(UsbFalcon, UnpluggingIsNoticedWithinTicksAndClosingDoesNotHang) {
@@ -99,14 +101,14 @@ TEST_F(UsbFalcon, UnpluggingIsNoticedWithinTicksAndClosingDoesNotHang) {
   const auto device = make_falcon_device();
   run(*device, 20);
   EXPECT_TRUE(last.connected);
-  emulator->unplug();
+  bus->unplug(0);
   run(*device, 20);
   EXPECT_FALSE(last.connected);
   EXPECT_FALSE(last.fresh);
 }
 
 TEST_F(UsbFalcon, TheCheckWalksFromUsbToTheLink) {
-  EmulatorOptions options;
+  emulator::FalconOptions options;
   options.homed = true;
   plug(options);
   const CheckReport report = check_falcon();

@@ -1,0 +1,280 @@
+#if defined(SPARSHA_HAVE_UMOCKDEV)
+#include "haptics/emulator/usb_port.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include <linux/usbdevice_fs.h>
+#include <sys/ioctl.h>
+
+namespace sparsha::haptics::emulator {
+namespace {
+
+constexpr unsigned char kOut = 0x02, kIn = 0x81;
+/// A client that asks what has finished waits for so long at most: its other threads wait with it.
+constexpr double kPatience_s = 0.5e-3;
+constexpr double kNever_s = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+usbdevfs_urb& UsbPort::Block::urb() const { return *reinterpret_cast<usbdevfs_urb*>(data->data); }
+std::uint8_t* UsbPort::Block::bytes() const { return static_cast<std::uint8_t*>(urb().buffer); }
+
+UsbPort::UsbPort(const Umockdev& umockdev, std::shared_ptr<Falcon> falcon, const BusFaults& faults)
+    : umockdev_(umockdev), falcon_(std::move(falcon)), faults_(faults) {}
+
+UsbPort::~UsbPort() {
+  while (!clients_.empty()) forget(clients_.begin()->first);
+}
+
+void UsbPort::forget(UMockdevIoctlClient* client) {
+  const auto found = clients_.find(client);
+  if (found == clients_.end()) return;
+  for (const Block& block : found->second.waiting) umockdev_.unref(block.data);
+  for (const Block& block : found->second.finished) umockdev_.unref(block.data);
+  clients_.erase(found);
+}
+
+int UsbPort::claim(Client& client, bool steal) {
+  for (auto& [handle, other] : clients_) {
+    if (&other == &client || !other.claims) continue;
+    if (!steal) return EBUSY;
+    other.claims = false;
+    end_all(other, -ENOENT);
+  }
+  client.claims = true;
+  return 0;
+}
+
+void UsbPort::end_all(Client& client, int status) {
+  for (Block& block : client.waiting) {
+    block.urb().status = status;
+    block.urb().actual_length = 0;
+    client.finished.push_back(block);
+  }
+  client.waiting.clear();
+}
+
+void UsbPort::disconnect() {
+  for (auto& [handle, client] : clients_) {
+    end_all(client, -ENODEV);
+    if (client.reaping != nullptr) let_go(handle, client, ENODEV);
+  }
+}
+
+bool UsbPort::fails() {
+  return faults_.fail_every > 0 && ++transfers_ % static_cast<std::uint64_t>(faults_.fail_every) == 0;
+}
+
+void UsbPort::take_out(std::span<const std::uint8_t> bytes, double now_s) {
+  if (bytes.size() == 16 && first_command_s_ < 0.0) first_command_s_ = now_s;
+  falcon_->write(bytes, now_s);
+}
+
+void UsbPort::control(Client& client, const Block& block, double now_s) {
+  const std::uint8_t* setup = block.bytes();
+  const auto value = static_cast<std::uint16_t>(setup[2] | (setup[3] << 8U));
+  const bool vendor_out = setup[0] == 0x40;
+  const bool known = vendor_out && falcon_->control(setup[1], value, now_s);
+  block.urb().status = known ? 0 : -EPIPE;
+  block.urb().actual_length = 0;
+  client.finished.push_back(block);
+}
+
+int UsbPort::submit(Client& client, UMockdevIoctlData* argument, double now_s) {
+  Block block{umockdev_.resolve(argument, 0, sizeof(usbdevfs_urb), nullptr)};
+  if (block.data == nullptr) return EFAULT;
+  usbdevfs_urb& urb = block.urb();
+  UMockdevIoctlData* buffer = umockdev_.resolve(block.data, offsetof(usbdevfs_urb, buffer),
+                                                static_cast<gsize>(std::max(0, urb.buffer_length)), nullptr);
+  if (buffer != nullptr) umockdev_.unref(buffer);  // the block keeps it
+  if (buffer == nullptr && urb.buffer_length > 0) return EFAULT;
+  urb.status = 0;
+  if (urb.type == USBDEVFS_URB_TYPE_CONTROL) {
+    if (buffer == nullptr || urb.buffer_length < 8) return EINVAL;
+    control(client, block, now_s);
+    return 0;
+  }
+  // The kernel claims for whoever has forgotten to.
+  if (!client.claims && claim(client, false) != 0) {
+    umockdev_.unref(block.data);
+    return EBUSY;
+  }
+  if (urb.endpoint == kIn) {
+    client.waiting.push_back(block);
+    return 0;
+  }
+  if (urb.endpoint != kOut || buffer == nullptr) return ENOENT;
+  if (fails()) {
+    urb.status = -EPROTO;
+    urb.actual_length = 0;
+  } else {
+    take_out({block.bytes(), static_cast<std::size_t>(urb.buffer_length)}, now_s);
+    urb.actual_length = urb.buffer_length;
+  }
+  client.finished.push_back(block);
+  return 0;
+}
+
+int UsbPort::bulk(Client& client, UMockdevIoctlData* argument, double now_s) {
+  UMockdevIoctlData* data = umockdev_.resolve(argument, 0, sizeof(usbdevfs_bulktransfer), nullptr);
+  if (data == nullptr) return EFAULT;
+  auto& transfer = *reinterpret_cast<usbdevfs_bulktransfer*>(data->data);
+  UMockdevIoctlData* bytes =
+      umockdev_.resolve(data, offsetof(usbdevfs_bulktransfer, data), static_cast<gsize>(transfer.len), nullptr);
+  int error = 0;
+  if (transfer.ep != kOut || bytes == nullptr)
+    error = ENOENT;
+  else if (!client.claims)
+    error = claim(client, false);
+  if (error == 0) take_out({bytes->data, transfer.len}, now_s);
+  if (bytes != nullptr) umockdev_.unref(bytes);
+  umockdev_.unref(data);
+  return error;
+}
+
+int UsbPort::discard(Client& client, UMockdevIoctlData* argument) {
+  const gulong address = *reinterpret_cast<gulong*>(argument->data);
+  for (auto block = client.waiting.begin(); block != client.waiting.end(); ++block) {
+    if (block->data->client_addr != address) continue;
+    block->urb().status = -ENOENT;
+    block->urb().actual_length = 0;
+    client.finished.push_back(*block);
+    client.waiting.erase(block);
+    return 0;
+  }
+  return EINVAL;
+}
+
+int UsbPort::clear_halt(UMockdevIoctlData* argument) {
+  UMockdevIoctlData* data = umockdev_.resolve(argument, 0, sizeof(unsigned), nullptr);
+  if (data == nullptr) return EFAULT;
+  if (*reinterpret_cast<unsigned*>(data->data) == kIn) stalled_ = false;
+  umockdev_.unref(data);
+  return 0;
+}
+
+bool UsbPort::hand_back(UMockdevIoctlClient* handle, Client& client) {
+  if (client.finished.empty()) return false;
+  const Block block = client.finished.front();
+  client.finished.pop_front();
+  UMockdevIoctlData* pointer = umockdev_.resolve(client.reaping, 0, sizeof(void*), nullptr);
+  client.reaping = nullptr;
+  if (pointer == nullptr) {
+    umockdev_.unref(block.data);
+    umockdev_.complete(handle, -1, EFAULT);
+    return true;
+  }
+  umockdev_.set_ptr(pointer, 0, block.data);
+  umockdev_.unref(pointer);
+  umockdev_.unref(block.data);
+  umockdev_.complete(handle, 0, 0);
+  return true;
+}
+
+void UsbPort::reap(UMockdevIoctlClient* handle, Client& client, double now_s) {
+  client.reaping = umockdev_.get_arg(handle);
+  client.reaping_until_s = now_s + kPatience_s;
+  if (!hand_back(handle, client)) umockdev_.object_ref(handle);  // nobody else keeps a client that waits
+}
+
+void UsbPort::let_go(UMockdevIoctlClient* handle, Client& client, int error) {
+  if (hand_back(handle, client)) {
+    umockdev_.object_unref(handle);
+    return;
+  }
+  client.reaping = nullptr;
+  umockdev_.complete(handle, -1, error);
+  umockdev_.object_unref(handle);
+}
+
+void UsbPort::handle(UMockdevIoctlClient* handle, double now_s) {
+  Client& client = clients_[handle];
+  UMockdevIoctlData* argument = umockdev_.get_arg(handle);
+  const gulong request = umockdev_.get_request(handle);
+  const auto done = [&](int error) { umockdev_.complete(handle, error == 0 ? 0 : -1, error); };
+  const bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
+  if (!falcon_->plugged() && !(reaps && !client.finished.empty())) return done(ENODEV);
+  switch (request) {
+    case USBDEVFS_GET_CAPABILITIES: {
+      UMockdevIoctlData* flags = umockdev_.resolve(argument, 0, sizeof(guint32), nullptr);
+      if (flags == nullptr) return done(EFAULT);
+      *reinterpret_cast<guint32*>(flags->data) = USBDEVFS_CAP_BULK_CONTINUATION | USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
+                                                 USBDEVFS_CAP_REAP_AFTER_DISCONNECT | USBDEVFS_CAP_ZERO_PACKET;
+      umockdev_.unref(flags);
+      return done(0);
+    }
+    case USBDEVFS_CLAIMINTERFACE:
+      return done(claim(client, false));
+    case USBDEVFS_DISCONNECT_CLAIM: {
+      UMockdevIoctlData* data = umockdev_.resolve(argument, 0, sizeof(usbdevfs_disconnect_claim), nullptr);
+      if (data == nullptr) return done(EFAULT);
+      const auto& asked = *reinterpret_cast<usbdevfs_disconnect_claim*>(data->data);
+      const bool spares_usbfs = (asked.flags & USBDEVFS_DISCONNECT_CLAIM_EXCEPT_DRIVER) != 0 &&
+                                std::strncmp(asked.driver, "usbfs", sizeof asked.driver) == 0;
+      umockdev_.unref(data);
+      return done(claim(client, !spares_usbfs));
+    }
+    case USBDEVFS_RELEASEINTERFACE:
+      client.claims = false;
+      return done(0);
+    case USBDEVFS_CLEAR_HALT:
+      return done(clear_halt(argument));
+    case USBDEVFS_RESET:
+      return done(0);
+    case USBDEVFS_GETDRIVER:
+      return done(ENODATA);
+    case USBDEVFS_SUBMITURB:
+      return done(submit(client, argument, now_s));
+    case USBDEVFS_BULK:
+      return done(bulk(client, argument, now_s));
+    case USBDEVFS_DISCARDURB:
+      return done(discard(client, argument));
+    case USBDEVFS_REAPURB:
+    case USBDEVFS_REAPURBNDELAY:
+      return reap(handle, client, now_s);
+    default:
+      return done(ENOTTY);
+  }
+}
+
+void UsbPort::serve(double now_s) {
+  if (faults_.stall_every_s > 0.0 && now_s > next_stall_s_) {
+    stalled_ = next_stall_s_ > 0.0;
+    next_stall_s_ = now_s + faults_.stall_every_s;
+  }
+  for (auto& [handle, client] : clients_) {
+    if (stalled_) end_all(client, -EPIPE);
+    while (!client.waiting.empty()) {
+      const auto packet = falcon_->read(now_s);
+      if (!packet) break;
+      Block block = client.waiting.front();
+      client.waiting.pop_front();
+      const std::size_t size = std::min(packet->size(), static_cast<std::size_t>(block.urb().buffer_length));
+      std::copy_n(packet->begin(), size, block.bytes());
+      block.urb().actual_length = static_cast<int>(size);
+      if (fails()) {
+        block.urb().status = -EPROTO;
+        block.urb().actual_length = 0;
+      }
+      client.finished.push_back(block);
+    }
+    if (client.reaping != nullptr && (!client.finished.empty() || now_s >= client.reaping_until_s))
+      let_go(handle, client, EAGAIN);
+  }
+}
+
+double UsbPort::next_s() const {
+  double next = kNever_s;
+  for (const auto& [handle, client] : clients_) {
+    if (!client.waiting.empty()) next = std::min(next, falcon_->packet_s());
+    if (client.reaping != nullptr) next = std::min(next, client.reaping_until_s);
+  }
+  return next;
+}
+
+}  // namespace sparsha::haptics::emulator
+#endif

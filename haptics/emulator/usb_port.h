@@ -1,0 +1,81 @@
+// One port of the emulated bus: what the kernel's usbfs does for the programs that hold the device's node open.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "haptics/emulator/falcon.h"
+#include "haptics/emulator/umockdev_library.h"
+#include "haptics/emulator/usb_bus.h"
+
+struct usbdevfs_urb;
+
+namespace sparsha::haptics::emulator {
+
+/// Not thread-safe: the bus locks.
+class UsbPort {
+ public:
+  UsbPort(const Umockdev& umockdev, std::shared_ptr<Falcon> falcon, const BusFaults& faults);
+  ~UsbPort();
+  UsbPort(const UsbPort&) = delete;
+  UsbPort& operator=(const UsbPort&) = delete;
+
+  /// Answers now, or keeps the client waiting for the end of a transfer; serve() answers it then.
+  void handle(UMockdevIoctlClient* client, double now_s);
+  /// Ends transfers that are due, and answers clients that wait.
+  void serve(double now_s);
+  /// When serve() has something to do next.
+  [[nodiscard]] double next_s() const;
+  /// A program that has closed the node or ended.
+  void forget(UMockdevIoctlClient* client);
+  /// Ends every transfer: the device has gone.
+  void disconnect();
+
+  [[nodiscard]] Falcon& falcon() { return *falcon_; }
+  [[nodiscard]] double first_command_s() const { return first_command_s_; }
+  void count_from_now() { first_command_s_ = -1.0; }
+
+ private:
+  /// A request block on its way; a reference of ours.
+  struct Block {
+    UMockdevIoctlData* data = nullptr;
+    [[nodiscard]] usbdevfs_urb& urb() const;
+    [[nodiscard]] std::uint8_t* bytes() const;
+  };
+  struct Client {
+    bool claims = false;
+    std::list<Block> waiting;  ///< reads without a packet yet
+    std::deque<Block> finished;
+    UMockdevIoctlData* reaping = nullptr;  ///< asks for what has finished, until
+    double reaping_until_s = 0.0;
+  };
+
+  [[nodiscard]] int claim(Client& client, bool steal);
+  [[nodiscard]] int submit(Client& client, UMockdevIoctlData* argument, double now_s);
+  void control(Client& client, const Block& block, double now_s);
+  [[nodiscard]] int bulk(Client& client, UMockdevIoctlData* argument, double now_s);
+  [[nodiscard]] int discard(Client& client, UMockdevIoctlData* argument);
+  [[nodiscard]] int clear_halt(UMockdevIoctlData* argument);
+  void reap(UMockdevIoctlClient* handle, Client& client, double now_s);
+  bool hand_back(UMockdevIoctlClient* handle, Client& client);
+  /// Ends the waiting of a client: with what has finished, else with an error.
+  void let_go(UMockdevIoctlClient* handle, Client& client, int error);
+  void take_out(std::span<const std::uint8_t> bytes, double now_s);
+  [[nodiscard]] bool fails();
+  void end_all(Client& client, int status);
+
+  const Umockdev& umockdev_;
+  std::shared_ptr<Falcon> falcon_;
+  BusFaults faults_;
+  std::map<UMockdevIoctlClient*, Client> clients_;
+  bool stalled_ = false;
+  double next_stall_s_ = 0.0;
+  double first_command_s_ = -1.0;
+  std::uint64_t transfers_ = 0;
+};
+
+}  // namespace sparsha::haptics::emulator
