@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 
 #include "app/inputs.h"
 #include "app/results.h"
@@ -63,6 +65,8 @@ const Fault kFaults[] = {
     {"three-tries", "two uploads echo well and yet run nothing", [](Setting& s) { s.falcon.failed_loads = 2; }},
     {"deaf", "the boot loader answers only the 20th greeting", [](Setting& s) { s.falcon.deaf_handshakes = 19; }},
     {"no-power", "its power supply is not plugged in", [](Setting& s) { s.falcon.powered = false; }},
+    {"warm-start", "another program has left it running and homed",
+     [](Setting& s) { s.falcon.firmware_loaded = s.falcon.homed = true; }},
     {"second-falcon", "there are two", [](Setting& s) { s.second = true; }},
 };
 
@@ -70,7 +74,6 @@ struct Arguments {
   std::vector<std::string> faults;
   std::string scene;
   std::string log;
-  std::vector<std::string> command;
 };
 
 Setting setting_of(const std::vector<std::string>& names) {
@@ -161,7 +164,7 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
   std::vector<std::shared_ptr<emulator::Falcon>> falcons{falcon};
   if (setting.second) falcons.push_back(std::make_shared<emulator::Falcon>(setting.falcon));
 
-  std::vector<std::string> command = arguments.command;
+  std::vector<std::string> command = common.command;
   if (command.empty()) {
     command = {system::program_file().string(), "device", "check"};
     if (common.json) command.insert(command.begin() + 1, "--json");
@@ -174,6 +177,11 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
     if (std::getenv("SPARSHA_FALCON_FIRMWARE") == nullptr)
       environment.emplace_back("SPARSHA_FALCON_FIRMWARE", firmware.emplace().file().string());
     code = system::run_program(command, environment, interrupted);
+    // What a program leaves behind, such as a guard of its motors, has as long as with a real Falcon.
+    constexpr std::chrono::milliseconds kLook{10};
+    constexpr int kLooks = 100;
+    for (int look = 0; look < kLooks && falcon->motors() != std::array<int, 3>{}; ++look)
+      std::this_thread::sleep_for(kLook);
   }
   const bool force = falcon->motors() != std::array<int, 3>{};
   terminal.message(
@@ -193,7 +201,7 @@ void add_emulate(CLI::App& device, const CommonOptions& common, Run& run) {
   command->add_option("--fault", arguments->faults, faults)->expected(1)->take_all();
   command->add_option("--scene", arguments->scene, "what the person at the grip tours");
   command->add_option("--log", arguments->log, "all bytes on the wire, as CSV");
-  command->add_option("command", arguments->command, "the program and its arguments, after --; default: device check");
+  command->footer("sparsha device emulate [OPTIONS] -- COMMAND...; without one: device check");
   command->callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_emulate(*arguments, common); }; });
 }

@@ -43,6 +43,7 @@ struct Arguments {
   bool speech = false;
   bool kiosk = false;
   std::string study;
+  std::string firmware;
 };
 
 // A new depth scan from another side, on a worker; the finished scene goes to the session.
@@ -104,6 +105,13 @@ class Rescan {
   Progress progress_;
   std::future<pipeline::ScenePointer> result_;
 };
+
+haptics::falcon::FalconOptions falcon_options(const Arguments& arguments) {
+  haptics::falcon::FalconOptions options;
+  options.firmware = arguments.firmware;
+  options.wait_for_device = arguments.kiosk;  // which starts with the machine, before the exhibit is switched on
+  return options;
+}
 
 // Remembers the last moment in which the hand felt the stone, so that a picture taken after the run shows the touch.
 struct LastTouch {
@@ -181,7 +189,7 @@ class Exploration {
   Exploration(const Arguments& arguments, const CommonOptions& common, Terminal& terminal, bool window)
       : arguments_(arguments),
         terminal_(terminal),
-        chosen_(choose_device(arguments.device, window)),
+        chosen_(choose_device(arguments.device, window, falcon_options(arguments))),
         scene_(scene_from(arguments.scene, common.trusted(), terminal.progress())),
         session_(make_session(scene_, chosen_, arguments)),
         rescan_(*session_, common.trusted()) {
@@ -309,6 +317,9 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_flag("--headless", arguments->headless, "no window");
   command->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
       ->check(CLI::Range(0.001, 1e7));
+  command->add_option("--firmware", arguments->firmware,
+                      "firmware image for a Falcon that runs none; default: SPARSHA_FALCON_FIRMWARE, "
+                      "~/.config/sparsha/falcon.bin");
   command->add_option("--record", arguments->record, "run.csv, one row per tick");
   command->add_option("--screenshot", arguments->screenshot, "view.png, 1280x720, the last touch of the run");
   command->add_option("--audio-out", arguments->audio_out, "run.wav, its start is t_s = 0");

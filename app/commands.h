@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -14,10 +15,11 @@ namespace sparsha::app {
 
 /// Options every subcommand has.
 struct CommonOptions {
-  bool json = false;   ///< results as JSON on standard output
-  bool quiet = false;  ///< no messages but errors
-  bool plain = false;  ///< plain lines instead of a progress bar
-  bool trust = false;  ///< scenes may name files outside their folders
+  bool json = false;                 ///< results as JSON on standard output
+  bool quiet = false;                ///< no messages but errors
+  bool plain = false;                ///< plain lines instead of a progress bar
+  bool trust = false;                ///< scenes may name files outside their folders
+  std::vector<std::string> command;  ///< `device emulate`: what stands behind --
 
   [[nodiscard]] pipeline::Trust trusted() const {
     return trust ? pipeline::Trust::any_file : pipeline::Trust::own_folder;

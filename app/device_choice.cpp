@@ -24,7 +24,7 @@ ChosenDevice pointer_device() {
 
 }  // namespace
 
-ChosenDevice choose_device(const std::string& name, bool window) {
+ChosenDevice choose_device(const std::string& name, bool window, const haptics::falcon::FalconOptions& falcon) {
   ChosenDevice chosen;
   if (name == "simulated") {
     chosen.simulated = true;
@@ -42,10 +42,10 @@ ChosenDevice choose_device(const std::string& name, bool window) {
     }
     return pointer_device();
   } else if (name == "falcon") {
-    chosen.device = haptics::falcon::make_falcon_device();
+    chosen.device = haptics::falcon::make_falcon_device(falcon);
   } else if (name == "auto") {
     if (!haptics::falcon::find_falcons().empty()) {
-      chosen.device = haptics::falcon::make_falcon_device();
+      chosen.device = haptics::falcon::make_falcon_device(falcon);
     } else if (window) {
       return pointer_device();
     } else {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "haptics/device/device.h"
+#include "haptics/device/falcon/falcon.h"
 #include "haptics/replay/recording.h"
 #include "haptics/state/seqlock.h"
 #include "haptics/state/state.h"
@@ -19,9 +20,10 @@ struct ChosenDevice {
   std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< with the pointer device only
 };
 
-/// `name`: auto | falcon | pointer | simulated | playback:FILE. `window`: a window will be open. Throws Error{device}
-/// that names the choices, Error{usage} for another name.
-[[nodiscard]] ChosenDevice choose_device(const std::string& name, bool window);
+/// `name`: auto | falcon | pointer | simulated | playback:FILE. `window`: a window will be open. `falcon`: what a
+/// Falcon needs. Throws Error{device} that names the choices, Error{usage} for another name.
+[[nodiscard]] ChosenDevice choose_device(const std::string& name, bool window,
+                                         const haptics::falcon::FalconOptions& falcon = {});
 
 /// The simulated hand, every time with the same seed: a tour of the scene, then rounds by chance. `duration_s` 0 = for
 /// ever.

@@ -63,6 +63,15 @@ int main(int argc, char** argv) {
   add_info(app, common, run);
   add_device(app, common, run);
 
+  // What stands behind -- is another program's, dashes and all.
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const auto dashes = std::find(words.begin(), words.end(), "--");
+  const bool emulates = std::find(words.begin(), dashes, "emulate") != dashes;
+  if (emulates && dashes != words.end()) {
+    common.command.assign(dashes + 1, words.end());
+    argc = 1 + static_cast<int>(dashes - words.begin());
+  }
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

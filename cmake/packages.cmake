@@ -19,6 +19,7 @@ pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile)
 pkg_check_modules(SOXR REQUIRED IMPORTED_TARGET soxr)
 pkg_check_modules(PORTAUDIO REQUIRED IMPORTED_TARGET portaudio-2.0)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
+pkg_check_modules(UMOCKDEV umockdev-1.0)
 
 # PCL by the four libraries we use and nothing else: ${PCL_LIBRARIES} would bring VTK into every start.
 add_library(sparsha_pcl INTERFACE)

@@ -33,6 +33,12 @@ struct DeviceInfo {
   std::string warning;   ///< to be told when a session begins; empty = nothing
 };
 
+/// What the person at the device should know now.
+struct DeviceAdvice {
+  const char* words;
+  bool needed;  ///< false: good to know; true: nothing goes on before it is done
+};
+
 /// All calls but open-time ones come from the servo thread and must not allocate, lock or throw.
 class Device {
  public:
@@ -46,6 +52,8 @@ class Device {
   virtual void write(const Eigen::Vector3d& force_n) noexcept = 0;
   /// Zero force now; may be called from the watchdog's thread while the servo is silent.
   virtual void zero() noexcept = 0;
+  /// From any thread; null when there is nothing to say. What it points to stays.
+  [[nodiscard]] virtual const DeviceAdvice* advice() const noexcept { return nullptr; }
 };
 
 }  // namespace sparsha::haptics

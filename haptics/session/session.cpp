@@ -193,6 +193,12 @@ struct Session::Implementation {
     if (servo->unplugged() && !unplugged_told)
       announcer.say("The device is unplugged; forces are off", Announcement::Priority::fault);
     unplugged_told = servo->unplugged();
+    if (const DeviceAdvice* const advice = device->advice(); advice != advice_told) {
+      advice_told = advice;
+      if (advice != nullptr)
+        announcer.say(advice->words,
+                      advice->needed ? Announcement::Priority::warning : Announcement::Priority::information);
+    }
     tell_fault(servo->silences(), now.time_s, silences_told,
                "The servo fell silent; forces are off until the hand is in the air");
     tell_fault(servo->bad_positions(), now.time_s, bad_positions_told,
@@ -233,6 +239,7 @@ struct Session::Implementation {
   double window_load_s_max = 0.0;
   bool told_real_time = false;
   bool unplugged_told = false;
+  const DeviceAdvice* advice_told = nullptr;
   Told silences_told;
   Told bad_positions_told;
   std::uint64_t dropped_told = 0;

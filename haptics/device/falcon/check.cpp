@@ -99,7 +99,9 @@ CheckReport check_wire(Transport& wire, const FalconOptions& options, double lin
         report.steps.push_back(
             {"firmware", power ? Result::failed : Result::skipped,
              power ? "none runs, and none was given" : "not reached",
-             power ? "name an image in SPARSHA_FALCON_FIRMWARE; its licence forbids shipping one" : ""});
+             power ? "name an image: --firmware FILE, SPARSHA_FALCON_FIRMWARE or ~/.config/sparsha/falcon.bin; "
+                     "its licence forbids shipping one"
+                   : ""});
         skip(report, {"homing", "link"});
         return report;
       }

@@ -1,11 +1,15 @@
 // The servo's side: strict question and answer, homing gates, forces to motor commands.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <thread>
 
+#include "base/error.h"
 #include "haptics/device/falcon/falcon.h"
+#include "haptics/device/falcon/guard.h"
+#include "haptics/device/falcon/keeper.h"
 #include "haptics/device/falcon/link.h"
 #include "haptics/device/falcon/usb_transport.h"
 
@@ -22,31 +26,75 @@ constexpr double kPatience_s = 0.004;
 constexpr int kHomedAnswers = 10;
 /// Encoders cannot move farther in a millisecond: 5 m/s.
 constexpr double kLongestStep_m = 0.005;
+/// Homing that has not come further for so long needs a more exact word.
+constexpr double kSlowHoming_s = 4.0;
 constexpr int kFinalZeros = 8;
 /// What every direction has at 10000 counts a newton metre, over the workspace; more would saturate the amplifiers.
 constexpr double kMostForce_n = 5.0;
 /// USB packets taken in one tick: a few come at once after a pause, more only from a damaged device.
 constexpr int kMostPackets = 64;
+constexpr int kFailures = 4;
+
+/// How the person makes all three encoders know their places.
+const DeviceAdvice* homing_advice(std::uint8_t homed, bool slow) {
+  static constexpr DeviceAdvice kAll{"Homing: pull the grip fully out, then push it fully in", true};
+  static constexpr DeviceAdvice kTop{
+      "Homing: the top arm is missing; pull the grip out and down, then push it in and up", true};
+  static constexpr DeviceAdvice kRight{
+      "Homing: the right arm is missing; pull the grip out and to the left, then push it in and to the right", true};
+  static constexpr DeviceAdvice kLeft{
+      "Homing: the left arm is missing; pull the grip out and up to the right, then push it in and down to the left",
+      true};
+  static constexpr DeviceAdvice kNotTop{
+      "Homing: the right and left arms are missing; pull the grip fully out, then push it fully in and down", true};
+  static constexpr DeviceAdvice kNotRight{
+      "Homing: the top and left arms are missing; pull the grip fully out, then push it fully in and to the left",
+      true};
+  static constexpr DeviceAdvice kNotLeft{
+      "Homing: the top and right arms are missing; pull the grip fully out, then push it fully in and to the right",
+      true};
+  static constexpr const DeviceAdvice* kByFlags[8] = {&kAll,     &kNotTop, &kNotRight, &kLeft,
+                                                      &kNotLeft, &kRight,  &kTop,      &kAll};
+  // In one pull and push the arms follow each other: no word about that.
+  return slow ? kByFlags[homed & 7U] : &kAll;
+}
+constexpr DeviceAdvice kComeForward{"Homed: pull the grip towards you once more; then it can be felt", true};
+constexpr DeviceAdvice kReady{"The Falcon is ready", false};
 
 class FalconDevice final : public Device {
  public:
-  FalconDevice(std::unique_ptr<Transport> wire, const FalconOptions& options)
-      : wire_(std::move(wire)), options_(options) {}
+  FalconDevice(std::unique_ptr<Transport> wire, const FalconOptions& options, std::unique_ptr<ForceGuard> guard = {},
+               std::unique_ptr<Keeper> keeper = {})
+      : guard_(std::move(guard)), keeper_(std::move(keeper)), options_(options) {
+    if (wire)
+      adopt(wire.release());
+    else if (keeper_)
+      keeper_->give_back(nullptr);
+  }
 
   ~FalconDevice() override {
+    const std::unique_ptr<Transport> wire(shared_.exchange(nullptr));
+    if (!wire) return;
     const Packet off = encode({}, kHomingRequest | kLightRed);
     UsbPacket bytes{};
     std::size_t size = 0;
     for (int i = 0; i < kFinalZeros; ++i) {
-      if (wire_->write(off, 20) == TransportStatus::gone) break;
-      static_cast<void>(wire_->receive(bytes, size, 0.002));
+      if (wire->write(off, 20) == TransportStatus::gone) break;
+      static_cast<void>(wire->receive(bytes, size, 0.002));
     }
+    mark_force(false);
   }
 
-  [[nodiscard]] DeviceInfo info() const override { return falcon_info(); }
+  [[nodiscard]] DeviceInfo info() const override {
+    DeviceInfo info = falcon_info();
+    if (keeper_ && !guard_)
+      info.warning = "No process of its own guards the Falcon: if this program is killed, its force may stay on";
+    return info;
+  }
 
   void wait(double timeout_s) noexcept override {
-    if (!connected_) {  // keeps the servo's pace without a device
+    if (guard_) guard_->beat();
+    if (wire_ == nullptr && !find_again()) {  // keeps the servo's pace without a device
       std::this_thread::sleep_for(std::chrono::duration<double>(timeout_s));
       return;
     }
@@ -54,14 +102,17 @@ class FalconDevice final : public Device {
     if (!asked_ || since(asked_at_) > kLost_s) ask({});
     bool answered = false;
     // A device that never stops talking must not hold the servo.
-    for (int packets = 0; packets < kMostPackets; ++packets) {
+    for (int packets = 0; packets < kMostPackets && wire_ != nullptr; ++packets) {
       // What came beside the answer (to a question asked twice, to a watchdog's zero) is taken too, or the hand would
       // be seen late for ever after.
       const double left = answered ? 0.0 : std::max(timeout_s, kPatience_s) - since(began);
       UsbPacket bytes{};
       std::size_t size = 0;
       const TransportStatus status = wire_->receive(bytes, size, std::max(0.0, left));
-      if (status == TransportStatus::gone) connected_ = false;
+      if (status == TransportStatus::gone) lose();
+      // A transfer that failed ends the waiting before its time: the next may bring the answer.
+      if (status == TransportStatus::nothing && left > 0.0 && packets < kFailures && since(began) < kPatience_s)
+        continue;
       if (status != TransportStatus::ok) return;
       if (size <= kModemBytes) continue;
       if (const auto answer = stream_.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
@@ -77,15 +128,15 @@ class FalconDevice final : public Device {
     sample.buttons = buttons_;
     sample.time_s = time_s;
     sample.delay_s = delay_s_;
-    sample.fresh = fresh_ && connected_;
+    sample.fresh = fresh_ && wire_ != nullptr;
     sample.homed = released_;
-    sample.connected = connected_;
+    sample.connected = wire_ != nullptr;
     fresh_ = false;
     return sample;
   }
 
   void write(const Eigen::Vector3d& force_n) noexcept override {
-    if (!connected_) return;
+    if (wire_ == nullptr) return;
     MotorCommand command{};
     const Eigen::Vector3d safe_n = deliverable(force_n, kMostForce_n);
     if (released_ && !safe_n.isZero(0.0))
@@ -96,7 +147,19 @@ class FalconDevice final : public Device {
     if (!asked_ || stop || since(asked_at_) > kLost_s) ask(command);
   }
 
-  void zero() noexcept override { wire_->urgent(zero_); }
+  void zero() noexcept override {
+    if (keeper_) keeper_->enter();
+    if (Transport* const wire = shared_.load()) {
+      wire->urgent(zero_);
+      mark_force(false);
+    }
+    if (keeper_) keeper_->leave();
+  }
+
+  [[nodiscard]] const DeviceAdvice* advice() const noexcept override {
+    if (const DeviceAdvice* const own = advice_.load()) return own;
+    return keeper_ ? keeper_->advice() : nullptr;
+  }
 
  private:
   [[nodiscard]] static double since(Steady::time_point then) noexcept {
@@ -105,11 +168,51 @@ class FalconDevice final : public Device {
   [[nodiscard]] std::uint8_t lights() const noexcept {
     return static_cast<std::uint8_t>(kHomingRequest | (!homed_ ? kLightRed : released_ ? kLightBlue : kLightGreen));
   }
+  void mark_force(bool on) noexcept {
+    if (guard_) guard_->set_force(on);
+  }
+
+  // Nothing of an earlier device holds for this one.
+  void adopt(Transport* wire) noexcept {
+    stream_ = AnswerStream();
+    position_m_ = kNeutral_m;
+    commanded_ = {};
+    buttons_ = 0;
+    asked_ = fresh_ = homed_ = released_ = known_ = false;
+    homed_answers_ = jumps_ = 0;
+    delay_s_ = 0.0;
+    homing_flags_ = 0;
+    homing_since_ = Steady::now();
+    advice_.store(homing_advice(0, false));
+    wire_ = wire;
+    if (guard_) guard_->watch(wire->address());
+    mark_force(false);
+    shared_.store(wire);
+  }
+  bool find_again() noexcept {
+    Transport* const wire = keeper_ ? keeper_->take() : nullptr;
+    if (wire != nullptr) adopt(wire);
+    return wire != nullptr;
+  }
+  void lose() noexcept {
+    Transport* const wire = wire_;
+    wire_ = nullptr;
+    released_ = fresh_ = false;
+    commanded_ = {};
+    mark_force(false);
+    if (guard_) guard_->watch({});
+    if (!keeper_) return;  // the wire stays to be closed with this
+    advice_.store(nullptr);
+    shared_.store(nullptr);
+    keeper_->give_back(wire);
+  }
 
   void ask(const MotorCommand& command) noexcept {
+    if (command != MotorCommand{}) mark_force(true);
     const TransportStatus status = wire_->post(encode(command, lights()));
-    if (status == TransportStatus::gone) connected_ = false;
+    if (status == TransportStatus::gone) lose();
     if (status != TransportStatus::ok) return;
+    if (command == MotorCommand{}) mark_force(false);
     commanded_ = command;
     asked_ = true;
     asked_at_ = Steady::now();
@@ -127,6 +230,7 @@ class FalconDevice final : public Device {
       released_ = false;
       known_ = false;
     }
+    advise(answer.homed);
     if (!homed_) {
       fresh_ = true;  // the link is alive; `homed` says that the position means nothing
       released_ = false;
@@ -142,14 +246,27 @@ class FalconDevice final : public Device {
     if (position_m_.z() >= options_.release_z_m) released_ = true;
   }
 
-  std::unique_ptr<Transport> wire_;
+  void advise(std::uint8_t flags) noexcept {
+    if (homed_) {
+      advice_.store(released_ ? &kReady : &kComeForward, std::memory_order_relaxed);
+      return;
+    }
+    if (flags != homing_flags_) homing_since_ = Steady::now();
+    homing_flags_ = flags;
+    advice_.store(homing_advice(flags, since(homing_since_) > kSlowHoming_s), std::memory_order_relaxed);
+  }
+
+  std::unique_ptr<ForceGuard> guard_;
+  std::unique_ptr<Keeper> keeper_;
   FalconOptions options_;
   AnswerStream stream_;
   const Packet zero_ = encode({}, kHomingRequest | kLightRed);
+  Transport* wire_ = nullptr;                ///< null while unplugged; servo thread
+  std::atomic<Transport*> shared_{nullptr};  ///< the one to close, and to send zero to
+  std::atomic<const DeviceAdvice*> advice_{nullptr};
   Eigen::Vector3d position_m_ = kNeutral_m;
   MotorCommand commanded_{};
   std::uint8_t buttons_ = 0;
-  bool connected_ = true;
   bool asked_ = false;
   Steady::time_point asked_at_{};
   double delay_s_ = 0.0;  ///< from the last question to its answer
@@ -159,7 +276,23 @@ class FalconDevice final : public Device {
   bool known_ = false;     ///< position_m_ is the last answer's
   int homed_answers_ = 0;
   int jumps_ = 0;
+  std::uint8_t homing_flags_ = 0;
+  Steady::time_point homing_since_{};
 };
+
+/// Each attempt opens the device anew: one that hangs after a failed upload comes to its senses.
+std::unique_ptr<Transport> open_and_load(std::span<const std::uint8_t> image) {
+  constexpr int kAttempts = 10;
+  for (int attempt = 1;; ++attempt) {
+    std::unique_ptr<Transport> wire = open_usb_transport();
+    try {
+      bring_up(*wire, image, 1);
+      return wire;
+    } catch (const Error&) {
+      if (attempt >= kAttempts || image.empty()) throw;
+    }
+  }
+}
 
 }  // namespace
 
@@ -180,7 +313,16 @@ std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, cons
 }
 
 std::unique_ptr<Device> make_falcon_device(const FalconOptions& options) {
-  return make_falcon_device(open_usb_transport(), options);
+  std::unique_ptr<ForceGuard> guard;
+  try {
+    guard = std::make_unique<ForceGuard>();
+  } catch (const Error&) {  // info() tells
+  }
+  std::vector<std::uint8_t> image = firmware_image(options);
+  std::unique_ptr<Transport> wire;
+  if (!options.wait_for_device || !find_falcons().empty()) wire = open_and_load(image);
+  auto keeper = std::make_unique<Keeper>(open_usb_transport, std::move(image));
+  return std::make_unique<FalconDevice>(std::move(wire), options, std::move(guard), std::move(keeper));
 }
 
 }  // namespace sparsha::haptics::falcon

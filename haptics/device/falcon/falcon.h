@@ -14,7 +14,8 @@
 namespace sparsha::haptics::falcon {
 
 struct FalconOptions {
-  /// Firmware image for a device that runs none; empty = the environment variable SPARSHA_FALCON_FIRMWARE, if set.
+  /// Firmware image for a device that runs none; empty = the environment variable SPARSHA_FALCON_FIRMWARE, if set, else
+  /// ~/.config/sparsha/falcon.bin, if there.
   std::filesystem::path firmware;
   /// Motor command of one newton metre at an arm. Differs between devices: calibrate with a spring scale.
   double counts_per_newton_metre = 10000.0;
@@ -23,6 +24,8 @@ struct FalconOptions {
   /// After homing the grip must be seen once beyond this z (Falcon frame, metres) before forces are possible; 0 = no
   /// such gate.
   double release_z_m = 0.155;
+  /// Begin without a Falcon, and take the first that is plugged in.
+  bool wait_for_device = false;
 };
 
 /// What a Falcon is for the servo. Device frame: metres about options.centre_m.
@@ -38,9 +41,11 @@ struct FoundFalcon {
 /// Those plugged in. Empty when USB itself is not there.
 [[nodiscard]] std::vector<FoundFalcon> find_falcons();
 
-/// Opens the first one, loads firmware when it runs none, and makes it a device. Throws Error{device} with the remedy.
+/// Opens the first one, loads firmware when it runs none, and makes it a device, which may be unplugged and plugged in
+/// again: it is then brought up, homed and released anew. A process of its own ends the force when this one cannot.
+/// Throws Error{device} with the remedy.
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(const FalconOptions& options = {});
-/// The same over any wire.
+/// The same over any wire; unplugging ends it.
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, const FalconOptions& options);
 
 }  // namespace sparsha::haptics::falcon

@@ -110,6 +110,14 @@ bool exchange(Transport& wire, AnswerStream& stream, const Packet& packet, Answe
   return false;
 }
 
+std::filesystem::path own_firmware() {
+  const char* const configuration = std::getenv("XDG_CONFIG_HOME");
+  if (configuration != nullptr && *configuration != '\0')
+    return std::filesystem::path(configuration) / "sparsha" / "falcon.bin";
+  const char* const home = std::getenv("HOME");
+  return home == nullptr ? std::filesystem::path() : std::filesystem::path(home) / ".config" / "sparsha" / "falcon.bin";
+}
+
 bool firmware_answers(Transport& wire, int tries) {
   AnswerStream stream;
   Answer answer;
@@ -120,6 +128,8 @@ std::vector<std::uint8_t> firmware_image(const FalconOptions& options) {
   std::filesystem::path file = options.firmware;
   if (file.empty())
     if (const char* named = std::getenv("SPARSHA_FALCON_FIRMWARE")) file = named;
+  std::error_code code;
+  if (file.empty() && std::filesystem::is_regular_file(own_firmware(), code)) file = own_firmware();
   return file.empty() ? std::vector<std::uint8_t>{} : read_firmware(file);
 }
 
@@ -162,8 +172,10 @@ void bring_up(Transport& wire, std::span<const std::uint8_t> image, int attempts
   enter_run_mode(wire);
   if (firmware_answers(wire)) return;
   if (image.empty())
-    throw fault("no firmware runs on it and none was given",
-                "the path of a firmware image in SPARSHA_FALCON_FIRMWARE; its licence forbids shipping one here");
+    throw fault(
+        "no firmware runs on it and none was given",
+        "a firmware image: --firmware FILE, SPARSHA_FALCON_FIRMWARE or ~/.config/sparsha/falcon.bin; its licence "
+        "forbids shipping one here");
   for (int attempt = 1;; ++attempt) {
     try {
       load_firmware(wire, image, progress);

@@ -19,7 +19,11 @@ namespace sparsha::haptics::falcon {
 /// missing or of impossible size.
 [[nodiscard]] std::vector<std::uint8_t> read_firmware(const std::filesystem::path& file);
 
-/// The image that `options` or SPARSHA_FALCON_FIRMWARE name; empty when neither does. Throws as read_firmware().
+/// ~/.config/sparsha/falcon.bin, or where XDG_CONFIG_HOME puts it.
+[[nodiscard]] std::filesystem::path own_firmware();
+
+/// The image that `options` or SPARSHA_FALCON_FIRMWARE name, else own_firmware() if it is there; empty when there is
+/// none. Throws as read_firmware().
 [[nodiscard]] std::vector<std::uint8_t> firmware_image(const FalconOptions& options);
 
 /// 1.5 Mbaud, latency timer 1 ms, buffers purged. Throws Error{device} when the bridge does not apply.

@@ -35,7 +35,13 @@ enum class TransportStatus : std::uint8_t {
   ok,
   nothing,
   gone
-};  ///< done; nothing within the time; unplugged or failed for good
+};  ///< done; nothing within the time, or it failed and may be tried again; unplugged or failed for a second
+
+/// Where on USB a device is; zeros when it is not on USB.
+struct UsbAddress {
+  std::uint32_t bus = 0;
+  std::uint32_t address = 0;
+};
 
 /// Two ways to talk: blocking calls while opening, and the servo's calls, which never throw or lock. One thread, except
 /// urgent().
@@ -59,6 +65,7 @@ class Transport {
   virtual TransportStatus receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept = 0;
   /// Like post(), from any thread, past whatever the servo is doing.
   virtual void urgent(std::span<const std::uint8_t> bytes) noexcept = 0;
+  [[nodiscard]] virtual UsbAddress address() const noexcept { return {}; }
 };
 
 }  // namespace sparsha::haptics::falcon

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <thread>
 
 #include <libusb.h>
 
@@ -23,6 +24,8 @@ constexpr unsigned char kOut = 0x02, kIn = 0x81;
 constexpr int kInterface = 0;
 constexpr unsigned kControlTimeout_ms = 1000;
 constexpr unsigned kPostTimeout_ms = 100;
+constexpr std::int64_t kFailsForGood_ns = 1'000'000'000;
+constexpr std::chrono::microseconds kRetryPause{500};
 constexpr std::size_t kPosts = 4, kUrgent = 4, kReceived = 8;
 const char* const kUdevRule =
     "a udev rule, e.g. /etc/udev/rules.d/40-falcon.rules: SUBSYSTEM==\"usb\", ATTR{idVendor}==\"0403\", "
@@ -113,9 +116,10 @@ class UsbTransport final : public Transport {
 
   TransportStatus control(Request request, std::uint16_t value) noexcept override {
     constexpr std::uint8_t kVendorOut = 0x40;
-    const int status = libusb_control_transfer(handle_, kVendorOut, static_cast<std::uint8_t>(request), value, 0,
-                                               nullptr, 0, kControlTimeout_ms);
-    return status >= 0 ? TransportStatus::ok : status_of(status);
+    return retried([&] {
+      return libusb_control_transfer(handle_, kVendorOut, static_cast<std::uint8_t>(request), value, 0, nullptr, 0,
+                                     kControlTimeout_ms);
+    });
   }
 
   TransportStatus write(std::span<const std::uint8_t> bytes, int timeout_ms) noexcept override {
@@ -123,20 +127,28 @@ class UsbTransport final : public Transport {
     const std::size_t size = std::min(bytes.size(), copy.size());
     std::memcpy(copy.data(), bytes.data(), size);
     int sent = 0;
-    const int status = libusb_bulk_transfer(handle_, kOut, copy.data(), static_cast<int>(size), &sent,
-                                            static_cast<unsigned>(timeout_ms));
-    if (status != 0) return status_of(status);
+    const TransportStatus status = retried([&] {
+      const int result = libusb_bulk_transfer(handle_, kOut, copy.data(), static_cast<int>(size), &sent,
+                                              static_cast<unsigned>(timeout_ms));
+      if (result == LIBUSB_ERROR_PIPE) libusb_clear_halt(handle_, kOut);
+      return result;
+    });
+    if (status != TransportStatus::ok) return status;
     return static_cast<std::size_t>(sent) == size ? TransportStatus::ok : TransportStatus::nothing;
   }
 
   TransportStatus read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept override {
-    if (incoming_.busy.load()) return receive(packet, size, timeout_ms * 1e-3);
     int got = 0;
-    const int status = libusb_bulk_transfer(handle_, kIn, packet.data(), static_cast<int>(packet.size()), &got,
-                                            static_cast<unsigned>(std::max(1, timeout_ms)));
+    bool cut = false;
+    const TransportStatus status = retried([&] {
+      const int result = libusb_bulk_transfer(handle_, kIn, packet.data(), static_cast<int>(packet.size()), &got,
+                                              static_cast<unsigned>(std::max(1, timeout_ms)));
+      if (result == LIBUSB_ERROR_PIPE) libusb_clear_halt(handle_, kIn);
+      cut = result == LIBUSB_ERROR_TIMEOUT && got > 0;
+      return result;
+    });
     size = static_cast<std::size_t>(got);
-    if (status == LIBUSB_ERROR_TIMEOUT && got > 0) return TransportStatus::ok;
-    return status == 0 ? TransportStatus::ok : status_of(status);
+    return cut ? TransportStatus::ok : status;
   }
 
   TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override { return submit(posts_, bytes); }
@@ -153,7 +165,12 @@ class UsbTransport final : public Transport {
         return TransportStatus::ok;
       }
       if (gone_.load(std::memory_order_relaxed)) return TransportStatus::gone;
-      if (!incoming_.busy.load() && !listen()) return TransportStatus::gone;
+      if (!incoming_.busy.load() && !listen()) {
+        if (gone_.load(std::memory_order_relaxed)) return TransportStatus::gone;
+        // It failed: once more on the next call, and not at once again and again.
+        std::this_thread::sleep_for(std::min<Steady::duration>(kRetryPause, std::max(limit - Steady::now(), {})));
+        return TransportStatus::nothing;
+      }
       const auto left = std::chrono::duration_cast<std::chrono::microseconds>(limit - Steady::now()).count();
       timeval wait{static_cast<time_t>(std::max<long>(0, left) / 1000000), std::max<long>(0, left) % 1000000};
       static_cast<void>(libusb_handle_events_timeout_completed(context_.get(), &wait, nullptr));
@@ -163,6 +180,11 @@ class UsbTransport final : public Transport {
   }
 
   void urgent(std::span<const std::uint8_t> bytes) noexcept override { static_cast<void>(submit(urgents_, bytes)); }
+
+  [[nodiscard]] UsbAddress address() const noexcept override {
+    libusb_device* const device = libusb_get_device(handle_);
+    return {libusb_get_bus_number(device), libusb_get_device_address(device)};
+  }
 
  private:
   struct Slot {
@@ -181,10 +203,31 @@ class UsbTransport final : public Transport {
     slot.owner = this;
   }
 
+  /// What fails now may work the next time; what has failed for a second without a break is as good as unplugged.
   TransportStatus status_of(int status) noexcept {
+    if (status >= 0) {
+      failing_since_ns_.store(0, std::memory_order_relaxed);
+      return TransportStatus::ok;
+    }
     if (status == LIBUSB_ERROR_TIMEOUT) return TransportStatus::nothing;
-    gone_.store(true, std::memory_order_relaxed);
-    return TransportStatus::gone;
+    const std::int64_t now_ns = Steady::now().time_since_epoch().count();
+    std::int64_t since_ns = 0;
+    if (failing_since_ns_.compare_exchange_strong(since_ns, now_ns)) since_ns = now_ns;
+    const bool for_good = status == LIBUSB_ERROR_NO_DEVICE || now_ns - since_ns > kFailsForGood_ns;
+    if (for_good) gone_.store(true, std::memory_order_relaxed);
+    return for_good ? TransportStatus::gone : TransportStatus::nothing;
+  }
+
+  template <typename Call>
+  TransportStatus retried(const Call& call) noexcept {
+    constexpr int kTries = 3;
+    TransportStatus status = TransportStatus::gone;
+    for (int i = 0; i < kTries && !gone_.load(std::memory_order_relaxed); ++i) {
+      const int result = call();
+      status = status_of(result);
+      if (status != TransportStatus::nothing || result == LIBUSB_ERROR_TIMEOUT) break;
+    }
+    return status;
   }
 
   template <std::size_t N>
@@ -205,39 +248,66 @@ class UsbTransport final : public Transport {
     return TransportStatus::nothing;
   }
 
+  static int error_of(libusb_transfer_status status) noexcept {
+    switch (status) {
+      case LIBUSB_TRANSFER_COMPLETED:
+        return 0;
+      case LIBUSB_TRANSFER_NO_DEVICE:
+        return LIBUSB_ERROR_NO_DEVICE;
+      case LIBUSB_TRANSFER_TIMED_OUT:
+        return LIBUSB_ERROR_TIMEOUT;
+      case LIBUSB_TRANSFER_STALL:
+        return LIBUSB_ERROR_PIPE;
+      default:
+        return LIBUSB_ERROR_IO;
+    }
+  }
+
   static void LIBUSB_CALL sent(libusb_transfer* transfer) {
     auto& slot = *static_cast<Slot*>(transfer->user_data);
-    if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE) slot.owner->gone_.store(true, std::memory_order_relaxed);
+    if (!slot.owner->closing_.load()) {
+      static_cast<void>(slot.owner->status_of(error_of(transfer->status)));
+      if (transfer->status == LIBUSB_TRANSFER_STALL) slot.owner->out_stalled_.store(true);
+    }
     slot.busy.store(false);
   }
 
+  /// Has a read outstanding; false when that failed.
   bool listen() noexcept {
+    // A stalled endpoint takes nothing until it is cleared.
+    if (in_stalled_.exchange(false)) libusb_clear_halt(handle_, kIn);
+    if (out_stalled_.exchange(false)) libusb_clear_halt(handle_, kOut);
     libusb_fill_bulk_transfer(incoming_.transfer, handle_, kIn, incoming_.bytes.data(),
                               static_cast<int>(incoming_.bytes.size()), &arrived, this, 0);
     incoming_.busy.store(true);
-    if (libusb_submit_transfer(incoming_.transfer) == 0) return true;
+    const int status = libusb_submit_transfer(incoming_.transfer);
+    if (status == 0) return true;
     incoming_.busy.store(false);
-    gone_.store(true, std::memory_order_relaxed);
+    static_cast<void>(status_of(status));
     return false;
   }
 
   static void LIBUSB_CALL arrived(libusb_transfer* transfer) {
     auto& self = *static_cast<UsbTransport*>(transfer->user_data);
+    const bool closing = self.closing_.load();
+    if (!closing) static_cast<void>(self.status_of(error_of(transfer->status)));
+    if (transfer->status == LIBUSB_TRANSFER_STALL) self.in_stalled_.store(true);
     if (transfer->status == LIBUSB_TRANSFER_COMPLETED) {
-      const auto size = static_cast<std::size_t>(transfer->actual_length);
-      if (size > kModemBytes) {
-        if (self.received_count_ == kReceived) {  // nobody listens: the oldest goes
-          self.received_first_ = (self.received_first_ + 1) % kReceived;
-          --self.received_count_;
-        }
-        Received& slot = self.received_[(self.received_first_ + self.received_count_++) % kReceived];
-        slot.bytes = self.incoming_.bytes;
-        slot.size = size;
-      }
-      if (!self.closing_.load() && libusb_submit_transfer(transfer) == 0) return;
+      self.keep(static_cast<std::size_t>(transfer->actual_length));
+      if (!closing && libusb_submit_transfer(transfer) == 0) return;
     }
-    if (!self.closing_.load()) self.gone_.store(true, std::memory_order_relaxed);
-    self.incoming_.busy.store(false);
+    self.incoming_.busy.store(false);  // listen() begins anew
+  }
+
+  void keep(std::size_t size) noexcept {
+    if (size <= kModemBytes) return;
+    if (received_count_ == kReceived) {  // nobody listens: the oldest goes
+      received_first_ = (received_first_ + 1) % kReceived;
+      --received_count_;
+    }
+    Received& slot = received_[(received_first_ + received_count_++) % kReceived];
+    slot.bytes = incoming_.bytes;
+    slot.size = size;
   }
 
   Context context_;
@@ -249,6 +319,8 @@ class UsbTransport final : public Transport {
   std::size_t received_first_ = 0;
   std::size_t received_count_ = 0;
   std::atomic<bool> gone_{false};
+  std::atomic<bool> in_stalled_{false}, out_stalled_{false};
+  std::atomic<std::int64_t> failing_since_ns_{0};
   std::atomic<bool> closing_{false};
 };
 

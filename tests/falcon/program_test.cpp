@@ -1,0 +1,200 @@
+// The program and a Falcon from plug to unplug, and every way out of it, judged from the bytes on the wire.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <thread>
+
+#include "tests/falcon/wire.h"
+#include "tests/support/test_folder.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class FalconProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream scan(folder_ / "plane.xyz");
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 60; ++x) scan << x * 1e-3 << ' ' << y * 1e-3 << " 0\n";
+  }
+  void TearDown() override {
+    if (runner_.joinable()) {
+      if (explorer() > 0) ::kill(explorer(), SIGKILL);
+      runner_.join();
+    }
+  }
+
+  /// Starts the emulator and, on its bus, an exploration of a plane.
+  void start(const std::string& faults, const std::string& more = "") {
+    const std::string explore =
+        std::string(SPARSHA_PROGRAM) + " explore plane.xyz --device falcon --headless --duration 60 " + more;
+    const std::string command = "cd '" + folder_.path().string() + "' && env -u DISPLAY '" + SPARSHA_PROGRAM +
+                                "' device emulate --log wire.csv " + faults + " -- sh -c 'echo $$ > pid; exec " +
+                                explore + "' > out.txt 2> err.txt < /dev/null";
+    runner_ = std::thread([this, command] {
+      const int status = std::system(command.c_str());
+      code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+      ended_ = true;
+    });
+  }
+  [[nodiscard]] pid_t explorer() const {
+    pid_t id = 0;
+    std::ifstream(folder_ / "pid") >> id;
+    return id;
+  }
+  [[nodiscard]] std::vector<wire::Event> events() const { return wire::read(folder_ / "wire.csv"); }
+  [[nodiscard]] std::string messages() const {
+    std::stringstream text;
+    text << std::ifstream(folder_ / "err.txt").rdbuf();
+    return text.str();
+  }
+  /// A hundred packets with force since an event.
+  [[nodiscard]] bool presses_since(std::size_t from) const {
+    const auto all = events();
+    return std::count_if(all.begin() + static_cast<std::ptrdiff_t>(std::min(from, all.size())), all.end(),
+                         [](const wire::Event& event) { return event.kind == "out" && event.force(); }) > 100;
+  }
+  /// True when the motors were last told to be off.
+  [[nodiscard]] bool off() const {
+    const auto all = events();
+    const auto last =
+        std::find_if(all.rbegin(), all.rend(), [](const wire::Event& e) { return e.kind == "out" && e.packet; });
+    return last != all.rend() && !last->force();
+  }
+  /// A loaded machine is slow, and a test that fails may take long.
+  [[nodiscard]] bool eventually(const std::function<bool()>& condition) const {
+    for (int i = 0; i < 900; ++i) {
+      if (condition()) return true;
+      if (ended_) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  }
+  int finish() {
+    runner_.join();
+    return code_;
+  }
+  /// No packet with force as long as not all encoders have said that they are homed, from each plugging in on.
+  void expect_no_force_before_homing() const {
+    bool homed = false;
+    for (const wire::Event& event : events()) {
+      if (event.kind == "unplugged") homed = false;
+      if (event.kind == "in" && event.packet) homed = (event.flags >> 4U) == 7U;
+      if (event.kind == "out" && event.force()) {
+        ASSERT_TRUE(homed) << event.time_s;
+      }
+    }
+  }
+
+  const sparsha::test::TestFolder folder_;
+  std::thread runner_;
+  int code_ = -1;
+  std::atomic<bool> ended_{false};
+};
+
+/// Ends an exploration that presses, by signals in this order.
+class FalconWayOut : public FalconProgram, public testing::WithParamInterface<std::vector<int>> {};
+
+TEST_P(FalconWayOut, EndsInZeroForceOnTheWire) {
+  start("--fault warm-start");
+  ASSERT_TRUE(eventually([&] { return presses_since(0); })) << messages();
+  for (const int number : GetParam()) ::kill(explorer(), number);
+  static_cast<void>(finish());
+  EXPECT_TRUE(off());
+  EXPECT_THAT(messages(), HasSubstr("motors off at the end"));
+  expect_no_force_before_homing();
+}
+
+std::string name_of(const testing::TestParamInfo<std::vector<int>>& info) {
+  std::string name;
+  for (const int number : info.param) name += std::string("Sig") + ::sigabbrev_np(number);
+  return name;
+}
+
+// SIGABRT is also how an exception that nobody catches ends.
+INSTANTIATE_TEST_SUITE_P(falcon, FalconWayOut,
+                         testing::Values(std::vector{SIGHUP}, std::vector{SIGQUIT}, std::vector{SIGTERM},
+                                         std::vector{SIGINT, SIGINT}, std::vector{SIGABRT}, std::vector{SIGKILL}),
+                         name_of);
+
+TEST_F(FalconProgram, AStoppedProgramHoldsNoForceAndGoesOnAfterwards) {
+  start("--fault warm-start");
+  ASSERT_TRUE(eventually([&] { return presses_since(0); })) << messages();
+  ::kill(explorer(), SIGSTOP);
+  EXPECT_TRUE(eventually([&] { return off(); })) << "while it is stopped";
+  const std::size_t stopped = events().size();
+  ::kill(explorer(), SIGCONT);
+  EXPECT_TRUE(eventually([&] { return presses_since(stopped); })) << messages();
+  ::kill(explorer(), SIGTERM);
+  EXPECT_EQ(finish(), 0);
+  EXPECT_TRUE(off());
+}
+
+TEST_F(FalconProgram, IsLoadedHomedTouchedUnpluggedInContactPluggedInAgainAndTouchedAgain) {
+  start("--fault unplug --fault bad-echo --fault deaf");
+  const auto find = [this](const char* kind) {
+    const auto all = events();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const wire::Event& e) { return e.kind == kind; });
+    return found == all.end() ? std::size_t{0} : static_cast<std::size_t>(found - all.begin());
+  };
+  ASSERT_TRUE(eventually([&] { return find("plugged") > 0; })) << messages();
+  const std::size_t plugged = find("plugged");
+  EXPECT_TRUE(eventually([&] { return presses_since(plugged); })) << messages();
+  ::kill(explorer(), SIGTERM);
+  EXPECT_EQ(finish(), 0);
+  EXPECT_TRUE(off());
+  expect_no_force_before_homing();
+  const std::string said = messages();
+  EXPECT_THAT(said, HasSubstr("pull the grip fully out"));
+  EXPECT_THAT(said, HasSubstr("unplugged; forces are off"));
+}
+
+TEST_F(FalconProgram, IsFeltThroughABadLink) {
+  start(
+      "--fault warm-start --fault split-packets --fault garbage --fault lost-bytes --fault failed-transfers "
+      "--fault second-falcon");
+  EXPECT_TRUE(eventually([&] { return presses_since(0); })) << messages();
+  ::kill(explorer(), SIGTERM);
+  EXPECT_EQ(finish(), 0);
+  EXPECT_TRUE(off());
+}
+
+/// Each fault by itself; some of them leave little to feel, and none may leave a force.
+class FalconFault : public FalconProgram, public testing::WithParamInterface<const char*> {};
+
+TEST_P(FalconFault, IsLivedThroughAndLeavesNoForce) {
+  if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "each fault for 8 s only with SPARSHA_NIGHTLY=1";
+  start(std::string("--fault ") + GetParam());
+  ASSERT_TRUE(eventually([&] { return explorer() > 0; }));
+  std::this_thread::sleep_for(std::chrono::seconds(8));
+  ::kill(explorer(), SIGTERM);
+  EXPECT_EQ(finish(), 0) << messages();
+  EXPECT_TRUE(off());
+  expect_no_force_before_homing();
+}
+
+INSTANTIATE_TEST_SUITE_P(falcon, FalconFault,
+                         testing::Values("bad-echo", "lost-bytes", "lost-answers", "split-packets", "garbage", "stall",
+                                         "silence", "failed-transfers", "late-answers", "unplug", "three-tries", "deaf",
+                                         "second-falcon"),
+                         [](const auto& fault) {
+                           std::string name = fault.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
