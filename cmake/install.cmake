@@ -56,3 +56,5 @@ install(FILES ${CMAKE_BINARY_DIR}/SparshaConfig.cmake ${CMAKE_BINARY_DIR}/Sparsh
 
 # The whole program: cmake --install build --component program.
 install(TARGETS sparsha RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+# Read there when the prefix is /usr or /usr/local.
+install(FILES haptics/device/falcon/40-novint-falcon.rules DESTINATION lib/udev/rules.d COMPONENT program)
