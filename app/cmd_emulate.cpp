@@ -24,6 +24,7 @@
 #include "haptics/device/simulated/exploration_script.h"
 #include "haptics/emulator/person.h"
 #include "haptics/emulator/usb_bus.h"
+#include "haptics/servo/real_time.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
@@ -171,6 +172,10 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
   }
   int code = 0;
   {
+    // The device's own time does not wait for this machine's other programs, where that is granted. The bus's threads
+    // inherit it; COMMAND does not.
+    constexpr int kBusPriority = 75;
+    static_cast<void>(haptics::request_real_time(kBusPriority));
     emulator::UsbBus bus(falcons, setting.bus);
     std::optional<MadeFirmware> firmware;
     auto environment = emulator::UsbBus::environment();

@@ -9,6 +9,7 @@
 
 #if !defined(_WIN32)
 #include <dlfcn.h>
+#include <sched.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -76,7 +77,10 @@ pid_t spawn(std::vector<std::string> command, const std::vector<std::pair<std::s
   ::sigemptyset(&none);
   ::posix_spawnattr_setsigdefault(&attributes, &all);
   ::posix_spawnattr_setsigmask(&attributes, &none);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSCHEDULER);
+  const sched_param ordinary{};
+  ::posix_spawnattr_setschedpolicy(&attributes, SCHED_OTHER);
+  ::posix_spawnattr_setschedparam(&attributes, &ordinary);
   pid_t id = 0;
   const int error = ::posix_spawnp(&id, command.front().c_str(), nullptr, &attributes, pointers(command).data(),
                                    pointers(variables).data());

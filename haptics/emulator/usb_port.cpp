@@ -16,6 +16,7 @@ namespace {
 constexpr unsigned char kOut = 0x02, kIn = 0x81;
 /// A client that asks what has finished waits for so long at most: its other threads wait with it.
 constexpr double kPatience_s = 0.5e-3;
+constexpr int kAskedInVain = 3;
 constexpr double kNever_s = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -178,11 +179,19 @@ bool UsbPort::hand_back(UMockdevIoctlClient* handle, Client& client) {
 void UsbPort::reap(UMockdevIoctlClient* handle, Client& client, double now_s) {
   client.reaping = umockdev_.get_arg(handle);
   client.reaping_until_s = now_s + kPatience_s;
+  // The kernel tells at once that nothing has finished; only who asks again and again is made to wait.
+  if (client.finished.empty() && ++client.asked_in_vain <= kAskedInVain) {
+    client.reaping = nullptr;
+    umockdev_.complete(handle, -1, EAGAIN);
+    return;
+  }
+  if (!client.finished.empty()) client.asked_in_vain = 0;
   if (!hand_back(handle, client)) umockdev_.object_ref(handle);  // nobody else keeps a client that waits
 }
 
 void UsbPort::let_go(UMockdevIoctlClient* handle, Client& client, int error) {
   if (hand_back(handle, client)) {
+    client.asked_in_vain = 0;
     umockdev_.object_unref(handle);
     return;
   }

@@ -52,6 +52,7 @@ class UsbPort {
     std::deque<Block> finished;
     UMockdevIoctlData* reaping = nullptr;  ///< asks for what has finished, until
     double reaping_until_s = 0.0;
+    int asked_in_vain = 0;  ///< since something was handed back
   };
 
   [[nodiscard]] int claim(Client& client, bool steal);
