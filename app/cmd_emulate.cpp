@@ -47,7 +47,8 @@ struct Fault {
 // Each is what a cable, a hub, a supply or the firmware has been seen to do.
 const Fault kFaults[] = {
     {"bad-echo", "the first upload's echo has a wrong byte", [](Setting& s) { s.falcon.corrupt_echo_byte = 2600; }},
-    {"lost-bytes", "every 499th byte from the device is lost", [](Setting& s) { s.falcon.lose_byte_every = 499; }},
+    {"lost-bytes", "every 499th byte that the firmware says is lost",
+     [](Setting& s) { s.falcon.lose_byte_every = 499; }},
     {"lost-answers", "every 17th command gets no answer", [](Setting& s) { s.falcon.lose_every = 17; }},
     {"split-packets", "answers come in two USB packets", [](Setting& s) { s.falcon.split_answers = true; }},
     {"garbage", "noise between the answers, and every 13th answer malformed",

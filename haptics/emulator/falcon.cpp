@@ -210,7 +210,8 @@ void Falcon::answer(double time_s) {
 void Falcon::say(std::span<const std::uint8_t> bytes, double time_s) {
   for (const std::uint8_t byte : bytes) {
     ++bytes_said_;
-    if (options_.lose_byte_every > 0 && bytes_said_ % static_cast<std::uint64_t>(options_.lose_byte_every) == 0)
+    if (mode_ == Mode::run && options_.lose_byte_every > 0 &&
+        bytes_said_ % static_cast<std::uint64_t>(options_.lose_byte_every) == 0)
       continue;
     bridge_.receive(byte, time_s);
   }

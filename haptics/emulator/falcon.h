@@ -26,7 +26,7 @@ struct FalconOptions {
   int deaf_handshakes = 0;      ///< this many greetings stay without reply
   int failed_loads = 0;         ///< this many uploads echo well and yet run nothing
   int lose_every = 0;           ///< every n-th command gets no answer
-  int lose_byte_every = 0;      ///< every n-th byte from the device is lost
+  int lose_byte_every = 0;      ///< every n-th byte that the firmware says is lost
   int garble_every = 0;         ///< every n-th answer is malformed
   bool split_answers = false;   ///< answers come in two USB packets
   bool garbage = false;         ///< bytes that mean nothing stand between the answers

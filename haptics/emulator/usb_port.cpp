@@ -258,16 +258,16 @@ void UsbPort::serve(double now_s) {
   for (auto& [handle, client] : clients_) {
     if (stalled_) end_all(client, -EPIPE);
     while (!client.waiting.empty()) {
-      const auto packet = falcon_->read(now_s);
-      if (!packet) break;
+      if (falcon_->packet_s() > now_s) break;
       Block block = client.waiting.front();
       client.waiting.pop_front();
-      const std::size_t size = std::min(packet->size(), static_cast<std::size_t>(block.urb().buffer_length));
-      std::copy_n(packet->begin(), size, block.bytes());
-      block.urb().actual_length = static_cast<int>(size);
-      if (fails()) {
+      block.urb().actual_length = 0;
+      if (fails()) {  // the device keeps what it could not deliver
         block.urb().status = -EPROTO;
-        block.urb().actual_length = 0;
+      } else if (const auto packet = falcon_->read(now_s)) {
+        const std::size_t size = std::min(packet->size(), static_cast<std::size_t>(block.urb().buffer_length));
+        std::copy_n(packet->begin(), size, block.bytes());
+        block.urb().actual_length = static_cast<int>(size);
       }
       client.finished.push_back(block);
     }

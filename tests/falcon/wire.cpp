@@ -13,6 +13,23 @@ std::vector<unsigned> bytes_of(const std::string& hex) {
   return bytes;
 }
 
+/// The newest packet that bytes, come in any pieces with anything between, complete; empty when they complete none.
+/// What was before it goes.
+std::vector<unsigned> packet_in(std::vector<unsigned>& held) {
+  constexpr std::size_t kSize = 16;
+  std::vector<unsigned> newest;
+  std::size_t at = 0;
+  while (at + kSize <= held.size()) {
+    const auto first = held.begin() + static_cast<std::ptrdiff_t>(at);
+    bool whole = first[0] == '<' && first[kSize - 1] == '>';
+    for (std::size_t i = 1; whole && i < 13; ++i) whole = first[static_cast<std::ptrdiff_t>(i)] - 'A' < 16U;
+    if (whole) newest.assign(first, first + kSize);
+    at += whole ? kSize : 1;
+  }
+  held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(at));
+  return newest;
+}
+
 }  // namespace
 
 std::vector<Event> read(const std::filesystem::path& log) {
@@ -24,6 +41,7 @@ std::vector<Event> read(const std::filesystem::path& log) {
   std::istringstream lines(text);
   std::vector<Event> events;
   std::string line;
+  std::vector<unsigned> answers;  // not whole yet
   std::getline(lines, line);
   while (std::getline(lines, line)) {
     const std::size_t first = line.find(','), second = line.find(',', first + 1);
@@ -31,7 +49,11 @@ std::vector<Event> read(const std::filesystem::path& log) {
     event.time_s = std::stod(line);
     event.kind = line.substr(first + 1, second - first - 1);
     std::vector<unsigned> bytes = bytes_of(line.substr(second + 1));
-    if (event.kind == "in" && bytes.size() >= 2) bytes.erase(bytes.begin(), bytes.begin() + 2);
+    if (event.kind == "unplugged") answers.clear();
+    if (event.kind == "in" && bytes.size() >= 2) {
+      answers.insert(answers.end(), bytes.begin() + 2, bytes.end());  // behind the modem status
+      bytes = packet_in(answers);
+    }
     event.packet = bytes.size() == 16 && bytes[0] == '<' && bytes[15] == '>';
     for (std::size_t i = 0; event.packet && i < 3; ++i) {
       const unsigned value = (bytes[1 + 4 * i] - 'A') + ((bytes[2 + 4 * i] - 'A') << 4U) +

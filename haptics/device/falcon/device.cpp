@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <string>
 #include <thread>
 
 #include "base/error.h"
@@ -288,8 +289,11 @@ std::unique_ptr<Transport> open_and_load(std::span<const std::uint8_t> image) {
     try {
       bring_up(*wire, image, 1);
       return wire;
-    } catch (const Error&) {
-      if (attempt >= kAttempts || image.empty()) throw;
+    } catch (const Error& error) {
+      if (image.empty()) throw;
+      if (attempt >= kAttempts)
+        throw Error(ErrorKind::device, {}, error.wrong() + " (" + std::to_string(attempt) + " attempts)",
+                    error.expected());
     }
   }
 }

@@ -184,7 +184,8 @@ void bring_up(Transport& wire, std::span<const std::uint8_t> image, int attempts
       throw fault("the firmware was loaded but does not answer", "an image for the Falcon (7 to 9 kB)");
     } catch (const Error& error) {
       if (attempt >= attempts)
-        throw Error(ErrorKind::device, {}, error.wrong() + " (" + std::to_string(attempts) + " attempts)",
+        throw Error(ErrorKind::device, {},
+                    error.wrong() + (attempts > 1 ? " (" + std::to_string(attempts) + " attempts)" : ""),
                     error.expected());
     }
   }

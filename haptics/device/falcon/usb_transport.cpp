@@ -9,6 +9,7 @@
 #include <cstring>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <libusb.h>
 
@@ -48,16 +49,30 @@ class Context {
   libusb_context* context_ = nullptr;
 };
 
-/// Calls `visit` for each Falcon until it returns true.
+/// Where a device is plugged in: bus, then the ports on the way to it. Stays when it is unplugged and plugged in again.
+std::vector<int> place_of(libusb_device* device) {
+  std::array<std::uint8_t, 8> ports{};
+  const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
+  std::vector<int> place{libusb_get_bus_number(device)};
+  place.insert(place.end(), ports.begin(), ports.begin() + std::max(0, depth));
+  return place;
+}
+
+/// Calls `visit` for each Falcon, in the order of their places, until it returns true.
 template <typename Visit>
 void each_falcon(libusb_context* context, const Visit& visit) {
   libusb_device** devices = nullptr;
   const ssize_t count = libusb_get_device_list(context, &devices);
+  std::vector<libusb_device*> falcons;
   for (ssize_t i = 0; i < count; ++i) {
     libusb_device_descriptor descriptor{};
     if (libusb_get_device_descriptor(devices[i], &descriptor) != 0) continue;
-    if (descriptor.idVendor == kVendor && descriptor.idProduct == kProduct && visit(devices[i])) break;
+    if (descriptor.idVendor == kVendor && descriptor.idProduct == kProduct) falcons.push_back(devices[i]);
   }
+  std::sort(falcons.begin(), falcons.end(),
+            [](libusb_device* a, libusb_device* b) { return place_of(a) < place_of(b); });
+  for (libusb_device* const falcon : falcons)
+    if (visit(falcon)) break;
   if (devices != nullptr) libusb_free_device_list(devices, 1);
 }
 
@@ -68,23 +83,24 @@ class UsbTransport final : public Transport {
       throw Error(ErrorKind::device, {}, "Falcon: this machine has no USB",
                   "a machine with USB, or --device pointer or simulated");
     int status = LIBUSB_ERROR_NO_DEVICE;
+    // The first that is free: another program may hold one of two.
     each_falcon(context_.get(), [&](libusb_device* device) {
       status = libusb_open(device, &handle_);
-      return status == 0;
+      if (status != 0) return false;
+      static_cast<void>(libusb_set_auto_detach_kernel_driver(handle_, 1));
+      status = libusb_claim_interface(handle_, kInterface);
+      if (status == 0) return true;
+      libusb_close(handle_);
+      handle_ = nullptr;
+      return false;
     });
     if (status == LIBUSB_ERROR_ACCESS)
       throw Error(ErrorKind::device, {}, "Falcon: this user may not open it", kUdevRule);
+    if (status == LIBUSB_ERROR_BUSY)
+      throw Error(ErrorKind::device, {}, "Falcon: another program holds it", "that program ended");
     if (status != 0)
       throw Error(ErrorKind::device, {}, "no Falcon is plugged in",
                   "a Novint Falcon (USB 0403:cb48), or --device pointer or simulated");
-    static_cast<void>(libusb_set_auto_detach_kernel_driver(handle_, 1));
-    status = libusb_claim_interface(handle_, kInterface);
-    if (status != 0) {
-      libusb_close(handle_);
-      throw Error(ErrorKind::device, {},
-                  std::string("Falcon: another program holds it (") + libusb_error_name(status) + ")",
-                  "that program ended");
-    }
     for (Slot& slot : posts_) prepare(slot);
     for (Slot& slot : urgents_) prepare(slot);
     incoming_.transfer = libusb_alloc_transfer(0);

@@ -3,9 +3,13 @@
 
 #include <atomic>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/link.h"
+#include "haptics/emulator/codec.h"
+#include "haptics/emulator/geometry.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/servo/servo.h"
 #include "tests/support/allocations.h"
@@ -18,6 +22,7 @@ namespace {
 using namespace sparsha::haptics;
 using namespace sparsha::haptics::falcon;
 using namespace sparsha::test;
+namespace emulator = sparsha::haptics::emulator;
 using Eigen::Vector3d;
 
 /// A person's hand on the grip: 0.15 kg held by 300 N/m and 2 N s/m at a place that moves. Falcon frame.
@@ -84,6 +89,70 @@ TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) 
   EXPECT_NEAR(force_n, expected_n, 0.02 * expected_n);
   // At rest within three encoder steps (0.028 mm along the axis at z = 0.14).
   EXPECT_LT(most_m - least_m, 3.0 * 28e-6);
+}
+
+/// Reads the wire with the emulator's codec and geometry, which share nothing with the driver.
+struct WireJudge {
+  void see(const emulator::WireEvent& event) {
+    const bool command = event.kind == emulator::WireEvent::Kind::to_device;
+    if (!command && event.kind != emulator::WireEvent::Kind::to_host) return;
+    emulator::CommandParser& parser = command ? commands : answers;
+    for (const std::uint8_t byte : std::span(event.bytes).subspan(command ? 0 : 2)) {
+      const auto values = parser.feed(byte);
+      if (!values) continue;
+      if (command)
+        judge(values->motors);
+      else
+        place = emulator::grip_place({emulator::angle_of(values->motors[0]), emulator::angle_of(values->motors[1]),
+                                      emulator::angle_of(values->motors[2])},
+                                     {0, 0, 0.13});
+    }
+  }
+  void judge(const std::array<int, 3>& motors) {
+    if (!judging || !place) return;
+    constexpr double kCountsPerNewtonMetre = 10000.0;
+    emulator::PerArm torque{};
+    for (std::size_t i = 0; i < 3; ++i) torque[i] = -motors[i] / kCountsPerNewtonMetre;
+    const auto rates = emulator::angle_rates(*place);
+    ASSERT_TRUE(rates);
+    double rounding_n = 0.0;  // half a count of each motor
+    for (const auto& row : *rates) rounding_n += 0.5 / kCountsPerNewtonMetre * std::hypot(row[0], row[1], row[2]);
+    const double depth_m = kPlane_m - (*place)[2];
+    const double force_n = emulator::force_of(torque, *place)[2];
+    EXPECT_NEAR(force_n, stiffness_n_per_m * depth_m, rounding_n);
+    deepest_m = std::max(deepest_m, depth_m);
+    ++judged;
+  }
+
+  emulator::CommandParser commands, answers;  ///< an answer has a command's layout
+  static constexpr double kPlane_m = 0.140;   ///< the middle of the workspace, Falcon frame
+  double stiffness_n_per_m = 0.0;
+  bool judging = false;
+  std::optional<emulator::Vec3> place;
+  double deepest_m = 0.0;
+  int judged = 0;
+};
+
+TEST(FalconUnderTheServo, APlanesForceOnTheWireIsStiffnessTimesDepthWithinTheMotorsRounding) {
+  EmulatedFalcon falcon;
+  auto grasp = std::make_shared<Grasp>(home_and_press);
+  falcon.set_hand([grasp](double time_s, const Vector3d& force_n) { return (*grasp)(time_s, force_n); });
+  WireJudge judge;
+  falcon.device->set_log([&judge](const emulator::WireEvent& event) { judge.see(event); });
+  const auto device = make_falcon_device(make_wire(falcon, Clock::virtual_time), {});
+  RendererOptions options;
+  judge.stiffness_n_per_m = options.stiffness_n_per_m = governed_stiffness(800.0, device->info().limits, 1e-3);
+  HapticRenderer tick(device->info(), options, window_on(sparsha::test::flat_scene()));
+  for (int i = 0; i < 3500; ++i) {
+    judge.judging = i > 2500;  // at rest: neither slew nor damping alters the force
+    device->wait(1e-3);
+    tick.update(device->read(i * 1e-3, 1e-3), 1e-3);
+    const State& state = tick.state();
+    device->write({state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]});
+  }
+  judge.judging = false;
+  EXPECT_GT(judge.judged, 900);
+  EXPECT_GT(judge.deepest_m, 0.002);
 }
 
 TEST(FalconUnderTheServo, TheWatchdogZeroesTheMotorsWhenTheServoStalls) {
