@@ -7,16 +7,14 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kLightestHandKg = 0.05;  // no hand that holds a device is lighter
-constexpr double kLeastMPerS = 0.015;     // slower touches do not ring
-constexpr double kMostMPerS = 0.5;        // faster ones not louder
-constexpr double kDepartureS = 0.020;     // of a hand that has left, and how far
+constexpr double kLeastMPerS = 0.015;  // slower touches do not ring
+constexpr double kMostMPerS = 0.5;     // faster ones not louder
+constexpr double kDepartureS = 0.020;  // of a hand that has left, and how far
 constexpr double kDepartureM = 0.0005;
 constexpr double kLongDepartureS = 0.100;  // then the surface has gone from under the hand
 constexpr double kSilentN = 0.01;
 constexpr double kMostCyclesPerTick = 0.3;
 constexpr double kPeriodShare = 0.05;  // of a new period in the mean
-constexpr double kOnTheWay = 0.7;      // per tick: what forces before the last one count for
 
 }  // namespace
 
