@@ -181,6 +181,25 @@ TEST_F(FalconProgram, IsFeltThroughABadLink) {
   EXPECT_TRUE(off());
 }
 
+TEST_F(FalconProgram, TheEmulatorRunsAnyProgramWithItsDashesAndGivesItsExitCode) {
+  const auto run = [this](const std::string& arguments) {
+    const std::string command = "cd '" + folder_.path().string() + "' && '" + SPARSHA_PROGRAM + "' device emulate " +
+                                arguments + " > out.txt 2> err.txt < /dev/null";
+    return WEXITSTATUS(std::system(command.c_str()));
+  };
+  EXPECT_EQ(run("-- sh -c 'exit 7'"), 7);
+  EXPECT_EQ(run("-- sh -c 'kill -TERM $$'"), 128 + SIGTERM);
+  EXPECT_EQ(run("-- ./no-such-program"), 2);
+  EXPECT_EQ(run("--fault sparks -- true"), 2);
+  EXPECT_THAT(messages(), HasSubstr("lost-bytes | "));
+  EXPECT_EQ(run("-- sh -c 'test -s \"$SPARSHA_FALCON_FIRMWARE\"'"), 0);
+  EXPECT_EQ(run("--fault second-falcon -- '" + std::string(SPARSHA_PROGRAM) + "' device list"), 0);
+  std::stringstream listed;
+  listed << std::ifstream(folder_ / "out.txt").rdbuf();
+  EXPECT_THAT(listed.str(), HasSubstr("address 5"));
+  EXPECT_THAT(listed.str(), HasSubstr("address 6"));
+}
+
 /// Each fault by itself; some of them leave little to feel, and none may leave a force.
 class FalconFault : public FalconProgram, public testing::WithParamInterface<const char*> {};
 

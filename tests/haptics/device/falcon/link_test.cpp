@@ -97,6 +97,30 @@ TEST(FalconLink, WithoutAnImageTheRemedyNamesTheVariable) {
   EXPECT_NE(reason([&] { bring_up(*bench.wire, {}); }).find("SPARSHA_FALCON_FIRMWARE"), std::string::npos);
 }
 
+TEST(FalconLink, TheImageIsTheOptionsElseTheVariablesElseTheOneInTheUsersConfiguration) {
+  const auto folder = std::filesystem::temp_directory_path() / ("falcon-config-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder / "sparsha");
+  const auto make = [](const std::filesystem::path& file, char letter) {
+    std::ofstream(file) << std::string(2000, letter);
+  };
+  make(folder / "sparsha" / "falcon.bin", 'c');
+  make(folder / "variable.bin", 'v');
+  make(folder / "option.bin", 'o');
+  setenv("XDG_CONFIG_HOME", folder.c_str(), 1);
+  unsetenv("SPARSHA_FALCON_FIRMWARE");
+  FalconOptions options;
+  EXPECT_EQ(firmware_image(options).front(), 'c');
+  setenv("SPARSHA_FALCON_FIRMWARE", (folder / "variable.bin").c_str(), 1);
+  EXPECT_EQ(firmware_image(options).front(), 'v');
+  options.firmware = folder / "option.bin";
+  EXPECT_EQ(firmware_image(options).front(), 'o');
+  unsetenv("SPARSHA_FALCON_FIRMWARE");
+  setenv("XDG_CONFIG_HOME", (folder / "none").c_str(), 1);
+  EXPECT_TRUE(firmware_image({}).empty());
+  unsetenv("XDG_CONFIG_HOME");
+  std::filesystem::remove_all(folder);
+}
+
 TEST(FalconLink, UnpluggingIsAnErrorNotAHang) {
   Bench bench(bare());
   bench.emulator->device->unplug(true, 0.0);
