@@ -43,6 +43,16 @@ TransportStatus ask(Transport& wire, AnswerStream& stream, std::uint8_t flags, A
   return TransportStatus::nothing;
 }
 
+/// A late answer would be taken for the next question's, and all that follow would seem to come at once.
+void forget_late_answers(Transport& wire) {
+  constexpr double kQuiet_s = 0.020;
+  constexpr int kMostPackets = 64;
+  UsbPacket bytes{};
+  std::size_t size = 0;
+  for (int i = 0; i < kMostPackets && wire.receive(bytes, size, kQuiet_s) == TransportStatus::ok; ++i) {
+  }
+}
+
 LinkQuality measure(Transport& wire, double seconds, Answer& last) {
   LinkQuality link;
   AnswerStream stream;
@@ -58,6 +68,8 @@ LinkQuality measure(Transport& wire, double seconds, Answer& last) {
     if (status == TransportStatus::ok) {
       ++link.answered;
       times.push_back(round_trip * 1e3);
+    } else {
+      forget_late_answers(wire);
     }
   }
   link.rate_hz = static_cast<double>(link.answered) / std::max(1e-9, since(began));

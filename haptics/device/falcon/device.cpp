@@ -30,6 +30,8 @@ constexpr double kLongestStep_m = 0.005;
 /// Homing that has not come further for so long needs a more exact word.
 constexpr double kSlowHoming_s = 4.0;
 constexpr int kFinalZeros = 8;
+/// An answer may be that to an earlier question, and to the one before.
+constexpr int kZerosAnswered = 3;
 /// What every direction has at 10000 counts a newton metre, over the workspace; more would saturate the amplifiers.
 constexpr double kMostForce_n = 5.0;
 /// USB packets taken in one tick: a few come at once after a pause, more only from a damaged device.
@@ -150,10 +152,7 @@ class FalconDevice final : public Device {
 
   void zero() noexcept override {
     if (keeper_) keeper_->enter();
-    if (Transport* const wire = shared_.load()) {
-      wire->urgent(zero_);
-      mark_force(false);
-    }
+    if (Transport* const wire = shared_.load()) wire->urgent(zero_);
     if (keeper_) keeper_->leave();
   }
 
@@ -209,11 +208,13 @@ class FalconDevice final : public Device {
   }
 
   void ask(const MotorCommand& command) noexcept {
-    if (command != MotorCommand{}) mark_force(true);
+    if (command != MotorCommand{}) {
+      zeros_answered_ = 0;
+      mark_force(true);
+    }
     const TransportStatus status = wire_->post(encode(command, lights()));
     if (status == TransportStatus::gone) lose();
     if (status != TransportStatus::ok) return;
-    if (command == MotorCommand{}) mark_force(false);
     commanded_ = command;
     asked_ = true;
     asked_at_ = Steady::now();
@@ -223,6 +224,9 @@ class FalconDevice final : public Device {
     // A force that is asked is felt, and the position of its answer known, within this time.
     if (asked_) delay_s_ = since(asked_at_);
     asked_ = false;
+    // A zero on its way would be lost with this process: only one that was answered has ended the force.
+    if (commanded_ == MotorCommand{} && zeros_answered_ < kZerosAnswered && ++zeros_answered_ == kZerosAnswered)
+      mark_force(false);
     buttons_ = answer.buttons;
     homed_answers_ = answer.homed == 7 ? std::min(homed_answers_ + 1, kHomedAnswers) : 0;
     const bool homed = homed_answers_ == kHomedAnswers;
@@ -273,8 +277,9 @@ class FalconDevice final : public Device {
   double delay_s_ = 0.0;  ///< from the last question to its answer
   bool fresh_ = false;
   bool homed_ = false;
-  bool released_ = false;  ///< homed, and pulled out since
-  bool known_ = false;     ///< position_m_ is the last answer's
+  bool released_ = false;   ///< homed, and pulled out since
+  bool known_ = false;      ///< position_m_ is the last answer's
+  int zeros_answered_ = 0;  ///< since the last force
   int homed_answers_ = 0;
   int jumps_ = 0;
   std::uint8_t homing_flags_ = 0;

@@ -20,7 +20,7 @@ class ForceGuard {
   void watch(const UsbAddress& device) noexcept;
   /// A sign of life of whoever decides the force.
   void beat() noexcept;
-  /// Before a force goes out true, after a zero has gone out false.
+  /// True before a force goes out; false once the device has answered to zeros.
   void set_force(bool on) noexcept;
 
  private:
