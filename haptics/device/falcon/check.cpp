@@ -45,7 +45,7 @@ TransportStatus ask(Transport& wire, AnswerStream& stream, std::uint8_t flags, A
 
 /// A late answer would be taken for the next question's, and all that follow would seem to come at once.
 void forget_late_answers(Transport& wire) {
-  constexpr double kQuiet_s = 0.020;
+  constexpr double kQuiet_s = 0.008;
   constexpr int kMostPackets = 64;
   UsbPacket bytes{};
   std::size_t size = 0;
