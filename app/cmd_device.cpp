@@ -12,6 +12,7 @@
 #include "haptics/device/falcon/check.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/usb_transport.h"
+#include "haptics/servo/real_time.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
@@ -67,7 +68,9 @@ int report_check(const falcon::CheckReport& report, const CommonOptions& common)
   if (common.json) {
     Json steps = Json::array();
     for (const falcon::CheckStep& step : report.steps) steps.push_back(step_json(step));
+    const bool linked = report.link.asked > 0;
     print(Json{{"passed", report.passed()},
+               {"verdict", linked ? Json(falcon::name_of(report.verdict.grade)) : Json()},
                {"steps", steps},
                {"link",
                 {{"asked", report.link.asked},
@@ -84,6 +87,7 @@ int report_check(const falcon::CheckReport& report, const CommonOptions& common)
       text += fmt::format("{:<12}{:<9}{}\n", step.name, kMarks[static_cast<std::size_t>(step.result)], step.detail);
       if (!step.remedy.empty()) text += fmt::format("{:21}remedy: {}\n", "", step.remedy);
     }
+    if (report.link.asked > 0) text += fmt::format("verdict     {}\n", falcon::name_of(report.verdict.grade));
     print(text);
   }
   return report.passed() ? 0 : kDeviceError;
@@ -128,6 +132,7 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
   struct Arguments {
     std::string firmware;
     double duration_s = 0.0;
+    double link_s = 10.0;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("device", "The haptic device: what is there and what state it is in");
@@ -137,11 +142,15 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
   });
   CLI::App* check = command->add_subcommand("check", "walk USB, permission, power, firmware, homing and link");
   check->add_option("--firmware", arguments->firmware, "firmware image for a Falcon that runs none");
+  check->add_option("--duration", arguments->link_s, "seconds for which the link is measured")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
   check->callback([arguments, &common, &run] {
     run = [arguments, &common] {
       falcon::FalconOptions options;
       options.firmware = arguments->firmware;
-      return report_check(falcon::check_falcon(options), common);
+      static_cast<void>(haptics::request_real_time(haptics::kServoPriority));  // measured as the servo would talk
+      return report_check(falcon::check_falcon(options, arguments->link_s), common);
     };
   });
   CLI::App* monitor = command->add_subcommand("monitor", "print positions as they come; forces stay zero");

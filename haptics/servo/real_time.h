@@ -18,6 +18,8 @@ struct ServoClock {
   std::function<void(std::int64_t)> sleep_until_ns = haptics::sleep_until_ns;
 };
 
+inline constexpr int kServoPriority = 80;
+
 /// Asks for SCHED_FIFO for the calling thread; false when the system does not grant it.
 [[nodiscard]] bool request_real_time(int priority) noexcept;
 /// Asks that pages once touched stay in memory, now and later; false when not granted.

@@ -9,7 +9,6 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr int kServoPriority = 80;
 constexpr int kWatchdogPriority = 85;
 constexpr std::int64_t kInTimeNs = 1'000'000;
 constexpr std::int64_t kRehearsalNs = 40'000;

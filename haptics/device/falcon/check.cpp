@@ -16,8 +16,16 @@ using Steady = std::chrono::steady_clock;
 using Result = CheckStep::Result;
 constexpr double kAnswerTime_s = 0.004;
 constexpr double kSilent_s = 1.0;
-/// A servo of 1 kHz needs an answer almost every millisecond.
-constexpr double kGoodRate_hz = 800.0, kGoodShare = 0.99;
+
+/// What a link must keep for a grade. A servo of 1 kHz needs an answer almost every millisecond; with half of them and
+/// a few milliseconds of delay the governor halves the stiffness.
+struct Limits {
+  double rate_hz, share, p99_ms;
+};
+constexpr Limits kGood{900.0, 0.999, 2.0};
+constexpr Limits kMarginal{450.0, 0.99, 4.0};
+/// Without its latency timer at 1 ms the bridge waits 16 ms with a short answer.
+constexpr double kWaitsForTimer_hz = 100.0;
 
 double since(Steady::time_point then) { return std::chrono::duration<double>(Steady::now() - then).count(); }
 
@@ -90,6 +98,40 @@ void skip(CheckReport& report, std::initializer_list<const char*> names) {
 
 }  // namespace
 
+const char* name_of(LinkVerdict::Grade grade) {
+  static constexpr const char* kNames[] = {"good", "marginal", "insufficient"};
+  return kNames[static_cast<std::size_t>(grade)];
+}
+
+LinkVerdict judge(const LinkQuality& link) {
+  using Grade = LinkVerdict::Grade;
+  const auto keeps = [&link](const Limits& limits) {
+    return link.rate_hz >= limits.rate_hz && link.share() >= limits.share && link.p99_ms <= limits.p99_ms;
+  };
+  if (keeps(kGood)) return {Grade::good, "", ""};
+  LinkVerdict verdict{keeps(kMarginal) ? Grade::marginal : Grade::insufficient, "", ""};
+  const std::uint64_t missed = link.asked - link.answered;
+  if (link.answered == 0) {
+    verdict.reason = "nothing was answered";
+    verdict.remedy = "plug in the Falcon's own power supply, then unplug and replug USB";
+  } else if (link.share() < kGood.share) {
+    verdict.reason =
+        fmt::format("{} of {} questions without an answer in {:.0f} ms", missed, link.asked, 1e3 * kAnswerTime_s);
+    verdict.remedy = "use a shorter cable and a direct USB port or a hub with its own supply; check the power supply";
+  } else if (link.rate_hz < kWaitsForTimer_hz) {
+    verdict.reason = fmt::format("{:.0f} answers a second", link.rate_hz);
+    verdict.remedy =
+        "the bridge still waits for its latency timer: unplug and replug USB, and let no other program use it";
+  } else if (link.p99_ms > kGood.p99_ms) {
+    verdict.reason = fmt::format("one answer in a hundred takes more than {:.1f} ms", link.p99_ms);
+    verdict.remedy = "end other programs and allow real-time priority (docs/hardware.md)";
+  } else {
+    verdict.reason = fmt::format("{:.0f} answers a second", link.rate_hz);
+    verdict.remedy = "use a direct USB port without other devices on it, and end other programs";
+  }
+  return verdict;
+}
+
 bool CheckReport::passed() const {
   return std::all_of(steps.begin(), steps.end(), [](const CheckStep& step) { return step.result == Result::passed; });
 }
@@ -139,15 +181,17 @@ CheckReport check_wire(Transport& wire, const FalconOptions& options, double lin
        homed ? "all three encoders know their position"
              : fmt::format("encoders homed: {}{}{}", last.homed & 1, (last.homed >> 1U) & 1, last.homed >> 2U),
        homed ? "" : "pull the grip fully out, then push it fully in (sparsha device home)"});
-  const bool good = report.link.share() >= kGoodShare && report.link.rate_hz >= kGoodRate_hz;
-  report.steps.push_back({"link", good ? Result::passed : Result::failed,
-                          fmt::format("{:.0f} answers a second, {:.1f} % in time, p99 {:.2f} ms", report.link.rate_hz,
-                                      100.0 * report.link.share(), report.link.p99_ms),
-                          good ? "" : "use a direct USB port, end other programs, allow real-time priority"});
+  report.verdict = judge(report.link);
+  const bool usable = report.verdict.grade != LinkVerdict::Grade::insufficient;
+  std::string detail = fmt::format("{}: {:.0f} answers a second, {:.2f} % in time, p50 {:.2f} ms, p99 {:.2f} ms",
+                                   name_of(report.verdict.grade), report.link.rate_hz, 100.0 * report.link.share(),
+                                   report.link.p50_ms, report.link.p99_ms);
+  if (!report.verdict.reason.empty()) detail += "; " + report.verdict.reason;
+  report.steps.push_back({"link", usable ? Result::passed : Result::failed, detail, report.verdict.remedy});
   return report;
 }
 
-CheckReport check_falcon(const FalconOptions& options) {
+CheckReport check_falcon(const FalconOptions& options, double link_s) {
   CheckReport report;
   const std::vector<FoundFalcon> found = find_falcons();
   if (found.empty()) {
@@ -167,9 +211,10 @@ CheckReport check_falcon(const FalconOptions& options) {
     return report;
   }
   report.steps.push_back({"permission", Result::passed, "this user may use it", ""});
-  CheckReport rest = check_wire(*wire, options);
+  CheckReport rest = check_wire(*wire, options, link_s);
   report.steps.insert(report.steps.end(), rest.steps.begin(), rest.steps.end());
   report.link = rest.link;
+  report.verdict = rest.verdict;
   return report;
 }
 

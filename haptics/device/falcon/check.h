@@ -31,14 +31,25 @@ struct LinkQuality {
   }
 };
 
+/// What such a link is worth for touch. Marginal: it can be touched with, softer or less calmly than it could be.
+struct LinkVerdict {
+  enum class Grade { good, marginal, insufficient };
+  Grade grade = Grade::insufficient;
+  std::string reason;  ///< what keeps it from being good
+  std::string remedy;
+};
+[[nodiscard]] LinkVerdict judge(const LinkQuality& link);
+[[nodiscard]] const char* name_of(LinkVerdict::Grade grade);
+
 struct CheckReport {
   std::vector<CheckStep> steps;  ///< in order; those after a failed one that they need are skipped
   LinkQuality link;
+  LinkVerdict verdict;  ///< of the link; means nothing where that was skipped
   [[nodiscard]] bool passed() const;
 };
 
 /// Walks all steps on the first Falcon on USB. Forces stay zero. Never throws for what is wrong with the device.
-[[nodiscard]] CheckReport check_falcon(const FalconOptions& options = {});
+[[nodiscard]] CheckReport check_falcon(const FalconOptions& options = {}, double link_s = 10.0);
 /// The steps from power on, over any wire. `link_s`: how long the link is measured.
 [[nodiscard]] CheckReport check_wire(Transport& wire, const FalconOptions& options, double link_s = 1.0);
 

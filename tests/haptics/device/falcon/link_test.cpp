@@ -186,6 +186,35 @@ TEST(FalconCheck, EveryFailedStepHasARemedyAndWhatNeedsItIsSkipped) {
       }
 }
 
+TEST(FalconCheck, JudgesALinkByItsRateItsLossesAndItsLateAnswersAndNamesTheRemedyOfEach) {
+  using Grade = LinkVerdict::Grade;
+  struct Case {
+    LinkQuality link;
+    Grade grade;
+    const char* remedy;
+  };
+  // Ten seconds: asked, answered, answers a second, p50, p99, most.
+  const std::vector<Case> cases = {
+      {{9900, 9900, 990.0, 1.0, 1.2, 3.0}, Grade::good, ""},
+      {{9900, 9895, 989.0, 1.0, 1.3, 3.9}, Grade::good, ""},
+      {{9600, 9560, 956.0, 1.0, 1.4, 3.9}, Grade::marginal, "cable"},
+      {{9000, 8500, 850.0, 1.0, 2.0, 3.9}, Grade::insufficient, "cable"},
+      {{9500, 9495, 949.0, 1.0, 3.1, 3.9}, Grade::marginal, "real-time"},
+      {{5000, 5000, 500.0, 2.0, 2.0, 2.5}, Grade::marginal, "direct USB port"},
+      {{4000, 4000, 400.0, 2.0, 2.0, 2.5}, Grade::insufficient, "direct USB port"},
+      {{620, 620, 62.0, 16.0, 16.1, 17.0}, Grade::insufficient, "latency timer"},
+      {{2500, 0, 0.0, 0.0, 0.0, 0.0}, Grade::insufficient, "power"},
+      {{0, 0, 0.0, 0.0, 0.0, 0.0}, Grade::insufficient, "power"},
+  };
+  for (const Case& expected : cases) {
+    const LinkVerdict verdict = judge(expected.link);
+    EXPECT_EQ(name_of(verdict.grade), std::string(name_of(expected.grade))) << expected.link.rate_hz;
+    EXPECT_NE(verdict.remedy.find(expected.remedy), std::string::npos) << verdict.remedy;
+    EXPECT_EQ(verdict.remedy.empty(), expected.grade == Grade::good);
+    EXPECT_EQ(verdict.reason.empty(), expected.grade == Grade::good);
+  }
+}
+
 TEST(FalconCheck, HomingWaitsForThePullAndThePushUnderZeroForce) {
   Bench bench{EmulatorOptions{}};
   bring_up(*bench.wire, {});
