@@ -26,7 +26,7 @@ endfunction()
 
 # What both components stand on belongs to the first: CMake exports a target once.
 sparsha_package(haptics SparshaCoreTargets base sparsha_base_core scene sparsha_scene_core)
-sparsha_headers(haptics base error.h)
+sparsha_headers(haptics base error.h smooth_step.h)
 sparsha_headers(haptics scene depth_grid.h)
 
 # The headers that tools/check-rooms.py lets the core include.

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "base/smooth_step.h"
+
 namespace sparsha::pipeline {
 
 /// From the grid frame to the one that the scene's parts and sounds are written in: places on the object stay what they
@@ -19,8 +21,7 @@ inline constexpr double kBorderM = 0.002;
 /// 1 inside `box_m` (xmin ymin xmax ymax), 0 outside, a smooth step over `width_m` across its border.
 [[nodiscard]] inline double share_inside(const std::array<double, 4>& box_m, double x_m, double y_m, double width_m) {
   const double inside_m = std::min({x_m - box_m[0], y_m - box_m[1], box_m[2] - x_m, box_m[3] - y_m});
-  const double s = std::clamp(0.5 + inside_m / width_m, 0.0, 1.0);
-  return s * s * (3.0 - 2.0 * s);
+  return smooth_step(0.5 + inside_m / width_m);
 }
 
 }  // namespace sparsha::pipeline

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "base/smooth_step.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -66,11 +67,6 @@ std::vector<float> make_tile() {
   for (std::size_t node = 0; node < std::size_t{kNodes} * kNodes; ++node)
     for (std::size_t k = 0; k < 3; ++k) tile[4 * node + k] = static_cast<float>(unit_share * sums[3 * node + k]);
   return tile;
-}
-
-double smooth_step(double share) noexcept {
-  const double s = std::clamp(share, 0.0, 1.0);
-  return s * s * (3.0 - 2.0 * s);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "base/smooth_step.h"
+
 namespace sparsha::haptics {
 namespace {
 
@@ -46,8 +48,6 @@ constexpr double kCreditNSPerM = 0.25;  // damping that every hand has
 
 /// NaN becomes zero.
 double between_zero_and(double most, double value) noexcept { return value > 0.0 ? std::min(value, most) : 0.0; }
-
-double smooth_step(double share) noexcept { return share * share * (3.0 - 2.0 * share); }
 
 Vector3d clamped(const Vector3d& force_n, double most_n) noexcept {
   const double magnitude = force_n.norm();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/smooth_step.h"
+
 namespace sparsha::haptics {
 namespace {
 
@@ -21,8 +23,6 @@ constexpr double kLeastStepN = 0.008;
 constexpr double kTurn = 0.065;   // most per tick, radians
 constexpr double kFeltN = 0.05;   // of a smaller force nobody feels the direction
 constexpr double kNearM = 0.005;  // farther from where the swap was, the old surface says little
-
-double smooth(double share) noexcept { return share * share * (3.0 - 2.0 * share); }
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void SwapFade::fade(const Vector3d& old_n, const Vector3d& fresh_n, const Vector
 /// hand that has gone away.
 double SwapFade::step(const Vector3d& old_n, const Vector3d& way_n, double changed_n, double travel_m,
                       double period_s) const noexcept {
-  const double share = smooth(time_share_);
+  const double share = smooth_step(time_share_);
   const double step_n = std::clamp(kWholeStepN - changed_n, kLeastStepN, kStepN);
   double most = step_n / std::max(way_n.norm(), step_n);
   const Vector3d now_n = old_n + share * way_n;
@@ -69,12 +69,12 @@ double SwapFade::step(const Vector3d& old_n, const Vector3d& way_n, double chang
     most = std::min(most, kTurn * now / std::max(across, kTurn * now));
   }
   double next = std::min(1.0, time_share_ + period_s / duration_s_);
-  if (smooth(next) - share > most) {
+  if (smooth_step(next) - share > most) {
     // The inverse of the smooth step near `share`, by bisection: monotone, so that it always ends.
     double low = time_share_;
     for (int k = 0; k < 20; ++k) {
       const double middle = 0.5 * (low + next);
-      (smooth(middle) - share > most ? next : low) = middle;
+      (smooth_step(middle) - share > most ? next : low) = middle;
     }
     next = low;
   }
@@ -90,7 +90,7 @@ Vector3d SwapFade::mean(const Vector3d& fresh_n, const Vector3d& hand_m, double 
   const double travel_m = (hand_m - begun_m_).norm() > kNearM ? (hand_m - last_m_).norm() : 0.0;
   time_share_ += step(old_n, way_n, (fresh_n - fresh_n_).norm(), travel_m, period_s);
   active_ = time_share_ < 1.0;
-  return active_ ? Vector3d(old_n + smooth(time_share_) * way_n) : fresh_n;
+  return active_ ? Vector3d(old_n + smooth_step(time_share_) * way_n) : fresh_n;
 }
 
 /// Did the new surface's force change by more than the hand's own motion explains? On the way to its new rest a hand

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/smooth_step.h"
 #include "pipeline/simulate/plain_math.h"
 
 namespace sparsha::pipeline {
@@ -36,10 +37,7 @@ double soft_max(double a, double b, double soft) {
   return std::max(a, b) + 0.25 * overlap * overlap / soft;
 }
 
-double smooth_ramp(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
+double smooth_ramp(double low, double high, double x) { return smooth_step((x - low) / (high - low)); }
 
 double petal_z(const Petal& petal, double u, double v) {
   const double length = petal.tip - petal.root;
