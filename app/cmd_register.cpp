@@ -33,7 +33,13 @@ std::string table(const pipeline::Config& config, const pipeline::Registration& 
   const auto fit = [](const pipeline::PairFit::Fit& f) {
     return fmt::format("{:>5.1f} %  {:>9}", 100.0 * f.overlap, f.matches > 0 ? length_text(f.residual_m) : "-");
   };
-  std::string text = "overlap and residual (RMS) of each pair\nbefore              after               use\n";
+  std::string text;
+  for (const pipeline::FirstGuess& guess : found.guesses) {
+    text += fmt::format("first guess from features: {} on {}, {:.0f} % of it\n",
+                        config.scans[guess.scan].file.filename().string(),
+                        config.scans[guess.on].file.filename().string(), 100.0 * guess.overlap);
+  }
+  text += "overlap and residual (RMS) of each pair\nbefore              after               use\n";
   for (const pipeline::PairFit& pair : found.pairs) {
     text += fmt::format("{}  {}  {:<8}  {} - {}\n", fit(pair.before), fit(pair.after), to_string(pair.use),
                         config.scans[pair.first].file.filename().string(),
@@ -56,6 +62,9 @@ std::string json(const pipeline::Config& config, const pipeline::Registration& f
     for (int k = 0; k < 16; ++k) pose.push_back(found.poses[s](k / 4, k % 4));
     result["scans"].push_back({{"file", config.scans[s].file.generic_string()}, {"pose", pose}});
   }
+  result["first_guess"] = found.guesses.empty() ? "poses" : "features";
+  for (const pipeline::FirstGuess& guess : found.guesses)
+    result["guesses"].push_back({{"scan", guess.scan}, {"on", guess.on}, {"overlap", guess.overlap}});
   const auto fit = [](const pipeline::PairFit::Fit& f) {
     return Json{{"within_m", f.within_m},
                 {"overlap", f.overlap},
@@ -77,7 +86,7 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
   Terminal terminal(common);
   if (!is_config(arguments.config)) {
     throw usage_error("'" + arguments.config + "' is not a configuration",
-                      "a CONFIG.yaml with scans and their rough poses; `sparsha new SCAN...` writes a first one");
+                      "a CONFIG.yaml with two or more scans; `sparsha new SCAN...` writes a first one");
   }
   if (!arguments.out.empty()) check_outputs({{"--out", arguments.out}}, arguments.config);
   const pipeline::Config config =

@@ -140,6 +140,9 @@ RegisterConfig parse_register(const Node& node) {
   int method = 0;
   reader.read_choice("method", method, {"gicp", "point_to_plane", "icp"});
   config.method = static_cast<RegisterConfig::Method>(method);
+  int guess = 0;
+  reader.read_choice("guess", guess, {"poses", "features"});
+  config.guess = static_cast<RegisterConfig::Guess>(guess);
   read_mm(reader, "max_distance_mm", config.max_distance_m, kSmallest, kAny);
   read_mm(reader, "voxel_mm", config.voxel_m, kSmallest, kAny);
   reader.read("min_overlap", config.min_overlap, 0.01, 1.0);

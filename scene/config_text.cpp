@@ -124,6 +124,7 @@ std::string orientation_text(const OrientationConfig& orientation) {
 std::string register_text(const RegisterConfig& config) {
   static constexpr std::array<std::string_view, 3> kMethods{"gicp", "point_to_plane", "icp"};
   std::string text = fmt::format("register: {{method: {}", kMethods[static_cast<std::size_t>(config.method)]);
+  if (config.guess == RegisterConfig::Guess::features) text += ", guess: features";
   if (config.max_distance_m > 0) text += ", max_distance_mm: " + millimetres(config.max_distance_m);
   if (config.voxel_m > 0) text += ", voxel_mm: " + millimetres(config.voxel_m);
   return text + ", min_overlap: " + number(config.min_overlap) + "}\n";

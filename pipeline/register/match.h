@@ -44,6 +44,9 @@ struct Matches {
                             const Eigen::Isometry3d& to_pose, const MatchLimits& limits,
                             const std::vector<std::size_t>* among = nullptr);
 
+/// Least information below which what two surfaces have in common can slide.
+constexpr double kLeastInformation = 2e-4;
+
 /// Of two surfaces, in both directions.
 struct Agreement {
   double overlap = 0.0;     ///< the larger of the two shares

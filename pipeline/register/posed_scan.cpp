@@ -43,11 +43,12 @@ Extent extent_of(const ScanSet& set, Progress& progress) {
 
 // Where the scanner stood, in the scan's coordinates relative to its origin: as the file says, else the origin of
 // coordinates that a pose moves, when it lies outside of the scan. Several places in one file are none.
-std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const ScanConfig& config, const Extent& extent) {
+std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const ScanConfig& config, const Extent& extent,
+                                        bool trusted) {
   const std::vector<Station> stations = set.stations();
   if (stations.size() > 1) return std::nullopt;
   if (stations.size() == 1) return stations.front().place_m - set.origin_m();
-  if (config.pose.isIdentity(0.0)) return std::nullopt;
+  if (!trusted || config.pose.isIdentity(0.0)) return std::nullopt;
   const Eigen::Vector3d place = -set.origin_m();
   if ((place - extent.middle_m).norm() < kOutsideSides * extent.longest_m) return std::nullopt;
   return place;
@@ -98,7 +99,7 @@ std::optional<Eigen::Vector3d> guessed_place(const StationSurface& surface, cons
   return extent.middle_m + (bulge < 0.0 ? -1e3 : 1e3) * extent.longest_m * view;
 }
 
-PosedScan read_one(const ScanConfig& config, double voxel_m, const Context& context) {
+PosedScan read_one(const ScanConfig& config, double voxel_m, bool trusted, const Context& context) {
   PosedScan scan;
   scan.name = config.file.string();
   ScanConfig unposed = config;
@@ -117,7 +118,7 @@ PosedScan read_one(const ScanConfig& config, double voxel_m, const Context& cont
         for (const Eigen::Vector3f& p : block.points) means.add(p.cast<double>());
       },
       context.progress);
-  std::optional<Eigen::Vector3d> place = place_of(set, config, extent);
+  std::optional<Eigen::Vector3d> place = place_of(set, config, extent, trusted);
   std::vector<Eigen::Vector3d> points = means.points();
   const auto make = [&](std::size_t most) {
     points = thinned_to(points, most, leaf_m);
@@ -128,6 +129,7 @@ PosedScan read_one(const ScanConfig& config, double voxel_m, const Context& cont
     place = guessed_place(StationSurface(thinned_to(points, kMediumPoints, leaf_m), std::nullopt, context), extent);
     if (place) scan.guessed_view = (*place - extent.middle_m).normalized();
   }
+  scan.place = place;
   scan.fine = make(voxel_m > 0.0 ? points.size() : kFinePoints);
   scan.medium = make(kMediumPoints);
   scan.coarse = make(kCoarsePoints);
@@ -145,8 +147,6 @@ PosedScan read_one(const ScanConfig& config, double voxel_m, const Context& cont
 
 }  // namespace
 
-namespace {
-
 // The scans of one object lie behind each other's surfaces, as seen from where they were made.
 void turn_views(std::vector<PosedScan>& scans) {
   constexpr double kClear = 0.1;  // longest sides by which the others lie in front
@@ -159,10 +159,10 @@ void turn_views(std::vector<PosedScan>& scans) {
     const double in_front = (scan.pose.linear() * scan.guessed_view).dot(others - scan.pose * scan.middle_m);
     if (in_front < kClear * scan.longest_m) continue;
     for (StationSurface* surface : {scan.fine.get(), scan.medium.get(), scan.coarse.get()}) surface->flip();
+    scan.guessed_view = -scan.guessed_view;
+    scan.place = 2.0 * scan.middle_m - *scan.place;
   }
 }
-
-}  // namespace
 
 double PosedScans::longest_m() const {
   double longest = 0.0;
@@ -183,10 +183,11 @@ Eigen::Matrix4d PosedScans::pose_of(std::size_t scan, const Eigen::Isometry3d& p
   return result;
 }
 
-PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, const Context& context) {
+PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, bool trusted,
+                            const Context& context) {
   PosedScans result;
   for (std::size_t s = 0; s < scans.size(); ++s) {
-    result.scans.push_back(read_one(scans[s], voxel_m, context));
+    result.scans.push_back(read_one(scans[s], voxel_m, trusted, context));
     context.progress.at(static_cast<double>(s + 1) / static_cast<double>(scans.size()));
   }
   for (std::size_t s = 0; s < scans.size(); ++s) {
@@ -198,7 +199,7 @@ PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m
     scan.pose.linear() = s == 0 ? turn : Eigen::Quaterniond(turn).normalized().toRotationMatrix();
     scan.pose.translation() = place - result.origin_m;
   }
-  turn_views(result.scans);
+  if (trusted) turn_views(result.scans);
   return result;
 }
 

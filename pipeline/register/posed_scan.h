@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,9 @@ struct PosedScan {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   double longest_m = 0.0;  ///< longest side of the box around 98 % of the points in each direction
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();  ///< of that box, relative to the origin
-  /// Where the scan was made from, when that had to be guessed from its surface alone; else 0.
+  /// Where the scanner stood, or may have stood, as in origin_m; unknown for a surface that has more than one side.
+  std::optional<Eigen::Vector3d> place;
+  /// Direction to it, when that had to be guessed from its surface alone; else 0.
   Eigen::Vector3d guessed_view = Eigen::Vector3d::Zero();
   std::unique_ptr<StationSurface> fine, medium, coarse;
   /// Scan's coordinates to the common frame.
@@ -36,9 +39,13 @@ struct PosedScans {
   [[nodiscard]] Eigen::Matrix4d pose_of(std::size_t scan, const Eigen::Isometry3d& pose) const;
 };
 
-/// Reads and thins. `voxel_m` 0: at most kFinePoints a scan. Throws Error{input}, also on a scan that has no surface;
-/// Cancelled.
-[[nodiscard]] PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, const Context& context);
+/// Reads and thins. `voxel_m` 0: at most kFinePoints a scan. Where the poses are not `trusted`, they say nothing of the
+/// scanners' places. Throws Error{input}, also on a scan that has no surface; Cancelled.
+[[nodiscard]] PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, bool trusted,
+                                          const Context& context);
+
+/// Where the side from which a scan was made was guessed, and the others lie in front of it, it was the other side.
+void turn_views(std::vector<PosedScan>& scans);
 
 constexpr std::size_t kFinePoints = 40000;
 constexpr std::size_t kMediumPoints = 6000;

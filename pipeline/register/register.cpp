@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "pipeline/register/first_guess.h"
 #include "pipeline/register/graph.h"
 #include "pipeline/register/match.h"
 #include "pipeline/register/pairwise.h"
@@ -21,6 +22,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kAutomaticReach = 0.15;  // longest sides: 10 degrees at the rim of an object, and 5 % of its size
+constexpr double kGuessedReach = 0.03;    // first guesses from features have been aligned already
 constexpr double kTouch = 3.0;            // spacings within which aligned surfaces are one
 constexpr double kShrink = 0.6;           // of the distance from round to round of an alignment
 constexpr int kIterations = 8;            // of PCL in a round
@@ -28,7 +30,6 @@ constexpr int kLastIterations = 30;
 constexpr double kMostTurn = 35.0 * 3.14159265358979323846 / 180.0;  // rough poses are not worse than that
 constexpr double kMostShift = 0.35;                                  // longest sides
 constexpr std::size_t kLeastMatches = 100;
-constexpr double kLeastInformation = 2e-4;
 constexpr double kRelaxedShare = 0.5;   // of min_overlap: pairs that have less in common still help to place scans
 constexpr int kRelaxations = 3;         // at most, until the same pairs meet as before
 constexpr double kContradiction = 2.0;  // reach of touch within which a pair's own result agrees with all others
@@ -48,14 +49,20 @@ PairFit::Fit fit_of(const Agreement& agreement, double within_m) {
 
 class Registrar {
  public:
-  Registrar(const std::vector<ScanConfig>& scans, const RegisterConfig& config, const Context& context)
+  Registrar(const std::vector<ScanConfig>& scans, const RegisterConfig& config, RegisterConfig::Guess guess,
+            const Context& context)
       : configs_(scans), config_(config), context_(context) {
     if (scans.size() < 2) {
       throw usage_error("one scan alone cannot be registered", "a configuration with two or more scans");
     }
     context.progress.begin("read");
-    posed_ = read_posed_scans(scans, config.voxel_m, context);
-    reach_m_ = config.max_distance_m > 0.0 ? config.max_distance_m : kAutomaticReach * posed_.longest_m();
+    posed_ = read_posed_scans(scans, config.voxel_m, guess == RegisterConfig::Guess::poses, context);
+    if (guess == RegisterConfig::Guess::features) {
+      guesses_ = guess_poses(posed_, config, context);
+      turn_views(posed_.scans);
+    }
+    const double automatic = guesses_.empty() ? kAutomaticReach : kGuessedReach;
+    reach_m_ = config.max_distance_m > 0.0 ? config.max_distance_m : automatic * posed_.longest_m();
     medium_touch_m_ = kTouch * posed_.spacing_m(&PosedScan::medium);
     fine_touch_m_ = kTouch * posed_.spacing_m(&PosedScan::fine);
     for (std::size_t a = 0; a < scans.size(); ++a)
@@ -76,6 +83,7 @@ class Registrar {
     Registration result;
     for (std::size_t s = 0; s < configs_.size(); ++s)
       result.poses.push_back(s == 0 ? configs_[s].pose : posed_.pose_of(s, posed_.scans[s].pose));
+    result.guesses = guesses_;
     result.pairs = found();
     return result;
   }
@@ -292,6 +300,7 @@ class Registrar {
   const RegisterConfig& config_;
   const Context& context_;
   PosedScans posed_;
+  std::vector<FirstGuess> guesses_;
   std::vector<Pair> pairs_;
   double reach_m_ = 0.0;
   double medium_touch_m_ = 0.0;
@@ -316,12 +325,12 @@ std::string to_string(PairFit::Use use) {
 
 Registration register_scans(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
                             const Context& context) {
-  return Registrar(scans, config, context).run();
+  return Registrar(scans, config, config.guess, context).run();
 }
 
 std::vector<PairFit> measure_pairs(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
                                    const Context& context) {
-  return Registrar(scans, config, context).measure();
+  return Registrar(scans, config, RegisterConfig::Guess::poses, context).measure();
 }
 
 }  // namespace sparsha::pipeline

@@ -30,19 +30,29 @@ struct PairFit {
   };
   std::size_t first = 0;
   std::size_t second = 0;
-  Fit before;  ///< poses as given
+  Fit before;  ///< poses as given, or as guessed from features
   Fit after;   ///< poses as found; as given where nothing was registered
   Use use = Use::none;
 };
 [[nodiscard]] std::string to_string(PairFit::Use use);
 
+/// Where features put a scan: on which other one, and the larger share of one's thinned points that has its place on
+/// the other. Indices into the configuration's scans.
+struct FirstGuess {
+  std::size_t scan = 0;
+  std::size_t on = 0;
+  double overlap = 0.0;
+};
+
 struct Registration {
   std::vector<Eigen::Matrix4d> poses;  ///< of the configuration's scans; the first is as given
+  std::vector<FirstGuess> guesses;     ///< in the order in which scans were placed; empty where poses were given
   std::vector<PairFit> pairs;          ///< all that have something in common before or after
 };
 
-/// Finds poses. Throws Error{usage} on a single scan; Error{input} naming the scans when one cannot be linked to the
-/// first: too little overlap, or surfaces that slide; Cancelled. The result does not depend on the number of threads.
+/// Finds poses, from those given or from features alone (RegisterConfig::guess). Throws Error{usage} on a single scan;
+/// Error{input} naming the scans when one cannot be linked to the first: too little overlap, surfaces that slide, or
+/// features that do not tell for sure; Cancelled. The result does not depend on the number of threads.
 [[nodiscard]] Registration register_scans(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
                                           const Context& context);
 

@@ -157,7 +157,7 @@ filters: [{crop: {min_m: [-1, -1, -1], max_m: [1, 1, 1]}}, {voxel: {leaf_mm: 0.3
   {remove_plane: {distance_mm: 0.7, side: both, normal: [1, 2, 3], max_angle_deg: 12.5}},
   {keep: {cluster: {nearest_to: [1, 2.5, 3]}, tolerance_mm: 1.1}}, {keep: {cluster: largest, method: pcl}},
   {smooth: {radius_mm: 2.3, order: 3}}, {thin: {points_per_node: 6}}]
-register: {method: point_to_plane, max_distance_mm: 7.5, voxel_mm: 0.3, min_overlap: 0.25}
+register: {method: point_to_plane, guess: features, max_distance_mm: 7.5, voxel_mm: 0.3, min_overlap: 0.25}
 orientation: {look_from: [1, 2, 3], up: [0, 0, 1], scale: 1.5}
 grid: {spacing_mm: 0.7, bounds_m: [0, 0, 1, 1], colour: true}
 fill: {max_gap_mm: 0.1}
@@ -192,6 +192,7 @@ viewer: {colour: friction, stereo: anaglyph}
   EXPECT_EQ(again.scans[1].units.longest_side_m, config.scans[1].units.longest_side_m);
   ASSERT_TRUE(again.registration);
   EXPECT_EQ(again.registration->method, RegisterConfig::Method::point_to_plane);
+  EXPECT_EQ(again.registration->guess, RegisterConfig::Guess::features);
   EXPECT_EQ(again.registration->max_distance_m, config.registration->max_distance_m);
   EXPECT_EQ(again.registration->voxel_m, config.registration->voxel_m);
   EXPECT_EQ(again.registration->min_overlap, 0.25);

@@ -227,6 +227,84 @@ TEST(Register, MillimetresAreTakenAsMillimetres) {
   EXPECT_LT(found.poses[1].topRightCorner(3, 1).norm(), 50e-6);
 }
 
+RegisterConfig by_features() {
+  RegisterConfig config;
+  config.guess = RegisterConfig::Guess::features;
+  return config;
+}
+
+std::vector<ScanConfig> carved_pair(const ScanFolder& folder) {
+  return {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved),
+          scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3, 20000}, 2, carved)};
+}
+
+TEST(RegisterByFeatures, ScansThatNobodyPlacedComeTogether) {
+  const ScanFolder folder;
+  const Scattered set = scattered(folder, carved_pair(folder), 1, 0.4);
+  const Registration found = registered(set.scans, by_features());
+  EXPECT_LT(rms_error(set.truth, found.poses), 0.1e-3);  // a twentieth of the distance between points
+  ASSERT_EQ(found.guesses.size(), 1U);
+  EXPECT_EQ(found.guesses[0].scan, 1U);
+  EXPECT_GT(found.guesses[0].overlap, 0.5);
+}
+
+TEST(RegisterByFeatures, GivenPosesAreNotUsedAndTheFirstStays) {
+  std::vector<ScanConfig> wrong = relief();
+  wrong[0].pose(2, 3) += 3.0;
+  wrong[1].pose(0, 3) += 100.0;
+  const Registration found = registered(wrong, by_features());
+  EXPECT_EQ(found.poses.front(), wrong.front().pose);
+  EXPECT_LT(rms_error(relief(), found.poses), kReliefNoise_m / 3.0);
+}
+
+TEST(RegisterByFeatures, TheResultHasTheSameBitsWithAnyNumberOfThreads) {
+  const ScanFolder folder;
+  const std::vector<ScanConfig> scans = carved_pair(folder);
+  EXPECT_EQ(registered(scans, by_features(), 1).poses, registered(scans, by_features(), 3).poses);
+}
+
+TEST(RegisterByFeatures, WhatIsAlikeInSeveralWaysIsRefusedByName) {
+  const ScanFolder folder;
+  const auto plane = [](double, double) { return 0.0; };
+  const auto cylinder = [](double x, double) { return std::sqrt(0.2 * 0.2 - (x - 0.15) * (x - 0.15)); };
+  const auto sphere = [](double x, double y) {
+    return std::sqrt(0.3 * 0.3 - (x - 0.15) * (x - 0.15) - (y - 0.15) * (y - 0.15));
+  };
+  const auto pyramid = [](double x, double y) { return -std::max(std::fabs(x - 0.15), std::fabs(y - 0.15)); };
+  for (const std::function<double(double, double)>& shape :
+       {std::function<double(double, double)>(plane), std::function<double(double, double)>(cylinder),
+        std::function<double(double, double)>(sphere), std::function<double(double, double)>(pyramid)}) {
+    const std::vector<ScanConfig> set = {scan_of(folder, "one.xyz", {0.0, 0.0, 0.3, 0.3, 4000, 0.1e-3}, 1, shape),
+                                         scan_of(folder, "two.xyz", {0.0, 0.0, 0.3, 0.3, 4000, 0.1e-3}, 2, shape)};
+    EXPECT_THAT(error_of_registering(scattered(folder, set, 3, 0.3).scans, ErrorKind::input, by_features()),
+                ::testing::HasSubstr("seed-3-1.xyz"));
+  }
+}
+
+TEST(RegisterByFeatures, ScansOfDifferentObjectsAreRefusedByName) {
+  const ScanFolder folder;
+  const auto other = [](double x, double y) { return carved(y + 0.7, 0.9 - x); };
+  const std::vector<ScanConfig> set = {scan_of(folder, "one.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved),
+                                       scan_of(folder, "two.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 2, other)};
+  const std::string text = error_of_registering(set, ErrorKind::input, by_features());
+  EXPECT_THAT(text, ::testing::HasSubstr("two.xyz"));
+  EXPECT_THAT(text, ::testing::HasSubstr("register.guess: poses"));
+}
+
+TEST(RegisterByFeatures, StopsWhenItIsCancelledInEachStage) {
+  const ScanFolder folder;
+  const std::vector<ScanConfig> scans = carved_pair(folder);
+  for (const std::string stage : {"features", "guess pairs", "place scans"}) {
+    Progress* target = nullptr;
+    Progress progress([&](const ProgressUpdate& update) {
+      if (update.kind == ProgressUpdate::Kind::stage && update.text == stage) target->cancel();
+    });
+    target = &progress;
+    ThreadPool pool(2);
+    EXPECT_THROW((void)register_scans(scans, by_features(), {pool, progress}), Cancelled) << stage;
+  }
+}
+
 TEST(Register, StopsWhenItIsCancelledInEachStage) {
   const std::vector<ScanConfig> rough = disturbed(relief(), 1, 5.0, 0.010);
   for (const std::string stage : {"read", "align pairs", "relax"}) {
