@@ -23,6 +23,7 @@ namespace pcl {
 // What the library's pcl::computePairFeatures does: Darboux's frame between two points (Rusu 2009, "Fast Point Feature
 // Histograms (FPFH) for 3D Registration").
 template <>
+// NOLINTNEXTLINE(readability-identifier-naming): the name is PCL's
 inline bool FPFHEstimation<Point, Point, FPFHSignature33>::computePairFeatures(const pcl::PointCloud<Point>& cloud,
                                                                                const pcl::PointCloud<Point>& normals,
                                                                                int p, int q, float& f1, float& f2,
