@@ -50,7 +50,9 @@ std::vector<ZoomStep> zoom_steps(const pipeline::SceneDescription& scene, double
   for (double next = std::exp2(std::ceil(std::log2(kWorthAStep * scale))); scale * kWorthAStep < nearest; next *= 2.0) {
     scale = next * kWorthAStep < nearest ? next : nearest;
     const double cells = workspace_width_m / (scale * finest.spacing_m);
-    steps.push_back({0, pipeline::window_nodes(1 + static_cast<int>(std::lround(cells)))});
+    const int nodes = pipeline::window_nodes(1 + static_cast<int>(std::lround(cells)));
+    if (nodes >= steps.back().nodes) break;  // no smaller window is worth touching
+    steps.push_back({0, nodes});
   }
   return steps;
 }
