@@ -23,8 +23,12 @@ constexpr double kLeastDelayS = 0.001;
 constexpr double kJitter = 1.15;       // of the nominal period: not yet another rate
 constexpr double kSoftenS = 0.020;     // time constants of the stiffness in contact
 constexpr double kSoftenSwings = 3.0;  // half-swings
-constexpr double kWishS = 0.120;       // until a new wish is fulfilled in contact
-constexpr double kSofter = 0.5;        // after each onset of oscillation
+// The percentiles of a jittering loop scatter by some percent. Followed to its lowest, the limit would fall for as long
+// as the contact lasts.
+constexpr double kSameLimit = 0.8;
+constexpr double kReached = 0.995;
+constexpr double kWishS = 0.120;  // until a new wish is fulfilled in contact
+constexpr double kSofter = 0.5;   // after each onset of oscillation
 constexpr double kSoftest = 0.06;
 constexpr double kForgetS = 10.0;      // in free space, until the whole stiffness is tried again
 constexpr double kStrikeMPerS = 0.08;  // a faster touch is a strike
@@ -33,8 +37,7 @@ constexpr double kThrownS = 0.090;     // longest touch of a hand that is thrown
 constexpr double kFlightS = 0.400;
 constexpr double kRestitution = 0.8;
 constexpr int kMostThrows = 2;
-constexpr double kVelocityS = 0.006;   // time constant of the hand's velocity
-constexpr double kDampingRatio = 0.6;  // of the added damping, once the half-period of the swing is known
+constexpr double kDampingRatio = 0.7;  // of the added damping, once the half-period of the swing is known
 constexpr double kFirstHalfPeriodS = 0.040;
 constexpr double kCalmS = 0.200;
 constexpr double kPatienceS = 0.5;  // of the damping with a swing that does not become calm
@@ -42,7 +45,9 @@ constexpr double kLargeM = 100e-6;  // smaller swings do not soften the wall fur
 constexpr double kLargeSteps = 5.0;
 constexpr double kDecay = 0.8;  // of a swing's size in that time
 constexpr double kAxisS = 0.3;
-constexpr double kDeadSteps = 0.1;      // encoder steps in kVelocityS that are no velocity
+constexpr double kDeadSteps = 0.4;  // encoder steps in the longest window that are no velocity
+constexpr double kSideDampingNSPerM = 1.0;
+constexpr double kMostSideShare = 0.5;  // of the force
 constexpr double kPlay = 1.05;          // encoder steps that are flicker
 constexpr double kCreditNSPerM = 0.25;  // damping that every hand has
 
@@ -92,10 +97,13 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcep
     const double left = 1.0 - smooth_step(wished_s_ / kWishS);
     wished_s_ = std::min(kWishS, wished_s_ + nominal_period_s);
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWishS)) / left);
-  } else if (target < stiffness_n_per_m_) {
+  } else if (target < (falling_ ? 1.0 : kSameLimit) * stiffness_n_per_m_) {
     // Softened faster than a heavy hand can follow, the wall would set it swinging.
     const double time_s = std::max(kSoftenS, kSoftenSwings * swing_.half_period_s());
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, nominal_period_s / time_s);
+    falling_ = target < kReached * stiffness_n_per_m_;
+  } else {
+    falling_ = false;
   }
   return stiffness_n_per_m_;
 }
@@ -157,7 +165,7 @@ void Governor::watch_strike(double speed_m_per_s, double away_s) noexcept {
 void Governor::watch_hand(const GovernorInput& input) noexcept {
   const Vector3d moved_m = has_last_ ? Vector3d(input.position_m - last_position_m_) : Vector3d::Zero();
   const double period_s = std::max(input.period_s, 0.1 * input.nominal_period_s);
-  velocity_ += (moved_m / period_s - velocity_) * std::min(1.0, period_s / kVelocityS);
+  motion_.add(input.position_m, has_last_ ? period_s : 0.0);
   learn_step(moved_m.norm(), period_s);
   periods_.add(input.period_s);
   if (input.delay_s > 0.0) delays_.add(input.delay_s);
@@ -171,12 +179,12 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
     const double away_s = std::exchange(away_s_, 0.0);
     // A mean normal: along it the rise and fall of what is stroked shows.
     axis_ += (input.normal - axis_) * std::min(1.0, period_s / kAxisS);
-    if (comes) watch_strike(-velocity_.dot(input.normal), away_s);
+    if (comes) watch_strike(-velocity().dot(input.normal), away_s);
     contact_s_ = comes ? 0.0 : contact_s_ + period_s;
   } else {
     away_s_ += std::min(period_s, 2.0 * input.nominal_period_s);
     borne_share_ = std::min(1.0, borne_share_ + std::min(period_s, input.nominal_period_s) / kForgetS);
-    if (away_s_ > kBounceS) damping_ = unstable_ = false;
+    if (away_s_ > kBounceS) damping_ = unstable_ = released_ = false;
   }
   const Vector3d surface_m = has_last_ ? Vector3d(input.proxy_m - last_proxy_m_) : Vector3d::Zero();
   last_proxy_m_ = input.proxy_m;
@@ -186,6 +194,7 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
     finding = swing_.update(period_s, moved_m.dot(axis_), input.contact ? surface_m.dot(axis_) : 0.0,
                             input.contact ? surface_m.norm() : 0.0, step_m_);
   if (finding != Finding::none) damp();
+  if (finding == Finding::lasting && released_) unstable_ = true;  // it would begin again
   if (finding == Finding::growing) {
     soften();
     unstable_ = true;
@@ -198,18 +207,29 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
     damping_s_ = 0.0;
     damped_m_ = swing_.size_m();
   }
-  if (input.contact && !unstable_ && swing_.quiet_s() > kCalmS) damping_ = false;
+  if (input.contact && !unstable_ && swing_.quiet_s() > kCalmS) {
+    damping_ = false;
+    released_ = true;
+  }
 }
 
-/// Takes from the force where the hand moves out, never below zero: the wall gives back less than it got.
+Vector3d Governor::velocity() const noexcept { return motion_.velocity(step_m_ > 0.0 ? step_m_ : kLikelyEncoderStepM); }
+
+/// Takes from the force where the hand moves out, never below zero: the wall gives back less than it got. A hand that
+/// has swung is braked along the surface too: on bumps the wall's side forces come as late as its normal ones.
 Vector3d Governor::damped(const GovernorInput& input) const noexcept {
   const double magnitude_n = input.force_n.norm();
   if (!damping_ || !(magnitude_n > 0.0)) return input.force_n;
   const double half_s = swing_.half_period_s() > 0.0 ? swing_.half_period_s() : kFirstHalfPeriodS;
   const double damping = 2.0 * kDampingRatio * input.stiffness_n_per_m * half_s / std::numbers::pi;
-  const double out = velocity_.dot(input.force_n) / magnitude_n - kDeadSteps * step_m_ / kVelocityS;
-  if (out <= 0.0) return input.force_n;
-  return input.force_n * std::max(0.0, 1.0 - damping * out / magnitude_n);
+  const Vector3d along = input.force_n / magnitude_n;
+  const Vector3d hand_m_per_s = velocity();
+  const double out = hand_m_per_s.dot(along);
+  const double moving_out = out - kDeadSteps * step_m_ / AdaptiveVelocity::kLongestS;
+  Vector3d force_n = input.force_n;
+  if (moving_out > 0.0) force_n *= std::max(0.0, 1.0 - damping * moving_out / magnitude_n);
+  if (unstable_) force_n -= clamped(kSideDampingNSPerM * (hand_m_per_s - out * along), kMostSideShare * force_n.norm());
+  return force_n;
 }
 
 /// What the hand put in over the last interval, with the force that the device held then. Credited is the damping that

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "haptics/governor/adaptive_velocity.h"
 #include "haptics/governor/loop_meter.h"
 #include "haptics/governor/swing.h"
 
@@ -80,6 +81,8 @@ class Governor {
   void disarm() noexcept;
   /// Offline rendering needs no arming.
   void arm() noexcept { armed_ = true; }
+  /// The encoder's step as far as it has shown, m; 0 before the first second has passed.
+  [[nodiscard]] double encoder_step_m() const noexcept { return step_m_; }
 
  private:
   static constexpr std::size_t kLongestDelay = kLongestDelayTicks;
@@ -90,6 +93,7 @@ class Governor {
   void soften() noexcept;
   void learn_step(double moved_m, double period_s) noexcept;
   [[nodiscard]] Eigen::Vector3d damped(const GovernorInput& input) const noexcept;
+  [[nodiscard]] Eigen::Vector3d velocity() const noexcept;
   void count_free_time(const GovernorInput& input) noexcept;
   void book(const GovernorInput& input) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
@@ -115,21 +119,23 @@ class Governor {
   double wish_n_per_m_ = -1.0;
   double wished_s_ = 1.0;            // since the wish has changed in this contact
   double stiffness_n_per_m_ = -1.0;  // allowed now; negative before the first tick
+  bool falling_ = false;             // on its way to a lower limit
   double borne_share_ = 1.0;         // of the wish, that this hand has shown to bear
   bool in_contact_ = false;
   bool damping_ = false;         // against a strike or a growing swing
   bool unstable_ = false;        // a swing has grown in this contact
   double damping_s_ = 0.0;       // since it began, or since the wall was softened last
   double damped_m_ = 0.0;        // the swing's size then
+  bool released_ = false;        // from the damping, in this contact
   double contact_s_ = 0.0;       // of this touch
   double struck_m_per_s_ = 0.0;  // at its beginning
   int throws_ = 0;
   double away_s_ = 0.0;                             // since the last contact
   Eigen::Vector3d axis_ = Eigen::Vector3d::Zero();  // the last normal
   Eigen::Vector3d last_proxy_m_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  // of the hand, low-passed
-  double step_m_ = 0.0;                                 // the encoder's, as far as it has shown
-  double least_moves_m_[2] = {};                        // of this second and of the last one
+  AdaptiveVelocity motion_;       // of the hand
+  double step_m_ = 0.0;           // the encoder's, as far as it has shown
+  double least_moves_m_[2] = {};  // of this second and of the last one
   double learning_s_ = 0.0;
 
   static std::array<Eigen::Vector3d, kLongestDelay + 1> zeros() {

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <optional>
 
 #include <Eigen/Core>
 
+#include "haptics/governor/adaptive_velocity.h"
 #include "haptics/state/state.h"
 
 namespace sparsha::haptics {
@@ -15,7 +15,7 @@ namespace sparsha::haptics {
 class ContactEvents {
  public:
   /// `hand_mass_kg`: what strikes, for the predicted peak force v_n sqrt(k m) of a spring that stops a mass.
-  explicit ContactEvents(double rate_hz, double hand_mass_kg = 0.15) noexcept;
+  explicit ContactEvents(double hand_mass_kg = 0.15) noexcept : hand_mass_kg_(hand_mass_kg) {}
 
   struct Input {
     double time_s = 0.0;
@@ -24,6 +24,7 @@ class ContactEvents {
     std::array<double, 3> place_m{};                    ///< as State has it
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double stiffness_n_per_m = 0.0;
+    double encoder_step_m = 0.0;  ///< 0 = not known yet
     std::uint64_t level = 0;
     bool contact = false;
     bool sticking = false;
@@ -31,22 +32,13 @@ class ContactEvents {
   /// At most one event a tick.
   [[nodiscard]] std::optional<ContactEvent> update(const Input& input) noexcept;
   /// Forgets the hand's way, e.g. after a fault; the next touch starts anew.
-  void reset() noexcept;
+  void reset() noexcept { approach_.reset(); }
 
  private:
-  [[nodiscard]] Eigen::Vector3d velocity() const noexcept;
-
-  static constexpr std::size_t kLongest = 256;
-  struct Place {
-    double time_s = 0.0;
-    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  };
   double hand_mass_kg_;
-  std::size_t length_;  // samples that the velocity is fitted to
-  std::array<Place, kLongest> places_{};
-  std::size_t count_ = 0;
-  std::size_t next_ = 0;
-  bool touching_ = false;  // between a touch and a lift event
+  AdaptiveVelocity approach_;
+  double approached_s_ = 0.0;  // when it got its last sample
+  bool touching_ = false;      // between a touch and a lift event
   bool was_sticking_ = false;
   double last_contact_s_ = 0.0;
   double last_slip_s_ = -1.0;

@@ -30,8 +30,7 @@ HapticRenderer::HapticRenderer(const DeviceInfo& device, const RendererOptions& 
       centre_m_(point_on(*surface_, surface_->centre_m.head<2>())),
       wish_n_per_m_(options.stiffness_n_per_m),
       stiffness_n_per_m_(0.0),
-      governor_(device.limits),
-      events_(options.rate_hz) {
+      governor_(device.limits) {
   record_.state.centre_m = to_array(centre_m_);
   record_.state.scale = surface_->scale;
 }
@@ -327,6 +326,7 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   contact.place_m = state.place_m;
   contact.normal = found_.normal;
   contact.stiffness_n_per_m = stiffness_n_per_m_;
+  contact.encoder_step_m = governor_.encoder_step_m();
   contact.level = static_cast<std::uint64_t>(surface_->level);
   contact.contact = found_.contact;
   contact.sticking = found_.sticking;

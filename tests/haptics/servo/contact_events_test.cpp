@@ -12,7 +12,7 @@ namespace {
 
 /// A hand that falls straight down onto z = 0 at `speed`, sampled at `rate_hz` with a phase, read through an encoder.
 ContactEvent strike(double speed, double phase, double rate_hz, double encoder_step_m) {
-  ContactEvents events(rate_hz);
+  ContactEvents events;
   for (int tick = 0;; ++tick) {
     const double t = (tick + phase) / rate_hz;
     double z = 0.02 - speed * t;
@@ -23,6 +23,7 @@ ContactEvent strike(double speed, double phase, double rate_hz, double encoder_s
     input.normal = z < 0.0 ? Eigen::Vector3d(0.0, 0.0, 1.0) : Eigen::Vector3d::Zero();
     input.contact = z < 0.0;
     input.stiffness_n_per_m = 800.0;
+    input.encoder_step_m = encoder_step_m;
     if (const auto event = events.update(input)) return *event;
   }
 }
@@ -43,7 +44,7 @@ TEST(ContactEvents, TheSameStrikeAtAHundredPhasesOfTheTickIsAsLoudWithinOneDecib
 }
 
 TEST(ContactEvents, SaysTouchOnceAndLiftWhenTheHandHasReallyLeft) {
-  ContactEvents events(1000.0);
+  ContactEvents events;
   std::vector<ContactEvent> said;
   const auto go = [&](int from_ms, int to_ms, bool contact) {
     for (int ms = from_ms; ms < to_ms; ++ms) {
@@ -67,7 +68,7 @@ TEST(ContactEvents, SaysTouchOnceAndLiftWhenTheHandHasReallyLeft) {
 }
 
 TEST(ContactEvents, SaysWhenAStickingFingerSlips) {
-  ContactEvents events(1000.0);
+  ContactEvents events;
   std::vector<ContactEvent::Kind> said;
   for (int ms = 0; ms < 100; ++ms) {
     ContactEvents::Input input;

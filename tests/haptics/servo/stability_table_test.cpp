@@ -66,7 +66,7 @@ TEST(StabilityTable, HoldsAndStrokesOfUndeclaredDelayDeliverLittleAndDoNotSwing)
             const TouchResult result = touch(c, ground(each));
             EXPECT_LE(result.delivered_j, kMostJ) << words(c);
             worst_j = std::max(worst_j, result.delivered_j);
-            if (each == Ground::plane && !(mass > 0.4 && delay == 0.0 && damping < 0.4)) {
+            if (!stroke) {
               EXPECT_LE(result.swing_m / c.encoder_step_m, kMostStepsUndeclared) << words(c);
             }
           }
@@ -120,17 +120,19 @@ TEST(StabilityTable, AHandOfOrdinaryDampingFeelsTheWishedStiffnessUnaltered) {
         }
 }
 
-TEST(StabilityTable, HeavyHandsThatStrikeAreCalmWithinASecond) {
-  for (const double mass : {0.15, 0.3, 0.5})
-    for (const double speed : {0.1, 0.2, 0.5}) {
-      TouchCase c;
-      c.mass_kg = mass;
-      c.strike_m_per_s = speed;
-      c.duration_s = 3.0;
-      const TouchResult result = touch(c, ground(Ground::plane));
-      EXPECT_LE(result.calm_s, 1.0) << words(c);
-      EXPECT_LE(result.delivered_j, kMostJ) << words(c);
-    }
+TEST(StabilityTable, HandsThatStrikeAreCalmWithinASecond) {
+  for (const double mass : {0.05, 0.15, 0.3, 0.5})
+    for (const double speed : {0.1, 0.2, 0.5})
+      for (const double damping : {1.0, 2.0, 5.0}) {
+        TouchCase c;
+        c.mass_kg = mass;
+        c.damping_n_s_per_m = damping;
+        c.strike_m_per_s = speed;
+        c.duration_s = 3.0;
+        const TouchResult result = touch(c, ground(Ground::plane));
+        EXPECT_LE(result.calm_s, 1.0) << words(c);
+        EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+      }
 }
 
 }  // namespace
