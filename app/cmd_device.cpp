@@ -1,14 +1,17 @@
-// sparsha device list|check|monitor|home|emulate.
+// sparsha device list|check|monitor|home|calibrate|emulate.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/cmd_emulate.h"
 #include "app/commands.h"
+#include "app/printable.h"
 #include "app/terminal.h"
 #include "base/error.h"
+#include "haptics/device/falcon/calibration.h"
 #include "haptics/device/falcon/check.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/usb_transport.h"
@@ -22,6 +25,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int kDeviceError = 4;
+constexpr double kStandardGravity = 9.80665;  // m/s^2
 
 int list_devices(const CommonOptions& common) {
   const std::vector<falcon::FoundFalcon> falcons = falcon::find_falcons();
@@ -93,30 +97,93 @@ int report_check(const falcon::CheckReport& report, const CommonOptions& common)
   return report.passed() ? 0 : kDeviceError;
 }
 
-std::string reading_text(const falcon::Reading& reading) {
-  const Eigen::Vector3d mm = reading.position_m * 1e3;
-  return fmt::format("{:8.3f} s  {:7.2f} {:7.2f} {:7.2f} mm  {}  round trip {:.2f} ms", reading.time_s, mm.x(), mm.y(),
-                     mm.z(), reading.homed ? "homed" : "not homed", reading.round_trip_s * 1e3);
+std::string held_buttons(std::uint8_t buttons) {
+  static constexpr const char* kNames[] = {"right", "front", "centre", "left"};
+  std::string text;
+  for (unsigned bit = 0; bit < 4; ++bit)
+    if ((buttons >> bit & 1U) != 0) text += fmt::format("{}{}", text.empty() ? "" : "+", kNames[bit]);
+  return text.empty() ? "none" : text;
 }
 
-// Prints ten lines a second until stopped.
-int monitor_device(double duration_s) {
-  const auto wire = falcon::open_usb_transport();
-  double next_s = 0.0;
+/// What lines of the monitor sum up since the one before.
+struct Since {
+  double time_s = 0.0;
+  std::uint64_t answers = 0;
+  double longest_s = 0.0;
+};
+
+std::string reading_text(const falcon::Reading& reading, const Since& since) {
+  const Eigen::Vector3d mm = reading.position_m * 1e3;
+  return fmt::format(
+      "{:8.2f} s  {:7.2f} {:7.2f} {:7.2f} mm  {}  buttons {:<8} {:4.0f} answers/s, longest {:.2f} ms", reading.time_s,
+      mm.x(), mm.y(), mm.z(), reading.homed ? "homed    " : "not homed", held_buttons(reading.answer.buttons),
+      static_cast<double>(since.answers) / std::max(1e-3, reading.time_s - since.time_s), since.longest_s * 1e3);
+}
+
+Json reading_json(const falcon::Reading& reading, const Since& since) {
+  return {{"t_s", reading.time_s},
+          {"position_m", {reading.position_m.x(), reading.position_m.y(), reading.position_m.z()}},
+          {"homed", reading.homed},
+          {"buttons", held_buttons(reading.answer.buttons)},
+          {"rate_hz", static_cast<double>(since.answers) / std::max(1e-3, reading.time_s - since.time_s)},
+          {"longest_ms", since.longest_s * 1e3}};
+}
+
+/// The first Falcon with its firmware running.
+std::unique_ptr<falcon::Transport> running_falcon(const falcon::FalconOptions& options) {
+  auto wire = falcon::open_usb_transport();
+  falcon::bring_up(*wire, falcon::firmware_image(options));
+  return wire;
+}
+
+/// Prints ten lines a second until stopped.
+int monitor_device(const CommonOptions& common, const falcon::FalconOptions& options, double duration_s) {
+  const auto wire = running_falcon(options);
+  Since since;
   falcon::monitor(*wire, [&](const falcon::Reading& reading) {
-    if (reading.time_s >= next_s) {
-      print(reading_text(reading));
-      next_s = reading.time_s + 0.1;
+    ++since.answers;
+    since.longest_s = std::max(since.longest_s, reading.round_trip_s);
+    if (reading.time_s >= since.time_s + 0.1) {
+      print(common.json ? reading_json(reading, since).dump() : reading_text(reading, since));
+      since = {reading.time_s, 0, 0.0};
     }
     return !interrupted() && (duration_s <= 0.0 || reading.time_s < duration_s);
   });
   return 0;
 }
 
-int home_device(const CommonOptions& common) {
+int calibrate_device(const CommonOptions& common, const falcon::FalconOptions& device_options, double weight_g) {
+  const Terminal terminal(common);
+  falcon::CalibrationOptions options;
+  options.weight_n = weight_g * 1e-3 * kStandardGravity;
+  falcon::FalconOptions usual = device_options;
+  usual.counts_per_newton_metre = options.counts_per_newton_metre;
+  const auto device = falcon::make_falcon_device(usual);
+  static_cast<void>(haptics::request_real_time(haptics::kServoPriority));
+  const auto found = falcon::calibrate(
+      *device, options, [&terminal](const std::string& words) { terminal.message(words); }, interrupted);
+  if (!found) throw Error(ErrorKind::failure, {}, "calibration: stopped", "all steps taken");
+  falcon::store_calibration(found->counts_per_newton_metre);
+  const std::string file = printable(falcon::calibration_file().string());
+  if (common.json) {
+    print(Json{{"counts_per_newton_metre", found->counts_per_newton_metre},
+               {"weight_n", found->weight_n},
+               {"empty_n", found->empty_n},
+               {"loaded_n", found->loaded_n},
+               {"standard_error_n", found->scatter_n},
+               {"file", file}}
+              .dump(2));
+  } else {
+    print(fmt::format("{:.0f} motor counts per newton metre (+- {:.0f}); kept in {}", found->counts_per_newton_metre,
+                      found->counts_per_newton_metre * found->scatter_n / (found->loaded_n - found->empty_n), file));
+  }
+  return 0;
+}
+
+int home_device(const CommonOptions& common, const falcon::FalconOptions& options) {
   constexpr double kTimeoutS = 60.0;
   const Terminal terminal(common);
-  const auto wire = falcon::open_usb_transport();
+  const auto wire = running_falcon(options);
   terminal.message("pull the grip fully out, then push it fully in");
   if (falcon::home(*wire, kTimeoutS)) {
     print(common.json ? "{\"homed\": true}" : "homed");
@@ -130,35 +197,43 @@ int home_device(const CommonOptions& common) {
 
 void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
   struct Arguments {
-    std::string firmware;
+    falcon::FalconOptions device;
     double duration_s = 0.0;
     double link_s = 10.0;
+    double weight_g = 200.0;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("device", "The haptic device: what is there and what state it is in");
   command->require_subcommand(1);
-  command->add_subcommand("list", "devices that explore can use now")->callback([&common, &run] {
-    run = [&common] { return list_devices(common); };
-  });
-  CLI::App* check = command->add_subcommand("check", "walk USB, permission, power, firmware, homing and link");
-  check->add_option("--firmware", arguments->firmware, "firmware image for a Falcon that runs none");
-  check->add_option("--duration", arguments->link_s, "seconds for which the link is measured")
+  const auto add = [&](const char* name, const char* what, auto job) {
+    CLI::App* added = command->add_subcommand(name, what);
+    added->callback([job, &run] { run = job; });
+    return added;
+  };
+  const auto add_on_falcon = [&](const char* name, const char* what, auto job) {
+    CLI::App* added = add(name, what, job);
+    added->add_option("--firmware", arguments->device.firmware, "firmware image for a Falcon that runs none");
+    return added;
+  };
+  add("list", "devices that explore can use now", [&common] { return list_devices(common); });
+  add_on_falcon("check", "walk USB, permission, power, firmware, homing and link",
+                [arguments, &common] {
+                  // Measured as the servo would talk.
+                  static_cast<void>(haptics::request_real_time(haptics::kServoPriority));
+                  return report_check(falcon::check_falcon(arguments->device, arguments->link_s), common);
+                })
+      ->add_option("--duration", arguments->link_s, "seconds for which the link is measured")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  check->callback([arguments, &common, &run] {
-    run = [arguments, &common] {
-      falcon::FalconOptions options;
-      options.firmware = arguments->firmware;
-      static_cast<void>(haptics::request_real_time(haptics::kServoPriority));  // measured as the servo would talk
-      return report_check(falcon::check_falcon(options, arguments->link_s), common);
-    };
-  });
-  CLI::App* monitor = command->add_subcommand("monitor", "print positions as they come; forces stay zero");
-  monitor->add_option("--duration", arguments->duration_s, "seconds; default: until stopped");
-  monitor->callback([arguments, &run] { run = [arguments] { return monitor_device(arguments->duration_s); }; });
-  command->add_subcommand("home", "home the encoders")->callback([&common, &run] {
-    run = [&common] { return home_device(common); };
-  });
+  add_on_falcon("monitor", "print position, buttons and rate as they come; forces stay zero", [arguments, &common] {
+    return monitor_device(common, arguments->device, arguments->duration_s);
+  })->add_option("--duration", arguments->duration_s, "seconds; default: until stopped");
+  add_on_falcon("home", "home the encoders", [arguments, &common] { return home_device(common, arguments->device); });
+  add_on_falcon("calibrate", "find the motors' scale with a known weight, and keep it",
+                [arguments, &common] { return calibrate_device(common, arguments->device, arguments->weight_g); })
+      ->add_option("--weight-g", arguments->weight_g, "grams that will hang from the grip")
+      ->check(CLI::Range(20.0, 1000.0))
+      ->capture_default_str();
   add_emulate(*command, common, run);
 }
 

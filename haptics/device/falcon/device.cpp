@@ -8,6 +8,8 @@
 #include <thread>
 
 #include "base/error.h"
+#include "haptics/device/falcon/calibration.h"
+#include "haptics/device/falcon/effort.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/guard.h"
 #include "haptics/device/falcon/keeper.h"
@@ -32,8 +34,9 @@ constexpr double kSlowHoming_s = 4.0;
 constexpr int kFinalZeros = 8;
 /// An answer may be that to an earlier question, and to the one before.
 constexpr int kZerosAnswered = 3;
-/// What every direction has at 10000 counts a newton metre, over the workspace; more would saturate the amplifiers.
+/// More is not asked of a hand-held device of this size, whatever its motors have.
 constexpr double kMostForce_n = 5.0;
+constexpr double kForceRadius_m = 0.035;
 /// USB packets taken in one tick: a few come at once after a pause, more only from a damaged device.
 constexpr int kMostPackets = 64;
 constexpr int kFailures = 4;
@@ -63,12 +66,43 @@ const DeviceAdvice* homing_advice(std::uint8_t homed, bool slow) {
 }
 constexpr DeviceAdvice kComeForward{"Homed: pull the grip towards you once more; then it can be felt", true};
 constexpr DeviceAdvice kReady{"The Falcon is ready", false};
+constexpr DeviceAdvice kWarm{"The motors are warm: forces are smaller until they have cooled", false};
+
+/// The greatest force that the amplifiers deliver in every direction, anywhere within kForceRadius_m of the origin: no
+/// motor's share of a newton in its worst direction may pass its range.
+double force_everywhere_n(const FalconOptions& options) {
+  constexpr int kSteps = 8;  // from the middle to the rim
+  double least_n = kMostForce_n;
+  for (int i = -kSteps; i <= kSteps; ++i)
+    for (int j = -kSteps; j <= kSteps; ++j)
+      for (int k = -kSteps; k <= kSteps; ++k) {
+        const Eigen::Vector3d offset_m = Eigen::Vector3d(i, j, k) * (kForceRadius_m / kSteps);
+        if (offset_m.norm() > kForceRadius_m * (1.0 + 1e-9)) continue;
+        Eigen::Matrix3d torques_per_n;
+        for (int axis = 0; axis < 3; ++axis) {
+          const auto torque = torques(options.centre_m + offset_m, Eigen::Vector3d::Unit(axis));
+          if (!torque) return 0.0;
+          torques_per_n.col(axis) = *torque;
+        }
+        const double most = torques_per_n.rowwise().norm().maxCoeff() * options.counts_per_newton_metre;
+        least_n = std::min(least_n, kMostCommand / most);
+      }
+  return least_n;
+}
+
+FalconOptions with_usual_counts(FalconOptions options) {
+  if (!(options.counts_per_newton_metre > 0.0)) options.counts_per_newton_metre = kUsualCounts;
+  return options;
+}
 
 class FalconDevice final : public Device {
  public:
   FalconDevice(std::unique_ptr<Transport> wire, const FalconOptions& options, std::unique_ptr<ForceGuard> guard = {},
                std::unique_ptr<Keeper> keeper = {})
-      : guard_(std::move(guard)), keeper_(std::move(keeper)), options_(options) {
+      : guard_(std::move(guard)),
+        keeper_(std::move(keeper)),
+        options_(with_usual_counts(options)),
+        info_(falcon_info(options_)) {
     if (wire)
       adopt(wire.release());
     else if (keeper_)
@@ -89,7 +123,7 @@ class FalconDevice final : public Device {
   }
 
   [[nodiscard]] DeviceInfo info() const override {
-    DeviceInfo info = falcon_info();
+    DeviceInfo info = info_;
     if (keeper_ && !guard_)
       info.warning = "No process of its own guards the Falcon: if this program is killed, its force may stay on";
     return info;
@@ -141,7 +175,7 @@ class FalconDevice final : public Device {
   void write(const Eigen::Vector3d& force_n) noexcept override {
     if (wire_ == nullptr) return;
     MotorCommand command{};
-    const Eigen::Vector3d safe_n = deliverable(force_n, kMostForce_n);
+    const Eigen::Vector3d safe_n = effort_.share() * deliverable(force_n, info_.limits.max_force_n);
     if (released_ && !safe_n.isZero(0.0))
       if (const auto torque = torques(position_m_, safe_n))
         command = motor_command(*torque, options_.counts_per_newton_metre);
@@ -223,6 +257,8 @@ class FalconDevice final : public Device {
   void take(const Answer& answer) noexcept {
     // A force that is asked is felt, and the position of its answer known, within this time.
     if (asked_) delay_s_ = since(asked_at_);
+    effort_.add(commanded_, since(answered_at_));
+    answered_at_ = Steady::now();
     asked_ = false;
     // A zero on its way would be lost with this process: only one that was answered has ended the force.
     if (commanded_ == MotorCommand{} && zeros_answered_ < kZerosAnswered && ++zeros_answered_ == kZerosAnswered)
@@ -253,7 +289,8 @@ class FalconDevice final : public Device {
 
   void advise(std::uint8_t flags) noexcept {
     if (homed_) {
-      advice_.store(released_ ? &kReady : &kComeForward, std::memory_order_relaxed);
+      const DeviceAdvice* const ready = effort_.reduces() ? &kWarm : &kReady;
+      advice_.store(released_ ? ready : &kComeForward, std::memory_order_relaxed);
       return;
     }
     if (flags != homing_flags_) homing_since_ = Steady::now();
@@ -264,6 +301,9 @@ class FalconDevice final : public Device {
   std::unique_ptr<ForceGuard> guard_;
   std::unique_ptr<Keeper> keeper_;
   FalconOptions options_;
+  DeviceInfo info_;
+  MotorEffort effort_;  // of these motors: unplugging does not cool them
+  Steady::time_point answered_at_ = Steady::now();
   AnswerStream stream_;
   const Packet zero_ = encode({}, kHomingRequest | kLightRed);
   Transport* wire_ = nullptr;                ///< null while unplugged; servo thread
@@ -305,11 +345,11 @@ std::unique_ptr<Transport> open_and_load(std::span<const std::uint8_t> image) {
 
 }  // namespace
 
-DeviceInfo falcon_info() {
+DeviceInfo falcon_info(const FalconOptions& options) {
   DeviceInfo info;
   info.name = "Novint Falcon";
   info.workspace_width_m = 0.070;
-  info.limits.max_force_n = kMostForce_n;
+  info.limits.max_force_n = force_everywhere_n(with_usual_counts(options));
   info.limits.least_damping_n_s_per_m = 2.0;
   info.paced = true;
   return info;
@@ -321,7 +361,10 @@ std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, cons
   return std::make_unique<FalconDevice>(std::move(wire), options);
 }
 
-std::unique_ptr<Device> make_falcon_device(const FalconOptions& options) {
+std::unique_ptr<Device> make_falcon_device(const FalconOptions& asked) {
+  FalconOptions options = asked;
+  if (!(options.counts_per_newton_metre > 0.0))
+    options.counts_per_newton_metre = stored_calibration().value_or(kUsualCounts);
   std::unique_ptr<ForceGuard> guard;
   try {
     guard = std::make_unique<ForceGuard>();

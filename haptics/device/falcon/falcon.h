@@ -17,8 +17,9 @@ struct FalconOptions {
   /// Firmware image for a device that runs none; empty = the environment variable SPARSHA_FALCON_FIRMWARE, if set, else
   /// ~/.config/sparsha/falcon.bin, if there.
   std::filesystem::path firmware;
-  /// Motor command of one newton metre at an arm. Differs between devices: calibrate with a spring scale.
-  double counts_per_newton_metre = 10000.0;
+  /// Motor command of one newton metre at an arm. Differs between devices: `sparsha device calibrate`. 0 = what that
+  /// has stored, else kUsualCounts.
+  double counts_per_newton_metre = 0.0;
   /// The device frame's origin, Falcon frame: the middle of the workspace.
   Eigen::Vector3d centre_m{0.0, 0.0, 0.140};
   /// After homing the grip must be seen once beyond this z (Falcon frame, metres) before forces are possible; 0 = no
@@ -28,8 +29,9 @@ struct FalconOptions {
   bool wait_for_device = false;
 };
 
-/// What a Falcon is for the servo. Device frame: metres about options.centre_m.
-[[nodiscard]] DeviceInfo falcon_info();
+/// What a Falcon is for the servo. Device frame: metres about options.centre_m. Its force is what the motors have in
+/// every direction within 35 mm of there, and 5 N at most.
+[[nodiscard]] DeviceInfo falcon_info(const FalconOptions& options = {});
 
 /// A Falcon on USB.
 struct FoundFalcon {

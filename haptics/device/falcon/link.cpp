@@ -110,13 +110,15 @@ bool exchange(Transport& wire, AnswerStream& stream, const Packet& packet, Answe
   return false;
 }
 
-std::filesystem::path own_firmware() {
+std::filesystem::path own_file(const char* name) {
   const char* const configuration = std::getenv("XDG_CONFIG_HOME");
   if (configuration != nullptr && *configuration != '\0')
-    return std::filesystem::path(configuration) / "sparsha" / "falcon.bin";
+    return std::filesystem::path(configuration) / "sparsha" / name;
   const char* const home = std::getenv("HOME");
-  return home == nullptr ? std::filesystem::path() : std::filesystem::path(home) / ".config" / "sparsha" / "falcon.bin";
+  return home == nullptr ? std::filesystem::path() : std::filesystem::path(home) / ".config" / "sparsha" / name;
 }
+
+std::filesystem::path own_firmware() { return own_file("falcon.bin"); }
 
 bool firmware_answers(Transport& wire, int tries) {
   AnswerStream stream;

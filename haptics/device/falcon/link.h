@@ -19,7 +19,9 @@ namespace sparsha::haptics::falcon {
 /// missing or of impossible size.
 [[nodiscard]] std::vector<std::uint8_t> read_firmware(const std::filesystem::path& file);
 
-/// ~/.config/sparsha/falcon.bin, or where XDG_CONFIG_HOME puts it.
+/// A file of this user's: ~/.config/sparsha/NAME, or where XDG_CONFIG_HOME puts it; empty without a home.
+[[nodiscard]] std::filesystem::path own_file(const char* name);
+/// own_file("falcon.bin").
 [[nodiscard]] std::filesystem::path own_firmware();
 
 /// The image that `options` or SPARSHA_FALCON_FIRMWARE name, else own_firmware() if it is there; empty when there is
