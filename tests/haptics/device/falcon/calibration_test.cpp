@@ -121,7 +121,7 @@ TEST(FalconCalibration, NoWeightOrOneTooHeavyIsAnErrorThatSaysSoAndLeavesNoForce
         try {
           static_cast<void>(nothing.run(1.96));
         } catch (const sparsha::Error& error) {
-          EXPECT_NE(error.wrong().find("no weight was felt"), std::string::npos);
+          EXPECT_NE(error.wrong().find("no weight was felt"), std::string::npos) << error.wrong();
           throw;
         }
       },
