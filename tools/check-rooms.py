@@ -21,6 +21,7 @@ ALLOWED = {
     "pipeline/report": ["pipeline/check", "pipeline/layers", *SHARED],
     "pipeline/outofcore": ["pipeline/projection", "pipeline/check", "pipeline/filter", "pipeline/scan", *SHARED],
     "pipeline/export": SHARED,
+    "pipeline/replica": SHARED,
     "pipeline/simulate": ["pipeline/export", *SHARED],
     "pipeline/build": ["pipeline", *SHARED],
     "pipeline/suggest": ["pipeline", *SHARED],

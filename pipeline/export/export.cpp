@@ -28,7 +28,7 @@ void check_export(const std::filesystem::path& file, bool nodes_only) {
   const std::string ending = ending_of(file);
   if (!is_raster(ending) && ending != ".ply" && ending != ".obj" && ending != ".xyz") {
     throw Error(ErrorKind::usage, {file.string(), 0, 0}, "the ending names no export format",
-                "expected .ply, .obj, .xyz, .tif or .png");
+                "expected .ply, .obj, .xyz, .tif, .png, or .stl or .3mf for a replica");
   }
   if (is_raster(ending) && nodes_only) {
     throw Error(ErrorKind::usage, {file.string(), 0, 0}, "a raster has no separate nodes",

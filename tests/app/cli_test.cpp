@@ -193,6 +193,9 @@ TEST_F(Program, TheReliefGoesFromScansToSceneToTouchPictureSoundAndExports) {
     EXPECT_GT(fs::file_size(folder_ / file), 1000U) << file;
   }
   EXPECT_EQ(run("export scene --nodes --to x.tif").code, 2);
+  EXPECT_EQ(run("export scene --to relief.stl --size-mm 60").code, 0);
+  EXPECT_EQ(run("export scene --to relief.stl --base-mm 0.5").code, 2);
+  EXPECT_EQ(run("export scene --to x.ply --size-mm 60").code, 2) << "means nothing for a mesh";
   EXPECT_EQ(run("export scene --to x.gif").code, 2);
   EXPECT_EQ(run("check scene --json").code, 0);
   EXPECT_EQ(run("info scene --json").code, 0);

@@ -1,0 +1,256 @@
+#include "pipeline/replica/replica.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "pipeline/replica/braille.h"
+#include "pipeline/replica/legibility.h"
+#include "pipeline/replica/solid.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// Finer than a nozzle prints, coarser than a file can bear.
+constexpr double kFinestMm = 0.2;
+constexpr double kCoarsestMm = 0.45;
+constexpr double kFlattestMm = 3.0, kDeepestMm = 15.0;  // without a wish
+constexpr int kMostNodes = 4000;                        // along a side
+// Dots and cells as printed signs have them (ISO 17049).
+constexpr double kDotHeightMm = 0.5, kDotRadiusMm = 0.8, kDotGapMm = 2.5, kCellGapMm = 6.1, kLineGapMm = 10.0;
+constexpr double kMarginMm = 6.0;
+
+void require(bool good, const char* name, double value, const char* expected) {
+  if (!good) throw Error(ErrorKind::usage, {}, fmt::format("{} cannot be {}", name, value), expected);
+}
+
+void check(const ReplicaOptions& options) {
+  require(options.longest_mm >= 20.0 && options.longest_mm <= 2000.0, "--size-mm", options.longest_mm, "20 to 2000");
+  if (options.depth_mm)
+    require(*options.depth_mm >= 0.1 && *options.depth_mm <= 200.0, "--depth-mm", *options.depth_mm, "0.1 to 200");
+  require(options.curve >= 0.1 && options.curve <= 10.0, "--curve", options.curve, "0.1 to 10");
+  require(options.base_mm >= kLeastBaseMm && options.base_mm <= 50.0, "--base-mm", options.base_mm,
+          "1.5 to 50: thinner plates bend and break");
+}
+
+/// The finest level that a printer can still show, or the finest of all.
+int level_for(const SceneDescription& scene, double mm_per_m) {
+  int level = 0;
+  const auto count = static_cast<int>(scene.levels.size());
+  while (level + 1 < count && scene.levels[static_cast<std::size_t>(level)].spacing_m * mm_per_m < kFinestMm) ++level;
+  return level;
+}
+
+struct Relief {
+  Layers layers;
+  double low_m = std::numeric_limits<double>::infinity();
+  double high_m = -std::numeric_limits<double>::infinity();
+  double unknown = 0.0;
+};
+
+Relief read_relief(const Scene& scene, int level) {
+  Relief relief;
+  relief.layers = scene.read_level(level);
+  const DepthGrid& grid = relief.layers.grid;
+  std::size_t unknown = 0;
+  for (std::size_t n = 0; n < grid.height_m.size(); ++n) {
+    if (grid.state[n] == NodeState::unknown) {
+      ++unknown;
+      continue;
+    }
+    relief.low_m = std::min(relief.low_m, static_cast<double>(grid.height_m[n]));
+    relief.high_m = std::max(relief.high_m, static_cast<double>(grid.height_m[n]));
+  }
+  if (!(relief.low_m <= relief.high_m))
+    throw Error(ErrorKind::input, {}, "the scene has no known place", "a scene with measured nodes");
+  relief.unknown = static_cast<double>(unknown) / static_cast<double>(grid.height_m.size());
+  return relief;
+}
+
+/// A cap of a sphere above the plate.
+void raise_dot(ReplicaPlate& plate, double x_mm, double y_mm, double base_mm) {
+  const double ball = (kDotRadiusMm * kDotRadiusMm + kDotHeightMm * kDotHeightMm) / (2.0 * kDotHeightMm);
+  const int reach = static_cast<int>(std::ceil(kDotRadiusMm / plate.spacing_mm));
+  const int ci = static_cast<int>(std::lround(x_mm / plate.spacing_mm));
+  const int cj = static_cast<int>(std::lround(y_mm / plate.spacing_mm));
+  for (int j = std::max(0, cj - reach); j <= std::min(plate.first_row - 1, cj + reach); ++j)
+    for (int i = std::max(0, ci - reach); i <= std::min(plate.nx - 1, ci + reach); ++i) {
+      const double r = std::hypot(i * plate.spacing_mm - x_mm, j * plate.spacing_mm - y_mm);
+      if (r >= kDotRadiusMm) continue;
+      const double z = base_mm + std::sqrt(ball * ball - r * r) - (ball - kDotHeightMm);
+      float& node = plate.height_mm[static_cast<std::size_t>(j) * static_cast<std::size_t>(plate.nx) +
+                                    static_cast<std::size_t>(i)];
+      node = std::max(node, static_cast<float>(z));
+    }
+}
+
+/// Lines of cells for the parts' names, as wide as the plate.
+std::vector<std::vector<BrailleCell>> braille_lines(const SceneDescription& scene, double width_mm,
+                                                    ReplicaReport& report) {
+  std::vector<std::vector<BrailleCell>> lines;
+  const double room_mm = width_mm - 2.0 * kMarginMm;
+  const auto most = room_mm < kCellGapMm ? std::size_t{0} : static_cast<std::size_t>(room_mm / kCellGapMm);
+  bool incomplete = false;
+  for (const PartConfig& part : scene.config.parts) {
+    const std::string& text = part.say.empty() ? part.name : part.say;
+    const Braille braille = to_braille(text);
+    incomplete = incomplete || !braille.complete;
+    for (auto& line : wrap_braille(braille.cells, most)) lines.push_back(std::move(line));
+    report.lines.push_back(text);
+  }
+  if (!scene.config.parts.empty() && most == 0)
+    report.warnings.push_back("the plate is too narrow for Braille; print it larger");
+  if (incomplete)
+    report.warnings.push_back("some letters of the parts' names have no Braille here; install liblouis and its tables");
+  return lines;
+}
+
+void write_braille(ReplicaPlate& plate, const std::vector<std::vector<BrailleCell>>& lines, double base_mm) {
+  double y_mm = plate.first_row * plate.spacing_mm - kMarginMm;  // of a line's upper dots
+  for (const std::vector<BrailleCell>& line : lines) {
+    double x_mm = kMarginMm;
+    for (const BrailleCell cell : line) {
+      for (unsigned dot = 0; dot < 6; ++dot)
+        if ((cell >> dot & 1U) != 0)
+          raise_dot(plate, x_mm + (dot / 3) * kDotGapMm, y_mm - (dot % 3) * kDotGapMm, base_mm);
+      x_mm += kCellGapMm;
+    }
+    y_mm -= kLineGapMm;
+  }
+}
+
+/// The integral of the bilinear heights: half weights at the borders.
+double volume_of(const ReplicaPlate& plate) {
+  double sum = 0.0;
+  for (int j = 0; j < plate.ny; ++j) {
+    double row = 0.0;
+    for (int i = 0; i < plate.nx; ++i)
+      row += static_cast<double>(plate.at(i, j)) * (i == 0 || i == plate.nx - 1 ? 0.5 : 1.0);
+    sum += row * (j == 0 || j == plate.ny - 1 ? 0.5 : 1.0);
+  }
+  return sum * plate.spacing_mm * plate.spacing_mm;
+}
+
+/// Bilinear heights between nodes, `fine` steps a cell, above the Braille.
+void lay_relief(ReplicaPlate& plate, const Lattice& lattice, int fine, const std::vector<float>& node_mm) {
+  const auto node = [&](int i, int j) { return static_cast<double>(node_mm[lattice.index(i, j)]); };
+  for (int y = 0; y < (lattice.ny - 1) * fine + 1; ++y) {
+    const int j = std::min(y / fine, lattice.ny - 2);
+    const double v = static_cast<double>(y - j * fine) / fine;
+    for (int x = 0; x < plate.nx; ++x) {
+      const int i = std::min(x / fine, lattice.nx - 2);
+      const double u = static_cast<double>(x - i * fine) / fine;
+      const double low = (1.0 - u) * node(i, j) + u * node(i + 1, j);
+      const double high = (1.0 - u) * node(i, j + 1) + u * node(i + 1, j + 1);
+      plate.height_mm[static_cast<std::size_t>(y + plate.first_row) * static_cast<std::size_t>(plate.nx) +
+                      static_cast<std::size_t>(x)] = static_cast<float>((1.0 - v) * low + v * high);
+    }
+  }
+}
+
+}  // namespace
+
+bool is_replica(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".stl" || ending == ".3mf";
+}
+
+std::filesystem::path legibility_file_of(const std::filesystem::path& file) {
+  std::filesystem::path beside = file;
+  return beside.replace_extension(".legibility.png");
+}
+
+ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, ReplicaReport& report) {
+  check(options);
+  const SceneDescription& description = scene.description();
+  const Lattice& finest = description.levels.at(0);
+  const double longest_m = finest.spacing_m * (std::max(finest.nx, finest.ny) - 1);
+  const double mm_per_m = options.longest_mm / longest_m;
+  const int level = level_for(description, mm_per_m);
+  const Relief relief = read_relief(scene, level);
+  const Lattice& lattice = relief.layers.grid.lattice;
+  if (lattice.nx < 2 || lattice.ny < 2)
+    throw Error(ErrorKind::input, {}, "the scene has no area", "two nodes and more along both sides");
+
+  const double true_mm = (relief.high_m - relief.low_m) * mm_per_m;
+  const double depth_mm = options.depth_mm.value_or(std::clamp(true_mm, kFlattestMm, kDeepestMm));
+  const double span_m = relief.high_m - relief.low_m;
+  std::vector<float> node_mm(relief.layers.grid.height_m.size());
+  for (std::size_t n = 0; n < node_mm.size(); ++n) {
+    const bool known = relief.layers.grid.state[n] != NodeState::unknown;
+    const double share =
+        known && span_m > 0.0 ? (static_cast<double>(relief.layers.grid.height_m[n]) - relief.low_m) / span_m : 0.0;
+    node_mm[n] = static_cast<float>(options.base_mm + depth_mm * std::pow(std::clamp(share, 0.0, 1.0), options.curve));
+  }
+
+  const double spacing_mm = lattice.spacing_m * mm_per_m;
+  const int most_fine = std::max(1, kMostNodes / std::max(lattice.nx, lattice.ny));
+  const int fine = std::clamp(static_cast<int>(std::ceil(spacing_mm / kCoarsestMm - 1e-9)), 1, most_fine);
+  ReplicaPlate plate;
+  plate.spacing_mm = spacing_mm / fine;
+  plate.nx = (lattice.nx - 1) * fine + 1;
+  const auto lines =
+      options.braille ? braille_lines(description, plate.width_mm(), report) : std::vector<std::vector<BrailleCell>>{};
+  const double strip_mm =
+      lines.empty() ? 0.0 : 2.0 * kMarginMm + 2.0 * kDotGapMm + (static_cast<double>(lines.size()) - 1.0) * kLineGapMm;
+  plate.first_row = static_cast<int>(std::ceil(strip_mm / plate.spacing_mm));
+  plate.ny = plate.first_row + (lattice.ny - 1) * fine + 1;
+  plate.height_mm.assign(static_cast<std::size_t>(plate.nx) * static_cast<std::size_t>(plate.ny),
+                         static_cast<float>(options.base_mm));
+  lay_relief(plate, lattice, fine, node_mm);
+  write_braille(plate, lines, options.base_mm);
+
+  report.width_mm = plate.width_mm();
+  report.length_mm = plate.length_mm();
+  report.thickness_mm = static_cast<double>(*std::max_element(plate.height_mm.begin(), plate.height_mm.end()));
+  report.scale = 1e-3 * mm_per_m;
+  report.raised = true_mm > 0.0 ? depth_mm / true_mm : 1.0;
+  report.volume_mm3 = volume_of(plate);
+  report.triangles = Solid(plate).triangles();
+  report.unknown = relief.unknown;
+  if (relief.unknown > 0.02)
+    report.warnings.push_back(fmt::format("{:.0f} % of the relief was not measured and lies at the base; set `fill`",
+                                          100.0 * relief.unknown));
+  if (plate.spacing_mm > 2.0 * kCoarsestMm)
+    report.warnings.push_back("the scene is coarser than the print; Braille dots may not be legible");
+  return plate;
+}
+
+ReplicaReport export_replica(const Scene& scene, const std::filesystem::path& file, const ReplicaOptions& options,
+                             Progress& progress) {
+  ReplicaReport report;
+  progress.begin("replica");
+  const ReplicaPlate plate = make_replica(scene, options, report);
+  AtomicPath target(file);
+  const Solid solid(plate);
+  const std::string shown = file.string();
+  std::string ending = file.extension().string();
+  if (ending.size() == 4 && (ending[1] == 's' || ending[1] == 'S'))
+    write_stl(solid, target.temporary(), shown, progress);
+  else
+    write_3mf(solid, target.temporary(), shown, progress);
+  const std::filesystem::path picture = legibility_file_of(file);
+  AtomicPath map(picture);
+  write_legibility(plate, map.temporary(), report);
+  if (report.crowded > 0.1)
+    report.warnings.push_back(fmt::format(
+        "{:.0f} % has grooves or ridges narrower than {:.0f} mm, which fingers run together; print it larger",
+        100.0 * report.crowded, kLeastGapMm));
+  if (report.felt < 0.2)
+    report.warnings.push_back(
+        "most of it is smoother than fingers notice (0.5 mm); raise it with --depth-mm or --curve");
+  target.commit();
+  map.commit();
+  progress.finish();
+  return report;
+}
+
+}  // namespace sparsha::pipeline
