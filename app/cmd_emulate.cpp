@@ -158,7 +158,7 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
   Terminal terminal(common);
   emulator::PersonOptions person;
   if (!arguments.scene.empty())
-    person.explore = tour_through(scene_from(arguments.scene, common.trusted(), terminal.progress())->description());
+    person.explore = tour_through(scene_from({arguments.scene}, common.trusted(), terminal.progress())->description());
   WireLog log(arguments.log);
   auto falcon = std::make_shared<emulator::Falcon>(setting.falcon);
   falcon->set_hand(emulator::make_person(person));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -12,6 +13,7 @@
 #include <thread>
 
 #include "app/commands.h"
+#include "app/depth_scans.h"
 #include "app/device_choice.h"
 #include "app/inputs.h"
 #include "app/run_summary.h"
@@ -31,7 +33,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Arguments {
-  std::string scene;
+  std::vector<std::string> scene;  ///< a scene, a configuration, or scans
   std::string device = "auto";
   bool headless = false;
   double duration_s = 0.0;
@@ -42,68 +44,9 @@ struct Arguments {
   bool no_friction = false;
   bool speech = false;
   bool kiosk = false;
+  bool direct = false;
   std::string study;
   std::string firmware;
-};
-
-// A new depth scan from another side, on a worker; the finished scene goes to the session.
-class Rescan {
- public:
-  Rescan(haptics::Session& session, pipeline::Trust trust) : session_(session), trust_(trust) {}
-  ~Rescan() {
-    if (!result_.valid()) return;
-    progress_.cancel();
-    result_.wait();
-  }
-  Rescan(const Rescan&) = delete;
-  Rescan& operator=(const Rescan&) = delete;
-
-  void start(const Eigen::Matrix4d& scan_to_grid) {
-    if (result_.valid()) {
-      session_.announcements().say("A depth scan is already running");
-      return;
-    }
-    if (session_.plays_recording()) {
-      session_.announcements().say("No new depth scan while a recording is played");
-      return;
-    }
-    const pipeline::ScenePointer scene = session_.scene();
-    pipeline::Config config = scene->description().config;
-    std::error_code code;
-    for (const pipeline::ScanConfig& scan : config.scans) {
-      if (fs::is_regular_file(scan.file, code)) continue;
-      session_.announcements().say("No new depth scan: " + scan.file.filename().string() + " is not there any more",
-                                   haptics::Announcement::Priority::warning);
-      return;
-    }
-    // What is written of places on the object stays there.
-    std::optional<Eigen::Matrix4d>& regions = config.orientation.regions_scan_to_grid;
-    if (!regions) regions = config.orientation.scan_to_grid;
-    config.orientation.scan_to_grid = scan_to_grid;
-    config.grid.bounds_m.reset();
-    session_.announcements().say("New depth scan");
-    const bool stranger = trust_ == pipeline::Trust::own_folder && !scene->folder().empty();
-    result_ = std::async(std::launch::async, [this, config, scene, stranger] {
-      if (stranger) pipeline::require_own_scans(scene->description(), scene->folder());
-      return pipeline::build_scene(config, {}, progress_).scene;
-    });
-  }
-
-  // Takes a finished scene to the session.
-  void poll() {
-    if (!result_.valid() || result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    try {
-      session_.set_scene(result_.get());
-    } catch (const Error& error) {
-      session_.announcements().say("No new depth scan: " + error.wrong(), haptics::Announcement::Priority::warning);
-    }
-  }
-
- private:
-  haptics::Session& session_;
-  pipeline::Trust trust_;
-  Progress progress_;
-  std::future<pipeline::ScenePointer> result_;
 };
 
 haptics::falcon::FalconOptions falcon_options(const Arguments& arguments) {
@@ -144,11 +87,13 @@ void check_arguments(const Arguments& arguments) {
   check_study(arguments.study);
   const std::string playback = "playback:";
   const bool plays = arguments.device.starts_with(playback);
+  std::vector<NamedPath> inputs{{"--device", plays ? arguments.device.substr(playback.size()) : ""}};
+  for (const std::string& scan : arguments.scene) inputs.push_back({"the input", scan});
   check_outputs({{"--record", arguments.record},
                  {"--screenshot", arguments.screenshot},
                  {"--audio-out", arguments.audio_out},
                  {"--study", study_file(arguments.study)}},
-                arguments.scene, {{"--device", plays ? arguments.device.substr(playback.size()) : ""}});
+                arguments.scene.front(), inputs);
   if (std::isnan(arguments.duration_s)) throw usage_error("--duration nan", "seconds");
 }
 
@@ -183,22 +128,33 @@ std::unique_ptr<haptics::Session> make_session(const pipeline::ScenePointer& sce
   return std::make_unique<haptics::Session>(scene, std::move(chosen.device), options);
 }
 
+// True where a person at a window turns the object before anything is built.
+bool starts_with_scans(const Arguments& arguments, bool window) {
+  const bool person = arguments.device == "auto" || arguments.device == "falcon" || arguments.device == "pointer";
+  if (!window || !person || arguments.direct || arguments.kiosk || arguments.duration_s > 0.0) return false;
+  std::error_code code;
+  return std::ranges::all_of(arguments.scene, [&](const std::string& argument) {
+    return !is_config(argument) && !fs::is_directory(argument, code);
+  });
+}
+
 // One run: the session, and all that looks on and listens.
 class Exploration {
  public:
   Exploration(const Arguments& arguments, const CommonOptions& common, Terminal& terminal, bool window)
       : arguments_(arguments),
         terminal_(terminal),
-        chosen_(choose_device(arguments.device, window, falcon_options(arguments))),
-        scene_(scene_from(arguments.scene, common.trusted(), terminal.progress())),
-        session_(make_session(scene_, chosen_, arguments)),
-        rescan_(*session_, common.trusted()) {
-    const pipeline::Config& config = scene_->description().config;
-    if (config.audio || !arguments.audio_out.empty()) {
-      audio::EngineOptions options;
-      options.wav = arguments.audio_out;
-      options.live = config.audio && !arguments.headless;
-      audio_ = std::make_unique<audio::Engine>(scene_, session_->add_contact_consumer(), session_->state(), options);
+        chosen_(choose_device(arguments.device, window, falcon_options(arguments))) {
+    if (starts_with_scans(arguments, window)) {
+      scans_ = std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end()));
+      if (const std::string why = scans_->unavailable(); !why.empty())
+        throw input_error(arguments.scene.front(), "no such file", "a scene folder, a configuration or scans");
+    } else {
+      pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
+      const std::string& first = arguments.scene.front();
+      const bool config = is_config(first) && scene->folder().empty();
+      scans_ = std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted());
+      make_session_of(std::move(scene));
     }
     if (arguments.speech) {
       speech_.emplace();
@@ -209,8 +165,7 @@ class Exploration {
   // Until the device, the user or the clock ends it.
   void run(bool window) {
     began_ = Clock::now();
-    session_->start();
-    if (audio_) audio_->start();
+    start();
     if (window) return run_window();
     while (!over()) {
       poll();
@@ -219,6 +174,7 @@ class Exploration {
   }
 
   void deliver(const CommonOptions& common) {
+    if (!session_) return deliver_nothing();
     Deliveries deliveries;
     deliveries.attempt([&] { session_->stop(); });
     const haptics::SessionSummary summary = session_->stop();
@@ -242,17 +198,80 @@ class Exploration {
 
   [[nodiscard]] bool over() const {
     const std::chrono::duration<double> elapsed = Clock::now() - began_;
-    return interrupted() || session_->finished() ||
+    return interrupted() || (session_ && session_->finished()) ||
            (arguments_.duration_s > 0.0 && elapsed.count() >= arguments_.duration_s);
   }
 
+  void make_session_of(pipeline::ScenePointer scene) {
+    scene_ = std::move(scene);
+    session_ = make_session(scene_, chosen_, arguments_);
+    const pipeline::Config& config = scene_->description().config;
+    if (!config.audio && arguments_.audio_out.empty()) return;
+    audio::EngineOptions options;
+    options.wav = arguments_.audio_out;
+    options.live = config.audio && !arguments_.headless;
+    audio_ = std::make_unique<audio::Engine>(scene_, session_->add_contact_consumer(), session_->state(), options);
+  }
+
+  void start() {
+    if (!session_) return;
+    session_->start();
+    if (audio_) audio_->start();
+  }
+
+  // The window was closed before a depth scan was made.
+  void deliver_nothing() const {
+    const viewer::OrientingStatus status = scans_->status();
+    if (!status.points && status.problem) throw Error(ErrorKind::input, {}, status.note);
+    const bool promised = !arguments_.record.empty() || !arguments_.screenshot.empty() ||
+                          !arguments_.audio_out.empty() || !arguments_.study.empty();
+    if (promised)
+      throw Error(ErrorKind::failure, {}, "no depth scan was made, so that there is nothing to write",
+                  "Enter in the window, or --direct");
+  }
+
+  // A finished depth scan goes to the session, the first one begins it.
+  void take_scan() {
+    pipeline::ScenePointer scene = scans_->take_scene();
+    if (!scene) return;
+    if (session_) return session_->set_scene(std::move(scene));
+    make_session_of(std::move(scene));
+    start();
+    connect_session();
+  }
+
+  // A new depth scan from the side that is looked at.
+  void rescan(const Eigen::Matrix4d& scan_to_grid) {
+    using Priority = haptics::Announcement::Priority;
+    haptics::AnnouncementBoard& board = session_->announcements();
+    if (session_->plays_recording()) return board.say("No new depth scan while a recording is played");
+    if (scans_->status().busy) return board.say("A depth scan is already running");
+    if (const std::string why = scans_->unavailable(); !why.empty())
+      return board.say("No new depth scan: " + why, Priority::warning);
+    board.say("New depth scan");
+    scans_->scan(scans_->setup_from(scan_to_grid));
+  }
+
+  void tell_of_scans() {
+    const viewer::OrientingStatus status = scans_->status();
+    for (const std::string& warning : scans_->take_warnings()) terminal_.message("warning: " + warning);
+    if (status.notes == notes_) return;
+    notes_ = status.notes;
+    if (status.problem) terminal_.message(status.note);
+    if (session_)
+      session_->announcements().say(status.note, status.problem ? haptics::Announcement::Priority::warning
+                                                                : haptics::Announcement::Priority::information);
+  }
+
   void poll() {
+    take_scan();
+    tell_of_scans();
+    if (!session_) return;
     session_->poll();
     if (audio_ && audio_->warning() != audio_warning_) {  // the sound device is looked for in the background
       audio_warning_ = audio_->warning();
       terminal_.message("warning: " + audio_warning_);
     }
-    rescan_.poll();
     touch_.see(session_->state().read());
     for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {
       heard_ = announcement.sequence;
@@ -263,20 +282,26 @@ class Exploration {
     }
   }
 
+  void connect_session() {
+    connections_.state = &session_->state();
+    connections_.requests = &session_->requests();
+    connections_.announcements = &session_->announcements();
+    connections_.speak = [this](const std::string& text) { session_->announcements().say(text); };
+    connections_.rescan = [this](const Eigen::Matrix4d& scan_to_grid) { rescan(scan_to_grid); };
+  }
+
   void run_window() {
-    viewer::Connections connections;
-    connections.state = &session_->state();
-    connections.requests = &session_->requests();
-    connections.announcements = &session_->announcements();
-    connections.pointer = chosen_.pointer;
-    connections.poll = [this] { poll(); };
-    connections.finished = [this] { return over(); };
-    connections.scene = [this] { return session_->scene(); };
-    connections.speak = [this](const std::string& text) { session_->announcements().say(text); };
-    connections.rescan = [this](const Eigen::Matrix4d& scan_to_grid) { rescan_.start(scan_to_grid); };
+    if (session_) connect_session();
+    connections_.pointer = chosen_.pointer;
+    connections_.poll = [this] { poll(); };
+    connections_.finished = [this] { return over(); };
+    connections_.scene = [this] { return session_ ? session_->scene() : nullptr; };
+    connections_.orienting = scans_->connections();
+    if (session_ && session_->plays_recording())
+      connections_.orienting.unavailable = [] { return std::string("a recording is played"); };
     viewer::ViewerOptions options;
     options.kiosk = arguments_.kiosk;
-    viewer::run_window(connections, options);
+    viewer::run_window(connections_, options);
   }
 
   const Arguments& arguments_;
@@ -286,7 +311,9 @@ class Exploration {
   std::unique_ptr<haptics::Session> session_;
   std::unique_ptr<audio::Engine> audio_;
   std::optional<audio::Speech> speech_;
-  Rescan rescan_;
+  std::unique_ptr<DepthScans> scans_;
+  viewer::Connections connections_;
+  std::uint64_t notes_ = 0;
   LastTouch touch_;
   std::uint64_t heard_ = 0;
   std::string audio_warning_;
@@ -311,7 +338,7 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
 void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("explore", "Touch, see and hear a scene");
-  command->add_option("scene", arguments->scene, "scene folder, configuration or scan")->required();
+  command->add_option("scene", arguments->scene, "scene folder, configuration or scans")->required()->expected(1, -1);
   command->add_option("--device", arguments->device, "auto | falcon | pointer | simulated | playback:FILE")
       ->capture_default_str();
   command->add_flag("--headless", arguments->headless, "no window");
@@ -327,6 +354,7 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_flag("--no-friction", arguments->no_friction, "render without friction");
   command->add_flag("--speech", arguments->speech, "speak announcements");
   command->add_flag("--kiosk", arguments->kiosk, "full screen, for exhibitions");
+  command->add_flag("--direct", arguments->direct, "build scans at once, without turning the object first");
   command->add_option("--study", arguments->study, "append the session and the visitor's rating to NAME.csv");
   command->callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_explore(*arguments, common); }; });

@@ -89,7 +89,7 @@ void add_export(CLI::App& app, const CommonOptions& common, Run& run) {
       pipeline::check_export(arguments->file, arguments->nodes);
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
                     arguments->scene);
-      const pipeline::ScenePointer scene = scene_from(arguments->scene, common.trusted(), terminal.progress());
+      const pipeline::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
       pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress());
       terminal.message("wrote " + arguments->file);
       return 0;

@@ -110,7 +110,7 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   if (std::isnan(arguments.rho)) throw usage_error("--rho nan", "a number from 0.01 to 1");
   Terminal terminal(common);
   check_outputs({{"--out", arguments.out}}, arguments.scene, {{"--hip", arguments.hip}});
-  const pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
+  const pipeline::ScenePointer scene = scene_from({arguments.scene}, common.trusted(), terminal.progress());
   pipeline::HapticsConfig haptics = scene->description().config.haptics;
   if (arguments.solver == "exact") haptics.solver = pipeline::HapticsConfig::Solver::exact;
   if (arguments.solver == "paper") haptics.solver = pipeline::HapticsConfig::Solver::paper;

@@ -42,17 +42,22 @@ pipeline::Config config_from(const std::vector<std::string>& arguments, const st
   return pipeline::parse_config(root, {});
 }
 
-pipeline::ScenePointer scene_from(const std::string& argument, pipeline::Trust trust, Progress& progress) {
+pipeline::ScenePointer scene_from(const std::vector<std::string>& arguments, pipeline::Trust trust,
+                                  Progress& progress) {
   std::error_code code;
-  if (fs::is_directory(argument, code)) return pipeline::open_scene(argument, trust);
-  if (!fs::exists(argument, code)) {
-    throw input_error(argument, "no such file or folder", "a scene folder, a configuration or a scan");
+  for (const std::string& argument : arguments) {
+    const bool folder = fs::is_directory(argument, code);
+    if (folder && arguments.size() > 1) throw usage_error("a scene and something else", "one SCENE, or SCANs only");
+    if (folder) return pipeline::open_scene(argument, trust);
+    if (!fs::exists(argument, code)) {
+      throw input_error(argument, "no such file or folder", "a scene folder, a configuration or scans");
+    }
   }
-  if (fs::path(argument).filename() == "scene.yaml") {
-    return pipeline::open_scene(fs::path(argument).parent_path(), trust);
+  if (arguments.size() == 1 && fs::path(arguments.front()).filename() == "scene.yaml") {
+    return pipeline::open_scene(fs::path(arguments.front()).parent_path(), trust);
   }
-  const pipeline::Config config = config_from({argument}, {}, trust, progress);
-  return blaming_scans({argument}, {}, [&] { return pipeline::build_scene(config, {}, progress).scene; });
+  const pipeline::Config config = config_from(arguments, {}, trust, progress);
+  return blaming_scans(arguments, {}, [&] { return pipeline::build_scene(config, {}, progress).scene; });
 }
 
 void check_outputs(const std::vector<NamedPath>& outputs, const std::string& argument,

@@ -37,8 +37,10 @@ auto blaming_scans(const std::vector<std::string>& arguments, const std::vector<
 /// The scene that a configuration describes besides: its folder, or empty for another file.
 [[nodiscard]] std::filesystem::path scene_described_by(const std::filesystem::path& config);
 
-/// A scene folder is opened; a configuration or a scan is built in memory.
-[[nodiscard]] pipeline::ScenePointer scene_from(const std::string& argument, pipeline::Trust trust, Progress& progress);
+/// A scene folder is opened; a configuration or scans are built in memory. Throws Error{usage} for several arguments
+/// that are not scans.
+[[nodiscard]] pipeline::ScenePointer scene_from(const std::vector<std::string>& arguments, pipeline::Trust trust,
+                                                Progress& progress);
 
 /// Before the work: throws Error{usage} when outputs are the same file, or are the scene, configuration, scans or clips
 /// that `argument` means, or one of the other `inputs`; Error{failure} when one cannot be written.

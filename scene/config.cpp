@@ -162,6 +162,7 @@ OrientationConfig parse_orientation(const Node& node) {
   const Node* up = reader.optional("up");
   int face = 0;
   if (form == 4) reader.read_choice("face", face, {"auto", "plane", "principal"});
+  if (const Node* regions = reader.optional("regions_matrix")) orientation.regions_scan_to_grid = matrix(*regions);
   reader.finish();
   if (form == 4) {
     orientation.face = static_cast<OrientationConfig::Face>(face);

@@ -112,7 +112,7 @@ struct OrientationConfig {
   std::optional<Eigen::Vector3d> face_up;  ///< scan frame; absent = the format's own
   double face_scale = 1.0;
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
-  /// Where parts and sounds are written in another grid frame; in memory only.
+  /// Where parts and sounds are written in the grid frame of another orientation: `regions_matrix`.
   std::optional<Eigen::Matrix4d> regions_scan_to_grid;
 };
 /// Rotation whose +z looks at the viewer who stands in direction `look_from`, +y up. Throws Error{usage} when parallel.

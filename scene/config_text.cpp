@@ -113,12 +113,14 @@ std::string filter_text(const FilterConfig& filter) {
 }
 
 std::string orientation_text(const OrientationConfig& orientation) {
-  if (!orientation.face) return "orientation: {matrix: " + matrix(orientation.scan_to_grid) + "}\n";
+  const std::string regions =
+      orientation.regions_scan_to_grid ? ", regions_matrix: " + matrix(*orientation.regions_scan_to_grid) : "";
+  if (!orientation.face) return "orientation: {matrix: " + matrix(orientation.scan_to_grid) + regions + "}\n";
   static constexpr std::array<std::string_view, 3> kFaces{"auto", "plane", "principal"};
   std::string text = fmt::format("orientation: {{face: {}", kFaces[static_cast<std::size_t>(*orientation.face)]);
   if (orientation.face_up) text += ", up: " + vector(*orientation.face_up);
   if (orientation.face_scale != 1.0) text += ", scale: " + number(orientation.face_scale);
-  return text + "}\n";
+  return text + regions + "}\n";
 }
 
 std::string register_text(const RegisterConfig& config) {

@@ -140,6 +140,9 @@ SceneDescription parse_scene(const fs::path& folder) {
       scene.scan_from_grid(row, column) = values[static_cast<std::size_t>(column)];
     }
   }
+  if (const auto& regions = scene.config.orientation.regions_scan_to_grid) {
+    scene.region_from_grid = *regions * scene.scan_from_grid;
+  }
 
   yaml::MapReader reader(scene_node, "scene");
   int version = 0;

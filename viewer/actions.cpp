@@ -51,6 +51,8 @@ constexpr std::array kActions{
     ActionInfo{Action::farther, Group::camera, "Ctrl -", "Farther", "camera farther", false, false},
     ActionInfo{Action::camera_reset, Group::camera, "0", "Reset view", "camera back to the window", false, false},
     ActionInfo{Action::rescan, Group::program, "R", "Scan again", "a new depth scan from this side", false, false},
+    ActionInfo{Action::orient, Group::program, "O", "Turn object", "the raw scans: turn the object, scan again", true,
+               false},
     ActionInfo{Action::next_item, Group::program, "Tab", "Next button", "go through the buttons; Enter presses", false,
                false},
     ActionInfo{Action::previous_item, Group::program, "Shift Tab", "Previous", "back through the buttons", false,
@@ -113,6 +115,7 @@ constexpr std::array kBindings{
     Binding{'0', 0, Action::camera_reset, false},
     Binding{key::kHome, 0, Action::camera_reset, false},
     Binding{'R', 0, Action::rescan, false},
+    Binding{'O', 0, Action::orient, false},
     Binding{key::kTab, 0, Action::next_item, true},
     Binding{key::kTab, kShift, Action::previous_item, true},
     Binding{key::kF1, 0, Action::help, false},
@@ -138,6 +141,7 @@ std::optional<Action> action_of(const KeyPress& press, bool kiosk) {
     if (binding.key != press.key || (!modifiers && !with_control)) continue;
     if (press.repeated && !binding.repeats) return std::nullopt;
     if (kiosk && binding.action == Action::quit && (press.modifiers & kControl) == 0) return std::nullopt;
+    if (kiosk && (binding.action == Action::rescan || binding.action == Action::orient)) return std::nullopt;
     return binding.action;
   }
   return std::nullopt;

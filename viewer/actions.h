@@ -46,6 +46,7 @@ enum class Action {
   farther,
   camera_reset,
   rescan,
+  orient,
   help,
   next_item,
   previous_item,

@@ -77,6 +77,8 @@ void Controller::set_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
   stage_ = stage_of(scene_->description());
   frame_.title = title_of(*scene_);
+  frame_.why_not_orient = connections_.orienting.unavailable ? connections_.orienting.unavailable()
+                                                             : "this scene was opened without its scans";
   first_ = true;
 }
 
@@ -142,6 +144,11 @@ void Controller::act(Action action) {
       if (!connections_.rescan) return tell("A new depth scan needs the scans this scene was made from");
       frame_.asks_rescan = true;
       return tell("Scan again from this side? Enter is yes, Escape is no");
+    case Action::orient:
+      if (connections_.orienting.unavailable) frame_.why_not_orient = connections_.orienting.unavailable();
+      if (!frame_.why_not_orient.empty()) return tell("The scans cannot be shown: " + frame_.why_not_orient);
+      to_scans_ = true;
+      return;
     case Action::next_item:
       return move_focus(1);
     case Action::previous_item:

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "viewer/actions.h"
@@ -36,6 +37,8 @@ class Controller {
   [[nodiscard]] const Frame& frame() const { return frame_; }
   [[nodiscard]] Frame& frame() { return frame_; }
   [[nodiscard]] bool wants_to_leave() const { return leave_; }
+  /// True once when the raw scans are asked for.
+  [[nodiscard]] bool takes_to_scans() { return std::exchange(to_scans_, false); }
   [[nodiscard]] const ViewSettings& settings() const { return frame_.settings; }
   /// Buttons that the bar shows now.
   [[nodiscard]] std::vector<Action> buttons() const;
@@ -65,6 +68,7 @@ class Controller {
   Stage stage_;
   Frame frame_;
   bool leave_ = false;
+  bool to_scans_ = false;
   bool first_ = true;
 
   // The camera relative to the window.

@@ -50,8 +50,9 @@ struct Frame {
   int focused = -1;           ///< button that the keyboard is on, or none
   bool asks_rescan = false;   ///< the question whether to scan again from this side is open
   bool can_rescan = false;
-  bool has_pointer = false;  ///< the mouse is the hand
-  bool finished = true;      ///< draw at full quality whatever it costs (pictures for files)
+  std::string why_not_orient;  ///< empty, or why the raw scans cannot be shown
+  bool has_pointer = false;    ///< the mouse is the hand
+  bool finished = true;        ///< draw at full quality whatever it costs (pictures for files)
   double time_s = 0.0;
 };
 

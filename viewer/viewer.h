@@ -13,6 +13,7 @@
 #include "haptics/state/seqlock.h"
 #include "haptics/state/state.h"
 #include "scene/scene.h"
+#include "viewer/cloud/point_view.h"
 
 namespace sparsha::viewer {
 
@@ -22,7 +23,8 @@ struct ViewerOptions {
   int height = 720;
 };
 
-/// What the viewer reads and writes; all outlive it.
+/// What the viewer reads and writes; all outlive it. While there is no scene, the raw cloud is shown; what is read and
+/// written of the session is looked at when the first scene has come.
 struct Connections {
   const haptics::Seqlock<haptics::State>* state = nullptr;
   haptics::RequestQueue* requests = nullptr;
@@ -30,15 +32,17 @@ struct Connections {
   std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< null unless the pointer device is used
   std::function<void()> poll;                                         ///< called once a frame (the session's)
   std::function<bool()> finished;                                     ///< the session's
-  std::function<pipeline::ScenePointer()> scene;                      ///< the session's present scene
-  std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;    ///< empty without scans
-  std::function<void(const std::string& text)> speak;                 ///< says what the keyboard is on; empty: silent
+  std::function<pipeline::ScenePointer()> scene;  ///< the session's present scene; null before the first depth scan
+  std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;  ///< empty without scans
+  std::function<void(const std::string& text)> speak;               ///< says what the keyboard is on; empty: silent
+  Orienting orienting;  ///< the raw cloud behind the scene; without functions there is none
 };
 
 /// True when a window could be opened.
 [[nodiscard]] bool display_available();
 
-/// Opens a window and runs until the user or the session ends. Throws Error{failure} when no window can be opened.
+/// Opens a window and runs until the user or the session ends. `connections` may be filled in by its `poll`. Throws
+/// Error{failure} when no window can be opened.
 void run_window(const Connections& connections, const ViewerOptions& options);
 
 /// Draws one 1280x720 picture of scene and state without a display and writes it as PNG, atomically.

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -14,6 +16,7 @@
 #include <imgui.h>
 
 #include "base/error.h"
+#include "viewer/cloud/cloud_mode.h"
 #include "viewer/controller.h"
 #include "viewer/gui/gui.h"
 #include "viewer/picture.h"
@@ -44,7 +47,9 @@ struct Library {
 
 /// What the callbacks reach through the window's user pointer. Positions are in framebuffer pixels.
 struct Inputs {
-  Controller* controller = nullptr;
+  Controller* controller = nullptr;   ///< null before the first depth scan
+  CloudMode* cloud = nullptr;         ///< while the raw cloud is shown, which then gets all events
+  std::function<void()> change_mode;  ///< between the two, when that was asked for: the next event belongs to the other
   Picture* picture = nullptr;
   Gui* gui = nullptr;
   int width = 1, height = 1;
@@ -102,11 +107,22 @@ int key_of(int glfw_key, int scancode) {
 void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods) {
   if (event == GLFW_RELEASE) return;
   const int key = key_of(glfw_key, scancode);
-  if (key != 0) inputs_of(window).controller->press({key, modifiers_of(mods), event == GLFW_REPEAT});
+  Inputs& in = inputs_of(window);
+  const KeyPress press{key, modifiers_of(mods), event == GLFW_REPEAT};
+  if (key == 0) return;
+  if (in.cloud != nullptr) {
+    // Tab enters the panel, and Escape leaves it: ImGui's keys until then.
+    if (key != key::kTab && !in.gui->wants_keyboard()) in.cloud->press(press);
+  } else if (in.controller != nullptr) {
+    in.controller->press(press);
+  }
+  in.change_mode();
 }
 
 void on_move(GLFWwindow* window, double x, double y) {
   Inputs& in = inputs_of(window);
+  if (in.cloud != nullptr) return in.cloud->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio);
+  if (in.controller == nullptr) return;
   in.controller->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio,
                             layout_of(in.width, in.height, in.controller->settings()), in.picture->detail_view(),
                             in.picture->stage(), [&](double u, double v) { return in.picture->height_at(u, v); });
@@ -115,6 +131,8 @@ void on_move(GLFWwindow* window, double x, double y) {
 void on_button(GLFWwindow* window, int button, int event, int mods) {
   Inputs& in = inputs_of(window);
   if (event == GLFW_PRESS && in.gui->wants_mouse()) return;
+  if (in.cloud != nullptr) return in.cloud->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
+  if (in.controller == nullptr) return;
   in.controller->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
 }
 
@@ -123,7 +141,12 @@ void on_scroll(GLFWwindow* window, double /*x*/, double y) {
   if (glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
       glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS)
     mods |= kControl;
-  inputs_of(window).controller->mouse_wheel(y, mods);
+  Inputs& in = inputs_of(window);
+  if (in.cloud != nullptr) {
+    if (!in.gui->wants_mouse()) in.cloud->mouse_wheel(y);
+  } else if (in.controller != nullptr) {
+    in.controller->mouse_wheel(y, mods);
+  }
 }
 
 /// ImGui's share of the events; callbacks set before it are still called.
@@ -194,15 +217,11 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
   WindowHandle window;
   open(window, options);
 
-  const pipeline::ScenePointer first = connections.scene();
-  ViewSettings settings;
-  settings.kiosk = options.kiosk;
-  settings.colour = first->description().config.viewer.colour;
-  settings.anaglyph = first->description().config.viewer.stereo == pipeline::ViewerConfig::Stereo::anaglyph;
-  Controller controller(connections, settings);
   Picture picture;
   Gui gui;
-  Inputs inputs{&controller, &picture, &gui};
+  Inputs inputs;
+  inputs.picture = &picture;
+  inputs.gui = &gui;
   glfwSetWindowUserPointer(window.handle, &inputs);
   glfwSetKeyCallback(window.handle, on_key);
   glfwSetCursorPosCallback(window.handle, on_move);
@@ -210,34 +229,78 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
   glfwSetScrollCallback(window.handle, on_scroll);
   const GuiInput gui_input(window.handle);
 
+  ViewSettings settings;
+  settings.kiosk = options.kiosk;
+  std::optional<Controller> controller;  // of the first scene on
+  std::optional<CloudMode> cloud;        // once the raw scans have been asked for
+  bool leaves = false;
+  const auto show_scans = [&](bool on) {
+    if (on && !cloud) cloud.emplace(connections.orienting, connections.speak);
+    if (on) connections.orienting.open();
+    if (controller && (inputs.cloud != nullptr) != on) {
+      ViewSettings& touching = controller->frame().settings;
+      (on ? settings : touching).high_contrast = (on ? touching : settings).high_contrast;
+      (on ? settings : touching).large_type = (on ? touching : settings).large_type;
+    }
+    inputs.cloud = on ? &*cloud : nullptr;
+    gui.use_keyboard(on);
+  };
+  inputs.change_mode = [&] {
+    if (inputs.cloud != nullptr) {
+      const CloudController::Wish wish = cloud->take_wish(settings);
+      if (wish == CloudController::Wish::back) show_scans(false);
+      leaves = leaves || wish == CloudController::Wish::quit;
+    } else if (controller && controller->takes_to_scans()) {
+      show_scans(true);
+    }
+  };
+  if (!connections.scene()) show_scans(true);
+
   const auto began = Clock::now();
   const auto height_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
   double before_s = 0.0;
-  while (glfwWindowShouldClose(window.handle) == GLFW_FALSE && !controller.wants_to_leave()) {
+  while (glfwWindowShouldClose(window.handle) == GLFW_FALSE && !leaves &&
+         !(controller && controller->wants_to_leave())) {
     constexpr double kFrameS = 1.0 / 60.0;
     if (connections.poll) connections.poll();
     if (connections.finished && connections.finished()) break;
-    if (pipeline::ScenePointer scene = connections.scene(); scene != picture.scene()) {
+    if (pipeline::ScenePointer scene = connections.scene(); scene && scene != picture.scene()) {
+      if (!controller) {
+        settings.colour = scene->description().config.viewer.colour;
+        settings.anaglyph = scene->description().config.viewer.stereo == pipeline::ViewerConfig::Stereo::anaglyph;
+        controller.emplace(connections, settings);
+        inputs.controller = &*controller;
+      }
       picture.set_scene(scene);
-      controller.set_scene(std::move(scene));
+      controller->set_scene(std::move(scene));
+      show_scans(false);
     }
     int window_width = 1, window_height = 1;
     glfwGetWindowSize(window.handle, &window_width, &window_height);
     glfwGetFramebufferSize(window.handle, &inputs.width, &inputs.height);
     inputs.pixel_ratio = window_width > 0 ? static_cast<double>(inputs.width) / window_width : 1.0;
     const double now_s = std::chrono::duration<double>(Clock::now() - began).count();
-    const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
-    controller.update(now_s, state, inputs.width, inputs.height, height_at);
-    controller.frame().finished = false;
-    if (inputs.width > 0 && inputs.height > 0) {
-      picture.draw(controller.frame(), 0, inputs.width, inputs.height);
+    const bool seen = inputs.width > 0 && inputs.height > 0;
+    if (controller) {
+      const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
+      controller->update(now_s, state, inputs.width, inputs.height, height_at);
+      controller->frame().finished = false;
+    }
+    if (seen && inputs.cloud != nullptr) {
+      cloud->controller().frame().finished = false;
+      gui_input.begin_frame(inputs.pixel_ratio);
+      cloud->draw(gui, settings, 0, inputs.width, inputs.height, now_s, controller.has_value());
+      glfwSwapBuffers(window.handle);
+    } else if (seen && controller) {
+      picture.draw(controller->frame(), 0, inputs.width, inputs.height);
       gui_input.begin_frame(inputs.pixel_ratio);
       for (const Action action :
-           gui.draw(controller.frame(), controller.buttons(), picture, inputs.width, inputs.height, now_s - before_s))
-        controller.act(action);
+           gui.draw(controller->frame(), controller->buttons(), picture, inputs.width, inputs.height, now_s - before_s))
+        controller->act(action);
       glfwSwapBuffers(window.handle);
     }
     before_s = now_s;
+    inputs.change_mode();
     // Drivers without a vertical blank do not wait in the swap.
     glfwPollEvents();
     for (;;) {
@@ -246,7 +309,7 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
       glfwWaitEventsTimeout(left_s);
     }
   }
-  if (!controller.wants_to_leave() && connections.requests != nullptr)
+  if (!(controller && controller->wants_to_leave()) && connections.requests != nullptr)
     connections.requests->post({haptics::Request::Kind::quit});
   if (connections.poll) connections.poll();
 }

@@ -11,11 +11,14 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <thread>
 
 #include "base/error.h"
 #include "relief_scene.h"
+#include "tests/viewer/cloud/points.h"
+#include "viewer/cloud/orientation.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::viewer::test {
@@ -194,6 +197,99 @@ TEST(Window, KeysAndMouseReachTheSession) {
   visitor.join();
   EXPECT_EQ(window_problem, "");
   EXPECT_EQ(problem, "");
+}
+
+TEST(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  Workshop workshop(square(150, 1.0));
+  std::mutex mutex;  // of the workshop, which both threads look at
+  const auto made = scene_of(lotus, {201, 201, 0.002, 2});
+  pipeline::ScenePointer scene;
+  haptics::Seqlock<haptics::State> state;
+  state.publish(touching(*made, 0.2, 0.2, 0.01, 0.2, 0.2));
+  haptics::RequestQueue requests;
+  haptics::AnnouncementBoard board;
+  std::atomic<int> frames{0};
+  std::atomic<bool> finished{false};
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.finished = [&] { return finished.load(); };
+  const Orienting orienting = workshop.orienting();
+  connections.orienting = orienting;
+  const auto locked = [&](const auto& work) {
+    const std::lock_guard lock(mutex);
+    return work();
+  };
+  connections.orienting.open = [&] { locked([&] { ++workshop.opened; }); };
+  connections.orienting.status = [&] { return locked([&] { return workshop.status; }); };
+  connections.orienting.save = [&](const ScanSetup& setup) { locked([&] { workshop.saves.push_back(setup); }); };
+  connections.orienting.scan = [&](const ScanSetup& setup) { locked([&] { workshop.scans.push_back(setup); }); };
+  connections.poll = [&] {
+    ++frames;
+    if (scene || locked([&] { return workshop.scans.empty(); })) return;
+    scene = made;  // the depth scan is done: the session begins
+    connections.state = &state;
+    connections.requests = &requests;
+    connections.announcements = &board;
+  };
+
+  std::string problem;
+  std::thread visitor([&] {
+    const auto expect = [&](const char* what, const std::function<bool()>& condition) {
+      if (problem.empty() && !wait_for([&] { return locked(condition); })) problem = what;
+    };
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    if (problem.empty() && xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    expect("the scans are not opened", [&] { return workshop.opened == 1; });
+    xdotool("search --name Sparsha mousemove --window %1 400 300");
+    xdotool("mousedown 1");
+    xdotool("search --name Sparsha mousemove --window %1 470 300");
+    xdotool("mouseup 1");
+    xdotool("key Left Up comma ctrl+s");
+    expect("nothing is saved", [&] { return !workshop.saves.empty(); });
+    xdotool("key Return");
+    expect("no depth scan", [&] { return !workshop.scans.empty(); });
+    // In the scene, the same keys are the session's.
+    const auto request = [&](const std::string& keys, haptics::Request::Kind kind) {
+      xdotool("key " + keys);
+      expect(("no request after " + keys).c_str(), [&] {
+        const auto got = requests.take();
+        return got && got->kind == kind;
+      });
+    };
+    if (problem.empty() && !wait_for([&, before = frames.load()] { return frames.load() > before + 5; }))
+      problem = "no frames in the scene";
+    request("plus", haptics::Request::Kind::zoom_in);
+    xdotool("key o");
+    expect("the scans are not shown again", [&] { return workshop.opened == 2; });
+    xdotool("key 5 ctrl+s");
+    expect("nothing is saved after coming back", [&] { return workshop.saves.size() == 2; });
+    xdotool("key Escape");
+    request("minus", haptics::Request::Kind::zoom_out);
+    request("q", haptics::Request::Kind::quit);
+    finished = true;
+  });
+  std::string window_problem;
+  try {
+    run_window(connections, {});
+  } catch (const std::exception& error) {
+    window_problem = error.what();
+  }
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(window_problem, "");
+  ASSERT_EQ(problem, "");
+  // 70 pixels of the mouse, then the keys: turn by -5, tilt by -5, roll by 5 degrees.
+  const double step = 3.14159265358979 / 36.0;
+  Eigen::Matrix4d truth = turned(Eigen::Matrix4d::Identity(), false, 70.0 * 0.008, 0.0);
+  truth = rolled(turned(turned(truth, false, -step, 0.0), false, 0.0, -step), 0.0, 0.0, step);
+  EXPECT_TRUE(workshop.saves[0].scan_to_grid.isApprox(truth, 1e-9));
+  EXPECT_EQ(workshop.scans[0].scan_to_grid, workshop.saves[0].scan_to_grid);
+  EXPECT_TRUE(workshop.saves[1].scan_to_grid.isApprox(seen_from(Face::top, false, truth), 1e-9));
 }
 
 TEST(Window, TheSessionsEndClosesAKiosk) {

@@ -41,11 +41,11 @@ Gui::~Gui() {
 
 bool Gui::wants_mouse() const { return ImGui::GetIO().WantCaptureMouse; }
 
-std::vector<Action> Gui::draw(const Frame& frame, const std::vector<Action>& buttons, const Picture& picture, int width,
-                              int height, double seconds) {
+void Gui::draw_pieces(const ViewSettings& settings, int width, int height, double seconds,
+                      const std::function<void(const Brush& over, const Brush& above)>& pieces) {
   Implementation& self = *implementation_;
   ImGui::SetCurrentContext(self.context);
-  const Layout layout = layout_of(width, height, frame.settings);
+  const Layout layout = layout_of(width, height, settings);
   if (self.scale != layout.scale) {
     self.scale = layout.scale;
     self.fonts = load_fonts(layout.scale);
@@ -57,25 +57,48 @@ std::vector<Action> Gui::draw(const Frame& frame, const std::vector<Action>& but
   io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
-  Brush brush;
-  brush.list = ImGui::GetBackgroundDrawList();
-  brush.fonts = self.fonts;
-  brush.theme = theme_of(frame.settings.high_contrast);
-  brush.scale = static_cast<float>(layout.scale);
-
-  if (picture.scene()) {
-    draw_scale_bar(brush, frame, layout, picture);
-    draw_overview_marks(brush, frame, layout, *picture.scene());
-    if (!frame.settings.kiosk) draw_panel(brush, frame, layout, picture);
-  }
-  std::vector<Action> clicked = draw_buttons(brush, frame, layout, buttons);
-  brush.list = ImGui::GetForegroundDrawList();
-  draw_toasts(brush, frame, layout);
-  if (frame.settings.help) draw_help(brush, frame, width, height);
-  if (frame.asks_rescan) draw_question(brush, layout);
+  Brush over;
+  over.list = ImGui::GetBackgroundDrawList();
+  over.fonts = self.fonts;
+  over.theme = theme_of(settings.high_contrast);
+  over.scale = static_cast<float>(layout.scale);
+  Brush above = over;
+  above.list = ImGui::GetForegroundDrawList();
+  pieces(over, above);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+std::vector<Action> Gui::draw(const Frame& frame, const std::vector<Action>& buttons, const Picture& picture, int width,
+                              int height, double seconds) {
+  std::vector<Action> clicked;
+  draw_pieces(frame.settings, width, height, seconds, [&](const Brush& over, const Brush& above) {
+    const Layout layout = layout_of(width, height, frame.settings);
+    if (picture.scene()) {
+      draw_scale_bar(over, frame, layout, picture);
+      draw_overview_marks(over, frame, layout, *picture.scene());
+      if (!frame.settings.kiosk) draw_panel(over, frame, layout, picture);
+    }
+    clicked = draw_buttons(over, frame, layout, buttons);
+    draw_toasts(above, frame, layout);
+    if (frame.settings.help) draw_help(above, frame, width, height);
+    if (frame.asks_rescan) draw_question(above, layout);
+  });
   return clicked;
+}
+
+bool Gui::wants_keyboard() const {
+  const ImGuiIO& io = ImGui::GetIO();
+  return io.WantTextInput || io.NavVisible;
+}
+
+void Gui::use_keyboard(bool on) {
+  ImGui::SetCurrentContext(implementation_->context);
+  ImGuiIO& io = ImGui::GetIO();
+  if (on)
+    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  else
+    io.ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;
 }
 
 }  // namespace sparsha::viewer

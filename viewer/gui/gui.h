@@ -1,6 +1,7 @@
 // Text, buttons and frames over the picture, drawn with Dear ImGui.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -10,6 +11,7 @@
 namespace sparsha::viewer {
 
 class Picture;
+struct Brush;
 
 /// One ImGui context with its fonts. Needs a current OpenGL context for its whole life.
 class Gui {
@@ -23,6 +25,13 @@ class Gui {
   /// `seconds` is the time since the last frame. A window's input must have been handed to ImGui before.
   std::vector<Action> draw(const Frame& frame, const std::vector<Action>& buttons, const Picture& picture, int width,
                            int height, double seconds);
+  /// The same for other pieces: `over` draws over the picture and below ImGui's windows, `above` above them.
+  void draw_pieces(const ViewSettings& settings, int width, int height, double seconds,
+                   const std::function<void(const Brush& over, const Brush& above)>& pieces);
+  /// Whether Tab and arrows go through the fields of panels.
+  void use_keyboard(bool on);
+  /// True while keys belong to a field or to the panel that Tab has entered.
+  [[nodiscard]] bool wants_keyboard() const;
   /// True when the mouse is over a button or panel and not over the picture.
   [[nodiscard]] bool wants_mouse() const;
 

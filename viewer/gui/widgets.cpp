@@ -114,7 +114,9 @@ std::vector<Action> draw_buttons(const Brush& brush, const Frame& frame, const L
       bar.list->AddRect(ImVec2(x - bar.px(2.0F), y - bar.px(2.0F)),
                         ImVec2(x + width + bar.px(2.0F), y + height + bar.px(2.0F)), IM_COL32(255, 255, 255, 255),
                         radius, 0, bar.px(3.0F));
-    const ImU32 ink = on ? bar.theme.accent_text : bar.theme.text;
+    const bool grey = buttons[k] == Action::orient && !frame.why_not_orient.empty();
+    if (grey && hovered) ImGui::SetTooltip("%s", frame.why_not_orient.c_str());
+    const ImU32 ink = on ? bar.theme.accent_text : grey ? bar.theme.dim : bar.theme.text;
     const float middle = y + 0.5F * (height - font->FontSize);
     if (kiosk) {
       bar.text_centred(font, x + 0.5F * width, middle, ink, info.label);

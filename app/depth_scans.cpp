@@ -1,0 +1,372 @@
+// One job at a time; what comes of it is read from status().
+#include "app/depth_scans.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+
+#include "app/point_reader.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/text.h"
+#include "pipeline/build/build.h"
+#include "pipeline/orient/face.h"
+#include "pipeline/scan/units.h"
+#include "pipeline/suggest/suggest.h"
+#include "scene/scene_folder.h"
+#include "scene/setup_text.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kMostText = 1U << 20U;
+constexpr std::size_t kFaceSample = 20000;
+
+std::string title_of(const std::vector<pipeline::ScanConfig>& scans) {
+  if (scans.empty()) return {};
+  const std::string first = scans.front().file.filename().string();
+  return scans.size() == 1 ? first : fmt::format("{} and {} more", first, scans.size() - 1);
+}
+
+std::vector<Eigen::Vector3d> sample_of(const viewer::PointView& points, const viewer::ScanSetup& setup) {
+  std::vector<Eigen::Vector3d> sample;
+  const double share = std::min(1.0, static_cast<double>(kFaceSample) / static_cast<double>(points.points.size()));
+  for (const viewer::PointBlock& block : points.blocks) {
+    const auto count = static_cast<std::uint32_t>(std::ceil(share * block.count));
+    for (std::uint32_t n = block.begin; n < block.begin + std::min(count, block.count); ++n) {
+      const Eigen::Vector3d place = points.origin_m + points.points[n].cast<double>();
+      if (setup.crop &&
+          ((place.array() < setup.crop->min_m.array()).any() || (place.array() > setup.crop->max_m.array()).any()))
+        continue;
+      sample.push_back(place);
+    }
+  }
+  return sample;
+}
+
+viewer::ScanSetup setup_of(const pipeline::Config& config, const Eigen::Matrix4d& scan_to_grid) {
+  viewer::ScanSetup setup;
+  setup.scan_to_grid = scan_to_grid;
+  for (const pipeline::FilterConfig& filter : config.filters) {
+    const auto* crop = std::get_if<pipeline::CropConfig>(&filter);
+    if (crop == nullptr) continue;
+    setup.crop = *crop;
+    break;
+  }
+  return setup;
+}
+
+void set_crop(pipeline::Config& config, const std::optional<pipeline::CropConfig>& crop) {
+  const auto old = std::ranges::find_if(
+      config.filters, [](const auto& filter) { return std::holds_alternative<pipeline::CropConfig>(filter); });
+  if (old != config.filters.end()) {
+    if (crop)
+      *old = *crop;
+    else
+      config.filters.erase(old);
+  } else if (crop) {
+    config.filters.insert(config.filters.begin(), *crop);
+  }
+}
+
+}  // namespace
+
+DepthScans::DepthScans(std::vector<fs::path> scans) : guessed_(true) {
+  for (fs::path& scan : scans) {
+    pipeline::ScanConfig config;
+    config.file = std::move(scan);
+    config_.scans.push_back(std::move(config));
+  }
+  title_ = title_of(config_.scans);
+}
+
+DepthScans::DepthScans(pipeline::ScenePointer scene, fs::path file, pipeline::Trust trust)
+    : trust_(trust), origin_(std::move(scene)), config_(origin_->description().config), file_(std::move(file)) {
+  base_to_grid_ = config_.orientation.scan_to_grid;
+  // As it is written: what is automatic is found anew from another side, and stays automatic when it is saved.
+  if (!file_.empty()) config_ = pipeline::load_config(file_);
+  title_ = title_of(config_.scans);
+}
+
+DepthScans::~DepthScans() {
+  cancel();
+  if (work_.valid()) work_.wait();
+}
+
+std::string DepthScans::unavailable() const {
+  const std::lock_guard lock(mutex_);
+  if (config_.scans.empty()) return "this scene names no scans";
+  std::error_code code;
+  for (const pipeline::ScanConfig& scan : config_.scans)
+    if (!fs::is_regular_file(scan.file, code)) return scan.file.filename().string() + " is not there any more";
+  return {};
+}
+
+void DepthScans::note(const std::string& text, bool problem) {
+  const std::lock_guard lock(mutex_);
+  status_.note = text;
+  status_.problem = problem;
+  ++status_.notes;
+}
+
+void DepthScans::start(const std::string& stage, std::function<void(Progress&)> work) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (status_.busy) return;
+  }
+  if (work_.valid()) work_.wait();  // it has ended: busy is its last word
+  const std::lock_guard lock(mutex_);
+  status_.busy = true;
+  status_.stage = stage;
+  status_.fraction = 0.0;
+  progress_ = std::make_unique<Progress>([this](const ProgressUpdate& update) {
+    const std::lock_guard listener_lock(mutex_);
+    if (update.kind == ProgressUpdate::Kind::stage) status_.stage = update.text;
+    if (update.kind != ProgressUpdate::Kind::warning) status_.fraction = update.fraction;
+  });
+  work_ = std::async(std::launch::async, [this, work = std::move(work), progress = progress_.get()] {
+    try {
+      work(*progress);
+    } catch (const Cancelled&) {
+      note("Stopped; nothing was changed");
+    } catch (const Error& error) {
+      note(error.what(), true);
+    } catch (const std::bad_alloc&) {
+      note("Out of memory; a smaller scan or a crop box", true);
+    } catch (const std::exception& error) {
+      note(error.what(), true);
+    }
+    const std::lock_guard done_lock(mutex_);
+    status_.busy = status_.scanning = false;
+  });
+}
+
+void DepthScans::cancel() {
+  const std::lock_guard lock(mutex_);
+  if (progress_) progress_->cancel();
+}
+
+viewer::OrientingStatus DepthScans::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+pipeline::ScenePointer DepthScans::take_scene() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(scene_, nullptr);
+}
+
+std::vector<std::string> DepthScans::take_warnings() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(warnings_, {});
+}
+
+void DepthScans::read(Progress& progress) {
+  std::vector<pipeline::ScanConfig> scans;
+  {
+    const std::lock_guard lock(mutex_);
+    scans = config_.scans;
+  }
+  ReadPoints points = read_points(scans, title_, progress);
+  const std::lock_guard lock(mutex_);
+  status_.points = std::move(points.view);
+  stations_ = std::move(points.stations);
+}
+
+// The configuration that `sparsha new` would write; its units may differ from those that the points were read with.
+void DepthScans::suggest(Progress& progress) {
+  std::vector<fs::path> files;
+  std::vector<pipeline::LengthUnit> units;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const pipeline::ScanConfig& scan : config_.scans) files.push_back(scan.file);
+  }
+  pipeline::Suggestion suggestion = pipeline::suggest_config(files, {}, progress);
+  double before = 0.0;
+  {
+    const std::lock_guard lock(mutex_);
+    before = status_.points->metres_per_unit;
+    config_ = suggestion.config;
+    yaml_ = suggestion.yaml;
+  }
+  const auto differs = [&](const pipeline::ScanConfig& scan) {
+    return std::abs(pipeline::metres_in(scan.units.unit) - before) > 1e-9;
+  };
+  // The same numbers in metres need no second reading.
+  if (std::ranges::any_of(suggestion.config.scans, differs)) read(progress);
+  const std::vector<std::string> warnings = progress.warnings();
+  if (!warnings.empty()) note(warnings.front(), true);
+  const std::lock_guard lock(mutex_);
+  warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+  base_to_grid_ = config_.orientation.scan_to_grid;
+  status_.proposal = setup_of(config_, base_to_grid_);
+  status_.spacing_m = config_.grid.spacing_m;
+  ++status_.proposals;
+}
+
+void DepthScans::require_trust() const {
+  if (origin_ && trust_ == pipeline::Trust::own_folder && !origin_->folder().empty())
+    pipeline::require_own_scans(origin_->description(), origin_->folder());
+}
+
+void DepthScans::open() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (status_.points) return;
+  }
+  start("Reading the scans", [this](Progress& progress) {
+    require_trust();
+    if (origin_) {
+      const std::lock_guard lock(mutex_);
+      status_.proposal = setup_of(config_, base_to_grid_);
+      status_.spacing_m = config_.grid.spacing_m;
+      ++status_.proposals;
+    }
+    read(progress);
+    if (guessed_) suggest(progress);
+  });
+}
+
+void DepthScans::find_face(pipeline::OrientationConfig::Face face, const viewer::ScanSetup& setup) {
+  start("Looking for the face", [this, face, setup](Progress&) {
+    pipeline::FacePoints points;
+    {
+      const std::lock_guard lock(mutex_);
+      points.sample_m = sample_of(*status_.points, setup);
+      points.stations = stations_;
+      points.z_up = status_.points->z_up;
+    }
+    const double scale = std::cbrt(std::abs(setup.scan_to_grid.topLeftCorner<3, 3>().determinant()));
+    const pipeline::FoundFace found = pipeline::find_face(points, face, std::nullopt, scale);
+    note(found.reason);
+    const std::lock_guard lock(mutex_);
+    status_.proposal = setup;
+    status_.proposal.scan_to_grid = found.scan_to_grid;
+    ++status_.proposals;
+  });
+}
+
+void DepthScans::set_unit(pipeline::LengthUnit unit) {
+  start("Reading the scans", [this, unit](Progress& progress) {
+    pipeline::Config before;
+    {
+      const std::lock_guard lock(mutex_);
+      before = config_;
+      const double factor = pipeline::metres_in(unit) / status_.points->metres_per_unit;
+      for (pipeline::ScanConfig& scan : config_.scans) scan.units = {unit, 0.0};
+      if (guessed_) pipeline::scale_lengths(config_, factor);
+    }
+    try {
+      read(progress);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      config_ = before;
+      throw;
+    }
+    note("The scans are read in " + pipeline::to_string(unit));
+    const std::lock_guard lock(mutex_);
+    status_.spacing_m = config_.grid.spacing_m;
+  });
+}
+
+viewer::ScanSetup DepthScans::setup_from(const Eigen::Matrix4d& scan_to_grid) const {
+  const std::lock_guard lock(mutex_);
+  return setup_of(config_, scan_to_grid);
+}
+
+pipeline::Config DepthScans::config_of(const viewer::ScanSetup& setup) const {
+  const std::lock_guard lock(mutex_);
+  pipeline::Config config = config_;
+  pipeline::OrientationConfig& orientation = config.orientation;
+  set_crop(config, setup.crop);
+  if (base_to_grid_ == setup.scan_to_grid) return config;
+  // What is written of places on the object stays there.
+  const bool places = !config.parts.empty() || config.audio;
+  if (places && !orientation.regions_scan_to_grid) orientation.regions_scan_to_grid = base_to_grid_;
+  orientation.face.reset();
+  orientation.face_up.reset();
+  orientation.scan_to_grid = setup.scan_to_grid;
+  config.grid.bounds_m.reset();
+  return config;
+}
+
+void DepthScans::scan(const viewer::ScanSetup& setup) {
+  const pipeline::Config config = config_of(setup);
+  start("Depth scan", [this, config](Progress& progress) {
+    {
+      const std::lock_guard lock(mutex_);
+      status_.scanning = true;
+    }
+    require_trust();
+    pipeline::BuildResult result = pipeline::build_scene(config, {}, progress);
+    const std::vector<std::string> warnings = progress.warnings();
+    const auto count = warnings.size();
+    note(fmt::format("Depth scan done: {:.0f} % measured{}", 100.0 * result.report.coverage,
+                     count == 0 ? "" : fmt::format(", {} warning{} on the terminal", count, count == 1 ? "" : "s")));
+    const std::lock_guard lock(mutex_);
+    scene_ = std::move(result.scene);
+    warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+  });
+}
+
+fs::path DepthScans::file_to_save() const {
+  if (!file_.empty()) return file_;
+  fs::path name = config_.scans.front().file.stem();
+  if (origin_ && !origin_->folder().empty()) {
+    const fs::path folder = origin_->folder().lexically_normal();
+    name = folder.filename().empty() ? folder.parent_path().filename() : folder.filename();
+  }
+  std::error_code code;
+  for (int k = 1; k < 1000; ++k) {
+    fs::path file = name;
+    file += k == 1 ? ".yaml" : fmt::format("-{}.yaml", k);
+    if (!fs::exists(file, code)) return file;
+  }
+  throw Error(ErrorKind::failure, {}, "there are too many configurations of that name here", "another folder");
+}
+
+void DepthScans::save(const viewer::ScanSetup& setup) {
+  const pipeline::Config wanted = config_of(setup);
+  start("Saving", [this, wanted](Progress&) {
+    fs::path file;
+    std::string text;
+    {
+      const std::lock_guard lock(mutex_);
+      file = file_to_save();
+      text = yaml_;
+    }
+    std::error_code code;
+    if (text.empty() && fs::is_regular_file(file, code)) text = read_file(file, kMostText);
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path();
+    const pipeline::SetupText result = pipeline::text_with_setup(text, wanted, folder);
+    write_file(file, result.text);
+    note(fmt::format("Saved as {}{}", file.string(),
+                     result.kept || text.empty() ? "" : "; its comments could not be kept"),
+         !result.kept && !text.empty());
+    const std::lock_guard lock(mutex_);
+    file_ = file;
+    yaml_.clear();
+  });
+}
+
+viewer::Orienting DepthScans::connections() {
+  viewer::Orienting orienting;
+  orienting.unavailable = [this] { return unavailable(); };
+  orienting.open = [this] { open(); };
+  orienting.status = [this] { return status(); };
+  orienting.find_face = [this](auto face, const viewer::ScanSetup& setup) { find_face(face, setup); };
+  orienting.set_unit = [this](pipeline::LengthUnit unit) { set_unit(unit); };
+  orienting.scan = [this](const viewer::ScanSetup& setup) { scan(setup); };
+  orienting.cancel = [this] { cancel(); };
+  orienting.save = [this](const viewer::ScanSetup& setup) { save(setup); };
+  return orienting;
+}
+
+}  // namespace sparsha::app

@@ -1,0 +1,78 @@
+// The work behind the raw cloud's window: reading, first view, faces, depth scans, saving. One thing at a time on a
+// worker; the window asks and looks how it stands.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "pipeline/scan/cloud.h"
+#include "scene/config.h"
+#include "scene/scene.h"
+#include "viewer/cloud/point_view.h"
+
+namespace sparsha::app {
+
+class DepthScans {
+ public:
+  /// Of scans for which no configuration exists yet: units, view and spacing are guessed when they are opened.
+  explicit DepthScans(std::vector<std::filesystem::path> scans);
+  /// Of a scene; `file` is the configuration it was built from, if any. Its scans are opened when they are asked for.
+  DepthScans(pipeline::ScenePointer scene, std::filesystem::path file, pipeline::Trust trust);
+  ~DepthScans();
+  DepthScans(const DepthScans&) = delete;
+  DepthScans& operator=(const DepthScans&) = delete;
+
+  /// Empty, or why the scans cannot be looked at; looks at the files.
+  [[nodiscard]] std::string unavailable() const;
+  void open();
+  void find_face(pipeline::OrientationConfig::Face face, const viewer::ScanSetup& setup);
+  void set_unit(pipeline::LengthUnit unit);
+  void scan(const viewer::ScanSetup& setup);
+  void cancel();
+  void save(const viewer::ScanSetup& setup);
+  [[nodiscard]] viewer::OrientingStatus status() const;
+  /// A depth scan that has been made, once.
+  [[nodiscard]] pipeline::ScenePointer take_scene();
+  /// What builds warned of, once each; for the terminal.
+  [[nodiscard]] std::vector<std::string> take_warnings();
+  /// All of the above for the viewer.
+  [[nodiscard]] viewer::Orienting connections();
+
+  /// The configuration's own setup, with another orientation.
+  [[nodiscard]] viewer::ScanSetup setup_from(const Eigen::Matrix4d& scan_to_grid) const;
+  /// What a depth scan with that setup is built from. Parts and sounds stay on the object.
+  [[nodiscard]] pipeline::Config config_of(const viewer::ScanSetup& setup) const;
+
+ private:
+  void start(const std::string& stage, std::function<void(Progress&)> work);
+  void note(const std::string& text, bool problem = false);
+  void read(Progress& progress);
+  void suggest(Progress& progress);
+  void require_trust() const;
+  [[nodiscard]] std::filesystem::path file_to_save() const;
+
+  pipeline::Trust trust_ = pipeline::Trust::own_folder;
+  pipeline::ScenePointer origin_;  ///< the scene that was opened; null for scans
+  bool guessed_ = false;
+  Eigen::Matrix4d base_to_grid_ = Eigen::Matrix4d::Identity();  ///< the orientation that the configuration means
+  std::string title_;
+  mutable std::mutex mutex_;  ///< of all below
+  pipeline::Config config_;
+  std::string yaml_;            ///< its text, or empty
+  std::filesystem::path file_;  ///< where it is saved; empty: to be chosen
+  viewer::OrientingStatus status_;
+  std::vector<pipeline::Station> stations_;
+  std::vector<std::string> warnings_;
+  pipeline::ScenePointer scene_;
+  std::unique_ptr<Progress> progress_;
+  std::future<void> work_;
+};
+
+}  // namespace sparsha::app

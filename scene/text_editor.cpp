@@ -1,0 +1,162 @@
+// Places of the reader to offsets in the text.
+#include "scene/text_editor.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace sparsha::pipeline {
+namespace fs = std::filesystem;
+
+fs::path relative_to(const fs::path& path, const fs::path& folder) {
+  std::error_code code;
+  const fs::path relative =
+      fs::absolute(path, code)
+          .lexically_normal()
+          .lexically_relative(fs::absolute(folder.empty() ? "." : folder, code).lexically_normal());
+  return relative.empty() ? path : relative;
+}
+
+std::string comparable_text(Config config) {
+  std::error_code code;
+  const auto whole = [&](fs::path& path) { path = fs::absolute(path, code).lexically_normal(); };
+  for (ScanConfig& scan : config.scans) whole(scan.file);
+  if (!config.audio) return to_yaml(config);
+  for (AudioRegionConfig& region : config.audio->regions)
+    if (auto* clip = std::get_if<fs::path>(&region.sound)) whole(*clip);
+  return to_yaml(config);
+}
+
+void relocate(Config& config, const fs::path& folder) {
+  const auto move = [&](fs::path& path) {
+    if (!path.is_absolute()) path = relative_to(path, folder);
+  };
+  for (ScanConfig& scan : config.scans) move(scan.file);
+  if (!config.audio) return;
+  for (AudioRegionConfig& region : config.audio->regions)
+    if (auto* clip = std::get_if<fs::path>(&region.sound)) move(*clip);
+}
+
+TextEditor::TextEditor(std::string text) : text_(std::move(text)) {
+  starts_.push_back(0);
+  for (std::size_t k = 0; k < text_.size(); ++k)
+    if (text_[k] == '\n') starts_.push_back(k + 1);
+}
+
+bool TextEditor::set_path(const yaml::Node& value, const fs::path& path) {
+  const std::optional<std::size_t> begin = offset(value.place);
+  if (!begin) return false;
+  std::size_t end = *begin;
+  if (text_[*begin] == '"' || text_[*begin] == '\'') {
+    end = after_quoted(*begin);
+  } else {
+    end += value.scalar.size();
+    if (text_.compare(*begin, value.scalar.size(), value.scalar) != 0) return false;
+  }
+  std::string quoted = "\"";
+  for (const char c : path.generic_string()) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  edits_.push_back({*begin, end, quoted + '"'});
+  return true;
+}
+
+bool TextEditor::set_value(const yaml::Entry& entry, const std::string& value) {
+  const std::optional<std::size_t> begin = offset(entry.value.place);
+  if (begin && text_[*begin] == '{') {
+    edits_.push_back({*begin, after_braces(*begin), value});
+    return true;
+  }
+  if (begin && entry.value.is_scalar() && text_.compare(*begin, entry.value.scalar.size(), entry.value.scalar) == 0) {
+    edits_.push_back({*begin, *begin + entry.value.scalar.size(), value});
+    return true;
+  }
+  const std::optional<std::size_t> key = offset(entry.place);
+  if (!key) return false;
+  // A block: the key's line and those below that are indented deeper.
+  const auto indent = static_cast<std::size_t>(entry.place.column) - 1;
+  std::size_t end = line_end(*key);
+  while (end < text_.size()) {
+    const std::size_t first_of_line = end + 1;
+    const std::size_t first = text_.find_first_not_of(' ', first_of_line);
+    if (first == std::string::npos || first - first_of_line <= indent || text_[first] == '\n') break;
+    end = line_end(first_of_line);
+  }
+  edits_.push_back({*key, end, entry.key + ": " + value});
+  return true;
+}
+
+bool TextEditor::add_key(const yaml::Node& map, const yaml::Node& after, const std::string& key,
+                         const std::string& value) {
+  const std::optional<std::size_t> begin = offset(map.place);
+  const std::optional<std::size_t> other = offset(after.place);
+  if (!begin || !other || map.entries.empty()) return false;
+  if (text_[*begin] == '{') {
+    edits_.push_back({*begin + 1, *begin + 1, key + ": " + value + ", "});
+    return true;
+  }
+  const auto indent = static_cast<std::size_t>(map.entries.front().place.column) - 1;
+  const std::size_t end = line_end(*other);
+  edits_.push_back({end, end, "\n" + std::string(indent, ' ') + key + ": " + value});
+  return true;
+}
+
+bool TextEditor::add_first_item(const yaml::Node& sequence, const std::string& item) {
+  if (sequence.items.empty()) return false;
+  const std::optional<std::size_t> first = offset(sequence.items.front().place);
+  if (!first) return false;
+  const std::size_t line = *first == 0 ? 0 : text_.rfind('\n', *first - 1) + 1;
+  const std::size_t dash = text_.find_first_not_of(' ', line);
+  if (dash == std::string::npos || text_[dash] != '-') return false;
+  edits_.push_back({line, line, std::string(dash - line, ' ') + "- " + item + "\n"});
+  return true;
+}
+
+void TextEditor::append(const std::string& lines) {
+  const bool open = !text_.empty() && text_.back() != '\n';
+  edits_.push_back({text_.size(), text_.size(), (open ? "\n" : "") + lines});
+}
+
+std::string TextEditor::finish() {
+  std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.begin > b.begin; });
+  for (const Edit& edit : edits_) text_.replace(edit.begin, edit.end - edit.begin, edit.text);
+  return text_;
+}
+
+std::optional<std::size_t> TextEditor::offset(const Place& place) const {
+  if (place.line < 1 || static_cast<std::size_t>(place.line) > starts_.size()) return std::nullopt;
+  const std::size_t at = starts_[static_cast<std::size_t>(place.line) - 1] + static_cast<std::size_t>(place.column) - 1;
+  return at < text_.size() ? std::optional(at) : std::nullopt;
+}
+
+std::size_t TextEditor::line_end(std::size_t at) const { return std::min(text_.find('\n', at), text_.size()); }
+
+std::size_t TextEditor::after_quoted(std::size_t at) const {
+  const char quote = text_[at];
+  for (++at; at < text_.size(); ++at) {
+    if (quote == '"' && text_[at] == '\\') {
+      ++at;
+    } else if (text_[at] == quote) {
+      return at + 1;
+    }
+  }
+  return text_.size();
+}
+
+std::size_t TextEditor::after_braces(std::size_t at) const {
+  int depth = 0;
+  while (at < text_.size()) {
+    const char c = text_[at];
+    if (c == '"' || c == '\'') {
+      at = after_quoted(at);
+      continue;
+    }
+    if (c == '{') ++depth;
+    if (c == '}' && --depth == 0) return at + 1;
+    ++at;
+  }
+  return text_.size();
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,212 @@
+// From raw scans by way of an orientation to a scene, and back into a configuration.
+#include "app/depth_scans.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include "base/files.h"
+#include "pipeline/build/build.h"
+#include "scene/regions.h"
+#include "tests/support/test_folder.h"
+#include "viewer/cloud/orientation.h"
+#include "viewer/cloud/preview.h"
+
+namespace sparsha::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+void finish(const DepthScans& scans) {
+  while (scans.status().busy) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+/// A plate in the plane of x and z, seen from -y, with a bump on its right half; text with comments.
+void write_plate(const fs::path& file, double unit = 1.0) {
+  std::ofstream out(file);
+  for (int i = 0; i < 160; ++i)
+    for (int k = 0; k < 120; ++k) {
+      const double x = 0.002 * i, z = 0.002 * k;
+      const double bump = 0.02 * std::exp(-(std::pow(x - 0.24, 2) + std::pow(z - 0.12, 2)) / 0.0008);
+      out << x / unit << ' ' << -bump / unit << ' ' << z / unit << '\n';
+    }
+}
+
+const char* const kConfig = R"(# The plate of the test.
+scans:
+  - file: plate.xyz   # one station
+    units: m
+orientation: {look_from: [0, -1, 0], up: [0, 0, 1]}  # from the front
+grid: {spacing_mm: 2}
+parts:
+  - {name: bump, say: "The bump", box_m: [0.2, 0.08, 0.28, 0.16]}  # right
+)";
+
+struct Plate {
+  test::TestFolder folder;
+  fs::path config = folder.path() / "plate.yaml";
+  Plate() {
+    write_plate(folder.path() / "plate.xyz");
+    write_file(config, kConfig);
+  }
+  [[nodiscard]] pipeline::ScenePointer build() const {
+    Progress progress;
+    return pipeline::build_scene(pipeline::load_config(config), {}, progress).scene;
+  }
+};
+
+/// The name of the part at the highest node of the scene.
+std::string part_at_summit(const pipeline::Scene& scene) {
+  const pipeline::Layers layers = scene.read_level(0);
+  std::size_t best = 0;
+  for (std::size_t n = 0; n < layers.grid.height_m.size(); ++n)
+    if (layers.grid.height_m[n] > layers.grid.height_m[best] || std::isnan(layers.grid.height_m[best])) best = n;
+  const pipeline::Lattice& lattice = layers.grid.lattice;
+  const auto nx = static_cast<std::size_t>(lattice.nx);
+  const std::array<double, 3> place{lattice.origin_m.x() + lattice.spacing_m * static_cast<double>(best % nx),
+                                    lattice.origin_m.y() + lattice.spacing_m * static_cast<double>(best / nx),
+                                    lattice.origin_m.z() + static_cast<double>(layers.grid.height_m[best])};
+  Eigen::Vector4d at(place[0], place[1], place[2], 1.0);
+  if (scene.description().region_from_grid) at = *scene.description().region_from_grid * at;
+  const pipeline::PartConfig* part = pipeline::part_at(scene.description(), {at.x(), at.y(), at.z()});
+  return part != nullptr ? part->name : "";
+}
+
+TEST(DepthScans, AScanFromAnotherSideKeepsTheLabelsOnTheObject) {
+  const Plate plate;
+  const pipeline::ScenePointer first = plate.build();
+  ASSERT_EQ(part_at_summit(*first), "bump");
+  DepthScans scans(first, plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  ASSERT_TRUE(scans.status().points) << scans.status().note;
+  viewer::ScanSetup setup = scans.status().proposal;
+  EXPECT_EQ(setup.scan_to_grid, first->description().config.orientation.scan_to_grid);
+  // Upside down, and so little from the side that the bump, 20 mm high, stays the highest place of the plate.
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
+  const viewer::DepthPreview preview = viewer::preview_of(*scans.status().points, setup, 1U << 20U);
+  scans.scan(setup);
+  finish(scans);
+  const pipeline::ScenePointer second = scans.take_scene();
+  ASSERT_TRUE(second) << scans.status().note;
+  EXPECT_FALSE(scans.take_scene()) << "once";
+  EXPECT_EQ(part_at_summit(*second), "bump");
+  const pipeline::Lattice& lattice = second->description().levels.front();
+  EXPECT_NEAR(preview.size_m().x(), lattice.spacing_m * (lattice.nx - 1), 2.0 * preview.cell_m);
+  EXPECT_NEAR(preview.size_m().y(), lattice.spacing_m * (lattice.ny - 1), 2.0 * preview.cell_m);
+  // A second turn, from the second scene's orientation, is about the same object.
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.0, 0.01, 1.5);
+  scans.scan(setup);
+  finish(scans);
+  const pipeline::ScenePointer third = scans.take_scene();
+  ASSERT_TRUE(third);
+  EXPECT_EQ(part_at_summit(*third), "bump");
+}
+
+TEST(DepthScans, SavingKeepsCommentsAndBuildsTheSameScene) {
+  const Plate plate;
+  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  viewer::ScanSetup setup = scans.status().proposal;
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
+  setup.crop = pipeline::CropConfig{{-1.0, -1.0, 0.02}, {1.0, 1.0, 1.0}};
+  scans.save(setup);
+  finish(scans);
+  EXPECT_FALSE(scans.status().problem) << scans.status().note;
+  const std::string text = read_file(plate.config, 1U << 20U);
+  for (const char* comment : {"# The plate of the test.", "# one station", "# from the front", "# right"})
+    EXPECT_NE(text.find(comment), std::string::npos) << text;
+  const pipeline::Config saved = pipeline::load_config(plate.config);
+  EXPECT_TRUE(saved.orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
+  ASSERT_EQ(saved.filters.size(), 1U);
+  EXPECT_EQ(std::get<pipeline::CropConfig>(saved.filters[0]).min_m.z(), 0.02);
+  // The labels are still where they were, in a scene built from the file alone, and in one that was written to disk.
+  Progress progress;
+  const fs::path folder = plate.folder.path() / "scene";
+  static_cast<void>(pipeline::build_scene_folder(saved, {}, folder, progress));
+  EXPECT_EQ(part_at_summit(*pipeline::open_scene(folder, pipeline::Trust::any_file)), "bump");
+  // Saved once more in another orientation, it is the same file.
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.0, 0.0, 0.5);
+  setup.crop->max_m.z() = 0.2;
+  scans.save(setup);
+  finish(scans);
+  EXPECT_FALSE(scans.status().problem) << scans.status().note;
+  EXPECT_TRUE(pipeline::load_config(plate.config).orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
+  EXPECT_NE(read_file(plate.config, 1U << 20U).find("# right"), std::string::npos);
+}
+
+TEST(DepthScans, ScansAloneAreGuessedShownTurnedAndBuilt) {
+  const test::TestFolder folder;
+  const fs::path file = folder.path() / "plate.xyz";
+  write_plate(file);
+  DepthScans scans({file});
+  EXPECT_EQ(scans.unavailable(), "");
+  scans.open();
+  finish(scans);
+  const viewer::OrientingStatus status = scans.status();
+  ASSERT_TRUE(status.points) << status.note;
+  EXPECT_EQ(status.points->points.size(), 160U * 120U);
+  EXPECT_EQ(status.proposals, 1U);
+  EXPECT_GT(status.spacing_m, 0.0);
+  scans.find_face(pipeline::OrientationConfig::Face::plane, status.proposal);
+  finish(scans);
+  EXPECT_EQ(scans.status().proposals, 2U) << scans.status().note;
+  const Eigen::Matrix3d face = scans.status().proposal.scan_to_grid.topLeftCorner<3, 3>();
+  // 1 degree: the bump leans the plane's fit.
+  EXPECT_GT(std::abs(face(2, 1)), std::cos(0.02)) << "the plate's normal is y";
+  scans.scan(scans.status().proposal);
+  finish(scans);
+  EXPECT_TRUE(scans.take_scene()) << scans.status().note;
+}
+
+TEST(DepthScans, AnotherUnitScalesWhatWasGuessed) {
+  const test::TestFolder folder;
+  const fs::path file = folder.path() / "plate.xyz";
+  write_plate(file, 0.001);
+  DepthScans scans({file});
+  scans.open();
+  finish(scans);
+  const double spacing_m = scans.status().spacing_m;
+  const double unit = scans.status().points->metres_per_unit;
+  scans.set_unit(pipeline::LengthUnit::cm);
+  finish(scans);
+  const viewer::OrientingStatus status = scans.status();
+  ASSERT_TRUE(status.points) << status.note;
+  EXPECT_NEAR(status.spacing_m, spacing_m * 0.01 / unit, 1e-9);
+  EXPECT_NEAR(static_cast<double>(status.points->high.x() - status.points->low.x()), 3.18, 0.02);
+}
+
+TEST(DepthScans, WhatIsMissingOrNoScanIsSaid) {
+  const test::TestFolder folder;
+  DepthScans missing({folder.path() / "nothing.ply"});
+  EXPECT_NE(missing.unavailable().find("nothing.ply"), std::string::npos);
+  write_file(folder.path() / "text.ply", "this is no scan\n");
+  DepthScans wrong({folder.path() / "text.ply"});
+  wrong.open();
+  finish(wrong);
+  EXPECT_FALSE(wrong.status().points);
+  EXPECT_TRUE(wrong.status().problem);
+  EXPECT_NE(wrong.status().note.find("text.ply"), std::string::npos) << wrong.status().note;
+}
+
+TEST(DepthScans, AScanIsStoppedAndTheNextOneWorks) {
+  const Plate plate;
+  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  const viewer::ScanSetup setup = scans.status().proposal;
+  scans.scan(setup);
+  scans.cancel();
+  finish(scans);
+  static_cast<void>(scans.take_scene());  // it may have been too quick to be stopped
+  scans.scan(setup);
+  finish(scans);
+  EXPECT_TRUE(scans.take_scene()) << scans.status().note;
+}
+
+}  // namespace
+}  // namespace sparsha::app

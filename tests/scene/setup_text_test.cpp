@@ -1,0 +1,101 @@
+// Another orientation, unit and crop in the text of a configuration: all else stays.
+#include "scene/setup_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "base/yaml.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Config read(const std::string& text) { return parse_config(yaml::parse_text(text, "test"), {}); }
+
+Config wanted_from(const std::string& text) {
+  Config wanted = read(text);
+  wanted.orientation.scan_to_grid.setIdentity();
+  wanted.orientation.scan_to_grid.topLeftCorner<3, 3>() =
+      2.0 * Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  return wanted;
+}
+
+void expect_says(const SetupText& result, const Config& wanted) {
+  const Config again = read(result.text);
+  EXPECT_TRUE(again.orientation.scan_to_grid.isApprox(wanted.orientation.scan_to_grid, 1e-12)) << result.text;
+  Config same = again;
+  same.orientation = wanted.orientation;
+  EXPECT_EQ(to_yaml(same), to_yaml(wanted));
+}
+
+TEST(SetupText, OrientationIsReplacedInEveryStyle) {
+  for (const char* orientation :
+       {"orientation: {look_from: [0, 0, 1]}  # why\n",
+        "# why\norientation:\n  look_from: [0, 0, 1]\n  up: [0, 1, 0]\n", "", "orientation: {face: auto}  # why\n"}) {
+    const std::string text =
+        std::string("# first\nscans:\n  - file: a.ply  # station\n") + orientation + "fill: {max_gap_mm: 3}  # last";
+    Config wanted = wanted_from(text);
+    wanted.orientation.face.reset();
+    const SetupText result = text_with_setup(text, wanted, {});
+    EXPECT_TRUE(result.kept) << text;
+    for (const char* comment : {"# first", "# station", "# last"}) EXPECT_THAT(result.text, HasSubstr(comment));
+    if (*orientation != '\0') {
+      EXPECT_THAT(result.text, HasSubstr("# why"));
+    }
+    EXPECT_THAT(result.text, HasSubstr("euler_deg"));
+    expect_says(result, wanted);
+  }
+}
+
+TEST(SetupText, UnitsAndCropAreReplacedOrAdded) {
+  const std::string head = "scans:\n  - {file: a.ply, units: mm}  # flow\n  - file: b.ply  # block\n";
+  for (const char* filters :
+       {"", "filters:\n  - voxel: {leaf_mm: 1}  # thin\n",
+        "filters:\n  - crop: {min_m: [0, 0, 0], max_m: [1, 1, 1]}  # box\n  - voxel: {leaf_mm: 1}\n",
+        "filters:\n- crop:\n    min_m: [0, 0, 0]\n    max_m: [1, 1, 1]\n"}) {
+    const std::string text = head + filters;
+    Config wanted = wanted_from(text);
+    for (ScanConfig& scan : wanted.scans) scan.units = {LengthUnit::cm, 0.0};
+    const CropConfig crop{{-0.5, 0.1, 2.25}, {0.5, 0.3, 1e5}};
+    const bool has_crop = !wanted.filters.empty() && std::holds_alternative<CropConfig>(wanted.filters.front());
+    if (has_crop) {
+      wanted.filters.front() = crop;
+    } else {
+      wanted.filters.insert(wanted.filters.begin(), crop);
+    }
+    const SetupText result = text_with_setup(text, wanted, {});
+    EXPECT_TRUE(result.kept) << text << "\n" << result.text;
+    EXPECT_THAT(result.text, HasSubstr("# flow"));
+    EXPECT_THAT(result.text, HasSubstr("# block"));
+    expect_says(result, wanted);
+  }
+}
+
+TEST(SetupText, WhatCannotBeEditedIsWrittenAnewAndSaid) {
+  const std::string text = "scans: [{file: a.ply}]  # comment\ngrid: {spacing_mm: 1}\n";
+  Config wanted = wanted_from(text);
+  wanted.grid.spacing_m = 0.005;
+  const SetupText result = text_with_setup(text, wanted, {});
+  EXPECT_FALSE(result.kept);
+  EXPECT_THAT(result.text, Not(HasSubstr("# comment")));
+  expect_says(result, wanted);
+  EXPECT_FALSE(text_with_setup("this is: [no configuration", wanted, {}).kept);
+}
+
+TEST(SetupText, PlacesOfPartsAreKeptWithTheirFrame) {
+  const std::string text = "scans: [{file: a.ply}]\nparts: [{name: a, say: A, box_m: [0, 0, 1, 1]}]  # part\n";
+  Config wanted = wanted_from(text);
+  wanted.orientation.regions_scan_to_grid = Eigen::Matrix4d::Identity();
+  const SetupText result = text_with_setup(text, wanted, {});
+  EXPECT_TRUE(result.kept) << result.text;
+  const Config again = read(result.text);
+  ASSERT_TRUE(again.orientation.regions_scan_to_grid);
+  EXPECT_TRUE(again.orientation.regions_scan_to_grid->isIdentity(0.0));
+  EXPECT_TRUE(read(to_yaml(again)).orientation.regions_scan_to_grid) << "and in a scene.yaml";
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

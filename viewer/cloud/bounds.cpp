@@ -1,0 +1,37 @@
+// Ranks of an even sample say what is a stray; all others count.
+#include "viewer/cloud/bounds.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace sparsha::viewer {
+
+Bounds bounds_of(std::span<const Eigen::Vector3f> points) {
+  constexpr std::size_t kSample = 40000;
+  constexpr double kRank = 0.005;
+  constexpr float kBeyond = 0.25F;
+  const std::size_t step = std::max<std::size_t>(points.size() / kSample, 1);
+  Bounds near;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float> values;
+    for (std::size_t n = 0; n < points.size(); n += step) values.push_back(points[n][axis]);
+    const auto rank = [&](double share) {
+      const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+      std::nth_element(values.begin(), at, values.end());
+      return *at;
+    };
+    const float first = rank(kRank), last = rank(1.0 - kRank);
+    near.low[axis] = first - kBeyond * (last - first);
+    near.high[axis] = last + kBeyond * (last - first);
+  }
+  Bounds bounds{near.high, near.low};
+  for (const Eigen::Vector3f& p : points) {
+    if (!near.contains(p)) continue;
+    bounds.low = bounds.low.cwiseMin(p);
+    bounds.high = bounds.high.cwiseMax(p);
+  }
+  return (bounds.low.array() <= bounds.high.array()).all() ? bounds : near;
+}
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,82 @@
+// The raw cloud that is looked at before the depth scan, and what is set there for the scan. The app fills both in and
+// carries out what is asked; the viewer knows nothing of how scans are read and built.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scene/config.h"
+
+namespace sparsha::viewer {
+
+/// A run of points that lie together, in random order: each first part of it is an even sample.
+struct PointBlock {
+  std::uint32_t begin = 0;
+  std::uint32_t count = 0;
+  Eigen::Vector3f low = Eigen::Vector3f::Zero();
+  Eigen::Vector3f high = Eigen::Vector3f::Zero();
+};
+
+/// Points of all scans in the scan frame, metres, relative to a double origin.
+struct PointView {
+  std::string title;
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::uint32_t> rgba;    ///< 0xAABBGGRR, empty or one per point
+  std::vector<float> intensity;       ///< empty or one per point
+  std::vector<std::uint8_t> station;  ///< number of the scan; empty or one per point
+  std::uint64_t total = 0;            ///< in the scans; more than are here when a sample is shown
+  bool z_up = false;                  ///< by the custom of the scans' format; else y
+  pipeline::LengthUnit unit = pipeline::LengthUnit::automatic;  ///< of all scans, when they have one in common
+  double metres_per_unit = 1.0;                                 ///< 0 when the scans' units differ
+
+  // Filled in by arrange().
+  std::vector<PointBlock> blocks;
+  Eigen::Vector3f low = Eigen::Vector3f::Zero();  ///< bounds of the object without its strays, as `points`
+  Eigen::Vector3f high = Eigen::Vector3f::Zero();
+  double spacing_m = 0.0;  ///< typical distance of neighbouring points; 0 for fewer than two
+};
+
+/// Sorts the points into blocks and measures bounds and spacing. 10 million points take about 2 s; for a worker.
+void arrange(PointView& view);
+
+/// What the next depth scan is made with.
+struct ScanSetup {
+  Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
+  std::optional<pipeline::CropConfig> crop;
+};
+
+/// How the work on the scans stands. What is numbered counts from 1 and is new when its number is.
+struct OrientingStatus {
+  std::shared_ptr<const PointView> points;  ///< null until they are read
+  ScanSetup proposal;                       ///< to be taken over: the first view, or a face that was found
+  std::uint64_t proposals = 0;
+  double spacing_m = 0.0;  ///< of the grid to come; 0: automatic
+  bool busy = false;
+  bool scanning = false;  ///< it is a depth scan that is being made
+  std::string stage;      ///< of the work
+  double fraction = 0.0;  ///< of the stage, 0 to 1
+  std::string note;       ///< for the visitor: what was found, or why something failed
+  bool problem = false;   ///< the note says why something failed
+  std::uint64_t notes = 0;
+};
+
+/// Calls return at once; their results come with status().
+struct Orienting {
+  std::function<std::string()> unavailable;  ///< empty, or why the scans cannot be looked at
+  std::function<void()> open;                ///< reads the scans; once more does nothing
+  std::function<OrientingStatus()> status;
+  std::function<void(pipeline::OrientationConfig::Face, const ScanSetup&)> find_face;
+  std::function<void(pipeline::LengthUnit)> set_unit;  ///< of all scans; reads them again
+  std::function<void(const ScanSetup&)> scan;          ///< the scene comes to Connections::scene
+  std::function<void()> cancel;                        ///< what is being done
+  std::function<void(const ScanSetup&)> save;          ///< writes a configuration; the note says where
+};
+
+}  // namespace sparsha::viewer
