@@ -19,7 +19,7 @@ int make_replica(const std::string& folder, const std::string& file, const pipel
                  const CommonOptions& common) {
   Terminal terminal(common);
   check_outputs({{"--to", file}, {"the legibility map of --to", pipeline::legibility_file_of(file)}}, folder);
-  const pipeline::ScenePointer scene = scene_from(folder, common.trusted(), terminal.progress());
+  const pipeline::ScenePointer scene = scene_from({folder}, common.trusted(), terminal.progress());
   const pipeline::ReplicaReport report = pipeline::export_replica(*scene, file, options, terminal.progress());
   for (const std::string& warning : report.warnings) terminal.progress().warn(warning);
   if (common.json) {
