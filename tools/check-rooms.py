@@ -51,7 +51,8 @@ NOT_INSIDE = {"pipeline/scan": ["pipeline/scan/formats"], "pipeline/build": ["pi
 CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/effects", "haptics/servo",
         "haptics/device/device.h", "haptics/device/simulated"]
 CORE_SHARED = ["base/error.h", "base/smooth_step.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/depth_grid.h", "scene/workspace.h",
-               "scene/region_frame.h", "scene/haptics_config.h", "scene/materials.h"]
+               "scene/region_frame.h", "scene/haptics_config.h", "scene/materials.h", "scene/grain_field.h",
+               "scene/height_spectrum.h"]
 # Templates over PCL's point types, for programs that include PCL anyway.
 PCL_API = "sparsha/pcl"
 ROOMS = {name.split("/")[0] for name in ALLOWED}

@@ -28,7 +28,7 @@ struct SurfaceEffects {
   double border_m = 0.0;                                           ///< over which a part's values fade in
   double scale = 1.0;                                              ///< device metres per metre of this frame
   Eigen::Matrix3d region_from_grid = Eigen::Matrix3d::Identity();  ///< rotation
-  GrainField field;
+  pipeline::GrainField field;
 
   [[nodiscard]] bool has_stiffness() const noexcept;
   /// `base_n_per_m` outside of the parts, a smooth step across their borders.

@@ -13,8 +13,4 @@ namespace sparsha::haptics {
 /// With grain the spectrum of level 0 is fitted. Throws Error{input} when tiles cannot be read.
 [[nodiscard]] std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene, const WindowPlan& plan);
 
-/// Of the measured heights of level 0: the same for every window of the scene. Rows and columns of patches spread over
-/// the level; a patch without a measured profile gives nothing.
-[[nodiscard]] HeightSpectrum measure_spectrum(const pipeline::Scene& scene);
-
 }  // namespace sparsha::haptics

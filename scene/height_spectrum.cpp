@@ -1,11 +1,11 @@
-#include "haptics/effects/height_spectrum.h"
+#include "scene/height_spectrum.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 
-namespace sparsha::haptics {
+namespace sparsha::pipeline {
 namespace {
 
 constexpr double kLeastExponent = 1.0;
@@ -96,4 +96,4 @@ HeightSpectrum HeightSpectrumFit::fit() const {
   return spectrum;
 }
 
-}  // namespace sparsha::haptics
+}  // namespace sparsha::pipeline

@@ -7,10 +7,10 @@
 #include <random>
 #include <vector>
 
-#include "haptics/window/scene_effects.h"
+#include "scene/scene_spectrum.h"
 #include "tests/support/scenes.h"
 
-namespace sparsha::haptics {
+namespace sparsha::pipeline {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -80,4 +80,4 @@ TEST(HeightSpectrum, OfNoiseAndOfALevelPlaneContinuesNothing) {
 }
 
 }  // namespace
-}  // namespace sparsha::haptics
+}  // namespace sparsha::pipeline

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace sparsha::haptics {
+namespace sparsha::pipeline {
 
 /// Power spectral density of heights along a straight line, two-sided: level_m3 * (q / from_per_m)^-exponent at q
 /// cycles per metre. Beyond `from_per_m` the scan resolves nothing. Lengths in metres of the stone.
@@ -17,7 +17,7 @@ struct HeightSpectrum {
 inline constexpr int kLongestProfile = 128;
 inline constexpr int kShortestProfile = 32;
 
-/// Collects the periodograms of profiles and fits a line to the logarithms of their medians. Off the servo thread.
+/// Collects the periodograms of profiles and fits a line to the logarithms of their medians. Not for real-time threads.
 class HeightSpectrumFit {
  public:
   /// `length`: nodes of each profile, a multiple of 4 from kShortestProfile to kLongestProfile; `spacing_m` between
@@ -39,4 +39,4 @@ class HeightSpectrumFit {
   std::vector<std::vector<double>> densities_m3_;  // per frequency, one value per profile
 };
 
-}  // namespace sparsha::haptics
+}  // namespace sparsha::pipeline
