@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -16,10 +17,12 @@
 #include "app/depth_scans.h"
 #include "app/device_choice.h"
 #include "app/inputs.h"
+#include "app/printable.h"
 #include "app/run_summary.h"
 #include "app/study.h"
 #include "app/terminal.h"
 #include "audio/engine.h"
+#include "audio/live_stream.h"
 #include "audio/speech/speech.h"
 #include "base/error.h"
 #include "haptics/session/session.h"
@@ -40,6 +43,8 @@ struct Arguments {
   std::string record;
   std::string screenshot;
   std::string audio_out;
+  std::string audio_device;
+  bool list_audio = false;
   bool no_texture = false;
   bool no_friction = false;
   bool speech = false;
@@ -157,7 +162,12 @@ class Exploration {
       make_session_of(std::move(scene));
     }
     if (arguments.speech) {
-      speech_.emplace();
+      audio::SpeechOptions options;
+      options.play = [this](const std::vector<float>& words, double rate_hz) {
+        audio::Engine* const engine = engine_.load();
+        return engine != nullptr && engine->speak(words, rate_hz);
+      };
+      speech_.emplace(options);
       if (!speech_->available()) terminal.message("warning: no speech program is installed (espeak-ng)");
     }
   }
@@ -209,8 +219,10 @@ class Exploration {
     if (!config.audio && arguments_.audio_out.empty()) return;
     audio::EngineOptions options;
     options.wav = arguments_.audio_out;
-    options.live = config.audio && !arguments_.headless;
+    options.live = config.audio.has_value();
+    options.device = arguments_.audio_device;
     audio_ = std::make_unique<audio::Engine>(scene_, session_->add_contact_consumer(), session_->state(), options);
+    engine_ = audio_.get();
   }
 
   void start() {
@@ -234,7 +246,11 @@ class Exploration {
   void take_scan() {
     pipeline::ScenePointer scene = scans_->take_scene();
     if (!scene) return;
-    if (session_) return session_->set_scene(std::move(scene));
+    if (session_) {
+      session_->set_scene(scene);
+      if (audio_) audio_->set_scene(scene);
+      return;
+    }
     make_session_of(std::move(scene));
     start();
     connect_session();
@@ -310,6 +326,7 @@ class Exploration {
   pipeline::ScenePointer scene_;
   std::unique_ptr<haptics::Session> session_;
   std::unique_ptr<audio::Engine> audio_;
+  std::atomic<audio::Engine*> engine_{nullptr};  // audio_, for the thread that speaks
   std::optional<audio::Speech> speech_;
   std::unique_ptr<DepthScans> scans_;
   viewer::Connections connections_;
@@ -320,7 +337,21 @@ class Exploration {
   Clock::time_point began_;
 };
 
+// One line per device that can play.
+int list_audio() {
+  std::string text;
+  for (const audio::OutputDevice& device : audio::output_devices()) {
+    text +=
+        fmt::format("{:>3}{} {} ({}): {} channels, {:.0f} Hz, {:.1f} ms\n", device.number, device.chosen ? '*' : ' ',
+                    printable(device.name), device.system, device.channels, device.rate_hz, 1000.0 * device.latency_s);
+  }
+  print(text.empty() ? "no sound device\n" : text);
+  return 0;
+}
+
 int run_explore(const Arguments& arguments, const CommonOptions& common) {
+  if (arguments.list_audio) return list_audio();
+  if (arguments.scene.empty()) throw usage_error("no scene is named", "a scene folder, a configuration or a scan");
   check_arguments(arguments);
   Terminal terminal(common);
   const bool window = !arguments.headless && viewer::display_available();
@@ -338,7 +369,7 @@ int run_explore(const Arguments& arguments, const CommonOptions& common) {
 void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("explore", "Touch, see and hear a scene");
-  command->add_option("scene", arguments->scene, "scene folder, configuration or scans")->required()->expected(1, -1);
+  command->add_option("scene", arguments->scene, "scene folder, configuration or scans")->expected(1, -1);
   command->add_option("--device", arguments->device, "auto | falcon | pointer | simulated | playback:FILE")
       ->capture_default_str();
   command->add_flag("--headless", arguments->headless, "no window");
@@ -350,6 +381,9 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_option("--record", arguments->record, "run.csv, one row per tick");
   command->add_option("--screenshot", arguments->screenshot, "view.png, 1280x720, the last touch of the run");
   command->add_option("--audio-out", arguments->audio_out, "run.wav, its start is t_s = 0");
+  command->add_option("--audio-device", arguments->audio_device,
+                      "what plays the sound: a number or a part of a name; default: JACK, else the system's");
+  command->add_flag("--list-audio", arguments->list_audio, "list what can play, and end");
   command->add_flag("--no-texture", arguments->no_texture, "render the envelope, without surface effects");
   command->add_flag("--no-friction", arguments->no_friction, "render without friction");
   command->add_flag("--speech", arguments->speech, "speak announcements");

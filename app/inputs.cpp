@@ -78,6 +78,7 @@ void check_outputs(const std::vector<NamedPath>& outputs, const std::string& arg
         for (const pipeline::AudioRegionConfig& region : config.audio->regions) {
           if (const auto* clip = std::get_if<fs::path>(&region.sound)) known.push_back({"a clip", *clip});
         }
+        if (config.audio->labels) known.push_back({"the label image", config.audio->labels->file});
       }
     }
   }

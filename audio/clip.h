@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace sparsha::audio {
@@ -16,6 +17,11 @@ struct Clip {
 /// Reads any file that libsndfile reads (mono or stereo, at most 10 minutes) and resamples it to `sample_rate_hz`; at
 /// the file's own rate samples stay as they are. Throws Error{input} with the file and the reason.
 [[nodiscard]] Clip load_clip(const std::filesystem::path& file, int sample_rate_hz);
+
+/// A note made of one period of the clip, cut between zero crossings of like slope 30 ms or more after its loudest
+/// moment, and repeated with the clip's own decay (10 s at most). Its pitch is that of the periods there. Throws
+/// Error{input} that names `name` when there is no such period.
+[[nodiscard]] Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& name);
 
 /// Band-limited resampling of interleaved frames with linear phase (libsoxr's "very high quality": 28 bits, pass band
 /// to 0.95 of the lower Nyquist frequency). ceil(frames * to / from) frames come back. Throws Error{failure}.

@@ -12,11 +12,11 @@ namespace sparsha::audio {
 /// clicks. No allocation; one thread. Clips must outlive the player.
 class ClipPlayer {
  public:
-  static constexpr std::size_t kSounding = 16;
+  static constexpr std::size_t kSounding = 32;
 
   explicit ClipPlayer(double sample_rate_hz);
 
-  /// False when every voice is taken by sounds still fading (more than 32 strikes in 5 ms).
+  /// False when every voice is taken by sounds still fading (more than 64 strikes in 5 ms).
   bool start(const Clip& clip, double gain) noexcept;
   [[nodiscard]] bool sounding() const noexcept { return active_ > 0; }
   [[nodiscard]] std::size_t voices() const noexcept { return active_; }

@@ -3,8 +3,11 @@
 // while the stream is stopped.
 #include "audio/engine.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <condition_variable>
+#include <deque>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -20,7 +23,11 @@ namespace {
 
 constexpr int kWavRate_hz = 48000;
 constexpr auto kPoll = std::chrono::milliseconds(2);
+constexpr auto kLookAgain = std::chrono::seconds(3);
 constexpr std::size_t kForwarded = 4096;
+constexpr std::size_t kKeptProfiles = 64;
+constexpr std::size_t kKeptWords = 16;
+constexpr float kSpoken = 0.6F;  // the loudest sample of spoken words
 
 }  // namespace
 
@@ -30,8 +37,14 @@ struct Engine::Implementation {
   const haptics::Seqlock<haptics::State>& state;
   std::shared_ptr<const SoundBank> bank;
   bool live_wanted = false;
+  std::string device;
 
   std::optional<WavSink> wav;
+  std::optional<ProfileReader> profiles;
+  pipeline::ScenePointer new_scene;  ///< guarded by the mutex
+  /// Those that voices may still use: a sound card's thread must not be the one that frees them.
+  std::deque<std::shared_ptr<const Profile>> kept;
+  std::deque<std::shared_ptr<const Clip>> spoken;
   haptics::ContactQueue forwarded{kForwarded};  ///< callback to worker
   StrikeGate gate;                              ///< counts when nothing sounds
   std::atomic<std::uint64_t> strikes{0};
@@ -58,20 +71,45 @@ struct Engine::Implementation {
     warning += (warning.empty() ? "" : "; ") + text;
   }
 
+  /// Until a device is there: one that is plugged in later is found by another look.
   void open_live() {
-    try {
-      auto new_stream = std::make_unique<LiveStream>();
-      const int rate = new_stream->sample_rate_hz();
-      const auto live_bank = rate == bank->sample_rate_hz ? bank : make_sound_bank(*scene, rate);
-      voice = std::make_unique<LiveVoice>(live_bank, *contacts, state, wav ? &forwarded : nullptr, strikes);
-      stream = std::move(new_stream);
-      opened.store(true, std::memory_order_release);
-    } catch (const Error& error) {
-      warn(error.wrong());
+    bool told = false;
+    std::unique_lock lock(mutex);
+    while (!stopping) {
+      lock.unlock();
+      try {
+        auto new_stream = std::make_unique<LiveStream>(device);
+        const int rate = new_stream->sample_rate_hz();
+        const auto live_bank = rate == bank->sample_rate_hz ? bank : make_sound_bank(*scene, rate);
+        auto new_voice = std::make_unique<LiveVoice>(live_bank, *contacts, state, wav ? &forwarded : nullptr, strikes);
+        lock.lock();  // speech may ask for them
+        voice = std::move(new_voice);
+        stream = std::move(new_stream);
+        lock.unlock();
+        opened.store(true, std::memory_order_release);
+        return;
+      } catch (const Error& error) {
+        if (!std::exchange(told, true)) warn(error.wrong());
+        if (error.kind() == ErrorKind::usage) return;
+      }
+      lock.lock();
+      wake.wait_for(lock, kLookAgain, [this] { return stopping; });
     }
   }
 
+  /// After a device went away: gives it back, and waits for it or another one.
+  void open_again() {
+    if (opener.joinable()) opener.join();
+    opener = std::thread([this] {
+      if (stream->give_up()) {
+        stream.reset();
+        open_live();
+      }
+    });
+  }
+
   void start_live() {
+    if (!kept.empty()) voice->profile(kept.back());
     playing.store(true, std::memory_order_release);
     try {
       stream->start([this](std::span<float> out) { voice->render(out); });
@@ -81,9 +119,31 @@ struct Engine::Implementation {
     }
   }
 
+  /// The heights under the hand, when the window has changed.
+  void read_profile(const haptics::State& now) {
+    if (!profiles || now.tick == 0) return;
+    {
+      const std::lock_guard lock(mutex);
+      if (new_scene) profiles->set_scene(std::exchange(new_scene, nullptr));
+    }
+    std::shared_ptr<const Profile> profile;
+    try {
+      profile = profiles->update(now);
+    } catch (const Error& error) {
+      warn("the friction sound ends: " + error.wrong());
+      profiles.reset();
+    }
+    if (!profile) return;
+    kept.push_back(profile);
+    if (kept.size() > kKeptProfiles) kept.pop_front();
+    if (wav) wav->profile(profile, now.time_s);
+    if (voice && playing.load(std::memory_order_relaxed)) voice->profile(profile);
+  }
+
   /// What has happened since the last call.
   void consume() {
     const haptics::State now = state.read();
+    read_profile(now);
     haptics::ContactEvent event;
     const bool owner = !playing.load(std::memory_order_acquire);
     while (forwarded.pop(event))
@@ -93,7 +153,8 @@ struct Engine::Implementation {
       if (wav) wav->contact(event);
       if (strikes_now) strikes.fetch_add(1, std::memory_order_relaxed);
     }
-    if (wav) wav->state(now);
+    const bool slides = wav ? wav->state(now) : gate.slide(*bank, now).has_value();
+    if (owner && slides) strikes.fetch_add(1, std::memory_order_relaxed);
   }
 
   void work() {
@@ -103,9 +164,10 @@ struct Engine::Implementation {
       if (opened.exchange(false, std::memory_order_acquire)) start_live();
       if (playing.load(std::memory_order_relaxed) && !stream->playing()) {
         const std::string name = stream->name();
-        stream->stop();
+        stream->shut_out();
         playing.store(false, std::memory_order_release);
         warn("the sound device '" + name + "' went away; the run goes on without live sound");
+        open_again();
       }
       try {
         consume();
@@ -141,7 +203,9 @@ Engine::Engine(pipeline::ScenePointer scene, std::shared_ptr<haptics::ContactQue
   Implementation& self = *implementation_;
   self.bank = make_sound_bank(*self.scene, kWavRate_hz);
   for (const std::string& text : self.bank->warnings) self.warn(text);
+  self.device = options.device;
   self.live_wanted = options.live && (!self.bank->regions.empty() || self.bank->scrape_gain > 0.0);
+  if (self.bank->scrape_gain > 0.0) self.profiles.emplace(self.scene, self.bank->scrape_grain);
   if (!options.wav.empty()) self.wav.emplace(self.bank, options.wav, options.wav_bits);
 }
 
@@ -165,6 +229,29 @@ void Engine::stop() {
     self.wav.reset();
   }
   if (self.failure) std::rethrow_exception(std::exchange(self.failure, nullptr));
+}
+
+bool Engine::speak(const std::vector<float>& words, double rate_hz) {
+  Implementation& self = *implementation_;
+  const std::lock_guard lock(self.mutex);
+  if (!self.playing.load(std::memory_order_acquire) || self.stopping) return false;
+  auto clip = std::make_shared<Clip>();
+  float loudest = 0.0F;
+  for (const float value : words) loudest = std::max(loudest, std::abs(value));
+  if (loudest > 0.0F) {
+    for (const float value : resample(words, 1, rate_hz, self.stream->sample_rate_hz())) {
+      const float sample = std::clamp(kSpoken / loudest * value, -kSpoken, kSpoken);
+      clip->samples.insert(clip->samples.end(), {sample, sample});
+    }
+  }
+  self.spoken.push_back(clip);
+  if (self.spoken.size() > kKeptWords) self.spoken.pop_front();
+  return self.voice->speak(clip);
+}
+
+void Engine::set_scene(pipeline::ScenePointer scene) {
+  const std::lock_guard lock(implementation_->mutex);
+  implementation_->new_scene = std::move(scene);
 }
 
 std::string Engine::warning() const {

@@ -1,4 +1,4 @@
-// Sound from touch: modal notes or clips of regions, struck at first contact, and the scrape of friction.
+// Sound from touch: regions and materials that are struck or slid onto, and the surface as it is stroked.
 // Two sinks of the same synthesiser: a PortAudio stream, or a WAV file whose time 0 is the servo's.
 #pragma once
 
@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "haptics/state/seqlock.h"
 #include "haptics/state/spsc_queue.h"
@@ -16,7 +17,8 @@ namespace sparsha::audio {
 
 struct EngineOptions {
   std::filesystem::path wav;  ///< --audio-out; empty = none
-  bool live = true;           ///< open a PortAudio stream; without a sound device a warning and silence
+  bool live = true;           ///< open a PortAudio stream; without a sound device a warning, and another look later
+  std::string device;         ///< --audio-device, a number or a part of a name; empty: JACK, else the default
   int wav_bits = 16;          ///< 16 (dithered) or 24
 };
 
@@ -39,6 +41,11 @@ class Engine {
   void stop();
   /// Empty, or why there is no live sound and which regions stay silent.
   [[nodiscard]] std::string warning() const;
+  /// Spoken words, one channel, in the stream that plays, over sounds that become 12 dB softer; none: what is spoken
+  /// ends. False when no stream plays. One thread at a time.
+  bool speak(const std::vector<float>& words, double rate_hz);
+  /// After a new depth scan of the same object; its sounds stay what they are.
+  void set_scene(pipeline::ScenePointer scene);
   /// Strikes so far that made a sound.
   [[nodiscard]] std::uint64_t strikes() const;
   /// True once a sound device plays.

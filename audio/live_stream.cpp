@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -52,11 +53,57 @@ PaDeviceIndex choose_device() {
   return Pa_GetDefaultOutputDevice();
 }
 
+/// PortAudio's devices while this lives.
+class Library {
+ public:
+  Library() {
+    silence_sound_systems();
+    const PaError started = Pa_Initialize();
+    if (started != paNoError) throw device_error(Pa_GetErrorText(started));
+  }
+  ~Library() { Pa_Terminate(); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+};
+
+std::vector<OutputDevice> list_devices() {
+  std::vector<OutputDevice> devices;
+  const PaDeviceIndex chosen = choose_device();
+  for (PaDeviceIndex k = 0; k < Pa_GetDeviceCount(); ++k) {
+    const PaDeviceInfo& info = *Pa_GetDeviceInfo(k);
+    if (info.maxOutputChannels < 1) continue;
+    devices.push_back({k, info.name, Pa_GetHostApiInfo(info.hostApi)->name, info.maxOutputChannels,
+                       info.defaultSampleRate, info.defaultLowOutputLatency, k == chosen});
+  }
+  return devices;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+PaDeviceIndex find_device(const std::string& wanted) {
+  if (wanted.empty()) return choose_device();
+  const std::vector<OutputDevice> devices = list_devices();
+  for (const OutputDevice& device : devices)
+    if (std::to_string(device.number) == wanted) return device.number;
+  for (const OutputDevice& device : devices)
+    if (lower(device.name).find(lower(wanted)) != std::string::npos) return device.number;
+  throw usage_error("there is no sound device '" + wanted + "'", "a number or a name that --list-audio shows");
+}
+
 }  // namespace
 
+std::vector<OutputDevice> output_devices() {
+  const Library library;
+  return list_devices();
+}
+
 struct LiveStream::Implementation {
-  bool initialised = false;
+  Library library;
   PaStream* stream = nullptr;
+  bool is_jack = false;
   double rate_hz = kWishedRate_hz;
   std::string name;
   Callback callback;
@@ -70,7 +117,6 @@ struct LiveStream::Implementation {
 
   ~Implementation() {
     if (stream != nullptr) Pa_CloseStream(stream);
-    if (initialised) Pa_Terminate();
   }
 
   static int fill(const void*, void* output, unsigned long frames, const PaStreamCallbackTimeInfo*,
@@ -89,16 +135,13 @@ struct LiveStream::Implementation {
   }
 };
 
-LiveStream::LiveStream() : implementation_(std::make_unique<Implementation>()) {
+LiveStream::LiveStream(const std::string& wanted) : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
-  silence_sound_systems();
-  const PaError started = Pa_Initialize();
-  if (started != paNoError) throw device_error(Pa_GetErrorText(started));
-  self.initialised = true;
-  const PaDeviceIndex device = choose_device();
+  const PaDeviceIndex device = find_device(wanted);
   if (device == paNoDevice) throw device_error("this machine has no sound device");
   const PaDeviceInfo& info = *Pa_GetDeviceInfo(device);
   self.name = info.name;
+  self.is_jack = Pa_GetHostApiInfo(info.hostApi)->type == paJACK;
   PaStreamParameters output{};
   output.device = device;
   output.channelCount = 2;
@@ -142,16 +185,31 @@ void LiveStream::stop() noexcept {
   while (implementation_->silence() >= before && implementation_->silence() < kGone)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const bool alive = implementation_->silence() < kGone;
-  // From here on the device's thread stays out.
-  using Gate = Implementation::Gate;
-  for (Gate open = Gate::open;
-       !implementation_->gate.compare_exchange_weak(open, Gate::closed, std::memory_order_acq_rel); open = Gate::open)
-    std::this_thread::yield();
+  shut_out();
   if (alive)
     Pa_StopStream(implementation_->stream);
   else
     // Stopping or closing the stream of a dead sound server waits for ever: leave it alone, and its memory with it.
     (void)implementation_.release();
+}
+
+void LiveStream::shut_out() noexcept {
+  using Gate = Implementation::Gate;
+  if (!implementation_ || implementation_->gate.load(std::memory_order_acquire) == Gate::closed) return;
+  for (Gate open = Gate::open;
+       !implementation_->gate.compare_exchange_weak(open, Gate::closed, std::memory_order_acq_rel); open = Gate::open)
+    std::this_thread::yield();
+}
+
+bool LiveStream::give_up() noexcept {
+  if (!implementation_) return false;
+  if (implementation_->is_jack) {
+    (void)implementation_.release();
+    return false;
+  }
+  Pa_AbortStream(implementation_->stream);
+  implementation_.reset();
+  return true;
 }
 
 bool LiveStream::playing() const noexcept {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,30 +12,53 @@
 
 #include "audio/clip.h"
 #include "audio/modal.h"
+#include "base/png_reader.h"
 #include "scene/scene.h"
 
 namespace sparsha::audio {
 
-/// One region; `box_m` is xmin ymin xmax ymax in the regions' frame (scene/regions.h); none = never struck.
+/// One region, in the regions' frame (scene/regions.h): a box (xmin ymin xmax ymax), a polygon, the pixels of a label,
+/// or everywhere; with none of them it is never struck.
 struct SoundRegion {
   std::string name;
   std::optional<std::array<double, 4>> box_m;
-  std::variant<PillarModes, std::shared_ptr<const Clip>> sound;  ///< regions may share a clip
+  std::variant<Modes, std::shared_ptr<const Clip>> sound;  ///< regions may share a clip
+  std::vector<std::array<double, 2>> polygon_m{};
+  int label = 0;            ///< 0: none
+  bool everywhere = false;  ///< where no other region is; not played by a hand that slides onto it
+  std::size_t scrape = 0;   ///< what is heard when it is stroked, index into SoundBank::scrapes
+};
+
+/// What a stroked surface is made of.
+struct ScrapeSound {
+  Modes modes;
+  double grain_gain = 1.0;
+};
+
+/// A picture of labels that lies over `bounds_m`.
+struct LabelMap {
+  NumberImage image;
+  std::array<double, 4> bounds_m{};
+  /// 0 outside. No allocation.
+  [[nodiscard]] int at(double x_m, double y_m) const noexcept;
 };
 
 /// Immutable once made; shared by every Synth of the same rate.
 struct SoundBank {
   int sample_rate_hz = 48000;
   std::vector<SoundRegion> regions;
+  std::vector<ScrapeSound> scrapes;  ///< the first is that of places without a region; never empty
+  std::optional<LabelMap> labels;
   double scrape_gain = 0.0;           ///< 0 = no friction sound
+  bool scrape_grain = true;           ///< the friction sound goes on below the nodes' distance
   std::vector<std::string> warnings;  ///< what was asked for and cannot sound
 
   /// Index of the first region that holds the place (regions' frame, metres); none when there is none. No allocation.
   [[nodiscard]] std::optional<std::size_t> region_at(double x_m, double y_m) const noexcept;
 };
 
-/// Loads clips and works out modes. A scene without `audio:` gives an empty bank. Throws Error{input} for clips that
-/// cannot be read, Error{usage} for impossible notes.
+/// Loads clips and label image and works out modes. A scene without `audio:` gives an empty bank. Throws Error{input}
+/// for files that cannot be read, Error{usage} for impossible notes.
 [[nodiscard]] std::shared_ptr<const SoundBank> make_sound_bank(const pipeline::Scene& scene, int sample_rate_hz);
 
 }  // namespace sparsha::audio

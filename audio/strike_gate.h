@@ -1,4 +1,4 @@
-// Which contact events are strikes, and of what.
+// Which contact events and which movements are strikes, and of what.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,23 @@ struct Strike {
 };
 
 /// A touch strikes the first region under the proxy, once a contact; a touch within 15 ms of the last lift continues
-/// the same contact (a hand that flutters on the surface). No allocation.
+/// the same contact (a hand that flutters on the surface). A hand that slides onto another region plays it too, once it
+/// has been there for 4 ms, as loud as press and speed make it. No allocation.
 class StrikeGate {
  public:
   [[nodiscard]] std::optional<Strike> strike(const SoundBank& bank, const haptics::ContactEvent& event) noexcept;
+  /// Of the newest state; what comes out happened at its time.
+  [[nodiscard]] std::optional<Strike> slide(const SoundBank& bank, const haptics::State& state) noexcept;
 
  private:
+  bool touching_ = false;
+  double touched_s_ = 0.0;
   bool has_lifted_ = false;
   double lifted_s_ = 0.0;
+  std::optional<std::size_t> region_;   ///< under the hand, as far as it has been played
+  std::optional<std::size_t> entered_;  ///< under the hand for a moment
+  double entered_s_ = 0.0;
+  double struck_s_ = 0.0;
 };
 
 }  // namespace sparsha::audio

@@ -4,37 +4,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "audio/decibel.h"
+#include "audio/normal_force.h"
 
 namespace sparsha::audio {
 namespace {
 
-/// A 1 N strike: the pillar's fundamental at -20 dB full scale; a clip at -8 dB of its own level.
-const double kPillarLevel = from_decibel(-20.0);
-const double kClipLevel = from_decibel(-8.0);
-constexpr double kLoudest_n = 20.0;
+/// No denormal number leaves.
+float audible(double value) { return std::abs(value) < 1e-30 ? 0.0F : static_cast<float>(value); }
 
 }  // namespace
-
-double strike_level(double force_n) { return force_n > 0.0 ? std::pow(std::min(force_n, kLoudest_n), 0.7) : 0.0; }
-
-ScrapeInput scrape_input(const haptics::State& state) {
-  constexpr std::uint64_t kSilent = haptics::kFlagStale | haptics::kFlagFault;
-  if (state.contact == 0 || (state.flags & kSilent) != 0 || !(state.slip_speed_m_per_s > 0.0)) return {};
-  double normal_force = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) normal_force += state.force_n[i] * state.normal[i];
-  return {state.slip_speed_m_per_s, std::max(0.0, normal_force), state.friction_coefficient};
-}
 
 Synth::Synth(std::shared_ptr<const SoundBank> bank)
     : bank_(std::move(bank)),
       clips_(bank_->sample_rate_hz),
-      scrape_(bank_->scrape_gain, bank_->sample_rate_hz),
+      needle_(*bank_),
       limiter_(kCeiling, bank_->sample_rate_hz) {
   pillars_.resize(bank_->regions.size());
   ringing_.reserve(bank_->regions.size());
   for (std::size_t i = 0; i < pillars_.size(); ++i)
-    if (const auto* modes = std::get_if<PillarModes>(&bank_->regions[i].sound))
+    if (const auto* modes = std::get_if<Modes>(&bank_->regions[i].sound))
       pillars_[i] = ModalBank(*modes, bank_->sample_rate_hz);
 }
 
@@ -43,25 +31,31 @@ bool Synth::contact(const haptics::ContactEvent& event, std::uint64_t frame) noe
   return strike_now && strike(*strike_now, frame);
 }
 
-bool Synth::strike(const Strike& strike, std::uint64_t frame) noexcept {
-  Event event;
-  event.kind = Event::Kind::strike;
-  event.frame = frame;
-  event.strike = strike;
-  return schedule(event);
+bool Synth::strike(const Strike& strike, std::uint64_t frame) noexcept { return schedule({frame, strike}); }
+
+bool Synth::state(const haptics::State& state, std::uint64_t frame) noexcept {
+  if (bank_->scrape_gain > 0.0) {
+    Needle::Point point;
+    point.frame = frame;
+    point.press_n = normal_force_n(state);
+    point.touching = point.press_n > 0.0 && state.scale > 0.0;
+    point.place_m = {state.proxy_m[0], state.proxy_m[1]};
+    point.scale = state.scale;
+    const auto region = bank_->region_at(state.place_m[0], state.place_m[1]);
+    point.sound = region ? bank_->regions[*region].scrape : 0;
+    needle_.move(point);
+  }
+  const auto slides = gate_.slide(*bank_, state);
+  return slides && strike(*slides, frame);
 }
 
-void Synth::scrape(const ScrapeInput& input, std::uint64_t frame) noexcept {
-  Event event;
-  event.kind = Event::Kind::scrape;
-  event.frame = frame;
-  event.input = input;
-  if (!schedule(event)) scrape_.set(input);
+void Synth::profile(std::shared_ptr<const Profile> profile, std::uint64_t frame) noexcept {
+  needle_.set_profile(std::move(profile), frame);
 }
 
 bool Synth::schedule(const Event& event) noexcept {
   if (event_count_ == kMostEvents) {
-    if (event.kind == Event::Kind::strike) ++dropped_;
+    ++dropped_;
     return false;
   }
   std::size_t at = event_count_++;
@@ -71,10 +65,6 @@ bool Synth::schedule(const Event& event) noexcept {
 }
 
 void Synth::begin(const Event& event) noexcept {
-  if (event.kind == Event::Kind::scrape) {
-    scrape_.set(event.input);
-    return;
-  }
   const Strike& strike = event.strike;
   const double level = strike_level(strike.force_n);
   if (const auto* clip = std::get_if<std::shared_ptr<const Clip>>(&bank_->regions[strike.region].sound)) {
@@ -83,7 +73,7 @@ void Synth::begin(const Event& event) noexcept {
   }
   ModalBank& pillar = pillars_[strike.region];
   const bool rang = pillar.sounding();
-  if (!pillar.strike(kPillarLevel * level, strike.force_n, strike.position)) {
+  if (!pillar.strike(kStruckLevel * level, strike.force_n, strike.position)) {
     ++dropped_;
     return;
   }
@@ -122,21 +112,20 @@ void Synth::render_block(float* out, std::size_t count) noexcept {
       ringing_.erase(ringing_.begin() + static_cast<std::ptrdiff_t>(r));
     }
   }
-  if (scrape_.sounding())
-    for (std::size_t i = 0; i < count; ++i) left[i] += scrape_.next();
-  right = left;  // pillars and scrape are in the middle
+  needle_.render(left.data(), count, frame_);
+  right = left;  // what is struck and stroked is in the middle
   clips_.render(left.data(), right.data(), count);
   for (std::size_t i = 0; i < count; ++i) {
     const Limiter::Frame frame = limiter_.process({left[i], right[i]});
-    out[2 * i] = static_cast<float>(frame.left);
-    out[2 * i + 1] = static_cast<float>(frame.right);
+    out[2 * i] = audible(frame.left);
+    out[2 * i + 1] = audible(frame.right);
   }
   frame_ += count;
-  if (!ringing_.empty() || clips_.sounding() || scrape_.sounding()) last_sound_ = frame_;
+  if (!ringing_.empty() || clips_.sounding() || needle_.sounding()) last_sound_ = frame_;
 }
 
 bool Synth::sounding() const noexcept {
-  return event_count_ > 0 || !ringing_.empty() || clips_.sounding() || scrape_.sounding() ||
+  return event_count_ > 0 || !ringing_.empty() || clips_.sounding() || needle_.sounding() ||
          frame_ < last_sound_ + kBlock + latency_frames();
 }
 

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "audio/clip_player.h"
+#include "audio/levels.h"
 #include "audio/limiter.h"
-#include "audio/scrape.h"
+#include "audio/needle.h"
 #include "audio/sound_bank.h"
 #include "audio/strike_gate.h"
 #include "haptics/state/state.h"
@@ -19,12 +20,6 @@ namespace sparsha::audio {
 
 /// Largest sample that leaves a Synth, -1.5 dB full scale; half a dB is left for peaks between samples.
 inline constexpr double kCeiling = 0.84139514164519502;
-
-/// Amplitude of a strike relative to one of 1 N: force^0.7 (0 to 8 N span a comfortable 40 dB), growing up to 20 N.
-[[nodiscard]] double strike_level(double force_n);
-
-/// The friction sound's input from a state: 0 when nothing slides or the servo is in a fault.
-[[nodiscard]] ScrapeInput scrape_input(const haptics::State& state);
 
 /// Events carry the frame at which they sound; frames that have passed mean "now". Same events, same bytes, however the
 /// time is cut into blocks. After construction nothing allocates, locks or throws. One thread.
@@ -36,7 +31,13 @@ class Synth {
   bool contact(const haptics::ContactEvent& event, std::uint64_t frame) noexcept;
   /// False when the event queue is full (counted).
   bool strike(const Strike& strike, std::uint64_t frame) noexcept;
-  void scrape(const ScrapeInput& input, std::uint64_t frame) noexcept;
+  /// The hand as it is at `frame`: where it strokes, and whether it slides onto a region that sounds; true when it
+  /// does. States come in order of frames.
+  bool state(const haptics::State& state, std::uint64_t frame) noexcept;
+  /// The heights under the hand from `frame` on. Whoever gives them keeps a share of them, so that none is freed here.
+  void profile(std::shared_ptr<const Profile> profile, std::uint64_t frame) noexcept;
+  /// The hand is in the air from `frame` on.
+  void lift(std::uint64_t frame) noexcept { needle_.move({.frame = frame}); }
 
   /// Interleaved stereo, floats of at most kCeiling, latency_frames() after their events.
   void render(std::span<float> interleaved) noexcept;
@@ -52,11 +53,8 @@ class Synth {
 
  private:
   struct Event {
-    enum class Kind { strike, scrape };
-    Kind kind = Kind::strike;
     std::uint64_t frame = 0;
     Strike strike;
-    ScrapeInput input;
   };
   static constexpr std::size_t kBlock = 64;
   static constexpr std::size_t kMostEvents = 512;
@@ -68,10 +66,10 @@ class Synth {
   void render_block(float* out, std::size_t count) noexcept;
 
   std::shared_ptr<const SoundBank> bank_;
-  std::vector<ModalBank> pillars_;      ///< one a region; empty for clips
-  std::vector<std::uint32_t> ringing_;  ///< regions whose pillar sounds; capacity reserved
+  std::vector<ModalBank> pillars_;      ///< one per region; empty for clips
+  std::vector<std::uint32_t> ringing_;  ///< regions whose modes sound; capacity reserved
   ClipPlayer clips_;
-  Scrape scrape_;
+  Needle needle_;
   Limiter limiter_;
   std::uint64_t frame_ = 0;
   std::uint64_t last_sound_ = 0;  ///< frame before which something was not zero

@@ -25,12 +25,17 @@ std::uint64_t WavSink::frame_of(double time_s) const {
 
 bool WavSink::contact(const haptics::ContactEvent& event) { return synth_.contact(event, frame_of(event.time_s)); }
 
-void WavSink::state(const haptics::State& state) {
-  if (has_state_ && state.tick == last_tick_) return;
+bool WavSink::state(const haptics::State& state) {
+  if (has_state_ && state.tick == last_tick_) return false;
   has_state_ = true;
   last_tick_ = state.tick;
-  synth_.scrape(scrape_input(state), frame_of(state.time_s));
+  const bool strikes = synth_.state(state, frame_of(state.time_s));
   if (state.time_s > kBehind_s) render_until(frame_of(state.time_s - kBehind_s));
+  return strikes;
+}
+
+void WavSink::profile(std::shared_ptr<const Profile> profile, double time_s) {
+  synth_.profile(std::move(profile), frame_of(time_s));
 }
 
 void WavSink::render_until(std::uint64_t frame) {
@@ -45,7 +50,7 @@ void WavSink::render_until(std::uint64_t frame) {
 
 void WavSink::finish(double end_s) {
   const std::uint64_t end = static_cast<std::uint64_t>(std::ceil(std::max(0.0, end_s) * synth_.sample_rate_hz()));
-  synth_.scrape({}, end);
+  synth_.lift(end);
   render_until(end);
   const auto rate = static_cast<double>(synth_.sample_rate_hz());
   const auto most = writer_.frames() + static_cast<std::uint64_t>(kLongestTail_s * rate);

@@ -18,8 +18,10 @@ class WavSink {
 
   /// True when it sounds. The onset is the sample nearest to event.time_s.
   bool contact(const haptics::ContactEvent& event);
-  /// The newest state; renders what is old enough. Throws Error{failure}.
-  void state(const haptics::State& state);
+  /// The newest state; renders what is old enough. True when the hand has slid onto what sounds. Throws Error{failure}.
+  bool state(const haptics::State& state);
+  /// The heights under the hand since then.
+  void profile(std::shared_ptr<const Profile> profile, double time_s);
   /// Writes up to `end_s` and what still rings then (5 s at most, faded), and commits. Throws Error{failure}.
   void finish(double end_s);
 

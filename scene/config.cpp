@@ -2,7 +2,6 @@
 #include "scene/config.h"
 #include "scene/config_reader.h"
 #include "scene/override.h"
-#include "scene/sound_limits.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -22,14 +21,6 @@ constexpr std::array<std::string_view, 3> kSceneKeys = {"scene", "origin_m", "sc
 constexpr double kLeastStiffness_n_per_m = 1.0;
 constexpr double kMostStiffness_n_per_m = 1e5;
 constexpr double kMostFriction = 10.0;
-
-std::array<double, 4> read_box(const Node& node) {
-  const std::vector<double> v = yaml::to_doubles(node, 4);
-  if (!(v[0] < v[2] && v[1] < v[3])) {
-    throw yaml::error_at(node, "the box is empty", "[xmin, ymin, xmax, ymax] with xmin < xmax and ymin < ymax");
-  }
-  return {v[0], v[1], v[2], v[3]};
-}
 
 // Rotation about fixed axes, x first.
 Eigen::Matrix3d euler(const Node& node) {
@@ -115,12 +106,6 @@ Eigen::Matrix4d parse_pose(const Node& node) {
   }
   reader.finish();
   return pose;
-}
-
-std::filesystem::path resolved(const Node& node, const std::filesystem::path& folder) {
-  const std::filesystem::path path = yaml::to_text(node);
-  if (path.empty()) throw yaml::error_at(node, "the file name is empty", "a path relative to this file");
-  return path.is_absolute() || folder.empty() ? path : (folder / path).lexically_normal();
 }
 
 ScanConfig parse_scan(const Node& node, const std::filesystem::path& folder) {
@@ -284,13 +269,6 @@ HapticsConfig parse_haptics(const Node& node) {
   return haptics;
 }
 
-void read_number(MapReader& reader, std::string_view key, std::optional<double>& value, double low, double high) {
-  if (reader.optional(key) == nullptr) return;
-  double number = low;
-  reader.read(key, number, low, high);
-  value = number;
-}
-
 PartTouch parse_touch(MapReader& reader, const Node& node) {
   PartTouch touch;
   read_number(reader, "stiffness_n_per_m", touch.stiffness_n_per_m, kLeastStiffness_n_per_m, kMostStiffness_n_per_m);
@@ -334,55 +312,6 @@ std::vector<PartConfig> parse_parts(const Node& node) {
     parts.push_back(std::move(part));
   }
   return parts;
-}
-
-AudioRegionConfig parse_region(const Node& node, const std::filesystem::path& folder) {
-  AudioRegionConfig region;
-  MapReader reader(node, "an audio region");
-  region.name = yaml::to_text(reader.required("name"));
-  const int where = exclusive(reader, {"box_m", "label"});
-  const int what = exclusive(reader, {"modal", "clip"});
-  reader.finish();
-  if (where < 0) throw yaml::error_at(node, "region '" + region.name + "' has no place", "box_m or label");
-  if (what < 0) throw yaml::error_at(node, "region '" + region.name + "' has no sound", "modal or clip");
-  if (where == 0) region.box_m = read_box(*node.find("box_m"));
-  if (where == 1) {
-    const Node& label = *node.find("label");
-    const std::int64_t value = yaml::to_integer(label);
-    if (value < 1 || value > 65535) throw yaml::error_at(label, "label is " + label.scalar, "1 to 65535");
-    region.label = static_cast<int>(value);
-  }
-  if (what == 0) {
-    ModalConfig modal;
-    MapReader keys(*node.find("modal"), "modal");
-    keys.read("frequency_hz", modal.frequency_hz, kLeastFrequency_hz, kMostFrequency_hz);
-    keys.read("decay_s", modal.decay_s, kLeastDecay_s, kMostDecay_s);
-    keys.finish();
-    region.sound = modal;
-  } else {
-    region.sound = resolved(*node.find("clip"), folder);
-  }
-  return region;
-}
-
-AudioConfig parse_audio(const Node& node, const std::filesystem::path& folder) {
-  AudioConfig audio;
-  MapReader reader(node, "audio");
-  if (const Node* regions = reader.optional("regions")) {
-    if (!regions->is_sequence()) throw yaml::error_at(*regions, "regions is not a list", "a list of regions");
-    for (const Node& item : regions->items) audio.regions.push_back(parse_region(item, folder));
-  }
-  if (const Node* friction = reader.optional("friction_sound")) {
-    double gain = 0.5;
-    if (friction->kind != Node::Kind::null) {
-      MapReader keys(*friction, "friction_sound");
-      keys.read("gain", gain, 0.0, 10.0);
-      keys.finish();
-    }
-    audio.friction_sound_gain = gain;
-  }
-  reader.finish();
-  return audio;
 }
 
 ViewerConfig parse_viewer(const Node& node) {

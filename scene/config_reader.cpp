@@ -19,6 +19,27 @@ void read_material(yaml::MapReader& reader, std::string_view key, Material& mate
   material = static_cast<Material>(index);
 }
 
+void read_number(yaml::MapReader& reader, std::string_view key, std::optional<double>& value, double low, double high) {
+  if (reader.optional(key) == nullptr) return;
+  double number = low;
+  reader.read(key, number, low, high);
+  value = number;
+}
+
+std::array<double, 4> read_box(const yaml::Node& node) {
+  const std::vector<double> v = yaml::to_doubles(node, 4);
+  if (!(v[0] < v[2] && v[1] < v[3])) {
+    throw yaml::error_at(node, "the box is empty", "[xmin, ymin, xmax, ymax] with xmin < xmax and ymin < ymax");
+  }
+  return {v[0], v[1], v[2], v[3]};
+}
+
+std::filesystem::path resolved(const yaml::Node& node, const std::filesystem::path& folder) {
+  const std::filesystem::path path = yaml::to_text(node);
+  if (path.empty()) throw yaml::error_at(node, "the file name is empty", "a path relative to this file");
+  return path.is_absolute() || folder.empty() ? path : (folder / path).lexically_normal();
+}
+
 Eigen::Vector3d vector(const yaml::Node& node) {
   const std::vector<double> v = yaml::to_doubles(node, 3);
   return {v[0], v[1], v[2]};

@@ -1,6 +1,9 @@
 // What the readers of configuration blocks share; for the files scene/config*.cpp alone.
 #pragma once
 
+#include <array>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +24,15 @@ void read_mm(yaml::MapReader& reader, std::string_view key, double& value_m, dou
 /// Reads a name of the table of materials, when the key is present.
 void read_material(yaml::MapReader& reader, std::string_view key, Material& material);
 
+/// Reads a number, when the key is present.
+void read_number(yaml::MapReader& reader, std::string_view key, std::optional<double>& value, double low, double high);
+
+/// xmin ymin xmax ymax of a box that is not empty.
+[[nodiscard]] std::array<double, 4> read_box(const yaml::Node& node);
+
+/// A file name, relative to `folder`.
+[[nodiscard]] std::filesystem::path resolved(const yaml::Node& node, const std::filesystem::path& folder);
+
 [[nodiscard]] Eigen::Vector3d vector(const yaml::Node& node);
 
 /// At most one of the keys may be present; the index of it, or -1.
@@ -28,5 +40,8 @@ int exclusive(yaml::MapReader& reader, const std::vector<std::string>& keys);
 
 /// The block `filters`.
 [[nodiscard]] std::vector<FilterConfig> parse_filters(const yaml::Node& node);
+
+/// The block `audio`.
+[[nodiscard]] AudioConfig parse_audio(const yaml::Node& node, const std::filesystem::path& folder);
 
 }  // namespace sparsha::pipeline

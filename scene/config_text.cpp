@@ -154,23 +154,57 @@ std::string friction_text(const FrictionConfig& friction) {
   return text + "}\n";
 }
 
+std::string sound_text(const ModalConfig& modal) {
+  if (modal.modes.empty())
+    return fmt::format("modal: {{frequency_hz: {}, decay_s: {}}}", number(modal.frequency_hz), number(modal.decay_s));
+  std::string text = "modal: {modes: [";
+  for (const ModeConfig& mode : modal.modes) {
+    text += fmt::format("{}{{frequency_hz: {}, decay_s: {}, level_db: {}}}", text.back() == '[' ? "" : ", ",
+                        number(mode.frequency_hz), number(mode.decay_s), number(mode.level_db));
+  }
+  return text + "]}";
+}
+
+std::string sound_text(const std::filesystem::path& clip) { return "clip: " + quote(clip.generic_string()); }
+
+std::string sound_text(const MaterialSoundConfig& sound) {
+  std::string text = fmt::format("material: {{name: {}", touch_of(sound.material).name);
+  if (sound.frequency_hz) text += ", frequency_hz: " + number(*sound.frequency_hz);
+  if (sound.damping) text += ", damping: " + number(*sound.damping);
+  if (sound.brightness) text += ", brightness: " + number(*sound.brightness);
+  return text + "}";
+}
+
+std::string region_text(const AudioRegionConfig& region) {
+  std::string text = "    - {name: " + quote(region.name);
+  if (region.box_m) text += ", box_m: " + box(*region.box_m);
+  if (!region.polygon_m.empty()) {
+    text += ", polygon_m: [";
+    for (const auto& corner : region.polygon_m)
+      text += fmt::format("{}[{}, {}]", text.back() == '[' ? "" : ", ", number(corner[0]), number(corner[1]));
+    text += "]";
+  }
+  if (region.label) text += fmt::format(", label: {}", *region.label);
+  text += ", " + std::visit([](const auto& sound) { return sound_text(sound); }, region.sound);
+  if (region.loop == AudioRegionConfig::Loop::one_period) text += ", loop: one_period";
+  return text + "}\n";
+}
+
 std::string audio_text(const AudioConfig& audio) {
-  std::string text = audio.regions.empty() && !audio.friction_sound_gain ? "audio: {}\n" : "audio:\n";
+  std::string text = audio.find_pillars ? "  find: pillars\n" : "";
   if (!audio.regions.empty()) text += "  regions:\n";
-  for (const AudioRegionConfig& region : audio.regions) {
-    text += "    - {name: " + quote(region.name);
-    if (region.box_m) text += ", box_m: " + box(*region.box_m);
-    if (region.label) text += fmt::format(", label: {}", *region.label);
-    if (const auto* modal = std::get_if<ModalConfig>(&region.sound)) {
-      text += fmt::format(", modal: {{frequency_hz: {}, decay_s: {}}}", number(modal->frequency_hz),
-                          number(modal->decay_s));
-    } else {
-      text += ", clip: " + quote(std::get<std::filesystem::path>(region.sound).generic_string());
-    }
+  for (const AudioRegionConfig& region : audio.regions) text += region_text(region);
+  if (audio.labels) {
+    text += "  labels: {file: " + quote(audio.labels->file.generic_string());
+    if (audio.labels->bounds_m) text += ", bounds_m: " + box(*audio.labels->bounds_m);
     text += "}\n";
   }
-  if (audio.friction_sound_gain) text += "  friction_sound: {gain: " + number(*audio.friction_sound_gain) + "}\n";
-  return text;
+  if (audio.material) text += "  " + sound_text(*audio.material) + "\n";
+  if (audio.friction_sound_gain) {
+    text += fmt::format("  friction_sound: {{gain: {}{}}}\n", number(*audio.friction_sound_gain),
+                        audio.friction_sound_grain ? "" : ", grain: off");
+  }
+  return text.empty() ? "audio: {}\n" : "audio:\n" + text;
 }
 
 // What is left at its default is not written: scenes without it stay what they were.

@@ -46,7 +46,7 @@ std::string plain_stem(const fs::path& clip) {
   return stem;
 }
 
-// Clips get names of their own within the folder; the configuration then names the copies.
+// Clips and label images get names of their own within the folder; the configuration then names the copies.
 Config copy_clips(Config config, const fs::path& folder) {
   if (!config.audio) return config;
   std::map<fs::path, fs::path> copies;
@@ -62,6 +62,13 @@ Config copy_clips(Config config, const fs::path& folder) {
       copies[*clip] = copy;
     }
     *clip = copies[*clip];
+  }
+  if (config.audio->labels) {
+    const fs::path copy = fs::path("audio") / "labels.png";
+    const std::string bytes = read_file(config.audio->labels->file, std::size_t{1} << 30U);
+    fs::create_directories(folder / "audio");
+    write_file(folder / copy, bytes);
+    config.audio->labels->file = copy;
   }
   return config;
 }
@@ -294,6 +301,7 @@ ScenePointer open_scene(const fs::path& folder, Trust trust) {
     for (const AudioRegionConfig& region : description.config.audio->regions) {
       if (const auto* clip = std::get_if<fs::path>(&region.sound)) require_inside(*clip, "the clip");
     }
+    if (description.config.audio->labels) require_inside(description.config.audio->labels->file, "the label image");
   }
   for (std::size_t level = 0; level < description.levels.size(); ++level) {
     const fs::path path = level_folder(folder, level);

@@ -38,10 +38,13 @@ bool is_level_folder(std::string_view name) {
   return !name.empty() && name.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// The clips that the scene in a folder names, relative to it.
+// The clips and the label image that the scene in a folder names, relative to it.
 std::set<fs::path> clips_of(const yaml::Node& scene) {
   std::set<fs::path> clips;
   const yaml::Node* audio = scene.find("audio");
+  const yaml::Node* labels = audio != nullptr ? audio->find("labels") : nullptr;
+  const yaml::Node* image = labels != nullptr ? labels->find("file") : nullptr;
+  if (image != nullptr) clips.insert(fs::path(image->scalar).lexically_normal());
   const yaml::Node* regions = audio != nullptr ? audio->find("regions") : nullptr;
   if (regions == nullptr) return clips;
   for (const yaml::Node& region : regions->items) {

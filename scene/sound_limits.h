@@ -7,5 +7,8 @@ inline constexpr double kLeastFrequency_hz = 10.0;
 inline constexpr double kMostFrequency_hz = 16000.0;  ///< below 0.45 times any rate that sound is played at
 inline constexpr double kLeastDecay_s = 0.005;        ///< the time to fall by 60 dB
 inline constexpr double kMostDecay_s = 60.0;
+inline constexpr int kMostModes = 32;
+inline constexpr double kLeastDamping = 1e-5;  ///< loss factor
+inline constexpr double kMostDamping = 1.0;
 
 }  // namespace sparsha::pipeline

@@ -22,6 +22,7 @@ namespace sparsha::audio {
 namespace {
 
 constexpr std::size_t kMostText = 65536;
+constexpr std::size_t kMostOutput = std::size_t{64} << 20U;
 
 /// Attributes and file actions, freed in every case.
 struct SpawnSetup {
@@ -58,12 +59,24 @@ std::optional<std::filesystem::path> find_program(const std::vector<std::string>
 }
 
 std::unique_ptr<ChildProcess> ChildProcess::start(const std::filesystem::path& program,
-                                                  const std::vector<std::string>& arguments, std::string_view text) {
+                                                  const std::vector<std::string>& arguments, std::string_view text,
+                                                  Output output) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return nullptr;
+  int written[2] = {-1, -1};
+  if (output == Output::keep && pipe2(written, O_CLOEXEC) != 0) {
+    close(ends[0]);
+    close(ends[1]);
+    return nullptr;
+  }
   SpawnSetup setup;
   posix_spawn_file_actions_adddup2(&setup.files, ends[1], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&setup.files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  if (output == Output::keep) {
+    fcntl(written[0], F_SETFL, O_NONBLOCK);
+    posix_spawn_file_actions_adddup2(&setup.files, written[1], STDOUT_FILENO);
+  } else {
+    posix_spawn_file_actions_addopen(&setup.files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  }
   posix_spawn_file_actions_addopen(&setup.files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 34)
   posix_spawn_file_actions_addclosefrom_np(&setup.files, STDERR_FILENO + 1);
@@ -99,12 +112,34 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::filesystem::path& p
     }
   }
   close(ends[0]);
-  return status == 0 ? std::unique_ptr<ChildProcess>(new ChildProcess(process)) : nullptr;
+  if (written[1] >= 0) close(written[1]);
+  if (status == 0) return std::unique_ptr<ChildProcess>(new ChildProcess(process, written[0]));
+  if (written[0] >= 0) close(written[0]);
+  return nullptr;
 }
 
-ChildProcess::~ChildProcess() { kill(); }
+ChildProcess::~ChildProcess() {
+  kill();
+  if (output_ >= 0) close(output_);
+}
+
+void ChildProcess::read_output() {
+  char block[65536];
+  while (output_ >= 0 && written_.size() < kMostOutput) {
+    const ssize_t got = read(output_, block, sizeof block);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return;
+    written_.append(block, static_cast<std::size_t>(got));
+  }
+}
+
+const std::string& ChildProcess::output() {
+  read_output();
+  return written_;
+}
 
 bool ChildProcess::running() {
+  read_output();  // a full pipe would keep it waiting
   if (process_ <= 0) return false;
   const pid_t ended = waitpid(process_, nullptr, WNOHANG);
   if (ended == 0 || (ended < 0 && errno == EINTR)) return true;

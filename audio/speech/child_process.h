@@ -16,25 +16,31 @@ namespace sparsha::audio {
 /// Running until it ends by itself or is killed; the destructor kills it. One thread.
 class ChildProcess {
  public:
-  /// Starts `program` without a shell: default signals, no file of ours but its stdin, output discarded, ordinary
-  /// priority. `text` waits on its stdin (at most 64 KB). Null when it cannot be started.
+  enum class Output { discard, keep };
+  /// Starts `program` without a shell: default signals, no file of ours but its stdin, ordinary priority. `text` waits
+  /// on its stdin (at most 64 KB). What it writes is discarded, or kept for output(). Null when it cannot be started.
   [[nodiscard]] static std::unique_ptr<ChildProcess> start(const std::filesystem::path& program,
                                                            const std::vector<std::string>& arguments,
-                                                           std::string_view text);
+                                                           std::string_view text, Output output = Output::discard);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   /// False once it has ended.
   [[nodiscard]] bool running();
+  /// What it has written so far, 64 MB at most; whole once running() is false.
+  [[nodiscard]] const std::string& output();
   /// Ends it and what it has started, and waits for its end.
   void kill();
   /// Asks it to end, and kills it when it has not within `patience_ms`.
   void end(int patience_ms);
 
  private:
-  explicit ChildProcess(int process) : process_(process) {}
+  ChildProcess(int process, int output) : process_(process), output_(output) {}
+  void read_output();
   int process_;
+  int output_;  ///< to read from; -1: none
+  std::string written_;
 };
 
 }  // namespace sparsha::audio

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -29,11 +30,36 @@ std::string speakable(const std::string& text) {
   return result + "\n";
 }
 
+struct Words {
+  std::vector<float> samples;
+  double rate_hz = 0.0;
+};
+
+/// A WAV file of one channel and 16 bits as speech programs write it into a pipe: its header cannot know its length.
+Words words_of(const std::string& wav) {
+  Words words;
+  constexpr std::size_t kRateAt = 24, kBitsAt = 34;
+  const std::size_t data = wav.find("data", 36);
+  if (!wav.starts_with("RIFF") || data == std::string::npos || data + 8 > wav.size()) return words;
+  const auto number = [&](std::size_t at, std::size_t bytes) {
+    std::uint32_t value = 0;
+    for (std::size_t k = 0; k < bytes; ++k) value |= std::uint32_t{static_cast<unsigned char>(wav[at + k])} << (8 * k);
+    return value;
+  };
+  if (number(22, 2) != 1 || number(kBitsAt, 2) != 16) return words;
+  words.rate_hz = number(kRateAt, 4);
+  if (!(words.rate_hz >= 4000.0 && words.rate_hz <= 192000.0)) return {};
+  for (std::size_t at = data + 8; at + 1 < wav.size(); at += 2)
+    words.samples.push_back(static_cast<float>(static_cast<std::int16_t>(number(at, 2))) / 32768.0F);
+  return words;
+}
+
 }  // namespace
 
 struct Speech::Implementation {
   std::optional<std::filesystem::path> program;
   std::vector<std::string> arguments;
+  std::function<bool(std::vector<float>, double)> play;
 
   std::mutex mutex;
   std::condition_variable wake;
@@ -58,17 +84,40 @@ struct Speech::Implementation {
   void work() {
     std::unique_ptr<ChildProcess> child;
     Announcement current;
+    bool makes_words = false;  // the child's output is to be played
     auto began = std::chrono::steady_clock::now();
+    auto played_until = began;
     std::unique_lock lock(mutex);
     while (!stopping) {
-      const bool speaking = child != nullptr && child->running() && std::chrono::steady_clock::now() - began < kLongest;
-      if (!speaking) child.reset();
+      const auto now = std::chrono::steady_clock::now();
+      const bool runs = child != nullptr && child->running() && now - began < kLongest;
+      if (child && !runs && makes_words) {
+        makes_words = false;
+        const Words words = words_of(child->output());
+        child.reset();
+        if (!words.samples.empty() && play(words.samples, words.rate_hz)) {
+          played_until = now + std::chrono::milliseconds(static_cast<std::int64_t>(
+                                   1000.0 * static_cast<double>(words.samples.size()) / words.rate_hz));
+        } else {
+          began = now;
+          child = ChildProcess::start(*program, arguments, speakable(current.text));
+        }
+        continue;
+      }
+      const bool speaking = runs || now < played_until;
+      if (!runs) child.reset();
       if (std::optional<Announcement> next = take(speaking, current)) {
         lock.unlock();
         child.reset();
+        if (now < played_until) play({}, 0.0);
+        played_until = now;
         current = std::move(*next);
         began = std::chrono::steady_clock::now();
-        child = ChildProcess::start(*program, arguments, speakable(current.text));
+        makes_words = play != nullptr;
+        std::vector<std::string> words = arguments;
+        if (makes_words) words.emplace_back("--stdout");
+        child = ChildProcess::start(*program, words, speakable(current.text),
+                                    makes_words ? ChildProcess::Output::keep : ChildProcess::Output::discard);
         lock.lock();
       } else if (speaking) {
         wake.wait_for(lock, kWatch);
@@ -82,6 +131,7 @@ struct Speech::Implementation {
 Speech::Speech(const SpeechOptions& options) : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
   self.program = find_program(options.programs);
+  self.play = options.play;
   if (!self.program) return;
   self.arguments = {"--stdin", "-b", "1", "-s", std::to_string(options.words_per_minute)};
   if (!options.voice.empty()) self.arguments.insert(self.arguments.end(), {"-v", options.voice});

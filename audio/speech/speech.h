@@ -1,6 +1,7 @@
 // Announcements as speech: espeak-ng as a child process, when present.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@ namespace sparsha::audio {
 struct SpeechOptions {
   std::vector<std::string> programs{"espeak-ng", "espeak"};  ///< the first one on PATH speaks; text comes on its stdin
   int words_per_minute = 170;
+  /// Plays spoken words (one channel, and its rate) in the stream of the other sounds, for no words ends what it plays;
+  /// false when there is no such stream: then the program plays them itself. Called from a thread of Speech's own.
+  std::function<bool(std::vector<float> words, double rate_hz)> play;
   std::string voice;  ///< espeak's voice name, e.g. "en" or "hi"; empty = its default
 };
 

@@ -22,7 +22,7 @@ inline pipeline::AudioRegionConfig note(const std::string& name, std::array<doub
   pipeline::AudioRegionConfig region;
   region.name = name;
   region.box_m = box;
-  region.sound = pipeline::ModalConfig{frequency_hz, decay_s};
+  region.sound = pipeline::ModalConfig{frequency_hz, decay_s, {}};
   return region;
 }
 
@@ -63,6 +63,26 @@ inline haptics::ContactEvent lift(double time_s) {
   event.kind = haptics::ContactEvent::Kind::lift;
   event.time_s = time_s;
   return event;
+}
+
+/// A hand that presses with 1 N at a place, as the servo publishes it.
+inline haptics::State stroking(double time_s, double x, double y, double press_n = 1.0) {
+  haptics::State state;
+  state.tick = static_cast<std::uint64_t>(std::llround(time_s * 1000.0));
+  state.time_s = time_s;
+  state.proxy_m = state.place_m = {x, y, 0.0};
+  state.normal = {0.0, 0.0, 1.0};
+  state.force_n = {0.0, 0.0, press_n};
+  state.contact = press_n > 0.0 ? 1 : 0;
+  state.flags = haptics::kFlagTexture | haptics::kFlagArmed;
+  return state;
+}
+
+/// Rough stone of 1 m, 101 nodes per side.
+inline std::shared_ptr<const audio::Profile> rough_profile() {
+  const auto rough = [](double x, double y) { return 0.004 * std::sin(310.0 * x) * std::sin(290.0 * y + 1.0); };
+  return std::make_shared<const audio::Profile>(*sparsha::test::scene_of(rough, {101, 101, 0.01}),
+                                                audio::Profile::Window{0, 0, 0, 101, 101, true}, nullptr);
 }
 
 /// The next `seconds` of a synth, interleaved.

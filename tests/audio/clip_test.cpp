@@ -183,4 +183,53 @@ TEST(Clip, RegionsThatNameOneFileShareOneDecodedSound) {
   }
 }
 
+/// A note of some partials that decays.
+std::vector<float> decaying_note(double frequency_hz, int rate, double t60_s = 1.2) {
+  std::vector<float> note(static_cast<std::size_t>(1.5 * rate));
+  for (std::size_t i = 0; i < note.size(); ++i) {
+    const double t = static_cast<double>(i) / rate, turn = 2.0 * std::numbers::pi * frequency_hz * t;
+    note[i] = static_cast<float>(0.5 * std::exp(-6.9078 * t / t60_s) *
+                                 (std::sin(turn) + 0.3 * std::sin(2.0 * turn + 0.4) + 0.1 * std::sin(3.0 * turn)));
+  }
+  return note;
+}
+
+TEST(Clip, OnePeriodOfANoteIsLoopedAtItsPitchWithin1CentAndWithItsDecay) {
+  const audio_scene::Folder folder;
+  for (const double frequency : {97.3, 240.0, 451.7, 1234.5})
+    for (const int rate : {22050, 48000}) {
+      write_sound(folder / "note.wav", decaying_note(frequency, rate), 1, rate);
+      const Clip looped = loop_one_period(load_clip(folder / "note.wav", 48000), 48000, "note.wav");
+      ASSERT_GT(looped.frames(), 48000U);
+      const auto sound = listening::channel(looped.samples, 0);
+      const double heard =
+          listening::strongest_frequency(sound, 0.8 * frequency, 1.2 * frequency, 48000.0, 1000, 30000);
+      EXPECT_LT(std::abs(1200.0 * std::log2(heard / frequency)), 1.0) << frequency << " at " << rate;
+      EXPECT_NEAR(listening::t60_s(sound, heard, 48000.0, 0.05, 0.7) / 1.2, 1.0, 0.05);
+      // No click where an end meets a beginning: no sharper bend than the note itself has.
+      const auto note = listening::channel(load_clip(folder / "note.wav", 48000).samples, 0);
+      EXPECT_LT(listening::sharpest_corner(sound, 1000, sound.size()),
+                1.2 * listening::sharpest_corner(note, 10, note.size()));
+    }
+}
+
+TEST(Clip, WhatHasNoPitchCannotBeLooped) {
+  Clip clip;
+  clip.samples = std::vector<float>(2 * 48000, 0.0F);
+  EXPECT_THROW((void)loop_one_period(clip, 48000, "silence.wav"), Error);
+  clip.samples.resize(200);
+  EXPECT_THROW((void)loop_one_period(clip, 48000, "short.wav"), Error);
+}
+
+TEST(Clip, FlacAndOggAreReadToo) {
+  const audio_scene::Folder folder;
+  const auto note = decaying_note(240.0, 48000);
+  write_sound(folder / "note.flac", note, 1, 48000, SF_FORMAT_FLAC | SF_FORMAT_PCM_16);
+  write_sound(folder / "note.ogg", note, 1, 48000, SF_FORMAT_OGG | SF_FORMAT_VORBIS);
+  for (const char* name : {"note.flac", "note.ogg"}) {
+    const auto sound = listening::channel(load_clip(folder / name, 48000).samples, 0);
+    EXPECT_NEAR(listening::strongest_frequency(sound, 200.0, 280.0, 48000.0, 0, 48000), 240.0, 0.1) << name;
+  }
+}
+
 }  // namespace

@@ -76,14 +76,14 @@ TEST(WavSink, PlacesEveryStrikeAtItsServoTimeToTheSample) {
 
 TEST(WavSink, SameEventsGiveTheSameBytes) {
   const audio_scene::Folder folder;
+  const auto profile = audio_scene::rough_profile();
   const auto write = [&](const std::string& name, int bits) {
     WavSink sink(audio_scene::bank({note("sa", {0, 0, 1, 1}, 240.0, 0.3)}, 0.5), folder / name, bits);
     for (std::uint64_t tick = 1; tick <= 1000; ++tick) {
-      haptics::State state = at_tick(tick);
-      state.contact = tick > 300 && tick < 800 ? 1 : 0;
-      state.normal = {0.0, 0.0, 1.0};
-      state.force_n = {0.0, 0.0, 1.0};
-      state.slip_speed_m_per_s = 0.1;
+      const double time_s = static_cast<double>(tick) / 1000.0;
+      const haptics::State state =
+          audio_scene::stroking(time_s, 0.2 + 0.3 * time_s, 0.5, tick > 300 && tick < 800 ? 1.0 : 0.0);
+      if (tick == 1) sink.profile(profile, 0.0);
       if (tick == 300) sink.contact(audio_scene::touch(state.time_s, 0.5, 0.5, 1.0));
       sink.state(state);
     }

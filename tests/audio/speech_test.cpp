@@ -3,14 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <mutex>
+#include <numbers>
 #include <thread>
 
+#include "audio/live_voice.h"
 #include "audio/speech/child_process.h"
 #include "audio_scene.h"
+#include "listening.h"
 
 namespace {
 
@@ -142,6 +147,87 @@ TEST(Speech, AProgramThatClosesItsInputDoesNoHarm) {
   Speech speech;
   speech.say({std::string(1900, 'a'), Priority::information, 1});
   EXPECT_TRUE(program.heard("done"));
+}
+
+/// A stand-in that writes a tenth of a second of a square wave as espeak-ng does: a WAV whose header knows no length.
+constexpr const char* kWriteWave =
+    "cat >> \"$log\"\ncase \"$*\" in *--stdout*)\n"
+    "printf 'RIFF\\377\\377\\377\\177WAVEfmt "
+    "\\020\\0\\0\\0\\1\\0\\1\\0\\042\\126\\0\\0\\104\\254\\0\\0\\2\\0\\020\\0data\\377\\377\\377\\177'\n"
+    "i=0; while [ $i -lt 1102 ]; do printf '\\0\\100\\0\\300'; i=$((i+1)); done;;\n"
+    "*) echo aloud >> \"$log\";; esac\n";
+
+TEST(Speech, WordsAreGivenToTheStreamOfTheOtherSounds) {
+  const SpeechProgram program(kWriteWave);
+  std::mutex mutex;
+  std::vector<float> heard;
+  double rate = 0.0;
+  SpeechOptions options;
+  options.play = [&](std::vector<float> words, double rate_hz) {
+    const std::lock_guard lock(mutex);
+    heard = std::move(words);
+    rate = rate_hz;
+    return true;
+  };
+  Speech speech(options);
+  speech.say({"Lotus", Priority::information, 1});
+  for (int i = 0; i < 1000; ++i) {
+    {
+      const std::lock_guard lock(mutex);
+      if (!heard.empty()) break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(heard.size(), 2204U);
+  EXPECT_EQ(rate, 22050.0);
+  ASSERT_FALSE(heard.empty());
+  EXPECT_EQ(heard[0], 0.5F);
+  EXPECT_EQ(heard[1], -0.5F);
+  EXPECT_EQ(program.log().find("aloud"), std::string::npos);
+}
+
+TEST(Speech, WithoutAStreamTheProgramSpeaksItself) {
+  const SpeechProgram program(kWriteWave);
+  SpeechOptions options;
+  options.play = [](const std::vector<float>&, double) { return false; };
+  Speech speech(options);
+  speech.say({"Lotus", Priority::information, 1});
+  EXPECT_TRUE(program.heard("aloud"));
+}
+
+TEST(LiveVoice, SpeechIsHeardOverSoundsThatAre12DecibelsSofterMeanwhile) {
+  haptics::ContactQueue contacts(16);
+  haptics::Seqlock<haptics::State> state;
+  std::atomic<std::uint64_t> strikes{0};
+  const auto bank = audio_scene::bank({audio_scene::note("sa", {0, 0, 1, 1}, 240.0, 50.0)});
+  const auto play = [&](bool speaks) {
+    LiveVoice voice(bank, contacts, state, nullptr, strikes);
+    contacts.push(audio_scene::touch(0.0, 0.5, 0.5, 0.5));
+    auto words = std::make_shared<Clip>();
+    for (int i = 0; i < 24000; ++i) {
+      const auto sample = static_cast<float>(0.6 * std::sin(2.0 * std::numbers::pi * 2000.0 * i / 48000.0));
+      words->samples.insert(words->samples.end(), {sample, sample});
+    }
+    std::vector<float> sound;
+    std::vector<float> block(256);
+    for (int k = 0; k < 750; ++k) {  // 2 s
+      if (k == 200 && speaks) voice.speak(words);
+      voice.render(block);
+      sound.insert(sound.end(), block.begin(), block.end());
+    }
+    return listening::channel(sound, 0);
+  };
+  const auto alone = play(false), spoken = play(true);
+  const auto note = [](const listening::Samples& sound, double from_s) {
+    const auto begin = static_cast<std::size_t>(48000.0 * from_s);
+    return listening::amplitude_at(sound, 240.0, 48000.0, begin, begin + 9600);
+  };
+  EXPECT_NEAR(listening::decibel(note(spoken, 0.2) / note(alone, 0.2)), 0.0, 0.01);
+  EXPECT_NEAR(listening::decibel(note(spoken, 0.75) / note(alone, 0.75)), -12.0, 0.3);
+  EXPECT_NEAR(listening::decibel(note(spoken, 1.6) / note(alone, 1.6)), 0.0, 0.1);
+  EXPECT_NEAR(listening::amplitude_at(spoken, 2000.0, 48000.0, 30000, 45000), 0.6, 0.01);
+  EXPECT_LT(listening::peak(spoken), 1.0);
 }
 
 TEST(Speech, TheRealProgramTakesWordsFromStandardInput) {

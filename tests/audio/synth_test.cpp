@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "audio_scene.h"
+#include "base/png.h"
 #include "listening.h"
 #include "tests/support/allocations.h"
 
@@ -54,7 +56,7 @@ TEST(Synth, SoundsOnceAContactAndOnlyOnTouch) {
   EXPECT_FALSE(synth.contact(touch(1.4, 0.5, 0.5, std::nan("")), 67200));
 }
 
-/// A busy second: 300 strikes of 20 pillars and strokes between, seeded.
+/// A busy second: 300 strikes of 20 pillars and strokes across them, seeded.
 std::vector<float> busy(std::size_t block) {
   std::vector<pipeline::AudioRegionConfig> regions;
   for (int i = 0; i < 20; ++i)
@@ -66,8 +68,12 @@ std::vector<float> busy(std::size_t block) {
     const auto frame = static_cast<std::uint64_t>(48000.0 * unit(random));
     const auto region = static_cast<std::size_t>(20.0 * unit(random)) % 20;
     synth.strike({region, 3.0 * unit(random), unit(random)}, frame);
-    if (i % 3 == 0) synth.scrape({0.2 * unit(random), 3.0 * unit(random), unit(random)}, frame);
   }
+  const auto profile = audio_scene::rough_profile();
+  synth.profile(profile, 0);
+  for (double t = 0.0; t < 1.0; t += 1e-3)
+    synth.state(audio_scene::stroking(t, 0.5 + 0.3 * std::sin(5.0 * t), 0.4, std::max(0.0, std::sin(40.0 * t))),
+                static_cast<std::uint64_t>(48000.0 * t));
   return audio_scene::render(synth, 1.5, block);
 }
 
@@ -82,7 +88,11 @@ TEST(Synth, TruePeakStaysUnderMinusOneDecibelWhateverIsStruck) {
   Synth synth(bank(regions, 1.0));
   for (std::size_t i = 0; i < 12; ++i)
     for (std::uint64_t k = 0; k < 4; ++k) synth.strike({i, 20.0, 0.3}, 100 + 900 * i + 9000 * k);
-  synth.scrape({0.5, 8.0, 0.9}, 0);
+  const auto profile = audio_scene::rough_profile();
+  synth.profile(profile, 0);
+  for (double time_s = 0.0; time_s < 1.0; time_s += 1e-3)
+    synth.state(audio_scene::stroking(time_s, 0.1 + 0.5 * time_s, 0.4, 8.0),
+                static_cast<std::uint64_t>(48000.0 * time_s));
   const auto sound = listening::channel(audio_scene::render(synth, 1.5), 0);
   EXPECT_GT(listening::peak(sound), 0.7) << "the limiter should have had something to do";
   EXPECT_LE(listening::peak(sound), kCeiling + 1e-7);
@@ -109,11 +119,13 @@ TEST(Synth, StealingPillarsMakesNoClick) {
 TEST(Synth, RenderingAllocatesNothing) {
   Synth synth(bank({note("sa", {0, 0, 0.5, 1}, 240.0, 1.2), note("re", {0.5, 0, 1, 1}, 270.0, 1.2)}, 0.5));
   std::vector<float> block(512);
+  const auto profile = audio_scene::rough_profile();
   const std::size_t before = allocations::count();
   for (int i = 0; i < 200; ++i) {
     synth.contact(touch(0.1 * i, i % 2 == 0 ? 0.2 : 0.7, 0.5, 1.0), synth.frame());
     synth.contact(audio_scene::lift(0.1 * i + 0.05), synth.frame());
-    synth.scrape({0.1, 1.0, 0.4}, synth.frame() + 20);
+    synth.profile(profile, synth.frame());
+    synth.state(audio_scene::stroking(0.1 * i + 0.01, 0.3 + 0.001 * i, 0.5), synth.frame() + 20);
     synth.render(block);
   }
   EXPECT_EQ(allocations::count(), before);
@@ -142,6 +154,160 @@ TEST(Synth, TheSameStrikeAtAHundredPhasesOfTheTickIsEquallyLoudWithinOneDecibel)
     most = std::max(most, level);
   }
   EXPECT_LT(most - least, 1.0);
+}
+
+TEST(Synth, AHandThatSlidesOntoAnotherRegionPlaysItOnceAndGoesOnToTheNext) {
+  // Three notes of 3 cm, a gap of 1 cm between them; at 10 cm/s, then the same way back.
+  const auto regions =
+      std::vector{note("sa", {0.00, 0, 0.03, 1}, 240.0, 0.5), note("re", {0.04, 0, 0.07, 1}, 270.0, 0.5),
+                  note("ga", {0.08, 0, 0.11, 1}, 300.0, 0.5)};
+  Synth synth(bank(regions));
+  EXPECT_TRUE(synth.contact(touch(0.0, 0.01, 0.5, 1.0), 0));
+  std::vector<double> played;
+  for (double t = 0.001; t < 1.6; t += 0.002) {
+    auto state = audio_scene::stroking(t, t < 0.8 ? 0.01 + 0.1 * t : 0.17 - 0.1 * t, 0.5);
+    state.slip_speed_m_per_s = 0.1;
+    if (synth.state(state, static_cast<std::uint64_t>(48000.0 * t))) played.push_back(t);
+  }
+  ASSERT_EQ(played.size(), 4U);
+  const std::array<double, 4> entered = {0.3, 0.7, 1.0, 1.4};
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_GE(played[k], entered[k]) << "never before the hand is there";
+    EXPECT_LE(played[k], entered[k] + 0.008);
+  }
+}
+
+TEST(Synth, AHandThatRestsOrTremblesOnABorderPlaysNothing) {
+  Synth synth(bank({note("sa", {0, 0, 0.5, 1}, 240.0, 0.5), note("re", {0.5, 0, 1, 1}, 270.0, 0.5)}));
+  synth.contact(touch(0.0, 0.499, 0.5, 1.0), 0);
+  for (int i = 1; i < 2000; ++i) {
+    auto state = audio_scene::stroking(i * 1e-3, i / 7 % 2 == 0 ? 0.4999 : 0.5001, 0.5);
+    state.slip_speed_m_per_s = 0.006;
+    EXPECT_FALSE(synth.state(state, static_cast<std::uint64_t>(48 * i)));
+  }
+}
+
+TEST(Synth, OfAThousandStrikesNoneIsLostAndNoneIsDoubled) {
+  // Strikes of 20 ms at the pace of a fast hand, each seen as an event and by the states of the contact.
+  std::vector<pipeline::AudioRegionConfig> regions;
+  for (int i = 0; i < 8; ++i) regions.push_back(note("n", {i / 8.0, 0, (i + 1) / 8.0, 1}, 200.0 + 30.0 * i, 0.4));
+  Synth synth(bank(regions));
+  int heard = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double t = 0.07 * i, x = (i % 8 + 0.5) / 8.0;
+    heard += synth.contact(touch(t, x, 0.5, 0.5), static_cast<std::uint64_t>(48000.0 * t)) ? 1 : 0;
+    for (int k = 1; k < 20; k += 2)
+      heard +=
+          synth.state(audio_scene::stroking(t + 1e-3 * k, x, 0.5), static_cast<std::uint64_t>(48000.0 * t)) ? 1 : 0;
+    heard += synth.contact(audio_scene::lift(t + 0.02), static_cast<std::uint64_t>(48000.0 * t)) ? 1 : 0;
+    audio_scene::render(synth, 0.07);
+  }
+  EXPECT_EQ(heard, 1000);
+  EXPECT_EQ(synth.dropped(), 0U);
+}
+
+TEST(Synth, NoDenormalNumberLeavesAndNoneStaysInside) {
+  // Beside a mode that rings for a minute, one that is over in 5 ms would fall to 1e-320.
+  pipeline::AudioRegionConfig region = note("sa", {0, 0, 1, 1}, 240.0, 1.0);
+  pipeline::ModalConfig modal;
+  modal.modes = {{60.0, 60.0, 0.0}, {3000.0, 0.005, 0.0}};
+  region.sound = modal;
+  Synth synth(bank({region}));
+  synth.strike({0, 1.0, 0.5}, 0);
+  for (const float value : audio_scene::render(synth, 20.0)) ASSERT_NE(std::fpclassify(value), FP_SUBNORMAL);
+}
+
+TEST(Materials, EachSoundsWithItsModesAndDecays) {
+  for (std::size_t m = 0; m < pipeline::kMaterials.size(); ++m) {
+    pipeline::AudioRegionConfig region = note("x", {0, 0, 1, 1}, 1.0, 1.0);
+    pipeline::MaterialSoundConfig material;
+    material.material = static_cast<pipeline::Material>(m);
+    region.sound = material;
+    Synth synth(bank({region}));
+    synth.strike({0, 1.0, 0.5}, 0);
+    const auto sound = listening::channel(audio_scene::render(synth, 2.0), 0);
+    const pipeline::MaterialSound& table = pipeline::kMaterials[m].sound;
+    const double t60 = 2.2 / (table.damping * table.frequency_hz);
+    const auto end = static_cast<std::size_t>(48000.0 * std::min(1.9, 0.05 + 0.7 * t60));
+    const double heard =
+        listening::strongest_frequency(sound, 0.9 * table.frequency_hz, 1.1 * table.frequency_hz, 48000.0, 1200, end);
+    EXPECT_NEAR(heard / table.frequency_hz, 1.0, 0.002) << pipeline::kMaterials[m].name;
+    if (t60 > 0.3) {
+      EXPECT_NEAR(listening::t60_s(sound, table.frequency_hz, 48000.0, 0.03, std::min(1.9, 0.7 * t60)) / t60, 1.0, 0.02)
+          << pipeline::kMaterials[m].name;
+    }
+  }
+}
+
+TEST(Materials, FrequencyDampingAndBrightnessOfARegionReplaceTheTables) {
+  pipeline::MaterialSoundConfig material;
+  material.material = pipeline::Material::bronze;
+  material.frequency_hz = 400.0;
+  material.damping = 0.005;
+  material.brightness = 0.0;
+  pipeline::AudioRegionConfig region = note("x", {0, 0, 1, 1}, 1.0, 1.0);
+  region.sound = material;
+  Synth synth(bank({region}));
+  synth.strike({0, 1.0, 0.5}, 0);
+  const auto sound = listening::channel(audio_scene::render(synth, 1.5), 0);
+  EXPECT_NEAR(listening::strongest_frequency(sound, 100.0, 5000.0, 48000.0, 1200, 40000), 400.0, 0.3);
+  EXPECT_NEAR(listening::t60_s(sound, 400.0, 48000.0, 0.05, 0.8), 2.2 / (0.005 * 400.0), 0.02);
+  const double second = listening::amplitude_at(sound, 1.73 * 400.0, 48000.0, 1200, 20000);
+  EXPECT_LT(listening::decibel(second / listening::amplitude_at(sound, 400.0, 48000.0, 1200, 20000)), -60.0);
+}
+
+TEST(Materials, OfTheWholeSceneAnswerATapEverywhereButRegionsAndPartsComeFirst) {
+  pipeline::AudioConfig audio;
+  audio.regions = {note("sa", {0, 0, 0.2, 1}, 240.0, 1.0)};
+  audio.material = pipeline::MaterialSoundConfig{};
+  const auto scene = sparsha::test::scene_of([](double, double) { return 0.0; }, {2, 2, 1.0},
+                                             [&](pipeline::SceneDescription& made) {
+                                               made.config.audio = audio;
+                                               pipeline::PartConfig part;
+                                               part.name = "door";
+                                               part.box_m = {0.1, 0, 0.5, 1};
+                                               part.touch.material = pipeline::Material::wood;
+                                               made.config.parts = {part};
+                                             });
+  const auto sounds = make_sound_bank(*scene, 48000);
+  EXPECT_EQ(sounds->region_at(0.15, 0.5), 0U);
+  ASSERT_TRUE(sounds->region_at(0.3, 0.5));
+  EXPECT_EQ(sounds->regions[*sounds->region_at(0.3, 0.5)].name, "door");
+  ASSERT_TRUE(sounds->region_at(7.0, -3.0));
+  EXPECT_TRUE(sounds->regions[*sounds->region_at(7.0, -3.0)].everywhere);
+  Synth synth(sounds);
+  EXPECT_TRUE(synth.contact(touch(0.0, 0.8, 0.8, 1.0), 0));
+}
+
+TEST(Regions, PolygonsAndLabelImagesHoldTheirPlaces) {
+  const audio_scene::Folder folder;
+  // 3 x 2 pixels: the top row is 7 0 9.
+  const std::vector<std::uint8_t> pixels = {0, 7, 0, 0, 0, 9, 0, 0, 0, 7, 0, 0};
+  PngFormat format;
+  format.width = 3;
+  format.height = 2;
+  format.pixel = PngFormat::Pixel::grey16;
+  write_png(folder / "labels.png", format, pixels);
+  auto polygon = note("re", {0, 0, 0, 0}, 270.0, 1.0);
+  polygon.box_m.reset();
+  polygon.polygon_m = {{2.0, 2.0}, {4.0, 2.0}, {2.0, 4.0}};
+  auto label = note("sa", {0, 0, 0, 0}, 240.0, 1.0);
+  label.box_m.reset();
+  label.label = 7;
+  pipeline::AudioConfig audio;
+  audio.regions = {polygon, label};
+  audio.labels = pipeline::LabelImageConfig{folder / "labels.png", std::array<double, 4>{0, 0, 3, 2}};
+  const auto scene = sparsha::test::scene_of([](double, double) { return 0.0; }, {2, 2, 1.0},
+                                             [&](pipeline::SceneDescription& made) { made.config.audio = audio; });
+  const auto sounds = make_sound_bank(*scene, 48000);
+  EXPECT_TRUE(sounds->warnings.empty());
+  EXPECT_EQ(sounds->region_at(2.5, 2.5), 0U);
+  EXPECT_EQ(sounds->region_at(3.5, 3.5), std::nullopt);
+  EXPECT_EQ(sounds->region_at(0.5, 1.5), 1U);
+  EXPECT_EQ(sounds->region_at(1.5, 0.5), 1U);
+  EXPECT_EQ(sounds->region_at(0.5, 0.5), std::nullopt);
+  EXPECT_EQ(sounds->region_at(2.5, 1.5), std::nullopt);
+  EXPECT_EQ(sounds->region_at(std::nan(""), 0.0), std::nullopt);
 }
 
 }  // namespace

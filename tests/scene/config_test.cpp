@@ -134,6 +134,27 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"part's stiffness",
        kScan + "parts: [{name: a, box_m: [0,0,1,1], stiffness_n_per_m: -1}]\n",
        {"stiffness_n_per_m"}},
+      {"region without place",
+       kScan + "audio: {regions: [{name: x, modal: {}}]}\n",
+       {"region 'x' has no place", "find: pillars"}},
+      {"loop of a note",
+       kScan + "audio: {regions: [{name: x, box_m: [0,0,1,1], modal: {}, loop: one_period}]}\n",
+       {"'loop' belongs to 'clip'"}},
+      {"polygon of two corners",
+       kScan + "audio: {regions: [{name: x, polygon_m: [[0,0],[1,1]], modal: {}}]}\n",
+       {"fewer than three corners"}},
+      {"polygon without area",
+       kScan + "audio: {regions: [{name: x, polygon_m: [[0,0],[1,1],[2,2]], modal: {}}]}\n",
+       {"the polygon has no area"}},
+      {"modes and a note",
+       kScan + "audio: {regions: [{name: x, box_m: [0,0,1,1], modal: {frequency_hz: 200, modes: []}}]}\n",
+       {"'modes' and other keys"}},
+      {"no modes",
+       kScan + "audio: {regions: [{name: x, box_m: [0,0,1,1], modal: {modes: []}}]}\n",
+       {"modes is not a list of 1 to 32 modes"}},
+      {"sound of no material", kScan + "audio: {material: stone}\n", {"material is 'stone'", "granite"}},
+      {"damping", kScan + "audio: {material: {name: wood, damping: 2}}\n", {"damping"}},
+      {"what is found", kScan + "audio: {find: pilars}\n", {"find is 'pilars'", "did you mean 'pillars'?"}},
       {"region without sound", kScan + "audio: {regions: [{name: x, box_m: [0,0,1,1]}]}\n", {"has no sound"}},
       {"region with two",
        kScan + "audio: {regions: [{name: x, label: 1, box_m: [0,0,1,1], clip: a}]}\n",
@@ -170,8 +191,14 @@ haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, creases: sharp, ra
 parts: [{name: a, say: "A, b: c", box_m: [0, 0, 1, 1]},
   {name: b, box_m: [0, 0, 1, 1], stiffness_n_per_m: 350.5, mu_dynamic: 0.3, mu_static: 0.45, material: marble}]
 audio:
-  regions: [{name: sa, box_m: [0, 0, 1, 1], modal: {frequency_hz: 240.5, decay_s: 0.7}}, {name: re, label: 2, clip: re.wav}]
-  friction_sound: {gain: 0.25}
+  find: pillars
+  regions: [{name: sa, box_m: [0, 0, 1, 1], modal: {frequency_hz: 240.5, decay_s: 0.7}}, {name: re, label: 2, clip: re.wav},
+    {name: ga, polygon_m: [[0, 0], [1, 0], [0.5, 1.25]], clip: ga.ogg, loop: one_period}, {name: ma, material: wood},
+    {name: pa, box_m: [0, 0, 1, 1], material: {name: marble, frequency_hz: 500.5, damping: 0.01, brightness: 0.5}},
+    {name: dha, label: 7, modal: {modes: [{frequency_hz: 200.25, decay_s: 1.5}, {frequency_hz: 511, decay_s: 0.5, level_db: -6.5}]}}]
+  labels: {file: labels.png, bounds_m: [0, 0, 2, 1]}
+  material: {name: bronze, damping: 0.002}
+  friction_sound: {gain: 0.25, grain: off}
 viewer: {colour: friction, stereo: anaglyph}
 )";
   const Config config = parse_config(yaml::parse_text(text, "c.yaml"), {});
@@ -209,7 +236,24 @@ viewer: {colour: friction, stereo: anaglyph}
   EXPECT_EQ(again.parts[1].touch.mu_static, 0.45);
   EXPECT_EQ(again.parts[1].touch.material, Material::marble);
   EXPECT_EQ(again.check->samples, 0);
-  EXPECT_EQ(std::get<ModalConfig>(again.audio->regions[0].sound).frequency_hz, 240.5);
+  const auto& regions = again.audio->regions;
+  ASSERT_EQ(regions.size(), 6U);
+  EXPECT_EQ(std::get<ModalConfig>(regions[0].sound).frequency_hz, 240.5);
+  EXPECT_EQ(regions[2].polygon_m, (std::vector<std::array<double, 2>>{{0, 0}, {1, 0}, {0.5, 1.25}}));
+  EXPECT_EQ(regions[2].loop, AudioRegionConfig::Loop::one_period);
+  EXPECT_FALSE(regions[3].has_place());
+  EXPECT_EQ(std::get<MaterialSoundConfig>(regions[3].sound).material, Material::wood);
+  EXPECT_EQ(std::get<MaterialSoundConfig>(regions[4].sound).frequency_hz, 500.5);
+  EXPECT_EQ(std::get<MaterialSoundConfig>(regions[4].sound).damping, 0.01);
+  EXPECT_EQ(std::get<MaterialSoundConfig>(regions[4].sound).brightness, 0.5);
+  ASSERT_EQ(std::get<ModalConfig>(regions[5].sound).modes.size(), 2U);
+  EXPECT_EQ(std::get<ModalConfig>(regions[5].sound).modes[1].level_db, -6.5);
+  EXPECT_TRUE(again.audio->find_pillars);
+  EXPECT_EQ(again.audio->labels->file, "labels.png");
+  EXPECT_EQ(again.audio->labels->bounds_m, (std::array<double, 4>{0, 0, 2, 1}));
+  EXPECT_EQ(again.audio->material->material, Material::bronze);
+  EXPECT_EQ(again.audio->material->damping, 0.002);
+  EXPECT_FALSE(again.audio->friction_sound_grain);
 }
 
 TEST(Config, WithoutImpactGrainAndMaterialIsWrittenAsItWasBeforeThereWereAny) {
