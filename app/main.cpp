@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
   add_register(app, common, run);
   add_info(app, common, run);
   add_device(app, common, run);
+  add_sound(app, common, run);
 
   // What stands behind -- is another program's, dashes and all.
   const std::vector<std::string> words(argv + 1, argv + argc);
