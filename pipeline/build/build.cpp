@@ -16,6 +16,7 @@
 #include "base/system.h"
 #include "base/text.h"
 #include "base/thread_pool.h"
+#include "pipeline/build/pillar_regions.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/build/warnings.h"
 #include "pipeline/layers/layers.h"
@@ -155,6 +156,10 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
     config.orientation.face.reset();
     config.orientation.face_up.reset();
     config.orientation.scan_to_grid = scans.scan_to_grid;
+  }
+  if (config.audio && config.audio->find_pillars) {
+    progress.begin("pillars");
+    place_on_pillars(*config.audio, find_pillars(scans.sample_m), scans.scan_to_grid, progress);
   }
   scene.config = config;
   scene.sources = std::move(scans.sources);

@@ -120,6 +120,9 @@ class Builder {
     throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
                 "TMPDIR, if set, naming a folder");
   }
+  [[nodiscard]] bool finds_pillars() const {
+    return !options_.grid_only && config_.audio && config_.audio->find_pillars;
+  }
   [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
 
   [[nodiscard]] bool points_fit(const ScanSet& scans) const {
@@ -166,6 +169,13 @@ class Builder {
       add_steps(std::move(steps));
     }
     if (!filters_.empty()) result_.kept_m = sample_of_kept(*cloud).points();
+    if (finds_pillars()) {
+      constexpr std::size_t kEnough = 60000;
+      PointSample sample(kEnough);
+      for (std::size_t i = 0; i < cloud->size(); ++i)
+        sample.add(cloud->origin_m + Eigen::Map<const Eigen::Vector3f>(cloud->xyz1() + 4 * i).cast<double>());
+      result_.sample_m = sample.points();
+    }
 
     cloud->stations = stations;  // filters make new clouds
     if (!oriented_) find_orientation(sample_of_kept(*cloud).points(), stations);
@@ -318,13 +328,14 @@ class Builder {
   void build_out_of_core(const ScanSet& scans) {
     progress_.begin("spill");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
-    if (!oriented_) streamed.sample_kept();
+    if (!oriented_ || finds_pillars()) streamed.sample_kept();
     CloudOnDisk cloud =
         spill(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity, spill_folder(), progress_);
     if (cloud.size() == 0) throw no_points(config_);
     result_.points = {};
     result_.points.invalid = cloud.invalid;
     result_.kept_m = cloud.filters.kept.points();
+    if (finds_pillars()) result_.sample_m = result_.kept_m;
     add_steps(std::move(cloud.filters));
     result_.points.read = cloud.size() + cloud.invalid + result_.points.filtered;
 

@@ -22,6 +22,7 @@ struct ProjectedScans {
   Report::Points points;
   std::vector<Report::Filter> filters;
   std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame; empty without filters
+  std::vector<Eigen::Vector3d> sample_m;  ///< the same, when the configuration looks for pillars
   /// Checks the finished grid (which it may hold meanwhile) against the points; null when nothing asks for it.
   std::function<CheckResult(DepthGrid& grid)> check;
 };

@@ -85,6 +85,13 @@ struct FormReader {
     reader.read("inscription", f.inscription);
   }
   void operator()(FacadeForm& f) const { read_mm(reader, "window_mm", f.window_m, 0.0, 1.0); }
+  void operator()(HallForm& f) const {
+    reader.read("minor", f.minor, 0, 1000);
+    read_mm(reader, "major_mm", f.major_m, 1e-6, kMaxSize);
+    read_mm(reader, "minor_mm", f.minor_m, 1e-6, kMaxSize);
+    read_mm(reader, "gap_mm", f.gap_m, 0.0, kMaxSize);
+    read_mm(reader, "grain_mm", f.grain_m, 0.0, 0.01);
+  }
 };
 
 SurfaceConfig parse_surface(const Node& node) {
@@ -92,9 +99,10 @@ SurfaceConfig parse_surface(const Node& node) {
   SurfaceConfig surface;
   int form = 0;
   reader.required("form");
-  reader.read_choice("form", form, {"plane", "sinusoid", "accuracy", "bars", "relief", "facade"});
-  const std::array<Form, 6> forms{PlaneForm{}, SinusoidForm{}, AccuracyForm{}, BarsForm{}, ReliefForm{}, FacadeForm{}};
-  const std::array<std::array<double, 2>, 6> sizes{{{1, 1}, {1, 1}, {1, 1}, {1, 1}, {0.36, 0.44}, {8, 5}}};
+  reader.read_choice("form", form, {"plane", "sinusoid", "accuracy", "bars", "relief", "facade", "hall"});
+  const std::array<Form, 7> forms{PlaneForm{},  SinusoidForm{}, AccuracyForm{}, BarsForm{},
+                                  ReliefForm{}, FacadeForm{},   HallForm{}};
+  const std::array<std::array<double, 2>, 7> sizes{{{1, 1}, {1, 1}, {1, 1}, {1, 1}, {0.36, 0.44}, {8, 5}, {4.0, 2.4}}};
   surface.form = forms[static_cast<std::size_t>(form)];
   std::array<double, 2> size = sizes[static_cast<std::size_t>(form)];
   reader.read("size_m", size);

@@ -1,10 +1,11 @@
-// Sinusoid, accuracy scene, bars and facade.
+// Sinusoid, accuracy scene, bars, facade and hall.
 #include "pipeline/simulate/forms.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "pipeline/simulate/noise_field.h"
 #include "pipeline/simulate/plain_math.h"
 
 namespace sparsha::pipeline {
@@ -68,7 +69,45 @@ double box_border(double u, double v, double half, double low, double high) {
   return std::sqrt(a * a + b * b);
 }
 
+// The hall: bases and capitals are thicker by a third over a twelfth of the height.
+constexpr double kCollar = 1.3, kCollarHeight = 1.0 / 12.0;
+constexpr std::uint64_t kHallSeed = 0x4A11;
+
+struct HallPillar {
+  double x = 0.0;       // of its axis
+  double radius = 0.0;  // at the height asked for
+};
+/// The one whose axis is nearest to x.
+HallPillar nearest_pillar(const HallForm& form, double width, double height, double x, double y) {
+  const int all = form.minor + 1;
+  const int middle = (form.minor + 1) / 2;
+  const double pitch = width / all;
+  const int k = std::clamp(static_cast<int>(std::floor(x / pitch)), 0, all - 1);
+  const bool collar = y < kCollarHeight * height || y > (1.0 - kCollarHeight) * height;
+  return {(k + 0.5) * pitch, (k == middle ? form.major_m : form.minor_m) * (collar ? kCollar : 1.0)};
+}
+
 }  // namespace
+
+double hall_z(const HallForm& form, double width, double height, double x, double y) {
+  const double size = 0.01;  // metres a grain
+  const double grain = form.grain_m * fractal_noise(kHallSeed, x / size, y / size, 4, 0.6);
+  const HallPillar pillar = nearest_pillar(form, width, height, x, y);
+  const double dx = x - pillar.x;
+  if (std::fabs(dx) >= pillar.radius) return grain;
+  return grain + form.gap_m + std::sqrt(pillar.radius * pillar.radius - dx * dx);
+}
+
+double hall_step_distance(const HallForm& form, double width, double height, double x, double y) {
+  const HallPillar pillar = nearest_pillar(form, width, height, x, y);
+  const double flank = std::fabs(std::fabs(x - pillar.x) - pillar.radius);
+  const double collar = kCollarHeight * height;
+  return std::min({flank, std::fabs(y - collar), std::fabs(height - collar - y)});
+}
+
+std::array<double, 2> form_range(const HallForm& form) {
+  return {-4.0 * form.grain_m, form.gap_m + kCollar * std::max(form.major_m, form.minor_m) + 4.0 * form.grain_m};
+}
 
 double form_z(const SinusoidForm& form, double x, double y) {
   return form.amplitude_m * plain::sin_turns(x / form.wavelength_m) * plain::sin_turns(y / form.wavelength_m);

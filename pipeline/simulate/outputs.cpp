@@ -23,7 +23,7 @@ std::string list(const Vector& vector) {
 std::array<double, 3> array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 const char* form_name(const Form& form) {
-  constexpr std::array<const char*, 6> kNames{"plane", "sinusoid", "accuracy", "bars", "relief", "facade"};
+  constexpr std::array<const char*, 7> kNames{"plane", "sinusoid", "accuracy", "bars", "relief", "facade", "hall"};
   return kNames[form.index()];
 }
 

@@ -24,6 +24,10 @@ Surface::Surface(const SurfaceConfig& config) : config_(config) {
   if (const auto* bars = std::get_if<BarsForm>(&config.form); bars != nullptr && !(bars->width_m < bars->pitch_m)) {
     throw usage_error("the bars are as wide as their pitch", "expected width_mm below pitch_mm");
   }
+  if (const auto* hall = std::get_if<HallForm>(&config.form);
+      hall != nullptr && !(3.0 * std::max(hall->major_m, hall->minor_m) < config.width_m / (hall->minor + 1))) {
+    throw usage_error("the pillars leave no room between them", "expected fewer or thinner pillars, or a wider hall");
+  }
   if (const auto* relief = std::get_if<ReliefForm>(&config.form)) {
     relief_ = draw_relief(*relief, config.width_m, config.height_m);
   }
@@ -42,6 +46,9 @@ double Surface::z(double x, double y) const {
     double operator()(const BarsForm& f) const { return form_z(f, x, y); }
     double operator()(const ReliefForm&) const { return relief_z(*surface.relief_, x, y); }
     double operator()(const FacadeForm& f) const { return form_z(f, x, y); }
+    double operator()(const HallForm& f) const {
+      return hall_z(f, surface.config_.width_m, surface.config_.height_m, x, y);
+    }
   };
   return std::visit(Height{*this, x, y}, config_.form);
 }
@@ -57,6 +64,8 @@ double Surface::step_distance_m(double x, double y) const {
   if (const auto* f = std::get_if<AccuracyForm>(&config_.form)) return form_step_distance(*f, x, y);
   if (const auto* f = std::get_if<BarsForm>(&config_.form)) return form_step_distance(*f, x, y);
   if (const auto* f = std::get_if<FacadeForm>(&config_.form)) return form_step_distance(*f, x, y);
+  if (const auto* f = std::get_if<HallForm>(&config_.form))
+    return hall_step_distance(*f, config_.width_m, config_.height_m, x, y);
   return std::numeric_limits<double>::infinity();
 }
 
@@ -81,6 +90,7 @@ std::array<double, 2> Surface::z_range() const {
     std::array<double, 2> operator()(const BarsForm& f) const { return {0.0, f.bar_m}; }
     std::array<double, 2> operator()(const ReliefForm& f) const { return relief_range(f); }
     std::array<double, 2> operator()(const FacadeForm& f) const { return form_range(f); }
+    std::array<double, 2> operator()(const HallForm& f) const { return form_range(f); }
   };
   return std::visit(Range{config_}, config_.form);
 }

@@ -44,7 +44,15 @@ struct ReliefForm {
 struct FacadeForm {
   double window_m = 0.16;  ///< depth of the reveals
 };
-using Form = std::variant<PlaneForm, SinusoidForm, AccuracyForm, BarsForm, ReliefForm, FacadeForm>;
+/// A row of round pillars on bases before a wall: one major pillar in the middle, the minor ones evenly to both sides.
+struct HallForm {
+  int minor = 7;          ///< how many; the larger half stands to the left
+  double major_m = 0.15;  ///< radii
+  double minor_m = 0.06;
+  double gap_m = 0.10;      ///< from the wall to the axis of each pillar
+  double grain_m = 0.0004;  ///< standard deviation of the stone's grain, about
+};
+using Form = std::variant<PlaneForm, SinusoidForm, AccuracyForm, BarsForm, ReliefForm, FacadeForm, HallForm>;
 
 struct BackConfig {
   enum class Kind { none, rough, parallel };
