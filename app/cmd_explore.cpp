@@ -3,15 +3,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "app/commands.h"
 #include "app/depth_scans.h"
@@ -49,6 +49,7 @@ struct Arguments {
   bool no_friction = false;
   bool speech = false;
   bool kiosk = false;
+  std::string scenes;
   bool direct = false;
   std::string study;
   std::string firmware;
@@ -86,6 +87,11 @@ void check_output_folder(const std::string& file, const char* option) {
 }
 
 void check_arguments(const Arguments& arguments) {
+  if (arguments.scene.empty() == arguments.scenes.empty())
+    throw usage_error(arguments.scene.empty() ? "nothing to explore" : "--scenes and a scene",
+                      "a scene, a configuration or scans; or --kiosk --scenes DIR");
+  if (!arguments.scenes.empty() && (!arguments.kiosk || arguments.device.starts_with("playback:")))
+    throw usage_error("--scenes without an exhibition", "--kiosk --scenes DIR, and a device for a hand");
   check_output_folder(arguments.record, "--record");
   check_output_folder(arguments.screenshot, "--screenshot");
   check_output_folder(arguments.audio_out, "--audio-out");
@@ -98,7 +104,7 @@ void check_arguments(const Arguments& arguments) {
                  {"--screenshot", arguments.screenshot},
                  {"--audio-out", arguments.audio_out},
                  {"--study", study_file(arguments.study)}},
-                arguments.scene.front(), inputs);
+                arguments.scene.empty() ? arguments.scenes : arguments.scene.front(), inputs);
   if (std::isnan(arguments.duration_s)) throw usage_error("--duration nan", "seconds");
 }
 
@@ -143,17 +149,42 @@ bool starts_with_scans(const Arguments& arguments, bool window) {
   });
 }
 
+// The folders in DIR that hold scenes, by name. Throws Error{input} when there is none.
+std::vector<fs::path> scenes_in(const std::string& folder, pipeline::Trust trust, const Terminal& terminal) {
+  std::vector<fs::path> found;
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code); !code && entry != fs::directory_iterator(); entry.increment(code)) {
+    if (!fs::is_regular_file(entry->path() / "scene.yaml", code)) continue;
+    try {
+      static_cast<void>(pipeline::open_scene(entry->path(), trust));
+      found.push_back(entry->path());
+    } catch (const Error& error) {
+      terminal.message(std::string("warning: left out of the exhibition: ") + error.what());
+    }
+  }
+  if (found.empty()) throw input_error(folder, "there is no scene in this folder", "a folder of scene folders");
+  std::ranges::sort(found);
+  return found;
+}
+
 // One run: the session, and all that looks on and listens.
 class Exploration {
  public:
   Exploration(const Arguments& arguments, const CommonOptions& common, Terminal& terminal, bool window)
       : arguments_(arguments),
         terminal_(terminal),
+        trust_(common.trusted()),
+        exhibits_(arguments.scenes.empty() ? std::vector<fs::path>()
+                                           : scenes_in(arguments.scenes, common.trusted(), terminal)),
         chosen_(choose_device(arguments.device, window, falcon_options(arguments))) {
     if (starts_with_scans(arguments, window)) {
       scans_ = std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end()));
       if (const std::string why = scans_->unavailable(); !why.empty())
         throw input_error(arguments.scene.front(), "no such file", "a scene folder, a configuration or scans");
+    } else if (!exhibits_.empty()) {
+      pipeline::ScenePointer scene = pipeline::open_scene(exhibits_.front(), trust_);
+      scans_ = std::make_unique<DepthScans>(scene, fs::path(), trust_);
+      make_session_of(std::move(scene));
     } else {
       pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
       const std::string& first = arguments.scene.front();
@@ -164,8 +195,8 @@ class Exploration {
     if (arguments.speech) {
       audio::SpeechOptions options;
       options.play = [this](const std::vector<float>& words, double rate_hz) {
-        audio::Engine* const engine = engine_.load();
-        return engine != nullptr && engine->speak(words, rate_hz);
+        const std::lock_guard lock(sound_mutex_);
+        return audio_ && audio_->speak(words, rate_hz);
       };
       speech_.emplace(options);
       if (!speech_->available()) terminal.message("warning: no speech program is installed (espeak-ng)");
@@ -176,11 +207,8 @@ class Exploration {
   void run(bool window) {
     began_ = Clock::now();
     start();
-    if (window) return run_window();
-    while (!over()) {
-      poll();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    if (window) return run_windows();
+    while (!over()) wait_headless();
   }
 
   void deliver(const CommonOptions& common) {
@@ -216,13 +244,98 @@ class Exploration {
     scene_ = std::move(scene);
     session_ = make_session(scene_, chosen_, arguments_);
     const pipeline::Config& config = scene_->description().config;
-    if (!config.audio && arguments_.audio_out.empty()) return;
+    const bool sounds = config.audio || !arguments_.audio_out.empty();
+    if (sounds || exhibits_.size() > 1) contacts_ = session_->add_contact_consumer();
+    if (!sounds) return;
+    make_sound();
+  }
+
+  // The thread that speaks may look at the engine at any time.
+  void make_sound() {
     audio::EngineOptions options;
     options.wav = arguments_.audio_out;
-    options.live = config.audio.has_value();
+    options.live = scene_->description().config.audio.has_value();
     options.device = arguments_.audio_device;
-    audio_ = std::make_unique<audio::Engine>(scene_, session_->add_contact_consumer(), session_->state(), options);
-    engine_ = audio_.get();
+    auto engine = std::make_unique<audio::Engine>(scene_, contacts_, session_->state(), options);
+    const std::lock_guard lock(sound_mutex_);
+    audio_ = std::move(engine);
+  }
+  void end_sound() {
+    const std::lock_guard lock(sound_mutex_);
+    audio_.reset();
+  }
+
+  void wait_headless() {
+    poll();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+
+  // Another scene under the same hand. Its sounds take the place of the present ones; a sound file goes on with those
+  // that it began with.
+  void change_scene(pipeline::ScenePointer scene) {
+    const double before = scene_->description().config.haptics.stiffness_n_per_m;
+    scene_ = scene;
+    session_->set_scene(scene);
+    const double stiffness = scene->description().config.haptics.stiffness_n_per_m;
+    if (stiffness != before) session_->requests().post({haptics::Request::Kind::set_stiffness, stiffness});
+    if (!contacts_ || !arguments_.audio_out.empty()) return;
+    end_sound();
+    haptics::ContactEvent earlier;
+    while (contacts_->pop(earlier)) {
+      // What was touched before is not heard now.
+    }
+    if (!scene->description().config.audio) return;
+    make_sound();
+    audio_->start();
+  }
+
+  void next_scene(int step) {
+    const auto count = static_cast<int>(exhibits_.size());
+    exhibit_ = (exhibit_ + step + count) % count;
+    const fs::path& folder = exhibits_[static_cast<std::size_t>(exhibit_)];
+    try {
+      change_scene(pipeline::open_scene(folder, trust_));
+      session_->announcements().say(folder.filename().string());
+    } catch (const Error& error) {
+      session_->announcements().say(std::string("It cannot be opened: ") + error.wrong(),
+                                    haptics::Announcement::Priority::warning);
+    }
+  }
+
+  void say(const std::string& text) {
+    terminal_.message(text);
+    if (session_) session_->announcements().say(text, haptics::Announcement::Priority::warning);
+  }
+
+  // A scene is opened, a configuration or scans are shown to be turned.
+  void drop(const std::vector<fs::path>& files) {
+    std::error_code code;
+    if (files.empty()) return;
+    if (session_ && session_->plays_recording()) return say("Nothing is opened while a recording is played");
+    fs::path first = files.front();
+    if (first.filename() == "scene.yaml") first = first.parent_path();
+    try {
+      const auto is_one = [&](const fs::path& file) { return fs::is_directory(file, code) || is_config(file); };
+      if (files.size() > 1 && std::ranges::any_of(files, is_one))
+        return say("One scene or one configuration, or several scans, can be opened at once");
+      if (fs::is_directory(first, code)) {
+        pipeline::ScenePointer scene = pipeline::open_scene(first, trust_);
+        auto scans = std::make_unique<DepthScans>(scene, fs::path(), trust_);
+        if (session_) {
+          change_scene(std::move(scene));
+        } else {
+          make_session_of(std::move(scene));
+          start();
+          connect_session();
+        }
+        scans_ = std::move(scans);
+        return;
+      }
+      scans_ = is_config(first) ? std::make_unique<DepthScans>(first) : std::make_unique<DepthScans>(files);
+      to_scans_ = true;
+    } catch (const Error& error) {
+      say(std::string("It cannot be opened: ") + error.what());
+    }
   }
 
   void start() {
@@ -271,8 +384,11 @@ class Exploration {
   void tell_of_scans() {
     const viewer::OrientingStatus status = scans_->status();
     for (const std::string& warning : scans_->take_warnings()) terminal_.message("warning: " + warning);
-    if (status.notes == notes_) return;
+    if (status.notes == notes_ && status.work == work_) return;
+    const bool news = status.notes > 0;
     notes_ = status.notes;
+    work_ = status.work;
+    if (!news) return;
     if (status.problem) terminal_.message(status.note);
     if (session_)
       session_->announcements().say(status.note, status.problem ? haptics::Announcement::Priority::warning
@@ -306,31 +422,54 @@ class Exploration {
     connections_.rescan = [this](const Eigen::Matrix4d& scan_to_grid) { rescan(scan_to_grid); };
   }
 
-  void run_window() {
+  // A window that loses its display leaves the hand, the sound and the recording alone, and comes back with it.
+  void run_windows() {
+    while (run_window() == viewer::WindowEnd::display_lost) {
+      terminal_.message("warning: the display is gone; the hand goes on without a window");
+      constexpr auto kLook = std::chrono::seconds(2);
+      for (auto next = Clock::now() + kLook; !over(); wait_headless()) {
+        if (Clock::now() < next) continue;
+        next = Clock::now() + kLook;
+        if (viewer::display_available()) break;
+      }
+      if (over()) return;
+      terminal_.message("the display is back");
+    }
+  }
+
+  viewer::WindowEnd run_window() {
     if (session_) connect_session();
     connections_.pointer = chosen_.pointer;
     connections_.poll = [this] { poll(); };
     connections_.finished = [this] { return over(); };
     connections_.scene = [this] { return session_ ? session_->scene() : nullptr; };
-    connections_.orienting = scans_->connections();
+    connections_.orienting = orienting_of([this]() -> DepthScans& { return *scans_; });
+    connections_.to_scans = [this] { return std::exchange(to_scans_, false); };
+    if (!arguments_.kiosk) connections_.drop = [this](const std::vector<fs::path>& files) { drop(files); };
     if (session_ && session_->plays_recording())
       connections_.orienting.unavailable = [] { return std::string("a recording is played"); };
     viewer::ViewerOptions options;
     options.kiosk = arguments_.kiosk;
-    viewer::run_window(connections_, options);
+    if (exhibits_.size() > 1) connections_.next_scene = [this](int step) { next_scene(step); };
+    return viewer::run_window(connections_, options);
   }
 
   const Arguments& arguments_;
   Terminal& terminal_;
+  pipeline::Trust trust_;
+  std::vector<fs::path> exhibits_;  ///< of a kiosk with several scenes
+  int exhibit_ = 0;
   ChosenDevice chosen_;
   pipeline::ScenePointer scene_;
   std::unique_ptr<haptics::Session> session_;
+  std::shared_ptr<haptics::ContactQueue> contacts_;
   std::unique_ptr<audio::Engine> audio_;
-  std::atomic<audio::Engine*> engine_{nullptr};  // audio_, for the thread that speaks
+  std::mutex sound_mutex_;  // of audio_, which the thread that speaks uses
   std::optional<audio::Speech> speech_;
   std::unique_ptr<DepthScans> scans_;
   viewer::Connections connections_;
-  std::uint64_t notes_ = 0;
+  std::uint64_t notes_ = 0, work_ = 0;
+  bool to_scans_ = false;
   LastTouch touch_;
   std::uint64_t heard_ = 0;
   std::string audio_warning_;
@@ -388,6 +527,7 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_flag("--no-friction", arguments->no_friction, "render without friction");
   command->add_flag("--speech", arguments->speech, "speak announcements");
   command->add_flag("--kiosk", arguments->kiosk, "full screen, for exhibitions");
+  command->add_option("--scenes", arguments->scenes, "with --kiosk: a folder of scenes that visitors choose from");
   command->add_flag("--direct", arguments->direct, "build scans at once, without turning the object first");
   command->add_option("--study", arguments->study, "append the session and the visitor's rating to NAME.csv");
   command->callback(

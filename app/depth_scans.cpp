@@ -2,6 +2,7 @@
 #include "app/depth_scans.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -78,7 +79,13 @@ void set_crop(pipeline::Config& config, const std::optional<pipeline::CropConfig
 
 }  // namespace
 
-DepthScans::DepthScans(std::vector<fs::path> scans) : guessed_(true) {
+DepthScans::DepthScans() {
+  static std::atomic<std::uint64_t> works{0};
+  status_.work = ++works;
+}
+
+DepthScans::DepthScans(std::vector<fs::path> scans) : DepthScans() {
+  guessed_ = true;
   for (fs::path& scan : scans) {
     pipeline::ScanConfig config;
     config.file = std::move(scan);
@@ -87,8 +94,18 @@ DepthScans::DepthScans(std::vector<fs::path> scans) : guessed_(true) {
   title_ = title_of(config_.scans);
 }
 
-DepthScans::DepthScans(pipeline::ScenePointer scene, fs::path file, pipeline::Trust trust)
-    : trust_(trust), origin_(std::move(scene)), config_(origin_->description().config), file_(std::move(file)) {
+DepthScans::DepthScans(fs::path config) : DepthScans() {
+  file_ = std::move(config);
+  config_ = pipeline::load_config(file_);
+  base_to_grid_ = config_.orientation.scan_to_grid;
+  title_ = title_of(config_.scans);
+}
+
+DepthScans::DepthScans(pipeline::ScenePointer scene, fs::path file, pipeline::Trust trust) : DepthScans() {
+  trust_ = trust;
+  origin_ = std::move(scene);
+  config_ = origin_->description().config;
+  file_ = std::move(file);
   base_to_grid_ = config_.orientation.scan_to_grid;
   // As it is written: what is automatic is found anew from another side, and stays automatic when it is saved.
   if (!file_.empty()) config_ = pipeline::load_config(file_);
@@ -223,7 +240,7 @@ void DepthScans::open() {
   }
   start("Reading the scans", [this](Progress& progress) {
     require_trust();
-    if (origin_) {
+    if (!guessed_) {
       const std::lock_guard lock(mutex_);
       status_.proposal = setup_of(config_, base_to_grid_);
       status_.spacing_m = config_.grid.spacing_m;
@@ -356,16 +373,16 @@ void DepthScans::save(const viewer::ScanSetup& setup) {
   });
 }
 
-viewer::Orienting DepthScans::connections() {
+viewer::Orienting orienting_of(const std::function<DepthScans&()>& scans) {
   viewer::Orienting orienting;
-  orienting.unavailable = [this] { return unavailable(); };
-  orienting.open = [this] { open(); };
-  orienting.status = [this] { return status(); };
-  orienting.find_face = [this](auto face, const viewer::ScanSetup& setup) { find_face(face, setup); };
-  orienting.set_unit = [this](pipeline::LengthUnit unit) { set_unit(unit); };
-  orienting.scan = [this](const viewer::ScanSetup& setup) { scan(setup); };
-  orienting.cancel = [this] { cancel(); };
-  orienting.save = [this](const viewer::ScanSetup& setup) { save(setup); };
+  orienting.unavailable = [scans] { return scans().unavailable(); };
+  orienting.open = [scans] { scans().open(); };
+  orienting.status = [scans] { return scans().status(); };
+  orienting.find_face = [scans](auto face, const viewer::ScanSetup& setup) { scans().find_face(face, setup); };
+  orienting.set_unit = [scans](pipeline::LengthUnit unit) { scans().set_unit(unit); };
+  orienting.scan = [scans](const viewer::ScanSetup& setup) { scans().scan(setup); };
+  orienting.cancel = [scans] { scans().cancel(); };
+  orienting.save = [scans](const viewer::ScanSetup& setup) { scans().save(setup); };
   return orienting;
 }
 

@@ -23,6 +23,8 @@ class DepthScans {
  public:
   /// Of scans for which no configuration exists yet: units, view and spacing are guessed when they are opened.
   explicit DepthScans(std::vector<std::filesystem::path> scans);
+  /// Of a configuration that nothing has been built from yet. Throws Error{usage}.
+  explicit DepthScans(std::filesystem::path config);
   /// Of a scene; `file` is the configuration it was built from, if any. Its scans are opened when they are asked for.
   DepthScans(pipeline::ScenePointer scene, std::filesystem::path file, pipeline::Trust trust);
   ~DepthScans();
@@ -42,9 +44,6 @@ class DepthScans {
   [[nodiscard]] pipeline::ScenePointer take_scene();
   /// What builds warned of, once each; for the terminal.
   [[nodiscard]] std::vector<std::string> take_warnings();
-  /// All of the above for the viewer.
-  [[nodiscard]] viewer::Orienting connections();
-
   /// The configuration's own setup, with another orientation.
   [[nodiscard]] viewer::ScanSetup setup_from(const Eigen::Matrix4d& scan_to_grid) const;
   /// What a depth scan with that setup is built from. Parts and sounds stay on the object.
@@ -56,6 +55,7 @@ class DepthScans {
   void read(Progress& progress);
   void suggest(Progress& progress);
   void require_trust() const;
+  DepthScans();
   [[nodiscard]] std::filesystem::path file_to_save() const;
 
   pipeline::Trust trust_ = pipeline::Trust::own_folder;
@@ -74,5 +74,8 @@ class DepthScans {
   std::unique_ptr<Progress> progress_;
   std::future<void> work_;
 };
+
+/// All of it for the viewer; `scans` names those that are meant at the time of each call.
+[[nodiscard]] viewer::Orienting orienting_of(const std::function<DepthScans&()>& scans);
 
 }  // namespace sparsha::app

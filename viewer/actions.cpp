@@ -18,8 +18,8 @@ constexpr std::array kActions{
     ActionInfo{Action::pan_right, Group::touch, "\xE2\x86\x92", "Right", "move the window right", false, true},
     ActionInfo{Action::pan_up, Group::touch, "\xE2\x86\x91", "Up", "move the window up", false, true},
     ActionInfo{Action::pan_down, Group::touch, "\xE2\x86\x93", "Down", "move the window down", false, true},
-    ActionInfo{Action::texture, Group::touch, "T", "Texture", "fine texture on or off", true, true},
-    ActionInfo{Action::friction, Group::touch, "F", "Friction", "friction on or off", true, true},
+    ActionInfo{Action::texture, Group::touch, "T", "Texture", "fine texture on or off", true, false},
+    ActionInfo{Action::friction, Group::touch, "F", "Friction", "friction on or off", true, false},
     ActionInfo{Action::stiffer, Group::touch, "]", "Harder", "a harder surface", false, false},
     ActionInfo{Action::softer, Group::touch, "[", "Softer", "a softer surface", false, false},
     ActionInfo{Action::describe, Group::touch, "Space", "Where am I?", "say where the hand is", true, true},
@@ -53,6 +53,8 @@ constexpr std::array kActions{
     ActionInfo{Action::rescan, Group::program, "R", "Scan again", "a new depth scan from this side", false, false},
     ActionInfo{Action::orient, Group::program, "O", "Turn object", "the raw scans: turn the object, scan again", true,
                false},
+    ActionInfo{Action::next_scene, Group::program, "E", "Next object", "the next object of an exhibition", false, true},
+    ActionInfo{Action::previous_scene, Group::program, "Shift E", "Object before", "the object before", false, false},
     ActionInfo{Action::next_item, Group::program, "Tab", "Next button", "go through the buttons; Enter presses", false,
                false},
     ActionInfo{Action::previous_item, Group::program, "Shift Tab", "Previous", "back through the buttons", false,
@@ -116,6 +118,8 @@ constexpr std::array kBindings{
     Binding{key::kHome, 0, Action::camera_reset, false},
     Binding{'R', 0, Action::rescan, false},
     Binding{'O', 0, Action::orient, false},
+    Binding{'E', 0, Action::next_scene, false},
+    Binding{'E', kShift, Action::previous_scene, false},
     Binding{key::kTab, 0, Action::next_item, true},
     Binding{key::kTab, kShift, Action::previous_item, true},
     Binding{key::kF1, 0, Action::help, false},
@@ -124,6 +128,20 @@ constexpr std::array kBindings{
     Binding{'Q', 0, Action::quit, false},
     Binding{'Q', kControl, Action::quit, false},
 };
+
+/// What an exhibit's keyboard does: touch, see and hear; nothing that staff would have to put right.
+bool for_visitors(Action action) {
+  switch (action) {
+    case Action::rescan:
+    case Action::orient:
+    case Action::stiffer:
+    case Action::softer:
+    case Action::stereo:
+      return false;
+    default:
+      return true;  // of quit, only the staff's chord comes this far
+  }
+}
 
 }  // namespace
 
@@ -141,7 +159,7 @@ std::optional<Action> action_of(const KeyPress& press, bool kiosk) {
     if (binding.key != press.key || (!modifiers && !with_control)) continue;
     if (press.repeated && !binding.repeats) return std::nullopt;
     if (kiosk && binding.action == Action::quit && (press.modifiers & kControl) == 0) return std::nullopt;
-    if (kiosk && (binding.action == Action::rescan || binding.action == Action::orient)) return std::nullopt;
+    if (kiosk && !for_visitors(binding.action)) return std::nullopt;
     return binding.action;
   }
   return std::nullopt;

@@ -47,6 +47,8 @@ enum class Action {
   camera_reset,
   rescan,
   orient,
+  next_scene,
+  previous_scene,
   help,
   next_item,
   previous_item,

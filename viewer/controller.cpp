@@ -68,6 +68,7 @@ Controller::Controller(const Connections& connections, const ViewSettings& setti
   frame_.settings = settings;
   frame_.can_rescan = static_cast<bool>(connections_.rescan);
   frame_.has_pointer = connections_.pointer != nullptr;
+  frame_.other_scenes = static_cast<bool>(connections_.next_scene);
   tilt_rad_ = kStandardTiltRad;
   offset_m_ = kHoverM;
   press_m_ = kPressM;
@@ -101,7 +102,9 @@ double Controller::step_m() const { return kHandStepM; }
 std::vector<Action> Controller::buttons() const {
   std::vector<Action> result;
   for (const ActionInfo& info : all_actions())
-    if (frame_.settings.kiosk ? info.kiosk_button : info.button) result.push_back(info.action);
+    if ((frame_.settings.kiosk ? info.kiosk_button : info.button) &&
+        (info.action != Action::next_scene || connections_.next_scene))
+      result.push_back(info.action);
   return result;
 }
 
@@ -148,6 +151,10 @@ void Controller::act(Action action) {
       if (connections_.orienting.unavailable) frame_.why_not_orient = connections_.orienting.unavailable();
       if (!frame_.why_not_orient.empty()) return tell("The scans cannot be shown: " + frame_.why_not_orient);
       to_scans_ = true;
+      return;
+    case Action::next_scene:
+    case Action::previous_scene:
+      if (connections_.next_scene) connections_.next_scene(action == Action::next_scene ? 1 : -1);
       return;
     case Action::next_item:
       return move_focus(1);

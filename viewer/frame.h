@@ -52,6 +52,7 @@ struct Frame {
   bool can_rescan = false;
   std::string why_not_orient;  ///< empty, or why the raw scans cannot be shown
   bool has_pointer = false;    ///< the mouse is the hand
+  bool other_scenes = false;   ///< there is another one to go to
   bool finished = true;        ///< draw at full quality whatever it costs (pictures for files)
   double time_s = 0.0;
 };

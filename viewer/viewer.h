@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -17,8 +18,14 @@
 
 namespace sparsha::viewer {
 
+enum class WindowEnd {
+  closed,       ///< by the user, or the session ended
+  display_lost  ///< under the window; it may be opened again when the display is back
+};
+
 struct ViewerOptions {
-  bool kiosk = false;  ///< full screen, big buttons only; Control+Q leaves
+  bool kiosk = false;    ///< full screen, big buttons only; Control+Q leaves
+  double idle_s = 60.0;  ///< kiosk: without a touch for so long, the exhibit goes back to its beginning
   int width = 1280;
   int height = 720;
 };
@@ -35,7 +42,10 @@ struct Connections {
   std::function<pipeline::ScenePointer()> scene;  ///< the session's present scene; null before the first depth scan
   std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;  ///< empty without scans
   std::function<void(const std::string& text)> speak;               ///< says what the keyboard is on; empty: silent
-  Orienting orienting;  ///< the raw cloud behind the scene; without functions there is none
+  std::function<void(int step)> next_scene;  ///< of an exhibition, 1 or -1; empty: there is but one
+  std::function<void(const std::vector<std::filesystem::path>& files)> drop;  ///< files dropped into the window
+  std::function<bool()> to_scans;  ///< true once when other scans have been opened and are to be shown
+  Orienting orienting;             ///< the raw cloud behind the scene; without functions there is none
 };
 
 /// True when a window could be opened.
@@ -43,7 +53,7 @@ struct Connections {
 
 /// Opens a window and runs until the user or the session ends. `connections` may be filled in by its `poll`. Throws
 /// Error{failure} when no window can be opened.
-void run_window(const Connections& connections, const ViewerOptions& options);
+WindowEnd run_window(const Connections& connections, const ViewerOptions& options);
 
 /// Draws one 1280x720 picture of scene and state without a display and writes it as PNG, atomically.
 /// Throws Error{failure} when no off-screen context can be made.

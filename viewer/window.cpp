@@ -4,10 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <backends/imgui_impl_glfw.h>
 #include <epoxy/gl.h>
@@ -18,7 +20,9 @@
 #include "base/error.h"
 #include "viewer/cloud/cloud_mode.h"
 #include "viewer/controller.h"
+#include "viewer/display_loss.h"
 #include "viewer/gui/gui.h"
+#include "viewer/kiosk/attract.h"
 #include "viewer/picture.h"
 
 namespace sparsha::viewer {
@@ -39,6 +43,7 @@ Error no_window(const std::string& why) {
 struct Library {
   Library() {
     if (glfwInit() != GLFW_TRUE) throw no_window(last_glfw_error());
+    survive_display_loss();
   }
   ~Library() { glfwTerminate(); }
   Library(const Library&) = delete;
@@ -52,6 +57,8 @@ struct Inputs {
   std::function<void()> change_mode;  ///< between the two, when that was asked for: the next event belongs to the other
   Picture* picture = nullptr;
   Gui* gui = nullptr;
+  Attract* attract = nullptr;
+  const Connections* connections = nullptr;
   int width = 1, height = 1;
   double pixel_ratio = 1.0;
 };
@@ -105,6 +112,7 @@ int key_of(int glfw_key, int scancode) {
 }
 
 void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods) {
+  inputs_of(window).attract->touched();
   if (event == GLFW_RELEASE) return;
   const int key = key_of(glfw_key, scancode);
   Inputs& in = inputs_of(window);
@@ -121,6 +129,7 @@ void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods)
 
 void on_move(GLFWwindow* window, double x, double y) {
   Inputs& in = inputs_of(window);
+  in.attract->touched();
   if (in.cloud != nullptr) return in.cloud->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio);
   if (in.controller == nullptr) return;
   in.controller->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio,
@@ -130,6 +139,7 @@ void on_move(GLFWwindow* window, double x, double y) {
 
 void on_button(GLFWwindow* window, int button, int event, int mods) {
   Inputs& in = inputs_of(window);
+  in.attract->touched();
   if (event == GLFW_PRESS && in.gui->wants_mouse()) return;
   if (in.cloud != nullptr) return in.cloud->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
   if (in.controller == nullptr) return;
@@ -147,6 +157,27 @@ void on_scroll(GLFWwindow* window, double /*x*/, double y) {
   } else if (in.controller != nullptr) {
     in.controller->mouse_wheel(y, mods);
   }
+}
+
+void on_drop(GLFWwindow* window, int count, const char** names) {
+  const Connections& connections = *inputs_of(window).connections;
+  std::vector<std::filesystem::path> files;
+  for (int k = 0; k < count; ++k) files.emplace_back(names[k]);
+  if (connections.drop) connections.drop(files);
+}
+
+/// An exhibit that nobody touches goes back to its beginning; a slow light shows it.
+void attract_visitors(Attract& attract, Controller& controller, double time_s, const haptics::State& state) {
+  const Attract::Change change = attract.update(time_s, state);
+  if (change == Attract::Change::begins) {
+    if (controller.settings().help) controller.act(Action::help);
+    controller.act(Action::whole_scene);
+    controller.act(Action::camera_reset);
+    ViewSettings& settings = controller.frame().settings;
+    settings.high_contrast = settings.large_type = settings.mark_filled = false;
+  }
+  if (attract.shows()) controller.frame().settings.light = attract.light(time_s);
+  if (change == Attract::Change::ends) controller.frame().settings.light = KeyLight{};
 }
 
 /// ImGui's share of the events; callbacks set before it are still called.
@@ -211,7 +242,7 @@ bool display_available() {
   return true;
 }
 
-void run_window(const Connections& connections, const ViewerOptions& options) {
+WindowEnd run_window(const Connections& connections, const ViewerOptions& options) {
   using Clock = std::chrono::steady_clock;
   const Library library;
   WindowHandle window;
@@ -222,11 +253,15 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
   Inputs inputs;
   inputs.picture = &picture;
   inputs.gui = &gui;
+  Attract attract(options.idle_s);
+  inputs.attract = &attract;
+  inputs.connections = &connections;
   glfwSetWindowUserPointer(window.handle, &inputs);
   glfwSetKeyCallback(window.handle, on_key);
   glfwSetCursorPosCallback(window.handle, on_move);
   glfwSetMouseButtonCallback(window.handle, on_button);
   glfwSetScrollCallback(window.handle, on_scroll);
+  glfwSetDropCallback(window.handle, on_drop);
   const GuiInput gui_input(window.handle);
 
   ViewSettings settings;
@@ -275,6 +310,7 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
       controller->set_scene(std::move(scene));
       show_scans(false);
     }
+    if (connections.to_scans && connections.to_scans()) show_scans(true);
     int window_width = 1, window_height = 1;
     glfwGetWindowSize(window.handle, &window_width, &window_height);
     glfwGetFramebufferSize(window.handle, &inputs.width, &inputs.height);
@@ -283,6 +319,7 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
     const bool seen = inputs.width > 0 && inputs.height > 0;
     if (controller) {
       const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
+      if (options.kiosk) attract_visitors(attract, *controller, now_s, state);
       controller->update(now_s, state, inputs.width, inputs.height, height_at);
       controller->frame().finished = false;
     }
@@ -303,6 +340,7 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
     inputs.change_mode();
     // Drivers without a vertical blank do not wait in the swap.
     glfwPollEvents();
+    if (display_lost()) return WindowEnd::display_lost;
     for (;;) {
       const double left_s = now_s + kFrameS - std::chrono::duration<double>(Clock::now() - began).count();
       if (left_s < 0.001) break;
@@ -312,6 +350,7 @@ void run_window(const Connections& connections, const ViewerOptions& options) {
   if (!(controller && controller->wants_to_leave()) && connections.requests != nullptr)
     connections.requests->post({haptics::Request::Kind::quit});
   if (connections.poll) connections.poll();
+  return WindowEnd::closed;
 }
 
 }  // namespace sparsha::viewer

@@ -10,6 +10,8 @@
 
 #include "relief_scene.h"
 #include "studio.h"
+#include "tests/viewer/cloud/points.h"
+#include "viewer/cloud/cloud_mode.h"
 
 namespace sparsha::viewer::test {
 namespace {
@@ -83,6 +85,45 @@ TEST(Speed, FramesAt1280x720) {
           frame(true);
         }));
   EXPECT_LT(cached.cpu_ms, 200.0);
+}
+
+TEST(Speed, TheRawCloudOfTenMillionPointsTurns) {
+  if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "figures only with SPARSHA_NIGHTLY=1";
+  PointView view;
+  constexpr int kSide = 3163;
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      const double x = 0.4 * i / kSide, y = 0.4 * j / kSide;
+      view.points.emplace_back(Eigen::Vector3d(x, y, lotus(x, y)).cast<float>());
+    }
+  view.total = view.points.size();
+  const gl::OffscreenContext context;
+  std::unique_ptr<Workshop> workshop;
+  std::cout << "arrange: " << best_of(1, [&] { workshop = std::make_unique<Workshop>(std::move(view)); }).wall_ms
+            << " ms\n";
+  Gui gui;
+  CloudMode mode(workshop->orienting(), {});
+  const gl::Target target(1280, 720, false);
+  double time_s = 0.0;
+  mode.controller().frame().finished = false;
+  const auto frame = [&] { mode.draw(gui, {}, target.framebuffer(), 1280, 720, time_s += 0.05, true); };
+  for (int k = 0; k < 30; ++k) frame();
+  double sum_ms = 0.0, most_ms = 0.0;
+  constexpr int kFrames = 200;
+  for (int k = 0; k < kFrames; ++k) {
+    mode.press({key::kLeft, kShift, true});
+    const double ms = best_of(1, frame).wall_ms;
+    sum_ms += ms;
+    most_ms = std::max(most_ms, ms);
+  }
+  std::cout << "turning: " << sum_ms / kFrames << " ms a picture, at most " << most_ms << " ms, "
+            << 100.0 * mode.picture().share_shown() << " % of the points\n";
+  int frames = 0;
+  while (!mode.picture().complete()) {
+    frame();
+    ++frames;
+  }
+  std::cout << "all points after " << frames << " pictures at rest\n";
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -38,7 +39,8 @@ bool on_path(const std::string& program) {
 /// Xvfb on a display number of its own choice, ended by the destructor.
 class VirtualDisplay {
  public:
-  VirtualDisplay() {
+  /// `number`: a display number of one's own choice, or nothing.
+  explicit VirtualDisplay(const std::string& number = {}) {
     int ends[2];
     if (::pipe(ends) != 0) return;
     pid_ = ::fork();
@@ -48,6 +50,9 @@ class VirtualDisplay {
       ::dup2(quiet, 2);
       ::close(ends[0]);
       const std::string fd = std::to_string(ends[1]);
+      if (!number.empty())
+        ::execlp("Xvfb", "Xvfb", number.c_str(), "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten",
+                 "tcp", static_cast<char*>(nullptr));
       ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
                static_cast<char*>(nullptr));
       ::_exit(127);
@@ -307,6 +312,73 @@ TEST(Window, TheSessionsEndClosesAKiosk) {
   options.kiosk = true;
   run_window(connections, options);
   EXPECT_GT(polls, 5);
+}
+
+TEST(Window, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  auto display = std::make_unique<VirtualDisplay>();
+  ASSERT_FALSE(display->name().empty()) << "Xvfb did not start";
+  const std::string number = display->name();
+  const DisplayName name(number.c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  connections.poll = [&] {
+    if (++polls == 6) display.reset();
+  };
+  ViewerOptions options;
+  options.kiosk = true;
+  EXPECT_EQ(run_window(connections, options), WindowEnd::display_lost);
+  EXPECT_FALSE(display_available());
+  display = std::make_unique<VirtualDisplay>(number);
+  ASSERT_EQ(display->name(), number);
+  ASSERT_TRUE(display_available());
+  polls = 100;
+  connections.finished = [&] { return polls > 110; };
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+}
+
+TEST(Window, AnExhibitWithoutVisitorsShowsItselfAndListensAgain) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  haptics::RequestQueue requests;
+  std::atomic<int> steps{0};
+  std::atomic<bool> finished{false};
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.requests = &requests;
+  connections.next_scene = [&](int step) { steps += step; };
+  connections.finished = [&] { return finished.load(); };
+  ViewerOptions options;
+  options.kiosk = true;
+  options.idle_s = 1.0;
+  std::string problem;
+  std::thread visitor([&] {
+    const auto request = [&](const char* what, haptics::Request::Kind kind) {
+      const bool came = problem.empty() && wait_for([&] {
+                          const auto got = requests.take();
+                          return got && got->kind == kind;
+                        });
+      if (problem.empty() && !came) problem = what;
+    };
+    request("it does not go back to its beginning", haptics::Request::Kind::whole_scene);
+    if (xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    xdotool("key q Escape r o e");
+    if (problem.empty() && !wait_for([&] { return steps == 1; })) problem = "no other scene";
+    request("it does not go back a second time", haptics::Request::Kind::whole_scene);
+    xdotool("key ctrl+q");
+    request("staff cannot leave", haptics::Request::Kind::quit);
+    finished = true;
+  });
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(problem, "");
 }
 
 }  // namespace

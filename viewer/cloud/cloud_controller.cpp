@@ -319,6 +319,13 @@ void CloudController::mouse_wheel(double steps) {
 void CloudController::take_status() {
   if (orienting_.status) frame_.status = orienting_.status();
   const OrientingStatus& status = frame_.status;
+  if (status.work != work_) {
+    work_ = status.work;
+    proposals_ = notes_ = 0;
+    touched_ = frame_.edits_crop = false;
+    frame_.setup = {};
+    before_.clear();
+  }
   if (status.notes != notes_) {
     notes_ = status.notes;
     words_.push_back(status.note);

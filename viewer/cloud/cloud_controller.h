@@ -137,7 +137,7 @@ class CloudController {
   bool fits_ = true, preview_due_ = true, touched_ = false;
   double preview_s_ = -1e9, turned_s_ = -1e9;
   bool preview_full_ = false;
-  std::uint64_t proposals_ = 0, notes_ = 0;
+  std::uint64_t work_ = 0, proposals_ = 0, notes_ = 0;
   const PointView* shown_ = nullptr;
   double metres_per_unit_ = 0.0;
   std::vector<Wish> wishes_;

@@ -54,6 +54,7 @@ struct ScanSetup {
 
 /// How the work on the scans stands. What is numbered counts from 1 and is new when its number is.
 struct OrientingStatus {
+  std::uint64_t work = 0;                   ///< other scans have another number, and count anew what is numbered
   std::shared_ptr<const PointView> points;  ///< null until they are read
   ScanSetup proposal;                       ///< to be taken over: the first view, or a face that was found
   std::uint64_t proposals = 0;

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "viewer/gui/brush.h"
 #include "viewer/gui/parts.h"
+#include "viewer/kiosk/kiosk_help.h"
 #include "viewer/picture.h"
 
 namespace sparsha::viewer {
@@ -81,7 +82,7 @@ std::vector<Action> Gui::draw(const Frame& frame, const std::vector<Action>& but
     }
     clicked = draw_buttons(over, frame, layout, buttons);
     draw_toasts(above, frame, layout);
-    if (frame.settings.help) draw_help(above, frame, width, height);
+    if (frame.settings.help) (frame.settings.kiosk ? draw_kiosk_help : draw_help)(above, frame, width, height);
     if (frame.asks_rescan) draw_question(above, layout);
   });
   return clicked;

@@ -1,0 +1,42 @@
+// Time without a touch.
+#include "viewer/kiosk/attract.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace sparsha::viewer {
+
+Attract::Change Attract::update(double time_s, const haptics::State& state) {
+  constexpr double kMovedM = 0.002;  // a device at rest drifts less
+  if (state.tick != 0) {
+    double square = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) square += std::pow(state.device_m[k] - hand_m_[k], 2);
+    if (!(square < kMovedM * kMovedM)) {
+      hand_m_ = state.device_m;
+      touched_ = touched_ || begun_;
+    }
+  }
+  if (!begun_ || touched_) last_s_ = time_s;
+  const bool ends = touched_ && shows_;
+  begun_ = true;
+  touched_ = false;
+  if (ends) {
+    shows_ = false;
+    return Change::ends;
+  }
+  if (shows_ || time_s - last_s_ < idle_s_) return Change::none;
+  shows_ = true;
+  shows_since_s_ = time_s;
+  return Change::begins;
+}
+
+KeyLight Attract::light(double time_s) const {
+  constexpr double kRoundS = 180.0, kStepRad = std::numbers::pi / 90.0;
+  KeyLight light;
+  const double way = 2.0 * std::numbers::pi * (time_s - shows_since_s_) / kRoundS;
+  light.azimuth_rad -= kStepRad * std::floor(way / kStepRad);
+  light.elevation_rad = 0.30;
+  return light;
+}
+
+}  // namespace sparsha::viewer
