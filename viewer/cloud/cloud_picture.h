@@ -33,12 +33,11 @@ class CloudPicture {
   std::uint64_t add(Splatter& splatter, const CloudFrame& frame, double from, double to, double density);
 
   ThreadPool pool_;
-  gl::Program program_;
-  gl::Name vertex_array_;
   std::vector<std::uint32_t> height_map_;
   Splatter quick_{pool_}, all_{pool_};
-  gl::Texture colour_texture_, height_texture_, preview_;
-  std::vector<std::uint32_t> rgba_;
+  gl::Texture preview_;
+  gl::Target target_;
+  std::vector<std::uint32_t> rgba_, picture_;
   std::vector<float> heights_;
 
   // What the picture that is there was made from.
@@ -46,6 +45,7 @@ class CloudPicture {
   CloudColour painted_ = CloudColour::height;
   std::vector<std::uint32_t> paint_;  ///< one colour per point; empty: the cloud's own or by height
   SplatView view_;
+  bool dark_ = false;
   std::optional<pipeline::CropConfig> crop_;
   std::uint64_t previews_ = 0;
   double share_ = 0.0, refined_ = 0.0, changed_s_ = 0.0;

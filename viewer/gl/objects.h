@@ -91,6 +91,8 @@ class Target {
   [[nodiscard]] explicit operator bool() const { return static_cast<bool>(framebuffer_); }
   /// Copies the colours so that their lower left corner comes to (x, y) of another framebuffer.
   void copy_to(unsigned framebuffer, int x, int y) const;
+  /// Replaces the colours: RGBA bytes, first row at the bottom.
+  void upload(const void* texels) { colour_.upload(texels); }
   /// RGBA bytes, first row at the TOP.
   [[nodiscard]] std::vector<unsigned char> read_pixels() const;
 
