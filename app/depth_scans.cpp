@@ -205,6 +205,7 @@ void DepthScans::suggest(Progress& progress) {
     const std::lock_guard lock(mutex_);
     for (const pipeline::ScanConfig& scan : config_.scans) files.push_back(scan.file);
   }
+  std::size_t outdated = progress.warnings().size();
   pipeline::Suggestion suggestion = pipeline::suggest_config(files, {}, progress);
   double before = 0.0;
   {
@@ -217,8 +218,14 @@ void DepthScans::suggest(Progress& progress) {
     return std::abs(pipeline::metres_in(scan.units.unit) - before) > 1e-9;
   };
   // The same numbers in metres need no second reading.
-  if (std::ranges::any_of(suggestion.config.scans, differs)) read(progress);
-  const std::vector<std::string> warnings = progress.warnings();
+  if (std::ranges::any_of(suggestion.config.scans, differs)) {
+    read(progress);
+  } else {
+    outdated = 0;
+  }
+  // A unit that was doubted and is another one now needs no warning any more.
+  std::vector<std::string> warnings = progress.warnings();
+  warnings.erase(warnings.begin(), warnings.begin() + static_cast<std::ptrdiff_t>(outdated));
   if (!warnings.empty()) note(warnings.front(), true);
   const std::lock_guard lock(mutex_);
   warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());

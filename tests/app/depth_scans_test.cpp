@@ -143,7 +143,7 @@ TEST(DepthScans, ScansAloneAreGuessedShownTurnedAndBuilt) {
   const test::TestFolder folder;
   const fs::path file = folder.path() / "plate.xyz";
   write_plate(file);
-  DepthScans scans({file});
+  DepthScans scans(std::vector<fs::path>{file});
   EXPECT_EQ(scans.unavailable(), "");
   scans.open();
   finish(scans);
@@ -167,7 +167,7 @@ TEST(DepthScans, AnotherUnitScalesWhatWasGuessed) {
   const test::TestFolder folder;
   const fs::path file = folder.path() / "plate.xyz";
   write_plate(file, 0.001);
-  DepthScans scans({file});
+  DepthScans scans(std::vector<fs::path>{file});
   scans.open();
   finish(scans);
   const double spacing_m = scans.status().spacing_m;
@@ -182,10 +182,10 @@ TEST(DepthScans, AnotherUnitScalesWhatWasGuessed) {
 
 TEST(DepthScans, WhatIsMissingOrNoScanIsSaid) {
   const test::TestFolder folder;
-  DepthScans missing({folder.path() / "nothing.ply"});
+  DepthScans missing(std::vector<fs::path>{folder.path() / "nothing.ply"});
   EXPECT_NE(missing.unavailable().find("nothing.ply"), std::string::npos);
   write_file(folder.path() / "text.ply", "this is no scan\n");
-  DepthScans wrong({folder.path() / "text.ply"});
+  DepthScans wrong(std::vector<fs::path>{folder.path() / "text.ply"});
   wrong.open();
   finish(wrong);
   EXPECT_FALSE(wrong.status().points);

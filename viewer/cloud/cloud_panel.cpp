@@ -231,7 +231,9 @@ void draw_cloud_panel(const Brush& brush, CloudController& controller, const Lay
   ImGui::Begin("cloud", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PushFont(brush.fonts.medium);
-  ImGui::TextWrapped("%s", frame.status.points ? frame.status.points->title.c_str() : "Reading the scans");
+  ImGui::TextWrapped("%s", frame.status.points                          ? frame.status.points->title.c_str()
+                           : frame.status.busy || !frame.status.problem ? "Reading the scans"
+                                                                        : "The scans cannot be read");
   ImGui::PopFont();
   const float foot = frame.status.busy ? brush.px(64.0F) : brush.px(76.0F);
   ImGui::BeginChild("parts", {0.0F, -foot}, false, ImGuiWindowFlags_NavFlattened);
