@@ -424,7 +424,7 @@ class Exploration {
 
   // A window that loses its display leaves the hand, the sound and the recording alone, and comes back with it.
   void run_windows() {
-    while (run_window() == viewer::WindowEnd::display_lost) {
+    for (viewer::WindowEnd end = run_window(); end == viewer::WindowEnd::display_lost; end = run_window_again()) {
       terminal_.message("warning: the display is gone; the hand goes on without a window");
       constexpr auto kLook = std::chrono::seconds(2);
       for (auto next = Clock::now() + kLook; !over(); wait_headless()) {
@@ -434,6 +434,16 @@ class Exploration {
       }
       if (over()) return;
       terminal_.message("the display is back");
+    }
+  }
+
+  // A display that answered a moment ago may be gone again.
+  viewer::WindowEnd run_window_again() {
+    try {
+      return run_window();
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::failure) throw;
+      return viewer::WindowEnd::display_lost;
     }
   }
 

@@ -51,8 +51,8 @@ class VirtualDisplay {
       ::close(ends[0]);
       const std::string fd = std::to_string(ends[1]);
       if (!number.empty())
-        ::execlp("Xvfb", "Xvfb", number.c_str(), "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten",
-                 "tcp", static_cast<char*>(nullptr));
+        ::execlp("Xvfb", "Xvfb", number.c_str(), "-noreset", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24",
+                 "-nolisten", "tcp", static_cast<char*>(nullptr));
       ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
                static_cast<char*>(nullptr));
       ::_exit(127);
