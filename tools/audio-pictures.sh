@@ -15,6 +15,7 @@ draw() { # sound, picture, title, seconds, sample rate in kHz
 "$sparsha" explore "$work/relief" --device simulated --headless --duration 10 --audio-out "$work/run.wav" >> "$work/log" 2>&1
 draw "$work/run.wav" audio-demo "make run: a bell, three letters, a stroke across ring and petals" 10 12
 
+"$sparsha" simulate configs/simulate-pillars.yaml --out data/pillars >> "$work/log" 2>&1
 "$sparsha" build configs/pillars.yaml --out "$work/hall" --quiet >> "$work/log"
 # A hand that taps the pillars from left to right, one every 1.1 s: 2 mm deep at 0.13 m/s. A window on the whole hall is
 # 0.1 m wide at the hand, its middle on the wall; the pillars stand 0.5 m apart, their fronts 0.16 m (0.25 m) before it.

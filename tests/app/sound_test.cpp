@@ -65,8 +65,14 @@ TEST_F(Sound, TenSecondsOfTheDemoAreMinus16LufsWithin2AndNothingClips) {
 }
 
 TEST_F(Sound, ThePillarsOfTheHallAreFoundWhereTheyStandAndEachGetsItsRecording) {
-  const std::string hall = (fs::path(SPARSHA_SOURCE_DIR) / "configs" / "pillars.yaml").string();
-  const Outcome build = run("build \"" + hall + "\" --out hall");
+  const fs::path source = SPARSHA_SOURCE_DIR;
+  fs::create_directories(folder_ / "configs");
+  fs::create_directories(folder_ / "data");
+  fs::copy(source / "configs" / "pillars.yaml", folder_ / "configs" / "pillars.yaml");
+  fs::copy(source / "data" / "audio", folder_ / "data" / "audio");
+  ASSERT_EQ(run("simulate \"" + (source / "configs" / "simulate-pillars.yaml").string() + "\" --out data/pillars").code,
+            0);
+  const Outcome build = run("build configs/pillars.yaml --out hall");
   ASSERT_EQ(build.code, 0) << build.err;
   const pipeline::ScenePointer scene = pipeline::open_scene(folder_ / "hall");
   const auto& audio = scene->description().config.audio;
