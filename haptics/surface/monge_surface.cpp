@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "base/error.h"
-#include "haptics/surface/fingertip.h"
 #include "haptics/surface/large_pages.h"
 #include "scene/continuation.h"
+#include "scene/fingertip.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -105,7 +105,7 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
   const int nx = parts.lattice.nx + 2 * parts.margin;
   const int ny = parts.lattice.ny + 2 * parts.margin;
   pipeline::continue_heights(surface->height_m, nx, ny);
-  touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale);
+  pipeline::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale);
   if (parts.margin > 0) surface->height_m = cropped(surface->height_m, parts.lattice, parts.margin);
   surface->mu_dynamic = std::move(parts.friction.mu_dynamic);
   surface->mu_static = std::move(parts.friction.mu_static);

@@ -1,5 +1,5 @@
 // Touching with a ball: the dilation against brute force and against surfaces whose offset is known.
-#include "haptics/surface/fingertip.h"
+#include "scene/fingertip.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Core>
@@ -14,6 +14,8 @@
 
 namespace sparsha::haptics {
 namespace {
+
+using pipeline::touch_with_ball;
 
 /// The same by looking at every place of every cell, `parts` a side.
 std::vector<double> brute_force(const std::vector<float>& z, int nx, int ny, double spacing, double radius, int parts) {

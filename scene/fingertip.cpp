@@ -1,4 +1,4 @@
-#include "haptics/surface/fingertip.h"
+#include "scene/fingertip.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
-namespace sparsha::haptics {
+namespace sparsha::pipeline {
 namespace {
 
 /// One cell in cells: f = z + a s + b t + c s t.
@@ -214,4 +214,4 @@ void touch_with_ball(std::vector<float>& height, int nx, int ny, double spacing,
   Dilation(height, nx, ny, spacing, radius).run();
 }
 
-}  // namespace sparsha::haptics
+}  // namespace sparsha::pipeline
