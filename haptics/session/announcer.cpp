@@ -25,6 +25,12 @@ std::string magnification_text(double scale) {
   return fmt::format(", {:.1f} times its size", scale);
 }
 
+/// Where something is along one axis, seen from an edge.
+std::string from_edge(double metres, const char* edge) {
+  return fmt::format("{} {} the {} edge", length_text(std::abs(metres), TextStyle::spoken),
+                     metres < 0.0 ? "beyond" : "from", edge);
+}
+
 }  // namespace
 
 Announcer::Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene)
@@ -78,9 +84,8 @@ void Announcer::say_part(const pipeline::PartConfig& part, const Eigen::Vector2d
 void Announcer::describe(const State& state, double width_m) {
   const pipeline::Lattice& lattice = scene_->description().levels.front();
   std::string text =
-      fmt::format("{} from the left edge, {} from the lower edge, level {} of {}, {} across",
-                  length_text(state.proxy_m[0] - lattice.origin_m.x(), TextStyle::spoken),
-                  length_text(state.proxy_m[1] - lattice.origin_m.y(), TextStyle::spoken), state.level + 1,
+      fmt::format("{}, {}, level {} of {}, {} across", from_edge(state.proxy_m[0] - lattice.origin_m.x(), "left"),
+                  from_edge(state.proxy_m[1] - lattice.origin_m.y(), "lower"), state.level + 1,
                   scene_->description().levels.size(), length_text(width_m, TextStyle::spoken));
   if (const pipeline::PartConfig* part = part_at(state))
     text = (part->say.empty() ? part->name : part->say) + ". " + text;

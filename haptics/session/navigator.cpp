@@ -77,21 +77,22 @@ std::optional<WindowLoader::Job> Navigator::zoom(Zoom direction, const State& st
   return job(plan);
 }
 
-WindowLoader::Job Navigator::move(Eigen::Vector2d centre_m) const {
+WindowLoader::Job Navigator::move(Eigen::Vector2d centre_m) {
   const pipeline::Lattice& lattice = level(plan_.level);
   centre_m.x() = std::clamp(centre_m.x(), lattice.x_m(0), lattice.x_m(lattice.nx - 1));
   centre_m.y() = std::clamp(centre_m.y(), lattice.y_m(0), lattice.y_m(lattice.ny - 1));
   return move(plan_at({plan_.level, plan_.nodes}, centre_m), centre_m);
 }
 
-WindowLoader::Job Navigator::move(const WindowPlan& plan, const Eigen::Vector2d& centre_m) const {
+WindowLoader::Job Navigator::move(const WindowPlan& plan, const Eigen::Vector2d& centre_m) {
+  goal_m_ = centre_m;
   WindowLoader::Job result = job(plan);
   result.command.move = true;
   result.command.centre_m = centre_m;
   return result;
 }
 
-WindowLoader::Job Navigator::whole_scene() const {
+WindowLoader::Job Navigator::whole_scene() {
   const WindowPlan plan = first_plan();
   return move(plan, middle_of(level(plan.level)));
 }
@@ -139,7 +140,8 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       return part(-1, state);
     case Request::Kind::pan:
       if (!finite()) return std::nullopt;
-      return move(centre_m + Eigen::Vector2d(request.x, request.y) * width_m());
+      // Several keys may come before the servo has answered the first.
+      return move(goal_m_.value_or(centre_m) + Eigen::Vector2d(request.x, request.y) * width_m());
     case Request::Kind::move_to:
       if (!finite()) return std::nullopt;
       return move({request.x, request.y});

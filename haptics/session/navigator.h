@@ -30,8 +30,10 @@ class Navigator {
 
   /// A wish that changes the window; empty when it changes nothing (and says why).
   [[nodiscard]] std::optional<WindowLoader::Job> wish(const Request& request, const State& state);
+  /// The servo has taken over all that was asked for.
+  void arrived() { goal_m_.reset(); }
   /// The overview of the same scene.
-  [[nodiscard]] WindowLoader::Job whole_scene() const;
+  [[nodiscard]] WindowLoader::Job whole_scene();
   /// A change of scene.
   [[nodiscard]] WindowLoader::Job change_scene(pipeline::ScenePointer scene);
   /// Fresh tiles when the proxy is near the border of those loaded; empty when it is not or there are none beyond.
@@ -44,8 +46,8 @@ class Navigator {
   [[nodiscard]] const pipeline::Lattice& level(int index) const;
   [[nodiscard]] WindowLoader::Job job(const WindowPlan& plan) const;
   [[nodiscard]] std::optional<WindowLoader::Job> zoom(Zoom direction, const State& state);
-  [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m) const;
-  [[nodiscard]] WindowLoader::Job move(const WindowPlan& plan, const Eigen::Vector2d& centre_m) const;
+  [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m);
+  [[nodiscard]] WindowLoader::Job move(const WindowPlan& plan, const Eigen::Vector2d& centre_m);
   [[nodiscard]] std::optional<WindowLoader::Job> part(int step, const State& state);
   void say_direction(const Eigen::Vector3d& velocity);
   [[nodiscard]] WindowPlan plan_at(const ZoomStep& step, const Eigen::Vector2d& centre_m) const;
@@ -55,6 +57,7 @@ class Navigator {
   Effects effects_;
   Announcer& announcer_;
   WindowPlan plan_;
+  std::optional<Eigen::Vector2d> goal_m_;             // where the centre goes, until the servo has it there
   std::size_t part_ = 0;                              // one beyond the part that was gone to; 0: none yet
   Eigen::Vector3d scroll_ = Eigen::Vector3d::Zero();  // last one commanded, grid frame, m/s
 };

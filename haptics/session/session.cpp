@@ -200,9 +200,9 @@ struct Session::Implementation {
                       advice->needed ? Announcement::Priority::warning : Announcement::Priority::information);
     }
     tell_fault(servo->silences(), now.time_s, silences_told,
-               "The servo fell silent; forces are off until the hand is in the air");
+               "The stone went soft for a moment: lift your hand to feel it again");
     tell_fault(servo->bad_positions(), now.time_s, bad_positions_told,
-               "The device gave no usable position; forces are off until the hand is in the air");
+               "The hand was lost for a moment: lift it to feel the stone again");
     if (now.dropped_records > dropped_told) {
       dropped_told = now.dropped_records;
       announcer.say("The recording cannot keep up and loses rows", Announcement::Priority::warning);
@@ -300,6 +300,7 @@ void Session::poll() {
   if (self.replay) return;
   self.take_windows();
   if (now.tick == 0 || self.loader.busy() || now.command != self.sequence) return;
+  self.navigator.arrived();
   // Only once the servo has caught up is its State about the present window.
   self.request_window(self.navigator.follow(now));
   if ((now.flags & kFlagDragged) != 0) return;  // the hand at the rim drags, it does not scroll
