@@ -318,10 +318,10 @@ ViewerConfig parse_viewer(const Node& node) {
   ViewerConfig viewer;
   MapReader reader(node, "viewer");
   int colour = 0;
-  reader.read_choice("colour", colour, {"relief", "height", "scan", "friction", "texture"});
+  reader.read_choice("colour", colour, {ViewerConfig::kColourNames.begin(), ViewerConfig::kColourNames.end()});
   viewer.colour = static_cast<ViewerConfig::Colour>(colour);
   int stereo = 0;
-  reader.read_choice("stereo", stereo, {"off", "anaglyph"});
+  reader.read_choice("stereo", stereo, {ViewerConfig::kStereoNames.begin(), ViewerConfig::kStereoNames.end()});
   viewer.stereo = static_cast<ViewerConfig::Stereo>(stereo);
   reader.finish();
   return viewer;

@@ -206,8 +206,11 @@ struct AudioConfig {
   bool find_pillars = false;  ///< regions without a place lie on the pillars that are found when the scene is built
 };
 struct ViewerConfig {
-  enum class Colour { relief, height, scan, friction, texture };
-  enum class Stereo { off, anaglyph };
+  enum class Colour { relief, height, scan, friction, texture, slope, curvature, coverage, local_relief, sky_view };
+  static constexpr std::array<const char*, 10> kColourNames{
+      "relief", "height", "scan", "friction", "texture", "slope", "curvature", "coverage", "local_relief", "sky_view"};
+  enum class Stereo { off, anaglyph, grey, side_by_side };
+  static constexpr std::array<const char*, 4> kStereoNames{"off", "anaglyph", "grey", "side_by_side"};
   Colour colour = Colour::relief;
   Stereo stereo = Stereo::off;
 };

@@ -270,9 +270,9 @@ std::string to_yaml(const Config& config) {
             touch_text(part.touch) + "}\n";
   }
   if (config.audio) text += audio_text(*config.audio);
-  static constexpr std::array<std::string_view, 5> kColours{"relief", "height", "scan", "friction", "texture"};
-  text += fmt::format("viewer: {{colour: {}, stereo: {}}}\n", kColours[static_cast<std::size_t>(config.viewer.colour)],
-                      config.viewer.stereo == ViewerConfig::Stereo::off ? "off" : "anaglyph");
+  text += fmt::format("viewer: {{colour: {}, stereo: {}}}\n",
+                      ViewerConfig::kColourNames[static_cast<std::size_t>(config.viewer.colour)],
+                      ViewerConfig::kStereoNames[static_cast<std::size_t>(config.viewer.stereo)]);
   return text;
 }
 

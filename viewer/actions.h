@@ -29,13 +29,23 @@ enum class Action {
   stiffer,
   softer,
   describe,
+  undo,
+  mode,
   colour,
+  colour_back,
   light_turn,
   light_back,
   light_higher,
   light_lower,
+  light_preset,
   stereo,
+  swap_eyes,
+  eyes_apart,
+  eyes_together,
+  screen_nearer,
+  screen_farther,
   filled,
+  outline,
   contrast,
   large_type,
   turn_left,
@@ -45,10 +55,17 @@ enum class Action {
   closer,
   farther,
   camera_reset,
+  home,
+  orthographic,
   rescan,
   orient,
   next_scene,
   previous_scene,
+  screenshot,
+  full_screen,
+  figures,
+  strip_pause,
+  strip_save,
   help,
   next_item,
   previous_item,
@@ -59,7 +76,7 @@ enum class Action {
 /// Keys as the layout names them: printable ones are their upper-case character, others have names here.
 namespace key {
 inline constexpr int kLeft = 256, kRight = 257, kUp = 258, kDown = 259, kPageUp = 260, kPageDown = 261, kHome = 262,
-                     kEnter = 263, kEscape = 264, kTab = 265, kF1 = 266, kF2 = 267;
+                     kEnter = 263, kEscape = 264, kTab = 265, kF1 = 266;  ///< kF1 + n - 1 is the n-th
 }  // namespace key
 
 /// Bits of KeyPress::modifiers.

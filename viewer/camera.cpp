@@ -31,8 +31,8 @@ Eigen::Matrix3d Camera::axes() const {
   return axes;
 }
 
-View make_view(const Camera& camera, int width, int height, double eye_shift) {
-  constexpr double kSceneReach = 2.5;  // world units around the target that may hold something to see
+View make_view(const Camera& camera, int width, int height, double eye_shift, double convergence) {
+  const double screen = std::max(convergence * camera.distance, 1e-9);  // distance of zero parallax
   View view;
   view.width = std::max(width, 1);
   view.height = std::max(height, 1);
@@ -45,22 +45,23 @@ View make_view(const Camera& camera, int width, int height, double eye_shift) {
   look.topLeftCorner<3, 3>() = axes.transpose();
   look.topRightCorner<3, 1>() = -axes.transpose() * view.eye;
 
-  const double far = camera.distance + kSceneReach;
+  const double far = camera.distance + camera.reach;
   Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
   if (camera.field_rad <= 0.0) {
-    const double near = camera.distance - kSceneReach;
+    const double near = camera.distance - camera.reach;
     clip(0, 0) = 1.0 / (camera.half_height * aspect);
+    clip(0, 2) = -eye_shift / (screen * camera.half_height * aspect);
     clip(1, 1) = 1.0 / camera.half_height;
     clip(2, 2) = -2.0 / (far - near);
     clip(2, 3) = -(far + near) / (far - near);
     clip(3, 3) = 1.0;
   } else {
-    const double near = std::max(camera.distance - kSceneReach, 0.05 * camera.distance);
+    const double near = std::max(camera.distance - camera.reach, 0.05 * camera.distance);
     const double focal = 1.0 / std::tan(0.5 * camera.field_rad);
     clip(0, 0) = focal / aspect;
     clip(1, 1) = focal;
-    // Off axis: the target plane stays where it is in the picture, whichever eye looks.
-    clip(0, 2) = -eye_shift * focal / (aspect * camera.distance);
+    // Off axis: the plane of zero parallax stays where it is in the picture, whichever eye looks.
+    clip(0, 2) = -eye_shift * focal / (aspect * screen);
     clip(2, 2) = -(far + near) / (far - near);
     clip(2, 3) = -2.0 * far * near / (far - near);
     clip(3, 2) = -1.0;

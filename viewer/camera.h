@@ -40,6 +40,7 @@ struct Camera {
   double distance = 3.0;                             ///< world
   double field_rad = 0.5;                            ///< vertical field of view; 0: parallel projection
   double half_height = 0.5;                          ///< world, of a parallel projection
+  double reach = 2.5;                                ///< world units around the target that may hold something to see
 
   /// Columns: the camera's right, up and backwards directions in the world.
   [[nodiscard]] Eigen::Matrix3d axes() const;
@@ -67,8 +68,9 @@ struct View {
   [[nodiscard]] double pixels_per_unit(const Eigen::Vector3d& world) const;
 };
 
-/// `eye_shift`: world distance of this eye to the right of the middle, with an off-axis frustum whose zero parallax
-/// lies at the target (0: one eye).
-[[nodiscard]] View make_view(const Camera& camera, int width, int height, double eye_shift = 0.0);
+/// `eye_shift`: world distance of this eye to the right of the middle (0: one eye), with an off-axis frustum whose zero
+/// parallax lies at `convergence` times the camera's distance.
+[[nodiscard]] View make_view(const Camera& camera, int width, int height, double eye_shift = 0.0,
+                             double convergence = 1.0);
 
 }  // namespace sparsha::viewer

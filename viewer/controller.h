@@ -1,7 +1,6 @@
 // Turns keys, buttons and the mouse into requests, settings, camera and the pointer device's hand; makes the frames.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,7 +9,11 @@
 
 #include "viewer/actions.h"
 #include "viewer/frame.h"
+#include "viewer/hand.h"
+#include "viewer/orbit.h"
+#include "viewer/toasts.h"
 #include "viewer/viewer.h"
+#include "viewer/wishes.h"
 
 namespace sparsha::viewer {
 
@@ -19,8 +22,7 @@ class Controller {
  public:
   Controller(const Connections& connections, const ViewSettings& settings);
 
-  /// Height of the drawn surface at x, y (grid frame, metres).
-  using HeightAt = std::function<double(double x_m, double y_m)>;
+  using HeightAt = viewer::HeightAt;
 
   void set_scene(pipeline::ScenePointer scene);
   void press(const KeyPress& press);
@@ -31,9 +33,16 @@ class Controller {
                   const HeightAt& height);
   void mouse_button(int button, bool down, int modifiers);  ///< 0 left, 1 right, 2 middle
   void mouse_wheel(double steps, int modifiers);
+  /// What the interface has drawn and can be clicked; later ones lie on top.
+  void set_boxes(std::vector<Clickable> boxes, int help_pages) {
+    boxes_ = std::move(boxes);
+    help_pages_ = help_pages;
+  }
 
-  /// One step of time: state in, announcements in, camera eased, pointer sample out.
-  void update(double time_s, const haptics::State& state, int width, int height, const HeightAt& height_at);
+  /// One step of time: state in, announcements in, camera eased, pointer sample out. `height_at`: of the surface that
+  /// is touched; `drawn_at`: of the one that is seen, if it is another.
+  void update(double time_s, const haptics::State& state, int width, int height, const HeightAt& height_at,
+              const HeightAt& drawn_at = {});
   [[nodiscard]] const Frame& frame() const { return frame_; }
   [[nodiscard]] Frame& frame() { return frame_; }
   [[nodiscard]] bool wants_to_leave() const { return leave_; }
@@ -42,61 +51,66 @@ class Controller {
   [[nodiscard]] const ViewSettings& settings() const { return frame_.settings; }
   /// Buttons that the bar shows now.
   [[nodiscard]] std::vector<Action> buttons() const;
-
- private:
-  void post(haptics::Request::Kind kind, double x = 0.0, double y = 0.0, bool on = false);
+  /// True once for each time that a picture on disk, or the other of full screen and window, was asked for.
+  [[nodiscard]] bool take_screenshot_wish() { return std::exchange(screenshot_, false); }
+  [[nodiscard]] bool wants_screenshot() const { return screenshot_; }
+  [[nodiscard]] bool take_full_screen_wish() { return std::exchange(full_screen_, false); }
+  /// Shows words and has them spoken.
   void tell(const std::string& text,
             haptics::Announcement::Priority priority = haptics::Announcement::Priority::information);
+
+ private:
+  /// What the left button holds while it is down.
+  enum class Grip { none, hand, camera, light, overview, box };
+
   // Each carries out the actions that are its own, and gives false for all others.
-  bool ask_session(Action action);
   bool step_hand(Action action);
   bool set_light(Action action);
   bool move_camera(Action action);
   bool set_view(Action action);
-  void next_stereo();
+  bool set_stereo(Action action);
+  void turn_light(const Eigen::Vector2d& moved);
+  void ask_rescan();
+  void go_to_scans();
+  void save_strip();
+  void answer(bool yes);
+  void go_home();
   void close_or_leave();
   void leave();
   void move_focus(int step);
-  void ease_camera(double seconds, int width, int height);
-  void move_hand(double seconds, const HeightAt& height_at);
-  void take_announcements(double time_s);
-  [[nodiscard]] double step_m() const;
+  void press_left(int modifiers);
+  void release_left();
+  [[nodiscard]] std::optional<Clickable> box_at(const Eigen::Vector2d& place) const;
+  void go_to_overview(const Eigen::Vector2d& place);
+  void centre_on(const Eigen::Vector2d& place);
+  [[nodiscard]] Window window() const;
+  [[nodiscard]] Ground ground(const Window& window, const HeightAt& height_at) const;
   [[nodiscard]] double reach_m() const;  ///< of the hand to each side, device frame
 
   Connections connections_;
   pipeline::ScenePointer scene_;
   Stage stage_;
   Frame frame_;
-  bool leave_ = false;
-  bool to_scans_ = false;
-  bool first_ = true;
+  bool leave_ = false, to_scans_ = false, screenshot_ = false, full_screen_ = false;
 
-  // The camera relative to the window.
-  double turn_rad_ = 0.0, tilt_rad_ = 0.0, zoom_ = 1.0;
-  Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();  // in window widths
+  Orbit orbit_;
+  PointerHand hand_;
+  Toasts toasts_;
+  Wishes wishes_;
 
-  // The hand of the pointer device.
-  Eigen::Vector2d hand_m_ = Eigen::Vector2d::Zero();  // device frame
-  double offset_m_ = 0.0;                             // above the surface, device frame
-  double press_m_ = 0.0;                              // depth of a press
-  double hand_z_m_ = 0.0;
-  bool hand_known_ = false, pressed_ = false, left_down_ = false, right_down_ = false, middle_down_ = false;
-  std::uint64_t sequence_ = 0;
+  std::vector<Clickable> boxes_;
+  int help_pages_ = 1;
+  Layout layout_;  // of the last move of the mouse
+  std::optional<View> view_;
   Eigen::Vector2d mouse_ = Eigen::Vector2d::Zero();
-
-  struct Shown {
-    haptics::Announcement announcement;
-    double until_s = 0.0, length_s = 1.0;
-  };
-  std::vector<Shown> shown_;
-  std::vector<haptics::Announcement> own_;
-  std::uint64_t seen_ = 0;
+  Grip grip_ = Grip::none;
+  std::optional<Clickable> gripped_;
+  bool right_down_ = false, middle_down_ = false;
+  double overview_s_ = -1.0;     // when the window was sent there last
+  bool overview_waits_ = false;  // the mouse has gone on since
+  double clicked_s_ = -1.0;
+  Eigen::Vector2d clicked_ = Eigen::Vector2d::Zero();
+  int light_preset_ = 0;
 };
-
-/// The camera that frames a window: `zoom` 1 fits it into the rectangle.
-[[nodiscard]] Camera camera_for(const Window& window, const Stage& stage, double turn_rad, double tilt_rad, double zoom,
-                                const Eigen::Vector2d& shift, const Rect& rect);
-
-inline constexpr double kStandardTiltRad = 0.50;
 
 }  // namespace sparsha::viewer

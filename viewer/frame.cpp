@@ -2,11 +2,24 @@
 #include "viewer/frame.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/chrono.h>
 
 #include "scene/workspace.h"
 
 namespace sparsha::viewer {
+
+ViewSettings settings_of(const pipeline::ViewerConfig& config) {
+  ViewSettings settings;
+  settings.colour = config.colour;
+  settings.stereo.mode = config.stereo;
+  return settings;
+}
 
 Window window_of(const haptics::State& state, const pipeline::SceneDescription& description) {
   Window window;
@@ -28,6 +41,88 @@ Window window_of(const haptics::State& state, const pipeline::SceneDescription& 
   return window;
 }
 
+namespace {
+
+/// FNV-1a over values in steps.
+class Look {
+ public:
+  void add(std::uint64_t word) {
+    hash_ = (hash_ ^ word) * 1099511628211ULL;
+    hash_ ^= hash_ >> 29U;
+  }
+  void add(double value, double step) {
+    constexpr double kMost = 1e15;
+    const double steps = value / step;
+    add(std::isfinite(steps)
+            ? static_cast<std::uint64_t>(static_cast<std::int64_t>(std::lround(std::clamp(steps, -kMost, kMost))))
+            : 0x7FF0ULL);
+  }
+  void add(const std::string& words) {
+    for (const char c : words) add(static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
+    add(std::uint64_t{0x100});
+  }
+  [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 1469598103934665603ULL;
+};
+
+void add_state(const haptics::State& state, Look& look) {
+  constexpr double kPixel = 1.0 / 8000.0;  // of the workspace
+  constexpr std::uint64_t kSeen = haptics::kFlagSticking | haptics::kFlagUnknownArea | haptics::kFlagOutside |
+                                  haptics::kFlagSaturated | haptics::kFlagStale | haptics::kFlagFault |
+                                  haptics::kFlagFilledArea | haptics::kFlagTexture | haptics::kFlagFriction |
+                                  haptics::kFlagImpact | haptics::kFlagGrain;
+  look.add(std::uint64_t{state.tick != 0});
+  look.add(state.flags & kSeen);
+  look.add(state.contact);
+  look.add(state.level);
+  look.add(state.surface_id);
+  const double grid = kPixel * state.workspace_m / state.scale;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    look.add(state.proxy_m[axis], grid);
+    look.add(state.contact != 0 ? state.hip_m[axis] : 0.0, grid);
+    look.add(state.centre_m[axis], grid);
+    look.add(state.commanded_force_n[axis], 0.01);
+    look.add(state.normal[axis], 0.01);
+  }
+  look.add(state.contact != 0 ? state.penetration_m : 0.0, 1e-5);
+  look.add(state.contact != 0 ? state.friction_coefficient : 0.0, 0.01);
+  look.add(state.share_in_time, 0.001);
+}
+
+}  // namespace
+
+std::uint64_t look_of(const Frame& frame) {
+  Look look;
+  add_state(frame.state, look);
+  const Camera& camera = frame.camera;
+  for (const double value : {camera.target.x(), camera.target.y(), camera.target.z(), camera.turn_rad, camera.tilt_rad,
+                             camera.distance, camera.field_rad, camera.half_height})
+    look.add(std::bit_cast<std::uint64_t>(value));
+  const ViewSettings& s = frame.settings;
+  look.add(static_cast<std::uint64_t>(s.colour));
+  look.add(static_cast<std::uint64_t>(s.stereo.mode));
+  for (const double value : {s.stereo.separation, s.stereo.convergence, s.light.azimuth_rad, s.light.elevation_rad})
+    look.add(std::bit_cast<std::uint64_t>(value));
+  for (const bool on : {s.stereo.swapped, s.mark_filled, s.outline, s.high_contrast, s.large_type, s.help, s.figures,
+                        s.kiosk, frame.asks_rescan, frame.looks})
+    look.add(std::uint64_t{on});
+  look.add(static_cast<std::uint64_t>(frame.focused + 1));
+  look.add(static_cast<std::uint64_t>(frame.hovered + 1));
+  look.add(static_cast<std::uint64_t>(frame.help_page));
+  for (const Toast& toast : frame.toasts) {
+    look.add(toast.announcement.text);
+    look.add(std::min(1.0, toast.left * 6.0), 0.05);  // it fades at its end only
+  }
+  look.add(frame.title);
+  look.add(frame.part);
+  if (frame.strip.moves()) look.add(frame.strip.samples().back().time_s, 1e-3);
+  look.add(std::uint64_t{frame.strip.paused()});
+  if (s.figures) look.add(frame.time_s, 0.5);
+  return look.value();
+}
+
 Layout layout_of(int width, int height, const ViewSettings& settings) {
   Layout layout;
   width = std::max(width, 64);
@@ -36,16 +131,36 @@ Layout layout_of(int width, int height, const ViewSettings& settings) {
   const auto px = [&](double value) { return static_cast<int>(std::lround(value * layout.scale)); };
   if (settings.kiosk) {
     layout.detail = {0, 0, width, height};
+    layout.bar = {0, height - px(110), width, px(110)};
     const int side = std::min(px(240), width / 4);
     layout.overview = {width - side - px(24), px(24), side, side};
     return layout;
   }
-  const int panel = std::min(px(settings.large_type ? 340 : 372), width / 2);
-  layout.detail = {0, 0, width - panel, height};
+  const int panel = std::min(px(372), width / 2);
+  constexpr int kBar = 54;
+  layout.detail = {0, 0, width - panel, std::max(height - px(kBar), 32)};
+  layout.bar = {0, layout.detail.height, width - panel, height - layout.detail.height};
   layout.panel = {width - panel, 0, panel, height};
-  const int margin = px(18);
-  layout.overview = {width - panel + margin, px(62), panel - 2 * margin, std::max(height - px(62 + 254), 48)};
+  const int margin = px(18), inside = panel - 2 * margin;
+  // From below: a line, the strip where there is room for it, figures and words; the overview has the rest.
+  constexpr int kHead = 62, kFigures = 252, kStrip = 96, kFooter = 40, kLeastForStrip = 660;
+  const int left = layout.panel.x + margin;
+  int bottom = height - px(kFooter);
+  layout.footer = {left, bottom, inside, px(kFooter)};
+  if (height >= px(kLeastForStrip)) {
+    bottom -= px(kStrip);
+    layout.strip = {left, bottom, inside, px(kStrip) - px(10)};
+  }
+  layout.overview = {left, px(kHead), inside, std::max(bottom - px(kHead + kFigures), px(40))};
   return layout;
+}
+
+std::string dated_name(const std::string& stem, const std::string& extension) {
+  const std::string dated = fmt::format("{}-{:%Y%m%d-%H%M%S}", stem, fmt::localtime(std::time(nullptr)));
+  std::string name = dated + extension;
+  std::error_code ignored;
+  for (int k = 2; std::filesystem::exists(name, ignored); ++k) name = fmt::format("{}-{}{}", dated, k, extension);
+  return name;
 }
 
 Camera overview_camera(const pipeline::SceneDescription& description, const Rect& rect) {

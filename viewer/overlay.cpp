@@ -173,6 +173,10 @@ void HandPainter::draw(const Hand& hand, const View& view, const gl::Texture& de
   draw_rect(ball_, around(*middle, 1.6 * pixels * hand.radius + 2.0, 1.6 * pixels * hand.radius + 2.0, view));
   glDisable(GL_BLEND);
   glBindVertexArray(0);
+  // Seen on every colour.
+  const double rim = pixels * hand.radius;
+  ink_.ring(*middle, rim + 1.2 * scale, 2.4 * scale, {0.0F, 0.0F, 0.0F, 0.55F});
+  ink_.ring(*middle, rim + 0.4 * scale, 1.3 * scale, {1.0F, 1.0F, 1.0F, 0.95F});
 
   arrow(hand, view, scale);
   ink_.flush(view.width, view.height);

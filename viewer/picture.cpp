@@ -3,6 +3,7 @@
 #include "viewer/picture.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <future>
 #include <utility>
@@ -16,19 +17,19 @@ namespace {
 
 constexpr int kWholeNodes = 2048;      // longer side of the piece that shows the whole scene
 constexpr int kPieceNodes = 1536;      // and of the finer piece around the window
+constexpr int kSoftwareNodes = 1024;   // of both without a graphics card, where light costs by the node
 constexpr double kRestS = 0.20;        // a camera that has not moved for so long rests
 constexpr double kBallShare = 0.016;   // of the window's width: the ball's radius
 constexpr double kArrowShare = 0.070;  // of the window's width for each newton
 constexpr double kStrongN = 3.0;
-constexpr double kEyeAngle = 0.035;  // half the angle between the eyes as seen from the target, radians
 
 bool same(const View& a, const View& b) {
   return a.width == b.width && a.height == b.height && a.projection == b.projection;
 }
 
 bool same(const ReliefStyle& a, const ReliefStyle& b) {
-  return a.high_contrast == b.high_contrast && a.mark_filled == b.mark_filled && a.window_world == b.window_world &&
-         a.hole_world == b.hole_world;
+  return a.high_contrast == b.high_contrast && a.mark_filled == b.mark_filled && a.outline == b.outline &&
+         a.window_world == b.window_world && a.hole_world == b.hole_world;
 }
 
 }  // namespace
@@ -68,18 +69,23 @@ Picture::~Picture() = default;
 
 void Picture::set_scene(pipeline::ScenePointer scene) {
   const pipeline::SceneDescription& description = scene->description();
-  const int level = level_within(description, std::min(kWholeNodes, gl::max_texture_size()));
+  const int level =
+      level_within(description, std::min(software_ ? kSoftwareNodes : kWholeNodes, gl::max_texture_size()));
   ReliefData data = prepare_relief(scene->read_level(level), level, envelope_, description.noise_m, pool_);
   scene_ = std::move(scene);
   stage_ = stage_of(description);
   loading_.reset();
   piece_.reset();
   whole_ = std::make_unique<ReliefView>(std::move(data), stage_);
-  whole_->set_light(light_, pool_);
+  whole_->set_light(light_, pool_, true);
   const Paint paint = paint_relief(whole_->data(), description, colour_);
   whole_->set_paint(paint);
   legend_ = paint.legend;
   stones_lit_ = false;
+}
+
+double Picture::touch_height_at(double x_m, double y_m) const {
+  return touch_ground_.height_at(x_m, y_m).value_or(height_at(x_m, y_m));
 }
 
 double Picture::height_at(double x_m, double y_m) const {
@@ -91,6 +97,16 @@ double Picture::height_at(double x_m, double y_m) const {
       return piece_->data().height_at(x_m, y_m);
   }
   return whole_->data().height_at(x_m, y_m);
+}
+
+bool Picture::waits(double time_s) const {
+  if (loading_ && loading_->data.valid() &&
+      loading_->data.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    return true;
+  if (!light_fine_ && time_s - light_changed_s_ >= kRestS) return true;
+  return std::ranges::any_of(surfaces_, [&](const auto& surface) {
+    return surface->supersampling != 0 && !surface->fine && time_s - surface->changed_s >= kRestS;
+  });
 }
 
 bool Picture::any_filled() const { return whole_ && whole_->data().any_filled; }
@@ -107,9 +123,10 @@ void Picture::prepare_style(const Frame& frame) {
   const KeyLight& light = frame.settings.light;
   if (light.azimuth_rad != light_.azimuth_rad || light.elevation_rad != light_.elevation_rad) {
     light_ = light;
-    whole_->set_light(light_, pool_);
-    if (piece_) piece_->set_light(light_, pool_);
-    stones_lit_ = false;
+    light_changed_s_ = frame.time_s;
+    set_light(frame.finished || !software_);
+  } else if (!light_fine_ && (frame.finished || frame.time_s - light_changed_s_ >= kRestS)) {
+    set_light(true);
   }
   const ColourMode wanted = has_mode(description, frame.settings.colour) ? frame.settings.colour : ColourMode::relief;
   if (wanted != colour_) {
@@ -122,13 +139,21 @@ void Picture::prepare_style(const Frame& frame) {
   }
 }
 
+// Shadows are hard while the light moves, and soft once it rests.
+void Picture::set_light(bool fine) {
+  light_fine_ = fine;
+  whole_->set_light(light_, pool_, fine);
+  if (piece_) piece_->set_light(light_, pool_, fine);
+  stones_lit_ = false;
+}
+
 void Picture::follow_window(const Frame& frame, const Window& window) {
   const pipeline::SceneDescription& description = scene_->description();
   if (loading_ && loading_->data.valid()) {
     const bool ready = frame.finished || loading_->data.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     if (ready) {
       piece_ = std::make_unique<ReliefView>(loading_->data.get(), stage_);
-      piece_->set_light(light_, pool_);
+      piece_->set_light(light_, pool_, true);
       piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
       stones_lit_ = false;
     }
@@ -138,7 +163,8 @@ void Picture::follow_window(const Frame& frame, const Window& window) {
   // The finest level of which twice the window's width fits a piece.
   int level = 0;
   const double width_m = 2.0 * window.width_m;
-  while (level < whole_level && width_m / description.levels[static_cast<std::size_t>(level)].spacing_m > kPieceNodes)
+  while (level < whole_level && width_m / description.levels[static_cast<std::size_t>(level)].spacing_m >
+                                    (software_ ? kSoftwareNodes : kPieceNodes))
     ++level;
   if (level == whole_level) {
     if (piece_) stones_lit_ = false;
@@ -220,8 +246,15 @@ void Picture::refresh(Surface& surface, const View& view, const ReliefStyle& sty
   const bool changed = surface.supersampling == 0 || surface.version != version_ || !same(surface.view, view) ||
                        !same(surface.style, style);
   if (changed) surface.changed_s = frame.time_s;
-  const bool rests = frame.finished || !software_ || overview || frame.time_s - surface.changed_s >= kRestS;
+  const bool there = surface.supersampling != 0 && same(surface.view, view);
+  const bool rests = frame.finished || !software_ || (overview && !there) || frame.time_s - surface.changed_s >= kRestS;
   if (!changed && (surface.fine || !rests)) return;
+  if (overview && !rests) {  // the old one does until all rests
+    surface.fine = false;
+    surface.version = version_;
+    surface.style = style;
+    return;
+  }
   surface.view = view;
   surface.style = style;
   surface.version = version_;
@@ -267,12 +300,15 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   prepare_style(frame);
   const Window window = window_of(frame.state, scene_->description());
   follow_window(frame, window);
+  touch_ground_.follow(scene_, frame.state, frame.finished);
   light_stones(frame.settings.high_contrast);
+  hand_ = hand_of(frame.state, window);
   const Layout layout = layout_of(width, height, frame.settings);
 
   ReliefStyle style;
   style.high_contrast = frame.settings.high_contrast;
   style.mark_filled = frame.settings.mark_filled;
+  style.outline = frame.settings.outline;
   const double thick = std::max(0.035, 0.12 * (whole_->high_world() - whole_->low_world()));
   style.floor_z = whole_->low_world() - thick;
   ReliefStyle framed = style;
@@ -282,65 +318,82 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
     framed.window_world = Box(centre.x() - half, centre.y() - half, centre.x() + half, centre.y() + half);
   }
 
-  detail_view_ = make_view(frame.camera, layout.detail.width, layout.detail.height);
-  hand_ = hand_of(frame.state, window);
-  const bool stereo = frame.settings.anaglyph;
-  const int left = layout.detail.x, bottom = height - layout.detail.y - layout.detail.height;
+  draw_detail(frame, layout, framed, framebuffer, height);
+  if (layout.panel.width > 0) {
+    // The ground of panel and bar: clearing is far cheaper than blended rectangles.
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glEnable(GL_SCISSOR_TEST);
+    const float ground = frame.settings.high_contrast ? 0.0F : 1.0F;
+    glClearColor(0.094F * ground, 0.086F * ground, 0.078F * ground, 1.0F);
+    for (const Rect& rect : {layout.panel, layout.bar}) {
+      glScissor(rect.x, height - rect.y - rect.height, rect.width, rect.height);
+      glClear(GL_COLOR_BUFFER_BIT);
+    }
+    glDisable(GL_SCISSOR_TEST);
+  }
+  if (layout.overview.width > 0 && layout.overview.height > 0) draw_overview(frame, layout, style, framebuffer, height);
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, width, height);
+}
+
+// One picture, or two that go into one: the eyes are drawn into pictures of their own first.
+void Picture::draw_detail(const Frame& frame, const Layout& layout, const ReliefStyle& style, unsigned framebuffer,
+                          int height) {
+  const Stereo& stereo = frame.settings.stereo;
+  const Rect& detail = layout.detail;
+  const bool beside = stereo.mode == StereoMode::side_by_side;
+  const bool merged = stereo.on() && !beside;
+  const int eye_width = beside ? std::max(detail.width / 2, 1) : detail.width;
+  const int bottom = height - detail.y - detail.height;
+  detail_view_ = make_view(frame.camera, eye_width, detail.height);
   const double ce = std::cos(light_.elevation_rad);
   const Eigen::Vector3f light(static_cast<float>(ce * std::cos(light_.azimuth_rad)),
                               static_cast<float>(ce * std::sin(light_.azimuth_rad)),
                               static_cast<float>(std::sin(light_.elevation_rad)));
-  for (std::size_t eye = 0; eye < (stereo ? 2U : 1U); ++eye) {
-    const double shift = stereo ? (eye == 0 ? -1.0 : 1.0) * kEyeAngle * frame.camera.distance : 0.0;
-    const View view = make_view(frame.camera, layout.detail.width, layout.detail.height, shift);
-    Surface& surface = *surfaces_[eye];
-    refresh(surface, view, framed, false, frame);
-    if (stereo && (eyes_[eye].width() != view.width || eyes_[eye].height() != view.height))
-      eyes_[eye] = gl::Target(view.width, view.height, false, gl::Filter::nearest);
-    const int at_left = stereo ? 0 : left, at_bottom = stereo ? 0 : bottom;
-    surface.picture().copy_to(stereo ? eyes_[eye].framebuffer() : framebuffer, at_left, at_bottom);
+  for (int eye = 0; eye < (stereo.on() ? 2 : 1); ++eye) {
+    const double side = !stereo.on() ? 0.0 : (eye == 0) != stereo.swapped ? -0.5 : 0.5;
+    const View view = make_view(frame.camera, eye_width, detail.height,
+                                side * stereo.separation * frame.camera.distance, stereo.convergence);
+    Surface& surface = *surfaces_[static_cast<std::size_t>(eye)];
+    gl::Target& own = eyes_[static_cast<std::size_t>(eye)];
+    refresh(surface, view, style, false, frame);
+    if (merged && (own.width() != view.width || own.height() != view.height))
+      own = gl::Target(view.width, view.height, false, gl::Filter::nearest);
+    const int at_left = merged ? 0 : detail.x + eye * eye_width, at_bottom = merged ? 0 : bottom;
+    surface.picture().copy_to(merged ? own.framebuffer() : framebuffer, at_left, at_bottom);
     glViewport(at_left, at_bottom, view.width, view.height);
     if (hand_)
       hand_painter_->draw(*hand_, view, surface.large.depth(), surface.supersampling, at_left, at_bottom, light,
                           layout.scale);
   }
-  if (stereo) {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glViewport(left, bottom, layout.detail.width, layout.detail.height);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-    anaglyph_program_.use();
-    eyes_[0].colour().bind(0);
-    eyes_[1].colour().bind(1);
-    anaglyph_program_.set("left", 0);
-    anaglyph_program_.set("right", 1);
-    anaglyph_program_.set("grey", frame.settings.anaglyph_grey ? 1 : 0);
-    anaglyph_program_.set("origin", Eigen::Vector2f(static_cast<float>(left), static_cast<float>(bottom)));
-    glBindVertexArray(vertex_array_.get());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-  }
-
-  if (layout.panel.width > 0) {
-    // The panel's ground: clearing is far cheaper than a blended rectangle.
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(layout.panel.x, height - layout.panel.y - layout.panel.height, layout.panel.width, layout.panel.height);
-    const float ground = frame.settings.high_contrast ? 0.0F : 1.0F;
-    glClearColor(0.094F * ground, 0.086F * ground, 0.078F * ground, 1.0F);
-    glClear(GL_COLOR_BUFFER_BIT);
-    glDisable(GL_SCISSOR_TEST);
-  }
-  if (layout.overview.width > 0 && layout.overview.height > 0) {
-    const View view = make_view(overview_camera(scene_->description(), layout.overview), layout.overview.width,
-                                layout.overview.height);
-    style.walls = false;
-    refresh(*surfaces_[2], view, style, true, frame);
-    const int x = layout.overview.x, y = height - layout.overview.y - layout.overview.height;
-    surfaces_[2]->picture().copy_to(framebuffer, x, y);
-  }
-  glBindVertexArray(0);
+  if (!merged) return;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, width, height);
+  merge_eyes(frame, detail, bottom);
+}
+
+void Picture::merge_eyes(const Frame& frame, const Rect& detail, int bottom) {
+  glViewport(detail.x, bottom, detail.width, detail.height);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  anaglyph_program_.use();
+  eyes_[0].colour().bind(0);
+  eyes_[1].colour().bind(1);
+  anaglyph_program_.set("left", 0);
+  anaglyph_program_.set("right", 1);
+  anaglyph_program_.set("grey", frame.settings.stereo.mode == StereoMode::grey ? 1 : 0);
+  anaglyph_program_.set("origin", Eigen::Vector2f(static_cast<float>(detail.x), static_cast<float>(bottom)));
+  glBindVertexArray(vertex_array_.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Picture::draw_overview(const Frame& frame, const Layout& layout, ReliefStyle style, unsigned framebuffer,
+                            int height) {
+  const Rect& rect = layout.overview;
+  const View view = make_view(overview_camera(scene_->description(), rect), rect.width, rect.height);
+  style.walls = false;
+  refresh(*surfaces_[2], view, style, true, frame);
+  surfaces_[2]->picture().copy_to(framebuffer, rect.x, height - rect.y - rect.height);
 }
 
 }  // namespace sparsha::viewer

@@ -9,6 +9,7 @@
 #include "viewer/gl/objects.h"
 #include "viewer/overlay.h"
 #include "viewer/surface/relief_view.h"
+#include "viewer/surface/touch_ground.h"
 
 namespace sparsha::viewer {
 
@@ -28,6 +29,8 @@ class Picture {
   /// camera or data changed since the last call.
   void draw(const Frame& frame, unsigned framebuffer, int width, int height);
 
+  /// Height of the surface that the hand touches, grid frame: the servo's where it is known, else the drawn one.
+  [[nodiscard]] double touch_height_at(double x_m, double y_m) const;
   /// Height of the drawn surface, grid frame.
   [[nodiscard]] double height_at(double x_m, double y_m) const;
   [[nodiscard]] const Legend& legend() const { return legend_; }
@@ -37,6 +40,8 @@ class Picture {
   [[nodiscard]] const Stage& stage() const { return stage_; }
   /// How often surfaces have been drawn; for tests of the cache.
   [[nodiscard]] int surface_redraws() const { return redraws_; }
+  /// True when draw() of the same frame at `time_s` would give another picture: a finer one, or of data that has come.
+  [[nodiscard]] bool waits(double time_s) const;
   /// The hand of the last draw(), or nothing.
   [[nodiscard]] const std::optional<Hand>& hand() const { return hand_; }
 
@@ -49,7 +54,12 @@ class Picture {
   void refresh(Surface& surface, const View& view, const ReliefStyle& style, bool overview, const Frame& frame);
   void draw_surface(Surface& surface, const View& view, ReliefStyle style, int supersampling, bool overview,
                     const Frame& frame);
+  void set_light(bool fine);
   void light_stones(bool high_contrast);
+  void draw_detail(const Frame& frame, const Layout& layout, const ReliefStyle& style, unsigned framebuffer,
+                   int height);
+  void merge_eyes(const Frame& frame, const Rect& detail, int bottom);
+  void draw_overview(const Frame& frame, const Layout& layout, ReliefStyle style, unsigned framebuffer, int height);
   [[nodiscard]] std::optional<Hand> hand_of(const haptics::State& state, const Window& window) const;
 
   pipeline::ScenePointer scene_;
@@ -66,7 +76,10 @@ class Picture {
   std::unique_ptr<ReliefView> whole_;
   std::unique_ptr<ReliefView> piece_;
   std::unique_ptr<DetailPiece> loading_;
+  TouchGround touch_ground_;
   KeyLight light_;
+  bool light_fine_ = true;
+  double light_changed_s_ = 0.0;
   ColourMode colour_ = ColourMode::relief;
   bool envelope_ = false;
   bool high_contrast_ = false;

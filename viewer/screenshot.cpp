@@ -1,4 +1,8 @@
 // One picture without a display.
+#include "viewer/screenshot.h"
+
+#include <vector>
+
 #include "base/png.h"
 #include "viewer/controller.h"
 #include "viewer/gl/offscreen.h"
@@ -8,14 +12,22 @@
 namespace sparsha::viewer {
 namespace {
 
-std::vector<std::uint8_t> without_alpha(const std::vector<unsigned char>& rgba) {
+/// `rgba`: first row at the top.
+void write_rgba(const std::filesystem::path& file, int width, int height, const std::vector<unsigned char>& rgba) {
   std::vector<std::uint8_t> rgb;
   rgb.reserve(rgba.size() / 4 * 3);
   for (std::size_t k = 0; k + 3 < rgba.size(); k += 4) rgb.insert(rgb.end(), {rgba[k], rgba[k + 1], rgba[k + 2]});
-  return rgb;
+  PngFormat format;
+  format.width = width;
+  format.height = height;
+  write_png(file, format, rgb);
 }
 
 }  // namespace
+
+void write_framebuffer(int width, int height, const std::filesystem::path& file) {
+  write_rgba(file, width, height, gl::read_pixels(0, width, height));
+}
 
 void write_screenshot(const pipeline::ScenePointer& scene, const haptics::State& state,
                       const pipeline::ViewerConfig& config, const std::filesystem::path& file) {
@@ -23,21 +35,15 @@ void write_screenshot(const pipeline::ScenePointer& scene, const haptics::State&
   const gl::OffscreenContext context;
   Picture picture;
   picture.set_scene(scene);
-  ViewSettings settings;
-  settings.colour = config.colour;
-  settings.anaglyph = config.stereo == pipeline::ViewerConfig::Stereo::anaglyph;
-  Controller controller({}, settings);
+  Controller controller({}, settings_of(config));
   controller.set_scene(scene);
   const auto height_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
   controller.update(0.0, state, kWidth, kHeight, height_at);
   const gl::Target target(kWidth, kHeight, false);
   picture.draw(controller.frame(), target.framebuffer(), kWidth, kHeight);
   Gui gui;
-  static_cast<void>(gui.draw(controller.frame(), controller.buttons(), picture, kWidth, kHeight, 0.01));
-  PngFormat format;
-  format.width = kWidth;
-  format.height = kHeight;
-  write_png(file, format, without_alpha(target.read_pixels()));
+  gui.draw(controller.frame(), controller.buttons(), picture, kWidth, kHeight, 0.01);
+  write_rgba(file, kWidth, kHeight, target.read_pixels());
 }
 
 }  // namespace sparsha::viewer

@@ -3,12 +3,14 @@
 #include <cctype>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include <backends/imgui_impl_glfw.h>
@@ -24,6 +26,7 @@
 #include "viewer/gui/gui.h"
 #include "viewer/kiosk/attract.h"
 #include "viewer/picture.h"
+#include "viewer/screenshot.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -61,6 +64,7 @@ struct Inputs {
   const Connections* connections = nullptr;
   int width = 1, height = 1;
   double pixel_ratio = 1.0;
+  bool damaged = true;  ///< the window's contents are lost
 };
 
 Inputs& inputs_of(GLFWwindow* window) { return *static_cast<Inputs*>(glfwGetWindowUserPointer(window)); }
@@ -71,6 +75,7 @@ int modifiers_of(int mods) {
 
 /// The key by the name that this keyboard's layout gives it; 0 for keys without a meaning here.
 int key_of(int glfw_key, int scancode) {
+  if (glfw_key >= GLFW_KEY_F1 && glfw_key <= GLFW_KEY_F12) return key::kF1 + glfw_key - GLFW_KEY_F1;
   switch (glfw_key) {
     case GLFW_KEY_LEFT:
       return key::kLeft;
@@ -93,10 +98,6 @@ int key_of(int glfw_key, int scancode) {
       return key::kEscape;
     case GLFW_KEY_TAB:
       return key::kTab;
-    case GLFW_KEY_F1:
-      return key::kF1;
-    case GLFW_KEY_F2:
-      return key::kF2;
     case GLFW_KEY_SPACE:
       return ' ';
     case GLFW_KEY_KP_ADD:
@@ -134,12 +135,15 @@ void on_move(GLFWwindow* window, double x, double y) {
   if (in.controller == nullptr) return;
   in.controller->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio,
                             layout_of(in.width, in.height, in.controller->settings()), in.picture->detail_view(),
-                            in.picture->stage(), [&](double u, double v) { return in.picture->height_at(u, v); });
+                            in.picture->stage(), [&](double u, double v) { return in.picture->touch_height_at(u, v); });
 }
 
 void on_button(GLFWwindow* window, int button, int event, int mods) {
   Inputs& in = inputs_of(window);
-  in.attract->touched();
+  // Where it was clicked counts, and not where the last move was reported.
+  double x = 0.0, y = 0.0;
+  glfwGetCursorPos(window, &x, &y);
+  on_move(window, x, y);
   if (event == GLFW_PRESS && in.gui->wants_mouse()) return;
   if (in.cloud != nullptr) return in.cloud->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
   if (in.controller == nullptr) return;
@@ -172,7 +176,7 @@ void attract_visitors(Attract& attract, Controller& controller, double time_s, c
   if (change == Attract::Change::begins) {
     if (controller.settings().help) controller.act(Action::help);
     controller.act(Action::whole_scene);
-    controller.act(Action::camera_reset);
+    controller.act(Action::home);
     ViewSettings& settings = controller.frame().settings;
     settings.high_contrast = settings.large_type = settings.mark_filled = false;
   }
@@ -199,9 +203,50 @@ struct GuiInput {
 
 struct WindowHandle {
   GLFWwindow* handle = nullptr;
+  int x = 80, y = 80, width = 1280, height = 720;  ///< before it filled the screen
   ~WindowHandle() {
     if (handle != nullptr) glfwDestroyWindow(handle);
   }
+};
+
+/// Full screen and back to where the window was.
+void switch_full_screen(WindowHandle& window) {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+  if (mode == nullptr) return;
+  if (glfwGetWindowMonitor(window.handle) != nullptr) {
+    glfwSetWindowMonitor(window.handle, nullptr, window.x, window.y, window.width, window.height, GLFW_DONT_CARE);
+    return;
+  }
+  glfwGetWindowPos(window.handle, &window.x, &window.y);
+  glfwGetWindowSize(window.handle, &window.width, &window.height);
+  glfwSetWindowMonitor(window.handle, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
+void save_picture(Controller& controller, int width, int height) {
+  const std::string file = dated_name("sparsha", ".png");
+  try {
+    write_framebuffer(width, height, file);
+    controller.tell("Saved " + file);
+  } catch (const Error& error) {
+    controller.tell("Not saved: " + error.wrong(), haptics::Announcement::Priority::warning);
+  }
+}
+
+/// Pictures of the last second and what they cost.
+class PictureCount {
+ public:
+  void add(double time_s, double cost_s) { pictures_.push_back({time_s, cost_s}); }
+  void show(double time_s, Frame& frame) {
+    while (!pictures_.empty() && pictures_.front().first < time_s - 1.0) pictures_.pop_front();
+    double sum_s = 0.0;
+    for (const auto& picture : pictures_) sum_s += picture.second;
+    frame.pictures_per_s = static_cast<double>(pictures_.size());
+    frame.picture_ms = pictures_.empty() ? 0.0 : 1e3 * sum_s / frame.pictures_per_s;
+  }
+
+ private:
+  std::deque<std::pair<double, double>> pictures_;
 };
 
 void open(WindowHandle& window, const ViewerOptions& options) {
@@ -262,6 +307,7 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
   glfwSetMouseButtonCallback(window.handle, on_button);
   glfwSetScrollCallback(window.handle, on_scroll);
   glfwSetDropCallback(window.handle, on_drop);
+  glfwSetWindowRefreshCallback(window.handle, [](GLFWwindow* w) { inputs_of(w).damaged = true; });
   const GuiInput gui_input(window.handle);
 
   ViewSettings settings;
@@ -278,6 +324,7 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
       (on ? settings : touching).large_type = (on ? touching : settings).large_type;
     }
     inputs.cloud = on ? &*cloud : nullptr;
+    inputs.damaged = true;
     gui.use_keyboard(on);
   };
   inputs.change_mode = [&] {
@@ -292,8 +339,23 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
   if (!connections.scene()) show_scans(true);
 
   const auto began = Clock::now();
-  const auto height_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
+  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
+  const auto height_at = [&](double x_m, double y_m) { return picture.touch_height_at(x_m, y_m); };
+  const auto drawn_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
+  const auto draw = [&](double now_s, double passed_s) {
+    picture.draw(controller->frame(), 0, inputs.width, inputs.height);
+    gui_input.begin_frame(inputs.pixel_ratio);
+    gui.draw(controller->frame(), controller->buttons(), picture, inputs.width, inputs.height, passed_s);
+    controller->set_boxes(gui.boxes(), gui.help_pages());
+    if (controller->take_screenshot_wish()) save_picture(*controller, inputs.width, inputs.height);
+    glfwSwapBuffers(window.handle);
+    inputs.damaged = false;
+    return seconds() - now_s;
+  };
   double before_s = 0.0;
+  std::uint64_t drawn = 0;  // look of the last picture
+  int drawn_width = 0, drawn_height = 0;
+  PictureCount count;
   while (glfwWindowShouldClose(window.handle) == GLFW_FALSE && !leaves &&
          !(controller && controller->wants_to_leave())) {
     constexpr double kFrameS = 1.0 / 60.0;
@@ -301,13 +363,17 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
     if (connections.finished && connections.finished()) break;
     if (pipeline::ScenePointer scene = connections.scene(); scene && scene != picture.scene()) {
       if (!controller) {
-        settings.colour = scene->description().config.viewer.colour;
-        settings.anaglyph = scene->description().config.viewer.stereo == pipeline::ViewerConfig::Stereo::anaglyph;
+        const bool kiosk = settings.kiosk, high_contrast = settings.high_contrast, large_type = settings.large_type;
+        settings = settings_of(scene->description().config.viewer);
+        settings.kiosk = kiosk;
+        settings.high_contrast = high_contrast;
+        settings.large_type = large_type;
         controller.emplace(connections, settings);
         inputs.controller = &*controller;
       }
       picture.set_scene(scene);
       controller->set_scene(std::move(scene));
+      inputs.damaged = true;
       show_scans(false);
     }
     if (connections.to_scans && connections.to_scans()) show_scans(true);
@@ -315,13 +381,15 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
     glfwGetWindowSize(window.handle, &window_width, &window_height);
     glfwGetFramebufferSize(window.handle, &inputs.width, &inputs.height);
     inputs.pixel_ratio = window_width > 0 ? static_cast<double>(inputs.width) / window_width : 1.0;
-    const double now_s = std::chrono::duration<double>(Clock::now() - began).count();
-    const bool seen = inputs.width > 0 && inputs.height > 0;
+    const double now_s = seconds();
+    const bool seen =
+        inputs.width > 0 && inputs.height > 0 && glfwGetWindowAttrib(window.handle, GLFW_ICONIFIED) == GLFW_FALSE;
     if (controller) {
       const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
       if (options.kiosk) attract_visitors(attract, *controller, now_s, state);
-      controller->update(now_s, state, inputs.width, inputs.height, height_at);
+      controller->update(now_s, state, inputs.width, inputs.height, height_at, drawn_at);
       controller->frame().finished = false;
+      count.show(now_s, controller->frame());
     }
     if (seen && inputs.cloud != nullptr) {
       cloud->controller().frame().finished = false;
@@ -329,20 +397,25 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
       cloud->draw(gui, settings, 0, inputs.width, inputs.height, now_s, controller.has_value());
       glfwSwapBuffers(window.handle);
     } else if (seen && controller) {
-      picture.draw(controller->frame(), 0, inputs.width, inputs.height);
-      gui_input.begin_frame(inputs.pixel_ratio);
-      for (const Action action :
-           gui.draw(controller->frame(), controller->buttons(), picture, inputs.width, inputs.height, now_s - before_s))
-        controller->act(action);
-      glfwSwapBuffers(window.handle);
+      // Nothing is drawn that would look the same.
+      const std::uint64_t look = look_of(controller->frame());
+      const bool changed = look != drawn || inputs.damaged || inputs.width != drawn_width ||
+                           inputs.height != drawn_height || picture.waits(now_s) || controller->wants_screenshot();
+      if (changed) {
+        count.add(now_s, draw(now_s, now_s - before_s));
+        drawn = look;
+        drawn_width = inputs.width;
+        drawn_height = inputs.height;
+        before_s = now_s;
+      }
     }
-    before_s = now_s;
+    if (controller && controller->take_full_screen_wish() && !options.kiosk) switch_full_screen(window);
     inputs.change_mode();
     // Drivers without a vertical blank do not wait in the swap.
     glfwPollEvents();
     if (display_lost()) return WindowEnd::display_lost;
     for (;;) {
-      const double left_s = now_s + kFrameS - std::chrono::duration<double>(Clock::now() - began).count();
+      const double left_s = now_s + kFrameS - seconds();
       if (left_s < 0.001) break;
       glfwWaitEventsTimeout(left_s);
     }

@@ -92,15 +92,15 @@ TEST(Controller, AKioskIsLeftByControlQOnly) {
   EXPECT_TRUE(desk.controller->wants_to_leave());
 }
 
-TEST(Controller, TabGoesThroughTheButtonsSpeaksAndEnterPresses) {
+TEST(Controller, FSixGoesThroughTheButtonsSpeaksAndEnterPresses) {
   Desk desk;
   desk.run(touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1), 0.1);
   const std::vector<Action> buttons = desk.controller->buttons();
-  for (std::size_t k = 0; k < buttons.size(); ++k) desk.controller->press({key::kTab});
+  for (std::size_t k = 0; k < buttons.size(); ++k) desk.controller->press({key::kF1 + 5});
   EXPECT_EQ(desk.spoken.size(), buttons.size());
   EXPECT_NE(desk.spoken[2].find("Texture, on"), std::string::npos) << desk.spoken[2];
   EXPECT_EQ(desk.controller->frame().focused, static_cast<int>(buttons.size()) - 1);
-  desk.controller->press({key::kTab});
+  desk.controller->press({key::kF1 + 5});
   EXPECT_EQ(desk.controller->frame().focused, 0);
   desk.controller->press({key::kEnter});
   const auto request = desk.requests.take();
@@ -125,13 +125,19 @@ TEST(Controller, TheMouseIsTheHandAndTheButtonPresses) {
   desk.run(state);
   const haptics::PointerSample above = desk.pointer->read();
   EXPECT_GT(above.sequence, 0U);
-  EXPECT_NEAR(above.device_m[0], state.scale * (wanted.x() - 0.1), 1e-5);
-  EXPECT_NEAR(above.device_m[1], state.scale * (wanted.y() - 0.1), 1e-5);
+  // It hovers on the line of sight: in the picture it is where the mouse points.
+  const Eigen::Vector3d hovers(0.1 + above.device_m[0] / state.scale, 0.1 + above.device_m[1] / state.scale,
+                               state.centre_m[2] + above.device_m[2] / state.scale);
+  const auto seen = view.to_pixel(stage.to_world(hovers));
+  ASSERT_TRUE(seen);
+  EXPECT_LT((*seen - *pixel).norm(), 0.1);
   const double surface_m = state.scale * (wanted.z() - state.centre_m[2]);
   EXPECT_GT(above.device_m[2], surface_m + 0.004) << "hovers";
   desk.controller->mouse_button(0, true, 0);
   desk.run(state);
   EXPECT_LT(desk.pointer->read().device_m[2], surface_m - 0.002) << "presses";
+  EXPECT_NEAR(desk.pointer->read().device_m[0], state.scale * (wanted.x() - 0.1), 1e-5);
+  EXPECT_NEAR(desk.pointer->read().device_m[1], state.scale * (wanted.y() - 0.1), 1e-5);
   desk.controller->mouse_wheel(-2.0, 0);
   desk.run(state);
   EXPECT_LT(desk.pointer->read().device_m[2], surface_m - 0.0035) << "the wheel presses deeper";
@@ -211,6 +217,110 @@ TEST(Controller, TheCameraFollowsTheWindow) {
   state.centre_m[0] = 0.12;
   desk.run(state);
   EXPECT_NEAR(stage.to_grid_m(desk.controller->frame().camera.target).x(), 0.12, 1e-3 * 0.2);
+}
+
+TEST(Controller, FastPressesOfAToggleAllCount) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state, 0.1);
+  for (int k = 0; k < 3; ++k) desk.controller->press({'T'});
+  std::vector<bool> wished;
+  while (const auto request = desk.requests.take()) wished.push_back(request->on);
+  EXPECT_EQ(wished, (std::vector<bool>{false, true, false})) << "texture was on";
+}
+
+TEST(Controller, ClicksOnOverviewPanelAndDialogsNeverPressTheStone) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  const double hovers_m = desk.pointer->read().device_m[2];
+  const Layout layout = layout_of(1280, 720, {});
+  const Stage stage = stage_of(desk.scene->description());
+  const View view = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
+  const auto click = [&](double x, double y) {
+    desk.controller->mouse_move(x, y, layout, view, stage, Desk::height);
+    desk.controller->mouse_button(0, true, 0);
+    desk.run(state, 0.5);
+    EXPECT_NEAR(desk.pointer->read().device_m[2], hovers_m, 1e-6) << x << ", " << y;
+    desk.controller->mouse_button(0, false, 0);
+  };
+  click(layout.panel.x + 4.0, 300.0);
+  click(layout.overview.x + 0.5 * layout.overview.width, layout.overview.y + 0.5 * layout.overview.height);
+  desk.controller->set_boxes({{{400, 300, 100, 40}, Clickable::Does::action, Action::describe}}, 1);
+  click(450.0, 320.0);
+  desk.controller->press({key::kF1});
+  click(200.0, 200.0);
+  EXPECT_FALSE(desk.controller->frame().looks);
+}
+
+TEST(Controller, QuestionsAreAnsweredByTheirButtons) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  const Layout layout = layout_of(1280, 720, {});
+  const Stage stage = stage_of(desk.scene->description());
+  const View view = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
+  const auto click = [&](double x) {
+    desk.controller->mouse_move(x, 320, layout, view, stage, Desk::height);
+    desk.controller->mouse_button(0, true, 0);
+    desk.controller->mouse_button(0, false, 0);
+  };
+  const std::vector<Clickable> answers{{{300, 300, 50, 40}, Clickable::Does::yes},
+                                       {{400, 300, 50, 40}, Clickable::Does::no}};
+  desk.controller->press({'R'});
+  desk.controller->set_boxes(answers, 1);
+  click(420);
+  EXPECT_FALSE(desk.controller->frame().asks_rescan);
+  EXPECT_TRUE(desk.rescans.empty());
+  desk.controller->press({'R'});
+  desk.controller->set_boxes(answers, 1);
+  click(320);
+  EXPECT_EQ(desk.rescans.size(), 1U);
+}
+
+TEST(Controller, AClickOnTheOverviewMovesTheWindowThere) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  const Layout layout = layout_of(1280, 720, {});
+  const Stage stage = stage_of(desk.scene->description());
+  const View overview = make_view(overview_camera(desk.scene->description(), layout.overview), layout.overview.width,
+                                  layout.overview.height);
+  const auto pixel = overview.to_pixel(stage.to_world({0.06, 0.15, 0.01}));
+  ASSERT_TRUE(pixel);
+  const View view = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
+  desk.controller->mouse_move(layout.overview.x + pixel->x(), layout.overview.y + pixel->y(), layout, view, stage,
+                              Desk::height);
+  desk.controller->mouse_button(0, true, 0);
+  const auto request = desk.requests.take();
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->kind, Kind::move_to);
+  EXPECT_NEAR(request->x, 0.06, 1e-9);
+  EXPECT_NEAR(request->y, 0.15, 1e-9);
+  desk.controller->mouse_button(0, false, 0);
+  desk.run(state, 0.5);
+  while (desk.requests.take()) {
+  }
+  desk.controller->press({'Z', kControl});
+  desk.run(state, 0.5);
+  const auto back = desk.requests.take();
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->kind, Kind::move_to);
+}
+
+TEST(Controller, WhatItSaysItselfIsShownOnce) {
+  haptics::AnnouncementBoard board;
+  Connections connections;
+  connections.announcements = &board;
+  connections.speak = [&](const std::string& text) { board.say(text); };
+  Controller controller(connections, {});
+  const auto scene = scene_of([](double, double) { return 0.0; }, {51, 51, 0.001, 1});
+  controller.set_scene(scene);
+  controller.press({'X'});
+  for (int k = 0; k < 5; ++k) {
+    controller.update(0.02 * k, {}, 1280, 720, [](double, double) { return 0.0; });
+    ASSERT_EQ(controller.frame().toasts.size(), 1U);
+  }
 }
 
 }  // namespace

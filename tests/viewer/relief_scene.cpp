@@ -1,5 +1,5 @@
 // Analytic scenes for the viewer's tests.
-#include "relief_scene.h"
+#include "tests/viewer/relief_scene.h"
 
 #include <algorithm>
 #include <cmath>

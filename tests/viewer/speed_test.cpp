@@ -54,7 +54,7 @@ TEST(Speed, FramesAt1280x720) {
     controller.update(time_s, state, 1280, 720, height_at);
     controller.frame().finished = false;
     picture.draw(controller.frame(), target.framebuffer(), 1280, 720);
-    if (interface) static_cast<void>(gui.draw(controller.frame(), controller.buttons(), picture, 1280, 720, 0.016));
+    if (interface) gui.draw(controller.frame(), controller.buttons(), picture, 1280, 720, 0.016);
   };
   const auto print = [](const char* what, const Cost& cost) {
     std::cout << what << ": " << cost.wall_ms << " ms, " << cost.cpu_ms << " ms of processor\n";
@@ -84,6 +84,16 @@ TEST(Speed, FramesAt1280x720) {
           controller.act(Action::light_turn);
           frame(true);
         }));
+  controller.act(Action::stereo);
+  frame(true);
+  print("stone in stereo while the camera moves", best_of(10, [&] {
+          controller.act(Action::turn_left);
+          time_s += 0.05;
+          frame(true);
+        }));
+  time_s += 5.0;
+  frame(true);
+  print("cached frame in stereo", best_of(40, [&] { frame(true); }));
   EXPECT_LT(cached.cpu_ms, 200.0);
 }
 
@@ -124,6 +134,45 @@ TEST(Speed, TheRawCloudOfTenMillionPointsTurns) {
     ++frames;
   }
   std::cout << "all points after " << frames << " pictures at rest\n";
+}
+
+TEST(Speed, ABigSceneZoomedAt1280x720) {
+  if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "figures only with SPARSHA_NIGHTLY=1";
+  const auto scene =
+      scene_of(lotus, {4096, 4096, 0.0001, 5}, [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
+  Studio studio(scene);
+  Controller& controller = studio.controller();
+  const gl::Target target(1280, 720, false);
+  haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
+  double time_s = 0.0;
+  const auto frame = [&](bool finished) {
+    controller.update(time_s, state, 1280, 720, [&](double x, double y) { return studio.picture().height_at(x, y); });
+    controller.frame().finished = finished;
+    studio.picture().draw(controller.frame(), target.framebuffer(), 1280, 720);
+  };
+  frame(true);
+  frame(true);
+  const auto print = [](const char* what, const Cost& cost) {
+    std::cout << what << ": " << cost.wall_ms << " ms, " << cost.cpu_ms << " ms of processor\n";
+  };
+  print("zoomed while the camera moves", best_of(10, [&] {
+          controller.act(Action::turn_left);
+          time_s += 0.05;
+          frame(false);
+        }));
+  print("zoomed, turn the light", best_of(3, [&] {
+          controller.act(Action::light_turn);
+          frame(false);
+        }));
+  state.window = {0, 0, 4096, 4096};
+  state.scale = 0.1 / 0.4096;
+  time_s += 5.0;
+  frame(true);
+  print("whole while the camera moves", best_of(10, [&] {
+          controller.act(Action::turn_left);
+          time_s += 0.05;
+          frame(false);
+        }));
 }
 
 }  // namespace

@@ -56,12 +56,15 @@ void Studio::strike() {
 }
 
 Image Studio::draw(const haptics::State& state, int width, int height, bool interface) {
-  controller_->update(time_s_, state, width, height,
-                      [&](double x_m, double y_m) { return picture_->height_at(x_m, y_m); });
+  controller_->update(
+      time_s_, state, width, height, [&](double x_m, double y_m) { return picture_->touch_height_at(x_m, y_m); },
+      [&](double x_m, double y_m) { return picture_->height_at(x_m, y_m); });
   const gl::Target target(width, height, false);
   picture_->draw(controller_->frame(), target.framebuffer(), width, height);
-  if (interface)
-    static_cast<void>(gui_->draw(controller_->frame(), controller_->buttons(), *picture_, width, height, 0.01));
+  if (interface) {
+    gui_->draw(controller_->frame(), controller_->buttons(), *picture_, width, height, 0.01);
+    controller_->set_boxes(gui_->boxes(), gui_->help_pages());
+  }
   return {width, height, target.read_pixels()};
 }
 
@@ -77,8 +80,9 @@ void Studio::act(Action action, int times) {
 void Studio::settle(const haptics::State& state, int width, int height) {
   for (int k = 0; k < 300; ++k) {
     time_s_ += 0.02;
-    controller_->update(time_s_, state, width, height,
-                        [&](double x_m, double y_m) { return picture_->height_at(x_m, y_m); });
+    controller_->update(
+        time_s_, state, width, height, [&](double x_m, double y_m) { return picture_->touch_height_at(x_m, y_m); },
+        [&](double x_m, double y_m) { return picture_->height_at(x_m, y_m); });
   }
 }
 

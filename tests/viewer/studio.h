@@ -49,6 +49,7 @@ class Studio {
   void settle(const haptics::State& state = {}, int width = 1280, int height = 720);
 
   [[nodiscard]] Picture& picture() { return *picture_; }
+  [[nodiscard]] const Gui& gui() const { return *gui_; }
   [[nodiscard]] Controller& controller() { return *controller_; }
   [[nodiscard]] const std::vector<std::string>& gl_errors() const { return errors_; }
   /// Frees everything that was drawn with; the context stays.

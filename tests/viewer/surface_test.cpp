@@ -196,7 +196,7 @@ TEST(Camera, NearPointsHaveCrossedParallaxAndTheTargetHasNone) {
 TEST(Paint, ModesFollowWhatTheSceneHas) {
   const auto scene = scene_of(lotus, {51, 51, 0.008, 1});
   EXPECT_EQ(next_mode(scene->description(), ColourMode::relief), ColourMode::height);
-  EXPECT_EQ(next_mode(scene->description(), ColourMode::height), ColourMode::relief);
+  EXPECT_EQ(next_mode(scene->description(), ColourMode::height), ColourMode::slope);
   EXPECT_FALSE(has_mode(scene->description(), ColourMode::friction));
   ThreadPool pool(1);
   const ReliefData relief = prepare_relief(scene->read_level(0), 0, false, 0.0, pool);

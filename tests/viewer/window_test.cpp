@@ -176,11 +176,12 @@ TEST(Window, KeysAndMouseReachTheSession) {
     expect("t", Kind::set_texture);
     expect("f", Kind::set_friction);
     expect("space", Kind::describe);
-    xdotool("key F1 c l s s s h");
+    xdotool("key F1 c l s s s s h");
     xdotool("search --name Sparsha mousemove --window %1 454 330");
     const auto sample = [&] { return connections.pointer->read(); };
     if (problem.empty() && !wait_for([&] { return sample().sequence > 0 && std::abs(sample().device_m[0]) < 0.02; }))
-      problem = "the mouse does not move the hand";
+      problem = "the mouse does not move the hand: " + std::to_string(sample().sequence) + ", " +
+                std::to_string(sample().device_m[0]);
     const double above_m = sample().device_m[2];
     xdotool("mousedown 1");
     if (problem.empty() && !wait_for([&] { return sample().device_m[2] < above_m - 0.003; }))

@@ -23,8 +23,8 @@ struct FormatInfo {
 
 FormatInfo info_of(Format format) {
   switch (format) {
-    case Format::r32f:
-      return {GL_R32F, GL_RED, GL_FLOAT};
+    case Format::rg32f:
+      return {GL_RG32F, GL_RG, GL_FLOAT};
     case Format::rg16f:
       return {GL_RG16F, GL_RG, GL_FLOAT};
     case Format::r8:
@@ -137,19 +137,21 @@ void Target::copy_to(unsigned framebuffer, int x, int y) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }
 
-std::vector<unsigned char> Target::read_pixels() const {
-  const auto row = static_cast<std::size_t>(width()) * 4;
-  std::vector<unsigned char> pixels(row * static_cast<std::size_t>(height()));
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
+std::vector<unsigned char> read_pixels(unsigned framebuffer, int width, int height) {
+  const auto row = static_cast<std::size_t>(width) * 4;
+  std::vector<unsigned char> pixels(row * static_cast<std::size_t>(height));
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width(), height(), GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
-  for (int y = 0; y < height() / 2; ++y) {
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  for (int y = 0; y < height / 2; ++y) {
     const auto low = pixels.begin() + static_cast<std::ptrdiff_t>(row) * y;
-    const auto high = pixels.begin() + static_cast<std::ptrdiff_t>(row) * (height() - 1 - y);
+    const auto high = pixels.begin() + static_cast<std::ptrdiff_t>(row) * (height - 1 - y);
     std::swap_ranges(low, low + static_cast<std::ptrdiff_t>(row), high);
   }
   return pixels;
 }
+
+std::vector<unsigned char> Target::read_pixels() const { return gl::read_pixels(framebuffer(), width(), height()); }
 
 Program::Program(const std::string& vertex, const std::string& fragment) {
   const Name vertex_shader = compile(GL_VERTEX_SHADER, vertex);

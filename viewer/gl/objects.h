@@ -41,7 +41,7 @@ class Name {
 
 /// What a texel holds.
 enum class Format {
-  r32f,   ///< heights; read by texelFetch only
+  rg32f,  ///< heights and the ground behind; read by texelFetch only
   rg16f,  ///< slopes
   r8,     ///< light visibility
   rgba8,  ///< tones and pictures
@@ -54,7 +54,7 @@ enum class Filter { nearest, linear, mipmap };
 class Texture {
  public:
   Texture() = default;
-  /// `texels` has width * height of the format's texels (r32f, rg16f: floats; others: bytes), first row at the bottom;
+  /// `texels` has width * height of the format's texels (rg32f, rg16f: floats; others: bytes), first row at the bottom;
   /// null leaves them undefined.
   Texture(int width, int height, Format format, Filter filter, const void* texels = nullptr);
 
@@ -129,6 +129,9 @@ class Program {
 
 /// Names not yet deleted, in all contexts; for tests of leaks.
 [[nodiscard]] int living_objects();
+
+/// RGBA bytes of a framebuffer, first row at the TOP.
+[[nodiscard]] std::vector<unsigned char> read_pixels(unsigned framebuffer, int width, int height);
 
 /// Largest texture side that the driver takes.
 [[nodiscard]] int max_texture_size();

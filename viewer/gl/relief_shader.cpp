@@ -9,9 +9,7 @@ namespace sparsha::viewer::gl {
 const char* const kReliefVertex = R"(
 uniform sampler2D heights;
 uniform ivec2 nodes;          // nx, ny
-uniform ivec2 chunk;          // first node of this chunk, in steps
-uniform int stride;           // nodes between two vertices
-uniform int side;             // vertices along a chunk's side
+uniform int stride;           // nodes between two vertices of the slab's sides
 uniform vec2 corner;          // world x, y of node (0, 0)
 uniform float spacing;        // world
 uniform vec2 rise;            // world z of height 0, and world units per metre
@@ -37,9 +35,17 @@ void main() {
   else { node = ivec2(0, last.y - (k - 2 * cells.x - cells.y - 3) * stride); wall_normal = vec3(-1, 0, 0); }
   node = clamp(node, ivec2(0), last);
 #else
-  node = min((chunk + ivec2(gl_VertexID % side, gl_VertexID / side)) * stride, nodes - 1);
+  int count = nodes.x * nodes.y;
+  bool far = gl_VertexID >= count;   // the ground behind a depth step
+  int id = far ? gl_VertexID - count : gl_VertexID;
+  node = ivec2(id % nodes.x, id / nodes.x);
 #endif
-  float h = texelFetch(heights, node, 0).r;
+  vec2 both = texelFetch(heights, node, 0).rg;
+#ifdef WALL
+  float h = both.r;
+#else
+  float h = far ? both.g : both.r;
+#endif
   world = vec3(corner + vec2(node) * spacing, low ? floor_z : rise.x + rise.y * h);
   place = (vec2(node) + 0.5) / vec2(nodes);
   gl_Position = projection * vec4(world, 1.0);
@@ -124,15 +130,14 @@ void main() {
   c = (plain ? vec3(0.55) : vec3(0.60, 0.46, 0.33)) * facing * mix(1.0, 0.45, clamp(-world.z * 5.0, 0.0, 1.0));
 #endif
 #ifdef WITH_UNKNOWN
-  {
-    float known = smoothstep(0.45, 0.55, lit.a);
-    float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (11.0 * pixel)) - 0.5) * 11.0;
-    float line = smoothstep(2.0, 1.0, stripe);
-    // The continued form stays visible, faintly.
-    vec3 below = (plain ? vec3(0.0) : vec3(0.105, 0.102, 0.098)) * (0.7 + 0.8 * lit.g);
-    vec3 hatched = mix(below, plain ? vec3(0.75) : vec3(0.31, 0.30, 0.28), line);
-    c = mix(hatched, c, known);
-  }
+#ifdef WITH_OUTLINE
+  // A thin line beside what was measured.
+  float away = (0.5 - lit.a) / max(fwidth(lit.a), 1e-5);
+  if (lit.a < 0.5 && away > 1.6 * pixel) discard;
+  if (lit.a < 0.5) c = plain ? vec3(1.0) : vec3(0.62, 0.58, 0.52);
+#else
+  if (lit.a < 0.5) discard;
+#endif
 #endif
 #ifdef WITH_FILLED
   {

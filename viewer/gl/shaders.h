@@ -5,7 +5,7 @@ namespace sparsha::viewer::gl {
 
 extern const char* const kReliefVertex;      ///< lattice and slab sides from a height texture, no vertex buffers; WALL
 extern const char* const kStoneFragment;     ///< the stone's colour under key light, sky and bounce, node by node
-extern const char* const kReliefFragment;    ///< that colour; WALL, WITH_UNKNOWN, WITH_FILLED, WITH_WINDOW, WITH_HOLE
+extern const char* const kReliefFragment;    ///< that colour; WALL, WITH_UNKNOWN, WITH_OUTLINE, WITH_FILLED, ...
 extern const char* const kVersion;           ///< goes before the two texts of the relief and their #defines
 extern const char* const kWholeVertex;       ///< one triangle over everything
 extern const char* const kBackdropFragment;  ///< what is behind the stone

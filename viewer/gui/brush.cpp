@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 
 namespace sparsha::viewer {
 
@@ -34,7 +35,28 @@ ImVec2 Brush::size(const ImFont* font, const std::string& words) const {
 
 float Brush::text(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const {
   list->AddText(font, font->FontSize, ImVec2(x, y), colour, words.c_str());
-  return size(font, words).x;
+  const ImVec2 extent = size(font, words);
+  if (drawn != nullptr && !words.empty()) drawn->push_back({words, x, y, extent.x, extent.y, layer});
+  return extent.x;
+}
+
+const ImFont* Brush::fitting(const ImFont* first, const std::string& words, float width) const {
+  const std::array<const ImFont*, 5> all{fonts.large, fonts.medium, fonts.strong, fonts.text, fonts.small};
+  for (auto font = std::ranges::find(all, first); font != all.end(); ++font)
+    if (size(*font, words).x <= width) return *font;
+  return fonts.small;
+}
+
+std::string Brush::elided(const ImFont* font, const std::string& words, float width) const {
+  if (size(font, words).x <= width) return words;
+  std::string shorter = words;
+  while (!shorter.empty()) {
+    // Whole characters: continuation bytes of UTF-8 go with their first.
+    while (!shorter.empty() && (static_cast<unsigned char>(shorter.back()) & 0xC0U) == 0x80U) shorter.pop_back();
+    if (!shorter.empty()) shorter.pop_back();
+    if (size(font, shorter + "\xE2\x80\xA6").x <= width) return shorter.empty() ? shorter : shorter + "\xE2\x80\xA6";
+  }
+  return shorter;
 }
 
 void Brush::text_right(const ImFont* font, float x, float y, ImU32 colour, const std::string& words) const {

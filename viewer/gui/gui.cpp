@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
@@ -20,6 +21,9 @@ struct Gui::Implementation {
   Fonts fonts;
   double scale = 0.0;
   bool started = false;
+  std::vector<Clickable> boxes;
+  int help_pages = 1;
+  std::vector<DrawnText> texts;
 };
 
 Gui::Gui() : implementation_(std::make_unique<Implementation>()) {
@@ -41,6 +45,9 @@ Gui::~Gui() {
 }
 
 bool Gui::wants_mouse() const { return ImGui::GetIO().WantCaptureMouse; }
+const std::vector<Clickable>& Gui::boxes() const { return implementation_->boxes; }
+int Gui::help_pages() const { return implementation_->help_pages; }
+const std::vector<DrawnText>& Gui::texts() const { return implementation_->texts; }
 
 void Gui::draw_pieces(const ViewSettings& settings, int width, int height, double seconds,
                       const std::function<void(const Brush& over, const Brush& above)>& pieces) {
@@ -58,34 +65,48 @@ void Gui::draw_pieces(const ViewSettings& settings, int width, int height, doubl
   io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
+  self.texts.clear();
   Brush over;
   over.list = ImGui::GetBackgroundDrawList();
   over.fonts = self.fonts;
   over.theme = theme_of(settings.high_contrast);
   over.scale = static_cast<float>(layout.scale);
+  over.drawn = &self.texts;
   Brush above = over;
   above.list = ImGui::GetForegroundDrawList();
+  above.layer = 2;
   pieces(over, above);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-std::vector<Action> Gui::draw(const Frame& frame, const std::vector<Action>& buttons, const Picture& picture, int width,
-                              int height, double seconds) {
-  std::vector<Action> clicked;
+void Gui::draw(const Frame& frame, const std::vector<Action>& buttons, const Picture& picture, int width, int height,
+               double seconds) {
+  Implementation& self = *implementation_;
   draw_pieces(frame.settings, width, height, seconds, [&](const Brush& over, const Brush& above) {
     const Layout layout = layout_of(width, height, frame.settings);
     if (picture.scene()) {
       draw_scale_bar(over, frame, layout, picture);
       draw_overview_marks(over, frame, layout, *picture.scene());
-      if (!frame.settings.kiosk) draw_panel(over, frame, layout, picture);
+      if (!frame.settings.kiosk) {
+        draw_panel(over, frame, layout, picture);
+        draw_strip(over, frame, layout);
+      }
+      if (frame.settings.figures) draw_figures(over, frame, layout);
     }
-    clicked = draw_buttons(over, frame, layout, buttons);
-    draw_toasts(above, frame, layout);
-    if (frame.settings.help) (frame.settings.kiosk ? draw_kiosk_help : draw_help)(above, frame, width, height);
-    if (frame.asks_rescan) draw_question(above, layout);
+    self.boxes = draw_buttons(over, frame, layout, buttons);
+    Brush words = over;
+    words.layer = 1;
+    draw_toasts(words, frame, layout, picture);
+    const auto cover = [&](std::vector<Clickable> boxes) { self.boxes = std::move(boxes); };
+    if (frame.settings.help && frame.settings.kiosk) {
+      draw_kiosk_help(above, frame, width, height);
+      cover({{Rect{0, 0, width, height}, Clickable::Does::action, Action::help}});
+    } else if (frame.settings.help) {
+      cover(draw_help(above, frame, width, height, self.help_pages));
+    }
+    if (frame.asks_rescan) cover(draw_question(above, frame, layout));
   });
-  return clicked;
 }
 
 bool Gui::wants_keyboard() const {

@@ -44,13 +44,27 @@ void meter(const Brush& brush, float x, float y, float width, double share, ImU3
 float draw_legend(const Brush& brush, const Legend& legend, float x, float y, float width) {
   if (legend.title.empty()) return 0.0F;
   const float line = brush.fonts.small->FontSize;
-  brush.text(brush.fonts.small, x, y, brush.theme.text, legend.title);
+  if (!legend.swatches.empty()) {
+    float at = x;
+    for (const Legend::Swatch& swatch : legend.swatches) {
+      const auto& c = swatch.colour;
+      brush.list->AddRectFilled(ImVec2(at, y), ImVec2(at + line, y + line), IM_COL32(c[0], c[1], c[2], 255));
+      at += line + brush.px(6.0F);
+      at += brush.text(brush.fonts.small, at, y, brush.theme.text,
+                       brush.elided(brush.fonts.small, swatch.name, x + width - at)) +
+            brush.px(14.0F);
+    }
+    return line + brush.px(8.0F);
+  }
+  const float title_w = brush.text(brush.fonts.small, x, y, brush.theme.text, legend.title);
   if (!legend.scale) return line + brush.px(8.0F);
   const auto number = [&](double value) {
     return fmt::format("{:.{}f} {}", value, legend.high - legend.low < 1.0 ? 2 : 1, legend.unit);
   };
-  brush.text_right(brush.fonts.small, x + width, y, brush.theme.dim,
-                   fmt::format("{} \xE2\x80\x93 {}", number(legend.low), number(legend.high)));
+  brush.text_right(
+      brush.fonts.small, x + width, y, brush.theme.dim,
+      brush.elided(brush.fonts.small, fmt::format("{} \xE2\x80\x93 {}", number(legend.low), number(legend.high)),
+                   width - title_w - brush.px(8.0F)));
   constexpr int kSteps = 64;
   const float top = y + line + brush.px(4.0F), height = brush.px(8.0F);
   for (int k = 0; k < kSteps; ++k) {
@@ -113,8 +127,8 @@ void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& l
   const Eigen::Vector3d proxy(state.proxy_m[0], state.proxy_m[1], state.proxy_m[2]);
   if (state.tick != 0 && proxy.allFinite()) {
     const ImVec2 at = place(proxy);
-    brush.list->AddCircleFilled(at, brush.px(6.0F), dark);
-    brush.list->AddCircleFilled(at, brush.px(4.5F), IM_COL32(255, 255, 255, 255));
+    brush.list->AddCircleFilled(at, brush.px(6.5F), IM_COL32(0, 0, 0, 255));
+    brush.list->AddCircleFilled(at, brush.px(5.0F), IM_COL32(255, 255, 255, 255));
     brush.list->AddCircleFilled(at, brush.px(3.0F),
                                 state.contact != 0 ? IM_COL32(20, 120, 230, 255) : IM_COL32(30, 60, 110, 255));
   }
@@ -136,12 +150,18 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   brush.list->AddRect(ImVec2(x - 0.5F, image_top - 0.5F), ImVec2(x + width + 0.5F, image_bottom + 0.5F), theme.line);
   brush.list->AddLine(ImVec2(left, top), ImVec2(left, bottom), theme.line);
 
-  brush.text(fonts.large, x, brush.px(15.0F), theme.text, frame.title.empty() ? "Sparsha" : frame.title);
   const Window window = window_of(state, description);
   const double extent_m =
       std::max(description.levels.front().nx, description.levels.front().ny) * description.levels.front().spacing_m;
-  brush.text_right(fonts.small, x + width, brush.px(26.0F), theme.dim, length_text(extent_m, TextStyle::screen));
+  const std::string extent = length_text(extent_m, TextStyle::screen);
+  const float title_w = width - brush.size(fonts.small, extent).x - brush.px(12.0F);
+  const std::string title = frame.title.empty() ? "Sparsha" : frame.title;
+  const ImFont* title_font = brush.fitting(fonts.large, title, title_w);
+  brush.text(title_font, x, brush.px(15.0F) + 0.5F * (fonts.large->FontSize - title_font->FontSize), theme.text,
+             brush.elided(title_font, title, title_w));
+  brush.text_right(fonts.small, x + width, brush.px(26.0F), theme.dim, extent);
 
+  const float end = static_cast<float>(layout.strip.height > 0 ? layout.strip.y : layout.footer.y);
   float y = image_bottom + brush.px(10.0F);
   y += draw_legend(brush, picture.legend(), x, y, width);
 
@@ -149,8 +169,12 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   const float dot = brush.px(5.0F);
   y += brush.px(2.0F);
   brush.list->AddCircleFilled(ImVec2(x + dot, y + 0.5F * fonts.strong->FontSize + 1.0F), dot, now.colour);
-  brush.text(fonts.strong, x + 2.0F * dot + brush.px(8.0F), y, now.colour, now.words);
-  if (!frame.part.empty()) brush.text_right(fonts.text, x + width, y, theme.text, frame.part);
+  const float words_x = x + 2.0F * dot + brush.px(8.0F);
+  const float words_w =
+      brush.text(fonts.strong, words_x, y, now.colour, brush.elided(fonts.strong, now.words, x + width - words_x));
+  const float part_w = x + width - words_x - words_w - brush.px(12.0F);
+  if (!frame.part.empty() && part_w > brush.px(30.0F))
+    brush.text_right(fonts.text, x + width, y, theme.text, brush.elided(fonts.text, frame.part, part_w));
   y += fonts.strong->FontSize + brush.px(12.0F);
 
   if (state.tick != 0) {
@@ -161,8 +185,9 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
     const double depth_m = state.contact != 0 ? state.penetration_m : 0.0;
     const float half = 0.5F * (width - brush.px(20.0F)), second = x + half + brush.px(20.0F);
     const auto figure = [&](float at, const char* name, const std::string& value, double share, ImU32 colour) {
-      brush.text(fonts.small, at, y, theme.dim, name);
-      brush.text(fonts.large, at, y + fonts.small->FontSize + brush.px(1.0F), theme.text, value);
+      brush.text(fonts.small, at, y, theme.dim, brush.elided(fonts.small, name, half));
+      brush.text(brush.fitting(fonts.large, value, half), at, y + fonts.small->FontSize + brush.px(1.0F), theme.text,
+                 value);
       meter(brush, at, y + fonts.small->FontSize + fonts.large->FontSize + brush.px(6.0F), half, share, colour);
     };
     const bool limited = (state.flags & haptics::kFlagSaturated) != 0;
@@ -173,10 +198,14 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
 
     const auto row = [&](const char* name, const std::string& value, const char* other,
                          const std::string& second_value) {
-      brush.text(fonts.small, x, y, theme.dim, name);
-      brush.text_right(fonts.small, x + half, y, theme.text, value);
-      brush.text(fonts.small, second, y, theme.dim, other);
-      brush.text_right(fonts.small, x + width, y, theme.text, second_value);
+      if (y + fonts.small->FontSize > end) return;  // no room in a low window
+      const auto pair = [&](float at, const char* what, const std::string& figure_text) {
+        const float value_w = brush.size(fonts.small, figure_text).x;
+        brush.text(fonts.small, at, y, theme.dim, brush.elided(fonts.small, what, half - value_w - brush.px(4.0F)));
+        brush.text_right(fonts.small, at + half, y, theme.text, figure_text);
+      };
+      pair(x, name, value);
+      pair(second, other, second_value);
       y += fonts.small->FontSize + brush.px(7.0F);
     };
     const auto on = [&](std::uint64_t bit) { return (state.flags & bit) != 0; };
@@ -197,7 +226,7 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   const float line_y = bottom - fonts.small->FontSize - brush.px(18.0F);
   brush.key_cap(x + width - cap - brush.size(fonts.small, hint).x - brush.px(8.0F), line_y, "F1");
   brush.text_right(fonts.small, x + width, line_y + brush.px(3.0F), theme.dim, hint);
-  brush.text(fonts.small, x, line_y + brush.px(3.0F), theme.dim, "Sparsha");
+  brush.text(fonts.small, x, line_y + brush.px(3.0F), theme.dim, frame.looks ? "Look" : "Touch");
 }
 
 }  // namespace sparsha::viewer

@@ -17,11 +17,18 @@ void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout
 void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const pipeline::Scene& scene);
 /// Name, legend and what the hand feels.
 void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture);
-/// The bar; returns what was clicked.
-std::vector<Action> draw_buttons(const Brush& brush, const Frame& frame, const Layout& layout,
-                                 const std::vector<Action>& buttons);
-void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout);
-void draw_help(const Brush& brush, const Frame& frame, int width, int height);
-void draw_question(const Brush& brush, const Layout& layout);
+/// Force, depth and speed of the last seconds.
+void draw_strip(const Brush& brush, const Frame& frame, const Layout& layout);
+/// What pictures and ticks cost, for the staff.
+void draw_figures(const Brush& brush, const Frame& frame, const Layout& layout);
+/// The bar; returns where its buttons are.
+std::vector<Clickable> draw_buttons(const Brush& brush, const Frame& frame, const Layout& layout,
+                                    const std::vector<Action>& buttons);
+/// Announcements, in the half of the view where the hand is not.
+void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture);
+/// One page of the keys; returns what can be clicked, and how many pages there are.
+std::vector<Clickable> draw_help(const Brush& brush, const Frame& frame, int width, int height, int& pages);
+/// The question with its two buttons.
+std::vector<Clickable> draw_question(const Brush& brush, const Frame& frame, const Layout& layout);
 
 }  // namespace sparsha::viewer

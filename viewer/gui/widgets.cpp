@@ -1,4 +1,4 @@
-// Buttons, announcements, the help page and the one question.
+// Buttons, announcements and the one question.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -20,7 +20,9 @@ bool is_on(const Frame& frame, Action action) {
     case Action::friction:
       return frame.state.tick != 0 && (frame.state.flags & haptics::kFlagFriction) != 0;
     case Action::stereo:
-      return frame.settings.anaglyph;
+      return frame.settings.stereo.on();
+    case Action::mode:
+      return frame.looks;
     case Action::help:
       return frame.settings.help;
     default:
@@ -45,120 +47,118 @@ std::vector<std::string> wrap(const ImFont* font, const std::string& words, floa
 
 float button_height(const Brush& brush, bool kiosk) { return brush.px(kiosk ? 84.0F : 34.0F); }
 
-}  // namespace
+std::string cap_of(const ActionInfo& info) { return info.action == Action::help ? "F1" : info.keys; }
 
-std::vector<Action> draw_buttons(const Brush& brush, const Frame& frame, const Layout& layout,
-                                 const std::vector<Action>& buttons) {
-  std::vector<Action> clicked;
-  if (buttons.empty()) return clicked;
+void draw_button(const Brush& brush, const Frame& frame, const Rect& rect, const ActionInfo& info, bool with_cap,
+                 bool focused) {
   const bool kiosk = frame.settings.kiosk;
   const ImFont* font = kiosk ? brush.fonts.strong : brush.fonts.small;
-  const float gap = brush.px(kiosk ? 12.0F : 5.0F);
-  const float room = static_cast<float>(layout.detail.width) - brush.px(24.0F);
-  std::vector<float> widths;
-  for (const Action action : buttons) {
-    const ActionInfo& info = info_of(action);
-    const float cap = kiosk ? 0.0F : brush.key_cap_width(action == Action::help ? "F1" : info.keys) + brush.px(6.0F);
-    float width = brush.size(font, info.label).x + cap + brush.px(kiosk ? 36.0F : 14.0F);
-    if (kiosk) width = std::max(width, brush.px(104.0F));
-    widths.push_back(std::min(width, room));
+  const auto x = static_cast<float>(rect.x), y = static_cast<float>(rect.y);
+  const auto width = static_cast<float>(rect.width), height = static_cast<float>(rect.height);
+  const bool on = is_on(frame, info.action);
+  const bool hovered = rect.contains(frame.mouse.x(), frame.mouse.y());
+  const float radius = brush.px(kiosk ? 14.0F : 9.0F);
+  brush.card(x, y, width, height, on ? brush.theme.accent : brush.theme.card, radius);
+  if (hovered) brush.card(x, y, width, height, IM_COL32(255, 255, 255, 28), radius);
+  brush.list->AddRect(ImVec2(x, y), ImVec2(x + width, y + height), brush.theme.line, radius);
+  if (focused)
+    brush.list->AddRect(ImVec2(x - brush.px(2.0F), y - brush.px(2.0F)),
+                        ImVec2(x + width + brush.px(2.0F), y + height + brush.px(2.0F)), IM_COL32(255, 255, 255, 255),
+                        radius, 0, brush.px(3.0F));
+  const bool grey = info.action == Action::orient && !frame.why_not_orient.empty();
+  const ImU32 ink = on ? brush.theme.accent_text : grey ? brush.theme.dim : brush.theme.text;
+  const float middle = y + 0.5F * (height - font->FontSize);
+  if (!with_cap) {
+    brush.text_centred(font, x + 0.5F * width, middle, ink, brush.elided(font, info.label, width - brush.px(4.0F)));
+    return;
   }
-  // As many rows as it takes.
-  std::vector<std::size_t> row_starts{0};
-  float row_width = 0.0F;
-  for (std::size_t k = 0; k < buttons.size(); ++k) {
-    if (k > row_starts.back() && row_width + widths[k] > room) {
-      row_starts.push_back(k);
-      row_width = 0.0F;
-    }
-    row_width += widths[k] + gap;
+  const float cap_y = y + 0.5F * (height - font->FontSize - brush.px(6.0F));
+  Brush cap = brush;
+  if (on) {
+    cap.theme.key = IM_COL32(0, 0, 0, 40);
+    cap.theme.text = brush.theme.accent_text;
   }
-  const float height = button_height(brush, kiosk);
-  const float bar_height = static_cast<float>(row_starts.size()) * (height + gap) - gap;
-  const float top =
-      static_cast<float>(layout.detail.y + layout.detail.height) - bar_height - brush.px(kiosk ? 24.0F : 14.0F);
-  row_starts.push_back(buttons.size());
-
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0.0F, 0.0F));
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1.0F, 1.0F));
-  ImGui::SetNextWindowPos(ImVec2(static_cast<float>(layout.detail.x), top));
-  ImGui::SetNextWindowSize(ImVec2(static_cast<float>(layout.detail.width), bar_height));
-  ImGui::Begin("bar", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
-  Brush bar = brush;
-  bar.list = ImGui::GetWindowDrawList();
-  float x = 0.0F, y = top - height - gap;
-  for (std::size_t k = 0, row = 0; k < buttons.size(); ++k) {
-    if (k == row_starts[row]) {
-      ++row;
-      float row_total = -gap;
-      for (std::size_t r = k; r < row_starts[row]; ++r) row_total += widths[r] + gap;
-      x = static_cast<float>(layout.detail.x) + 0.5F * (static_cast<float>(layout.detail.width) - row_total);
-      y += height + gap;
-    }
-    const ActionInfo& info = info_of(buttons[k]);
-    const float width = widths[k];
-    ImGui::SetCursorScreenPos(ImVec2(x, y));
-    ImGui::PushID(static_cast<int>(k));
-    if (ImGui::InvisibleButton(info.label, ImVec2(width, height))) clicked.push_back(buttons[k]);
-    const bool hovered = ImGui::IsItemHovered(), held = ImGui::IsItemActive();
-    ImGui::PopID();
-    const bool on = is_on(frame, buttons[k]);
-    const float radius = bar.px(kiosk ? 14.0F : 9.0F);
-    bar.card(x, y, width, height, on ? bar.theme.accent : bar.theme.card, radius);
-    if (hovered) bar.card(x, y, width, height, IM_COL32(255, 255, 255, held ? 60 : 28), radius);
-    bar.list->AddRect(ImVec2(x, y), ImVec2(x + width, y + height), bar.theme.line, radius);
-    if (frame.focused == static_cast<int>(k))
-      bar.list->AddRect(ImVec2(x - bar.px(2.0F), y - bar.px(2.0F)),
-                        ImVec2(x + width + bar.px(2.0F), y + height + bar.px(2.0F)), IM_COL32(255, 255, 255, 255),
-                        radius, 0, bar.px(3.0F));
-    const bool grey = buttons[k] == Action::orient && !frame.why_not_orient.empty();
-    if (grey && hovered) ImGui::SetTooltip("%s", frame.why_not_orient.c_str());
-    const ImU32 ink = on ? bar.theme.accent_text : grey ? bar.theme.dim : bar.theme.text;
-    const float middle = y + 0.5F * (height - font->FontSize);
-    if (kiosk) {
-      bar.text_centred(font, x + 0.5F * width, middle, ink, info.label);
-    } else {
-      const std::string cap_name = buttons[k] == Action::help ? "F1" : info.keys;
-      const float cap_y = y + 0.5F * (height - font->FontSize - bar.px(6.0F));
-      float inside = x + bar.px(7.0F);
-      Brush cap = bar;
-      if (on) {
-        cap.theme.key = IM_COL32(0, 0, 0, 40);
-        cap.theme.text = bar.theme.accent_text;
-      }
-      inside += cap.key_cap(inside, cap_y, cap_name) + bar.px(6.0F);
-      bar.text(font, inside, middle, ink, info.label);
-    }
-    x += width + gap;
-  }
-  ImGui::End();
-  ImGui::PopStyleVar(3);
-  return clicked;
+  const float inside = x + brush.px(7.0F) + cap.key_cap(x + brush.px(7.0F), cap_y, cap_of(info)) + brush.px(6.0F);
+  brush.text(font, inside, middle, ink, brush.elided(font, info.label, x + width - inside));
 }
 
-void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout) {
-  const float room = 0.82F * static_cast<float>(layout.detail.width);
-  float bottom =
-      static_cast<float>(layout.detail.y + layout.detail.height) - brush.px(frame.settings.kiosk        ? 128.0F
-                                                                            : frame.settings.large_type ? 100.0F
-                                                                                                        : 64.0F);
+}  // namespace
+
+std::vector<Clickable> draw_buttons(const Brush& brush, const Frame& frame, const Layout& layout,
+                                    const std::vector<Action>& buttons) {
+  std::vector<Clickable> boxes;
+  if (buttons.empty()) return boxes;
+  const bool kiosk = frame.settings.kiosk;
+  const ImFont* font = kiosk ? brush.fonts.strong : brush.fonts.small;
+  const float room = static_cast<float>(layout.bar.width) - brush.px(16.0F);
+  float gap = brush.px(kiosk ? 12.0F : 5.0F), pad = brush.px(kiosk ? 36.0F : 14.0F);
+  // One row: without the keys' names where it is narrow, and at last with shorter labels.
+  bool caps = !kiosk;
+  std::vector<float> widths;
+  float total = 0.0F;
+  const auto measure = [&] {
+    widths.clear();
+    total = -gap;
+    for (const Action action : buttons) {
+      const ActionInfo& info = info_of(action);
+      widths.push_back(brush.size(font, info.label).x + pad +
+                       (caps ? brush.key_cap_width(cap_of(info)) + brush.px(6.0F) : 0.0F));
+      if (kiosk) widths.back() = std::max(widths.back(), brush.px(104.0F));
+      total += widths.back() + gap;
+    }
+  };
+  measure();
+  if (total > room && caps) {
+    caps = false;
+    measure();
+  }
+  if (total > room) {
+    gap = brush.px(3.0F);
+    pad = brush.px(6.0F);
+    measure();
+  }
+  const float shrink = std::min(1.0F, room / std::max(total, 1.0F));
+  const float height = std::min(button_height(brush, kiosk), static_cast<float>(layout.bar.height));
+  float x = static_cast<float>(layout.bar.x) + 0.5F * (static_cast<float>(layout.bar.width) - shrink * total);
+  const float y = static_cast<float>(layout.bar.y) + 0.5F * (static_cast<float>(layout.bar.height) - height);
+  for (std::size_t k = 0; k < buttons.size(); ++k) {
+    const float width = shrink * widths[k];
+    const Rect rect{static_cast<int>(x), static_cast<int>(y), static_cast<int>(width), static_cast<int>(height)};
+    boxes.push_back({rect, Clickable::Does::action, buttons[k]});
+    draw_button(brush, frame, rect, info_of(buttons[k]), caps, frame.focused == static_cast<int>(k));
+    x += width + shrink * gap;
+  }
+  return boxes;
+}
+
+void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture) {
+  const Rect& detail = layout.detail;
+  // Beside the overview and below the scale's line.
+  const float right = static_cast<float>(frame.settings.kiosk ? layout.overview.x : detail.x + detail.width);
+  const float room = right - static_cast<float>(detail.x) - brush.px(60.0F);
+  const float middle = 0.5F * (right + static_cast<float>(detail.x));
+  const auto bar_top = static_cast<float>(layout.bar.y);
+  bool above = false;
+  if (picture.hand())
+    if (const auto hand = picture.detail_view().to_pixel(picture.hand()->ball()))
+      above = hand->y() > 0.5 * detail.height;
+  const float head = static_cast<float>(detail.y) + brush.px(frame.settings.figures ? 170.0F : 64.0F);
+  float edge = above ? head : bar_top - brush.px(10.0F);
   for (auto toast = frame.toasts.rbegin(); toast != frame.toasts.rend(); ++toast) {
     const auto priority = toast->announcement.priority;
     const bool bad = priority == haptics::Announcement::Priority::fault;
     const bool warn = priority == haptics::Announcement::Priority::warning;
     const std::string& words = toast->announcement.text;
-    const ImFont* font = brush.size(brush.fonts.large, words).x <= room ? brush.fonts.large : brush.fonts.medium;
+    const ImFont* font = brush.fitting(brush.fonts.large, words, room);
+    if (font != brush.fonts.large && font != brush.fonts.medium) font = brush.fonts.strong;
     const std::vector<std::string> lines = wrap(font, words, room);
     float width = 0.0F;
     for (const std::string& line : lines) width = std::max(width, brush.size(font, line).x);
     const float line_height = font->FontSize * 1.2F, pad = brush.px(14.0F);
     const float height = line_height * static_cast<float>(lines.size()) + 1.2F * pad;
-    const float left =
-        static_cast<float>(layout.detail.x) + 0.5F * (static_cast<float>(layout.detail.width) - width) - 1.5F * pad;
-    const float top = bottom - height;
+    const float left = middle - 0.5F * width - 1.5F * pad;
+    const float top = above ? edge : edge - height;
+    if (above ? top + height > bar_top : top < head) break;
     const float alpha = static_cast<float>(std::min(1.0, toast->left * 6.0));
     const auto fade = [&](ImU32 colour) {
       const auto a = static_cast<ImU32>(static_cast<float>(colour >> IM_COL32_A_SHIFT) * alpha);
@@ -174,62 +174,50 @@ void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout) {
       brush.text_centred(font, left + 0.5F * (width + 3.0F * pad), y, fade(ink), line);
       y += line_height;
     }
-    bottom = top - brush.px(10.0F);
+    edge = above ? top + height + brush.px(10.0F) : top - brush.px(10.0F);
   }
 }
 
-void draw_help(const Brush& brush, const Frame& frame, int width, int height) {
-  const auto w = static_cast<float>(width), h = static_cast<float>(height);
-  brush.list->AddRectFilled(ImVec2(0.0F, 0.0F), ImVec2(w, h), IM_COL32(0, 0, 0, 150));
-  const float margin = brush.px(28.0F);
-  const float card_w = std::min(w - 2.0F * brush.px(16.0F), brush.px(1120.0F));
-  const float card_h = std::min(h - 2.0F * brush.px(16.0F), brush.px(640.0F));
-  const float left = 0.5F * (w - card_w), top = 0.5F * (h - card_h);
-  // The longer column has 22 rows and three headings.
-  const float row = std::min(brush.fonts.small->FontSize + brush.px(11.0F), (card_h - brush.px(84.0F)) / 23.5F);
-  brush.card(left, top, card_w, card_h, (brush.theme.panel & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 246),
-             brush.px(16.0F));
-  brush.list->AddRect(ImVec2(left, top), ImVec2(left + card_w, top + card_h), brush.theme.line, brush.px(16.0F));
-  brush.text(brush.fonts.large, left + margin, top + brush.px(20.0F), brush.theme.text, "Keys");
-  const std::string mouse = frame.has_pointer ? "Mouse: move = hand, left button = press, wheel = depth, right drag = "
-                                                "turn, middle drag = shift, Ctrl wheel = closer"
-                                              : "Mouse: drag = turn, middle drag = shift, wheel = closer";
-  brush.text(brush.fonts.small, left + margin + brush.px(100.0F), top + brush.px(32.0F), brush.theme.dim, mouse);
-  constexpr std::array kOrder{Group::touch, Group::hand, Group::picture, Group::camera, Group::program};
-  const float first = top + brush.px(74.0F), column_w = (card_w - 2.0F * margin) / 2.0F;
-  float x = left + margin, y = first;
-  for (const Group group : kOrder) {
-    const auto rows = std::ranges::count_if(all_actions(), [&](const ActionInfo& info) { return info.group == group; });
-    if (group == Group::picture || y + row * static_cast<float>(rows + 1) > top + card_h) {
-      x = left + margin + column_w;
-      if (group == Group::picture) y = first;
-    }
-    brush.text(brush.fonts.strong, x, y, brush.theme.accent, name_of(group));
-    y += row;
-    for (const ActionInfo& info : all_actions()) {
-      if (info.group != group) continue;
-      brush.key_cap(x, y - brush.px(2.0F), info.keys);
-      brush.text(brush.fonts.small, x + brush.px(100.0F), y + brush.px(1.0F), brush.theme.text, info.what);
-      y += 0.86F * row;
-    }
-    y += 0.5F * row;
-  }
-}
-
-void draw_question(const Brush& brush, const Layout& layout) {
-  const float width = brush.px(560.0F), height = brush.px(120.0F);
-  const float x = static_cast<float>(layout.detail.x) + 0.5F * (static_cast<float>(layout.detail.width) - width);
-  const float y = static_cast<float>(layout.detail.y) + 0.4F * static_cast<float>(layout.detail.height);
+std::vector<Clickable> draw_question(const Brush& brush, const Frame& frame, const Layout& layout) {
+  const auto room = static_cast<float>(layout.detail.width);
+  const float width = std::min(brush.px(560.0F), room - brush.px(16.0F)), height = brush.px(150.0F);
+  const float x = static_cast<float>(layout.detail.x) + 0.5F * (room - width);
+  const float y =
+      static_cast<float>(layout.detail.y) + std::min(0.4F * static_cast<float>(layout.detail.height),
+                                                     std::max(static_cast<float>(layout.detail.height) - height, 0.0F));
   brush.card(x, y, width, height, (brush.theme.card & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 248), brush.px(14.0F));
   brush.list->AddRect(ImVec2(x, y), ImVec2(x + width, y + height), brush.theme.accent, brush.px(14.0F), 0,
                       brush.px(2.0F));
-  brush.text_centred(brush.fonts.large, x + 0.5F * width, y + brush.px(20.0F), brush.theme.text,
-                     "Scan again from this side?");
-  float at = x + 0.5F * width - brush.px(90.0F);
-  at += brush.key_cap(at, y + brush.px(72.0F), "Enter") + brush.px(8.0F);
-  at += brush.text(brush.fonts.text, at, y + brush.px(72.0F), brush.theme.text, "yes") + brush.px(28.0F);
-  at += brush.key_cap(at, y + brush.px(72.0F), "Esc") + brush.px(8.0F);
-  brush.text(brush.fonts.text, at, y + brush.px(72.0F), brush.theme.text, "no");
+  const std::string words = "Scan again from this side?";
+  const ImFont* font = brush.fitting(brush.fonts.large, words, width - brush.px(24.0F));
+  brush.text_centred(font, x + 0.5F * width, y + brush.px(22.0F), brush.theme.text,
+                     brush.elided(font, words, width - brush.px(24.0F)));
+  std::vector<Clickable> boxes{
+      {{static_cast<int>(x), static_cast<int>(y), static_cast<int>(width), static_cast<int>(height)}}};
+  const float button = std::min(brush.px(180.0F), 0.5F * width - brush.px(22.0F)), tall = brush.px(48.0F);
+  const auto add = [&](float left, Clickable::Does does, const char* name, const char* cap, bool strong) {
+    const float top = y + height - tall - brush.px(18.0F);
+    const Rect rect{static_cast<int>(left), static_cast<int>(top), static_cast<int>(button), static_cast<int>(tall)};
+    const bool hovered = rect.contains(frame.mouse.x(), frame.mouse.y());
+    brush.card(left, top, button, tall, strong ? brush.theme.accent : brush.theme.key, brush.px(10.0F));
+    if (hovered) brush.card(left, top, button, tall, IM_COL32(255, 255, 255, 28), brush.px(10.0F));
+    brush.list->AddRect(ImVec2(left, top), ImVec2(left + button, top + tall), brush.theme.line, brush.px(10.0F));
+    Brush inside = brush;
+    if (strong) {
+      inside.theme.key = IM_COL32(0, 0, 0, 40);
+      inside.theme.text = brush.theme.accent_text;
+    }
+    const float total = inside.size(brush.fonts.strong, name).x + brush.px(10.0F) + inside.key_cap_width(cap);
+    float at = left + 0.5F * (button - total);
+    at += inside.text(brush.fonts.strong, at, top + 0.5F * (tall - brush.fonts.strong->FontSize), inside.theme.text,
+                      name) +
+          brush.px(10.0F);
+    inside.key_cap(at, top + 0.5F * (tall - brush.fonts.small->FontSize - brush.px(6.0F)), cap);
+    boxes.push_back({rect, does});
+  };
+  add(x + 0.5F * width - button - brush.px(8.0F), Clickable::Does::yes, "Yes", "Enter", true);
+  add(x + 0.5F * width + brush.px(8.0F), Clickable::Does::no, "No", "Esc", false);
+  return boxes;
 }
 
 }  // namespace sparsha::viewer

@@ -6,10 +6,14 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
 
 #include "base/statistics.h"
 #include "scene/friction_law.h"
 #include "scene/workspace.h"
+#include "viewer/surface/height_light.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -22,6 +26,13 @@ double typical(const std::vector<double>& values, double share) {
   for (std::size_t k = 0; k < values.size(); k += stride)
     if (std::isfinite(values[k])) some.push_back(std::abs(values[k]));
   return some.empty() ? 0.0 : quantile(some, share);
+}
+
+double lowest(const std::vector<double>& values) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double value : values)
+    if (value < least) least = value;
+  return std::isfinite(least) ? least : 0.0;
 }
 
 Paint scan_colours(const ReliefData& relief) {
@@ -49,45 +60,144 @@ Paint scan_colours(const ReliefData& relief) {
   return paint;
 }
 
+constexpr std::array<std::uint8_t, 3> kMeasured{206, 190, 164}, kFilled{46, 126, 190};
+
+Paint coverage(const ReliefData& relief) {
+  Paint paint;
+  const std::size_t count = relief.lattice.count();
+  paint.rgba.assign(4 * count, 255);
+  std::size_t measured = 0, filled = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const pipeline::NodeState state = relief.layers.grid.state[k];
+    const bool is_filled = state == pipeline::NodeState::filled;
+    filled += is_filled ? 1 : 0;
+    measured += state != pipeline::NodeState::unknown && !is_filled ? 1 : 0;
+    const auto& colour = is_filled ? kFilled : kMeasured;
+    std::copy(colour.begin(), colour.end(), paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * k));
+  }
+  const auto share = [&](std::size_t nodes) {
+    return 100.0 * static_cast<double>(nodes) / static_cast<double>(std::max<std::size_t>(count, 1));
+  };
+  paint.legend.title = "Coverage";
+  paint.legend.swatches = {{fmt::format("measured {:.1f} %", share(measured)), kMeasured},
+                           {fmt::format("filled {:.1f} %", share(filled)), kFilled}};
+  return paint;
+}
+
+/// What a map shows of each node; `own` gets title, unit and range.
+std::vector<double> values_of(const ReliefData& relief, const pipeline::SceneDescription& description, ColourMode mode,
+                              Legend& own) {
+  const std::size_t count = relief.lattice.count();
+  std::vector<double> values(count, kNone);
+  const auto each = [&](const auto& value) {
+    for (std::size_t k = 0; k < count; ++k)
+      if (relief.known[k] != 0) values[k] = value(k);
+  };
+  /// Below, at and above zero; all but 2 % lie within the range.
+  const auto about_zero = [&] {
+    own.map = ColourMap::diverging;
+    own.high = std::max(typical(values, 0.98), 1e-6);
+    own.low = -own.high;
+  };
+  const double spacing_m = relief.lattice.spacing_m;
+  const auto smoothed = [&](int radius) {
+    return blur(Heights{relief.lattice.nx, relief.lattice.ny, relief.height_m}, radius);
+  };
+  switch (mode) {
+    case ColourMode::height: {
+      own.unit = "mm";
+      const bool whole = description.height_max_m > description.height_min_m;
+      const double bottom_m = whole ? description.height_min_m : relief.height_min_m;
+      const double top_m = whole ? description.height_max_m : relief.height_max_m;
+      each([&](std::size_t k) { return 1e3 * (relief.height_m[k] + relief.lattice.origin_m.z() - bottom_m); });
+      own.high = std::max(1e3 * (top_m - bottom_m), 1e-6);
+      break;
+    }
+    case ColourMode::slope:
+      own.unit = "\xC2\xB0";
+      each([&](std::size_t k) {
+        const double slope = std::hypot(relief.slope[2 * k], relief.slope[2 * k + 1]);
+        return std::atan(slope) * 180.0 / std::numbers::pi;
+      });
+      own.high = std::clamp(typical(values, 0.98), 1.0, 90.0);
+      break;
+    case ColourMode::curvature: {
+      // Half the Laplacian of heights freed of noise; ridges positive.
+      own.unit = "1/m";
+      const std::vector<float> smooth = smoothed(2);
+      for (int j = 1; j + 1 < relief.lattice.ny; ++j)
+        for (int i = 1; i + 1 < relief.lattice.nx; ++i) {
+          const std::size_t k = relief.lattice.index(i, j), row = static_cast<std::size_t>(relief.lattice.nx);
+          if (relief.known[k] == 0) continue;
+          const double around = static_cast<double>(smooth[k - 1]) + smooth[k + 1] + smooth[k - row] + smooth[k + row];
+          values[k] = -0.5 * (around - 4.0 * smooth[k]) / (spacing_m * spacing_m);
+        }
+      about_zero();
+      break;
+    }
+    case ColourMode::local_relief: {
+      own.unit = "mm";
+      constexpr int kPieces = 40;  // of the longer side: what is wider is form, not inscription
+      const std::vector<float> form = smoothed(std::max(2, std::max(relief.lattice.nx, relief.lattice.ny) / kPieces));
+      each([&](std::size_t k) { return 1e3 * (static_cast<double>(relief.height_m[k]) - form[k]); });
+      // Rims and steps stand out by far more than any inscription: the middle half tells the range.
+      about_zero();
+      own.high = std::max(4.0 * typical(values, 0.5), 1e-6);
+      own.low = -own.high;
+      break;
+    }
+    case ColourMode::sky_view:
+      own.unit = "%";
+      each([&](std::size_t k) { return 100.0 * relief.tone[4 * k] / 255.0; });
+      own.high = 100.0;
+      own.low = std::min(100.0 * (1.0 - 1.0 / 256.0), lowest(values));
+      break;
+    case ColourMode::friction: {
+      own.unit = "\xC2\xB5";
+      own.high = std::max(description.config.friction->mu_max, 1e-6);
+      // As the hand meets it in level 0's window.
+      const double scale =
+          level_scale(description.config.levels.window, description.levels.front(), pipeline::kDeskWorkspaceM);
+      const pipeline::FrictionLaw law(description, scale, pipeline::kDeskWorkspaceM);
+      each([&](std::size_t k) { return static_cast<double>(law.dynamic(relief.layers, k)); });
+      break;
+    }
+    default:
+      own.unit = "mm";
+      each([&](std::size_t k) {
+        return 1e3 * (static_cast<double>(relief.layers.grid.height_m[k]) - relief.layers.envelope_m[k]);
+      });
+      about_zero();
+      break;
+  }
+  return values;
+}
+
+constexpr std::array kTitles{"Stone", "Height",    "Scan",     "Friction",     "Texture",
+                             "Slope", "Curvature", "Coverage", "Local relief", "Sky seen"};
+static_assert(kTitles.size() == pipeline::ViewerConfig::kColourNames.size());
+
 }  // namespace
 
 bool has_mode(const pipeline::SceneDescription& description, ColourMode mode) {
   switch (mode) {
-    case ColourMode::relief:
-    case ColourMode::height:
-      return true;
     case ColourMode::scan:
       return description.has_colour || description.has_intensity;
     case ColourMode::friction:
       return description.config.friction.has_value();
     case ColourMode::texture:
       return description.has_envelope;
+    default:
+      return true;
   }
-  return false;
 }
 
-const char* name_of(ColourMode mode) {
-  switch (mode) {
-    case ColourMode::relief:
-      return "Stone";
-    case ColourMode::height:
-      return "Height";
-    case ColourMode::scan:
-      return "Scan";
-    case ColourMode::friction:
-      return "Friction";
-    case ColourMode::texture:
-      return "Texture";
-  }
-  return "";
-}
+const char* name_of(ColourMode mode) { return kTitles[static_cast<std::size_t>(mode)]; }
 
-ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode) {
-  constexpr std::array kOrder{ColourMode::relief, ColourMode::height, ColourMode::scan, ColourMode::friction,
-                              ColourMode::texture};
-  const auto at = static_cast<std::size_t>(std::ranges::find(kOrder, mode) - kOrder.begin());
-  for (std::size_t step = 1; step <= kOrder.size(); ++step) {
-    const ColourMode next = kOrder[(at + step) % kOrder.size()];
+ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode, int step) {
+  constexpr int kCount = static_cast<int>(kTitles.size());
+  for (int tries = 1; tries <= kCount; ++tries) {
+    const auto next = static_cast<ColourMode>((static_cast<int>(mode) + step * tries + kCount * kCount) % kCount);
     if (has_mode(description, next)) return next;
   }
   return ColourMode::relief;
@@ -97,37 +207,14 @@ Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& d
                    const Legend* legend) {
   if (mode == ColourMode::relief || !has_mode(description, mode)) return {};
   if (mode == ColourMode::scan) return scan_colours(relief);
+  if (mode == ColourMode::coverage) return coverage(relief);
 
   const std::size_t count = relief.lattice.count();
-  std::vector<double> values(count, kNone);
   Paint paint;
   Legend& own = paint.legend;
   own.title = name_of(mode);
   own.scale = true;
-  if (mode == ColourMode::height) {
-    own.unit = "mm";
-    const bool whole = description.height_max_m > description.height_min_m;
-    const double bottom_m = whole ? description.height_min_m : relief.height_min_m;
-    const double top_m = whole ? description.height_max_m : relief.height_max_m;
-    for (std::size_t k = 0; k < count; ++k)
-      values[k] = 1e3 * (relief.height_m[k] + relief.lattice.origin_m.z() - bottom_m);
-    own.high = std::max(1e3 * (top_m - bottom_m), 1e-6);
-  } else if (mode == ColourMode::friction) {
-    own.unit = "\xC2\xB5";
-    own.high = std::max(description.config.friction->mu_max, 1e-6);
-    // As the hand meets it in level 0's window.
-    const double scale =
-        level_scale(description.config.levels.window, description.levels.front(), pipeline::kDeskWorkspaceM);
-    const pipeline::FrictionLaw law(description, scale, pipeline::kDeskWorkspaceM);
-    for (std::size_t k = 0; k < count; ++k) values[k] = static_cast<double>(law.dynamic(relief.layers, k));
-  } else {
-    own.unit = "mm";
-    own.map = ColourMap::diverging;
-    for (std::size_t k = 0; k < count; ++k)
-      values[k] = 1e3 * (static_cast<double>(relief.layers.grid.height_m[k]) - relief.layers.envelope_m[k]);
-    own.high = std::max(typical(values, 0.98), 1e-6);
-    own.low = -own.high;
-  }
+  const std::vector<double> values = values_of(relief, description, mode, own);
   if (legend != nullptr) own = *legend;
 
   constexpr std::size_t kSteps = 1024;

@@ -1,6 +1,7 @@
 // Colour modes: a colour for every node and the legend that explains it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,6 +21,12 @@ struct Legend {
   double low = 0.0;  ///< in `unit`
   double high = 1.0;
   bool scale = false;  ///< a colour bar is meant; false: only the title
+  /// Colours with a meaning of their own.
+  struct Swatch {
+    std::string name;
+    std::array<std::uint8_t, 3> colour{};
+  };
+  std::vector<Swatch> swatches;
 };
 
 /// sRGB colour and, as alpha, whether there is one: four bytes per node. Empty for ColourMode::relief.
@@ -32,8 +39,8 @@ struct Paint {
 [[nodiscard]] bool has_mode(const pipeline::SceneDescription& description, ColourMode mode);
 /// `title` of a mode in the interface, e.g. "Height".
 [[nodiscard]] const char* name_of(ColourMode mode);
-/// The next mode after `mode` that the scene has.
-[[nodiscard]] ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode);
+/// The next mode after `mode` that the scene has; `step` -1: the one before.
+[[nodiscard]] ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode, int step = 1);
 /// `legend`: the range to use instead of the piece's own, so that pieces of one scene agree.
 [[nodiscard]] Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& description,
                                  ColourMode mode, const Legend* legend = nullptr);

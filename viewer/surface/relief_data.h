@@ -6,6 +6,7 @@
 
 #include "base/thread_pool.h"
 #include "scene/scene.h"
+#include "viewer/surface/joints.h"
 
 namespace sparsha::viewer {
 
@@ -19,16 +20,19 @@ struct KeyLight {
 struct ReliefData {
   pipeline::Lattice lattice;
   int level = 0;
-  pipeline::Layers layers;         ///< as read
-  bool envelope = false;           ///< heights are the envelope's (texture switched off)
-  std::vector<float> height_m;     ///< relative to lattice.origin_m.z; unknown nodes continued smoothly
-  std::vector<float> slope;        ///< dz/dx and dz/dy of each node, interleaved
-  std::vector<std::uint8_t> tone;  ///< four bytes per node: sky light, curvature (128 flat), known, filled
-  double rms_slope = 0.0;
-  double height_min_m = 0.0;  ///< grid frame, of known nodes
+  pipeline::Layers layers;          ///< as read
+  bool envelope = false;            ///< heights are the envelope's (texture switched off)
+  std::vector<float> height_m;      ///< relative to lattice.origin_m.z; unknown nodes continued
+  std::vector<std::uint8_t> known;  ///< 1 where a height is measured or filled
+  Joints joints;                    ///< which neighbours belong to one surface
+  std::vector<float> slope;         ///< dz/dx and dz/dy of each node, interleaved
+  std::vector<std::uint8_t> tone;   ///< four bytes per node: sky light, curvature (128 flat), known, filled
+  double rms_slope = 0.0;           ///< of known nodes
+  double height_min_m = 0.0;        ///< grid frame, of known nodes
   double height_max_m = 0.0;
   bool any_filled = false;
   bool any_unknown = false;
+  double border_known = 0.0;  ///< share of the border's nodes that are known
 
   /// Height of the drawn surface at (x, y) of the grid frame, grid frame; clamped to the lattice.
   [[nodiscard]] double height_at(double x_m, double y_m) const;
@@ -39,8 +43,9 @@ struct ReliefData {
 [[nodiscard]] ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, double noise_m,
                                         ThreadPool& pool);
 
-/// The key light's share at each node, 0 to 255.
-[[nodiscard]] std::vector<std::uint8_t> bake_shadow(const ReliefData& relief, const KeyLight& light, ThreadPool& pool);
+/// The key light's share at each node, 0 to 255; not `soft`: of a light without extent, at a fifth of the cost.
+[[nodiscard]] std::vector<std::uint8_t> bake_shadow(const ReliefData& relief, const KeyLight& light, ThreadPool& pool,
+                                                    bool soft = true);
 
 /// The finest level of which no side exceeds `limit` nodes, or the coarsest.
 [[nodiscard]] int level_within(const pipeline::SceneDescription& description, int limit);

@@ -1,4 +1,4 @@
-// The lattice is drawn in chunks of 32 x 32 cells that share one index buffer; positions come from a texture.
+// Indices name nodes; their positions come from a texture.
 #include "viewer/surface/relief_view.h"
 
 #include <algorithm>
@@ -15,21 +15,8 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr int kCells = 32;
-constexpr int kSide = kCells + 1;
-constexpr std::uint16_t kRestart = 0xFFFF;
-
-std::vector<std::uint16_t> chunk_indices() {
-  std::vector<std::uint16_t> indices;
-  for (int j = 0; j < kCells; ++j) {
-    for (int i = 0; i < kSide; ++i) {
-      indices.push_back(static_cast<std::uint16_t>((j + 1) * kSide + i));
-      indices.push_back(static_cast<std::uint16_t>(j * kSide + i));
-    }
-    indices.push_back(kRestart);
-  }
-  return indices;
-}
+constexpr double kSlabShare = 0.95;   // of the border's nodes are known
+constexpr double kSlabHeight = 0.35;  // of the longer side: deeper forms are no slabs
 
 Eigen::Vector3f direction_of(const KeyLight& light) {
   const double ce = std::cos(light.elevation_rad);
@@ -60,7 +47,7 @@ const gl::Program& ReliefPrograms::with(unsigned features) {
   const auto [found, added] = programs_.try_emplace(features);
   if (added) {
     std::string head = gl::kVersion;
-    constexpr std::array kNames{"WALL", "WITH_UNKNOWN", "WITH_FILLED", "WITH_WINDOW", "WITH_HOLE"};
+    constexpr std::array kNames{"WALL", "WITH_UNKNOWN", "WITH_FILLED", "WITH_WINDOW", "WITH_HOLE", "WITH_OUTLINE"};
     for (std::size_t k = 0; k < kNames.size(); ++k)
       if ((features >> k & 1U) != 0) head += std::string("#define ") + kNames[k] + "\n";
     found->second = gl::Program(head + gl::kReliefVertex, head + gl::kReliefFragment);
@@ -68,7 +55,8 @@ const gl::Program& ReliefPrograms::with(unsigned features) {
   return found->second;
 }
 
-ReliefView::ReliefView(ReliefData data, const Stage& stage) : data_(std::move(data)), stage_(stage) {
+ReliefView::ReliefView(ReliefData data, const Stage& stage)
+    : data_(std::move(data)), stage_(stage), cells_(data_.joints) {
   const pipeline::Lattice& lattice = data_.lattice;
   const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
   const double spacing = lattice.spacing_m / stage_.unit_m;
@@ -78,29 +66,38 @@ ReliefView::ReliefView(ReliefData data, const Stage& stage) : data_(std::move(da
   reach_high_ = low.z() + most / stage_.unit_m;
 
   using gl::Filter, gl::Format;
-  heights_ = gl::Texture(lattice.nx, lattice.ny, Format::r32f, Filter::nearest, data_.height_m.data());
+  std::vector<float> both(2 * lattice.count());
+  for (std::size_t k = 0; k < lattice.count(); ++k) {
+    both[2 * k] = data_.height_m[k];
+    both[2 * k + 1] = data_.joints.far_m[k];
+  }
+  heights_ = gl::Texture(lattice.nx, lattice.ny, Format::rg32f, Filter::nearest, both.data());
   slopes_ = gl::Texture(lattice.nx, lattice.ny, Format::rg16f, Filter::linear, data_.slope.data());
   tones_ = gl::Texture(lattice.nx, lattice.ny, Format::rgba8, Filter::linear, data_.tone.data());
   const std::vector<std::uint8_t> lit(lattice.count(), 255);
   shadows_ = gl::Texture(lattice.nx, lattice.ny, Format::r8, Filter::linear, lit.data());
   const std::array<std::uint8_t, 4> none{};
   paint_ = gl::Texture(1, 1, Format::srgb8, Filter::linear, none.data());
-  data_.slope = {};
-  data_.tone = {};
 
   vertex_array_ = gl::make_vertex_array();
-  indices_ = gl::make_buffer();
-  const std::vector<std::uint16_t> indices = chunk_indices();
-  glBindVertexArray(vertex_array_.get());
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(indices[0])), indices.data(),
-               GL_STATIC_DRAW);
-  glBindVertexArray(0);
 }
 
-void ReliefView::set_light(const KeyLight& light, ThreadPool& pool) {
+const ReliefView::Triangles& ReliefView::mesh(int level) const {
+  const auto [found, added] = meshes_.try_emplace(level);
+  Triangles& triangles = found->second;
+  if (!added) return triangles;
+  Mesh mesh = cells_.mesh(level, data_.joints, data_.height_m);
+  triangles.chunks = std::move(mesh.chunks);
+  triangles.indices = gl::make_buffer();
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, triangles.indices.get());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(mesh.indices[0])),
+               mesh.indices.data(), GL_STATIC_DRAW);
+  return triangles;
+}
+
+void ReliefView::set_light(const KeyLight& light, ThreadPool& pool, bool fine) {
   light_ = light;
-  shadows_.upload(bake_shadow(data_, light, pool).data());
+  shadows_.upload(bake_shadow(data_, light, pool, fine).data());
 }
 
 void ReliefView::set_paint(const Paint& paint) {
@@ -147,21 +144,37 @@ void ReliefView::light_stone(const gl::Program& program, bool high_contrast) {
 double ReliefView::low_world() const { return (data_.height_min_m - stage_.anchor_m.z()) / stage_.unit_m; }
 double ReliefView::high_world() const { return (data_.height_max_m - stage_.anchor_m.z()) / stage_.unit_m; }
 
-void ReliefView::draw_chunks(const gl::Program& program, const View& view, int stride) const {
-  const pipeline::Lattice& lattice = data_.lattice;
-  const double spacing = lattice.spacing_m / stage_.unit_m;
-  const std::vector<std::uint16_t>::size_type count = (2 * kSide + 1) * kCells;
-  const int chunks_x = (lattice.nx - 1 + kCells * stride - 1) / (kCells * stride);
-  const int chunks_y = (lattice.ny - 1 + kCells * stride - 1) / (kCells * stride);
-  for (int cj = 0; cj < chunks_y; ++cj)
-    for (int ci = 0; ci < chunks_x; ++ci) {
-      const double x0 = box_[0] + ci * kCells * stride * spacing, y0 = box_[1] + cj * kCells * stride * spacing;
-      const double reach = kCells * stride * spacing;
-      if (outside(view, {x0, y0, reach_low_}, {x0 + reach, y0 + reach, reach_high_})) continue;
-      const std::array<int, 2> chunk{ci * kCells, cj * kCells};
-      program.set_pair("chunk", chunk[0], chunk[1]);
-      glDrawElements(GL_TRIANGLE_STRIP, static_cast<GLsizei>(count), GL_UNSIGNED_SHORT, nullptr);
+bool ReliefView::is_slab() const {
+  return data_.border_known >= kSlabShare && high_world() - low_world() <= kSlabHeight;
+}
+
+void ReliefView::draw_chunks(const Triangles& mesh, const View& view, const ReliefStyle& style) const {
+  const double spacing = data_.lattice.spacing_m / stage_.unit_m;
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh.indices.get());
+  // Neighbours in the list are drawn together.
+  std::uintptr_t first = 0;
+  std::uint32_t count = 0;
+  const auto flush = [&] {
+    if (count == 0) return;
+    // OpenGL passes the offset inside a buffer as a pointer.
+    // NOLINTNEXTLINE(performance-no-int-to-ptr)
+    const void* offset = reinterpret_cast<const void*>(first * sizeof(std::uint32_t));
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT, offset);
+    count = 0;
+  };
+  for (const Mesh::Chunk& chunk : mesh.chunks) {
+    const double x0 = box_[0] + chunk.nodes[0] * spacing, y0 = box_[1] + chunk.nodes[1] * spacing;
+    const double x1 = box_[0] + chunk.nodes[2] * spacing, y1 = box_[1] + chunk.nodes[3] * spacing;
+    const auto& hole = style.hole_world;
+    const bool covered = hole && x0 > (*hole)[0] && y0 > (*hole)[1] && x1 < (*hole)[2] && y1 < (*hole)[3];
+    if (covered || outside(view, {x0, y0, reach_low_}, {x1, y1, reach_high_})) {
+      flush();
+      continue;
     }
+    if (count == 0) first = chunk.first;
+    count = chunk.first + chunk.count - static_cast<std::uint32_t>(first);
+  }
+  flush();
 }
 
 void ReliefView::set_up(const gl::Program& program, const View& view, const ReliefStyle& style, int stride) const {
@@ -176,7 +189,6 @@ void ReliefView::set_up(const gl::Program& program, const View& view, const Reli
   program.set("stone", 1);
   program.set("tones", 2);
   program.set_pair("nodes", lattice.nx, lattice.ny);
-  program.set("side", kSide);
   program.set("corner", Eigen::Vector2f(static_cast<float>(low.x()), static_cast<float>(low.y())));
   program.set("spacing", static_cast<float>(spacing));
   program.set("rise", Eigen::Vector2f(static_cast<float>(low.z()), static_cast<float>(1.0 / stage_.unit_m)));
@@ -195,20 +207,20 @@ void ReliefView::set_up(const gl::Program& program, const View& view, const Reli
 void ReliefView::draw(ReliefPrograms& programs, const View& view, const ReliefStyle& style) const {
   const pipeline::Lattice& lattice = data_.lattice;
   // A vertex every few pixels at the middle of the picture is enough: forms between them are in the stone's colour.
-  const double pixels = view.pixels_per_unit(view.focus) * lattice.spacing_m / stage_.unit_m;
-  const int stride = std::clamp(static_cast<int>(style.node_pixels / std::max(pixels, 1e-9) + 0.5), 1, 64);
+  const double pixels = std::max(view.pixels_per_unit(view.focus) * lattice.spacing_m / stage_.unit_m, 1e-9);
+  const int level = std::clamp(static_cast<int>(std::lround(std::log2(std::max(style.node_pixels / pixels, 1e-9)))), 0,
+                               cells_.levels() - 1);
 
   glBindVertexArray(vertex_array_.get());
   const unsigned base =
       (data_.any_unknown ? ReliefPrograms::kUnknown : 0U) | (style.hole_world ? ReliefPrograms::kHole : 0U);
   const gl::Program& top = programs.with(base | (style.mark_filled && data_.any_filled ? ReliefPrograms::kFilled : 0U) |
-                                         (style.window_world ? ReliefPrograms::kWindow : 0U));
-  set_up(top, view, style, stride);
-  glEnable(GL_PRIMITIVE_RESTART);
-  glPrimitiveRestartIndex(kRestart);
-  draw_chunks(top, view, stride);
-  glDisable(GL_PRIMITIVE_RESTART);
-  if (style.walls) {
+                                         (style.window_world ? ReliefPrograms::kWindow : 0U) |
+                                         (style.outline && data_.any_unknown ? ReliefPrograms::kOutline : 0U));
+  set_up(top, view, style, 1);
+  draw_chunks(mesh(level), view, style);
+  if (style.walls && is_slab()) {
+    const int stride = 1 << level;
     set_up(programs.with(base | ReliefPrograms::kWall), view, style, stride);
     const int cells_x = (lattice.nx - 1 + stride - 1) / stride, cells_y = (lattice.ny - 1 + stride - 1) / stride;
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 2 * (2 * (cells_x + cells_y) + 4));

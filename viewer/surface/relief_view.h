@@ -1,12 +1,14 @@
 // A piece of relief on the graphics card.
 #pragma once
 
+#include <optional>
 #include <unordered_map>
 
 #include <Eigen/Core>
 
 #include "viewer/camera.h"
 #include "viewer/gl/objects.h"
+#include "viewer/surface/mesh.h"
 #include "viewer/surface/paint.h"
 #include "viewer/surface/relief_data.h"
 
@@ -19,6 +21,7 @@ using Box = Eigen::Vector4d;
 struct ReliefStyle {
   bool high_contrast = false;
   bool mark_filled = false;
+  bool outline = false;             ///< a faint line around what was measured
   bool walls = true;                ///< the slab's sides
   std::optional<Box> window_world;  ///< framed; what is outside is dimmed
   std::optional<Box> hole_world;    ///< left out, as a finer piece is drawn there
@@ -30,7 +33,7 @@ struct ReliefStyle {
 /// The relief's program in the variants that pictures have needed so far.
 class ReliefPrograms {
  public:
-  enum Feature : unsigned { kWall = 1, kUnknown = 2, kFilled = 4, kWindow = 8, kHole = 16 };
+  enum Feature : unsigned { kWall = 1, kUnknown = 2, kFilled = 4, kWindow = 8, kHole = 16, kOutline = 32 };
   /// Compiles on first use.
   [[nodiscard]] const gl::Program& with(unsigned features);
 
@@ -43,8 +46,8 @@ class ReliefView {
  public:
   ReliefView(ReliefData data, const Stage& stage);
 
-  /// Bakes the key light's shadows again.
-  void set_light(const KeyLight& light, ThreadPool& pool);
+  /// Bakes the key light's shadows again; not `fine`: with hard edges, at a fifth of the cost.
+  void set_light(const KeyLight& light, ThreadPool& pool, bool fine = true);
   /// An empty paint: bare stone.
   void set_paint(const Paint& paint);
   /// Computes the stone's colour, to be called after changes of light, paint or contrast; `program` is made of
@@ -55,12 +58,20 @@ class ReliefView {
 
   [[nodiscard]] const ReliefData& data() const { return data_; }
   [[nodiscard]] Box box_world() const { return box_; }
+  /// True for a slab of stone whose sides may be drawn: a relief that fills its rectangle.
+  [[nodiscard]] bool is_slab() const;
   [[nodiscard]] double low_world() const;
   [[nodiscard]] double high_world() const;
 
  private:
+  /// A mesh on the graphics card.
+  struct Triangles {
+    std::vector<Mesh::Chunk> chunks;
+    gl::Name indices;
+  };
   void set_up(const gl::Program& program, const View& view, const ReliefStyle& style, int stride) const;
-  void draw_chunks(const gl::Program& program, const View& view, int stride) const;
+  void draw_chunks(const Triangles& mesh, const View& view, const ReliefStyle& style) const;
+  [[nodiscard]] const Triangles& mesh(int level) const;
 
   ReliefData data_;
   Stage stage_;
@@ -76,7 +87,8 @@ class ReliefView {
   KeyLight light_;
   bool painted_ = false;
   gl::Name vertex_array_;
-  gl::Name indices_;
+  CellTree cells_;
+  mutable std::unordered_map<int, Triangles> meshes_;  ///< by level of the cell tree, made when first drawn
 };
 
 }  // namespace sparsha::viewer

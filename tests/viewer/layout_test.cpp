@@ -1,0 +1,71 @@
+// Words at every size of the window: none lies on another, none leaves the window.
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "relief_scene.h"
+#include "studio.h"
+
+namespace sparsha::viewer::test {
+namespace {
+
+/// The first pair of the same layer that overlaps by more than a pixel, or a text outside; empty when all is well.
+std::string fault_in(const std::vector<DrawnText>& texts, int width, int height) {
+  constexpr float kPlay = 1.0F;
+  for (std::size_t a = 0; a < texts.size(); ++a) {
+    const DrawnText& p = texts[a];
+    if (p.x < -kPlay || p.y < -kPlay || p.x + p.width > static_cast<float>(width) + kPlay ||
+        p.y + p.height > static_cast<float>(height) + kPlay)
+      return "outside: " + p.words;
+    for (std::size_t b = a + 1; b < texts.size(); ++b) {
+      const DrawnText& q = texts[b];
+      // A shadow under the same words is meant.
+      if (p.layer != q.layer || p.words == q.words) continue;
+      const float across = std::min(p.x + p.width, q.x + q.width) - std::max(p.x, q.x);
+      const float down = std::min(p.y + p.height, q.y + q.height) - std::max(p.y, q.y);
+      if (across > kPlay && down > kPlay) return p.words + " on " + q.words;
+    }
+  }
+  return {};
+}
+
+TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
+  haptics::AnnouncementBoard board;
+  Connections connections;
+  connections.announcements = &board;
+  connections.rescan = [](const Eigen::Matrix4d&) {};
+  const auto edit = [](pipeline::SceneDescription& description) {
+    pipeline::PartConfig part;
+    part.name = "lotus medallion of the second gallery";
+    part.box_m = {0.0, 0.0, 1.0, 1.0};
+    description.config.parts.push_back(part);
+  };
+  ViewSettings settings;
+  settings.colour = ColourMode::curvature;
+  Studio studio(scene_of(lotus, {101, 101, 0.004, 3}, edit), settings, connections);
+  const auto scene = studio.picture().scene();
+  haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
+  state.flags |= haptics::kFlagImpact | haptics::kFlagFilledArea;
+  studio.controller().frame().title = "Lion of the northern staircase, second flight";
+  using Size = std::pair<int, int>;
+  for (const auto& [width, height] :
+       {Size{640, 400}, {800, 600}, {1024, 600}, {1280, 720}, {720, 1280}, {1920, 1080}, {2560, 1080}, {3840, 2160}})
+    for (const bool large : {false, true})
+      for (const int page : {0, 1, 2, 3}) {
+        Frame& frame = studio.controller().frame();
+        frame.settings.large_type = large;
+        frame.settings.figures = page == 0;
+        frame.settings.help = page == 1;
+        frame.asks_rescan = page == 2;
+        frame.settings.colour = page == 3 ? ColourMode::coverage : ColourMode::curvature;
+        if (page == 0) board.say("A part of the scene cannot be read: the tile at the upper left of the second level");
+        studio.shoot(state, width, height);
+        EXPECT_GT(studio.gui().texts().size(), 20U);
+        EXPECT_EQ(fault_in(studio.gui().texts(), width, height), "")
+            << width << " x " << height << (large ? " large" : "") << ", page " << page;
+      }
+  EXPECT_TRUE(studio.gl_errors().empty()) << studio.gl_errors().front();
+}
+
+}  // namespace
+}  // namespace sparsha::viewer::test

@@ -1,0 +1,331 @@
+// Keys and buttons to what they do.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "viewer/controller.h"
+
+namespace sparsha::viewer {
+namespace {
+
+constexpr double kHandStepM = 0.002;  // one arrow key
+constexpr double kLightStepRad = std::numbers::pi / 12.0;
+constexpr double kCloser = 1.15;
+const char* const kRescanQuestion = "Scan again from this side?";
+
+struct LightPreset {
+  const char* name;
+  KeyLight light;
+};
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::array kLights{LightPreset{"upper left", {}},
+                             LightPreset{"raking from the left", {180.0 * kDegree, 0.17}},
+                             LightPreset{"raking from above", {90.0 * kDegree, 0.17}},
+                             LightPreset{"raking from the right", {0.0, 0.17}},
+                             LightPreset{"raking from below", {-90.0 * kDegree, 0.17}},
+                             LightPreset{"from the front", {135.0 * kDegree, 1.3}}};
+
+}  // namespace
+
+std::vector<Action> Controller::buttons() const {
+  std::vector<Action> result;
+  for (const ActionInfo& info : all_actions()) {
+    if (info.action == Action::mode && !frame_.has_pointer) continue;
+    if (frame_.settings.kiosk ? info.kiosk_button : info.button) result.push_back(info.action);
+  }
+  return result;
+}
+
+void Controller::move_focus(int step) {
+  const std::vector<Action> list = buttons();
+  const int count = static_cast<int>(list.size());
+  frame_.focused = frame_.focused < 0 ? (step > 0 ? 0 : count - 1) : (frame_.focused + step + count) % count;
+  const ActionInfo& info = info_of(list[static_cast<std::size_t>(frame_.focused)]);
+  std::string value;
+  if (info.action == Action::texture) value = (frame_.state.flags & haptics::kFlagTexture) != 0 ? ", on" : ", off";
+  if (info.action == Action::friction) value = (frame_.state.flags & haptics::kFlagFriction) != 0 ? ", on" : ", off";
+  if (info.action == Action::colour) value = fmt::format(", {}", name_of(frame_.settings.colour));
+  if (connections_.speak) connections_.speak(fmt::format("{}{}: {}", info.label, value, info.what));
+}
+
+void Controller::press(const KeyPress& press) {
+  if (frame_.asks_rescan && !press.repeated && (press.key == key::kEnter || press.key == 'Y')) return answer(true);
+  if (frame_.asks_rescan && !press.repeated && press.key == 'N') return answer(false);
+  if (frame_.focused >= 0 && press.key == key::kEnter && !press.repeated) {
+    const std::vector<Action> list = buttons();
+    act(list[std::min(static_cast<std::size_t>(frame_.focused), list.size() - 1)]);
+    return;
+  }
+  if (const auto action = action_of(press, frame_.settings.kiosk)) act(*action);
+}
+
+void Controller::act(Action action) {
+  const bool window_known = scene_ != nullptr;
+  if (window_known && wishes_.act(action, frame_.state, window())) return;
+  if (step_hand(action) || set_light(action) || move_camera(action) || set_view(action) || set_stereo(action)) return;
+  switch (action) {
+    case Action::home:
+      return go_home();
+    case Action::undo:
+      if (!wishes_.undo()) tell("No earlier window");
+      return;
+    case Action::rescan:
+      return ask_rescan();
+    case Action::orient:
+      return go_to_scans();
+    case Action::next_scene:
+    case Action::previous_scene:
+      if (connections_.next_scene) connections_.next_scene(action == Action::next_scene ? 1 : -1);
+      return;
+    case Action::next_item:
+      return move_focus(1);
+    case Action::previous_item:
+      return move_focus(-1);
+    case Action::screenshot:
+      screenshot_ = true;
+      return;
+    case Action::full_screen:
+      full_screen_ = true;
+      return;
+    case Action::escape:
+      return close_or_leave();
+    case Action::quit:
+      return leave();
+    default:
+      return;
+  }
+}
+
+void Controller::ask_rescan() {
+  if (!connections_.rescan) return tell("A new depth scan needs the scans this scene was made from");
+  frame_.asks_rescan = true;
+  // The dialog shows it.
+  toasts_.hide(kRescanQuestion);
+  tell(kRescanQuestion);
+}
+
+void Controller::go_to_scans() {
+  if (connections_.orienting.unavailable) frame_.why_not_orient = connections_.orienting.unavailable();
+  if (!frame_.why_not_orient.empty()) return tell("The scans cannot be shown: " + frame_.why_not_orient);
+  to_scans_ = true;
+}
+
+void Controller::answer(bool yes) {
+  boxes_.clear();
+  if (!std::exchange(frame_.asks_rescan, false) || !yes || !scene_) return;
+  Eigen::Matrix4d turn = Eigen::Matrix4d::Identity();
+  turn.topLeftCorner<3, 3>() = frame_.camera.axes().transpose();
+  // New grid frame: the camera's axes; about the scan frame's origin, so that the turn alone counts.
+  const Eigen::Matrix4d grid_from_scan = scene_->description().config.orientation.scan_to_grid;
+  orbit_.reset();
+  connections_.rescan(turn * grid_from_scan);
+}
+
+// The first view: the whole scene, straight on.
+void Controller::go_home() {
+  orbit_.reset();
+  hand_.forget_aim();
+  if (scene_) wishes_.act(Action::whole_scene, frame_.state, window());
+}
+
+// The pointer's hand, moved by keys.
+bool Controller::step_hand(Action action) {
+  switch (action) {
+    case Action::hand_left:
+      hand_.step(-kHandStepM, 0.0);
+      return true;
+    case Action::hand_right:
+      hand_.step(kHandStepM, 0.0);
+      return true;
+    case Action::hand_up:
+      hand_.step(0.0, kHandStepM);
+      return true;
+    case Action::hand_down:
+      hand_.step(0.0, -kHandStepM);
+      return true;
+    case Action::hand_raise:
+      hand_.raise(1.0);
+      return true;
+    case Action::hand_lower:
+      hand_.raise(-1.0);
+      return true;
+    case Action::press:
+      hand_.press(!hand_.presses());
+      return true;
+    case Action::mode:
+      if (!frame_.has_pointer) return true;
+      frame_.looks = !frame_.looks;
+      hand_.press(false);
+      tell(frame_.looks ? "Look: the left button turns the picture" : "Touch: the mouse is the hand");
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool Controller::set_light(Action action) {
+  auto& light = frame_.settings.light;
+  switch (action) {
+    case Action::light_turn:
+      light.azimuth_rad -= kLightStepRad;
+      return true;
+    case Action::light_back:
+      light.azimuth_rad += kLightStepRad;
+      return true;
+    case Action::light_higher:
+      light.elevation_rad = std::min(light.elevation_rad + 0.08, 1.4);
+      return true;
+    case Action::light_lower:
+      light.elevation_rad = std::max(light.elevation_rad - 0.08, 0.12);
+      return true;
+    case Action::light_preset: {
+      light_preset_ = (light_preset_ + 1) % static_cast<int>(kLights.size());
+      const LightPreset& preset = kLights[static_cast<std::size_t>(light_preset_)];
+      light = preset.light;
+      tell(fmt::format("Light: {}", preset.name));
+      return true;
+    }
+    default:
+      return false;
+  }
+}
+
+bool Controller::move_camera(Action action) {
+  constexpr double kTurn = 0.08, kTilt = 0.06;
+  switch (action) {
+    case Action::turn_left:
+      orbit_.turn(-kTurn, 0.0);
+      return true;
+    case Action::turn_right:
+      orbit_.turn(kTurn, 0.0);
+      return true;
+    case Action::tilt_up:
+      orbit_.turn(0.0, -kTilt);
+      return true;
+    case Action::tilt_down:
+      orbit_.turn(0.0, kTilt);
+      return true;
+    case Action::closer:
+      orbit_.zoom(kCloser);
+      return true;
+    case Action::farther:
+      orbit_.zoom(1.0 / kCloser);
+      return true;
+    case Action::camera_reset:
+      orbit_.reset();
+      return true;
+    case Action::orthographic:
+      orbit_.switch_projection();
+      return true;
+    default:
+      return false;
+  }
+}
+
+// What is drawn, and how.
+bool Controller::set_view(Action action) {
+  ViewSettings& settings = frame_.settings;
+  const auto turn = [&](const char* what, bool& setting) {
+    setting = !setting;
+    tell(fmt::format("{} {}", what, setting ? "on" : "off"));
+    return true;
+  };
+  switch (action) {
+    case Action::colour:
+    case Action::colour_back:
+      if (!scene_) return true;
+      settings.colour = next_mode(scene_->description(), settings.colour, action == Action::colour ? 1 : -1);
+      tell(fmt::format("Colour: {}", name_of(settings.colour)));
+      return true;
+    case Action::filled:
+      return turn("Marks on filled areas", settings.mark_filled);
+    case Action::outline:
+      return turn("Outline of what was measured", settings.outline);
+    case Action::contrast:
+      return turn("High contrast", settings.high_contrast);
+    case Action::large_type:
+      return turn("Large type", settings.large_type);
+    case Action::figures:
+      settings.figures = !settings.figures;
+      return true;
+    case Action::help:
+      frame_.help_page = settings.help ? frame_.help_page + 1 : 0;
+      settings.help = frame_.help_page < (settings.help ? help_pages_ : 1);
+      boxes_.clear();  // those of the next picture count
+      return true;
+    case Action::strip_pause:
+      frame_.strip.pause(!frame_.strip.paused());
+      tell(frame_.strip.paused() ? "Strip paused" : "Strip goes on");
+      return true;
+    case Action::strip_save:
+      save_strip();
+      return true;
+    default:
+      return false;
+  }
+}
+
+void Controller::save_strip() {
+  const std::string file = dated_name("sparsha-strip", ".csv");
+  try {
+    frame_.strip.write_csv(file);
+    tell("Saved " + file);
+  } catch (const Error& error) {
+    tell("Not saved: " + error.wrong(), haptics::Announcement::Priority::warning);
+  }
+}
+
+bool Controller::set_stereo(Action action) {
+  Stereo& stereo = frame_.settings.stereo;
+  constexpr std::array kNames{"Stereo off", "Stereo: red and cyan, colours", "Stereo: red and cyan, grey",
+                              "Stereo: side by side"};
+  const auto step = [&](double& value, double factor, double low, double high, const char* what) {
+    value = std::clamp(value * factor, low, high);
+    tell(fmt::format("{} {:.1f} %", what, 100.0 * value));
+    return true;
+  };
+  constexpr double kStep = 1.15;
+  switch (action) {
+    case Action::stereo:
+      stereo.mode = static_cast<StereoMode>((static_cast<std::size_t>(stereo.mode) + 1) % kNames.size());
+      tell(kNames[static_cast<std::size_t>(stereo.mode)]);
+      return true;
+    case Action::swap_eyes:
+      stereo.swapped = !stereo.swapped;
+      tell(stereo.swapped ? "Eyes swapped" : "Eyes as usual");
+      return true;
+    case Action::eyes_apart:
+      return step(stereo.separation, kStep, 0.005, 0.25, "Separation of the eyes");
+    case Action::eyes_together:
+      return step(stereo.separation, 1.0 / kStep, 0.005, 0.25, "Separation of the eyes");
+    case Action::screen_nearer:
+      return step(stereo.convergence, 1.0 / 1.03, 0.5, 2.0, "Zero parallax at");
+    case Action::screen_farther:
+      return step(stereo.convergence, 1.03, 0.5, 2.0, "Zero parallax at");
+    default:
+      return false;
+  }
+}
+
+// Escape closes what is open; with nothing open it leaves, but not an exhibition.
+void Controller::close_or_leave() {
+  ViewSettings& settings = frame_.settings;
+  if (settings.help || frame_.focused >= 0 || frame_.asks_rescan) {
+    settings.help = frame_.asks_rescan = false;
+    boxes_.clear();
+    frame_.focused = -1;
+  } else if (!settings.kiosk) {
+    leave();
+  }
+}
+
+void Controller::leave() {
+  wishes_.quit();
+  leave_ = true;
+}
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,70 @@
+// The hand of the pointer device: where the mouse points, over the stone without running into it, and down on demand.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "haptics/state/state.h"
+#include "scene/scene.h"
+#include "viewer/camera.h"
+
+namespace sparsha::viewer {
+
+/// Height of the surface that the hand touches at x, y (grid frame, metres).
+using HeightAt = std::function<double(double x_m, double y_m)>;
+
+/// First place where the ray (grid frame) meets the surface raised by `above_m`; nothing when it never does.
+/// `low_m`, `high_m`: heights between which the surface lies. `step_m`: distances in x and y within which it is smooth.
+[[nodiscard]] std::optional<Eigen::Vector3d> meet_surface(const Eigen::Vector3d& origin_m,
+                                                          const Eigen::Vector3d& direction, const HeightAt& height_at,
+                                                          double above_m, double low_m, double high_m, double step_m);
+
+class PointerHand {
+ public:
+  /// The mouse points along this ray, world coordinates.
+  void aim(const View::Ray& ray) {
+    aim_ = ray;
+    fresh_s_ = 0.0;
+  }
+  /// The picture is about to move: the hand stays where it is in its workspace.
+  void forget_aim() { aim_.reset(); }
+  /// Keys; device frame, metres.
+  void step(double x_m, double y_m);
+  void raise(double steps);
+  /// One notch of the wheel: higher, or less deep while pressing.
+  void wheel(double steps);
+  void press(bool down);
+  [[nodiscard]] bool presses() const { return pressed_; }
+
+  /// One step of time. `reach_m`: of the hand to each side, device frame.
+  [[nodiscard]] haptics::PointerSample update(double seconds, const haptics::State& state,
+                                              const pipeline::SceneDescription& scene, const Stage& stage,
+                                              double reach_m, const HeightAt& height_at);
+
+ private:
+  [[nodiscard]] double press_depth_m(const haptics::State& state) const;
+  void follow_aim(const haptics::State& state, const pipeline::SceneDescription& scene, const Stage& stage,
+                  const HeightAt& height_at);
+  void approach(double seconds, double reach_m, double depth_m,
+                const std::function<double(const Eigen::Vector2d&)>& surface_m);
+  void follow_device(double seconds);
+
+  std::optional<View::Ray> aim_;
+  double fresh_s_ = 0.0;                                // since the last aim
+  Eigen::Vector2d wanted_m_ = Eigen::Vector2d::Zero();  // device frame
+  double hover_m_ = kHoverM;                            // above the surface, device frame
+  std::optional<double> deeper_m_;                      // depth of a press that the wheel has asked for
+  bool pressed_ = false;
+  bool known_ = false;
+  Eigen::Vector3d sent_m_ = Eigen::Vector3d::Zero();
+  // The pointer device follows what is sent through a filter: this is where it is by now.
+  Eigen::Vector3d device_m_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
+  std::uint64_t sequence_ = 0;
+
+  static constexpr double kHoverM = 0.008;
+};
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,65 @@
+// The window that the servo has told of, read once more for the pointer's hand.
+#include "viewer/surface/touch_ground.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "scene/continuation.h"
+#include "scene/fingertip.h"
+
+namespace sparsha::viewer {
+
+TouchGround::Heights TouchGround::load(const pipeline::Scene& scene, const Window& window) {
+  const pipeline::Lattice& level = scene.description().levels.at(static_cast<std::size_t>(window.level));
+  const int margin = static_cast<int>(std::clamp(std::ceil(window.tip_m / level.spacing_m), 0.0, 1e3));
+  const auto at = [&](std::size_t k) { return static_cast<int>(window.nodes.at(k)); };
+  const pipeline::Layers layers = scene.read(static_cast<int>(window.level), at(0) - margin, at(1) - margin,
+                                             at(2) + 2 * margin, at(3) + 2 * margin);
+  Heights heights{layers.grid.lattice,
+                  !window.texture && !layers.envelope_m.empty() ? layers.envelope_m : layers.grid.height_m};
+  for (std::size_t node = 0; node < heights.height_m.size(); ++node)
+    if (layers.grid.state[node] == pipeline::NodeState::unknown) heights.height_m[node] = pipeline::kUnknownHeight;
+  const int nx = heights.lattice.nx, ny = heights.lattice.ny;
+  pipeline::continue_heights(heights.height_m, nx, ny);
+  pipeline::touch_with_ball(heights.height_m, nx, ny, heights.lattice.spacing_m, window.tip_m);
+  return heights;
+}
+
+void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::State& state, bool wait) {
+  if (loading_.valid() && (wait || loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)) {
+    try {
+      heights_ = loading_.get();
+    } catch (const Error&) {  // the servo reads the same tiles and says so
+    }
+  }
+  constexpr std::int64_t kMostNodes = 1 << 14;
+  const bool usable = state.tick != 0 && scene != nullptr && state.level < scene->description().levels.size() &&
+                      state.scale > 0.0 && std::isfinite(state.scale) && state.tip_radius_m >= 0.0 &&
+                      state.window[2] >= 2 && state.window[3] >= 2 && state.window[2] <= kMostNodes &&
+                      state.window[3] <= kMostNodes;
+  if (!usable || loading_.valid()) return;
+  const Window window{scene.get(), state.level, state.window, (state.flags & haptics::kFlagTexture) != 0,
+                      state.tip_radius_m / state.scale};
+  if (window == wanted_) return;
+  if (window.scene != wanted_.scene) heights_.reset();
+  wanted_ = window;
+  loading_ = std::async(std::launch::async, [scene, window] { return load(*scene, window); });
+  if (wait) follow(scene, state, true);
+}
+
+std::optional<double> TouchGround::height_at(double x_m, double y_m) const {
+  if (!heights_) return std::nullopt;
+  const pipeline::Lattice& lattice = heights_->lattice;
+  const double x = std::clamp((x_m - lattice.origin_m.x()) / lattice.spacing_m, 0.0, lattice.nx - 1.0);
+  const double y = std::clamp((y_m - lattice.origin_m.y()) / lattice.spacing_m, 0.0, lattice.ny - 1.0);
+  if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
+  const int i = std::min(static_cast<int>(x), lattice.nx - 2), j = std::min(static_cast<int>(y), lattice.ny - 2);
+  const double u = x - i, v = y - j;
+  const auto at = [&](int a, int b) { return static_cast<double>(heights_->height_m[lattice.index(a, b)]); };
+  return lattice.origin_m.z() + (1 - v) * ((1 - u) * at(i, j) + u * at(i + 1, j)) +
+         v * ((1 - u) * at(i, j + 1) + u * at(i + 1, j + 1));
+}
+
+}  // namespace sparsha::viewer

@@ -1,0 +1,43 @@
+// Heights as the servo renders them: its window and level, continued and dilated by the fingertip as it does.
+#pragma once
+
+#include <array>
+#include <future>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "haptics/state/state.h"
+#include "scene/scene.h"
+
+namespace sparsha::viewer {
+
+class TouchGround {
+ public:
+  /// Reads the window that `state` tells of when it is another; on a worker unless `wait`. Until it has come the last
+  /// one stays. Never throws: unreadable layers leave the last window.
+  void follow(const pipeline::ScenePointer& scene, const haptics::State& state, bool wait);
+  /// Height of the rendered surface, grid frame, clamped to the window; nothing as long as no window is known.
+  [[nodiscard]] std::optional<double> height_at(double x_m, double y_m) const;
+
+ private:
+  struct Window {
+    const pipeline::Scene* scene = nullptr;
+    std::uint64_t level = 0;
+    std::array<std::int64_t, 4> nodes{};
+    bool texture = true;
+    double tip_m = 0.0;  ///< grid frame
+    bool operator==(const Window&) const = default;
+  };
+  struct Heights {
+    pipeline::Lattice lattice;
+    std::vector<float> height_m;
+  };
+  static Heights load(const pipeline::Scene& scene, const Window& window);
+
+  Window wanted_;
+  std::optional<Heights> heights_;
+  std::future<Heights> loading_;
+};
+
+}  // namespace sparsha::viewer

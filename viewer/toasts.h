@@ -1,0 +1,33 @@
+// Announcements on the picture: each is shown once, for as long as it takes to read.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viewer/frame.h"
+
+namespace sparsha::viewer {
+
+class Toasts {
+ public:
+  /// Words of the viewer itself.
+  void tell(const std::string& text, haptics::Announcement::Priority priority) { own_.push_back({text, priority, 0}); }
+  /// Words that a dialog shows already: they are spoken only.
+  void hide(std::string text) { hidden_ = std::move(text); }
+  /// What is shown at `time_s`, oldest first. `board` may be null.
+  [[nodiscard]] std::vector<Toast> update(double time_s, const haptics::AnnouncementBoard* board);
+
+ private:
+  struct Shown {
+    haptics::Announcement announcement;
+    double until_s = 0.0, length_s = 1.0;
+  };
+  std::vector<Shown> shown_;
+  std::vector<haptics::Announcement> own_;
+  std::string hidden_;
+  std::uint64_t seen_ = 0;
+};
+
+}  // namespace sparsha::viewer
