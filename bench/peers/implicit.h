@@ -1,0 +1,18 @@
+// `implicit`: the proxy on a level set of a density of the raw points, without normals. A. Leeper, S. Chan, K.
+// Salisbury, "Point clouds can be represented as implicit surfaces for constraint-based haptic rendering", ICRA 2012:
+// metaballs of compact support. The level set lies a little above the points; its height over a plane of this spacing
+// is taken off the force.
+#pragma once
+
+#include "peer.h"
+
+namespace sparsha::bench {
+
+struct ImplicitOptions {
+  double radius_spacings = 3.0;  ///< support of a point; below 2 the surface has holes
+  int iterations = 20;           ///< tangent steps a tick, at most
+};
+
+[[nodiscard]] PeerPointer make_implicit(const haptics::MongeSurface& surface, const ImplicitOptions& options);
+
+}  // namespace sparsha::bench

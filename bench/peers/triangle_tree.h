@@ -1,0 +1,54 @@
+// The grid's nodes as a triangle mesh, two triangles a cell, under a tree of axis-aligned boxes (median split, four
+// triangles a leaf): first hit of a segment, and closest point.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "haptics/surface/monge_surface.h"
+
+namespace sparsha::bench {
+
+class TriangleTree {
+ public:
+  explicit TriangleTree(const haptics::MongeSurface& surface);
+
+  struct Hit {
+    double share = 2.0;  ///< of the segment; above 1: none
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  };
+  /// The first triangle that the segment enters from its upper side.
+  [[nodiscard]] Hit first_hit(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+  /// Distance to the mesh, or `bound` when it is farther than that.
+  [[nodiscard]] double distance(const Eigen::Vector3d& point, double bound) const;
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] double spacing_m() const { return spacing_m_; }
+
+ private:
+  struct Box {
+    float low[3];
+    float high[3];
+    std::int32_t first =
+        0;  ///< leaf: first triangle; inner: index of the second child, the first one follows its parent
+    std::int32_t count = 0;  ///< leaf: triangles; inner: 0
+  };
+  struct Triangle {
+    std::int32_t node[3];
+  };
+  [[nodiscard]] Eigen::Vector3d vertex(const Triangle& triangle, int k) const {
+    return vertices_[static_cast<std::size_t>(triangle.node[k])].cast<double>();
+  }
+  void split(std::size_t begin, std::size_t end);
+  void meet(const Triangle& triangle, const Eigen::Vector3d& from, const Eigen::Vector3d& way, Hit& best) const;
+
+  double spacing_m_;
+  std::vector<Eigen::Vector3f> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<Box> boxes_;
+};
+
+}  // namespace sparsha::bench

@@ -1,0 +1,135 @@
+// Every entrant of the race is right on surfaces whose truth is known in closed form.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+#include "bench/peers/course.h"
+#include "bench/peers/entrants.h"
+
+namespace sparsha::bench {
+namespace {
+
+constexpr int kNodes = 201;
+constexpr double kSpacing = 1.0 / (kNodes - 1);
+constexpr double kDepth = 0.01;  // m
+constexpr int kTicks = 1000;
+constexpr double kStride = 0.0005;  // m a tick: a tenth of a cell
+
+struct Errors {
+  double worst_m = 0.0;
+  double sum_m = 0.0;
+  int lost = 0;
+};
+
+Errors run(const Entrant& entrant, const Ground& ground) {
+  const haptics::MongeSurface surface = sample(ground, kNodes);
+  const PeerPointer peer = entrant.make(surface);
+  const Course course = make_course(ground, kStride, kDepth, kTicks);
+  Errors errors;
+  peer->place(course.hands.front());
+  for (std::size_t tick = 0; tick < course.hands.size(); ++tick) {
+    const Touched touched = peer->update(course.hands[tick]);
+    if (tick < course.first) continue;
+    if (!touched.contact) ++errors.lost;
+    const double error = (touched.force_m - (course.feet[tick] - course.hands[tick])).norm();
+    errors.worst_m = std::max(errors.worst_m, error);
+    errors.sum_m += error / kTicks;
+  }
+  return errors;
+}
+
+/// One setting of every method; of the voxels the few, which are made in a second.
+std::vector<Entrant> tried() {
+  std::vector<Entrant> some;
+  for (const Entrant& entrant : all_entrants())
+    if (entrant.standard != (entrant.method == "voxel")) some.push_back(entrant);
+  return some;
+}
+
+/// What the method's own approximation may cost on a surface of this curvature, metres.
+double allowed(const Entrant& entrant, double curvature, double spread) {
+  const double h = kSpacing;
+  const double turned = curvature * kDepth / (1.0 - curvature * kDepth);  // per metre that a normal is looked up aside
+  const double float_m = 1e-6;
+  if (entrant.method == "god-object" || entrant.method == "exact")
+    return float_m + h * h * curvature / 4.0 + h * turned;
+  if (entrant.method == "rounded" || entrant.method == "c1") return float_m + h * h * curvature;
+  if (entrant.method == "paper") return 1e-3 * h + h * h * curvature / 4.0 + h * turned + 0.02 * kDepth;
+  // Between four points a ball of radius R sinks by R - sqrt(R^2 - h^2 / 2), h stretched by the slope, and rests askew
+  // where it leaves one of them.
+  if (entrant.method == "sphere") {
+    const double radius = 3.0 * h;
+    return 2.0 * (radius - std::sqrt(radius * radius - 0.5 * spread * spread * h * h)) + h * h * curvature +
+           0.5 * spread * h / radius * kDepth;
+  }
+  if (entrant.method == "mls") return 1e-3 * h + h * h * curvature + h * turned;
+  // The level of the density over a slope: points are spread by `spread` in one direction.
+  if (entrant.method == "implicit") return 0.02 * h + 0.3 * (spread - 1.0) * 3.0 * h + 4.5 * h * h * curvature;
+  if (entrant.method == "box") return float_m + 9.0 * h * h * curvature / 4.0 + h * turned;
+  // voxel: half a million of them are a third larger than a cell.
+  const double voxel = 1.35 * h;
+  return float_m + voxel * voxel * curvature + voxel * turned;
+}
+
+struct Case {
+  const char* ground;
+  double curvature;  ///< per metre
+  double spread;     ///< sqrt(1 + slope^2)
+};
+constexpr Case kCases[] = {{"plane", 0.0, 1.06}, {"cap", 1.0, 1.24}, {"sinusoid", 1.974, 1.05}};
+
+TEST(Peers, EveryEntrantIsWithinItsOwnApproximationOnPlaneCapAndSinusoid) {
+  for (const Entrant& entrant : tried()) {
+    for (const Case& c : kCases) {
+      const auto grounds = all_grounds();
+      const auto ground =
+          std::find_if(grounds.begin(), grounds.end(), [&](const Ground& g) { return g.name == c.ground; });
+      ASSERT_NE(ground, grounds.end());
+      const Errors errors = run(entrant, *ground);
+      std::printf("%-10s %-8s mean %8.3f um worst %8.3f um allowed %8.3f um lost %d\n", entrant.method.c_str(),
+                  c.ground, 1e6 * errors.sum_m, 1e6 * errors.worst_m, 1e6 * allowed(entrant, c.curvature, c.spread),
+                  errors.lost);
+      EXPECT_EQ(errors.lost, 0) << entrant.method << " on " << c.ground;
+      EXPECT_LE(errors.worst_m, allowed(entrant, c.curvature, c.spread)) << entrant.method << " on " << c.ground;
+    }
+  }
+}
+
+TEST(Peers, TheTrueFootIsTheNearestPointOfTheSurface) {
+  for (const Ground& ground : all_grounds()) {
+    const Course course = make_course(ground, 0.01, std::min(0.005, ground.most_depth_m), 100);
+    for (std::size_t tick = course.first; tick < course.hands.size(); ++tick) {
+      const Eigen::Vector3d& hand = course.hands[tick];
+      double nearest = std::numeric_limits<double>::infinity();
+      for (int i = -20; i <= 20; ++i)
+        for (int j = -20; j <= 20; ++j) {
+          const double x = course.feet[tick].x() + 0.0005 * i;
+          const double y = course.feet[tick].y() + 0.0005 * j;
+          nearest = std::min(nearest, (Eigen::Vector3d(x, y, ground.height(x, y)) - hand).norm());
+        }
+      EXPECT_GE(nearest, (course.feet[tick] - hand).norm() - 1e-12) << ground.name << " at tick " << tick;
+    }
+  }
+}
+
+TEST(Peers, NothingIsFeltAboveTheSurfaceAndAfterLeavingIt) {
+  const Ground ground = all_grounds().front();
+  for (const Entrant& entrant : tried()) {
+    const PeerPointer peer = entrant.make(sample(ground, kNodes));
+    const Eigen::Vector3d foot(0.4, 0.6, ground.height(0.4, 0.6));
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    peer->place(foot + 0.02 * up);
+    for (int round = 0; round < 2; ++round) {
+      EXPECT_FALSE(peer->update(foot + 0.02 * up).contact) << entrant.method;
+      EXPECT_FALSE(peer->update(foot + 0.005 * up).contact) << entrant.method;
+      EXPECT_TRUE(peer->update(foot - 0.005 * up).contact) << entrant.method;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sparsha::bench
