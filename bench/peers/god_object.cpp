@@ -49,15 +49,21 @@ class Constraints {
 class GodObject : public Peer {
  public:
   GodObject(const haptics::MongeSurface& surface, const GodObjectOptions& options)
-      : tree_(surface), options_(options), above_m_(1e-6 * surface.lattice.spacing_m) {}
+      : tree_(surface),
+        options_(options),
+        above_m_(1e-6 * surface.lattice.spacing_m),
+        still_m_(1e-4 * surface.lattice.spacing_m) {}
 
-  void place(const Vector3d& hand) override { proxy_ = hand; }
+  void place(const Vector3d& hand) override {
+    proxy_ = hand;
+    last_ = {};
+  }
   Touched update(const Vector3d& hand) override {
     bool contact = false;
     for (int move = 0; move < options_.moves; ++move) {
       const Vector3d start = proxy_;
       contact = slide(hand);
-      if (!contact || (proxy_ - start).norm() < 2.0 * above_m_) break;
+      if (!contact || (proxy_ - start).norm() < still_m_ || rests_) break;
     }
     Touched touched;
     touched.proxy = proxy_;
@@ -72,15 +78,27 @@ class GodObject : public Peer {
   bool slide(const Vector3d& hand) {
     Constraints constraints;
     bool contact = false;
+    int held_by = 0;
+    rests_ = false;
+    // Over the triangle of the tick before, the first hit on the way to the hand is known.
+    if (last_.triangle >= 0 && last_.normal.dot(hand - proxy_) < 0.0 && is_over_last()) {
+      constraints.add(last_.normal);
+      contact = true;
+      held_by = 1;
+    }
     while (!constraints.full()) {
       const Vector3d way = constraints.leave(hand - proxy_);
       if (!(way.norm() > above_m_)) return contact;
       const TriangleTree::Hit hit = tree_.first_hit(proxy_, proxy_ + way);
       if (hit.share > 1.0) {
         proxy_ += way;
+        // Slid on one triangle to the point of its plane nearest to the hand, and still on it: nothing is nearer.
+        rests_ = held_by == 1 && is_over_last();
         return contact;
       }
       contact = true;
+      ++held_by;
+      last_ = hit;
       // Kept a little above what it touches, so that the next segment starts outside.
       proxy_ += way * hit.share + hit.normal * above_m_;
       constraints.add(hit.normal);
@@ -88,9 +106,14 @@ class GodObject : public Peer {
     return contact;
   }
 
+  [[nodiscard]] bool is_over_last() const { return tree_.is_over(last_.triangle, proxy_, 8.0 * above_m_); }
+
   TriangleTree tree_;
   GodObjectOptions options_;
   double above_m_;
+  double still_m_;
+  TriangleTree::Hit last_;
+  bool rests_ = false;
   Vector3d proxy_ = Vector3d::Zero();
 };
 

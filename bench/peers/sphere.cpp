@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "point_tree.h"
 
@@ -51,22 +53,37 @@ class Sphere : public Peer {
   [[nodiscard]] std::size_t bytes() const override { return tree_.bytes(); }
 
  private:
-  static constexpr double kStill = 1e-4;  // of the radius
+  static constexpr double kStill = 1e-4;   // of the radius
+  static constexpr double kMargin = 0.15;  // of the radius
 
+  /// The points in reach are fetched again only when the ball has moved by what was fetched beyond its radius.
+  void look_around() {
+    const double margin = kMargin * radius_m_;
+    if ((centre_ - looked_).squaredNorm() <= margin * margin) return;
+    looked_ = centre_;
+    near_.clear();
+    const double reach = radius_m_ + margin;
+    tree_.visit_cube(centre_, reach, [&](std::size_t index) {
+      const Vector3d point = tree_.point(index);
+      if ((point - centre_).squaredNorm() < reach * reach) near_.push_back(point);
+    });
+  }
   /// Pushes the ball off the points in it, deepest first; the sum of the directions, weighted by depth.
   Vector3d push_out() {
     Vector3d mean = Vector3d::Zero();
     for (int k = 0; k < 4; ++k) {
       Vector3d sum = Vector3d::Zero();
       Vector3d deepest = Vector3d::Zero();
-      tree_.visit_cube(centre_, radius_m_, [&](std::size_t index) {
-        const Vector3d out = centre_ - tree_.point(index);
-        const double distance = out.norm();
-        if (distance >= radius_m_ || distance == 0.0) return;
+      look_around();
+      for (const Vector3d& point : near_) {
+        const Vector3d out = centre_ - point;
+        const double squared = out.squaredNorm();
+        if (squared >= radius_m_ * radius_m_ || squared == 0.0) continue;
+        const double distance = std::sqrt(squared);
         const Vector3d overlap = out * ((radius_m_ - distance) / distance);
         sum += overlap;
         if (overlap.squaredNorm() > deepest.squaredNorm()) deepest = overlap;
-      });
+      }
       if (deepest.squaredNorm() == 0.0) break;
       centre_ += deepest;
       mean += sum;
@@ -79,6 +96,8 @@ class Sphere : public Peer {
   double radius_m_;
   double step_m_;
   Vector3d centre_ = Vector3d::Zero();
+  Vector3d looked_ = Vector3d::Constant(std::numeric_limits<double>::max());
+  std::vector<Vector3d> near_;
 };
 
 }  // namespace

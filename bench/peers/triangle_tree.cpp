@@ -92,7 +92,8 @@ void TriangleTree::split(std::size_t begin, std::size_t end) {
   split(middle, end);
 }
 
-void TriangleTree::meet(const Triangle& triangle, const Vector3d& from, const Vector3d& way, Hit& best) const {
+void TriangleTree::meet(std::int32_t index, const Vector3d& from, const Vector3d& way, Hit& best) const {
+  const Triangle& triangle = triangles_[static_cast<std::size_t>(index)];
   // Moller & Trumbore 1997.
   const Vector3d a = vertex(triangle, 0);
   const Vector3d ab = vertex(triangle, 1) - a;
@@ -111,6 +112,22 @@ void TriangleTree::meet(const Triangle& triangle, const Vector3d& from, const Ve
   if (std::min(v, w) < -kOverlap || v + w > 1.0 + kOverlap) return;
   best.share = share;
   best.normal = normal;
+  best.triangle = index;
+}
+
+bool TriangleTree::is_over(std::int32_t triangle, const Vector3d& point, double height_m) const {
+  const Triangle& t = triangles_[static_cast<std::size_t>(triangle)];
+  const Vector3d a = vertex(t, 0);
+  const Vector3d ab = vertex(t, 1) - a;
+  const Vector3d ac = vertex(t, 2) - a;
+  const Vector3d normal = ab.cross(ac);
+  const Vector3d out = point - a;
+  const double squared = normal.squaredNorm();
+  const double height = out.dot(normal);
+  if (height < 0.0 || height * height > height_m * height_m * squared) return false;
+  const double v = out.cross(ac).dot(normal) / squared;
+  const double w = ab.cross(out).dot(normal) / squared;
+  return std::min(v, w) > 0.0 && v + w < 1.0;
 }
 
 TriangleTree::Hit TriangleTree::first_hit(const Vector3d& from, const Vector3d& to) const {
@@ -138,8 +155,7 @@ TriangleTree::Hit TriangleTree::first_hit(const Vector3d& from, const Vector3d& 
   while (depth > 0) {
     const std::int32_t here = stack[--depth];
     const Box& box = boxes_[static_cast<std::size_t>(here)];
-    for (std::int32_t k = 0; k < box.count; ++k)
-      meet(triangles_[static_cast<std::size_t>(box.first + k)], from, way, best);
+    for (std::int32_t k = 0; k < box.count; ++k) meet(box.first + k, from, way, best);
     if (box.count > 0) continue;
     const std::int32_t one = here + 1;
     const std::int32_t two = box.first;

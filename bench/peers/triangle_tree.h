@@ -20,9 +20,12 @@ class TriangleTree {
   struct Hit {
     double share = 2.0;  ///< of the segment; above 1: none
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    std::int32_t triangle = -1;
   };
   /// The first triangle that the segment enters from its upper side.
   [[nodiscard]] Hit first_hit(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+  /// Is this point over the inside of the triangle, at most `height_m` above it?
+  [[nodiscard]] bool is_over(std::int32_t triangle, const Eigen::Vector3d& point, double height_m) const;
   /// Distance to the mesh, or `bound` when it is farther than that.
   [[nodiscard]] double distance(const Eigen::Vector3d& point, double bound) const;
   [[nodiscard]] std::size_t bytes() const;
@@ -43,7 +46,7 @@ class TriangleTree {
     return vertices_[static_cast<std::size_t>(triangle.node[k])].cast<double>();
   }
   void split(std::size_t begin, std::size_t end);
-  void meet(const Triangle& triangle, const Eigen::Vector3d& from, const Eigen::Vector3d& way, Hit& best) const;
+  void meet(std::int32_t index, const Eigen::Vector3d& from, const Eigen::Vector3d& way, Hit& best) const;
 
   double spacing_m_;
   std::vector<Eigen::Vector3f> vertices_;
