@@ -65,10 +65,10 @@ Ground stone() {
   return ground;
 }
 
-/// A profile across a direction oblique to the grid.
+/// A profile across a direction oblique to the grid; the path crosses its middle 60 mm from its start.
 Ground profile(const std::string& name, double (*height)(double), double (*slope)(double)) {
   const Vector2d across(std::cos(0.4), std::sin(0.4));
-  const auto at = [across](double x, double y) { return across.dot(Vector2d(x - 0.5, y - 0.5)); };
+  const auto at = [across](double x, double y) { return across.dot(Vector2d(x - 0.645, y - 0.548)); };
   Ground ground;
   ground.name = name;
   ground.height = [at, height](double x, double y) { return height(at(x, y)); };

@@ -65,9 +65,9 @@ std::vector<Entrant> all_entrants() {
   for (const double half : {3.0, 1.5, 6.0})
     all.push_back({"box", text("half side %g spacings", half), half == 3.0,
                    [half](const MongeSurface& surface) { return make_box(surface, {half}); }});
-  for (const double millions : {4.0, 0.5})
+  for (const double millions : {1.0, 4.0})
     all.push_back(
-        {"voxel", text("%g million voxels", millions), millions == 4.0, [millions](const MongeSurface& surface) {
+        {"voxel", text("%g million voxels", millions), millions == 1.0, [millions](const MongeSurface& surface) {
            VoxelOptions options;
            options.most_voxels = static_cast<std::size_t>(1e6 * millions);
            return make_voxel(surface, options);

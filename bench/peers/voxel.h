@@ -11,7 +11,7 @@ namespace sparsha::bench {
 
 struct VoxelOptions {
   double band_m = 0.025;              ///< deeper than this there is no force
-  std::size_t most_voxels = 4000000;  ///< voxels get larger than the grid's cells when there would be more
+  std::size_t most_voxels = 1000000;  ///< voxels get larger than the grid's cells when there would be more
 };
 
 [[nodiscard]] PeerPointer make_voxel(const haptics::MongeSurface& surface, const VoxelOptions& options);
