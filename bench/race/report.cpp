@@ -208,24 +208,18 @@ constexpr const char* kIntroduction =
     "that "
     "touch notices (7 to 10 %%). Coloured cells are beyond that, lost, or over 1 ms.</p>";
 
+// How the methods differ by what they are; which is ahead where is in the tables of the run.
 constexpr const char* kHonest =
-    "<p>Where others are ahead. <code>voxel</code> needs less time than any proxy, and its time depends neither on "
-    "speed nor on "
-    "the cells crossed; it pays with memory, with pre-processing and with the depth at which the hand is lost. "
-    "<code>c1</code> is nearer to the truth than <code>exact</code> on every smooth surface here, by orders of "
-    "magnitude, since "
-    "a bilinear cell is not curved; it costs a third more time and overshoots at steps, which clean nodes do not show. "
-    "<code>rounded</code> and <code>mls</code> are nearer on fine grids and under deep hands, and farther off on "
-    "coarse ones. "
-    "<code>box</code> and <code>voxel</code> answer from the hand alone, so that no path can make them jump or hold "
-    "energy back. "
-    "The mesh and point methods render closed objects and overhangs, which a depth grid cannot. <code>sphere</code>, "
-    "<code>mls</code>, <code>implicit</code> and <code>box</code> need no grid, <code>sphere</code> and "
-    "<code>implicit</code> not "
-    "even normals; with points as clean and even as here these tables cannot show what that is worth. Pre-processing "
-    "counts from the nodes on; making the grid from a scan "
-    "is in the tables of the pipeline. Caches are warm. The peers are ours to tune, and another hand may tune them "
-    "better.</p>";
+    "<p>How to read it. <code>voxel</code> looks a distance up, so that its time depends neither on speed nor on the "
+    "cells crossed; it pays with memory, with pre-processing and with the depth at which the hand is lost. "
+    "<code>c1</code> follows the surface between nodes with a curvature that a bilinear cell, <code>exact</code>, does "
+    "not have, and overshoots at steps, which clean nodes do not show. <code>box</code> and <code>voxel</code> answer "
+    "from the hand alone. The mesh and point methods render closed objects and overhangs, which a depth grid cannot. "
+    "<code>sphere</code>, <code>mls</code>, <code>implicit</code> and <code>box</code> need no grid, "
+    "<code>sphere</code> and <code>implicit</code> not even normals; with points as clean and even as here these "
+    "tables cannot show what that is worth. Pre-processing counts from the nodes on; making the grid from a scan is in "
+    "the tables of the pipeline. Caches are warm. The peers are ours to tune, and another hand may tune them better. "
+    "The intervals of ratios take the repeats for independent, which they are not on a machine that others use.</p>";
 
 }  // namespace
 
