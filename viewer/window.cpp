@@ -65,6 +65,7 @@ struct Inputs {
   int width = 1, height = 1;
   double pixel_ratio = 1.0;
   bool damaged = true;  ///< the window's contents are lost
+  bool iconified = false;
 };
 
 Inputs& inputs_of(GLFWwindow* window) { return *static_cast<Inputs*>(glfwGetWindowUserPointer(window)); }
@@ -140,10 +141,13 @@ void on_move(GLFWwindow* window, double x, double y) {
 
 void on_button(GLFWwindow* window, int button, int event, int mods) {
   Inputs& in = inputs_of(window);
-  // Where it was clicked counts, and not where the last move was reported.
-  double x = 0.0, y = 0.0;
-  glfwGetCursorPos(window, &x, &y);
-  on_move(window, x, y);
+  in.attract->touched();
+  if (in.cloud == nullptr) {
+    // Where it was clicked counts, and not where the last move was reported.
+    double x = 0.0, y = 0.0;
+    glfwGetCursorPos(window, &x, &y);
+    on_move(window, x, y);
+  }
   if (event == GLFW_PRESS && in.gui->wants_mouse()) return;
   if (in.cloud != nullptr) return in.cloud->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
   if (in.controller == nullptr) return;
@@ -308,6 +312,8 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
   glfwSetScrollCallback(window.handle, on_scroll);
   glfwSetDropCallback(window.handle, on_drop);
   glfwSetWindowRefreshCallback(window.handle, [](GLFWwindow* w) { inputs_of(w).damaged = true; });
+  // Told and not asked: an answer that a lost display owes is never waited for.
+  glfwSetWindowIconifyCallback(window.handle, [](GLFWwindow* w, int on) { inputs_of(w).iconified = on == GLFW_TRUE; });
   const GuiInput gui_input(window.handle);
 
   ViewSettings settings;
@@ -382,8 +388,7 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
     glfwGetFramebufferSize(window.handle, &inputs.width, &inputs.height);
     inputs.pixel_ratio = window_width > 0 ? static_cast<double>(inputs.width) / window_width : 1.0;
     const double now_s = seconds();
-    const bool seen =
-        inputs.width > 0 && inputs.height > 0 && glfwGetWindowAttrib(window.handle, GLFW_ICONIFIED) == GLFW_FALSE;
+    const bool seen = inputs.width > 0 && inputs.height > 0 && !inputs.iconified;
     if (controller) {
       const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
       if (options.kiosk) attract_visitors(attract, *controller, now_s, state);

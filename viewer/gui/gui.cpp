@@ -97,7 +97,7 @@ void Gui::draw(const Frame& frame, const std::vector<Action>& buttons, const Pic
     self.boxes = draw_buttons(over, frame, layout, buttons);
     Brush words = over;
     words.layer = 1;
-    draw_toasts(words, frame, layout, picture);
+    draw_toasts(words, frame, layout, &picture);
     const auto cover = [&](std::vector<Clickable> boxes) { self.boxes = std::move(boxes); };
     if (frame.settings.help && frame.settings.kiosk) {
       draw_kiosk_help(above, frame, width, height);

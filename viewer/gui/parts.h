@@ -24,8 +24,8 @@ void draw_figures(const Brush& brush, const Frame& frame, const Layout& layout);
 /// The bar; returns where its buttons are.
 std::vector<Clickable> draw_buttons(const Brush& brush, const Frame& frame, const Layout& layout,
                                     const std::vector<Action>& buttons);
-/// Announcements, in the half of the view where the hand is not.
-void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture);
+/// Announcements, in the half of the view where the hand is not; `picture` tells where that is, null: there is none.
+void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout, const Picture* picture);
 /// One page of the keys; returns what can be clicked, and how many pages there are.
 std::vector<Clickable> draw_help(const Brush& brush, const Frame& frame, int width, int height, int& pages);
 /// The question with its two buttons.

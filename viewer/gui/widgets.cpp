@@ -131,7 +131,7 @@ std::vector<Clickable> draw_buttons(const Brush& brush, const Frame& frame, cons
   return boxes;
 }
 
-void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture) {
+void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout, const Picture* picture) {
   const Rect& detail = layout.detail;
   // Beside the overview and below the scale's line.
   const float right = static_cast<float>(frame.settings.kiosk ? layout.overview.x : detail.x + detail.width);
@@ -139,8 +139,8 @@ void draw_toasts(const Brush& brush, const Frame& frame, const Layout& layout, c
   const float middle = 0.5F * (right + static_cast<float>(detail.x));
   const auto bar_top = static_cast<float>(layout.bar.y);
   bool above = false;
-  if (picture.hand())
-    if (const auto hand = picture.detail_view().to_pixel(picture.hand()->ball()))
+  if (picture != nullptr && picture->hand())
+    if (const auto hand = picture->detail_view().to_pixel(picture->hand()->ball()))
       above = hand->y() > 0.5 * detail.height;
   const float head = static_cast<float>(detail.y) + brush.px(frame.settings.figures ? 170.0F : 64.0F);
   float edge = above ? head : bar_top - brush.px(10.0F);
