@@ -287,9 +287,8 @@ std::unique_ptr<Device> troubled_device(const std::shared_ptr<std::atomic<Troubl
 }
 
 TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
-  const std::vector<std::pair<Trouble, std::string>> troubles = {{Trouble::not_a_number, "The hand was lost"},
-                                                                 {Trouble::unplugged, "unplugged"},
-                                                                 {Trouble::silent, "went soft"}};
+  const std::vector<std::pair<Trouble, std::string>> troubles = {
+      {Trouble::not_a_number, "The hand was lost"}, {Trouble::unplugged, "unplugged"}, {Trouble::silent, "went soft"}};
   for (const auto& [wrong, said_of_it] : troubles) {
     const std::string& words_expected = said_of_it;  // Clang 14 captures no structured binding
     const auto trouble = std::make_shared<std::atomic<Trouble>>(Trouble::none);
