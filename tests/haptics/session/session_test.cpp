@@ -267,9 +267,19 @@ TEST(Session, PartsAndSoundsStayWhereTheyAreOnTheObjectWhenItIsScannedFromAnothe
   EXPECT_NEAR(state.place_m[0], 0.1 - state.proxy_m[0], 1e-12);
   EXPECT_NEAR(state.place_m[1], 0.1 - state.proxy_m[1], 1e-12);
   EXPECT_EQ(state.place_m[2], state.proxy_m[2]);
-  session.stop();
+  // A pause of the machine takes a touch's event with its force: then the hand touches once more.
   ContactEvent touch;
-  ASSERT_TRUE(events->pop(touch));
+  bool heard = events->pop(touch);
+  for (int again = 0; again < 5 && !heard; ++again) {
+    hand.put(-0.02, 0.01, 0.02);
+    const std::uint64_t lifted = session.state().read().tick;
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > lifted + 200; }));
+    hand.put(-0.02, 0.01, -0.005);
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().contact != 0; }));
+    heard = events->pop(touch);
+  }
+  session.stop();
+  ASSERT_TRUE(heard || events->pop(touch));
   EXPECT_NEAR(touch.place_m[0], 0.1 - touch.proxy_m[0], 1e-12) << "what sounds is asked by the same place";
 }
 
