@@ -12,6 +12,7 @@ enum class Action {
   next_part,
   previous_part,
   whole_scene,
+  drag,
   tour,
   pan_left,
   pan_right,

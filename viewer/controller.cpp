@@ -45,6 +45,8 @@ Controller::Controller(const Connections& connections, const ViewSettings& setti
   frame_.other_scenes = static_cast<bool>(connections_.next_scene);
 }
 
+Controller::~Controller() { release(drag_key_); }
+
 void Controller::set_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
   stage_ = stage_of(scene_->description());

@@ -21,11 +21,16 @@ namespace sparsha::viewer {
 class Controller {
  public:
   Controller(const Connections& connections, const ViewSettings& settings);
+  /// A stone that is still dragged is let go.
+  ~Controller();
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
 
   using HeightAt = viewer::HeightAt;
 
   void set_scene(pipeline::ScenePointer scene);
   void press(const KeyPress& press);
+  void release(int key);
   void act(Action action);
 
   /// Mouse, pixels in the window; `view` is the picture's detail view and `layout` where it lies.
@@ -69,6 +74,8 @@ class Controller {
   bool move_camera(Action action);
   bool set_view(Action action);
   bool set_stereo(Action action);
+  void begin_drag();
+  void drag_hand(const Eigen::Vector2d& from, const View& view);
   void turn_light(const Eigen::Vector2d& moved);
   void ask_rescan();
   void go_to_scans();
@@ -106,6 +113,7 @@ class Controller {
   Grip grip_ = Grip::none;
   std::optional<Clickable> gripped_;
   bool right_down_ = false, middle_down_ = false;
+  int drag_key_ = 0;             // while it is down, the hand drags the stone
   double overview_s_ = -1.0;     // when the window was sent there last
   bool overview_waits_ = false;  // the mouse has gone on since
   double clicked_s_ = -1.0;

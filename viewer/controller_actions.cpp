@@ -60,7 +60,20 @@ void Controller::press(const KeyPress& press) {
     act(list[std::min(static_cast<std::size_t>(frame_.focused), list.size() - 1)]);
     return;
   }
-  if (const auto action = action_of(press, frame_.settings.kiosk)) act(*action);
+  const auto action = action_of(press, frame_.settings.kiosk);
+  if (action == Action::drag) drag_key_ = press.key;
+  if (action) act(*action);
+}
+
+void Controller::release(int key) {
+  if (key == 0 || key != drag_key_) return;
+  drag_key_ = 0;
+  if (scene_) wishes_.drag(false, window());
+}
+
+void Controller::begin_drag() {
+  hand_.forget_aim();
+  if (scene_) wishes_.drag(true, window());
 }
 
 void Controller::act(Action action) {
@@ -68,6 +81,8 @@ void Controller::act(Action action) {
   if (window_known && wishes_.act(action, frame_.state, window())) return;
   if (step_hand(action) || set_light(action) || move_camera(action) || set_view(action) || set_stereo(action)) return;
   switch (action) {
+    case Action::drag:
+      return begin_drag();
     case Action::home:
       return go_home();
     case Action::undo:

@@ -45,6 +45,7 @@ void Controller::mouse_move(double x, double y, const Layout& layout, const View
   const bool over_stone =
       !page && (grip_ == Grip::hand || (grip_ == Grip::none && layout.detail.contains(x, y) && !box_at(now)));
   if (!frame_.has_pointer || frame_.looks || !over_stone || frame_.state.tick == 0) return;
+  if (drag_key_ != 0) return drag_hand(now - moved, view);
   // Side by side, either eye's picture is pointed at.
   hand_.aim(view.ray(std::fmod(x - layout.detail.x, view.width), y - layout.detail.y));
 }
@@ -97,6 +98,17 @@ void Controller::mouse_button(int button, bool down, int modifiers) {
 void Controller::mouse_wheel(double steps, int modifiers) {
   if (grip_ == Grip::hand && (modifiers & kControl) == 0) return hand_.wheel(steps);
   orbit_.zoom(std::pow(1.12, steps));
+}
+
+// The window moves under the picture meanwhile, so that only how far the mouse went counts and not where it is.
+void Controller::drag_hand(const Eigen::Vector2d& from, const View& view) {
+  const auto place = [&](const Eigen::Vector2d& mouse) {
+    return view.on_plane(mouse.x() - layout_.detail.x, mouse.y() - layout_.detail.y, frame_.camera.target.z());
+  };
+  const auto before = place(from), after = place(mouse_);
+  if (!before || !after) return;
+  const Eigen::Vector3d moved_m = frame_.state.scale * (stage_.to_grid_m(*after) - stage_.to_grid_m(*before));
+  hand_.step(moved_m.x(), moved_m.y());
 }
 
 // A drag asks for no more windows than can be read.

@@ -115,9 +115,12 @@ int key_of(int glfw_key, int scancode) {
 
 void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods) {
   inputs_of(window).attract->touched();
-  if (event == GLFW_RELEASE) return;
   const int key = key_of(glfw_key, scancode);
   Inputs& in = inputs_of(window);
+  if (event == GLFW_RELEASE) {
+    if (in.controller != nullptr) in.controller->release(key);
+    return;
+  }
   const KeyPress press{key, modifiers_of(mods), event == GLFW_REPEAT};
   if (key == 0) return;
   if (in.cloud != nullptr) {

@@ -33,6 +33,11 @@ void Wishes::remember(const Window& window) {
   if (before_.size() > kMostBefore) before_.erase(before_.begin());
 }
 
+void Wishes::drag(bool on, const Window& window) {
+  if (on) remember(window);
+  post(Kind::drag, 0.0, 0.0, on);
+}
+
 bool Wishes::act(Action action, const haptics::State& state, const Window& window) {
   const auto on = [&](std::uint64_t bit) { return (state.flags & bit) != 0; };
   const auto move = [&](Kind kind, double x = 0.0, double y = 0.0) {

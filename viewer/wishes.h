@@ -20,6 +20,8 @@ class Wishes {
   bool act(Action action, const haptics::State& state, const Window& window);
   /// The window's centre goes to a place of the grid frame.
   void move_to(const Eigen::Vector2d& centre_m, const Window& window);
+  /// From now on the hand drags the stone, or no longer.
+  void drag(bool on, const Window& window);
   void quit();
   /// Back to the window before the last move; false when there is none.
   bool undo();

@@ -308,6 +308,68 @@ TEST(Controller, AClickOnTheOverviewMovesTheWindowThere) {
   EXPECT_EQ(back->kind, Kind::move_to);
 }
 
+TEST(Controller, AHeldKeyDragsTheStoneWithTheMouseAndAReleasedOneLetsItGo) {
+  Desk desk;
+  haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  state.scale = 0.4;  // the window shows more than the picture
+  desk.run(state, 0.5);
+  const Layout layout = layout_of(1280, 720, {});
+  const Stage stage = stage_of(desk.scene->description());
+  double x = layout.detail.x + 0.5 * layout.detail.width;
+  const double y = layout.detail.y + 0.5 * layout.detail.height;
+  // As the servo drags: the window goes against the hand, and the picture follows the window.
+  haptics::PointerSample hand = desk.pointer->read();
+  const auto frames = [&](int count, double pixels) {
+    for (int k = 0; k < count; ++k) {
+      const View view = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
+      if (pixels != 0.0) desk.controller->mouse_move(x += pixels, y, layout, view, stage, Desk::height);
+      desk.controller->update(desk.time_s += 0.02, state, 1280, 720, Desk::height);
+      const haptics::PointerSample now = desk.pointer->read();
+      for (std::size_t axis = 0; axis < 2; ++axis)
+        state.centre_m[axis] -= (now.device_m[axis] - hand.device_m[axis]) / state.scale;
+      hand = now;
+    }
+  };
+  desk.controller->mouse_move(x, y, layout,
+                              make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height),
+                              stage, Desk::height);
+  desk.controller->press({'D'});
+  desk.controller->press({'D', 0, true});
+  const auto begun = desk.requests.take();
+  ASSERT_TRUE(begun);
+  EXPECT_EQ(begun->kind, Kind::drag);
+  EXPECT_TRUE(begun->on);
+  EXPECT_FALSE(desk.requests.take());
+  const double pixels_per_m = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height)
+                                  .pixels_per_unit(desk.controller->frame().camera.target) /
+                              stage.unit_m;
+  frames(10, 5.0);
+  frames(100, 0.0);
+  const double centre_m = state.centre_m[0];
+  EXPECT_NEAR(0.1 - centre_m, 50.0 / pixels_per_m, 0.05 * 50.0 / pixels_per_m);
+  frames(100, 0.0);
+  EXPECT_NEAR(state.centre_m[0], centre_m, 1e-6) << "the stone runs away from a mouse that rests";
+  desk.controller->release('B');
+  EXPECT_FALSE(desk.requests.take());
+  desk.controller->release('D');
+  const auto ended = desk.requests.take();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->kind, Kind::drag);
+  EXPECT_FALSE(ended->on);
+}
+
+TEST(Controller, AWindowThatEndsLetsTheStoneGo) {
+  Desk desk;
+  desk.run(touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1), 0.1);
+  desk.controller->press({'D'});
+  static_cast<void>(desk.requests.take());
+  desk.controller.reset();
+  const auto ended = desk.requests.take();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->kind, Kind::drag);
+  EXPECT_FALSE(ended->on);
+}
+
 TEST(Controller, WhatItSaysItselfIsShownOnce) {
   haptics::AnnouncementBoard board;
   Connections connections;
