@@ -2,6 +2,7 @@
 // solver. Writes haptics_speed.csv and haptics_speed.svg; never a time alone. Also the figures of the source paper
 // (haptics_figures.h).
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "base/statistics.h"
+#include "drag.h"
 #include "figures.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/proxy/rest_residual.h"
@@ -173,8 +175,8 @@ Method paper(double rho, int iterations) {
   return method;
 }
 
-bool run(bool quick, const std::filesystem::path& out) {
-  std::filesystem::create_directories(out);
+// Time beside error; writes haptics_speed.csv and .svg.
+bool write_speed(bool quick, const std::filesystem::path& out) {
   const int ticks = quick ? 20000 : 200000;
   Table table(out / "haptics_speed.csv");
   // Speed against error, frictionless, where the truth is known.
@@ -199,29 +201,45 @@ bool run(bool quick, const std::filesystem::path& out) {
     table.add(stone_scene(1025, cells, ticks, true, 1), exact());
     table.add(stone_scene(1025, cells, ticks, true, 1), smooth(haptics::CellShape::rounded));
   }
-  return table.good() && write_plot(out / "haptics_speed.svg", table.points()) && write_figures(out) &&
-         write_stability(out, quick);
+  return table.good() && write_plot(out / "haptics_speed.svg", table.points());
+}
+
+constexpr std::array<const char*, 4> kParts{"speed", "figures", "drag", "stability"};
+
+bool run(bool quick, const std::string& only, const std::filesystem::path& out) {
+  std::filesystem::create_directories(out);
+  const auto asked = [&](const char* part) { return only.empty() || only == part; };
+  return (!asked("speed") || write_speed(quick, out)) && (!asked("figures") || write_figures(out)) &&
+         (!asked("drag") || write_drag(out)) && (!asked("stability") || write_stability(out, quick));
+}
+
+int usage() {
+  std::fputs("usage: bench_haptics [--mode quick|full] [--only speed|figures|drag|stability] [--out DIR]\n", stderr);
+  return 2;
 }
 
 }  // namespace
 }  // namespace sparsha::bench
 
 int main(int argc, char** argv) {
+  using namespace sparsha::bench;
   bool quick = true;
+  std::string only;
   std::filesystem::path out = ".";
-  for (int k = 1; k + 1 < argc; k += 2) {
-    const std::string word = argv[k];
-    if (word == "--mode") {
-      quick = std::string(argv[k + 1]) != "full";
-    } else if (word == "--out") {
-      out = argv[k + 1];
+  for (int k = 1; k < argc; k += 2) {
+    const std::string word = argv[k], value = k + 1 < argc ? argv[k + 1] : "";
+    if (word == "--mode" && (value == "quick" || value == "full")) {
+      quick = value == "quick";
+    } else if (word == "--only" && std::ranges::find(kParts, value) != kParts.end()) {
+      only = value;
+    } else if (word == "--out" && !value.empty()) {
+      out = value;
     } else {
-      std::fputs("usage: bench_haptics [--mode quick|full] [--out DIR]\n", stderr);
-      return 2;
+      return usage();
     }
   }
   try {
-    return sparsha::bench::run(quick, out) ? 0 : 1;
+    return run(quick, only, out) ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
