@@ -159,7 +159,8 @@ int calibrate_device(const CommonOptions& common, const falcon::FalconOptions& d
   falcon::FalconOptions usual = device_options;
   usual.counts_per_newton_metre = options.counts_per_newton_metre;
   const auto device = falcon::make_falcon_device(usual);
-  static_cast<void>(haptics::request_real_time(haptics::kServoPriority));
+  if (!haptics::request_real_time(haptics::kServoPriority))
+    terminal.message("warning: no real-time priority was granted; hold the weight low over a table");
   const auto found = falcon::calibrate(
       *device, options, [&terminal](const std::string& words) { terminal.message(words); }, interrupted);
   if (!found) throw Error(ErrorKind::failure, {}, "calibration: stopped", "all steps taken");

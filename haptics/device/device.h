@@ -50,6 +50,8 @@ class Device {
   [[nodiscard]] virtual DeviceSample read(double time_s, double period_s) noexcept = 0;
   /// Force to hold until the next call, newtons, device frame.
   virtual void write(const Eigen::Vector3d& force_n) noexcept = 0;
+  /// What becomes of the force that is written, 0 to 1: motors that have become warm are spared.
+  [[nodiscard]] virtual double force_share() const noexcept { return 1.0; }
   /// Zero force now; may be called from the watchdog's thread while the servo is silent.
   virtual void zero() noexcept = 0;
   /// From any thread; null when there is nothing to say. What it points to stays.

@@ -1,9 +1,11 @@
 #include "haptics/device/falcon/calibration.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -54,7 +56,7 @@ class Bench {
     const DeviceSample sample = device_.read(seconds(), kPlannedS);
     if (!sample.connected)
       throw Error(ErrorKind::device, {}, "calibration: the Falcon was unplugged", "a Falcon that stays plugged in");
-    ready_ = sample.homed;
+    const bool was_ready = std::exchange(ready_, sample.homed);
     if (const DeviceAdvice* const advice = device_.advice(); advice != nullptr && advice != told_) {
       told_ = advice;
       if (advice->needed) say(advice->words);
@@ -68,6 +70,7 @@ class Bench {
     period_s_ = fresh_s_ > 0.0 ? std::min(0.01, now_s - fresh_s_) : kPlannedS;
     fresh_s_ = now_s;
     position_m_ = sample.position_m;
+    if (holding_ && ready_ && !was_ready) grasp();  // homed anew, the grip is far from the middle
     hold();
     return true;
   }
@@ -92,7 +95,8 @@ class Bench {
   }
   [[nodiscard]] bool ready() const { return ready_; }
   [[nodiscard]] bool near_middle() const { return ready_ && position_m_.norm() < kNearM; }
-  [[nodiscard]] const Vector3d& force_n() const { return force_n_; }
+  /// Upwards, as the motors make it by the present scale.
+  [[nodiscard]] double lift_n() const { return share_ * force_n_.y(); }
   [[nodiscard]] double seconds() const {
     if (options_.clock_s) return options_.clock_s();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
@@ -118,6 +122,7 @@ class Bench {
       force_n_ = kSpringNPerM * way_m + learned_n_ - kDamperNSPerM * motion_.velocity(kLikelyEncoderStepM);
       if (force_n_.norm() > kMostN) force_n_ *= kMostN / force_n_.norm();
     }
+    share_ = device_.force_share();
     device_.write(force_n_);
   }
 
@@ -133,6 +138,7 @@ class Bench {
   Vector3d learned_n_ = Vector3d::Zero();
   Vector3d from_m_ = Vector3d::Zero();
   Vector3d still_m_ = Vector3d::Zero();
+  double share_ = 1.0;  // of the force, that warm motors make
   double still_since_s_ = 0.0;
   double held_since_s_ = 0.0;
   double fresh_s_ = 0.0;
@@ -156,7 +162,7 @@ std::optional<Mean> measure_once(Bench& bench) {
     std::uint64_t count = 0;
     while (bench.seconds() < until_s || count == 0) {
       if (!bench.tick()) return std::nullopt;
-      sum += bench.force_n().y();
+      sum += bench.lift_n();
       ++count;
     }
     part = sum / static_cast<double>(count);
@@ -252,7 +258,7 @@ std::optional<Calibration> calibrate(Device& device, const CalibrationOptions& o
   const auto hangs = [&] {
     if (bench.at_limit())
       throw Error(ErrorKind::device, {}, "calibration: the weight is more than the motors hold", "a lighter weight");
-    if (bench.force_n().y() < empty->value + notice_n) light_s = bench.seconds();
+    if (bench.lift_n() < empty->value + notice_n) light_s = bench.seconds();
     return bench.seconds() - light_s > kStillS && still();
   };
   if (!bench.until(hangs, "no weight was felt, or it does not come to rest", "the weight hanging still from the grip"))

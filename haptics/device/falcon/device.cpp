@@ -160,6 +160,8 @@ class FalconDevice final : public Device {
   }
 
   [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
+    effort_.add(commanded_, time_s - read_s_);
+    read_s_ = time_s;
     DeviceSample sample;
     sample.position_m = position_m_ - options_.centre_m;
     sample.buttons = buttons_;
@@ -184,6 +186,7 @@ class FalconDevice final : public Device {
     if (!asked_ || stop || since(asked_at_) > kLost_s) ask(command);
   }
 
+  [[nodiscard]] double force_share() const noexcept override { return effort_.share(); }
   void zero() noexcept override {
     if (keeper_) keeper_->enter();
     if (Transport* const wire = shared_.load()) wire->urgent(zero_);
@@ -257,8 +260,6 @@ class FalconDevice final : public Device {
   void take(const Answer& answer) noexcept {
     // A force that is asked is felt, and the position of its answer known, within this time.
     if (asked_) delay_s_ = since(asked_at_);
-    effort_.add(commanded_, since(answered_at_));
-    answered_at_ = Steady::now();
     asked_ = false;
     // A zero on its way would be lost with this process: only one that was answered has ended the force.
     if (commanded_ == MotorCommand{} && zeros_answered_ < kZerosAnswered && ++zeros_answered_ == kZerosAnswered)
@@ -302,8 +303,8 @@ class FalconDevice final : public Device {
   std::unique_ptr<Keeper> keeper_;
   FalconOptions options_;
   DeviceInfo info_;
-  MotorEffort effort_;  // of these motors: unplugging does not cool them
-  Steady::time_point answered_at_ = Steady::now();
+  MotorEffort effort_;   // of these motors: unplugging does not cool them
+  double read_s_ = 0.0;  // when the position was asked for last
   AnswerStream stream_;
   const Packet zero_ = encode({}, kHomingRequest | kLightRed);
   Transport* wire_ = nullptr;                ///< null while unplugged; servo thread

@@ -1,5 +1,5 @@
 // What the motors may be asked for over minutes: a force that is held gets smaller before the windings get hot. No
-// figure of the Falcon's motors is published; this budget is a careful guess, and stated as one.
+// figure of the Falcon's motors is published: the budget is assumed, not measured.
 #pragma once
 
 #include <algorithm>
@@ -30,8 +30,7 @@ class MotorEffort {
   }
   /// What forces are to be multiplied with, 0 to 1: falls so slowly that it is no step (3 N per second at most).
   [[nodiscard]] double share() const noexcept {
-    const double hottest = *std::max_element(heat_.begin(), heat_.end());
-    return std::clamp((kBudget + 0.05 - hottest) / (kBudget + 0.05 - kSoftFrom), 0.0, 1.0);
+    return std::clamp((kBudget + 0.05 - heat()) / (kBudget + 0.05 - kSoftFrom), 0.0, 1.0);
   }
   /// True from a tenth less force on until it is whole again.
   [[nodiscard]] bool reduces() noexcept {

@@ -30,7 +30,8 @@ using Eigen::Vector3d;
 /// A person who homes the grip, brings it to the middle, lets go when told, and hangs a weight from it when told.
 class Curator {
  public:
-  Curator(double weight_kg, double grip_kg = 0.12) : weight_kg_(weight_kg), grip_kg_(grip_kg) {}
+  /// `restless_s`: for so long does the weight swing before it hangs still.
+  explicit Curator(double weight_kg, double restless_s = 0.0) : weight_kg_(weight_kg), restless_s_(restless_s) {}
   void hear(const std::string& words) {
     said.push_back(words);
     if (words.find("middle") != std::string::npos) middle_s_ = time_;
@@ -41,12 +42,13 @@ class Curator {
     for (; time_ < time_s; time_ += kStep) {
       // Arms and grip hang a little to the front, as a real grip does.
       Vector3d pull = force_n + Vector3d(0.02, -9.80665 * 0.03, -0.05) - 0.4 * velocity_;
-      double mass_kg = grip_kg_;
+      double mass_kg = 0.12;
       const bool let_go = middle_s_ > 0.0 && time_ > middle_s_ + 2.0;
       if (!let_go) pull += 400.0 * (wanted() - position_) - 8.0 * velocity_;
       if (hang_s_ > 0.0 && time_ > hang_s_ + 1.0) {
         const double share = std::min(1.0, (time_ - hang_s_ - 1.0) / 1.5);
         pull.y() -= share * weight_kg_ * 9.80665;
+        if (time_ < hang_s_ + restless_s_) pull.x() += 0.4 * std::sin(5.0 * time_);
         mass_kg += share * weight_kg_;
       }
       velocity_ += kStep / mass_kg * pull;
@@ -67,14 +69,15 @@ class Curator {
     return {0.004, -0.003, 0.142};
   }
 
-  double weight_kg_, grip_kg_;
+  double weight_kg_, restless_s_;
   double time_ = 0.0, middle_s_ = 0.0, hang_s_ = 0.0;
   Vector3d position_{0.0, 0.0, 0.135};
   Vector3d velocity_ = Vector3d::Zero();
 };
 
 struct Desk {
-  explicit Desk(double counts, double weight_kg) : curator(std::make_shared<Curator>(weight_kg)) {
+  Desk(double counts, double weight_kg, double restless_s = 0.0)
+      : curator(std::make_shared<Curator>(weight_kg, restless_s)) {
     EmulatorOptions options;
     options.counts_per_newton_metre = counts;
     emulator = std::make_shared<EmulatedFalcon>(options);
@@ -102,6 +105,14 @@ TEST(FalconCalibration, AKnownWeightGivesTheCountsOfTheMotorsWithinOnePercent) {
     EXPECT_NEAR(found->counts_per_newton_metre / counts, 1.0, 0.01) << counts;
     EXPECT_EQ(desk.emulator->command(), (std::array<int, 3>{})) << "no force stays";
   }
+}
+
+TEST(FalconCalibration, MotorsThatHaveBecomeWarmAndAreSparedGiveTheSameCounts) {
+  const Desk desk(18000.0, 0.15, 45.0);
+  const auto found = desk.run(0.15 * 9.80665);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT(desk.device->force_share(), 0.95) << "the case that is meant";
+  EXPECT_NEAR(found->counts_per_newton_metre / 18000.0, 1.0, 0.015);
 }
 
 TEST(FalconCalibration, TellsWhatToDoInOrderAndNamesTheWeightInGrams) {
