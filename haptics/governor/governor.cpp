@@ -87,7 +87,10 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcep
   if (period_s < kJitter * nominal_period_s) period_s = nominal_period_s;
   const double limit = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
   const double target = borne_share_ * (wish_n_per_m > 0.0 ? std::min(wish_n_per_m, limit) : 0.0);
-  if (wish_n_per_m != wish_n_per_m_) wished_s_ = 0.0;
+  if (wish_n_per_m != wish_n_per_m_) {
+    wished_s_ = 0.0;
+    falling_ = true;  // a lower wish counts however little lower it is
+  }
   wish_n_per_m_ = wish_n_per_m;
   if (stiffness_n_per_m_ < 0.0 || !in_contact_) {
     stiffness_n_per_m_ = target;

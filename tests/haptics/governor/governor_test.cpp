@@ -302,4 +302,23 @@ TEST(Governor, TheStiffnessNeverRisesInContactUnlessTheWishDoes) {
   EXPECT_LT(most, 1.55 * whole / 120.0) << "N/m a tick: the steepest of a smooth step over 120 ms";
 }
 
+TEST(Governor, ALowerWishIsFollowedInContactAlsoWhereTheLimitHasComeALittleBelowTheStiffness) {
+  Governor governor = armed_governor();
+  double stiffness = 0.0;
+  const auto hold = [&](double wish_n_per_m, double delay_s) {
+    for (int k = 0; k < 2000; ++k) {
+      GovernorInput input = still({0, 0, 1});
+      input.delay_s = delay_s;
+      (void)governor.update(input);
+      stiffness = governor.stiffness(wish_n_per_m, kPeriod);
+    }
+  };
+  hold(1000.0, 0.0);
+  ASSERT_NEAR(stiffness, 1000.0, 1.0);
+  hold(1000.0, 0.00115);
+  ASSERT_LT(stiffness_limit({}, kPeriod, 0.00115), 990.0) << "the case that is meant";
+  hold(850.0, 0.00115);
+  EXPECT_NEAR(stiffness, 850.0, 850.0 * 0.006);
+}
+
 }  // namespace sparsha::haptics::test
