@@ -15,6 +15,7 @@ namespace {
 constexpr double kMostJ = 0.010;    // in ten seconds
 constexpr double kMostSteps = 3.0;  // of swing
 constexpr double kMostStepsUndeclared = 4.0;
+constexpr double kMostStepsStroking = 5.0;  // on the plane, 4.9 measured for 0.05 kg and 0.3 N s/m; wished are 3
 
 const pipeline::ScenePointer& ground(Ground which) {
   static const std::map<Ground, pipeline::ScenePointer> kScenes = [] {
@@ -66,8 +67,9 @@ TEST(StabilityTable, HoldsAndStrokesOfUndeclaredDelayDeliverLittleAndDoNotSwing)
             const TouchResult result = touch(c, ground(each));
             EXPECT_LE(result.delivered_j, kMostJ) << words(c);
             worst_j = std::max(worst_j, result.delivered_j);
-            if (!stroke) {
-              EXPECT_LE(result.swing_m / c.encoder_step_m, kMostStepsUndeclared) << words(c);
+            if (!stroke || each == Ground::plane) {
+              EXPECT_LE(result.swing_m / c.encoder_step_m, stroke ? kMostStepsStroking : kMostStepsUndeclared)
+                  << words(c);
             }
           }
   std::printf("at most %.2f mJ delivered\n", 1e3 * worst_j);

@@ -271,6 +271,7 @@ TEST(Session, PartsAndSoundsStayWhereTheyAreOnTheObjectWhenItIsScannedFromAnothe
   ContactEvent touch;
   bool heard = events->pop(touch);
   for (int again = 0; again < 5 && !heard; ++again) {
+    ASSERT_LT(session.state().read().share_in_time, 1.0) << "an event was lost though no tick was late";
     hand.put(-0.02, 0.01, 0.02);
     const std::uint64_t lifted = session.state().read().tick;
     ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > lifted + 200; }));
