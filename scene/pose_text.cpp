@@ -53,6 +53,10 @@ std::optional<std::string> edited(const fs::path& file, const Config& wanted, co
     const yaml::Node* clip = regions->items[k].is_map() ? regions->items[k].find("clip") : nullptr;
     if (clip != nullptr && !move_path(*clip)) return std::nullopt;
   }
+  if (const yaml::Node* labels = audio != nullptr && audio->is_map() ? audio->find("labels") : nullptr) {
+    const yaml::Node* image = labels->is_map() ? labels->find("file") : labels;
+    if (image != nullptr && !move_path(*image)) return std::nullopt;
+  }
   return editor.finish();
 }
 

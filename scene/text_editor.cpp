@@ -17,24 +17,30 @@ fs::path relative_to(const fs::path& path, const fs::path& folder) {
   return relative.empty() ? path : relative;
 }
 
+namespace {
+
+/// Calls `use` with every file that a configuration names.
+template <class Use>
+void for_each_file(Config& config, const Use& use) {
+  for (ScanConfig& scan : config.scans) use(scan.file);
+  if (!config.audio) return;
+  for (AudioRegionConfig& region : config.audio->regions)
+    if (auto* clip = std::get_if<fs::path>(&region.sound)) use(*clip);
+  if (config.audio->labels) use(config.audio->labels->file);
+}
+
+}  // namespace
+
 std::string comparable_text(Config config) {
   std::error_code code;
-  const auto whole = [&](fs::path& path) { path = fs::absolute(path, code).lexically_normal(); };
-  for (ScanConfig& scan : config.scans) whole(scan.file);
-  if (!config.audio) return to_yaml(config);
-  for (AudioRegionConfig& region : config.audio->regions)
-    if (auto* clip = std::get_if<fs::path>(&region.sound)) whole(*clip);
+  for_each_file(config, [&](fs::path& path) { path = fs::absolute(path, code).lexically_normal(); });
   return to_yaml(config);
 }
 
 void relocate(Config& config, const fs::path& folder) {
-  const auto move = [&](fs::path& path) {
+  for_each_file(config, [&](fs::path& path) {
     if (!path.is_absolute()) path = relative_to(path, folder);
-  };
-  for (ScanConfig& scan : config.scans) move(scan.file);
-  if (!config.audio) return;
-  for (AudioRegionConfig& region : config.audio->regions)
-    if (auto* clip = std::get_if<fs::path>(&region.sound)) move(*clip);
+  });
 }
 
 TextEditor::TextEditor(std::string text) : text_(std::move(text)) {

@@ -131,6 +131,14 @@ std::vector<ScanPair> pairs_of(const Config& config, const BuildOptions& options
   return pairs;
 }
 
+/// The label image lies over the grid that it was drawn for, also after the object has been turned.
+void place_labels(Config& config, const Lattice& grid) {
+  if (!config.audio || !config.audio->labels || config.audio->labels->bounds_m) return;
+  if (config.orientation.regions_scan_to_grid)
+    throw usage_error("audio.labels: the object was turned, and where the picture lies is not written", "bounds_m");
+  config.audio->labels->bounds_m = {grid.x_m(0), grid.y_m(0), grid.x_m(grid.nx - 1), grid.y_m(grid.ny - 1)};
+}
+
 }  // namespace
 
 BuildResult build_scene(const Config& given, const BuildOptions& options, Progress& progress) {
@@ -159,8 +167,11 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   }
   if (config.audio && config.audio->find_pillars) {
     progress.begin("pillars");
-    place_on_pillars(*config.audio, find_pillars(scans.sample_m), scans.scan_to_grid, progress);
+    // Regions are written in the frame of the configuration, however the object has been turned since.
+    const Eigen::Matrix4d& view = config.orientation.regions_scan_to_grid.value_or(scans.scan_to_grid);
+    place_on_pillars(*config.audio, find_pillars(scans.sample_m, progress), view, progress);
   }
+  place_labels(config, projection.grid.lattice);
   scene.config = config;
   scene.sources = std::move(scans.sources);
   scene.scan_from_grid = config.orientation.scan_to_grid.inverse();

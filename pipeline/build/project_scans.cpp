@@ -168,17 +168,8 @@ class Builder {
       moved_rms_m = steps.moved_rms_m;
       add_steps(std::move(steps));
     }
-    if (!filters_.empty()) result_.kept_m = sample_of_kept(*cloud).points();
-    if (finds_pillars()) {
-      constexpr std::size_t kEnough = 60000;
-      PointSample sample(kEnough);
-      for (std::size_t i = 0; i < cloud->size(); ++i)
-        sample.add(cloud->origin_m + Eigen::Map<const Eigen::Vector3f>(cloud->xyz1() + 4 * i).cast<double>());
-      result_.sample_m = sample.points();
-    }
-
     cloud->stations = stations;  // filters make new clouds
-    if (!oriented_) find_orientation(sample_of_kept(*cloud).points(), stations);
+    if (!filters_.empty() || finds_pillars() || !oriented_) use_sample(sample_of_kept(*cloud).points(), stations);
     progress_.begin("project");
     result_.projection =
         project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approve);
@@ -211,15 +202,26 @@ class Builder {
     }
   }
 
+  // For the report's pictures, the pillars and the orientation, whichever of them the configuration asks for.
+  void use_sample(const std::vector<Eigen::Vector3d>& sample_m, const std::vector<Station>& stations) {
+    if (!filters_.empty()) result_.kept_m = sample_m;
+    if (finds_pillars()) result_.sample_m = some_of(sample_m, 60000);
+    if (!oriented_) find_orientation(sample_m, stations);
+  }
+
+  [[nodiscard]] static std::vector<Eigen::Vector3d> some_of(const std::vector<Eigen::Vector3d>& points_m,
+                                                            std::size_t count) {
+    PointSample sample(count);
+    for (const Eigen::Vector3d& p : points_m) sample.add(p);
+    return sample.points();
+  }
+
   // What `face` asks for, found once: by the filter that needs it first, or by what is left of the points.
   void find_orientation(const std::vector<Eigen::Vector3d>& points_m, const std::vector<Station>& stations) {
-    constexpr std::size_t kEnough = 20000;
     progress_.begin("orient");
-    PointSample sample(kEnough);
-    for (const Eigen::Vector3d& p : points_m) sample.add(p);
     const OrientationConfig& orientation = config_.orientation;
-    FoundFace found =
-        find_face({sample.points(), stations, z_up_}, *orientation.face, orientation.face_up, orientation.face_scale);
+    FoundFace found = find_face({some_of(points_m, 20000), stations, z_up_}, *orientation.face, orientation.face_up,
+                                orientation.face_scale);
     scan_to_grid_ = found.scan_to_grid;
     result_.orientation = std::move(found.reason);
     oriented_ = true;
@@ -334,13 +336,11 @@ class Builder {
     if (cloud.size() == 0) throw no_points(config_);
     result_.points = {};
     result_.points.invalid = cloud.invalid;
-    result_.kept_m = cloud.filters.kept.points();
-    if (finds_pillars()) result_.sample_m = result_.kept_m;
+    const std::vector<Eigen::Vector3d> sample_m = cloud.filters.kept.points();
     add_steps(std::move(cloud.filters));
     result_.points.read = cloud.size() + cloud.invalid + result_.points.filtered;
 
-    if (!oriented_) find_orientation(result_.kept_m, cloud.stations);
-    if (filters_.empty()) result_.kept_m.clear();
+    use_sample(sample_m, cloud.stations);
     progress_.begin("project");
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m,
                           {pool_, progress_});

@@ -229,7 +229,7 @@ std::vector<Pillar> joined(std::vector<Pillar> pieces) {
 
 }  // namespace
 
-std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m) {
+std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m, Progress& progress) {
   std::vector<Pillar> pillars;
   if (points_m.size() < 100) return pillars;
   const QuietPcl quiet;
@@ -244,6 +244,7 @@ std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m) {
   if (!(spacing > 0.0)) return pillars;
   const std::size_t all = points->size();
   for (int k = 0; k < kMostPlanes && points->size() >= kFewest; ++k) {
+    progress.throw_if_cancelled();
     const std::vector<int> plane = plane_in(points, kPlaneDistance * spacing);
     const std::vector<int> wall = wall_of(*points, plane, spacing);
     if (static_cast<double>(wall.size()) < kPlaneShare * static_cast<double>(all)) break;
@@ -252,10 +253,14 @@ std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m) {
     normals = chosen(*normals, rest);
   }
   if (points->size() < kFewest) return pillars;
+  std::size_t looked_at = 0;
   for (const pcl::PointIndices& cluster : clusters_of(points, kClusterDistance * spacing)) {
+    progress.at(static_cast<double>(looked_at) / static_cast<double>(points->size()));
+    looked_at += cluster.indices.size();
     Points::Ptr part = chosen(*points, cluster.indices);
     Normals::Ptr part_normals = chosen(*normals, cluster.indices);
     for (int k = 0; k < kMostPillars && part->size() >= kFewest; ++k) {
+      progress.throw_if_cancelled();
       const Cylinder cylinder = cylinder_in(part, part_normals, spacing);
       if (static_cast<double>(cylinder.on.size()) <
           std::max(kFewest * 1.0, kOwnShare * static_cast<double>(part->size())))

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "base/progress.h"
+
 namespace sparsha::pipeline {
 
 /// A cylinder that was seen from at least one side. Frame and metres of the points it was found in.
@@ -17,7 +19,7 @@ struct Pillar {
 /// Planes that hold much of the points go first (pcl::SACSegmentation, RANSAC); the rest falls into clusters
 /// (pcl::EuclideanClusterExtraction), and in each cylinders are looked for (pcl::SACSegmentationFromNormals) that are
 /// at least two and a half times as long as their radius. Seeded: the same points give the same pillars, in no
-/// particular order. Some ten thousand points are enough; fewer than a hundred give none.
-[[nodiscard]] std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m);
+/// particular order. Some ten thousand points are enough; fewer than a hundred give none. Throws Cancelled.
+[[nodiscard]] std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m, Progress& progress);
 
 }  // namespace sparsha::pipeline

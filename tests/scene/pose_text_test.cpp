@@ -78,11 +78,12 @@ TEST(PoseText, PathsAreMadeRelativeToTheFolderThatTheTextGoesTo) {
   const Written written = write_poses(folder,
                                       "scans:\n  - file: scans/a.ply  # first\n  - file: \"b.ply\"\naudio:\n  "
                                       "regions:\n    - {name: x, box_m: [0, 0, 1, "
-                                      "1], clip: bell.wav}\n",
+                                      "1], clip: bell.wav}\n  labels: {file: labels.png}\n",
                                       {some_pose(0.0), some_pose(0.2)}, folder / "out");
   EXPECT_THAT(written.text, HasSubstr("\"../scans/a.ply\"  # first"));
   EXPECT_THAT(written.text, HasSubstr("\"../b.ply\""));
   EXPECT_THAT(written.text, HasSubstr("clip: \"../bell.wav\""));
+  EXPECT_THAT(written.text, HasSubstr("labels: {file: \"../labels.png\"}"));
 }
 
 TEST(PoseText, TextThatCannotBeEditedIsWrittenAnewWithTheSameMeaning) {

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+#include "base/error.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -44,6 +46,11 @@ const Pillar* nearest(const std::vector<Pillar>& found, const Pillar& truth) {
   return best;
 }
 
+std::vector<Pillar> find(const Points& points) {
+  Progress progress;
+  return find_pillars(points, progress);
+}
+
 TEST(Pillars, StraightAndLeaningOnesAreFoundBeforeAWallAndFarFromTheOrigin) {
   const Eigen::Vector3d far(450000.0, 5412000.0, 120.0);
   const std::vector<Pillar> truth = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 1.8}, 0.10},
@@ -55,7 +62,7 @@ TEST(Pillars, StraightAndLeaningOnesAreFoundBeforeAWallAndFarFromTheOrigin) {
     for (const Pillar& pillar : truth) add_pillar(points, pillar, 3000, 0.001, random);
     add_wall(points, 0.5, 9000, random);
     for (Eigen::Vector3d& p : points) p += far;
-    const std::vector<Pillar> found = find_pillars(points);
+    const std::vector<Pillar> found = find(points);
     ASSERT_EQ(found.size(), truth.size()) << seed;
     for (Pillar pillar : truth) {
       pillar.from_m += far;
@@ -75,7 +82,7 @@ TEST(Pillars, WallsBallsAndNoiseAreNone) {
   std::mt19937 random(7);
   Points wall;
   add_wall(wall, 0.0, 8000, random);
-  EXPECT_TRUE(find_pillars(wall).empty());
+  EXPECT_TRUE(find(wall).empty());
   std::normal_distribution<double> gauss(0.0, 1.0);
   Points ball, noise;
   for (int i = 0; i < 6000; ++i) {
@@ -83,10 +90,19 @@ TEST(Pillars, WallsBallsAndNoiseAreNone) {
     ball.push_back(0.3 * direction.normalized());
     noise.push_back(direction);
   }
-  EXPECT_TRUE(find_pillars(ball).empty());
-  EXPECT_TRUE(find_pillars(noise).empty());
-  EXPECT_TRUE(find_pillars({}).empty());
-  EXPECT_TRUE(find_pillars(Points(500, Eigen::Vector3d(1.0, 2.0, 3.0))).empty());
+  EXPECT_TRUE(find(ball).empty());
+  EXPECT_TRUE(find(noise).empty());
+  EXPECT_TRUE(find({}).empty());
+  EXPECT_TRUE(find(Points(500, Eigen::Vector3d(1.0, 2.0, 3.0))).empty());
+}
+
+TEST(Pillars, TheSearchEndsWhenItIsCancelled) {
+  std::mt19937 random(3);
+  Points points;
+  add_wall(points, 0.5, 9000, random);
+  Progress progress;
+  progress.cancel();
+  EXPECT_THROW(static_cast<void>(find_pillars(points, progress)), Cancelled);
 }
 
 }  // namespace
