@@ -5,7 +5,7 @@ build=$1
 mode=$2
 jobs=$(nproc)
 # The race comes last: its report.html names the files that the others left.
-programs=(bench_haptics bench_pipeline bench_race)
+programs=(bench_haptics bench_pipeline bench_audio bench_race)
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_BENCH=ON
 cmake --build "$build" -j"$jobs" --target "${programs[@]}"
 out=$build/bench

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "bench/path.h"
 #include "haptics/surface/large_pages.h"
 
 namespace sparsha::bench {
@@ -57,13 +58,9 @@ void add_friction(MongeSurface& surface) {
 
 /// Points of the path whose mean distance is `cells_per_tick`.
 std::vector<Vector2d> path(int nodes, double cells_per_tick, int ticks) {
-  constexpr double kMeanSpeed = 0.348;  // of the path below per unit of t
-  const double dt = cells_per_tick / (nodes - 1) / kMeanSpeed;
+  const double dt = cells_per_tick / (nodes - 1) / kPathSpeed;
   std::vector<Vector2d> points;
-  for (int k = 0; k < ticks; ++k) {
-    const double t = k * dt;
-    points.push_back({0.5 + 0.37 * std::sin(0.9 * t + 0.3), 0.5 + 0.33 * std::sin(1.3 * t)});
-  }
+  for (int k = 0; k < ticks; ++k) points.push_back(place_on_path(k * dt));
   return points;
 }
 

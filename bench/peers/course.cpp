@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "bench/path.h"
+
 namespace sparsha::bench {
 namespace {
 
@@ -125,15 +127,13 @@ haptics::MongeSurface sample(const Ground& ground, int nodes_per_side) {
 }
 
 Course make_course(const Ground& ground, double metres_per_tick, double depth_m, int ticks) {
-  constexpr double kMeanSpeed = 0.348;  // of the path per unit of t
-  constexpr int kDown = 50;             // ticks
-  constexpr double kStart = 0.01;       // m above
+  constexpr int kDown = 50;        // ticks
+  constexpr double kStart = 0.01;  // m above
   Course course;
   course.first = kDown;
   for (int tick = -kDown; tick < ticks; ++tick) {
-    const double t = std::max(0, tick) * metres_per_tick / kMeanSpeed;
-    const double x = 0.5 + 0.37 * std::sin(0.9 * t + 0.3);
-    const double y = 0.5 + 0.33 * std::sin(1.3 * t);
+    const Vector2d place = place_on_path(std::max(0, tick) * metres_per_tick / kPathSpeed);
+    const double x = place.x(), y = place.y();
     const Vector2d slope = ground.slope(x, y);
     const Vector3d normal = Vector3d(-slope.x(), -slope.y(), 1.0).normalized();
     const double down = std::min(1.0, 1.0 + static_cast<double>(tick + 1) / kDown);

@@ -29,7 +29,6 @@ class TriangleTree {
   /// Distance to the mesh, or `bound` when it is farther than that.
   [[nodiscard]] double distance(const Eigen::Vector3d& point, double bound) const;
   [[nodiscard]] std::size_t bytes() const;
-  [[nodiscard]] double spacing_m() const { return spacing_m_; }
 
  private:
   struct Box {

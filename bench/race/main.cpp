@@ -89,7 +89,7 @@ bool run(bool quick, const std::filesystem::path& out) {
       write_row(csv, row);
       print_row(row);
       report.rows.push_back(row);
-      if (front) points.push_back({row.method, row.p50_ns, std::max(row.error_median, 1e-7)});
+      if (front) points.push_back({row.method, std::max(row.p50_ns, 1.0), std::max(row.error_median, 1e-7)});
     }
   }
   report.hard = hard_cases(entrants);

@@ -29,8 +29,6 @@ class AdaptiveVelocity {
   /// ends. `noise_m`: the encoder's step, with what else the position errs by. Zero before the second sample. Some
   /// 10 ns a sample of the window.
   [[nodiscard]] Eigen::Vector3d velocity(double noise_m) const noexcept;
-  /// Samples held, at most kMost.
-  [[nodiscard]] std::size_t samples() const noexcept { return count_; }
 
  private:
   static constexpr std::size_t kMost = 104;

@@ -109,6 +109,7 @@ Braille by_letters(const std::u32string& text) {
       result.cells.push_back(letter(c));
     } else if (const auto cell = sign(c)) {
       result.cells.push_back(*cell);
+      if (c == U'.' || c == U',') continue;  // numbers go on behind them
     } else {
       result.complete = false;
     }
@@ -158,7 +159,7 @@ Braille to_braille(const std::string& text, bool use_library) {
     if (auto cells = by_library(characters)) {
       Braille result;
       result.cells = std::move(*cells);
-      result.contracted_by_library = true;
+      result.by_library = true;
       return result;
     }
   }

@@ -12,7 +12,7 @@ using BrailleCell = std::uint8_t;
 
 struct Braille {
   std::vector<BrailleCell> cells;
-  bool contracted_by_library = false;  ///< by liblouis' rules of the text's language
+  bool by_library = false;  ///< by liblouis' rules of the text's language
   bool complete = true;                ///< false: some characters have no cell here and are left out
 };
 

@@ -35,7 +35,9 @@ class Part {
   }
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
-  ~Part() { zipCloseFileInZip(package_); }
+  ~Part() {
+    if (open_) zipCloseFileInZip(package_);
+  }
   void write(std::string_view text) {
     held_ += text;
     if (held_.size() > kPiece) flush();
@@ -45,12 +47,19 @@ class Part {
       fail(shown_, "the disk is full");
     held_.clear();
   }
+  /// The last compressed bytes are written here.
+  void close() {
+    flush();
+    open_ = false;
+    if (zipCloseFileInZip(package_) != ZIP_OK) fail(shown_, "the disk is full");
+  }
 
  private:
   static constexpr std::size_t kPiece = 1U << 20U;
   zipFile package_;
   const std::string& shown_;
   std::string held_;
+  bool open_ = true;
 };
 
 constexpr std::string_view kContentTypes =
@@ -84,7 +93,7 @@ void write_model(const Solid& solid, Part& part, Progress& progress) {
       },
       [&](double share) { progress.at(0.3 + 0.7 * share); });
   part.write("</triangles></mesh></object></resources>\n<build><item objectid=\"1\"/></build>\n</model>\n");
-  part.flush();
+  part.close();
 }
 
 }  // namespace
@@ -177,7 +186,7 @@ void write_3mf(const Solid& solid, const std::filesystem::path& file, const std:
     const auto small = [&](const char* name, std::string_view text) {
       Part part(package, name, shown);
       part.write(text);
-      part.flush();
+      part.close();
     };
     small("[Content_Types].xml", kContentTypes);
     small("_rels/.rels", kRelations);

@@ -266,6 +266,8 @@ TEST(Braille, SpellsLettersFiguresAndSigns) {
   EXPECT_EQ(dots(to_braille("abc xyz", false)), "1 12 14  1346 13456 1356 ");
   EXPECT_EQ(dots(to_braille("Om 108.", false)), "6 135 134  3456 1 245 125 256 ");
   EXPECT_EQ(dots(to_braille("3b", false)), "3456 14 56 12 ");
+  EXPECT_EQ(dots(to_braille("2.5", false)), "3456 12 256 15 ");
+  EXPECT_EQ(dots(to_braille("1,000 7", false)), "3456 1 2 245 245 245  3456 1245 ");
   EXPECT_EQ(dots(to_braille("Śiva", false)), dots(to_braille("Siva", false)));
   EXPECT_EQ(dots(to_braille("ÀÉ", false)), dots(to_braille("AE", false)));
   EXPECT_FALSE(to_braille("\xe0\xa4\xb8", false).complete) << "Devanagari needs the library";
@@ -274,7 +276,7 @@ TEST(Braille, SpellsLettersFiguresAndSigns) {
 
 TEST(Braille, TheLibrarySpellsLatinAsWeDoAndKnowsDevanagari) {
   const Braille latin = to_braille("lotus");
-  if (!latin.contracted_by_library) GTEST_SKIP() << "liblouis is not installed";
+  if (!latin.by_library) GTEST_SKIP() << "liblouis is not installed";
   EXPECT_EQ(latin.cells, to_braille("lotus", false).cells);
   const Braille hindi = to_braille("\xe0\xa4\x95\xe0\xa4\xae\xe0\xa4\xb2");  // kamal, lotus
   EXPECT_EQ(dots(hindi), "13 134 123 ");
