@@ -88,8 +88,12 @@ struct SmoothConfig {
 struct ThinConfig {
   int points_per_node = 4;
 };
-using FilterConfig = std::variant<CropConfig, VoxelConfig, OutlierConfig, RadiusOutlierConfig, PassConfig,
-                                  RemovePlaneConfig, KeepConfig, SmoothConfig, ThinConfig>;
+/// One entry of `filters`.
+struct FilterConfig : std::variant<CropConfig, VoxelConfig, OutlierConfig, RadiusOutlierConfig, PassConfig,
+                                   RemovePlaneConfig, KeepConfig, SmoothConfig, ThinConfig> {
+  using variant::variant;
+  Place place;  ///< of its key in the configuration, for errors that the data show; empty when it was not read
+};
 /// The filter's key in a configuration, e.g. "remove_plane".
 [[nodiscard]] std::string filter_name(const FilterConfig& filter);
 

@@ -143,7 +143,7 @@ FilterConfig parse_with(const Node& node) {
 }
 
 /// In the order of FilterConfig's alternatives.
-const std::array<std::pair<const char*, Parser>, std::variant_size_v<FilterConfig>> kFilters{{
+const std::array<std::pair<const char*, Parser>, std::variant_size_v<FilterConfig::variant>> kFilters{{
     {"crop", parse_with<parse_crop>},
     {"voxel", parse_with<parse_voxel>},
     {"outliers", parse_with<parse_outliers>},
@@ -176,7 +176,9 @@ FilterConfig parse_filter(const Node& node) {
   if (node.entries.size() != 1) {
     throw yaml::error_at(node, "a filter has " + std::to_string(node.entries.size()) + " keys", filter_names());
   }
-  return (*parser)(*value);
+  FilterConfig filter = (*parser)(*value);
+  filter.place = node.entries.front().place;
+  return filter;
 }
 
 }  // namespace

@@ -253,8 +253,8 @@ class Builder {
 
   // Faces, and filters that look farther than a point, are not for points on disk.
   void require_points_only(const ScanSet& scans) const {
-    const auto refuse = [&](const std::string& what, const std::string& remedy) {
-      throw Error(ErrorKind::failure, {},
+    const auto refuse = [&](const std::string& what, const std::string& remedy, const Place& place = {}) {
+      throw Error(ErrorKind::failure, place,
                   fmt::format("{} points{} need about {} MB and the grid in memory, more than the limit, and {}",
                               scans.points(), scans.faces() > 0 ? fmt::format(" and {} faces", scans.faces()) : "",
                               bytes_in_memory(scans, filters_) / 1'000'000U + 1, what),
@@ -266,7 +266,7 @@ class Builder {
       if (can_be_streamed(filter)) continue;
       const std::string name = filter_name(filter);
       refuse("the filter '" + name + "' works in memory only",
-             "a higher --memory, a voxel filter before it" + without(filter, name));
+             "a higher --memory, a voxel filter before it" + without(filter, name), filter.place);
     }
   }
 
@@ -298,16 +298,18 @@ class Builder {
     points.invalid += scans.stream(
         [&](const CloudBlock& block) {
           points.read += block.points.size();
-          for (std::size_t k = 0; k < block.points.size(); ++k) {
-            const Eigen::Vector3f& p = block.points[k];
-            if (!streamed.keep(p)) continue;
-            ++kept;
-            thinner.add(p.data(), block.rgba.empty() ? 0U : block.rgba[k],
-                        block.intensity.empty() ? 0.0F : block.intensity[k]);
-          }
+          at_key_of(filters_[leading], [&] {
+            for (std::size_t k = 0; k < block.points.size(); ++k) {
+              const Eigen::Vector3f& p = block.points[k];
+              if (!streamed.keep(p)) continue;
+              ++kept;
+              thinner.add(p.data(), block.rgba.empty() ? 0U : block.rgba[k],
+                          block.intensity.empty() ? 0.0F : block.intensity[k]);
+            }
+          });
           if (thinner.voxels() <= most) return;
           throw Error(
-              ErrorKind::failure, {},
+              ErrorKind::failure, filters_[leading].place,
               fmt::format("the filter 'voxel' leaves more than {} points, which do not fit the memory limit", most),
               "a larger leaf_mm or a higher --memory");
         },

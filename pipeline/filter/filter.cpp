@@ -115,8 +115,10 @@ class FilterRun {
       each_ = 1.0 / static_cast<double>(filters.size());
       context_.progress.at(done_);
       result_.steps.emplace_back().name = filter_name(filters[k]);
-      std::visit([&](const auto& filter) { apply(filter); }, filters[k]);
-      if (cloud_.size() == 0) throw nothing_left(step().name, step().found);
+      at_key_of(filters[k], [&] {
+        std::visit([&](const auto& filter) { apply(filter); }, filters[k]);
+        if (cloud_.size() == 0) throw nothing_left(step().name, step().found);
+      });
     }
     return std::move(result_);
   }

@@ -50,6 +50,19 @@ struct FilterNeeds {
 /// A sample of a cloud for pictures, scan frame.
 [[nodiscard]] PointSample sample_of_kept(const Cloud& cloud);
 
+/// Does what a filter asks for; an error that has no place gets that of the filter's key in the configuration.
+template <typename Work>
+void at_key_of(const FilterConfig& filter, const Work& work) {
+  try {
+    work();
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    if (!error.place().file.empty()) throw;
+    throw Error(error.kind(), filter.place, error.wrong(), error.expected());
+  }
+}
+
 /// What a filter throws that takes all points away.
 [[nodiscard]] Error nothing_left(const std::string& filter, const std::string& found = {});
 

@@ -17,10 +17,15 @@ StreamedFilters::StreamedFilters(const ScanSet& scans, const std::vector<FilterC
     : origin_m_(scans.origin_m()) {
   for (const FilterConfig& filter : filters) {
     if (!can_be_streamed(filter)) break;
+    filters_.push_back(filter);
+  }
+  for (const FilterConfig& filter : filters_) {
     steps_.steps.emplace_back().name = filter_name(filter);
     if (const auto* crop = std::get_if<CropConfig>(&filter)) tests_.emplace_back(*crop);
     if (const auto* pass = std::get_if<PassConfig>(&filter)) tests_.emplace_back(*pass);
-    if (const auto* plane = std::get_if<RemovePlaneConfig>(&filter)) add_plane(scans, *plane, context);
+    if (const auto* plane = std::get_if<RemovePlaneConfig>(&filter)) {
+      at_key_of(filter, [&] { add_plane(scans, *plane, context); });
+    }
   }
   samples_ = !tests_.empty();
 }
@@ -37,7 +42,9 @@ void StreamedFilters::add_plane(const ScanSet& scans, const RemovePlaneConfig& c
         }
       },
       context.progress);
-  if (passed == 0 && !tests_.empty()) throw nothing_left(steps_.steps[tests_.size() - 1].name);
+  if (passed == 0 && !tests_.empty()) {
+    at_key_of(filters_[tests_.size() - 1], [&] { throw nothing_left(steps_.steps[tests_.size() - 1].name); });
+  }
   const FoundPlane plane = find_plane(sample, config, context);
   steps_.steps.back().found = to_string(plane);
   tests_.emplace_back(plane.cut);
@@ -66,7 +73,9 @@ FilterSteps StreamedFilters::finish(Progress& progress) {
   std::uint64_t left = points_;
   for (std::size_t k = 0; k < tests_.size(); ++k) {
     FilterStep& step = steps_.steps[k];
-    if (left > 0 && step.removed == left) throw nothing_left(step.name, step.found);
+    at_key_of(filters_[k], [&] {
+      if (left > 0 && step.removed == left) throw nothing_left(step.name, step.found);
+    });
     if (std::holds_alternative<PlaneCut>(tests_[k])) warn_of_plane(step, left, progress);
     left -= step.removed;
   }

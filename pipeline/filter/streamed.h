@@ -35,6 +35,7 @@ class StreamedFilters {
   void add_plane(const ScanSet& scans, const RemovePlaneConfig& config, const Context& context);
 
   Eigen::Vector3d origin_m_;
+  std::vector<FilterConfig> filters_;
   std::vector<PointTest> tests_;
   FilterSteps steps_;
   std::uint64_t points_ = 0;
