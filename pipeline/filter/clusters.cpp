@@ -174,7 +174,7 @@ std::vector<std::uint32_t> euclidean_clusters(const Cloud& cloud, double toleran
 
 KeptCluster choose_cluster(const Cloud& cloud, const KeepConfig& config, const Context& context) {
   const std::vector<std::uint32_t> label = config.method == KeepConfig::Method::pcl
-                                               ? euclidean_clusters_by_pcl(cloud, config.tolerance_m)
+                                               ? euclidean_clusters_by_pcl(cloud, config.tolerance_m, context.progress)
                                                : euclidean_clusters(cloud, config.tolerance_m, context);
   const std::vector<Cluster> clusters = summed(cloud, label);
   KeptCluster kept;

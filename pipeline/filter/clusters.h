@@ -16,8 +16,10 @@ namespace sparsha::pipeline {
 [[nodiscard]] std::vector<std::uint32_t> euclidean_clusters(const Cloud& cloud, double tolerance_m,
                                                             const Context& context);
 
-/// The same by pcl::EuclideanClusterExtraction, from one point to the next; single-threaded.
-[[nodiscard]] std::vector<std::uint32_t> euclidean_clusters_by_pcl(const Cloud& cloud, double tolerance_m);
+/// The same by pcl::EuclideanClusterExtraction, from one point to the next; single-threaded. Throws
+/// Cancelled.
+[[nodiscard]] std::vector<std::uint32_t> euclidean_clusters_by_pcl(const Cloud& cloud, double tolerance_m,
+                                                                   const Progress& progress);
 
 struct KeptCluster {
   std::vector<std::uint8_t> keep;  ///< one a point

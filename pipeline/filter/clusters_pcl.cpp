@@ -1,19 +1,19 @@
 // PCL's clusters, from its template's source: linking libpcl_segmentation would slow down every start.
 #include <pcl/point_types.h>
-#include <pcl/search/kdtree.h>
 #include <pcl/segmentation/extract_clusters.h>
 #include <pcl/segmentation/impl/extract_clusters.hpp>
 
 #include <algorithm>
 
+#include "pipeline/filter/cancellable_tree.h"
 #include "pipeline/filter/clusters.h"
 
 namespace sparsha::pipeline {
 
-std::vector<std::uint32_t> euclidean_clusters_by_pcl(const Cloud& cloud, double tolerance_m) {
+std::vector<std::uint32_t> euclidean_clusters_by_pcl(const Cloud& cloud, double tolerance_m, const Progress& progress) {
   pcl::EuclideanClusterExtraction<pcl::PointXYZ> extraction;
   extraction.setInputCloud(cloud.points);
-  extraction.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>(false));
+  extraction.setSearchMethod(std::make_shared<CancellableTree>(progress));
   extraction.setClusterTolerance(tolerance_m);
   std::vector<pcl::PointIndices> clusters;
   extraction.extract(clusters);

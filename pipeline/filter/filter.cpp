@@ -149,14 +149,16 @@ class FilterRun {
 
   void apply(const OutlierConfig& outliers) {
     step().outliers = true;
-    take_away(outliers.method == OutlierConfig::Method::pcl ? statistical_inliers_by_pcl(cloud_, outliers)
-                                                            : statistical_inliers(cloud_, outliers, context_));
+    take_away(outliers.method == OutlierConfig::Method::pcl
+                  ? statistical_inliers_by_pcl(cloud_, outliers, context_.progress)
+                  : statistical_inliers(cloud_, outliers, context_));
   }
 
   void apply(const RadiusOutlierConfig& outliers) {
     step().outliers = true;
-    const Flags keep = outliers.method == RadiusOutlierConfig::Method::pcl ? radius_inliers_by_pcl(cloud_, outliers)
-                                                                           : radius_inliers(cloud_, outliers, context_);
+    const Flags keep = outliers.method == RadiusOutlierConfig::Method::pcl
+                           ? radius_inliers_by_pcl(cloud_, outliers, context_.progress)
+                           : radius_inliers(cloud_, outliers, context_);
     const auto gone = static_cast<std::size_t>(std::count(keep.begin(), keep.end(), std::uint8_t{0}));
     if (2 * gone > keep.size()) {
       step().found = fmt::format(

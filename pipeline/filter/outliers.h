@@ -16,15 +16,17 @@ namespace sparsha::pipeline {
 [[nodiscard]] std::vector<std::uint8_t> statistical_inliers(const Cloud& cloud, const OutlierConfig& config,
                                                             const Context& context);
 
-/// The same by pcl::StatisticalOutlierRemoval.
-[[nodiscard]] std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config);
+/// The same by pcl::StatisticalOutlierRemoval. Throws Cancelled.
+[[nodiscard]] std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config,
+                                                                   const Progress& progress);
 
 /// keep[i] = 0 where fewer than `neighbours` other points lie within the radius of point i, its border included.
 /// Distances are FLANN's. Depends neither on threads nor on the order of the points.
 [[nodiscard]] std::vector<std::uint8_t> radius_inliers(const Cloud& cloud, const RadiusOutlierConfig& config,
                                                        const Context& context);
 
-/// The same by pcl::RadiusOutlierRemoval.
-[[nodiscard]] std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const RadiusOutlierConfig& config);
+/// The same by pcl::RadiusOutlierRemoval. Throws Cancelled.
+[[nodiscard]] std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const RadiusOutlierConfig& config,
+                                                              const Progress& progress);
 
 }  // namespace sparsha::pipeline

@@ -5,6 +5,7 @@
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/point_types.h>
 
+#include "pipeline/filter/cancellable_tree.h"
 #include "pipeline/filter/outliers.h"
 
 namespace sparsha::pipeline {
@@ -16,12 +17,29 @@ std::vector<std::uint8_t> flags(const pcl::Indices& inliers, std::size_t count) 
   return keep;
 }
 
+using SearchPtr = pcl::search::Search<pcl::PointXYZ>::Ptr;
+using Statistical = pcl::StatisticalOutlierRemoval<pcl::PointXYZ>;
+using Radius = pcl::RadiusOutlierRemoval<pcl::PointXYZ>;
+
+// PCL 1.13 lets nobody choose the tree of these two, which it makes when there is none. An explicit instantiation may
+// name a private member.
+SearchPtr& search_of(Statistical& filter);
+SearchPtr& search_of(Radius& filter);
+template <typename Filter, SearchPtr Filter::*kSearch>
+struct SearchAccess {
+  friend SearchPtr& search_of(Filter& filter) { return filter.*kSearch; }
+};
+template struct SearchAccess<Statistical, &Statistical::searcher_>;
+template struct SearchAccess<Radius, &Radius::searcher_>;
+
 }  // namespace
 
-std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config) {
+std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config,
+                                                     const Progress& progress) {
   std::vector<std::uint8_t> keep(cloud.size(), 1);
   if (cloud.size() < 2) return keep;
-  pcl::StatisticalOutlierRemoval<pcl::PointXYZ> filter;
+  Statistical filter;
+  search_of(filter) = std::make_shared<CancellableTree>(progress);
   filter.setInputCloud(cloud.points);
   // PCL reads past its arrays when it is asked for more neighbours than there are.
   filter.setMeanK(std::min(config.neighbours, static_cast<int>(cloud.size()) - 1));
@@ -31,9 +49,11 @@ std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const O
   return flags(inliers, cloud.size());
 }
 
-std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const RadiusOutlierConfig& config) {
+std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const RadiusOutlierConfig& config,
+                                                const Progress& progress) {
   if (cloud.size() == 0) return {};
-  pcl::RadiusOutlierRemoval<pcl::PointXYZ> filter;
+  Radius filter;
+  search_of(filter) = std::make_shared<CancellableTree>(progress);
   filter.setInputCloud(cloud.points);
   filter.setRadiusSearch(config.radius_m);
   filter.setMinNeighborsInRadius(config.neighbours);

@@ -2,7 +2,6 @@
 #include "pipeline/filter/smooth.h"
 
 #include <pcl/point_types.h>
-#include <pcl/search/kdtree.h>
 #include <pcl/surface/impl/mls.hpp>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/text.h"
+#include "pipeline/filter/cancellable_tree.h"
 #include "pipeline/filter/cells.h"
 
 namespace sparsha::pipeline {
@@ -94,10 +94,11 @@ void fit_by_cells(const Cloud& cloud, const SmoothConfig& config, const Context&
   });
 }
 
-void fit_by_pcl(const Cloud& cloud, const SmoothConfig& config, std::vector<Eigen::Vector3f>& moved) {
+void fit_by_pcl(const Cloud& cloud, const SmoothConfig& config, const Progress& progress,
+                std::vector<Eigen::Vector3f>& moved) {
   pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointXYZ> fitter;
   fitter.setInputCloud(cloud.points);
-  fitter.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>(false));
+  fitter.setSearchMethod(std::make_shared<CancellableTree>(progress));
   fitter.setSearchRadius(config.radius_m);
   fitter.setPolynomialOrder(config.order);
   fitter.setProjectionMethod(pcl::MLSResult::SIMPLE);
@@ -118,7 +119,7 @@ Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context&
   const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   std::vector<Eigen::Vector3f> moved(cloud.size(), none);
   if (config.method == SmoothConfig::Method::pcl) {
-    fit_by_pcl(cloud, config, moved);
+    fit_by_pcl(cloud, config, context.progress, moved);
   } else {
     fit_by_cells(cloud, config, context, at, moved);
   }

@@ -78,7 +78,7 @@ TEST(Clusters, AreThoseOfBruteForceAndOfPcl) {
     for (const double tolerance : {0.0005, 0.004, 0.0625, 0.07, 0.3, 10.0}) {
       const auto expected = clusters_by_brute_force(cloud, tolerance);
       EXPECT_EQ(euclidean_clusters(cloud, tolerance, work.context()), expected) << seed << ", " << tolerance;
-      EXPECT_EQ(euclidean_clusters_by_pcl(cloud, tolerance), expected) << seed << ", " << tolerance;
+      EXPECT_EQ(euclidean_clusters_by_pcl(cloud, tolerance, work.progress), expected) << seed << ", " << tolerance;
     }
   }
 }
@@ -189,7 +189,7 @@ TEST(RadiusOutliers, AreThoseOfBruteForceAndOfPcl) {
         Work four(4);
         EXPECT_EQ(radius_inliers(cloud, config, one.context()), expected) << radius << ", " << neighbours;
         EXPECT_EQ(radius_inliers(cloud, config, four.context()), expected) << radius << ", " << neighbours;
-        EXPECT_EQ(radius_inliers_by_pcl(cloud, config), expected) << radius << ", " << neighbours;
+        EXPECT_EQ(radius_inliers_by_pcl(cloud, config, one.progress), expected) << radius << ", " << neighbours;
       }
     }
   }

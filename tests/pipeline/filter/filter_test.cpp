@@ -2,12 +2,15 @@
 #include "pipeline/filter/filter.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <random>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -113,7 +116,7 @@ TEST(OutlierFilter, DecidesAsPclDoesOnAllButOneInAThousandPoints) {
       config.neighbours = neighbours;
       config.sigma = 0.1 * seed;
       const std::vector<std::uint8_t> own = statistical_inliers(cloud, config, {pool, progress});
-      const std::vector<std::uint8_t> theirs = statistical_inliers_by_pcl(cloud, config);
+      const std::vector<std::uint8_t> theirs = statistical_inliers_by_pcl(cloud, config, progress);
       std::size_t different = 0;
       for (std::size_t i = 0; i < own.size(); ++i) different += own[i] != theirs[i] ? 1 : 0;
       EXPECT_LE(different, own.size() / 1000) << "seed " << seed << ", " << neighbours << " neighbours";
@@ -321,6 +324,33 @@ TEST(Filters, StopWhenCancelled) {
   progress.cancel();
   Cloud cloud = cloud_of(relief(100, 1));
   EXPECT_THROW(apply_filters(cloud, {OutlierConfig{}}, {pool, progress}), Cancelled);
+}
+
+TEST(Filters, OfPclStopWhenTheyAreCancelledInTheMiddle) {
+  // Neighbourhoods of a thousand points and more, 40 000 times.
+  const Points points = relief(40000, 1);
+  const std::vector<FilterConfig> filters{OutlierConfig{1000, 2.0, OutlierConfig::Method::pcl},
+                                          RadiusOutlierConfig{10.0, 1000, RadiusOutlierConfig::Method::pcl},
+                                          KeepConfig{{}, 10.0, KeepConfig::Method::pcl},
+                                          SmoothConfig{10.0, 2, SmoothConfig::Method::pcl}};
+  for (const FilterConfig& filter : filters) {
+    ThreadPool pool(1);
+    Progress progress;
+    std::atomic<bool> ended{false};
+    std::thread user([&] {
+      for (int k = 0; k < 5 && !ended; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      progress.cancel();
+    });
+    Cloud cloud = cloud_of(points);
+    try {
+      apply_filters(cloud, {filter}, {pool, progress});
+      ADD_FAILURE() << filter_name(filter) << " ended before it was cancelled";
+    } catch (const Cancelled&) {
+      EXPECT_EQ(cloud.size(), points.size()) << filter_name(filter);
+    }
+    ended = true;
+    user.join();
+  }
 }
 
 }  // namespace
