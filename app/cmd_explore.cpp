@@ -19,12 +19,13 @@
 #include "app/inputs.h"
 #include "app/printable.h"
 #include "app/run_summary.h"
+#include "app/speaker.h"
 #include "app/study.h"
 #include "app/terminal.h"
 #include "audio/engine.h"
 #include "audio/live_stream.h"
-#include "audio/speech/speech.h"
 #include "base/error.h"
+#include "base/phrases.h"
 #include "haptics/session/session.h"
 #include "pipeline/build/build.h"
 #include "scene/scene_folder.h"
@@ -48,6 +49,7 @@ struct Arguments {
   bool no_texture = false;
   bool no_friction = false;
   bool speech = false;
+  std::string language;
   bool kiosk = false;
   std::string scenes;
   bool direct = false;
@@ -128,9 +130,27 @@ class Deliveries {
   std::exception_ptr failure_;
 };
 
+// The scene's, or what the command line says instead; `scene` may be null.
+pipeline::SpeechConfig speech_of(const Arguments& arguments, const pipeline::Scene* scene) {
+  pipeline::SpeechConfig speech;
+  if (scene != nullptr && scene->description().config.speech) speech = *scene->description().config.speech;
+  if (!arguments.language.empty() && arguments.language != speech.language) {
+    speech.language = arguments.language;
+    speech.voice.clear();  // of the other language
+  }
+  return speech;
+}
+
+bool speaks(const Arguments& arguments, const pipeline::Scene* scene) {
+  return arguments.speech || (scene != nullptr && scene->description().config.speech.has_value());
+}
+
 std::unique_ptr<haptics::Session> make_session(const pipeline::ScenePointer& scene, ChosenDevice& chosen,
                                                const Arguments& arguments) {
   haptics::SessionOptions options;
+  const pipeline::SpeechConfig speech = speech_of(arguments, scene.get());
+  options.language = speech.language;
+  options.speaks = speaks(arguments, scene.get());
   options.haptics = scene->description().config.haptics;
   options.effects = {!arguments.no_texture, !arguments.no_friction};
   options.record = arguments.record;
@@ -192,15 +212,12 @@ class Exploration {
       scans_ = std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted());
       make_session_of(std::move(scene));
     }
-    if (arguments.speech) {
-      audio::SpeechOptions options;
-      options.play = [this](const std::vector<float>& words, double rate_hz) {
-        const std::lock_guard lock(sound_mutex_);
-        return audio_ && audio_->speak(words, rate_hz);
-      };
-      speech_.emplace(options);
-      if (!speech_->available()) terminal.message("warning: no speech program is installed (espeak-ng)");
-    }
+    speaker_.emplace(speech_of(arguments, scene_.get()), speaks(arguments, scene_.get()),
+                     [this](const std::vector<float>& words, double rate_hz) {
+                       const std::lock_guard lock(sound_mutex_);
+                       return audio_ && audio_->speak(words, rate_hz);
+                     });
+    tell_of_speech();
   }
 
   // Until the device, the user or the clock ends it.
@@ -297,27 +314,26 @@ class Exploration {
       change_scene(pipeline::open_scene(folder, trust_));
       session_->announcements().say(folder.filename().string());
     } catch (const Error& error) {
-      session_->announcements().say(std::string("It cannot be opened: ") + error.wrong(),
-                                    haptics::Announcement::Priority::warning);
+      announce("cannot_open", {{"reason", error.wrong()}}, haptics::Announcement::Priority::warning);
     }
   }
 
-  void say(const std::string& text) {
-    terminal_.message(text);
-    if (session_) session_->announcements().say(text, haptics::Announcement::Priority::warning);
+  // To whoever looks at the terminal, in its language, and to the visitor.
+  void warn(Phrase phrase, const PhraseValues& values = {}) {
+    terminal_.message(Phrases::of("en").text(phrase, values));
+    if (session_) announce(phrase, values, haptics::Announcement::Priority::warning);
   }
 
   // A scene is opened, a configuration or scans are shown to be turned.
   void drop(const std::vector<fs::path>& files) {
     std::error_code code;
     if (files.empty()) return;
-    if (session_ && session_->plays_recording()) return say("Nothing is opened while a recording is played");
+    if (session_ && session_->plays_recording()) return warn("not_while_played");
     fs::path first = files.front();
     if (first.filename() == "scene.yaml") first = first.parent_path();
     try {
       const auto is_one = [&](const fs::path& file) { return fs::is_directory(file, code) || is_config(file); };
-      if (files.size() > 1 && std::ranges::any_of(files, is_one))
-        return say("One scene or one configuration, or several scans, can be opened at once");
+      if (files.size() > 1 && std::ranges::any_of(files, is_one)) return warn("one_at_once");
       if (fs::is_directory(first, code)) {
         pipeline::ScenePointer scene = pipeline::open_scene(first, trust_);
         auto scans = std::make_unique<DepthScans>(scene, fs::path(), trust_);
@@ -334,7 +350,7 @@ class Exploration {
       scans_ = is_config(first) ? std::make_unique<DepthScans>(first) : std::make_unique<DepthScans>(files);
       to_scans_ = true;
     } catch (const Error& error) {
-      say(std::string("It cannot be opened: ") + error.what());
+      warn("cannot_open", {{"reason", error.what()}});
     }
   }
 
@@ -372,13 +388,23 @@ class Exploration {
   // A new depth scan from the side that is looked at.
   void rescan(const Eigen::Matrix4d& scan_to_grid) {
     using Priority = haptics::Announcement::Priority;
-    haptics::AnnouncementBoard& board = session_->announcements();
-    if (session_->plays_recording()) return board.say("No new depth scan while a recording is played");
-    if (scans_->status().busy) return board.say("A depth scan is already running");
+    if (session_->plays_recording()) return announce("no_scan_while_played");
+    if (scans_->status().busy) return announce("scan_running");
     if (const std::string why = scans_->unavailable(); !why.empty())
-      return board.say("No new depth scan: " + why, Priority::warning);
-    board.say("New depth scan");
+      return announce("no_new_scan", {{"reason", why}}, Priority::warning);
+    announce("new_scan");
     scans_->scan(scans_->setup_from(scan_to_grid));
+  }
+
+  void tell_of_speech() {
+    if (told_of_speech_ || speaker_->available()) return;
+    told_of_speech_ = true;
+    terminal_.message("warning: no speech program is installed (espeak-ng)");
+  }
+
+  void announce(Phrase phrase, const PhraseValues& values = {},
+                haptics::Announcement::Priority priority = haptics::Announcement::Priority::information) {
+    session_->announcements().say(session_->phrases().text(phrase, values), priority);
   }
 
   void tell_of_scans() {
@@ -407,7 +433,8 @@ class Exploration {
     touch_.see(session_->state().read());
     for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {
       heard_ = announcement.sequence;
-      if (speech_) speech_->say(announcement);
+      speaker_->hear(announcement);
+      tell_of_speech();
       if (announcement.priority != haptics::Announcement::Priority::information) {
         terminal_.message("warning: " + announcement.text);
       }
@@ -475,7 +502,8 @@ class Exploration {
   std::shared_ptr<haptics::ContactQueue> contacts_;
   std::unique_ptr<audio::Engine> audio_;
   std::mutex sound_mutex_;  // of audio_, which the thread that speaks uses
-  std::optional<audio::Speech> speech_;
+  std::optional<Speaker> speaker_;
+  bool told_of_speech_ = false;
   std::unique_ptr<DepthScans> scans_;
   viewer::Connections connections_;
   std::uint64_t notes_ = 0, work_ = 0;
@@ -536,6 +564,8 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_flag("--no-texture", arguments->no_texture, "render the envelope, without surface effects");
   command->add_flag("--no-friction", arguments->no_friction, "render without friction");
   command->add_flag("--speech", arguments->speech, "speak announcements");
+  command->add_option("--language", arguments->language, "of announcements and speech; default: the scene's, else en")
+      ->check(CLI::IsMember(Phrases::languages()));
   command->add_flag("--kiosk", arguments->kiosk, "full screen, for exhibitions");
   command->add_option("--scenes", arguments->scenes, "with --kiosk: a folder of scenes that visitors choose from");
   command->add_flag("--direct", arguments->direct, "build scans at once, without turning the object first");

@@ -10,6 +10,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+
+#include <fmt/ranges.h>
+
+#include "base/phrases.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -306,12 +311,32 @@ std::vector<PartConfig> parse_parts(const Node& node) {
     part.name = yaml::to_text(reader.required("name"));
     part.say = part.name;
     reader.read("say", part.say);
+    reader.read("more", part.more);
+    // Speech would say nothing at all where something is promised.
+    if (part.say.empty()) part.say = part.name;
     part.box_m = read_box(reader.required("box_m"));
     part.touch = parse_touch(reader, item);
     reader.finish();
     parts.push_back(std::move(part));
   }
   return parts;
+}
+
+std::optional<SpeechConfig> parse_speech(const Node& node) {
+  SpeechConfig speech;
+  if (node.is_scalar()) return yaml::to_bool(node) ? std::optional(speech) : std::nullopt;
+  MapReader reader(node, "speech");
+  if (const Node* language = reader.optional("language")) {
+    speech.language = yaml::to_text(*language);
+    const std::vector<std::string> known = Phrases::languages();
+    if (std::find(known.begin(), known.end(), speech.language) == known.end())
+      throw yaml::error_at(*language, "no texts are there in the language '" + speech.language + "'",
+                           fmt::format("{}", fmt::join(known, " or ")));
+  }
+  reader.read("voice", speech.voice);
+  reader.read("words_per_minute", speech.words_per_minute, 80, 450);
+  reader.finish();
+  return speech;
 }
 
 ViewerConfig parse_viewer(const Node& node) {
@@ -377,6 +402,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
     require_friction(*node, config);
   }
   if (const Node* node = reader.optional("audio")) config.audio = parse_audio(*node, folder);
+  if (const Node* node = reader.optional("speech")) config.speech = parse_speech(*node);
   if (const Node* node = reader.optional("viewer")) config.viewer = parse_viewer(*node);
   reader.finish();
   return config;

@@ -166,6 +166,13 @@ struct PartConfig {
   std::string say;
   std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax, grid frame
   PartTouch touch{};
+  std::string more{};  ///< told when more is asked for
+};
+/// What is announced is spoken.
+struct SpeechConfig {
+  std::string language = "en";  ///< of configs/speech
+  std::string voice;            ///< espeak's name; empty: the language's own
+  int words_per_minute = 170;
 };
 /// One decaying partial of a note.
 struct ModeConfig {
@@ -233,6 +240,7 @@ struct Config {
   HapticsConfig haptics;
   std::vector<PartConfig> parts;
   std::optional<AudioConfig> audio;
+  std::optional<SpeechConfig> speech;
   ViewerConfig viewer;
 };
 

@@ -267,9 +267,14 @@ std::string to_yaml(const Config& config) {
   if (!config.parts.empty()) text += "parts:\n";
   for (const PartConfig& part : config.parts) {
     text += "  - {name: " + quote(part.name) + ", say: " + quote(part.say) + ", box_m: " + box(part.box_m) +
-            touch_text(part.touch) + "}\n";
+            touch_text(part.touch) + (part.more.empty() ? "" : ", more: " + quote(part.more)) + "}\n";
   }
   if (config.audio) text += audio_text(*config.audio);
+  if (config.speech) {
+    text += fmt::format("speech: {{language: {}, words_per_minute: {}{}}}\n", config.speech->language,
+                        config.speech->words_per_minute,
+                        config.speech->voice.empty() ? "" : ", voice: " + quote(config.speech->voice));
+  }
   text += fmt::format("viewer: {{colour: {}, stereo: {}}}\n",
                       ViewerConfig::kColourNames[static_cast<std::size_t>(config.viewer.colour)],
                       ViewerConfig::kStereoNames[static_cast<std::size_t>(config.viewer.stereo)]);

@@ -1,6 +1,7 @@
 // One thread that starts, watches and cuts short the speech program.
 #include "audio/speech/speech.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "audio/speech/child_process.h"
 
@@ -17,14 +19,19 @@ namespace {
 using haptics::Announcement;
 
 constexpr std::size_t kMostFaults = 8;
-constexpr std::size_t kMostCharacters = 2000;
+constexpr int kSlowest = 80;  // words a minute
+constexpr int kFastest = 450;
+constexpr std::size_t kMostBytes = 8000;
 constexpr auto kWatch = std::chrono::milliseconds(10);
 /// A program that speaks longer than this hangs.
 constexpr auto kLongest = std::chrono::seconds(60);
 
 /// One line without control characters, which speech programs may take for commands.
 std::string speakable(const std::string& text) {
-  std::string result = text.substr(0, kMostCharacters);
+  std::size_t end = std::min(text.size(), kMostBytes);
+  // Not in the middle of a character (UTF-8).
+  while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  std::string result = text.substr(0, end);
   for (char& c : result)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   return result + "\n";
@@ -58,15 +65,23 @@ Words words_of(const std::string& wav) {
 
 struct Speech::Implementation {
   std::optional<std::filesystem::path> program;
-  std::vector<std::string> arguments;
+  int words_per_minute = 170;
+  std::string voice;
   std::function<bool(std::vector<float>, double)> play;
 
   std::mutex mutex;
   std::condition_variable wake;
   bool stopping = false;
+  bool silenced = false;  // end what is being said
   std::deque<Announcement> faults;
   std::optional<Announcement> newest;
   std::thread worker;
+
+  [[nodiscard]] std::vector<std::string> arguments() const {
+    std::vector<std::string> words{"--stdin", "-b", "1", "-s", std::to_string(words_per_minute)};
+    if (!voice.empty()) words.insert(words.end(), {"-v", voice});
+    return words;
+  }
 
   /// What is to be said next, given what is being said; none = let it speak.
   std::optional<Announcement> take(bool speaking, const Announcement& current) {
@@ -100,13 +115,21 @@ struct Speech::Implementation {
                                    1000.0 * static_cast<double>(words.samples.size()) / words.rate_hz));
         } else {
           began = now;
-          child = ChildProcess::start(*program, arguments, speakable(current.text));
+          child = ChildProcess::start(*program, arguments(), speakable(current.text));
         }
+        continue;
+      }
+      if (std::exchange(silenced, false)) {
+        child.reset();
+        makes_words = false;
+        if (now < played_until) play({}, 0.0);
+        played_until = now;
         continue;
       }
       const bool speaking = runs || now < played_until;
       if (!runs) child.reset();
       if (std::optional<Announcement> next = take(speaking, current)) {
+        std::vector<std::string> words = arguments();
         lock.unlock();
         child.reset();
         if (now < played_until) play({}, 0.0);
@@ -114,7 +137,6 @@ struct Speech::Implementation {
         current = std::move(*next);
         began = std::chrono::steady_clock::now();
         makes_words = play != nullptr;
-        std::vector<std::string> words = arguments;
         if (makes_words) words.emplace_back("--stdout");
         child = ChildProcess::start(*program, words, speakable(current.text),
                                     makes_words ? ChildProcess::Output::keep : ChildProcess::Output::discard);
@@ -122,7 +144,7 @@ struct Speech::Implementation {
       } else if (speaking) {
         wake.wait_for(lock, kWatch);
       } else {
-        wake.wait(lock, [this] { return stopping || newest || !faults.empty(); });
+        wake.wait(lock, [this] { return stopping || silenced || newest || !faults.empty(); });
       }
     }
   }
@@ -132,9 +154,9 @@ Speech::Speech(const SpeechOptions& options) : implementation_(std::make_unique<
   Implementation& self = *implementation_;
   self.program = find_program(options.programs);
   self.play = options.play;
+  self.words_per_minute = std::clamp(options.words_per_minute, kSlowest, kFastest);
+  self.voice = options.voice;
   if (!self.program) return;
-  self.arguments = {"--stdin", "-b", "1", "-s", std::to_string(options.words_per_minute)};
-  if (!options.voice.empty()) self.arguments.insert(self.arguments.end(), {"-v", options.voice});
   self.worker = std::thread([&self] { self.work(); });
 }
 
@@ -145,6 +167,26 @@ Speech::~Speech() {
   }
   implementation_->wake.notify_all();
   if (implementation_->worker.joinable()) implementation_->worker.join();
+}
+
+void Speech::set_words_per_minute(int words_per_minute) {
+  const std::lock_guard lock(implementation_->mutex);
+  implementation_->words_per_minute = std::clamp(words_per_minute, kSlowest, kFastest);
+}
+
+void Speech::set_voice(const std::string& voice) {
+  const std::lock_guard lock(implementation_->mutex);
+  implementation_->voice = voice;
+}
+
+void Speech::be_silent() {
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    implementation_->faults.clear();
+    implementation_->newest.reset();
+    implementation_->silenced = true;
+  }
+  implementation_->wake.notify_all();
 }
 
 bool Speech::available() const { return implementation_->program.has_value(); }

@@ -30,6 +30,11 @@ class Speech {
   /// False when no speech program is installed. Starts nothing.
   [[nodiscard]] bool available() const;
   void say(const haptics::Announcement& announcement);
+  /// From the next words on; 80 to 450 words a minute.
+  void set_words_per_minute(int words_per_minute);
+  void set_voice(const std::string& voice);
+  /// What is being said ends, and what waits is forgotten.
+  void be_silent();
 
  private:
   struct Implementation;

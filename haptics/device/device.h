@@ -35,8 +35,8 @@ struct DeviceInfo {
 
 /// What the person at the device should know now.
 struct DeviceAdvice {
-  const char* words;
-  bool needed;  ///< false: good to know; true: nothing goes on before it is done
+  const char* phrase;  ///< key of the text in every language (configs/speech), or words of the driver's own
+  bool needed;         ///< false: good to know; true: nothing goes on before it is done
 };
 
 /// All calls but open-time ones come from the servo thread and must not allocate, lock or throw.

@@ -1,7 +1,6 @@
 #include "haptics/session/announcer.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -15,35 +14,35 @@ namespace {
 
 constexpr double kSilenceS = 1.0;  // the same thing is said again only after so long an absence
 
-/// Words for a view that shows the stone at its own size or larger; none for smaller ones.
-std::string magnification_text(double scale) {
-  constexpr double kOwnSize = 0.05;  // a few nodes cannot be exactly 1:1
-  if (scale < 1.0 - kOwnSize) return {};
-  if (scale < 1.0 + kOwnSize) return ", at its own size";
-  const double whole = std::round(scale);
-  if (std::abs(scale - whole) < kOwnSize * whole) return fmt::format(", {:.0f} times its size", whole);
-  return fmt::format(", {:.1f} times its size", scale);
-}
-
-/// Where something is along one axis, seen from an edge.
-std::string from_edge(double metres, const char* edge) {
-  return fmt::format("{} {} the {} edge", length_text(std::abs(metres), TextStyle::spoken),
-                     metres < 0.0 ? "beyond" : "from", edge);
-}
-
 }  // namespace
 
-Announcer::Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene)
-    : board_(board), scene_(std::move(scene)) {}
+Announcer::Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene, Phrases phrases)
+    : board_(board), scene_(std::move(scene)), phrases_(std::move(phrases)) {}
 
 void Announcer::set_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
   part_.clear();
+  described_.clear();
   unknown_ = false;
   outside_ = false;
 }
 
-void Announcer::say(std::string text, Announcement::Priority priority) { board_.say(std::move(text), priority); }
+void Announcer::say(Phrase phrase, const PhraseValues& values, Priority priority) {
+  say_as_is(phrases_.text(phrase, values), priority);
+}
+
+void Announcer::say_as_is(std::string text, Priority priority) {
+  last_ = text;
+  board_.say(std::move(text), priority);
+}
+
+void Announcer::repeat() {
+  if (!last_.empty()) board_.say(last_);
+}
+
+void Announcer::control(Announcement::Control control, Phrase phrase) {
+  board_.say(phrases_.text(phrase), Priority::information, control);
+}
 
 const pipeline::PartConfig* Announcer::part_at(const State& state) const {
   return pipeline::part_at(scene_->description(), state.place_m);
@@ -52,49 +51,93 @@ const pipeline::PartConfig* Announcer::part_at(const State& state) const {
 void Announcer::watch(const State& state) {
   if (state.contact == 0) return;
   if (const pipeline::PartConfig* part = part_at(state)) {
-    if (part->name != part_ || state.time_s - part_left_s_ > kSilenceS) say(part->say.empty() ? part->name : part->say);
+    if (part->name != part_ || state.time_s - part_left_s_ > kSilenceS) {
+      say_as_is(part->say);
+      described_ = part->name;  // the next press tells more
+    }
     part_ = part->name;
     part_left_s_ = state.time_s;
   }
   const bool outside = (state.flags & kFlagOutside) != 0;
-  if (outside && !outside_ && state.time_s - outside_left_s_ > kSilenceS) say("Edge of the scene");
+  if (outside && !outside_ && state.time_s - outside_left_s_ > kSilenceS) say(way_back(state));
   if (outside) outside_left_s_ = state.time_s;
   outside_ = outside;
   const bool unknown = (state.flags & kFlagUnknownArea) != 0 && !outside;
-  if (unknown && !unknown_ && state.time_s - unknown_left_s_ > kSilenceS) say("Not measured here");
+  if (unknown && !unknown_ && state.time_s - unknown_left_s_ > kSilenceS) say("not_measured");
   if (unknown) unknown_left_s_ = state.time_s;
   unknown_ = unknown;
 }
 
-void Announcer::say_level(int level, double width_m, double scale) {
-  const std::size_t count = scene_->description().levels.size();
-  say(fmt::format("Level {} of {}, {} across{}", level + 1, count, length_text(width_m, TextStyle::spoken),
-                  magnification_text(scale)));
+// From the edge that the hand has passed the farthest; from a rim inside the grid, towards the grid's middle.
+Phrase Announcer::way_back(const State& state) const {
+  const pipeline::Lattice& lattice = scene_->description().levels.front();
+  const double left_m = lattice.x_m(0) - state.proxy_m[0];
+  const double right_m = state.proxy_m[0] - lattice.x_m(lattice.nx - 1);
+  const double below_m = lattice.y_m(0) - state.proxy_m[1];
+  const double above_m = state.proxy_m[1] - lattice.y_m(lattice.ny - 1);
+  // Distances beyond an edge; inside, the nearest edge has the largest of four negative numbers.
+  if (std::max(left_m, right_m) >= std::max(below_m, above_m))
+    return left_m > right_m ? Phrase("edge_go_right") : Phrase("edge_go_left");
+  return below_m > above_m ? Phrase("edge_go_up") : Phrase("edge_go_down");
 }
+
+std::string Announcer::view_text(const View& view) const {
+  constexpr double kOwnSize = 0.05;  // a few nodes cannot be exactly 1:1
+  std::string size;                  // none for a view that is smaller than the stone
+  if (view.scale >= 1.0 + kOwnSize)
+    size = phrases_.text("size_times", {{"times", value_text(view.scale, view.scale < 9.5 ? 2 : 1)}});
+  else if (view.scale >= 1.0 - kOwnSize)
+    size = phrases_.text("size_own");
+  constexpr std::array<Phrase, 5> kViews{"view_whole", "view_closest", "view_closer", "view_farther", "view_present"};
+  return phrases_.text(kViews.at(static_cast<std::size_t>(view.kind)),
+                       {{"distance", phrases_.distance(view.width_m)}, {"size", size}});
+}
+
+void Announcer::say_view(const View& view) { say_as_is(view_text(view)); }
+
+void Announcer::say_first(const View& view) { say("first_words", {{"view", view_text(view)}}); }
 
 void Announcer::say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m) {
-  constexpr std::array<const char*, 12> kHours{"twelve", "one",   "two",   "three", "four", "five",
-                                               "six",    "seven", "eight", "nine",  "ten",  "eleven"};
+  constexpr std::array<Phrase, 12> kClock{"clock_12", "clock_1", "clock_2", "clock_3", "clock_4",  "clock_5",
+                                          "clock_6",  "clock_7", "clock_8", "clock_9", "clock_10", "clock_11"};
+  constexpr double kHereM = 0.0005;
+  described_ = part.name;
+  if (way_m.norm() < kHereM) return say("part_here", {{"part", part.say}});
   const double turns = std::atan2(way_m.x(), way_m.y()) / (2.0 * std::numbers::pi);  // from twelve o'clock, clockwise
-  const auto hour = static_cast<std::size_t>(std::lround(12.0 * (turns + 1.0))) % kHours.size();
-  say(fmt::format("{}, {}, {} o'clock", part.say.empty() ? part.name : part.say,
-                  length_text(way_m.norm(), TextStyle::spoken), kHours[hour]));
+  const auto hour = static_cast<std::size_t>(std::lround(12.0 * (turns + 1.0))) % kClock.size();
+  say("part_way",
+      {{"part", part.say}, {"distance", phrases_.distance(way_m.norm())}, {"clock", phrases_.text(kClock.at(hour))}});
 }
 
-void Announcer::describe(const State& state, double width_m) {
+// In thirds of the grid.
+Phrase Announcer::place_on_stone(const State& state) const {
+  constexpr std::array<std::array<Phrase, 3>, 3> kPlaces{{{"place_lower_left", "place_lower", "place_lower_right"},
+                                                          {"place_left", "place_middle", "place_right"},
+                                                          {"place_upper_left", "place_upper", "place_upper_right"}}};
   const pipeline::Lattice& lattice = scene_->description().levels.front();
-  std::string text =
-      fmt::format("{}, {}, level {} of {}, {} across", from_edge(state.proxy_m[0] - lattice.origin_m.x(), "left"),
-                  from_edge(state.proxy_m[1] - lattice.origin_m.y(), "lower"), state.level + 1,
-                  scene_->description().levels.size(), length_text(width_m, TextStyle::spoken));
-  if (const pipeline::PartConfig* part = part_at(state))
-    text = (part->say.empty() ? part->name : part->say) + ". " + text;
+  const auto third = [](double at, double from, double to) -> std::size_t {
+    const double share = (at - from) / (to - from);
+    return share < 1.0 / 3.0 ? 0 : share <= 2.0 / 3.0 ? 1 : 2;
+  };
+  const std::size_t row = third(state.proxy_m[1], lattice.y_m(0), lattice.y_m(lattice.ny - 1));
+  return kPlaces.at(row).at(third(state.proxy_m[0], lattice.x_m(0), lattice.x_m(lattice.nx - 1)));
+}
+
+void Announcer::describe(const State& state, const View& view) {
+  const pipeline::PartConfig* part = part_at(state);
+  const bool again = part != nullptr && part->name == described_ && !part->more.empty();
+  described_ = part != nullptr && !again ? part->name : std::string();
+  if (again) return say_as_is(part->more);
+  std::string contact = phrases_.text(state.contact != 0 ? Phrase("touching") : Phrase("in_the_air"));
   if ((state.flags & kFlagOutside) != 0)
-    text += ", outside the scene";
+    contact += ", " + phrases_.text("outside");
   else if ((state.flags & kFlagUnknownArea) != 0)
-    text += ", not measured here";
-  text += state.contact != 0 ? ", touching" : ", in the air";
-  say(std::move(text));
+    contact += ", " + phrases_.text("not_measured");
+  const PhraseValues values{{"part", part != nullptr ? part->say : std::string()},
+                            {"place", phrases_.text(place_on_stone(state))},
+                            {"view", view_text(view)},
+                            {"contact", contact}};
+  say(part != nullptr ? Phrase("where_part") : Phrase("where"), values);
 }
 
 }  // namespace sparsha::haptics

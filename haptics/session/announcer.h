@@ -1,39 +1,63 @@
-// Finds the words: watches State and says what a visitor who cannot see needs to know.
+// Finds the words: watches State and says what a visitor who cannot see needs to know, in the visitor's language.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
+#include "base/phrases.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {
 
+/// What the window shows, among all the views that there are.
+struct View {
+  enum class Kind { whole, closest, closer, farther, present };
+  Kind kind = Kind::present;
+  double width_m = 0.0;  ///< of the window, grid frame
+  double scale = 1.0;    ///< device metres per grid metre
+};
+
 /// Session's thread only.
 class Announcer {
  public:
-  Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene);
+  using Priority = Announcement::Priority;
+  Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene, Phrases phrases = Phrases::of("en"));
 
   void set_scene(pipeline::ScenePointer scene);
   /// Compares with what was said last: parts, unknown areas, edges of the scene.
   void watch(const State& state);
-  /// "Level 2 of 4, 12 centimetres across"; nearer views add how many times the stone's size is felt.
-  /// `scale`: device metres per grid metre.
-  void say_level(int level, double width_m, double scale);
+  /// "Closer, 12 centimetres across"; nearer views add how many times the stone's size is felt.
+  void say_view(const View& view);
+  /// The same with how to get help, where speech begins.
+  void say_first(const View& view);
   /// A part that the window goes to, and its way from the hand, grid frame: "Lotus, 12 centimetres, two o'clock".
   void say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m);
-  /// Where the hand is, at length.
-  void describe(const State& state, double width_m);
-  void say(std::string text, Announcement::Priority priority = Announcement::Priority::information);
+  /// Where the hand is, at length; asked again on the same part, what else there is to say about it.
+  void describe(const State& state, const View& view);
+  /// What was said last, once more.
+  void repeat();
+  void say(Phrase phrase, const PhraseValues& values = {}, Priority priority = Priority::information);
+  /// What a driver has to say, in its own words.
+  void say_as_is(std::string text, Priority priority = Priority::information);
+  /// Tells speech to become something, and says so.
+  void control(Announcement::Control control, Phrase phrase);
+  [[nodiscard]] const Phrases& phrases() const { return phrases_; }
 
  private:
   [[nodiscard]] const pipeline::PartConfig* part_at(const State& state) const;
+  [[nodiscard]] std::string view_text(const View& view) const;
+  [[nodiscard]] Phrase place_on_stone(const State& state) const;
+  [[nodiscard]] Phrase way_back(const State& state) const;
 
   AnnouncementBoard& board_;
   pipeline::ScenePointer scene_;
+  Phrases phrases_;
+  std::string last_;           // said
   std::string part_;           // name of the part last spoken
   double part_left_s_ = -1e9;  // when the hand was last on it
+  std::string described_;      // name of the part that more can be told about
   bool unknown_ = false;
   double unknown_left_s_ = -1e9;
   bool outside_ = false;

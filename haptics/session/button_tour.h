@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "haptics/session/announcer.h"
@@ -21,19 +22,17 @@ class ButtonTour {
 
  private:
   struct Step {
-    const char* words;
+    Phrase words;
     Gesture awaited;
     Gesture also;
   };
-  void go_on(double time_s, const char* praise);
+  void go_on(double time_s, std::optional<Phrase> praise);
+  void tell(std::optional<Phrase> first, Phrase words);
 
   Announcer& announcer_;
   std::vector<Step> steps_;
   std::size_t step_ = 0;
   double since_s_ = 0.0;
 };
-
-/// The buttons in one breath.
-[[nodiscard]] const char* button_help();
 
 }  // namespace sparsha::haptics

@@ -11,13 +11,16 @@ struct Meaning {
   Gesture hold;
   double hold_s;  ///< pressed for so long it is held
   std::optional<Gesture> release;
+  std::optional<Gesture> hold_longer;
 };
 
+constexpr double kLongS = 2.0;
+
 // Right, forward, centre, left: bits 0 to 3 of State::buttons, from the front of a Falcon's grip.
-constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_part, 0.6, {}},
-                                            {Gesture::whole_scene, Gesture::drag, 0.2, Gesture::let_go},
-                                            {Gesture::describe, Gesture::help, 0.8, {}},
-                                            {Gesture::zoom_out, Gesture::previous_part, 0.6, {}}}};
+constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_part, 0.6, {}, {}},
+                                            {Gesture::whole_scene, Gesture::drag, 0.2, Gesture::let_go, {}},
+                                            {Gesture::describe, Gesture::help, 0.8, {}, Gesture::speech},
+                                            {Gesture::zoom_out, Gesture::previous_part, 0.6, {}, {}}}};
 
 }  // namespace
 
@@ -30,7 +33,7 @@ std::vector<Gesture> Buttons::read(const State& state) {
     // A contact that bounces between two looks is one press; one that came and went between them is a click.
     const bool pressed = state.button_presses[k] != button.presses;
     button.presses = state.button_presses[k];
-    if (pressed && !button.down) button = {button.presses, true, false, state.time_s};
+    if (pressed && !button.down) button = {button.presses, true, false, false, state.time_s};
     if (!button.down) continue;
     if (!down) {
       if (!button.held)
@@ -41,6 +44,10 @@ std::vector<Gesture> Buttons::read(const State& state) {
     } else if (!button.held && state.time_s - button.since_s >= meaning.hold_s) {
       button.held = true;
       gestures.push_back(meaning.hold);
+    }
+    if (down && meaning.hold_longer && !button.held_longer && state.time_s - button.since_s >= kLongS) {
+      button.held_longer = true;
+      gestures.push_back(*meaning.hold_longer);
     }
   }
   return gestures;

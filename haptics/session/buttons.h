@@ -10,9 +10,9 @@
 namespace sparsha::haptics {
 
 /// The grip's four buttons as seen from the front: right and left zoom, held they go to the next and previous part; the
-/// centre says where the hand is, held it helps; forward drags the stone while it is held, clicked it shows the whole
-/// scene.
-enum class Gesture { zoom_in, zoom_out, next_part, previous_part, describe, help, drag, let_go, whole_scene };
+/// centre says where the hand is, held it helps, held for 2 s it turns speech on or off; forward drags the stone while
+/// it is held, clicked it shows the whole scene.
+enum class Gesture { zoom_in, zoom_out, next_part, previous_part, describe, help, drag, let_go, whole_scene, speech };
 
 /// Session's thread only.
 class Buttons {
@@ -24,7 +24,8 @@ class Buttons {
   struct Button {
     std::uint64_t presses = 0;  ///< seen
     bool down = false;
-    bool held = false;  ///< long enough, and said so
+    bool held = false;         ///< long enough, and said so
+    bool held_longer = false;  ///< likewise
     double since_s = 0.0;
   };
   std::array<Button, 4> buttons_{};

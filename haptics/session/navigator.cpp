@@ -60,11 +60,11 @@ std::optional<WindowLoader::Job> Navigator::zoom(Zoom direction, const State& st
   });
   if (here == steps.end()) return std::nullopt;
   if (direction == Zoom::in && here + 1 == steps.end()) {
-    announcer_.say("Closest view");
+    announcer_.say("already_closest");
     return std::nullopt;
   }
   if (direction == Zoom::out && here == steps.begin()) {
-    announcer_.say("Whole scene");
+    announcer_.say("already_whole");
     return std::nullopt;
   }
   const ZoomStep& next = direction == Zoom::in ? *(here + 1) : *(here - 1);
@@ -73,7 +73,7 @@ std::optional<WindowLoader::Job> Navigator::zoom(Zoom direction, const State& st
   const Eigen::Vector2d device = (point - across(state.centre_m)) * state.scale;
   const double scale = plan_at(next, point).scale;
   const WindowPlan plan = plan_at(next, point - device / scale);
-  announcer_.say_level(next.level, workspace_width_m_ / plan.scale, plan.scale);
+  announcer_.say_view(view_of(plan, direction == Zoom::in ? View::Kind::closer : View::Kind::farther));
   return job(plan);
 }
 
@@ -92,6 +92,13 @@ WindowLoader::Job Navigator::move(const WindowPlan& plan, const Eigen::Vector2d&
   return result;
 }
 
+View Navigator::view_of(const WindowPlan& plan, View::Kind between) const {
+  const std::vector<ZoomStep> steps = zoom_steps(scene_->description(), workspace_width_m_);
+  const auto is = [&plan](const ZoomStep& step) { return step.level == plan.level && step.nodes == plan.nodes; };
+  const View::Kind kind = is(steps.front()) ? View::Kind::whole : is(steps.back()) ? View::Kind::closest : between;
+  return {kind, workspace_width_m_ / plan.scale, plan.scale};
+}
+
 WindowLoader::Job Navigator::whole_scene() {
   const WindowPlan plan = first_plan();
   return move(plan, middle_of(level(plan.level)));
@@ -102,7 +109,7 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   constexpr double kRoom = 1.1;  // window widths a part
   const auto& parts = scene_->description().config.parts;
   if (parts.empty()) {
-    announcer_.say("There are no named parts");
+    announcer_.say("no_parts");
     return std::nullopt;
   }
   const std::size_t count = parts.size();
@@ -110,7 +117,7 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   const pipeline::PartConfig& part = parts[part_ - 1];
   const std::optional<std::array<double, 4>> box = pipeline::part_box(*scene_, part);
   if (!box) {
-    announcer_.say(part.name + " is not on this side");
+    announcer_.say("part_other_side", {{"part", part.say}});
     return std::nullopt;
   }
   const Eigen::Vector2d centre_m(0.5 * ((*box)[0] + (*box)[2]), 0.5 * ((*box)[1] + (*box)[3]));
@@ -120,7 +127,6 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
     if (const WindowPlan next = plan_at(nearer, centre_m); workspace_width_m_ / next.scale >= kRoom * size_m)
       plan = next;
   announcer_.say_part(part, centre_m - across(state.hip_m));
-  announcer_.say_level(plan.level, workspace_width_m_ / plan.scale, plan.scale);
   return move(plan, centre_m);
 }
 
@@ -132,8 +138,11 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       return zoom(Zoom::in, state);
     case Request::Kind::zoom_out:
       return zoom(Zoom::out, state);
-    case Request::Kind::whole_scene:
-      return whole_scene();
+    case Request::Kind::whole_scene: {
+      WindowLoader::Job overview = whole_scene();
+      announcer_.say_view(view_of(overview.plan));
+      return overview;
+    }
     case Request::Kind::next_part:
       return part(+1, state);
     case Request::Kind::previous_part:
@@ -151,7 +160,10 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       bool& present = texture ? effects_.texture : effects_.friction;
       if (present == request.on) return std::nullopt;
       present = request.on;
-      announcer_.say(std::string(texture ? "Texture " : "Friction ") + (request.on ? "on" : "off"));
+      if (texture)
+        announcer_.say(request.on ? Phrase("texture_on") : Phrase("texture_off"));
+      else
+        announcer_.say(request.on ? Phrase("friction_on") : Phrase("friction_off"));
       WindowPlan plan = plan_;
       plan.effects = effects_;
       return job(plan);
@@ -214,8 +226,8 @@ std::optional<Command> Navigator::scroll(const State& state) {
 }
 
 void Navigator::say_direction(const Eigen::Vector3d& velocity) {
-  constexpr std::array<std::array<const char*, 2>, 3> kWords = {
-      {{"Moving left", "Moving right"}, {"Moving down", "Moving up"}, {"Going deeper", "Coming nearer"}}};
+  constexpr std::array<std::array<Phrase, 2>, 3> kWords = {
+      {{"moving_left", "moving_right"}, {"moving_down", "moving_up"}, {"going_deeper", "coming_nearer"}}};
   Eigen::Index axis = 0;
   velocity.cwiseAbs().maxCoeff(&axis);
   announcer_.say(kWords[static_cast<std::size_t>(axis)][velocity[axis] > 0.0 ? 1 : 0]);

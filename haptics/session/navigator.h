@@ -28,6 +28,9 @@ class Navigator {
   /// Width of the present window, grid frame.
   [[nodiscard]] double width_m() const { return workspace_width_m_ / plan_.scale; }
 
+  /// What a plan shows; `between`: what to call a view that is neither the whole scene nor the closest.
+  [[nodiscard]] View view_of(const WindowPlan& plan, View::Kind between = View::Kind::present) const;
+
   /// A wish that changes the window; empty when it changes nothing (and says why).
   [[nodiscard]] std::optional<WindowLoader::Job> wish(const Request& request, const State& state);
   /// The servo has taken over all that was asked for.

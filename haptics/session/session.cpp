@@ -52,10 +52,10 @@ struct Session::Implementation {
         options(std::move(session_options)),
         info(device ? device->info() : played_device(*recording)),
         rate_hz(checked_rate(options.haptics.rate_hz, info.rate_hz)),
-        announcer(announcements, scene),
+        announcer(announcements, scene, Phrases::of(options.language)),
         navigator(scene, info.workspace_width_m, options.effects, announcer),
         recorder(options.record, info, rate_hz) {
-    if (!info.warning.empty()) announcer.say(info.warning, Announcement::Priority::warning);
+    if (!info.warning.empty()) announcer.say_as_is(info.warning, Announcement::Priority::warning);
     stiffness_n_per_m = governed(options.haptics.stiffness_n_per_m);
     if (recording) {
       recording->require_scene(scene->description());
@@ -74,7 +74,7 @@ struct Session::Implementation {
     if (servo->post(std::move(command)))
       ++sequence;
     else
-      announcer.say("The servo does not answer", Announcement::Priority::warning);
+      announcer.say("servo_silent", {}, Announcement::Priority::warning);
   }
 
   void request_window(std::optional<WindowLoader::Job> job) {
@@ -91,7 +91,7 @@ struct Session::Implementation {
       if (result->error.empty())
         post(std::move(result->job.command));
       else
-        announcer.say("A part of the scene cannot be read: " + result->error, Announcement::Priority::fault);
+        announcer.say("window_unreadable", {{"reason", result->error}}, Announcement::Priority::fault);
     }
   }
 
@@ -101,7 +101,7 @@ struct Session::Implementation {
         quit = true;
         return;
       case Request::Kind::describe:
-        announcer.describe(now, info.workspace_width_m / now.scale);
+        describe(now);
         return;
       case Request::Kind::set_stiffness:
       case Request::Kind::scale_stiffness: {
@@ -114,13 +114,32 @@ struct Session::Implementation {
         command.kind = Command::Kind::stiffness;
         command.stiffness_n_per_m = stiffness_n_per_m;
         post(std::move(command));
-        announcer.say(fmt::format("Stiffness {:.0f} newtons a metre{}", stiffness_n_per_m,
-                                  stiffness_n_per_m < wish_n_per_m ? ", all the device can bear" : ""));
+        announcer.say(stiffness_n_per_m < wish_n_per_m ? Phrase("stiffness_most") : Phrase("stiffness"),
+                      {{"number", fmt::format("{:.0f}", stiffness_n_per_m)}});
         return;
       }
       case Request::Kind::help:
         helped_s = now.time_s;
-        announcer.say(button_help());
+        announcer.say("help");
+        return;
+      case Request::Kind::help_keys:
+        announcer.say("help_keys");
+        return;
+      case Request::Kind::repeat:
+        announcer.repeat();
+        return;
+      case Request::Kind::speak_slower:
+        announcer.control(Announcement::Control::slower, "speech_slower");
+        return;
+      case Request::Kind::speak_faster:
+        announcer.control(Announcement::Control::faster, "speech_faster");
+        return;
+      case Request::Kind::next_voice:
+        announcer.control(Announcement::Control::next_voice, "speech_voice");
+        return;
+      case Request::Kind::toggle_speech:
+        speaks = !speaks;
+        announcer.control(Announcement::Control::toggle, speaks ? Phrase("speech_on") : Phrase("speech_off"));
         return;
       case Request::Kind::tour:
         helped_s = -kHelpAgainS;
@@ -137,6 +156,13 @@ struct Session::Implementation {
       default:
         if (!recording) request_window(navigator.wish(request, now));
     }
+  }
+
+  void describe(const State& now) {
+    // The window that the servo has, not one that is on its way.
+    View view = navigator.view_of(navigator.plan());
+    if (view.scale != now.scale) view = {View::Kind::present, info.workspace_width_m / now.scale, now.scale};
+    announcer.describe(now, view);
   }
 
   void use_buttons(const State& now) {
@@ -165,6 +191,8 @@ struct Session::Implementation {
       case Gesture::help:
         // Asked for once more, help becomes a tour.
         return {now.time_s - helped_s < kHelpAgainS ? Kind::tour : Kind::help};
+      case Gesture::speech:
+        return {Kind::toggle_speech};
       case Gesture::describe:
         break;
     }
@@ -176,36 +204,32 @@ struct Session::Implementation {
     double time_s = -1e9;
   };
   // Once when it happens, and again every few seconds while it goes on.
-  void tell_fault(std::uint64_t count, double time_s, Told& told, const char* words) {
+  void tell_fault(std::uint64_t count, double time_s, Told& told, Phrase words) {
     if (count == told.count || time_s - told.time_s < kFaultPauseS) return;
     told = {count, time_s};
-    announcer.say(words, Announcement::Priority::fault);
+    announcer.say(words, {}, Announcement::Priority::fault);
   }
 
   void watch_faults(const State& now) {
     if (!told_real_time && servo->asked_for_real_time()) {
       told_real_time = true;
-      if (options.real_time && !servo->real_time())
-        announcer.say("Real-time scheduling was not granted: ticks may be late", Announcement::Priority::warning);
+      if (options.real_time && !servo->real_time()) announcer.say("no_real_time", {}, Announcement::Priority::warning);
       if (options.real_time && !servo->locked_memory())
-        announcer.say("Memory could not be locked: ticks may be late", Announcement::Priority::warning);
+        announcer.say("no_locked_memory", {}, Announcement::Priority::warning);
     }
-    if (servo->unplugged() && !unplugged_told)
-      announcer.say("The device is unplugged; forces are off", Announcement::Priority::fault);
+    if (servo->unplugged() && !unplugged_told) announcer.say("unplugged", {}, Announcement::Priority::fault);
     unplugged_told = servo->unplugged();
     if (const DeviceAdvice* const advice = device->advice(); advice != advice_told) {
       advice_told = advice;
       if (advice != nullptr)
-        announcer.say(advice->words,
-                      advice->needed ? Announcement::Priority::warning : Announcement::Priority::information);
+        announcer.say_as_is(announcer.phrases().text_or(advice->phrase),
+                            advice->needed ? Announcement::Priority::warning : Announcement::Priority::information);
     }
-    tell_fault(servo->silences(), now.time_s, silences_told,
-               "The stone went soft for a moment: lift your hand to feel it again");
-    tell_fault(servo->bad_positions(), now.time_s, bad_positions_told,
-               "The hand was lost for a moment: lift it to feel the stone again");
+    tell_fault(servo->silences(), now.time_s, silences_told, "went_soft");
+    tell_fault(servo->bad_positions(), now.time_s, bad_positions_told, "hand_lost");
     if (now.dropped_records > dropped_told) {
       dropped_told = now.dropped_records;
-      announcer.say("The recording cannot keep up and loses rows", Announcement::Priority::warning);
+      announcer.say("recording_loses_rows", {}, Announcement::Priority::warning);
     }
   }
 
@@ -234,6 +258,7 @@ struct Session::Implementation {
   ButtonTour tour{announcer};
   double helped_s = -kHelpAgainS;  // when help was given last
   double stiffness_n_per_m = 0.0;
+  bool speaks = options.speaks;
   bool quit = false;
   std::uint64_t windows_loaded = 1;
   double window_load_s_max = 0.0;
@@ -277,7 +302,11 @@ void Session::start() {
     self.servo = std::make_unique<Servo>(*self.device, options, std::move(self.first_window), self.state,
                                          self.consumers, &self.recorder);
   }
-  self.announcer.say_level(self.navigator.plan().level, self.navigator.width_m(), self.navigator.plan().scale);
+  const View view = self.navigator.view_of(self.navigator.plan());
+  if (self.speaks)
+    self.announcer.say_first(view);
+  else
+    self.announcer.say_view(view);
   self.recorder.start();
   if (self.servo) self.servo->start();
   if (self.replay) self.replay->start();
@@ -362,6 +391,7 @@ SessionSummary Session::stop() {
 
 const Seqlock<State>& Session::state() const { return implementation_->state; }
 RequestQueue& Session::requests() { return implementation_->requests; }
+const Phrases& Session::phrases() const { return implementation_->announcer.phrases(); }
 AnnouncementBoard& Session::announcements() { return implementation_->announcements; }
 
 std::shared_ptr<ContactQueue> Session::add_contact_consumer() {

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "base/phrases.h"
 #include "haptics/device/device.h"
 #include "haptics/servo/command.h"
 #include "haptics/state/requests.h"
@@ -25,6 +27,8 @@ struct SessionOptions {
   std::filesystem::path record;  ///< run.csv; empty = none
   bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
   double longest_gap_s = 0.010;  ///< lateness that ends the force; longer only where no hand holds the device
+  std::string language = "en";   ///< of what is announced
+  bool speaks = false;           ///< announcements are spoken from the start: the first one says how to get help
 };
 
 /// What a run amounted to; printed at its end and used by user studies.
@@ -77,6 +81,8 @@ class Session {
   [[nodiscard]] const Seqlock<State>& state() const;
   [[nodiscard]] RequestQueue& requests();
   [[nodiscard]] AnnouncementBoard& announcements();
+  /// In the session's language, for what others have to announce.
+  [[nodiscard]] const Phrases& phrases() const;
   /// A queue of contact events for one more consumer; call before start().
   [[nodiscard]] std::shared_ptr<ContactQueue> add_contact_consumer();
   [[nodiscard]] pipeline::ScenePointer scene() const;

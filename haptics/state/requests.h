@@ -27,9 +27,15 @@ struct Request {
     next_part,        ///< the window goes to the next named part
     previous_part,    ///< likewise
     drag,             ///< on: the stone moves with the hand, without force, until this is asked for with off
-    describe,         ///< say where the hand is
+    describe,         ///< say where the hand is; again, more about the part that it is on
     help,             ///< say what the buttons do
+    help_keys,        ///< say what the keys of a terminal do
     tour,             ///< a minute in which the buttons are learnt
+    repeat,           ///< say the last words again
+    speak_slower,
+    speak_faster,
+    next_voice,
+    toggle_speech,
     quit
   };
   Kind kind = Kind::describe;
@@ -41,9 +47,12 @@ struct Request {
 /// Words for the visitor: shown by the viewer, spoken by speech.
 struct Announcement {
   enum class Priority { information, warning, fault };
+  /// What speech is to become before it says the words; none of anyone else's business.
+  enum class Control { none, slower, faster, next_voice, toggle };
   std::string text;
   Priority priority = Priority::information;
   std::uint64_t sequence = 0;  ///< counts from 1
+  Control control = Control::none;
 };
 
 /// Many writers, one reader; a mutex is fine, the servo never comes here.
@@ -70,9 +79,10 @@ class RequestQueue {
 /// The last announcements, for any number of readers, each of which remembers the sequence number it has seen.
 class AnnouncementBoard {
  public:
-  void say(std::string text, Announcement::Priority priority = Announcement::Priority::information) {
+  void say(std::string text, Announcement::Priority priority = Announcement::Priority::information,
+           Announcement::Control control = Announcement::Control::none) {
     const std::lock_guard lock(mutex_);
-    announcements_.push_back({std::move(text), priority, ++sequence_});
+    announcements_.push_back({std::move(text), priority, ++sequence_, control});
     if (announcements_.size() > kLimit) announcements_.pop_front();
   }
   /// Those newer than `seen`, oldest first.

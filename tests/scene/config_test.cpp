@@ -134,6 +134,11 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"part's stiffness",
        kScan + "parts: [{name: a, box_m: [0,0,1,1], stiffness_n_per_m: -1}]\n",
        {"stiffness_n_per_m"}},
+      {"part's more", kScan + "parts: [{name: a, box_m: [0,0,1,1], mor: b}]\n", {"did you mean 'more'?"}},
+      {"speech", kScan + "speech: loud\n", {"neither true nor false"}},
+      {"speech's language", kScan + "speech: {language: xx}\n", {"the language 'xx'", "en or hi"}},
+      {"speech's rate", kScan + "speech: {words_per_minute: 5}\n", {"words_per_minute is 5"}},
+      {"speech's key", kScan + "speech: {langage: en}\n", {"did you mean 'language'?"}},
       {"region without place",
        kScan + "audio: {regions: [{name: x, modal: {}}]}\n",
        {"region 'x' has no place", "find: pillars"}},
@@ -188,7 +193,8 @@ levels: {window: 100}
 check: {samples: all}
 haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, creases: sharp, rate_hz: 2000, resolution_mm: 0.03, tip_radius_mm: 0.3, impact: on,
   grain: on, material: bronze}
-parts: [{name: a, say: "A, b: c", box_m: [0, 0, 1, 1]},
+speech: {language: hi, voice: "hi+f3", words_per_minute: 210}
+parts: [{name: a, say: "A, b: c", more: "All \"about\" it: {x}", box_m: [0, 0, 1, 1]},
   {name: b, box_m: [0, 0, 1, 1], stiffness_n_per_m: 350.5, mu_dynamic: 0.3, mu_static: 0.45, material: marble}]
 audio:
   find: pillars
@@ -227,6 +233,11 @@ viewer: {colour: friction, stereo: anaglyph}
   EXPECT_EQ(again.grid.spacing_m, config.grid.spacing_m);
   EXPECT_EQ(again.texture->sigma_range_m, config.texture->sigma_range_m);
   EXPECT_EQ(again.parts[0].say, "A, b: c");
+  EXPECT_EQ(again.parts[0].more, "All \"about\" it: {x}");
+  EXPECT_EQ(again.parts[1].more, "");
+  EXPECT_EQ(again.speech->language, "hi");
+  EXPECT_EQ(again.speech->voice, "hi+f3");
+  EXPECT_EQ(again.speech->words_per_minute, 210);
   EXPECT_TRUE(again.haptics.impact);
   EXPECT_TRUE(again.haptics.grain);
   EXPECT_EQ(again.haptics.material, Material::bronze);

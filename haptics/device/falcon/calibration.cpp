@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/phrases.h"
 #include "base/yaml.h"
 #include "haptics/device/falcon/link.h"
 #include "haptics/governor/adaptive_velocity.h"
@@ -59,7 +60,7 @@ class Bench {
     const bool was_ready = std::exchange(ready_, sample.homed);
     if (const DeviceAdvice* const advice = device_.advice(); advice != nullptr && advice != told_) {
       told_ = advice;
-      if (advice->needed) say(advice->words);
+      if (advice->needed) say(phrases_.text_or(advice->phrase));
     }
     if (!sample.fresh) {
       device_.write(Vector3d::Zero());
@@ -112,6 +113,7 @@ class Bench {
   [[nodiscard]] bool at_limit() const { return force_n_.norm() > 0.98 * kMostN; }
 
  private:
+  const Phrases phrases_ = Phrases::of("en");
   void hold() {
     force_n_.setZero();
     if (holding_ && ready_) {

@@ -43,30 +43,21 @@ constexpr int kFailures = 4;
 
 /// How the person makes all three encoders know their places.
 const DeviceAdvice* homing_advice(std::uint8_t homed, bool slow) {
-  static constexpr DeviceAdvice kAll{"Homing: pull the grip fully out, then push it fully in", true};
-  static constexpr DeviceAdvice kTop{
-      "Homing: the top arm is missing; pull the grip out and down, then push it in and up", true};
-  static constexpr DeviceAdvice kRight{
-      "Homing: the right arm is missing; pull the grip out and to the left, then push it in and to the right", true};
-  static constexpr DeviceAdvice kLeft{
-      "Homing: the left arm is missing; pull the grip out and up to the right, then push it in and down to the left",
-      true};
-  static constexpr DeviceAdvice kNotTop{
-      "Homing: the right and left arms are missing; pull the grip fully out, then push it fully in and down", true};
-  static constexpr DeviceAdvice kNotRight{
-      "Homing: the top and left arms are missing; pull the grip fully out, then push it fully in and to the left",
-      true};
-  static constexpr DeviceAdvice kNotLeft{
-      "Homing: the top and right arms are missing; pull the grip fully out, then push it fully in and to the right",
-      true};
+  static constexpr DeviceAdvice kAll{"homing_all", true};
+  static constexpr DeviceAdvice kTop{"homing_top", true};
+  static constexpr DeviceAdvice kRight{"homing_right", true};
+  static constexpr DeviceAdvice kLeft{"homing_left", true};
+  static constexpr DeviceAdvice kNotTop{"homing_right_left", true};
+  static constexpr DeviceAdvice kNotRight{"homing_top_left", true};
+  static constexpr DeviceAdvice kNotLeft{"homing_top_right", true};
   static constexpr const DeviceAdvice* kByFlags[8] = {&kAll,     &kNotTop, &kNotRight, &kLeft,
                                                       &kNotLeft, &kRight,  &kTop,      &kAll};
   // In one pull and push the arms follow each other: no word about that.
   return slow ? kByFlags[homed & 7U] : &kAll;
 }
-constexpr DeviceAdvice kComeForward{"Homed: pull the grip towards you once more; then it can be felt", true};
-constexpr DeviceAdvice kReady{"The Falcon is ready", false};
-constexpr DeviceAdvice kWarm{"The motors are warm: forces are smaller until they have cooled", false};
+constexpr DeviceAdvice kComeForward{"homed_come_forward", true};
+constexpr DeviceAdvice kReady{"device_ready", false};
+constexpr DeviceAdvice kWarm{"device_warm", false};
 
 /// The greatest force that the amplifiers deliver in every direction, anywhere within kForceRadius_m of the origin: no
 /// motor's share of a newton in its worst direction may pass its range.

@@ -12,10 +12,10 @@ namespace {
 constexpr std::chrono::milliseconds kLook{20};
 constexpr int kLooksBetweenTries = 25;
 
-constexpr DeviceAdvice kPlugIn{"No Falcon: plug in its USB cable", true};
-constexpr DeviceAdvice kNoFirmware{"The Falcon needs its firmware: see sparsha device check", true};
-constexpr DeviceAdvice kLoads{"The Falcon is there and gets its firmware", false};
-constexpr DeviceAdvice kDoesNotStart{"The Falcon does not start: check its power supply; it is tried again", true};
+constexpr DeviceAdvice kPlugIn{"device_plug_in", true};
+constexpr DeviceAdvice kNoFirmware{"device_needs_firmware", true};
+constexpr DeviceAdvice kLoads{"device_gets_firmware", false};
+constexpr DeviceAdvice kDoesNotStart{"device_does_not_start", true};
 
 }  // namespace
 

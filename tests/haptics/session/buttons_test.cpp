@@ -60,6 +60,8 @@ TEST(GripButtons, HeldMeanSomethingElseAndSayItOnceAndAtOnce) {
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kCentre, 1.0), Gestures{Gesture::help});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
+  EXPECT_EQ(grip.hold(kCentre, 5.0), (Gestures{Gesture::help, Gesture::speech})) << "held for 2 s";
+  EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kForward, 2.0), Gestures{Gesture::drag});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{Gesture::let_go});
 }

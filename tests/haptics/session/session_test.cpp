@@ -84,17 +84,20 @@ TEST(Session, ZoomsWithTheDevicesButtonsAndSaysTheLevel) {
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().level == 1; }));
   ASSERT_TRUE(click(1));
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().level == 0; }));
-  for (int press = 0; press < 12 && !said(session, "Closest view"); ++press) {
+  for (int press = 0; press < 12 && !said(session, "This is the closest view"); ++press) {
     const std::uint64_t before = session.state().read().surface_id;
     ASSERT_TRUE(click(1));
-    ASSERT_TRUE(poll_until(
-        session, [&] { return session.state().read().surface_id > before || said(session, "Closest view"); }));
+    ASSERT_TRUE(poll_until(session, [&] {
+      return session.state().read().surface_id > before || said(session, "This is the closest view");
+    }));
   }
-  EXPECT_TRUE(said(session, "Closest view"));
+  EXPECT_TRUE(said(session, "Closer, "));
+  EXPECT_TRUE(said(session, "Closest view, "));
+  EXPECT_TRUE(said(session, "This is the closest view"));
   EXPECT_EQ(session.state().read().level, 0U);
   ASSERT_TRUE(click(2));  // forward: the whole scene
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().level == 2; }));
-  EXPECT_TRUE(said(session, "Level 1 of 3"));
+  EXPECT_TRUE(said(session, "Whole stone"));
   const SessionSummary summary = session.stop();
   EXPECT_EQ(summary.levels, (std::vector<int>{0, 1, 2}));
   std::printf("swap at most %.1f us\n", summary.swap_ns_max * 1e-3);
@@ -122,7 +125,7 @@ TEST(Session, HeldButtonsGoFromPartToPartAndSayTheWay) {
   EXPECT_NEAR(state.hip_m[0], 0.075, 1e-9);
   EXPECT_NEAR(state.hip_m[1], 0.085, 1e-9);
   // 25 mm right and 35 mm up of the middle is about one o'clock; the whole leaf lies in the window.
-  EXPECT_TRUE(said(session, "A leaf, 4.3 centimetres, one o'clock")) << ::testing::PrintToString(words(session));
+  EXPECT_TRUE(said(session, "A leaf, 4 centimetres, one o'clock")) << ::testing::PrintToString(words(session));
   const double width_m = state.workspace_m / state.scale;
   EXPECT_GE(width_m, 0.01);
   EXPECT_LE(width_m, 0.03) << "and not much else";
@@ -194,7 +197,7 @@ TEST(Session, TheWindowFollowsAHandAtTheWorkspacesRimToTheEdgeOfTheScene) {
   EXPECT_TRUE((after.flags & kFlagOutside) == 0);
   // Friction lets the proxy lag by 0.4 of the depth.
   hand.put(0.056, 0.0, -0.003);
-  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Edge of the scene"); }));
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Edge of the stone, go left"); }));
   session.stop();
 }
 
@@ -231,7 +234,7 @@ TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
   hand.put(0.04, 0.0, -0.005);
   ASSERT_TRUE(poll_until(session, [&] { return said(session, "Not measured here"); }));
   session.requests().post({Request::Kind::describe});
-  ASSERT_TRUE(poll_until(session, [&] { return said(session, "from the left edge"); }));
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Right, in the middle, touching, Not measured here"); }));
   session.requests().post({Request::Kind::quit});
   ASSERT_TRUE(poll_until(session, [&] { return session.finished(); }));
   session.stop();

@@ -1,0 +1,133 @@
+// The keys of everything that is said to visitors, with the values that each text needs.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace sparsha {
+
+struct PhraseKey {
+  std::string_view name;
+  std::string_view values;  ///< separated by blanks; each stands in the text once or more, in braces
+};
+
+inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
+    // Where the hand is and what it sees of the object.
+    {"first_words", "view"},
+    {"view_whole", "distance size"},
+    {"view_closest", "distance size"},
+    {"view_closer", "distance size"},
+    {"view_farther", "distance size"},
+    {"view_present", "distance size"},
+    {"size_own", ""},
+    {"size_times", "times"},
+    {"already_closest", ""},
+    {"already_whole", ""},
+    {"edge_go_left", ""},
+    {"edge_go_right", ""},
+    {"edge_go_up", ""},
+    {"edge_go_down", ""},
+    {"not_measured", ""},
+    {"moving_left", ""},
+    {"moving_right", ""},
+    {"moving_up", ""},
+    {"moving_down", ""},
+    {"going_deeper", ""},
+    {"coming_nearer", ""},
+    {"where", "place view contact"},
+    {"where_part", "part place view contact"},
+    {"touching", ""},
+    {"in_the_air", ""},
+    {"outside", ""},
+    {"place_upper_left", ""},
+    {"place_upper", ""},
+    {"place_upper_right", ""},
+    {"place_left", ""},
+    {"place_middle", ""},
+    {"place_right", ""},
+    {"place_lower_left", ""},
+    {"place_lower", ""},
+    {"place_lower_right", ""},
+    // Parts and the ways to them.
+    {"no_parts", ""},
+    {"part_other_side", "part"},
+    {"part_way", "part distance clock"},
+    {"part_here", "part"},
+    {"clock_1", ""},
+    {"clock_2", ""},
+    {"clock_3", ""},
+    {"clock_4", ""},
+    {"clock_5", ""},
+    {"clock_6", ""},
+    {"clock_7", ""},
+    {"clock_8", ""},
+    {"clock_9", ""},
+    {"clock_10", ""},
+    {"clock_11", ""},
+    {"clock_12", ""},
+    {"millimetre", "number"},
+    {"millimetres", "number"},
+    {"centimetre", "number"},
+    {"centimetres", "number"},
+    {"metre", "number"},
+    {"metres", "number"},
+    {"distance_unknown", ""},
+    // What was changed.
+    {"texture_on", ""},
+    {"texture_off", ""},
+    {"friction_on", ""},
+    {"friction_off", ""},
+    {"stiffness", "number"},
+    {"stiffness_most", "number"},
+    // Help and the tour of the buttons.
+    {"help", ""},
+    {"help_keys", ""},
+    {"tour_begin", ""},
+    {"tour_closer", ""},
+    {"tour_farther", ""},
+    {"tour_parts", ""},
+    {"tour_drag", ""},
+    {"tour_where", ""},
+    {"tour_good", ""},
+    {"tour_end", ""},
+    // Speech itself.
+    {"speech_on", ""},
+    {"speech_off", ""},
+    {"speech_slower", ""},
+    {"speech_faster", ""},
+    {"speech_voice", ""},
+    // Faults.
+    {"servo_silent", ""},
+    {"window_unreadable", "reason"},
+    {"no_real_time", ""},
+    {"no_locked_memory", ""},
+    {"unplugged", ""},
+    {"went_soft", ""},
+    {"hand_lost", ""},
+    {"recording_loses_rows", ""},
+    // What the device wants of the person.
+    {"homing_all", ""},
+    {"homing_top", ""},
+    {"homing_right", ""},
+    {"homing_left", ""},
+    {"homing_right_left", ""},
+    {"homing_top_left", ""},
+    {"homing_top_right", ""},
+    {"homed_come_forward", ""},
+    {"device_ready", ""},
+    {"device_warm", ""},
+    {"device_plug_in", ""},
+    {"device_needs_firmware", ""},
+    {"device_gets_firmware", ""},
+    {"device_does_not_start", ""},
+    // Scenes and scans.
+    {"cannot_open", "reason"},
+    {"not_while_played", ""},
+    {"one_at_once", ""},
+    {"no_scan_while_played", ""},
+    {"scan_running", ""},
+    {"no_new_scan", "reason"},
+    {"new_scan", ""},
+});
+
+}  // namespace sparsha
