@@ -257,29 +257,32 @@ class Exploration {
            (arguments_.duration_s > 0.0 && elapsed.count() >= arguments_.duration_s);
   }
 
-  void make_session_of(pipeline::ScenePointer scene) {
+  // `needs_sound`: a scene whose sounds cannot be read is an error; else it is touched without them.
+  void make_session_of(pipeline::ScenePointer scene, bool needs_sound = true) {
     scene_ = std::move(scene);
+    scene_work_ = scans_->status().work;
     session_ = make_session(scene_, chosen_, arguments_);
-    const pipeline::Config& config = scene_->description().config;
-    const bool sounds = config.audio || !arguments_.audio_out.empty();
-    if (sounds || exhibits_.size() > 1) contacts_ = session_->add_contact_consumer();
-    if (!sounds) return;
-    make_sound();
+    contacts_ = session_->add_contact_consumer();  // also where only a later scene sounds
+    if (!scene_->description().config.audio && arguments_.audio_out.empty()) return;
+    try {
+      set_sound(sound_of(scene_));
+    } catch (const Error& error) {
+      if (needs_sound || !arguments_.audio_out.empty()) throw;
+      warn("no_sound", {{"reason", error.wrong()}});
+    }
   }
 
-  // The thread that speaks may look at the engine at any time.
-  void make_sound() {
+  std::unique_ptr<audio::Engine> sound_of(const pipeline::ScenePointer& scene) {
     audio::EngineOptions options;
     options.wav = arguments_.audio_out;
-    options.live = scene_->description().config.audio.has_value();
+    options.live = scene->description().config.audio.has_value();
     options.device = arguments_.audio_device;
-    auto engine = std::make_unique<audio::Engine>(scene_, contacts_, session_->state(), options);
+    return std::make_unique<audio::Engine>(scene, contacts_, session_->state(), options);
+  }
+  // The thread that speaks may look at the engine at any time.
+  void set_sound(std::unique_ptr<audio::Engine> engine) {
     const std::lock_guard lock(sound_mutex_);
     audio_ = std::move(engine);
-  }
-  void end_sound() {
-    const std::lock_guard lock(sound_mutex_);
-    audio_.reset();
   }
 
   void wait_headless() {
@@ -289,21 +292,29 @@ class Exploration {
 
   // Another scene under the same hand. Its sounds take the place of the present ones; a sound file goes on with those
   // that it began with.
-  void change_scene(pipeline::ScenePointer scene) {
-    const double before = scene_->description().config.haptics.stiffness_n_per_m;
-    scene_ = scene;
+  void change_scene(const pipeline::ScenePointer& scene) {
+    const bool changes_sound = arguments_.audio_out.empty();
+    std::unique_ptr<audio::Engine> sound;
+    if (changes_sound && scene->description().config.audio) sound = sound_of(scene);  // or nothing changes
     session_->set_scene(scene);
+    before_ = std::exchange(scene_, scene);
     const double stiffness = scene->description().config.haptics.stiffness_n_per_m;
-    if (stiffness != before) session_->requests().post({haptics::Request::Kind::set_stiffness, stiffness});
-    if (!contacts_ || !arguments_.audio_out.empty()) return;
-    end_sound();
+    if (stiffness != before_->description().config.haptics.stiffness_n_per_m)
+      session_->requests().post({haptics::Request::Kind::set_stiffness, stiffness});
+    if (!changes_sound) return;
+    set_sound(nullptr);
     haptics::ContactEvent earlier;
     while (contacts_->pop(earlier)) {
       // What was touched before is not heard now.
     }
-    if (!scene->description().config.audio) return;
-    make_sound();
-    audio_->start();
+    set_sound(std::move(sound));
+    if (audio_) audio_->start();
+  }
+
+  // The window cannot show the new scene: the one before comes back.
+  void refuse(const std::string& why) {
+    if (before_) change_scene(std::exchange(before_, nullptr));
+    warn("cannot_open", {{"reason", why}});
   }
 
   void next_scene(int step) {
@@ -338,13 +349,16 @@ class Exploration {
         pipeline::ScenePointer scene = pipeline::open_scene(first, trust_);
         auto scans = std::make_unique<DepthScans>(scene, fs::path(), trust_);
         if (session_) {
-          change_scene(std::move(scene));
+          change_scene(scene);
         } else {
-          make_session_of(std::move(scene));
+          scans_ = std::move(scans);
+          make_session_of(std::move(scene), false);
           start();
           connect_session();
+          return;
         }
         scans_ = std::move(scans);
+        scene_work_ = scans_->status().work;
         return;
       }
       scans_ = is_config(first) ? std::make_unique<DepthScans>(first) : std::make_unique<DepthScans>(files);
@@ -373,16 +387,26 @@ class Exploration {
 
   // A finished depth scan goes to the session, the first one begins it.
   void take_scan() {
-    pipeline::ScenePointer scene = scans_->take_scene();
+    const pipeline::ScenePointer scene = scans_->take_scene();
     if (!scene) return;
-    if (session_) {
-      session_->set_scene(scene);
-      if (audio_) audio_->set_scene(scene);
-      return;
+    const bool other_object = scans_->status().work != scene_work_;
+    try {
+      if (!session_) {
+        make_session_of(scene, false);
+        start();
+        connect_session();
+      } else if (other_object) {
+        change_scene(scene);
+        scene_work_ = scans_->status().work;
+      } else {
+        session_->set_scene(scene);
+        before_ = std::exchange(scene_, scene);
+        if (audio_) audio_->set_scene(scene);
+      }
+    } catch (const Error& error) {
+      if (!session_) throw;
+      warn("cannot_open", {{"reason", error.wrong()}});
     }
-    make_session_of(std::move(scene));
-    start();
-    connect_session();
   }
 
   // A new depth scan from the side that is looked at.
@@ -392,6 +416,8 @@ class Exploration {
     if (scans_->status().busy) return announce("scan_running");
     if (const std::string why = scans_->unavailable(); !why.empty())
       return announce("no_new_scan", {{"reason", why}}, Priority::warning);
+    if (scans_->status().work != scene_work_)
+      return announce("no_new_scan", {{"reason", "other scans are open"}}, Priority::warning);
     announce("new_scan");
     scans_->scan(scans_->setup_from(scan_to_grid));
   }
@@ -415,7 +441,7 @@ class Exploration {
     notes_ = status.notes;
     work_ = status.work;
     if (!news) return;
-    if (status.problem) terminal_.message(status.note);
+    if (status.problem && !session_) terminal_.message(status.note);  // else poll() prints what is announced
     if (session_)
       session_->announcements().say(status.note, status.problem ? haptics::Announcement::Priority::warning
                                                                 : haptics::Announcement::Priority::information);
@@ -451,7 +477,7 @@ class Exploration {
 
   // A window that loses its display leaves the hand, the sound and the recording alone, and comes back with it.
   void run_windows() {
-    for (viewer::WindowEnd end = run_window(); end == viewer::WindowEnd::display_lost; end = run_window_again()) {
+    for (viewer::WindowEnd end = run_window(); end == viewer::WindowEnd::display_lost; end = run_window(true)) {
       terminal_.message("warning: the display is gone; the hand goes on without a window");
       constexpr auto kLook = std::chrono::seconds(2);
       for (auto next = Clock::now() + kLook; !over(); wait_headless()) {
@@ -464,17 +490,8 @@ class Exploration {
     }
   }
 
-  // A display that answered a moment ago may be gone again.
-  viewer::WindowEnd run_window_again() {
-    try {
-      return run_window();
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::failure) throw;
-      return viewer::WindowEnd::display_lost;
-    }
-  }
-
-  viewer::WindowEnd run_window() {
+  // `again`: a display that answered a moment ago may be gone again.
+  viewer::WindowEnd run_window(bool again = false) {
     if (session_) connect_session();
     connections_.pointer = chosen_.pointer;
     connections_.poll = [this] { poll(); };
@@ -487,6 +504,8 @@ class Exploration {
       connections_.orienting.unavailable = [] { return std::string("a recording is played"); };
     viewer::ViewerOptions options;
     options.kiosk = arguments_.kiosk;
+    options.opens_again = again;
+    connections_.refuse = [this](const std::string& why) { refuse(why); };
     if (exhibits_.size() > 1) connections_.next_scene = [this](int step) { next_scene(step); };
     return viewer::run_window(connections_, options);
   }
@@ -498,6 +517,8 @@ class Exploration {
   int exhibit_ = 0;
   ChosenDevice chosen_;
   pipeline::ScenePointer scene_;
+  pipeline::ScenePointer before_;  ///< the scene that was touched before
+  std::uint64_t scene_work_ = 0;   ///< the scans that scene_ was made from
   std::unique_ptr<haptics::Session> session_;
   std::shared_ptr<haptics::ContactQueue> contacts_;
   std::unique_ptr<audio::Engine> audio_;
@@ -528,7 +549,6 @@ int list_audio() {
 
 int run_explore(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.list_audio) return list_audio();
-  if (arguments.scene.empty()) throw usage_error("no scene is named", "a scene folder, a configuration or a scan");
   check_arguments(arguments);
   Terminal terminal(common);
   const bool window = !arguments.headless && viewer::display_available();

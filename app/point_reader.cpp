@@ -74,7 +74,7 @@ class Collector {
 
  private:
   bool chosen() {
-    const std::uint64_t h = hash_words(std::array<std::uint64_t, 1>{number_++});
+    const std::uint64_t h = hash_word(number_++);
     return static_cast<double>(h >> 11U) * 0x1p-53 < share_;
   }
 

@@ -122,6 +122,7 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"device_does_not_start", ""},
     // Scenes and scans.
     {"cannot_open", "reason"},
+    {"no_sound", "reason"},
     {"not_while_played", ""},
     {"one_at_once", ""},
     {"no_scan_while_played", ""},

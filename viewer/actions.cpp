@@ -169,17 +169,50 @@ constexpr std::array kBindings{
     Binding{'Q', kControl, Action::quit, false},
 };
 
-/// What an exhibit's keyboard does: touch, see and hear; nothing that staff would have to put right.
+/// What an exhibit's keyboard does: touch, see and hear; nothing that the next visitor would have to put right, and no
+/// files.
 bool for_visitors(Action action) {
   switch (action) {
-    case Action::rescan:
-    case Action::orient:
-    case Action::stiffer:
-    case Action::softer:
-    case Action::stereo:
-      return false;
+    using enum Action;
+    case zoom_in:
+    case zoom_out:
+    case next_part:
+    case previous_part:
+    case whole_scene:
+    case drag:
+    case tour:
+    case pan_left:
+    case pan_right:
+    case pan_up:
+    case pan_down:
+    case hand_left:
+    case hand_right:
+    case hand_up:
+    case hand_down:
+    case hand_raise:
+    case hand_lower:
+    case press:
+    case describe:
+    case colour:
+    case colour_back:
+    case light_turn:
+    case light_back:
+    case light_higher:
+    case light_lower:
+    case light_preset:
+    case contrast:
+    case large_type:
+    case home:
+    case next_scene:
+    case previous_scene:
+    case next_item:
+    case previous_item:
+    case help:
+    case escape:
+    case quit:  // only the staff's chord comes this far
+      return true;
     default:
-      return true;  // of quit, only the staff's chord comes this far
+      return false;
   }
 }
 

@@ -103,7 +103,8 @@ void Controller::mouse_wheel(double steps, int modifiers) {
 // The window moves under the picture meanwhile, so that only how far the mouse went counts and not where it is.
 void Controller::drag_hand(const Eigen::Vector2d& from, const View& view) {
   const auto place = [&](const Eigen::Vector2d& mouse) {
-    return view.on_plane(mouse.x() - layout_.detail.x, mouse.y() - layout_.detail.y, frame_.camera.target.z());
+    return view.on_plane(std::fmod(mouse.x() - layout_.detail.x, view.width), mouse.y() - layout_.detail.y,
+                         frame_.camera.target.z());
   };
   const auto before = place(from), after = place(mouse_);
   if (!before || !after) return;
@@ -127,8 +128,8 @@ void Controller::go_to_overview(const Eigen::Vector2d& place) {
 
 void Controller::centre_on(const Eigen::Vector2d& place) {
   if (!scene_ || !view_) return;
-  const auto world =
-      view_->on_plane(place.x() - layout_.detail.x, place.y() - layout_.detail.y, frame_.camera.target.z());
+  const auto world = view_->on_plane(std::fmod(place.x() - layout_.detail.x, view_->width),
+                                     place.y() - layout_.detail.y, frame_.camera.target.z());
   if (world) wishes_.move_to(stage_.to_grid_m(*world).head<2>(), window());
 }
 

@@ -24,8 +24,9 @@ enum class WindowEnd {
 };
 
 struct ViewerOptions {
-  bool kiosk = false;    ///< full screen, big buttons only; Control+Q leaves
-  double idle_s = 60.0;  ///< kiosk: without a touch for so long, the exhibit goes back to its beginning
+  bool kiosk = false;        ///< full screen, big buttons only; Control+Q leaves
+  bool opens_again = false;  ///< after a lost display: without one run_window() says so and throws nothing
+  double idle_s = 60.0;      ///< kiosk: without a touch for so long, the exhibit goes back to its beginning
   int width = 1280;
   int height = 720;
 };
@@ -44,6 +45,8 @@ struct Connections {
   std::function<void(const std::string& text)> speak;               ///< says what the keyboard is on; empty: silent
   std::function<void(int step)> next_scene;  ///< of an exhibition, 1 or -1; empty: there is but one
   std::function<void(const std::vector<std::filesystem::path>& files)> drop;  ///< files dropped into the window
+  std::function<void(const std::string& why)>
+      refuse;                      ///< the new scene cannot be read whole: the one before comes back
   std::function<bool()> to_scans;  ///< true once when other scans have been opened and are to be shown
   Orienting orienting;             ///< the raw cloud behind the scene; without functions there is none
 };

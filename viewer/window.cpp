@@ -1,5 +1,6 @@
 // The window: GLFW's events to the controller, the controller's frames to the screen.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -62,8 +64,14 @@ struct Inputs {
   Gui* gui = nullptr;
   Attract* attract = nullptr;
   const Connections* connections = nullptr;
-  int width = 1, height = 1;
-  double pixel_ratio = 1.0;
+  // Told by events: a display that is lost answers questions with whatever lies on the stack.
+  int width = 1, height = 1;                ///< of the framebuffer
+  int window_width = 1;                     ///< in the units of the mouse
+  double mouse_x = -1e9, mouse_y = -1e9;    ///< framebuffer pixels; far away while it is not over the window
+  std::array<bool, 3> down{}, just_down{};  ///< left, right, middle
+  [[nodiscard]] double pixel_ratio() const {
+    return window_width > 0 ? static_cast<double>(width) / window_width : 1.0;
+  }
   bool damaged = true;  ///< the window's contents are lost
   bool iconified = false;
 };
@@ -135,11 +143,13 @@ void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods)
 void on_move(GLFWwindow* window, double x, double y) {
   Inputs& in = inputs_of(window);
   in.attract->touched();
-  if (in.cloud != nullptr) return in.cloud->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio);
+  in.mouse_x = x * in.pixel_ratio();
+  in.mouse_y = y * in.pixel_ratio();
+  if (in.cloud != nullptr) return in.cloud->mouse_move(in.mouse_x, in.mouse_y);
   if (in.controller == nullptr) return;
-  in.controller->mouse_move(x * in.pixel_ratio, y * in.pixel_ratio,
-                            layout_of(in.width, in.height, in.controller->settings()), in.picture->detail_view(),
-                            in.picture->stage(), [&](double u, double v) { return in.picture->touch_height_at(u, v); });
+  in.controller->mouse_move(in.mouse_x, in.mouse_y, layout_of(in.width, in.height, in.controller->settings()),
+                            in.picture->detail_view(), in.picture->stage(),
+                            [&](double u, double v) { return in.picture->touch_height_at(u, v); });
 }
 
 void on_button(GLFWwindow* window, int button, int event, int mods) {
@@ -149,7 +159,13 @@ void on_button(GLFWwindow* window, int button, int event, int mods) {
     // Where it was clicked counts, and not where the last move was reported.
     double x = 0.0, y = 0.0;
     glfwGetCursorPos(window, &x, &y);
+    if (display_lost()) return;
     on_move(window, x, y);
+  }
+  if (button >= 0 && button < static_cast<int>(in.down.size())) {
+    const auto at = static_cast<std::size_t>(button);
+    in.down[at] = event == GLFW_PRESS;
+    in.just_down[at] = in.just_down[at] || in.down[at];  // a click may be shorter than a frame
   }
   if (event == GLFW_PRESS && in.gui->wants_mouse()) return;
   if (in.cloud != nullptr) return in.cloud->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
@@ -163,6 +179,7 @@ void on_scroll(GLFWwindow* window, double /*x*/, double y) {
       glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS)
     mods |= kControl;
   Inputs& in = inputs_of(window);
+  in.attract->touched();
   if (in.cloud != nullptr) {
     if (!in.gui->wants_mouse()) in.cloud->mouse_wheel(y);
   } else if (in.controller != nullptr) {
@@ -178,14 +195,15 @@ void on_drop(GLFWwindow* window, int count, const char** names) {
 }
 
 /// An exhibit that nobody touches goes back to its beginning; a slow light shows it.
-void attract_visitors(Attract& attract, Controller& controller, double time_s, const haptics::State& state) {
+void attract_visitors(Attract& attract, Controller& controller, const ViewSettings& first, double time_s,
+                      const haptics::State& state) {
   const Attract::Change change = attract.update(time_s, state);
   if (change == Attract::Change::begins) {
-    if (controller.settings().help) controller.act(Action::help);
-    controller.act(Action::whole_scene);
     controller.act(Action::home);
     ViewSettings& settings = controller.frame().settings;
+    settings.help = false;
     settings.high_contrast = settings.large_type = settings.mark_filled = false;
+    settings.colour = first.colour;
   }
   if (attract.shows()) controller.frame().settings.light = attract.light(time_s);
   if (change == Attract::Change::ends) controller.frame().settings.light = KeyLight{};
@@ -193,18 +211,21 @@ void attract_visitors(Attract& attract, Controller& controller, double time_s, c
 
 /// ImGui's share of the events; callbacks set before it are still called.
 struct GuiInput {
-  explicit GuiInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForOpenGL(window, true); }
+  explicit GuiInput(GLFWwindow* window) {
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
+  }
   ~GuiInput() { ImGui_ImplGlfw_Shutdown(); }
   GuiInput(const GuiInput&) = delete;
   GuiInput& operator=(const GuiInput&) = delete;
 
-  void begin_frame(double pixel_ratio) const {
-    ImGui_ImplGlfw_NewFrame();
-    // The interface is laid out in framebuffer pixels.
+  /// Instead of ImGui_ImplGlfw_NewFrame, which asks the display for what events have told.
+  static void begin_frame(Inputs& in) {
     ImGuiIO& io = ImGui::GetIO();
-    io.DisplayFramebufferScale = ImVec2(1.0F, 1.0F);
-    io.MousePos.x *= static_cast<float>(pixel_ratio);
-    io.MousePos.y *= static_cast<float>(pixel_ratio);
+    io.DisplayFramebufferScale = ImVec2(1.0F, 1.0F);  // the interface is laid out in framebuffer pixels
+    io.MousePos = ImVec2(static_cast<float>(in.mouse_x), static_cast<float>(in.mouse_y));
+    for (std::size_t button = 0; button < in.down.size(); ++button)
+      io.MouseDown[button] = std::exchange(in.just_down[button], false) || in.down[button];
   }
 };
 
@@ -256,6 +277,14 @@ class PictureCount {
   std::deque<std::pair<double, double>> pictures_;
 };
 
+/// What no event has told yet; false when the display is lost, and with it the answer.
+bool ask_sizes(GLFWwindow* window, Inputs& in) {
+  int height = 0;
+  glfwGetWindowSize(window, &in.window_width, &height);
+  glfwGetFramebufferSize(window, &in.width, &in.height);
+  return !display_lost();
+}
+
 void open(WindowHandle& window, const ViewerOptions& options) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
@@ -294,11 +323,20 @@ bool display_available() {
   return true;
 }
 
-WindowEnd run_window(const Connections& connections, const ViewerOptions& options) {
+namespace {
+
+/// Until the window closes or its display is lost.
+WindowEnd run(const Connections& connections, const ViewerOptions& options) {
   using Clock = std::chrono::steady_clock;
-  const Library library;
+  std::unique_ptr<Library> library;
   WindowHandle window;
-  open(window, options);
+  try {
+    library = std::make_unique<Library>();
+    open(window, options);
+  } catch (const Error&) {
+    if (options.opens_again) return WindowEnd::display_lost;
+    throw;
+  }
 
   Picture picture;
   Gui gui;
@@ -317,7 +355,17 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
   glfwSetWindowRefreshCallback(window.handle, [](GLFWwindow* w) { inputs_of(w).damaged = true; });
   // Told and not asked: an answer that a lost display owes is never waited for.
   glfwSetWindowIconifyCallback(window.handle, [](GLFWwindow* w, int on) { inputs_of(w).iconified = on == GLFW_TRUE; });
+  glfwSetWindowSizeCallback(window.handle, [](GLFWwindow* w, int width, int) { inputs_of(w).window_width = width; });
+  glfwSetFramebufferSizeCallback(window.handle, [](GLFWwindow* w, int width, int height) {
+    inputs_of(w).width = width;
+    inputs_of(w).height = height;
+    inputs_of(w).damaged = true;
+  });
+  glfwSetCursorEnterCallback(window.handle, [](GLFWwindow* w, int inside) {
+    if (inside != GLFW_TRUE) inputs_of(w).mouse_x = inputs_of(w).mouse_y = -1e9;
+  });
   const GuiInput gui_input(window.handle);
+  if (!ask_sizes(window.handle, inputs)) return WindowEnd::display_lost;
 
   ViewSettings settings;
   settings.kiosk = options.kiosk;
@@ -325,7 +373,16 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
   std::optional<CloudMode> cloud;        // once the raw scans have been asked for
   bool leaves = false;
   const auto show_scans = [&](bool on) {
-    if (on && !cloud) cloud.emplace(connections.orienting, connections.speak);
+    // A button that is let go afterwards would be let go in the other mode.
+    for (int button = 0; button < static_cast<int>(inputs.down.size()); ++button) {
+      if (!inputs.down[static_cast<std::size_t>(button)]) continue;
+      if (inputs.cloud != nullptr) inputs.cloud->mouse_button(button, false, 0);
+      if (inputs.cloud == nullptr && controller) controller->mouse_button(button, false, 0);
+    }
+    if (on && !cloud)
+      cloud.emplace(connections.orienting, [&connections](const std::string& words) {
+        if (connections.speak) connections.speak(words);  // there is no session before the first depth scan
+      });
     if (on) connections.orienting.open();
     if (controller && (inputs.cloud != nullptr) != on) {
       ViewSettings& touching = controller->frame().settings;
@@ -353,7 +410,7 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
   const auto drawn_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
   const auto draw = [&](double now_s, double passed_s) {
     picture.draw(controller->frame(), 0, inputs.width, inputs.height);
-    gui_input.begin_frame(inputs.pixel_ratio);
+    GuiInput::begin_frame(inputs);
     gui.draw(controller->frame(), controller->buttons(), picture, inputs.width, inputs.height, passed_s);
     controller->set_boxes(gui.boxes(), gui.help_pages());
     if (controller->take_screenshot_wish()) save_picture(*controller, inputs.width, inputs.height);
@@ -365,12 +422,21 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
   std::uint64_t drawn = 0;  // look of the last picture
   int drawn_width = 0, drawn_height = 0;
   PictureCount count;
+  pipeline::ScenePointer refused;  // that cannot be shown
   while (glfwWindowShouldClose(window.handle) == GLFW_FALSE && !leaves &&
          !(controller && controller->wants_to_leave())) {
     constexpr double kFrameS = 1.0 / 60.0;
     if (connections.poll) connections.poll();
     if (connections.finished && connections.finished()) break;
-    if (pipeline::ScenePointer scene = connections.scene(); scene && scene != picture.scene()) {
+    if (pipeline::ScenePointer scene = connections.scene(); scene && scene != picture.scene() && scene != refused) {
+      try {
+        picture.set_scene(scene);
+      } catch (const Error& error) {
+        if (!picture.scene() || !connections.refuse) throw;
+        refused = scene;
+        connections.refuse(error.wrong());
+        continue;
+      }
       if (!controller) {
         const bool kiosk = settings.kiosk, high_contrast = settings.high_contrast, large_type = settings.large_type;
         settings = settings_of(scene->description().config.viewer);
@@ -380,30 +446,26 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
         controller.emplace(connections, settings);
         inputs.controller = &*controller;
       }
-      picture.set_scene(scene);
       controller->set_scene(std::move(scene));
       inputs.damaged = true;
       show_scans(false);
     }
     if (connections.to_scans && connections.to_scans()) show_scans(true);
-    int window_width = 1, window_height = 1;
-    glfwGetWindowSize(window.handle, &window_width, &window_height);
-    glfwGetFramebufferSize(window.handle, &inputs.width, &inputs.height);
-    inputs.pixel_ratio = window_width > 0 ? static_cast<double>(inputs.width) / window_width : 1.0;
     const double now_s = seconds();
     const bool seen = inputs.width > 0 && inputs.height > 0 && !inputs.iconified;
     if (controller) {
       const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
-      if (options.kiosk) attract_visitors(attract, *controller, now_s, state);
+      if (options.kiosk) attract_visitors(attract, *controller, settings, now_s, state);
       controller->update(now_s, state, inputs.width, inputs.height, height_at, drawn_at);
       controller->frame().finished = false;
       count.show(now_s, controller->frame());
     }
     if (seen && inputs.cloud != nullptr) {
       cloud->controller().frame().finished = false;
-      gui_input.begin_frame(inputs.pixel_ratio);
+      GuiInput::begin_frame(inputs);
       cloud->draw(gui, settings, 0, inputs.width, inputs.height, now_s, controller.has_value());
       glfwSwapBuffers(window.handle);
+      if (display_lost()) return WindowEnd::display_lost;
     } else if (seen && controller) {
       // Nothing is drawn that would look the same.
       const std::uint64_t look = look_of(controller->frame());
@@ -411,13 +473,17 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
                            inputs.height != drawn_height || picture.waits(now_s) || controller->wants_screenshot();
       if (changed) {
         count.add(now_s, draw(now_s, now_s - before_s));
+        if (display_lost()) return WindowEnd::display_lost;
         drawn = look;
         drawn_width = inputs.width;
         drawn_height = inputs.height;
         before_s = now_s;
       }
     }
-    if (controller && controller->take_full_screen_wish() && !options.kiosk) switch_full_screen(window);
+    if (controller && controller->take_full_screen_wish() && !options.kiosk) {
+      switch_full_screen(window);
+      if (!ask_sizes(window.handle, inputs)) return WindowEnd::display_lost;
+    }
     inputs.change_mode();
     // Drivers without a vertical blank do not wait in the swap.
     glfwPollEvents();
@@ -426,12 +492,24 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
       const double left_s = now_s + kFrameS - seconds();
       if (left_s < 0.001) break;
       glfwWaitEventsTimeout(left_s);
+      if (display_lost()) return WindowEnd::display_lost;
     }
   }
   if (!(controller && controller->wants_to_leave()) && connections.requests != nullptr)
     connections.requests->post({haptics::Request::Kind::quit});
   if (connections.poll) connections.poll();
   return WindowEnd::closed;
+}
+
+}  // namespace
+
+WindowEnd run_window(const Connections& connections, const ViewerOptions& options) {
+  try {
+    return run(connections, options);
+  } catch (const Error&) {
+    if (display_lost()) return WindowEnd::display_lost;  // and with it what the graphics driver said
+    throw;
+  }
 }
 
 }  // namespace sparsha::viewer

@@ -156,6 +156,14 @@ TEST_F(Program, WithoutADisplayAutoIsADeviceErrorThatNamesTheChoices) {
   EXPECT_EQ(run("explore a.ply --device glove --headless").code, 2);
 }
 
+TEST_F(Program, AnExhibitionNeedsNoSceneOfItsOwn) {
+  ASSERT_EQ(run("build " + relief_ + " --out scenes/relief").code, 0);
+  const Outcome outcome = run("explore --kiosk --scenes scenes --device simulated --headless --duration 0.3");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(run("explore --scenes scenes --device simulated --headless --duration 0.3").code, 2);
+  EXPECT_EQ(run("explore --kiosk --device simulated --headless --duration 0.3").code, 2);
+}
+
 TEST_F(Program, TheReliefGoesFromScansToSceneToTouchPictureSoundAndExports) {
   const Outcome build = run("build " + relief_ + " --out scene --json");
   ASSERT_EQ(build.code, 0) << build.err;

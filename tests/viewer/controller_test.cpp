@@ -92,6 +92,20 @@ TEST(Controller, AKioskIsLeftByControlQOnly) {
   EXPECT_TRUE(desk.controller->wants_to_leave());
 }
 
+TEST(Controller, AVisitorsKeysLeaveNothingForTheNextOneToPutRight) {
+  for (const KeyPress& press :
+       {KeyPress{key::kTab}, KeyPress{'T'}, KeyPress{'F'}, KeyPress{'P'}, KeyPress{'V', kShift}, KeyPress{key::kF1 + 11},
+        KeyPress{'I'}, KeyPress{'O'}, KeyPress{'O', kShift}, KeyPress{'S'}, KeyPress{'S', kShift}, KeyPress{']'},
+        KeyPress{'R'}, KeyPress{'M'}, KeyPress{key::kF1 + 10}}) {
+    ASSERT_TRUE(action_of(press, false)) << press.key;
+    EXPECT_FALSE(action_of(press, true)) << info_of(*action_of(press, false)).label;
+  }
+  for (const ActionInfo& info : all_actions())
+    if (info.kiosk_button) EXPECT_NE(info.action, Action::mode);
+  for (const KeyPress& press : {KeyPress{'+'}, KeyPress{key::kLeft}, KeyPress{' '}, KeyPress{'C'}, KeyPress{'E'}})
+    EXPECT_TRUE(action_of(press, true)) << press.key;
+}
+
 TEST(Controller, FSixGoesThroughTheButtonsSpeaksAndEnterPresses) {
   Desk desk;
   desk.run(touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1), 0.1);

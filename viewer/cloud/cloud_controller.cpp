@@ -313,7 +313,8 @@ void CloudController::mouse_button(int button, bool down, int /*modifiers*/) {
 
 void CloudController::mouse_wheel(double steps) {
   fits_ = false;
-  frame_.view.pixels_per_m *= std::pow(1.12, steps);
+  constexpr double kFarthest = 1e-9, kNearest = 1e12;
+  frame_.view.pixels_per_m = std::clamp(frame_.view.pixels_per_m * std::pow(1.12, steps), kFarthest, kNearest);
 }
 
 void CloudController::take_status() {
@@ -325,6 +326,9 @@ void CloudController::take_status() {
     touched_ = frame_.edits_crop = false;
     frame_.setup = {};
     before_.clear();
+    metres_per_unit_ = 0.0;  // of the other scans
+    frame_.preview = {};
+    ++frame_.previews;
   }
   if (status.notes != notes_) {
     notes_ = status.notes;

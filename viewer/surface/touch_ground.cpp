@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 
-#include "base/error.h"
 #include "scene/continuation.h"
 #include "scene/fingertip.h"
 
@@ -31,7 +31,7 @@ void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::Sta
   if (loading_.valid() && (wait || loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)) {
     try {
       heights_ = loading_.get();
-    } catch (const Error&) {  // the servo reads the same tiles and says so
+    } catch (const std::exception&) {  // the servo reads the same tiles and says so
     }
   }
   constexpr std::int64_t kMostNodes = 1 << 14;

@@ -175,6 +175,15 @@ TEST(CloudController, AnotherUnitTakesTheCropBoxAlong) {
   bench.rest();
   EXPECT_TRUE(bench.frame().setup.crop->max_m.isApprox(0.001 * before, 1e-9));
   EXPECT_TRUE(bench.frame().preview.any);
+  // Other scans: their box is their own, whatever unit was shown before.
+  ++bench.workshop.status.work;
+  bench.workshop.status.points = nullptr;
+  bench.rest();
+  bench.controller.set_crop(pipeline::CropConfig{{1, 1, 1}, {2, 2, 2}});
+  Workshop metric(square(50, 1.0));
+  bench.workshop.status.points = metric.points;
+  bench.rest();
+  EXPECT_TRUE(bench.frame().setup.crop->max_m.isApprox(Eigen::Vector3d(2, 2, 2), 1e-9));
 }
 
 }  // namespace
