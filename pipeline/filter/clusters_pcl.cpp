@@ -13,7 +13,7 @@ namespace sparsha::pipeline {
 std::vector<std::uint32_t> euclidean_clusters_by_pcl(const Cloud& cloud, double tolerance_m, const Progress& progress) {
   pcl::EuclideanClusterExtraction<pcl::PointXYZ> extraction;
   extraction.setInputCloud(cloud.points);
-  extraction.setSearchMethod(std::make_shared<CancellableTree>(progress));
+  extraction.setSearchMethod(cancellable_tree(progress));
   extraction.setClusterTolerance(tolerance_m);
   std::vector<pcl::PointIndices> clusters;
   extraction.extract(clusters);

@@ -39,7 +39,7 @@ std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const O
   std::vector<std::uint8_t> keep(cloud.size(), 1);
   if (cloud.size() < 2) return keep;
   Statistical filter;
-  search_of(filter) = std::make_shared<CancellableTree>(progress);
+  search_of(filter) = cancellable_tree(progress);
   filter.setInputCloud(cloud.points);
   // PCL reads past its arrays when it is asked for more neighbours than there are.
   filter.setMeanK(std::min(config.neighbours, static_cast<int>(cloud.size()) - 1));
@@ -53,7 +53,7 @@ std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const Radius
                                                 const Progress& progress) {
   if (cloud.size() == 0) return {};
   Radius filter;
-  search_of(filter) = std::make_shared<CancellableTree>(progress);
+  search_of(filter) = cancellable_tree(progress);
   filter.setInputCloud(cloud.points);
   filter.setRadiusSearch(config.radius_m);
   filter.setMinNeighborsInRadius(config.neighbours);

@@ -98,7 +98,7 @@ void fit_by_pcl(const Cloud& cloud, const SmoothConfig& config, const Progress& 
                 std::vector<Eigen::Vector3f>& moved) {
   pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointXYZ> fitter;
   fitter.setInputCloud(cloud.points);
-  fitter.setSearchMethod(std::make_shared<CancellableTree>(progress));
+  fitter.setSearchMethod(cancellable_tree(progress));
   fitter.setSearchRadius(config.radius_m);
   fitter.setPolynomialOrder(config.order);
   fitter.setProjectionMethod(pcl::MLSResult::SIMPLE);

@@ -326,6 +326,40 @@ TEST(Filters, StopWhenCancelled) {
   EXPECT_THROW(apply_filters(cloud, {OutlierConfig{}}, {pool, progress}), Cancelled);
 }
 
+TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
+  const Points points = relief(20000, 2);
+  FilterNeeds needs;
+  needs.spacing_m = [](const Cloud&) { return 0.02; };
+  std::vector<FilterConfig> filters{CropConfig{{0, 0, -1}, {0.5, 0.7, 1}}, PassConfig{0, 0.1, 0.9}, VoxelConfig{0.02},
+                                    ThinConfig{2}};
+  filters.emplace_back(RemovePlaneConfig{0.01, RemovePlaneConfig::Side::both, {0, 0, 1}, 30.0});
+  for (const int method : {0, 1}) {
+    filters.emplace_back(OutlierConfig{8, 2.0, static_cast<OutlierConfig::Method>(method)});
+    filters.emplace_back(RadiusOutlierConfig{0.02, 4, static_cast<RadiusOutlierConfig::Method>(method)});
+    filters.emplace_back(KeepConfig{{}, 0.03, static_cast<KeepConfig::Method>(method)});
+    filters.emplace_back(SmoothConfig{0.02, 2, static_cast<SmoothConfig::Method>(method)});
+  }
+  std::array<bool, std::variant_size_v<FilterConfig::variant>> tried{};
+  for (const FilterConfig& filter : filters) {
+    tried.at(filter.index()) = true;
+    const auto left = [&](unsigned threads) {
+      ThreadPool pool(threads);
+      Progress progress;
+      Cloud cloud = cloud_of(points, true);
+      apply_filters(cloud, {filter}, {pool, progress}, needs);
+      return cloud;
+    };
+    const Cloud one = left(1);
+    EXPECT_LT(one.size(), points.size() + (std::holds_alternative<SmoothConfig>(filter) ? 1 : 0));
+    for (const unsigned threads : {2U, 5U}) {
+      const Cloud more = left(threads);
+      EXPECT_EQ(points_of(one), points_of(more)) << filter_name(filter) << ", " << threads << " threads";
+      EXPECT_EQ(one.rgba, more.rgba) << filter_name(filter) << ", " << threads << " threads";
+    }
+  }
+  for (std::size_t k = 0; k < tried.size(); ++k) EXPECT_TRUE(tried[k]) << "no filter of kind " << k;
+}
+
 TEST(Filters, OfPclStopWhenTheyAreCancelledInTheMiddle) {
   // Neighbourhoods of a thousand points and more, 40 000 times.
   const Points points = relief(40000, 1);
