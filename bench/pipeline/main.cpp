@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: bench_pipeline [--out DIR] [--mode quick|full] [--strict] [--only "
-    "accuracy|closed|normals|mtf|speed|c2m|huge]\n"
+    "accuracy|closed|normals|filters|registration|mtf|speed|c2m|huge]\n"
     "                      [--scenes TEXT] [--no-cloudcompare] [--all] [--huge POINTS] [--program PATH]\n";
 
 }  // namespace
@@ -58,6 +58,8 @@ int main(int argc, char** argv) {
     if (only.empty() || only == "accuracy") kept = sparsha::bench::run_accuracy(options) && kept;
     if (only.empty() || only == "closed") kept = sparsha::bench::run_closed(options) && kept;
     if (only.empty() || only == "normals") sparsha::bench::run_normals(options);
+    if (only.empty() || only == "filters") sparsha::bench::run_filters(options);
+    if (only.empty() || only == "registration") sparsha::bench::run_registration(options);
     if (only.empty() || only == "mtf") sparsha::bench::run_mtf(options);
     if (only.empty() || only == "c2m") kept = sparsha::bench::run_cross_check(options) && kept;
     if (only.empty() || only == "speed") sparsha::bench::run_speed(options);

@@ -1,4 +1,4 @@
-// The points of a cloud as plain numbers; the only file of the benchmark that sees PCL is behind it.
+// The points of a cloud as plain numbers, and how far two filters agree.
 #pragma once
 
 #include <array>

@@ -29,6 +29,10 @@ bool run_cross_check(const RunOptions& options);
 bool run_closed(const RunOptions& options);
 /// Tangent discs beside pcl::NormalEstimationOMP, errors and times: pipeline_normals.csv.
 void run_normals(const RunOptions& options);
+/// The filters beside PCL's, times and agreement: pipeline_filters.csv.
+void run_filters(const RunOptions& options);
+/// Registration beside PCL's plain ICP, times and errors: pipeline_registration.csv.
+void run_registration(const RunOptions& options);
 /// Scans that do not fit their --memory, a tenth of the points and all of them, beside the same builds in memory:
 /// pipeline_huge.csv. False when a limit is broken or a byte differs.
 bool run_huge(const RunOptions& options);

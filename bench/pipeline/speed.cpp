@@ -11,10 +11,8 @@
 
 #include "cloudcompare.h"
 #include "judge.h"
-#include "pipeline/filter/filter.h"
 #include "pipeline/projection/projector.h"
 #include "pipeline/scan/reader.h"
-#include "points.h"
 #include "process.h"
 #include "run.h"
 #include "scene/scene.h"
@@ -122,35 +120,6 @@ void time_projection(const RunOptions& options, int nodes, Table& table) {
   fs::remove_all(folder);
 }
 
-/// The outlier filter and PCL's own on the same cloud, and how many points they decide alike.
-void time_outliers(const RunOptions& options, Table& table) {
-  const fs::path folder = options.work / "outliers";
-  Progress progress;
-  pipeline::write_simulation(million(512), folder, progress);
-  const pipeline::Config config = pipeline::load_config(folder / "sparsha.yaml");
-  const pipeline::Cloud original = pipeline::load_scans(config.scans, progress);
-  ThreadPool pool(1);
-  const auto time = [&](pipeline::OutlierConfig::Method method, Best& best) {
-    pipeline::Cloud kept;
-    for (int k = 0; k < (options.quick ? 1 : 3); ++k) {
-      kept = pipeline::load_scans(config.scans, progress);
-      const std::vector<pipeline::FilterConfig> filters{pipeline::OutlierConfig{8, 2.0, method}};
-      const Best once = best_of(1, [&] { (void)pipeline::apply_filters(kept, filters, {pool, progress}); });
-      best.seconds = std::min(best.seconds, once.seconds);
-      best.cpu_seconds = std::min(best.cpu_seconds, once.cpu_seconds);
-    }
-    return kept;
-  };
-  Best fast, pcl;
-  const pipeline::Cloud kept_fast = time(pipeline::OutlierConfig::Method::fast, fast);
-  const pipeline::Cloud kept_pcl = time(pipeline::OutlierConfig::Method::pcl, pcl);
-  const std::string task = fmt::format("outliers k = 8, sigma 2, of 1 M points ({:.4f} % decided alike)",
-                                       agreement_percent(original, kept_fast, kept_pcl));
-  table.row(task, "sparsha", 1, original.size(), 0, fast, 0, std::nullopt);
-  table.row(task, "pcl", 1, original.size(), 0, pcl, 0, std::nullopt);
-  fs::remove_all(folder);
-}
-
 /// Level 0 of a scene that a build left, against the truth.
 double scene_error(const fs::path& folder, const pipeline::Truth& truth) {
   const pipeline::Layers layers = pipeline::open_scene(folder)->read_level(0);
@@ -204,7 +173,6 @@ void run_speed(const RunOptions& options) {
   Table table(options.out / "pipeline_speed.csv");
   time_projection(options, 512, table);
   time_projection(options, 800, table);
-  time_outliers(options, table);
   if (fs::exists(options.program)) time_builds(options, table);
 }
 
