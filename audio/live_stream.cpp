@@ -152,7 +152,7 @@ LiveStream::LiveStream(const std::string& wanted) : implementation_(std::make_un
     for (const double latency : {info.defaultLowOutputLatency, info.defaultHighOutputLatency}) {
       output.suggestedLatency = latency;
       self.stream = nullptr;
-      status = Pa_OpenStream(&self.stream, nullptr, &output, rate, paFramesPerBufferUnspecified, paClipOff,
+      status = Pa_OpenStream(&self.stream, nullptr, &output, rate, paFramesPerBufferUnspecified, paNoFlag,
                              &Implementation::fill, &self);
       if (status == paNoError) {
         self.rate_hz = rate;

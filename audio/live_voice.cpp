@@ -15,6 +15,8 @@ constexpr double kTooLate_s = 0.1;
 constexpr double kServoSilent_s = 0.05;
 constexpr double kFade_s = 0.02;
 constexpr float kDucked = 0.25F;  // 12 dB
+/// Words begin when all else is at most this loud: 0.3 kCeiling and the loudest word, 0.6, stay below full scale.
+constexpr float kDuckedEnough = 0.3F;
 constexpr float kWhole = 0.9999F;
 constexpr double kDuck_s = 0.03;
 constexpr double kCut_s = 0.01;
@@ -52,8 +54,7 @@ void LiveVoice::listen(std::size_t frames) noexcept {
   if (moved && synth_.state(last_, frame_of(last_.time_s, frames))) strikes_.fetch_add(1, std::memory_order_relaxed);
 }
 
-/// The sound card's clock runs beside the servo's: a place is heard a block after it was, give or take nothing, since
-/// the difference of the two clocks is averaged.
+/// Servo and card clocks differ; their smoothed difference places a state one block later.
 std::uint64_t LiveVoice::frame_of(double time_s, std::size_t block) noexcept {
   const double now = time_s * synth_.sample_rate_hz();
   const double wanted = static_cast<double>(synth_.frame() + block) - now;
@@ -64,8 +65,7 @@ std::uint64_t LiveVoice::frame_of(double time_s, std::size_t block) noexcept {
   return static_cast<std::uint64_t>(std::max(static_cast<double>(synth_.frame()), std::round(now + clock_frames_)));
 }
 
-/// Words and what is left of the rest never reach full scale together: their peaks are kSpoken and a quarter of
-/// kCeiling.
+/// Words wait, 80 ms at most, until the other sounds are soft enough: together they never reach full scale.
 void LiveVoice::add_speech(std::span<float> interleaved) noexcept {
   const auto duck_share = static_cast<float>(1.0 - std::exp(-1.0 / (kDuck_s * synth_.sample_rate_hz())));
   const auto cut_step = static_cast<float>(1.0 / (kCut_s * synth_.sample_rate_hz()));
@@ -87,6 +87,7 @@ void LiveVoice::add_speech(std::span<float> interleaved) noexcept {
       continue;
     }
     if (newer_words_) speech_gain_ = std::max(0.0F, speech_gain_ - cut_step);
+    if (spoken_frames_ == 0 && duck_ > kDuckedEnough) continue;
     interleaved[i] += speech_gain_ * spoken_->samples[2 * spoken_frames_];
     interleaved[i + 1] += speech_gain_ * spoken_->samples[2 * spoken_frames_ + 1];
     ++spoken_frames_;

@@ -83,8 +83,8 @@ Modes pillar_modes(const pipeline::ModalConfig& config, double limit_hz) {
   const double first = relative_frequency(0);
   for (std::size_t n = 0; n < kBarPartials; ++n) {
     const double ratio = relative_frequency(n) / first;
-    const double frequency = config.frequency_hz * ratio;
-    if (n > 0 && frequency >= limit_hz) break;
+    if (n > 0 && config.frequency_hz * ratio >= limit_hz) break;
+    const double frequency = std::min(config.frequency_hz * ratio, limit_hz);
     modes.partials[modes.count++] = {frequency, config.decay_s / ratio, 1.0};
   }
   return modes;
@@ -102,8 +102,8 @@ Modes plate_modes(const pipeline::MaterialSound& sound, double limit_hz) {
   Modes modes;
   double gain = 1.0;
   for (const double ratio : kPlateRatios) {
-    const double frequency = sound.frequency_hz * ratio;
-    if (modes.count > 0 && (frequency >= limit_hz || !(gain > 0.0))) break;
+    if (modes.count > 0 && (sound.frequency_hz * ratio >= limit_hz || !(gain > 0.0))) break;
+    const double frequency = std::min(sound.frequency_hz * ratio, limit_hz);
     // exp(-pi damping f t) falls by 60 dB in ln(1000) / (pi damping f).
     const double t60_s = std::log(1000.0) / (kPi * sound.damping * frequency);
     modes.partials[modes.count++] = {frequency, std::clamp(t60_s, pipeline::kLeastDecay_s, pipeline::kMostDecay_s),

@@ -4,7 +4,7 @@
 namespace sparsha::pipeline {
 
 inline constexpr double kLeastFrequency_hz = 10.0;
-inline constexpr double kMostFrequency_hz = 16000.0;  ///< below 0.45 times any rate that sound is played at
+inline constexpr double kMostFrequency_hz = 16000.0;  ///< a card below 36 kHz plays the first mode lower, others not
 inline constexpr double kLeastDecay_s = 0.005;        ///< the time to fall by 60 dB
 inline constexpr double kMostDecay_s = 60.0;
 inline constexpr int kMostModes = 32;
