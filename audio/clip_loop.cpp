@@ -17,6 +17,8 @@ constexpr double kLowest_hz = 40.0;
 constexpr double kHighest_hz = 4000.0;
 constexpr double kJudged_s = 0.25;  // of the note
 constexpr double kAlike = 0.9;      // of the best correlation: the shortest period that repeats as well
+constexpr double kHeard_db = 35.0;
+constexpr double kLook_s = 0.02;
 constexpr double kQuietest_db = 80.0;
 constexpr double kLongest_s = 10.0;
 constexpr double kRise_s = 0.0005;
@@ -86,6 +88,15 @@ double rms(const std::vector<double>& x, std::size_t begin, std::size_t length) 
   return std::sqrt(sum / static_cast<double>(length));
 }
 
+/// Where the note has fallen by kHeard_db, looked at every kLook_s: what follows is silence or the noise of the place.
+std::size_t end_of_decay(const std::vector<double>& x, std::size_t begin, double rate_hz) {
+  const auto block = static_cast<std::size_t>(kLook_s * rate_hz);
+  const double least = rms(x, begin, block) * std::pow(10.0, -kHeard_db / 20.0);
+  for (std::size_t at = begin + block; at + block <= x.size(); at += block)
+    if (rms(x, at, block) < least) return at;
+  return x.size();
+}
+
 }  // namespace
 
 Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& name) {
@@ -117,8 +128,9 @@ Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& na
   std::size_t count = 0;
   const double period = followed_period(zeros, first, static_cast<double>(lag), count);
   if (count == 0) throw refuse("no two zero crossings of like slope are a period apart");
-  // Decay from the first to the last quarter of what is there.
-  const std::size_t quarter = (x.size() - begin) / 4;
+  // Decay from the first to the last quarter of the time in which the note is heard.
+  const std::size_t quarter = (end_of_decay(x, begin, rate_hz) - begin) / 4;
+  if (static_cast<double>(quarter) < period) throw refuse("it ends within four periods");
   const double early = rms(x, begin, quarter), late = rms(x, begin + 3 * quarter, quarter);
   double decay = late > 0.0 && early > late ? std::log(early / late) / static_cast<double>(3 * quarter) : 0.0;
   decay = std::clamp(decay, std::log(1000.0) / (pipeline::kMostDecay_s * rate_hz),

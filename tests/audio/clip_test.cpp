@@ -213,6 +213,24 @@ TEST(Clip, OnePeriodOfANoteIsLoopedAtItsPitchWithin1CentAndWithItsDecay) {
     }
 }
 
+TEST(Clip, SilenceOrNoiseBehindANoteDoesNotLengthenItsLoopedDecay) {
+  const audio_scene::Folder folder;
+  std::mt19937 random(5);
+  for (const double behind_db : {-300.0, -50.0}) {
+    auto note = decaying_note(240.0, 48000);
+    note.resize(note.size() + 3 * 48000U);
+    std::uniform_real_distribution<double> value(-1.0, 1.0);
+    // Uniform noise of that level below the note's largest sample, 0.5.
+    for (float& sample : note)
+      sample += static_cast<float>(0.5 * std::sqrt(3.0) * std::pow(10.0, behind_db / 20.0) * value(random));
+    write_sound(folder / "note.wav", note, 1, 48000);
+    const Clip looped = loop_one_period(load_clip(folder / "note.wav", 48000), 48000, "note.wav");
+    const auto sound = listening::channel(looped.samples, 0);
+    // Of a fall of 35 dB the last quarter holds noise up to 10 dB below the note.
+    EXPECT_NEAR(listening::t60_s(sound, 240.0, 48000.0, 0.05, 0.7) / 1.2, 1.0, 0.08) << behind_db;
+  }
+}
+
 TEST(Clip, WhatHasNoPitchCannotBeLooped) {
   Clip clip;
   clip.samples = std::vector<float>(2 * 48000, 0.0F);
