@@ -454,7 +454,7 @@ class Exploration {
     session_->poll();
     if (audio_ && audio_->warning() != audio_warning_) {  // the sound device is looked for in the background
       audio_warning_ = audio_->warning();
-      terminal_.message("warning: " + audio_warning_);
+      if (!audio_warning_.empty()) terminal_.message("warning: " + audio_warning_);
     }
     touch_.see(session_->state().read());
     for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {

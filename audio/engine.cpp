@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kWavRate_hz = 48000;
 constexpr auto kPoll = std::chrono::milliseconds(2);
-constexpr auto kLookAgain = std::chrono::seconds(3);
+constexpr auto kRetryInterval = std::chrono::seconds(3);
 constexpr std::size_t kForwarded = 4096;
 constexpr std::size_t kKeptProfiles = 64;
 constexpr std::size_t kKeptWords = 16;
@@ -58,7 +58,8 @@ struct Engine::Implementation {
   mutable std::mutex mutex;
   std::condition_variable wake;
   bool stopping = false;
-  std::string warning;
+  std::string warning;       ///< what stays true
+  std::string live_warning;  ///< why there is no live sound; empty once it plays
   std::exception_ptr failure;
   std::thread worker;
 
@@ -71,9 +72,13 @@ struct Engine::Implementation {
     warning += (warning.empty() ? "" : "; ") + text;
   }
 
-  /// Until a device is there: one that is plugged in later is found by another look.
+  void warn_live(const std::string& text) {
+    const std::lock_guard lock(mutex);
+    if (live_warning.empty()) live_warning = text;
+  }
+
+  /// Until a device is there: one that is plugged in later is found, as it is tried again every 3 s.
   void open_live() {
-    bool told = false;
     std::unique_lock lock(mutex);
     while (!stopping) {
       lock.unlock();
@@ -89,22 +94,32 @@ struct Engine::Implementation {
         opened.store(true, std::memory_order_release);
         return;
       } catch (const Error& error) {
-        if (!std::exchange(told, true)) warn(error.wrong());
-        if (error.kind() == ErrorKind::usage) return;
+        warn_live(error.wrong());
+      } catch (const std::exception& error) {
+        warn_live(error.what());
       }
       lock.lock();
-      wake.wait_for(lock, kLookAgain, [this] { return stopping; });
+      wake.wait_for(lock, kRetryInterval, [this] { return stopping; });
     }
   }
 
-  /// After a device went away: gives it back, and waits for it or another one.
-  void open_again() {
+  /// After a device went away: gives it back, and waits for it or another one. Worker only.
+  void open_again(std::chrono::seconds pause) {
+    std::unique_ptr<LiveStream> lost;
+    {
+      const std::lock_guard lock(mutex);  // speech may be about to use the stream
+      playing.store(false, std::memory_order_release);
+      lost = std::move(stream);
+    }
     if (opener.joinable()) opener.join();
-    opener = std::thread([this] {
-      if (stream->give_up()) {
-        stream.reset();
-        open_live();
+    opener = std::thread([this, pause, given_up = std::move(lost)]() mutable {
+      if (!given_up->give_up()) return;
+      given_up.reset();
+      {
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, pause, [this] { return stopping; });
       }
+      open_live();
     });
   }
 
@@ -113,9 +128,12 @@ struct Engine::Implementation {
     playing.store(true, std::memory_order_release);
     try {
       stream->start([this](std::span<float> out) { voice->render(out); });
-    } catch (const Error& error) {
-      playing.store(false, std::memory_order_release);
-      warn(error.wrong());
+      const std::lock_guard lock(mutex);
+      live_warning.clear();
+    } catch (const std::exception& error) {
+      const auto* known = dynamic_cast<const Error*>(&error);
+      warn_live(known != nullptr ? known->wrong() : error.what());
+      open_again(kRetryInterval);
     }
   }
 
@@ -135,9 +153,11 @@ struct Engine::Implementation {
     }
     if (!profile) return;
     kept.push_back(profile);
+    // No voice holds a profile of use count 1, and only the newest is given away.
+    while (kept.size() > 1 && kept.front().use_count() == 1) kept.pop_front();
     if (kept.size() > kKeptProfiles) kept.pop_front();
     if (wav) wav->profile(profile, now.time_s);
-    if (voice && playing.load(std::memory_order_relaxed)) voice->profile(profile);
+    if (playing.load(std::memory_order_relaxed)) voice->profile(profile);
   }
 
   /// What has happened since the last call.
@@ -165,9 +185,8 @@ struct Engine::Implementation {
       if (playing.load(std::memory_order_relaxed) && !stream->playing()) {
         const std::string name = stream->name();
         stream->shut_out();
-        playing.store(false, std::memory_order_release);
-        warn("the sound device '" + name + "' went away; the run goes on without live sound");
-        open_again();
+        warn_live("the sound device '" + name + "' went away; the run goes on without live sound");
+        open_again(std::chrono::seconds(0));
       }
       try {
         consume();
@@ -233,17 +252,24 @@ void Engine::stop() {
 
 bool Engine::speak(const std::vector<float>& words, double rate_hz) {
   Implementation& self = *implementation_;
-  const std::lock_guard lock(self.mutex);
-  if (!self.playing.load(std::memory_order_acquire) || self.stopping) return false;
+  const auto stream_rate_hz = [&self] {  // under the mutex
+    return self.playing.load(std::memory_order_acquire) && !self.stopping ? self.stream->sample_rate_hz() : 0;
+  };
+  std::unique_lock lock(self.mutex);
+  const int wanted_hz = stream_rate_hz();
+  lock.unlock();
+  if (wanted_hz == 0) return false;
   auto clip = std::make_shared<Clip>();
   float loudest = 0.0F;
   for (const float value : words) loudest = std::max(loudest, std::abs(value));
   if (loudest > 0.0F) {
-    for (const float value : resample(words, 1, rate_hz, self.stream->sample_rate_hz())) {
+    for (const float value : resample(words, 1, rate_hz, wanted_hz)) {
       const float sample = std::clamp(kSpoken / loudest * value, -kSpoken, kSpoken);
       clip->samples.insert(clip->samples.end(), {sample, sample});
     }
   }
+  lock.lock();
+  if (stream_rate_hz() != wanted_hz) return false;  // another device plays now, or none
   self.spoken.push_back(clip);
   if (self.spoken.size() > kKeptWords) self.spoken.pop_front();
   return self.voice->speak(clip);
@@ -256,7 +282,9 @@ void Engine::set_scene(pipeline::ScenePointer scene) {
 
 std::string Engine::warning() const {
   const std::lock_guard lock(implementation_->mutex);
-  return implementation_->warning;
+  const std::string& lasting = implementation_->warning;
+  const std::string& live = implementation_->live_warning;
+  return lasting + (lasting.empty() || live.empty() ? "" : "; ") + live;
 }
 
 std::uint64_t Engine::strikes() const { return implementation_->strikes.load(std::memory_order_relaxed); }

@@ -17,7 +17,7 @@ namespace sparsha::audio {
 
 struct EngineOptions {
   std::filesystem::path wav;  ///< --audio-out; empty = none
-  bool live = true;           ///< open a PortAudio stream; without a sound device a warning, and another look later
+  bool live = true;           ///< open a PortAudio stream; without a sound device a warning; tried again every 3 s
   std::string device;         ///< --audio-device, a number or a part of a name; empty: JACK, else the default
   int wav_bits = 16;          ///< 16 (dithered) or 24
 };
@@ -39,7 +39,7 @@ class Engine {
   /// Call after the session's stop(). Fades and ends the stream and commits the WAV file: at least as long as the run,
   /// with what still rings (5 s at most). Throws Error{failure} when it could not be written.
   void stop();
-  /// Empty, or why there is no live sound and which regions stay silent.
+  /// Empty, or which regions stay silent and, until a sound device plays, why there is no live sound.
   [[nodiscard]] std::string warning() const;
   /// Spoken words, one channel, in the stream that plays, over sounds that become 12 dB softer; none: what is spoken
   /// ends. False when no stream plays. One thread at a time.
