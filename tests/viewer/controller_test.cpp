@@ -100,8 +100,6 @@ TEST(Controller, AVisitorsKeysLeaveNothingForTheNextOneToPutRight) {
     ASSERT_TRUE(action_of(press, false)) << press.key;
     EXPECT_FALSE(action_of(press, true)) << info_of(*action_of(press, false)).label;
   }
-  for (const ActionInfo& info : all_actions())
-    if (info.kiosk_button) EXPECT_NE(info.action, Action::mode);
   for (const KeyPress& press : {KeyPress{'+'}, KeyPress{key::kLeft}, KeyPress{' '}, KeyPress{'C'}, KeyPress{'E'}})
     EXPECT_TRUE(action_of(press, true)) << press.key;
 }
