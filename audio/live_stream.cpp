@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -15,6 +14,7 @@
 #endif
 
 #include "base/error.h"
+#include "base/lower_case.h"
 
 namespace sparsha::audio {
 namespace {
@@ -78,18 +78,13 @@ std::vector<OutputDevice> list_devices() {
   return devices;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 PaDeviceIndex find_device(const std::string& wanted) {
   if (wanted.empty()) return choose_device();
   const std::vector<OutputDevice> devices = list_devices();
   for (const OutputDevice& device : devices)
     if (std::to_string(device.number) == wanted) return device.number;
   for (const OutputDevice& device : devices)
-    if (lower(device.name).find(lower(wanted)) != std::string::npos) return device.number;
+    if (lower_case(device.name).find(lower_case(wanted)) != std::string::npos) return device.number;
   throw usage_error("there is no sound device '" + wanted + "'", "a number or a name that --list-audio shows");
 }
 

@@ -1,24 +1,16 @@
 // The ending tells the format.
 #include "pipeline/export/export.h"
 
-#include <algorithm>
 #include <optional>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lower_case.h"
 #include "pipeline/export/formats.h"
 #include "scene/layer_file.h"
 
 namespace sparsha::pipeline {
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-std::string ending_of(const std::filesystem::path& file) { return lower(file.extension().string()); }
 
 bool is_raster(const std::string& ending) { return ending == ".tif" || ending == ".tiff" || ending == ".png"; }
 

@@ -1,7 +1,6 @@
 #include "pipeline/replica/replica.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/lower_case.h"
 #include "pipeline/replica/braille.h"
 #include "pipeline/replica/legibility.h"
 #include "pipeline/replica/solid.h"
@@ -157,9 +157,7 @@ void lay_relief(ReplicaPlate& plate, const Lattice& lattice, int fine, const std
 }  // namespace
 
 bool is_replica(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = ending_of(file);
   return ending == ".stl" || ending == ".3mf";
 }
 
@@ -232,8 +230,7 @@ ReplicaReport export_replica(const Scene& scene, const std::filesystem::path& fi
   AtomicPath target(file);
   const Solid solid(plate);
   const std::string shown = file.string();
-  std::string ending = file.extension().string();
-  if (ending.size() == 4 && (ending[1] == 's' || ending[1] == 'S'))
+  if (ending_of(file) == ".stl")
     write_stl(solid, target.temporary(), shown, progress);
   else
     write_3mf(solid, target.temporary(), shown, progress);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/lower_case.h"
 #include "pipeline/scan/formats/e57/e57.h"
 #include "pipeline/scan/formats/las/las.h"
 #include "pipeline/scan/formats/obj.h"
@@ -95,7 +96,7 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
                   const Progress* progress) {
   ScanFile file;
   file.name = name;
-  file.extension = lower_case(std::filesystem::path(name).extension().string());
+  file.extension = ending_of(name);
   if (!file.extension.empty()) file.extension.erase(0, 1);
   file.bytes = bytes;
   file.map = map;

@@ -139,12 +139,6 @@ const char* parse_integer(const char* p, const char* end, std::int64_t& value) {
   return error == std::errc() ? stop : nullptr;
 }
 
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = lower(c);
-  return result;
-}
-
 std::string_view take_word(std::string_view& text) {
   const char* const end = text.data() + text.size();
   const char* const begin = skip_blanks(text.data(), end);

@@ -19,7 +19,6 @@ namespace sparsha::pipeline {
   while (p < end && is_blank(*p)) ++p;
   return p;
 }
-[[nodiscard]] std::string lower_case(std::string_view text);
 /// The next word between blanks, taken off the front of `text`; empty at the end.
 [[nodiscard]] std::string_view take_word(std::string_view& text);
 /// A word as it may stand in a message: at most 32 characters, unprintable ones replaced.

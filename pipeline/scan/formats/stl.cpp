@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "base/key_table.h"
+#include "base/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

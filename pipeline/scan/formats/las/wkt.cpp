@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "pipeline/scan/formats/las/header.h"
+#include "base/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::las {

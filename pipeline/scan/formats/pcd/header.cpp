@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "base/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::pcd {

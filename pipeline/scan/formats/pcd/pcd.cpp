@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/lower_case.h"
 #include "pipeline/scan/formats/pcd/header.h"
 #include "pipeline/scan/formats/pcd/lzf.h"
 #include "pipeline/scan/text.h"

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "pipeline/scan/formats/ply/ply.h"
+#include "base/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::ply {

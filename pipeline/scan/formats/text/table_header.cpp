@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 
+#include "base/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
