@@ -4,13 +4,9 @@
 #include <utility>
 
 #include "haptics/replay/recorded_run.h"
+#include "haptics/state/vectors.h"
 
 namespace sparsha::haptics {
-namespace {
-
-Eigen::Vector3d to_vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
-
-}  // namespace
 
 TraceResult trace_recording(const pipeline::Scene& scene, const Recording& recording,
                             const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "haptics/state/vectors.h"
+
 namespace sparsha::haptics {
 namespace {
 
 constexpr double kSlipFilterS = 0.005;   // time constant of the published slip speed
 constexpr double kFarthestHandM = 10.0;  // no hand is so far from its device
-
-std::array<double, 3> to_array(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3d to_vector(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 
 Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& centre_m) noexcept {
   const pipeline::Lattice& lattice = surface.lattice;
