@@ -117,6 +117,72 @@ std::string scene_yaml(const SceneDescription& scene, const fs::path& folder) {
   return text;
 }
 
+Eigen::Matrix4d parse_matrix(const yaml::Node& node) {
+  if (!node.is_sequence() || node.items.size() != 4) {
+    throw yaml::error_at(node, "scan_from_grid is not a 4x4 matrix", "four rows of four numbers");
+  }
+  Eigen::Matrix4d matrix;
+  for (int row = 0; row < 4; ++row) {
+    const std::vector<double> values = yaml::to_doubles(node.items[static_cast<std::size_t>(row)], 4);
+    for (int column = 0; column < 4; ++column) matrix(row, column) = values[static_cast<std::size_t>(column)];
+  }
+  return matrix;
+}
+
+void require_version(yaml::MapReader& reader) {
+  int version = 0;
+  const yaml::Node& node = reader.required("version");
+  reader.read("version", version, 0, 1 << 30);
+  if (version != kFormatVersion) {
+    throw yaml::error_at(node, fmt::format("scene format {}", version),
+                         fmt::format("format {}; build the scene again", kFormatVersion));
+  }
+}
+
+void parse_sources(const yaml::Node& sources, SceneDescription& scene) {
+  for (const yaml::Node& item : sources.items) {
+    yaml::MapReader keys(item, "a source");
+    ScanSource source;
+    source.sha256 = yaml::to_text(keys.required("sha256"));
+    source.points = static_cast<std::uint64_t>(std::max<std::int64_t>(0, yaml::to_integer(keys.required("points"))));
+    keys.finish();
+    const std::size_t index = scene.sources.size();
+    if (index < scene.config.scans.size()) source.file = scene.config.scans[index].file;
+    scene.sources.push_back(std::move(source));
+  }
+}
+
+void parse_levels(const yaml::Node& levels, const std::vector<double>& origin, SceneDescription& scene) {
+  for (const yaml::Node& item : levels.items) {
+    yaml::MapReader keys(item, "a level");
+    Lattice level;
+    level.origin_m = {origin[0], origin[1], origin[2]};
+    static_cast<void>(keys.required("nx"));
+    static_cast<void>(keys.required("ny"));
+    static_cast<void>(keys.required("spacing_m"));
+    keys.read("nx", level.nx, 1, 1 << 24);
+    keys.read("ny", level.ny, 1, 1 << 24);
+    keys.read("spacing_m", level.spacing_m, 1e-15, 1e12);
+    keys.finish();
+    scene.levels.push_back(level);
+  }
+}
+
+void parse_layers(const yaml::Node& layers, SceneDescription& scene) {
+  for (const yaml::Node& item : layers.items) {
+    const std::string name = yaml::to_text(item);
+    if (name == "height" || name == "mask") continue;
+    bool known = name == "colour";
+    if (known) scene.has_colour = true;
+    for (const OptionalLayer& layer : kFloatLayers) {
+      if (name != layer.name) continue;
+      scene.*(layer.present) = true;
+      known = true;
+    }
+    if (!known) throw yaml::error_at(item, "unknown layer '" + name + "'", "a scene of this version");
+  }
+}
+
 SceneDescription parse_scene(const fs::path& folder) {
   const fs::path file = folder / "scene.yaml";
   yaml::Node root = yaml::parse_file(file);
@@ -138,66 +204,16 @@ SceneDescription parse_scene(const fs::path& folder) {
   SceneDescription scene;
   scene.config = parse_config(root, folder);
   const std::vector<double> origin = yaml::to_doubles(origin_node, 3);
-  if (!matrix_node.is_sequence() || matrix_node.items.size() != 4) {
-    throw yaml::error_at(matrix_node, "scan_from_grid is not a 4x4 matrix", "four rows of four numbers");
-  }
-  for (int row = 0; row < 4; ++row) {
-    const std::vector<double> values = yaml::to_doubles(matrix_node.items[static_cast<std::size_t>(row)], 4);
-    for (int column = 0; column < 4; ++column) {
-      scene.scan_from_grid(row, column) = values[static_cast<std::size_t>(column)];
-    }
-  }
+  scene.scan_from_grid = parse_matrix(matrix_node);
   if (const auto& regions = scene.config.orientation.regions_scan_to_grid) {
     scene.region_from_grid = *regions * scene.scan_from_grid;
   }
-
   yaml::MapReader reader(scene_node, "scene");
-  int version = 0;
-  static_cast<void>(reader.required("version"));
-  reader.read("version", version, 0, 1 << 30);
-  if (version != kFormatVersion) {
-    throw yaml::error_at(reader.required("version"), fmt::format("scene format {}", version),
-                         fmt::format("format {}; build the scene again", kFormatVersion));
-  }
-  const yaml::Node& sources = reader.required("sources");
-  for (const yaml::Node& item : sources.items) {
-    yaml::MapReader keys(item, "a source");
-    ScanSource source;
-    source.sha256 = yaml::to_text(keys.required("sha256"));
-    source.points = static_cast<std::uint64_t>(std::max<std::int64_t>(0, yaml::to_integer(keys.required("points"))));
-    keys.finish();
-    const std::size_t index = scene.sources.size();
-    if (index < scene.config.scans.size()) source.file = scene.config.scans[index].file;
-    scene.sources.push_back(std::move(source));
-  }
-  const yaml::Node& levels = reader.required("levels");
-  for (const yaml::Node& item : levels.items) {
-    yaml::MapReader keys(item, "a level");
-    Lattice level;
-    level.origin_m = {origin[0], origin[1], origin[2]};
-    static_cast<void>(keys.required("nx"));
-    static_cast<void>(keys.required("ny"));
-    static_cast<void>(keys.required("spacing_m"));
-    keys.read("nx", level.nx, 1, 1 << 24);
-    keys.read("ny", level.ny, 1, 1 << 24);
-    keys.read("spacing_m", level.spacing_m, 1e-15, 1e12);
-    keys.finish();
-    scene.levels.push_back(level);
-  }
+  require_version(reader);
+  parse_sources(reader.required("sources"), scene);
+  parse_levels(reader.required("levels"), origin, scene);
   if (scene.levels.empty()) throw yaml::error_at(scene_node, "the scene has no levels", "at least one");
-  const yaml::Node& layers = reader.required("layers");
-  for (const yaml::Node& item : layers.items) {
-    const std::string name = yaml::to_text(item);
-    if (name == "height" || name == "mask") continue;
-    bool known = name == "colour";
-    if (known) scene.has_colour = true;
-    for (const OptionalLayer& layer : kFloatLayers) {
-      if (name != layer.name) continue;
-      scene.*(layer.present) = true;
-      known = true;
-    }
-    if (!known) throw yaml::error_at(item, "unknown layer '" + name + "'", "a scene of this version");
-  }
+  parse_layers(reader.required("layers"), scene);
   reader.read("noise_m", scene.noise_m, 0.0, 1e12);
   reader.read("friction_c_m", scene.friction_c_m, 0.0, 1e12);
   const std::vector<double> range = yaml::to_doubles(reader.required("height_range_m"), 2);

@@ -170,6 +170,73 @@ std::string wrong_value(const std::array<std::size_t, kColumns>& place, const st
   return "";
 }
 
+/// The fields of one line by their columns.
+class Fields {
+ public:
+  Fields(const std::array<std::size_t, kColumns>& place, const std::vector<double>& values)
+      : place_(place), values_(values) {}
+  /// `otherwise` where the file has no such column.
+  [[nodiscard]] double at(Column column, double otherwise) const {
+    return place_[column] == kAbsent ? otherwise : values_[place_[column]];
+  }
+  [[nodiscard]] std::uint64_t word(Column column, double otherwise = 0.0) const {
+    return static_cast<std::uint64_t>(at(column, otherwise));
+  }
+  [[nodiscard]] int whole(Column column) const { return static_cast<int>(at(column, 0.0)); }
+
+ private:
+  const std::array<std::size_t, kColumns>& place_;
+  const std::vector<double>& values_;
+};
+
+bool has_windows(const std::array<std::size_t, kColumns>& place) {
+  const bool has_ticks =
+      std::all_of(place.begin() + kCentreX, place.begin() + kWindowI, [](std::size_t at) { return at != kAbsent; });
+  return has_ticks && std::all_of(place.begin() + kWindowI, place.begin() + kWorkspace,
+                                  [](std::size_t at) { return at != kAbsent; });
+}
+
+RecordedRow row_of(const Fields& fields) {
+  RecordedRow row;
+  row.time_s = fields.at(kTime, 0.0);
+  row.position_m = {fields.at(kX, 0.0), fields.at(kY, 0.0), fields.at(kZ, 0.0)};
+  row.buttons = fields.word(kButtons);
+  row.tick.centre_m = {fields.at(kCentreX, 0.0), fields.at(kCentreY, 0.0), fields.at(kCentreZ, 0.0)};
+  row.tick.stiffness_n_per_m = fields.at(kStiffness, 0.0);
+  row.tick.period_s = fields.at(kPeriod, 0.001);
+  row.tick.nominal_period_s = fields.at(kNominalPeriod, 0.0);
+  row.tick.command = fields.word(kCommand);
+  row.tick.flags = fields.word(kFlags, static_cast<double>(kFlagHomed));
+  return row;
+}
+
+/// The window that a row begins, all but the row's number.
+RecordedWindow window_of(const Fields& fields, std::uint64_t flags) {
+  RecordedWindow window;
+  window.surface_id = fields.word(kSurface);
+  window.plan.level = fields.whole(kLevel);
+  window.plan.i0 = fields.whole(kWindowI);
+  window.plan.j0 = fields.whole(kWindowJ);
+  window.plan.nx = fields.whole(kWindowNx);
+  window.plan.ny = fields.whole(kWindowNy);
+  window.plan.scale = fields.at(kScale, 1.0);
+  window.plan.tip_radius_m = fields.at(kTipRadius, 0.0);
+  window.plan.effects.texture = (flags & kFlagTexture) != 0;
+  window.plan.effects.friction = (flags & kFlagFriction) != 0;
+  window.plan.impact = (flags & kFlagImpact) != 0;
+  window.plan.grain = (flags & kFlagGrain) != 0;
+  return window;
+}
+
+DeviceLimits recorded_limits(const Fields& fields) {
+  DeviceLimits recorded;
+  recorded.max_force_n = fields.at(kMaxForce, recorded.max_force_n);
+  recorded.slew_n_per_s = fields.at(kSlew, recorded.slew_n_per_s);
+  recorded.least_damping_n_s_per_m = fields.at(kDamping, recorded.least_damping_n_s_per_m);
+  recorded.delay_ticks = static_cast<int>(fields.at(kDelay, recorded.delay_ticks));
+  return recorded;
+}
+
 /// The weaker of what the recorded device had and of playback's own limits.
 DeviceLimits limits_of(const DeviceLimits& recorded, bool& limited) {
   const DeviceLimits own;
@@ -179,8 +246,6 @@ DeviceLimits limits_of(const DeviceLimits& recorded, bool& limited) {
   limited = result.max_force_n < recorded.max_force_n || result.slew_n_per_s < recorded.slew_n_per_s;
   return usable(result);
 }
-
-std::uint64_t word(double value) { return static_cast<std::uint64_t>(value); }
 
 double commonest_step(const std::vector<RecordedRow>& rows) {
   std::vector<double> steps;
@@ -201,12 +266,7 @@ Recording::Recording(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::size_t count = 0;
   const auto place = find_columns(name, csv::take_line(text), count);
-  const bool has_ticks =
-      std::all_of(kNames.begin() + kCentreX, kNames.begin() + kWindowI, [&](const std::string_view& known) {
-        return place[static_cast<std::size_t>(&known - kNames.data())] != kAbsent;
-      });
-  const bool has_windows = has_ticks && place[kWindowI] != kAbsent && place[kWindowJ] != kAbsent &&
-                           place[kWindowNx] != kAbsent && place[kWindowNy] != kAbsent;
+  const bool windows = has_windows(place);
   std::vector<double> fields(count);
   int line_number = 1;
   while (!text.empty()) {
@@ -222,48 +282,18 @@ Recording::Recording(const std::filesystem::path& file) {
     if (!wrong.empty())
       throw input_error_at(name, line_number, wrong,
                            std::to_string(count) + " numbers as `explore --record` writes them");
-    const auto at = [&](Column column, double otherwise) {
-      return place[column] == kAbsent ? otherwise : fields[place[column]];
-    };
-    RecordedRow row;
-    row.time_s = at(kTime, 0.0);
+    const Fields columns(place, fields);
+    const RecordedRow row = row_of(columns);
     if (!rows_.empty() && !(row.time_s > rows_.back().time_s))
       throw input_error_at(name, line_number, "time does not increase", "t_s above that of the row before");
-    row.position_m = {at(kX, 0.0), at(kY, 0.0), at(kZ, 0.0)};
-    row.buttons = word(at(kButtons, 0.0));
-    row.tick.centre_m = {at(kCentreX, 0.0), at(kCentreY, 0.0), at(kCentreZ, 0.0)};
-    row.tick.stiffness_n_per_m = at(kStiffness, 0.0);
-    row.tick.period_s = at(kPeriod, 0.001);
-    row.tick.nominal_period_s = at(kNominalPeriod, 0.0);
-    row.tick.command = word(at(kCommand, 0.0));
-    row.tick.flags = word(at(kFlags, static_cast<double>(kFlagHomed)));
-    const std::uint64_t surface_id = word(at(kSurface, 0.0));
-    if (has_windows && (windows_.empty() || windows_.back().surface_id != surface_id)) {
-      RecordedWindow window;
-      window.row = rows_.size();
-      window.surface_id = surface_id;
-      window.plan.level = static_cast<int>(at(kLevel, 0.0));
-      window.plan.i0 = static_cast<int>(at(kWindowI, 0.0));
-      window.plan.j0 = static_cast<int>(at(kWindowJ, 0.0));
-      window.plan.nx = static_cast<int>(at(kWindowNx, 0.0));
-      window.plan.ny = static_cast<int>(at(kWindowNy, 0.0));
-      window.plan.scale = at(kScale, 1.0);
-      window.plan.tip_radius_m = at(kTipRadius, 0.0);
-      window.plan.effects.texture = (row.tick.flags & kFlagTexture) != 0;
-      window.plan.effects.friction = (row.tick.flags & kFlagFriction) != 0;
-      window.plan.impact = (row.tick.flags & kFlagImpact) != 0;
-      window.plan.grain = (row.tick.flags & kFlagGrain) != 0;
-      windows_.push_back(window);
+    if (windows && (windows_.empty() || windows_.back().surface_id != columns.word(kSurface))) {
+      windows_.push_back(window_of(columns, row.tick.flags));
+      windows_.back().row = rows_.size();
     }
     if (rows_.empty()) {
       info_.name = "playback";
-      info_.workspace_width_m = at(kWorkspace, info_.workspace_width_m);
-      DeviceLimits recorded;
-      recorded.max_force_n = at(kMaxForce, recorded.max_force_n);
-      recorded.slew_n_per_s = at(kSlew, recorded.slew_n_per_s);
-      recorded.least_damping_n_s_per_m = at(kDamping, recorded.least_damping_n_s_per_m);
-      recorded.delay_ticks = static_cast<int>(at(kDelay, recorded.delay_ticks));
-      info_.limits = limits_of(recorded, limited_);
+      info_.workspace_width_m = columns.at(kWorkspace, info_.workspace_width_m);
+      info_.limits = limits_of(recorded_limits(columns), limited_);
     }
     rows_.push_back(row);
   }

@@ -139,6 +139,53 @@ void place_labels(Config& config, const Lattice& grid) {
   config.audio->labels->bounds_m = {grid.x_m(0), grid.y_m(0), grid.x_m(grid.nx - 1), grid.y_m(grid.ny - 1)};
 }
 
+// What became of the points; takes the filters' findings.
+Report counts_of(ProjectedScans& scans) {
+  Report report;
+  report.points = scans.points;
+  report.filters = std::move(scans.filters);
+  report.kept_m = std::move(scans.kept_m);
+  report.orientation = std::move(scans.orientation);
+  report.points.used = scans.projection.used;
+  report.points.occluded = scans.projection.occluded;
+  report.points.outlier += scans.projection.outlier;
+  report.points.outside = scans.projection.outside;
+  return report;
+}
+
+Layers base_of(Projection& projection) {
+  Layers base;
+  base.grid = std::move(projection.grid);
+  base.colour_rgba = std::move(projection.colour_rgba);
+  base.intensity = std::move(projection.intensity);
+  return base;
+}
+
+// Fills gaps, holds the points against the surface, and warns of what is odd. Throws Error{input} when the surface is
+// not where the points are.
+void fill_and_check(const Config& config, const BuildOptions& options, const Context& context, ProjectedScans& scans,
+                    Layers& base, Report& report) {
+  Progress& progress = context.progress;
+  const Projection& projection = scans.projection;
+  if (config.fill) {
+    progress.begin("fill");
+    fill_gaps(base.grid, *config.fill, step_height(projection), context.pool);
+  }
+  const auto measured =
+      static_cast<std::uint64_t>(std::count(base.grid.state.begin(), base.grid.state.end(), NodeState::measured));
+  // Before the other layers, so that points and layers are not in memory together.
+  if (scans.check) {
+    progress.begin("cross-check");
+    report.check = scans.check(base.grid);
+    scans.check = nullptr;
+    if (!options.force) require_surface_near_points(base.grid.lattice, *report.check);
+  }
+  const bool has_points = projection.noise_m > 0.0;  // a mesh has none
+  for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, has_points, report.check)) {
+    progress.warn(std::move(text));
+  }
+}
+
 }  // namespace
 
 BuildResult build_scene(const Config& given, const BuildOptions& options, Progress& progress) {
@@ -149,16 +196,8 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   ProjectedScans scans = project_scans(config, options, {pool, progress});
   Projection& projection = scans.projection;
 
-  Report report;
+  Report report = counts_of(scans);
   report.pairs = pairs_of(config, options, {pool, progress});
-  report.points = scans.points;
-  report.filters = std::move(scans.filters);
-  report.kept_m = std::move(scans.kept_m);
-  report.orientation = std::move(scans.orientation);
-  report.points.used = projection.used;
-  report.points.occluded = projection.occluded;
-  report.points.outlier += projection.outlier;
-  report.points.outside = projection.outside;
   SceneDescription scene;
   if (config.orientation.face) {
     config.orientation.face.reset();
@@ -181,33 +220,14 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   scene.noise_m = projection.noise_m;
   warn_of_size(projection.grid.lattice, progress);
 
-  Layers base;
-  base.grid = std::move(projection.grid);
-  base.colour_rgba = std::move(projection.colour_rgba);
-  base.intensity = std::move(projection.intensity);
+  Layers base = base_of(projection);
   scene.has_colour = !base.colour_rgba.empty();
   scene.has_intensity = !base.intensity.empty();
   if (scene.config.grid.size == 0) scene.config.grid.spacing_m = base.grid.lattice.spacing_m;
 
   std::vector<Layers> levels;
   if (!options.grid_only) {
-    if (config.fill) {
-      progress.begin("fill");
-      fill_gaps(base.grid, *config.fill, step_height(projection), pool);
-    }
-    const auto measured =
-        static_cast<std::uint64_t>(std::count(base.grid.state.begin(), base.grid.state.end(), NodeState::measured));
-    // Before the other layers, so that points and layers are not in memory together.
-    if (scans.check) {
-      progress.begin("cross-check");
-      report.check = scans.check(base.grid);
-      scans.check = nullptr;
-      if (!options.force) require_surface_near_points(base.grid.lattice, *report.check);
-    }
-    const bool has_points = projection.noise_m > 0.0;  // a mesh has none
-    for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, has_points, report.check)) {
-      progress.warn(std::move(text));
-    }
+    fill_and_check(config, options, {pool, progress}, scans, base, report);
     add_texture(config, projection, {pool, progress}, base, scene);
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);

@@ -129,6 +129,112 @@ std::span<const NodePoint> front_layer(std::span<const NodePoint> sorted, double
   return {};
 }
 
+// The points of blocks chosen by their places, from all pieces in order.
+std::vector<Sample> draw_samples(const OrientedPieces& pieces, const BlockKernel& blocks, ThreadPool& pool) {
+  std::vector<Sample> samples;
+  pieces([&](const OrientedPoints& points) {
+    std::vector<std::vector<Sample>> parts((points.count + kPiece - 1) / kPiece);
+    pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
+      std::vector<Sample>& mine = parts[begin / kPiece];
+      std::array<std::uint32_t, kBatch> drawn;
+      for (std::size_t first = begin; first < end; first += kBatch) {
+        const std::size_t here = fastest_kernels().draw_blocks(blocks, points.x.get() + first, points.y.get() + first,
+                                                               std::min(kBatch, end - first), drawn.data());
+        for (std::size_t d = 0; d < here; ++d) {
+          const std::size_t k = first + drawn[d];
+          const float a = (points.x[k] - blocks.x0_m) * blocks.per_m;
+          const float b = (points.y[k] - blocks.y0_m) * blocks.per_m;
+          const auto i = static_cast<std::uint32_t>(a);
+          const auto j = static_cast<std::uint32_t>(b);
+          mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
+                          {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
+        }
+      }
+    });
+    for (const std::vector<Sample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
+  });
+  return samples;
+}
+
+// The blocks of a cloud, `side` long, and what they say of it.
+class Blocks {
+ public:
+  Blocks(const std::vector<Sample>& samples, double side, ThreadPool& pool)
+      : side_(side), pool_(pool), found_(gather_blocks(samples, points_)) {
+    sort_points();
+  }
+
+  [[nodiscard]] Steepness steepness() const {
+    std::vector<Steepness> parts(found_.size());
+    pool_.for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b) parts[b] = steepness_of_block(all_of(found_[b]), side_);
+    });
+    Steepness sum;
+    for (const Steepness& part : parts) {
+      sum.flat += part.flat;
+      sum.steep += part.steep;
+      sum.spacings_m.insert(sum.spacings_m.end(), part.spacings_m.begin(), part.spacings_m.end());
+    }
+    return sum;
+  }
+
+  // Takes the points of each block that lie in front where the noise is `noise_m`, and measures theirs.
+  void find_fronts(double noise_m) {
+    pool_.for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+      std::vector<double> scratch;
+      for (std::size_t b = begin; b < end; ++b) {
+        Block& block = found_[b];
+        const std::span<const NodePoint> all = all_of(block);
+        const double block_spacing = side_ / std::sqrt(static_cast<double>(all.size()));
+        const std::span<const NodePoint> front = front_layer(all, layer_gap_m(noise_m, block_spacing));
+        const std::size_t front_begin = front.empty() ? 0 : static_cast<std::size_t>(front.data() - all.data());
+        if (front_begin == block.front_begin && front.size() == block.front_size) continue;
+        block.front_begin = front_begin;
+        block.front_size = front.size();
+        block.noise_m = residual_scale_m(front, scratch);
+      }
+    });
+  }
+
+  // Noise and spacing of the fronts.
+  void measure_fronts(double mean_spacing, CloudStatistics& result) const {
+    std::vector<Weighted> noises;
+    std::vector<Weighted> spacings;
+    for (const Block& block : found_) {
+      if (block.front_size == 0) continue;
+      const auto weight = static_cast<double>(block.front_size);
+      spacings.push_back({side_ / std::sqrt(weight), weight});
+      if (block.noise_m >= 0.0) noises.push_back({block.noise_m, weight});
+    }
+    // Form and mixed layers only ever add to the noise of a block: its lower quantile is what the scanner did.
+    result.noise_m = kNoiseOfQuantile * weighted_quantile(noises, kNoiseQuantile, 0.0);
+    result.point_spacing_m = weighted_quantile(spacings, 0.5, mean_spacing);
+  }
+
+ private:
+  [[nodiscard]] std::span<const NodePoint> all_of(const Block& block) const {
+    return {points_.data() + block.begin, block.end - block.begin};
+  }
+
+  void sort_points() {
+    pool_.for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b) {
+        const auto first = points_.begin() + static_cast<std::ptrdiff_t>(found_[b].begin);
+        const auto last = points_.begin() + static_cast<std::ptrdiff_t>(found_[b].end);
+        std::sort(first, last, before);
+        // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
+        const auto same = [](const NodePoint& p, const NodePoint& q) { return !before(p, q) && !before(q, p); };
+        found_[b].end = found_[b].begin + static_cast<std::size_t>(std::unique(first, last, same) - first);
+      }
+    });
+  }
+
+  double side_;
+  ThreadPool& pool_;
+  std::vector<NodePoint> points_;
+  std::vector<Block> found_;
+};
+
 }  // namespace
 
 CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent, ThreadPool& pool) {
@@ -143,91 +249,23 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
   }
 
   const double side = kBlockSpacings * mean_spacing;
-  const double blocks = area / (side * side);
-  BlockKernel blocks_drawn;
-  blocks_drawn.x0_m = static_cast<float>(extent.xmin_m);
-  blocks_drawn.y0_m = static_cast<float>(extent.ymin_m);
-  blocks_drawn.per_m = static_cast<float>(1.0 / side);
-  blocks_drawn.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
-  std::vector<Sample> samples;
-  pieces([&](const OrientedPoints& points) {
-    std::vector<std::vector<Sample>> parts((points.count + kPiece - 1) / kPiece);
-    pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
-      std::vector<Sample>& mine = parts[begin / kPiece];
-      std::array<std::uint32_t, kBatch> drawn;
-      for (std::size_t first = begin; first < end; first += kBatch) {
-        const std::size_t here = fastest_kernels().draw_blocks(
-            blocks_drawn, points.x.get() + first, points.y.get() + first, std::min(kBatch, end - first), drawn.data());
-        for (std::size_t d = 0; d < here; ++d) {
-          const std::size_t k = first + drawn[d];
-          const float a = (points.x[k] - blocks_drawn.x0_m) * blocks_drawn.per_m;
-          const float b = (points.y[k] - blocks_drawn.y0_m) * blocks_drawn.per_m;
-          const auto i = static_cast<std::uint32_t>(a);
-          const auto j = static_cast<std::uint32_t>(b);
-          mine.push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
-                          {points.z[k], a - static_cast<float>(i) - 0.5F, b - static_cast<float>(j) - 0.5F}});
-        }
-      }
-    });
-    for (const std::vector<Sample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
-  });
-  std::vector<NodePoint> points;
-  std::vector<Block> found = gather_blocks(samples, points);
-  pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      const auto first = points.begin() + static_cast<std::ptrdiff_t>(found[b].begin);
-      const auto last = points.begin() + static_cast<std::ptrdiff_t>(found[b].end);
-      std::sort(first, last, before);
-      // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
-      const auto same = [](const NodePoint& p, const NodePoint& q) { return !before(p, q) && !before(q, p); };
-      found[b].end = found[b].begin + static_cast<std::size_t>(std::unique(first, last, same) - first);
-    }
-  });
+  const double block_count = area / (side * side);
+  BlockKernel drawn;
+  drawn.x0_m = static_cast<float>(extent.xmin_m);
+  drawn.y0_m = static_cast<float>(extent.ymin_m);
+  drawn.per_m = static_cast<float>(1.0 / side);
+  drawn.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, block_count)) * 4294967295.0);
+  Blocks blocks(draw_samples(pieces, drawn, pool), side, pool);
 
-  std::vector<Steepness> parts(found.size());
-  pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      parts[b] = steepness_of_block({points.data() + found[b].begin, found[b].end - found[b].begin}, side);
-    }
-  });
-  Steepness in_space;
-  for (const Steepness& part : parts) {
-    in_space.flat += part.flat;
-    in_space.steep += part.steep;
-    in_space.spacings_m.insert(in_space.spacings_m.end(), part.spacings_m.begin(), part.spacings_m.end());
-  }
+  Steepness in_space = blocks.steepness();
   if (in_space.flat > 0) {
     result.steep_share = static_cast<double>(in_space.steep) / static_cast<double>(in_space.flat);
     result.surface_spacing_m = median(in_space.spacings_m);
   }
-
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
   for (int round = 0; round < 5; ++round) {
-    pool.for_ranges(found.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
-      std::vector<double> scratch;
-      for (std::size_t b = begin; b < end; ++b) {
-        Block& block = found[b];
-        const std::span<const NodePoint> all(points.data() + block.begin, block.end - block.begin);
-        const double block_spacing = side / std::sqrt(static_cast<double>(all.size()));
-        const std::span<const NodePoint> front = front_layer(all, layer_gap_m(result.noise_m, block_spacing));
-        const std::size_t front_begin = front.empty() ? 0 : static_cast<std::size_t>(front.data() - all.data());
-        if (front_begin == block.front_begin && front.size() == block.front_size) continue;
-        block.front_begin = front_begin;
-        block.front_size = front.size();
-        block.noise_m = residual_scale_m(front, scratch);
-      }
-    });
-    std::vector<Weighted> noises;
-    std::vector<Weighted> spacings;
-    for (const Block& block : found) {
-      if (block.front_size == 0) continue;
-      const auto weight = static_cast<double>(block.front_size);
-      spacings.push_back({side / std::sqrt(weight), weight});
-      if (block.noise_m >= 0.0) noises.push_back({block.noise_m, weight});
-    }
-    // Form and mixed layers only ever add to the noise of a block: its lower quantile is what the scanner did.
-    result.noise_m = kNoiseOfQuantile * weighted_quantile(noises, kNoiseQuantile, 0.0);
-    result.point_spacing_m = weighted_quantile(spacings, 0.5, mean_spacing);
+    blocks.find_fronts(result.noise_m);
+    blocks.measure_fronts(mean_spacing, result);
   }
   return result;
 }

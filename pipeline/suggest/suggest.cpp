@@ -70,13 +70,34 @@ std::string verdict(const Choice& choice, double share) {
   return text;
 }
 
-}  // namespace
+// A unit of a scan, what it is in metres, and why it is taken.
+struct FoundUnit {
+  std::string name = "m";
+  std::string reason = "no sign of another unit";
+  double metres = 1.0;
+};
+FoundUnit unit_of(const RawScan& scan) {
+  if (scan.unit) return {to_string(*scan.unit), "the format says so", metres_in(*scan.unit)};
+  if (const auto guess = guess_unit(scan); guess && !plausible_metres(scan)) {
+    return {to_string(guess->unit), guess->reason, metres_in(guess->unit)};
+  }
+  return {};
+}
 
-Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress) {
-  progress.begin("look at the scans");
-  SeenScans seen;
-  TrialCloud points;
-  std::string scan_block = "scans:\n";
+// Relative to the configuration's folder where there is a way.
+std::string shown_path(const fs::path& file, const fs::path& folder) {
+  std::error_code code;
+  const fs::path relative =
+      fs::absolute(file, code)
+          .lexically_normal()
+          .lexically_relative(fs::absolute(folder.empty() ? fs::path(".") : folder, code).lexically_normal());
+  return (relative.empty() ? fs::absolute(file, code) : relative).generic_string();
+}
+
+// Reads the scans into `seen` and `points`; their part of the configuration.
+std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
+                    Progress& progress) {
+  std::string text = "scans:\n";
   for (const fs::path& file : scans) {
     const ScanStatistics statistics = scan_statistics(file, progress);
     const RawScan& scan = statistics.scan;
@@ -84,29 +105,35 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
     require_lengths(scan, file.string());
-    std::string unit = "m";
-    std::string reason = "no sign of another unit";
-    double metres = 1.0;
-    if (scan.unit) {
-      unit = to_string(*scan.unit);
-      metres = metres_in(*scan.unit);
-      reason = "the format says so";
-    } else if (const auto guess = guess_unit(scan); guess && !plausible_metres(scan)) {
-      unit = to_string(guess->unit);
-      metres = metres_in(guess->unit);
-      reason = guess->reason;
-    }
-    seen.look_at(scan, metres);
-    points.add(statistics, metres);
-    std::error_code code;
-    const fs::path relative =
-        fs::absolute(file, code)
-            .lexically_normal()
-            .lexically_relative(fs::absolute(folder.empty() ? fs::path(".") : folder, code).lexically_normal());
-    const std::string name = (relative.empty() ? fs::absolute(file, code) : relative).generic_string();
-    scan_block += fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(name), unit, reason);
+    const FoundUnit unit = unit_of(scan);
+    seen.look_at(scan, unit.metres);
+    points.add(statistics, unit.metres);
+    text +=
+        fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(shown_path(file, folder)), unit.name, unit.reason);
   }
+  return text;
+}
 
+// Crops what is seen to the group in which nearly all points lie; the filters' part of the configuration.
+std::string crop_to_group(SeenScans& seen, TrialCloud& points, Progress& progress) {
+  const auto group = points.has_faces() ? std::nullopt : main_group(seen.points_m);
+  if (!group) return {};
+  const std::string what =
+      fmt::format("{:.1f} % of the points lie together, the others far away", 100.0 * group->share);
+  progress.warn(what + ", and are cropped: a grid over all of them would show none; name another 'crop' to see them");
+  seen.crop(group->crop);
+  points.crop(group->crop);
+  return fmt::format("filters:\n  - crop: {{min_m: {}, max_m: {}}}  # {}\n", precise(group->crop.min_m),
+                     precise(group->crop.max_m), what);
+}
+
+}  // namespace
+
+Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress) {
+  progress.begin("look at the scans");
+  SeenScans seen;
+  TrialCloud points;
+  const std::string scan_block = look_at(scans, folder, seen, points, progress);
   const InnerBox box = inner_box(seen.points_m);
   const double longest_m = (box.high - box.low).maxCoeff();
   constexpr double kLongest_m = 1e9;
@@ -114,16 +141,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
     throw input_error(scans.front().string(), fmt::format("its points spread over {:.3g} m", longest_m),
                       "a scan of less than 1e9 m; damaged coordinates or another unit");
   }
-  std::string filter_block;
-  if (const auto group = points.has_faces() ? std::nullopt : main_group(seen.points_m)) {
-    const std::string what =
-        fmt::format("{:.1f} % of the points lie together, the others far away", 100.0 * group->share);
-    filter_block = fmt::format("filters:\n  - crop: {{min_m: {}, max_m: {}}}  # {}\n", precise(group->crop.min_m),
-                               precise(group->crop.max_m), what);
-    progress.warn(what + ", and are cropped: a grid over all of them would show none; name another 'crop' to see them");
-    seen.crop(group->crop);
-    points.crop(group->crop);
-  }
+  const std::string filter_block = crop_to_group(seen, points, progress);
   progress.begin("try views");
   const double share = points.share();
   const Choice choice = find_view_and_spacing(points, seen, progress);

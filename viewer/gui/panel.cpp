@@ -135,6 +135,65 @@ void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& l
   brush.list->PopClipRect();
 }
 
+namespace {
+
+/// Where figures stand: left edge, width of both columns, top, and the line they must not cross.
+struct FigureBox {
+  float x, width, y, end;
+};
+
+void draw_figures(const Brush& brush, const Frame& frame, const pipeline::SceneDescription& description,
+                  const Window& window, const FigureBox& box) {
+  const Fonts& fonts = brush.fonts;
+  const Theme& theme = brush.theme;
+  const haptics::State& state = frame.state;
+  const float x = box.x, width = box.width, end = box.end;
+  float y = box.y;
+  const auto length_of = [](const std::array<double, 3>& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  };
+  const double force_n = length_of(state.commanded_force_n);
+  const double depth_m = state.contact != 0 ? state.penetration_m : 0.0;
+  const float half = 0.5F * (width - brush.px(20.0F)), second = x + half + brush.px(20.0F);
+  const auto figure = [&](float at, const char* name, const std::string& value, double share, ImU32 colour) {
+    brush.text(fonts.small, at, y, theme.dim, brush.elided(fonts.small, name, half));
+    brush.text(brush.fitting(fonts.large, value, half), at, y + fonts.small->FontSize + brush.px(1.0F), theme.text,
+               value);
+    meter(brush, at, y + fonts.small->FontSize + fonts.large->FontSize + brush.px(6.0F), half, share, colour);
+  };
+  const bool limited = (state.flags & haptics::kFlagSaturated) != 0;
+  figure(x, limited ? "Force, limited" : "Force", fmt::format("{:.2f} N", force_n), force_n / 5.0,
+         limited ? theme.warning : theme.accent);
+  figure(second, "Depth at the hand", fmt::format("{:.2f} mm", 1e3 * depth_m), depth_m / 0.01, theme.accent);
+  y += fonts.small->FontSize + fonts.large->FontSize + brush.px(22.0F);
+
+  const auto row = [&](const char* name, const std::string& value, const char* other, const std::string& second_value) {
+    if (y + fonts.small->FontSize > end) return;  // no room in a low window
+    const auto pair = [&](float at, const char* what, const std::string& figure_text) {
+      const float value_w = brush.size(fonts.small, figure_text).x;
+      brush.text(fonts.small, at, y, theme.dim, brush.elided(fonts.small, what, half - value_w - brush.px(4.0F)));
+      brush.text_right(fonts.small, at + half, y, theme.text, figure_text);
+    };
+    pair(x, name, value);
+    pair(second, other, second_value);
+    y += fonts.small->FontSize + brush.px(7.0F);
+  };
+  const auto on = [&](std::uint64_t bit) { return (state.flags & bit) != 0; };
+  row("Level", fmt::format("{} of {}", state.level + 1, description.levels.size()), "Window",
+      length_text(window.width_m, TextStyle::screen));
+  row("Texture", on(haptics::kFlagTexture) ? "on" : "off", "Friction",
+      !on(haptics::kFlagFriction) ? std::string("off")
+      : state.contact != 0        ? fmt::format("\xC2\xB5 {:.2f}", state.friction_coefficient)
+                                  : std::string("on"));
+  if (on(haptics::kFlagImpact) || on(haptics::kFlagGrain))
+    row("Strike", on(haptics::kFlagImpact) ? "invented" : "as measured", "Grain",
+        on(haptics::kFlagGrain) ? std::string("invented") : std::string("as measured"));
+  row("Magnified", fmt::format("{:.3g} \xC3\x97", state.scale), "Ticks in time",
+      fmt::format("{:.1f} %", 100.0 * std::clamp(state.share_in_time, 0.0, 1.0)));
+}
+
+}  // namespace
+
 void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture) {
   const Fonts& fonts = brush.fonts;
   const Theme& theme = brush.theme;
@@ -150,7 +209,6 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   brush.list->AddRect(ImVec2(x - 0.5F, image_top - 0.5F), ImVec2(x + width + 0.5F, image_bottom + 0.5F), theme.line);
   brush.list->AddLine(ImVec2(left, top), ImVec2(left, bottom), theme.line);
 
-  const Window window = window_of(state, description);
   const double extent_m =
       std::max(description.levels.front().nx, description.levels.front().ny) * description.levels.front().spacing_m;
   const std::string extent = length_text(extent_m, TextStyle::screen);
@@ -177,50 +235,7 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
     brush.text_right(fonts.text, x + width, y, theme.text, brush.elided(fonts.text, frame.part, part_w));
   y += fonts.strong->FontSize + brush.px(12.0F);
 
-  if (state.tick != 0) {
-    const auto length_of = [](const std::array<double, 3>& v) {
-      return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    };
-    const double force_n = length_of(state.commanded_force_n);
-    const double depth_m = state.contact != 0 ? state.penetration_m : 0.0;
-    const float half = 0.5F * (width - brush.px(20.0F)), second = x + half + brush.px(20.0F);
-    const auto figure = [&](float at, const char* name, const std::string& value, double share, ImU32 colour) {
-      brush.text(fonts.small, at, y, theme.dim, brush.elided(fonts.small, name, half));
-      brush.text(brush.fitting(fonts.large, value, half), at, y + fonts.small->FontSize + brush.px(1.0F), theme.text,
-                 value);
-      meter(brush, at, y + fonts.small->FontSize + fonts.large->FontSize + brush.px(6.0F), half, share, colour);
-    };
-    const bool limited = (state.flags & haptics::kFlagSaturated) != 0;
-    figure(x, limited ? "Force, limited" : "Force", fmt::format("{:.2f} N", force_n), force_n / 5.0,
-           limited ? theme.warning : theme.accent);
-    figure(second, "Depth at the hand", fmt::format("{:.2f} mm", 1e3 * depth_m), depth_m / 0.01, theme.accent);
-    y += fonts.small->FontSize + fonts.large->FontSize + brush.px(22.0F);
-
-    const auto row = [&](const char* name, const std::string& value, const char* other,
-                         const std::string& second_value) {
-      if (y + fonts.small->FontSize > end) return;  // no room in a low window
-      const auto pair = [&](float at, const char* what, const std::string& figure_text) {
-        const float value_w = brush.size(fonts.small, figure_text).x;
-        brush.text(fonts.small, at, y, theme.dim, brush.elided(fonts.small, what, half - value_w - brush.px(4.0F)));
-        brush.text_right(fonts.small, at + half, y, theme.text, figure_text);
-      };
-      pair(x, name, value);
-      pair(second, other, second_value);
-      y += fonts.small->FontSize + brush.px(7.0F);
-    };
-    const auto on = [&](std::uint64_t bit) { return (state.flags & bit) != 0; };
-    row("Level", fmt::format("{} of {}", state.level + 1, description.levels.size()), "Window",
-        length_text(window.width_m, TextStyle::screen));
-    row("Texture", on(haptics::kFlagTexture) ? "on" : "off", "Friction",
-        !on(haptics::kFlagFriction) ? std::string("off")
-        : state.contact != 0        ? fmt::format("\xC2\xB5 {:.2f}", state.friction_coefficient)
-                                    : std::string("on"));
-    if (on(haptics::kFlagImpact) || on(haptics::kFlagGrain))
-      row("Strike", on(haptics::kFlagImpact) ? "invented" : "as measured", "Grain",
-          on(haptics::kFlagGrain) ? std::string("invented") : std::string("as measured"));
-    row("Magnified", fmt::format("{:.3g} \xC3\x97", state.scale), "Ticks in time",
-        fmt::format("{:.1f} %", 100.0 * std::clamp(state.share_in_time, 0.0, 1.0)));
-  }
+  if (state.tick != 0) draw_figures(brush, frame, description, window_of(state, description), {x, width, y, end});
   const std::string hint = "all keys";
   const float cap = brush.key_cap_width("F1");
   const float line_y = bottom - fonts.small->FontSize - brush.px(18.0F);
