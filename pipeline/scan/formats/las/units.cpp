@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/scan/formats/las/header.h"
 #include "base/lower_case.h"
+#include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/text.h"
 #include "pipeline/scan/units.h"
 

@@ -1,8 +1,8 @@
 // The little of OGC well-known text that tells units: KEYWORD[value, ..., KEYWORD[...], ...].
 #include <vector>
 
-#include "pipeline/scan/formats/las/header.h"
 #include "base/lower_case.h"
+#include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::las {

@@ -1,8 +1,8 @@
 // The header of a PLY file, checked line by line.
 #include <algorithm>
 
-#include "pipeline/scan/formats/ply/ply.h"
 #include "base/lower_case.h"
+#include "pipeline/scan/formats/ply/ply.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::ply {
