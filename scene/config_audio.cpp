@@ -12,6 +12,8 @@ using yaml::Node;
 
 constexpr double kQuietest_db = -200.0;
 constexpr double kLoudest_db = 60.0;
+/// The sound card's thread looks at every corner.
+constexpr std::size_t kMostCorners = 1000;
 
 ModalConfig parse_modal(const Node& node) {
   ModalConfig modal;
@@ -63,6 +65,10 @@ std::vector<std::array<double, 2>> parse_polygon(const Node& node) {
   std::vector<std::array<double, 2>> corners;
   if (!node.is_sequence() || node.items.size() < 3) {
     throw yaml::error_at(node, "the polygon has fewer than three corners", "[[x, y], [x, y], [x, y], ...]");
+  }
+  if (node.items.size() > kMostCorners) {
+    throw yaml::error_at(node, "the polygon has " + std::to_string(node.items.size()) + " corners",
+                         "at most " + std::to_string(kMostCorners));
   }
   double area_m2 = 0.0;
   for (const Node& item : node.items) {
