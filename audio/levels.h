@@ -1,4 +1,4 @@
-// How loud what is: the one place where strikes and strokes are weighed against each other.
+// Levels of all sounds: the one place where strikes and strokes are weighed against each other.
 #pragma once
 
 #include <algorithm>

@@ -78,6 +78,7 @@ bool ScrapeBank::settle() noexcept {
 
 Needle::Needle(const SoundBank& bank)
     : bank_(bank),
+      level_(kStrokeLevel * std::min(bank.scrape_gain / kReferenceGain, kMostStrokeGain)),
       rate_hz_(bank.sample_rate_hz),
       path_share_(share(kPath_s, rate_hz_)),
       speed_share_(share(kSpeed_s, rate_hz_)),
@@ -102,6 +103,7 @@ void Needle::set_profile(std::shared_ptr<const Profile> profile, std::uint64_t f
 
 void Needle::move(const Point& given) noexcept {
   Point point = given;
+  point.press_level = strike_level(point.press_n);
   if (point.touching && !point.place_m.allFinite()) point.touching = false;
   if (!point.touching) {
     if (!anchored_) return;  // in the air before as well
@@ -211,7 +213,7 @@ void Needle::render(double* out, std::size_t count, std::uint64_t frame) noexcep
     advance(frame + i);
     const double gain = bank_.scrapes[std::min(reached_.sound, banks_.size() - 1)].grain_gain;
     grain_gain_ += press_share_ * (gain - grain_gain_);
-    const double press = seated_ ? strike_level(reached_.press_n) : 0.0;
+    const double press = seated_ ? reached_.press_level : 0.0;
     press_ += press_share_ * (press - press_);
     const double drive = seated_ ? slope(frame + i) : 0.0;
     high_1_ += high_share_ * (drive - high_1_);
@@ -219,9 +221,7 @@ void Needle::render(double* out, std::size_t count, std::uint64_t frame) noexcep
     const double sound = ring(drive - high_1_ - high_2_) / kSlope;
     const double power = sound * sound;
     power_ += (power > power_ ? attack_share_ : release_share_) * (power - power_);
-    // Never above kStrokeLevel times the press, however rough the stone: a strike is heard over every stroke.
-    const double level = kStrokeLevel * std::min(bank_.scrape_gain / kReferenceGain, kMostStrokeGain);
-    out[i] += level * press_ * sound / (1.0 + std::sqrt(power_));
+    out[i] += level_ * press_ * sound / (1.0 + std::sqrt(power_));
     if ((frame + i + 1) % kSettleEvery == 0) settle();
   }
 }

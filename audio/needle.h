@@ -47,8 +47,9 @@ class Needle {
     bool touching = false;
     Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< under the proxy, grid frame
     double press_n = 0.0;
-    double scale = 1.0;     ///< device metres per grid metre
-    std::size_t sound = 0;  ///< index into SoundBank::scrapes
+    double press_level = 0.0;  ///< set by Needle::move
+    double scale = 1.0;        ///< device metres per grid metre
+    std::size_t sound = 0;     ///< index into SoundBank::scrapes
   };
 
   explicit Needle(const SoundBank& bank);
@@ -79,6 +80,8 @@ class Needle {
   void settle() noexcept;
 
   const SoundBank& bank_;
+  /// Never above kStrokeLevel times the press, however rough the stone: a strike is heard over every stroke.
+  const double level_;
   double rate_hz_;
   double path_share_, speed_share_, press_share_, high_share_, attack_share_, release_share_;
 
