@@ -9,12 +9,9 @@
 
 #include <portaudio.h>
 
-#if defined(__linux__)
-#include <dlfcn.h>
-#endif
-
 #include "base/error.h"
 #include "base/lower_case.h"
+#include "base/system_symbol.h"
 
 namespace sparsha::audio {
 namespace {
@@ -30,14 +27,12 @@ void ignore_jack(const char*) {}
 /// ALSA and JACK, which PortAudio loads, talk to stderr while they look for devices. Their error handlers are reached
 /// by name, so that neither is a dependency of ours.
 void silence_sound_systems() {
-#if defined(__linux__)
   using AlsaHandler = void (*)(const char*, int, const char*, int, const char*, ...);
   using SetAlsaHandler = int (*)(AlsaHandler);
   using SetJackHandler = void (*)(void (*)(const char*));
-  if (auto* set = reinterpret_cast<SetAlsaHandler>(dlsym(RTLD_DEFAULT, "snd_lib_error_set_handler"))) set(&ignore_alsa);
+  if (auto* set = reinterpret_cast<SetAlsaHandler>(system::find_symbol("snd_lib_error_set_handler"))) set(&ignore_alsa);
   for (const char* name : {"jack_set_error_function", "jack_set_info_function"})
-    if (auto* set = reinterpret_cast<SetJackHandler>(dlsym(RTLD_DEFAULT, name))) set(&ignore_jack);
-#endif
+    if (auto* set = reinterpret_cast<SetJackHandler>(system::find_symbol(name))) set(&ignore_jack);
 }
 
 Error device_error(const std::string& what) {
