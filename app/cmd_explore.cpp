@@ -313,7 +313,12 @@ class Exploration {
 
   // The window cannot show the new scene: the one before comes back.
   void refuse(const std::string& why) {
-    if (before_) change_scene(std::exchange(before_, nullptr));
+    try {
+      if (const pipeline::ScenePointer before = std::exchange(before_, nullptr)) change_scene(before);
+    } catch (const Error&) {
+      // Its sounds cannot be read any more: the new scene is touched and the old picture shown.
+    }
+    before_ = nullptr;  // it is not refused in its turn
     warn("cannot_open", {{"reason", why}});
   }
 

@@ -1,6 +1,7 @@
 // The stone is drawn into cached pictures, at full quality once camera and data rest; each frame copies them and draws
 // the hand.
 #include "viewer/picture.h"
+#include "base/error.h"
 
 #include <algorithm>
 #include <chrono>
@@ -151,11 +152,15 @@ void Picture::follow_window(const Frame& frame, const Window& window) {
   const pipeline::SceneDescription& description = scene_->description();
   if (loading_ && loading_->data.valid()) {
     const bool ready = frame.finished || loading_->data.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    if (ready) {
-      piece_ = std::make_unique<ReliefView>(loading_->data.get(), stage_);
-      piece_->set_light(light_, pool_, true);
-      piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
-      stones_lit_ = false;
+    try {
+      if (ready) {
+        piece_ = std::make_unique<ReliefView>(loading_->data.get(), stage_);
+        piece_->set_light(light_, pool_, true);
+        piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
+        stones_lit_ = false;
+      }
+    } catch (const Error&) {
+      piece_.reset();  // tiles that cannot be read: the coarse stone stays, and the servo says why
     }
   }
   const int whole_level = whole_->data().level;
@@ -300,7 +305,7 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   prepare_style(frame);
   const Window window = window_of(frame.state, scene_->description());
   follow_window(frame, window);
-  touch_ground_.follow(scene_, frame.state, frame.finished);
+  follow_touch(frame.state, frame.finished);
   light_stones(frame.settings.high_contrast);
   hand_ = hand_of(frame.state, window);
   const Layout layout = layout_of(width, height, frame.settings);

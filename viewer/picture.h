@@ -29,6 +29,8 @@ class Picture {
   /// camera or data changed since the last call.
   void draw(const Frame& frame, unsigned framebuffer, int width, int height);
 
+  /// Reads what the hand touches now, also when nothing is drawn.
+  void follow_touch(const haptics::State& state, bool finished) { touch_ground_.follow(scene_, state, finished); }
   /// Height of the surface that the hand touches, grid frame: the servo's where it is known, else the drawn one.
   [[nodiscard]] double touch_height_at(double x_m, double y_m) const;
   /// Height of the drawn surface, grid frame.

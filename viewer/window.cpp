@@ -456,6 +456,7 @@ WindowEnd run(const Connections& connections, const ViewerOptions& options) {
     if (controller) {
       const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
       if (options.kiosk) attract_visitors(attract, *controller, settings, now_s, state);
+      picture.follow_touch(state, false);
       controller->update(now_s, state, inputs.width, inputs.height, height_at, drawn_at);
       controller->frame().finished = false;
       count.show(now_s, controller->frame());

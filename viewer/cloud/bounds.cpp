@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/statistics.h"
+
 namespace sparsha::viewer {
 
 Bounds bounds_of(std::span<const Eigen::Vector3f> points) {
@@ -16,12 +18,7 @@ Bounds bounds_of(std::span<const Eigen::Vector3f> points) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<float> values;
     for (std::size_t n = 0; n < points.size(); n += step) values.push_back(points[n][axis]);
-    const auto rank = [&](double share) {
-      const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), at, values.end());
-      return *at;
-    };
-    const float first = rank(kRank), last = rank(1.0 - kRank);
+    const float first = quantile(values, kRank), last = quantile(values, 1.0 - kRank);
     near.low[axis] = first - kBeyond * (last - first);
     near.high[axis] = last + kBeyond * (last - first);
   }

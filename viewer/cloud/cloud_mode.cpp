@@ -30,8 +30,9 @@ void CloudMode::draw(Gui& gui, const ViewSettings& settings, unsigned framebuffe
   controller_.update(time_s, layout.detail.width, layout.detail.height, can_go_back);
   picture_.draw(controller_.frame(), framebuffer, layout.detail, height, settings.high_contrast);
   for (std::string& words : controller_.take_words()) {
-    if (speak_) speak_(words);
-    const bool problem = controller_.frame().status.problem && words == controller_.frame().status.note;
+    const bool note = words == controller_.frame().status.note;  // which the program announces itself
+    if (speak_ && !note) speak_(words);
+    const bool problem = note && controller_.frame().status.problem;
     const double length_s = (problem ? 4.0 : 2.0) + 0.06 * static_cast<double>(words.size());
     std::erase_if(said_, [&](const Said& said) { return said.text == words; });
     said_.push_back({std::move(words), problem, time_s + length_s});
