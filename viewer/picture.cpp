@@ -11,6 +11,7 @@
 
 #include <epoxy/gl.h>
 
+#include "base/error.h"
 #include "viewer/gl/shaders.h"
 
 namespace sparsha::viewer {
