@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/inputs.h"
 #include "app/results.h"
+#include "app/sentences.h"
 #include "app/terminal.h"
 #include "base/error.h"
 #include "base/system.h"
@@ -86,8 +87,9 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
   const pipeline::BuildResult result = blaming_scans(arguments.inputs, arguments.settings, [&] {
     return pipeline::build_scene_folder(config, options, folder, terminal.progress());
   });
-  print(common.json ? pipeline::report_json(*result.scene, result.report)
-                    : build_summary(*result.scene, result.report, folder));
+  print(common.json    ? pipeline::report_json(*result.scene, result.report)
+        : common.plain ? build_sentences(*result.scene, result.report, folder)
+                       : build_summary(*result.scene, result.report, folder));
   return 0;
 }
 

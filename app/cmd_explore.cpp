@@ -19,13 +19,16 @@
 #include "app/inputs.h"
 #include "app/printable.h"
 #include "app/run_summary.h"
+#include "app/sentences.h"
 #include "app/speaker.h"
 #include "app/study.h"
 #include "app/terminal.h"
+#include "app/terminal_keys.h"
 #include "audio/engine.h"
 #include "audio/live_stream.h"
 #include "base/error.h"
 #include "base/phrases.h"
+#include "base/system_terminal.h"
 #include "haptics/session/session.h"
 #include "pipeline/build/build.h"
 #include "scene/scene_folder.h"
@@ -225,7 +228,9 @@ class Exploration {
     began_ = Clock::now();
     start();
     if (window) return run_windows();
+    keys_.emplace();
     while (!over()) wait_headless();
+    keys_.reset();  // the rating of a study is typed as a line
   }
 
   void deliver(const CommonOptions& common) {
@@ -244,7 +249,9 @@ class Exploration {
       deliveries.attempt([&] { append_study(arguments_.study, summary, ask_realism()); });
     }
     const std::uint64_t strikes = audio_ ? audio_->strikes() : 0;
-    print(common.json ? summary_json(summary, strikes) : summary_text(summary, strikes));
+    print(common.json    ? summary_json(summary, strikes)
+          : common.plain ? summary_sentences(summary, strikes)
+                         : summary_text(summary, strikes));
     deliveries.settle();
   }
 
@@ -286,8 +293,16 @@ class Exploration {
   }
 
   void wait_headless() {
+    use_keys();
     poll();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+
+  void use_keys() {
+    if (!session_ || !keys_ || !keys_->active()) return;
+    const std::chrono::duration<double> now = Clock::now() - began_;
+    for (const haptics::Request& request : meanings_.take(keys_->read(), now.count()))
+      session_->requests().post(request);
   }
 
   // Another scene under the same hand. Its sounds take the place of the present ones; a sound file goes on with those
@@ -468,6 +483,8 @@ class Exploration {
       tell_of_speech();
       if (announcement.priority != haptics::Announcement::Priority::information) {
         terminal_.message("warning: " + announcement.text);
+      } else if (keys_ && keys_->active()) {
+        terminal_.message(announcement.text);  // for a braille display
       }
     }
   }
@@ -530,6 +547,8 @@ class Exploration {
   std::mutex sound_mutex_;  // of audio_, which the thread that speaks uses
   std::optional<Speaker> speaker_;
   bool told_of_speech_ = false;
+  std::optional<system::TerminalInput> keys_;  ///< without a window
+  TerminalKeys meanings_;
   std::unique_ptr<DepthScans> scans_;
   viewer::Connections connections_;
   std::uint64_t notes_ = 0, work_ = 0;

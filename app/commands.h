@@ -17,7 +17,7 @@ namespace sparsha::app {
 struct CommonOptions {
   bool json = false;                 ///< results as JSON on standard output
   bool quiet = false;                ///< no messages but errors
-  bool plain = false;                ///< plain lines instead of a progress bar
+  bool plain = false;                ///< complete sentences instead of columns and a progress bar
   bool trust = false;                ///< scenes may name files outside their folders
   std::vector<std::string> command;  ///< `device emulate`: what stands behind --
 

@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
   CommonOptions common;
   app.add_flag("--json", common.json, "results as JSON");
   app.add_flag("--quiet,-q", common.quiet, "no messages but errors");
-  app.add_flag("--plain", common.plain, "plain lines instead of a progress bar");
+  app.add_flag("--plain", common.plain, "complete sentences instead of columns and a progress bar, for screen readers");
   app.add_flag("--trust", common.trust, "follow a scene to clips, layers and scans outside its folder");
   Run run;
   add_new(app, common, run);

@@ -10,8 +10,10 @@
 #include <cstdlib>
 
 #include "app/printable.h"
+#include "app/sentences.h"
 #include "base/error.h"
 #include "base/system.h"
+#include "base/system_terminal.h"
 
 namespace sparsha::app {
 namespace {
@@ -23,7 +25,10 @@ std::atomic<bool> line_open{false};
 static_assert(std::atomic<Progress*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
 void on_signal(int) {
-  if (stop_asked.exchange(true)) std::_Exit(static_cast<int>(ErrorKind::failure));
+  if (stop_asked.exchange(true)) {
+    system::restore_terminal();
+    std::_Exit(static_cast<int>(ErrorKind::failure));
+  }
   if (Progress* progress = running.load()) progress->cancel();
 }
 
@@ -69,6 +74,7 @@ void flush_output() {
 
 Terminal::Terminal(const CommonOptions& options)
     : quiet_(options.quiet),
+      plain_(options.plain),
       bar_(!options.quiet && !options.plain && system::stderr_is_terminal()),
       progress_([this](const ProgressUpdate& update) { show(update); }) {
   running.store(&progress_);
@@ -100,7 +106,7 @@ void Terminal::show(const ProgressUpdate& update) {
       std::fprintf(stderr, "\r\x1b[K%s ...", stage_.c_str());
       line_open.store(true);
     } else {
-      std::fprintf(stderr, "%s\n", stage_.c_str());
+      std::fprintf(stderr, plain_ ? "The step %s begins.\n" : "%s\n", stage_.c_str());
     }
     return;
   }
@@ -111,6 +117,10 @@ void Terminal::show(const ProgressUpdate& update) {
   const double elapsed = std::chrono::duration<double>(now - stage_began_).count();
   const double left = update.fraction > 0.01 ? elapsed * (1.0 - update.fraction) / update.fraction : 0.0;
   const std::string time = left >= 1.0 ? fmt::format(", {:.0f} s left", left) : "";
+  if (plain_) {
+    std::fprintf(stderr, "%s\n", progress_sentence(stage_, update.fraction, left).c_str());
+    return;
+  }
   if (!bar_) {
     std::fprintf(stderr, "%s %.0f %%%s\n", stage_.c_str(), update.fraction * 100.0, time.c_str());
     return;

@@ -25,6 +25,7 @@ class Terminal {
   void show(const ProgressUpdate& update);
 
   bool quiet_;
+  bool plain_;  ///< sentences
   bool bar_;
   std::chrono::steady_clock::time_point stage_began_;
   std::chrono::steady_clock::time_point last_drawn_;

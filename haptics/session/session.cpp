@@ -41,6 +41,31 @@ double checked_rate(double rate_hz, double own_rate_hz) {
   throw usage_error(fmt::format("a servo rate of {} Hz", rate_hz), "rate_hz from 100 to 10000");
 }
 
+// What a key does as a button does it, so that the tour is learnt with either.
+std::optional<Gesture> gesture_of(const Request& request) {
+  using Kind = Request::Kind;
+  switch (request.kind) {
+    case Kind::zoom_in:
+      return Gesture::zoom_in;
+    case Kind::zoom_out:
+      return Gesture::zoom_out;
+    case Kind::next_part:
+      return Gesture::next_part;
+    case Kind::previous_part:
+      return Gesture::previous_part;
+    case Kind::whole_scene:
+      return Gesture::whole_scene;
+    case Kind::drag:
+      return request.on ? Gesture::drag : Gesture::let_go;
+    case Kind::describe:
+      return Gesture::describe;
+    case Kind::help:
+      return Gesture::help;
+    default:
+      return std::nullopt;
+  }
+}
+
 }  // namespace
 
 struct Session::Implementation {
@@ -119,6 +144,8 @@ struct Session::Implementation {
         return;
       }
       case Request::Kind::help:
+        // Asked for once more, help becomes a tour.
+        if (now.time_s - helped_s < kHelpAgainS) return serve({Request::Kind::tour}, now);
         helped_s = now.time_s;
         announcer.say("help");
         return;
@@ -167,11 +194,11 @@ struct Session::Implementation {
 
   void use_buttons(const State& now) {
     const std::vector<Gesture> gestures = buttons.read(now);
-    for (const Gesture gesture : gestures) serve(request_of(gesture, now), now);
+    for (const Gesture gesture : gestures) serve(request_of(gesture), now);
     tour.watch(gestures, now.time_s);
   }
 
-  Request request_of(Gesture gesture, const State& now) {
+  static Request request_of(Gesture gesture) {
     using Kind = Request::Kind;
     switch (gesture) {
       case Gesture::zoom_in:
@@ -189,8 +216,7 @@ struct Session::Implementation {
       case Gesture::let_go:
         return {Kind::drag, 0.0, 0.0, false};
       case Gesture::help:
-        // Asked for once more, help becomes a tour.
-        return {now.time_s - helped_s < kHelpAgainS ? Kind::tour : Kind::help};
+        return {Kind::help};
       case Gesture::speech:
         return {Kind::toggle_speech};
       case Gesture::describe:
@@ -325,7 +351,10 @@ void Session::poll() {
     self.announcer.watch(now);
     self.use_buttons(now);
   }
-  while (const std::optional<Request> request = self.requests.take()) self.serve(*request, now);
+  while (const std::optional<Request> request = self.requests.take()) {
+    self.serve(*request, now);
+    if (const std::optional<Gesture> gesture = gesture_of(*request)) self.tour.watch({*gesture}, now.time_s);
+  }
   if (self.replay) return;
   self.take_windows();
   if (now.tick == 0 || self.loader.busy() || now.command != self.sequence) return;

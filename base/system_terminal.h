@@ -1,0 +1,31 @@
+// Keys of a terminal as they are pressed, for programs without a window.
+#pragma once
+
+#include <string>
+
+namespace sparsha::system {
+
+/// Reads standard input key by key, without echo, where that is a terminal in whose foreground this program runs. What
+/// ends the program (Ctrl-C, Ctrl-\) and what stops it (Ctrl-Z) work as ever. The terminal is as it was when the object
+/// goes, when the program exits, is stopped, or is ended by a fault of its own; a program that ends another way calls
+/// restore_terminal(). One object at a time.
+class TerminalInput {
+ public:
+  TerminalInput();
+  ~TerminalInput();
+  TerminalInput(const TerminalInput&) = delete;
+  TerminalInput& operator=(const TerminalInput&) = delete;
+
+  /// False when standard input is no terminal of this program's: then there are no keys.
+  [[nodiscard]] bool active() const { return active_; }
+  /// What has been typed since the last call; never waits.
+  [[nodiscard]] std::string read();
+
+ private:
+  bool active_ = false;
+};
+
+/// Gives the terminal back as it was; safe in a signal handler, harmless when nothing was changed.
+void restore_terminal() noexcept;
+
+}  // namespace sparsha::system

@@ -1,0 +1,222 @@
+// Keys without a window: what they mean, and a terminal that is as it was whichever way the program ends.
+#include "app/terminal_keys.h"
+
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/app/program.h"
+
+namespace sparsha {
+namespace {
+
+using haptics::Request;
+using Kind = Request::Kind;
+
+class Keys : public ::testing::Test {
+ protected:
+  /// What comes of typing this, one look every 10 ms, for so long.
+  std::vector<Kind> type(const std::string& typed, double then_s = 0.01) {
+    std::vector<Kind> kinds;
+    std::string now = typed;
+    for (double t = 0.0; t < then_s; t += 0.01, now.clear(), time_s_ += 0.01)
+      for (const Request& request : keys_.take(now, time_s_)) {
+        kinds.push_back(request.kind);
+        last_ = request;
+      }
+    return kinds;
+  }
+  /// A key that repeats as keyboards do.
+  std::vector<Kind> hold(const std::string& key, double seconds) {
+    std::vector<Kind> kinds = type(key, 0.3);
+    for (double t = 0.3; t < seconds; t += 0.03)
+      for (const Kind kind : type(key, 0.03)) kinds.push_back(kind);
+    return kinds;
+  }
+  app::TerminalKeys keys_;
+  double time_s_ = 100.0;
+  Request last_;
+};
+using Kinds = std::vector<Kind>;
+
+TEST_F(Keys, LettersActAtOnceAndUnknownOnesDoNothing) {
+  EXPECT_EQ(type("+-NpW hR<>vsTq"),
+            (Kinds{Kind::zoom_in, Kind::zoom_out, Kind::next_part, Kind::previous_part, Kind::whole_scene,
+                   Kind::describe, Kind::help_keys, Kind::repeat, Kind::speak_slower, Kind::speak_faster,
+                   Kind::next_voice, Kind::toggle_speech, Kind::tour, Kind::quit}));
+  EXPECT_EQ(type("xyz\xff\x01\x1b[15~\x1bOP\x1b"), Kinds{});
+  EXPECT_EQ(type("\x1b[A"), Kinds{Kind::pan});
+  EXPECT_GT(last_.y, 0.0) << "up";
+  EXPECT_EQ(type("\x1bOD"), Kinds{Kind::pan});
+  EXPECT_LT(last_.x, 0.0) << "left";
+}
+
+TEST_F(Keys, FourKeysOfAPadClickWhenPressedOnceAndHoldWhenPressedTwice) {
+  EXPECT_EQ(type("1", 1.0), Kinds{Kind::zoom_in});
+  EXPECT_EQ(type("4", 1.0), Kinds{Kind::zoom_out});
+  EXPECT_EQ(type("2", 1.0), Kinds{Kind::whole_scene});
+  EXPECT_EQ(type("3", 1.0), Kinds{Kind::describe});
+  type("1", 0.2);
+  EXPECT_EQ(type("1", 1.0), Kinds{Kind::next_part});
+  type("4", 0.2);
+  EXPECT_EQ(type("4", 1.0), Kinds{Kind::previous_part});
+  type("3", 0.2);
+  EXPECT_EQ(type("3", 1.0), Kinds{Kind::help});
+  EXPECT_EQ(type("14", 1.0), (Kinds{Kind::zoom_in, Kind::zoom_out})) << "two keys are two clicks";
+}
+
+TEST_F(Keys, AKeyOfAPadThatIsHeldMeansItOnce) {
+  EXPECT_EQ(hold("1", 3.0), Kinds{Kind::next_part});
+  EXPECT_EQ(type("", 1.0), Kinds{});
+  EXPECT_EQ(hold("3", 1.5), Kinds{Kind::help});
+  type("", 1.0);
+  EXPECT_EQ(hold("3", 4.0), (Kinds{Kind::help, Kind::toggle_speech})) << "2 s, as on the grip";
+}
+
+TEST_F(Keys, ThePadsSecondKeyTakesTheStoneAndLetsItGo) {
+  type("2", 0.2);
+  EXPECT_EQ(type("2", 1.0), Kinds{Kind::drag});
+  EXPECT_TRUE(last_.on);
+  EXPECT_EQ(hold("2", 1.0), Kinds{Kind::drag});
+  EXPECT_FALSE(last_.on);
+  EXPECT_EQ(type("", 1.0), Kinds{});
+  EXPECT_EQ(type("2", 1.0), Kinds{Kind::whole_scene});
+}
+
+/// The program at a terminal of the test's own.
+class AtATerminal : public Program {
+ protected:
+  void SetUp() override {
+    Program::SetUp();
+    master_ = posix_openpt(O_RDWR | O_NOCTTY);
+    ASSERT_GE(master_, 0);
+    ASSERT_EQ(grantpt(master_), 0);
+    ASSERT_EQ(unlockpt(master_), 0);
+    slave_ = ptsname(master_);
+    kept_ = open(slave_.c_str(), O_RDWR | O_NOCTTY);  // or the terminal goes with the program
+    ASSERT_EQ(tcgetattr(kept_, &before_), 0);
+    ASSERT_EQ(run("build " + relief_ + " --out scene").code, 0);
+  }
+  void TearDown() override {
+    if (child_ > 0) {
+      ::kill(child_, SIGKILL);
+      waitpid(child_, nullptr, 0);
+    }
+    close(kept_);
+    close(master_);
+  }
+  void start() {
+    const std::string scene = (folder_ / "scene").string();
+    child_ = fork();
+    ASSERT_GE(child_, 0);
+    if (child_ == 0) {
+      setsid();
+      const int terminal = open(slave_.c_str(), O_RDWR);  // becomes the controlling one
+      for (const int stream : {0, 1, 2}) dup2(terminal, stream);
+      unsetenv("DISPLAY");
+      unsetenv("WAYLAND_DISPLAY");
+      execl(SPARSHA_PROGRAM, SPARSHA_PROGRAM, "explore", scene.c_str(), "--headless", "--device", "simulated",
+            "--duration", "1000", nullptr);
+      _exit(127);
+    }
+    ASSERT_TRUE(shows("Whole stone")) << seen_;
+    ASSERT_FALSE(same_as_before()) << "keys are read one by one";
+  }
+  void type(const std::string& keys) {
+    ASSERT_EQ(::write(master_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
+  }
+  /// Waits until the terminal has shown `text`, 20 s at most.
+  bool shows(const std::string& text) {
+    for (int i = 0; i < 2000 && seen_.find(text) == std::string::npos; ++i) {
+      pollfd input{master_, POLLIN, 0};
+      char block[4096];
+      if (::poll(&input, 1, 10) > 0)
+        if (const ssize_t got = read(master_, block, sizeof block); got > 0)
+          seen_.append(block, static_cast<std::size_t>(got));
+    }
+    return seen_.find(text) != std::string::npos;
+  }
+  /// Its status when it has ended or was stopped, 20 s at most; what it writes meanwhile is read.
+  int status_of(int options) {
+    int status = 0;
+    for (int i = 0; i < 2000; ++i) {
+      if (waitpid(child_, &status, WNOHANG | options) == child_) {
+        if (!WIFSTOPPED(status)) child_ = 0;
+        return status;
+      }
+      pollfd input{master_, POLLIN, 0};
+      char block[4096];
+      if (::poll(&input, 1, 10) > 0 && read(master_, block, sizeof block) < 0) break;
+    }
+    return -1;
+  }
+  [[nodiscard]] bool same_as_before() const {
+    termios now{};
+    EXPECT_EQ(tcgetattr(kept_, &now), 0);
+    return now.c_lflag == before_.c_lflag && now.c_iflag == before_.c_iflag && now.c_oflag == before_.c_oflag &&
+           std::memcmp(now.c_cc, before_.c_cc, sizeof now.c_cc) == 0;
+  }
+
+  int master_ = -1;
+  int kept_ = -1;
+  std::string slave_;
+  termios before_{};
+  pid_t child_ = 0;
+  std::string seen_;
+};
+
+TEST_F(AtATerminal, KeysExploreAndEveryAnnouncementIsALine) {
+  start();
+  type("+");
+  EXPECT_TRUE(shows("Closer, ")) << seen_;
+  type("h");
+  EXPECT_TRUE(shows("Plus and minus")) << seen_;
+  type(" ");
+  EXPECT_TRUE(shows("times its size.") || shows("across.")) << seen_;
+  type("q");
+  EXPECT_EQ(status_of(0), 0);
+  EXPECT_TRUE(same_as_before());
+}
+
+TEST_F(AtATerminal, IsAsItWasWhicheverWayTheProgramEnds) {
+  for (const int number : {SIGINT, SIGTERM, SIGQUIT, SIGHUP, SIGABRT, SIGSEGV}) {
+    seen_.clear();
+    start();
+    ::kill(child_, number);
+    const int status = status_of(0);
+    ASSERT_NE(status, -1) << number;
+    EXPECT_TRUE(same_as_before()) << "signal " << number;
+    EXPECT_TRUE(WIFSIGNALED(status) || (number != SIGABRT && number != SIGSEGV)) << number;
+  }
+}
+
+TEST_F(AtATerminal, IsLentToTheShellWhileTheProgramIsStopped) {
+  start();
+  ::kill(child_, SIGTSTP);
+  // No shell of the test's session continues an orphaned group: such a program is not stopped at all.
+  const int status = status_of(WUNTRACED);
+  if (WIFSTOPPED(status)) {
+    EXPECT_TRUE(same_as_before());
+    ::kill(child_, SIGCONT);
+    for (int i = 0; i < 1000 && same_as_before(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_FALSE(same_as_before()) << "keys again";
+  }
+  type("q");
+  EXPECT_EQ(status_of(0), 0);
+  EXPECT_TRUE(same_as_before());
+}
+
+}  // namespace
+}  // namespace sparsha
