@@ -201,7 +201,7 @@ std::string histogram(const char* title, const std::vector<std::uint64_t>& count
       "Histogram, {}: median {}, 95 % within {}, 99 % within {}.", title, length_text(s.median_m, TextStyle::typeset),
       length_text(s.p95_m, TextStyle::typeset), length_text(s.p99_m, TextStyle::typeset));
   std::string html = fmt::format(
-      "<section><h3>{}</h3>{}<p>{} of {} distances are shown; {} lie beyond the right end.</p><details><summary>The "
+      "<div><h3>{}</h3>{}<p>{} of {} distances are shown; {} lie beyond the right end.</p><details><summary>The "
       "histogram as a table</summary><table><caption>Distances, counted by range</caption><thead><tr><th "
       "scope='col'>From</th><th scope='col'>To</th><th "
       "scope='col'>Count</th>"
@@ -222,7 +222,7 @@ std::string histogram(const char* title, const std::vector<std::uint64_t>& count
         "<tr><td>{}</td><td>{}</td><td>{}</td></tr>", length_text(static_cast<double>(k) * bin_m, TextStyle::typeset),
         length_text(static_cast<double>(end) * bin_m, TextStyle::typeset), count_text(count, TextStyle::typeset));
   }
-  return html + "</tbody></table></details></section>";
+  return html + "</tbody></table></details></div>";
 }
 
 std::string difference_text(double metres) {
