@@ -13,7 +13,7 @@ using BrailleCell = std::uint8_t;
 struct Braille {
   std::vector<BrailleCell> cells;
   bool by_library = false;  ///< by liblouis' rules of the text's language
-  bool complete = true;                ///< false: some characters have no cell here and are left out
+  bool complete = true;     ///< false: some characters have no cell here and are left out
 };
 
 /// `text` is UTF-8. Devanagari follows the rules of Bharati Braille, all else English ones, uncontracted. Without
