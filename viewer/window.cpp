@@ -325,9 +325,219 @@ bool display_available() {
 
 namespace {
 
-/// Until the window closes or its display is lost.
-WindowEnd run(const Connections& connections, const ViewerOptions& options) {
+/// What is in an open window: pictures, events, and the modes that they belong to.
+class Screen {
+ public:
+  Screen(const Connections& connections, const ViewerOptions& options, WindowHandle& window)
+      : connections_(connections), options_(options), window_(window), attract_(options.idle_s) {
+    inputs_.picture = &picture_;
+    inputs_.gui = &gui_;
+    inputs_.attract = &attract_;
+    inputs_.connections = &connections_;
+    inputs_.change_mode = [this] { change_mode(); };
+    settings_.kiosk = options_.kiosk;
+    listen();
+    gui_input_.emplace(window_.handle);  // calls on what listens already
+  }
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  /// Until the window closes or its display is lost.
+  WindowEnd run() {
+    if (!ask_sizes(window_.handle, inputs_)) return WindowEnd::display_lost;
+    if (!connections_.scene()) show_scans(true);
+    while (glfwWindowShouldClose(window_.handle) == GLFW_FALSE && !leaves_ && !wants_to_leave()) {
+      if (connections_.poll) connections_.poll();
+      if (connections_.finished && connections_.finished()) break;
+      if (!take_scene()) continue;
+      if (connections_.to_scans && connections_.to_scans()) show_scans(true);
+      if (!frame(seconds())) return WindowEnd::display_lost;
+    }
+    if (!wants_to_leave() && connections_.requests != nullptr)
+      connections_.requests->post({haptics::Request::Kind::quit});
+    if (connections_.poll) connections_.poll();
+    return WindowEnd::closed;
+  }
+
+ private:
   using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+  [[nodiscard]] bool wants_to_leave() const { return controller_ && controller_->wants_to_leave(); }
+
+  void listen() {
+    GLFWwindow* const window = window_.handle;
+    glfwSetWindowUserPointer(window, &inputs_);
+    glfwSetKeyCallback(window, on_key);
+    glfwSetCursorPosCallback(window, on_move);
+    glfwSetMouseButtonCallback(window, on_button);
+    glfwSetScrollCallback(window, on_scroll);
+    glfwSetDropCallback(window, on_drop);
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { inputs_of(w).damaged = true; });
+    // Told and not asked: an answer that a lost display owes is never waited for.
+    glfwSetWindowIconifyCallback(window, [](GLFWwindow* w, int on) { inputs_of(w).iconified = on == GLFW_TRUE; });
+    glfwSetWindowSizeCallback(window, [](GLFWwindow* w, int width, int) { inputs_of(w).window_width = width; });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int width, int height) {
+      inputs_of(w).width = width;
+      inputs_of(w).height = height;
+      inputs_of(w).damaged = true;
+    });
+    glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int inside) {
+      if (inside != GLFW_TRUE) inputs_of(w).mouse_x = inputs_of(w).mouse_y = -1e9;
+    });
+  }
+
+  /// Between the raw cloud and the touched scene.
+  void show_scans(bool on) {
+    // A button that is let go afterwards would be let go in the other mode.
+    for (int button = 0; button < static_cast<int>(inputs_.down.size()); ++button) {
+      if (!inputs_.down[static_cast<std::size_t>(button)]) continue;
+      if (inputs_.cloud != nullptr) inputs_.cloud->mouse_button(button, false, 0);
+      if (inputs_.cloud == nullptr && controller_) controller_->mouse_button(button, false, 0);
+    }
+    if (on && !cloud_)
+      cloud_.emplace(connections_.orienting, [this](const std::string& words) {
+        if (connections_.speak) connections_.speak(words);  // there is no session before the first depth scan
+      });
+    if (on) connections_.orienting.open();
+    if (controller_ && (inputs_.cloud != nullptr) != on) {
+      ViewSettings& touching = controller_->frame().settings;
+      (on ? settings_ : touching).high_contrast = (on ? touching : settings_).high_contrast;
+      (on ? settings_ : touching).large_type = (on ? touching : settings_).large_type;
+    }
+    inputs_.cloud = on ? &*cloud_ : nullptr;
+    inputs_.damaged = true;
+    gui_.use_keyboard(on);
+  }
+
+  void change_mode() {
+    if (inputs_.cloud != nullptr) {
+      const CloudController::Wish wish = cloud_->take_wish(settings_);
+      if (wish == CloudController::Wish::back) show_scans(false);
+      leaves_ = leaves_ || wish == CloudController::Wish::quit;
+    } else if (controller_ && controller_->takes_to_scans()) {
+      show_scans(true);
+    }
+  }
+
+  /// The session's new scene, if there is one; false when it cannot be shown.
+  bool take_scene() {
+    pipeline::ScenePointer scene = connections_.scene();
+    if (!scene || scene == picture_.scene() || scene == refused_) return true;
+    try {
+      picture_.set_scene(scene);
+    } catch (const Error& error) {
+      if (!picture_.scene() || !connections_.refuse) throw;
+      refused_ = scene;
+      connections_.refuse(error.wrong());
+      return false;
+    }
+    if (!controller_) {
+      const ViewSettings before = settings_;
+      settings_ = settings_of(scene->description().config.viewer);
+      settings_.kiosk = before.kiosk;
+      settings_.high_contrast = before.high_contrast;
+      settings_.large_type = before.large_type;
+      controller_.emplace(connections_, settings_);
+      inputs_.controller = &*controller_;
+    }
+    controller_->set_scene(std::move(scene));
+    inputs_.damaged = true;
+    show_scans(false);
+    return true;
+  }
+
+  /// One sixtieth of a second; false when the display is lost.
+  bool frame(double now_s) {
+    if (controller_) update(now_s);
+    const bool seen = inputs_.width > 0 && inputs_.height > 0 && !inputs_.iconified;
+    if (seen && inputs_.cloud != nullptr) {
+      draw_cloud(now_s);
+    } else if (seen && controller_) {
+      draw_scene(now_s);
+    }
+    if (display_lost()) return false;
+    if (controller_ && controller_->take_full_screen_wish() && !options_.kiosk) {
+      switch_full_screen(window_);
+      if (!ask_sizes(window_.handle, inputs_)) return false;
+    }
+    inputs_.change_mode();
+    return wait(now_s);
+  }
+
+  void update(double now_s) {
+    const haptics::State state = connections_.state != nullptr ? connections_.state->read() : haptics::State{};
+    if (options_.kiosk) attract_visitors(attract_, *controller_, settings_, now_s, state);
+    picture_.follow_touch(state, false);
+    controller_->update(
+        now_s, state, inputs_.width, inputs_.height,
+        [this](double x_m, double y_m) { return picture_.touch_height_at(x_m, y_m); },
+        [this](double x_m, double y_m) { return picture_.height_at(x_m, y_m); });
+    controller_->frame().finished = false;
+    count_.show(now_s, controller_->frame());
+  }
+
+  void draw_cloud(double now_s) {
+    cloud_->controller().frame().finished = false;
+    GuiInput::begin_frame(inputs_);
+    cloud_->draw(gui_, settings_, 0, inputs_.width, inputs_.height, now_s, controller_.has_value());
+    glfwSwapBuffers(window_.handle);
+  }
+
+  /// Nothing is drawn that would look the same.
+  void draw_scene(double now_s) {
+    const std::uint64_t look = look_of(controller_->frame());
+    const bool changed = look != drawn_ || inputs_.damaged || inputs_.width != drawn_width_ ||
+                         inputs_.height != drawn_height_ || picture_.waits(now_s) || controller_->wants_screenshot();
+    if (!changed) return;
+    picture_.draw(controller_->frame(), 0, inputs_.width, inputs_.height);
+    GuiInput::begin_frame(inputs_);
+    gui_.draw(controller_->frame(), controller_->buttons(), picture_, inputs_.width, inputs_.height, now_s - before_s_);
+    controller_->set_boxes(gui_.boxes(), gui_.help_pages());
+    if (controller_->take_screenshot_wish()) save_picture(*controller_, inputs_.width, inputs_.height);
+    glfwSwapBuffers(window_.handle);
+    inputs_.damaged = false;
+    count_.add(now_s, seconds() - now_s);
+    drawn_ = look;
+    drawn_width_ = inputs_.width;
+    drawn_height_ = inputs_.height;
+    before_s_ = now_s;
+  }
+
+  /// Events until the next picture is due: drivers without a vertical blank do not wait in the swap. False when the
+  /// display is lost.
+  bool wait(double now_s) const {
+    constexpr double kFrameS = 1.0 / 60.0;
+    glfwPollEvents();
+    while (!display_lost()) {
+      const double left_s = now_s + kFrameS - seconds();
+      if (left_s < 0.001) return true;
+      glfwWaitEventsTimeout(left_s);
+    }
+    return false;
+  }
+
+  const Connections& connections_;
+  const ViewerOptions& options_;
+  WindowHandle& window_;
+  Picture picture_;
+  Gui gui_;
+  Inputs inputs_;
+  Attract attract_;
+  std::optional<GuiInput> gui_input_;
+  ViewSettings settings_;
+  std::optional<Controller> controller_;  // of the first scene on
+  std::optional<CloudMode> cloud_;        // once the raw scans have been asked for
+  bool leaves_ = false;
+  Clock::time_point began_ = Clock::now();
+  double before_s_ = 0.0;
+  std::uint64_t drawn_ = 0;  // look of the last picture
+  int drawn_width_ = 0, drawn_height_ = 0;
+  PictureCount count_;
+  pipeline::ScenePointer refused_;  // that cannot be shown
+};
+
+WindowEnd run(const Connections& connections, const ViewerOptions& options) {
   std::unique_ptr<Library> library;
   WindowHandle window;
   try {
@@ -337,169 +547,7 @@ WindowEnd run(const Connections& connections, const ViewerOptions& options) {
     if (options.opens_again) return WindowEnd::display_lost;
     throw;
   }
-
-  Picture picture;
-  Gui gui;
-  Inputs inputs;
-  inputs.picture = &picture;
-  inputs.gui = &gui;
-  Attract attract(options.idle_s);
-  inputs.attract = &attract;
-  inputs.connections = &connections;
-  glfwSetWindowUserPointer(window.handle, &inputs);
-  glfwSetKeyCallback(window.handle, on_key);
-  glfwSetCursorPosCallback(window.handle, on_move);
-  glfwSetMouseButtonCallback(window.handle, on_button);
-  glfwSetScrollCallback(window.handle, on_scroll);
-  glfwSetDropCallback(window.handle, on_drop);
-  glfwSetWindowRefreshCallback(window.handle, [](GLFWwindow* w) { inputs_of(w).damaged = true; });
-  // Told and not asked: an answer that a lost display owes is never waited for.
-  glfwSetWindowIconifyCallback(window.handle, [](GLFWwindow* w, int on) { inputs_of(w).iconified = on == GLFW_TRUE; });
-  glfwSetWindowSizeCallback(window.handle, [](GLFWwindow* w, int width, int) { inputs_of(w).window_width = width; });
-  glfwSetFramebufferSizeCallback(window.handle, [](GLFWwindow* w, int width, int height) {
-    inputs_of(w).width = width;
-    inputs_of(w).height = height;
-    inputs_of(w).damaged = true;
-  });
-  glfwSetCursorEnterCallback(window.handle, [](GLFWwindow* w, int inside) {
-    if (inside != GLFW_TRUE) inputs_of(w).mouse_x = inputs_of(w).mouse_y = -1e9;
-  });
-  const GuiInput gui_input(window.handle);
-  if (!ask_sizes(window.handle, inputs)) return WindowEnd::display_lost;
-
-  ViewSettings settings;
-  settings.kiosk = options.kiosk;
-  std::optional<Controller> controller;  // of the first scene on
-  std::optional<CloudMode> cloud;        // once the raw scans have been asked for
-  bool leaves = false;
-  const auto show_scans = [&](bool on) {
-    // A button that is let go afterwards would be let go in the other mode.
-    for (int button = 0; button < static_cast<int>(inputs.down.size()); ++button) {
-      if (!inputs.down[static_cast<std::size_t>(button)]) continue;
-      if (inputs.cloud != nullptr) inputs.cloud->mouse_button(button, false, 0);
-      if (inputs.cloud == nullptr && controller) controller->mouse_button(button, false, 0);
-    }
-    if (on && !cloud)
-      cloud.emplace(connections.orienting, [&connections](const std::string& words) {
-        if (connections.speak) connections.speak(words);  // there is no session before the first depth scan
-      });
-    if (on) connections.orienting.open();
-    if (controller && (inputs.cloud != nullptr) != on) {
-      ViewSettings& touching = controller->frame().settings;
-      (on ? settings : touching).high_contrast = (on ? touching : settings).high_contrast;
-      (on ? settings : touching).large_type = (on ? touching : settings).large_type;
-    }
-    inputs.cloud = on ? &*cloud : nullptr;
-    inputs.damaged = true;
-    gui.use_keyboard(on);
-  };
-  inputs.change_mode = [&] {
-    if (inputs.cloud != nullptr) {
-      const CloudController::Wish wish = cloud->take_wish(settings);
-      if (wish == CloudController::Wish::back) show_scans(false);
-      leaves = leaves || wish == CloudController::Wish::quit;
-    } else if (controller && controller->takes_to_scans()) {
-      show_scans(true);
-    }
-  };
-  if (!connections.scene()) show_scans(true);
-
-  const auto began = Clock::now();
-  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
-  const auto height_at = [&](double x_m, double y_m) { return picture.touch_height_at(x_m, y_m); };
-  const auto drawn_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
-  const auto draw = [&](double now_s, double passed_s) {
-    picture.draw(controller->frame(), 0, inputs.width, inputs.height);
-    GuiInput::begin_frame(inputs);
-    gui.draw(controller->frame(), controller->buttons(), picture, inputs.width, inputs.height, passed_s);
-    controller->set_boxes(gui.boxes(), gui.help_pages());
-    if (controller->take_screenshot_wish()) save_picture(*controller, inputs.width, inputs.height);
-    glfwSwapBuffers(window.handle);
-    inputs.damaged = false;
-    return seconds() - now_s;
-  };
-  double before_s = 0.0;
-  std::uint64_t drawn = 0;  // look of the last picture
-  int drawn_width = 0, drawn_height = 0;
-  PictureCount count;
-  pipeline::ScenePointer refused;  // that cannot be shown
-  while (glfwWindowShouldClose(window.handle) == GLFW_FALSE && !leaves &&
-         !(controller && controller->wants_to_leave())) {
-    constexpr double kFrameS = 1.0 / 60.0;
-    if (connections.poll) connections.poll();
-    if (connections.finished && connections.finished()) break;
-    if (pipeline::ScenePointer scene = connections.scene(); scene && scene != picture.scene() && scene != refused) {
-      try {
-        picture.set_scene(scene);
-      } catch (const Error& error) {
-        if (!picture.scene() || !connections.refuse) throw;
-        refused = scene;
-        connections.refuse(error.wrong());
-        continue;
-      }
-      if (!controller) {
-        const bool kiosk = settings.kiosk, high_contrast = settings.high_contrast, large_type = settings.large_type;
-        settings = settings_of(scene->description().config.viewer);
-        settings.kiosk = kiosk;
-        settings.high_contrast = high_contrast;
-        settings.large_type = large_type;
-        controller.emplace(connections, settings);
-        inputs.controller = &*controller;
-      }
-      controller->set_scene(std::move(scene));
-      inputs.damaged = true;
-      show_scans(false);
-    }
-    if (connections.to_scans && connections.to_scans()) show_scans(true);
-    const double now_s = seconds();
-    const bool seen = inputs.width > 0 && inputs.height > 0 && !inputs.iconified;
-    if (controller) {
-      const haptics::State state = connections.state != nullptr ? connections.state->read() : haptics::State{};
-      if (options.kiosk) attract_visitors(attract, *controller, settings, now_s, state);
-      picture.follow_touch(state, false);
-      controller->update(now_s, state, inputs.width, inputs.height, height_at, drawn_at);
-      controller->frame().finished = false;
-      count.show(now_s, controller->frame());
-    }
-    if (seen && inputs.cloud != nullptr) {
-      cloud->controller().frame().finished = false;
-      GuiInput::begin_frame(inputs);
-      cloud->draw(gui, settings, 0, inputs.width, inputs.height, now_s, controller.has_value());
-      glfwSwapBuffers(window.handle);
-      if (display_lost()) return WindowEnd::display_lost;
-    } else if (seen && controller) {
-      // Nothing is drawn that would look the same.
-      const std::uint64_t look = look_of(controller->frame());
-      const bool changed = look != drawn || inputs.damaged || inputs.width != drawn_width ||
-                           inputs.height != drawn_height || picture.waits(now_s) || controller->wants_screenshot();
-      if (changed) {
-        count.add(now_s, draw(now_s, now_s - before_s));
-        if (display_lost()) return WindowEnd::display_lost;
-        drawn = look;
-        drawn_width = inputs.width;
-        drawn_height = inputs.height;
-        before_s = now_s;
-      }
-    }
-    if (controller && controller->take_full_screen_wish() && !options.kiosk) {
-      switch_full_screen(window);
-      if (!ask_sizes(window.handle, inputs)) return WindowEnd::display_lost;
-    }
-    inputs.change_mode();
-    // Drivers without a vertical blank do not wait in the swap.
-    glfwPollEvents();
-    if (display_lost()) return WindowEnd::display_lost;
-    for (;;) {
-      const double left_s = now_s + kFrameS - seconds();
-      if (left_s < 0.001) break;
-      glfwWaitEventsTimeout(left_s);
-      if (display_lost()) return WindowEnd::display_lost;
-    }
-  }
-  if (!(controller && controller->wants_to_leave()) && connections.requests != nullptr)
-    connections.requests->post({haptics::Request::Kind::quit});
-  if (connections.poll) connections.poll();
-  return WindowEnd::closed;
+  return Screen(connections, options, window).run();
 }
 
 }  // namespace
