@@ -1,0 +1,264 @@
+#include "app/exploration.h"
+
+#include <algorithm>
+#include <exception>
+#include <thread>
+#include <utility>
+
+#include "app/inputs.h"
+#include "app/run_summary.h"
+#include "app/sentences.h"
+#include "app/study.h"
+#include "base/error.h"
+#include "scene/scene_folder.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+haptics::falcon::FalconOptions falcon_options(const ExploreArguments& arguments) {
+  haptics::falcon::FalconOptions options;
+  options.firmware = arguments.firmware;
+  options.wait_for_device = arguments.kiosk;  // which starts with the machine, before the exhibit is switched on
+  return options;
+}
+
+// What a run has promised is delivered as far as possible: one output that fails takes no other with it.
+class Deliveries {
+ public:
+  template <class Delivery>
+  void attempt(const Delivery& delivery) {
+    try {
+      delivery();
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();
+    }
+  }
+  /// Throws what failed first.
+  void settle() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  std::exception_ptr failure_;
+};
+
+// True where a person at a window turns the object before anything is built.
+bool starts_with_scans(const ExploreArguments& arguments, bool window) {
+  const bool person = arguments.device == "auto" || arguments.device == "falcon" || arguments.device == "pointer";
+  if (!window || !person || arguments.direct || arguments.kiosk || arguments.duration_s > 0.0) return false;
+  std::error_code code;
+  return std::ranges::all_of(arguments.scene, [&](const std::string& argument) {
+    return !is_config(argument) && !fs::is_directory(argument, code);
+  });
+}
+
+}  // namespace
+
+void LastTouch::see(const haptics::State& now) {
+  const bool feels =
+      now.contact == 1 && (now.flags & haptics::kFlagArmed) != 0 && (now.flags & haptics::kFlagFault) == 0;
+  if (feels || !felt) state = now;
+  felt = felt || feels;
+}
+
+Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions& common, Terminal& terminal,
+                         bool window)
+    : arguments_(arguments),
+      terminal_(terminal),
+      trust_(common.trusted()),
+      exhibits_(arguments.scenes.empty() ? Exhibits() : Exhibits(arguments.scenes, common.trusted(), terminal)),
+      chosen_(choose_device(arguments.device, window, falcon_options(arguments))) {
+  if (starts_with_scans(arguments, window)) {
+    scans_ = std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end()));
+    if (const std::string why = scans_->unavailable(); !why.empty())
+      throw input_error(arguments.scene.front(), "no such file", "a scene folder, a configuration or scans");
+  } else if (!exhibits_.empty()) {
+    pipeline::ScenePointer scene = pipeline::open_scene(exhibits_.current(), trust_);
+    scans_ = std::make_unique<DepthScans>(scene, fs::path(), trust_);
+    make_session_of(std::move(scene));
+  } else {
+    pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
+    const std::string& first = arguments.scene.front();
+    const bool config = is_config(first) && scene->folder().empty();
+    scans_ = std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted());
+    make_session_of(std::move(scene));
+  }
+  speaker_.emplace(speech(), speaks(),
+                   [this](const std::vector<float>& words, double rate_hz) { return sound_.speak(words, rate_hz); });
+  tell_of_speech();
+}
+
+// The scene's, or what the command line says instead.
+pipeline::SpeechConfig Exploration::speech() const {
+  pipeline::SpeechConfig speech;
+  if (scene_ && scene_->description().config.speech) speech = *scene_->description().config.speech;
+  if (!arguments_.language.empty() && arguments_.language != speech.language) {
+    speech.language = arguments_.language;
+    speech.voice.clear();  // of the other language
+  }
+  return speech;
+}
+
+bool Exploration::speaks() const { return arguments_.speech || (scene_ && scene_->description().config.speech); }
+
+void Exploration::run(bool window) {
+  began_ = Clock::now();
+  start();
+  if (window) return run_windows();
+  keys_.emplace();
+  while (!over()) wait_headless();
+  keys_.reset();  // the rating of a study is typed as a line
+}
+
+bool Exploration::over() const {
+  const std::chrono::duration<double> elapsed = Clock::now() - began_;
+  return interrupted() || (session_ && session_->finished()) ||
+         (arguments_.duration_s > 0.0 && elapsed.count() >= arguments_.duration_s);
+}
+
+void Exploration::start() {
+  if (!session_) return;
+  session_->start();
+  sound_.start();
+}
+
+void Exploration::deliver(const CommonOptions& common) {
+  if (!session_) return deliver_nothing();
+  Deliveries deliveries;
+  deliveries.attempt([&] { session_->stop(); });
+  const haptics::SessionSummary summary = session_->stop();
+  deliveries.attempt([&] { sound_.stop(); });
+  if (!arguments_.screenshot.empty()) {
+    deliveries.attempt([&] {
+      viewer::write_screenshot(session_->scene(), touch_.state, scene_->description().config.viewer,
+                               arguments_.screenshot);
+    });
+  }
+  if (!arguments_.study.empty()) {
+    deliveries.attempt([&] { append_study(arguments_.study, summary, ask_realism()); });
+  }
+  const std::uint64_t strikes = sound_.strikes();
+  print(common.json    ? summary_json(summary, strikes)
+        : common.plain ? summary_sentences(summary, strikes)
+                       : summary_text(summary, strikes));
+  deliveries.settle();
+}
+
+// The window was closed before a depth scan was made.
+void Exploration::deliver_nothing() const {
+  const viewer::OrientingStatus status = scans_->status();
+  if (!status.points && status.problem) throw Error(ErrorKind::input, {}, status.note);
+  const bool promised = !arguments_.record.empty() || !arguments_.screenshot.empty() || !arguments_.audio_out.empty() ||
+                        !arguments_.study.empty();
+  if (promised)
+    throw Error(ErrorKind::failure, {}, "no depth scan was made, so that there is nothing to write",
+                "Enter in the window, or --direct");
+}
+
+void Exploration::wait_headless() {
+  use_keys();
+  poll();
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+void Exploration::use_keys() {
+  if (!session_ || !keys_ || !keys_->active()) return;
+  const std::chrono::duration<double> now = Clock::now() - began_;
+  for (const haptics::Request& request : meanings_.take(keys_->read(), now.count())) session_->requests().post(request);
+}
+
+// A window that loses its display leaves the hand, the sound and the recording alone, and comes back with it.
+void Exploration::run_windows() {
+  for (viewer::WindowEnd end = run_window(); end == viewer::WindowEnd::display_lost; end = run_window(true)) {
+    terminal_.message("warning: the display is gone; the hand goes on without a window");
+    constexpr auto kLook = std::chrono::seconds(2);
+    for (auto next = Clock::now() + kLook; !over(); wait_headless()) {
+      if (Clock::now() < next) continue;
+      next = Clock::now() + kLook;
+      if (viewer::display_available()) break;
+    }
+    if (over()) return;
+    terminal_.message("the display is back");
+  }
+}
+
+// `again`: a display that answered a moment ago may be gone again.
+viewer::WindowEnd Exploration::run_window(bool again) {
+  if (session_) connect_session();
+  connections_.pointer = chosen_.pointer;
+  connections_.poll = [this] { poll(); };
+  connections_.finished = [this] { return over(); };
+  connections_.scene = [this] { return session_ ? session_->scene() : nullptr; };
+  connections_.orienting = orienting_of([this]() -> DepthScans& { return *scans_; });
+  connections_.to_scans = [this] { return std::exchange(to_scans_, false); };
+  if (!arguments_.kiosk) connections_.drop = [this](const std::vector<fs::path>& files) { drop(files); };
+  if (session_ && session_->plays_recording())
+    connections_.orienting.unavailable = [] { return std::string("a recording is played"); };
+  viewer::ViewerOptions options;
+  options.kiosk = arguments_.kiosk;
+  options.opens_again = again;
+  connections_.refuse = [this](const std::string& why) { refuse(why); };
+  if (exhibits_.size() > 1) connections_.next_scene = [this](int step) { next_scene(step); };
+  return viewer::run_window(connections_, options);
+}
+
+void Exploration::connect_session() {
+  connections_.state = &session_->state();
+  connections_.requests = &session_->requests();
+  connections_.announcements = &session_->announcements();
+  connections_.speak = [this](const std::string& text) { session_->announcements().say(text); };
+  connections_.rescan = [this](const Eigen::Matrix4d& scan_to_grid) { rescan(scan_to_grid); };
+}
+
+void Exploration::poll() {
+  take_scan();
+  tell_of_scans();
+  if (!session_) return;
+  session_->poll();
+  if (const std::string warning = sound_.take_warning(); !warning.empty()) terminal_.message("warning: " + warning);
+  touch_.see(session_->state().read());
+  for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {
+    heard_ = announcement.sequence;
+    speaker_->hear(announcement);
+    tell_of_speech();
+    if (announcement.priority != haptics::Announcement::Priority::information) {
+      terminal_.message("warning: " + announcement.text);
+    } else if (keys_ && keys_->active()) {
+      terminal_.message(announcement.text);  // for a braille display
+    }
+  }
+}
+
+void Exploration::tell_of_scans() {
+  const viewer::OrientingStatus status = scans_->status();
+  for (const std::string& warning : scans_->take_warnings()) terminal_.message("warning: " + warning);
+  if (status.notes == notes_ && status.work == work_) return;
+  const bool news = status.notes > 0;
+  notes_ = status.notes;
+  work_ = status.work;
+  if (!news) return;
+  if (status.problem && !session_) terminal_.message(status.note);  // else poll() prints what is announced
+  if (session_)
+    session_->announcements().say(status.note, status.problem ? haptics::Announcement::Priority::warning
+                                                              : haptics::Announcement::Priority::information);
+}
+
+void Exploration::tell_of_speech() {
+  if (told_of_speech_ || speaker_->available()) return;
+  told_of_speech_ = true;
+  terminal_.message("warning: no speech program is installed (espeak-ng)");
+}
+
+// To whoever looks at the terminal, in its language, and to the visitor.
+void Exploration::warn(Phrase phrase, const PhraseValues& values) {
+  terminal_.message(Phrases::of("en").text(phrase, values));
+  if (session_) announce(phrase, values, haptics::Announcement::Priority::warning);
+}
+
+void Exploration::announce(Phrase phrase, const PhraseValues& values, haptics::Announcement::Priority priority) {
+  session_->announcements().say(session_->phrases().text(phrase, values), priority);
+}
+
+}  // namespace sparsha::app

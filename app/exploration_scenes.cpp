@@ -1,0 +1,163 @@
+// What a run touches: its first scene, another one, a new depth scan.
+#include <algorithm>
+#include <utility>
+
+#include "app/exploration.h"
+#include "app/inputs.h"
+#include "base/error.h"
+#include "scene/scene_folder.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+
+std::unique_ptr<haptics::Session> Exploration::session_of(const pipeline::ScenePointer& scene) {
+  const pipeline::Config& config = scene->description().config;
+  haptics::SessionOptions options;
+  options.language = speech().language;
+  options.speaks = speaks();
+  options.haptics = config.haptics;
+  options.effects = {!arguments_.no_texture, !arguments_.no_friction};
+  options.record = arguments_.record;
+  if (chosen_.recording) return std::make_unique<haptics::Session>(scene, chosen_.recording, options);
+  if (chosen_.simulated) chosen_.device = simulated_hand(scene->description(), arguments_.duration_s);
+  return std::make_unique<haptics::Session>(scene, std::move(chosen_.device), options);
+}
+
+// `needs_sound`: a scene whose sounds cannot be read is an error; else it is touched without them.
+void Exploration::make_session_of(pipeline::ScenePointer scene, bool needs_sound) {
+  scene_ = std::move(scene);
+  scene_work_ = scans_->status().work;
+  session_ = session_of(scene_);
+  contacts_ = session_->add_contact_consumer();  // also where only a later scene sounds
+  if (!scene_->description().config.audio && arguments_.audio_out.empty()) return;
+  try {
+    sound_.use(sound_of(scene_));
+  } catch (const Error& error) {
+    if (needs_sound || !arguments_.audio_out.empty()) throw;
+    warn("no_sound", {{"reason", error.wrong()}});
+  }
+}
+
+std::unique_ptr<audio::Engine> Exploration::sound_of(const pipeline::ScenePointer& scene) {
+  audio::EngineOptions options;
+  options.wav = arguments_.audio_out;
+  options.live = scene->description().config.audio.has_value();
+  options.device = arguments_.audio_device;
+  return std::make_unique<audio::Engine>(scene, contacts_, session_->state(), options);
+}
+
+// The first scene, while the window is open.
+void Exploration::begin_with(const pipeline::ScenePointer& scene) {
+  make_session_of(scene, false);
+  start();
+  connect_session();
+}
+
+// Another scene under the same hand. Its sounds take the place of the present ones; a sound file goes on with those
+// that it began with.
+void Exploration::change_scene(const pipeline::ScenePointer& scene) {
+  const bool changes_sound = arguments_.audio_out.empty();
+  std::unique_ptr<audio::Engine> sound;
+  if (changes_sound && scene->description().config.audio) sound = sound_of(scene);  // or nothing changes
+  session_->set_scene(scene);
+  before_ = std::exchange(scene_, scene);
+  const double stiffness = scene->description().config.haptics.stiffness_n_per_m;
+  if (stiffness != before_->description().config.haptics.stiffness_n_per_m)
+    session_->requests().post({haptics::Request::Kind::set_stiffness, stiffness});
+  if (!changes_sound) return;
+  sound_.use(nullptr);
+  haptics::ContactEvent earlier;
+  while (contacts_->pop(earlier)) {
+    // What was touched before is not heard now.
+  }
+  sound_.use(std::move(sound));
+  sound_.start();
+}
+
+// The window cannot show the new scene: the one before comes back.
+void Exploration::refuse(const std::string& why) {
+  try {
+    if (const pipeline::ScenePointer before = std::exchange(before_, nullptr)) change_scene(before);
+  } catch (const Error&) {
+    // Its sounds cannot be read any more: the new scene is touched and the old picture shown.
+  }
+  before_ = nullptr;  // it is not refused in its turn
+  warn("cannot_open", {{"reason", why}});
+}
+
+void Exploration::next_scene(int step) {
+  const fs::path& folder = exhibits_.go(step);
+  try {
+    change_scene(pipeline::open_scene(folder, trust_));
+    session_->announcements().say(folder.filename().string());
+  } catch (const Error& error) {
+    announce("cannot_open", {{"reason", error.wrong()}}, haptics::Announcement::Priority::warning);
+  }
+}
+
+// A finished depth scan goes to the session, the first one begins it.
+void Exploration::take_scan() {
+  const pipeline::ScenePointer scene = scans_->take_scene();
+  if (!scene) return;
+  const bool other_object = scans_->status().work != scene_work_;
+  try {
+    if (!session_) {
+      begin_with(scene);
+    } else if (other_object) {
+      change_scene(scene);
+      scene_work_ = scans_->status().work;
+    } else {
+      session_->set_scene(scene);
+      before_ = std::exchange(scene_, scene);
+      sound_.set_scene(scene);
+    }
+  } catch (const Error& error) {
+    if (!session_) throw;
+    warn("cannot_open", {{"reason", error.wrong()}});
+  }
+}
+
+// A scene is opened, a configuration or scans are shown to be turned.
+void Exploration::drop(const std::vector<fs::path>& files) {
+  std::error_code code;
+  if (files.empty()) return;
+  if (session_ && session_->plays_recording()) return warn("not_while_played");
+  fs::path first = files.front();
+  if (first.filename() == "scene.yaml") first = first.parent_path();
+  try {
+    const auto is_one = [&](const fs::path& file) { return fs::is_directory(file, code) || is_config(file); };
+    if (files.size() > 1 && std::ranges::any_of(files, is_one)) return warn("one_at_once");
+    if (fs::is_directory(first, code)) return drop_scene(first);
+    scans_ = is_config(first) ? std::make_unique<DepthScans>(first) : std::make_unique<DepthScans>(files);
+    to_scans_ = true;
+  } catch (const Error& error) {
+    warn("cannot_open", {{"reason", error.what()}});
+  }
+}
+
+void Exploration::drop_scene(const fs::path& folder) {
+  pipeline::ScenePointer scene = pipeline::open_scene(folder, trust_);
+  auto scans = std::make_unique<DepthScans>(scene, fs::path(), trust_);
+  if (session_) change_scene(scene);  // or nothing changes
+  scans_ = std::move(scans);
+  if (session_) {
+    scene_work_ = scans_->status().work;
+    return;
+  }
+  begin_with(scene);
+}
+
+// A new depth scan from the side that is looked at.
+void Exploration::rescan(const Eigen::Matrix4d& scan_to_grid) {
+  using Priority = haptics::Announcement::Priority;
+  if (session_->plays_recording()) return announce("no_scan_while_played");
+  if (scans_->status().busy) return announce("scan_running");
+  if (const std::string why = scans_->unavailable(); !why.empty())
+    return announce("no_new_scan", {{"reason", why}}, Priority::warning);
+  if (scans_->status().work != scene_work_)
+    return announce("no_new_scan", {{"reason", "other scans are open"}}, Priority::warning);
+  announce("new_scan");
+  scans_->scan(scans_->setup_from(scan_to_grid));
+}
+
+}  // namespace sparsha::app
