@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/lower_case.h"
-#include "base/system_symbol.h"
+#include "base/system_library.h"
 
 namespace sparsha::audio {
 namespace {

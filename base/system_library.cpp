@@ -1,5 +1,5 @@
 // The dynamic linker of POSIX; nothing on other systems.
-#include "base/system_symbol.h"
+#include "base/system_library.h"
 
 #if !defined(_WIN32)
 #include <dlfcn.h>
@@ -7,13 +7,18 @@
 
 namespace sparsha::system {
 
-void* find_symbol(const char* name) {
-#if !defined(_WIN32)
-  return dlsym(RTLD_DEFAULT, name);
+#if defined(_WIN32)
+
+void* load_library(const char*) noexcept { return nullptr; }
+void* symbol(void*, const char*) noexcept { return nullptr; }
+void* find_symbol(const char*) noexcept { return nullptr; }
+
 #else
-  static_cast<void>(name);
-  return nullptr;
+
+void* load_library(const char* name) noexcept { return ::dlopen(name, RTLD_NOW | RTLD_LOCAL); }
+void* symbol(void* library, const char* name) noexcept { return ::dlsym(library, name); }
+void* find_symbol(const char* name) noexcept { return ::dlsym(RTLD_DEFAULT, name); }
+
 #endif
-}
 
 }  // namespace sparsha::system

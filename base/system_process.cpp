@@ -1,4 +1,4 @@
-// POSIX: posix_spawn, dlopen.
+// POSIX: posix_spawn.
 #include "base/system_process.h"
 
 #include <algorithm>
@@ -8,7 +8,6 @@
 #include "base/error.h"
 
 #if !defined(_WIN32)
-#include <dlfcn.h>
 #include <sched.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -25,8 +24,6 @@ namespace sparsha::system {
 
 #if defined(_WIN32)
 
-void* load_library(const char*) noexcept { return nullptr; }
-void* symbol(void*, const char*) noexcept { return nullptr; }
 std::filesystem::path program_file() { return {}; }
 int run_program(const std::vector<std::string>&, const std::vector<std::pair<std::string, std::string>>&,
                 const std::function<bool()>&) {
@@ -34,9 +31,6 @@ int run_program(const std::vector<std::string>&, const std::vector<std::pair<std
 }
 
 #else
-
-void* load_library(const char* name) noexcept { return ::dlopen(name, RTLD_NOW | RTLD_LOCAL); }
-void* symbol(void* library, const char* name) noexcept { return ::dlsym(library, name); }
 
 std::filesystem::path program_file() {
   std::error_code code;

@@ -1,4 +1,4 @@
-// Other programs and libraries, as the system starts and loads them.
+// Other programs, as the system starts them.
 #pragma once
 
 #include <array>
@@ -13,11 +13,6 @@
 #include <vector>
 
 namespace sparsha::system {
-
-/// A shared library, found as the system finds them; null when it is not there. Stays loaded.
-[[nodiscard]] void* load_library(const char* name) noexcept;
-/// A function of it or of the libraries that it needs; null when there is none.
-[[nodiscard]] void* symbol(void* library, const char* name) noexcept;
 
 /// This program's own file; empty when the system does not tell.
 [[nodiscard]] std::filesystem::path program_file();

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "base/system_symbol.h"
+#include "base/system_library.h"
 
 namespace sparsha::viewer {
 namespace {
