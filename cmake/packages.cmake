@@ -22,16 +22,13 @@ pkg_check_modules(PORTAUDIO REQUIRED IMPORTED_TARGET portaudio-2.0)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(UMOCKDEV umockdev-1.0)
 
-# PCL by the four libraries we use and nothing else: ${PCL_LIBRARIES} would bring VTK into every start.
+# PCL's templates are instantiated from their headers, where they are used: its libraries carry every template for every
+# type of point, which the dynamic linker would bind at every start (docs/architecture.md). Only `common` is linked.
+find_library(SPARSHA_PCL_common pcl_common REQUIRED)
 add_library(sparsha_pcl INTERFACE)
 target_include_directories(sparsha_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIRS} ${EIGEN3_INCLUDE_DIRS})
-foreach(component common filters kdtree search sample_consensus)
-  find_library(SPARSHA_PCL_${component} pcl_${component} REQUIRED)
-  target_link_libraries(sparsha_pcl INTERFACE ${SPARSHA_PCL_${component}})
-endforeach()
-target_link_libraries(sparsha_pcl INTERFACE lz4)
-# Alignment of scans. pcl_features is not linked: it alone adds 30 ms to every start.
-find_library(SPARSHA_PCL_registration pcl_registration REQUIRED)
+target_compile_definitions(sparsha_pcl INTERFACE PCL_NO_PRECOMPILE)
+target_link_libraries(sparsha_pcl INTERFACE ${SPARSHA_PCL_common} lz4)
 
 add_library(sparsha_opencv INTERFACE)
 target_include_directories(sparsha_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})

@@ -1,4 +1,4 @@
-// PCL's clusters, from its template's source: linking libpcl_segmentation would slow down every start.
+// PCL's clusters.
 #include <pcl/point_types.h>
 #include <pcl/segmentation/extract_clusters.h>
 #include <pcl/segmentation/impl/extract_clusters.hpp>

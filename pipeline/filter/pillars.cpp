@@ -1,19 +1,22 @@
-// PCL's templates from their sources: linking libpcl_segmentation would slow down every start.
 #include "pipeline/filter/pillars.h"
 
 #include <pcl/common/common.h>
-#include <pcl/console/print.h>
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
 #include <pcl/segmentation/extract_clusters.h>
+#include <pcl/sample_consensus/impl/ransac.hpp>
+#include <pcl/sample_consensus/impl/sac_model_cylinder.hpp>
+#include <pcl/sample_consensus/impl/sac_model_plane.hpp>
 #include <pcl/segmentation/impl/extract_clusters.hpp>
-#include <pcl/segmentation/impl/sac_segmentation.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
+
+#include "pipeline/scan/quiet_pcl.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -34,17 +37,6 @@ constexpr double kSlender = 2.5;    // length over radius
 constexpr double kOwnShare = 0.15;  // of what is left of a cluster
 constexpr double kOwnRadius = 1.5;
 constexpr double kAlikeRadius = 0.7;  // of two pieces of one pillar
-
-class QuietPcl {
- public:
-  QuietPcl() : before_(pcl::console::getVerbosityLevel()) { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
-  ~QuietPcl() { pcl::console::setVerbosityLevel(before_); }
-  QuietPcl(const QuietPcl&) = delete;
-  QuietPcl& operator=(const QuietPcl&) = delete;
-
- private:
-  pcl::console::VERBOSITY_LEVEL before_;
-};
 
 template <typename Point>
 std::shared_ptr<pcl::PointCloud<Point>> chosen(const pcl::PointCloud<Point>& cloud, const std::vector<int>& indices) {
@@ -91,18 +83,29 @@ double estimate_normals(const Points::Ptr& points, Normals& normals) {
   return nearest[nearest.size() / 2];
 }
 
+/// A shape and the points that lie on it; no coefficients when there is none.
+struct Found {
+  Eigen::VectorXf coefficients;
+  pcl::Indices on;
+};
+
+/// What pcl::SACSegmentation does with RANSAC, without its models of eighteen other shapes: drawn, then fitted.
+Found find_shape(const pcl::SampleConsensusModel<pcl::PointXYZ>::Ptr& shape, double distance, int iterations) {
+  pcl::RandomSampleConsensus<pcl::PointXYZ> consensus(shape, distance);
+  consensus.setProbability(0.999);
+  consensus.setMaxIterations(iterations);
+  Found found;
+  if (!consensus.computeModel()) return found;
+  Eigen::VectorXf drawn;
+  consensus.getModelCoefficients(drawn);
+  consensus.getInliers(found.on);
+  shape->optimizeModelCoefficients(found.on, drawn, found.coefficients);
+  shape->selectWithinDistance(found.coefficients, distance, found.on);
+  return found;
+}
+
 std::vector<int> plane_in(const Points::Ptr& points, double distance) {
-  pcl::SACSegmentation<pcl::PointXYZ> search;
-  search.setModelType(pcl::SACMODEL_PLANE);
-  search.setMethodType(pcl::SAC_RANSAC);
-  search.setDistanceThreshold(distance);
-  search.setProbability(0.999);
-  search.setMaxIterations(2000);
-  search.setInputCloud(points);
-  pcl::PointIndices inliers;
-  pcl::ModelCoefficients coefficients;
-  search.segment(inliers, coefficients);
-  return inliers.indices;
+  return find_shape(std::make_shared<pcl::SampleConsensusModelPlane<pcl::PointXYZ>>(points), distance, 2000).on;
 }
 
 std::vector<pcl::PointIndices> clusters_of(const Points::Ptr& points, double distance) {
@@ -141,30 +144,21 @@ struct Cylinder {
 };
 
 Cylinder cylinder_in(const Points::Ptr& points, const Normals::Ptr& normals, double spacing) {
-  pcl::SACSegmentationFromNormals<pcl::PointXYZ, pcl::Normal> search;
-  search.setModelType(pcl::SACMODEL_CYLINDER);
-  search.setMethodType(pcl::SAC_RANSAC);
-  search.setDistanceThreshold(kCylinderDistance * spacing);
-  search.setNormalDistanceWeight(0.05);
-  search.setProbability(0.999);
-  search.setMaxIterations(3000);
+  const auto shape = std::make_shared<pcl::SampleConsensusModelCylinder<pcl::PointXYZ, pcl::Normal>>(points);
   Eigen::Vector4f low, high;
   pcl::getMinMax3D(*points, low, high);
   const double size = static_cast<double>((high - low).head<3>().norm());
-  search.setRadiusLimits(spacing, 0.5 * size);
-  search.setOptimizeCoefficients(true);
-  search.setInputCloud(points);
-  search.setInputNormals(normals);
-  pcl::PointIndices inliers;
-  pcl::ModelCoefficients found;
-  search.segment(inliers, found);
+  shape->setInputNormals(normals);
+  shape->setNormalDistanceWeight(0.05);
+  shape->setRadiusLimits(spacing, 0.5 * size);
+  Found found = find_shape(shape, kCylinderDistance * spacing, 3000);
   Cylinder cylinder;
-  if (found.values.size() != 7 || inliers.indices.size() < kFewest) return cylinder;
-  const auto value = [&](std::size_t k) { return static_cast<double>(found.values[k]); };
-  cylinder.point = {value(0), value(1), value(2)};
-  cylinder.axis = Eigen::Vector3d(value(3), value(4), value(5)).normalized();
-  cylinder.radius = std::abs(value(6));
-  cylinder.on = inliers.indices;
+  if (found.coefficients.size() != 7 || found.on.size() < kFewest) return cylinder;
+  const Eigen::VectorXd value = found.coefficients.cast<double>();
+  cylinder.point = value.head<3>();
+  cylinder.axis = value.segment<3>(3).normalized();
+  cylinder.radius = std::abs(value[6]);
+  cylinder.on = std::move(found.on);
   return cylinder;
 }
 

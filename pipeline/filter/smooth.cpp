@@ -1,4 +1,4 @@
-// PCL's fit, from its template's source: libpcl_surface would bring VTK into every start.
+// PCL's fit.
 #include "pipeline/filter/smooth.h"
 
 #include <pcl/point_types.h>

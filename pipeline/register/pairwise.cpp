@@ -5,15 +5,16 @@
 #include <memory>
 #include <vector>
 
-#include <pcl/console/print.h>
+#include <pcl/conversions.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
-#include <pcl/registration/correspondence_rejection_surface_normal.h>
+#include <pcl/registration/correspondence_rejection.h>
 #include <pcl/registration/gicp.h>
 #include <pcl/registration/icp.h>
 #include <pcl/registration/transformation_estimation_point_to_plane_lls.h>
 
 #include "pipeline/register/match.h"
+#include "pipeline/scan/quiet_pcl.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -39,6 +40,36 @@ struct PclSurface {
     cloud->push_back(p);
     covariances->push_back(Eigen::Matrix3d::Identity() - (1.0 - kAcrossOverAlong) * normal * normal.transpose());
   }
+};
+
+/// What pcl::registration::CorrespondenceRejectorSurfaceNormal does: keeps pairs whose normals point the same way. That
+/// class is no template, so that it alone would ask for libpcl_registration at every start.
+class RejectOtherNormals : public pcl::registration::CorrespondenceRejector {
+ public:
+  explicit RejectOtherNormals(double least_cosine) : least_cosine_(least_cosine) {
+    rejection_name_ = "RejectOtherNormals";
+  }
+
+  void getRemainingCorrespondences(const pcl::Correspondences& pairs, pcl::Correspondences& kept) override {
+    kept.clear();
+    for (const pcl::Correspondence& pair : pairs) {
+      const auto from = source_[static_cast<std::size_t>(pair.index_query)].getNormalVector3fMap();
+      const auto to = target_[static_cast<std::size_t>(pair.index_match)].getNormalVector3fMap();
+      if (from.cast<double>().dot(to.cast<double>()) > least_cosine_) kept.push_back(pair);
+    }
+  }
+  [[nodiscard]] bool requiresSourceNormals() const override { return true; }
+  void setSourceNormals(pcl::PCLPointCloud2::ConstPtr cloud) override { pcl::fromPCLPointCloud2(*cloud, source_); }
+  [[nodiscard]] bool requiresTargetNormals() const override { return true; }
+  void setTargetNormals(pcl::PCLPointCloud2::ConstPtr cloud) override { pcl::fromPCLPointCloud2(*cloud, target_); }
+
+ private:
+  void applyRejection(pcl::Correspondences& kept) override {
+    getRemainingCorrespondences(*input_correspondences_, kept);
+  }
+
+  double least_cosine_;
+  PclCloud source_, target_;
 };
 
 template <typename Registration>
@@ -76,9 +107,7 @@ Eigen::Isometry3d run_icp(const PclSurface& source, const PclSurface& target, do
         std::make_shared<pcl::registration::TransformationEstimationPointToPlaneLLS<Point, Point, double>>());
   }
   if (signed_normals) {
-    auto rejector = std::make_shared<pcl::registration::CorrespondenceRejectorSurfaceNormal>();
-    rejector->setThreshold(0.5);
-    icp.addCorrespondenceRejector(rejector);
+    icp.addCorrespondenceRejector(std::make_shared<RejectOtherNormals>(0.5));
   }
   icp.setInputSource(source.cloud);
   icp.setInputTarget(target.cloud);
@@ -106,9 +135,7 @@ Eigen::Isometry3d align_pair(const StationSurface& source, const StationSurface&
   for (const StationSurface::Element& element : target.elements()) {
     if (!element.normal.isZero(0.0)) to.add(element.point / unit, element.normal);
   }
-  // PCL reports to standard error what is no error here.
-  static const bool quiet = (pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS), true);
-  static_cast<void>(quiet);
+  const QuietPcl quiet;
   Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
   try {
     moved = method == RegisterConfig::Method::gicp

@@ -33,6 +33,28 @@ TEST_F(Program, UsageErrorsExitWithTwoAndNameTheNearestWord) {
   EXPECT_THAT(run("--version").out, HasSubstr("sparsha "));
 }
 
+#if defined(__linux__)
+// Each of these makes every command slower to start: VTK, Qt and GDAL by what they load, PCL's own libraries by their
+// templates for every type of point, which the dynamic linker binds.
+TEST_F(Program, LoadsNoLibraryThatSlowsDownEveryStart) {
+  const fs::path list = folder_ / "libraries";
+  const std::string command =
+      std::string("LD_TRACE_LOADED_OBJECTS=1 \"") + SPARSHA_PROGRAM + "\" > \"" + list.string() + "\"";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  std::istringstream lines(text_of(list));
+  std::vector<std::string> slow;
+  bool lists = false;
+  for (std::string line; std::getline(lines, line);) {
+    lists = lists || line.find("libpcl_common") != std::string::npos;
+    for (const char* name : {"libpcl_", "libvtk", "libQt", "libgdal", "libopencv_highgui", "libopencv_imgcodecs"}) {
+      if (line.find(name) != std::string::npos && line.find("libpcl_common") == std::string::npos) slow.push_back(line);
+    }
+  }
+  EXPECT_TRUE(lists);
+  EXPECT_THAT(slow, IsEmpty());
+}
+#endif
+
 TEST_F(Program, AMissingFileExitsWithThreeAndWritesNothing) {
   for (const char* arguments :
        {"build none.ply --out s", "info none.ply", "explore none --device simulated --headless",
