@@ -55,8 +55,8 @@ TEST(Clip, PlaybackEqualsTheFileAtItsOwnRate) {
   const auto samples = noise(2 * 6000, 0.7F);
   write_sound(folder / "re.wav", samples, 2, 48000);
   Synth synth(audio_scene::bank({audio_scene::clip("re", {0, 0, 1, 1}, folder / "re.wav")}));
-  // 4 N: a clip is at its own level from 3.7 N on.
-  ASSERT_TRUE(synth.contact(audio_scene::touch(0.0, 0.5, 0.5, 4.0), 1000));
+  // 4.5 N: a clip is at its own level from 4 N on.
+  ASSERT_TRUE(synth.contact(audio_scene::touch(0.0, 0.5, 0.5, 4.5), 1000));
   const auto sound = audio_scene::render(synth, 0.2);
   const std::size_t first = 2 * (1000 + Synth::latency_frames());
   for (std::size_t i = 0; i < first; ++i) ASSERT_EQ(sound[i], 0.0F);

@@ -86,6 +86,18 @@ TEST(Synth, SameEventsGiveTheSameBytesHoweverTimeIsCutIntoBlocks) {
   for (const std::size_t block : {1U, 17U, 64U, 100U, 4096U, 72000U}) EXPECT_EQ(busy(block), reference) << block;
 }
 
+TEST(Synth, LoudnessIsProportionalToTheForceOfTheStrike) {
+  const auto amplitude = [](double force_n) {
+    Synth synth(bank({note("sa", {0, 0, 1, 1}, 240.0, 1.2)}));
+    synth.strike({0, force_n, 0.3}, 0);
+    const auto sound = listening::channel(audio_scene::render(synth, 0.6), 0);
+    return listening::amplitude_at(sound, 240.0, 48000.0, 4800, 24000);
+  };
+  const double one = amplitude(1.0);
+  for (const double force_n : {0.05, 0.25, 0.5, 1.5})
+    EXPECT_NEAR(listening::decibel(amplitude(force_n) / (force_n * one)), 0.0, 0.2) << force_n << " N";
+}
+
 TEST(Synth, TruePeakStaysUnderMinusOneDecibelWhateverIsStruck) {
   std::vector<pipeline::AudioRegionConfig> regions;
   for (int i = 0; i < 12; ++i) regions.push_back(note("n", {0, 0, 1, 1}, 200.0 * std::pow(1.37, i), 2.0));
