@@ -40,5 +40,6 @@ void add_register(CLI::App& app, const CommonOptions& common, Run& run);
 void add_info(CLI::App& app, const CommonOptions& common, Run& run);
 void add_device(CLI::App& app, const CommonOptions& common, Run& run);
 void add_sound(CLI::App& app, const CommonOptions& common, Run& run);
+void add_bench(CLI::App& app, const CommonOptions& common, Run& run);
 
 }  // namespace sparsha::app

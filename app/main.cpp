@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
   add_info(app, common, run);
   add_device(app, common, run);
   add_sound(app, common, run);
+  add_bench(app, common, run);
 
   // What stands behind -- is another program's, dashes and all.
   const std::vector<std::string> words(argv + 1, argv + argc);

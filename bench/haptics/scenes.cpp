@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "bench/path.h"
+#include "bench/open/path.h"
 #include "haptics/surface/large_pages.h"
 
 namespace sparsha::bench {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "bench/peers/course.h"
+#include "bench/open/course.h"
 
 namespace sparsha::bench {
 namespace {

@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include "base/statistics.h"
+#include "bench/open/score.h"
 
 namespace sparsha::bench {
 namespace {
 
 using Eigen::Vector3d;
 using Clock = std::chrono::steady_clock;
-
-constexpr double kFelt = 0.07;  // of the force: the threshold of touch
 
 double between_ns(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::nano>(end - begin).count();
@@ -55,40 +51,21 @@ void run_timed(Running& running, const Course& course, double overhead_ns) {
 }
 
 void measure_errors(Peer& peer, const Course& course, Row& row) {
-  std::vector<double> errors, sizes, angles;
-  std::size_t lost = 0;
-  std::size_t jumps = 0;
-  Vector3d off = Vector3d::Zero();  // of the tick before
+  std::vector<Vector3d> forces, truth;
   peer.place(course.hands.front());
   for (std::size_t tick = 0; tick < course.hands.size(); ++tick) {
-    const Vector3d force = peer.update(course.hands[tick]).force_m;
-    const Vector3d truth = course.feet[tick] - course.hands[tick];
-    if (tick < course.first) {
-      off = force - truth;
-      continue;
-    }
-    const bool finite = force.allFinite();
-    const double error = finite ? (force - truth).norm() / truth.norm() : 1e9;
-    const double size = finite ? force.norm() / truth.norm() : 1e9;
-    errors.push_back(error);
-    sizes.push_back(std::abs(size - 1.0));
-    const double angle = finite && size > 0.0
-                             ? std::atan2(force.cross(truth).norm(), force.dot(truth)) * 180.0 / std::numbers::pi
-                             : 180.0;
-    angles.push_back(angle);
-    if (!(error < 1.0)) ++lost;
-    if (!finite || (force - truth - off).norm() > kFelt * truth.norm()) ++jumps;
-    if (finite) off = force - truth;
+    forces.push_back(peer.update(course.hands[tick]).force_m);
+    truth.emplace_back(course.feet[tick] - course.hands[tick]);
   }
-  const auto count = static_cast<double>(errors.size());
-  row.lost = static_cast<double>(lost) / count;
-  row.jumps = static_cast<double>(jumps) / count;
-  row.error_median = median(errors);
-  row.error_p99 = quantile(errors, 0.99);
-  row.size_median = median(sizes);
-  row.size_p99 = quantile(sizes, 0.99);
-  row.angle_median_deg = median(angles);
-  row.angle_p99_deg = quantile(angles, 0.99);
+  const Score score = score_forces(forces, truth, course.first, truth.size());
+  row.lost = score.lost;
+  row.jumps = score.jumps;
+  row.error_median = score.error_median;
+  row.error_p99 = score.error_p99;
+  row.size_median = score.size_median;
+  row.size_p99 = score.size_p99;
+  row.angle_median_deg = score.angle_median_deg;
+  row.angle_p99_deg = score.angle_p99_deg;
 }
 
 }  // namespace

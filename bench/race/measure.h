@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/peers/course.h"
+#include "bench/open/course.h"
 #include "bench/peers/entrants.h"
 
 namespace sparsha::bench {

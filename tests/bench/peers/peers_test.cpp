@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "bench/peers/course.h"
+#include "bench/open/course.h"
 #include "bench/peers/entrants.h"
 
 namespace sparsha::bench {

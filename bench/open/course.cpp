@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "bench/path.h"
+#include "bench/open/path.h"
 
 namespace sparsha::bench {
 namespace {

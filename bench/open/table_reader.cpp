@@ -1,0 +1,85 @@
+#include "table_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/csv.h"
+#include "base/text.h"
+
+namespace sparsha::bench {
+namespace {
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+  return text;
+}
+
+}  // namespace
+
+TableReader::TableReader(const std::filesystem::path& file, const std::vector<std::string>& columns,
+                         const std::vector<std::string>& optional)
+    : name_(file.string()), mapped_(file), rest_(mapped_.text()) {
+  if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+  if (csv::trimmed(rest_.substr(0, 1)).empty() && rest_.find_first_not_of(" \t\r\n") == std::string_view::npos)
+    throw input_error(name_, "the file is empty", "a header with the columns " + listed(columns));
+  line_ = 1;
+  const std::string_view header = csv::take_line(rest_);
+  count_ = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
+  constexpr std::size_t kMostColumns = 1000;
+  if (count_ > kMostColumns)
+    throw input_error_at(name_, 1, "the header has " + std::to_string(count_) + " columns", "1000 at most");
+  std::vector<std::string> asked = columns;
+  asked.insert(asked.end(), optional.begin(), optional.end());
+  place_.assign(asked.size(), kAbsent);
+  std::string_view left = header;
+  for (std::size_t field = 0; field < count_; ++field) {
+    const auto column = static_cast<int>(left.data() - header.data()) + 1;
+    const std::string_view word = csv::trimmed(csv::take_field(left));
+    const auto found = std::find(asked.begin(), asked.end(), word);
+    if (found == asked.end()) continue;
+    std::size_t& place = place_[static_cast<std::size_t>(found - asked.begin())];
+    if (place != kAbsent)
+      throw Error(ErrorKind::input, {name_, 1, column}, "column " + *found + " a second time", "each column once");
+    place = field;
+  }
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (place_[k] == kAbsent) throw input_error_at(name_, 1, "the header has no column " + columns[k], listed(columns));
+}
+
+bool TableReader::next() {
+  ++line_;
+  if (rest_.find_first_not_of(" \t\r\n") == std::string_view::npos) return false;
+  row_ = csv::take_line(rest_);
+  const auto count = static_cast<std::size_t>(std::count(row_.begin(), row_.end(), ',')) + 1;
+  if (count != count_)
+    throw wrong_row("the row has " + count_text(count) + (count == 1 ? " field" : " fields"),
+                    count_text(count_) + ", as many as the header");
+  fields_.clear();
+  for (std::string_view left = row_; fields_.size() < count_;) fields_.push_back(csv::take_field(left));
+  return true;
+}
+
+double TableReader::number(std::size_t column, const std::string& meaning, double limit) const {
+  double value = 0.0;
+  if (!csv::to_number(word(column), value))
+    throw wrong_at(column, csv::in_quotes(csv::trimmed(word(column))) + " is not a number", meaning);
+  if (!std::isfinite(value))
+    throw wrong_at(column, csv::in_quotes(csv::trimmed(word(column))) + " is not finite", meaning);
+  if (std::abs(value) > limit)
+    throw wrong_at(column, csv::in_quotes(csv::trimmed(word(column))) + " is out of range",
+                   meaning + " of at most " + value_text(limit) + " in size");
+  return value;
+}
+
+Error TableReader::wrong_at(std::size_t column, std::string wrong, std::string expected) const {
+  const auto at = static_cast<int>(word(column).data() - row_.data()) + 1;
+  return Error(ErrorKind::input, {name_, line_, at}, std::move(wrong), std::move(expected));
+}
+
+Error TableReader::wrong_row(std::string wrong, std::string expected) const {
+  return Error(ErrorKind::input, {name_, line_, 1}, std::move(wrong), std::move(expected));
+}
+
+}  // namespace sparsha::bench
