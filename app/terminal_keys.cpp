@@ -35,12 +35,13 @@ void TerminalKeys::letter(char key, std::vector<Request>& requests) {
     char key;
     Kind kind;
   };
-  constexpr std::array<Meaning, 20> kMeanings{
+  constexpr std::array<Meaning, 21> kMeanings{
       {{'+', Kind::zoom_in},       {'=', Kind::zoom_in},      {'-', Kind::zoom_out},     {'n', Kind::next_part},
        {'p', Kind::previous_part}, {'w', Kind::whole_scene},  {' ', Kind::describe},     {'h', Kind::help_keys},
        {'?', Kind::help_keys},     {'t', Kind::tour},         {'r', Kind::repeat},       {'<', Kind::speak_slower},
        {',', Kind::speak_slower},  {'>', Kind::speak_faster}, {'.', Kind::speak_faster}, {'v', Kind::next_voice},
-       {'s', Kind::toggle_speech}, {'q', Kind::quit},         {'\r', Kind::describe},    {'\n', Kind::describe}}};
+       {'s', Kind::toggle_speech}, {'g', Kind::guide},        {'q', Kind::quit},         {'\r', Kind::describe},
+       {'\n', Kind::describe}}};
   const char small = key >= 'A' && key <= 'Z' ? static_cast<char>(key - 'A' + 'a') : key;
   for (const Meaning& meaning : kMeanings)
     if (meaning.key == small) requests.push_back({meaning.kind});
@@ -75,9 +76,9 @@ void TerminalKeys::digit(std::size_t button, double time_s, std::vector<Request>
     pad_ = Pad::held;
     dragging_ = dragging_ || button == kForward;
     requests.push_back({kHolds.at(button), 0.0, 0.0, true});
-  } else if (button == kCentre && !longer_ && time_s - since_s_ >= kLongS) {
+  } else if (button != kForward && !longer_ && time_s - since_s_ >= kLongS) {
     longer_ = true;
-    requests.push_back({Kind::toggle_speech});
+    requests.push_back({button == kCentre ? Kind::toggle_speech : Kind::guide});
   }
 }
 

@@ -72,6 +72,18 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"metre", "number"},
     {"metres", "number"},
     {"distance_unknown", ""},
+    // The guide along an outline.
+    {"guide_on", "distance clock"},
+    {"guide_on_here", ""},
+    {"guide_part", "part distance clock"},
+    {"guide_part_here", "part"},
+    {"guide_off", ""},
+    {"guide_leads", ""},
+    {"guide_let_go", ""},
+    {"guide_round", ""},
+    {"guide_no_outline", ""},
+    {"guide_no_line", ""},
+    {"guide_other_side", ""},
     // What was changed.
     {"texture_on", ""},
     {"texture_off", ""},

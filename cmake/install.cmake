@@ -31,7 +31,7 @@ sparsha_headers(haptics scene depth_grid.h)
 
 # The headers that tools/check-rooms.py lets the core include.
 sparsha_package(haptics SparshaHapticsTargets state sparsha_state haptics sparsha_haptics)
-foreach(folder effects governor servo state)
+foreach(folder effects governor guide servo state)
   install(DIRECTORY haptics/${folder}/ DESTINATION ${SPARSHA_INSTALL_INCLUDE}/haptics/${folder} COMPONENT haptics
     FILES_MATCHING PATTERN "*.h")
 endforeach()
@@ -39,7 +39,7 @@ sparsha_headers(haptics haptics/surface monge_surface.h)
 sparsha_headers(haptics haptics/proxy proxy.h)
 sparsha_headers(haptics haptics/device device.h)
 sparsha_headers(haptics haptics/device/simulated exploration_script.h simulated_device.h)
-sparsha_headers(haptics scene workspace.h region_frame.h haptics_config.h materials.h grain_field.h height_spectrum.h)
+sparsha_headers(haptics scene workspace.h region_frame.h cues_config.h haptics_config.h materials.h grain_field.h height_spectrum.h)
 
 # Templates over PCL's point types, and what they are built on.
 sparsha_package(pcl SparshaPclTargets scan sparsha_scan_core filter sparsha_filter_core projection sparsha_projection

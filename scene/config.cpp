@@ -403,6 +403,8 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   }
   if (const Node* node = reader.optional("audio")) config.audio = parse_audio(*node, folder);
   if (const Node* node = reader.optional("speech")) config.speech = parse_speech(*node);
+  if (const Node* node = reader.optional("guide")) config.guide = parse_guide(*node);
+  if (const Node* node = reader.optional("cues")) config.cues = parse_cues(*node);
   if (const Node* node = reader.optional("viewer")) config.viewer = parse_viewer(*node);
   reader.finish();
   return config;

@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 
 #include "base/yaml.h"
+#include "scene/cues_config.h"
 #include "scene/haptics_config.h"
 
 namespace sparsha::pipeline {
@@ -168,6 +169,15 @@ struct PartConfig {
   PartTouch touch{};
   std::string more{};  ///< told when more is asked for
 };
+/// Along what, how strongly and how fast a hand is led that asks for it.
+struct GuideConfig {
+  enum class Path { outline, part, drawn };
+  static constexpr std::array<const char*, 3> kPathNames{"outline", "part", "drawn"};
+  Path path = Path::outline;                  ///< what is found in the heights; a part's border; `line_m`
+  double force_n = 1.0;                       ///< the guide is never stronger
+  double speed_m_per_s = 0.04;                ///< at the hand
+  std::vector<std::array<double, 2>> line_m;  ///< grid frame; closed where it ends in its first point
+};
 /// What is announced is spoken.
 struct SpeechConfig {
   std::string language = "en";  ///< of configs/speech
@@ -241,6 +251,8 @@ struct Config {
   std::vector<PartConfig> parts;
   std::optional<AudioConfig> audio;
   std::optional<SpeechConfig> speech;
+  std::optional<GuideConfig> guide;
+  std::optional<CuesConfig> cues;
   ViewerConfig viewer;
 };
 

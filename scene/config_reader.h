@@ -44,4 +44,10 @@ int exclusive(yaml::MapReader& reader, const std::vector<std::string>& keys);
 /// The block `audio`.
 [[nodiscard]] AudioConfig parse_audio(const yaml::Node& node, const std::filesystem::path& folder);
 
+/// The block `guide`.
+[[nodiscard]] GuideConfig parse_guide(const yaml::Node& node);
+
+/// The block `cues`; empty where it says off.
+[[nodiscard]] std::optional<CuesConfig> parse_cues(const yaml::Node& node);
+
 }  // namespace sparsha::pipeline

@@ -175,14 +175,18 @@ std::string sound_text(const MaterialSoundConfig& sound) {
   return text + "}";
 }
 
+std::string points(const std::vector<std::array<double, 2>>& places_m) {
+  std::string text = "[";
+  for (const auto& place : places_m)
+    text += fmt::format("{}[{}, {}]", text.back() == '[' ? "" : ", ", number(place[0]), number(place[1]));
+  return text + "]";
+}
+
 std::string region_text(const AudioRegionConfig& region) {
   std::string text = "    - {name: " + quote(region.name);
   if (region.box_m) text += ", box_m: " + box(*region.box_m);
   if (!region.polygon_m.empty()) {
-    text += ", polygon_m: [";
-    for (const auto& corner : region.polygon_m)
-      text += fmt::format("{}[{}, {}]", text.back() == '[' ? "" : ", ", number(corner[0]), number(corner[1]));
-    text += "]";
+    text += ", polygon_m: " + points(region.polygon_m);
   }
   if (region.label) text += fmt::format(", label: {}", *region.label);
   text += ", " + std::visit([](const auto& sound) { return sound_text(sound); }, region.sound);
@@ -223,6 +227,21 @@ std::string touch_text(const PartTouch& touch) {
   if (touch.mu_static) text += ", mu_static: " + number(*touch.mu_static);
   if (touch.material) text += fmt::format(", material: {}", touch_of(*touch.material).name);
   return text;
+}
+
+std::string guide_text(const GuideConfig& guide) {
+  return fmt::format("guide: {{path: {}, force_n: {}, speed_mm_per_s: {}{}}}\n",
+                     GuideConfig::kPathNames[static_cast<std::size_t>(guide.path)], number(guide.force_n),
+                     millimetres(guide.speed_m_per_s), guide.line_m.empty() ? "" : ", line_m: " + points(guide.line_m));
+}
+
+std::string cues_text(const CuesConfig& cues) {
+  std::string text = "cues: {";
+  for (std::size_t cue = 0; cue < kCues; ++cue) {
+    const char* kind = cues.sound[cue] ? (cues.tick[cue] ? "both" : "sound") : (cues.tick[cue] ? "tick" : "off");
+    text += fmt::format("{}: {}, ", kCueNames[cue], kind);
+  }
+  return text + (cues.lost ? "lost: on}\n" : "lost: off}\n");
 }
 
 }  // namespace
@@ -275,6 +294,8 @@ std::string to_yaml(const Config& config) {
                         config.speech->words_per_minute,
                         config.speech->voice.empty() ? "" : ", voice: " + quote(config.speech->voice));
   }
+  if (config.guide) text += guide_text(*config.guide);
+  if (config.cues) text += cues_text(*config.cues);
   text += fmt::format("viewer: {{colour: {}, stereo: {}}}\n",
                       ViewerConfig::kColourNames[static_cast<std::size_t>(config.viewer.colour)],
                       ViewerConfig::kStereoNames[static_cast<std::size_t>(config.viewer.stereo)]);

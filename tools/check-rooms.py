@@ -32,7 +32,9 @@ ALLOWED = {
     "haptics/governor": ["haptics/state", *SHARED],
     "haptics/device": ["haptics/governor", "haptics/state", *SHARED],
     "haptics/effects": SHARED,
-    "haptics/servo": ["haptics/effects", "haptics/proxy", "haptics/governor", "haptics/device", "haptics/state", "haptics/surface", *SHARED],
+    "haptics/guide": ["haptics/state", *SHARED],
+    "haptics/outline": SHARED,
+    "haptics/servo": ["haptics/effects", "haptics/guide", "haptics/proxy", "haptics/governor", "haptics/device", "haptics/state", "haptics/surface", *SHARED],
     "haptics/window": ["haptics/effects", "haptics/servo", "haptics/surface", *SHARED],
     # What the Falcon's driver is judged by: knows nothing of it.
     "haptics/emulator": ["base"],
@@ -48,10 +50,10 @@ EXCEPTIONS = {"pipeline/scan/reader.cpp": "pipeline/scan/formats"}
 # What is built on top of a room although its rule or its name would let it in.
 NOT_INSIDE = {"pipeline/scan": ["pipeline/scan/formats"], "pipeline/build": ["pipeline/suggest"]}
 # The embeddable core, for other programs: Eigen alone, so no header of it may reach YAML, files or scenes.
-CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/effects", "haptics/servo",
-        "haptics/device/device.h", "haptics/device/simulated"]
+CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/effects",
+        "haptics/guide", "haptics/servo",        "haptics/device/device.h", "haptics/device/simulated"]
 CORE_SHARED = ["base/error.h", "base/smooth_step.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/fingertip.h", "scene/depth_grid.h", "scene/workspace.h",
-               "scene/region_frame.h", "scene/haptics_config.h", "scene/materials.h", "scene/grain_field.h",
+               "scene/region_frame.h", "scene/cues_config.h", "scene/haptics_config.h", "scene/materials.h", "scene/grain_field.h",
                "scene/height_spectrum.h"]
 # Templates over PCL's point types, for programs that include PCL anyway.
 PCL_API = "sparsha/pcl"

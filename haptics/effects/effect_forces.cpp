@@ -16,6 +16,7 @@ constexpr double kBearableJ = 0.0002;    // beyond that and the grain's own heig
 
 void EffectForces::reset() noexcept {
   impact_.reset();
+  cues_.reset();
   grain_.reset();
   grain_n_ = zeros();
   stored_j_ = 0.0;
@@ -64,6 +65,18 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
   const double pressed_n = input.contact ? std::max(0.0, input.force_n.dot(input.normal)) : 0.0;
   const double x_m = input.place_m.x();
   const double y_m = input.place_m.y();
+  Cues::Input cue;
+  cue.period_s = input.period_s;
+  cue.nominal_period_s = input.nominal_period_s;
+  cue.time_s = input.time_s;
+  cue.place_m = input.place_m;
+  cue.normal = input.normal;
+  cue.pressed_n = pressed_n;
+  cue.scale = input.scale;
+  cue.contact = input.contact;
+  cue.outside = input.outside;
+  cue.unknown = input.unknown;
+  if (effects->cues) output.force_n += cues_.update(cue, effects);
   if (effects->impact) {
     Impact::Input strike;
     strike.period_s = input.period_s;

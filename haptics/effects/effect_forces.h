@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "haptics/effects/cues.h"
 #include "haptics/effects/grain.h"
 #include "haptics/effects/impact.h"
 #include "haptics/effects/surface_effects.h"
@@ -25,6 +26,10 @@ class EffectForces {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< unit; zero when free
     Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< of the surface
     std::size_t delay_ticks = 0;                        ///< declared, as for the governor
+    double time_s = 0.0;
+    double scale = 1.0;    ///< device metres per grid metre
+    bool outside = false;  ///< of the scene, in the last tick
+    bool unknown = false;  ///< where nothing was measured, likewise
     bool contact = false;
     bool touch = false;             ///< the contact has begun with this tick
     double approach_m_per_s = 0.0;  ///< then: of the hand towards the surface
@@ -45,6 +50,7 @@ class EffectForces {
   void swap() noexcept { impact_.reset(); }
   /// After faults and homing.
   void reset() noexcept;
+  [[nodiscard]] const Cues& cues() const noexcept { return cues_; }
 
  private:
   [[nodiscard]] double stored(const Input& input, double most_j) noexcept;
@@ -53,6 +59,7 @@ class EffectForces {
 
   static constexpr std::size_t kLongestDelay = 15;
   Impact impact_;
+  Cues cues_;
   Grain grain_;
   std::array<Eigen::Vector3d, kLongestDelay + 1> grain_n_ = zeros();  // newest first
   Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();

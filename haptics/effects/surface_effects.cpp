@@ -1,6 +1,8 @@
 #include "haptics/effects/surface_effects.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace sparsha::haptics {
 
@@ -30,6 +32,54 @@ double SurfaceEffects::grain_gain_at(double x_m, double y_m) const noexcept {
       gain += (pipeline::touch_of(*part->material).grain_gain - gain) *
               pipeline::share_inside(part->box_m, x_m, y_m, border_m);
   return gain;
+}
+
+std::size_t SurfaceEffects::part_at(double x_m, double y_m) const noexcept {
+  for (std::size_t part = 0; part < part_boxes_m.size(); ++part) {
+    const std::array<double, 4>& box = part_boxes_m[part];
+    if (x_m >= box[0] && y_m >= box[1] && x_m <= box[2] && y_m <= box[3]) return part;
+  }
+  return kNoPart;
+}
+
+double SurfaceEffects::to_stone_m(double x_m, double y_m) const noexcept {
+  if (stone_m.empty()) return 0.0;
+  const double u = (x_m - stone_lattice.origin_m.x()) / stone_lattice.spacing_m;
+  const double v = (y_m - stone_lattice.origin_m.y()) / stone_lattice.spacing_m;
+  const double inside_u = std::clamp(u, 0.0, static_cast<double>(stone_lattice.nx - 1));
+  const double inside_v = std::clamp(v, 0.0, static_cast<double>(stone_lattice.ny - 1));
+  const std::size_t node =
+      stone_lattice.index(static_cast<int>(std::lround(inside_u)), static_cast<int>(std::lround(inside_v)));
+  return static_cast<double>(stone_m[node]) + stone_lattice.spacing_m * std::hypot(u - inside_u, v - inside_v);
+}
+
+// Two sweeps, each with the neighbours that it has passed (Rosenfeld & Pfaltz 1966).
+std::vector<float> distance_to_stone(const pipeline::DepthGrid& grid) {
+  const pipeline::Lattice& lattice = grid.lattice;
+  const auto straight = static_cast<float>(lattice.spacing_m);
+  const auto oblique = static_cast<float>(std::numbers::sqrt2 * lattice.spacing_m);
+  const auto most = static_cast<float>(std::max(lattice.nx, lattice.ny)) * straight;
+  std::vector<float> distance_m(lattice.count(), most);
+  for (std::size_t node = 0; node < distance_m.size(); ++node)
+    if (grid.state[node] != pipeline::NodeState::unknown) distance_m[node] = 0.0F;
+  const auto sweep = [&](int i, int j, int back) {
+    float& here = distance_m[lattice.index(i, j)];
+    const auto from = [&](int di, int dj, float step) {
+      const int ni = i + di;
+      const int nj = j + dj;
+      if (ni >= 0 && nj >= 0 && ni < lattice.nx && nj < lattice.ny)
+        here = std::min(here, distance_m[lattice.index(ni, nj)] + step);
+    };
+    from(-back, 0, straight);
+    from(-1, -back, oblique);
+    from(0, -back, straight);
+    from(1, -back, oblique);
+  };
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) sweep(i, j, 1);
+  for (int j = lattice.ny - 1; j >= 0; --j)
+    for (int i = lattice.nx - 1; i >= 0; --i) sweep(i, j, -1);
+  return distance_m;
 }
 
 }  // namespace sparsha::haptics

@@ -9,6 +9,8 @@
 #include <Eigen/Core>
 
 #include "haptics/effects/grain.h"
+#include "scene/cues_config.h"
+#include "scene/depth_grid.h"
 #include "scene/materials.h"
 #include "scene/region_frame.h"
 
@@ -16,6 +18,7 @@ namespace sparsha::haptics {
 
 /// Immutable; made off the servo thread, read by it. Places are in the frame that parts are written in.
 struct SurfaceEffects {
+  static constexpr std::size_t kNoPart = static_cast<std::size_t>(-1);
   struct Part {
     std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax
     std::optional<double> stiffness_n_per_m;
@@ -29,13 +32,25 @@ struct SurfaceEffects {
   double scale = 1.0;                                              ///< device metres per metre of this frame
   Eigen::Matrix3d region_from_grid = Eigen::Matrix3d::Identity();  ///< rotation
   pipeline::GrainField field;
+  std::optional<pipeline::CuesConfig> cues;           ///< absent: none
+  std::vector<std::array<double, 4>> part_boxes_m{};  ///< with cues: of all parts, in their order
+  pipeline::Lattice stone_lattice{};                  ///< of stone_m: the window
+  std::vector<float> stone_m{};  ///< from each node to the nearest one that is known, grid frame; empty: not measured
 
   [[nodiscard]] bool has_stiffness() const noexcept;
   /// `base_n_per_m` outside of the parts, a smooth step across their borders.
   [[nodiscard]] double stiffness_at(double x_m, double y_m, double base_n_per_m) const noexcept;
   [[nodiscard]] const pipeline::MaterialTouch& material_at(double x_m, double y_m) const noexcept;
+  /// Of part_boxes_m, the first that holds the place; else kNoPart.
+  [[nodiscard]] std::size_t part_at(double x_m, double y_m) const noexcept;
+  /// Across, from a place (grid frame) to the stone, grid metres; 0 where there is stone or nothing is known of it.
+  [[nodiscard]] double to_stone_m(double x_m, double y_m) const noexcept;
   /// Of the grain's heights; likewise smooth.
   [[nodiscard]] double grain_gain_at(double x_m, double y_m) const noexcept;
 };
+
+/// From each node to the nearest known one, in metres, along the lattice's eight directions: at most 8 % too far. Where
+/// no node is known, the window's longer side.
+[[nodiscard]] std::vector<float> distance_to_stone(const pipeline::DepthGrid& grid);
 
 }  // namespace sparsha::haptics

@@ -120,7 +120,7 @@ void Governor::count_free_time(const GovernorInput& input) noexcept {
   free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, input.nominal_period_s);
   if (free_s_ < kArmingTime) return;
   armed_ = true;
-  energy_j_ = 0.0;
+  if (!input.guided) energy_j_ = 0.0;
 }
 
 /// The smallest move of the last one to two seconds is taken for the encoder's step.
@@ -237,7 +237,8 @@ Vector3d Governor::damped(const GovernorInput& input) const noexcept {
 
 /// What the hand put in over the last interval, with the force that the device held then. Credited is the damping that
 /// every hand has, and no move within an encoder's step is booked: their flicker would drain the books of a hand at
-/// rest. Gains count only as far as the spring stores them: what friction ate cannot come back.
+/// rest. Gains count only as far as the spring stores them: what friction ate cannot come back. What a guide has wound
+/// its springs up by is no gain of the hand's, and no debt when the hand gets it.
 void Governor::book(const GovernorInput& input) noexcept {
   displacement_m_.setZero();
   damped_j_ = 0.0;
@@ -254,7 +255,7 @@ void Governor::book(const GovernorInput& input) noexcept {
                 std::max(input.period_s, input.nominal_period_s);
     const double work_j = damped_j_ - held_n.dot(displacement_m_);
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
-    energy_j_ = std::min(energy_j_ + std::min(work_j, stored_j), input.spring_energy_j);
+    energy_j_ = std::min(energy_j_ + std::min(work_j + input.supplied_j, stored_j), input.spring_energy_j);
   } else {
     booked_m_ = input.position_m;
   }
@@ -292,8 +293,8 @@ GovernorOutput Governor::command(const Vector3d& force_n, bool saturated) noexce
 
 GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   const bool finite = input.position_m.allFinite() && input.force_n.allFinite() &&
-                      std::isfinite(input.spring_energy_j) && input.stiffness_n_per_m >= 0.0 &&
-                      input.proxy_m.allFinite() && input.normal.allFinite();
+                      std::isfinite(input.spring_energy_j) && std::isfinite(input.supplied_j) &&
+                      input.stiffness_n_per_m >= 0.0 && input.proxy_m.allFinite() && input.normal.allFinite();
   if (!input.fresh || !finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) {
     if (!finite) disarm();
     has_last_ = false;

@@ -53,11 +53,14 @@ struct GovernorInput {
   double stiffness_n_per_m = 0.0;                        ///< that the force was rendered with
   double delay_s = 0.0;                                  ///< that the device measured; 0 = it does not measure
   double spring_energy_j = 0.0;                          ///< 0.5 k |X_p - X_h|^2, device frame
-  double period_s = 0.001;                               ///< since the last tick
+  /// What a guide has put into the springs of spring_energy_j since the last tick by moving them: the hand may have it.
+  double supplied_j = 0.0;
+  double period_s = 0.001;  ///< since the last tick
   /// Of the servo's plan. A tick that was longer or shorter earns nothing: no growth of force, no free time, no credit.
   double nominal_period_s = 0.001;
   bool fresh = true;  ///< the position is new and finite
   bool contact = false;
+  bool guided = false;  ///< a guide adds to the force: its books go on in free space
 };
 
 struct GovernorOutput {
@@ -83,6 +86,8 @@ class Governor {
   void arm() noexcept { armed_ = true; }
   /// The encoder's step as far as it has shown, m; 0 before the first second has passed.
   [[nodiscard]] double encoder_step_m() const noexcept { return step_m_; }
+  /// Of the hand, device frame, as far as the encoder tells.
+  [[nodiscard]] Eigen::Vector3d velocity() const noexcept;
 
  private:
   static constexpr std::size_t kLongestDelay = kLongestDelayTicks;
@@ -93,7 +98,6 @@ class Governor {
   void soften() noexcept;
   void learn_step(double moved_m, double period_s) noexcept;
   [[nodiscard]] Eigen::Vector3d damped(const GovernorInput& input) const noexcept;
-  [[nodiscard]] Eigen::Vector3d velocity() const noexcept;
   void count_free_time(const GovernorInput& input) noexcept;
   void book(const GovernorInput& input) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;

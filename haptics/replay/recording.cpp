@@ -43,6 +43,10 @@ enum Column : std::size_t {
   kDelay,
   kNominalPeriod,
   kTipRadius,
+  kGuideX,
+  kGuideY,
+  kGuideStored,
+  kGuideSupplied,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -70,7 +74,11 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "least_damping_n_s_per_m",
                                                            "delay_ticks",
                                                            "nominal_period_s",
-                                                           "tip_radius_m"};
+                                                           "tip_radius_m",
+                                                           "guide_x_n",
+                                                           "guide_y_n",
+                                                           "guide_stored_j",
+                                                           "guide_supplied_j"};
 
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
@@ -143,6 +151,12 @@ constexpr Range range_of(Column column) {
       return {1e-5, 1.0};
     case kTipRadius:
       return {0.0, 0.1};
+    case kGuideX:
+    case kGuideY:
+      return {-100.0, 100.0};
+    case kGuideStored:
+    case kGuideSupplied:
+      return {-1e3, 1e3};
     case kWorkspace:
       return {1e-3, 10.0};
     case kMaxForce:
@@ -206,6 +220,9 @@ RecordedRow row_of(const Fields& fields) {
   row.tick.period_s = fields.at(kPeriod, 0.001);
   row.tick.nominal_period_s = fields.at(kNominalPeriod, 0.0);
   row.tick.command = fields.word(kCommand);
+  row.tick.guide_n = {fields.at(kGuideX, 0.0), fields.at(kGuideY, 0.0)};
+  row.tick.guide_stored_j = fields.at(kGuideStored, 0.0);
+  row.tick.guide_supplied_j = fields.at(kGuideSupplied, 0.0);
   row.tick.flags = fields.word(kFlags, static_cast<double>(kFlagHomed));
   return row;
 }
@@ -225,6 +242,7 @@ RecordedWindow window_of(const Fields& fields, std::uint64_t flags) {
   window.plan.effects.friction = (flags & kFlagFriction) != 0;
   window.plan.impact = (flags & kFlagImpact) != 0;
   window.plan.grain = (flags & kFlagGrain) != 0;
+  window.plan.cues = (flags & kFlagCues) != 0;
   return window;
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "haptics/guide/guide_path.h"
 #include "haptics/state/spsc_queue.h"
 #include "haptics/surface/monge_surface.h"
 #include "scene/region_frame.h"
@@ -38,6 +39,7 @@ struct Command {
     swap,       ///< touch `window`; the hand keeps its place
     scroll,     ///< let the window's centre move with `scroll_m_per_s` until told otherwise
     stiffness,  ///< render with `stiffness_n_per_m`
+    guide,      ///< lead the hand along `guide`; null: no longer
     drag,       ///< `on`: the window's centre moves with the hand, and nothing is touched, until told otherwise
   };
   Kind kind = Kind::scroll;
@@ -47,6 +49,7 @@ struct Command {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();        ///< grid frame
   Eigen::Vector3d scroll_m_per_s = Eigen::Vector3d::Zero();  ///< grid frame; never downwards in contact
   double stiffness_n_per_m = 0.0;
+  std::shared_ptr<const Guide> guide;  ///< whoever gives it keeps a share, so that the servo never frees it
   bool on = false;
   std::uint64_t sequence = 0;  ///< counts commands from 1
 };

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSlipFilterS = 0.005;   // time constant of the published slip speed
 constexpr double kFarthestHandM = 10.0;  // no hand is so far from its device
+constexpr double kSamePlaceM = 1e-9;
 
 Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& centre_m) noexcept {
   const pipeline::Lattice& lattice = surface.lattice;
@@ -83,6 +84,8 @@ void HapticRenderer::swap(Command& command) noexcept {
                                         : old.lattice.origin_m.z() +
                                               touched_height(old, proxy_.position.x(), proxy_.position.y(), shape());
   const double surface_device_m = (below_m - centre_m_.z()) * old.scale;
+  const double old_scale = old.scale;
+  const Eigen::Vector2d old_centre_m = centre_m_.head<2>();
 
   swapped_ = true;
   std::swap(window_, command.window);  // the old surface leaves with the command
@@ -92,6 +95,10 @@ void HapticRenderer::swap(Command& command) noexcept {
     centre_m_.head<2>() = command.centre_m;
   else
     centre_m_.head<2>() = proxy_grid_m.head<2>() - proxy_device_m.head<2>() / fresh.scale;
+  // Fresh tiles of the same view leave the hand where it is on the line; any other view does not.
+  const double moved_m = fresh.scale * (centre_m_.head<2>() - old_centre_m).norm();
+  if (fresh.scale != old_scale || moved_m > kSamePlaceM) guidance_.interrupt();
+  guided_at_m_ = centre_m_.head<2>();
   if (!placed_) {
     centre_m_ = point_on(fresh, centre_m_.head<2>());
     return;
@@ -137,6 +144,9 @@ SurfacePointer HapticRenderer::apply(Command& command) noexcept {
     case Command::Kind::stiffness:
       wish_n_per_m_ = command.stiffness_n_per_m;
       break;
+    case Command::Kind::guide:
+      guidance_.set(std::move(command.guide));
+      break;
     case Command::Kind::drag:
       letting_go_ = dragging_ && !command.on;
       if (command.on) set_dragging(true);
@@ -154,6 +164,7 @@ bool HapticRenderer::is_place(const DeviceSample& sample) noexcept {
 void HapticRenderer::set_dragging(bool on) noexcept {
   if (on && !dragging_ && placed_)
     fade_.begin(felt_n_, Eigen::Vector3d::Zero(), hand_m_, std::max(stiffness_n_per_m_, 1.0));
+  if (on) guidance_.interrupt();
   dragging_ = on;
   if (!on) letting_go_ = false;
 }
@@ -204,6 +215,10 @@ std::array<double, 3> HapticRenderer::place_of(const Eigen::Vector3d& grid_m) co
 void HapticRenderer::make_safe() noexcept {
   fade_.end();
   effects_.reset();
+  guidance_.interrupt();
+  armed_ = false;
+  record_.state.guide_n = {};
+  record_.state.guide_stored_j = record_.state.guide_supplied_j = 0.0;
   felt_n_.setZero();
   GovernorInput input;
   input.position_m = hand_m_;
@@ -269,6 +284,10 @@ void HapticRenderer::add_effects(GovernorInput& input, const Eigen::Vector3d& mo
   tick.force_n = input.force_n;
   tick.delay_ticks = static_cast<std::size_t>(std::max(0, device_.limits.delay_ticks));
   tick.contact = found_.contact;
+  tick.time_s = record_.state.time_s;
+  tick.scale = surface_->scale;
+  tick.outside = (place_flags_ & kFlagOutside) != 0;
+  tick.unknown = (place_flags_ & kFlagUnknownArea) != 0;
   tick.touch = event_ && event_->kind == ContactEvent::Kind::touch;
   if (tick.touch) tick.approach_m_per_s = event_->normal_speed_m_per_s;
   const EffectForces::Output added = effects_.update(tick, effects);
@@ -335,13 +354,18 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
       found_.contact ? Eigen::Vector3d(surface_->scale * (found_.position - before)) : Eigen::Vector3d::Zero();
   GovernorInput input = governor_input(sample, surface_->scale * away, force_n);
   add_effects(input, moved_m);
+  add_guide(input, hip_m, sample.fresh);
+  state.cues = effects_.cues().counts();
+  state.away_m = away_m(hip_m);
   const GovernorOutput output = governor_.update(input);
+  armed_ = output.armed;
 
   const double travel_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;
   slip_speed_ += (travel_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilterS);
   state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
   state.commanded_force_n = to_array(output.force_n);
-  state.flags |= find_place(found_.position);
+  place_flags_ = find_place(found_.position);
+  state.flags |= place_flags_;
   if (found_.sticking) state.flags |= kFlagSticking;
   if (found_.unfinished) state.flags |= kFlagUnfinished;
   if (output.saturated) state.flags |= kFlagSaturated;
@@ -383,6 +407,7 @@ void HapticRenderer::replay(const DeviceSample& sample, const RecordedTick& reco
   stiffness_n_per_m_ = recorded.stiffness_n_per_m;
   record_.period_s = recorded.period_s;
   record_.nominal_period_s = recorded.nominal_period_s;
+  recorded_guide_ = Guidance::Output{recorded.guide_n, recorded.guide_stored_j, recorded.guide_supplied_j};
   record_.state.command = recorded.command;
   record_.state.flags = recorded.flags & static_cast<std::uint64_t>(kFlagRealTime);
   CellShape& shape = options_.solver_options.shape;
@@ -410,6 +435,7 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (dragging_) state.flags |= kFlagDragged;
   if (surface_->effects && surface_->effects->impact) state.flags |= kFlagImpact;
   if (surface_->effects && surface_->effects->grain) state.flags |= kFlagGrain;
+  if (surface_->effects && surface_->effects->cues) state.flags |= kFlagCues;
   state.workspace_m = device_.workspace_width_m;
   state.stiffness_n_per_m = stiffness_n_per_m_;
   state.tip_radius_m = surface_->tip_radius_m;

@@ -11,6 +11,7 @@
 #include "haptics/device/device.h"
 #include "haptics/effects/effect_forces.h"
 #include "haptics/governor/governor.h"
+#include "haptics/guide/guidance.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/servo/command.h"
 #include "haptics/servo/contact_events.h"
@@ -37,7 +38,10 @@ struct RecordedTick {
   double period_s = 0.001;          ///< that the governor saw
   double nominal_period_s = 0.001;  ///< of the recorded servo's plan
   std::uint64_t command = 0;
-  std::uint64_t flags = 0;  ///< StateFlag bits of the recorded tick
+  std::uint64_t flags = 0;                            ///< StateFlag bits of the recorded tick
+  Eigen::Vector2d guide_n = Eigen::Vector2d::Zero();  ///< what State holds of the guide
+  double guide_stored_j = 0.0;
+  double guide_supplied_j = 0.0;
 };
 
 class HapticRenderer {
@@ -91,6 +95,10 @@ class HapticRenderer {
   void begin_fade() noexcept;
   [[nodiscard]] double wished_stiffness() noexcept;
   void add_effects(GovernorInput& input, const Eigen::Vector3d& moved_m) noexcept;
+  void add_guide(GovernorInput& input, const Eigen::Vector3d& hip_m, bool fresh) noexcept;
+  [[nodiscard]] Guidance::Output guide(const Eigen::Vector3d& hip_m) noexcept;
+  [[nodiscard]] double height_above_m(const Eigen::Vector3d& hip_m) const noexcept;
+  [[nodiscard]] double away_m(const Eigen::Vector3d& hip_m) const noexcept;
   [[nodiscard]] GovernorInput governor_input(const DeviceSample& sample, const Eigen::Vector3d& away_m,
                                              const Eigen::Vector3d& force_n) noexcept;
   void render_invalid_sample(const DeviceSample& sample) noexcept;
@@ -113,9 +121,14 @@ class HapticRenderer {
   ProxyUpdate found_;
   SwapFade fade_;
   EffectForces effects_;
-  Eigen::Vector3d felt_n_ = Eigen::Vector3d::Zero();  // what the governor was given last
-  Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();  // last finite hand position, device frame
-  bool placed_ = false;                               // the proxy has been started
+  Guidance guidance_;
+  std::optional<Guidance::Output> recorded_guide_;         // of a replay
+  Eigen::Vector2d guided_at_m_ = Eigen::Vector2d::Zero();  // the centre in the last tick
+  bool armed_ = false;                                     // in the last tick
+  Eigen::Vector3d felt_n_ = Eigen::Vector3d::Zero();       // what the governor was given last
+  Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();       // last finite hand position, device frame
+  std::uint64_t place_flags_ = 0;                          // of where the proxy was in the last tick
+  bool placed_ = false;                                    // the proxy has been started
   bool fault_ = false;
   bool dragging_ = false;
   bool letting_go_ = false;  // dragging until a hand position is known

@@ -98,15 +98,20 @@ void Announcer::say_view(const View& view) { say_as_is(view_text(view)); }
 void Announcer::say_first(const View& view) { say("first_words", {{"view", view_text(view)}}); }
 
 void Announcer::say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m) {
+  described_ = part.name;
+  say_way("part_way", "part_here", way_m, {{"part", part.say}});
+}
+
+void Announcer::say_way(Phrase there, Phrase here, const Eigen::Vector2d& way_m, PhraseValues values) {
   constexpr std::array<Phrase, 12> kClock{"clock_12", "clock_1", "clock_2", "clock_3", "clock_4",  "clock_5",
                                           "clock_6",  "clock_7", "clock_8", "clock_9", "clock_10", "clock_11"};
   constexpr double kHereM = 0.0005;
-  described_ = part.name;
-  if (way_m.norm() < kHereM) return say("part_here", {{"part", part.say}});
+  if (way_m.norm() < kHereM) return say(here, values);
   const double turns = std::atan2(way_m.x(), way_m.y()) / (2.0 * std::numbers::pi);  // from twelve o'clock, clockwise
   const auto hour = static_cast<std::size_t>(std::lround(12.0 * (turns + 1.0))) % kClock.size();
-  say("part_way",
-      {{"part", part.say}, {"distance", phrases_.distance(way_m.norm())}, {"clock", phrases_.text(kClock.at(hour))}});
+  values.emplace_back("distance", phrases_.distance(way_m.norm()));
+  values.emplace_back("clock", phrases_.text(kClock.at(hour)));
+  say(there, values);
 }
 
 // In thirds of the grid.

@@ -34,6 +34,8 @@ class Announcer {
   void say_first(const View& view);
   /// A part that the window goes to, and its way from the hand, grid frame: "Lotus, 12 centimetres, two o'clock".
   void say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m);
+  /// Distance and hour of a way from the hand, grid frame; `here` where there is none.
+  void say_way(Phrase there, Phrase here, const Eigen::Vector2d& way_m, PhraseValues values = {});
   /// Where the hand is, at length; asked again on the same part, what else there is to say about it.
   void describe(const State& state, const View& view);
   /// What was said last, once more.

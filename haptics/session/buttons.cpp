@@ -17,10 +17,10 @@ struct Meaning {
 constexpr double kLongS = 2.0;
 
 // Right, forward, centre, left: bits 0 to 3 of State::buttons, from the front of a Falcon's grip.
-constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_part, 0.6, {}, {}},
+constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_part, 0.6, {}, Gesture::guide},
                                             {Gesture::whole_scene, Gesture::drag, 0.2, Gesture::let_go, {}},
                                             {Gesture::describe, Gesture::help, 0.8, {}, Gesture::speech},
-                                            {Gesture::zoom_out, Gesture::previous_part, 0.6, {}, {}}}};
+                                            {Gesture::zoom_out, Gesture::previous_part, 0.6, {}, Gesture::guide}}};
 
 }  // namespace
 

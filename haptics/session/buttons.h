@@ -9,10 +9,23 @@
 
 namespace sparsha::haptics {
 
-/// The grip's four buttons as seen from the front: right and left zoom, held they go to the next and previous part; the
+/// The grip's four buttons as seen from the front: right and left zoom, held they go to the next and previous part,
+/// held for 2 s they turn the guide along an outline on or off; the
 /// centre says where the hand is, held it helps, held for 2 s it turns speech on or off; forward drags the stone while
 /// it is held, clicked it shows the whole scene.
-enum class Gesture { zoom_in, zoom_out, next_part, previous_part, describe, help, drag, let_go, whole_scene, speech };
+enum class Gesture {
+  zoom_in,
+  zoom_out,
+  next_part,
+  previous_part,
+  describe,
+  help,
+  drag,
+  let_go,
+  whole_scene,
+  speech,
+  guide
+};
 
 /// Session's thread only.
 class Buttons {

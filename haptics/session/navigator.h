@@ -35,6 +35,10 @@ class Navigator {
   [[nodiscard]] std::optional<WindowLoader::Job> wish(const Request& request, const State& state);
   /// The servo has taken over all that was asked for.
   void arrived() { goal_m_.reset(); }
+  /// The part that was gone to last, index into the scene's list.
+  [[nodiscard]] std::optional<std::size_t> part() const {
+    return part_ > 0 ? std::optional<std::size_t>(part_ - 1) : std::nullopt;
+  }
   /// The overview of the same scene.
   [[nodiscard]] WindowLoader::Job whole_scene();
   /// A change of scene.

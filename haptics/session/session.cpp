@@ -18,8 +18,10 @@
 #include "haptics/session/announcer.h"
 #include "haptics/session/button_tour.h"
 #include "haptics/session/buttons.h"
+#include "haptics/session/guide_control.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/window_loader.h"
+#include "scene/regions.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -59,6 +61,8 @@ std::optional<Gesture> gesture_of(const Request& request) {
       return request.on ? Gesture::drag : Gesture::let_go;
     case Kind::describe:
       return Gesture::describe;
+    case Kind::guide:
+      return Gesture::guide;
     case Kind::help:
       return Gesture::help;
     default:
@@ -180,9 +184,32 @@ struct Session::Implementation {
         post(std::move(command));
         return;
       }
+      case Request::Kind::guide:
+        if (recording) return;
+        if (guide.on())
+          post(guide.stop());
+        else
+          guide.ask(guide_wish(now, true));
+        return;
       default:
-        if (!recording) request_window(navigator.wish(request, now));
+        if (recording) return;
+        request_window(navigator.wish(request, now));
+        // A guide along a part goes with the visitor to the next one.
+        if ((request.kind == Request::Kind::next_part || request.kind == Request::Kind::previous_part) && guide.on())
+          guide.ask(guide_wish(now, false));
     }
+  }
+
+  [[nodiscard]] GuideWish guide_wish(const State& now, bool touched_first) const {
+    GuideWish wish;
+    wish.scene = scene;
+    wish.level = navigator.plan().level;
+    wish.hand_m = {now.hip_m[0], now.hip_m[1]};
+    wish.part = navigator.part();
+    const auto& parts = scene->description().config.parts;
+    const pipeline::PartConfig* touched = pipeline::part_at(scene->description(), now.place_m);
+    if (touched_first && now.contact != 0 && touched != nullptr) wish.part = static_cast<std::size_t>(touched - parts.data());
+    return wish;
   }
 
   void describe(const State& now) {
@@ -217,6 +244,8 @@ struct Session::Implementation {
         return {Kind::drag, 0.0, 0.0, false};
       case Gesture::help:
         return {Kind::help};
+      case Gesture::guide:
+        return {Kind::guide};
       case Gesture::speech:
         return {Kind::toggle_speech};
       case Gesture::describe:
@@ -282,6 +311,7 @@ struct Session::Implementation {
   std::uint64_t sequence = 0;
   Buttons buttons;
   ButtonTour tour{announcer};
+  GuideControl guide{announcer};
   double helped_s = -kHelpAgainS;  // when help was given last
   double stiffness_n_per_m = 0.0;
   bool speaks = options.speaks;
@@ -349,6 +379,7 @@ void Session::poll() {
   }
   if (now.tick > 0) {
     self.announcer.watch(now);
+    self.guide.watch(now);
     self.use_buttons(now);
   }
   while (const std::optional<Request> request = self.requests.take()) {
@@ -357,6 +388,7 @@ void Session::poll() {
   }
   if (self.replay) return;
   self.take_windows();
+  if (std::optional<Command> command = self.guide.poll()) self.post(std::move(*command));
   if (now.tick == 0 || self.loader.busy() || now.command != self.sequence) return;
   self.navigator.arrived();
   // Only once the servo has caught up is its State about the present window.
@@ -440,6 +472,7 @@ void Session::set_scene(pipeline::ScenePointer scene) {
   self.scene = std::move(scene);
   WindowLoader::Job job = self.navigator.change_scene(self.scene);
   if (self.servo) {
+    if (self.guide.on()) self.post(self.guide.stop(true));
     self.request_window(std::move(job));
   } else {
     self.navigator.settle(job.plan);

@@ -27,6 +27,7 @@ struct Request {
     next_part,        ///< the window goes to the next named part
     previous_part,    ///< likewise
     drag,             ///< on: the stone moves with the hand, without force, until this is asked for with off
+    guide,            ///< the hand is led along an outline, or no longer
     describe,         ///< say where the hand is; again, more about the part that it is on
     help,             ///< say what the buttons do
     help_keys,        ///< say what the keys of a terminal do

@@ -28,6 +28,16 @@ enum StateFlag : std::uint64_t {
   kFlagImpact = 1U << 15,       ///< strikes ring, which is invented
   kFlagGrain = 1U << 16,        ///< grain finer than the scan is rendered, which is invented
   kFlagDragged = 1U << 17,      ///< the hand drags the window; nothing is touched meanwhile
+  kFlagGuided = 1U << 18,       ///< a guide acts on the hand
+  kFlagCues = 1U << 19,         ///< ticks tell what the hand has come to
+};
+
+/// What the guide does with the hand.
+enum class GuidePhase : std::uint64_t {
+  off,      ///< there is no line
+  waiting,  ///< the hand is not near the line yet
+  leading,
+  let_go,  ///< the hand has left; near the line it is led again
 };
 
 /// Positions in metres. Grid frame unless said otherwise; forces in newtons, device frame.
@@ -60,8 +70,15 @@ struct State {
   double stiffness_n_per_m = 0.0;                 ///< rendered in this tick
   double tip_radius_m = 0.0;                      ///< of the fingertip, device frame
   std::array<std::int64_t, 4> window{};           ///< nodes of the level: first i, first j, how many in i, in j
-  std::uint64_t missed_ticks = 0;                 ///< skipped since the start
-  std::uint64_t dropped_records = 0;              ///< rows the recorder could not take
+  GuidePhase guide = GuidePhase::off;
+  std::uint64_t guide_rounds = 0;       ///< times that the whole line has been led along since the guide came on
+  std::array<double, 2> guide_n{};      ///< of the guide, x and y of the device frame, before the governor
+  double guide_stored_j = 0.0;          ///< in the guide's springs
+  double guide_supplied_j = 0.0;        ///< put into them in this tick by what leads; taken out where negative
+  std::array<std::uint64_t, 5> cues{};  ///< so far, in the order of pipeline::Cue
+  double away_m = 0.0;                  ///< of the hand from the stone, device frame; 0 also where it is not measured
+  std::uint64_t missed_ticks = 0;       ///< skipped since the start
+  std::uint64_t dropped_records = 0;    ///< rows the recorder could not take
 };
 
 static_assert(std::is_trivially_copyable_v<State>);

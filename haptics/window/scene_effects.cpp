@@ -8,7 +8,8 @@
 #include "scene/scene_spectrum.h"
 
 namespace sparsha::haptics {
-std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene, const WindowPlan& plan) {
+std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene, const WindowPlan& plan,
+                                                   const pipeline::DepthGrid& heights) {
   const pipeline::SceneDescription& description = scene.description();
   auto effects = std::make_shared<SurfaceEffects>();
   effects->impact = plan.impact;
@@ -17,7 +18,15 @@ std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene,
   for (const pipeline::PartConfig& part : description.config.parts)
     if (part.touch.stiffness_n_per_m || part.touch.material)
       effects->parts.push_back({part.box_m, part.touch.stiffness_n_per_m, part.touch.material});
-  if (!plan.impact && !plan.grain && !effects->has_stiffness()) return nullptr;
+  if (plan.cues) {
+    effects->cues = description.config.cues.value_or(pipeline::CuesConfig{});
+    for (const pipeline::PartConfig& part : description.config.parts) effects->part_boxes_m.push_back(part.box_m);
+    if (effects->cues->lost) {
+      effects->stone_m = distance_to_stone(heights);
+      effects->stone_lattice = heights.lattice;
+    }
+  }
+  if (!plan.impact && !plan.grain && !plan.cues && !effects->has_stiffness()) return nullptr;
   double enlarged = 1.0;  // a scene that was scanned again may be drawn at another size than its parts
   if (description.region_from_grid) {
     const Eigen::Matrix3d linear = description.region_from_grid->topLeftCorner<3, 3>();

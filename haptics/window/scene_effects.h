@@ -9,8 +9,10 @@
 
 namespace sparsha::haptics {
 
-/// Null when the plan has neither impact nor grain and no part a stiffness: then touch is what it is without all that.
-/// With grain the spectrum of level 0 is fitted. Throws Error{input} when tiles cannot be read.
-[[nodiscard]] std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene, const WindowPlan& plan);
+/// Null when the plan has neither impact nor grain nor cues and no part a stiffness: then touch is what it is without
+/// all that. `heights`: of the plan's window, and around it. With grain the spectrum of level 0 is fitted. Throws
+/// Error{input} when tiles cannot be read.
+[[nodiscard]] std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene, const WindowPlan& plan,
+                                                                 const pipeline::DepthGrid& heights);
 
 }  // namespace sparsha::haptics

@@ -77,6 +77,7 @@ WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& 
   plan.tip_radius_m = scene.config.haptics.tip_radius_m;
   plan.impact = scene.config.haptics.impact;
   plan.grain = scene.config.haptics.grain;
+  plan.cues = scene.config.cues.has_value();
   return plan;
 }
 
@@ -91,7 +92,7 @@ HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, s
       scene.read(plan.level, plan.i0 - options.margin, plan.j0 - options.margin, plan.nx + more, plan.ny + more);
   options.effects = plan.effects;
   options.id = id;
-  options.surface_effects = make_effects(scene, plan);
+  options.surface_effects = make_effects(scene, plan, layers.grid);
   HapticWindow window;
   window.surface = make_surface(description, layers, plan.level, plan.scale, options);
   window.i0 = plan.i0;

@@ -19,6 +19,7 @@ struct WindowPlan {
   Effects effects;
   double tip_radius_m = 0.0;  ///< of the ball that touches, device frame; 0: a point
   bool impact = false;        ///< invented: strikes ring
+  bool cues = false;          ///< ticks tell what the hand has come to
   bool grain = false;         ///< invented: the texture goes on above what the scan resolves
 };
 

@@ -78,11 +78,14 @@ TEST_F(Keys, FourKeysOfAPadClickWhenPressedOnceAndHoldWhenPressedTwice) {
 }
 
 TEST_F(Keys, AKeyOfAPadThatIsHeldMeansItOnce) {
-  EXPECT_EQ(hold("1", 3.0), Kinds{Kind::next_part});
+  EXPECT_EQ(hold("1", 1.5), Kinds{Kind::next_part});
   EXPECT_EQ(type("", 1.0), Kinds{});
   EXPECT_EQ(hold("3", 1.5), Kinds{Kind::help});
   type("", 1.0);
   EXPECT_EQ(hold("3", 4.0), (Kinds{Kind::help, Kind::toggle_speech})) << "2 s, as on the grip";
+  type("", 1.0);
+  EXPECT_EQ(hold("4", 4.0), (Kinds{Kind::previous_part, Kind::guide})) << "likewise";
+  EXPECT_EQ(type("g", 1.0), Kinds{Kind::guide});
 }
 
 TEST_F(Keys, ThePadsSecondKeyTakesTheStoneAndLetsItGo) {

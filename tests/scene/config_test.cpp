@@ -164,6 +164,15 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"region with two",
        kScan + "audio: {regions: [{name: x, label: 1, box_m: [0,0,1,1], clip: a}]}\n",
        {"'box_m' and 'label' contradict"}},
+      {"an unknown path", kScan + "guide: {path: contour}\n", {"path is 'contour'", "outline | part | drawn"}},
+      {"drawn without a line", kScan + "guide: {path: drawn}\n", {"c.yaml:2:8", "path: drawn without a line"}},
+      {"a line of no length", kScan + "guide: {path: drawn, line_m: [[1, 2], [1, 2]]}\n", {"the line has no length"}},
+      {"a line that is not drawn", kScan + "guide: {line_m: [[1, 2], [1, 3]]}\n", {"belongs to 'path: drawn'"}},
+      {"a guide too strong", kScan + "guide: {force_n: 40}\n", {"force_n"}},
+      {"a guide too fast", kScan + "guide: {speed_mm_per_s: 2000}\n", {"speed_mm_per_s"}},
+      {"an unknown cue", kScan + "cues: {rim: off}\n", {"cues has no key 'rim'"}},
+      {"an unknown kind of cue", kScan + "cues: {edge: loud}\n", {"edge is 'loud'", "both | sound | tick | off"}},
+      {"cues that are neither", kScan + "cues: maybe\n", {"neither true nor false"}},
       {"not a map", "[1, 2]\n", {"the configuration is a list"}},
       {"nothing", "", {"the configuration is nothing"}},
   };
@@ -205,12 +214,23 @@ audio:
   labels: {file: labels.png, bounds_m: [0, 0, 2, 1]}
   material: {name: bronze, damping: 0.002}
   friction_sound: {gain: 0.25, grain: off}
+guide: {path: drawn, force_n: 0.75, speed_mm_per_s: 35, line_m: [[0, 0], [0.5, 1.25]]}
+cues: {level: off, edge: sound, part_left: tick, lost: off}
 viewer: {colour: friction, stereo: anaglyph}
 )";
   const Config config = parse_config(yaml::parse_text(text, "c.yaml"), {});
   const std::string written = to_yaml(config);
   const Config again = parse_config(yaml::parse_text(written, "again"), {});
   EXPECT_EQ(to_yaml(again), written);
+  ASSERT_TRUE(again.guide && again.cues);
+  EXPECT_EQ(again.guide->path, GuideConfig::Path::drawn);
+  EXPECT_EQ(again.guide->force_n, 0.75);
+  EXPECT_EQ(again.guide->speed_m_per_s, 0.035);
+  EXPECT_EQ(again.guide->line_m, config.guide->line_m);
+  EXPECT_EQ(again.guide->line_m.size(), 2U);
+  EXPECT_EQ(again.cues->sound, (std::array<bool, kCues>{false, true, true, true, false}));
+  EXPECT_EQ(again.cues->tick, (std::array<bool, kCues>{false, false, true, true, true}));
+  EXPECT_FALSE(again.cues->lost);
   ASSERT_EQ(again.filters.size(), 10U);
   EXPECT_EQ(std::get<PassConfig>(again.filters[4]).max_m, 0.1);
   EXPECT_TRUE(std::isinf(std::get<PassConfig>(again.filters[4]).min_m));
@@ -270,6 +290,24 @@ viewer: {colour: friction, stereo: anaglyph}
 TEST(Config, WithoutImpactGrainAndMaterialIsWrittenAsItWasBeforeThereWereAny) {
   const std::string written = to_yaml(parse_config(yaml::parse_text(kScan, "c.yaml"), {}));
   for (const char* word : {"impact", "grain", "material"}) EXPECT_EQ(written.find(word), std::string::npos) << word;
+}
+
+TEST(Config, CuesAreAllOnOrAllOffOrChosenOneByOne) {
+  EXPECT_FALSE(parse(kScan).cues);
+  EXPECT_FALSE(parse(kScan + "cues: off\n").cues);
+  for (const char* on : {"cues: on\n", "cues: {}\n", "cues:\n"}) {
+    const Config config = parse(kScan + on);
+    ASSERT_TRUE(config.cues) << on;
+    for (std::size_t cue = 0; cue < kCues; ++cue) EXPECT_TRUE(config.cues->sound[cue] && config.cues->tick[cue]) << on;
+    EXPECT_TRUE(config.cues->lost) << on;
+  }
+  for (std::size_t cue = 0; cue < kCues; ++cue) {
+    const CuesConfig one = *parse(kScan + "cues: {" + std::string(kCueNames[cue]) + ": off}\n").cues;
+    for (std::size_t other = 0; other < kCues; ++other) {
+      EXPECT_EQ(one.sound[other], other != cue);
+      EXPECT_EQ(one.tick[other], other != cue);
+    }
+  }
 }
 
 }  // namespace

@@ -35,22 +35,14 @@ pipeline::ScenePointer invented_scene() {
                                  });
 }
 
-TEST(Replay, OfARunWithImpactGrainAndPartsCommandsTheSameBits) {
-  const test::TestFolder folder;
-  const auto scene = invented_scene();
-  SessionOptions options;
-  options.record = folder / "run.csv";
-  Session session(scene, make_simulated_device(3, 3.0), options);
-  run_to_the_end(session, {{Request::Kind::zoom_in},
-                           {Request::Kind::pan, 0.2, -0.1},
-                           {Request::Kind::set_stiffness, 500.0},
-                           {Request::Kind::zoom_in},
-                           {Request::Kind::zoom_out}});
-  const Recording recording(options.record);
-  RecordedRun run(*scene, recording, RendererOptions{});
+/// Replays a recording tick by tick; counts the ticks for which `counted` holds.
+template <typename Counted>
+std::size_t expect_same_bits(const pipeline::Scene& scene, const std::filesystem::path& recorded, Counted counted) {
+  const Recording recording(recorded);
+  RecordedRun run(scene, recording, RendererOptions{});
   std::size_t differing = 0;
-  std::size_t added = 0;
-  std::ifstream file(options.record);
+  std::size_t count = 0;
+  std::ifstream file(recorded);
   std::string live;
   std::getline(file, live);
   std::size_t row = 0;
@@ -65,17 +57,58 @@ TEST(Replay, OfARunWithImpactGrainAndPartsCommandsTheSameBits) {
     if (run.needs_window()) run.change_window();
     run.step();
     const State& state = run.renderer().state();
-    ASSERT_TRUE(std::getline(file, live));
+    if (!std::getline(file, live)) ADD_FAILURE() << "row " << row << " is missing";
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (field(live, kCommandedX + axis) != state.commanded_force_n[axis] && ++differing < 5)
         ADD_FAILURE() << "row " << row << ": " << live << " and " << state.commanded_force_n[axis];
-    if ((state.flags & kFlagImpact) != 0 && (state.flags & kFlagGrain) != 0 &&
-        state.commanded_force_n != state.force_n && state.contact != 0)
-      ++added;
+    if (counted(state)) ++count;
     ++row;
   }
   EXPECT_EQ(differing, 0U);
+  return count;
+}
+
+TEST(Replay, OfARunWithImpactGrainAndPartsCommandsTheSameBits) {
+  const test::TestFolder folder;
+  const auto scene = invented_scene();
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  Session session(scene, make_simulated_device(3, 3.0), options);
+  run_to_the_end(session, {{Request::Kind::zoom_in},
+                           {Request::Kind::pan, 0.2, -0.1},
+                           {Request::Kind::set_stiffness, 500.0},
+                           {Request::Kind::zoom_in},
+                           {Request::Kind::zoom_out}});
+  const std::size_t added = expect_same_bits(*scene, options.record, [](const State& state) {
+    return (state.flags & kFlagImpact) != 0 && (state.flags & kFlagGrain) != 0 &&
+           state.commanded_force_n != state.force_n && state.contact != 0;
+  });
   EXPECT_GT(added, 100U) << "impact and grain were felt at all";
+}
+
+TEST(Replay, OfARunWithAGuideAndTicksCommandsTheSameBits) {
+  const test::TestFolder folder;
+  const auto scene = sparsha::test::scene_of(
+      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](pipeline::SceneDescription& d) {
+        d.config.cues = pipeline::CuesConfig{};
+        d.config.parts.push_back({"left", "Left", {0.0, 0.0, 0.05, 0.1}});
+        d.config.guide = pipeline::GuideConfig{};
+        d.config.guide->path = pipeline::GuideConfig::Path::drawn;
+        // To and fro, so that a line is near wherever the hand is.
+        for (int k = 0; k <= 50; ++k)
+          d.config.guide->line_m.push_back({k % 4 == 0 || k % 4 == 3 ? 0.0 : 0.1, 0.004 * (k / 2)});
+      });
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  Session session(scene, make_simulated_device(3, 3.0), options);
+  run_to_the_end(session, {{Request::Kind::guide}, {Request::Kind::zoom_in}});
+  std::size_t cues = 0;
+  const std::size_t led = expect_same_bits(*scene, options.record, [&](const State& state) {
+    cues = state.cues[0] + state.cues[3];
+    return (state.flags & kFlagGuided) != 0;
+  });
+  EXPECT_GT(led, 100U) << "the hand was led at all";
+  EXPECT_GT(cues, 0U) << "the view changed, or the part was entered";
 }
 
 TEST(Replay, OfARunWithoutImpactAndGrainAddsNoneWhateverTheSceneSaysNow) {

@@ -54,13 +54,17 @@ TEST(GripButtons, ClickWhenTheyAreLetGo) {
 
 TEST(GripButtons, HeldMeanSomethingElseAndSayItOnceAndAtOnce) {
   Grip grip;
-  EXPECT_EQ(grip.hold(kRight, 3.0), Gestures{Gesture::next_part});
+  EXPECT_EQ(grip.hold(kRight, 1.5), Gestures{Gesture::next_part});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{}) << "no zoom after it";
   EXPECT_EQ(grip.hold(kLeft, 0.8), Gestures{Gesture::previous_part});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kCentre, 1.0), Gestures{Gesture::help});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kCentre, 5.0), (Gestures{Gesture::help, Gesture::speech})) << "held for 2 s";
+  EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
+  EXPECT_EQ(grip.hold(kRight, 3.0), (Gestures{Gesture::next_part, Gesture::guide})) << "held for 2 s";
+  EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
+  EXPECT_EQ(grip.hold(kLeft, 3.0), (Gestures{Gesture::previous_part, Gesture::guide})) << "likewise";
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kForward, 2.0), Gestures{Gesture::drag});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{Gesture::let_go});

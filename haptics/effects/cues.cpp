@@ -1,0 +1,87 @@
+#include "haptics/effects/cues.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace sparsha::haptics {
+namespace {
+
+using pipeline::Cue;
+
+constexpr double kSilenceS = 1.0;  // the same thing is told of again only after so long an absence, as words are
+constexpr double kDecayPerS = 120.0;
+constexpr double kTickS = 0.040;  // then nothing is left of it
+constexpr double kMostCyclesPerTick = 0.3;
+constexpr double kSameScale = 0.01;  // views that differ less are the same one
+// One for each cue, between what a hand tells apart and what slow loops render.
+constexpr std::array<double, pipeline::kCues> kFrequenciesHz{120.0, 90.0, 70.0, 160.0, 110.0};
+
+}  // namespace
+
+void Cues::reset() noexcept {
+  tick_s_ = -1.0;
+  scale_ = 0.0;
+}
+
+bool Cues::begins(Watched& watched, bool now, double time_s) noexcept {
+  const bool begins = now && !watched.now && time_s - watched.last_s > kSilenceS;
+  if (now) watched.last_s = time_s;
+  watched.now = now;
+  return begins;
+}
+
+void Cues::tell(Cue cue, const SurfaceEffects& effects) noexcept {
+  const auto index = static_cast<std::size_t>(cue);
+  ++counts_[index];
+  if (!effects.cues->tick[index]) return;
+  tick_s_ = 0.0;
+  tick_hz_ = kFrequenciesHz[index];
+}
+
+// As words are said of parts: in contact, and again after a second elsewhere.
+void Cues::watch_parts(const Input& input, const SurfaceEffects& effects) noexcept {
+  const std::size_t part = effects.part_at(input.place_m.x(), input.place_m.y());
+  const bool known = part == part_ && (part == SurfaceEffects::kNoPart || input.time_s - part_left_s_ <= kSilenceS);
+  if (!known) {
+    const bool was_there = part_ != SurfaceEffects::kNoPart && input.time_s - part_left_s_ <= kSilenceS;
+    if (part != SurfaceEffects::kNoPart)
+      tell(Cue::part_entered, effects);
+    else if (was_there)
+      tell(Cue::part_left, effects);
+  }
+  part_ = part;
+  if (part != SurfaceEffects::kNoPart) part_left_s_ = input.time_s;
+}
+
+void Cues::watch(const Input& input, const SurfaceEffects& effects) noexcept {
+  const bool other_view = scale_ > 0.0 && std::abs(input.scale - scale_) > kSameScale * scale_;
+  scale_ = input.scale;
+  if (other_view) tell(Cue::level, effects);
+  if (!input.contact) return;
+  watch_parts(input, effects);
+  if (begins(outside_, input.outside, input.time_s)) tell(Cue::edge, effects);
+  if (begins(unknown_, input.unknown && !input.outside, input.time_s)) tell(Cue::unmeasured, effects);
+}
+
+double Cues::tick(const Input& input) noexcept {
+  if (tick_s_ < 0.0) return 0.0;
+  const double frequency_hz = std::min(tick_hz_, kMostCyclesPerTick / input.nominal_period_s);
+  const double t = tick_s_ + 0.5 * input.nominal_period_s;
+  tick_s_ += std::min(input.period_s, input.nominal_period_s);
+  if (tick_s_ > kTickS) tick_s_ = -1.0;
+  const double force_n = kTickN * std::exp(-kDecayPerS * t) * std::sin(2.0 * std::numbers::pi * frequency_hz * t);
+  return input.contact ? std::max(force_n, -input.pressed_n) : force_n;
+}
+
+Eigen::Vector3d Cues::update(const Input& input, const SurfaceEffects* effects) noexcept {
+  if (effects == nullptr || !effects->cues) {
+    tick_s_ = -1.0;
+    return Eigen::Vector3d::Zero();
+  }
+  watch(input, *effects);
+  const double force_n = tick(input);
+  return force_n * (input.contact ? input.normal : Eigen::Vector3d::UnitZ());
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,56 @@
+// The guide's part of a tick, and how far the hand is from the stone.
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/servo/haptic_renderer.h"
+
+namespace sparsha::haptics {
+
+double HapticRenderer::height_above_m(const Eigen::Vector3d& hip_m) const noexcept {
+  const Eigen::Vector3d local = hip_m - surface_->lattice.origin_m;
+  return surface_->scale * (local.z() - touched_height(*surface_, local.x(), local.y(), shape()));
+}
+
+double HapticRenderer::away_m(const Eigen::Vector3d& hip_m) const noexcept {
+  const SurfaceEffects* effects = surface_->effects.get();
+  if (effects == nullptr || effects->stone_m.empty()) return 0.0;
+  return std::hypot(surface_->scale * effects->to_stone_m(hip_m.x(), hip_m.y()), std::max(0.0, height_above_m(hip_m)));
+}
+
+Guidance::Output HapticRenderer::guide(const Eigen::Vector3d& hip_m) noexcept {
+  if (guidance_.phase() == GuidePhase::off || dragging_ || !armed_) return {};
+  Guidance::Input input;
+  input.hand_m = hip_m.head<2>();
+  input.velocity_m_per_s = governor_.velocity().head<2>();
+  input.scale = surface_->scale;
+  input.scrolled_m = surface_->scale * (guided_at_m_ - centre_m_.head<2>());
+  input.height_m = height_above_m(hip_m);
+  input.stiffness_n_per_m = stiffness_n_per_m_;
+  input.step_s = std::min(record_.period_s, record_.nominal_period_s);
+  return guidance_.update(input);
+}
+
+// What leads along a line, on top of what the surface gives.
+void HapticRenderer::add_guide(GovernorInput& input, const Eigen::Vector3d& hip_m, bool fresh) noexcept {
+  State& state = record_.state;
+  Guidance::Output led;
+  if (recorded_guide_)
+    led = *recorded_guide_;
+  else if (fresh)
+    led = guide(hip_m);
+  guided_at_m_ = centre_m_.head<2>();
+  state.guide = guidance_.phase();
+  state.guide_rounds = guidance_.rounds();
+  state.guide_n = {led.force_n.x(), led.force_n.y()};
+  state.guide_stored_j = led.stored_j;
+  state.guide_supplied_j = led.supplied_j;
+  input.guided = led.stored_j > 0.0 || !led.force_n.isZero(0.0);
+  if (!input.guided) return;
+  state.flags |= kFlagGuided;
+  if (recorded_guide_) state.guide = GuidePhase::leading;
+  input.force_n.head<2>() += led.force_n;
+  input.spring_energy_j += led.stored_j;
+  input.supplied_j = led.supplied_j;
+}
+
+}  // namespace sparsha::haptics

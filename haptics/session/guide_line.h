@@ -1,0 +1,37 @@
+// From what a visitor asks for to the line that the hand is led along.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "base/phrases.h"
+#include "haptics/guide/guide_path.h"
+#include "scene/scene.h"
+
+namespace sparsha::haptics {
+
+struct GuideWish {
+  pipeline::ScenePointer scene;
+  int level = 0;                                     ///< that is touched; a level of too many nodes is not searched
+  Eigen::Vector2d hand_m = Eigen::Vector2d::Zero();  ///< grid frame
+  std::optional<std::size_t> part;                   ///< that was gone to or is under the hand, index into its list
+};
+
+struct GuideAnswer {
+  std::shared_ptr<const Guide> guide;               ///< null: there is none,
+  Phrase why = "guide_no_outline";                  ///< and why
+  std::string part;                                 ///< said of the part whose border it is; empty: another line
+  Eigen::Vector2d way_m = Eigen::Vector2d::Zero();  ///< from the hand to the line, grid frame
+};
+
+/// By the scene's block `guide`, or its defaults. `path: outline`: of what is found in the heights, the longest line
+/// that lies in the box of the part, else the line nearest to the hand. `path: part`: the border of that part, else of
+/// the part nearest to the hand, as far as the scene reaches. `path: drawn`: the drawn line. Any thread; for level
+/// after level of 4 million nodes some seconds. Throws Error{input} when tiles cannot be read.
+[[nodiscard]] GuideAnswer find_guide(const GuideWish& wish);
+
+}  // namespace sparsha::haptics
