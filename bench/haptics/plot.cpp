@@ -33,7 +33,7 @@ struct Style {
 constexpr Style kStyles[] = {{"exact", "#0072B2", 's'}, {"rounded", "#CC79A7", 's'},    {"c1", "#009E73", 'd'},
                              {"paper", "#D55E00", 'c'}, {"god-object", "#000000", 'u'}, {"sphere", "#E69F00", 'o'},
                              {"mls", "#56B4E9", 'v'},   {"implicit", "#D55E00", 'x'},   {"box", "#000000", 'h'},
-                             {"voxel", "#009E73", '+'}};
+                             {"voxel", "#009E73", '+'}, {"embree", "#56B4E9", 'h'}};
 
 const Style& style_of(const std::string& method) {
   static constexpr Style kOther{"", "#000000", 'c'};

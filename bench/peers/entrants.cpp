@@ -2,7 +2,9 @@
 
 #include <cstdio>
 
+#include "ball.h"
 #include "box.h"
+#include "embree.h"
 #include "god_object.h"
 #include "implicit.h"
 #include "mls.h"
@@ -43,6 +45,12 @@ std::vector<Entrant> all_entrants() {
   for (const int moves : {100, 1})
     all.push_back({"god-object", text("%.0f moves", moves), moves == 100,
                    [moves](const MongeSurface& surface) { return make_god_object(surface, {moves}); }});
+  for (const double radius : {1.0, 0.3})
+    all.push_back({"god-object", text("a ball of %g spacings", radius), false, [radius](const MongeSurface& surface) {
+                     BallOptions options;
+                     options.radius_spacings = radius;
+                     return make_ball(surface, options);
+                   }});
   for (const double radius : {3.0, 2.0, 5.0})
     all.push_back({"sphere", text("radius %g spacings", radius), radius == 3.0, [radius](const MongeSurface& surface) {
                      SphereOptions options;
@@ -72,6 +80,7 @@ std::vector<Entrant> all_entrants() {
            options.most_voxels = static_cast<std::size_t>(1e6 * millions);
            return make_voxel(surface, options);
          }});
+  if (has_embree()) all.push_back({"embree", "closest point of the mesh", true, make_embree});
   return all;
 }
 

@@ -15,7 +15,8 @@ constexpr int kDeepest = 64;
 constexpr double kOverlap = 1e-6;  // of a triangle: neighbours overlap, so that no ray slips between them
 constexpr double kBelow = 4e-6;    // of the spacing
 
-/// Closest point of a triangle, by the regions of its corners, edges and inside.
+}  // namespace
+
 Vector3d closest_point(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const auto on_edge = [&p](const Vector3d& from, const Vector3d& to) -> Vector3d {
     const Vector3d way = to - from;
@@ -32,8 +33,6 @@ Vector3d closest_point(const Vector3d& p, const Vector3d& a, const Vector3d& b, 
     if ((other - p).squaredNorm() < (best - p).squaredNorm()) best = other;
   return best;
 }
-
-}  // namespace
 
 TriangleTree::TriangleTree(const haptics::MongeSurface& surface) : spacing_m_(surface.lattice.spacing_m) {
   const int nx = surface.lattice.nx;
@@ -169,16 +168,40 @@ TriangleTree::Hit TriangleTree::first_hit(const Vector3d& from, const Vector3d& 
   return best;
 }
 
+double TriangleTree::squared_distance(const Box& box, const Vector3d& point) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double d = std::max({0.0, box.low[axis] - point[axis], point[axis] - box.high[axis]});
+    sum += d * d;
+  }
+  return sum;
+}
+
+void TriangleTree::near(const Vector3d& point, double reach, std::vector<Near>& found) const {
+  found.clear();
+  std::int32_t stack[kDeepest];
+  int depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::int32_t here = stack[--depth];
+    const Box& box = boxes_[static_cast<std::size_t>(here)];
+    if (squared_distance(box, point) > reach * reach) continue;
+    for (std::int32_t k = 0; k < box.count; ++k) {
+      const Triangle& t = triangles_[static_cast<std::size_t>(box.first + k)];
+      const Vector3d a = vertex(t, 0), b = vertex(t, 1), c = vertex(t, 2);
+      const Vector3d closest = closest_point(point, a, b, c);
+      if ((closest - point).squaredNorm() <= reach * reach)
+        found.push_back({closest, (b - a).cross(c - a).normalized()});
+    }
+    if (box.count > 0) continue;
+    stack[depth++] = box.first;
+    stack[depth++] = here + 1;
+  }
+}
+
 double TriangleTree::distance(const Vector3d& point, double bound) const {
   double best = bound * bound;
-  const auto away = [&point](const Box& box) {
-    double sum = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double d = std::max({0.0, box.low[axis] - point[axis], point[axis] - box.high[axis]});
-      sum += d * d;
-    }
-    return sum;
-  };
+  const auto away = [&point](const Box& box) { return squared_distance(box, point); };
   std::int32_t stack[kDeepest];
   int depth = 0;
   stack[depth++] = 0;

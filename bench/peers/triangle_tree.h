@@ -13,6 +13,10 @@
 
 namespace sparsha::bench {
 
+/// Of a triangle, by the regions of its corners, edges and inside.
+[[nodiscard]] Eigen::Vector3d closest_point(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                            const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
 class TriangleTree {
  public:
   explicit TriangleTree(const haptics::MongeSurface& surface);
@@ -28,6 +32,13 @@ class TriangleTree {
   [[nodiscard]] bool is_over(std::int32_t triangle, const Eigen::Vector3d& point, double height_m) const;
   /// Distance to the mesh, or `bound` when it is farther than that.
   [[nodiscard]] double distance(const Eigen::Vector3d& point, double bound) const;
+  /// A triangle's point nearest to a query, and the triangle's unit normal.
+  struct Near {
+    Eigen::Vector3d point;
+    Eigen::Vector3d normal;
+  };
+  /// One for each triangle that reaches into the ball of `reach` about `point`; `found` keeps its memory.
+  void near(const Eigen::Vector3d& point, double reach, std::vector<Near>& found) const;
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -44,6 +55,7 @@ class TriangleTree {
   [[nodiscard]] Eigen::Vector3d vertex(const Triangle& triangle, int k) const {
     return vertices_[static_cast<std::size_t>(triangle.node[k])].cast<double>();
   }
+  [[nodiscard]] static double squared_distance(const Box& box, const Eigen::Vector3d& point);
   void split(std::size_t begin, std::size_t end);
   void meet(std::int32_t index, const Eigen::Vector3d& from, const Eigen::Vector3d& way, Hit& best) const;
 
