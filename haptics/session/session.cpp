@@ -208,7 +208,8 @@ struct Session::Implementation {
     wish.part = navigator.part();
     const auto& parts = scene->description().config.parts;
     const pipeline::PartConfig* touched = pipeline::part_at(scene->description(), now.place_m);
-    if (touched_first && now.contact != 0 && touched != nullptr) wish.part = static_cast<std::size_t>(touched - parts.data());
+    if (touched_first && now.contact != 0 && touched != nullptr)
+      wish.part = static_cast<std::size_t>(touched - parts.data());
     return wish;
   }
 
