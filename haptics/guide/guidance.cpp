@@ -191,8 +191,10 @@ Guidance::Output Guidance::lead(const Input& input) noexcept {
   const Vector2d offset_m = input.scale * (guide.path.point_m(place_) - input.hand_m);
   const double distance_m = offset_m.norm();
   // Walls that still stand apart follow a hand that comes nearer by itself.
-  const double walls_before_m = std::min(walls_m_, std::max(distance_m, 0.0));
-  walls_m_ = std::max(0.0, walls_before_m - step_m);
+  const double walls_before_m = std::min(walls_m_, distance_m);
+  // They wait for a hand that does not follow, as what leads does.
+  const double yields = share_ * std::clamp(2.0 * (1.0 - (distance_m - walls_before_m) / kWallM), 0.0, 1.0);
+  walls_m_ = std::max(0.0, walls_before_m - yields * step_m);
   const double beyond_m = std::max(0.0, distance_m - walls_m_);
   const double across_n = std::min(most_n, stiffness * beyond_m);
   if (phase_ == GuidePhase::leading && leaves(input, beyond_m, across_n)) let_go();
