@@ -1,57 +1,20 @@
 #include "scene/fingertip.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 
+#include "scene/ball_on_cell.h"
+
 namespace sparsha::pipeline {
 namespace {
 
-/// One cell in cells: f = z + a s + b t + c s t.
-struct Cell {
-  double z, a, b, c;
-};
-
-/// The ball over one cell. Its centre stands over a node that lies (x, y) before the cell's first node.
-class Climb {
- public:
-  Climb(const Cell& cell, double radius, double x, double y) noexcept
-      : cell_(cell), squared_(radius * radius), x_(x), y_(y) {}
-
-  /// The largest f + sqrt(radius^2 - |d|^2) uphill of (s, t). For a fixed t that is a closed form in s and the other
-  /// way round; both in turn climb to the top.
-  [[nodiscard]] double from(double s, double t) const noexcept {
-    constexpr int kTurns = 60;
-    constexpr double kStill = 1e-8;  // cells
-    double best = value(s, t);
-    for (int k = 0; k < kTurns; ++k) {
-      s = top(cell_.a + cell_.c * t, y_ + t, x_);
-      t = top(cell_.b + cell_.c * s, x_ + s, y_);
-      const double here = value(s, t);
-      if (!(here > best + kStill)) return std::max(best, here);
-      best = here;
-    }
-    return best;
-  }
-
- private:
-  /// Where a slope is highest under the ball at the distance `across`.
-  [[nodiscard]] double top(double slope, double across, double begin) const noexcept {
-    const double chord = std::max(0.0, squared_ - across * across);
-    return std::clamp(slope * std::sqrt(chord / (1.0 + slope * slope)) - begin, 0.0, 1.0);
-  }
-  [[nodiscard]] double value(double s, double t) const noexcept {
-    const double squared = squared_ - (x_ + s) * (x_ + s) - (y_ + t) * (y_ + t);
-    return cell_.z + s * cell_.a + t * (cell_.b + s * cell_.c) + (squared > 0.0 ? std::sqrt(squared) : -1e300);
-  }
-
-  const Cell& cell_;
-  double squared_;
-  double x_;
-  double y_;
-};
+using ball::Cell;
+using ball::Climb;
+using ball::kFar;
+using ball::kFine;
+using ball::kRounding;
 
 [[nodiscard]] int floor_of(double x) noexcept {
   const int whole = static_cast<int>(x);
@@ -64,13 +27,10 @@ struct Nodes {
   Nodes(int begin, double low, double high, int count) noexcept
       : first(std::max(0, begin - floor_of(high + kRounding))),
         last(std::min(count - 1, begin + floor_of(1.0 - low + kRounding))) {}
-
- private:
-  static constexpr double kRounding = 1e-9;
 };
 
 /// A ball touches a node, an edge or the inside of a cell. Nodes are looked at from the ball's side; edges and cells
-/// know by their slope from which nodes they are touched, mostly one each.
+/// know by their slopes from which nodes they are touched, mostly from none and from one.
 class Dilation {
  public:
   Dilation(std::vector<float>& height, int nx, int ny, double spacing, double radius)
@@ -81,19 +41,25 @@ class Dilation {
     best_ = low_;
     for (double& best : best_) best += radius_;
     reach_ = static_cast<int>(std::floor(radius_));
-    for (int d = 0; d <= reach_; ++d)
+    for (int d = 0; d <= reach_; ++d) {
       chord_.push_back(std::sqrt(std::max(0.0, radius_ * radius_ - static_cast<double>(d) * d)));
+      steep_.push_back(d > 0 ? d / chord_.back() : 0.0);
+    }
+    for (int dj = 0; dj <= reach_; ++dj)
+      for (int di = 0; di <= reach_; ++di)
+        caps_.push_back(std::sqrt(std::max(0.0, radius_ * radius_ - static_cast<double>(di * di + dj * dj))));
   }
 
   void run() {
     for (int dj = -reach_; dj <= reach_; ++dj)
       for (int di = -reach_; di <= reach_; ++di)
         if (di != 0 || dj != 0) take_nodes(di, dj);
+    const Axis rows{1, nx_, nx_, ny_};
     for (int j = 0; j < ny_; ++j)
-      for (int i = 0; i < nx_; ++i) {
-        if (i + 1 < nx_) take_edge(i, low_[index(i + 1, j)] - low_[index(i, j)], 1, nx_, j, ny_, nx_);
-        if (j + 1 < ny_) take_edge(j, low_[index(i, j + 1)] - low_[index(i, j)], nx_, ny_, i, nx_, 1);
-      }
+      for (int i = 0; i + 1 < nx_; ++i) take_edge(rows, i, j);
+    const Axis columns{nx_, 1, ny_, nx_};
+    for (int j = 0; j + 1 < ny_; ++j)
+      for (int i = 0; i < nx_; ++i) take_edge(columns, j, i);
     for (int j = 0; j + 1 < ny_; ++j)
       for (int i = 0; i + 1 < nx_; ++i) take_cell(i, j);
     for (std::size_t node = 0; node < low_.size(); ++node)
@@ -108,7 +74,7 @@ class Dilation {
 
   void take_nodes(int di, int dj) {
     const double squared = radius_ * radius_ - static_cast<double>(di * di + dj * dj);
-    if (!(squared > 0.0)) return;
+    if (squared < 0.0) return;
     const double cap = std::sqrt(squared);
     const int end = std::min(nx_, nx_ - di);
     for (int j = std::max(0, -dj); j < std::min(ny_, ny_ - dj); ++j) {
@@ -118,23 +84,49 @@ class Dilation {
     }
   }
 
-  /// The edge from `at` on along its axis, in the row (or column) `row` of `rows`. At a distance of d rows its highest
-  /// place is chord slope / sqrt(1 + slope^2) from below the centre, and the centre's height a closed form.
-  void take_edge(int at, double slope, int step, int count, int row, int rows, int row_step) {
-    const double length = std::sqrt(1.0 + slope * slope);
-    const double z = low_[static_cast<std::size_t>(at) * static_cast<std::size_t>(step) +
-                          static_cast<std::size_t>(row) * static_cast<std::size_t>(row_step)];
-    for (int d = -reach_; d <= reach_; ++d) {
-      const int other = row + d;
-      if (other < 0 || other >= rows) continue;
+  /// Steps from node to node along an edge and across it, and how many nodes there are.
+  struct Axis {
+    std::ptrdiff_t step, across;
+    int count, rows;
+  };
+
+  /// The edge from node `at` of the row `row` on. The ball rests on it only where its slope across the edge, y /
+  /// chord times the edge's length at a distance of y rows, lies between the slopes of the cells on both sides;
+  /// elsewhere one of the cells is higher. There the highest place is chord slope / length from below the centre, and
+  /// the centre's height a closed form.
+  void take_edge(const Axis& axis, int at, int row) {
+    const double* low = low_.data() + at * axis.step + row * axis.across;
+    const double slope = low[axis.step] - low[0];
+    double least = -kFar;
+    double most = kFar;
+    if (row + 1 < axis.rows) least = std::min(low[axis.across] - low[0], low[axis.across + axis.step] - low[axis.step]);
+    if (row > 0) most = std::max(low[0] - low[-axis.across], low[axis.step] - low[axis.step - axis.across]);
+    if (least > 0.0 ? least - play(least) > most : most < 0.0 && most + play(most) < least) return;  // a groove
+    double length = 0.0;
+    const auto rest = [&](int d, double steep) {
+      const int other = row - d;
+      if (other < 0 || other >= axis.rows) return;
+      if (length == 0.0) length = std::sqrt(1.0 + slope * slope);
+      const double across = steep * length;
+      if (across - play(across) > most || across + play(across) < least) return;
       const double chord = chord_[static_cast<std::size_t>(std::abs(d))];
       const double offset = chord * slope / length;
-      for (Nodes nodes(at, offset, offset, count); nodes.first <= nodes.last; ++nodes.first)
-        raise(best_[static_cast<std::size_t>(nodes.first) * static_cast<std::size_t>(step) +
-                    static_cast<std::size_t>(other) * static_cast<std::size_t>(row_step)],
-              z + slope * (nodes.first - at) + chord * length);
+      double* best = best_.data() + other * axis.across;
+      for (Nodes nodes(at, offset, offset, axis.count); nodes.first <= nodes.last; ++nodes.first)
+        raise(best[nodes.first * axis.step], low[0] + slope * (nodes.first - at) + chord * length);
+    };
+    if (least <= play(0.0) && most >= -play(0.0)) rest(0, 0.0);
+    for (int d = 1; d <= reach_; ++d) {
+      const double steep = steep_[static_cast<std::size_t>(d)];
+      const bool up = steep - play(steep) <= most;
+      const bool down = play(steep) - steep >= least;
+      if (!up && !down) break;
+      if (up) rest(d, steep);
+      if (down) rest(-d, -steep);
     }
   }
+  /// What rounding may make of a slope.
+  [[nodiscard]] static double play(double slope) noexcept { return 1e-7 * (1.0 + std::abs(slope)); }
 
   void take_cell(int i, int j) {
     const double* low = low_.data() + index(i, j);
@@ -145,55 +137,65 @@ class Dilation {
     const double b = cell.b + 0.5 * cell.c;
     const double length = std::sqrt(1.0 + a * a + b * b);
     // The offset of the contact changes no faster with the slopes than by the radius.
-    const double at_x = radius_ * a / length;
-    const double at_y = radius_ * b / length;
-    const double play = 0.5 * std::numbers::sqrt2 * radius_ * std::abs(cell.c);
-    const Nodes columns(i, at_x - play, at_x + play, nx_);
-    const Nodes rows(j, at_y - play, at_y + play, ny_);
-    const double level = cell.z - 0.25 * cell.c;
-    for (int nj = rows.first; nj <= rows.last; ++nj)
+    const double cap = radius_ / length;
+    const double at_x = cap * a;
+    const double at_y = cap * b;
+    const double spread = 0.5 * std::numbers::sqrt2 * radius_ * std::abs(cell.c);
+    const Nodes columns(i, at_x - spread, at_x + spread, nx_);
+    const Nodes rows(j, at_y - spread, at_y + spread, ny_);
+    const double level = cell.z - 0.25 * cell.c + radius_ * length + 0.25 * std::abs(cell.c);
+    const double highest = std::max(std::max(low[0], low[1]), std::max(high[0], high[1]));
+    const double sharpness = std::abs(cell.c) * radius_;
+    for (int nj = rows.first; nj <= rows.last; ++nj) {
+      const int row_gap = nj <= j ? j - nj : nj - j - 1;
+      if (row_gap > reach_) continue;
+      const double* caps = caps_.data() + row_gap * (reach_ + 1);
       for (int ni = columns.first; ni <= columns.last; ++ni) {
-        const double bound = level + a * (ni - i) + b * (nj - j) + radius_ * length + 0.25 * std::abs(cell.c);
         double& best = best_[index(ni, nj)];
-        if (bound > best + kFine) raise(best, top_of(cell, i - ni, j - nj, at_x, at_y));
+        if (!(level + a * (ni - i) + b * (nj - j) > best + kFine)) continue;
+        const int gap = ni <= i ? i - ni : ni - i - 1;
+        if (gap > reach_ || !(highest + caps[gap] > best + kFine)) continue;
+        raise(best, sharpness <= kFlat ? flat_top(cell, i - ni, j - nj, at_x, at_y)
+                    : sharpness < 1.0  ? Climb(cell, radius_, i - ni, j - nj).only_top()
+                                       : Climb(cell, radius_, i - ni, j - nj).highest_top(best));
       }
+    }
   }
 
-  /// The patch's own top, where its normal points at the ball's centre: little twist, few steps. A top beyond the cell
-  /// is none; the edges have it.
+  /// The patch's own top, where its normal points at the ball's centre, by Newton steps. A top beyond the cell is none;
+  /// its neighbours or their edge have it.
   [[nodiscard]] double flat_top(const Cell& cell, double x, double y, double at_x, double at_y) const {
     constexpr int kSteps = 16;
     double s = at_x - x;
     double t = at_y - y;
-    double cap = radius_;  // of the centre over the contact
     for (int k = 0; k < kSteps; ++k) {
       const double a = cell.a + cell.c * t;
       const double b = cell.b + cell.c * s;
-      cap = radius_ / std::sqrt(1.0 + a * a + b * b);
-      const double s_before = s;
-      const double t_before = t;
-      s = cap * a - x;
-      t = cap * b - y;
-      if (std::abs(s - s_before) + std::abs(t - t_before) < kNear) break;
+      const double squares = 1.0 + a * a + b * b;
+      const double cap = radius_ / std::sqrt(squares);  // of the centre over the contact
+      const double off_s = cap * a - x - s;
+      const double off_t = cap * b - y - t;
+      const double twist = cap * cell.c / squares;
+      const double same = 1.0 + twist * a * b;
+      const double ts = twist * (squares - a * a);
+      const double st = twist * (squares - b * b);
+      const double inverse = 1.0 / (same * same - ts * st);
+      const double step_s = (same * off_s + ts * off_t) * inverse;
+      const double step_t = (same * off_t + st * off_s) * inverse;
+      s += step_s;
+      t += step_t;
+      const double step = std::abs(step_s) + std::abs(step_t);
+      const double inside_s = std::clamp(s, 0.0, 1.0);
+      const double inside_t = std::clamp(t, 0.0, 1.0);
+      const double outside = std::abs(s - inside_s) + std::abs(t - inside_t);
+      if (outside > kBeside + step) break;
+      if (step < kNear) return Climb(cell, radius_, x, y).value(inside_s, inside_t);
     }
-    if (!(s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0)) return -1e300;
-    return cell.z + s * cell.a + t * (cell.b + s * cell.c) + cap;
+    return -kFar;
   }
 
-  /// From the place where the middle's plane is touched; a saddle sharper than the ball may have a top on each side.
-  [[nodiscard]] double top_of(const Cell& cell, double x, double y, double at_x, double at_y) const {
-    const double sharpness = std::abs(cell.c) * radius_;
-    if (sharpness <= kFlat) return flat_top(cell, x, y, at_x, at_y);
-    const Climb climb(cell, radius_, x, y);
-    double top = climb.from(std::clamp(at_x - x, 0.0, 1.0), std::clamp(at_y - y, 0.0, 1.0));
-    if (sharpness < 1.0) return top;  // concave: there is one top
-    for (const auto& [s, t] : {std::array{0.0, 0.0}, std::array{1.0, 0.0}, std::array{0.0, 1.0}, std::array{1.0, 1.0}})
-      top = std::max(top, climb.from(s, t));
-    return top;
-  }
-
-  static constexpr double kFine = 1e-10;  // cells
-  static constexpr double kNear = 3e-4;   // of a top, whose height then is right to the square of it
+  static constexpr double kNear = 3e-3;    // the last Newton step to a top, which then is right to the square of it
+  static constexpr double kBeside = 1e-4;  // of the cell, where a top that was found so well may belong to it
   static constexpr double kFlat = 0.5;
 
   std::vector<float>& height_;
@@ -203,6 +205,8 @@ class Dilation {
   double radius_;  // cells
   int reach_;
   std::vector<double> chord_;  // half the ball's width at so many rows from its middle
+  std::vector<double> steep_;  // and the ball's slope across its edge there
+  std::vector<double> caps_;   // and its height over its edge at so many rows and columns
   std::vector<double> low_;
   std::vector<double> best_;
 };

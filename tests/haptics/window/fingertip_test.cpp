@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -62,6 +63,75 @@ TEST(Fingertip, IsTheDilationOfTheBilinearSurfaceByABall) {
       }
       EXPECT_LE(most, (2.0 * rough * 0.5 + std::sqrt(radius)) / kParts) << radius << ' ' << rough;
     }
+}
+
+/// The same at the middle of nine nodes: every cell sampled, the best places refined by a
+/// pattern search whose steps halve.
+double searched(const std::vector<float>& z, double radius) {
+  constexpr int kSide = 3, kParts = 12;
+  constexpr double kFinest = 1e-6, kGain = 1e-9;
+  const auto node = [&](int i, int j) { return static_cast<double>(z[static_cast<std::size_t>(j * kSide + i)]); };
+  const auto value = [&](double u, double v) {
+    if (u < 0.0 || v < 0.0 || u > kSide - 1 || v > kSide - 1) return -1e300;
+    const double squared = radius * radius - (u - 1) * (u - 1) - (v - 1) * (v - 1);
+    if (squared < 0.0) return -1e300;
+    const int i = std::min(static_cast<int>(u), kSide - 2);
+    const int j = std::min(static_cast<int>(v), kSide - 2);
+    const double s = u - i, t = v - j;
+    return (1 - t) * ((1 - s) * node(i, j) + s * node(i + 1, j)) +
+           t * ((1 - s) * node(i, j + 1) + s * node(i + 1, j + 1)) + std::sqrt(squared);
+  };
+  double best = -1e300;
+  for (int k = 0; k <= (kSide - 1) * kParts; ++k)
+    for (int l = 0; l <= (kSide - 1) * kParts; ++l) {
+      double u = static_cast<double>(k) / kParts, v = static_cast<double>(l) / kParts;
+      double here = value(u, v);
+      // Only what is highest among its neighbours is worth the search.
+      double around = -1e300;
+      for (int dk = -1; dk <= 1; ++dk)
+        for (int dl = -1; dl <= 1; ++dl)
+          around = std::max(around, value(u + static_cast<double>(dk) / kParts, v + static_cast<double>(dl) / kParts));
+      if (here < around || here < -1e299) continue;
+      for (double step = 1.0 / kParts; step > kFinest; step *= 0.5)
+        for (bool higher = true; higher;) {
+          higher = false;
+          for (int way = 0; way < 8; ++way) {
+            const double a = 0.25 * std::numbers::pi * way;
+            const double next = value(u + step * std::cos(a), v + step * std::sin(a));
+            if (!(next > here + kGain)) continue;
+            here = next;
+            u += step * std::cos(a);
+            v += step * std::sin(a);
+            higher = true;
+          }
+        }
+      best = std::max(best, here);
+    }
+  return best - radius;
+}
+
+TEST(Fingertip, FindsTheHighestTopOnSaddlesThatAreSharperThanTheBall) {
+  constexpr int kGrids = 4000;
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  int touched_inside = 0;
+  for (int grid = 0; grid < kGrids; ++grid) {
+    const double radius = 0.15 * std::pow(6.5, share(random));
+    const double rough = 0.1 * std::pow(80.0, share(random));
+    const double slope = 3.0 * (share(random) - 0.5);
+    std::vector<float> z;
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) z.push_back(static_cast<float>(rough * share(random) + slope * i));
+    const double expected = searched(z, radius);
+    std::vector<float> ball = z;
+    touch_with_ball(ball, 3, 3, 1.0, radius);
+    if (static_cast<double>(ball[4]) > static_cast<double>(z[4]) + 1e-3) ++touched_inside;
+    // No place that was looked at is higher; the search itself may end on a steep edge a little below its highest
+    // place.
+    ASSERT_GE(ball[4], expected - 1e-6 * (1.0 + std::abs(expected))) << grid << " radius " << radius;
+    ASSERT_LE(ball[4], expected + 0.01 * (1.0 + rough)) << grid << " radius " << radius;
+  }
+  EXPECT_GT(touched_inside, kGrids / 2);
 }
 
 TEST(Fingertip, LeavesLevelStoneWhereItIsAndLiftsASlopeByItsNormal) {
