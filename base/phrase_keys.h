@@ -134,6 +134,7 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"device_does_not_start", ""},
     // Scenes and scans.
     {"cannot_open", "reason"},
+    {"not_written", "reason"},
     {"no_sound", "reason"},
     {"not_while_played", ""},
     {"one_at_once", ""},

@@ -348,6 +348,9 @@ ViewerConfig parse_viewer(const Node& node) {
   int stereo = 0;
   reader.read_choice("stereo", stereo, {ViewerConfig::kStereoNames.begin(), ViewerConfig::kStereoNames.end()});
   viewer.stereo = static_cast<ViewerConfig::Stereo>(stereo);
+  int side = 0;
+  reader.read_choice("overview", side, {ViewerConfig::kSideNames.begin(), ViewerConfig::kSideNames.end()});
+  viewer.overview = static_cast<ViewerConfig::Side>(side);
   reader.finish();
   return viewer;
 }

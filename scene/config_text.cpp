@@ -296,9 +296,10 @@ std::string to_yaml(const Config& config) {
   }
   if (config.guide) text += guide_text(*config.guide);
   if (config.cues) text += cues_text(*config.cues);
-  text += fmt::format("viewer: {{colour: {}, stereo: {}}}\n",
+  text += fmt::format("viewer: {{colour: {}, stereo: {}{}}}\n",
                       ViewerConfig::kColourNames[static_cast<std::size_t>(config.viewer.colour)],
-                      ViewerConfig::kStereoNames[static_cast<std::size_t>(config.viewer.stereo)]);
+                      ViewerConfig::kStereoNames[static_cast<std::size_t>(config.viewer.stereo)],
+                      config.viewer.overview == ViewerConfig::Side::left ? ", overview: left" : "");
   return text;
 }
 

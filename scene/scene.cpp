@@ -59,7 +59,51 @@ class MemoryScene final : public Scene {
   std::vector<Layers> levels_;
 };
 
+class DescribedScene final : public Scene {
+ public:
+  DescribedScene(ScenePointer scene, SceneDescription description)
+      : scene_(std::move(scene)), description_(std::move(description)) {}
+
+  [[nodiscard]] const SceneDescription& description() const override { return description_; }
+  [[nodiscard]] std::filesystem::path folder() const override { return scene_->folder(); }
+  [[nodiscard]] const Layers* in_memory(int level) const override { return scene_->in_memory(level); }
+  [[nodiscard]] Layers read(int level, int i0, int j0, int nx, int ny) const override {
+    return scene_->read(level, i0, j0, nx, ny);
+  }
+  [[nodiscard]] const ScenePointer& base() const { return scene_; }
+
+ private:
+  ScenePointer scene_;
+  SceneDescription description_;
+};
+
+bool same_lattice(const Lattice& a, const Lattice& b) {
+  return a.nx == b.nx && a.ny == b.ny && a.spacing_m == b.spacing_m && a.origin_m == b.origin_m;
+}
+
 }  // namespace
+
+ScenePointer with_description(ScenePointer scene, SceneDescription description) {
+  if (!std::ranges::equal(scene->description().levels, description.levels, same_lattice))
+    throw Error(ErrorKind::failure, {}, "the levels do not match the scene's description");
+  // Edited many times, it is not wrapped many times.
+  if (const auto* described = dynamic_cast<const DescribedScene*>(scene.get())) scene = described->base();
+  return std::make_shared<DescribedScene>(std::move(scene), std::move(description));
+}
+
+bool same_scans(const SceneDescription& a, const SceneDescription& b) {
+  const auto names = [](const SceneDescription& scene) {
+    std::vector<std::string> all;
+    for (const ScanSource& source : scene.sources) all.push_back(source.sha256);
+    std::ranges::sort(all);
+    return all;
+  };
+  return !a.sources.empty() && names(a) == names(b);
+}
+
+bool same_ground(const SceneDescription& a, const SceneDescription& b) {
+  return same_scans(a, b) && std::ranges::equal(a.levels, b.levels, same_lattice);
+}
 
 Layers Scene::read_level(int level) const {
   const Lattice& lattice = description().levels.at(static_cast<std::size_t>(level));

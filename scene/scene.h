@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "scene/check_map.h"
 #include "scene/config.h"
 #include "scene/depth_grid.h"
 
@@ -35,6 +36,8 @@ struct SceneDescription {
   double height_max_m = 0.0;
   /// law: curvature: mu_d = clamp(mu_0 + friction_c_m * k, 0, mu_max). 0 without a friction block.
   double friction_c_m = 0.0;
+  /// The cross-check's distances; null without a check.
+  std::shared_ptr<const CheckMap> check_map{};
   bool has_envelope = false;
   bool has_curvature = false;         ///< k
   bool has_paper_curvatures = false;  ///< H and K
@@ -62,6 +65,16 @@ using ScenePointer = std::shared_ptr<const Scene>;
 
 /// A scene that lives in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not.
 [[nodiscard]] ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels);
+
+/// The same layers under another description of the same levels, e.g. with other parts. Throws Error{failure} when the
+/// levels are others.
+[[nodiscard]] ScenePointer with_description(ScenePointer scene, SceneDescription description);
+
+/// True when both were made from the same scans, byte for byte; never when scans are unknown.
+[[nodiscard]] bool same_scans(const SceneDescription& a, const SceneDescription& b);
+
+/// True when both are of the same scans and the same levels: at most their labels differ.
+[[nodiscard]] bool same_ground(const SceneDescription& a, const SceneDescription& b);
 
 /// Which files a scene folder may name as its clips and layers.
 enum class Trust { own_folder, any_file };

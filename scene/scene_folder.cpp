@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "scene/layer_file.h"
 #include "scene/scene.h"
+#include "scene/scene_folder.h"
 #include "scene/scene_layers.h"
 #include "scene/window_lattice.h"
 
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kFormatVersion = 1;
+constexpr const char* kErrorLayer = "error.tif";
 
 fs::path level_folder(const fs::path& folder, std::size_t level) { return folder / fmt::format("level-{}", level); }
 
@@ -106,6 +108,13 @@ std::string scene_yaml(const SceneDescription& scene, const fs::path& folder) {
     text += fmt::format("    - {{nx: {}, ny: {}, spacing_m: {}}}\n", level.nx, level.ny, level.spacing_m);
   }
   text += fmt::format("  layers: [{}]\n", fmt::join(layer_names(scene), ", "));
+  if (scene.check_map) {
+    const CheckMap& map = *scene.check_map;
+    const Lattice& lattice = map.lattice;
+    text +=
+        fmt::format("  check: {{nx: {}, ny: {}, spacing_m: {}, origin_m: {}, high_m: {}}}\n", lattice.nx, lattice.ny,
+                    lattice.spacing_m, numbers({lattice.origin_m.x(), lattice.origin_m.y()}), map.high_m);
+  }
   text += fmt::format("  noise_m: {}\n  height_range_m: {}\n  friction_c_m: {}\n", scene.noise_m,
                       numbers({scene.height_min_m, scene.height_max_m}), scene.friction_c_m);
   text += "origin_m: " + numbers({base.origin_m.x(), base.origin_m.y(), base.origin_m.z()}) + "\n";
@@ -183,6 +192,25 @@ void parse_layers(const yaml::Node& layers, SceneDescription& scene) {
   }
 }
 
+// The map's layer is small, and read at once.
+std::shared_ptr<const CheckMap> parse_check(const yaml::Node& node, double z_m, const fs::path& folder) {
+  yaml::MapReader keys(node, "check");
+  auto map = std::make_shared<CheckMap>();
+  for (const char* key : {"nx", "ny", "spacing_m", "origin_m", "high_m"}) static_cast<void>(keys.required(key));
+  keys.read("nx", map->lattice.nx, 1, CheckMap::kMostNodes);
+  keys.read("ny", map->lattice.ny, 1, CheckMap::kMostNodes);
+  keys.read("spacing_m", map->lattice.spacing_m, 1e-15, 1e12);
+  std::array<double, 2> origin_m{};
+  keys.read("origin_m", origin_m);
+  map->lattice.origin_m = {origin_m[0], origin_m[1], z_m};
+  keys.read("high_m", map->high_m, 0.0, 1e12);
+  keys.finish();
+  map->error_m.assign(map->lattice.count(), kUnknownHeight);
+  const LayerRegion all{map->lattice.nx, map->lattice.ny, 0, 0, map->lattice.nx, map->lattice.ny};
+  read_layer(folder / kErrorLayer, all, std::span<float>(map->error_m));
+  return map;
+}
+
 SceneDescription parse_scene(const fs::path& folder) {
   const fs::path file = folder / "scene.yaml";
   yaml::Node root = yaml::parse_file(file);
@@ -214,6 +242,7 @@ SceneDescription parse_scene(const fs::path& folder) {
   parse_levels(reader.required("levels"), origin, scene);
   if (scene.levels.empty()) throw yaml::error_at(scene_node, "the scene has no levels", "at least one");
   parse_layers(reader.required("layers"), scene);
+  if (const yaml::Node* check = reader.optional("check")) scene.check_map = parse_check(*check, origin[2], folder);
   reader.read("noise_m", scene.noise_m, 0.0, 1e12);
   reader.read("friction_c_m", scene.friction_c_m, 0.0, 1e12);
   const std::vector<double> range = yaml::to_doubles(reader.required("height_range_m"), 2);
@@ -307,6 +336,7 @@ ScenePointer open_scene(const fs::path& folder, Trust trust) {
   };
   const auto is_link = [&](const fs::path& file) { return fs::is_symlink(fs::symlink_status(file, code)); };
   if (is_link(folder / "scene.yaml")) require_inside(folder / "scene.yaml", "the description");
+  if (is_link(folder / kErrorLayer)) require_inside(folder / kErrorLayer, "the layer");
   SceneDescription description;
   try {
     description = parse_scene(folder);
@@ -342,7 +372,13 @@ void write_scene(const Scene& scene, const fs::path& folder) {
       write_level(scene.read_level(l), description, level_folder(folder, level));
     }
   }
+  if (const auto& map = description.check_map)
+    write_layer(folder / kErrorLayer, map->lattice.nx, map->lattice.ny, std::span<const float>(map->error_m));
   write_file(folder / "scene.yaml", scene_yaml(description, folder));
+}
+
+void write_description(const Scene& scene, const fs::path& folder) {
+  write_file(folder / "scene.yaml", scene_yaml(scene.description(), folder));
 }
 
 }  // namespace sparsha::pipeline

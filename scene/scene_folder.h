@@ -8,6 +8,13 @@
 
 namespace sparsha::pipeline {
 
+/// What people have written on the object, in the frame of its scans (viewer/marks): kept when the scene is built
+/// again.
+inline constexpr const char* kNotesFile = "notes.yaml";
+
+/// Writes scene.yaml anew, with all else as it is: for a description whose labels were edited. Throws Error{failure}.
+void write_description(const Scene& scene, const std::filesystem::path& folder);
+
 /// Throws Error{usage} unless `folder` is new, empty, or holds what `sparsha build` wrote and nothing else: foreign
 /// files are named. So it does for a symbolic link, and for a folder in which a scan of `config` lies. A scene's own
 /// clips may lie in it: they are copied into the one that takes its place.

@@ -174,10 +174,11 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
 }
 
 WindowLoader::Job Navigator::change_scene(pipeline::ScenePointer scene) {
+  const bool only_labels = pipeline::same_ground(scene_->description(), scene->description());
   scene_ = std::move(scene);
   announcer_.set_scene(scene_);
   part_ = 0;
-  return whole_scene();
+  return only_labels ? job(plan_) : whole_scene();
 }
 
 std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {

@@ -19,6 +19,7 @@
 #include "pipeline/build/pillar_regions.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/build/warnings.h"
+#include "pipeline/check/check_map.h"
 #include "pipeline/layers/layers.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/register/register.h"
@@ -27,6 +28,8 @@
 
 namespace sparsha::pipeline {
 namespace {
+
+constexpr std::size_t kMostNotes = 16U << 20U;  // bytes
 
 // A jump between neighbouring nodes that is a step of the object and not its slope or noise.
 double step_height(const Projection& projection) { return projection.gap_m; }
@@ -164,7 +167,7 @@ Layers base_of(Projection& projection) {
 // Fills gaps, holds the points against the surface, and warns of what is odd. Throws Error{input} when the surface is
 // not where the points are.
 void fill_and_check(const Config& config, const BuildOptions& options, const Context& context, ProjectedScans& scans,
-                    Layers& base, Report& report) {
+                    Layers& base, SceneDescription& scene, Report& report) {
   Progress& progress = context.progress;
   const Projection& projection = scans.projection;
   if (config.fill) {
@@ -179,6 +182,7 @@ void fill_and_check(const Config& config, const BuildOptions& options, const Con
     report.check = scans.check(base.grid);
     scans.check = nullptr;
     if (!options.force) require_surface_near_points(base.grid.lattice, *report.check);
+    scene.check_map = check_map_of(base.grid, *report.check);
   }
   const bool has_points = projection.noise_m > 0.0;  // a mesh has none
   for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, has_points, report.check)) {
@@ -227,7 +231,7 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
 
   std::vector<Layers> levels;
   if (!options.grid_only) {
-    fill_and_check(config, options, {pool, progress}, scans, base, report);
+    fill_and_check(config, options, {pool, progress}, scans, base, scene, report);
     add_texture(config, projection, {pool, progress}, base, scene);
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
@@ -278,6 +282,10 @@ BuildResult build_scene_folder(const Config& config, const BuildOptions& options
   });
   progress.throw_if_cancelled();
   require_replaceable(folder, config);  // once more: a build takes its time
+  // Notes are people's work, and in the frame of the scans: they go on with the object.
+  std::error_code code;
+  if (const std::filesystem::path notes = folder / kNotesFile; std::filesystem::is_regular_file(notes, code))
+    write_file(target.temporary() / kNotesFile, read_file(notes, kMostNotes));
   target.commit();
   return result;
 }

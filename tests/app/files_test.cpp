@@ -106,6 +106,15 @@ TEST_F(Files, ForeignFilesInASceneAreNamedAndKept) {
   EXPECT_EQ(text_of(folder_ / "scene" / "notes.txt"), "mine");
 }
 
+TEST_F(Files, NotesOnTheObjectAreCarriedOverWhenItsSceneIsBuiltAgain) {
+  simulate("scan");
+  ASSERT_EQ(run("build scan/sparsha.yaml -o scene").code, 0);
+  write("scene/notes.yaml", "pins:\n  - {at_m: [0, 0, 0], text: mine}  # by hand\n");
+  const Outcome outcome = run("build scan/sparsha.yaml -o scene");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(text_of(folder_ / "scene" / "notes.yaml"), "pins:\n  - {at_m: [0, 0, 0], text: mine}  # by hand\n");
+}
+
 TEST_F(Files, ASceneIsBuiltAgainFromItsOwnDescriptionByteForByteAndSurvivesAFailure) {
   ASSERT_EQ(run("build " + relief_ + " --out scene --quiet").code, 0);
   auto before = files_in(folder_ / "scene");

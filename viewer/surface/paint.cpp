@@ -152,6 +152,17 @@ std::vector<double> values_of(const ReliefData& relief, const pipeline::SceneDes
       own.high = 100.0;
       own.low = std::min(100.0 * (1.0 - 1.0 / 256.0), lowest(values));
       break;
+    case ColourMode::error: {
+      own.unit = "mm";
+      const pipeline::CheckMap& map = *description.check_map;
+      own.high = std::max(1e3 * map.high_m, 1e-6);
+      const pipeline::Lattice& lattice = relief.lattice;
+      for (int j = 0; j < lattice.ny; ++j)
+        for (int i = 0; i < lattice.nx; ++i)
+          if (relief.known[lattice.index(i, j)] != 0)
+            values[lattice.index(i, j)] = 1e3 * static_cast<double>(map.at(lattice.x_m(i), lattice.y_m(j)));
+      break;
+    }
     case ColourMode::friction: {
       own.unit = "\xC2\xB5";
       own.high = std::max(description.config.friction->mu_max, 1e-6);
@@ -173,8 +184,17 @@ std::vector<double> values_of(const ReliefData& relief, const pipeline::SceneDes
   return values;
 }
 
-constexpr std::array kTitles{"Stone", "Height",    "Scan",     "Friction",     "Texture",
-                             "Slope", "Curvature", "Coverage", "Local relief", "Sky seen"};
+constexpr std::array kTitles{"Stone",
+                             "Height",
+                             "Scan",
+                             "Friction",
+                             "Texture",
+                             "Slope",
+                             "Curvature",
+                             "Coverage",
+                             "Local relief",
+                             "Sky seen",
+                             "Distance to the scan"};
 static_assert(kTitles.size() == pipeline::ViewerConfig::kColourNames.size());
 
 }  // namespace
@@ -187,6 +207,8 @@ bool has_mode(const pipeline::SceneDescription& description, ColourMode mode) {
       return description.config.friction.has_value();
     case ColourMode::texture:
       return description.has_envelope;
+    case ColourMode::error:
+      return description.check_map != nullptr;
     default:
       return true;
   }
