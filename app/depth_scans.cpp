@@ -175,6 +175,11 @@ viewer::OrientingStatus DepthScans::status() const {
   return status_;
 }
 
+void DepthScans::set_parts(const std::vector<pipeline::PartConfig>& parts) {
+  const std::lock_guard lock(mutex_);
+  config_.parts = parts;
+}
+
 pipeline::ScenePointer DepthScans::take_scene() {
   const std::lock_guard lock(mutex_);
   return std::exchange(scene_, nullptr);

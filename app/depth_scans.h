@@ -39,6 +39,8 @@ class DepthScans {
   void scan(const viewer::ScanSetup& setup);
   void cancel();
   void save(const viewer::ScanSetup& setup);
+  /// Parts that were edited on the scene; the next depth scan and the next saving have them.
+  void set_parts(const std::vector<pipeline::PartConfig>& parts);
   [[nodiscard]] viewer::OrientingStatus status() const;
   /// A depth scan that has been made, once.
   [[nodiscard]] pipeline::ScenePointer take_scene();

@@ -196,6 +196,8 @@ viewer::WindowEnd Exploration::run_window(bool again) {
   if (!arguments_.kiosk) connections_.drop = [this](const std::vector<fs::path>& files) { drop(files); };
   if (session_ && session_->plays_recording())
     connections_.orienting.unavailable = [] { return std::string("a recording is played"); };
+  if (!arguments_.kiosk && !(session_ && session_->plays_recording()))
+    connections_.save_parts = [this](const std::vector<pipeline::PartConfig>& parts) { return edit_parts(parts); };
   viewer::ViewerOptions options;
   options.kiosk = arguments_.kiosk;
   options.opens_again = again;

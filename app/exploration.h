@@ -83,6 +83,7 @@ class Exploration {
   void drop(const std::vector<std::filesystem::path>& files);
   void drop_scene(const std::filesystem::path& folder);
   void rescan(const Eigen::Matrix4d& scan_to_grid);
+  bool edit_parts(const std::vector<pipeline::PartConfig>& parts);
 
   const ExploreArguments& arguments_;
   Terminal& terminal_;

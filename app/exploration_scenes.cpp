@@ -160,4 +160,22 @@ void Exploration::rescan(const Eigen::Matrix4d& scan_to_grid) {
   scans_->scan(scans_->setup_from(scan_to_grid));
 }
 
+// Parts drawn or moved on the stone: felt and spoken at once, and kept in the scene's folder.
+bool Exploration::edit_parts(const std::vector<pipeline::PartConfig>& parts) {
+  pipeline::SceneDescription description = scene_->description();
+  description.config.parts = parts;
+  try {
+    pipeline::ScenePointer edited = pipeline::with_description(scene_, std::move(description));
+    if (!edited->folder().empty()) pipeline::write_description(*edited, edited->folder());
+    session_->set_scene(edited);
+    scene_ = std::move(edited);  // the window can show it: its layers are those of the one before
+    sound_.set_scene(scene_);
+    scans_->set_parts(parts);
+    return true;
+  } catch (const Error& error) {
+    warn("not_written", {{"reason", error.wrong()}});
+    return false;
+  }
+}
+
 }  // namespace sparsha::app

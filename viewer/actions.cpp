@@ -37,6 +37,12 @@ constexpr std::array kActions{
     ActionInfo{Action::press, Group::hand, "Enter", "Press", "press the hand down, or lift it", false, false},
     ActionInfo{Action::colour, Group::picture, "C", "Colour", "the next map: height, slope, scan, ...", true, false},
     ActionInfo{Action::colour_back, Group::picture, "Shift C", "Colour back", "the map before", false, false},
+    ActionInfo{Action::look, Group::picture, "F4", "Look", "stone, sky light, clay, edges of depth", false, false},
+    ActionInfo{Action::look_back, Group::picture, "Shift F4", "Look back", "the look before", false, false},
+    ActionInfo{Action::contours_finer, Group::picture, "F3", "Contours", "contour lines, then at finer steps", false,
+               false},
+    ActionInfo{Action::contours_coarser, Group::picture, "Shift F3", "Contours off", "at coarser steps, then none",
+               false, false},
     ActionInfo{Action::light_turn, Group::picture, "L", "Light", "turn the light", true, false},
     ActionInfo{Action::light_back, Group::picture, "Shift L", "Light back", "turn the light back", false, false},
     ActionInfo{Action::light_higher, Group::picture, ".", "Light higher", "raise the light", false, false},
@@ -56,6 +62,20 @@ constexpr std::array kActions{
     ActionInfo{Action::outline, Group::picture, "Shift O", "Outline", "a line around what was measured", false, false},
     ActionInfo{Action::contrast, Group::picture, "X", "Contrast", "high contrast on or off", false, false},
     ActionInfo{Action::large_type, Group::picture, "G", "Large type", "large type on or off", false, false},
+    ActionInfo{Action::measure, Group::marks, "U", "Measure", "a distance, an angle, a depth profile, off", false,
+               false},
+    ActionInfo{Action::measure_save, Group::marks, "Shift U", "Save measures",
+               "measures and profile as CSV, and the picture", false, false},
+    ActionInfo{Action::pin, Group::marks, "K", "Pin", "a note where the mouse points or the hand touches", false,
+               false},
+    ActionInfo{Action::erase, Group::marks, "Delete", "Remove", "the pin, measure or part at the mouse", false, false},
+    ActionInfo{Action::show_parts, Group::marks, "A", "Parts", "the parts' boxes; drag their corners", false, false},
+    ActionInfo{Action::add_part, Group::marks, "Shift K", "New part", "a part at the mouse", false, false},
+    ActionInfo{Action::section, Group::marks, "Z", "Section", "cut the stone, along the newest profile", false, false},
+    ActionInfo{Action::section_turn, Group::marks, "Shift Z", "Turn section", "turn the section plane", false, false},
+    ActionInfo{Action::section_far, Group::marks, "Y", "Section on", "move the section plane on", false, false},
+    ActionInfo{Action::section_near, Group::marks, "Shift Y", "Section back", "move the section plane back", false,
+               false},
     ActionInfo{Action::turn_left, Group::camera, "Ctrl \xE2\x86\x90", "Turn left", "turn the picture", false, false},
     ActionInfo{Action::turn_right, Group::camera, "Ctrl \xE2\x86\x92", "Turn right", "turn the picture back", false,
                false},
@@ -124,6 +144,20 @@ constexpr std::array kBindings{
     Binding{' ', 0, Action::describe, false},
     Binding{'C', 0, Action::colour, false},
     Binding{'C', kShift, Action::colour_back, false},
+    Binding{key::kF1 + 3, 0, Action::look, false},
+    Binding{key::kF1 + 3, kShift, Action::look_back, false},
+    Binding{key::kF1 + 2, 0, Action::contours_finer, true},
+    Binding{key::kF1 + 2, kShift, Action::contours_coarser, true},
+    Binding{'U', 0, Action::measure, false},
+    Binding{'U', kShift, Action::measure_save, false},
+    Binding{'K', 0, Action::pin, false},
+    Binding{'K', kShift, Action::add_part, false},
+    Binding{key::kDelete, 0, Action::erase, false},
+    Binding{'A', 0, Action::show_parts, false},
+    Binding{'Z', 0, Action::section, false},
+    Binding{'Z', kShift, Action::section_turn, true},
+    Binding{'Y', 0, Action::section_far, true},
+    Binding{'Y', kShift, Action::section_near, true},
     Binding{'L', 0, Action::light_turn, true},
     Binding{'L', kShift, Action::light_back, true},
     Binding{'.', kAny, Action::light_higher, true},
@@ -246,6 +280,8 @@ const char* name_of(Group group) {
       return "Hand (pointer device)";
     case Group::picture:
       return "Picture";
+    case Group::marks:
+      return "Marks on the stone";
     case Group::camera:
       return "Camera";
     case Group::program:

@@ -34,6 +34,10 @@ enum class Action {
   mode,
   colour,
   colour_back,
+  look,
+  look_back,
+  contours_finer,
+  contours_coarser,
   light_turn,
   light_back,
   light_higher,
@@ -49,6 +53,16 @@ enum class Action {
   outline,
   contrast,
   large_type,
+  measure,
+  measure_save,
+  pin,
+  erase,
+  show_parts,
+  add_part,
+  section,
+  section_turn,
+  section_near,
+  section_far,
   turn_left,
   turn_right,
   tilt_up,
@@ -77,7 +91,8 @@ enum class Action {
 /// Keys as the layout names them: printable ones are their upper-case character, others have names here.
 namespace key {
 inline constexpr int kLeft = 256, kRight = 257, kUp = 258, kDown = 259, kPageUp = 260, kPageDown = 261, kHome = 262,
-                     kEnter = 263, kEscape = 264, kTab = 265, kF1 = 266;  ///< kF1 + n - 1 is the n-th
+                     kEnter = 263, kEscape = 264, kTab = 265, kF1 = 266,  ///< kF1 + n - 1 is the n-th
+    kDelete = 278, kBackspace = 279;
 }  // namespace key
 
 /// Bits of KeyPress::modifiers.
@@ -89,7 +104,7 @@ struct KeyPress {
   bool repeated = false;  ///< the key is held down
 };
 
-enum class Group { touch, hand, picture, camera, program };
+enum class Group { touch, hand, picture, marks, camera, program };
 
 struct ActionInfo {
   Action action;

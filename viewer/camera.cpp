@@ -66,6 +66,9 @@ View make_view(const Camera& camera, int width, int height, double eye_shift, do
     clip(2, 3) = -2.0 * far * near / (far - near);
     clip(3, 2) = -1.0;
   }
+  view.axes = axes;
+  view.parallel = camera.field_rad <= 0.0;
+  view.depth = {clip(2, 2), clip(2, 3)};
   view.projection = clip * look;
   view.inverse = view.projection.inverse();
   return view;

@@ -52,6 +52,11 @@ struct View {
   Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();     ///< clip to world
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();             ///< world
   Eigen::Vector3d focus = Eigen::Vector3d::Zero();           ///< world: what the camera looks at
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();        ///< Camera::axes()
+  /// Of a depth z, -1 to 1: the distance along the line of sight is depth[1] / (z + depth[0]) with perspective, else
+  /// (depth[1] - z) / depth[0].
+  Eigen::Vector2d depth = Eigen::Vector2d::Zero();
+  bool parallel = false;
   int width = 1;
   int height = 1;
 

@@ -37,7 +37,10 @@ std::string title_of(const pipeline::Scene& scene) {
 }  // namespace
 
 Controller::Controller(const Connections& connections, const ViewSettings& settings)
-    : connections_(connections), wishes_(connections.requests) {
+    : connections_(connections),
+      wishes_(connections.requests),
+      marking_([this](const std::string& words, haptics::Announcement::Priority priority) { tell(words, priority); },
+               connections.save_parts) {
   frame_.settings = settings;
   frame_.can_rescan = static_cast<bool>(connections_.rescan);
   frame_.has_pointer = connections_.pointer != nullptr;
@@ -55,6 +58,8 @@ void Controller::set_scene(pipeline::ScenePointer scene) {
                                                              : "this scene was opened without its scans";
   orbit_.jump();
   wishes_.forget_windows();
+  marking_.set_scene(scene_);
+  if (!frame_.settings.kiosk) orbit_.set_parallel(marking_.marks().notes.parallel);
 }
 
 // What is spoken comes back by way of the board and is shown then.
@@ -102,6 +107,8 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
   frame_.state = state;
   frame_.mouse = mouse_;
   frame_.strip.add(state);
+  drawn_at_ = drawn_at ? drawn_at : height_at;
+  if (frame_.marks.version != marking_.marks().version) frame_.marks = marking_.marks();
   frame_.hovered = -1;
   for (std::size_t k = 0; k < boxes_.size(); ++k)
     if (boxes_[k].rect.contains(mouse_.x(), mouse_.y())) frame_.hovered = static_cast<int>(k);

@@ -10,6 +10,7 @@
 #include "viewer/actions.h"
 #include "viewer/frame.h"
 #include "viewer/hand.h"
+#include "viewer/marks/marking.h"
 #include "viewer/orbit.h"
 #include "viewer/toasts.h"
 #include "viewer/viewer.h"
@@ -31,6 +32,10 @@ class Controller {
   void set_scene(pipeline::ScenePointer scene);
   void press(const KeyPress& press);
   void release(int key);
+  /// A character that was typed, where words are written.
+  void type(char32_t character) {
+    if (frame_.marks.typing) marking_.type(character);  // and not the key that has begun the words
+  }
   void act(Action action);
 
   /// Mouse, pixels in the window; `view` is the picture's detail view and `layout` where it lies.
@@ -66,7 +71,7 @@ class Controller {
 
  private:
   /// What the left button holds while it is down.
-  enum class Grip { none, hand, camera, light, overview, box };
+  enum class Grip { none, hand, camera, light, overview, box, mark };
 
   // Each carries out the actions that are its own, and gives false for all others.
   bool step_hand(Action action);
@@ -80,6 +85,9 @@ class Controller {
   void ask_rescan();
   void go_to_scans();
   void save_strip();
+  bool set_marks(Action action);
+  void set_contours(bool finer);
+  [[nodiscard]] Marking::Aim aim() const;
   void answer(bool yes);
   void go_home();
   void close_or_leave();
@@ -104,6 +112,8 @@ class Controller {
   PointerHand hand_;
   Toasts toasts_;
   Wishes wishes_;
+  Marking marking_;
+  HeightAt drawn_at_;  // of the last update
 
   std::vector<Clickable> boxes_;
   int help_pages_ = 1;

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "viewer/controller.h"
 
 namespace sparsha::viewer {
@@ -53,6 +52,7 @@ void Controller::move_focus(int step) {
 }
 
 void Controller::press(const KeyPress& press) {
+  if (marking_.press(press)) return;
   if (frame_.asks_rescan && !press.repeated && (press.key == key::kEnter || press.key == 'Y')) return answer(true);
   if (frame_.asks_rescan && !press.repeated && press.key == 'N') return answer(false);
   if (frame_.focused >= 0 && press.key == key::kEnter && !press.repeated) {
@@ -79,7 +79,9 @@ void Controller::begin_drag() {
 void Controller::act(Action action) {
   const bool window_known = scene_ != nullptr;
   if (window_known && wishes_.act(action, frame_.state, window())) return;
-  if (step_hand(action) || set_light(action) || move_camera(action) || set_view(action) || set_stereo(action)) return;
+  if (step_hand(action) || set_light(action) || move_camera(action) || set_view(action) || set_stereo(action) ||
+      set_marks(action))
+    return;
   switch (action) {
     case Action::drag:
       return begin_drag();
@@ -234,96 +236,24 @@ bool Controller::move_camera(Action action) {
       orbit_.reset();
       return true;
     case Action::orthographic:
-      orbit_.switch_projection();
+      orbit_.set_parallel(!orbit_.parallel());
+      marking_.set_parallel(orbit_.parallel());
       return true;
     default:
       return false;
   }
 }
 
-// What is drawn, and how.
-bool Controller::set_view(Action action) {
-  ViewSettings& settings = frame_.settings;
-  const auto turn = [&](const char* what, bool& setting) {
-    setting = !setting;
-    tell(fmt::format("{} {}", what, setting ? "on" : "off"));
-    return true;
-  };
-  switch (action) {
-    case Action::colour:
-    case Action::colour_back:
-      if (!scene_) return true;
-      settings.colour = next_mode(scene_->description(), settings.colour, action == Action::colour ? 1 : -1);
-      tell(fmt::format("Colour: {}", name_of(settings.colour)));
-      return true;
-    case Action::filled:
-      return turn("Marks on filled areas", settings.mark_filled);
-    case Action::outline:
-      return turn("Outline of what was measured", settings.outline);
-    case Action::contrast:
-      return turn("High contrast", settings.high_contrast);
-    case Action::large_type:
-      return turn("Large type", settings.large_type);
-    case Action::figures:
-      settings.figures = !settings.figures;
-      return true;
-    case Action::help:
-      frame_.help_page = settings.help ? frame_.help_page + 1 : 0;
-      settings.help = frame_.help_page < (settings.help ? help_pages_ : 1);
-      boxes_.clear();  // those of the next picture count
-      return true;
-    case Action::strip_pause:
-      frame_.strip.pause(!frame_.strip.paused());
-      tell(frame_.strip.paused() ? "Strip paused" : "Strip goes on");
-      return true;
-    case Action::strip_save:
-      save_strip();
-      return true;
-    default:
-      return false;
-  }
-}
-
-void Controller::save_strip() {
-  const std::string file = dated_name("sparsha-strip", ".csv");
-  try {
-    frame_.strip.write_csv(file);
-    tell("Saved " + file);
-  } catch (const Error& error) {
-    tell("Not saved: " + error.wrong(), haptics::Announcement::Priority::warning);
-  }
-}
-
-bool Controller::set_stereo(Action action) {
-  Stereo& stereo = frame_.settings.stereo;
-  constexpr std::array kNames{"Stereo off", "Stereo: red and cyan, colours", "Stereo: red and cyan, grey",
-                              "Stereo: side by side"};
-  const auto step = [&](double& value, double factor, double low, double high, const char* what) {
-    value = std::clamp(value * factor, low, high);
-    tell(fmt::format("{} {:.1f} %", what, 100.0 * value));
-    return true;
-  };
-  constexpr double kStep = 1.15;
-  switch (action) {
-    case Action::stereo:
-      stereo.mode = static_cast<StereoMode>((static_cast<std::size_t>(stereo.mode) + 1) % kNames.size());
-      tell(kNames[static_cast<std::size_t>(stereo.mode)]);
-      return true;
-    case Action::swap_eyes:
-      stereo.swapped = !stereo.swapped;
-      tell(stereo.swapped ? "Eyes swapped" : "Eyes as usual");
-      return true;
-    case Action::eyes_apart:
-      return step(stereo.separation, kStep, 0.005, 0.25, "Separation of the eyes");
-    case Action::eyes_together:
-      return step(stereo.separation, 1.0 / kStep, 0.005, 0.25, "Separation of the eyes");
-    case Action::screen_nearer:
-      return step(stereo.convergence, 1.0 / 1.03, 0.5, 2.0, "Zero parallax at");
-    case Action::screen_farther:
-      return step(stereo.convergence, 1.03, 0.5, 2.0, "Zero parallax at");
-    default:
-      return false;
-  }
+bool Controller::set_marks(Action action) {
+  if (!scene_) return false;
+  const haptics::State& state = frame_.state;
+  std::optional<Eigen::Vector3d> touched_m;
+  if (state.tick != 0 && state.contact != 0)
+    touched_m = Eigen::Vector3d(state.proxy_m[0], state.proxy_m[1], state.proxy_m[2]);
+  const Window reached = window();
+  if (action == Action::add_part) frame_.settings.parts = true;
+  if (action == Action::measure_save && !frame_.marks.notes.measures.empty()) screenshot_ = true;
+  return marking_.act(action, aim(), touched_m, reached.centre_m, reached.width_m, frame_.settings.parts);
 }
 
 // Escape closes what is open; with nothing open it leaves, but not an exhibition.
@@ -333,7 +263,7 @@ void Controller::close_or_leave() {
     settings.help = frame_.asks_rescan = false;
     boxes_.clear();
     frame_.focused = -1;
-  } else if (!settings.kiosk) {
+  } else if (!marking_.escape() && !settings.kiosk) {
     leave();
   }
 }

@@ -20,6 +20,21 @@ std::optional<Clickable> Controller::box_at(const Eigen::Vector2d& place) const 
   return std::nullopt;
 }
 
+// What the mouse points at on the drawn stone.
+Marking::Aim Controller::aim() const {
+  Marking::Aim aim;
+  aim.stage = stage_;
+  aim.height_at = drawn_at_;
+  if (!scene_ || !view_ || !drawn_at_ || !layout_.detail.contains(mouse_.x(), mouse_.y()) || box_at(mouse_)) return aim;
+  aim.view = view_;
+  aim.pixel = {std::fmod(mouse_.x() - layout_.detail.x, view_->width), mouse_.y() - layout_.detail.y};
+  const View::Ray ray = view_->ray(aim.pixel.x(), aim.pixel.y());
+  const pipeline::SceneDescription& description = scene_->description();
+  aim.at_m = meet_surface(stage_.to_grid_m(ray.origin), ray.direction, drawn_at_, 0.0, description.height_min_m,
+                          description.height_max_m, window().width_m / 200.0);
+  return aim;
+}
+
 void Controller::mouse_move(double x, double y, const Layout& layout, const View& view, const Stage& stage,
                             const HeightAt& /*height*/) {
   const Eigen::Vector2d now(x, y);
@@ -28,6 +43,10 @@ void Controller::mouse_move(double x, double y, const Layout& layout, const View
   layout_ = layout;
   view_ = view;
   if (grip_ == Grip::light) return turn_light(moved);
+  if (grip_ == Grip::mark) {
+    marking_.drag(aim());
+    return;
+  }
   if (right_down_ || grip_ == Grip::camera) {
     hand_.forget_aim();
     return orbit_.turn(-kTurnRad * moved.x(), -kTurnRad * moved.y());
@@ -64,6 +83,8 @@ void Controller::press_left(int modifiers) {
     grip_ = Grip::box;
   } else if ((modifiers & kControl) != 0 && (modifiers & kShift) != 0) {
     grip_ = Grip::light;
+  } else if (marking_.grip(aim(), frame_.settings.parts)) {
+    grip_ = Grip::mark;
   } else if (frame_.looks || !frame_.has_pointer) {
     const bool twice = frame_.time_s - clicked_s_ < kDoubleClickS && (mouse_ - clicked_).norm() < kSamePlace;
     clicked_s_ = twice ? -1.0 : frame_.time_s;
@@ -79,6 +100,7 @@ void Controller::press_left(int modifiers) {
 void Controller::release_left() {
   const Grip grip = std::exchange(grip_, Grip::none);
   if (grip == Grip::hand) hand_.press(false);
+  if (grip == Grip::mark) marking_.release();
   if (grip == Grip::overview) overview_waits_ = true;
   if (grip == Grip::overview) overview_s_ = -1.0;
   if (grip != Grip::box || !gripped_ || !gripped_->rect.contains(mouse_.x(), mouse_.y())) return;

@@ -10,6 +10,7 @@
 
 #include <fmt/chrono.h>
 
+#include "base/text.h"
 #include "scene/workspace.h"
 
 namespace sparsha::viewer {
@@ -18,6 +19,7 @@ ViewSettings settings_of(const pipeline::ViewerConfig& config) {
   ViewSettings settings;
   settings.colour = config.colour;
   settings.stereo.mode = config.stereo;
+  settings.overview_left = config.overview == pipeline::ViewerConfig::Side::left;
   return settings;
 }
 
@@ -44,7 +46,7 @@ Window window_of(const haptics::State& state, const pipeline::SceneDescription& 
 namespace {
 
 /// FNV-1a over values in steps.
-class Look {
+class Fingerprint {
  public:
   void add(std::uint64_t word) {
     hash_ = (hash_ ^ word) * 1099511628211ULL;
@@ -67,7 +69,7 @@ class Look {
   std::uint64_t hash_ = 1469598103934665603ULL;
 };
 
-void add_state(const haptics::State& state, Look& look) {
+void add_state(const haptics::State& state, Fingerprint& look) {
   constexpr double kPixel = 1.0 / 8000.0;  // of the workspace
   constexpr std::uint64_t kSeen = haptics::kFlagSticking | haptics::kFlagUnknownArea | haptics::kFlagOutside |
                                   haptics::kFlagSaturated | haptics::kFlagStale | haptics::kFlagFault |
@@ -94,7 +96,7 @@ void add_state(const haptics::State& state, Look& look) {
 }  // namespace
 
 std::uint64_t look_of(const Frame& frame) {
-  Look look;
+  Fingerprint look;
   add_state(frame.state, look);
   const Camera& camera = frame.camera;
   for (const double value : {camera.target.x(), camera.target.y(), camera.target.z(), camera.turn_rad, camera.tilt_rad,
@@ -102,11 +104,14 @@ std::uint64_t look_of(const Frame& frame) {
     look.add(std::bit_cast<std::uint64_t>(value));
   const ViewSettings& s = frame.settings;
   look.add(static_cast<std::uint64_t>(s.colour));
+  look.add(static_cast<std::uint64_t>(s.look));
+  look.add(std::bit_cast<std::uint64_t>(s.contour_m));
+  look.add(frame.marks.version);
   look.add(static_cast<std::uint64_t>(s.stereo.mode));
   for (const double value : {s.stereo.separation, s.stereo.convergence, s.light.azimuth_rad, s.light.elevation_rad})
     look.add(std::bit_cast<std::uint64_t>(value));
   for (const bool on : {s.stereo.swapped, s.mark_filled, s.outline, s.high_contrast, s.large_type, s.help, s.figures,
-                        s.kiosk, frame.asks_rescan, frame.looks})
+                        s.kiosk, s.parts, frame.asks_rescan, frame.looks})
     look.add(std::uint64_t{on});
   look.add(static_cast<std::uint64_t>(frame.focused + 1));
   look.add(static_cast<std::uint64_t>(frame.hovered + 1));
@@ -141,6 +146,10 @@ Layout layout_of(int width, int height, const ViewSettings& settings) {
   layout.detail = {0, 0, width - panel, std::max(height - px(kBar), 32)};
   layout.bar = {0, layout.detail.height, width - panel, height - layout.detail.height};
   layout.panel = {width - panel, 0, panel, height};
+  if (settings.overview_left) {
+    layout.panel.x = 0;
+    layout.detail.x = layout.bar.x = panel;
+  }
   const int margin = px(18), inside = panel - 2 * margin;
   // From below: a line, the strip where there is room for it, figures and words; the overview has the rest.
   constexpr int kHead = 62, kFigures = 252, kStrip = 96, kFooter = 40, kLeastForStrip = 660;
@@ -153,6 +162,16 @@ Layout layout_of(int width, int height, const ViewSettings& settings) {
   }
   layout.overview = {left, px(kHead), inside, std::max(bottom - px(kHead + kFigures), px(40))};
   return layout;
+}
+
+double next_contour_m(double step_m, double range_m, bool finer) {
+  constexpr double kFirst = 12.0, kFinest = 2000.0;  // lines over the whole range
+  if (!(range_m > 0.0)) return 0.0;
+  if (step_m <= 0.0) return finer ? round_number(range_m / kFirst) : 0.0;
+  // The neighbours in the series 1, 2, 5 are between 2 and 2.5 times apart.
+  if (finer) return std::max(round_number(0.6 * step_m), std::min(step_m, round_number(range_m / kFinest)));
+  const double coarser = round_number(2.6 * step_m);
+  return coarser > 0.5 * range_m ? 0.0 : coarser;
 }
 
 std::string dated_name(const std::string& stem, const std::string& extension) {

@@ -9,7 +9,9 @@
 #include "haptics/state/state.h"
 #include "viewer/actions.h"
 #include "viewer/camera.h"
+#include "viewer/marks/marks.h"
 #include "viewer/strip.h"
+#include "viewer/surface/look.h"
 #include "viewer/surface/paint.h"
 
 namespace sparsha::viewer {
@@ -30,6 +32,9 @@ struct Stereo {
 /// What the visitor has chosen.
 struct ViewSettings {
   ColourMode colour = ColourMode::relief;
+  Look look = Look::stone;
+  double contour_m = 0.0;  ///< step of contour lines; 0: none
+  bool parts = false;      ///< the parts' boxes are drawn
   Stereo stereo;
   bool mark_filled = false;
   bool outline = false;  ///< a faint line around what was measured
@@ -38,6 +43,7 @@ struct ViewSettings {
   bool help = false;
   bool figures = false;  ///< what pictures and ticks cost
   bool kiosk = false;
+  bool overview_left = false;  ///< the panel with the overview lies left of the detail view
   KeyLight light;
 };
 /// As a scene's configuration asks for.
@@ -78,6 +84,7 @@ struct Frame {
   int hovered = -1;  ///< box that the mouse is over, or none
   int help_page = 0;
   Strip strip;
+  Marks marks;
   /// What pictures cost, of the last second; shown with ViewSettings::figures.
   double pictures_per_s = 0.0, picture_ms = 0.0;
 };
@@ -105,6 +112,10 @@ struct Layout {
   double scale = 1.0;  ///< of type and lines
 };
 [[nodiscard]] Layout layout_of(int width, int height, const ViewSettings& settings);
+
+/// The step of contour lines after `step_m` for heights that span `range_m`: 1, 2 or 5 times a power of ten. 0 is no
+/// lines, before the coarsest step.
+[[nodiscard]] double next_contour_m(double step_m, double range_m, bool finer);
 
 /// "stem-20260131-235959.csv": a new name in the working folder for what a visitor saves.
 [[nodiscard]] std::string dated_name(const std::string& stem, const std::string& extension);

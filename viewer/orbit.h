@@ -26,7 +26,8 @@ class Orbit {
   void shift(const Eigen::Vector2d& pixels, const View& view, double width_world);
   /// Straight on, the whole window in view.
   void reset();
-  void switch_projection() { parallel_ = !parallel_; }
+  void set_parallel(bool on) { parallel_ = on; }
+  [[nodiscard]] bool parallel() const { return parallel_; }
   /// The next update() jumps to the goal.
   void jump() { jumps_ = true; }
   /// Brings `camera` nearer to where it is wanted.

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <utility>
 
 #include <epoxy/gl.h>
@@ -31,7 +32,8 @@ bool same(const View& a, const View& b) {
 
 bool same(const ReliefStyle& a, const ReliefStyle& b) {
   return a.high_contrast == b.high_contrast && a.mark_filled == b.mark_filled && a.outline == b.outline &&
-         a.window_world == b.window_world && a.hole_world == b.hole_world;
+         a.window_world == b.window_world && a.hole_world == b.hole_world && a.look == b.look &&
+         a.contour_m == b.contour_m && a.section == b.section;
 }
 
 }  // namespace
@@ -44,9 +46,10 @@ struct Picture::Surface {
   int supersampling = 0;  ///< of the picture that is there; 0: none
   bool fine = false;
   gl::Target large;     ///< as drawn, with depth
-  gl::Target resolved;  ///< one pixel each; empty when large already is
+  gl::Target resolved;  ///< one pixel each; not used when large already is what is shown
+  bool is_resolved = false;
 
-  [[nodiscard]] const gl::Target& picture() const { return supersampling == 1 ? large : resolved; }
+  [[nodiscard]] const gl::Target& picture() const { return is_resolved ? resolved : large; }
 };
 
 struct Picture::DetailPiece {
@@ -99,6 +102,18 @@ double Picture::height_at(double x_m, double y_m) const {
       return piece_->data().height_at(x_m, y_m);
   }
   return whole_->data().height_at(x_m, y_m);
+}
+
+bool Picture::known_at(double x_m, double y_m) const {
+  if (!whole_) return false;
+  const auto known = [&](const ReliefData& data) {
+    const pipeline::Lattice& lattice = data.lattice;
+    const double i = std::round((x_m - lattice.origin_m.x()) / lattice.spacing_m);
+    const double j = std::round((y_m - lattice.origin_m.y()) / lattice.spacing_m);
+    if (!(i >= 0.0 && j >= 0.0 && i < lattice.nx && j < lattice.ny)) return false;
+    return data.known[lattice.index(static_cast<int>(i), static_cast<int>(j))] != 0;
+  };
+  return (piece_ && known(piece_->data())) || known(whole_->data());
 }
 
 bool Picture::waits(double time_s) const {
@@ -224,6 +239,7 @@ void Picture::draw_surface(Surface& surface, const View& view, ReliefStyle style
     style.hole_world = piece_->box_world();
   }
   whole_->draw(relief_programs_, view, style);
+  if (style.section) draw_section(view, style, supersampling);
   // The backdrop fills what stone left free.
   backdrop_program_.use();
   const bool dark = frame.settings.high_contrast;
@@ -236,16 +252,38 @@ void Picture::draw_surface(Surface& surface, const View& view, ReliefStyle style
   glDisable(GL_DEPTH_TEST);
   ++redraws_;
   surface.supersampling = supersampling;
-  if (supersampling == 1) return;
+  surface.is_resolved = supersampling != 1 || style.look == Look::eye_dome;
+  if (surface.is_resolved) resolve(surface, view, style, supersampling, supersampling != 1);
+}
+
+// To one pixel each, with the eye-dome shade where it is asked for.
+void Picture::resolve(Surface& surface, const View& view, const ReliefStyle& style, int supersampling, bool rests) {
   if (surface.resolved.width() != view.width || surface.resolved.height() != view.height)
     surface.resolved = gl::Target(view.width, view.height, false, gl::Filter::nearest);
   glBindFramebuffer(GL_FRAMEBUFFER, surface.resolved.framebuffer());
   glViewport(0, 0, view.width, view.height);
   resolve_program_.use();
   resolve_program_.set("source", 0);
+  resolve_program_.set("depths", 1);
+  resolve_program_.set("scale", supersampling);
+  resolve_program_.set("rings", style.look == Look::eye_dome ? (rests ? 3 : 1) : 0);
+  resolve_program_.set("depth", Eigen::Vector2f(view.depth.cast<float>()));
+  resolve_program_.set("parallel", view.parallel ? 1 : 0);
+  resolve_program_.set("relief", static_cast<float>(std::max(whole_->high_world() - whole_->low_world(), 0.01)));
   surface.large.colour().bind(0);
+  surface.large.depth().bind(1);
   glBindVertexArray(vertex_array_.get());
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Picture::draw_section(const View& view, const ReliefStyle& style, int supersampling) {
+  const auto height = [&](double x, double y) {
+    const Eigen::Vector3d place_m = stage_.to_grid_m({x, y, 0.0});
+    if (!known_at(place_m.x(), place_m.y())) return std::numeric_limits<double>::quiet_NaN();
+    return (height_at(place_m.x(), place_m.y()) - stage_.anchor_m.z()) / stage_.unit_m;
+  };
+  section_wall_.draw(*style.section, whole_->box_world(), style.floor_z, height, view, style.high_contrast,
+                     supersampling);
 }
 
 void Picture::refresh(Surface& surface, const View& view, const ReliefStyle& style, bool overview, const Frame& frame) {
@@ -292,12 +330,13 @@ std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& 
   return hand;
 }
 
-void Picture::light_stones(bool high_contrast) {
-  if (stones_lit_ && high_contrast_ == high_contrast) return;
+void Picture::light_stones(bool high_contrast, Look look) {
+  if (stones_lit_ && high_contrast_ == high_contrast && look_ == look) return;
   high_contrast_ = high_contrast;
+  look_ = look;
   stones_lit_ = true;
-  whole_->light_stone(stone_program_, high_contrast);
-  if (piece_) piece_->light_stone(stone_program_, high_contrast);
+  whole_->light_stone(stone_program_, high_contrast, look);
+  if (piece_) piece_->light_stone(stone_program_, high_contrast, look);
   ++version_;
 }
 
@@ -307,7 +346,7 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   const Window window = window_of(frame.state, scene_->description());
   follow_window(frame, window);
   follow_touch(frame.state, frame.finished);
-  light_stones(frame.settings.high_contrast);
+  light_stones(frame.settings.high_contrast, frame.settings.look);
   hand_ = hand_of(frame.state, window);
   const Layout layout = layout_of(width, height, frame.settings);
 
@@ -317,7 +356,12 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   style.outline = frame.settings.outline;
   const double thick = std::max(0.035, 0.12 * (whole_->high_world() - whole_->low_world()));
   style.floor_z = whole_->low_world() - thick;
+  style.look = frame.settings.look;
+  style.contour_m = frame.settings.contour_m;
+  style.datum_z = (scene_->description().height_min_m - stage_.anchor_m.z()) / stage_.unit_m;
   ReliefStyle framed = style;
+  if (const auto& section = frame.marks.notes.section; section && !frame.settings.kiosk)
+    framed.section = CutPlane{section->out, section->out.dot(stage_.to_world(section->at_m))};
   if (window.meant) {
     const Eigen::Vector3d centre = stage_.to_world(window.centre_m);
     const double half = 0.5 * window.width_m / stage_.unit_m;
@@ -398,6 +442,7 @@ void Picture::draw_overview(const Frame& frame, const Layout& layout, ReliefStyl
   const Rect& rect = layout.overview;
   const View view = make_view(overview_camera(scene_->description(), rect), rect.width, rect.height);
   style.walls = false;
+  style.contour_m = 0.0;  // too many for so small a picture
   refresh(*surfaces_[2], view, style, true, frame);
   surfaces_[2]->picture().copy_to(framebuffer, rect.x, height - rect.y - rect.height);
 }

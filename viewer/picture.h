@@ -9,6 +9,7 @@
 #include "viewer/gl/objects.h"
 #include "viewer/overlay.h"
 #include "viewer/surface/relief_view.h"
+#include "viewer/surface/section_wall.h"
 #include "viewer/surface/touch_ground.h"
 
 namespace sparsha::viewer {
@@ -35,6 +36,8 @@ class Picture {
   [[nodiscard]] double touch_height_at(double x_m, double y_m) const;
   /// Height of the drawn surface, grid frame.
   [[nodiscard]] double height_at(double x_m, double y_m) const;
+  /// False where neither measured nor filled, and outside.
+  [[nodiscard]] bool known_at(double x_m, double y_m) const;
   [[nodiscard]] const Legend& legend() const { return legend_; }
   [[nodiscard]] bool any_filled() const;
   /// The detail view of the last draw() in its rectangle (middle of both eyes).
@@ -57,7 +60,9 @@ class Picture {
   void draw_surface(Surface& surface, const View& view, ReliefStyle style, int supersampling, bool overview,
                     const Frame& frame);
   void set_light(bool fine);
-  void light_stones(bool high_contrast);
+  void light_stones(bool high_contrast, Look look);
+  void resolve(Surface& surface, const View& view, const ReliefStyle& style, int supersampling, bool rests);
+  void draw_section(const View& view, const ReliefStyle& style, int supersampling);
   void draw_detail(const Frame& frame, const Layout& layout, const ReliefStyle& style, unsigned framebuffer,
                    int height);
   void merge_eyes(const Frame& frame, const Rect& detail, int bottom);
@@ -85,6 +90,8 @@ class Picture {
   ColourMode colour_ = ColourMode::relief;
   bool envelope_ = false;
   bool high_contrast_ = false;
+  Look look_ = Look::stone;
+  SectionWall section_wall_;
   bool stones_lit_ = false;
   Legend legend_;
   std::array<std::unique_ptr<Surface>, 3> surfaces_;  ///< one or left eye, right eye, overview

@@ -46,7 +46,10 @@ struct Connections {
   std::function<void(int step)> next_scene;  ///< of an exhibition, 1 or -1; empty: there is but one
   std::function<void(const std::vector<std::filesystem::path>& files)> drop;  ///< files dropped into the window
   std::function<void(const std::string& why)>
-      refuse;                      ///< the new scene cannot be read whole: the one before comes back
+      refuse;  ///< the new scene cannot be read whole: the one before comes back
+  /// The scene's parts were edited: they are to be felt, spoken and kept. False when they stay as they were, which was
+  /// said. Empty: parts cannot be edited.
+  std::function<bool(const std::vector<pipeline::PartConfig>& parts)> save_parts;
   std::function<bool()> to_scans;  ///< true once when other scans have been opened and are to be shown
   Orienting orienting;             ///< the raw cloud behind the scene; without functions there is none
 };

@@ -107,6 +107,10 @@ int key_of(int glfw_key, int scancode) {
       return key::kEscape;
     case GLFW_KEY_TAB:
       return key::kTab;
+    case GLFW_KEY_DELETE:
+      return key::kDelete;
+    case GLFW_KEY_BACKSPACE:
+      return key::kBackspace;
     case GLFW_KEY_SPACE:
       return ' ';
     case GLFW_KEY_KP_ADD:
@@ -138,6 +142,11 @@ void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods)
     in.controller->press(press);
   }
   in.change_mode();
+}
+
+void on_character(GLFWwindow* window, unsigned character) {
+  Inputs& in = inputs_of(window);
+  if (in.cloud == nullptr && in.controller != nullptr) in.controller->type(static_cast<char32_t>(character));
 }
 
 void on_move(GLFWwindow* window, double x, double y) {
@@ -369,6 +378,7 @@ class Screen {
     GLFWwindow* const window = window_.handle;
     glfwSetWindowUserPointer(window, &inputs_);
     glfwSetKeyCallback(window, on_key);
+    glfwSetCharCallback(window, on_character);
     glfwSetCursorPosCallback(window, on_move);
     glfwSetMouseButtonCallback(window, on_button);
     glfwSetScrollCallback(window, on_scroll);

@@ -94,9 +94,12 @@ TEST(Controller, AKioskIsLeftByControlQOnly) {
 
 TEST(Controller, AVisitorsKeysLeaveNothingForTheNextOneToPutRight) {
   for (const KeyPress& press :
-       {KeyPress{key::kTab}, KeyPress{'T'}, KeyPress{'F'}, KeyPress{'P'}, KeyPress{'V', kShift},
-        KeyPress{key::kF1 + 11}, KeyPress{'I'}, KeyPress{'O'}, KeyPress{'O', kShift}, KeyPress{'S'},
-        KeyPress{'S', kShift}, KeyPress{']'}, KeyPress{'R'}, KeyPress{'M'}, KeyPress{key::kF1 + 10}}) {
+       {KeyPress{key::kTab},     KeyPress{'T'},         KeyPress{'F'}, KeyPress{'P'},          KeyPress{'V', kShift},
+        KeyPress{key::kF1 + 11}, KeyPress{'I'},         KeyPress{'O'}, KeyPress{'O', kShift},  KeyPress{'S'},
+        KeyPress{'S', kShift},   KeyPress{']'},         KeyPress{'R'}, KeyPress{'M'},          KeyPress{key::kF1 + 10},
+        KeyPress{'U'},           KeyPress{'U', kShift}, KeyPress{'K'}, KeyPress{'K', kShift},  KeyPress{'A'},
+        KeyPress{'Z'},           KeyPress{'Z', kShift}, KeyPress{'Y'}, KeyPress{key::kDelete}, KeyPress{key::kF1 + 2},
+        KeyPress{key::kF1 + 3}}) {
     ASSERT_TRUE(action_of(press, false)) << press.key;
     EXPECT_FALSE(action_of(press, true)) << info_of(*action_of(press, false)).label;
   }

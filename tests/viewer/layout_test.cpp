@@ -51,13 +51,23 @@ TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
   for (const auto& [width, height] :
        {Size{640, 400}, {800, 600}, {1024, 600}, {1280, 720}, {720, 1280}, {1920, 1080}, {2560, 1080}, {3840, 2160}})
     for (const bool large : {false, true})
-      for (const int page : {0, 1, 2, 3}) {
+      for (const int page : {0, 1, 2, 3, 4}) {
         Frame& frame = studio.controller().frame();
         frame.settings.large_type = large;
         frame.settings.figures = page == 0;
         frame.settings.help = page == 1;
         frame.asks_rescan = page == 2;
         frame.settings.colour = page == 3 ? ColourMode::coverage : ColourMode::curvature;
+        frame.settings.contour_m = page == 4 ? 0.002 : 0.0;
+        frame.marks.typing.reset();
+        if (page == 4)
+          frame.marks.typing = "A chip at the third petal, seen in 1987, and again in 2004; it has not grown";
+        frame.marks.profile.resize(page == 4 ? 100 : 0);
+        for (std::size_t k = 0; k < frame.marks.profile.size(); ++k)
+          frame.marks.profile[k] = {0.004 * static_cast<double>(k),
+                                    {0.004 * static_cast<double>(k), 0.2, 1e-4 * static_cast<double>(k % 17)},
+                                    pipeline::NodeState::measured};
+        frame.marks.tool = page == 4 ? Tool::profile : Tool::none;
         if (page == 0) board.say("A part of the scene cannot be read: the tile at the upper left of the second level");
         studio.shoot(state, width, height);
         EXPECT_GT(studio.gui().texts().size(), 20U);

@@ -8,18 +8,25 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "base/error.h"
 #include "relief_scene.h"
+#include "scene/scene_folder.h"
+#include "tests/support/test_folder.h"
 #include "tests/viewer/cloud/points.h"
+#include "tests/viewer/drop.h"
 #include "viewer/cloud/orientation.h"
+#include "viewer/marks/notes.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::viewer::test {
@@ -205,6 +212,77 @@ TEST(Window, KeysAndMouseReachTheSession) {
   EXPECT_EQ(problem, "");
 }
 
+TEST(Window, MeasuresPinsAndSectionsAreMadeWithRealKeysAndClicksAndKept) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const sparsha::test::TestFolder folder;
+  std::filesystem::create_directories(folder / "scene");
+  pipeline::write_scene(*scene_of(lotus, {201, 201, 0.002, 2},
+                                  [](pipeline::SceneDescription& d) {
+                                    d.config.scans.resize(1);
+                                    d.config.scans[0].file = "scan.ply";
+                                    d.sources = {{"scan.ply", "abc", 1}};
+                                  }),
+                        folder / "scene");
+  const auto scene = pipeline::open_scene(folder / "scene");
+  haptics::RequestQueue requests;
+  std::atomic<int> frames{0};
+  std::atomic<bool> finished{false};
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.requests = &requests;
+  connections.poll = [&] { ++frames; };
+  connections.finished = [&] { return finished.load(); };
+  std::string problem;
+  std::thread visitor([&] {
+    const auto notes = [&] { return read_notes(folder / "scene" / "notes.yaml"); };
+    const auto pictures = [&] { wait_for([&, before = frames.load()] { return frames.load() > before + 5; }); };
+    const auto expect = [&](const char* what, const std::function<bool()>& condition) {
+      if (problem.empty() && !wait_for(condition)) problem = what;
+    };
+    const auto click = [&](int x, int y) {
+      xdotool("search --name Sparsha mousemove --window %1 " + std::to_string(x) + " " + std::to_string(y));
+      xdotool("click 1");
+      pictures();
+    };
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    if (problem.empty() && xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    xdotool("key u");
+    click(400, 300);
+    click(500, 360);
+    expect("no measure is kept", [&] { return notes().measures.size() == 1; });
+    xdotool("search --name Sparsha mousemove --window %1 450 200");
+    pictures();
+    xdotool("key k");
+    pictures();
+    xdotool("type --delay 60 'a chip'");
+    xdotool("key Return");
+    expect("no pin is kept", [&] { return notes().pins.size() == 1; });
+    xdotool("key z");
+    expect("no section is kept", [&] { return notes().section.has_value(); });
+    xdotool("key i");
+    expect("the parallel view is not kept", [&] { return notes().parallel; });
+    xdotool("key Delete");
+    expect("nothing is removed", [&] { return notes().pins.empty(); });
+    xdotool("key Escape q");
+    expect("q does not leave", [&] {
+      const auto got = requests.take();
+      return got && got->kind == haptics::Request::Kind::quit;
+    });
+    finished = true;
+  });
+  run_window(connections, {});
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(problem, "");
+  const Notes kept = read_notes(folder / "scene" / "notes.yaml");
+  ASSERT_EQ(kept.measures.size(), 1U);
+  EXPECT_GT(value_of(kept.measures[0]), 0.02);
+}
+
 TEST(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
   if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
   ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
@@ -297,6 +375,54 @@ TEST(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
   EXPECT_EQ(workshop.scans[0].scan_to_grid, workshop.saves[0].scan_to_grid);
   EXPECT_TRUE(workshop.saves[1].scan_to_grid.isApprox(seen_from(Face::top, false, truth), 1e-9));
 }
+
+#ifdef SPARSHA_HAS_X11
+TEST(Window, FilesDroppedIntoItAreOpenedByTheirNames) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  std::atomic<int> frames{0};
+  std::atomic<bool> finished{false};
+  std::mutex mutex;
+  std::vector<std::filesystem::path> dropped;
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.poll = [&] { ++frames; };
+  connections.finished = [&] { return finished.load(); };
+  connections.drop = [&](const std::vector<std::filesystem::path>& files) {
+    const std::lock_guard lock(mutex);
+    dropped = files;
+  };
+  std::string problem;
+  std::thread visitor([&] {
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    std::string id;
+    if (FILE* pipe = ::popen("xdotool search --sync --name Sparsha", "r")) {
+      char c = 0;
+      while (::fread(&c, 1, 1, pipe) == 1 && c != '\n') id += c;
+      ::pclose(pipe);
+    }
+    if (problem.empty() && id.empty()) problem = "no window";
+    if (problem.empty() && !drop_files(std::stoul(id), "file:///tmp/left%20lion.ply\r\nfile:///tmp/right.las\r\n"))
+      problem = "the window does not take what is dropped";
+    if (problem.empty() && !wait_for([&] {
+          const std::lock_guard lock(mutex);
+          return dropped.size() == 2;
+        }))
+      problem = "nothing is opened";
+    finished = true;
+  });
+  run_window(connections, {});
+  finished = true;
+  visitor.join();
+  ASSERT_EQ(problem, "");
+  EXPECT_EQ(dropped[0], "/tmp/left lion.ply");
+  EXPECT_EQ(dropped[1], "/tmp/right.las");
+}
+#endif
 
 TEST(Window, TheSessionsEndClosesAKiosk) {
   if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";

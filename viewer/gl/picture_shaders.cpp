@@ -29,15 +29,65 @@ void main() {
 )";
 
 const char* const kResolveFragment = R"(#version 330 core
-uniform sampler2D source;     // twice as wide and high
+uniform sampler2D source;     // `scale` times as wide and high
+uniform sampler2D depths;
+uniform int scale;            // 1 or 2
+uniform int rings;            // of the eye-dome shade; 0: none
+uniform vec2 depth;           // View::depth
+uniform bool parallel;
+uniform float relief;         // world: the depth of forms
 out vec4 colour;
+float away(ivec2 p) {
+  float z = 2.0 * texelFetch(depths, clamp(p, ivec2(0), textureSize(depths, 0) - 1), 0).r - 1.0;
+  return parallel ? (depth.y - z) / depth.x : depth.y / (z + depth.x);
+}
+// How much deeper the place lies than the means of opposite neighbours: a slope makes no difference.
+float shade(ivec2 p) {
+  float here = away(p), sum = 0.0;
+  for (int ring = 1; ring <= rings; ++ring) {
+    int reach = scale * (3 * ring - 2);
+    for (int k = 0; k < 4; ++k) {
+      ivec2 step = reach * ivec2(k == 1 ? 0 : 1, k == 0 ? 0 : k == 3 ? -1 : 1);
+      sum += clamp((here - 0.5 * (away(p + step) + away(p - step))) / relief, -0.012 * float(ring), 0.10);
+    }
+  }
+  return exp2(-9.0 * sum / float(rings));
+}
 vec3 decode(vec3 c) { return c * (c * (c * 0.305306011 + 0.682171111) + 0.012522878); }
 vec3 encode(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
 void main() {
-  ivec2 p = 2 * ivec2(gl_FragCoord.xy);
-  vec3 sum = decode(texelFetch(source, p, 0).rgb) + decode(texelFetch(source, p + ivec2(1, 0), 0).rgb) +
-             decode(texelFetch(source, p + ivec2(0, 1), 0).rgb) + decode(texelFetch(source, p + ivec2(1, 1), 0).rgb);
-  colour = vec4(encode(clamp(0.25 * sum, 0.0, 1.0)), 1.0);
+  ivec2 p = scale * ivec2(gl_FragCoord.xy);
+  vec3 c = decode(texelFetch(source, p, 0).rgb);
+  if (scale == 2)
+    c = 0.25 * (c + decode(texelFetch(source, p + ivec2(1, 0), 0).rgb) + decode(texelFetch(source, p + ivec2(0, 1), 0).rgb) +
+                decode(texelFetch(source, p + ivec2(1, 1), 0).rgb));
+  if (rings > 0 && texelFetch(depths, p, 0).r < 0.9999) c *= shade(p);
+  colour = vec4(encode(clamp(c, 0.0, 1.0)), 1.0);
+}
+)";
+
+const char* const kSectionVertex = R"(#version 330 core
+uniform mat4 projection;
+layout(location = 0) in vec4 corner;   // world x y z, and the height of the surface above
+out float below;                       // world, under the surface
+void main() {
+  below = corner.w - corner.z;
+  gl_Position = projection * vec4(corner.xyz, 1.0);
+}
+)";
+
+const char* const kSectionFragment = R"(#version 330 core
+uniform float pixel;
+uniform bool plain;
+in float below;
+out vec4 colour;
+void main() {
+  float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (9.0 * pixel)) - 0.5);
+  vec3 c = plain ? vec3(0.22) : vec3(0.36, 0.27, 0.20);
+  c = mix(c, plain ? vec3(0.5) : vec3(0.50, 0.39, 0.30), smoothstep(0.40, 0.47, stripe));
+  float edge = below / max(fwidth(below), 1e-9);
+  c = mix(plain ? vec3(1.0, 1.0, 0.0) : vec3(1.0, 0.80, 0.44), c, smoothstep(1.6 * pixel, 2.4 * pixel, edge));
+  colour = vec4(c, 1.0);
 }
 )";
 

@@ -61,6 +61,7 @@ uniform bool painted;
 uniform bool plain;           // high contrast: no warm stone, more light and dark
 uniform float relief_gain;    // slopes are lit as if this much steeper
 uniform vec3 light;           // unit, towards the key light
+uniform int look;             // 0 stone, 1 sky light alone, 3 even light
 in vec2 place;
 out vec4 colour;              // encoded; alpha: known
 
@@ -97,6 +98,8 @@ void main() {
   vec3 bounce = vec3(0.085, 0.05, 0.03) * (1.0 - sky);
   if (painted) { key = key * 0.8 + 0.22 * lit; fill *= 1.35; }
   vec3 c = albedo * (key + fill + side + bounce);
+  if (look == 1) c = albedo * vec3(1.62, 1.56, 1.46) * mix(0.10, 1.0, sky) * (0.55 + 0.45 * normal.z);
+  if (look == 3) c = albedo * vec3(1.30, 1.24, 1.16) * (0.30 + 0.70 * normal.z);
   // Highlights roll off instead of clipping.
   c = 1.22 * c * (1.0 + 0.40 * c) / (1.0 + c);
   c = mix(c, c * c * (3.0 - 2.0 * c), 0.35);
@@ -112,6 +115,23 @@ uniform vec3 light;
 uniform vec4 window;          // world x, y of two corners
 uniform vec4 hole;            // a finer piece is drawn there
 uniform float pixel;          // framebuffer pixels per pixel of the final picture
+#ifdef WITH_SECTION
+uniform vec4 section;         // what lies where dot(section.xyz, p) > section.w is left out
+#endif
+#ifdef WITH_CONTOUR
+uniform sampler2D heights;
+uniform ivec2 nodes;
+uniform vec2 contour;         // height of line 0, lines per metre
+#endif
+#ifdef WITH_CLAY
+uniform sampler2D slopes;
+uniform sampler2D paint;
+uniform bool painted;
+uniform float relief_gain;
+uniform vec3 right;           // the camera's axes
+uniform vec3 up;
+uniform vec3 back;
+#endif
 in vec2 place;
 in vec3 world;
 #ifdef WALL
@@ -123,8 +143,26 @@ void main() {
 #ifdef WITH_HOLE
   if (all(greaterThan(world.xy, hole.xy)) && all(lessThan(world.xy, hole.zw))) discard;
 #endif
+#ifdef WITH_SECTION
+  if (dot(section.xyz, world) > section.w) discard;
+#endif
   vec4 lit = texture(stone, place);
   vec3 c = lit.rgb;
+#ifdef WITH_CLAY
+  {
+    // Brightness by the direction that the surface faces in the picture, as if lit by a lamp beside the camera.
+    vec3 normal = normalize(vec3(-texture(slopes, place).rg * relief_gain, 1.0));
+    vec3 n = vec3(dot(normal, right), dot(normal, up), dot(normal, back));
+    vec3 lamp = normalize(vec3(-0.55, 0.60, 0.58));
+    float wrapped = 0.5 + 0.5 * dot(n, lamp);
+    float shine = pow(max(dot(n, normalize(lamp + vec3(0.0, 0.0, 1.0))), 0.0), 30.0);
+    float rim = pow(1.0 - clamp(n.z, 0.0, 1.0), 3.0);
+    float sky = texture(tones, place).r;
+    vec3 clay = painted ? texture(paint, place).rgb : plain ? vec3(0.60) : vec3(0.60, 0.40, 0.30);
+    c = clay * (0.06 + 1.10 * wrapped * wrapped) * mix(0.35, 1.0, sky * sky) + 0.16 * shine + 0.07 * rim;
+    c = pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
+  }
+#endif
 #ifdef WALL
   float facing = 0.25 + 0.75 * max(dot(wall_normal, light), 0.0);
   c = (plain ? vec3(0.55) : vec3(0.60, 0.46, 0.33)) * facing * mix(1.0, 0.45, clamp(-world.z * 5.0, 0.0, 1.0));
@@ -138,6 +176,27 @@ void main() {
 #else
   if (lit.a < 0.5) discard;
 #endif
+#endif
+#ifdef WITH_CONTOUR
+  {
+    // Heights between nodes, bilinear: as finely as they are known, however coarse the mesh.
+    vec2 at = place * vec2(nodes) - 0.5;
+    ivec2 cell = clamp(ivec2(floor(at)), ivec2(0), max(nodes - 2, ivec2(0)));
+    vec2 share = clamp(at - vec2(cell), 0.0, 1.0);
+    ivec2 beyond = min(cell + 1, nodes - 1);
+    float height = mix(mix(texelFetch(heights, cell, 0).r, texelFetch(heights, ivec2(beyond.x, cell.y), 0).r, share.x),
+                       mix(texelFetch(heights, ivec2(cell.x, beyond.y), 0).r, texelFetch(heights, beyond, 0).r, share.x),
+                       share.y);
+    float lines = (height - contour.x) * contour.y;
+    float wide = max(length(vec2(dFdx(lines), dFdy(lines))), 1e-9);
+    float nearest = round(lines);
+    bool fifth = abs(nearest - 5.0 * round(nearest / 5.0)) < 0.5;
+    float away = abs(lines - nearest) / (wide * pixel);
+    float line = 1.0 - smoothstep(fifth ? 0.6 : 0.25, fifth ? 1.5 : 1.1, away);
+    // Where lines would run into each other there are none.
+    line *= (fifth ? 0.85 : 0.55) * (1.0 - smoothstep(0.15, 0.40, wide * pixel / (fifth ? 5.0 : 1.0)));
+    c = mix(c, plain ? vec3(1.0) : vec3(0.02, 0.05, 0.10), line);
+  }
 #endif
 #ifdef WITH_FILLED
   {

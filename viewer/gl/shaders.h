@@ -9,7 +9,9 @@ extern const char* const kReliefFragment;    ///< that colour; WALL, WITH_UNKNOW
 extern const char* const kVersion;           ///< goes before the two texts of the relief and their #defines
 extern const char* const kWholeVertex;       ///< one triangle over everything
 extern const char* const kBackdropFragment;  ///< what is behind the stone
-extern const char* const kResolveFragment;   ///< 2x2 pixels to one, averaged in linear light
+extern const char* const kResolveFragment;   ///< 2x2 pixels to one, averaged in linear light; eye-dome shade
+extern const char* const kSectionVertex;     ///< the cut face of a section plane
+extern const char* const kSectionFragment;
 extern const char* const kAnaglyphFragment;  ///< two eyes to red and cyan (Dubois 2001)
 extern const char* const kRectVertex;        ///< a rectangle in pixels
 extern const char* const kDecalFragment;     ///< the hand's shadow and the glow of contact, laid on the surface

@@ -87,6 +87,9 @@ void Gui::draw(const Frame& frame, const std::vector<Action>& buttons, const Pic
     const Layout layout = layout_of(width, height, frame.settings);
     if (picture.scene()) {
       draw_scale_bar(over, frame, layout, picture);
+      Brush marks = over;
+      marks.layer = 3;
+      draw_marks(marks, frame, layout, picture);
       draw_overview_marks(over, frame, layout, *picture.scene());
       if (!frame.settings.kiosk) {
         draw_panel(over, frame, layout, picture);

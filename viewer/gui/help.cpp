@@ -21,7 +21,7 @@ struct Line {
 };
 
 std::vector<Line> all_lines() {
-  constexpr std::array kOrder{Group::touch, Group::hand, Group::picture, Group::camera, Group::program};
+  constexpr std::array kOrder{Group::touch, Group::hand, Group::picture, Group::marks, Group::camera, Group::program};
   std::vector<Line> lines;
   for (const Group group : kOrder) {
     if (!lines.empty()) lines.push_back({});

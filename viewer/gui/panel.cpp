@@ -96,6 +96,10 @@ void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout
   const float top = y - tick - brush.fonts.text->FontSize - brush.px(2.0F);
   brush.text_centred(brush.fonts.text, x + 0.5F * length + 1.0F, top + 1.0F, dark, words);
   brush.text_centred(brush.fonts.text, x + 0.5F * length, top, light, words);
+  if (frame.settings.contour_m <= 0.0) return;
+  const std::string lines = "Lines every " + length_text(frame.settings.contour_m, TextStyle::screen);
+  brush.text(brush.fonts.small, x + 1.0F, y + tick + brush.px(3.0F), dark, lines);
+  brush.text(brush.fonts.small, x, y + tick + brush.px(2.0F), light, lines);
 }
 
 void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const pipeline::Scene& scene) {
@@ -194,6 +198,23 @@ void draw_figures(const Brush& brush, const Frame& frame, const pipeline::SceneD
 
 }  // namespace
 
+namespace {
+
+const char* doing_with_the_mouse(const Frame& frame) {
+  switch (frame.marks.tool) {
+    case Tool::distance:
+      return "Measure: distance";
+    case Tool::angle:
+      return "Measure: angle";
+    case Tool::profile:
+      return "Measure: profile";
+    default:
+      return frame.looks ? "Look" : "Touch";
+  }
+}
+
+}  // namespace
+
 void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture) {
   const Fonts& fonts = brush.fonts;
   const Theme& theme = brush.theme;
@@ -207,7 +228,8 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   const float margin = static_cast<float>(layout.overview.x) - left;
   const float x = left + margin, width = right - left - 2.0F * margin;
   brush.list->AddRect(ImVec2(x - 0.5F, image_top - 0.5F), ImVec2(x + width + 0.5F, image_bottom + 0.5F), theme.line);
-  brush.list->AddLine(ImVec2(left, top), ImVec2(left, bottom), theme.line);
+  const float edge = panel.x > layout.detail.x ? left : right - 1.0F;
+  brush.list->AddLine(ImVec2(edge, top), ImVec2(edge, bottom), theme.line);
 
   const double extent_m =
       std::max(description.levels.front().nx, description.levels.front().ny) * description.levels.front().spacing_m;
@@ -241,7 +263,7 @@ void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, co
   const float line_y = bottom - fonts.small->FontSize - brush.px(18.0F);
   brush.key_cap(x + width - cap - brush.size(fonts.small, hint).x - brush.px(8.0F), line_y, "F1");
   brush.text_right(fonts.small, x + width, line_y + brush.px(3.0F), theme.dim, hint);
-  brush.text(fonts.small, x, line_y + brush.px(3.0F), theme.dim, frame.looks ? "Look" : "Touch");
+  brush.text(fonts.small, x, line_y + brush.px(3.0F), theme.dim, doing_with_the_mouse(frame));
 }
 
 }  // namespace sparsha::viewer

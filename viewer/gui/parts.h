@@ -13,6 +13,8 @@ class Picture;
 
 /// A length across the middle of the detail view, in real units.
 void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture);
+/// Measures, pins and the parts' boxes over the detail view.
+void draw_marks(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture);
 /// The window's frame and the hand on the overview.
 void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const pipeline::Scene& scene);
 /// Name, legend and what the hand feels.

@@ -47,7 +47,8 @@ const gl::Program& ReliefPrograms::with(unsigned features) {
   const auto [found, added] = programs_.try_emplace(features);
   if (added) {
     std::string head = gl::kVersion;
-    constexpr std::array kNames{"WALL", "WITH_UNKNOWN", "WITH_FILLED", "WITH_WINDOW", "WITH_HOLE", "WITH_OUTLINE"};
+    constexpr std::array kNames{"WALL",         "WITH_UNKNOWN", "WITH_FILLED",  "WITH_WINDOW", "WITH_HOLE",
+                                "WITH_OUTLINE", "WITH_CLAY",    "WITH_CONTOUR", "WITH_SECTION"};
     for (std::size_t k = 0; k < kNames.size(); ++k)
       if ((features >> k & 1U) != 0) head += std::string("#define ") + kNames[k] + "\n";
     found->second = gl::Program(head + gl::kReliefVertex, head + gl::kReliefFragment);
@@ -109,7 +110,7 @@ void ReliefView::set_paint(const Paint& paint) {
     paint_.upload(paint.rgba.data());
 }
 
-void ReliefView::light_stone(const gl::Program& program, bool high_contrast) {
+void ReliefView::light_stone(const gl::Program& program, bool high_contrast, Look look) {
   const pipeline::Lattice& lattice = data_.lattice;
   if (!stone_) {
     // Small pieces are magnified: between nodes, light follows the interpolated slope.
@@ -130,7 +131,8 @@ void ReliefView::light_stone(const gl::Program& program, bool high_contrast) {
   program.set("painted", painted_ ? 1 : 0);
   program.set("plain", high_contrast ? 1 : 0);
   program.set("light", direction_of(light_));
-  program.set("relief_gain", static_cast<float>(std::clamp(0.22 / std::max(data_.rms_slope, 1e-9), 1.0, 3.0)));
+  program.set("relief_gain", relief_gain());
+  program.set("look", static_cast<int>(look));
   glBindFramebuffer(GL_FRAMEBUFFER, stone_.framebuffer());
   glViewport(0, 0, stone_.width(), stone_.height());
   glDisable(GL_BLEND);
@@ -139,6 +141,10 @@ void ReliefView::light_stone(const gl::Program& program, bool high_contrast) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
   stone_.colour().make_mipmaps();
+}
+
+float ReliefView::relief_gain() const {
+  return static_cast<float>(std::clamp(0.22 / std::max(data_.rms_slope, 1e-9), 1.0, 3.0));
 }
 
 double ReliefView::low_world() const { return (data_.height_min_m - stage_.anchor_m.z()) / stage_.unit_m; }
@@ -202,6 +208,26 @@ void ReliefView::set_up(const gl::Program& program, const View& view, const Reli
   program.set("hole", Eigen::Vector4f(style.hole_world.value_or(none).cast<float>()));
 
   program.set("stride", stride);
+  if (style.section)
+    program.set("section", Eigen::Vector4f(Eigen::Vector4d(style.section->normal.x(), style.section->normal.y(),
+                                                           style.section->normal.z(), style.section->offset)
+                                               .cast<float>()));
+  if (style.contour_m > 0.0) {
+    // Steps above the lowest known height of the scene, so that pieces of one scene agree.
+    const double datum_m = stage_.to_grid_m({0.0, 0.0, style.datum_z}).z() - lattice.origin_m.z();
+    program.set("contour", Eigen::Vector2f(static_cast<float>(datum_m), static_cast<float>(1.0 / style.contour_m)));
+  }
+  if (style.look == Look::clay) {
+    slopes_.bind(3);
+    paint_.bind(4);
+    program.set("slopes", 3);
+    program.set("paint", 4);
+    program.set("painted", painted_ ? 1 : 0);
+    program.set("relief_gain", relief_gain());
+    program.set("right", Eigen::Vector3f(view.axes.col(0).cast<float>()));
+    program.set("up", Eigen::Vector3f(view.axes.col(1).cast<float>()));
+    program.set("back", Eigen::Vector3f(view.axes.col(2).cast<float>()));
+  }
 }
 
 void ReliefView::draw(ReliefPrograms& programs, const View& view, const ReliefStyle& style) const {
@@ -212,11 +238,14 @@ void ReliefView::draw(ReliefPrograms& programs, const View& view, const ReliefSt
                                cells_.levels() - 1);
 
   glBindVertexArray(vertex_array_.get());
-  const unsigned base =
-      (data_.any_unknown ? ReliefPrograms::kUnknown : 0U) | (style.hole_world ? ReliefPrograms::kHole : 0U);
+  const unsigned base = (data_.any_unknown ? ReliefPrograms::kUnknown : 0U) |
+                        (style.hole_world ? ReliefPrograms::kHole : 0U) |
+                        (style.section ? ReliefPrograms::kSection : 0U);
   const gl::Program& top = programs.with(base | (style.mark_filled && data_.any_filled ? ReliefPrograms::kFilled : 0U) |
                                          (style.window_world ? ReliefPrograms::kWindow : 0U) |
-                                         (style.outline && data_.any_unknown ? ReliefPrograms::kOutline : 0U));
+                                         (style.outline && data_.any_unknown ? ReliefPrograms::kOutline : 0U) |
+                                         (style.look == Look::clay ? ReliefPrograms::kClay : 0U) |
+                                         (style.contour_m > 0.0 ? ReliefPrograms::kContour : 0U));
   set_up(top, view, style, 1);
   draw_chunks(mesh(level), view, style);
   if (style.walls && is_slab()) {

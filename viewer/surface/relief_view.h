@@ -8,9 +8,11 @@
 
 #include "viewer/camera.h"
 #include "viewer/gl/objects.h"
+#include "viewer/surface/look.h"
 #include "viewer/surface/mesh.h"
 #include "viewer/surface/paint.h"
 #include "viewer/surface/relief_data.h"
+#include "viewer/surface/section_wall.h"
 
 namespace sparsha::viewer {
 
@@ -21,11 +23,15 @@ using Box = Eigen::Vector4d;
 struct ReliefStyle {
   bool high_contrast = false;
   bool mark_filled = false;
-  bool outline = false;             ///< a faint line around what was measured
+  bool outline = false;  ///< a faint line around what was measured
+  Look look = Look::stone;
+  double contour_m = 0.0;           ///< step of contour lines above the lowest known height; 0: none
+  std::optional<CutPlane> section;  ///< what lies before it is left out
   bool walls = true;                ///< the slab's sides
   std::optional<Box> window_world;  ///< framed; what is outside is dimmed
   std::optional<Box> hole_world;    ///< left out, as a finer piece is drawn there
   double floor_z = 0.0;             ///< world
+  double datum_z = 0.0;             ///< world: where contour lines count from
   int supersampling = 1;            ///< framebuffer pixels per pixel of the picture
   double node_pixels = 3.0;         ///< least framebuffer pixels between mesh vertices
 };
@@ -33,7 +39,17 @@ struct ReliefStyle {
 /// The relief's program in the variants that pictures have needed so far.
 class ReliefPrograms {
  public:
-  enum Feature : unsigned { kWall = 1, kUnknown = 2, kFilled = 4, kWindow = 8, kHole = 16, kOutline = 32 };
+  enum Feature : unsigned {
+    kWall = 1,
+    kUnknown = 2,
+    kFilled = 4,
+    kWindow = 8,
+    kHole = 16,
+    kOutline = 32,
+    kClay = 64,
+    kContour = 128,
+    kSection = 256
+  };
   /// Compiles on first use.
   [[nodiscard]] const gl::Program& with(unsigned features);
 
@@ -52,7 +68,7 @@ class ReliefView {
   void set_paint(const Paint& paint);
   /// Computes the stone's colour, to be called after changes of light, paint or contrast; `program` is made of
   /// kWholeVertex and kStoneFragment. Leaves another framebuffer and viewport bound.
-  void light_stone(const gl::Program& program, bool high_contrast);
+  void light_stone(const gl::Program& program, bool high_contrast, Look look);
   /// Draws into the bound framebuffer and viewport; depth test and clearing are the caller's.
   void draw(ReliefPrograms& programs, const View& view, const ReliefStyle& style) const;
 
@@ -72,6 +88,7 @@ class ReliefView {
   void set_up(const gl::Program& program, const View& view, const ReliefStyle& style, int stride) const;
   void draw_chunks(const Triangles& mesh, const View& view, const ReliefStyle& style) const;
   [[nodiscard]] const Triangles& mesh(int level) const;
+  [[nodiscard]] float relief_gain() const;  ///< slopes are lit as if this much steeper
 
   ReliefData data_;
   Stage stage_;

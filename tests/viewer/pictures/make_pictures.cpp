@@ -1,4 +1,5 @@
 // Pictures of the viewer for its page and for eyes: viewer_pictures OUT [SCENE...] draws every view and mode.
+#include <array>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include "base/png.h"
 #include "tests/viewer/relief_scene.h"
 #include "tests/viewer/studio.h"
+#include "tests/viewer/views.h"
 
 namespace sparsha::viewer::test {
 namespace {
@@ -37,6 +39,56 @@ haptics::State hand_on(const pipeline::Scene& scene, Picture& picture) {
   return state;
 }
 
+/// Measures, a pin and parts, set as a person does: by keys and clicks.
+void draw_marks(const pipeline::ScenePointer& scene, const std::filesystem::path& folder, const std::string& name) {
+  haptics::AnnouncementBoard board;
+  Connections connections;
+  connections.announcements = &board;
+  connections.save_parts = [](const std::vector<pipeline::PartConfig>&) { return true; };
+  Studio studio(scene, {}, connections);
+  const haptics::State state = hand_on(*scene, studio.picture());
+  Controller& controller = studio.controller();
+  studio.settle(state);
+  studio.shoot(state);
+  const Layout layout = layout_of(1280, 720, controller.settings());
+  const auto point = [&](double u, double v) {
+    controller.mouse_move(layout.detail.x + u * layout.detail.width, v * layout.detail.height, layout,
+                          studio.picture().detail_view(), studio.picture().stage(), {});
+  };
+  const auto click = [&](double u, double v) {
+    point(u, v);
+    controller.mouse_button(0, true, 0);
+    controller.mouse_button(0, false, 0);
+    studio.settle(state);
+  };
+  const auto write = [&](Action action, const char* words) {
+    controller.act(action);
+    studio.settle(state);
+    for (const char* c = words; *c != 0; ++c) controller.type(static_cast<char32_t>(*c));
+    controller.press({key::kEnter});
+    studio.settle(state);
+  };
+  studio.act(Action::measure);
+  click(0.25, 0.25);
+  click(0.42, 0.33);
+  studio.act(Action::measure);
+  click(0.70, 0.22);
+  click(0.78, 0.35);
+  click(0.66, 0.42);
+  studio.act(Action::measure);
+  click(0.22, 0.52);
+  click(0.78, 0.58);
+  studio.act(Action::measure);
+  point(0.60, 0.30);
+  write(Action::pin, "A chip, 1987");
+  point(0.36, 0.72);
+  write(Action::add_part, "Outer petal");
+  studio.settle(state);
+  studio.shoot(state);
+  save(studio.shoot(state), folder / (name + "-marks.png"));
+  for (const std::string& error : studio.gl_errors()) std::fprintf(stderr, "marks: %s\n", error.c_str());
+}
+
 void draw_all(const pipeline::ScenePointer& scene, const std::filesystem::path& folder, const std::string& name) {
   const auto shoot = [&](const char* what, const std::vector<Action>& actions, int width = 1280, int height = 720) {
     haptics::AnnouncementBoard board;
@@ -57,7 +109,6 @@ void draw_all(const pipeline::ScenePointer& scene, const std::filesystem::path& 
   shoot("tilted", std::vector<Action>(12, Action::tilt_down));
   shoot("outline", {Action::outline});
   shoot("height", {Action::colour});
-  ViewSettings settings;
   std::vector<Action> steps;
   for (ColourMode mode = ColourMode::relief;;) {
     mode = next_mode(scene->description(), mode);
@@ -74,6 +125,17 @@ void draw_all(const pipeline::ScenePointer& scene, const std::filesystem::path& 
   shoot("contrast", {Action::contrast, Action::large_type});
   shoot("small", {Action::figures}, 640, 400);
   shoot("parallel", {Action::orthographic});
+  for (int look = 1; look < kLooks; ++look) {
+    std::vector<Action> looks(static_cast<std::size_t>(look), Action::look);
+    shoot(std::array{"", "sky", "clay", "eye-dome"}[static_cast<std::size_t>(look)], looks);
+    looks.insert(looks.end(), 12, Action::tilt_down);
+    shoot(std::array{"", "sky-tilted", "clay-tilted", "eye-dome-tilted"}[static_cast<std::size_t>(look)], looks);
+  }
+  shoot("contours", {Action::contours_finer});
+  shoot("section", {Action::section, Action::tilt_down, Action::tilt_down, Action::tilt_down, Action::tilt_down,
+                    Action::tilt_down, Action::tilt_down, Action::tilt_down, Action::tilt_down, Action::turn_left,
+                    Action::turn_left, Action::turn_left});
+  draw_marks(scene, folder, name);
 }
 
 }  // namespace
@@ -82,10 +144,14 @@ void draw_all(const pipeline::ScenePointer& scene, const std::filesystem::path& 
 int main(int count, char** arguments) {
   using namespace sparsha;
   if (count < 2) {
-    std::fputs("usage: viewer_pictures OUT [SCENE...]\n", stderr);
+    std::fputs("usage: viewer_pictures OUT [SCENE...] | viewer_pictures --reference FILE\n", stderr);
     return 2;
   }
   try {
+    if (std::string(arguments[1]) == "--reference" && count == 3) {
+      viewer::test::save(viewer::test::draw_sheet(), arguments[2]);
+      return 0;
+    }
     const std::filesystem::path folder = arguments[1];
     std::filesystem::create_directories(folder);
     if (count == 2)

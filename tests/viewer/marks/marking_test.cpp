@@ -1,0 +1,379 @@
+// Clicks and keys to measures, pins, sections and parts, through the controller as the window feeds it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "base/files.h"
+#include "scene/scene_folder.h"
+#include "tests/support/test_folder.h"
+#include "tests/viewer/relief_scene.h"
+#include "viewer/controller.h"
+
+namespace sparsha::viewer::test {
+namespace {
+
+double slope(double x_m, double) { return 0.1 * x_m; }
+
+/// A controller over a scene, driven by pixels that are computed from places of the object.
+struct Bench {
+  std::vector<std::string> spoken;
+  std::vector<std::vector<pipeline::PartConfig>> saved;
+  bool takes_parts = true;
+  pipeline::ScenePointer scene;
+  std::unique_ptr<Controller> controller;
+  double time_s = 0.0;
+
+  explicit Bench(pipeline::ScenePointer made) : scene(std::move(made)) {
+    Connections connections;
+    connections.speak = [this](const std::string& words) { spoken.push_back(words); };
+    connections.save_parts = [this](const std::vector<pipeline::PartConfig>& parts) {
+      saved.push_back(parts);
+      return takes_parts;
+    };
+    controller = std::make_unique<Controller>(connections, ViewSettings{});
+    controller->set_scene(scene);
+    run();
+  }
+  void run() {
+    for (int k = 0; k < 60; ++k) controller->update(time_s += 0.02, {}, 1280, 720, slope);
+  }
+  [[nodiscard]] Layout layout() const { return layout_of(1280, 720, controller->settings()); }
+  [[nodiscard]] View view() const {
+    return make_view(controller->frame().camera, layout().detail.width, layout().detail.height);
+  }
+  void point_at(double x_m, double y_m) {
+    const Stage stage = stage_of(scene->description());
+    const auto pixel = view().to_pixel(stage.to_world({x_m, y_m, slope(x_m, y_m)}));
+    ASSERT_TRUE(pixel);
+    controller->mouse_move(layout().detail.x + pixel->x(), pixel->y(), layout(), view(), stage, slope);
+  }
+  void click(double x_m, double y_m) {
+    point_at(x_m, y_m);
+    controller->mouse_button(0, true, 0);
+    controller->mouse_button(0, false, 0);
+    run();
+  }
+  void key(int key, int modifiers = 0) {
+    controller->press({key, modifiers});
+    run();
+  }
+  void type(const std::string& words) {
+    for (const char c : words) controller->type(static_cast<char32_t>(c));
+    run();
+  }
+  [[nodiscard]] const Marks& marks() const { return controller->frame().marks; }
+};
+
+pipeline::ScenePointer plate(const sparsha::test::EditDescription& edit = {}) {
+  return scene_of(slope, {201, 201, 0.001, 1}, edit);
+}
+
+TEST(Marking, ADistanceBetweenTwoClicksIsThatOfThePlacesUnderThem) {
+  Bench bench(plate());
+  bench.key('U');
+  ASSERT_EQ(bench.marks().tool, Tool::distance);
+  bench.click(0.05, 0.06);
+  EXPECT_EQ(bench.marks().pending_m.size(), 1U);
+  EXPECT_TRUE(bench.marks().notes.measures.empty());
+  bench.click(0.15, 0.12);
+  ASSERT_EQ(bench.marks().notes.measures.size(), 1U);
+  // In space, on the tilted surface. A pixel is 0.2 m / 660.
+  const double truth = std::sqrt(0.1 * 0.1 + 0.06 * 0.06 + 0.01 * 0.01);
+  EXPECT_NEAR(value_of(bench.marks().notes.measures[0]), truth, 0.001);
+  EXPECT_TRUE(std::ranges::any_of(bench.spoken, [](const std::string& words) { return words.starts_with("11."); }));
+  bench.key('U');
+  bench.click(0.10, 0.05);
+  bench.click(0.05, 0.05);
+  bench.click(0.05, 0.10);
+  ASSERT_EQ(bench.marks().notes.measures.size(), 2U);
+  EXPECT_NEAR(value_of(bench.marks().notes.measures[1]), 3.14159265358979 / 2.0, 0.02);
+  // Delete removes what is pointed at.
+  bench.point_at(0.15, 0.12);
+  bench.key(key::kDelete);
+  ASSERT_EQ(bench.marks().notes.measures.size(), 1U);
+  EXPECT_EQ(bench.marks().notes.measures[0].kind, Measure::Kind::angle);
+  bench.point_at(0.18, 0.18);
+  bench.key(key::kDelete);
+  EXPECT_EQ(bench.marks().notes.measures.size(), 1U) << "nothing is there";
+}
+
+TEST(Marking, AClickOfAToolNeitherPressesNorTurnsAndEscapeLeavesIt) {
+  Bench bench(plate());
+  bench.key('U');
+  const Camera before = bench.controller->frame().camera;
+  bench.point_at(0.1, 0.1);
+  bench.controller->mouse_button(0, true, 0);
+  bench.point_at(0.12, 0.13);
+  bench.controller->mouse_button(0, false, 0);
+  bench.run();
+  EXPECT_EQ(bench.controller->frame().camera.turn_rad, before.turn_rad);
+  EXPECT_EQ(bench.marks().pending_m.size(), 1U);
+  bench.key(key::kEscape);
+  EXPECT_TRUE(bench.marks().pending_m.empty());
+  EXPECT_EQ(bench.marks().tool, Tool::distance);
+  bench.key(key::kEscape);
+  EXPECT_EQ(bench.marks().tool, Tool::none);
+  EXPECT_FALSE(bench.controller->wants_to_leave());
+  bench.key(key::kEscape);
+  EXPECT_TRUE(bench.controller->wants_to_leave());
+}
+
+TEST(Marking, ProfileComesFromTheFinestLevel) {
+  Bench bench(plate());
+  for (int k = 0; k < 3; ++k) bench.key('U');
+  bench.click(0.04, 0.05);
+  bench.click(0.16, 0.05);
+  ASSERT_FALSE(bench.marks().profile.empty());
+  EXPECT_NEAR(static_cast<double>(bench.marks().profile.size()), 121.0, 2.0);
+  for (const ProfileSample& s : bench.marks().profile) EXPECT_NEAR(s.at_m.z(), slope(s.at_m.x(), 0.0), 1e-8);
+}
+
+TEST(Marking, AClickWhereNothingWasMeasuredIsSaid) {
+  Bench bench(scene_of([](double x_m, double) { return x_m < 0.1 ? 0.1 * x_m : std::nan(""); }, {201, 201, 0.001, 1}));
+  bench.key('U');
+  bench.click(0.15, 0.1);
+  EXPECT_TRUE(bench.marks().pending_m.empty());
+  EXPECT_EQ(bench.spoken.back(), "Nothing was measured there");
+}
+
+TEST(Marking, APinKeepsWhatIsTypedAndNotTheKeyThatBeganIt) {
+  Bench bench(plate());
+  bench.point_at(0.07, 0.13);
+  bench.controller->press({'K'});
+  bench.controller->type(U'k');  // comes with the key, before the next picture
+  bench.run();
+  ASSERT_TRUE(bench.marks().typing);
+  EXPECT_EQ(*bench.marks().typing, "");
+  bench.type("cracQ");
+  bench.key('Q');  // while words are written, keys are theirs
+  EXPECT_FALSE(bench.controller->wants_to_leave());
+  bench.key(key::kBackspace);
+  bench.type("k 3");
+  bench.controller->type(U'\u0928');
+  bench.key(key::kEnter);
+  ASSERT_FALSE(bench.marks().typing);
+  ASSERT_EQ(bench.marks().notes.pins.size(), 1U);
+  EXPECT_EQ(bench.marks().notes.pins[0].text, "crack 3\xE0\xA4\xA8");
+  EXPECT_NEAR(bench.marks().notes.pins[0].at_m.x(), 0.07, 0.001);
+  EXPECT_NEAR(bench.marks().notes.pins[0].at_m.y(), 0.13, 0.001);
+  // Without words there is no pin.
+  bench.key('K');
+  bench.key(key::kEnter);
+  EXPECT_EQ(bench.marks().notes.pins.size(), 1U);
+  bench.key('K');
+  bench.type("x");
+  bench.key(key::kEscape);
+  EXPECT_EQ(bench.marks().notes.pins.size(), 1U);
+  EXPECT_FALSE(bench.controller->wants_to_leave());
+}
+
+TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
+  const sparsha::test::TestFolder folder;
+  Eigen::Matrix4d scan_from_grid = Eigen::Matrix4d::Identity();
+  scan_from_grid.topLeftCorner<3, 3>() =
+      Eigen::AngleAxisd(1.5707963267948966, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  scan_from_grid.topRightCorner<3, 1>() = Eigen::Vector3d(10.0, 20.0, 30.0);
+  const auto turned = [&](pipeline::SceneDescription& d) {
+    d.config.scans.resize(1);
+    d.config.scans[0].file = "scan.ply";
+    d.sources = {{"scan.ply", "abc", 1}};
+    d.config.orientation.scan_to_grid = scan_from_grid.inverse();
+    d.scan_from_grid = scan_from_grid;
+  };
+  std::filesystem::create_directories(folder / "scene");
+  pipeline::write_scene(*plate(turned), folder / "scene");
+  {
+    Bench bench(pipeline::open_scene(folder / "scene"));
+    bench.point_at(0.05, 0.08);
+    bench.key('K');
+    bench.type("Nose");
+    bench.key(key::kEnter);
+    bench.key('Z');
+    bench.key('I');
+    for (int k = 0; k < 1; ++k) bench.key('U');
+    bench.click(0.05, 0.06);
+    bench.click(0.15, 0.12);
+  }
+  const Notes file = read_notes(folder / "scene" / "notes.yaml");
+  ASSERT_EQ(file.pins.size(), 1U);
+  // A quarter turn about x: (x, y, z) goes to (x, -z, y), then the shift.
+  EXPECT_NEAR(file.pins[0].at_m.x(), 10.05, 0.001);
+  EXPECT_NEAR(file.pins[0].at_m.y(), 20.0 - 0.005, 0.001);
+  EXPECT_NEAR(file.pins[0].at_m.z(), 30.08, 0.001);
+  EXPECT_TRUE(file.parallel);
+  EXPECT_TRUE(file.section);
+  Bench again(pipeline::open_scene(folder / "scene"));
+  ASSERT_EQ(again.marks().notes.pins.size(), 1U);
+  EXPECT_NEAR(again.marks().notes.pins[0].at_m.x(), 0.05, 0.001);
+  EXPECT_NEAR(again.marks().notes.pins[0].at_m.y(), 0.08, 0.001);
+  ASSERT_EQ(again.marks().notes.measures.size(), 1U);
+  EXPECT_TRUE(again.marks().notes.section);
+  EXPECT_EQ(again.controller->frame().camera.field_rad, 0.0) << "parallel, as it was left";
+  // A depth scan of the same scans from another side lies in no folder: the notes stay on the object.
+  const auto other = [&](pipeline::SceneDescription& d) {
+    turned(d);
+    d.scan_from_grid = Eigen::Matrix4d::Identity();
+    d.scan_from_grid.topRightCorner<3, 1>() = Eigen::Vector3d(10.0, 20.0, 30.0);
+  };
+  again.controller->set_scene(plate(other));
+  again.run();
+  ASSERT_EQ(again.marks().notes.pins.size(), 1U);
+  EXPECT_NEAR(again.marks().notes.pins[0].at_m.z(), 0.08, 0.001);
+  EXPECT_NEAR(again.marks().notes.pins[0].at_m.y(), -0.005, 0.001);
+  again.controller->set_scene(plate());
+  again.run();
+  EXPECT_TRUE(again.marks().notes.empty()) << "another object has none of them";
+}
+
+TEST(Marking, NotesThatCannotBeReadAreSaidAndNotWrittenOver) {
+  const sparsha::test::TestFolder folder;
+  std::filesystem::create_directories(folder / "scene");
+  pipeline::write_scene(*plate([](pipeline::SceneDescription& d) {
+    d.config.scans.resize(1);
+    d.config.scans[0].file = "scan.ply";
+    d.sources = {{"scan.ply", "abc", 1}};
+  }),
+                        folder / "scene");
+  write_file(folder / "scene" / "notes.yaml", "pins: broken\n");
+  Bench bench(pipeline::open_scene(folder / "scene"));
+  ASSERT_FALSE(bench.spoken.empty());
+  EXPECT_NE(bench.spoken.front().find("notes.yaml:1"), std::string::npos) << bench.spoken.front();
+  bench.key('Z');
+  EXPECT_EQ(read_file(folder / "scene" / "notes.yaml", 1000), "pins: broken\n");
+}
+
+pipeline::ScenePointer with_part() {
+  return plate([](pipeline::SceneDescription& d) {
+    pipeline::PartConfig part;
+    part.name = part.say = "petal";
+    part.box_m = {0.05, 0.05, 0.10, 0.09};
+    part.touch.stiffness_n_per_m = 500.0;
+    d.config.parts.push_back(part);
+  });
+}
+
+TEST(Marking, APartsCornerIsDraggedAndWhatElseItHasStays) {
+  Bench bench(with_part());
+  bench.key('A');
+  ASSERT_TRUE(bench.controller->settings().parts);
+  bench.point_at(0.10, 0.09);
+  bench.controller->mouse_button(0, true, 0);
+  bench.point_at(0.13, 0.12);
+  EXPECT_TRUE(bench.saved.empty()) << "while it is dragged nothing is kept";
+  bench.controller->mouse_button(0, false, 0);
+  bench.run();
+  ASSERT_EQ(bench.saved.size(), 1U);
+  ASSERT_EQ(bench.saved[0].size(), 1U);
+  const pipeline::PartConfig& part = bench.saved[0][0];
+  EXPECT_NEAR(part.box_m[0], 0.05, 1e-12);
+  EXPECT_NEAR(part.box_m[1], 0.05, 1e-12);
+  EXPECT_NEAR(part.box_m[2], 0.13, 0.001);
+  EXPECT_NEAR(part.box_m[3], 0.12, 0.001);
+  EXPECT_EQ(part.touch.stiffness_n_per_m, 500.0);
+  // The middle moves all of it; a corner cannot be dragged through the others.
+  bench.point_at(0.09, 0.085);
+  bench.controller->mouse_button(0, true, 0);
+  bench.point_at(0.10, 0.085);
+  bench.controller->mouse_button(0, false, 0);
+  bench.run();
+  ASSERT_EQ(bench.saved.size(), 2U);
+  EXPECT_NEAR(bench.saved[1][0].box_m[0], 0.06, 0.001);
+  EXPECT_NEAR(bench.saved[1][0].box_m[2], 0.14, 0.001);
+  bench.point_at(0.06, 0.05);
+  bench.controller->mouse_button(0, true, 0);
+  bench.point_at(0.18, 0.18);
+  bench.controller->mouse_button(0, false, 0);
+  bench.run();
+  EXPECT_LT(bench.marks().parts[0].box_m[0], bench.marks().parts[0].box_m[2]);
+}
+
+TEST(Marking, ANewPartGetsItsNameAndOneThatCannotBeKeptGoesBack) {
+  Bench bench(with_part());
+  bench.point_at(0.15, 0.15);
+  bench.key('K', kShift);
+  bench.type("leaf");
+  bench.key(key::kEnter);
+  ASSERT_EQ(bench.saved.size(), 1U);
+  ASSERT_EQ(bench.saved[0].size(), 2U);
+  EXPECT_EQ(bench.saved[0][1].name, "leaf");
+  EXPECT_EQ(bench.saved[0][1].say, "leaf");
+  EXPECT_NEAR(0.5 * (bench.saved[0][1].box_m[0] + bench.saved[0][1].box_m[2]), 0.15, 0.001);
+  bench.takes_parts = false;
+  bench.point_at(0.15, 0.15);
+  bench.key(key::kDelete);
+  EXPECT_EQ(bench.saved.size(), 2U);
+  EXPECT_EQ(bench.marks().parts.size(), 1U) << "as the scene has them";
+}
+
+TEST(Marking, PartsDrawnInAnotherOrientationAreShownAndNotEdited) {
+  Bench bench(plate([](pipeline::SceneDescription& d) {
+    pipeline::PartConfig part;
+    part.name = "petal";
+    part.box_m = {0.05, 0.05, 0.10, 0.09};
+    d.config.parts.push_back(part);
+    d.region_from_grid = Eigen::Matrix4d::Identity();
+  }));
+  bench.key('A');
+  ASSERT_EQ(bench.marks().parts.size(), 1U);
+  EXPECT_TRUE(bench.marks().parts_fixed);
+  bench.point_at(0.10, 0.09);
+  bench.controller->mouse_button(0, true, 0);
+  bench.point_at(0.13, 0.12);
+  bench.controller->mouse_button(0, false, 0);
+  bench.run();
+  EXPECT_TRUE(bench.saved.empty());
+}
+
+TEST(Marking, TheSectionPlaneLiesAlongTheNewestProfileAndMoves) {
+  Bench bench(plate());
+  for (int k = 0; k < 3; ++k) bench.key('U');
+  bench.click(0.04, 0.05);
+  bench.click(0.16, 0.11);
+  bench.key('Z');
+  ASSERT_TRUE(bench.marks().notes.section);
+  Section section = *bench.marks().notes.section;
+  EXPECT_LT(section.out.y(), 0.0) << "what lies towards the viewer is left out";
+  EXPECT_NEAR(section.out.dot(Eigen::Vector3d(0.12, 0.06, 0.0).normalized()), 0.0, 0.01);
+  bench.key('Y');
+  const Section moved = *bench.marks().notes.section;
+  EXPECT_LT((moved.at_m - section.at_m).dot(section.out), 0.0);
+  bench.key('Y', kShift);
+  EXPECT_NEAR((bench.marks().notes.section->at_m - section.at_m).norm(), 0.0, 1e-12);
+  bench.key('Z', kShift);
+  EXPECT_NEAR(std::acos(bench.marks().notes.section->out.dot(section.out)), 3.14159265358979 / 12.0, 1e-9);
+  bench.key('Z');
+  EXPECT_FALSE(bench.marks().notes.section);
+}
+
+TEST(Contours, StepsAreRoundAndEndInNone) {
+  double step_m = next_contour_m(0.0, 0.1, true);
+  EXPECT_DOUBLE_EQ(step_m, 0.005);
+  std::set<double> steps;
+  for (int k = 0; k < 30; ++k) {
+    EXPECT_TRUE(steps.insert(step_m).second || k > 6) << step_m;
+    const double mantissa = step_m / std::pow(10.0, std::floor(std::log10(step_m) + 1e-9));
+    EXPECT_TRUE(std::abs(mantissa - 1) < 1e-6 || std::abs(mantissa - 2) < 1e-6 || std::abs(mantissa - 5) < 1e-6)
+        << step_m;
+    step_m = next_contour_m(step_m, 0.1, true);
+  }
+  EXPECT_DOUBLE_EQ(step_m, 5e-5) << "the finest is a two-thousandth of the range";
+  step_m = 0.005;
+  EXPECT_DOUBLE_EQ(step_m = next_contour_m(step_m, 0.1, false), 0.01);
+  EXPECT_DOUBLE_EQ(step_m = next_contour_m(step_m, 0.1, false), 0.02);
+  EXPECT_DOUBLE_EQ(step_m = next_contour_m(step_m, 0.1, false), 0.05);
+  EXPECT_DOUBLE_EQ(step_m = next_contour_m(step_m, 0.1, false), 0.0);
+  EXPECT_DOUBLE_EQ(next_contour_m(0.0, 0.1, false), 0.0);
+  EXPECT_DOUBLE_EQ(next_contour_m(0.0, 0.0, true), 0.0);
+  EXPECT_DOUBLE_EQ(next_contour_m(0.0, std::nan(""), true), 0.0);
+}
+
+}  // namespace
+}  // namespace sparsha::viewer::test
