@@ -10,6 +10,13 @@
 namespace sparsha::app {
 namespace fs = std::filesystem;
 
+namespace {
+
+// Whether a live stream is asked for at all.
+bool sounds(const pipeline::Config& config) { return config.audio.has_value() || config.cues.has_value(); }
+
+}  // namespace
+
 std::unique_ptr<haptics::Session> Exploration::session_of(const pipeline::ScenePointer& scene) {
   const pipeline::Config& config = scene->description().config;
   haptics::SessionOptions options;
@@ -29,7 +36,7 @@ void Exploration::make_session_of(pipeline::ScenePointer scene, bool needs_sound
   scene_work_ = scans_->status().work;
   session_ = session_of(scene_);
   contacts_ = session_->add_contact_consumer();  // also where only a later scene sounds
-  if (!scene_->description().config.audio && arguments_.audio_out.empty()) return;
+  if (!sounds(scene_->description().config) && arguments_.audio_out.empty()) return;
   try {
     sound_.use(sound_of(scene_));
   } catch (const Error& error) {
@@ -41,7 +48,7 @@ void Exploration::make_session_of(pipeline::ScenePointer scene, bool needs_sound
 std::unique_ptr<audio::Engine> Exploration::sound_of(const pipeline::ScenePointer& scene) {
   audio::EngineOptions options;
   options.wav = arguments_.audio_out;
-  options.live = scene->description().config.audio.has_value();
+  options.live = sounds(scene->description().config);
   options.device = arguments_.audio_device;
   return std::make_unique<audio::Engine>(scene, contacts_, session_->state(), options);
 }
@@ -58,7 +65,7 @@ void Exploration::begin_with(const pipeline::ScenePointer& scene) {
 void Exploration::change_scene(const pipeline::ScenePointer& scene) {
   const bool changes_sound = arguments_.audio_out.empty();
   std::unique_ptr<audio::Engine> sound;
-  if (changes_sound && scene->description().config.audio) sound = sound_of(scene);  // or nothing changes
+  if (changes_sound && sounds(scene->description().config)) sound = sound_of(scene);  // or nothing changes
   session_->set_scene(scene);
   before_ = std::exchange(scene_, scene);
   const double stiffness = scene->description().config.haptics.stiffness_n_per_m;

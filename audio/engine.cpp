@@ -223,7 +223,7 @@ Engine::Engine(pipeline::ScenePointer scene, std::shared_ptr<haptics::ContactQue
   self.bank = make_sound_bank(*self.scene, kWavRate_hz);
   for (const std::string& text : self.bank->warnings) self.warn(text);
   self.device = options.device;
-  self.live_wanted = options.live && (!self.bank->regions.empty() || self.bank->scrape_gain > 0.0);
+  self.live_wanted = options.live && self.bank->sounds();
   if (self.bank->scrape_gain > 0.0) self.profiles.emplace(self.scene, self.bank->scrape_grain);
   if (!options.wav.empty()) self.wav.emplace(self.bank, options.wav, options.wav_bits);
 }

@@ -1,4 +1,5 @@
-// Sound from touch: regions and materials that are struck or slid onto, and the surface as it is stroked.
+// Sound from touch: regions and materials that are struck or slid onto, the surface as it is stroked, and what tells a
+// hand where it has come to.
 // Two sinks of the same synthesiser: a PortAudio stream, or a WAV file whose time 0 is the servo's.
 #pragma once
 
@@ -23,7 +24,8 @@ struct EngineOptions {
 };
 
 /// Loads clips into memory and makes the voices. Throws Error{input} for an unreadable clip, Error{failure} when the
-/// WAV file cannot be begun. A scene without `audio:` opens no device; its WAV file is silence of the run's length.
+/// WAV file cannot be begun. A scene without `audio:` and `cues:` opens no device; its WAV file is silence of the run's
+/// length.
 class Engine {
  public:
   /// `state` must outlive the engine; the engine is the one consumer of `contacts`.

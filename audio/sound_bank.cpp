@@ -158,6 +158,7 @@ std::shared_ptr<const SoundBank> make_sound_bank(const pipeline::Scene& scene, i
   bank->sample_rate_hz = sample_rate_hz;
   const pipeline::SceneDescription& description = scene.description();
   const auto& audio = description.config.audio;
+  bank->cues = description.config.cues;
   BankMaker maker(*bank, description);
   maker.add_ground(audio ? audio->material : std::nullopt);
   if (!audio) return bank;

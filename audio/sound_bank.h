@@ -13,6 +13,7 @@
 #include "audio/clip.h"
 #include "audio/modal.h"
 #include "base/png_reader.h"
+#include "scene/cues_config.h"
 #include "scene/scene.h"
 
 namespace sparsha::audio {
@@ -49,16 +50,19 @@ struct SoundBank {
   std::vector<SoundRegion> regions;
   std::vector<ScrapeSound> scrapes;  ///< the first is that of places without a region; never empty
   std::optional<LabelMap> labels;
-  double scrape_gain = 0.0;           ///< 0 = no friction sound
-  bool scrape_grain = true;           ///< the friction sound goes on below the nodes' distance
-  std::vector<std::string> warnings;  ///< what was asked for and cannot sound
+  double scrape_gain = 0.0;                  ///< 0 = no friction sound
+  bool scrape_grain = true;                  ///< the friction sound goes on below the nodes' distance
+  std::optional<pipeline::CuesConfig> cues;  ///< which things that the hand comes to are told of
+  std::vector<std::string> warnings;         ///< what was asked for and cannot sound
 
+  /// False when nothing ever sounds.
+  [[nodiscard]] bool sounds() const noexcept { return !regions.empty() || scrape_gain > 0.0 || cues.has_value(); }
   /// Index of the first region that holds the place (regions' frame, metres); none when there is none. No allocation.
   [[nodiscard]] std::optional<std::size_t> region_at(double x_m, double y_m) const noexcept;
 };
 
-/// Loads clips and label image and works out modes. A scene without `audio:` gives an empty bank. Throws Error{input}
-/// for files that cannot be read, Error{usage} for impossible notes.
+/// Loads clips and label image and works out modes. A scene without `audio:` gives a bank without regions. Throws
+/// Error{input} for files that cannot be read, Error{usage} for impossible notes.
 [[nodiscard]] std::shared_ptr<const SoundBank> make_sound_bank(const pipeline::Scene& scene, int sample_rate_hz);
 
 }  // namespace sparsha::audio

@@ -18,6 +18,7 @@ Synth::Synth(std::shared_ptr<const SoundBank> bank)
     : bank_(std::move(bank)),
       clips_(bank_->sample_rate_hz),
       needle_(*bank_),
+      earcons_(bank_->cues, bank_->sample_rate_hz),
       limiter_(kCeiling, bank_->sample_rate_hz) {
   pillars_.resize(bank_->regions.size());
   ringing_.reserve(bank_->regions.size());
@@ -45,6 +46,7 @@ bool Synth::state(const haptics::State& state, std::uint64_t frame) noexcept {
     point.sound = region ? bank_->regions[*region].scrape : 0;
     needle_.move(point);
   }
+  earcons_.state(state, frame);
   const auto slides = gate_.slide(*bank_, state);
   return slides && strike(*slides, frame);
 }
@@ -113,6 +115,7 @@ void Synth::render_block(float* out, std::size_t count) noexcept {
     }
   }
   needle_.render(left.data(), count, frame_);
+  earcons_.render(left.data(), count, frame_);
   right = left;  // what is struck and stroked is in the middle
   clips_.render(left.data(), right.data(), count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -121,11 +124,11 @@ void Synth::render_block(float* out, std::size_t count) noexcept {
     out[2 * i + 1] = audible(frame.right);
   }
   frame_ += count;
-  if (!ringing_.empty() || clips_.sounding() || needle_.sounding()) last_sound_ = frame_;
+  if (!ringing_.empty() || clips_.sounding() || needle_.sounding() || earcons_.sounding()) last_sound_ = frame_;
 }
 
 bool Synth::sounding() const noexcept {
-  return event_count_ > 0 || !ringing_.empty() || clips_.sounding() || needle_.sounding() ||
+  return event_count_ > 0 || !ringing_.empty() || clips_.sounding() || needle_.sounding() || earcons_.sounding() ||
          frame_ < last_sound_ + kBlock + latency_frames();
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "audio/clip_player.h"
+#include "audio/earcons.h"
 #include "audio/levels.h"
 #include "audio/limiter.h"
 #include "audio/needle.h"
@@ -31,13 +32,16 @@ class Synth {
   bool contact(const haptics::ContactEvent& event, std::uint64_t frame) noexcept;
   /// False when the event queue is full (counted).
   bool strike(const Strike& strike, std::uint64_t frame) noexcept;
-  /// The hand as it is at `frame`: where it strokes, and whether it slides onto a region that sounds; true when it
-  /// does. States come in order of frames.
+  /// The hand as it is at `frame`: where it strokes, what it has come to, and whether it slides onto a region that
+  /// sounds; true when it does. States come in order of frames.
   bool state(const haptics::State& state, std::uint64_t frame) noexcept;
   /// The heights under the hand from `frame` on. Whoever gives them keeps a share of them, so that none is freed here.
   void profile(std::shared_ptr<const Profile> profile, std::uint64_t frame) noexcept;
-  /// The hand is in the air from `frame` on.
-  void lift(std::uint64_t frame) noexcept { needle_.move({.frame = frame}); }
+  /// The hand is in the air, or gone, from `frame` on.
+  void lift(std::uint64_t frame) noexcept {
+    needle_.move({.frame = frame});
+    earcons_.leave(frame);
+  }
 
   /// Interleaved stereo, floats of at most kCeiling, latency_frames() after their events.
   void render(std::span<float> interleaved) noexcept;
@@ -70,6 +74,7 @@ class Synth {
   std::vector<std::uint32_t> ringing_;  ///< regions whose modes sound; capacity reserved
   ClipPlayer clips_;
   Needle needle_;
+  Earcons earcons_;
   Limiter limiter_;
   std::uint64_t frame_ = 0;
   std::uint64_t last_sound_ = 0;  ///< frame before which something was not zero

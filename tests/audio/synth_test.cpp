@@ -133,7 +133,10 @@ TEST(Synth, StealingPillarsMakesNoClick) {
 }
 
 TEST(Synth, RenderingAllocatesNothing) {
-  Synth synth(bank({note("sa", {0, 0, 0.5, 1}, 240.0, 1.2), note("re", {0.5, 0, 1, 1}, 270.0, 1.2)}, 0.5));
+  const auto notes = bank({note("sa", {0, 0, 0.5, 1}, 240.0, 1.2), note("re", {0.5, 0, 1, 1}, 270.0, 1.2)}, 0.5);
+  const auto with_cues = std::make_shared<SoundBank>(*notes);
+  with_cues->cues = pipeline::CuesConfig{};
+  Synth synth(with_cues);
   std::vector<float> block(512);
   const auto profile = audio_scene::rough_profile();
   const std::size_t before = allocations::count();
@@ -141,7 +144,11 @@ TEST(Synth, RenderingAllocatesNothing) {
     synth.contact(touch(0.1 * i, i % 2 == 0 ? 0.2 : 0.7, 0.5, 1.0), synth.frame());
     synth.contact(audio_scene::lift(0.1 * i + 0.05), synth.frame());
     synth.profile(profile, synth.frame());
-    synth.state(audio_scene::stroking(0.1 * i + 0.01, 0.3 + 0.001 * i, 0.5), synth.frame() + 20);
+    haptics::State hand = audio_scene::stroking(0.1 * i + 0.01, 0.3 + 0.001 * i, 0.5, i % 60 < 30 ? 1.0 : 0.0);
+    hand.cues.fill(static_cast<std::uint64_t>(i / 7));
+    hand.away_m = 0.05;
+    hand.device_m = {0.001 * i, 0.0, 0.0};
+    synth.state(hand, synth.frame() + 20);
     synth.render(block);
   }
   EXPECT_EQ(allocations::count(), before);
