@@ -134,12 +134,19 @@ void Needle::move(const Point& given) noexcept {
 
 void Needle::seat(const Point& point) noexcept {
   seated_ = true;
+  lifted_ = false;
   at_m_ = half_way_m_ = point.place_m;
   speed_m_per_s_ = 0.0;
   last_height_m_ = height_m(0.0);
 }
 
-void Needle::lift() noexcept { seated_ = moves_ = false; }
+/// The needle comes to rest where it is while the press fades: to stop at once would click.
+void Needle::lift(std::uint64_t frame) noexcept {
+  lifted_ = seated_;
+  reached_.frame = frame;
+  reached_.touching = false;
+  reached_.press_level = 0.0;
+}
 
 /// Takes what has been reached by `frame`.
 void Needle::advance(std::uint64_t frame) noexcept {
@@ -152,23 +159,33 @@ void Needle::advance(std::uint64_t frame) noexcept {
   while (waiting_ > 0 && points_[first_].frame <= frame) {
     const Point& next = points_[first_];
     const bool pause = next.frame > reached_.frame + static_cast<std::uint64_t>(kPause_s * rate_hz_);
-    if (!next.touching) {
-      lift();
-    } else if (!seated_ || (pause && next.place_m != reached_.place_m)) {
-      seat(next);
+    if (next.touching) {
+      if (!seated_ || lifted_ || (pause && next.place_m != reached_.place_m)) seat(next);
+      reached_ = next;
+    } else {
+      lift(next.frame);
     }
-    reached_ = next;
     first_ = (first_ + 1) % kMostPoints;
     --waiting_;
   }
 }
 
-Eigen::Vector2d Needle::target(std::uint64_t frame) const noexcept {
-  if (waiting_ == 0 || !points_[first_].touching) return reached_.place_m;
-  const Point& next = points_[first_];
-  const auto gap = static_cast<double>(next.frame - reached_.frame);
-  if (gap > kPause_s * rate_hz_) return reached_.place_m;
-  return reached_.place_m + (next.place_m - reached_.place_m) * (static_cast<double>(frame - reached_.frame) / gap);
+/// From the point that has been reached to the next one, 0 to 1; 0 as well where that is another stroke or in the air.
+double Needle::share_of_way(std::uint64_t frame) const noexcept {
+  if (waiting_ == 0 || lifted_ || !points_[first_].touching) return 0.0;
+  const auto gap = static_cast<double>(points_[first_].frame - reached_.frame);
+  return gap > kPause_s * rate_hz_ ? 0.0 : static_cast<double>(frame - reached_.frame) / gap;
+}
+
+Eigen::Vector2d Needle::target(double share) const noexcept {
+  return share > 0.0 ? reached_.place_m + share * (points_[first_].place_m - reached_.place_m) : reached_.place_m;
+}
+
+/// Between the ticks as the place is: a press that comes in steps is not heard in steps.
+double Needle::press_level(double share) const noexcept {
+  if (!seated_) return 0.0;
+  return share > 0.0 ? reached_.press_level + share * (points_[first_].press_level - reached_.press_level)
+                     : reached_.press_level;
 }
 
 double Needle::height_m(double per_sample_m) const noexcept {
@@ -180,8 +197,8 @@ double Needle::height_m(double per_sample_m) const noexcept {
 }
 
 /// How steep the way rises where the needle is, times the root of how brisk it is.
-double Needle::slope(std::uint64_t frame) noexcept {
-  const Eigen::Vector2d goal_m = target(frame);
+double Needle::slope(double share) noexcept {
+  const Eigen::Vector2d goal_m = target(share);
   const Eigen::Vector2d before_m = at_m_;
   half_way_m_ += path_share_ * (goal_m - half_way_m_);
   at_m_ += path_share_ * (half_way_m_ - at_m_);
@@ -213,9 +230,9 @@ void Needle::render(double* out, std::size_t count, std::uint64_t frame) noexcep
     advance(frame + i);
     const double gain = bank_.scrapes[std::min(reached_.sound, banks_.size() - 1)].grain_gain;
     grain_gain_ += press_share_ * (gain - grain_gain_);
-    const double press = seated_ ? reached_.press_level : 0.0;
-    press_ += press_share_ * (press - press_);
-    const double drive = seated_ ? slope(frame + i) : 0.0;
+    const double share = share_of_way(frame + i);
+    press_ += press_share_ * (press_level(share) - press_);
+    const double drive = seated_ ? slope(share) : 0.0;
     high_1_ += high_share_ * (drive - high_1_);
     high_2_ += high_share_ * (drive - high_1_ - high_2_);
     const double sound = ring(drive - high_1_ - high_2_) / kSlope;
@@ -231,13 +248,16 @@ void Needle::settle() noexcept {
   const double left = std::abs(high_1_) + std::abs(high_2_);
   if (left < kSilence) high_1_ = high_2_ = 0.0;
   if (power_ < kSilence * kSilence) power_ = 0.0;
-  if (press_ < kSilence && !seated_) press_ = 0.0;
+  if (press_ < kSilence && (lifted_ || !seated_)) {
+    press_ = 0.0;
+    seated_ = lifted_ = moves_ = false;
+  }
   bool rings = left >= kSilence;
   for (std::size_t b = 0; b < banks_.size(); ++b) {
     if (ringing_[b]) ringing_[b] = banks_[b].settle();
     rings = rings || ringing_[b];
   }
-  awake_ = rings || moves_ || waiting_ > 0 || changes_waiting_ > 0;
+  awake_ = rings || moves_ || lifted_ || waiting_ > 0 || changes_waiting_ > 0;
   if (!awake_) speed_m_per_s_ = 0.0;
 }
 

@@ -72,9 +72,11 @@ class Needle {
 
   void advance(std::uint64_t frame) noexcept;
   void seat(const Point& point) noexcept;
-  void lift() noexcept;
-  [[nodiscard]] Eigen::Vector2d target(std::uint64_t frame) const noexcept;
-  [[nodiscard]] double slope(std::uint64_t frame) noexcept;
+  void lift(std::uint64_t frame) noexcept;
+  [[nodiscard]] double share_of_way(std::uint64_t frame) const noexcept;
+  [[nodiscard]] Eigen::Vector2d target(double share) const noexcept;
+  [[nodiscard]] double press_level(double share) const noexcept;
+  [[nodiscard]] double slope(double share) noexcept;
   [[nodiscard]] double height_m(double per_sample_m) const noexcept;
   [[nodiscard]] double ring(double drive) noexcept;
   void settle() noexcept;
@@ -98,6 +100,7 @@ class Needle {
   Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();  ///< grid frame; places below are relative to it
   bool has_origin_ = false;
   bool seated_ = false;
+  bool lifted_ = false;  ///< fades out
   bool moves_ = false;
   bool awake_ = false;
   Eigen::Vector2d half_way_m_ = Eigen::Vector2d::Zero();  ///< after the first low-pass
