@@ -1,11 +1,8 @@
 // Who consumes what: contact events go to the sound card's callback while a stream plays (lowest latency) and on from
-// there to the WAV worker; without a stream the worker takes them itself. Ownership of the queue changes hands only
-// while the stream is stopped.
+// there to the WAV worker; without a stream the worker takes them itself.
 #include "audio/engine.h"
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -13,8 +10,9 @@
 #include <optional>
 #include <thread>
 
-#include "audio/live_stream.h"
+#include "audio/live_output.h"
 #include "audio/live_voice.h"
+#include "audio/profile_loader.h"
 #include "audio/wav_sink.h"
 #include "base/error.h"
 
@@ -23,11 +21,8 @@ namespace {
 
 constexpr int kWavRate_hz = 48000;
 constexpr auto kPoll = std::chrono::milliseconds(2);
-constexpr auto kRetryInterval = std::chrono::seconds(3);
 constexpr std::size_t kForwarded = 4096;
 constexpr std::size_t kKeptProfiles = 64;
-constexpr std::size_t kKeptWords = 16;
-constexpr float kSpoken = 0.6F;  // the loudest sample of spoken words
 
 }  // namespace
 
@@ -36,30 +31,20 @@ struct Engine::Implementation {
   std::shared_ptr<haptics::ContactQueue> contacts;
   const haptics::Seqlock<haptics::State>& state;
   std::shared_ptr<const SoundBank> bank;
-  bool live_wanted = false;
-  std::string device;
 
   std::optional<WavSink> wav;
-  std::optional<ProfileReader> profiles;
-  pipeline::ScenePointer new_scene;  ///< guarded by the mutex
+  std::optional<ProfileLoader> profiles;
   /// Those that voices may still use: a sound card's thread must not be the one that frees them.
   std::deque<std::shared_ptr<const Profile>> kept;
-  std::deque<std::shared_ptr<const Clip>> spoken;
   haptics::ContactQueue forwarded{kForwarded};  ///< callback to worker
   StrikeGate gate;                              ///< counts when nothing sounds
   std::atomic<std::uint64_t> strikes{0};
-
-  std::unique_ptr<LiveStream> stream;
-  std::unique_ptr<LiveVoice> voice;
-  std::atomic<bool> opened{false};  ///< stream and voice are ready for the worker to start
-  std::atomic<bool> playing{false};
-  std::thread opener;
+  std::optional<LiveOutput> live;
 
   mutable std::mutex mutex;
   std::condition_variable wake;
   bool stopping = false;
-  std::string warning;       ///< what stays true
-  std::string live_warning;  ///< why there is no live sound; empty once it plays
+  std::string warning;  ///< what stays true
   std::exception_ptr failure;
   std::thread worker;
 
@@ -72,100 +57,41 @@ struct Engine::Implementation {
     warning += (warning.empty() ? "" : "; ") + text;
   }
 
-  void warn_live(const std::string& text) {
-    const std::lock_guard lock(mutex);
-    if (live_warning.empty()) live_warning = text;
-  }
-
-  /// Until a device is there: one that is plugged in later is found, as it is tried again every 3 s.
-  void open_live() {
-    std::unique_lock lock(mutex);
-    while (!stopping) {
-      lock.unlock();
-      try {
-        auto new_stream = std::make_unique<LiveStream>(device);
-        const int rate = new_stream->sample_rate_hz();
-        const auto live_bank = rate == bank->sample_rate_hz ? bank : make_sound_bank(*scene, rate);
-        auto new_voice = std::make_unique<LiveVoice>(live_bank, *contacts, state, wav ? &forwarded : nullptr, strikes);
-        lock.lock();  // speech may ask for them
-        voice = std::move(new_voice);
-        stream = std::move(new_stream);
-        lock.unlock();
-        opened.store(true, std::memory_order_release);
-        return;
-      } catch (const Error& error) {
-        warn_live(error.wrong());
-      } catch (const std::exception& error) {
-        warn_live(error.what());
-      }
-      lock.lock();
-      wake.wait_for(lock, kRetryInterval, [this] { return stopping; });
-    }
-  }
-
-  /// After a device went away: gives it back, and waits for it or another one. Worker only.
-  void open_again(std::chrono::seconds pause) {
-    std::unique_ptr<LiveStream> lost;
-    {
-      const std::lock_guard lock(mutex);  // speech may be about to use the stream
-      playing.store(false, std::memory_order_release);
-      lost = std::move(stream);
-    }
-    if (opener.joinable()) opener.join();
-    opener = std::thread([this, pause, given_up = std::move(lost)]() mutable {
-      if (!given_up->give_up()) return;
-      given_up.reset();
-      {
-        std::unique_lock lock(mutex);
-        wake.wait_for(lock, pause, [this] { return stopping; });
-      }
-      open_live();
-    });
-  }
-
-  void start_live() {
-    if (!kept.empty()) voice->profile(kept.back());
-    playing.store(true, std::memory_order_release);
-    try {
-      stream->start([this](std::span<float> out) { voice->render(out); });
-      const std::lock_guard lock(mutex);
-      live_warning.clear();
-    } catch (const std::exception& error) {
-      const auto* known = dynamic_cast<const Error*>(&error);
-      warn_live(known != nullptr ? known->wrong() : error.what());
-      open_again(kRetryInterval);
-    }
+  /// What it reads it holds itself: a sound system may answer after this engine's end. The voice only keeps references.
+  [[nodiscard]] LiveOutput::MakeVoice make_voice() {
+    haptics::ContactQueue* const forward = wav ? &forwarded : nullptr;
+    return [scene = scene, bank = bank, contacts = contacts, &state = state, forward, &strikes = strikes](int rate_hz) {
+      const auto live_bank = rate_hz == bank->sample_rate_hz ? bank : make_sound_bank(*scene, rate_hz);
+      return std::make_unique<LiveVoice>(live_bank, *contacts, state, forward, strikes);
+    };
   }
 
   /// The heights under the hand, when the window has changed.
-  void read_profile(const haptics::State& now) {
+  void take_profile(const haptics::State& now) {
     if (!profiles || now.tick == 0) return;
-    {
-      const std::lock_guard lock(mutex);
-      if (new_scene) profiles->set_scene(std::exchange(new_scene, nullptr));
-    }
-    std::shared_ptr<const Profile> profile;
+    profiles->wish(now);
+    ProfileLoader::Loaded loaded;
     try {
-      profile = profiles->update(now);
+      loaded = profiles->take();
     } catch (const Error& error) {
       warn("the friction sound ends: " + error.wrong());
+      const std::lock_guard lock(mutex);  // set_scene() may be about to use it
       profiles.reset();
     }
-    if (!profile) return;
-    kept.push_back(profile);
+    if (!loaded.profile) return;
+    kept.push_back(loaded.profile);
     // No voice holds a profile of use count 1, and only the newest is given away.
     while (kept.size() > 1 && kept.front().use_count() == 1) kept.pop_front();
     if (kept.size() > kKeptProfiles) kept.pop_front();
-    if (wav) wav->profile(profile, now.time_s);
-    if (playing.load(std::memory_order_relaxed)) voice->profile(profile);
+    if (wav) wav->profile(loaded.profile, loaded.since_s);
+    if (live) live->profile(loaded.profile);
   }
 
-  /// What has happened since the last call.
-  void consume() {
+  /// What has happened since the last call. `owner`: no sound card takes the events.
+  void consume(bool owner) {
     const haptics::State now = state.read();
-    read_profile(now);
+    take_profile(now);
     haptics::ContactEvent event;
-    const bool owner = !playing.load(std::memory_order_acquire);
     while (forwarded.pop(event))
       if (wav) wav->contact(event);  // counted by the callback
     while (owner && contacts->pop(event)) {
@@ -181,15 +107,9 @@ struct Engine::Implementation {
     std::unique_lock lock(mutex);
     while (!wake.wait_for(lock, kPoll, [this] { return stopping; })) {
       lock.unlock();
-      if (opened.exchange(false, std::memory_order_acquire)) start_live();
-      if (playing.load(std::memory_order_relaxed) && !stream->playing()) {
-        const std::string name = stream->name();
-        stream->shut_out();
-        warn_live("the sound device '" + name + "' went away; the run goes on without live sound");
-        open_again(std::chrono::seconds(0));
-      }
+      const bool owner = !live || !live->tend(kept.empty() ? nullptr : kept.back());
       try {
-        consume();
+        consume(owner);
       } catch (...) {
         const std::lock_guard again(mutex);
         if (!failure) failure = std::current_exception();
@@ -206,13 +126,7 @@ struct Engine::Implementation {
     }
     wake.notify_all();
     if (worker.joinable()) worker.join();
-    if (opener.joinable()) opener.join();
-    if (playing.load(std::memory_order_acquire)) {
-      voice->fade_out();
-      stream->stop();
-      playing.store(false, std::memory_order_release);
-    }
-    stream.reset();
+    if (live) live->stop();
   }
 };
 
@@ -222,10 +136,9 @@ Engine::Engine(pipeline::ScenePointer scene, std::shared_ptr<haptics::ContactQue
   Implementation& self = *implementation_;
   self.bank = make_sound_bank(*self.scene, kWavRate_hz);
   for (const std::string& text : self.bank->warnings) self.warn(text);
-  self.device = options.device;
-  self.live_wanted = options.live && self.bank->sounds();
   if (self.bank->scrape_gain > 0.0) self.profiles.emplace(self.scene, self.bank->scrape_grain);
   if (!options.wav.empty()) self.wav.emplace(self.bank, options.wav, options.wav_bits);
+  if (options.live && self.bank->sounds()) self.live.emplace(options.device, self.make_voice());
 }
 
 Engine::~Engine() { implementation_->join(); }
@@ -234,7 +147,7 @@ void Engine::start() {
   Implementation& self = *implementation_;
   if (self.worker.joinable()) return;
   self.worker = std::thread([&self] { self.work(); });
-  if (self.live_wanted) self.opener = std::thread([&self] { self.open_live(); });
+  if (self.live) self.live->start();
 }
 
 void Engine::stop() {
@@ -242,7 +155,7 @@ void Engine::stop() {
   self.join();
   if (!self.wav && !self.failure) return;
   if (!self.failure) {
-    self.consume();
+    self.consume(true);
     // One tick more than the last sample, so that the file is never shorter than the run.
     self.wav->finish(self.state.read().time_s + 0.001);
     self.wav.reset();
@@ -251,44 +164,23 @@ void Engine::stop() {
 }
 
 bool Engine::speak(const std::vector<float>& words, double rate_hz) {
-  Implementation& self = *implementation_;
-  const auto stream_rate_hz = [&self] {  // under the mutex
-    return self.playing.load(std::memory_order_acquire) && !self.stopping ? self.stream->sample_rate_hz() : 0;
-  };
-  std::unique_lock lock(self.mutex);
-  const int wanted_hz = stream_rate_hz();
-  lock.unlock();
-  if (wanted_hz == 0) return false;
-  auto clip = std::make_shared<Clip>();
-  float loudest = 0.0F;
-  for (const float value : words) loudest = std::max(loudest, std::abs(value));
-  if (loudest > 0.0F) {
-    for (const float value : resample(words, 1, rate_hz, wanted_hz)) {
-      const float sample = std::clamp(kSpoken / loudest * value, -kSpoken, kSpoken);
-      clip->samples.insert(clip->samples.end(), {sample, sample});
-    }
-  }
-  lock.lock();
-  if (stream_rate_hz() != wanted_hz) return false;  // another device plays now, or none
-  self.spoken.push_back(clip);
-  if (self.spoken.size() > kKeptWords) self.spoken.pop_front();
-  return self.voice->speak(clip);
+  return implementation_->live && implementation_->live->speak(words, rate_hz);
 }
 
 void Engine::set_scene(pipeline::ScenePointer scene) {
   const std::lock_guard lock(implementation_->mutex);
-  implementation_->new_scene = std::move(scene);
+  if (implementation_->profiles) implementation_->profiles->set_scene(std::move(scene));
 }
 
 std::string Engine::warning() const {
+  const std::string live = implementation_->live ? implementation_->live->warning() : std::string();
   const std::lock_guard lock(implementation_->mutex);
   const std::string& lasting = implementation_->warning;
-  const std::string& live = implementation_->live_warning;
   return lasting + (lasting.empty() || live.empty() ? "" : "; ") + live;
 }
 
 std::uint64_t Engine::strikes() const { return implementation_->strikes.load(std::memory_order_relaxed); }
 
-bool Engine::playing() const { return implementation_->playing.load(std::memory_order_acquire); }
+bool Engine::playing() const { return implementation_->live && implementation_->live->playing(); }
 
 }  // namespace sparsha::audio

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <thread>
 
 #include <portaudio.h>
@@ -20,6 +21,12 @@ using Clock = std::chrono::steady_clock;
 constexpr int kWishedRate_hz = 48000;
 /// A device that has not asked for sound for so long is gone (buffers are a tenth of it).
 constexpr auto kGone = std::chrono::milliseconds(400);
+
+/// PortAudio's calls are not for several threads at once. One that waits for ever in a dead sound system keeps it.
+std::mutex& portaudio() {
+  static std::mutex mutex;
+  return mutex;
+}
 
 void ignore_alsa(const char*, int, const char*, int, const char*, ...) {}
 void ignore_jack(const char*) {}
@@ -52,11 +59,15 @@ PaDeviceIndex choose_device() {
 class Library {
  public:
   Library() {
+    const std::lock_guard lock(portaudio());
     silence_sound_systems();
     const PaError started = Pa_Initialize();
     if (started != paNoError) throw device_error(Pa_GetErrorText(started));
   }
-  ~Library() { Pa_Terminate(); }
+  ~Library() {
+    const std::lock_guard lock(portaudio());
+    Pa_Terminate();
+  }
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
 };
@@ -106,6 +117,7 @@ struct LiveStream::Implementation {
   }
 
   ~Implementation() {
+    const std::lock_guard lock(portaudio());
     if (stream != nullptr) Pa_CloseStream(stream);
   }
 
@@ -127,6 +139,7 @@ struct LiveStream::Implementation {
 
 LiveStream::LiveStream(const std::string& wanted) : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
+  const std::lock_guard lock(portaudio());
   const PaDeviceIndex device = find_device(wanted);
   if (device == paNoDevice) throw device_error("this machine has no sound device");
   const PaDeviceInfo& info = *Pa_GetDeviceInfo(device);
@@ -163,7 +176,10 @@ std::string LiveStream::name() const { return implementation_->name; }
 void LiveStream::start(Callback callback) {
   implementation_->callback = std::move(callback);
   implementation_->asked.store(Clock::now().time_since_epoch().count());
-  const PaError status = Pa_StartStream(implementation_->stream);
+  const PaError status = [this] {
+    const std::lock_guard lock(portaudio());
+    return Pa_StartStream(implementation_->stream);
+  }();
   if (status != paNoError) throw device_error("'" + implementation_->name + "': " + Pa_GetErrorText(status));
 }
 
@@ -176,11 +192,13 @@ void LiveStream::stop() noexcept {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const bool alive = implementation_->silence() < kGone;
   shut_out();
-  if (alive)
+  if (alive) {
+    const std::lock_guard lock(portaudio());
     Pa_StopStream(implementation_->stream);
-  else
+  } else {
     // Stopping or closing the stream of a dead sound server waits for ever: leave it alone, and its memory with it.
     (void)implementation_.release();
+  }
 }
 
 void LiveStream::shut_out() noexcept {
@@ -197,7 +215,10 @@ bool LiveStream::give_up() noexcept {
     (void)implementation_.release();
     return false;
   }
-  Pa_AbortStream(implementation_->stream);
+  {
+    const std::lock_guard lock(portaudio());
+    Pa_AbortStream(implementation_->stream);
+  }
   implementation_.reset();
   return true;
 }

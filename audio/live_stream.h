@@ -21,7 +21,8 @@ struct OutputDevice {
 };
 [[nodiscard]] std::vector<OutputDevice> output_devices();
 
-/// Opening probes every sound system of the machine (milliseconds to a second): not for the main thread.
+/// Opening probes every sound system of the machine (milliseconds to a second): not for the main thread. Any call but
+/// playing() and shut_out() waits for ever where a sound system does.
 class LiveStream {
  public:
   /// Fills interleaved stereo; called from the sound system's thread, must not allocate, lock or throw.

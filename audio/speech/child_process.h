@@ -30,6 +30,7 @@ class ChildProcess {
   [[nodiscard]] bool running();
   /// What it has written so far, 64 MB at most; whole once running() is false.
   [[nodiscard]] const std::string& output();
+  [[nodiscard]] int process_id() const { return process_; }
   /// Ends it and what it has started, and waits for its end.
   void kill();
   /// Asks it to end, and kills it when it has not within `patience_ms`.
