@@ -70,6 +70,42 @@ ProxyUpdate update_smooth(const MongeSurface& monge, double cells_per_m, const E
   return solve<kFriction, BicubicSurface<kBasis>>(monge, hip_m, state, options);
 }
 
+// Where the surface turns under a sliding proxy, where friction lets it stop depends on the hand's way and not on its
+// end alone: half the normal's turn is what the force may be off by, of the depth.
+constexpr double kTurnOfPart = 0.01;  // radians
+constexpr int kMostParts = 4;
+constexpr int kManySegments = 8;  // a way that is costly enough is not divided further
+
+/// Follows the hand's straight way since the last tick in as many parts as the normal's turn asks for, if it goes on
+/// turning as it did.
+template <CubicBasis kBasis>
+ProxyUpdate follow_hand(const MongeSurface& monge, double cells_per_m, const Eigen::Vector3d& hip_m, ProxyState& state,
+                        const SolverOptions& options) noexcept {
+  const HandTrack last = state.track;
+  const bool known = last.known && state.contact && last.proxy == state.position;
+  const Eigen::Vector3d way_m = known ? Eigen::Vector3d(hip_m - last.hand) : Eigen::Vector3d::Zero();
+  const double length_m = way_m.norm();
+  const double turns = length_m * last.turn_per_m / kTurnOfPart;
+  const int parts = !(turns >= 1.0) ? 1 : turns < kMostParts ? 1 + static_cast<int>(turns) : kMostParts;
+  SolverOptions left = options;
+  ProxyUpdate found;
+  int segments = 0;
+  for (int part = 1; part <= parts; ++part) {
+    const Eigen::Vector3d hand_m =
+        part == parts ? hip_m : Eigen::Vector3d(last.hand + way_m * (static_cast<double>(part) / parts));
+    found = update_smooth<true, kBasis>(monge, cells_per_m, hand_m, state, left);
+    segments += found.segments;
+    left.segment_limit = std::max(1, options.segment_limit - segments);
+    if (segments > kManySegments) part = std::max(part, parts - 1);
+  }
+  found.segments = segments;
+  const double turn_per_m = known && length_m > 0.0 ? (found.normal - last.normal).norm() / length_m
+                            : known                 ? last.turn_per_m
+                                                    : 0.0;
+  state.track = {found.position, hip_m, found.normal, turn_per_m, found.contact};
+  return found;
+}
+
 /// The fast path where the state is as the solver left it, in contact inside a cell; else the general solver.
 template <bool kFriction>
 SPARSHA_HOT inline ProxyUpdate update_bilinear(const MongeSurface& monge, const BilinearSurface& surface,
@@ -125,16 +161,24 @@ ProxyState start_proxy(const MongeSurface& surface, const Eigen::Vector3d& hip) 
   return state;
 }
 
+void move_proxy(ProxyState& state, const Eigen::Vector3d& position, double share) noexcept {
+  HandTrack& track = state.track;
+  track.known = track.known && track.proxy == state.position;
+  track.hand = position + share * (track.hand - state.position);
+  track.turn_per_m /= share;
+  track.proxy = state.position = position;
+}
+
 ProxyUpdate update_exact(const MongeSurface& surface, const Eigen::Vector3d& hip, ProxyState& state,
                          const SolverOptions& options) noexcept {
   const bool friction = !surface.mu_dynamic.empty() && !surface.mu_static.empty();
   const double spacing_m = surface.lattice.spacing_m;
   const double cells_per_m = state.cell.spacing_m == spacing_m ? state.cell.cells_per_m : 1.0 / spacing_m;
   if (options.shape == CellShape::rounded)
-    return friction ? update_smooth<true, CubicBasis::b_spline>(surface, cells_per_m, hip, state, options)
+    return friction ? follow_hand<CubicBasis::b_spline>(surface, cells_per_m, hip, state, options)
                     : update_smooth<false, CubicBasis::b_spline>(surface, cells_per_m, hip, state, options);
   if (options.shape == CellShape::c1) [[unlikely]]
-    return friction ? update_smooth<true, CubicBasis::catmull_rom>(surface, cells_per_m, hip, state, options)
+    return friction ? follow_hand<CubicBasis::catmull_rom>(surface, cells_per_m, hip, state, options)
                     : update_smooth<false, CubicBasis::catmull_rom>(surface, cells_per_m, hip, state, options);
   const BilinearSurface cells(surface, cells_per_m);
   return friction ? update_bilinear<true>(surface, cells, hip, state, options)

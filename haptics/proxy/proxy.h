@@ -23,13 +23,24 @@ struct ProxyCell {
   double cells_per_m = 0.0;
 };
 
+/// What friction on smooth surfaces needs to follow the hand's way within a tick: local frame, metres. Used as long as
+/// the state's proxy is at `proxy`.
+struct HandTrack {
+  Eigen::Vector3d proxy = Eigen::Vector3d::Zero();
+  Eigen::Vector3d hand = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double turn_per_m = 0.0;  ///< of the normal, radians, on the hand's way
+  bool known = false;
+};
+
 /// What carries over from tick to tick. Set `position` and `contact` to move a proxy by hand, e.g. to another surface;
 /// a position below the surface is lifted onto it at the next update.
 struct ProxyState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   bool contact = false;
   bool sticking = false;
-  ProxyCell cell;  ///< the solvers' own; used as long as it agrees with `position`
+  ProxyCell cell;   ///< the solvers' own; used as long as it agrees with `position`
+  HandTrack track;  ///< the exact solver's own
 };
 
 /// What one update found.
@@ -52,6 +63,10 @@ enum class CellShape { bilinear, c1, rounded };
 /// What the configuration asks for; a path without a hand is traced on sharp creases unless its caller says otherwise.
 [[nodiscard]] CellShape shape_of(pipeline::HapticsConfig::Surface surface,
                                  pipeline::HapticsConfig::Creases creases) noexcept;
+
+/// Moves a proxy to another place, maybe of another surface, and the hand that it knows of with it; lengths become
+/// `share` times as long.
+void move_proxy(ProxyState& state, const Eigen::Vector3d& position, double share) noexcept;
 
 struct SolverOptions {
   double tolerance_cells = 1e-9;  ///< rest tolerance, of a cell

@@ -108,7 +108,7 @@ void HapticRenderer::swap(Command& command) noexcept {
   const double height = touched_height(fresh, local.x(), local.y(), shape());
   centre_m_.z() = fresh.lattice.origin_m.z() + height - surface_device_m / fresh.scale;
   const double z = centre_m_.z() + proxy_device_m.z() / fresh.scale - fresh.lattice.origin_m.z();
-  proxy_.position = {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)};
+  move_proxy(proxy_, {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)}, old_scale / fresh.scale);
   effects_.swap();
   if (!dragging_) begin_fade();
 }
