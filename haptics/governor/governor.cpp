@@ -41,8 +41,8 @@ constexpr double kDampingRatio = 0.7;  // of the added damping, once the half-pe
 constexpr double kFirstHalfPeriodS = 0.040;
 constexpr double kCalmS = 0.200;
 constexpr double kPatienceS = 0.5;  // of the damping with a swing that does not become calm
-constexpr double kLargeM = 100e-6;  // smaller swings do not soften the wall further
-constexpr double kLargeSteps = 5.0;
+constexpr double kLargeM = 55e-6;   // smaller swings do not soften the wall further
+constexpr double kLargeSteps = 2.7;
 constexpr double kDecay = 0.8;  // of a swing's size in that time
 constexpr double kAxisS = 0.3;
 constexpr double kDeadSteps = 0.4;  // encoder steps in the longest window that are no velocity
@@ -195,7 +195,7 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
   Finding finding = Finding::none;
   if (away_s_ <= kBounceS)
     finding = swing_.update(period_s, moved_m.dot(axis_), input.contact ? surface_m.dot(axis_) : 0.0,
-                            input.contact ? surface_m.norm() : 0.0, step_m_);
+                            input.contact ? surface_m.norm() : 0.0, step_m_, released_);
   if (finding != Finding::none) damp();
   if (finding == Finding::lasting && released_) unstable_ = true;  // it would begin again
   if (finding == Finding::growing) {

@@ -8,6 +8,9 @@ namespace {
 constexpr double kLeastTurnM = 50e-6;  // smaller reversals are encoder and tremor
 constexpr double kStepsPerTurn = 2.5;
 constexpr double kLastingSteps = 3.2;
+constexpr double kAlertTurnM = 30e-6;  // of a hand that has swung before
+constexpr double kAlertSteps = 1.6;
+constexpr double kUndiminished = 0.95;
 constexpr double kShortestS = 0.003;  // of half a swing on a spring that a hand holds
 constexpr double kLongestS = 0.150;
 constexpr double kOwn = 1.5;  // a swing this much larger than the surface's own rise and fall is the hand's
@@ -17,14 +20,15 @@ constexpr double kStillM = 100e-6;  // a hand that touches one place
 }  // namespace
 
 SwingDetector::Finding SwingDetector::update(double period_s, double hand_m, double surface_m, double travel_m,
-                                             double step_m) noexcept {
+                                             double step_m, bool alert) noexcept {
   time_s_ += period_s;
   hand_m_ += hand_m;
   surface_m_ += surface_m;
   travel_m_ += travel_m;
   surface_low_m_ = std::min(surface_low_m_, surface_m_);
   surface_high_m_ = std::max(surface_high_m_, surface_m_);
-  const double turn_m = std::max(kLeastTurnM, kStepsPerTurn * step_m);
+  const double turn_m =
+      alert ? std::max(kAlertTurnM, kAlertSteps * step_m) : std::max(kLeastTurnM, kStepsPerTurn * step_m);
   if (direction_ == 0.0) {
     if (std::abs(hand_m_ - extreme_m_) < turn_m) return Finding::none;
     direction_ = std::copysign(1.0, hand_m_ - extreme_m_);
@@ -34,10 +38,10 @@ SwingDetector::Finding SwingDetector::update(double period_s, double hand_m, dou
     extreme_s_ = time_s_;
     return Finding::none;
   }
-  return direction_ * (extreme_m_ - hand_m_) > turn_m ? turned(step_m) : Finding::none;
+  return direction_ * (extreme_m_ - hand_m_) > turn_m ? turned(step_m, alert) : Finding::none;
 }
 
-SwingDetector::Finding SwingDetector::turned(double step_m) noexcept {
+SwingDetector::Finding SwingDetector::turned(double step_m, bool alert) noexcept {
   const Half now{std::abs(extreme_m_ - last_m_), extreme_s_ - last_s_};
   const bool own = now.time_s >= kShortestS && now.time_s <= kLongestS &&
                    now.size_m > kOwn * (surface_high_m_ - surface_low_m_) + step_m;
@@ -53,14 +57,14 @@ SwingDetector::Finding SwingDetector::turned(double step_m) noexcept {
   if (!own) return Finding::none;
   halves_[next_] = now;
   next_ = (next_ + 1) % kKept;
-  const Finding finding = judge(step_m);
+  const Finding finding = judge(step_m, alert);
   if (finding == Finding::growing) count_ = still_ = 1;
   return finding;
 }
 
 // Fast growth tells after one swing, slow growth after several; swings are compared with those of the same side. A hand
 // that strokes is pushed about by the stone, so that only regular growth over many swings is its own.
-SwingDetector::Finding SwingDetector::judge(double step_m) const noexcept {
+SwingDetector::Finding SwingDetector::judge(double step_m, bool alert) const noexcept {
   const auto ratio = [this](std::size_t back, std::size_t from = 0) { return half(from).size_m / half(back).size_m; };
   const auto regular = [this](std::size_t halves, double most) {
     double shortest = half(0).time_s;
@@ -85,6 +89,7 @@ SwingDetector::Finding SwingDetector::judge(double step_m) const noexcept {
     if (count_ >= 8 && regular(8, 1.25) && steady(8, 1.08)) return Finding::growing;
     if (count_ >= 16 && regular(16, 1.25) && steady(16, 1.0) && ratio(14) > 1.15) return Finding::growing;
   }
+  if (alert && still_ >= 4 && ratio(2) > kUndiminished && ratio(3, 1) > kUndiminished) return Finding::lasting;
   if (still_ >= 14 && half(0).size_m > std::max(kLeastTurnM, kLastingSteps * step_m) && ratio(12) > 0.85 &&
       ratio(6) > 0.9 && ratio(13, 1) > 0.85)
     return Finding::lasting;

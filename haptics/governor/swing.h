@@ -14,10 +14,11 @@ class SwingDetector {
  public:
   enum class Finding : std::uint8_t { none, lasting, growing };
   /// `hand_m`, `surface_m`: how far the hand and the touched point of the surface went along the mean normal since the
-  /// last tick; `travel_m`: how far that point went at all; `step_m`: the encoder's. A swing that lasts is found at
-  /// each turn, one that grows once.
-  [[nodiscard]] Finding update(double period_s, double hand_m, double surface_m, double travel_m,
-                               double step_m) noexcept;
+  /// last tick; `travel_m`: how far that point went at all; `step_m`: the encoder's; `alert`: this hand has swung
+  /// before, and a small swing that does not decay is the next one. A swing that lasts is found at each turn, one that
+  /// grows once.
+  [[nodiscard]] Finding update(double period_s, double hand_m, double surface_m, double travel_m, double step_m,
+                               bool alert) noexcept;
   void reset() noexcept { *this = SwingDetector(); }
 
   /// Of the last half-swing; 0 before the first.
@@ -36,8 +37,8 @@ class SwingDetector {
   [[nodiscard]] const Half& half(std::size_t back) const noexcept {
     return halves_[(next_ + kKept - 1 - back) % kKept];
   }
-  [[nodiscard]] Finding turned(double step_m) noexcept;
-  [[nodiscard]] Finding judge(double step_m) const noexcept;
+  [[nodiscard]] Finding turned(double step_m, bool alert) noexcept;
+  [[nodiscard]] Finding judge(double step_m, bool alert) const noexcept;
 
   double time_s_ = 0.0;
   double hand_m_ = 0.0;

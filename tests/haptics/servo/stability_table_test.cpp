@@ -14,8 +14,6 @@ namespace {
 
 constexpr double kMostJ = 0.010;    // in ten seconds
 constexpr double kMostSteps = 3.0;  // of swing
-constexpr double kMostStepsUndeclared = 4.0;
-constexpr double kMostStepsStroking = 5.0;  // on the plane, 4.9 measured for 0.05 kg and 0.3 N s/m; wished are 3
 
 const pipeline::ScenePointer& ground(Ground which) {
   static const std::map<Ground, pipeline::ScenePointer> kScenes = [] {
@@ -68,8 +66,7 @@ TEST(StabilityTable, HoldsAndStrokesOfUndeclaredDelayDeliverLittleAndDoNotSwing)
             EXPECT_LE(result.delivered_j, kMostJ) << words(c);
             worst_j = std::max(worst_j, result.delivered_j);
             if (!stroke || each == Ground::plane) {
-              EXPECT_LE(result.swing_m / c.encoder_step_m, stroke ? kMostStepsStroking : kMostStepsUndeclared)
-                  << words(c);
+              EXPECT_LE(result.swing_m / c.encoder_step_m, kMostSteps) << words(c);
             }
           }
   std::printf("at most %.2f mJ delivered\n", 1e3 * worst_j);
@@ -133,6 +130,22 @@ TEST(StabilityTable, HandsThatStrikeAreCalmWithinASecond) {
         c.duration_s = 3.0;
         const TouchResult result = touch(c, ground(Ground::plane));
         EXPECT_LE(result.calm_s, 1.0) << words(c);
+        EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+      }
+}
+
+TEST(StabilityTable, HandsOfLittleDampingThatStrikeBeginToSwingOnceMoreAtMost) {
+  // One second is wished; the second swing is found when it has grown beyond the encoder's flicker.
+  for (const double mass : {0.15, 0.3, 0.5})
+    for (const double speed : {0.1, 0.3, 0.5})
+      for (const double damping : {0.3, 0.5}) {
+        TouchCase c;
+        c.mass_kg = mass;
+        c.damping_n_s_per_m = damping;
+        c.strike_m_per_s = speed;
+        c.duration_s = 3.0;
+        const TouchResult result = touch(c, ground(Ground::plane));
+        EXPECT_LE(result.calm_s, 1.5) << words(c);
         EXPECT_LE(result.delivered_j, kMostJ) << words(c);
       }
 }
