@@ -99,7 +99,7 @@ void main() {
   if (painted) { key = key * 0.8 + 0.22 * lit; fill *= 1.35; }
   vec3 c = albedo * (key + fill + side + bounce);
   if (look == 1) c = albedo * vec3(1.62, 1.56, 1.46) * mix(0.10, 1.0, sky) * (0.55 + 0.45 * normal.z);
-  if (look == 3) c = albedo * vec3(1.30, 1.24, 1.16) * (0.30 + 0.70 * normal.z);
+  if (look == 3) c = albedo * vec3(0.86, 0.82, 0.77) * (0.25 + 0.75 * normal.z);
   // Highlights roll off instead of clipping.
   c = 1.22 * c * (1.0 + 0.40 * c) / (1.0 + c);
   c = mix(c, c * c * (3.0 - 2.0 * c), 0.35);
@@ -158,8 +158,8 @@ void main() {
     float shine = pow(max(dot(n, normalize(lamp + vec3(0.0, 0.0, 1.0))), 0.0), 30.0);
     float rim = pow(1.0 - clamp(n.z, 0.0, 1.0), 3.0);
     float sky = texture(tones, place).r;
-    vec3 clay = painted ? texture(paint, place).rgb : plain ? vec3(0.60) : vec3(0.60, 0.40, 0.30);
-    c = clay * (0.06 + 1.10 * wrapped * wrapped) * mix(0.35, 1.0, sky * sky) + 0.16 * shine + 0.07 * rim;
+    vec3 clay = painted ? texture(paint, place).rgb : plain ? vec3(0.60) : vec3(0.62, 0.37, 0.25);
+    c = clay * (0.03 + 1.05 * wrapped * wrapped * wrapped) * mix(0.35, 1.0, sky * sky) + 0.16 * shine + 0.07 * rim;
     c = pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
   }
 #endif
@@ -193,8 +193,9 @@ void main() {
     bool fifth = abs(nearest - 5.0 * round(nearest / 5.0)) < 0.5;
     float away = abs(lines - nearest) / (wide * pixel);
     float line = 1.0 - smoothstep(fifth ? 0.6 : 0.25, fifth ? 1.5 : 1.1, away);
-    // Where lines would run into each other there are none.
+    // None where lines would run into each other, on level ground, which is no line, and at the lowest height.
     line *= (fifth ? 0.85 : 0.55) * (1.0 - smoothstep(0.15, 0.40, wide * pixel / (fifth ? 5.0 : 1.0)));
+    line *= step(0.5, abs(nearest)) * smoothstep(5e-5, 5e-4, wide * pixel);
     c = mix(c, plain ? vec3(1.0) : vec3(0.02, 0.05, 0.10), line);
   }
 #endif
