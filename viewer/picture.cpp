@@ -8,6 +8,7 @@
 #include <cmath>
 #include <future>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include <epoxy/gl.h>
@@ -63,7 +64,8 @@ Picture::Picture()
     : software_(gl::is_software()),
       stone_program_(gl::kWholeVertex, gl::kStoneFragment),
       backdrop_program_(gl::kWholeVertex, gl::kBackdropFragment),
-      resolve_program_(gl::kWholeVertex, gl::kResolveFragment),
+      resolve_program_(gl::kWholeVertex, std::string(gl::kVersion) + gl::kResolveFragment),
+      dome_program_(gl::kWholeVertex, std::string(gl::kVersion) + "#define EYE_DOME\n" + gl::kResolveFragment),
       anaglyph_program_(gl::kWholeVertex, gl::kAnaglyphFragment),
       vertex_array_(gl::make_vertex_array()),
       hand_painter_(std::make_unique<HandPainter>()) {
@@ -262,14 +264,18 @@ void Picture::resolve(Surface& surface, const View& view, const ReliefStyle& sty
     surface.resolved = gl::Target(view.width, view.height, false, gl::Filter::nearest);
   glBindFramebuffer(GL_FRAMEBUFFER, surface.resolved.framebuffer());
   glViewport(0, 0, view.width, view.height);
-  resolve_program_.use();
-  resolve_program_.set("source", 0);
-  resolve_program_.set("depths", 1);
-  resolve_program_.set("scale", supersampling);
-  resolve_program_.set("rings", style.look == Look::eye_dome ? (rests ? 3 : 1) : 0);
-  resolve_program_.set("depth", Eigen::Vector2f(view.depth.cast<float>()));
-  resolve_program_.set("parallel", view.parallel ? 1 : 0);
-  resolve_program_.set("relief", static_cast<float>(std::max(whole_->high_world() - whole_->low_world(), 0.01)));
+  const bool dome = style.look == Look::eye_dome;
+  const gl::Program& program = dome ? dome_program_ : resolve_program_;
+  program.use();
+  program.set("source", 0);
+  if (dome) {
+    program.set("depths", 1);
+    program.set("scale", supersampling);
+    program.set("rings", rests ? 3 : 1);
+    program.set("depth", Eigen::Vector2f(view.depth.cast<float>()));
+    program.set("parallel", view.parallel ? 1 : 0);
+    program.set("relief", static_cast<float>(std::max(whole_->high_world() - whole_->low_world(), 0.01)));
+  }
   surface.large.colour().bind(0);
   surface.large.depth().bind(1);
   glBindVertexArray(vertex_array_.get());

@@ -76,7 +76,7 @@ class Picture {
   int redraws_ = 0;
   std::uint64_t version_ = 0;  ///< counts changes of data, light and paint
 
-  gl::Program stone_program_, backdrop_program_, resolve_program_, anaglyph_program_;
+  gl::Program stone_program_, backdrop_program_, resolve_program_, dome_program_, anaglyph_program_;
   ReliefPrograms relief_programs_;
   gl::Name vertex_array_;
   std::unique_ptr<HandPainter> hand_painter_;

@@ -28,15 +28,18 @@ void main() {
 }
 )";
 
-const char* const kResolveFragment = R"(#version 330 core
-uniform sampler2D source;     // `scale` times as wide and high
+const char* const kResolveFragment = R"(
+uniform sampler2D source;     // twice as wide and high
+out vec4 colour;
+vec3 decode(vec3 c) { return c * (c * (c * 0.305306011 + 0.682171111) + 0.012522878); }
+vec3 encode(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+#ifdef EYE_DOME               // `source` may be as wide and high as the picture, too
 uniform sampler2D depths;
 uniform int scale;            // 1 or 2
-uniform int rings;            // of the eye-dome shade; 0: none
+uniform int rings;
 uniform vec2 depth;           // View::depth
 uniform bool parallel;
 uniform float relief;         // world: the depth of forms
-out vec4 colour;
 float away(ivec2 p) {
   float z = 2.0 * texelFetch(depths, clamp(p, ivec2(0), textureSize(depths, 0) - 1), 0).r - 1.0;
   return parallel ? (depth.y - z) / depth.x : depth.y / (z + depth.x);
@@ -47,21 +50,26 @@ float shade(ivec2 p) {
   for (int ring = 1; ring <= rings; ++ring) {
     int reach = scale * (3 * ring - 2);
     for (int k = 0; k < 4; ++k) {
-      ivec2 step = reach * ivec2(k == 1 ? 0 : 1, k == 0 ? 0 : k == 3 ? -1 : 1);
-      sum += clamp((here - 0.5 * (away(p + step) + away(p - step))) / relief, -0.012 * float(ring), 0.10);
+      ivec2 by = reach * ivec2(k == 1 ? 0 : 1, k == 0 ? 0 : k == 3 ? -1 : 1);
+      sum += clamp((here - 0.5 * (away(p + by) + away(p - by))) / relief, -0.012 * float(ring), 0.10);
     }
   }
   return exp2(-9.0 * sum / float(rings));
 }
-vec3 decode(vec3 c) { return c * (c * (c * 0.305306011 + 0.682171111) + 0.012522878); }
-vec3 encode(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+#endif
 void main() {
+#ifdef EYE_DOME
   ivec2 p = scale * ivec2(gl_FragCoord.xy);
-  vec3 c = decode(texelFetch(source, p, 0).rgb);
-  if (scale == 2)
-    c = 0.25 * (c + decode(texelFetch(source, p + ivec2(1, 0), 0).rgb) + decode(texelFetch(source, p + ivec2(0, 1), 0).rgb) +
-                decode(texelFetch(source, p + ivec2(1, 1), 0).rgb));
-  if (rings > 0 && texelFetch(depths, p, 0).r < 0.9999) c *= shade(p);
+  ivec2 q = p + scale - 1;
+#else
+  ivec2 p = 2 * ivec2(gl_FragCoord.xy);
+  ivec2 q = p + 1;
+#endif
+  vec3 c = 0.25 * (decode(texelFetch(source, p, 0).rgb) + decode(texelFetch(source, ivec2(q.x, p.y), 0).rgb) +
+                   decode(texelFetch(source, ivec2(p.x, q.y), 0).rgb) + decode(texelFetch(source, q, 0).rgb));
+#ifdef EYE_DOME
+  if (texelFetch(depths, p, 0).r < 0.9999) c *= shade(p);
+#endif
   colour = vec4(encode(clamp(c, 0.0, 1.0)), 1.0);
 }
 )";

@@ -9,7 +9,7 @@ extern const char* const kReliefFragment;    ///< that colour; WALL, WITH_UNKNOW
 extern const char* const kVersion;           ///< goes before the two texts of the relief and their #defines
 extern const char* const kWholeVertex;       ///< one triangle over everything
 extern const char* const kBackdropFragment;  ///< what is behind the stone
-extern const char* const kResolveFragment;   ///< 2x2 pixels to one, averaged in linear light; eye-dome shade
+extern const char* const kResolveFragment;   ///< 2x2 pixels to one, in linear light; EYE_DOME; without version
 extern const char* const kSectionVertex;     ///< the cut face of a section plane
 extern const char* const kSectionFragment;
 extern const char* const kAnaglyphFragment;  ///< two eyes to red and cyan (Dubois 2001)
