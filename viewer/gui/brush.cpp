@@ -20,7 +20,7 @@ Theme theme_of(bool high_contrast) {
             yellow,
             black,
             yellow,
-            IM_COL32(255, 90, 90, 255),
+            IM_COL32(255, 112, 112, 255),
             IM_COL32(60, 60, 60, 255)};
   }
   return {IM_COL32(24, 22, 20, 255),    IM_COL32(18, 16, 14, 225),    IM_COL32(255, 240, 220, 34),

@@ -13,7 +13,7 @@ struct ImVec2;
 
 namespace sparsha::viewer {
 
-/// All colours of the interface. High contrast: white and yellow on black.
+/// All colours of the interface. High contrast: white, yellow and a light red on black, words 7:1 or more.
 struct Theme {
   std::uint32_t panel, card, line, text, dim, accent, accent_text, warning, fault, key;
 };
