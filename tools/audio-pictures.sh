@@ -1,5 +1,5 @@
 #!/bin/sh
-# Draws the spectrograms of docs/audio.md: tools/audio-pictures.sh [BUILD], with sox. Writes docs/images/audio-*.png.
+# Draws the spectrograms of docs/audio.md and docs/accessibility.md: tools/audio-pictures.sh [BUILD], with sox. Writes docs/images/audio-*.png.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."
@@ -29,3 +29,18 @@ awk 'BEGIN { print "t_s,device_x_m,device_y_m,device_z_m"
     printf "%.3f,%.6f,0,%.6f\n", t, x, z } }' > "$work/taps.csv"
 "$sparsha" explore "$work/hall" --device "playback:$work/taps.csv" --headless --audio-out "$work/taps.wav" >> "$work/log" 2>&1
 draw "$work/taps.wav" audio-pillars "a hand taps the eight pillars from left to right: sa re ga ma, the major one, pa dha ni" 9 4
+
+# A hand that comes to parts and to the edge of a stone, is lost in the air beside it and finds back.
+"$sparsha" build configs/relief.yaml --set "grid={spacing_mm: 2}" --set "cues=on" --set "audio={}" --out "$work/cues" --quiet >> "$work/log" 2>&1
+awk 'BEGIN { print "t_s,device_x_m,device_y_m,device_z_m"
+  for (i = 0; i <= 14000; ++i) {
+    t = i / 1000; x = -0.02; z = 0.012
+    if (t > 0.5) z = 0.012 - 0.05 * (t - 0.5)
+    if (z < -0.003) z = -0.003
+    if (t > 1) x = -0.02 + 0.012 * (t - 1)
+    if (x > 0.055) x = 0.055
+    if (t > 8) { z = -0.003 + 0.05 * (t - 8); if (z > 0.04) z = 0.04 }
+    if (t > 10) { x = 0.055 - 0.015 * (t - 10); z = 0.04 - 0.009 * (t - 10) }
+    printf "%.3f,%.6f,0,%.6f\n", t, x + 0.0005 * sin(9 * t), z } }' > "$work/cues.csv"
+"$sparsha" explore "$work/cues" --device "playback:$work/cues.csv" --headless --audio-out "$work/cues.wav" >> "$work/log" 2>&1
+draw "$work/cues.wav" audio-cues "parts entered and left, the edge, and a lost hand that comes back to the stone" 14 6
