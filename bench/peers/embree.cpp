@@ -50,6 +50,7 @@ class Embree : public Peer {
   Touched update(const Vector3d& hand) override {
     Touched touched;
     touched.proxy = hand;
+    if (!hand.allFinite()) return touched;
     if (!(hand.z() < surface_.height(hand.x(), hand.y()))) return touched;
     hand_ = hand;
     best_squared_ = std::numeric_limits<double>::max();

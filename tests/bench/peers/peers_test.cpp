@@ -155,5 +155,22 @@ TEST(Peers, NothingIsFeltAboveTheSurfaceAndAfterLeavingIt) {
   }
 }
 
+TEST(Peers, AHandThatIsNotANumberOrFarAwayEndsNoProgram) {
+  const Ground ground = all_grounds().front();
+  for (const Entrant& entrant : all_entrants()) {
+    if (!entrant.standard) continue;
+    const PeerPointer peer = entrant.make(sample(ground, kNodes));
+    const Eigen::Vector3d inside(0.4, 0.6, ground.height(0.4, 0.6) - 0.005);
+    peer->place(inside + 0.02 * Eigen::Vector3d::UnitZ());
+    static_cast<void>(peer->update(inside));
+    for (const double strange : {std::nan(""), std::numeric_limits<double>::infinity(), -1e6, 1e6})
+      for (int axis = 0; axis < 3; ++axis) {
+        Eigen::Vector3d hand = inside;
+        hand[axis] = strange;
+        static_cast<void>(peer->update(hand));
+      }
+  }
+}
+
 }  // namespace
 }  // namespace sparsha::bench
