@@ -4,17 +4,18 @@ set -euo pipefail
 build=$1
 mode=$2
 jobs=$(nproc)
-# The race comes last: its report.html names the files that the others left.
-programs=(bench_haptics bench_pipeline bench_audio bench_race)
+programs=(bench_race bench_effects bench_haptics bench_pipeline bench_audio bench_realtime)
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_BENCH=ON
-cmake --build "$build" -j"$jobs" --target "${programs[@]}"
+cmake --build "$build" -j"$jobs" --target sparsha "${programs[@]}" bench_report
 out=$build/bench
 mkdir -p "$out"
-rm -f "$out/report.html"
+rm -f "$out"/*.csv "$out"/*.svg "$out"/*.html  # what an earlier run left would be taken for this run's
+began=$SECONDS
 for program in "${programs[@]}"; do
   echo "== $program"
   start=$SECONDS
   "$build/bin/$program" --mode "$mode" --out "$out"
   echo "== $program took $((SECONDS - start)) s"
 done
-echo "bench: $out/report.html"
+"$build/bin/bench_report" --mode "$mode" --out "$out" --seconds $((SECONDS - began))
+echo "bench: measured in $((SECONDS - began)) s, $out/report.html"

@@ -18,14 +18,14 @@ using Eigen::Vector3d;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// Largest curvature of tops, by differences of the slope on a fine raster.
-double top_curvature(const Ground& ground) {
+double top_curvature(const Ground& ground, double margin_m) {
   constexpr int kSamples = 400;
   constexpr double kStep = 1e-4;  // m
   double most = 1e-9;
   for (int j = 0; j <= kSamples; ++j)
     for (int i = 0; i <= kSamples; ++i) {
-      const double x = static_cast<double>(i) / kSamples;
-      const double y = static_cast<double>(j) / kSamples;
+      const double x = margin_m + (1.0 - 2.0 * margin_m) * i / kSamples;
+      const double y = margin_m + (1.0 - 2.0 * margin_m) * j / kSamples;
       const Vector2d along_x = (ground.slope(x + kStep, y) - ground.slope(x - kStep, y)) / (2.0 * kStep);
       const Vector2d along_y = (ground.slope(x, y + kStep) - ground.slope(x, y - kStep)) / (2.0 * kStep);
       const double mean = 0.5 * (along_x.x() + along_y.y());
@@ -80,6 +80,8 @@ Ground profile(const std::string& name, double (*height)(double), double (*slope
 
 }  // namespace
 
+double deepest_m(const Ground& ground, double margin_m) { return 0.7 / top_curvature(ground, margin_m); }
+
 std::vector<Ground> all_grounds() {
   std::vector<Ground> grounds;
   Ground ground;
@@ -110,7 +112,7 @@ std::vector<Ground> all_grounds() {
       "step", [](double u) { return 0.01 * std::tanh(u / 0.01); },
       [](double u) { return 1.0 / (std::cosh(u / 0.01) * std::cosh(u / 0.01)); }));
   grounds.push_back(stone());
-  for (Ground& each : grounds) each.most_depth_m = 0.7 / top_curvature(each);
+  for (Ground& each : grounds) each.most_depth_m = deepest_m(each);
   return grounds;
 }
 

@@ -24,6 +24,10 @@ struct Ground {
 /// exponent 0.9, the finest 31 mm long).
 [[nodiscard]] std::vector<Ground> all_grounds();
 
+/// 0.7 of the smallest radius of a top: how deep a hand may be and still have one foot. `margin_m` along the borders
+/// does not count; the path keeps 0.13 m away from them.
+[[nodiscard]] double deepest_m(const Ground& ground, double margin_m = 0.0);
+
 /// The nodes of the grid: what every method is made from.
 [[nodiscard]] haptics::MongeSurface sample(const Ground& ground, int nodes_per_side);
 

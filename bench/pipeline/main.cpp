@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: bench_pipeline [--out DIR] [--mode quick|full] [--strict] [--only "
-    "accuracy|closed|normals|filters|registration|mtf|speed|c2m|huge]\n"
+    "peers|scaling|accuracy|closed|normals|filters|registration|mtf|speed|c2m|huge]\n"
     "                      [--scenes TEXT] [--no-cloudcompare] [--all] [--huge POINTS] [--program PATH]\n";
 
 }  // namespace
@@ -55,14 +55,19 @@ int main(int argc, char** argv) {
   try {
     fs::create_directories(options.out);
     options.work = options.out / ("bench_pipeline-" + std::to_string(getpid()));
-    if (only.empty() || only == "accuracy") kept = sparsha::bench::run_accuracy(options) && kept;
-    if (only.empty() || only == "closed") kept = sparsha::bench::run_closed(options) && kept;
-    if (only.empty() || only == "normals") sparsha::bench::run_normals(options);
-    if (only.empty() || only == "filters") sparsha::bench::run_filters(options);
-    if (only.empty() || only == "registration") sparsha::bench::run_registration(options);
-    if (only.empty() || only == "mtf") sparsha::bench::run_mtf(options);
-    if (only.empty() || only == "c2m") kept = sparsha::bench::run_cross_check(options) && kept;
-    if (only.empty() || only == "speed") sparsha::bench::run_speed(options);
+    const auto always = [&](const char* part) { return only.empty() || only == part; };
+    // The quick mode leaves out what takes longest; --only has it.
+    const auto in_full = [&](const char* part) { return only == part || (only.empty() && !options.quick); };
+    if (always("peers")) sparsha::bench::run_peers(options);
+    if (always("scaling")) sparsha::bench::run_scaling(options);
+    if (in_full("accuracy")) kept = sparsha::bench::run_accuracy(options) && kept;
+    if (in_full("closed")) kept = sparsha::bench::run_closed(options) && kept;
+    if (in_full("normals")) sparsha::bench::run_normals(options);
+    if (always("filters")) sparsha::bench::run_filters(options);
+    if (in_full("registration")) sparsha::bench::run_registration(options);
+    if (in_full("mtf")) sparsha::bench::run_mtf(options);
+    if (in_full("c2m")) kept = sparsha::bench::run_cross_check(options) && kept;
+    if (in_full("speed")) sparsha::bench::run_speed(options);
     if (only.empty() || only == "huge") kept = sparsha::bench::run_huge(options) && kept;
     fs::remove_all(options.work);
   } catch (const std::exception& error) {

@@ -13,7 +13,7 @@ struct RunOptions {
   std::string scenes;               ///< only scenes whose name contains this
   bool quick = false;
   bool cloudcompare = true;  ///< when installed
-  bool every = false;        ///< closed objects: every count, noise and grid, which takes hours
+  bool every = false;        ///< closed objects: every count, noise and grid, which takes hours; normals: 1 M points
   double huge_points = 0.0;  ///< of the out-of-core run; 0 leaves it out
 };
 
@@ -33,6 +33,11 @@ void run_normals(const RunOptions& options);
 void run_filters(const RunOptions& options);
 /// Registration beside PCL's plain ICP, times and errors: pipeline_registration.csv.
 void run_registration(const RunOptions& options);
+/// Ours beside rasters, PCL's moving least squares and CloudCompare against density, noise and spacing:
+/// pipeline_open_peers.csv, pipeline_closed_peers.csv.
+void run_peers(const RunOptions& options);
+/// Stages of a build against points and nodes: pipeline_scaling.csv.
+void run_scaling(const RunOptions& options);
 /// Scans that do not fit their --memory, a tenth of the points and all of them, beside the same builds in memory:
 /// pipeline_huge.csv. False when a limit is broken or a byte differs.
 bool run_huge(const RunOptions& options);

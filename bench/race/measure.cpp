@@ -18,15 +18,6 @@ double between_ns(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::nano>(end - begin).count();
 }
 
-double timer_overhead_ns() {
-  std::vector<double> pauses(2001);
-  for (double& pause : pauses) {
-    const Clock::time_point begin = Clock::now();
-    pause = between_ns(begin, Clock::now());
-  }
-  return median(pauses);
-}
-
 struct Running {
   Peer* peer;
   std::vector<double> best_ns;   ///< per tick
@@ -69,6 +60,15 @@ void measure_errors(Peer& peer, const Course& course, Row& row) {
 }
 
 }  // namespace
+
+double timer_overhead_ns() {
+  std::vector<double> pauses(2001);
+  for (double& pause : pauses) {
+    const Clock::time_point begin = Clock::now();
+    pause = between_ns(begin, Clock::now());
+  }
+  return median(pauses);
+}
 
 Field make_field(const Ground& ground, int nodes, std::vector<Entrant> entrants) {
   Field field{sample(ground, nodes), std::move(entrants), {}, {}};

@@ -1,4 +1,4 @@
-// build/bench/report.html: one page without other files, for eyes and for screen readers.
+// The race's chapters of the benchmarks' page (bench/report).
 #pragma once
 
 #include <filesystem>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hard.h"
+#include "lived.h"
 #include "measure.h"
 
 namespace sparsha::bench {
@@ -14,11 +15,10 @@ struct Report {
   std::string mode;  ///< quick or full
   std::vector<Row> rows;
   std::vector<HardResult> hard;
-  double seconds = 0.0;
+  std::vector<LivedRow> lived;
 };
 
-/// Reads race_front.svg of the same folder, and says which other results lie beside it. False when it could not be
-/// written.
+/// Reads race_front.svg of the same folder and writes race.part.html; false when it could not be written.
 [[nodiscard]] bool write_report(const std::filesystem::path& folder, const Report& report);
 
 }  // namespace sparsha::bench

@@ -1,0 +1,67 @@
+// bench_report: build/bench/report.html from what the other programs left in the same folder.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "base/system.h"
+#include "chapters.h"
+#include "html.h"
+
+namespace sparsha::bench {
+namespace {
+
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown processor";
+}
+
+bool write_page(const std::filesystem::path& folder, const std::string& mode, double seconds) {
+  const double memory_gb = 1e-9 * static_cast<double>(system::physical_memory_bytes());
+  std::string introduction = "<p>Machine: " + escaped(processor()) + ", " +
+                             std::to_string(std::thread::hardware_concurrency()) + " threads, " +
+                             text_of("%.0f GB", memory_gb) + " of memory. Mode: " + escaped(mode) + ".";
+  if (seconds > 0.0) introduction += " Measuring took " + text_of("%.0f s", seconds) + ".";
+  if (mode == "quick")
+    introduction +=
+        " The quick mode leaves out the slow parts: scenes of known accuracy, more closed objects, normals, "
+        "registration, transfer, builds, stability, and most settings of the rest.";
+  introduction +=
+      " No time stands here without the error that it bought. Methods that are compared ran in turns in one run. This "
+      "page needs no other file; the CSV files beside it hold every figure.</p>\n" +
+      findings_html(folder);
+  const std::string body = file_text(folder / "race.part.html") + effects_html(folder) + pipeline_html(folder) +
+                           scaling_html(folder) + paper_html(folder) + real_time_html(folder) + files_html(folder);
+  std::ofstream page(folder / "report.html");
+  page << html_page("Sparsha: speed against error", introduction, body);
+  return static_cast<bool>(page.flush());
+}
+
+}  // namespace
+}  // namespace sparsha::bench
+
+int main(int argc, char** argv) {
+  std::filesystem::path out = ".";
+  std::string mode = "quick";
+  double seconds = 0.0;
+  for (int k = 1; k < argc; k += 2) {
+    if (k + 1 < argc && std::strcmp(argv[k], "--mode") == 0) {
+      mode = argv[k + 1];
+    } else if (k + 1 < argc && std::strcmp(argv[k], "--out") == 0) {
+      out = argv[k + 1];
+    } else if (k + 1 < argc && std::strcmp(argv[k], "--seconds") == 0) {
+      seconds = std::atof(argv[k + 1]);
+    } else {
+      std::fputs("usage: bench_report [--mode NAME] [--out DIR] [--seconds S]\n", stderr);
+      return 2;
+    }
+  }
+  if (sparsha::bench::write_page(out, mode, seconds)) return 0;
+  std::fprintf(stderr, "%s: error: cannot be written\n", (out / "report.html").c_str());
+  return 1;
+}

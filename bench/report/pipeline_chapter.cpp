@@ -1,0 +1,176 @@
+// From points to heights, ours and other people's.
+#include <map>
+#include <utility>
+
+#include "chapters.h"
+#include "csv_table.h"
+
+namespace sparsha::bench {
+namespace {
+
+const std::vector<Column> kOpenColumns = {{"method", "method"},
+                                          {"points_per_node", "points per node"},
+                                          {"noise_mm", "noise, mm"},
+                                          {"spacing_ratio", "node spacing / point spacing"},
+                                          {"points", "points"},
+                                          {"nodes", "nodes"},
+                                          {"seconds", "time, ms", 1e3},
+                                          {"ratio", "time over ours"},
+                                          {"ratio_low", "least"},
+                                          {"ratio_high", "greatest"},
+                                          {"rms_away_mm", "RMS, mm"},
+                                          {"p99_away_mm", "99 %, mm"},
+                                          {"wrong_layer_percent", "wrong layer, %"},
+                                          {"completeness_percent", "complete, %"}};
+const std::vector<Column> kClosedColumns = {{"method", "method"},
+                                            {"object", "object"},
+                                            {"points", "points"},
+                                            {"noise_spacings", "noise, spacings"},
+                                            {"spacing_ratio", "node spacing / point spacing"},
+                                            {"seconds", "time, ms", 1e3},
+                                            {"ratio", "time over ours"},
+                                            {"ratio_low", "least"},
+                                            {"ratio_high", "greatest"},
+                                            {"rms_spacings", "RMS, spacings"},
+                                            {"p99_spacings", "99 %, spacings"},
+                                            {"median_spacings", "median where smooth, spacings"},
+                                            {"wrong_layer_percent", "wrong layer, %"},
+                                            {"beyond_percent", "beyond the silhouette, %"},
+                                            {"completeness_percent", "complete, %"}};
+
+/// One table for each value of `column` in turn, folded unless it is "base".
+std::string by_varied(const Table& table, const std::vector<Column>& columns, const std::string& first,
+                      const std::map<std::string, std::string>& titles) {
+  std::string html;
+  for (const auto& [value, title] : titles)
+    for (std::size_t begin = 0; begin < table.rows.size(); ++begin) {
+      const std::string group = table.text(begin, first);
+      bool seen = false;
+      for (std::size_t row = 0; row < begin; ++row) seen = seen || table.text(row, first) == group;
+      if (seen) continue;
+      const std::string caption = title + ": " + group;
+      const std::string part = html_of(table, caption, columns, [&, v = value](std::size_t row) {
+        return table.text(row, first) == group && table.text(row, "varied") == v;
+      });
+      html += part.empty() || value == "base" ? part : html_folded(caption, part);
+    }
+  return html;
+}
+
+std::string peers_html(const std::filesystem::path& folder) {
+  std::string html;
+  if (const auto open = read_table(folder / "pipeline_open_peers.csv"))
+    html +=
+        html_heading("Pipeline: open objects") +
+        "<p>A relief of 1 m with grooves, a step of 10 mm, 0.5 % of outliers and a back: sparse (a tenth of the "
+        "front's density, 100 mm behind) or as dense as the front (60 mm behind). Every method gets the same points "
+        "and gives heights on the same lattice, on one thread, in turns; each is judged by the analytic surface. "
+        "RMS and 99 % count nodes farther than three spacings from the step; <em>wrong layer</em>: more than 5 mm "
+        "off; <em>complete</em>: share of the nodes that have a height. <em>Least</em> and <em>greatest</em> are "
+        "those of the ratios in the same round. PCL's moving least squares (order 2, radius three point spacings) "
+        "smooths the points, then a raster takes them. CloudCompare is timed as a process, with reading and "
+        "writing.</p>" +
+        by_varied(
+            *open, kOpenColumns, "back",
+            {{"base", "Back"}, {"density", "Density, back"}, {"noise", "Noise, back"}, {"spacing", "Spacing, back"}});
+  if (const auto closed = read_table(folder / "pipeline_closed_peers.csv"))
+    html += html_heading("Pipeline: closed objects") +
+            "<p>Raw points of whole objects, uniform by area, no faces: what is seen first from above is wanted, and "
+            "the back is as dense as the front. Errors in mean point spacings against the traced surface; <em>wrong "
+            "layer</em>: more than three spacings off; <em>complete</em>: share of the nodes in the silhouette that "
+            "have a height, where the lattice is known.</p>" +
+            by_varied(*closed, kClosedColumns, "object",
+                      {{"base", "Object"}, {"density", "Density"}, {"noise", "Noise"}, {"spacing", "Spacing"}});
+  if (!html.empty())
+    html +=
+        "<p>Where a peer is better: a z-buffer, a mean and a median take a small part of our time, and where there is "
+        "one layer and little noise they are as good as anything; inverse distance and moving least squares average "
+        "more noise away than a local fit that keeps edges when points are sparse, at the price of rounding them. None "
+        "of them knows what lies behind what.</p>";
+  return html;
+}
+
+}  // namespace
+
+std::string pipeline_html(const std::filesystem::path& folder) {
+  std::string html;
+  const auto add = [&](const char* file, const char* caption, const std::vector<Column>& columns, bool folded) {
+    const std::string table = html_of(folder / file, caption, columns);
+    if (!table.empty()) html += folded ? html_folded(caption, table) : table;
+  };
+  add("pipeline_filters.csv", "Outliers, voxels and other filters, ours and PCL's",
+      {{"filter", "filter"},
+       {"points", "points"},
+       {"own_1_s", "ours, 1 thread, ms", 1e3},
+       {"own_2_s", "ours, 2 threads, ms", 1e3},
+       {"pcl_s", "PCL's, ms", 1e3},
+       {"agreement", "results"}},
+      false);
+  add("pipeline_normals.csv", "Normals through 14 neighbours, our tangent discs and PCL's",
+      {{"object", "object"},
+       {"points", "points"},
+       {"noise_spacings", "noise, spacings"},
+       {"method", "method"},
+       {"threads", "threads"},
+       {"seconds", "time, s"},
+       {"median_deg", "median error, °"},
+       {"p95_deg", "95 %, °"}},
+      true);
+  add("pipeline_registration.csv", "Registration from 5° and 10 mm off, ours and PCL's plain ICP",
+      {{"scans", "scans"}, {"method", "method"}, {"seed", "seed"}, {"seconds", "time, s"}, {"rms_mm", "RMS, mm"}},
+      false);
+  std::string whole = peers_html(folder);
+  if (!html.empty()) whole += html_heading("Pipeline: filters, normals and registration") + html;
+  html.clear();
+  add("pipeline_accuracy.csv", "Accuracy of every scene",
+      {{"scene", "scene"},
+       {"method", "method"},
+       {"points", "points"},
+       {"coverage_percent", "measured, %"},
+       {"rms_away_mm", "RMS away from steps, mm"},
+       {"p99_away_mm", "99 %, mm"},
+       {"off_2mm_away_percent", "&gt; 2 mm, %"},
+       {"rms_smooth_mm", "RMS where smooth, mm"},
+       {"median_mm", "median, mm"},
+       {"seconds", "time, s"}},
+      true);
+  add("pipeline_closed.csv", "Closed objects by density, hole and noise, with CloudCompare",
+      {{"object", "object"},
+       {"method", "method"},
+       {"points", "points"},
+       {"noise_spacings", "noise, spacings"},
+       {"density_ratio", "density"},
+       {"hole_spacings", "hole"},
+       {"wrong_smooth_percent", "wrong, smooth, %"},
+       {"wrong_percent", "wrong, %"},
+       {"beyond_percent", "beyond, %"},
+       {"median_spacings", "median, spacings"},
+       {"ms_one_thread", "1 thread, ms"},
+       {"ms_two_threads", "2 threads, ms"}},
+      true);
+  add("pipeline_mtf.csv", "Gain and coherence by wavelength",
+      {{"scene", "scene"},
+       {"wavelength_from_nodes", "from, nodes"},
+       {"wavelength_to_nodes", "to, nodes"},
+       {"gain", "gain"},
+       {"coherence", "coherence"}},
+      true);
+  add("pipeline_c2m.csv", "Distances from scan to surface, ours and CloudCompare's",
+      {{"method", "method"}, {"points", "points"}, {"mean_mm", "mean, mm"}, {"rms_mm", "RMS, mm"}}, false);
+  add("pipeline_speed.csv", "Projection and whole builds: time, memory, error",
+      {{"task", "task"},
+       {"method", "method"},
+       {"threads", "threads"},
+       {"points", "points"},
+       {"nodes", "nodes"},
+       {"seconds", "time, s"},
+       {"cpu_seconds", "CPU, s"},
+       {"peak_rss_mb", "memory, MB"},
+       {"rms_away_mm", "RMS, mm"}},
+      false);
+  if (html.empty()) return whole;
+  return whole + html_heading("Pipeline: accuracy by scene and whole builds") +
+         "<p>Simulated scans with a known truth, read as files (docs/accuracy.md).</p>" + html;
+}
+
+}  // namespace sparsha::bench

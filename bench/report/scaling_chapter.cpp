@@ -1,0 +1,105 @@
+// How time grows with points and nodes.
+#include <algorithm>
+#include <vector>
+
+#include "chapters.h"
+#include "csv_table.h"
+#include "exponent.h"
+
+namespace sparsha::bench {
+namespace {
+
+constexpr double kFloor = 0.002;     // s: stages below are start-up and the clock
+constexpr double kTickFloor = 1e-9;  // s
+const std::vector<std::string> kAgainst = {"points", "nodes"};
+
+struct Series {
+  std::string name;
+  std::vector<double> counts, seconds;
+};
+
+std::vector<Series> stages_of(const Table& table, const std::string& against) {
+  std::vector<Series> all;
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    if (table.text(row, "against") != against) continue;
+    const std::string name = table.text(row, "stage");
+    auto found = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.name == name; });
+    if (found == all.end()) found = all.insert(all.end(), {name, {}, {}});
+    found->counts.push_back(table.number(row, against));
+    found->seconds.push_back(table.number(row, "seconds"));
+  }
+  return all;
+}
+
+/// Updates of the methods of the race against the nodes, from its group `size`.
+std::vector<Series> updates_of(const Table& race) {
+  std::vector<Series> all;
+  for (std::size_t row = 0; row < race.rows.size(); ++row) {
+    if (race.text(row, "group") != "size") continue;
+    const std::string name = race.text(row, "method");
+    auto found = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.name == name; });
+    if (found == all.end()) found = all.insert(all.end(), {name, {}, {}});
+    found->counts.push_back(race.number(row, "points"));
+    found->seconds.push_back(1e-9 * race.number(row, "p50_ns"));
+  }
+  return all;
+}
+
+std::string exponent_text(const Exponent& fit) {
+  if (fit.counts < 2) return "too short to tell";
+  std::string text = text_of("%.2f", fit.value);
+  if (fit.counts > 2) text += " ± " + text_of("%.2f", fit.error);
+  return text + " (" + std::to_string(fit.counts) + " sizes)";
+}
+
+std::string time_of(double seconds) { return time_text(1e9 * seconds); }
+
+std::string table_of(const std::vector<Series>& all, const std::string& caption, const std::string& count_name,
+                     double floor_s) {
+  std::vector<double> counts;
+  for (const Series& s : all) counts.insert(counts.end(), s.counts.begin(), s.counts.end());
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  if (counts.empty()) return {};
+  std::vector<std::string> heads = {count_name == "points" ? "stage" : count_name == "nodes" ? "stage" : "method"};
+  for (const double count : counts)
+    heads.push_back(text_of("%.0f ", count) + (count_name == "points" ? "points" : "nodes"));
+  heads.emplace_back("exponent");
+  std::vector<HtmlRow> rows;
+  for (const Series& s : all) {
+    HtmlRow cells{{escaped(s.name)}};
+    for (const double count : counts) {
+      const auto at = std::find(s.counts.begin(), s.counts.end(), count);
+      cells.push_back(
+          {at == s.counts.end() ? "" : time_of(s.seconds[static_cast<std::size_t>(at - s.counts.begin())])});
+    }
+    cells.push_back({exponent_text(fit_exponent(s.counts, s.seconds, floor_s))});
+    rows.push_back(cells);
+  }
+  return html_table(caption, heads, rows);
+}
+
+}  // namespace
+
+std::string scaling_html(const std::filesystem::path& folder) {
+  std::string html;
+  if (const auto stages = read_table(folder / "pipeline_scaling.csv"))
+    for (const std::string& against : kAgainst)
+      html += table_of(stages_of(*stages, against),
+                       against == "points" ? "Stages of a build against the points, 160 000 nodes"
+                                           : "Stages of a build against the nodes, the same number of points",
+                       against, kFloor);
+  if (const auto race = read_table(folder / "race.csv"))
+    html += table_of(updates_of(*race), "Median update of each method against the points of its surface", "size",
+                     kTickFloor);
+  if (html.empty()) return {};
+  return html_heading("Scaling") +
+         "<p>Time = a · count<sup>exponent</sup>, fitted in the logarithms over the sizes that take at least 2 ms (a "
+         "stage) on one thread; ± is the 95 % interval of the fit. An exponent of 1 is linear. Below 1 something that "
+         "does not grow still counts: against the points, work on the nodes; against the nodes, work on the "
+         "points. The hand's speed in the last table is the same in metres, so that it crosses more cells on finer "
+         "surfaces.</p>" +
+         html;
+}
+
+}  // namespace sparsha::bench
