@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "base/statistics.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -29,12 +31,6 @@ std::vector<double> without_trend(const std::vector<double>& heights_m) {
   for (std::size_t i = 0; i < heights_m.size(); ++i)
     rest[i] = heights_m[i] - mean - slope * (static_cast<double>(i) - 0.5 * (n - 1.0));
   return rest;
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -76,7 +72,8 @@ HeightSpectrum HeightSpectrumFit::fit() const {
   for (int q = first_; q <= last_; ++q) {
     // A periodogram is exponentially distributed about the density: its median is ln 2 times the mean. Steps and
     // grooves are few, and medians do not see them.
-    const double density_m3 = median_of(densities_m3_[static_cast<std::size_t>(q - first_)]) / std::numbers::ln2;
+    std::vector<double> densities_m3 = densities_m3_[static_cast<std::size_t>(q - first_)];
+    const double density_m3 = median(densities_m3) / std::numbers::ln2;
     if (!(density_m3 > 0.0) || !std::isfinite(density_m3)) return spectrum;
     const double x = std::log(q / (length_ * spacing_m_) / nyquist_per_m);
     const double y = std::log(density_m3);

@@ -27,7 +27,7 @@ class Profile {
   std::vector<Wave> waves_;
 };
 
-/// What is rendered: the hand `depth_m` below the mean of the profile, along x, once a tick.
+/// What is rendered: the hand `depth_m` below the mean of the profile, along x, once per tick.
 struct TextureStroke {
   double depth_m = 0.0005;
   double speed_m_per_s = 0.1;

@@ -9,7 +9,7 @@ namespace sparsha::bench {
 
 struct BallOptions {
   double radius_spacings = 1.0;
-  int moves = 100;  ///< of the ball a tick, at most; none is longer than its radius
+  int moves = 100;  ///< of the ball per tick, at most; none is longer than its radius
 };
 
 [[nodiscard]] PeerPointer make_ball(const haptics::MongeSurface& surface, const BallOptions& options);

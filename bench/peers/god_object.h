@@ -8,7 +8,7 @@
 namespace sparsha::bench {
 
 struct GodObjectOptions {
-  int moves = 100;  ///< moves of the proxy a tick, at most; 1: the constraints of one tick, as published in 1995
+  int moves = 100;  ///< moves of the proxy per tick, at most; 1: the constraints of one tick, as published in 1995
 };
 
 [[nodiscard]] PeerPointer make_god_object(const haptics::MongeSurface& surface, const GodObjectOptions& options);

@@ -10,7 +10,7 @@ namespace sparsha::bench {
 
 struct ImplicitOptions {
   double radius_spacings = 3.0;  ///< support of a point; below 2 the surface has holes
-  int iterations = 20;           ///< tangent steps a tick, at most
+  int iterations = 20;           ///< tangent steps per tick, at most
 };
 
 [[nodiscard]] PeerPointer make_implicit(const haptics::MongeSurface& surface, const ImplicitOptions& options);

@@ -10,7 +10,7 @@ namespace sparsha::bench {
 
 struct MlsOptions {
   double width_spacings = 0.8;  ///< of the Gaussian weight exp(-r^2 / width^2)
-  int iterations = 20;          ///< tangent steps a tick, at most
+  int iterations = 20;          ///< tangent steps per tick, at most
 };
 
 [[nodiscard]] PeerPointer make_mls(const haptics::MongeSurface& surface, const MlsOptions& options);

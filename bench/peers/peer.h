@@ -1,4 +1,4 @@
-// What every renderer in the race is: built from the nodes of one grid, updated with the hand once a tick.
+// What every renderer in the race is: built from the nodes of one grid, updated with the hand once per tick.
 // Local frame of the grid, metres. Forces are per unit of stiffness, so that they are lengths.
 #pragma once
 

@@ -9,7 +9,7 @@ namespace sparsha::bench {
 
 struct SphereOptions {
   double radius_spacings = 3.0;  ///< at most a little more than 1 may pass between points
-  int iterations = 60;           ///< a tick, at most
+  int iterations = 60;           ///< per tick, at most
 };
 
 [[nodiscard]] PeerPointer make_sphere(const haptics::MongeSurface& surface, const SphereOptions& options);

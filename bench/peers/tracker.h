@@ -17,7 +17,7 @@ struct FieldValue {
 };
 
 struct TrackerOptions {
-  int iterations = 20;  ///< tangent steps a tick, at most
+  int iterations = 20;  ///< tangent steps per tick, at most
   double tolerance_spacings = 1e-3;
 };
 

@@ -39,13 +39,13 @@ std::vector<Scene> accuracy_scenes(bool quick) {
     scenes.push_back(std::move(s));
     return scenes.back();
   };
-  Scene& sparse = add(with_back(scene("sparse back, 3.6 a node", 3.6), BackConfig::Kind::rough, 0.10, 0.1));
+  Scene& sparse = add(with_back(scene("sparse back, 3.6 per node", 3.6), BackConfig::Kind::rough, 0.10, 0.1));
   sparse.rms_away_mm = 0.10;
   sparse.p99_away_mm = 0.34;
   sparse.off2_away_percent = 0.003;
   sparse.off5_all_percent = 0.03;
   sparse.least_coverage_percent = 99.5;
-  Scene& slab = add(with_back(scene("slab, 1.9 a node on both sides", 1.9), BackConfig::Kind::parallel, 0.06, 1.0));
+  Scene& slab = add(with_back(scene("slab, 1.9 per node on both sides", 1.9), BackConfig::Kind::parallel, 0.06, 1.0));
   slab.rms_away_mm = 0.13;
   slab.p99_away_mm = 0.40;
   slab.off2_away_percent = 0.003;
@@ -59,7 +59,7 @@ std::vector<Scene> accuracy_scenes(bool quick) {
     Scene& s = add(scene(fmt::format("6 mm bars, {} node(s) wide, 3.6", width), 3.6, bars));
     if (width >= 2) s.least_beside_percent = 85.0;
   }
-  if (!quick) add(with_back(scene("32 a node", 32.0), BackConfig::Kind::rough, 0.10, 0.1)).rms_all_mm = 0.05;
+  if (!quick) add(with_back(scene("32 per node", 32.0), BackConfig::Kind::rough, 0.10, 0.1)).rms_all_mm = 0.05;
   Scene& varying = add(scene("density varying 1:100, mean 3.6", 3.6));
   std::get<SamplerConfig>(varying.config.scan).density_ratio = 100.0;
   add(scene("grid three times finer than the cloud", 1.0 / 9.0));

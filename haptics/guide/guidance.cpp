@@ -25,7 +25,7 @@ constexpr double kLookAheadM = 0.001;
 constexpr double kBrakeM = 0.004;    // before a sharp turn
 constexpr double kSlowest = 0.4;     // of the speed, in it
 constexpr double kSharp = 0.5;       // cosine of what turns the hand before it goes on
-constexpr std::size_t kLooks = 128;  // pieces a tick
+constexpr std::size_t kLooks = 128;  // pieces per tick
 constexpr int kMostPieces = 64;      // that a hand passes in a tick
 
 /// Of a spring that is no stronger than `most_n`.
@@ -58,7 +58,7 @@ void Guidance::let_go() noexcept {
   let_go_s_ = 0.0;
 }
 
-// Some pieces a tick, so that a long line costs no more than a short one.
+// Some pieces per tick, so that a long line costs no more than a short one.
 void Guidance::look_for_line(const Input& input) noexcept {
   const GuidePath& path = guide_->path;
   if (looked_at_ == 0) nearest_m_ = HUGE_VAL;

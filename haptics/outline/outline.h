@@ -23,7 +23,7 @@ using Line = std::vector<Eigen::Vector2d>;
 ///   1980) and exceeds that on both sides by what a step of `least_step_m` makes.
 /// * ridges and grooves: where the slope across a line turns by more than 0.5 within some nodes (Eberly 1996).
 /// Lines run along the nodes within half a node of where the heights say, and corners are rounded by a node or two.
-/// `noise_m`: standard deviation of the heights. Any thread; some 0.3 us a node.
+/// `noise_m`: standard deviation of the heights. Any thread; some 0.3 us per node.
 [[nodiscard]] std::vector<Line> find_outlines(const pipeline::DepthGrid& grid, double noise_m);
 
 /// The borders of the nodes for which `inside` holds, longest first; the grid's rim counts as border.

@@ -72,7 +72,7 @@ struct SolverOptions {
   double tolerance_cells = 1e-9;  ///< rest tolerance, of a cell
   int segment_limit = 4000;
   double paper_rho = 0.5;                 ///< the paper's solver: step factor
-  int paper_iterations = 100;             ///< and iterations a tick
+  int paper_iterations = 100;             ///< and iterations per tick
   CellShape shape = CellShape::bilinear;  ///< the exact solver's; the paper's is bilinear always
 };
 

@@ -29,7 +29,7 @@ class ContactEvents {
     bool contact = false;
     bool sticking = false;
   };
-  /// At most one event a tick.
+  /// At most one event per tick.
   [[nodiscard]] std::optional<ContactEvent> update(const Input& input) noexcept;
   /// Forgets the hand's way, e.g. after a fault; the next touch starts anew.
   void reset() noexcept { approach_.reset(); }

@@ -261,8 +261,8 @@ BuildResult build_scene_folder(const Config& config, const BuildOptions& options
   require_replaceable(folder, config);
   AtomicPath target(folder, AtomicPath::Kind::folder);
   BuildOptions building = options;
-  if (building.spill_folder.empty()) {
-    building.spill_folder = folder.parent_path().empty() ? std::filesystem::path(".") : folder.parent_path();
+  if (building.scratch_folder.empty()) {
+    building.scratch_folder = folder.parent_path().empty() ? std::filesystem::path(".") : folder.parent_path();
   }
   BuildResult result = build_scene(config, building, progress);
   progress.begin("write");

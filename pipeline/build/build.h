@@ -21,7 +21,7 @@ struct BuildOptions {
   std::uint64_t memory_points = 0;
   /// Where such files are, without a name: they go with the build. build_scene_folder takes the scene's parent folder
   /// when it is empty, build_scene the system's folder for temporary files.
-  std::filesystem::path spill_folder;
+  std::filesystem::path scratch_folder;
 };
 
 struct BuildResult {

@@ -67,7 +67,7 @@ Error no_points(const Config& config) {
                      "a scan with at least one finite point");
 }
 
-// Bytes a point that bytes_in_memory() allows for its projection.
+// Bytes per point that bytes_in_memory() allows for its projection.
 constexpr std::uint64_t kWindowBytes = 56;
 
 // Thrown while a build in memory turns out to exceed the limit.
@@ -112,8 +112,8 @@ class Builder {
 
  private:
   /// Looked for when it is needed: a TMPDIR that does not exist is no matter for what fits into memory.
-  [[nodiscard]] std::filesystem::path spill_folder() const {
-    if (!options_.spill_folder.empty()) return options_.spill_folder;
+  [[nodiscard]] std::filesystem::path scratch_folder() const {
+    if (!options_.scratch_folder.empty()) return options_.scratch_folder;
     std::error_code code;
     std::filesystem::path folder = std::filesystem::temp_directory_path(code);
     if (!code) return folder;
@@ -141,10 +141,10 @@ class Builder {
     Report::Points points;
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
-    build_cloud(cloud, filters_, points, {}, [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
+    build_cloud(cloud, filters_, points, {}, [&](const Lattice& lattice, std::uint64_t bytes_per_point) {
       std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
       // What is counted for a point is enough for windows; discs take more.
-      needed += (std::max(bytes_a_point, kWindowBytes) - kWindowBytes) * scans.points();
+      needed += (std::max(bytes_per_point, kWindowBytes) - kWindowBytes) * scans.points();
       if (checks()) needed += bytes_of_sample(*config_.check, scans.points(), lattice);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
       require_room(lattice, node_bytes(scans, lattice));
@@ -324,17 +324,17 @@ class Builder {
     const auto cloud = std::make_shared<Cloud>(thinner.finish());
     cloud->stations = scans.stations();
     const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1, filters_.end());
-    build_cloud(cloud, rest, points, std::move(steps), [&](const Lattice& lattice, std::uint64_t bytes_a_point) {
-      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_a_point, lattice);
+    build_cloud(cloud, rest, points, std::move(steps), [&](const Lattice& lattice, std::uint64_t bytes_per_point) {
+      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_per_point, lattice);
     });
   }
 
   void build_out_of_core(const ScanSet& scans) {
-    progress_.begin("spill");
+    progress_.begin("points to disk");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
     if (!oriented_ || finds_pillars()) streamed.sample_kept();
-    CloudOnDisk cloud =
-        spill(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity, spill_folder(), progress_);
+    CloudOnDisk cloud = write_to_disk(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity,
+                                      scratch_folder(), progress_);
     if (cloud.size() == 0) throw no_points(config_);
     result_.points = {};
     result_.points.invalid = cloud.invalid;
@@ -348,11 +348,11 @@ class Builder {
                           {pool_, progress_});
     const Lattice& lattice = tiled.plan().lattice;
     const std::uint64_t tile_points =
-        points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_a_point(), lattice);
+        points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_per_point(), lattice);
     if (checks()) {
       require_room_for_sample(limit_, *config_.check, result_.points.read, node_bytes(scans, lattice), lattice);
     }
-    result_.projection = tiled.run(tile_points, spill_folder(), {pool_, progress_});
+    result_.projection = tiled.run(tile_points, scratch_folder(), {pool_, progress_});
     system::trim_heap();
     if (!checks()) return;
     auto points = std::make_shared<BucketedPoints>(tiled.take_points());

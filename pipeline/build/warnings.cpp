@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -17,8 +18,6 @@ constexpr double kFarSpacings = 0.2;  // and what form between nodes and points 
 constexpr double kDoubtful = 0.01;    // shares of measured nodes
 constexpr double kTurnedAway = 0.001;
 constexpr double kUnsure = 0.2;
-
-std::string mm(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
 
 }  // namespace
 
@@ -49,19 +48,19 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
     warnings.push_back(fmt::format(
         "the noise, {}, is more than half the distance between points, {}: forms of that size are not real; use a "
         "larger grid.spacing_mm, align the scans better, or give grid.noise_mm if it is known",
-        mm(noise), mm(apart)));
+        length_text(noise), length_text(apart)));
   }
   if (doubts.fine) {
     warnings.push_back(
         fmt::format("the grid is {:.1f} times finer than the points, which are {} apart: it shows nothing more than "
                     "grid.spacing_mm: {:.3g} would",
-                    apart / lattice.spacing_m, mm(apart), 1e3 * apart));
+                    apart / lattice.spacing_m, length_text(apart), 1e3 * apart));
   }
   if (doubts.far) {
     warnings.push_back(fmt::format(
         "half of the points lie farther than {} from the surface, and noise explains {}: look at the picture of the "
         "errors in the report; another orientation or a smaller grid.spacing_mm may follow the points better",
-        mm(check->cloud_to_surface.median_m), mm(doubts.explained_m)));
+        length_text(check->cloud_to_surface.median_m), length_text(doubts.explained_m)));
   }
   if (share(projection.nodes_doubtful) > kDoubtful) {
     warnings.push_back(
@@ -106,7 +105,7 @@ void require_surface_near_points(const Lattice& lattice, const CheckResult& chec
   throw input_error({},
                     fmt::format("the surface lies more than a grid spacing ({}) from half of the points ({} in the "
                                 "median): it is not theirs",
-                                mm(lattice.spacing_m), mm(distances.median_m)),
+                                length_text(lattice.spacing_m), length_text(distances.median_m)),
                     "another orientation, a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
 }
 

@@ -14,8 +14,8 @@ namespace sparsha::pipeline {
 
 /// Cells whose space diagonal is just below the reach: all points of a cell are within reach of each other, and points
 /// within reach of each other lie at most two cells apart along each axis. Cells are ordered by z, y, x, points in a
-/// cell by x, y, z, so that nothing depends on the order of the cloud. 16 bytes a point and 28 a cell, 64 bytes a point
-/// more while they are sorted.
+/// cell by x, y, z, so that nothing depends on the order of the cloud. 16 bytes per point and 28 per cell, 64 bytes per
+/// point more while they are sorted.
 class CellOrder {
  public:
   struct Point {

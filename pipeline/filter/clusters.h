@@ -22,7 +22,7 @@ namespace sparsha::pipeline {
                                                                    const Progress& progress);
 
 struct KeptCluster {
-  std::vector<std::uint8_t> keep;  ///< one a point
+  std::vector<std::uint8_t> keep;  ///< one per point
   std::uint64_t points = 0;
   std::uint64_t clusters = 0;  ///< in all
   std::uint64_t next = 0;      ///< points of the largest other one

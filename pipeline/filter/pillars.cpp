@@ -16,6 +16,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/statistics.h"
 #include "pipeline/scan/quiet_pcl.h"
 
 namespace sparsha::pipeline {
@@ -79,8 +80,7 @@ double estimate_normals(const Points::Ptr& points, Normals& normals) {
     normals.push_back(pcl::Normal(normal.x(), normal.y(), normal.z()));
     nearest.push_back(std::sqrt(static_cast<double>(squares.back()) / kNeighbours * std::acos(-1.0)));
   }
-  std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2), nearest.end());
-  return nearest[nearest.size() / 2];
+  return median(nearest);
 }
 
 /// A shape and the points that lie on it; no coefficients when there is none.

@@ -9,7 +9,7 @@
 
 namespace sparsha::pipeline {
 
-/// One bit a node, rows packed into 64-bit words; bits beyond nx are zero.
+/// One bit per node, rows packed into 64-bit words; bits beyond nx are zero.
 class NodeSet {
  public:
   NodeSet(int nx, int ny);

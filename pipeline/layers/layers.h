@@ -19,7 +19,7 @@ void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadP
                                                     ThreadPool& pool);
 
 /// Curvatures of the texture f - f_b by a Gaussian-weighted quadratic fit at `scale_m`, less their noise expectation;
-/// 0 where the window has unknown nodes or a step. `noise_m` is the heights' white noise a node (of points with n a
+/// 0 where the window has unknown nodes or a step. `noise_m` is the heights' white noise per node (of points with n a
 /// node: their noise / sqrt(n)); `sigma_space_m` is the envelope's, which takes most of that noise along (0: it takes
 /// none).
 struct CurvatureMap {

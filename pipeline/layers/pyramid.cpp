@@ -1,5 +1,5 @@
 // Coarser levels: the binomial low-pass [1 6 15 20 15 6 1]/64 before every halving. It is non-negative and its response
-// cos^6(pi f) falls to 1.6 % at 1/3 cycle a node; being totally positive along a row it makes no new extrema there
+// cos^6(pi f) falls to 1.6 % at 1/3 cycle per node; being totally positive along a row it makes no new extrema there
 // (Lindeberg 1990), so that no detail is invented between levels.
 #include <algorithm>
 #include <array>

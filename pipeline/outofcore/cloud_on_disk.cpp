@@ -10,8 +10,8 @@
 
 namespace sparsha::pipeline {
 
-CloudOnDisk spill(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
-                  const std::filesystem::path& folder, Progress& progress) {
+CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
+                          const std::filesystem::path& folder, Progress& progress) {
   const PointLayout layout{colour && scans.has_colour(), intensity && scans.has_intensity()};
   CloudOnDisk cloud;
   cloud.origin_m = scans.origin_m();

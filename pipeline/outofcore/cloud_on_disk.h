@@ -32,8 +32,8 @@ struct CloudOnDisk {
 /// Streams the scans once more, rounds every point as a Cloud holds it, and keeps those that the filters keep.
 /// Attributes that are asked for are kept too. Throws Error{input} when nothing is left, Error{failure} when the disk
 /// is full.
-[[nodiscard]] CloudOnDisk spill(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
-                                const std::filesystem::path& folder, Progress& progress);
+[[nodiscard]] CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
+                                        const std::filesystem::path& folder, Progress& progress);
 
 /// The raw points of some records, at most as long as the records live.
 [[nodiscard]] inline RawPoints raw_points(const PointRecords& records) {

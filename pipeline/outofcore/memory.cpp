@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kProgram = 70'000'000;  // code, libraries, buffers
 constexpr std::uint64_t kLeastTilePoints = 100'000;
 
-// Bytes a point of a cloud in memory and what its projection sorts; filters need no more, but for voxels, for what
+// Bytes per point of a cloud in memory and what its projection sorts; filters need no more, but for voxels, for what
 // sorts points into cells, and for the places of moved points.
 constexpr std::uint64_t kPoint = 64;
 constexpr std::uint64_t kAttribute = 4;
@@ -28,7 +28,7 @@ constexpr std::uint64_t kFace = 40;
 constexpr std::uint64_t kSampledPoint = 48;
 constexpr std::uint64_t kSampledNode = 32;
 
-// Bytes a node.
+// Bytes per node.
 constexpr double kHeights = 5.0;
 constexpr double kColourSums = 40.0;
 constexpr double kIntensitySums = 16.0;
@@ -106,19 +106,19 @@ std::uint64_t most_voxels(const MemoryLimit& limit) {
   return limit.points > 0 ? std::min(voxels, limit.points) : voxels;
 }
 
-std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_a_point,
+std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
                                const Lattice& lattice) {
   std::uint64_t points = std::numeric_limits<std::uint32_t>::max();
   if (limit.bytes > 0) {
     const auto heights = static_cast<std::uint64_t>(kHeights * static_cast<double>(lattice.count()));
-    const std::uint64_t least = std::max(node_bytes, heights + kLeastTilePoints * bytes_a_point);
+    const std::uint64_t least = std::max(node_bytes, heights + kLeastTilePoints * bytes_per_point);
     if (kProgram + least > limit.bytes) {
       throw Error(ErrorKind::failure, {},
                   fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {} MB",
                               lattice.nx, lattice.ny, (kProgram + least) / 1'000'000U + 1, limit.bytes / 1'000'000U),
                   "a smaller grid.size, a larger grid.spacing_mm or a higher --memory");
     }
-    points = std::min(points, (limit.bytes - kProgram - heights) / bytes_a_point);
+    points = std::min(points, (limit.bytes - kProgram - heights) / bytes_per_point);
   }
   return limit.points > 0 ? std::min(points, limit.points) : points;
 }

@@ -38,6 +38,6 @@ void require_room_for_sample(const MemoryLimit& limit, const CheckConfig& check,
 /// Points that a tile may have beside the grid of heights. Throws Error{failure} when the nodes alone, which need
 /// `node_bytes` at most, exceed the limit.
 [[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,
-                                             std::uint64_t bytes_a_point, const Lattice& lattice);
+                                             std::uint64_t bytes_per_point, const Lattice& lattice);
 
 }  // namespace sparsha::pipeline

@@ -68,7 +68,7 @@ struct Bins {
   static constexpr std::size_t kReadAhead = 32;
 };
 
-/// `skip` (empty or one flag a point) names points that stay out, and so do those beyond the window: bins of its rows
+/// `skip` (empty or one flag per point) names points that stay out, and so do those beyond the window: bins of its rows
 /// but not of its columns are empty, and memory of other rows is not touched. At most 2^32 - 1 points.
 /// Memory comes from `store` when it is given.
 [[nodiscard]] Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t>& skip,

@@ -36,7 +36,7 @@ struct ProjectionPlan {
   std::vector<std::string> lying_normals;     ///< files whose normals do not point outwards
 
   /// Memory of a point while it is sorted and nodes are measured, and some to spare; without the cloud's own.
-  [[nodiscard]] std::uint64_t bytes_a_point() const { return discs ? 112 : 56; }
+  [[nodiscard]] std::uint64_t bytes_per_point() const { return discs ? 112 : 56; }
 
   /// With nothing measured yet.
   [[nodiscard]] Projection empty_projection() const;

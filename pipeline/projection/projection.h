@@ -38,14 +38,13 @@ struct Projection {
 };
 
 /// May refuse a lattice by throwing.
-using ApproveLattice = std::function<void(const Lattice& lattice, std::uint64_t bytes_a_point)>;
+using ApproveLattice = std::function<void(const Lattice& lattice, std::uint64_t bytes_per_point)>;
 
 /// Projects `cloud` as seen along -z of the grid frame, grid = scan_to_grid * scan. `resolution_m` bounds the automatic
 /// spacing from below. Looking at a cloud from one side after another is faster by a Projector. The result depends
 /// neither on the pool's threads nor on the order of the points. Throws Error{input} when no node can be measured,
 /// Error{usage} when the grid would exceed 2^31 nodes or memory. `approve`, when given, sees the lattice, and how many
-/// bytes a point takes while nodes are measured, before memory
-/// is taken for it and may throw.
+/// bytes a point takes while nodes are measured, before memory is taken for it; it may throw.
 [[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
                                  double resolution_m, const Context& context, const ApproveLattice& approve = {});
 

@@ -15,7 +15,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-// One flag a point that is a vertex of a face; empty without faces.
+// One flag per point that is a vertex of a face; empty without faces.
 std::vector<std::uint8_t> flag_vertices(const Cloud& cloud, std::size_t points) {
   std::vector<std::uint8_t> flags;
   if (cloud.faces.empty()) return flags;
@@ -79,7 +79,7 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);
   const OrientedPoints points = orient_points(raw_, cloud_.origin_m, scan_to_grid, origin_m, context.pool, store);
   const ProjectionPlan plan = this->plan(points, scan_to_grid, origin_m, config, resolution_m, context.pool);
-  if (approve) approve(plan.lattice, plan.bytes_a_point());
+  if (approve) approve(plan.lattice, plan.bytes_per_point());
   Projection projection = plan.empty_projection();
   context.progress.throw_if_cancelled();
 

@@ -42,7 +42,7 @@ class Projector {
 
   const Cloud& cloud_;
   RawPoints raw_;
-  std::vector<std::uint8_t> vertices_;  // one flag a point that is a vertex of a face; empty without faces
+  std::vector<std::uint8_t> vertices_;  // one flag per point that is a vertex of a face; empty without faces
   bool only_mesh_ = false;
   bool keep_memory_ = true;
   std::vector<float> origin_sample_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -10,11 +11,6 @@ namespace {
 constexpr double kLargestObject_m = 60.0;     // beyond, an object that is not georeferenced is rather in mm
 constexpr double kGeoreferenced_m = 10000.0;  // nobody's local coordinates are so far from zero
 constexpr double kSmallestObject_m = 0.002;
-
-std::string length(double metres) {
-  if (metres >= 1.0) return fmt::format("{:.3g} m", metres);
-  return metres >= 0.01 ? fmt::format("{:.3g} cm", metres * 100.0) : fmt::format("{:.3g} mm", metres * 1000.0);
-}
 
 }  // namespace
 
@@ -37,11 +33,11 @@ std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::V
   const double side = (high - low).maxCoeff();
   const double away = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
   if (side > kLargestObject_m && away < kGeoreferenced_m) {
-    return UnitGuess{LengthUnit::mm,
-                     fmt::format("it would be {} long in metres, {} in mm", length(side), length(side * 0.001))};
+    return UnitGuess{LengthUnit::mm, fmt::format("it would be {} long in metres, {} in mm", length_text(side),
+                                                 length_text(side * 0.001))};
   }
   if (side > 0.0 && side < kSmallestObject_m) {
-    return UnitGuess{LengthUnit::m, fmt::format("it would be only {} long in metres", length(side))};
+    return UnitGuess{LengthUnit::m, fmt::format("it would be only {} long in metres", length_text(side))};
   }
   return std::nullopt;
 }

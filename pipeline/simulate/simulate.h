@@ -68,7 +68,7 @@ struct SimulatedPoint {
   bool is_outlier = false;
 };
 
-/// A scan in memory, one entry a point.
+/// A scan in memory, one entry per point.
 struct SimulatedScan {
   std::vector<Eigen::Vector3d> points_m;  ///< scan frame
   std::vector<std::uint8_t> is_front;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/scan_statistics.h"
 #include "pipeline/scan/units.h"
@@ -60,7 +61,7 @@ std::string verdict(const Choice& choice, double share) {
   text +=
       fmt::format("#   tried{}: half of the points lie within {} of the surface, {:.0f} % of the grid is measured\n",
                   share < 1.0 ? fmt::format(" with {:.2g} % of the points", 100.0 * share) : "",
-                  plain_length(trial.median_m), 100.0 * trial.coverage);
+                  length_text(trial.median_m), 100.0 * trial.coverage);
   if (!trial.complaint().empty()) text += fmt::format("#   look at the result: {}\n", trial.complaint());
   constexpr double kEmpty = 0.05;
   if (trial.coverage < kEmpty) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "pipeline/check/check.h"
 #include "pipeline/layers/layers.h"
 #include "scene/config.h"
@@ -22,10 +23,6 @@ constexpr double kMostNodes = 16.0 * 1024.0 * 1024.0;
 constexpr std::int64_t kCheckSamples = 20'000;
 
 }  // namespace
-
-std::string plain_length(double metres) {
-  return metres < 1.0 ? fmt::format("{:.3g} mm", 1e3 * metres) : fmt::format("{:.3g} m", metres);
-}
 
 void TrialCloud::add(const ScanStatistics& statistics, double metres) {
   const RawScan& scan = statistics.scan;
@@ -97,20 +94,20 @@ std::string Trial::complaint() const {
   if (measured < kFewest) return fmt::format("only {:.0f} nodes of the grid can be measured", measured);
   if (doubts.not_theirs || (!fits && !doubts.fine && !doubts.far)) {
     return fmt::format("half of the points lie farther than {} from the surface, and the grid spacing is {}",
-                       plain_length(median_m), plain_length(spacing_m));
+                       length_text(median_m), length_text(spacing_m));
   }
   if (doubts.far) {
     return fmt::format("half of the points lie farther than {} from the surface, and noise explains {}",
-                       plain_length(median_m), plain_length(doubts.explained_m));
+                       length_text(median_m), length_text(doubts.explained_m));
   }
   if (doubts.fine) {
     return fmt::format("the grid spacing, {}, is much finer than the points, which are {} apart",
-                       plain_length(spacing_m), plain_length(point_spacing_m));
+                       length_text(spacing_m), length_text(point_spacing_m));
   }
   if (doubts.unfacing) return "much of what is seen first seems to face away";
   if (doubts.noisy) {
-    return fmt::format("the noise, {}, is more than half the distance between points, {}", plain_length(noise_m),
-                       plain_length(point_spacing_m));
+    return fmt::format("the noise, {}, is more than half the distance between points, {}", length_text(noise_m),
+                       length_text(point_spacing_m));
   }
   return {};
 }

@@ -43,9 +43,6 @@ class TrialCloud {
   double spacing_m_ = 0.0;  // the widest of the scans'
 };
 
-/// "0.25 mm", "12 m".
-[[nodiscard]] std::string plain_length(double metres);
-
 struct Trial {
   View view;
   std::string error;                ///< why there is no surface; else the rest is known

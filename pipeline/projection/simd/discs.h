@@ -148,7 +148,7 @@ SPARSHA_INLINE float neighbourhood2(const DiscKernel& k, const Candidates& c, fl
   return r2;
 }
 
-/// Sums over neighbourhoods of up to eight points, one a lane.
+/// Sums over neighbourhoods of up to eight points, one per lane.
 struct DiscBatch {
   float count[kLanes], r2[kLanes];
   float sum[9][kLanes];  // x y z xx xy xz yy yz zz

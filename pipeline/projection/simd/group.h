@@ -1,4 +1,4 @@
-// Eight nodes at a time, one a lane: nodes whose 3x3 window is one smooth band in front. Included once for each
+// Eight nodes at a time, one per lane: nodes whose 3x3 window is one smooth band in front. Included once for each
 // instruction set.
 #pragma once
 

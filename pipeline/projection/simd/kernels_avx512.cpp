@@ -1,4 +1,4 @@
-// The kernels for AVX-512: still eight lanes, but masks of a bit a lane and twice the registers; see
+// The kernels for AVX-512: still eight lanes, but masks of one bit per lane and twice the registers; see
 // project_kernel.cpp.
 #include "pipeline/projection/simd/kernels.h"
 

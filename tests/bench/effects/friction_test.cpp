@@ -53,7 +53,7 @@ TEST(FrictionLaws, SlidingForceIsTheDynamicCoefficientTimesThePressAgainstTheMot
 
 TEST(FrictionLaws, TheHandIsHeldUpToItsCoefficientAndNoFarther) {
   for (const FrictionRow& row : rows()) {
-    // A micrometre a tick, of the 1 mm or more at which it breaks.
+    // A micrometre per tick, of the 1 mm or more at which it breaks.
     EXPECT_NEAR(row.break_error, 0.0, 2e-3) << row.law;
     EXPECT_GE(row.tick_ns, 0.0);
   }

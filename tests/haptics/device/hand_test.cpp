@@ -29,7 +29,7 @@ TEST(SimulatedHand, SwingsAsTheClosedFormOfADampedOscillator) {
     const double t = 0.001 * tick;
     const double rise = 1.0 - std::exp(-decay * t) * (std::cos(omega * t) + decay / omega * std::sin(omega * t));
     const Eigen::Vector3d expected = force / parameters.stiffness_n_per_m * rise;
-    // 50 sub-steps a tick, each good to a few ulp of the amplitude.
+    // 50 sub-steps per tick, each good to a few ulp of the amplitude.
     const double tolerance = 50.0 * tick * 8.0 * std::numeric_limits<double>::epsilon() * force.norm() / 300.0;
     ASSERT_NEAR((hand.position_m() - expected).norm(), 0.0, tolerance) << "tick " << tick;
   }

@@ -83,7 +83,7 @@ double most(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vect
 TEST(Cues, EachIsToldOnceWhereTheHandComesToIt) {
   const Told told = travel(pipeline::CuesConfig{}, true);
   EXPECT_EQ(told.counts, (std::array<std::uint64_t, pipeline::kCues>{1, 1, 1, 1, 1}));
-  // x = 20 mm at tick 400, 0.1 mm a tick; what is known of a place is known one tick later.
+  // x = 20 mm at tick 400, 0.1 mm per tick; what is known of a place is known one tick later.
   const auto at = [&](Cue cue) { return static_cast<double>(told.ticks[static_cast<std::size_t>(cue)].front()); };
   EXPECT_NEAR(at(Cue::part_entered), 600.0, 3.0);
   EXPECT_NEAR(at(Cue::part_left), 800.0, 3.0);

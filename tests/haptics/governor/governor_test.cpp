@@ -299,7 +299,7 @@ TEST(Governor, TheStiffnessNeverRisesInContactUnlessTheWishDoes) {
     last = now;
   }
   EXPECT_NEAR(last, 900.0, 1.0);
-  EXPECT_LT(most, 1.55 * whole / 120.0) << "N/m a tick: the steepest of a smooth step over 120 ms";
+  EXPECT_LT(most, 1.55 * whole / 120.0) << "N/m per tick: the steepest of a smooth step over 120 ms";
 }
 
 TEST(Governor, ALowerWishIsFollowedInContactAlsoWhereTheLimitHasComeALittleBelowTheStiffness) {

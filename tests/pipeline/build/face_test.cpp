@@ -83,7 +83,7 @@ TEST_F(FaceBuild, OutOfCoreAndWithAnyThreadsItIsTheSameFace) {
   BuildOptions by_tiles;
   by_tiles.threads = 3;
   by_tiles.memory_points = 20000;
-  by_tiles.spill_folder = folder_.path();
+  by_tiles.scratch_folder = folder_.path();
   const BuildResult a = build_scene(config("{face: plane}"), in_memory, progress_);
   const BuildResult b = build_scene(config("{face: plane}"), by_tiles, progress_);
   EXPECT_EQ(a.scene->description().config.orientation.scan_to_grid,

@@ -73,7 +73,7 @@ TEST_F(SoundPlaces, PillarsOfATurnedObjectAreWhereTheRegionsAreWritten) {
 TEST_F(SoundPlaces, PillarsAreTheSameOutOfCore) {
   BuildOptions by_tiles;
   by_tiles.memory_points = 10000;
-  by_tiles.spill_folder = folder_.path();
+  by_tiles.scratch_folder = folder_.path();
   const auto yaml = [&](const BuildOptions& options) {
     return to_yaml(build_scene(config(kFront, "{find: pillars}"), options, progress_).scene->description().config);
   };

@@ -97,7 +97,7 @@ TEST(Curvature, FollowsASinusoidUpToTheFitsOwnSmoothing) {
 }
 
 TEST(Curvature, CorrelatesWithTheTruthOfANoisyTexture) {
-  // Scanned stone: ripples of 0.25 mm, 24 mm long, noise 0.05 mm a node, 1.25 mm spacing.
+  // Scanned stone: ripples of 0.25 mm, 24 mm long, noise 0.05 mm per node, 1.25 mm spacing.
   const double h = 0.00125, noise = 0.00005;
   const Wave wave{0.00025, 2 * kPi / 0.024};
   DepthGrid grid = grid_of(lattice_of(300, 300, h), [&](double x, double y) { return wave.z(x, y); });

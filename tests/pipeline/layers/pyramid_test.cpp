@@ -66,7 +66,7 @@ TEST(Pyramid, StopsWhereTheWindowHoldsTheLevel) {
 
 TEST(Pyramid, LetsWavesBeyondTheCoarseNyquistVanish) {
   ThreadPool pool(1);
-  for (const double frequency : {0.30, 0.34, 0.38, 0.42, 0.45, 0.49}) {  // cycles a node; the coarse Nyquist is 0.25
+  for (const double frequency : {0.30, 0.34, 0.38, 0.42, 0.45, 0.49}) {  // cycles per node; the coarse Nyquist is 0.25
     const DepthGrid grid =
         grid_of(lattice_of(301, 301, 1), [&](double x, double) { return std::sin(2 * kPi * frequency * x + 0.3); });
     const double left = peak(build_pyramid(layers_of(grid), 200, pool)[0].grid, 3);

@@ -69,10 +69,10 @@ class OutOfCore : public ::testing::Test {
     for (const char* key : {"stages", "total_seconds", "peak_rss_bytes"}) json.erase(key);
     return json;
   }
-  static bool spilled(const fs::path& scene) {
+  static bool kept_on_disk(const fs::path& scene) {
     const auto json = nlohmann::json::parse(read_file(scene / "report.json", kLargest));
     return std::any_of(json["stages"].begin(), json["stages"].end(),
-                       [](const auto& stage) { return stage["name"] == "spill"; });
+                       [](const auto& stage) { return stage["name"] == "points to disk"; });
   }
   void build(const Config& config, const std::string& name, std::uint64_t points, unsigned threads = 2) {
     BuildOptions options;
@@ -80,7 +80,7 @@ class OutOfCore : public ::testing::Test {
     options.memory_points = points;
     Progress progress;
     build_scene_folder(config, options, folder_ / name, progress);
-    EXPECT_EQ(spilled(folder_ / name), points > 0);
+    EXPECT_EQ(kept_on_disk(folder_ / name), points > 0);
   }
   /// In memory and with so few points at once.
   void expect_same_out_of_core(const Config& config, std::uint64_t points) {
@@ -387,14 +387,14 @@ TEST_F(OutOfCore, ACrossCheckOfMorePointsThanFitIsRefused) {
   EXPECT_NE(refused(config, options, folder_ / "scene").wrong().find("cross-check"), std::string::npos);
   config.check->samples = 5000;
   build_scene_folder(config, options, folder_ / "scene", progress_);
-  EXPECT_TRUE(spilled(folder_ / "scene"));
+  EXPECT_TRUE(kept_on_disk(folder_ / "scene"));
 }
 
 TEST_F(OutOfCore, CancellingInAnyStageKeepsTheOldSceneAndLeavesNothingElse) {
   const Config config = simulated(relief(100, 1), kAllLayers);
   build(config, "scene", 10'000);
   const std::string before = read_file(folder_ / "scene" / "scene.yaml", kLargest);
-  for (const char* stage : {"spill", "project", "cross-check"}) {
+  for (const char* stage : {"points to disk", "project", "cross-check"}) {
     for (const int updates : {1, 3}) {
       Progress* cancelled = nullptr;
       int seen = 0;
@@ -417,7 +417,7 @@ TEST_F(OutOfCore, CancellingInAnyStageKeepsTheOldSceneAndLeavesNothingElse) {
 TEST_F(OutOfCore, AFullDiskIsAnErrorThatKeepsTheOldScene) {
   const Config config = simulated(relief(150, 1));
   build(config, "scene", 20'000);
-  // A limit on the size of files stands for the full disk: what is spilled has some 600 kB.
+  // A limit on the size of files stands for the full disk: what is on disk has some 600 kB.
   struct rlimit old {};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
   auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
