@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "base/thread_pool.h"
 #include "pipeline/register/register.h"
+#include "pipeline/report/registration_page.h"
 #include "scene/pose_text.h"
 
 namespace sparsha::app {
@@ -25,20 +26,23 @@ namespace {
 struct Arguments {
   std::string config;
   std::string out;
+  std::string report;
   std::vector<std::string> settings;
   unsigned threads = 0;
 };
+
+std::string sentence(const pipeline::Config& config, const pipeline::FirstGuess& guess) {
+  return fmt::format("first guess from features: {} on {}, {:.0f} % of it",
+                     config.scans[guess.scan].file.filename().string(), config.scans[guess.on].file.filename().string(),
+                     100.0 * guess.overlap);
+}
 
 std::string table(const pipeline::Config& config, const pipeline::Registration& found) {
   const auto fit = [](const pipeline::PairFit::Fit& f) {
     return fmt::format("{:>5.1f} %  {:>9}", 100.0 * f.overlap, f.matches > 0 ? length_text(f.residual_m) : "-");
   };
   std::string text;
-  for (const pipeline::FirstGuess& guess : found.guesses) {
-    text += fmt::format("first guess from features: {} on {}, {:.0f} % of it\n",
-                        config.scans[guess.scan].file.filename().string(),
-                        config.scans[guess.on].file.filename().string(), 100.0 * guess.overlap);
-  }
+  for (const pipeline::FirstGuess& guess : found.guesses) text += sentence(config, guess) + "\n";
   text += "overlap and residual (RMS) of each pair\nbefore              after               use\n";
   for (const pipeline::PairFit& pair : found.pairs) {
     text += fmt::format("{}  {}  {:<8}  {} - {}\n", fit(pair.before), fit(pair.after), to_string(pair.use),
@@ -82,13 +86,29 @@ std::string json(const pipeline::Config& config, const pipeline::Registration& f
   return result.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
+// The pairs as the report has them; residual and overlap before and after.
+std::string page(const Arguments& arguments, const pipeline::Config& config, const pipeline::Registration& found) {
+  const auto name = [&](std::size_t scan) { return config.scans[scan].file.generic_string(); };
+  const auto fit = [](const pipeline::PairFit::Fit& f) {
+    return pipeline::ScanPair::Fit{f.within_m, f.overlap, f.residual_m};
+  };
+  std::vector<std::string> notes;
+  for (const pipeline::FirstGuess& guess : found.guesses) notes.push_back(sentence(config, guess) + ".");
+  std::vector<pipeline::ScanPair> pairs;
+  for (const pipeline::PairFit& pair : found.pairs) {
+    pairs.push_back({name(pair.first), name(pair.second), fit(pair.after), pair.use == pipeline::PairFit::Use::used,
+                     fit(pair.before)});
+  }
+  return pipeline::registration_page(fs::path(arguments.config).filename().string(), notes, pairs);
+}
+
 int run_register(const Arguments& arguments, const CommonOptions& common) {
   Terminal terminal(common);
   if (!is_config(arguments.config)) {
     throw usage_error("'" + arguments.config + "' is not a configuration",
                       "a CONFIG.yaml with two or more scans; `sparsha new SCAN...` writes a first one");
   }
-  if (!arguments.out.empty()) check_outputs({{"--out", arguments.out}}, arguments.config);
+  check_outputs({{"--out", arguments.out}, {"--report", arguments.report}}, arguments.config);
   const pipeline::Config config =
       config_from({arguments.config}, arguments.settings, common.trusted(), terminal.progress());
   ThreadPool pool(arguments.threads);
@@ -103,6 +123,7 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
   if (!arguments.out.empty() || !common.json)
     yaml = pipeline::text_with_poses(arguments.config, config, found.poses, folder);
   if (!arguments.out.empty()) write_file(arguments.out, yaml);
+  if (!arguments.report.empty()) write_file(arguments.report, page(arguments, config, found));
   if (common.json) {
     print(json(config, found));
   } else if (arguments.out.empty()) {
@@ -118,6 +139,7 @@ void add_register(CLI::App& app, const CommonOptions& common, Run& run) {
   CLI::App* command = app.add_subcommand("register", "Align scans; writes the configuration with the found poses");
   command->add_option("config", arguments->config, "configuration with two or more scans")->required();
   command->add_option("--out,-o", arguments->out, "file for the configuration; default: standard output");
+  command->add_option("--report", arguments->report, "page of the scans' graph, overlap and residual before and after");
   command->add_option("--set", arguments->settings, "override a key, e.g. register.voxel_mm=1")
       ->take_all()
       ->allow_extra_args(false);

@@ -115,7 +115,7 @@ std::vector<ScanPair> pairs_of(const Config& config, const BuildOptions& options
     const bool used = fit.use == PairFit::Use::used;
     const std::string first = config.scans[fit.first].file.generic_string();
     const std::string second = config.scans[fit.second].file.generic_string();
-    pairs.push_back({first, second, fit.after.within_m, fit.after.overlap, fit.after.residual_m, used});
+    pairs.push_back({first, second, {fit.after.within_m, fit.after.overlap, fit.after.residual_m}, used, std::nullopt});
     if (used) linked[fit.first] = linked[fit.second] = true;
     constexpr double kNotOne = 1.0 / 6.0;  // of the distance within which points are in common: half a point distance
     if (used && fit.after.residual_m > kNotOne * fit.after.within_m) {

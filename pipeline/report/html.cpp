@@ -10,14 +10,10 @@
 
 #include "base/text.h"
 #include "pipeline/report/base64.h"
+#include "pipeline/report/page.h"
 #include "pipeline/report/scan_graph.h"
-#include "pipeline/report/style.h"
 #include "pipeline/report/svg.h"
 #include "scene/layer_file.h"
-
-#ifndef SPARSHA_VERSION
-#define SPARSHA_VERSION "unknown"
-#endif
 
 namespace sparsha::pipeline {
 namespace {
@@ -313,15 +309,9 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   std::size_t size = 1U << 16;
   for (const std::string& png : encoded) size += png.size() * 4 / 3;
   const std::string title = escape_html(title_of(description));
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<meta name='viewport' "
-      "content='width=device-width, initial-scale=1'>\n<title>{0} \u2013 scan "
-      "report</title>\n<style>{1}</style>\n</head>\n<body>\n"
-      "<a class='skip' href='#main'>Skip to the content</a>\n<header>\n<p class='kicker'>Scan "
-      "report</p>\n<h1>{0}</h1>\n"
-      "<p class='lead'>{2}</p>\n<nav aria-label='Sections'><ul>",
-      title, kReportStyle, lead(description, report));
+  std::string html;
   html.reserve(size);
+  html += page_head(title, "Scan report", lead(description, report)) + "<nav aria-label='Sections'><ul>";
   const std::vector<std::pair<std::string, std::string>> sections = {
       {"pictures", "Pictures"},     {"accuracy", "Accuracy"},         {"points", "Points and grid"},
       {"inputs", "Inputs"},         {"words", "What the words mean"}, {"configuration", "Configuration"},
@@ -360,10 +350,7 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
           "aria-label='Configuration in YAML'><code>" +
               escape_html(to_yaml(description.config)) + "</code></pre>");
   section(6, stages(report));
-  html += fmt::format(
-      "</main>\n<footer><p>Made by Sparsha {}. Lengths are in the unit that stands beside them; heights grow "
-      "towards the viewer.</p></footer>\n</body>\n</html>\n",
-      SPARSHA_VERSION);
+  html += page_end();
   return html;
 }
 

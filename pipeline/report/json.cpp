@@ -95,9 +95,9 @@ std::string report_json(const Scene& scene, const Report& report) {
     for (const ScanPair& pair : report.pairs)
       json["pairs"].push_back({{"first", pair.first},
                                {"second", pair.second},
-                               {"within_m", number(pair.within_m)},
-                               {"overlap", number(pair.overlap)},
-                               {"residual_m", number(pair.residual_m)},
+                               {"within_m", number(pair.fit.within_m)},
+                               {"overlap", number(pair.fit.overlap)},
+                               {"residual_m", number(pair.fit.residual_m)},
                                {"linked", pair.linked}});
   }
   json["warnings"] = report.warnings;

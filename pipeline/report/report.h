@@ -15,11 +15,15 @@ namespace sparsha::pipeline {
 
 /// How two scans fit each other with the poses that the scene was built with.
 struct ScanPair {
+  struct Fit {
+    double within_m = 0.0;    ///< points nearer than that are in common
+    double overlap = 0.0;     ///< the larger share of one scan's points in common
+    double residual_m = 0.0;  ///< RMS distance of what is in common
+  };
   std::string first, second;  ///< files
-  double within_m = 0.0;      ///< points nearer than that are in common
-  double overlap = 0.0;       ///< the larger share of one scan's points in common
-  double residual_m = 0.0;    ///< RMS distance of what is in common
+  Fit fit;                    ///< with the poses that are used
   bool linked = false;        ///< enough in common
+  std::optional<Fit> before;  ///< with the poses as given to `sparsha register`
 };
 
 /// Everything report.json says (docs/formats.md); SI units.

@@ -38,7 +38,7 @@ std::string drawing(const std::vector<ScanPair>& pairs) {
     const auto [x2, y2] = at(pair.second);
     svg += fmt::format(
         "<line x1='{:.1f}' y1='{:.1f}' x2='{:.1f}' y2='{:.1f}' stroke='currentColor' stroke-width='{:.1f}'{}/>", x1, y1,
-        x2, y2, 1.0 + 5.0 * pair.overlap, pair.linked ? "" : " stroke-dasharray='3 4'");
+        x2, y2, 1.0 + 5.0 * pair.fit.overlap, pair.linked ? "" : " stroke-dasharray='3 4'");
   }
   for (const std::string& name : names) {
     const auto [x, y] = at(name);
@@ -50,23 +50,37 @@ std::string drawing(const std::vector<ScanPair>& pairs) {
   return svg + "</svg>";
 }
 
+std::string cells(const ScanPair::Fit& fit) {
+  return fmt::format("<td>{:.1f}\u202F%</td><td>{}</td>", 100.0 * fit.overlap,
+                     fit.overlap > 0.0 ? length_text(fit.residual_m, TextStyle::typeset) : "\u2013");
+}
+
+std::string within(const ScanPair::Fit& fit) { return length_text(fit.within_m, TextStyle::typeset); }
+
 }  // namespace
 
 std::string scan_graph_html(const std::vector<ScanPair>& pairs) {
   if (pairs.empty()) return {};
+  const ScanPair& first = pairs.front();
+  const bool twice = first.before.has_value();
+  const std::string distance = twice
+                                   ? within(*first.before) + " of the other before and " + within(first.fit) + " after"
+                                   : within(first.fit) + " of the other";
+  const char* const columns = twice ? "<th scope='col'>Overlap before</th><th scope='col'>Residual before</th>"
+                                      "<th scope='col'>Overlap after</th><th scope='col'>Residual after</th>"
+                                    : "<th scope='col'>Overlap</th><th scope='col'>Residual</th>";
   std::string html = "<h3>How the scans fit each other</h3>" + drawing(pairs) +
                      fmt::format(
                          "<div class='scroll' tabindex='0' role='region' aria-label='Table of pairs of scans'><table>"
-                         "<caption>Overlap: the larger share of one scan's points that lie within {} of the other; "
+                         "<caption>Overlap: the larger share of one scan's points that lie within {}; "
                          "residual: RMS distance there. Dashed lines: too little in common</caption><thead><tr><th "
-                         "scope='col' class='text'>Scans</th><th scope='col'>Overlap</th><th scope='col'>Residual</th>"
-                         "</tr></thead><tbody>",
-                         length_text(pairs.front().within_m, TextStyle::typeset));
+                         "scope='col' class='text'>Scans</th>{}</tr></thead><tbody>",
+                         distance, columns);
   for (const ScanPair& pair : pairs) {
-    html += fmt::format("<tr><th scope='row'>{} \u2013 {}</th><td>{:.1f}\u202F%</td><td>{}</td></tr>",
+    html += fmt::format("<tr><th scope='row'>{} \u2013 {}</th>{}{}</tr>",
                         escape_html(std::filesystem::path(pair.first).filename().string()),
-                        escape_html(std::filesystem::path(pair.second).filename().string()), 100.0 * pair.overlap,
-                        pair.overlap > 0.0 ? length_text(pair.residual_m, TextStyle::typeset) : "\u2013");
+                        escape_html(std::filesystem::path(pair.second).filename().string()),
+                        twice ? cells(pair.before.value_or(ScanPair::Fit{})) : "", cells(pair.fit));
   }
   return html + "</tbody></table></div>";
 }

@@ -45,13 +45,26 @@ TEST_F(Program, RegisterWritesTheConfigurationWithPosesThatPutTheStationsTogethe
   // What is right for the sample: its noise is 0.06 mm and the stations stand a metre from the slab.
   EXPECT_LT((config.scans[1].pose.topRightCorner<3, 1>() - Eigen::Vector3d(0.95, -1.05, 0.35)).norm(), 0.3e-3);
 
-  const Outcome json = run("register statue.yaml --json --threads 1");
+  const Outcome json = run("register statue.yaml --json --threads 1 --report pairs.html");
   ASSERT_EQ(json.code, 0) << json.err;
   const auto result = nlohmann::json::parse(json.out);
   EXPECT_EQ(result["scans"][1]["pose"][3], config.scans[1].pose(0, 3)) << "not the same with one thread";
   ASSERT_EQ(result["pairs"].size(), 1U);
   EXPECT_LT(result["pairs"][0]["after"]["residual_m"], result["pairs"][0]["before"]["residual_m"]);
   EXPECT_EQ(result["pairs"][0]["use"], "used");
+
+  // The page has the same figures, before and after, in its one row.
+  const std::string page = text_of(folder_ / "pairs.html");
+  const std::string row = page.substr(page.find("<tbody>"), page.find("</tbody>") - page.find("<tbody>"));
+  const auto overlap = [&](const char* when) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "<td>%.1f", 100.0 * result["pairs"][0][when]["overlap"].get<double>());
+    return row.find(text);
+  };
+  EXPECT_NE(overlap("before"), std::string::npos) << row;
+  EXPECT_LT(overlap("before"), row.rfind("<td>"));
+  EXPECT_NE(overlap("after"), std::string::npos) << row;
+  EXPECT_THAT(page, AllOf(HasSubstr("Residual before"), HasSubstr("Residual after"), HasSubstr("<svg ")));
 }
 
 TEST_F(Program, ABuildMovesNoScanButReportsHowTheyFit) {
