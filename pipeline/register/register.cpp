@@ -30,8 +30,10 @@ constexpr int kLastIterations = 30;
 constexpr double kMostTurn = 35.0 * 3.14159265358979323846 / 180.0;  // rough poses are not worse than that
 constexpr double kMostShift = 0.35;                                  // longest sides
 constexpr std::size_t kLeastMatches = 100;
-constexpr double kRelaxedShare = 0.5;   // of min_overlap: pairs that have less in common still help to place scans
-constexpr int kRelaxations = 3;         // at most, until the same pairs meet as before
+constexpr double kRelaxedShare = 0.5;  // of min_overlap: pairs that have less in common still help to place scans
+constexpr int kRelaxations = 3;        // at most, until the same pairs meet as before
+constexpr double kByChance = 0.2;  // residual over the distance within which points are in common: evenly spread, 0.58
+constexpr double kRough = 3.0;     // roughness of one scan that the residual of two may reach
 constexpr double kContradiction = 2.0;  // reach of touch within which a pair's own result agrees with all others
 
 /// A pair while it is worked on.
@@ -80,6 +82,7 @@ class Registrar {
     context_.progress.begin("relax");
     relax();
     for_pairs([this](Pair& pair) { measure_after(pair); });
+    reject_what_does_not_fit();
     Registration result;
     for (std::size_t s = 0; s < configs_.size(); ++s)
       result.poses.push_back(s == 0 ? configs_[s].pose : posed_.pose_of(s, posed_.scans[s].pose));
@@ -287,6 +290,43 @@ class Registrar {
   void measure_after(Pair& pair) const {
     const Eigen::Isometry3d relative = first(pair).pose.inverse() * second(pair).pose;
     pair.fit.after = fit_of(agree(pair, &PosedScan::fine, fine_touch_m_, relative), fine_touch_m_);
+  }
+
+  // Chance puts points of two scans near each other as well; of one surface they lie as near as noise and form allow.
+  [[nodiscard]] bool fits(const Pair& pair) const {
+    const double rough_m = std::max(first(pair).fine->roughness_m(), second(pair).fine->roughness_m());
+    const PairFit::Fit& after = pair.fit.after;
+    return after.residual_m <= std::max(kByChance * after.within_m, kRough * rough_m);
+  }
+
+  // Pairs that were aligned and do not fit are no links; what is left must still hold all scans.
+  void reject_what_does_not_fit() {
+    std::vector<WeighedEdge> edges;
+    for (Pair& pair : pairs_) {
+      const bool used = pair.fit.use == PairFit::Use::used;
+      const bool good = pair.fit.after.matches > 0 && fits(pair);
+      if (used && !good) pair.fit.use = PairFit::Use::rejected;
+      const bool met =
+          pair.fit.after.overlap >= kRelaxedShare * config_.min_overlap && pair.fit.after.matches >= kLeastMatches;
+      if (good && (used || met))
+        edges.push_back({{pair.fit.first, pair.fit.second, pair.any_sign}, pair.fit.after.overlap});
+    }
+    const Tree tree = heaviest_tree(posed_.scans.size(), edges);
+    if (tree.unreached.empty()) return;
+    const std::size_t lost = tree.unreached.front();
+    const Pair* best = nullptr;
+    for (const Pair& pair : pairs_) {
+      if (pair.fit.first != lost && pair.fit.second != lost) continue;
+      if (best == nullptr || pair.fit.after.matches > best->fit.after.matches) best = &pair;
+    }
+    const std::size_t other = best->fit.first == lost ? best->fit.second : best->fit.first;
+    throw input_error(
+        posed_.scans[lost].name,
+        fmt::format(
+            "the best pose found leaves its points {} (RMS) from those of {} where the two are within {} of each "
+            "other, which chance does as well",
+            length_text(best->fit.after.residual_m), posed_.scans[other].name, length_text(best->fit.after.within_m)),
+        "poses nearer to the truth, more overlap, or parts that do not repeat");
   }
 
   [[nodiscard]] std::vector<PairFit> found() const {

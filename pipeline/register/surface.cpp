@@ -57,15 +57,18 @@ StationSurface::StationSurface(std::vector<Eigen::Vector3d> points, const std::o
       nearest.push_back(std::sqrt(static_cast<double>(distances2[1])));
   }
   if (!nearest.empty()) spacing_m_ = median(nearest);
+  std::vector<double> across(elements_.size());
   context.pool.for_ranges(elements_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();
-    for (std::size_t i = begin; i < end; ++i) fit(i, place);
+    for (std::size_t i = begin; i < end; ++i) across[i] = fit(i, place).value_or(-1.0);
   });
+  std::erase_if(across, [](double deviation_m) { return deviation_m < 0.0; });
+  if (!across.empty()) roughness_m_ = median(across);
 }
 
 StationSurface::~StationSurface() = default;
 
-void StationSurface::fit(std::size_t index, const std::optional<Eigen::Vector3d>& place) {
+std::optional<double> StationSurface::fit(std::size_t index, const std::optional<Eigen::Vector3d>& place) {
   Element& element = elements_[index];
   pcl::Indices indices;
   std::vector<float> distances2;
@@ -79,7 +82,7 @@ void StationSurface::fit(std::size_t index, const std::optional<Eigen::Vector3d>
     distance += std::sqrt(static_cast<double>(distances2[static_cast<std::size_t>(used)]));
     ++used;
   }
-  if (used < kNeighbours / 2) return;
+  if (used < kNeighbours / 2) return std::nullopt;
   mean /= used;
   distance /= used;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -91,12 +94,14 @@ void StationSurface::fit(std::size_t index, const std::optional<Eigen::Vector3d>
   covariance /= used;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   const Eigen::Vector3d deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  if (!(deviation[1] > kLeastFlatness * deviation[0]) || deviation[2] > kLongestShape * deviation[1]) return;
+  if (!(deviation[1] > kLeastFlatness * deviation[0]) || deviation[2] > kLongestShape * deviation[1])
+    return std::nullopt;
   Eigen::Vector3d normal = solver.eigenvectors().col(0);
   if (place && normal.dot(*place - element.point) < 0.0) normal = -normal;
   element.normal = normal;
   const Eigen::Vector3d aside = mean - normal * normal.dot(mean);
   element.border = aside.norm() > kBorder * distance;
+  return deviation[0];
 }
 
 void StationSurface::flip() {

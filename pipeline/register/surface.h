@@ -35,6 +35,8 @@ class StationSurface {
   };
   [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
   [[nodiscard]] double spacing_m() const { return spacing_m_; }  ///< median distance to the nearest neighbour
+  /// Standard deviation of points across their local planes, median: noise, and form within a neighbourhood.
+  [[nodiscard]] double roughness_m() const { return roughness_m_; }
   [[nodiscard]] bool signed_normals() const { return signed_; }
 
   /// Makes all normals face the other side.
@@ -49,11 +51,13 @@ class StationSurface {
 
  private:
   struct Tree;
-  void fit(std::size_t index, const std::optional<Eigen::Vector3d>& place);
+  /// The deviation across the plane; nothing where there is none.
+  std::optional<double> fit(std::size_t index, const std::optional<Eigen::Vector3d>& place);
 
   std::vector<Element> elements_;
   std::unique_ptr<Tree> tree_;
   double spacing_m_ = 0.0;
+  double roughness_m_ = 0.0;
   bool signed_ = false;
 };
 

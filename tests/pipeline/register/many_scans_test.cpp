@@ -1,4 +1,7 @@
 // Many stations, stations of very different densities, one that sees another object, and the same one several times.
+#include <cmath>
+#include <fstream>
+#include <random>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -54,6 +57,58 @@ TEST(RegisterMany, TheSameStationFiveTimesBecomesOne) {
   const std::vector<ScanConfig> truth(5, one.front());
   const Registration found = registered(disturbed(truth, 4, 4.0, 0.006));
   EXPECT_LT(rms_error(truth, found.poses), 1e-6);
+}
+
+/// Five stations about a chain of seven rings 2.2 m long, 40 mm thick, every other one standing; each sees what faces
+/// it.
+std::vector<ScanConfig> chain(const std::filesystem::path& folder, std::uint64_t seed) {
+  const double pi = std::acos(-1.0);
+  std::mt19937_64 random(seed);
+  const auto uniform = [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; };
+  std::vector<ScanConfig> scans;
+  for (int s = 0; s < 5; ++s) {
+    const double angle = 2.0 * pi * s / 5.0;
+    const Eigen::Vector3d station(0.84 + 6.0 * std::sin(angle), 2.0, 6.0 * std::cos(angle));
+    std::ofstream file(folder / ("station-" + std::to_string(s) + ".xyz"));
+    file.precision(9);
+    for (int seen = 0; seen < 6000;) {
+      const auto ring = static_cast<int>(7.0 * uniform());
+      const double along = 2.0 * pi * uniform();
+      const double about = 2.0 * pi * uniform();
+      if (uniform() > (0.2 + 0.04 * std::cos(about)) / 0.24) continue;
+      Eigen::Vector3d normal(std::cos(about) * std::cos(along), std::cos(about) * std::sin(along), std::sin(about));
+      Eigen::Vector3d place = 0.2 * Eigen::Vector3d(std::cos(along), std::sin(along), 0.0) + 0.04 * normal;
+      if (ring % 2 == 1) {
+        normal = Eigen::Vector3d(normal.x(), -normal.z(), normal.y());
+        place = Eigen::Vector3d(place.x(), -place.z(), place.y());
+      }
+      place += Eigen::Vector3d(0.28 * ring, 0.0, 0.03 * std::sin(ring));
+      if (normal.dot(station - place) <= 0.0) continue;
+      double sum = -6.0;  // of twelve uniform numbers: nearly Gaussian
+      for (int n = 0; n < 12; ++n) sum += uniform();
+      place += 5.0 * kNoise_m * sum * normal;
+      file << place.x() << ' ' << place.y() << ' ' << place.z() << '\n';
+      ++seen;
+    }
+    ScanConfig scan;
+    scan.file = folder / ("station-" + std::to_string(s) + ".xyz");
+    scan.units.unit = LengthUnit::m;
+    scans.push_back(scan);
+  }
+  return scans;
+}
+
+TEST(RegisterMany, RingsOfAChainAreNotTakenForEachOtherInSilence) {
+  const test::TestFolder folder;
+  const std::vector<ScanConfig> truth = chain(folder.path(), 5);
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    try {
+      const Registration found = registered(disturbed(truth, seed, 10.0, 0.108));
+      EXPECT_LT(rms_error(truth, found.poses), 10.0 * kNoise_m) << "seed " << seed;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
+    }
+  }
 }
 
 }  // namespace
