@@ -26,7 +26,7 @@ struct Projection {
   double gap_m = 0.0;                   ///< the depth gap that separates front from back
   bool closed = false;                  ///< decided by tangent discs, see tangent_discs.h; only then are these counted:
   bool facing_known = false;            ///< layers that face away were told from others
-  std::uint64_t nodes_turned_away = 0;  ///< nodes left unknown because the highest layer faces away from the viewer
+  std::uint64_t nodes_turned_away = 0;  ///< nodes in holes of the front, left unknown: what is seen there faces away
   std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely
   std::uint64_t nodes_unsure = 0;       ///< measured nodes of which nothing tells which way they face
   std::vector<std::string> lying_stations;  ///< scans that were seen from elsewhere than they say, so it seems

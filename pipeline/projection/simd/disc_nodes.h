@@ -374,6 +374,16 @@ SPARSHA_INLINE std::uint8_t decide_by_layers(const DiscNodeKernel& k, float x, f
   return decide_by_sorting(k, x, y, c, height);
 }
 
+// A layer that faces away is seen through a hole. Beside the edge of a front, whose discs still cover the node, it is
+// what every closed object has below its silhouette.
+SPARSHA_APART std::uint8_t tell_hole_from_edge(const DiscNodeKernel& k, const std::uint32_t* numbers,
+                                               std::size_t count) {
+  for (std::size_t d = 0; d < count; ++d) {
+    if (k.records[sparsha::pipeline::kDiscRecord * numbers[d] + 7] > 0.0F) return DiscNodeKernel::kUnknown;
+  }
+  return DiscNodeKernel::kAway;
+}
+
 SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {
   const auto column = static_cast<std::ptrdiff_t>((x - k.columns_x0_m) * k.per_side);
   const auto row = static_cast<std::ptrdiff_t>((y - k.columns_y0_m) * k.per_side);
@@ -391,12 +401,13 @@ SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, fl
     const std::uint32_t* start = k.start + j * (last_column + 2);
     find_discs(k, start[column0], start[column1 + 1], x, y, c);
   }
-  if (c.count < DiscNodeKernel::kLeastDiscs) return DiscNodeKernel::kUnknown;
+  const std::size_t found = c.count;
+  if (found < DiscNodeKernel::kLeastDiscs) return DiscNodeKernel::kUnknown;
   read_discs(k, c.found, x, y, 0, c);
-  if (c.high - c.low <= k.link_noise_m + k.link_spacings * c.least_spacing) {
-    return decide_all(k, c, c.low, c.high, height);
-  }
-  return decide_by_layers(k, x, y, c, height);
+  const bool one_layer = c.high - c.low <= k.link_noise_m + k.link_spacings * c.least_spacing;
+  const std::uint8_t verdict =
+      one_layer ? decide_all(k, c, c.low, c.high, height) : decide_by_layers(k, x, y, c, height);
+  return verdict == DiscNodeKernel::kAway ? tell_hole_from_edge(k, c.found, found) : verdict;
 }
 
 SPARSHA_APART void fit_disc_nodes(const DiscNodeKernel& k, std::size_t j, float* height, std::uint8_t* verdict) {

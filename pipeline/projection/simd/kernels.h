@@ -163,7 +163,7 @@ struct DiscNodeKernel {
   enum Verdict : std::uint8_t {
     kUnknown = 0,
     kMeasured = 1,
-    kAway = 2,      ///< the highest layer faces away: its front was not scanned
+    kAway = 2,      ///< the highest layer faces away, and nothing near faces the viewer: its front was not scanned
     kDoubtful = 4,  ///< another layer follows so closely that the two were hard to tell apart
     kUnsure = 8,    ///< nothing tells which way the layer faces
   };

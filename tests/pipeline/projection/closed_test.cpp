@@ -145,9 +145,22 @@ TEST(ClosedObjects, NeverShowTheirBackThroughAHole) {
     options.hole_spacings = 10.0;
     const ObjectScan scan = scan_object(*named.object, options);
     ASSERT_TRUE(scan.hole.has_value()) << named.name;
-    const Judgement f = judge_object(project_scan(scan).grid, *named.object, scan);
+    const pipeline::Projection p = project_scan(scan);
+    const Judgement f = judge_object(p.grid, *named.object, scan);
     EXPECT_GE(f.hole_nodes, 190U) << named.name;
     EXPECT_EQ(f.hole_through, 0U) << named.name;
+    // Which is said: the middle of the hole, where no disc of the front reaches.
+    EXPECT_GE(p.nodes_turned_away, 100U) << named.name;
+  }
+}
+
+TEST(ClosedObjects, ScannedAllAroundHaveNoHoleBesideTheirSilhouette) {
+  for (const NamedObject& named : objects()) {
+    for (const std::size_t points : {kFew, kMany}) {
+      const pipeline::Projection p = project_scan(scan_object(*named.object, cloud_of(points)));
+      // A warning is given from one node in a thousand on.
+      EXPECT_LE(p.nodes_turned_away, p.used / 10000) << named.name << ", " << points << " points";
+    }
   }
 }
 
