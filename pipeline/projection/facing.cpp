@@ -18,7 +18,6 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kMost = 40000.0;      // points of the sample
 constexpr int kNeighbours = 10;        // of a sample's plane
 constexpr double kCellSpacings = 3.0;  // of a depth map: an empty cell is one in 8000
 constexpr double kMostCells = 4e6;     // of a depth map; an object alone needs thousands
@@ -32,8 +31,8 @@ std::uint64_t hash_of(float x, float y, float z) {
                                                  std::bit_cast<std::uint32_t>(z)});
 }
 
-OrientedPoints draw_sample(const OrientedPieces& pieces, std::uint64_t count, ThreadPool& pool) {
-  const double share = std::min(1.0, kMost / std::max(1.0, static_cast<double>(count)));
+OrientedPoints draw_sample(const OrientedPieces& pieces, double wanted, std::uint64_t count, ThreadPool& pool) {
+  const double share = std::min(1.0, wanted / std::max(1.0, static_cast<double>(count)));
   const auto limit = static_cast<std::uint32_t>(share * 4294967295.0);
   std::vector<std::array<float, 3>> drawn;
   std::mutex mutex;
@@ -156,8 +155,8 @@ struct DepthMap {
 }  // namespace
 
 FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
-                         double spacing_m, const std::vector<StationView>& stations, ThreadPool& pool) {
-  const OrientedPoints sample = draw_sample(pieces, totals.count, pool);
+                         double spacing_m, double samples, const std::vector<StationView>& stations, ThreadPool& pool) {
+  const OrientedPoints sample = draw_sample(pieces, samples, totals.count, pool);
   const double thinned = static_cast<double>(totals.count) / std::max<double>(1.0, static_cast<double>(sample.count));
   spacing_m_ = spacing_m * std::sqrt(std::max(1.0, thinned));
   DiscRule rule;

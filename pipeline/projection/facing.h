@@ -27,10 +27,10 @@ struct StationView {
 /// A sample of the cloud with outward normals, in columns.
 class FacingField {
  public:
-  /// Of about `most` points, chosen by a hash. `spacing_m` is the cloud's on the surface. Depends neither on threads
+  /// Of about `samples` points, chosen by a hash. `spacing_m` is the cloud's on the surface. Depends neither on threads
   /// nor on the points' order. What a station saw faces it, unless its points' sides are known and say otherwise.
   FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent, double spacing_m,
-              const std::vector<StationView>& stations, ThreadPool& pool);
+              double samples, const std::vector<StationView>& stations, ThreadPool& pool);
 
   /// Of what the viewer sees first, the share that faces away: holes in the front. Where it is large, holes are an
   /// unlikely reason.

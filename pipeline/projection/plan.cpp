@@ -17,10 +17,44 @@ namespace {
 
 // Of neighbourhoods in space, flat ones: where more are steep, points belong to a closed object.
 constexpr double kSteepShare = 0.2;
+// A plate, a coin or a tablet has a second layer at most places, so near that a window over a slope holds both.
+constexpr double kLayeredShare = 0.4;
+constexpr double kThin = 30.0;      // point spacings between layers
+constexpr double kThinNodes = 3.0;  // node spacings
+constexpr double kFewPoints = 1.3;  // point spacings between nodes
+constexpr double kTilted = 0.1;     // mean slope
+// Where density varies, discs are looked for in columns so many times as wide.
+constexpr double kWidest = 2.0;
 // Where points are this sparse at more places, the median says little about their spacing, and discs would miss them.
 constexpr double kMostSparse = 0.15;
 // Where more of what is seen first faces away, something else than holes is the reason.
 constexpr double kMostTurnedAway = 0.2;
+
+// Whether windows in x and y could take one side of the object for another. A window over many points tells two layers
+// apart where it looks straight at them, and reliefs with steps are better seen by windows.
+bool has_several_sides(const CloudStatistics& statistics, const GridConfig& config, const Extent& extent) {
+  if (!(statistics.surface_spacing_m > 0.0)) return false;
+  if (statistics.steep_share > kSteepShare) return true;
+  const double apart_m = statistics.layers_apart_m;
+  if (statistics.layered_share < kLayeredShare || apart_m > kThin * statistics.surface_spacing_m) return false;
+  const double longer_m = std::max(extent.width_m(), extent.height_m());
+  const double node_m = config.spacing_m > 0.0 ? config.spacing_m
+                        : config.size > 1      ? longer_m / (config.size - 1)
+                                               : statistics.surface_spacing_m;
+  return node_m < kFewPoints * statistics.surface_spacing_m || statistics.tilt > kTilted ||
+         apart_m < kThinNodes * node_m;
+}
+
+// A sheet must not be taken for the one behind it: of thin objects more points are looked at.
+double facing_samples(const CloudStatistics& statistics, const SurfaceStatistics& surface, std::uint64_t points) {
+  constexpr double kSamples = 40000.0;
+  constexpr double kMostTimes = 10.0;
+  constexpr double kApart = 3.0;  // sample spacings
+  if (statistics.steep_share > kSteepShare) return kSamples;
+  const double thinned = std::max(1.0, static_cast<double>(points) / kSamples);
+  const double wanted = kApart * surface.spacing_m / statistics.layers_apart_m;
+  return kSamples * std::clamp(wanted * wanted * thinned, 1.0, kMostTimes);
+}
 
 std::vector<StationView> views_of(const OrientedStations& oriented) {
   const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector3f {
@@ -53,16 +87,23 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   ProjectionPlan plan;
   if (only_mesh) {
     statistics.noise_m = 0.0;
-  } else if (statistics.steep_share > kSteepShare && statistics.surface_spacing_m > 0.0) {
-    const SurfaceStatistics surface = surface_statistics(pieces, extent, statistics.surface_spacing_m, pool);
+  } else if (has_several_sides(statistics, config, extent)) {
+    SurfaceStatistics surface;
+    double wider = 0.5;
+    do {
+      wider *= 2.0;
+      surface = surface_statistics(pieces, extent, wider * statistics.surface_spacing_m, pool);
+    } while (surface.sparse_share > kMostSparse && wider < kWidest);
     if (surface.spacing_m > 0.0 && surface.sparse_share <= kMostSparse) {
       statistics.noise_m = surface.noise_m;
       statistics.point_spacing_m = surface.spacing_m;
       DiscRule rule;
-      rule.spacing_m = surface.spacing_m * static_cast<double>(surface.scale);
+      rule.spacing_m = wider * surface.spacing_m * static_cast<double>(surface.scale);
       rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
       plan.discs = rule;
-      auto facing = std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m, views_of(oriented), pool);
+      auto facing =
+          std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m,
+                                        facing_samples(statistics, surface, totals.count), views_of(oriented), pool);
       for (const std::size_t station : facing->lying_stations()) {
         const Station& lying = oriented.stations[station];
         if (!lying.declared) continue;  // a pose says where points are; where from, nobody promised

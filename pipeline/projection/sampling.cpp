@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -92,7 +93,31 @@ double weighted_quantile(std::vector<Weighted>& values, double share, double oth
 struct Steepness {
   std::size_t flat = 0, steep = 0;
   std::vector<double> spacings_m;
+  double slope_x = 0.0, slope_y = 0.0;  // sums over those that are not steep,
+  std::size_t sloped = 0;               // and their number
+  std::size_t blocks = 0;               // with a flat neighbourhood,
+  std::vector<double> apart_m;          // of these with another layer below the highest: the distance across the two
 };
+
+// How a flat neighbourhood continues to the middle of its block.
+struct Continued {
+  double height_m;
+  double upright;  // z of the normal
+};
+
+// The distance across from the highest layer to the next in the middle of a block; nothing where there is one alone.
+std::optional<double> next_layer_m(std::vector<Continued>& surfaces, double spacing_m) {
+  constexpr double kOneLayer = 1.5;  // spacings: noise and bending within one layer
+  std::sort(surfaces.begin(), surfaces.end(), [](const auto& a, const auto& b) { return a.height_m > b.height_m; });
+  const auto across = [&](const Continued& c) { return (surfaces.front().height_m - c.height_m) * c.upright; };
+  const auto next = std::find_if(surfaces.begin(), surfaces.end(),
+                                 [&](const Continued& c) { return across(c) > kOneLayer * spacing_m; });
+  const auto above = next - surfaces.begin();
+  const auto below = surfaces.end() - next;
+  // Each holds a quarter: strays and the few points behind a relief make no layer.
+  if (4 * above < above + below || 4 * below < above + below) return std::nullopt;
+  return across(*next);
+}
 Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
   constexpr std::size_t kNeighbours = 10;
   constexpr float kMiddle = 0.17F;
@@ -104,6 +129,7 @@ Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
     points.push_back({p.u * static_cast<float>(side), p.v * static_cast<float>(side), p.z});
   }
   Neighbourhood near(points);
+  std::vector<Continued> surfaces;
   for (std::size_t k = 0; k < block.size(); ++k) {
     if (!(std::abs(block[k].u) < kMiddle && std::abs(block[k].v) < kMiddle)) continue;
     near.take(k, kNeighbours, std::numeric_limits<double>::infinity());
@@ -113,7 +139,19 @@ Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
     result.steep += plane.normal[2] < kSteep ? 1 : 0;
     result.spacings_m.push_back(near.radius_m(kNeighbours) *
                                 std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
+    const std::array<double, 3>& n = plane.normal;
+    if (n[2] < kSteep) continue;
+    const double rise = (n[0] * static_cast<double>(points[k].x) + n[1] * static_cast<double>(points[k].y)) / n[2];
+    result.slope_x -= n[0] / n[2];
+    result.slope_y -= n[1] / n[2];
+    ++result.sloped;
+    surfaces.push_back({static_cast<double>(points[k].z) + rise, n[2]});
   }
+  if (surfaces.empty()) return result;
+  result.blocks = 1;
+  std::vector<double> spacings_m = result.spacings_m;
+  if (const std::optional<double> apart_m = next_layer_m(surfaces, median(spacings_m)))
+    result.apart_m.push_back(*apart_m);
   return result;
 }
 
@@ -173,7 +211,12 @@ class Blocks {
     for (const Steepness& part : parts) {
       sum.flat += part.flat;
       sum.steep += part.steep;
+      sum.slope_x += part.slope_x;
+      sum.slope_y += part.slope_y;
+      sum.sloped += part.sloped;
+      sum.blocks += part.blocks;
       sum.spacings_m.insert(sum.spacings_m.end(), part.spacings_m.begin(), part.spacings_m.end());
+      sum.apart_m.insert(sum.apart_m.end(), part.apart_m.begin(), part.apart_m.end());
     }
     return sum;
   }
@@ -261,6 +304,11 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
   if (in_space.flat > 0) {
     result.steep_share = static_cast<double>(in_space.steep) / static_cast<double>(in_space.flat);
     result.surface_spacing_m = median(in_space.spacings_m);
+  }
+  if (!in_space.apart_m.empty()) {
+    result.layered_share = static_cast<double>(in_space.apart_m.size()) / static_cast<double>(in_space.blocks);
+    result.layers_apart_m = median(in_space.apart_m);
+    result.tilt = std::hypot(in_space.slope_x, in_space.slope_y) / static_cast<double>(in_space.sloped);
   }
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
   for (int round = 0; round < 5; ++round) {

@@ -13,6 +13,11 @@ struct CloudStatistics {
   /// any on a relief. And the side of the square that a point occupies on them, median; 0 where there are none.
   double steep_share = 0.0;
   double surface_spacing_m = 0.0;
+  /// Share of places that have another flat layer below the highest, as a plate or a coin has, and the median distance
+  /// across the two. `tilt`: mean slope of such an object against the view.
+  double layered_share = 0.0;
+  double layers_apart_m = 0.0;
+  double tilt = 0.0;
 };
 
 /// Depends neither on threads nor on the points' order.

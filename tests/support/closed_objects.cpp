@@ -312,12 +312,32 @@ ObjectPtr make_knot(const Eigen::Matrix3d& view) {
   return std::make_shared<AnalyticObject>(std::vector<PatchFunction>{patch}, distance, 1.6, view);
 }
 
+ObjectPtr make_coin(const Eigen::Matrix3d& view) {
+  static constexpr double kHalf = 0.04;
+  std::vector<PatchFunction> patches;
+  for (const double side : {-1.0, 1.0}) {
+    patches.emplace_back([=](double u, double v) -> Vector3d {
+      const double a = side * 2.0 * kPi * u;
+      return {v * std::cos(a), v * std::sin(a), side * kHalf};
+    });
+  }
+  patches.emplace_back([](double u, double v) -> Vector3d {
+    const double a = 2.0 * kPi * u, b = kPi * (v - 0.5), r = 1.0 + kHalf * std::cos(b);
+    return {r * std::cos(a), r * std::sin(a), kHalf * std::sin(b)};
+  });
+  const DistanceFunction distance = [](const Vector3d& p) {
+    return std::hypot(std::max(0.0, std::hypot(p.x(), p.y()) - 1.0), p.z()) - kHalf;
+  };
+  return std::make_shared<AnalyticObject>(std::move(patches), distance, 1.1, view);
+}
+
 std::vector<NamedObject> analytic_objects() {
   return {{"torus", make_torus()},
           {"two spheres", make_two_spheres()},
           {"vase from the side", make_vase(turned(4.0, 0.0))},
           {"vase from above", make_vase(turned(48.0, 0.0))},
-          {"knot", make_knot()}};
+          {"knot", make_knot()},
+          {"coin", make_coin()}};
 }
 
 }  // namespace sparsha::test

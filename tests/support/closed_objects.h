@@ -49,6 +49,10 @@ using ObjectPtr = std::shared_ptr<const ClosedObject>;
 /// A tube of radius 0.22 bent to a trefoil knot, which passes before itself three times.
 [[nodiscard]] ObjectPtr make_knot(const Eigen::Matrix3d& view = turned(20.0, 0.0));
 
+/// A disc of radius 1.04 and thickness 0.08 with a round edge: two flat sides that are near each other, and hardly any
+/// flank between them.
+[[nodiscard]] ObjectPtr make_coin(const Eigen::Matrix3d& view = turned(20.0, 25.0));
+
 /// A mesh as it lies in a file, seen along its own -z; its front is the highest triangle over (x, y). Nothing when
 /// there is no such file. Throws Error when it cannot be read or has no faces.
 [[nodiscard]] ObjectPtr load_mesh_object(const std::filesystem::path& file);
