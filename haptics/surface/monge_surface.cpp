@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -75,6 +76,7 @@ int margin_of(double tip_radius_m, double scale, double spacing_m) {
 double MongeSurface::height(double x, double y) const noexcept {
   const double u = std::clamp(x / lattice.spacing_m, 0.0, static_cast<double>(lattice.nx - 1));
   const double v = std::clamp(y / lattice.spacing_m, 0.0, static_cast<double>(lattice.ny - 1));
+  if (std::isnan(u) || std::isnan(v)) return std::numeric_limits<double>::quiet_NaN();
   const int i = std::min(static_cast<int>(u), std::max(lattice.nx - 2, 0));
   const int j = std::min(static_cast<int>(v), std::max(lattice.ny - 2, 0));
   const int i1 = std::min(i + 1, lattice.nx - 1);

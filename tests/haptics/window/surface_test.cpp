@@ -59,6 +59,15 @@ TEST(MongeSurface, IsBilinearInsideCellsAndLevelBeyondTheBorder) {
   EXPECT_DOUBLE_EQ(surface->scale, 2.0);
 }
 
+TEST(MongeSurface, HasNoHeightAtAPlaceThatIsNoNumber) {
+  Window window = flat_window(3, 2, 0.5);
+  const auto surface = make_surface(window.scene, window.layers, 0, 1.0, {});
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(std::isnan(surface->height(kNone, 0.25)));
+  EXPECT_TRUE(std::isnan(surface->height(0.25, kNone)));
+  EXPECT_EQ(surface->height(std::numeric_limits<double>::infinity(), 0.25), 0.0);
+}
+
 TEST(MongeSurface, FlagsCellsByTheirNodes) {
   Window window = flat_window(5, 4, 1.0);
   forget(window, 1, 1);

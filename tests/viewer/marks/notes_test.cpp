@@ -159,7 +159,9 @@ TEST(Profile, IsTheBilinearSurfaceAndKnowsWhatIsFilledOrUnknown) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), 4);
     const double along_m = std::stod(line);
     EXPECT_EQ(along_m, profile[rows].along_m);
-    if (std::isnan(profile[rows].at_m.z())) EXPECT_NE(line.find(",,unknown"), std::string::npos) << line;
+    if (std::isnan(profile[rows].at_m.z())) {
+      EXPECT_NE(line.find(",,unknown"), std::string::npos) << line;
+    }
     ++rows;
   }
   EXPECT_EQ(rows, profile.size());
