@@ -68,8 +68,8 @@ std::shared_ptr<const CheckMap> check_map_of(const DepthGrid& grid, const CheckR
   counts.integrate();
   const double places = static_cast<double>(std::count(known.begin(), known.end(), 1));
   const int reach =
-      std::clamp(static_cast<int>(std::ceil(std::sqrt(kSamplesPerSpot * places / std::max(judged, 1.0)) / 2.0)) - 1, 0,
-                 kWidestSpot);
+      std::clamp(static_cast<int>(std::ceil((std::sqrt(kSamplesPerSpot * places / std::max(judged, 1.0)) - 1.0) / 2.0)),
+                 0, kWidestSpot);
   map->error_m.assign(lattice.count(), kUnknownHeight);
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {

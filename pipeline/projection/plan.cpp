@@ -23,8 +23,6 @@ constexpr double kThin = 30.0;      // point spacings between layers
 constexpr double kThinNodes = 3.0;  // node spacings
 constexpr double kFewPoints = 1.3;  // point spacings between nodes
 constexpr double kTilted = 0.1;     // mean slope
-// Where density varies, discs are looked for in columns so many times as wide.
-constexpr double kWidest = 2.0;
 // Where points are this sparse at more places, the median says little about their spacing, and discs would miss them.
 constexpr double kMostSparse = 0.15;
 // Where more of what is seen first faces away, something else than holes is the reason.
@@ -77,6 +75,22 @@ std::vector<StationView> views_of(const OrientedStations& oriented) {
   return views;
 }
 
+DiscRule disc_rule(const SurfaceStatistics& surface) {
+  DiscRule rule;
+  rule.spacing_m = surface.spacing_m * static_cast<double>(surface.scale);
+  rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
+  return rule;
+}
+
+void name_lying_stations(const FacingField& facing, const OrientedStations& oriented, ProjectionPlan& plan) {
+  for (const std::size_t station : facing.lying_stations()) {
+    const Station& lying = oriented.stations[station];
+    if (!lying.declared) continue;  // a pose says where points are; where from, nobody promised
+    std::vector<std::string>& scans = lying.normals.empty() ? plan.lying_stations : plan.lying_normals;
+    if (scans.empty() || scans.back() != lying.scan) scans.push_back(lying.scan);
+  }
+}
+
 }  // namespace
 
 ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
@@ -88,28 +102,15 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   if (only_mesh) {
     statistics.noise_m = 0.0;
   } else if (has_several_sides(statistics, config, extent)) {
-    SurfaceStatistics surface;
-    double wider = 0.5;
-    do {
-      wider *= 2.0;
-      surface = surface_statistics(pieces, extent, wider * statistics.surface_spacing_m, pool);
-    } while (surface.sparse_share > kMostSparse && wider < kWidest);
+    const SurfaceStatistics surface = surface_statistics(pieces, extent, statistics.surface_spacing_m, pool);
     if (surface.spacing_m > 0.0 && surface.sparse_share <= kMostSparse) {
       statistics.noise_m = surface.noise_m;
       statistics.point_spacing_m = surface.spacing_m;
-      DiscRule rule;
-      rule.spacing_m = wider * surface.spacing_m * static_cast<double>(surface.scale);
-      rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
-      plan.discs = rule;
+      plan.discs = disc_rule(surface);
       auto facing =
           std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m,
                                         facing_samples(statistics, surface, totals.count), views_of(oriented), pool);
-      for (const std::size_t station : facing->lying_stations()) {
-        const Station& lying = oriented.stations[station];
-        if (!lying.declared) continue;  // a pose says where points are; where from, nobody promised
-        std::vector<std::string>& scans = lying.normals.empty() ? plan.lying_stations : plan.lying_normals;
-        if (scans.empty() || scans.back() != lying.scan) scans.push_back(lying.scan);
-      }
+      name_lying_stations(*facing, oriented, plan);
       if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
     }
   }

@@ -78,10 +78,12 @@ TEST(Looks, SkyLightAloneDarkensAPitAndNotASlopeByItsSide) {
   const auto pit = [](double x_m, double y_m) { return std::hypot(x_m - 0.1, y_m - 0.1) < 0.012 ? -0.03 : 0.0; };
   ViewSettings settings;
   settings.look = Look::sky;
-  Studio studio(scene_of(pit, plate()), settings);
-  const Image image = studio.shoot_bare();
-  EXPECT_LT(around(image, pixel_of(studio, {0.1, 0.1, -0.03}), 4),
-            0.7 * around(image, pixel_of(studio, {0.04, 0.1, 0}), 4));
+  {
+    Studio studio(scene_of(pit, plate()), settings);
+    const Image image = studio.shoot_bare();
+    EXPECT_LT(around(image, pixel_of(studio, {0.1, 0.1, -0.03}), 4),
+              0.7 * around(image, pixel_of(studio, {0.04, 0.1, 0}), 4));
+  }
   const auto roof = [](double x_m, double) { return 0.05 - 0.25 * std::abs(x_m - 0.1); };
   Studio gable(scene_of(roof, plate()), settings);
   const Image sides = gable.shoot_bare();

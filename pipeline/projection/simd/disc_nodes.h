@@ -374,14 +374,24 @@ SPARSHA_INLINE std::uint8_t decide_by_layers(const DiscNodeKernel& k, float x, f
   return decide_by_sorting(k, x, y, c, height);
 }
 
-// A layer that faces away is seen through a hole. Beside the edge of a front, whose discs still cover the node, it is
-// what every closed object has below its silhouette.
-SPARSHA_APART std::uint8_t tell_hole_from_edge(const DiscNodeKernel& k, const std::uint32_t* numbers,
-                                               std::size_t count) {
+// A layer that faces away is seen through a hole. Below the edge of a front, whose discs still cover the node, it is
+// what every closed object has behind its silhouette. What lies deeper, as another form behind the hole, tells nothing.
+SPARSHA_APART std::uint8_t tell_hole_from_edge(const DiscNodeKernel& k, const std::uint32_t* numbers, std::size_t count,
+                                               float x, float y) {
+  float towards = -__builtin_inff();
+  float away = -__builtin_inff();
+  float spacing = 0.0F;
   for (std::size_t d = 0; d < count; ++d) {
-    if (k.records[sparsha::pipeline::kDiscRecord * numbers[d] + 7] > 0.0F) return DiscNodeKernel::kUnknown;
+    const float* disc = k.records + sparsha::pipeline::kDiscRecord * numbers[d];
+    const float height = disc[2] - (disc[3] * (disc[0] - x) + disc[4] * (disc[1] - y));
+    if (disc[7] > 0.0F && height > towards) towards = height;
+    if (disc[7] < 0.0F && height > away) {
+      away = height;
+      spacing = __builtin_sqrtf(disc[6]) * k.per_reach;
+    }
   }
-  return DiscNodeKernel::kAway;
+  const bool edge = towards >= away - (k.link_noise_m + k.link_spacings * spacing);
+  return edge ? DiscNodeKernel::kUnknown : DiscNodeKernel::kAway;
 }
 
 SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {
@@ -407,7 +417,7 @@ SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, fl
   const bool one_layer = c.high - c.low <= k.link_noise_m + k.link_spacings * c.least_spacing;
   const std::uint8_t verdict =
       one_layer ? decide_all(k, c, c.low, c.high, height) : decide_by_layers(k, x, y, c, height);
-  return verdict == DiscNodeKernel::kAway ? tell_hole_from_edge(k, c.found, found) : verdict;
+  return verdict == DiscNodeKernel::kAway ? tell_hole_from_edge(k, c.found, found, x, y) : verdict;
 }
 
 SPARSHA_APART void fit_disc_nodes(const DiscNodeKernel& k, std::size_t j, float* height, std::uint8_t* verdict) {

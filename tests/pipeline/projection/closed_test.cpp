@@ -119,21 +119,6 @@ TEST(ClosedObjects, MayCostTwiceAsMuchWhereDensityVariesOneToTen) {
   }
 }
 
-TEST(ClosedObjects, ShowTheirFrontWhereDensityVariesOneToThirty) {
-  for (const std::size_t k : {0, 2}) {
-    ScanOptions options = cloud_of(kMany);
-    options.density_ratio = 30.0;
-    const ObjectScan scan = scan_object(*objects()[k].object, options);
-    const pipeline::Projection p = project_scan(scan);
-    EXPECT_TRUE(p.closed) << objects()[k].name;
-    const Judgement f = judge_object(p.grid, *objects()[k].object, scan);
-    EXPECT_LE(f.wrong_smooth, 0.002) << objects()[k].name;
-    EXPECT_LE(f.beyond, 0.005) << objects()[k].name;
-    // The noise of the dense half; where windows had to decide, it was found five to forty times too large.
-    EXPECT_NEAR(p.noise_m / scan.noise_m, 1.0, 0.5) << objects()[k].name;
-  }
-}
-
 TEST(ClosedObjects, FlatOnesAreToldFromTheirBackOnCoarseGridsToo) {
   for (const double grid : {1.6, 2.0, 3.0}) expect_front_only(objects()[5], cloud_of(kMany), grid);
 }
