@@ -40,7 +40,9 @@ PointReader::PointReader(const Header& header, const Units& units, ScanWriter& o
 std::int32_t PointReader::stored(double coordinate, std::size_t axis) const {
   constexpr double kLow = std::numeric_limits<std::int32_t>::min();
   constexpr double kHigh = std::numeric_limits<std::int32_t>::max();
-  return static_cast<std::int32_t>(std::clamp((coordinate - header_.offset[axis]) / header_.scale[axis], kLow, kHigh));
+  const double number = (coordinate - header_.offset[axis]) / header_.scale[axis];
+  if (!(number > kLow)) return std::numeric_limits<std::int32_t>::min();  // also of a box that is not a number
+  return static_cast<std::int32_t>(std::min(number, kHigh));
 }
 
 void PointReader::compare_with_box(const ScanFile& file) {
