@@ -33,7 +33,9 @@ constexpr std::size_t kLeastMatches = 100;
 constexpr double kRelaxedShare = 0.5;  // of min_overlap: pairs that have less in common still help to place scans
 constexpr int kRelaxations = 3;        // at most, until the same pairs meet as before
 constexpr double kByChance = 0.2;  // residual over the distance within which points are in common: evenly spread, 0.58
-constexpr double kRough = 3.0;     // roughness of one scan that the residual of two may reach
+// Roughness of one scan that the residual of two may reach: right links have 0.4 to 1.4, rings one place aside 2.2 and
+// more.
+constexpr double kRough = 1.7;
 constexpr double kContradiction = 2.0;  // reach of touch within which a pair's own result agrees with all others
 
 /// A pair while it is worked on.
@@ -313,13 +315,17 @@ class Registrar {
     }
     const Tree tree = heaviest_tree(posed_.scans.size(), edges);
     if (tree.unreached.empty()) return;
-    const std::size_t lost = tree.unreached.front();
-    const Pair* best = nullptr;
+    const auto reached = [&](std::size_t scan) {
+      return std::ranges::find(tree.unreached, scan) == tree.unreached.end();
+    };
+    const Pair* best = nullptr;  // of those that would link the two groups
     for (const Pair& pair : pairs_) {
-      if (pair.fit.first != lost && pair.fit.second != lost) continue;
+      if (reached(pair.fit.first) == reached(pair.fit.second)) continue;
       if (best == nullptr || pair.fit.after.matches > best->fit.after.matches) best = &pair;
     }
-    const std::size_t other = best->fit.first == lost ? best->fit.second : best->fit.first;
+    const bool second_lost = reached(best->fit.first);
+    const std::size_t lost = second_lost ? best->fit.second : best->fit.first;
+    const std::size_t other = second_lost ? best->fit.first : best->fit.second;
     throw input_error(
         posed_.scans[lost].name,
         fmt::format(

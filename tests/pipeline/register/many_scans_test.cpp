@@ -101,14 +101,20 @@ std::vector<ScanConfig> chain(const std::filesystem::path& folder, std::uint64_t
 TEST(RegisterMany, RingsOfAChainAreNotTakenForEachOtherInSilence) {
   const test::TestFolder folder;
   const std::vector<ScanConfig> truth = chain(folder.path(), 5);
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  int right = 0;
+  const auto look_at = [&](std::uint64_t seed, double degrees, double shift_m) {
     try {
-      const Registration found = registered(disturbed(truth, seed, 10.0, 0.108));
+      const Registration found = registered(disturbed(truth, seed, degrees, shift_m));
       EXPECT_LT(rms_error(truth, found.poses), 10.0 * kNoise_m) << "seed " << seed;
+      ++right;
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
     }
-  }
+  };
+  // Seeds 14 to 41 are those of the first 128 at which wrong links are nearest to right ones.
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8, 14, 20, 21, 41}) look_at(seed, 10.0, 0.108);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) look_at(seed, 2.0, 0.03);
+  EXPECT_GE(right, 2) << "of poses that are nearer to the truth than to the next ring";
 }
 
 }  // namespace
