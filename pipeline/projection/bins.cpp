@@ -20,11 +20,12 @@ constexpr std::size_t kMostHeads = kHeads * (kMostBands + 1);
 using Point = BandPoint;
 
 // Total order by height, then place, on the bits' values: the same for any order of input.
-bool higher(const Point& a, const Point& b) {
+// No function but an object: std::sort calls that one without a pointer.
+constexpr auto higher = [](const Point& a, const Point& b) {
   if (a.z != b.z) return a.z > b.z;
   if (a.x != b.x) return a.x < b.x;
   return a.y < b.y;
-}
+};
 
 void sort_full_bin(const BinSort& sort, std::uint32_t begin, std::uint32_t end, std::vector<Point>& points) {
   points.assign(sort.from + begin, sort.from + end);

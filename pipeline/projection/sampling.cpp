@@ -37,11 +37,12 @@ struct Sample {
   NodePoint point;
 };
 
-bool before(const NodePoint& a, const NodePoint& b) {
+// An object, which std::sort calls without a pointer.
+constexpr auto before = [](const NodePoint& a, const NodePoint& b) {
   if (a.z != b.z) return a.z > b.z;
   if (a.u != b.u) return a.u < b.u;
   return a.v < b.v;
-}
+};
 
 // The points of one block, the highest first, and what the latest round made of its front.
 struct Block {

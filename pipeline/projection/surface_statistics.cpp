@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -38,32 +38,67 @@ constexpr std::size_t kMostScale = 8;
 constexpr std::size_t kPiece = 1U << 15U;
 constexpr std::size_t kBatch = 1U << 10U;
 
-struct Drawn {
-  std::uint64_t block;
-  SpacePoint point;
+struct BlockPoint {
+  SpacePoint place;
   bool inner;
 };
 
-bool before(const Drawn& a, const Drawn& b) {
-  return std::tie(a.block, a.point.z, a.point.x, a.point.y) < std::tie(b.block, b.point.z, b.point.x, b.point.y);
-}
+struct Drawn {
+  std::uint64_t block;
+  BlockPoint point;
+};
 
-bool same(const Drawn& a, const Drawn& b) { return !before(a, b) && !before(b, a); }
+struct Block {
+  std::uint64_t number;
+  std::vector<BlockPoint> points;
+
+  // By place, and each place once: the same for any order of the points.
+  void put_in_order() {
+    const auto key = [](const BlockPoint& p) { return std::tie(p.place.z, p.place.x, p.place.y); };
+    std::sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+    const auto same = [&](const auto& a, const auto& b) { return key(a) == key(b); };
+    points.erase(std::unique(points.begin(), points.end(), same), points.end());
+    points.resize(std::min(points.size(), kMostOfBlock));
+  }
+};
 
 std::uint64_t hash_point(const SpacePoint& p) {
   return hash_words(std::array<std::uint64_t, 3>{std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
                                                  std::bit_cast<std::uint32_t>(p.z)});
 }
 
-// The points of blocks of `side_m`, sorted by block and place; each place once.
-std::vector<Drawn> draw_blocks(const OrientedPieces& pieces, const Extent& extent, double side_m, ThreadPool& pool) {
+// The points of each block, in any order; the blocks by their number.
+class Blocks {
+ public:
+  void add(const std::vector<Drawn>& points) {
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const std::uint64_t number = points[k].block;
+      // Scan lines stay in a block for a while.
+      if (k == 0 || number != points[k - 1].block) at = number_.try_emplace(number, blocks_.size()).first->second;
+      if (at == blocks_.size()) blocks_.push_back({number, {}});
+      blocks_[at].points.push_back(points[k].point);
+    }
+  }
+  [[nodiscard]] std::vector<Block> take() {
+    std::sort(blocks_.begin(), blocks_.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+    return std::move(blocks_);
+  }
+
+ private:
+  std::unordered_map<std::uint64_t, std::size_t> number_;
+  std::vector<Block> blocks_;
+};
+
+// The points of blocks of `side_m` that a hash of their number chooses.
+std::vector<Block> draw_blocks(const OrientedPieces& pieces, const Extent& extent, double side_m, ThreadPool& pool) {
   const double blocks = extent.covered_area_m2 / (side_m * side_m);
   BlockKernel kernel;
   kernel.x0_m = static_cast<float>(extent.xmin_m);
   kernel.y0_m = static_cast<float>(extent.ymin_m);
   kernel.per_m = static_cast<float>(1.0 / side_m);
   kernel.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
-  std::vector<Drawn> drawn;
+  Blocks drawn;
   pieces([&](const OrientedPoints& points) {
     std::vector<std::vector<Drawn>> parts((points.count + kPiece - 1) / kPiece);
     pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
@@ -80,16 +115,14 @@ std::vector<Drawn> draw_blocks(const OrientedPieces& pieces, const Extent& exten
           const float u = a - static_cast<float>(i) - 0.5F;
           const float v = b - static_cast<float>(j) - 0.5F;
           parts[begin / kPiece].push_back({(static_cast<std::uint64_t>(j) << 32U) | i,
-                                           {points.x[k], points.y[k], points.z[k]},
-                                           std::max(std::abs(u), std::abs(v)) < static_cast<float>(kInner)});
+                                           {{points.x[k], points.y[k], points.z[k]},
+                                            std::max(std::abs(u), std::abs(v)) < static_cast<float>(kInner)}});
         }
       }
     });
-    for (const std::vector<Drawn>& part : parts) drawn.insert(drawn.end(), part.begin(), part.end());
+    for (const std::vector<Drawn>& part : parts) drawn.add(part);
   });
-  std::sort(drawn.begin(), drawn.end(), before);
-  drawn.erase(std::unique(drawn.begin(), drawn.end(), same), drawn.end());
-  return drawn;
+  return drawn.take();
 }
 
 struct Measured {
@@ -104,12 +137,12 @@ struct Measured {
 };
 
 // Neighbourhoods of one block's points. Those that reach beyond the block are not used.
-Measured measure_block(std::span<const Drawn> block, double margin_m, std::size_t per_neighbour) {
+Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, std::size_t per_neighbour) {
   std::vector<SpacePoint> points;
   std::vector<std::pair<std::uint64_t, std::size_t>> seeds;
-  for (const Drawn& drawn : block) {
-    if (drawn.inner) seeds.emplace_back(hash_point(drawn.point), points.size());
-    points.push_back(drawn.point);
+  for (const BlockPoint& point : block) {
+    if (point.inner) seeds.emplace_back(hash_point(point.place), points.size());
+    points.push_back(point.place);
   }
   std::sort(seeds.begin(), seeds.end());
   seeds.resize(std::min(seeds.size(), kSeeds));
@@ -137,16 +170,12 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
   SurfaceStatistics result;
   for (std::size_t scale = 1;; scale *= 2) {
     const double side_m = kBlockSpacings * spacing_m * static_cast<double>(scale);
-    const std::vector<Drawn> drawn = draw_blocks(pieces, extent, side_m, pool);
-    std::vector<std::span<const Drawn>> blocks;
-    for (std::size_t begin = 0, end = 0; begin < drawn.size(); begin = end) {
-      while (end < drawn.size() && drawn[end].block == drawn[begin].block) ++end;
-      blocks.emplace_back(drawn.data() + begin, std::min(end - begin, kMostOfBlock));
-    }
+    std::vector<Block> blocks = draw_blocks(pieces, extent, side_m, pool);
     std::vector<Measured> parts(blocks.size());
     pool.for_ranges(blocks.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) {
-        parts[b] = measure_block(blocks[b], (0.5 - kInner) * side_m, scale * scale);
+        blocks[b].put_in_order();
+        parts[b] = measure_block(blocks[b].points, (0.5 - kInner) * side_m, scale * scale);
       }
     });
     Measured all;
