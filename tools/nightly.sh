@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The slow checks: heavy tests, soak, all tests under ASan+UBSan, threads under TSan, a Clang build, fuzzing, coverage.
+# The slow checks: heavy tests, soak, all tests built by Clang under ASan and UBSan with coverage, threads under TSan,
+# fuzzing.
 # Each part runs, also after one that failed; the end lists what each came to, and the exit code is 1 if any failed.
 # SPARSHA_FUZZ_SECONDS (default 60) is per target. Names of parts as arguments run only those.
 set -uo pipefail
@@ -21,11 +22,22 @@ release() {
 # 10^8 moves of the proxy.
 soak() { make soak; }
 
-# ASan and UBSan: all tests.
-asan() {
-  cmake --preset asan > /dev/null
-  cmake --build build-asan -j"$jobs"
-  all_tests build-asan
+# Clang with ASan, UBSan and coverage counters: all tests; one build and one run serve all three. GCC's sanitizers see
+# readers and contact at every change (.ci/run).
+clang() {
+  local build=build-clang program objects=()
+  cmake -S . -B $build -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++ \
+    "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -gline-tables-only -DNDEBUG" -DSPARSHA_SANITIZE=address,undefined \
+    "-DCMAKE_CXX_FLAGS=-fprofile-instr-generate -fcoverage-mapping" > /dev/null
+  cmake --build $build -j"$jobs"
+  rm -rf $build/profiles
+  # Processes of one program merge their counts into the same four files.
+  LLVM_PROFILE_FILE="$PWD/$build/profiles/%4m.profraw" all_tests $build
+  for program in $build/tests/*_test; do objects+=(-object "$program"); done
+  llvm-profdata merge -sparse --failure-mode=all $build/profiles/*.profraw -o $build/tests.profdata
+  llvm-cov report "$build/bin/sparsha" "${objects[@]}" -instr-profile=$build/tests.profdata \
+    "-ignore-filename-regex=(^|/)(usr|bench|examples|tests)/" 2> /dev/null > $build/coverage.txt
+  tail -1 $build/coverage.txt
 }
 
 # TSan: servo, session, devices, audio, thread pool.
@@ -38,12 +50,6 @@ tsan() {
   for program in "${threaded[@]}"; do
     TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp" build-tsan/tests/"$program" --gtest_brief=1
   done
-}
-
-clang() {
-  cmake -S . -B build-clang -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=clang++ > /dev/null
-  cmake --build build-clang -j"$jobs"
-  all_tests build-clang
 }
 
 fuzz() {
@@ -62,23 +68,12 @@ fuzz() {
   done
 }
 
-# Coverage of the pipeline, haptics, audio, viewer and program.
-coverage() {
-  cmake -S . -B build-coverage -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS=--coverage -fprofile-update=atomic" \
-    > /dev/null
-  cmake --build build-coverage -j"$jobs"
-  all_tests build-coverage
-  gcovr --gcov-ignore-parse-errors --root . --filter '(pipeline|haptics|audio|viewer|app)/' \
-    --txt build-coverage/coverage.txt build-coverage
-  tail -3 build-coverage/coverage.txt
-}
-
 parts=("$@")
-[ $# -gt 0 ] || parts=(release soak asan tsan clang fuzz coverage)
+[ $# -gt 0 ] || parts=(release soak clang tsan fuzz)
 for part in "${parts[@]}"; do
   case $part in
-    release | soak | asan | tsan | clang | fuzz | coverage) ;;
-    *) echo "tools/nightly.sh: no part '$part' (release, soak, asan, tsan, clang, fuzz, coverage)" >&2; exit 2 ;;
+    release | soak | clang | tsan | fuzz) ;;
+    *) echo "tools/nightly.sh: no part '$part' (release, soak, clang, tsan, fuzz)" >&2; exit 2 ;;
   esac
 done
 tools/setup.sh packages-nightly.txt || exit 1

@@ -21,6 +21,7 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "tests/support/sanitized.h"
 
 namespace sparsha {
 namespace {
@@ -129,7 +130,7 @@ TEST_F(ChildProcess, WorkThatGoesOnSendingMayUseMoreTimeThanThePauseBetweenTwoPi
 }
 
 TEST_F(ChildProcess, GreedForMemoryEndsTheWorkAndNotThisProcess) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if SPARSHA_SANITIZED
   GTEST_SKIP() << "sanitizers bring their own malloc";
 #endif
   const system::ChildLimits limits{.memory_bytes = std::uint64_t{64} << 20U};
@@ -208,7 +209,7 @@ TEST_F(ChildProcess, DiesWithTheProcessThatStartedIt) {
 #endif
 
 TEST_F(ChildProcess, SeveralThreadsHaveChildrenAtOnceWhileOthersUseTheHeap) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if SPARSHA_SANITIZED
   GTEST_SKIP() << "a sanitizer's malloc keeps the locks of other threads in a copy of the process";
 #endif
   std::atomic<bool> stop{false};

@@ -37,7 +37,8 @@ pipeline::ScenePointer invented_scene() {
 
 /// Replays a recording tick by tick; counts the ticks for which `counted` holds.
 template <typename Counted>
-std::size_t expect_same_bits(const pipeline::Scene& scene, const std::filesystem::path& recorded, Counted counted) {
+std::size_t expect_same_bits(const pipeline::ScenePointer& scene, const std::filesystem::path& recorded,
+                             Counted counted) {
   const Recording recording(recorded);
   RecordedRun run(scene, recording, RendererOptions{});
   std::size_t differing = 0;
@@ -79,7 +80,7 @@ TEST(Replay, OfARunWithImpactGrainAndPartsCommandsTheSameBits) {
                            {Request::Kind::set_stiffness, 500.0},
                            {Request::Kind::zoom_in},
                            {Request::Kind::zoom_out}});
-  const std::size_t added = expect_same_bits(*scene, options.record, [](const State& state) {
+  const std::size_t added = expect_same_bits(scene, options.record, [](const State& state) {
     return (state.flags & kFlagImpact) != 0 && (state.flags & kFlagGrain) != 0 &&
            state.commanded_force_n != state.force_n && state.contact != 0;
   });
@@ -103,7 +104,7 @@ TEST(Replay, OfARunWithAGuideAndTicksCommandsTheSameBits) {
   Session session(scene, make_simulated_device(3, 3.0), options);
   run_to_the_end(session, {{Request::Kind::guide}, {Request::Kind::zoom_in}});
   std::size_t cues = 0;
-  const std::size_t led = expect_same_bits(*scene, options.record, [&](const State& state) {
+  const std::size_t led = expect_same_bits(scene, options.record, [&](const State& state) {
     cues = state.cues[0] + state.cues[3];
     return (state.flags & kFlagGuided) != 0;
   });
@@ -122,7 +123,7 @@ TEST(Replay, OfARunWithoutImpactAndGrainAddsNoneWhateverTheSceneSaysNow) {
     EXPECT_FALSE(window.plan.impact);
     EXPECT_FALSE(window.plan.grain);
   }
-  RecordedRun run(*invented_scene(), recording, RendererOptions{});
+  RecordedRun run(invented_scene(), recording, RendererOptions{});
   EXPECT_FALSE(run.renderer().window().surface->effects != nullptr &&
                (run.renderer().window().surface->effects->impact || run.renderer().window().surface->effects->grain));
 }

@@ -7,6 +7,8 @@
 #include <regex>
 #include <string>
 
+#include "tests/support/sanitized.h"
+
 namespace {
 
 std::string output_of(const std::string& command) {
@@ -18,7 +20,7 @@ std::string output_of(const std::string& command) {
 }
 
 TEST(KernelObjects, DefineNoWeakSymbol) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if SPARSHA_SANITIZED
   GTEST_SKIP() << "sanitizers add weak symbols of their own";
 #endif
   const std::regex kernel("[a-z0-9_]*kernels?(_avx[0-9]*)?\\.cpp\\.o");

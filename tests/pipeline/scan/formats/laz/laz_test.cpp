@@ -19,6 +19,7 @@
 
 #include "base/progress.h"
 #include "laszip_double.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
@@ -188,7 +189,7 @@ TEST_F(LazReader, ACrashWhileClosingIsAnErrorAlthoughAllPointsHaveCome) {
 }
 
 TEST_F(LazReader, GreedForMemoryIsAnErrorOfTheFile) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if SPARSHA_SANITIZED
   GTEST_SKIP() << "sanitizers bring their own malloc";
 #endif
   EXPECT_THAT(message_when([] { const std::vector<char> memory(std::size_t{4} << 30U); }),
