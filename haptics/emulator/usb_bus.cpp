@@ -154,7 +154,7 @@ struct UsbBus::Implementation {
   void pull_and_push(std::unique_lock<std::mutex>& lock, std::size_t i) {
     if (faults.unplug_after_s <= 0.0) return;
     UsbPort& port = *places[i]->port;
-    const double first = port.first_command_s();
+    const double first = port.first_force_s();
     if (first < 0.0) return;
     const double in_use_s = now_s() - first;
     const bool plugged = port.falcon().plugged();

@@ -15,7 +15,7 @@ namespace sparsha::haptics::emulator {
 struct BusFaults {
   double stall_every_s = 0.0;   ///< the IN endpoint stalls so often, until it is cleared
   int fail_every = 0;           ///< every n-th bulk transfer fails once
-  double unplug_after_s = 0.0;  ///< after so long in the run mode the device is unplugged, again and again
+  double unplug_after_s = 0.0;  ///< so long after its first force the device is unplugged, again and again
   double replug_after_s = 1.0;  ///< and comes back so much later, without power meanwhile
 };
 

@@ -71,8 +71,8 @@ bool UsbPort::fails() {
 }
 
 void UsbPort::take_out(std::span<const std::uint8_t> bytes, double now_s) {
-  if (bytes.size() == 16 && first_command_s_ < 0.0) first_command_s_ = now_s;
   falcon_->write(bytes, now_s);
+  if (first_force_s_ < 0.0 && falcon_->motors() != std::array<int, 3>{}) first_force_s_ = now_s;
 }
 
 void UsbPort::control(Client& client, const Block& block, double now_s) {

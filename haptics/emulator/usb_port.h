@@ -36,8 +36,9 @@ class UsbPort {
   void disconnect();
 
   [[nodiscard]] Falcon& falcon() { return *falcon_; }
-  [[nodiscard]] double first_command_s() const { return first_command_s_; }
-  void count_from_now() { first_command_s_ = -1.0; }
+  /// When the motors were told to push for the first time; negative: never.
+  [[nodiscard]] double first_force_s() const { return first_force_s_; }
+  void count_from_now() { first_force_s_ = -1.0; }
 
  private:
   /// A request block on its way; a reference of ours.
@@ -75,7 +76,7 @@ class UsbPort {
   std::map<UMockdevIoctlClient*, Client> clients_;
   bool stalled_ = false;
   double next_stall_s_ = 0.0;
-  double first_command_s_ = -1.0;
+  double first_force_s_ = -1.0;
   std::uint64_t transfers_ = 0;
 };
 

@@ -68,11 +68,12 @@ class FalconProgram : public testing::Test {
     return std::count_if(all.begin() + static_cast<std::ptrdiff_t>(std::min(from, all.size())), all.end(),
                          [](const wire::Event& event) { return event.kind == "out" && event.force(); }) > 100;
   }
-  /// True when the motors were last told to be off.
+  /// True when the motors were last told to be off, or nothing can tell them anything any more.
   [[nodiscard]] bool off() const {
     const auto all = events();
-    const auto last =
-        std::find_if(all.rbegin(), all.rend(), [](const wire::Event& e) { return e.kind == "out" && e.packet; });
+    const auto last = std::find_if(all.rbegin(), all.rend(), [](const wire::Event& e) {
+      return (e.kind == "out" && e.packet) || e.kind == "unplugged";
+    });
     return last != all.rend() && !last->force();
   }
   /// A loaded machine is slow, and a test that fails may take long.
