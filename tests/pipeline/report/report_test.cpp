@@ -400,7 +400,7 @@ TEST_F(ReportFolder, PageHasBalancedTags) {
   EXPECT_THAT(open, ::testing::IsEmpty());
 }
 
-TEST_F(ReportFolder, PagesPaletteHasTheContrastOfWcagAa) {
+TEST_F(ReportFolder, WordsOfThePageHaveSevenToOneContrast) {
   const std::string style = kReportStyle;
   const auto colour = [&](const std::string& name) {
     const std::size_t at = style.find("--" + name + ":#");
@@ -409,8 +409,14 @@ TEST_F(ReportFolder, PagesPaletteHasTheContrastOfWcagAa) {
   };
   for (const char* ground : {"paper", "card"})
     for (const char* text : {"ink", "soft", "accent"})
-      EXPECT_GE(contrast(colour(text), colour(ground)), 4.5) << text << " on " << ground;
-  EXPECT_GE(contrast(colour("warnink"), colour("warn")), 4.5);
+      EXPECT_GE(contrast(colour(text), colour(ground)), 7.0) << text << " on " << ground;
+  EXPECT_GE(contrast(colour("warnink"), colour("warn")), 7.0);
+  EXPECT_GE(contrast(colour("ink"), colour("head")), 7.0);
+  // Words have the palette's colours, or black on white.
+  const std::set<std::string> known = {"var(--ink)", "var(--soft)", "var(--accent)", "var(--warnink)", "#fff", "#111"};
+  const std::regex words(R"((?:^|[;{])color:([^;}]+))");
+  for (std::sregex_iterator at(style.begin(), style.end(), words), end; at != end; ++at)
+    EXPECT_TRUE(known.count((*at)[1])) << (*at)[1];
   EXPECT_GE(contrast(colour("bar"), colour("paper")), 3);  // graphics
 }
 
