@@ -7,9 +7,11 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/commands.h"
 #include "app/inputs.h"
+#include "app/kept_scenes.h"
 #include "app/terminal.h"
 #include "base/error.h"
 #include "base/text.h"
@@ -110,7 +112,11 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   if (std::isnan(arguments.rho)) throw usage_error("--rho nan", "a number from 0.01 to 1");
   Terminal terminal(common);
   check_outputs({{"--out", arguments.out}}, arguments.scene, {{"--hip", arguments.hip}});
-  const pipeline::ScenePointer scene = scene_from({arguments.scene}, common.trusted(), terminal.progress());
+  std::optional<haptics::Recording> recording;
+  std::optional<haptics::RecordedScenes> kept;
+  if (arguments.live) kept = kept_scenes_of(recording.emplace(arguments.hip), common, terminal);
+  const pipeline::ScenePointer scene =
+      kept ? kept->first() : scene_from({arguments.scene}, common.trusted(), terminal.progress());
   pipeline::HapticsConfig haptics = scene->description().config.haptics;
   if (arguments.solver == "exact") haptics.solver = pipeline::HapticsConfig::Solver::exact;
   if (arguments.solver == "paper") haptics.solver = pipeline::HapticsConfig::Solver::paper;
@@ -118,9 +124,9 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   options.paper_rho = arguments.rho;
   options.paper_iterations = arguments.iterations;
   if (arguments.creases == "rounded") options.shape = haptics::CellShape::rounded;
-  const haptics::TraceResult result = arguments.live
-                                          ? trace_recording(*scene, haptics::Recording(arguments.hip), haptics, options)
-                                          : trace_path(*scene, arguments, haptics, options);
+  const haptics::TraceResult result =
+      recording ? trace_recording(kept.value_or(haptics::RecordedScenes(scene)), *recording, haptics, options)
+                : trace_path(*scene, arguments, haptics, options);
   haptics::write_trace(arguments.out, result);
   const haptics::TraceSummary& s = result.summary;
   print(common.json ? summary_json(s).dump(2)

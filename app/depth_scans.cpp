@@ -319,6 +319,11 @@ pipeline::Config DepthScans::config_of(const viewer::ScanSetup& setup) const {
   // What is written of places on the object stays there.
   const bool places = !config.parts.empty() || config.audio;
   if (places && !orientation.regions_scan_to_grid) orientation.regions_scan_to_grid = base_to_grid_;
+  // The label image lies over the grid that it was drawn for, not over the new one.
+  if (origin_ && config.audio && config.audio->labels && !config.audio->labels->bounds_m) {
+    const auto& built = origin_->description().config.audio;
+    if (built && built->labels) config.audio->labels->bounds_m = built->labels->bounds_m;
+  }
   orientation.face.reset();
   orientation.face_up.reset();
   orientation.scan_to_grid = setup.scan_to_grid;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/inputs.h"
+#include "app/kept_scenes.h"
 #include "app/run_summary.h"
 #include "app/sentences.h"
 #include "app/study.h"
@@ -59,6 +60,7 @@ bool starts_with_scans(const ExploreArguments& arguments, bool window) {
 void LastTouch::see(const haptics::State& now) {
   const bool feels =
       now.contact == 1 && (now.flags & haptics::kFlagArmed) != 0 && (now.flags & haptics::kFlagFault) == 0;
+  if (now.scene != state.scene) felt = false;
   if (feels || !felt) state = now;
   felt = felt || feels;
 }
@@ -74,6 +76,9 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
     scans_ = std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end()));
     if (const std::string why = scans_->unavailable(); !why.empty())
       throw input_error(arguments.scene.front(), "no such file", "a scene folder, a configuration or scans");
+  } else if (chosen_.recording && (kept_ = kept_scenes_of(*chosen_.recording, common, terminal))) {
+    scans_ = std::make_unique<DepthScans>(kept_->first(), fs::path(), trust_);
+    make_session_of(kept_->first());
   } else if (!exhibits_.empty()) {
     pipeline::ScenePointer scene = pipeline::open_scene(exhibits_.current(), trust_);
     scans_ = std::make_unique<DepthScans>(scene, fs::path(), trust_);
@@ -219,6 +224,7 @@ void Exploration::poll() {
   tell_of_scans();
   if (!session_) return;
   session_->poll();
+  follow_recording();
   if (const std::string warning = sound_.take_warning(); !warning.empty()) terminal_.message("warning: " + warning);
   touch_.see(session_->state().read());
   for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {

@@ -20,13 +20,15 @@
 #include "app/terminal_keys.h"
 #include "base/phrases.h"
 #include "base/system_terminal.h"
+#include "haptics/replay/recorded_scenes.h"
 #include "haptics/session/session.h"
 #include "scene/scene.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
 
-/// Remembers the last moment in which the hand felt the stone, so that a picture taken after the run shows the touch.
+/// Remembers the last moment in which the hand felt the scene that is touched, so that a picture taken after the run
+/// shows the touch.
 struct LastTouch {
   haptics::State state;
   bool felt = false;
@@ -78,6 +80,8 @@ class Exploration {
   void begin_with(const pipeline::ScenePointer& scene);
   [[nodiscard]] std::unique_ptr<audio::Engine> sound_of(const pipeline::ScenePointer& scene);
   void change_scene(const pipeline::ScenePointer& scene);
+  void change_sound(std::unique_ptr<audio::Engine> sound);
+  void follow_recording();
   void refuse(const std::string& why);
   void next_scene(int step);
   void drop(const std::vector<std::filesystem::path>& files);
@@ -90,6 +94,7 @@ class Exploration {
   pipeline::Trust trust_;
   Exhibits exhibits_;  ///< of a kiosk with several scenes
   ChosenDevice chosen_;
+  std::optional<haptics::RecordedScenes> kept_;  ///< with a recording of several scenes
   pipeline::ScenePointer scene_;
   pipeline::ScenePointer before_;  ///< the scene that was touched before
   std::uint64_t scene_work_ = 0;   ///< the scans that scene_ was made from

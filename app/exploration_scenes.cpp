@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/edited_parts.h"
 #include "app/exploration.h"
 #include "app/inputs.h"
 #include "base/error.h"
@@ -25,7 +26,9 @@ std::unique_ptr<haptics::Session> Exploration::session_of(const pipeline::SceneP
   options.haptics = config.haptics;
   options.effects = {!arguments_.no_texture, !arguments_.no_friction};
   options.record = arguments_.record;
-  if (chosen_.recording) return std::make_unique<haptics::Session>(scene, chosen_.recording, options);
+  if (chosen_.recording)
+    return std::make_unique<haptics::Session>(kept_.value_or(haptics::RecordedScenes(scene)), chosen_.recording,
+                                              options);
   if (chosen_.simulated) chosen_.device = simulated_hand(scene->description(), arguments_.duration_s);
   return std::make_unique<haptics::Session>(scene, std::move(chosen_.device), options);
 }
@@ -71,7 +74,10 @@ void Exploration::change_scene(const pipeline::ScenePointer& scene) {
   const double stiffness = scene->description().config.haptics.stiffness_n_per_m;
   if (stiffness != before_->description().config.haptics.stiffness_n_per_m)
     session_->requests().post({haptics::Request::Kind::set_stiffness, stiffness});
-  if (!changes_sound) return;
+  if (changes_sound) change_sound(std::move(sound));
+}
+
+void Exploration::change_sound(std::unique_ptr<audio::Engine> sound) {
   sound_.use(nullptr);
   haptics::ContactEvent earlier;
   while (contacts_->pop(earlier)) {
@@ -81,7 +87,22 @@ void Exploration::change_scene(const pipeline::ScenePointer& scene) {
   sound_.start();
 }
 
-// The window cannot show the new scene: the one before comes back.
+// The recording that is played has come to another of its scenes: what is heard follows, as it did in the run. What is
+// seen asks the session.
+void Exploration::follow_recording() {
+  if (!session_->plays_recording() || session_->scene() == scene_) return;
+  const pipeline::ScenePointer before = std::exchange(scene_, session_->scene());
+  if (pipeline::same_scans(before->description(), scene_->description())) return sound_.set_scene(scene_);
+  if (!arguments_.audio_out.empty()) return;
+  try {
+    change_sound(sounds(scene_->description().config) ? sound_of(scene_) : nullptr);
+  } catch (const Error& error) {
+    change_sound(nullptr);
+    warn("no_sound", {{"reason", error.wrong()}});
+  }
+}
+
+// The window cannot show the new scene: the one before comes back, unless a recording is played, which goes on.
 void Exploration::refuse(const std::string& why) {
   try {
     if (const pipeline::ScenePointer before = std::exchange(before_, nullptr)) change_scene(before);
@@ -169,11 +190,8 @@ void Exploration::rescan(const Eigen::Matrix4d& scan_to_grid) {
 
 // Parts drawn or moved on the stone: felt and spoken at once, and kept in the scene's folder.
 bool Exploration::edit_parts(const std::vector<pipeline::PartConfig>& parts) {
-  pipeline::SceneDescription description = scene_->description();
-  description.config.parts = parts;
   try {
-    pipeline::ScenePointer edited = pipeline::with_description(scene_, std::move(description));
-    if (!edited->folder().empty()) pipeline::write_description(*edited, edited->folder());
+    pipeline::ScenePointer edited = with_parts(scene_, parts);
     session_->set_scene(edited);
     scene_ = std::move(edited);  // the window can show it: its layers are those of the one before
     sound_.set_scene(scene_);

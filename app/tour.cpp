@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
+#include <utility>
 #include <variant>
 
 #include "haptics/window/scene_window.h"
+#include "scene/regions.h"
 #include "scene/workspace.h"
 
 namespace sparsha::app {
@@ -39,7 +42,28 @@ class Overview {
   double scale_ = 1.0;
 };
 
-double area_m2(const Box& box) { return (box[2] - box[0]) * (box[3] - box[1]); }
+/// From left to right across a part, a little inside its edges: of a box along its middle, else along the run of places
+/// inside that goes through its middle. Empty for a part that is nowhere.
+std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> way_across(const pipeline::Area& area) {
+  const std::optional<Eigen::Vector2d> middle_m = area.middle_m();
+  const std::optional<Box> bounds_m = area.bounds_m();
+  if (!middle_m || !bounds_m) return std::nullopt;
+  double left_m = (*bounds_m)[0];
+  double right_m = (*bounds_m)[2];
+  if (area.box() == nullptr) {
+    constexpr int kSteps = 200;
+    const double step_m = (right_m - left_m) / kSteps;
+    const auto end = [&](double by_m) {
+      double x_m = middle_m->x();
+      for (int step = 0; step < kSteps && area.holds(x_m + by_m, middle_m->y()); ++step) x_m += by_m;
+      return x_m;
+    };
+    left_m = end(-step_m);
+    right_m = end(step_m);
+  }
+  const double inset_m = 0.1 * (right_m - left_m);
+  return std::pair(Eigen::Vector2d(left_m + inset_m, middle_m->y()), Eigen::Vector2d(right_m - inset_m, middle_m->y()));
+}
 
 haptics::TourStop strike(const Eigen::Vector2d& at_m) { return {haptics::TourStop::Kind::strike, at_m, at_m, 0}; }
 
@@ -63,17 +87,14 @@ std::vector<haptics::TourStop> tour_of(const pipeline::SceneDescription& scene) 
     }
   }
   tour.insert(tour.end(), notes.begin(), notes.end());
-  const auto& parts = scene.config.parts;
-  const auto largest = std::max_element(
-      parts.begin(), parts.end(), [](const auto& a, const auto& b) { return area_m2(a.box_m) < area_m2(b.box_m); });
-  if (largest != parts.end()) {
-    // Across the part and back, a little inside its edges.
-    const Box& box = largest->box_m;
-    const double y_m = 0.5 * (box[1] + box[3]);
-    const double inset_m = 0.1 * (box[2] - box[0]);
-    const Eigen::Vector2d left = overview.device_m(box[0] + inset_m, y_m);
-    const Eigen::Vector2d right = overview.device_m(box[2] - inset_m, y_m);
-    tour.push_back({haptics::TourStop::Kind::stroke, left, right, kZoomIn});
+  pipeline::Area largest;
+  for (std::size_t part = 0; part < scene.config.parts.size(); ++part)
+    if (pipeline::Area area = pipeline::area_of(scene, part); area.area_m2() > largest.area_m2())
+      largest = std::move(area);
+  if (const auto way = way_across(largest)) {
+    const auto& [left_m, right_m] = *way;
+    tour.push_back({haptics::TourStop::Kind::stroke, overview.device_m(left_m.x(), left_m.y()),
+                    overview.device_m(right_m.x(), right_m.y()), kZoomIn});
   }
   return tour;
 }

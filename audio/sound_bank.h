@@ -1,7 +1,6 @@
 // Where a scene sounds, and what: the regions of its `audio:` block with their notes and clips made ready.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,20 +11,17 @@
 
 #include "audio/clip.h"
 #include "audio/modal.h"
-#include "base/png_reader.h"
+#include "scene/area.h"
 #include "scene/cues_config.h"
 #include "scene/scene.h"
 
 namespace sparsha::audio {
 
-/// One region, in the regions' frame (scene/regions.h): a box (xmin ymin xmax ymax), a polygon, the pixels of a label,
-/// or everywhere; with none of them it is never struck.
+/// One region, in the regions' frame (scene/regions.h): an area, or everywhere; nowhere it is never struck.
 struct SoundRegion {
   std::string name;
-  std::optional<std::array<double, 4>> box_m;
+  pipeline::Area area;
   std::variant<Modes, std::shared_ptr<const Clip>> sound;  ///< regions may share a clip
-  std::vector<std::array<double, 2>> polygon_m{};
-  int label = 0;            ///< 0: none
   bool everywhere = false;  ///< where no other region is; not played by a hand that slides onto it
   std::size_t scrape = 0;   ///< what is heard when it is stroked, index into SoundBank::scrapes
 };
@@ -36,20 +32,11 @@ struct ScrapeSound {
   double grain_gain = 1.0;
 };
 
-/// A picture of labels that lies over `bounds_m`.
-struct LabelMap {
-  NumberImage image;
-  std::array<double, 4> bounds_m{};
-  /// 0 outside. No allocation.
-  [[nodiscard]] int at(double x_m, double y_m) const noexcept;
-};
-
 /// Immutable once made; shared by every Synth of the same rate.
 struct SoundBank {
   int sample_rate_hz = 48000;
   std::vector<SoundRegion> regions;
-  std::vector<ScrapeSound> scrapes;  ///< the first is that of places without a region; never empty
-  std::optional<LabelMap> labels;
+  std::vector<ScrapeSound> scrapes;          ///< the first is that of places without a region; never empty
   double scrape_gain = 0.0;                  ///< 0 = no friction sound
   bool scrape_grain = true;                  ///< the friction sound goes on below the nodes' distance
   std::optional<pipeline::CuesConfig> cues;  ///< which things that the hand comes to are told of

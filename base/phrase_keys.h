@@ -142,6 +142,8 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"scan_running", ""},
     {"no_new_scan", "reason"},
     {"new_scan", ""},
+    {"played_on_kept", "folder"},
+    {"kept_of_another", "folder"},
 });
 
 }  // namespace sparsha

@@ -302,8 +302,20 @@ void require_friction(const Node& parts, const Config& config) {
   }
 }
 
+void require_labels(const Node& parts, const Config& config) {
+  if (config.audio && config.audio->labels) return;
+  for (const Node& part : parts.items) {
+    if (const Node* label = part.find("label")) {
+      throw yaml::error_at(*label, "a part has a label and the scene no label image",
+                           "the image in the block 'audio', for instance {labels: {file: labels.png}}");
+    }
+  }
+}
+
 std::vector<PartConfig> parse_parts(const Node& node) {
-  if (!node.is_sequence()) throw yaml::error_at(node, "parts is not a list", "a list of {name, say, box_m}");
+  if (!node.is_sequence())
+    throw yaml::error_at(node, "parts is not a list",
+                         "a list of {name, say, box_m}; or polygon_m or label instead of box_m");
   std::vector<PartConfig> parts;
   for (const Node& item : node.items) {
     MapReader reader(item, "a part");
@@ -314,9 +326,13 @@ std::vector<PartConfig> parse_parts(const Node& node) {
     reader.read("more", part.more);
     // Speech would say nothing at all where something is promised.
     if (part.say.empty()) part.say = part.name;
-    part.box_m = read_box(reader.required("box_m"));
+    const int where = exclusive(reader, {"box_m", "polygon_m", "label"});
+    if (where == 0) part.box_m = read_box(*item.find("box_m"));
+    if (where == 1) part.polygon_m = read_polygon(*item.find("polygon_m"));
+    if (where == 2) part.label = read_label(*item.find("label"));
     part.touch = parse_touch(reader, item);
     reader.finish();
+    if (where < 0) throw yaml::error_at(item, "part '" + part.name + "' has no place", "box_m, polygon_m or label");
     parts.push_back(std::move(part));
   }
   return parts;
@@ -405,6 +421,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
     require_friction(*node, config);
   }
   if (const Node* node = reader.optional("audio")) config.audio = parse_audio(*node, folder);
+  if (const Node* node = reader.optional("parts")) require_labels(*node, config);
   if (const Node* node = reader.optional("speech")) config.speech = parse_speech(*node);
   if (const Node* node = reader.optional("guide")) config.guide = parse_guide(*node);
   if (const Node* node = reader.optional("cues")) config.cues = parse_cues(*node);

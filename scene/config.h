@@ -162,12 +162,16 @@ struct PartTouch {
   std::optional<double> mu_static;  ///< without it the larger of mu_dynamic and the scene's mu_static
   std::optional<Material> material;
 };
+/// It lies in the box, or, where one of these is there, in the polygon or where the label image has the label.
 struct PartConfig {
   std::string name;
   std::string say;
-  std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax, grid frame
+  std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax, grid frame; zeros with a polygon or a label
   PartTouch touch{};
-  std::string more{};  ///< told when more is asked for
+  std::string more{};                              ///< told when more is asked for
+  std::vector<std::array<double, 2>> polygon_m{};  ///< corners, grid frame; empty: none
+  std::optional<int> label{};                      ///< of the label image, AudioConfig::labels
+  [[nodiscard]] bool is_box() const { return polygon_m.empty() && !label; }
 };
 /// Along what, how strongly and how fast a hand is led that asks for it.
 struct GuideConfig {
@@ -213,7 +217,8 @@ struct AudioRegionConfig {
   Loop loop = Loop::none;                          ///< of a clip: one period of it, repeated while it decays
   [[nodiscard]] bool has_place() const { return box_m || label || !polygon_m.empty(); }
 };
-/// A picture of whole numbers that lies over the grid: pixels of value n belong to the regions with `label: n`.
+/// A picture of whole numbers that lies over the grid: pixels of value n belong to the regions and parts with
+/// `label: n`.
 struct LabelImageConfig {
   std::filesystem::path file;                     ///< PNG, grey or palette; the top row is the largest y
   std::optional<std::array<double, 4>> bounds_m;  ///< that it covers, grid frame; absent: the whole grid

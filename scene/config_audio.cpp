@@ -1,6 +1,4 @@
 // The block `audio`: where a scene sounds, and what.
-#include <cmath>
-
 #include "scene/config_reader.h"
 #include "scene/sound_limits.h"
 
@@ -12,8 +10,6 @@ using yaml::Node;
 
 constexpr double kQuietest_db = -200.0;
 constexpr double kLoudest_db = 60.0;
-/// The sound card's thread looks at every corner.
-constexpr std::size_t kMostCorners = 1000;
 
 ModalConfig parse_modal(const Node& node) {
   ModalConfig modal;
@@ -61,39 +57,10 @@ MaterialSoundConfig parse_material(MapReader& reader, const Node& node) {
   return sound;
 }
 
-std::vector<std::array<double, 2>> parse_polygon(const Node& node) {
-  std::vector<std::array<double, 2>> corners;
-  if (!node.is_sequence() || node.items.size() < 3) {
-    throw yaml::error_at(node, "the polygon has fewer than three corners", "[[x, y], [x, y], [x, y], ...]");
-  }
-  if (node.items.size() > kMostCorners) {
-    throw yaml::error_at(node, "the polygon has " + std::to_string(node.items.size()) + " corners",
-                         "at most " + std::to_string(kMostCorners));
-  }
-  double area_m2 = 0.0;
-  for (const Node& item : node.items) {
-    const std::vector<double> corner = yaml::to_doubles(item, 2);
-    corners.push_back({corner[0], corner[1]});
-  }
-  // Relative to the first corner: coordinates may be millions of metres.
-  for (std::size_t i = 2; i < corners.size(); ++i) {
-    const auto& a = corners[i - 1];
-    const auto& b = corners[i];
-    const auto& o = corners[0];
-    area_m2 += 0.5 * ((a[0] - o[0]) * (b[1] - o[1]) - (b[0] - o[0]) * (a[1] - o[1]));
-  }
-  if (!(std::abs(area_m2) > 0.0)) throw yaml::error_at(node, "the polygon has no area", "corners in their order");
-  return corners;
-}
-
 void read_place(AudioRegionConfig& region, int where, const Node& node) {
   if (where == 0) region.box_m = read_box(*node.find("box_m"));
-  if (where == 1) region.polygon_m = parse_polygon(*node.find("polygon_m"));
-  if (where != 2) return;
-  const Node& label = *node.find("label");
-  const std::int64_t value = yaml::to_integer(label);
-  if (value < 1 || value > 65535) throw yaml::error_at(label, "label is " + label.scalar, "1 to 65535");
-  region.label = static_cast<int>(value);
+  if (where == 1) region.polygon_m = read_polygon(*node.find("polygon_m"));
+  if (where == 2) region.label = read_label(*node.find("label"));
 }
 
 AudioRegionConfig parse_region(const Node& node, const std::filesystem::path& folder, bool pillars) {

@@ -1,5 +1,9 @@
-// Lengths, vectors and keys that exclude each other.
+// Lengths, places, vectors and keys that exclude each other.
 #include "scene/config_reader.h"
+
+#include <cmath>
+
+#include "scene/polygon.h"
 
 namespace sparsha::pipeline {
 
@@ -32,6 +36,35 @@ std::array<double, 4> read_box(const yaml::Node& node) {
     throw yaml::error_at(node, "the box is empty", "[xmin, ymin, xmax, ymax] with xmin < xmax and ymin < ymax");
   }
   return {v[0], v[1], v[2], v[3]};
+}
+
+std::vector<std::array<double, 2>> read_polygon(const yaml::Node& node) {
+  std::vector<std::array<double, 2>> corners;
+  if (!node.is_sequence() || node.items.size() < 3) {
+    throw yaml::error_at(node, "the polygon has fewer than three corners", "[[x, y], [x, y], [x, y], ...]");
+  }
+  if (node.items.size() > Polygon::kMostCorners) {
+    throw yaml::error_at(node, "the polygon has " + std::to_string(node.items.size()) + " corners",
+                         "at most " + std::to_string(Polygon::kMostCorners));
+  }
+  for (const yaml::Node& item : node.items) {
+    const std::vector<double> corner = yaml::to_doubles(item, 2);
+    if (!(std::abs(corner[0]) <= kAny && std::abs(corner[1]) <= kAny)) {
+      throw yaml::error_at(item, "the corner is farther away than 1e12 m", "metres in the grid frame");
+    }
+    corners.push_back({corner[0], corner[1]});
+  }
+  // A line that crosses itself may enclose as much to its left as to its right.
+  if (!(std::abs(signed_area_m2(corners)) > 0.0) && !Polygon(corners).deepest_m()) {
+    throw yaml::error_at(node, "the polygon has no area", "corners in their order");
+  }
+  return corners;
+}
+
+int read_label(const yaml::Node& node) {
+  const std::int64_t value = yaml::to_integer(node);
+  if (value < 1 || value > 65535) throw yaml::error_at(node, "label is " + node.scalar, "1 to 65535");
+  return static_cast<int>(value);
 }
 
 std::filesystem::path resolved(const yaml::Node& node, const std::filesystem::path& folder) {

@@ -30,6 +30,12 @@ void read_number(yaml::MapReader& reader, std::string_view key, std::optional<do
 /// xmin ymin xmax ymax of a box that is not empty.
 [[nodiscard]] std::array<double, 4> read_box(const yaml::Node& node);
 
+/// Corners of a polygon that has an area (scene/polygon.h).
+[[nodiscard]] std::vector<std::array<double, 2>> read_polygon(const yaml::Node& node);
+
+/// A pixel value of the label image.
+[[nodiscard]] int read_label(const yaml::Node& node);
+
 /// A file name, relative to `folder`.
 [[nodiscard]] std::filesystem::path resolved(const yaml::Node& node, const std::filesystem::path& folder);
 

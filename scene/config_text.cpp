@@ -182,13 +182,19 @@ std::string points(const std::vector<std::array<double, 2>>& places_m) {
   return text + "]";
 }
 
+// Of what has no box.
+template <class Placed>
+std::string outline_text(const Placed& placed) {
+  std::string text;
+  if (!placed.polygon_m.empty()) text += ", polygon_m: " + points(placed.polygon_m);
+  if (placed.label) text += fmt::format(", label: {}", *placed.label);
+  return text;
+}
+
 std::string region_text(const AudioRegionConfig& region) {
   std::string text = "    - {name: " + quote(region.name);
   if (region.box_m) text += ", box_m: " + box(*region.box_m);
-  if (!region.polygon_m.empty()) {
-    text += ", polygon_m: " + points(region.polygon_m);
-  }
-  if (region.label) text += fmt::format(", label: {}", *region.label);
+  text += outline_text(region);
   text += ", " + std::visit([](const auto& sound) { return sound_text(sound); }, region.sound);
   if (region.loop == AudioRegionConfig::Loop::one_period) text += ", loop: one_period";
   return text + "}\n";
@@ -285,8 +291,9 @@ std::string to_yaml(const Config& config) {
       millimetres(haptics.resolution_m), millimetres(haptics.tip_radius_m), invented_text(haptics));
   if (!config.parts.empty()) text += "parts:\n";
   for (const PartConfig& part : config.parts) {
-    text += "  - {name: " + quote(part.name) + ", say: " + quote(part.say) + ", box_m: " + box(part.box_m) +
-            touch_text(part.touch) + (part.more.empty() ? "" : ", more: " + quote(part.more)) + "}\n";
+    text += "  - {name: " + quote(part.name) + ", say: " + quote(part.say) +
+            (part.is_box() ? ", box_m: " + box(part.box_m) : outline_text(part)) + touch_text(part.touch) +
+            (part.more.empty() ? "" : ", more: " + quote(part.more)) + "}\n";
   }
   if (config.audio) text += audio_text(*config.audio);
   if (config.speech) {

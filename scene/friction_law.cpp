@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/region_frame.h"
+#include "scene/regions.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -21,10 +21,11 @@ FrictionLaw::FrictionLaw(const SceneDescription& scene, double scale, double wor
       scale_(scale),
       radius_m_(0.5 * workspace_m),
       scene_(scene) {
-  for (const PartConfig& part : scene.config.parts) {
+  for (std::size_t k = 0; k < scene.config.parts.size(); ++k) {
+    const PartConfig& part = scene.config.parts[k];
     if (!part.touch.mu_dynamic) continue;
     const double mu = *part.touch.mu_dynamic;
-    parts_.push_back({part.box_m, mu, part.touch.mu_static.value_or(std::max(config_.mu_static, mu))});
+    parts_.push_back({area_of(scene, k), mu, part.touch.mu_static.value_or(std::max(config_.mu_static, mu))});
   }
 }
 
@@ -38,7 +39,7 @@ double FrictionLaw::with_parts(const Layers& layers, std::size_t node, double mu
     place = *scene_.region_from_grid * place;
   }
   for (auto part = parts_.rbegin(); part != parts_.rend(); ++part)
-    mu += ((*part).*own - mu) * share_inside(part->box_m, place.x(), place.y(), kBorderM / scale_);
+    mu += ((*part).*own - mu) * part->area.share_inside(place.x(), place.y(), kBorderM / scale_);
   return mu;
 }
 

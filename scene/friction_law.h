@@ -1,7 +1,6 @@
 // The one friction law: what is felt, shown and reported of a scene's friction.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -27,7 +26,7 @@ class FrictionLaw {
 
  private:
   struct Part {
-    std::array<double, 4> box_m;
+    Area area;
     double mu_dynamic;
     double mu_static;
   };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "scene/regions.h"
 #include "scene/window_lattice.h"
 
 namespace sparsha::pipeline {
@@ -88,6 +89,7 @@ ScenePointer with_description(ScenePointer scene, SceneDescription description) 
     throw Error(ErrorKind::failure, {}, "the levels do not match the scene's description");
   // Edited many times, it is not wrapped many times.
   if (const auto* described = dynamic_cast<const DescribedScene*>(scene.get())) scene = described->base();
+  make_areas(description);
   return std::make_shared<DescribedScene>(std::move(scene), std::move(description));
 }
 
@@ -128,6 +130,7 @@ ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels
               fits(description.has_intensity, layers.intensity.size());
   }
   if (!matches) throw Error(ErrorKind::failure, {}, "the layers do not match the scene's description");
+  make_areas(description);
   return std::make_shared<MemoryScene>(std::move(description), std::move(levels));
 }
 

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "scene/area.h"
 #include "scene/check_map.h"
 #include "scene/config.h"
 #include "scene/depth_grid.h"
@@ -38,6 +39,10 @@ struct SceneDescription {
   double friction_c_m = 0.0;
   /// The cross-check's distances; null without a check.
   std::shared_ptr<const CheckMap> check_map{};
+  /// The label image where parts have labels, and where each part lies, in their order: made ready when a Scene is
+  /// made of this description (make_areas() of scene/regions.h).
+  std::shared_ptr<const LabelMap> label_map{};
+  std::shared_ptr<const std::vector<Area>> part_areas{};
   bool has_envelope = false;
   bool has_curvature = false;         ///< k
   bool has_paper_curvatures = false;  ///< H and K
@@ -63,7 +68,8 @@ class Scene {
 
 using ScenePointer = std::shared_ptr<const Scene>;
 
-/// A scene that lives in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not.
+/// A scene that lives in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not, and
+/// Error{input} when parts have labels and the label image cannot be read.
 [[nodiscard]] ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels);
 
 /// The same layers under another description of the same levels, e.g. with other parts. Throws Error{failure} when the

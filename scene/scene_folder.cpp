@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "scene/layer_file.h"
+#include "scene/regions.h"
 #include "scene/scene.h"
 #include "scene/scene_folder.h"
 #include "scene/scene_layers.h"
@@ -359,6 +360,7 @@ ScenePointer open_scene(const fs::path& folder, Trust trust) {
     const Lattice& lattice = description.levels[level];
     check_layer(path / "height.tif", lattice.nx, lattice.ny, LayerKind::number);
   }
+  make_areas(description);
   return std::make_shared<FolderScene>(folder, std::move(description));
 }
 
@@ -375,6 +377,17 @@ void write_scene(const Scene& scene, const fs::path& folder) {
   if (const auto& map = description.check_map)
     write_layer(folder / kErrorLayer, map->lattice.nx, map->lattice.ny, std::span<const float>(map->error_m));
   write_file(folder / "scene.yaml", scene_yaml(description, folder));
+}
+
+std::vector<fs::path> layer_files(const SceneDescription& scene) {
+  std::vector<fs::path> files;
+  for (std::size_t level = 0; level < scene.levels.size(); ++level) {
+    const fs::path folder = level_folder({}, level);
+    for (const std::string& name : layer_names(scene)) files.push_back(folder / (name + ".tif"));
+    files.push_back(folder / "height.tfw");
+  }
+  if (scene.check_map) files.emplace_back(kErrorLayer);
+  return files;
 }
 
 void write_description(const Scene& scene, const fs::path& folder) {

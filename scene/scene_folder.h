@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "base/files.h"
 #include "scene/scene.h"
@@ -11,6 +12,9 @@ namespace sparsha::pipeline {
 /// What people have written on the object, in the frame of its scans (viewer/marks): kept when the scene is built
 /// again.
 inline constexpr const char* kNotesFile = "notes.yaml";
+
+/// What write_scene() writes besides scene.yaml and clips, relative to the scene's folder.
+[[nodiscard]] std::vector<std::filesystem::path> layer_files(const SceneDescription& scene);
 
 /// Writes scene.yaml anew, with all else as it is: for a description whose labels were edited. Throws Error{failure}.
 void write_description(const Scene& scene, const std::filesystem::path& folder);

@@ -54,7 +54,7 @@ CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor",
         "haptics/guide", "haptics/servo",        "haptics/device/device.h", "haptics/device/simulated"]
 CORE_SHARED = ["base/error.h", "base/smooth_step.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/fingertip.h", "scene/depth_grid.h", "scene/workspace.h",
                "scene/region_frame.h", "scene/cues_config.h", "scene/haptics_config.h", "scene/materials.h", "scene/grain_field.h",
-               "scene/height_spectrum.h"]
+               "scene/height_spectrum.h", "scene/area.h", "scene/polygon.h", "scene/label_area.h"]
 # Templates over PCL's point types, for programs that include PCL anyway.
 PCL_API = "sparsha/pcl"
 ROOMS = {name.split("/")[0] for name in ALLOWED}

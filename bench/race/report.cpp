@@ -107,9 +107,9 @@ std::string hard_table(const std::vector<HardResult>& hard) {
 }
 
 constexpr const char* kIntroduction =
-    "<p>Every method is made from the same nodes of an analytic surface of 1 m × 1 m (points without noise), follows "
-    "the "
-    "same hand at 1 kHz and is judged by the same truth in closed form: the nearest point of the analytic surface. "
+    "<p>Every method is made from the same nodes of a surface of 1 m × 1 m (points without noise), follows the same "
+    "hand at 1 kHz and is judged by the same truth: the nearest point of that surface. Surfaces are formulas; the "
+    "sample, the closed object and the scans are cubic splines over their smoothed heights, scaled to 1 m. "
     "<code>exact</code>, <code>rounded</code>, <code>c1</code> and <code>paper</code> are Sparsha's solvers; "
     "<code>god-object</code> (Zilles and Salisbury 1995, sliding on within a tick, and with Ruspini's ball), "
     "<code>sphere</code> "

@@ -14,14 +14,13 @@ double SurfaceEffects::stiffness_at(double x_m, double y_m, double base_n_per_m)
   double stiffness = base_n_per_m;
   for (auto part = parts.rbegin(); part != parts.rend(); ++part)
     if (part->stiffness_n_per_m)
-      stiffness += (*part->stiffness_n_per_m - stiffness) * pipeline::share_inside(part->box_m, x_m, y_m, border_m);
+      stiffness += (*part->stiffness_n_per_m - stiffness) * part->area.share_inside(x_m, y_m, border_m);
   return stiffness;
 }
 
 const pipeline::MaterialTouch& SurfaceEffects::material_at(double x_m, double y_m) const noexcept {
   for (const Part& part : parts)
-    if (part.material && pipeline::share_inside(part.box_m, x_m, y_m, border_m) >= 0.5)
-      return pipeline::touch_of(*part.material);
+    if (part.material && part.area.decides(x_m, y_m, border_m)) return pipeline::touch_of(*part.material);
   return pipeline::touch_of(material);
 }
 
@@ -29,16 +28,13 @@ double SurfaceEffects::grain_gain_at(double x_m, double y_m) const noexcept {
   double gain = pipeline::touch_of(material).grain_gain;
   for (auto part = parts.rbegin(); part != parts.rend(); ++part)
     if (part->material)
-      gain += (pipeline::touch_of(*part->material).grain_gain - gain) *
-              pipeline::share_inside(part->box_m, x_m, y_m, border_m);
+      gain += (pipeline::touch_of(*part->material).grain_gain - gain) * part->area.share_inside(x_m, y_m, border_m);
   return gain;
 }
 
 std::size_t SurfaceEffects::part_at(double x_m, double y_m) const noexcept {
-  for (std::size_t part = 0; part < part_boxes_m.size(); ++part) {
-    const std::array<double, 4>& box = part_boxes_m[part];
-    if (x_m >= box[0] && y_m >= box[1] && x_m <= box[2] && y_m <= box[3]) return part;
-  }
+  for (std::size_t part = 0; part < part_areas.size(); ++part)
+    if (part_areas[part].holds(x_m, y_m)) return part;
   return kNoPart;
 }
 

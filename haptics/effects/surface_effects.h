@@ -2,13 +2,13 @@
 // scene that have a stiffness or a material of their own.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "haptics/effects/grain.h"
+#include "scene/area.h"
 #include "scene/cues_config.h"
 #include "scene/depth_grid.h"
 #include "scene/materials.h"
@@ -20,7 +20,7 @@ namespace sparsha::haptics {
 struct SurfaceEffects {
   static constexpr std::size_t kNoPart = static_cast<std::size_t>(-1);
   struct Part {
-    std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax
+    pipeline::Area area;
     std::optional<double> stiffness_n_per_m;
     std::optional<pipeline::Material> material;
   };
@@ -32,16 +32,16 @@ struct SurfaceEffects {
   double scale = 1.0;                                              ///< device metres per metre of this frame
   Eigen::Matrix3d region_from_grid = Eigen::Matrix3d::Identity();  ///< rotation
   pipeline::GrainField field;
-  std::optional<pipeline::CuesConfig> cues;           ///< absent: none
-  std::vector<std::array<double, 4>> part_boxes_m{};  ///< with cues: of all parts, in their order
-  pipeline::Lattice stone_lattice{};                  ///< of stone_m: the window
+  std::optional<pipeline::CuesConfig> cues;  ///< absent: none
+  std::vector<pipeline::Area> part_areas{};  ///< with cues: of all parts, in their order
+  pipeline::Lattice stone_lattice{};         ///< of stone_m: the window
   std::vector<float> stone_m{};  ///< from each node to the nearest one that is known, grid frame; empty: not measured
 
   [[nodiscard]] bool has_stiffness() const noexcept;
   /// `base_n_per_m` outside of the parts, a smooth step across their borders.
   [[nodiscard]] double stiffness_at(double x_m, double y_m, double base_n_per_m) const noexcept;
   [[nodiscard]] const pipeline::MaterialTouch& material_at(double x_m, double y_m) const noexcept;
-  /// Of part_boxes_m, the first that holds the place; else kNoPart.
+  /// Of part_areas, the first that holds the place; else kNoPart.
   [[nodiscard]] std::size_t part_at(double x_m, double y_m) const noexcept;
   /// Across, from a place (grid frame) to the stone, grid metres; 0 where there is stone or nothing is known of it.
   [[nodiscard]] double to_stone_m(double x_m, double y_m) const noexcept;

@@ -9,14 +9,17 @@
 #include <utility>
 
 #include "scene/continuation.h"
+#include "scene/contours.h"
 
 namespace sparsha::haptics {
 namespace {
 
 using Eigen::Vector2d;
+using pipeline::Contour;
 using pipeline::DepthGrid;
 using pipeline::Lattice;
 using pipeline::NodeState;
+using pipeline::trace_contours;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSigma = 1.5;        // nodes, of the smoothing

@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include "haptics/outline/contours.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "base/error.h"
 #include "haptics/replay/path_device.h"
 
 namespace sparsha::haptics {
@@ -14,20 +13,18 @@ RendererOptions recorded_options(const Recording& recording, RendererOptions opt
   return options;
 }
 
-HapticWindow first_window(const pipeline::Scene& scene, const Recording& recording) {
-  if (recording.windows().empty())
-    throw Error(ErrorKind::input, {}, "the path does not say on which windows it was made",
-                "a run.csv as `explore --record` writes it");
-  recording.require_scene(scene.description());
-  return load_recorded(scene, recording.windows().front());
+HapticWindow first_window(const RecordedScenes& scenes, const Recording& recording) {
+  scenes.require(recording);
+  const RecordedWindow& window = recording.windows().front();
+  return load_recorded(*scenes.of(window), window);
 }
 
 }  // namespace
 
-RecordedRun::RecordedRun(const pipeline::Scene& scene, const Recording& recording, RendererOptions options)
-    : scene_(scene),
+RecordedRun::RecordedRun(RecordedScenes scenes, const Recording& recording, RendererOptions options)
+    : scenes_(std::move(scenes)),
       recording_(recording),
-      renderer_(recording.info(), recorded_options(recording, options), first_window(scene, recording)) {}
+      renderer_(recording.info(), recorded_options(recording, options), first_window(scenes_, recording)) {}
 
 bool RecordedRun::needs_window() const noexcept {
   const auto& windows = recording_.windows();
@@ -37,7 +34,8 @@ bool RecordedRun::needs_window() const noexcept {
 void RecordedRun::change_window() {
   Command swap;
   swap.kind = Command::Kind::swap;
-  swap.window = load_recorded(scene_, recording_.windows()[next_window_++]);
+  const RecordedWindow& window = recording_.windows()[next_window_++];
+  swap.window = load_recorded(*scenes_.of(window), window);
   swap.move = true;
   swap.centre_m = recording_.rows()[next_row_].tick.centre_m.head<2>();
   static_cast<void>(renderer_.apply(swap));

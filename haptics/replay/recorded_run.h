@@ -1,21 +1,22 @@
-// A recorded run once more, tick by tick: on the windows that it was made on, through every zoom, pan and scroll.
+// A recorded run once more, tick by tick: on the windows that it was made on, through every zoom, pan, scroll and
+// change of scene.
 #pragma once
 
 #include <cstddef>
 
+#include "haptics/replay/recorded_scenes.h"
 #include "haptics/replay/recording.h"
 #include "haptics/servo/haptic_renderer.h"
-#include "scene/scene.h"
 
 namespace sparsha::haptics {
 
 /// Drives the renderer as the servo did; every tick gives the recorded one's bits. One thread.
 class RecordedRun {
  public:
-  /// `scene` and `recording`, which has windows, outlive it; rate and stiffness of `options` are the recording's.
-  /// Loads the first window. Throws Error{input} when the recording was made with another scene or tiles cannot be
+  /// `recording`, which has windows, outlives it; rate and stiffness of `options` are the recording's.
+  /// Loads the first window. Throws Error{input} when the recording was made with other scenes or tiles cannot be
   /// read.
-  RecordedRun(const pipeline::Scene& scene, const Recording& recording, RendererOptions options);
+  RecordedRun(RecordedScenes scenes, const Recording& recording, RendererOptions options);
 
   [[nodiscard]] bool finished() const noexcept { return next_row_ >= recording_.rows().size(); }
   /// The next row is the first on another window.
@@ -29,7 +30,7 @@ class RecordedRun {
   [[nodiscard]] const HapticRenderer& renderer() const noexcept { return renderer_; }
 
  private:
-  const pipeline::Scene& scene_;
+  RecordedScenes scenes_;
   const Recording& recording_;
   HapticRenderer renderer_;
   std::size_t next_row_ = 0;

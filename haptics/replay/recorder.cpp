@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <span>
 
 #include "base/error.h"
 
@@ -29,6 +30,7 @@ struct Recorder::CsvFile {
     text = run_csv_header();
   }
   void write() {
+    digest.add(std::as_bytes(std::span<const char>(text)));
     stream.write(text.data(), static_cast<std::streamsize>(text.size()));
     text.clear();
   }
@@ -38,6 +40,7 @@ struct Recorder::CsvFile {
   std::ofstream stream;
   DeviceInfo device;
   std::string text;
+  Sha256 digest;
 };
 
 Recorder::Recorder(const std::filesystem::path& file, const DeviceInfo& device, double rows_per_s)
@@ -88,6 +91,7 @@ void Recorder::take(const Record& record) {
   const int level = static_cast<int>(state.level);
   if (std::find(figures_.levels.begin(), figures_.levels.end(), level) == figures_.levels.end())
     figures_.levels.push_back(level);
+  if (figures_.scenes.empty() || figures_.scenes.back() != state.scene) figures_.scenes.push_back(state.scene);
   const double force_n = std::hypot(state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]);
   figures_.peak_force_n = std::max(figures_.peak_force_n, force_n);
   if (state.contact != 0) {
@@ -154,6 +158,7 @@ RunFigures Recorder::finish() {
       throw Error(ErrorKind::failure, {csv_->target.string()}, "the recording could not be written whole",
                   "enough room on the disk");
     csv_->path.commit();
+    sha256_ = csv_->digest.finish();
     csv_.reset();
   }
   return figures_;

@@ -30,6 +30,7 @@ struct RunFigures {
   double peak_force_n = 0.0;
   double area_m2 = 0.0;  ///< of the scene's cells touched, grid frame; a cell inside a touched coarser one counts once
   std::vector<int> levels;
+  std::vector<std::uint64_t> scenes;  ///< numbers of those that were touched, in the order of their coming
   std::uint64_t unfinished = 0;
 };
 
@@ -48,6 +49,8 @@ class Recorder final : public RecordSink {
   void start();
   /// Takes the rest of the rows and puts the file in its place. Throws Error{failure} when it could not be written.
   RunFigures finish();
+  /// SHA-256 of the file that finish() has put in its place; empty without one.
+  [[nodiscard]] const std::string& sha256() const noexcept { return sha256_; }
   /// After finish(), also one that threw.
   [[nodiscard]] const RunFigures& figures() const noexcept { return figures_; }
 
@@ -63,6 +66,7 @@ class Recorder final : public RecordSink {
   std::atomic<bool> stopping_{false};
   std::thread thread_;
   std::unique_ptr<CsvFile> csv_;
+  std::string sha256_;
   RunFigures figures_;
   double spacing_m_ = 0.0;   // level 0 of the scene that is being touched
   double force_time_ = 0.0;  // N s

@@ -47,6 +47,7 @@ enum Column : std::size_t {
   kGuideY,
   kGuideStored,
   kGuideSupplied,
+  kScene,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -78,7 +79,8 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "guide_x_n",
                                                            "guide_y_n",
                                                            "guide_stored_j",
-                                                           "guide_supplied_j"};
+                                                           "guide_supplied_j",
+                                                           "scene"};
 
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
@@ -151,6 +153,8 @@ constexpr Range range_of(Column column) {
       return {1e-5, 1.0};
     case kTipRadius:
       return {0.0, 0.1};
+    case kScene:
+      return {1.0, 1e9, true};
     case kGuideX:
     case kGuideY:
       return {-100.0, 100.0};
@@ -231,6 +235,7 @@ RecordedRow row_of(const Fields& fields) {
 RecordedWindow window_of(const Fields& fields, std::uint64_t flags) {
   RecordedWindow window;
   window.surface_id = fields.word(kSurface);
+  window.scene = fields.word(kScene, 1.0);
   window.plan.level = fields.whole(kLevel);
   window.plan.i0 = fields.whole(kWindowI);
   window.plan.j0 = fields.whole(kWindowJ);
@@ -276,7 +281,7 @@ double commonest_step(const std::vector<RecordedRow>& rows) {
 
 }  // namespace
 
-Recording::Recording(const std::filesystem::path& file) {
+Recording::Recording(const std::filesystem::path& file) : file_(file) {
   const MappedFile mapped(file);
   std::string_view text = mapped.text();
   const bool ends_whole = text.ends_with('\n');
@@ -304,7 +309,8 @@ Recording::Recording(const std::filesystem::path& file) {
     const RecordedRow row = row_of(columns);
     if (!rows_.empty() && !(row.time_s > rows_.back().time_s))
       throw input_error_at(name, line_number, "time does not increase", "t_s above that of the row before");
-    if (windows && (windows_.empty() || windows_.back().surface_id != columns.word(kSurface))) {
+    if (windows && (windows_.empty() || windows_.back().surface_id != columns.word(kSurface) ||
+                    windows_.back().scene != columns.word(kScene, 1.0))) {
       windows_.push_back(window_of(columns, row.tick.flags));
       windows_.back().row = rows_.size();
     }
@@ -326,18 +332,10 @@ Recording::Recording(const std::filesystem::path& file) {
   }
 }
 
-void Recording::require_scene(const pipeline::SceneDescription& scene) const {
-  for (const RecordedWindow& window : windows_) {
-    const WindowPlan& plan = window.plan;
-    const auto level = static_cast<std::size_t>(plan.level);
-    if (plan.level < 0 || level >= scene.levels.size() || plan.nx < 2 || plan.ny < 2 ||
-        plan.nx > scene.levels[level].nx || plan.ny > scene.levels[level].ny)
-      throw Error(ErrorKind::input, {}, "the recording was made with another scene", "the scene that it was made with");
-  }
-}
-
 HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded) {
-  return load_window(scene, recorded.plan, recorded.surface_id);
+  HapticWindow window = load_window(scene, recorded.plan, recorded.surface_id);
+  window.scene = recorded.scene;
+  return window;
 }
 
 }  // namespace sparsha::haptics

@@ -17,6 +17,7 @@ namespace sparsha::haptics {
 struct RecordedWindow {
   std::size_t row = 0;
   std::uint64_t surface_id = 0;
+  std::uint64_t scene = 1;  ///< number of the scene whose nodes `plan` names; 1 where the file does not say
   WindowPlan plan;
 };
 
@@ -37,6 +38,7 @@ class Recording {
   /// Throws Error{input} with file and line.
   explicit Recording(const std::filesystem::path& file);
 
+  [[nodiscard]] const std::filesystem::path& file() const noexcept { return file_; }
   [[nodiscard]] const std::vector<RecordedRow>& rows() const noexcept { return rows_; }
   /// Empty when the file has no window columns: then only the hand is played.
   [[nodiscard]] const std::vector<RecordedWindow>& windows() const noexcept { return windows_; }
@@ -47,10 +49,9 @@ class Recording {
   [[nodiscard]] bool limited() const noexcept { return limited_; }
   /// Of the recorded servo's plan; of older recordings the commonest step between rows.
   [[nodiscard]] double period_s() const noexcept { return period_s_; }
-  /// Throws Error{input} unless every window lies in the scene.
-  void require_scene(const pipeline::SceneDescription& scene) const;
 
  private:
+  std::filesystem::path file_;
   std::vector<RecordedRow> rows_;
   std::vector<RecordedWindow> windows_;
   DeviceInfo info_;

@@ -8,11 +8,10 @@
 
 namespace sparsha::haptics {
 
-Replay::Replay(pipeline::ScenePointer scene, std::shared_ptr<const Recording> recording, const RendererOptions& options,
+Replay::Replay(RecordedScenes scenes, std::shared_ptr<const Recording> recording, const RendererOptions& options,
                Seqlock<State>& state, std::vector<std::shared_ptr<ContactQueue>> consumers, RecordSink* recorder)
-    : scene_(std::move(scene)),
-      recording_(std::move(recording)),
-      run_(*scene_, *recording_, options),
+    : recording_(std::move(recording)),
+      run_(std::move(scenes), *recording_, options),
       publisher_(state, std::move(consumers), recorder) {}
 
 Replay::~Replay() { stop(); }

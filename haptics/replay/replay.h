@@ -20,8 +20,8 @@ namespace sparsha::haptics {
 class Replay {
  public:
   /// `state` and `recorder` outlive it; `recorder` may be null. Throws Error{input} when the recording was made with
-  /// another scene, or its first window cannot be read.
-  Replay(pipeline::ScenePointer scene, std::shared_ptr<const Recording> recording, const RendererOptions& options,
+  /// other scenes, or its first window cannot be read.
+  Replay(RecordedScenes scenes, std::shared_ptr<const Recording> recording, const RendererOptions& options,
          Seqlock<State>& state, std::vector<std::shared_ptr<ContactQueue>> consumers, RecordSink* recorder);
   ~Replay();
   Replay(const Replay&) = delete;
@@ -40,7 +40,6 @@ class Replay {
   void run() noexcept;
   void tick(std::int64_t late_ns) noexcept;
 
-  pipeline::ScenePointer scene_;
   std::shared_ptr<const Recording> recording_;
   RecordedRun run_;
   Publisher publisher_;

@@ -8,14 +8,14 @@
 
 namespace sparsha::haptics {
 
-TraceResult trace_recording(const pipeline::Scene& scene, const Recording& recording,
+TraceResult trace_recording(const RecordedScenes& scenes, const Recording& recording,
                             const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
   RendererOptions options;
   options.solver = haptics.solver;
   options.solver_options = solver;
   if (haptics.surface == pipeline::HapticsConfig::Surface::c1) options.solver_options.shape = CellShape::c1;
 
-  RecordedRun run(scene, recording, options);
+  RecordedRun run(scenes, recording, options);
   TraceRecorder recorder(recording.rows().size());
   while (!run.finished()) {
     if (run.needs_window()) run.change_window();

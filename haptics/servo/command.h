@@ -28,7 +28,8 @@ struct HapticWindow {
   int j0 = 0;
   int level_nx = 0;  ///< of the whole level; 0 = the window is all there is
   int level_ny = 0;
-  std::uint64_t id = 0;  ///< counts swaps of window, level or scene
+  std::uint64_t id = 0;     ///< counts swaps of window, level or scene
+  std::uint64_t scene = 1;  ///< counts the scenes that the session was given
   Effects effects;
   bool turned = false;  ///< the scene's parts and sounds are written in another frame:
   pipeline::RegionFrame region_from_grid = pipeline::RegionFrame::Identity();

@@ -425,6 +425,7 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   state.buttons = sample.buttons;
   state.level = static_cast<std::uint64_t>(surface_->level);
   state.surface_id = window_.id;
+  state.scene = window_.scene;
   state.scale = surface_->scale;
   state.centre_m = to_array(centre_m_);
   state.flags &= static_cast<std::uint64_t>(kFlagRealTime);

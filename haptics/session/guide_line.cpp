@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -29,14 +30,24 @@ int searched_level(const pipeline::SceneDescription& scene, int touched) {
   return level;
 }
 
-Box grown(const Box& box) {
-  const double room_m = kRoom * std::max(box[2] - box[0], box[3] - box[1]);
-  return {box[0] - room_m, box[1] - room_m, box[2] + room_m, box[3] + room_m};
+/// Whether a place is in a part or near it.
+using Near = std::function<bool(const Vector2d& place_m)>;
+
+/// Empty where the part is nowhere. Of an object that was turned the box of the places that belong to the part.
+Near near_part(const pipeline::Scene& scene, std::size_t part) {
+  const std::optional<Box> box = pipeline::part_box(scene, part);
+  if (!box) return {};
+  const double room_m = kRoom * std::max((*box)[2] - (*box)[0], (*box)[3] - (*box)[1]);
+  const Box grown{(*box)[0] - room_m, (*box)[1] - room_m, (*box)[2] + room_m, (*box)[3] + room_m};
+  const pipeline::Area area = pipeline::area_of(scene.description(), part);
+  const bool boxed = area.box() != nullptr || scene.description().region_from_grid.has_value();
+  return [=](const Vector2d& p) {
+    return pipeline::in_box(grown, p.x(), p.y()) && (boxed || area.inside_m(p.x(), p.y()) >= -room_m);
+  };
 }
 
-bool mostly_inside(const Line& line, const Box& box) {
-  const auto inside =
-      std::count_if(line.begin(), line.end(), [&](const Vector2d& p) { return pipeline::in_box(box, p.x(), p.y()); });
+bool mostly(const Line& line, const Near& near) {
+  const auto inside = std::count_if(line.begin(), line.end(), near);
   return static_cast<double>(inside) >= kInside * static_cast<double>(line.size());
 }
 
@@ -44,11 +55,11 @@ Vector2d way_to(const GuidePath& path, const Vector2d& hand_m) {
   return path.point_m(path.nearest_among(0, path.pieces(), hand_m)) - hand_m;
 }
 
-/// The longest in the box, else the nearest.
-Line choose(std::vector<Line> lines, const std::optional<Box>& box, const Vector2d& hand_m) {
-  if (box)
+/// The longest in or near the part, else the nearest.
+Line choose(std::vector<Line> lines, const Near& near, const Vector2d& hand_m) {
+  if (near)
     for (Line& line : lines)
-      if (mostly_inside(line, *box)) return std::move(line);
+      if (mostly(line, near)) return std::move(line);
   Line* nearest = nullptr;
   double least_m = std::numeric_limits<double>::infinity();
   for (Line& line : lines)
@@ -62,28 +73,70 @@ Line choose(std::vector<Line> lines, const std::optional<Box>& box, const Vector
 /// Index of the part that was asked for, else of the nearest one that is on this side.
 std::optional<std::size_t> chosen_part(const GuideWish& wish) {
   if (wish.part) return wish.part;
-  const auto& parts = wish.scene->description().config.parts;
+  const pipeline::SceneDescription& scene = wish.scene->description();
   std::optional<std::size_t> nearest;
   double least_m = std::numeric_limits<double>::infinity();
-  for (std::size_t part = 0; part < parts.size(); ++part) {
-    const std::optional<Box> box = pipeline::part_box(*wish.scene, parts[part]);
+  for (std::size_t part = 0; part < scene.config.parts.size(); ++part) {
+    const std::optional<Box> box = pipeline::part_box(*wish.scene, part);
     if (!box) continue;
-    const double x_m = std::max({(*box)[0] - wish.hand_m.x(), 0.0, wish.hand_m.x() - (*box)[2]});
-    const double y_m = std::max({(*box)[1] - wish.hand_m.y(), 0.0, wish.hand_m.y() - (*box)[3]});
-    if (std::hypot(x_m, y_m) >= least_m) continue;
-    least_m = std::hypot(x_m, y_m);
+    const pipeline::Area area = scene.region_from_grid ? pipeline::Area(*box) : pipeline::area_of(scene, part);
+    const double way_m = area.distance_m(wish.hand_m.x(), wish.hand_m.y());
+    if (way_m >= least_m) continue;
+    least_m = way_m;
     nearest = part;
   }
   return nearest;
 }
 
+/// What of a closed line lies on one side of a line along an axis, closed along that line (Sutherland & Hodgman 1974).
+Line clipped(const Line& loop, Eigen::Index axis, double limit_m, bool keeps_less) {
+  const auto keeps = [&](const Vector2d& p) { return keeps_less ? p[axis] <= limit_m : p[axis] >= limit_m; };
+  Line left;
+  const auto add = [&left](const Vector2d& p) {
+    if (left.empty() || left.back() != p) left.push_back(p);
+  };
+  for (std::size_t k = 0; k + 1 < loop.size(); ++k) {
+    const Vector2d& from = loop[k];
+    const Vector2d& to = loop[k + 1];
+    if (keeps(from)) add(from);
+    if (keeps(from) == keeps(to)) continue;
+    Vector2d crossing = from + (limit_m - from[axis]) / (to[axis] - from[axis]) * (to - from);
+    crossing[axis] = limit_m;
+    add(crossing);
+  }
+  if (left.size() < 3) return {};
+  if (left.back() != left.front()) left.push_back(left.front());
+  return left;
+}
+
+double length_m(const Line& line) {
+  double sum_m = 0.0;
+  for (std::size_t k = 1; k < line.size(); ++k) sum_m += (line[k] - line[k - 1]).norm();
+  return sum_m;
+}
+
+/// The longest of an area's borders, as far as the scene reaches.
+Line border_on(const pipeline::Area& area, const pipeline::Lattice& lattice) {
+  Line longest;
+  for (Line border : area.borders_m()) {
+    border = clipped(border, 0, lattice.x_m(0), false);
+    border = clipped(border, 0, lattice.x_m(lattice.nx - 1), true);
+    border = clipped(border, 1, lattice.y_m(0), false);
+    border = clipped(border, 1, lattice.y_m(lattice.ny - 1), true);
+    if (length_m(border) > length_m(longest)) longest = std::move(border);
+  }
+  return longest;
+}
+
 /// The part's own border, as far as the scene reaches; of an object that was turned, the border of the places that
 /// belong to the part.
-Line border_of(const pipeline::Scene& scene, const pipeline::PartConfig& part, int level) {
+Line border_of(const pipeline::Scene& scene, std::size_t part, int level) {
   const pipeline::SceneDescription& description = scene.description();
+  const pipeline::Area area = pipeline::area_of(description, part);
   const pipeline::Lattice& lattice = description.levels.at(static_cast<std::size_t>(level));
   if (!description.region_from_grid) {
-    const Box& box = part.box_m;
+    if (area.box() == nullptr) return border_on(area, lattice);
+    const Box& box = *area.box();
     const double left = std::max(box[0], lattice.x_m(0));
     const double right = std::min(box[2], lattice.x_m(lattice.nx - 1));
     const double low = std::max(box[1], lattice.y_m(0));
@@ -98,7 +151,7 @@ Line border_of(const pipeline::Scene& scene, const pipeline::PartConfig& part, i
     if (!std::isfinite(height_m)) return false;
     const Eigen::Vector4d place =
         region_from_grid * Eigen::Vector4d(lattice.x_m(i), lattice.y_m(j), lattice.origin_m.z() + height_m, 1.0);
-    return pipeline::in_box(part.box_m, place.x(), place.y());
+    return area.holds(place.x(), place.y());
   });
   return borders.empty() ? Line{} : std::move(borders.front());
 }
@@ -131,13 +184,11 @@ GuideAnswer find_guide(const GuideWish& wish) {
     if (const std::optional<std::size_t> part = chosen_part(wish)) {
       answer.why = "guide_no_outline";
       answer.part = scene.config.parts.at(*part).say;
-      line = border_of(*wish.scene, scene.config.parts[*part], level);
+      line = border_of(*wish.scene, *part, level);
     }
   } else {
-    std::optional<Box> box;
-    if (wish.part) box = pipeline::part_box(*wish.scene, scene.config.parts.at(*wish.part));
-    if (box) box = grown(*box);
-    line = choose(find_outlines(wish.scene->read_level(level).grid, scene.noise_m), box, wish.hand_m);
+    const Near near = wish.part ? near_part(*wish.scene, *wish.part) : Near{};
+    line = choose(find_outlines(wish.scene->read_level(level).grid, scene.noise_m), near, wish.hand_m);
   }
   if (line.size() < 2) return answer;
   answer.guide = std::make_shared<const Guide>(Guide{GuidePath(line), config.force_n, config.speed_m_per_s});

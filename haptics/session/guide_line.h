@@ -29,9 +29,10 @@ struct GuideAnswer {
 };
 
 /// By the scene's block `guide`, or its defaults. `path: outline`: of what is found in the heights, the longest line
-/// that lies in the box of the part, else the line nearest to the hand. `path: part`: the border of that part, else of
-/// the part nearest to the hand, as far as the scene reaches. `path: drawn`: the drawn line. Any thread; for level
-/// after level of 4 million nodes some seconds. Throws Error{input} when tiles cannot be read.
+/// that lies in the part or close to it, else the line nearest to the hand. `path: part`: the border of that part, else
+/// of the part nearest to the hand, as far as the scene reaches: a box's sides, a polygon's edges, of a label the
+/// longest border of its pieces. `path: drawn`: the drawn line. Any thread; for level after level of 4 million nodes
+/// some seconds. Throws Error{input} when tiles cannot be read.
 [[nodiscard]] GuideAnswer find_guide(const GuideWish& wish);
 
 }  // namespace sparsha::haptics

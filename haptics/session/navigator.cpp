@@ -115,13 +115,17 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   const std::size_t count = parts.size();
   part_ = step > 0 ? part_ % count + 1 : (part_ + count - 2) % count + 1;
   const pipeline::PartConfig& part = parts[part_ - 1];
-  const std::optional<std::array<double, 4>> box = pipeline::part_box(*scene_, part);
-  if (!box) {
+  const std::optional<pipeline::PartPlace> place = pipeline::part_place(*scene_, part_ - 1);
+  if (!place) {
     announcer_.say("part_other_side", {{"part", part.say}});
     return std::nullopt;
   }
-  const Eigen::Vector2d centre_m(0.5 * ((*box)[0] + (*box)[2]), 0.5 * ((*box)[1] + (*box)[3]));
-  const double size_m = std::max((*box)[2] - (*box)[0], (*box)[3] - (*box)[1]);
+  const auto& box_m = place->box_m;
+  const Eigen::Vector2d centre_m = place->middle_m;
+  // Where it lies aside from the box's middle, the window is larger by as much.
+  const double aside_x_m = std::abs(centre_m.x() - 0.5 * (box_m[0] + box_m[2]));
+  const double aside_y_m = std::abs(centre_m.y() - 0.5 * (box_m[1] + box_m[3]));
+  const double size_m = std::max(box_m[2] - box_m[0] + 2.0 * aside_x_m, box_m[3] - box_m[1] + 2.0 * aside_y_m);
   WindowPlan plan = first_plan();
   for (const ZoomStep& nearer : zoom_steps(scene_->description(), workspace_width_m_))
     if (const WindowPlan next = plan_at(nearer, centre_m); workspace_width_m_ / next.scale >= kRoom * size_m)

@@ -14,6 +14,7 @@
 #include "haptics/replay/recorder.h"
 #include "haptics/replay/recording.h"
 #include "haptics/replay/replay.h"
+#include "haptics/replay/scene_keeper.h"
 #include "haptics/servo/servo.h"
 #include "haptics/session/announcer.h"
 #include "haptics/session/button_tour.h"
@@ -41,6 +42,11 @@ double checked_rate(double rate_hz, double own_rate_hz) {
     throw Error(ErrorKind::input, {}, fmt::format("the rows of the recording come at {:.6g} Hz", rate_hz),
                 "100 to 10000 rows a second");
   throw usage_error(fmt::format("a servo rate of {} Hz", rate_hz), "rate_hz from 100 to 10000");
+}
+
+pipeline::ScenePointer first_recorded(const RecordedScenes& scenes, const Recording& recording) {
+  scenes.require(recording);
+  return scenes.of(recording.windows().front());
 }
 
 // What a key does as a button does it, so that the tour is learnt with either.
@@ -74,21 +80,26 @@ std::optional<Gesture> gesture_of(const Request& request) {
 
 struct Session::Implementation {
   Implementation(pipeline::ScenePointer first_scene, std::unique_ptr<Device> hand,
-                 std::shared_ptr<const Recording> played, SessionOptions session_options)
+                 std::shared_ptr<const Recording> played, std::optional<RecordedScenes> played_scenes,
+                 SessionOptions session_options)
       : scene(std::move(first_scene)),
         device(std::move(hand)),
         recording(std::move(played)),
+        recorded(std::move(played_scenes)),
         options(std::move(session_options)),
         info(device ? device->info() : played_device(*recording)),
         rate_hz(checked_rate(options.haptics.rate_hz, info.rate_hz)),
         announcer(announcements, scene, Phrases::of(options.language)),
         navigator(scene, info.workspace_width_m, options.effects, announcer),
-        recorder(options.record, info, rate_hz) {
+        recorder(options.record, info, rate_hz),
+        keeper(options.record, recorded ? recorded->first() : scene) {
     if (!info.warning.empty()) announcer.say_as_is(info.warning, Announcement::Priority::warning);
     stiffness_n_per_m = governed(options.haptics.stiffness_n_per_m);
     if (recording) {
-      recording->require_scene(scene->description());
+      scene_number = recording->windows().front().scene;
       navigator.settle(recording->windows().front().plan);
+      for (const auto& [number, kept] : recorded->by_number())
+        if (number > 1) keeper.keep(number, kept);
     } else {
       first_window = load_window(*scene, navigator.plan(), next_id++);
     }
@@ -109,6 +120,7 @@ struct Session::Implementation {
   void request_window(std::optional<WindowLoader::Job> job) {
     if (!job) return;
     job->id = next_id++;
+    job->scene_number = scene_number;
     navigator.settle(job->plan);
     loader.request(std::move(*job));
   }
@@ -287,11 +299,24 @@ struct Session::Implementation {
       dropped_told = now.dropped_records;
       announcer.say("recording_loses_rows", {}, Announcement::Priority::warning);
     }
+    if (scenes_lost_told) return;
+    const std::string lost = keeper.failure();
+    scenes_lost_told = !lost.empty();
+    if (scenes_lost_told) announcer.say("not_written", {{"reason", lost}}, Announcement::Priority::warning);
+  }
+
+  // The recording goes on to another of its scenes.
+  void follow_recording(const State& now) {
+    if (now.scene == scene_number) return;
+    scene_number = now.scene;
+    scene = recorded->by_number().at(scene_number);
+    navigator.settle(navigator.change_scene(scene).plan);
   }
 
   pipeline::ScenePointer scene;
   std::unique_ptr<Device> device;
   std::shared_ptr<const Recording> recording;  // played instead of a device
+  std::optional<RecordedScenes> recorded;      // with a recording
   SessionOptions options;
   DeviceInfo info;
   double rate_hz;
@@ -302,6 +327,7 @@ struct Session::Implementation {
   Announcer announcer;
   Navigator navigator;
   Recorder recorder;
+  SceneKeeper keeper;
   WindowLoader loader;
   HapticWindow first_window;
   std::unique_ptr<Servo> servo;
@@ -309,6 +335,7 @@ struct Session::Implementation {
   std::optional<SessionSummary> summary;
 
   std::uint64_t next_id = 1;
+  std::uint64_t scene_number = 1;  // counts the scenes that were given
   std::uint64_t sequence = 0;
   Buttons buttons;
   ButtonTour tour{announcer};
@@ -325,15 +352,18 @@ struct Session::Implementation {
   Told silences_told;
   Told bad_positions_told;
   std::uint64_t dropped_told = 0;
+  bool scenes_lost_told = false;
 };
 
 Session::Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options)
-    : implementation_(
-          std::make_unique<Implementation>(std::move(scene), std::move(device), nullptr, std::move(options))) {}
+    : implementation_(std::make_unique<Implementation>(std::move(scene), std::move(device), nullptr, std::nullopt,
+                                                       std::move(options))) {}
 
-Session::Session(pipeline::ScenePointer scene, std::shared_ptr<const Recording> recording, SessionOptions options)
-    : implementation_(
-          std::make_unique<Implementation>(std::move(scene), nullptr, std::move(recording), std::move(options))) {}
+Session::Session(RecordedScenes scenes, std::shared_ptr<const Recording> recording, SessionOptions options) {
+  pipeline::ScenePointer first = first_recorded(scenes, *recording);
+  implementation_ = std::make_unique<Implementation>(std::move(first), nullptr, std::move(recording), std::move(scenes),
+                                                     std::move(options));
+}
 
 Session::~Session() {
   if (implementation_->servo) implementation_->servo->stop();
@@ -351,7 +381,7 @@ void Session::start() {
   renderer.longest_gap_s = self.options.longest_gap_s;
   if (self.recording) {
     self.replay =
-        std::make_unique<Replay>(self.scene, self.recording, renderer, self.state, self.consumers, &self.recorder);
+        std::make_unique<Replay>(*self.recorded, self.recording, renderer, self.state, self.consumers, &self.recorder);
   } else {
     ServoOptions options;
     options.renderer = renderer;
@@ -379,6 +409,7 @@ void Session::poll() {
     self.watch_faults(now);
   }
   if (now.tick > 0) {
+    if (self.replay) self.follow_recording(now);
     self.announcer.watch(now);
     self.guide.watch(now);
     self.use_buttons(now);
@@ -428,9 +459,15 @@ SessionSummary Session::stop() {
   }
   std::exception_ptr lost;
   try {
-    self.recorder.finish();
+    if (self.replay) self.replay->poll();  // it may have ended since the last look
   } catch (const Error&) {
     lost = std::current_exception();
+  }
+  try {
+    self.recorder.finish();
+    self.keeper.finish(self.recorder.sha256(), self.recorder.figures().scenes);
+  } catch (...) {
+    if (!lost) lost = std::current_exception();
   }
   const RunFigures& figures = self.recorder.figures();
   summary.duration_s = figures.duration_s;
@@ -473,9 +510,11 @@ void Session::set_scene(pipeline::ScenePointer scene) {
   self.scene = std::move(scene);
   WindowLoader::Job job = self.navigator.change_scene(self.scene);
   if (self.servo) {
+    self.keeper.keep(++self.scene_number, self.scene);
     if (self.guide.on()) self.post(self.guide.stop(true));
     self.request_window(std::move(job));
   } else {
+    self.keeper.keep(self.scene_number, self.scene);  // the first one still
     self.navigator.settle(job.plan);
     self.first_window = load_window(*self.scene, job.plan, self.next_id++);
   }

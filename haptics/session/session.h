@@ -10,6 +10,7 @@
 
 #include "base/phrases.h"
 #include "haptics/device/device.h"
+#include "haptics/replay/recorded_scenes.h"
 #include "haptics/servo/command.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/seqlock.h"
@@ -19,12 +20,10 @@
 
 namespace sparsha::haptics {
 
-class Recording;
-
 struct SessionOptions {
   pipeline::HapticsConfig haptics;  ///< wishes; the device limits them
   Effects effects;
-  std::filesystem::path record;  ///< run.csv; empty = none
+  std::filesystem::path record;  ///< run.csv; empty = none. Beside it the scenes are kept when there are several
   bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
   double longest_gap_s = 0.010;  ///< lateness that ends the force; longer only where no hand holds the device
   std::string language = "en";   ///< of what is announced
@@ -64,8 +63,9 @@ class Session {
  public:
   /// Loads the first window. Throws Error.
   Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options);
-  /// Shows a recording that has windows instead of serving a hand; requests but `describe` and `quit` are not served.
-  Session(pipeline::ScenePointer scene, std::shared_ptr<const Recording> recording, SessionOptions options);
+  /// Shows a recording that has windows instead of serving a hand, on the scenes that it was made on; requests but
+  /// `describe` and `quit` are not served. Throws Error{input} when it was made on others.
+  Session(RecordedScenes scenes, std::shared_ptr<const Recording> recording, SessionOptions options);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -74,8 +74,9 @@ class Session {
   /// Serves requests, buttons, window changes and announcements.
   void poll();
   [[nodiscard]] bool finished() const;
-  /// Ends in zero force and writes what was promised. Throws Error when the recording could not be written; called once
-  /// more it gives the summary all the same.
+  /// Ends in zero force and writes what was promised. Throws Error when the recording or its scenes could not be
+  /// written, or a window of the recording that is played could not be read; called once more it gives the summary all
+  /// the same.
   SessionSummary stop();
 
   [[nodiscard]] const Seqlock<State>& state() const;
@@ -85,10 +86,12 @@ class Session {
   [[nodiscard]] const Phrases& phrases() const;
   /// A queue of contact events for one more consumer; call before start().
   [[nodiscard]] std::shared_ptr<ContactQueue> add_contact_consumer();
+  /// The scene that is touched, or shall be as soon as its window is loaded; of a recording that of the last poll()'s
+  /// tick.
   [[nodiscard]] pipeline::ScenePointer scene() const;
   [[nodiscard]] bool plays_recording() const;
-  /// A new scene, e.g. after a new depth scan; the hand keeps its place. Throws Error{usage} when a recording is
-  /// played.
+  /// A new scene, e.g. after a new depth scan; the hand keeps its place. A run that is recorded keeps it and the ones
+  /// before. Throws Error{usage} when a recording is played.
   void set_scene(pipeline::ScenePointer scene);
 
  private:

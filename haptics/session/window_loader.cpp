@@ -50,6 +50,7 @@ void WindowLoader::run() {
     const auto begun = std::chrono::steady_clock::now();
     try {
       result.job.command.window = load_window(*result.job.scene, result.job.plan, result.job.id);
+      result.job.command.window.scene = result.job.scene_number;
     } catch (const std::exception& error) {
       result.error = error.what();
     }

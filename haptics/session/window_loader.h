@@ -21,6 +21,7 @@ class WindowLoader {
  public:
   struct Job {
     pipeline::ScenePointer scene;
+    std::uint64_t scene_number = 1;  ///< becomes HapticWindow::scene
     WindowPlan plan;
     Command command;  ///< gets the window when it is loaded
     std::uint64_t id = 0;

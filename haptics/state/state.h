@@ -62,6 +62,7 @@ struct State {
   std::uint64_t contact = 0;                  ///< 1 in contact
   std::uint64_t level = 0;
   std::uint64_t surface_id = 0;                   ///< counts swaps of window, level or scene
+  std::uint64_t scene = 1;                        ///< counts the scenes that the session was given
   std::uint64_t command = 0;                      ///< sequence number of the last command applied
   std::uint64_t buttons = 0;                      ///< down now
   std::array<std::uint64_t, 4> button_presses{};  ///< of the first four, so far: no reader is too slow for a click

@@ -36,7 +36,7 @@ struct MongeSurface {
 
   [[nodiscard]] double width_m() const { return (lattice.nx - 1) * lattice.spacing_m; }
   [[nodiscard]] double depth_m() const { return (lattice.ny - 1) * lattice.spacing_m; }
-  /// Bilinear height at local (x, y), clamped to the window. Local frame.
+  /// Bilinear height at local (x, y), clamped to the window; NaN where x or y is NaN. Local frame, metres.
   [[nodiscard]] double height(double x, double y) const noexcept;
 };
 

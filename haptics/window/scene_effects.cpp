@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include "scene/config.h"
+#include "scene/regions.h"
 #include "scene/scene_spectrum.h"
 
 namespace sparsha::haptics {
@@ -15,12 +16,14 @@ std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene,
   effects->impact = plan.impact;
   effects->grain = plan.grain;
   effects->material = description.config.haptics.material;
-  for (const pipeline::PartConfig& part : description.config.parts)
-    if (part.touch.stiffness_n_per_m || part.touch.material)
-      effects->parts.push_back({part.box_m, part.touch.stiffness_n_per_m, part.touch.material});
+  const auto& parts = description.config.parts;
+  for (std::size_t part = 0; part < parts.size(); ++part)
+    if (const pipeline::PartTouch& touch = parts[part].touch; touch.stiffness_n_per_m || touch.material)
+      effects->parts.push_back({pipeline::area_of(description, part), touch.stiffness_n_per_m, touch.material});
   if (plan.cues) {
     effects->cues = description.config.cues.value_or(pipeline::CuesConfig{});
-    for (const pipeline::PartConfig& part : description.config.parts) effects->part_boxes_m.push_back(part.box_m);
+    for (std::size_t part = 0; part < parts.size(); ++part)
+      effects->part_areas.push_back(pipeline::area_of(description, part));
     if (effects->cues->lost) {
       effects->stone_m = distance_to_stone(heights);
       effects->stone_lattice = heights.lattice;

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/png_reader.h"
 #include "base/system.h"
 #include "base/text.h"
 #include "base/thread_pool.h"
@@ -24,6 +25,7 @@
 #include "pipeline/projection/projection.h"
 #include "pipeline/register/register.h"
 #include "pipeline/scan/repeated.h"
+#include "scene/regions.h"
 #include "scene/scene_folder.h"
 
 namespace sparsha::pipeline {
@@ -142,6 +144,24 @@ void place_labels(Config& config, const Lattice& grid) {
   config.audio->labels->bounds_m = {grid.x_m(0), grid.y_m(0), grid.x_m(grid.nx - 1), grid.y_m(grid.ny - 1)};
 }
 
+// Before a long build, not after it.
+void require_label_image(const Config& config) {
+  const auto has_label = [](const PartConfig& part) { return part.label.has_value(); };
+  if (config.audio && config.audio->labels && std::any_of(config.parts.begin(), config.parts.end(), has_label))
+    static_cast<void>(read_number_png(config.audio->labels->file));
+}
+
+// Parts and a label image may have been drawn for each other or not.
+void warn_of_empty_parts(const SceneDescription& scene, Progress& progress) {
+  for (std::size_t part = 0; part < scene.config.parts.size(); ++part) {
+    const PartConfig& config = scene.config.parts[part];
+    if (area_of(scene, part).bounds_m()) continue;
+    progress.warn(config.label ? fmt::format("part '{}' is nowhere: no pixel of the label image has the value {}",
+                                             config.name, *config.label)
+                               : fmt::format("part '{}' is nowhere: its polygon encloses nothing", config.name));
+  }
+}
+
 // What became of the points; takes the filters' findings.
 Report counts_of(ProjectedScans& scans) {
   Report report;
@@ -195,6 +215,7 @@ void fill_and_check(const Config& config, const BuildOptions& options, const Con
 BuildResult build_scene(const Config& given, const BuildOptions& options, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
   Config config = given;
+  require_label_image(config);
   config.scans = without_repeats(given.scans, progress);
   ThreadPool pool(options.threads);
   ProjectedScans scans = project_scans(config, options, {pool, progress});
@@ -247,6 +268,7 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
 
   BuildResult result;
   result.scene = make_scene(std::move(scene), std::move(levels));
+  warn_of_empty_parts(result.scene->description(), progress);
   report.stages = progress.stages();
   report.warnings = progress.warnings();
   report.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "pipeline/build/build.h"
 #include "scene/regions.h"
+#include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
 #include "viewer/cloud/orientation.h"
 #include "viewer/cloud/preview.h"
@@ -104,6 +105,34 @@ TEST(DepthScans, AScanFromAnotherSideKeepsTheLabelsOnTheObject) {
   const pipeline::ScenePointer third = scans.take_scene();
   ASSERT_TRUE(third);
   EXPECT_EQ(part_at_summit(*third), "bump");
+}
+
+TEST(DepthScans, ALabelImageStaysOnTheObjectAlsoWhereItsBoundsAreNotWritten) {
+  const Plate plate;
+  test::write_labels(plate.folder.path() / "labels.png", 40, 30, [](int column, int row) {
+    const double x = (column + 0.5) * 0.318 / 40.0, y = 0.238 - (row + 0.5) * 0.238 / 30.0;
+    return x > 0.2 && x < 0.28 && y > 0.08 && y < 0.16 ? 4 : 0;
+  });
+  std::string text = kConfig;
+  text.replace(text.find("box_m: [0.2, 0.08, 0.28, 0.16]"), 30, "label: 4");
+  write_file(plate.config, text + "audio: {labels: labels.png}\n");
+  const pipeline::ScenePointer first = plate.build();
+  ASSERT_EQ(part_at_summit(*first), "bump");
+  DepthScans scans(first, plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  viewer::ScanSetup setup = scans.status().proposal;
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
+  scans.scan(setup);
+  finish(scans);
+  const pipeline::ScenePointer second = scans.take_scene();
+  ASSERT_TRUE(second) << scans.status().note;
+  EXPECT_EQ(part_at_summit(*second), "bump");
+  // What is saved can be built alone.
+  scans.save(setup);
+  finish(scans);
+  Progress progress;
+  EXPECT_EQ(part_at_summit(*pipeline::build_scene(pipeline::load_config(plate.config), {}, progress).scene), "bump");
 }
 
 TEST(DepthScans, SavingKeepsCommentsAndBuildsTheSameScene) {

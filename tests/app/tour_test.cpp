@@ -50,6 +50,27 @@ TEST(Tour, StrikesAClipAndThreeNotesAndStrokesTheLargestPartWithOneZoom) {
   EXPECT_EQ(tour[4].buttons, 1U);
 }
 
+TEST(Tour, StrokesAPolygonWhereItIsInside) {
+  const auto tour = tour_of(scene([](pipeline::SceneDescription& d) {
+                              // Its box's middle lies in its notch; the box of the other part is smaller.
+                              pipeline::PartConfig notched;
+                              notched.polygon_m = {{2.02, -2.98}, {2.18, -2.98}, {2.18, -2.82}, {2.14, -2.82},
+                                                   {2.14, -2.96}, {2.06, -2.96}, {2.06, -2.82}, {2.02, -2.82}};
+                              d.config.parts = {{"small", "", {2.0, -3.0, 2.01, -2.99}}, notched};
+                            })->description());
+  ASSERT_EQ(tour.size(), 1U);
+  EXPECT_EQ(tour[0].kind, Kind::stroke);
+  EXPECT_LT(tour[0].at_m.x(), tour[0].to_m.x());
+  EXPECT_EQ(tour[0].at_m.y(), tour[0].to_m.y());
+  for (int k = 0; k <= 10; ++k) {
+    // Back to the scene: half its size, about its middle.
+    const Eigen::Vector2d at = tour[0].at_m + (tour[0].to_m - tour[0].at_m) * k / 10.0;
+    const double x_m = 2.1 + 2.0 * at.x(), y_m = -2.9 + 2.0 * at.y();
+    const bool left = x_m > 2.02 && x_m<2.06, right = x_m> 2.14 && x_m < 2.18;
+    EXPECT_TRUE((y_m > -2.98 && y_m < -2.96) || left || right) << x_m << ' ' << y_m;
+  }
+}
+
 TEST(Tour, StaysInTheWorkspaceWhateverIsWrittenAndIsEmptyWhereNothingIs) {
   EXPECT_TRUE(tour_of(scene([](pipeline::SceneDescription&) {})->description()).empty());
   const auto tour = tour_of(scene([](pipeline::SceneDescription& d) {

@@ -123,7 +123,7 @@ class Visit : public Program {
     return haptics::eventually([&] { return text_of(folder_ / "spoken").find(words) != std::string::npos; });
   }
 
-  const DiscStone stone_;
+  const DiscStone stone_{};
   std::string old_path_;
 };
 

@@ -41,12 +41,14 @@ inline SessionSummary run_to_the_end(Session& session, const std::vector<Request
   return session.stop();
 }
 
-/// What `explore --device playback:FILE` makes of a recording: shown again, or rendered anew when it has no windows.
+/// What `explore --device playback:FILE` makes of a recording: shown again on `scene` or on those that were kept with
+/// it, or rendered anew when it has no windows.
 inline std::unique_ptr<Session> session_of(const pipeline::ScenePointer& scene, const std::filesystem::path& file,
                                            const SessionOptions& options) {
   auto recording = std::make_shared<const Recording>(file);
   if (recording->windows().empty()) return std::make_unique<Session>(scene, make_path_device(recording), options);
-  return std::make_unique<Session>(scene, recording, options);
+  auto kept = open_kept_scenes(*recording, pipeline::Trust::own_folder);
+  return std::make_unique<Session>(kept.value_or(RecordedScenes(scene)), recording, options);
 }
 
 }  // namespace sparsha::haptics

@@ -20,11 +20,13 @@ struct Line {
   const char* heading = nullptr;
 };
 
-std::vector<Line> all_lines() {
+// In columns of `rows`: none begins with an empty line or ends with a heading.
+std::vector<Line> all_lines(std::size_t rows) {
   constexpr std::array kOrder{Group::touch, Group::hand, Group::picture, Group::marks, Group::camera, Group::program};
   std::vector<Line> lines;
   for (const Group group : kOrder) {
-    if (!lines.empty()) lines.push_back({});
+    if (lines.size() % rows != 0) lines.push_back({});
+    if (lines.size() % rows == rows - 1) lines.push_back({});
     lines.push_back({nullptr, name_of(group)});
     for (const ActionInfo& info : all_actions())
       if (info.group == group) lines.push_back({&info, nullptr});
@@ -50,12 +52,12 @@ std::vector<Clickable> draw_help(const Brush& brush, const Frame& frame, int wid
   brush.card(left, top, card_w, card_h, (brush.theme.panel & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 246),
              brush.px(16.0F));
   brush.list->AddRect(ImVec2(left, top), ImVec2(left + card_w, top + card_h), brush.theme.line, brush.px(16.0F));
-  const float row = brush.fonts.small->FontSize + brush.px(8.0F);
+  const float row = brush.fonts.small->FontSize + brush.px(7.0F);
   const int columns = std::clamp(static_cast<int>((card_w - margin) / brush.px(390.0F)), 1, 3);
   const float column_w = (card_w - 2.0F * margin) / static_cast<float>(columns);
   const float first = top + brush.px(66.0F);
   const int rows = std::max(static_cast<int>((top + card_h - brush.px(14.0F) - first) / row), 4);
-  const std::vector<Line> lines = all_lines();
+  const std::vector<Line> lines = all_lines(static_cast<std::size_t>(rows));
   const int room = rows * columns;
   pages = (static_cast<int>(lines.size()) + room - 1) / room;
   const int page = std::clamp(frame.help_page, 0, pages - 1);

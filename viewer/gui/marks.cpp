@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -105,7 +106,30 @@ void draw_measure(const Brush& brush, const Plotter& plotter, const Measure& mea
   plotter.words(middle, value_text(measure), brush.theme.text);
 }
 
+void draw_outline(const Brush& brush, const Plotter& plotter, const PartBox& part) {
+  // As long as those of a box, that lines lie on the stone; corners of a fine outline are closer.
+  constexpr double kPieces = 24.0;
+  const double piece_m = std::max(part.box_m[2] - part.box_m[0], part.box_m[3] - part.box_m[1]) / kPieces;
+  std::optional<Eigen::Vector2d> upper_left;
+  for (const auto& border : part.borders_m) {
+    std::vector<Eigen::Vector3d> places;
+    for (std::size_t c = 0; c + 1 < border.size(); ++c) {
+      const Eigen::Vector2d way = border[c + 1] - border[c];
+      const int pieces = std::clamp(static_cast<int>(std::ceil(way.norm() / piece_m)), 1, 64);
+      for (int k = 0; k < pieces; ++k) {
+        const Eigen::Vector2d p = border[c] + way * k / pieces;
+        places.push_back(plotter.on_stone(p.x(), p.y()));
+      }
+      if (!upper_left || border[c].y() - border[c].x() > upper_left->y() - upper_left->x()) upper_left = border[c];
+    }
+    places.push_back(plotter.on_stone(border.back().x(), border.back().y()));
+    plotter.line(places, brush.theme.accent, brush.px(1.8F));
+  }
+  if (upper_left) plotter.words(plotter.on_stone(upper_left->x(), upper_left->y()), part.name, brush.theme.text);
+}
+
 void draw_part(const Brush& brush, const Plotter& plotter, const PartBox& part, bool handles) {
+  if (!part.is_box) return draw_outline(brush, plotter, part);
   const auto corners = corners_of(part.box_m);
   constexpr int kPieces = 24;
   std::vector<Eigen::Vector3d> border;

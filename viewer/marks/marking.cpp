@@ -229,6 +229,16 @@ bool Marking::act(Action action, const Aim& aim, const std::optional<Eigen::Vect
 bool Marking::grip(const Aim& aim, bool shows_parts) {
   if (!scene_) return false;
   if (shows_parts) held_ = held_at(aim);
+  if (held_ && held_->corner == Held::kFixed) {
+    const bool is_label = parts_[held_->part].label.has_value();
+    held_.reset();
+    if (marks_.tool == Tool::none) {
+      tell_(is_label ? "This part is drawn in the label image: it is changed there"
+                     : "This part is a polygon: its corners are changed in the configuration",
+            Priority::information);
+      return true;
+    }
+  }
   if (held_) return true;
   if (marks_.tool == Tool::none) return false;
   if (aim.at_m)

@@ -57,8 +57,9 @@ class Marking {
   /// What the words that are being written belong to.
   enum class Writing { pin, part };
   struct Held {
+    static constexpr int kFixed = 5;
     std::size_t part = 0;
-    int corner = 0;  ///< as in corners_of(); 4: the middle, which moves the box
+    int corner = 0;  ///< as in corners_of(); 4: the middle, which moves the box; kFixed: of a part that is no box
     Eigen::Vector2d from_m = Eigen::Vector2d::Zero();
     std::array<double, 4> box_m{};
   };

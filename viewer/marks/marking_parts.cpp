@@ -15,18 +15,39 @@ using Priority = haptics::Announcement::Priority;
 constexpr double kNearPixels = 14.0;   // of a corner that is gripped
 constexpr double kErasePixels = 40.0;  // of a mark that is removed
 
+/// A part of a scene that was not turned.
+PartBox drawn(const pipeline::Scene& scene, std::size_t part) {
+  const pipeline::PartConfig& config = scene.description().config.parts[part];
+  if (config.is_box()) return {config.name, config.box_m};
+  const pipeline::Area area = pipeline::area_of(scene.description(), part);
+  return {config.name, area.bounds_m().value_or(pipeline::Area::Box{}), area.borders_m(), false};
+}
+
+/// What of a part can be pointed at: of a box its corners and its middle, of others the corners of their borders.
+std::vector<Eigen::Vector2d> handles_of(const PartBox& part) {
+  std::vector<Eigen::Vector2d> handles;
+  if (part.is_box) {
+    const auto corners = corners_of(part.box_m);
+    for (const Eigen::Vector3d& corner : corners) handles.emplace_back(corner.head<2>());
+    handles.emplace_back(0.5 * (corners[0] + corners[2]).head<2>());
+  }
+  for (const auto& border : part.borders_m) handles.insert(handles.end(), border.begin(), border.end());
+  return handles;
+}
+
 }  // namespace
 
 void Marking::read_parts() {
   parts_ = scene_->description().config.parts;
   marks_.parts_fixed = scene_->description().region_from_grid.has_value();
   marks_.parts.clear();
-  for (const pipeline::PartConfig& part : parts_) marks_.parts.push_back({part.name, part.box_m});
-  if (!marks_.parts_fixed) return;
-  marks_.parts.clear();
+  if (!marks_.parts_fixed) {
+    for (std::size_t part = 0; part < parts_.size(); ++part) marks_.parts.push_back(drawn(*scene_, part));
+    return;
+  }
   try {
-    for (const pipeline::PartConfig& part : parts_)
-      if (const auto box = pipeline::part_box(*scene_, part)) marks_.parts.push_back({part.name, *box});
+    for (std::size_t part = 0; part < parts_.size(); ++part)
+      if (const auto box = pipeline::part_box(*scene_, part)) marks_.parts.push_back({parts_[part].name, *box});
   } catch (const Error&) {
     // The picture says what cannot be read of the scene.
   }
@@ -52,15 +73,13 @@ std::optional<Marking::Held> Marking::held_at(const Aim& aim) const {
   std::optional<Held> best;
   double nearest = kNearPixels;
   for (std::size_t p = 0; p < marks_.parts.size(); ++p) {
-    const auto corners = corners_of(marks_.parts[p].box_m);
-    for (int c = 0; c < 5; ++c) {
-      Eigen::Vector3d place =
-          c < 4 ? corners[static_cast<std::size_t>(c)] : Eigen::Vector3d(0.5 * (corners[0] + corners[2]));
-      place.z() = aim.height_at(place.x(), place.y());
+    const std::vector<Eigen::Vector2d> handles = handles_of(marks_.parts[p]);
+    for (std::size_t c = 0; c < handles.size(); ++c) {
+      const Eigen::Vector3d place(handles[c].x(), handles[c].y(), aim.height_at(handles[c].x(), handles[c].y()));
       const auto pixel = aim.view->to_pixel(aim.stage.to_world(place));
       if (!pixel || !((*pixel - aim.pixel).norm() < nearest)) continue;
       nearest = (*pixel - aim.pixel).norm();
-      best = Held{p, c, place.head<2>(), marks_.parts[p].box_m};
+      best = Held{p, marks_.parts[p].is_box ? static_cast<int>(c) : Held::kFixed, handles[c], marks_.parts[p].box_m};
     }
   }
   return best;

@@ -21,7 +21,10 @@ enum class Tool { none, distance, angle, profile };
 /// The border of a named part, as it is drawn.
 struct PartBox {
   std::string name;
-  std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax
+  std::array<double, 4> box_m{};  ///< xmin ymin xmax ymax; of a polygon or a label the box round it
+  /// Closed lines of a polygon or a label, which are drawn in place of the box. They are changed in the configuration.
+  std::vector<std::vector<Eigen::Vector2d>> borders_m{};
+  bool is_box = true;
 };
 
 struct Marks {

@@ -174,7 +174,7 @@ TEST(Session, TraceOfARecordingEqualsTheLiveRunThroughZoomsPansAndSwaps) {
                                          {Request::Kind::zoom_out},
                                          {Request::Kind::set_friction, 0.0, 0.0, false}});
   EXPECT_EQ(summary.levels, (std::vector<int>{0, 1, 2}));
-  const TraceResult result = trace_recording(*scene, Recording(options.record), options.haptics, SolverOptions{});
+  const TraceResult result = trace_recording(scene, Recording(options.record), options.haptics, SolverOptions{});
   write_trace(folder / "trace.csv", result);
   const auto live = read_csv(options.record);
   const auto traced = read_csv(folder / "trace.csv");
@@ -242,11 +242,11 @@ TEST(Session, NoNumberOfARecordingReachesTheDeviceUnchecked) {
       double last[3] = {0.0, 0.0, 0.0};
       for (std::size_t row = 1; row < rows.size(); ++row) {
         double now[3];
-        double share = 0.0;
         double squared = 0.0;
-        for (std::size_t axis = 0; axis < 3; ++axis) now[axis] = std::stod(rows[row][x + axis]);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          share += now[axis] * last[axis], squared += last[axis] * last[axis];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          now[axis] = std::stod(rows[row][x + axis]);
+          squared += last[axis] * last[axis];
+        }
         const double norm = std::hypot(now[0], now[1], now[2]);
         ASSERT_TRUE(std::isfinite(norm));
         ASSERT_LE(norm, 8.0 + 1e-12);
@@ -275,7 +275,7 @@ TEST(Session, ARecordingOfAStrongerDeviceIsPlayedWithinPlaybacksOwnLimitsAndSays
 TEST(Session, APathWithoutWindowsCannotBeTracedAsALiveRun) {
   const test::TestFolder folder;
   std::ofstream(folder / "path.csv") << "t_s,device_x_m,device_y_m,device_z_m\n0,0,0,0\n";
-  EXPECT_THROW((void)trace_recording(*textured_scene(), Recording(folder / "path.csv"), {}, {}), Error);
+  EXPECT_THROW((void)trace_recording(textured_scene(), Recording(folder / "path.csv"), {}, {}), Error);
 }
 
 TEST(Session, ARecordingThatCannotBeWrittenIsAnErrorBeforeTheRunBegins) {

@@ -13,18 +13,17 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <new>
 #include <thread>
 
 #include "haptics/replay/recorder.h"
 #include "haptics/servo/servo.h"
+#include "haptics/window/scene_window.h"
+#include "tests/support/part_scenes.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/servo_parts.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SPARSHA_SANITIZED 1
-#else
-#define SPARSHA_SANITIZED 0
-#endif
+#include "tests/support/test_folder.h"
 
 namespace {
 
@@ -112,18 +111,17 @@ pipeline::ScenePointer hills() {
 }
 
 /// Over two seconds of stroking with window changes on the way; at least 500 ticks, 100 of them with force.
-void run(WatchingDevice& device) {
-  const auto scene = hills();
+void run(WatchingDevice& device, const std::function<HapticWindow(std::uint64_t id)>& window) {
   Seqlock<State> state;
   const auto consumer = std::make_shared<ContactQueue>(1024);
   Recorder recorder({}, device.info(), 1000.0);
   recorder.start();
-  Servo servo(device, patient(), window_on(scene), state, {consumer}, &recorder);
+  Servo servo(device, patient(), window(1), state, {consumer}, &recorder);
   servo.start();
   for (std::uint64_t id = 2; id < 6; ++id) {
     Command command;
     command.kind = Command::Kind::swap;
-    command.window = window_on(scene, 0, id);
+    command.window = window(id);
     command.sequence = id;
     ASSERT_TRUE(servo.post(std::move(command)));
     ASSERT_TRUE(eventually([&] { return state.read().time_s > 0.5 * static_cast<double>(id - 1); }));
@@ -134,14 +132,54 @@ void run(WatchingDevice& device) {
   static_cast<void>(recorder.finish());
 }
 
-TEST(ServoFreedom, FromHandPositionToForceNothingIsAllocatedOrFreedOrLocked) {
-  if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers bring their own malloc";
+void run(WatchingDevice& device) {
+  const auto scene = hills();
+  run(device, [&](std::uint64_t id) { return window_on(scene, 0, id); });
+}
+
+/// Parts of every shape under the hand, each with all that is felt of a part.
+void run_on_parts(WatchingDevice& device) {
+  const test::TestFolder folder;
+  pipeline::PartTouch touch;
+  touch.stiffness_n_per_m = 500.0;
+  touch.mu_dynamic = 0.4;
+  touch.material = pipeline::Material::wood;
+  const auto scene = test::els(folder / "labels.png", touch, [&](pipeline::SceneDescription& d) {
+    d.config.friction = pipeline::FrictionConfig{};
+    d.config.haptics.impact = d.config.haptics.grain = true;
+    d.config.cues = pipeline::CuesConfig{};
+    auto& star = d.config.parts[0].polygon_m;  // of a thousand corners
+    star.clear();
+    for (int k = 0; k < 1000; ++k) {
+      const double angle = 0.00628318530717958648 * k, radius = k % 2 == 0 ? 0.03 : 0.02;
+      star.push_back({0.05 + radius * std::cos(angle), 0.05 + radius * std::sin(angle)});
+    }
+    d.config.parts.push_back({"box", "box", {0.02, 0.06, 0.05, 0.09}, touch});
+  });
+  run(device, [&](std::uint64_t id) {
+    return load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, 0.1), id);
+  });
+}
+
+/// Nothing is allocated or locked between the device's read() and write() while `work` runs a servo on it.
+template <class Work>
+void expect_freedom(const Work& work) {
   allocations.store(0);
   locks.store(0);
   WatchingDevice device(false);
-  run(device);
+  work(device);
   EXPECT_EQ(allocations.load(), 0U);
   EXPECT_EQ(locks.load(), 0U);
+}
+
+TEST(ServoFreedom, PartsOfAnyShapeAllocateAndLockNothingEither) {
+  if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers bring their own malloc";
+  expect_freedom([](WatchingDevice& device) { run_on_parts(device); });
+}
+
+TEST(ServoFreedom, FromHandPositionToForceNothingIsAllocatedOrFreedOrLocked) {
+  if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers bring their own malloc";
+  expect_freedom([](WatchingDevice& device) { run(device); });
 }
 
 TEST(ServoFreedom, TheCountersWouldSeeAnAllocationAndALock) {

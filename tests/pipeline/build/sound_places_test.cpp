@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <random>
 #include <string>
@@ -11,6 +12,8 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "pipeline/build/build.h"
+#include "scene/regions.h"
+#include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -94,6 +97,70 @@ TEST_F(SoundPlaces, ALabelImageKeepsThePlaceThatItWasDrawnFor) {
       static_cast<void>(build_scene(
           config(kTurned, "{labels: labels.png, regions: [{name: a, label: 3, material: wood}]}"), {}, progress_)),
       Error);
+}
+
+/// The hall is 3 m wide: a picture of 30 x 15 pixels over it, value 4 in the left half.
+class PartPlaces : public SoundPlaces {
+ protected:
+  PartPlaces() {
+    test::write_labels(folder_ / "labels.png", 30, 15, [](int column, int) { return column < 15 ? 4 : 0; });
+  }
+  [[nodiscard]] Config with_parts(const char* orientation, const std::string& labels) const {
+    return config(orientation, "{labels: " + labels +
+                                   "}\nparts: [{name: left, label: 4}, {name: lost, label: 9}, "
+                                   "{name: notch, polygon_m: [[1, 0], [2, 0], [2, 1], [1.5, 0.2], [1, 1]]}]");
+  }
+};
+
+TEST_F(PartPlaces, OfALabelThatNoPixelHasAreWarnedOfByName) {
+  const BuildResult built = build_scene(with_parts(kFront, "labels.png"), {}, progress_);
+  const auto named = [&](const std::string& name) {
+    return std::count_if(built.report.warnings.begin(), built.report.warnings.end(), [&](const std::string& text) {
+      return text.find("'" + name + "' is nowhere") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(named("lost"), 1);
+  EXPECT_EQ(named("left") + named("notch"), 0);
+  const SceneDescription& scene = built.scene->description();
+  const PartConfig* part = part_at(scene, {0.0, 0.5, 0.0});
+  ASSERT_NE(part, nullptr);
+  EXPECT_EQ(part->name, "left");
+  EXPECT_EQ(part_at(scene, {1.5, 0.6, 0.0}), nullptr) << "in the notch, right of the label";
+  EXPECT_EQ(part_at(scene, {1.5, 0.1, 0.0})->name, "notch");
+}
+
+TEST_F(PartPlaces, OfALabelImageThatCannotBeReadStopTheBuildBeforeItBegins) {
+  write_file(folder_ / "labels.png", "no picture");
+  write_file(folder_ / "hall.xyz", "no scan\n");
+  try {
+    static_cast<void>(build_scene(with_parts(kFront, "labels.png"), {}, progress_));
+    FAIL() << "a broken label image was built with";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_NE(std::string(error.what()).find("labels.png"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(PartPlaces, OfATurnedObjectAreTheSameAndTheFolderHoldsTheLabels) {
+  const std::string labels = "{file: labels.png, bounds_m: [-0.5, 0, 2.5, 1.5]}";
+  static_cast<void>(build_scene_folder(with_parts(kTurned, labels), {}, folder_ / "scene", progress_));
+  std::filesystem::rename(folder_ / "scene", folder_ / "elsewhere");
+  std::filesystem::remove(folder_ / "labels.png");
+  const ScenePointer scene = open_scene(folder_ / "elsewhere");
+  ASSERT_TRUE(scene->description().region_from_grid);
+  // x of the grid is -y of the regions' frame, y of the grid is its x.
+  const auto left = part_place(*scene, 0);
+  ASSERT_TRUE(left);
+  EXPECT_NEAR(left->box_m[1], -0.5, 0.05);
+  EXPECT_NEAR(left->box_m[3], 1.0, 0.05);
+  const auto notch = part_place(*scene, 2);
+  ASSERT_TRUE(notch);
+  EXPECT_NEAR(notch->box_m[1], 1.0, 0.05);
+  EXPECT_NEAR(notch->box_m[3], 2.0, 0.05);
+  const Eigen::Vector4d middle =
+      *scene->description().region_from_grid * Eigen::Vector4d(notch->middle_m.x(), notch->middle_m.y(), 0.0, 1.0);
+  EXPECT_TRUE(area_of(scene->description(), 2).holds(middle.x(), middle.y()));
+  EXPECT_FALSE(part_place(*scene, 1));
 }
 
 }  // namespace

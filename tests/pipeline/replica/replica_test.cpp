@@ -196,6 +196,27 @@ TEST(Replica, HasTheNamesOfItsPartsBelowTheReliefAsDotsThatFingersRead) {
   EXPECT_EQ(make_replica(*scene, options, bare).first_row, 0);
 }
 
+TEST(Replica, NamesPartsOfAnyShapeInTheirOrder) {
+  PartConfig polygon;
+  polygon.name = polygon.say = "sash";
+  polygon.polygon_m = {{4.0, -2.0}, {4.1, -2.0}, {4.0, -1.95}};
+  PartConfig label;
+  label.name = label.say = "hair";
+  label.label = 7;  // that nothing has
+  PartConfig box;
+  box.name = box.say = "lotus";
+  ReplicaOptions options;
+  ReplicaReport mixed, boxes;
+  const ReplicaPlate plate = make_replica(*scene_of(101, 51, 0.002, bumps, {polygon, label, box}), options, mixed);
+  EXPECT_EQ(mixed.lines, (std::vector<std::string>{"sash", "hair", "lotus"}));
+  for (PartConfig* part : {&polygon, &label}) {
+    part->polygon_m.clear();
+    part->label.reset();
+  }
+  EXPECT_EQ(make_replica(*scene_of(101, 51, 0.002, bumps, {polygon, label, box}), options, boxes).height_mm,
+            plate.height_mm);
+}
+
 TEST(Replica, ThreeMfHoldsTheSameSolid) {
   const sparsha::test::TestFolder folder;
   const ScenePointer scene = scene_of(31, 21, 0.005, bumps);

@@ -13,6 +13,7 @@
 
 #include "base/files.h"
 #include "scene/scene_folder.h"
+#include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
 #include "tests/viewer/relief_scene.h"
 #include "viewer/controller.h"
@@ -330,6 +331,93 @@ TEST(Marking, PartsDrawnInAnotherOrientationAreShownAndNotEdited) {
   bench.controller->mouse_button(0, false, 0);
   bench.run();
   EXPECT_TRUE(bench.saved.empty());
+}
+
+/// A box, a polygon and a label, of which the pixels from x = 0.10 to 0.15 and y = 0.10 to 0.15 are.
+pipeline::ScenePointer with_shapes(const std::filesystem::path& labels) {
+  sparsha::test::write_labels(
+      labels, 40, 40, [](int column, int row) { return column >= 20 && column < 30 && row >= 10 && row < 20 ? 3 : 0; });
+  return plate([&](pipeline::SceneDescription& d) {
+    d.config.audio.emplace();
+    d.config.audio->labels = pipeline::LabelImageConfig{labels, std::array<double, 4>{0.0, 0.0, 0.2, 0.2}};
+    pipeline::PartConfig polygon;
+    polygon.name = polygon.say = "leaf";
+    polygon.polygon_m = {{0.02, 0.02}, {0.08, 0.02}, {0.08, 0.04}, {0.04, 0.04}, {0.04, 0.09}, {0.02, 0.09}};
+    pipeline::PartConfig label;
+    label.name = label.say = "stalk";
+    label.label = 3;
+    d.config.parts = {{"petal", "petal", {0.12, 0.03, 0.18, 0.07}}, polygon, label};
+  });
+}
+
+TEST(Marking, PolygonsAndLabelsAreShownAsTheyAreAndOnlyBoxesAreDragged) {
+  const sparsha::test::TestFolder folder;
+  const pipeline::ScenePointer scene = with_shapes(folder / "labels.png");
+  Bench bench(scene);
+  bench.key('A');
+  ASSERT_EQ(bench.marks().parts.size(), 3U);
+  EXPECT_TRUE(bench.marks().parts[0].is_box);
+  ASSERT_EQ(bench.marks().parts[1].borders_m.size(), 1U);
+  EXPECT_EQ(bench.marks().parts[1].borders_m[0].size(), 7U) << "six corners and the first once more";
+  EXPECT_EQ(bench.marks().parts[1].box_m, (std::array<double, 4>{0.02, 0.02, 0.08, 0.09}));
+  ASSERT_EQ(bench.marks().parts[2].borders_m.size(), 1U);
+  for (const Eigen::Vector2d& p : bench.marks().parts[2].borders_m[0])
+    EXPECT_NEAR((p - Eigen::Vector2d(0.125, 0.125)).cwiseAbs().maxCoeff(), 0.025, 0.005) << "within a pixel";
+  const auto drag = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    bench.point_at(from.x(), from.y());
+    bench.controller->mouse_button(0, true, 0);
+    bench.point_at(to.x(), to.y());
+    bench.controller->mouse_button(0, false, 0);
+    bench.run();
+  };
+  drag({0.08, 0.04}, {0.10, 0.05});
+  EXPECT_TRUE(bench.saved.empty());
+  ASSERT_FALSE(bench.spoken.empty());
+  EXPECT_EQ(bench.spoken.back(), "This part is a polygon: its corners are changed in the configuration");
+  const Eigen::Vector2d corner = bench.marks().parts[2].borders_m[0].front();
+  drag(corner, corner + Eigen::Vector2d(0.01, 0.01));
+  EXPECT_TRUE(bench.saved.empty());
+  EXPECT_EQ(bench.spoken.back(), "This part is drawn in the label image: it is changed there");
+  // A box beside them is edited, and they stay what they are.
+  drag({0.18, 0.07}, {0.19, 0.08});
+  ASSERT_EQ(bench.saved.size(), 1U);
+  const auto& parts = bench.saved[0];
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_NEAR(parts[0].box_m[2], 0.19, 0.001);
+  EXPECT_EQ(parts[1].polygon_m, scene->description().config.parts[1].polygon_m);
+  EXPECT_EQ(parts[2].label, 3);
+  EXPECT_FALSE(parts[1].is_box() || parts[2].is_box());
+  // With a tool the click is the tool's; the part is removed only where it is pointed at.
+  bench.key('U');
+  bench.click(0.08, 0.04);
+  EXPECT_EQ(bench.marks().pending_m.size(), 1U);
+  bench.key(key::kEscape);
+  bench.point_at(0.04, 0.09);
+  bench.key(key::kDelete);
+  ASSERT_EQ(bench.saved.size(), 2U);
+  ASSERT_EQ(bench.saved[1].size(), 2U);
+  EXPECT_EQ(bench.saved[1][1].name, "stalk");
+}
+
+TEST(Marking, AnEditedBoxInAFolderKeepsPolygonsAndLabels) {
+  const sparsha::test::TestFolder folder;
+  std::filesystem::create_directories(folder / "scene");
+  const pipeline::ScenePointer drawn = with_shapes(folder / "labels.png");
+  pipeline::SceneDescription scanned = drawn->description();
+  scanned.config.scans.resize(1);
+  scanned.config.scans[0].file = "scan.ply";
+  scanned.sources = {{"scan.ply", "abc", 1}};
+  pipeline::write_scene(*pipeline::with_description(drawn, scanned), folder / "scene");
+  const pipeline::ScenePointer opened = pipeline::open_scene(folder / "scene");
+  pipeline::SceneDescription description = opened->description();
+  description.config.parts[0].box_m[2] = 0.19;
+  pipeline::write_description(*pipeline::with_description(opened, description), folder / "scene");
+  const pipeline::ScenePointer again = pipeline::open_scene(folder / "scene");
+  const auto& parts = again->description().config.parts;
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_EQ(parts[0].box_m[2], 0.19);
+  EXPECT_EQ(parts[1].polygon_m, description.config.parts[1].polygon_m);
+  EXPECT_EQ(parts[2].label, 3);
 }
 
 TEST(Marking, TheSectionPlaneLiesAlongTheNewestProfileAndMoves) {

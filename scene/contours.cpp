@@ -1,4 +1,4 @@
-#include "haptics/outline/contours.h"
+#include "scene/contours.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace sparsha::haptics {
+namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -157,4 +157,4 @@ void simplify(Contour& contour, double tolerance) {
   points = std::move(left);
 }
 
-}  // namespace sparsha::haptics
+}  // namespace sparsha::pipeline

@@ -1,0 +1,17 @@
+#include "app/edited_parts.h"
+
+#include <utility>
+
+#include "scene/scene_folder.h"
+
+namespace sparsha::app {
+
+pipeline::ScenePointer with_parts(const pipeline::ScenePointer& scene, const std::vector<pipeline::PartConfig>& parts) {
+  pipeline::SceneDescription description = scene->description();
+  description.config.parts = parts;
+  pipeline::ScenePointer edited = pipeline::with_description(scene, std::move(description));
+  if (!edited->folder().empty()) pipeline::write_description(*edited, edited->folder());
+  return edited;
+}
+
+}  // namespace sparsha::app
