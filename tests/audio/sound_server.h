@@ -22,6 +22,7 @@
 #include "base/error.h"
 #include "base/system.h"
 #include "base/system_library.h"
+#include "taps.h"
 
 namespace sound_server {
 
@@ -76,10 +77,7 @@ class SoundServer {
 /// found by name in the library that the program's stream has loaded.
 class Listener {
  public:
-  struct Onset {
-    Clock::time_point when;  ///< its sample leaves the server for the card: one cycle after the one it is made in
-    double late_s = 0.0;     ///< how late the server's cycle was, which is the machine's doing
-  };
+  using Onset = taps::Onset;  ///< a sample leaves the server one cycle after the one that it is made in
 
   Listener() {
     client_ = call<decltype(&jack_client_open)>("jack_client_open")("listener", JackNoStartServer, nullptr);
