@@ -23,8 +23,8 @@ using Eigen::Vector3d;
 
 constexpr double kHalfWindow_m = 0.045;
 constexpr double kHalfStroke_m = 0.040;
-constexpr double kDepth_m = 0.00125;
-constexpr double kStep_m = 0.00004;  // a tick of 1 ms at 40 mm/s
+constexpr double kDepth_m = 0.00125;  // a newton at 800 N/m
+constexpr double kStep_m = 0.00004;   // a tick of 1 ms at 40 mm/s
 constexpr double kSettled_m = 0.002;
 constexpr int kStrokes = 24;
 const Vector2d kMedallion_m(0.18, 0.262);
@@ -54,7 +54,7 @@ std::shared_ptr<const haptics::MongeSurface> window(const pipeline::Surface& sto
 
 /// A hand passes over grain and follows forms: so far below the mean height of the disc around it, on every sample and
 /// with every fingertip.
-std::vector<std::vector<Vector3d>> strokes_over(const pipeline::Surface& stone) {
+std::vector<std::vector<Vector3d>> strokes_over(const pipeline::Surface& stone, double depth_m) {
   constexpr double kDisc_m = 0.002, kNode_m = 0.00025;
   std::vector<std::vector<Vector3d>> strokes(kStrokes);
   for (int stroke = 0; stroke < kStrokes; ++stroke) {
@@ -70,7 +70,7 @@ std::vector<std::vector<Vector3d>> strokes_over(const pipeline::Surface& stone) 
           sum += stone.z(place.x() + x, place.y() + y);
           ++count;
         }
-      strokes[static_cast<std::size_t>(stroke)].emplace_back(place.x(), place.y(), sum / count - kDepth_m);
+      strokes[static_cast<std::size_t>(stroke)].emplace_back(place.x(), place.y(), sum / count - depth_m);
     }
   }
   return strokes;
@@ -98,19 +98,25 @@ double drag_over_press(const haptics::MongeSurface& surface, haptics::CellShape 
 }  // namespace
 
 bool write_drag(const std::filesystem::path& folder) {
-  const pipeline::Surface stone = relief();
-  const auto strokes = strokes_over(stone);
+  struct Row {
+    double tip_m, depth_m;
+  };
+  constexpr std::array kRows{Row{0.0, kDepth_m}, Row{0.00025, kDepth_m}, Row{0.0005, kDepth_m}, Row{0.001, kDepth_m},
+                             Row{0.0, 0.0005},   Row{0.0005, 0.0005},    Row{0.0, 0.001},       Row{0.0005, 0.001},
+                             Row{0.0, 0.002},    Row{0.0005, 0.002}};
   constexpr std::array kSpacings_m{0.0018, 0.0009, 0.00045, 0.0001};
+  const pipeline::Surface stone = relief();
   std::ofstream csv(folder / "haptics_drag.csv");
-  csv << "tip_radius_mm,spacing_mm,drag_over_press\n";
+  csv << "tip_radius_mm,depth_mm,spacing_mm,drag_over_press\n";
   std::puts("drag over press, sample relief's true surface, 1:1, no friction");
-  std::printf("%-10s %8s %8s %8s %8s\n", "tip radius", "1.8 mm", "0.9 mm", "0.45 mm", "0.1 mm");
-  for (const double tip_m : {0.0, 0.00025, 0.0005, 0.001}) {
-    std::printf("%7.2f mm", 1e3 * tip_m);
+  std::printf("%-10s %-10s %8s %8s %8s %8s\n", "tip radius", "depth", "1.8 mm", "0.9 mm", "0.45 mm", "0.1 mm");
+  for (const auto& [tip_m, depth_m] : kRows) {
+    const auto strokes = strokes_over(stone, depth_m);
+    std::printf("%7.2f mm %7.2f mm", 1e3 * tip_m, 1e3 * depth_m);
     for (const double spacing_m : kSpacings_m) {
       const double ratio = drag_over_press(*window(stone, spacing_m, tip_m), haptics::CellShape::rounded, strokes);
       std::printf(" %8.3f", ratio);
-      csv << 1e3 * tip_m << ',' << 1e3 * spacing_m << ',' << ratio << '\n';
+      csv << 1e3 * tip_m << ',' << 1e3 * depth_m << ',' << 1e3 * spacing_m << ',' << ratio << '\n';
     }
     std::puts("");
   }

@@ -56,9 +56,11 @@ std::string real_time_html(const std::filesystem::path& folder) {
     html += html_heading("Stability") +
             "<p>A hand of known mass and damping on late, jittering and slow loops (docs/touch.md).</p>" +
             html_folded("Every hand", hands);
-  const std::string drag = html_of(
-      folder / "haptics_drag.csv", "Drag over press on the sample relief without friction",
-      {{"tip_radius_mm", "tip radius, mm"}, {"spacing_mm", "nodes, mm apart"}, {"drag_over_press", "drag over press"}});
+  const std::string drag = html_of(folder / "haptics_drag.csv", "Drag over press on the sample relief without friction",
+                                   {{"tip_radius_mm", "tip radius, mm"},
+                                    {"depth_mm", "depth of the hand, mm"},
+                                    {"spacing_mm", "nodes, mm apart"},
+                                    {"drag_over_press", "drag over press"}});
   if (!drag.empty()) html += html_folded("Drag by fingertip and nodes", drag);
   const std::string sound = html_of(folder / "sound.csv", "What sound costs",
                                     {{"method", "method"},

@@ -21,6 +21,7 @@ constexpr double kMostDampingNSPerM = 100.0;
 // What no loop through a bus and motors undercuts, whatever is declared.
 constexpr double kLeastDelayS = 0.001;
 constexpr double kJitter = 1.15;       // of the nominal period: not yet another rate
+constexpr double kAnotherRate = 1.4;   // of the period of some seconds: the loop has become slower
 constexpr double kSoftenS = 0.020;     // time constants of the stiffness in contact
 constexpr double kSoftenSwings = 3.0;  // half-swings
 // The percentiles of a jittering loop scatter by some percent. Followed to its lowest, the limit would fall for as long
@@ -83,8 +84,11 @@ double stiffness_limit(const DeviceLimits& limits, double period_s, double delay
 }
 
 double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcept {
-  double period_s = std::max(nominal_period_s, periods_.p95_s(nominal_period_s));
-  if (period_s < kJitter * nominal_period_s) period_s = nominal_period_s;
+  const double recent_s = recent_periods_.p95_s(nominal_period_s);
+  const double lasting_s = periods_.p95_s(nominal_period_s);
+  double period_s = std::max(nominal_period_s, recent_s > kAnotherRate * lasting_s ? recent_s : lasting_s);
+  jitters_ = period_s >= kJitter * nominal_period_s;
+  if (!jitters_) period_s = nominal_period_s;
   const double limit = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
   const double target = borne_share_ * (wish_n_per_m > 0.0 ? std::min(wish_n_per_m, limit) : 0.0);
   if (wish_n_per_m != wish_n_per_m_) {
@@ -171,6 +175,7 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
   motion_.add(input.position_m, has_last_ ? period_s : 0.0);
   learn_step(moved_m.norm(), period_s);
   periods_.add(input.period_s);
+  recent_periods_.add(input.period_s);
   if (input.delay_s > 0.0) delays_.add(input.delay_s);
   in_contact_ = input.contact;
   if (input.contact) {
@@ -195,7 +200,7 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
   Finding finding = Finding::none;
   if (away_s_ <= kBounceS)
     finding = swing_.update(period_s, moved_m.dot(axis_), input.contact ? surface_m.dot(axis_) : 0.0,
-                            input.contact ? surface_m.norm() : 0.0, step_m_, released_);
+                            input.contact ? surface_m.norm() : 0.0, step_m_, {released_, jitters_});
   if (finding != Finding::none) damp();
   if (finding == Finding::lasting && released_) unstable_ = true;  // it would begin again
   if (finding == Finding::growing) {

@@ -117,8 +117,10 @@ class Governor {
   double energy_j_ = 0.0;
   Eigen::Vector3d booked_m_ = Eigen::Vector3d::Zero();  // the hand without the encoder's flicker
 
-  LoopMeter periods_;
-  LoopMeter delays_;
+  LoopMeter<2048> periods_;  // some seconds: its percentile hardly moves with jitter
+  LoopMeter<> recent_periods_;
+  LoopMeter<> delays_;
+  bool jitters_ = false;  // the loop
   SwingDetector swing_;
   double wish_n_per_m_ = -1.0;
   double wished_s_ = 1.0;            // since the wish has changed in this contact

@@ -10,8 +10,9 @@
 
 namespace sparsha::haptics {
 
-/// Times from 64 us to 64 ms in steps of a sixteenth of an octave (4.4 %), the ends open. One writer, some 10 ns a
-/// time.
+/// Of the last `kWindow` times, a power of two. Times from 64 us to 64 ms in steps of a sixteenth of an octave (4.4 %),
+/// the ends open. One writer, some 10 ns a time.
+template <std::size_t kWindow = 512>
 class LoopMeter {
  public:
   void add(double time_s) noexcept {
@@ -40,7 +41,6 @@ class LoopMeter {
     return 0.0;
   }
 
-  static constexpr std::size_t kWindow = 512;
   static constexpr std::size_t kRenewed = 32;
   static constexpr std::size_t kBins = 160;
   static constexpr double kSteps = 16.0;

@@ -13,14 +13,19 @@ constexpr double kAlertSteps = 1.6;
 constexpr double kUndiminished = 0.95;
 constexpr double kShortestS = 0.003;  // of half a swing on a spring that a hand holds
 constexpr double kLongestS = 0.150;
-constexpr double kOwn = 1.5;  // a swing this much larger than the surface's own rise and fall is the hand's
+constexpr double kOwn = 1.5;        // a swing this much larger than the surface's own rise and fall is the hand's
+constexpr double kFarLarger = 4.0;  // than the surface's: no resonance of a hand that strokes
 constexpr double kTellingM = 120e-6;
+constexpr double kSlowDecay = 0.5;  // over three swings
 constexpr double kStillM = 100e-6;  // a hand that touches one place
+
+/// A swing of less may last: encoder and tremor.
+double lasting_m(double step_m) noexcept { return std::max(kLeastTurnM, kLastingSteps * step_m); }
 
 }  // namespace
 
 SwingDetector::Finding SwingDetector::update(double period_s, double hand_m, double surface_m, double travel_m,
-                                             double step_m, bool alert) noexcept {
+                                             double step_m, const Suspicion& suspicion) noexcept {
   time_s_ += period_s;
   hand_m_ += hand_m;
   surface_m_ += surface_m;
@@ -28,7 +33,7 @@ SwingDetector::Finding SwingDetector::update(double period_s, double hand_m, dou
   surface_low_m_ = std::min(surface_low_m_, surface_m_);
   surface_high_m_ = std::max(surface_high_m_, surface_m_);
   const double turn_m =
-      alert ? std::max(kAlertTurnM, kAlertSteps * step_m) : std::max(kLeastTurnM, kStepsPerTurn * step_m);
+      suspicion.alert ? std::max(kAlertTurnM, kAlertSteps * step_m) : std::max(kLeastTurnM, kStepsPerTurn * step_m);
   if (direction_ == 0.0) {
     if (std::abs(hand_m_ - extreme_m_) < turn_m) return Finding::none;
     direction_ = std::copysign(1.0, hand_m_ - extreme_m_);
@@ -38,13 +43,13 @@ SwingDetector::Finding SwingDetector::update(double period_s, double hand_m, dou
     extreme_s_ = time_s_;
     return Finding::none;
   }
-  return direction_ * (extreme_m_ - hand_m_) > turn_m ? turned(step_m, alert) : Finding::none;
+  return direction_ * (extreme_m_ - hand_m_) > turn_m ? turned(step_m, suspicion) : Finding::none;
 }
 
-SwingDetector::Finding SwingDetector::turned(double step_m, bool alert) noexcept {
+SwingDetector::Finding SwingDetector::turned(double step_m, const Suspicion& suspicion) noexcept {
   const Half now{std::abs(extreme_m_ - last_m_), extreme_s_ - last_s_};
-  const bool own = now.time_s >= kShortestS && now.time_s <= kLongestS &&
-                   now.size_m > kOwn * (surface_high_m_ - surface_low_m_) + step_m;
+  const double surface_m = surface_high_m_ - surface_low_m_;
+  const bool own = now.time_s >= kShortestS && now.time_s <= kLongestS && now.size_m > kOwn * surface_m + step_m;
   last_m_ = extreme_m_;
   last_s_ = extreme_s_;
   extreme_m_ = hand_m_;
@@ -53,18 +58,19 @@ SwingDetector::Finding SwingDetector::turned(double step_m, bool alert) noexcept
   direction_ = -direction_;
   count_ = own ? std::min(count_ + 1, kKept) : 0;
   still_ = own && travel_m_ < 0.5 * now.size_m + kStillM ? std::min(still_ + 1, kKept) : 0;
+  large_ = own && now.size_m > kFarLarger * surface_m + lasting_m(step_m) ? std::min(large_ + 1, kKept) : 0;
   travel_m_ = 0.0;
   if (!own) return Finding::none;
   halves_[next_] = now;
   next_ = (next_ + 1) % kKept;
-  const Finding finding = judge(step_m, alert);
-  if (finding == Finding::growing) count_ = still_ = 1;
+  const Finding finding = judge(step_m, suspicion);
+  if (finding == Finding::growing) count_ = still_ = large_ = 1;
   return finding;
 }
 
 // Fast growth tells after one swing, slow growth after several; swings are compared with those of the same side. A hand
 // that strokes is pushed about by the stone, so that only regular growth over many swings is its own.
-SwingDetector::Finding SwingDetector::judge(double step_m, bool alert) const noexcept {
+SwingDetector::Finding SwingDetector::judge(double step_m, const Suspicion& suspicion) const noexcept {
   const auto ratio = [this](std::size_t back, std::size_t from = 0) { return half(from).size_m / half(back).size_m; };
   const auto regular = [this](std::size_t halves, double most) {
     double shortest = half(0).time_s;
@@ -80,6 +86,7 @@ SwingDetector::Finding SwingDetector::judge(double step_m, bool alert) const noe
       if (ratio(k + 2, k) < least) return false;
     return true;
   };
+  const double least_m = lasting_m(step_m);
   if (half(0).size_m >= kTellingM) {
     if (still_ >= 3 && ratio(1) > 1.8 && ratio(2) > 4.0) return Finding::growing;
     if (still_ >= 4 && ratio(2) > 1.3 && ratio(3, 1) > 1.15) return Finding::growing;
@@ -89,9 +96,17 @@ SwingDetector::Finding SwingDetector::judge(double step_m, bool alert) const noe
     if (count_ >= 8 && regular(8, 1.25) && steady(8, 1.08)) return Finding::growing;
     if (count_ >= 16 && regular(16, 1.25) && steady(16, 1.0) && ratio(14) > 1.15) return Finding::growing;
   }
-  if (alert && still_ >= 4 && ratio(2) > kUndiminished && ratio(3, 1) > kUndiminished) return Finding::lasting;
-  if (still_ >= 14 && half(0).size_m > std::max(kLeastTurnM, kLastingSteps * step_m) && ratio(12) > 0.85 &&
-      ratio(6) > 0.9 && ratio(13, 1) > 0.85)
+  if (suspicion.alert && still_ >= 4 && ratio(2) > kUndiminished && ratio(3, 1) > kUndiminished)
+    return Finding::lasting;
+  if (suspicion.wary && (still_ >= 8 || (large_ >= 8 && regular(8, 1.25))) && half(0).size_m > least_m &&
+      ratio(6) > kSlowDecay && ratio(7, 1) > kSlowDecay)
+    return Finding::lasting;
+  if (suspicion.wary && suspicion.alert && (still_ >= 4 || (large_ >= 4 && regular(4, 1.5))) &&
+      std::min({half(0).size_m, half(1).size_m, half(2).size_m, half(3).size_m}) > least_m)
+    return Finding::lasting;
+  if (large_ >= 16 && half(0).size_m > kTellingM && regular(16, 1.25) && ratio(14) > 0.85 && ratio(15, 1) > 0.85)
+    return Finding::lasting;
+  if (still_ >= 14 && half(0).size_m > least_m && ratio(12) > 0.85 && ratio(6) > 0.9 && ratio(13, 1) > 0.85)
     return Finding::lasting;
   return Finding::none;
 }

@@ -13,12 +13,15 @@ namespace sparsha::haptics {
 class SwingDetector {
  public:
   enum class Finding : std::uint8_t { none, lasting, growing };
+  struct Suspicion {
+    bool alert = false;  ///< this hand has swung before: a small swing that does not decay is the next one
+    bool wary = false;   ///< the loop jitters: a swing that decays slowly has to be helped
+  };
   /// `hand_m`, `surface_m`: how far the hand and the touched point of the surface went along the mean normal since the
-  /// last tick; `travel_m`: how far that point went at all; `step_m`: the encoder's; `alert`: this hand has swung
-  /// before, and a small swing that does not decay is the next one. A swing that lasts is found at each turn, one that
-  /// grows once.
+  /// last tick; `travel_m`: how far that point went at all; `step_m`: the encoder's. A swing that lasts is found at
+  /// each turn, one that grows once.
   [[nodiscard]] Finding update(double period_s, double hand_m, double surface_m, double travel_m, double step_m,
-                               bool alert) noexcept;
+                               const Suspicion& suspicion) noexcept;
   void reset() noexcept { *this = SwingDetector(); }
 
   /// Of the last half-swing; 0 before the first.
@@ -37,8 +40,8 @@ class SwingDetector {
   [[nodiscard]] const Half& half(std::size_t back) const noexcept {
     return halves_[(next_ + kKept - 1 - back) % kKept];
   }
-  [[nodiscard]] Finding turned(double step_m, bool alert) noexcept;
-  [[nodiscard]] Finding judge(double step_m, bool alert) const noexcept;
+  [[nodiscard]] Finding turned(double step_m, const Suspicion& suspicion) noexcept;
+  [[nodiscard]] Finding judge(double step_m, const Suspicion& suspicion) const noexcept;
 
   double time_s_ = 0.0;
   double hand_m_ = 0.0;
@@ -55,6 +58,7 @@ class SwingDetector {
   std::size_t next_ = 0;
   std::size_t count_ = 0;  // half-swings in a row that are the hand's own
   std::size_t still_ = 0;  // of them on one place
+  std::size_t large_ = 0;  // of them far larger than the surface's rise and fall
 };
 
 }  // namespace sparsha::haptics

@@ -85,8 +85,11 @@ ProxyUpdate follow_hand(const MongeSurface& monge, double cells_per_m, const Eig
   const bool known = last.known && state.contact && last.proxy == state.position;
   const Eigen::Vector3d way_m = known ? Eigen::Vector3d(hip_m - last.hand) : Eigen::Vector3d::Zero();
   const double length_m = way_m.norm();
-  const double turns = length_m * last.turn_per_m / kTurnOfPart;
-  const int parts = !(turns >= 1.0) ? 1 : turns < kMostParts ? 1 + static_cast<int>(turns) : kMostParts;
+  // The curvature of Catmull-Rom patches jumps at the edges of cells, which no turn of the last tick tells of.
+  constexpr double kPart = kBasis == CubicBasis::catmull_rom ? 0.5 * kTurnOfPart : kTurnOfPart;
+  constexpr int kMost = kBasis == CubicBasis::catmull_rom ? 2 * kMostParts : kMostParts;
+  const double turns = length_m * last.turn_per_m / kPart;
+  const int parts = !(turns >= 1.0) ? 1 : turns < kMost ? 1 + static_cast<int>(turns) : kMost;
   SolverOptions left = options;
   ProxyUpdate found;
   int segments = 0;

@@ -73,6 +73,7 @@ struct TouchResult {
   double altered = 0.0;       ///< share of ticks in contact whose force is off by more than 1 % of wish * depth
   double static_share = 0.0;  ///< mean force over governed stiffness * depth in the last second
   double stiffness_n_per_m = 0.0;
+  bool fault = false;  ///< a gap of over 10 ms in contact: force ends until the hand has been in the air
 };
 
 /// One run on a window of 0.1 m. A run of ten seconds takes some 30 ms.
@@ -161,6 +162,7 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window) {
         result.stiffness_n_per_m = stiffness;
         const double spring_j = stiffness > 0.0 ? 0.5 * rendered.squaredNorm() / stiffness : 0.0;
         if (state.contact != 0 && touched_s < 0.0) touched_s = t;
+        result.fault = result.fault || (touched_s >= 0.0 && (state.flags & haptics::kFlagFault) != 0);
         if (touched_s >= 0.0) {
           least_j = std::min(least_j, work_j + spring_j);
           result.delivered_j = std::max(result.delivered_j, work_j + spring_j - least_j);

