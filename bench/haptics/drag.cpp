@@ -52,9 +52,9 @@ std::shared_ptr<const haptics::MongeSurface> window(const pipeline::Surface& sto
   return haptics::make_surface(std::move(parts));
 }
 
-/// A hand passes over grain and follows forms: so far below the mean height of the disc around it, on every sample and
-/// with every fingertip.
-std::vector<std::vector<Vector3d>> strokes_over(const pipeline::Surface& stone, double depth_m) {
+/// A hand passes over grain and follows forms: the mean height of the disc around it, which it stays below, on every
+/// sample and with every fingertip.
+std::vector<std::vector<Vector3d>> strokes_over(const pipeline::Surface& stone) {
   constexpr double kDisc_m = 0.002, kNode_m = 0.00025;
   std::vector<std::vector<Vector3d>> strokes(kStrokes);
   for (int stroke = 0; stroke < kStrokes; ++stroke) {
@@ -70,22 +70,23 @@ std::vector<std::vector<Vector3d>> strokes_over(const pipeline::Surface& stone, 
           sum += stone.z(place.x() + x, place.y() + y);
           ++count;
         }
-      strokes[static_cast<std::size_t>(stroke)].emplace_back(place.x(), place.y(), sum / count - depth_m);
+      strokes[static_cast<std::size_t>(stroke)].emplace_back(place.x(), place.y(), sum / count);
     }
   }
   return strokes;
 }
 
 /// Means over all strokes: force against the way over force upwards.
-double drag_over_press(const haptics::MongeSurface& surface, haptics::CellShape shape,
-                       const std::vector<std::vector<Vector3d>>& strokes) {
-  const haptics::SolverOptions options{.shape = shape};
+double drag_over_press(const haptics::MongeSurface& surface, const std::vector<std::vector<Vector3d>>& strokes,
+                       double depth_m) {
+  const haptics::SolverOptions options{.shape = haptics::CellShape::rounded};
+  const Vector3d origin_m = surface.lattice.origin_m + Vector3d(0.0, 0.0, depth_m);
   double drag = 0.0, press = 0.0;
   for (const std::vector<Vector3d>& stroke : strokes) {
     const Vector2d way = (stroke.back() - stroke.front()).head<2>().normalized();
-    haptics::ProxyState state = start_proxy(surface, stroke.front() - surface.lattice.origin_m);
+    haptics::ProxyState state = start_proxy(surface, stroke.front() - origin_m);
     for (std::size_t k = 0; k < stroke.size(); ++k) {
-      const Vector3d hip = stroke[k] - surface.lattice.origin_m;
+      const Vector3d hip = stroke[k] - origin_m;
       const haptics::ProxyUpdate found = update_exact(surface, hip, state, options);
       if (!found.contact || static_cast<double>(k) * kStep_m < kSettled_m) continue;
       drag -= (found.position - hip).head<2>().dot(way);
@@ -98,27 +99,31 @@ double drag_over_press(const haptics::MongeSurface& surface, haptics::CellShape 
 }  // namespace
 
 bool write_drag(const std::filesystem::path& folder) {
-  struct Row {
-    double tip_m, depth_m;
+  struct Tip {
+    double radius_m;
+    std::vector<double> depths_m;
   };
-  constexpr std::array kRows{Row{0.0, kDepth_m}, Row{0.00025, kDepth_m}, Row{0.0005, kDepth_m}, Row{0.001, kDepth_m},
-                             Row{0.0, 0.0005},   Row{0.0005, 0.0005},    Row{0.0, 0.001},       Row{0.0005, 0.001},
-                             Row{0.0, 0.002},    Row{0.0005, 0.002}};
+  const std::vector<double> depths_m{0.0005, 0.001, kDepth_m, 0.002};
+  const std::array tips{Tip{0.0, depths_m}, Tip{0.00025, {kDepth_m}}, Tip{0.0005, depths_m}, Tip{0.001, {kDepth_m}}};
   constexpr std::array kSpacings_m{0.0018, 0.0009, 0.00045, 0.0001};
   const pipeline::Surface stone = relief();
+  const auto strokes = strokes_over(stone);
   std::ofstream csv(folder / "haptics_drag.csv");
   csv << "tip_radius_mm,depth_mm,spacing_mm,drag_over_press\n";
   std::puts("drag over press, sample relief's true surface, 1:1, no friction");
   std::printf("%-10s %-10s %8s %8s %8s %8s\n", "tip radius", "depth", "1.8 mm", "0.9 mm", "0.45 mm", "0.1 mm");
-  for (const auto& [tip_m, depth_m] : kRows) {
-    const auto strokes = strokes_over(stone, depth_m);
-    std::printf("%7.2f mm %7.2f mm", 1e3 * tip_m, 1e3 * depth_m);
-    for (const double spacing_m : kSpacings_m) {
-      const double ratio = drag_over_press(*window(stone, spacing_m, tip_m), haptics::CellShape::rounded, strokes);
-      std::printf(" %8.3f", ratio);
-      csv << 1e3 * tip_m << ',' << 1e3 * depth_m << ',' << 1e3 * spacing_m << ',' << ratio << '\n';
+  for (const Tip& tip : tips) {
+    std::vector<std::shared_ptr<const haptics::MongeSurface>> samples;
+    for (const double spacing_m : kSpacings_m) samples.push_back(window(stone, spacing_m, tip.radius_m));
+    for (const double depth_m : tip.depths_m) {
+      std::printf("%7.2f mm %7.2f mm", 1e3 * tip.radius_m, 1e3 * depth_m);
+      for (std::size_t k = 0; k < samples.size(); ++k) {
+        const double ratio = drag_over_press(*samples[k], strokes, depth_m);
+        std::printf(" %8.3f", ratio);
+        csv << 1e3 * tip.radius_m << ',' << 1e3 * depth_m << ',' << 1e3 * kSpacings_m[k] << ',' << ratio << '\n';
+      }
+      std::puts("");
     }
-    std::puts("");
   }
   return static_cast<bool>(csv.flush());
 }

@@ -1,8 +1,11 @@
 #include "ball.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
+
+#include <Eigen/LU>
 
 #include "triangle_tree.h"
 
@@ -18,9 +21,9 @@ struct Plane {
   double least;
 };
 
-/// The step nearest to `pull` that all planes allow, by Dykstra's alternating projections.
-Vector3d allowed_step(const std::vector<Plane>& planes, std::vector<double>& multipliers, const Vector3d& pull,
-                      double still) {
+/// The same by Dykstra's alternating projections, however the planes lie.
+Vector3d projected_step(const std::vector<Plane>& planes, std::vector<double>& multipliers, const Vector3d& pull,
+                        double still) {
   constexpr int kRounds = 200;
   multipliers.assign(planes.size(), 0.0);
   Vector3d step = pull;
@@ -37,6 +40,84 @@ Vector3d allowed_step(const std::vector<Plane>& planes, std::vector<double>& mul
     if (most < still) break;
   }
   return step;
+}
+
+/// Up to three planes that hold a step.
+struct Held {
+  std::array<const Plane*, 3> planes{};
+  int count = 0;
+};
+
+/// The step nearest to `pull` on these planes; false when they are (nearly) parallel or one of them would pull.
+bool step_on(const Held& held, const Vector3d& pull, Vector3d& step) {
+  constexpr double kParallel = 1e-9;
+  const auto normal = [&held](int k) -> const Vector3d& { return held.planes[static_cast<std::size_t>(k)]->normal; };
+  const auto missing = [&](int k) { return held.planes[static_cast<std::size_t>(k)]->least - normal(k).dot(pull); };
+  Vector3d share = Vector3d::Zero();
+  if (held.count == 1) {
+    share[0] = missing(0);
+  } else if (held.count == 2) {
+    const double both = normal(0).dot(normal(1));
+    const double determinant = 1.0 - both * both;
+    if (determinant < kParallel) return false;
+    share[0] = (missing(0) - both * missing(1)) / determinant;
+    share[1] = (missing(1) - both * missing(0)) / determinant;
+  } else {
+    Eigen::Matrix3d rows;
+    for (int k = 0; k < 3; ++k) rows.row(k) = normal(k).transpose();
+    const Eigen::Matrix3d gram = rows * rows.transpose();
+    const double determinant = gram.determinant();
+    if (determinant < kParallel) return false;
+    share = gram.inverse() * Vector3d(missing(0), missing(1), missing(2));
+  }
+  step = pull;
+  for (int k = 0; k < held.count; ++k) {
+    if (share[k] < 0.0) return false;
+    step += share[k] * normal(k);
+  }
+  return true;
+}
+
+/// The step nearest to `pull` that all planes allow: the most offended plane joins those that hold, of which the ones
+/// that still push stay (a dual active-set method; three planes at most hold a point of space).
+Vector3d allowed_step(const std::vector<Plane>& planes, std::vector<double>& multipliers, const Vector3d& pull,
+                      double still) {
+  constexpr int kMostChanges = 60;
+  Held held;
+  Vector3d step = pull;
+  for (int change = 0; change < kMostChanges; ++change) {
+    const Plane* worst = nullptr;
+    double offence = still;
+    for (const Plane& plane : planes)
+      if (const double by = plane.least - plane.normal.dot(step); by > offence) {
+        offence = by;
+        worst = &plane;
+      }
+    if (worst == nullptr) return step;
+    bool found = false;
+    for (unsigned kept = 0; kept < (1U << static_cast<unsigned>(held.count)) && !found; ++kept) {
+      Held next;
+      next.planes[static_cast<std::size_t>(next.count++)] = worst;
+      bool fits = true;
+      for (int k = 0; k < held.count && fits; ++k) {
+        if ((kept >> static_cast<unsigned>(k) & 1U) == 0U) continue;
+        fits = next.count < 3;
+        if (fits) next.planes[static_cast<std::size_t>(next.count++)] = held.planes[static_cast<std::size_t>(k)];
+      }
+      Vector3d tried;
+      if (!fits || !step_on(next, pull, tried)) continue;
+      for (int k = 0; k < held.count && fits; ++k) {
+        const Plane& plane = *held.planes[static_cast<std::size_t>(k)];
+        fits = plane.normal.dot(tried) >= plane.least - still;
+      }
+      if (!fits) continue;
+      found = true;
+      held = next;
+      step = tried;
+    }
+    if (!found) break;
+  }
+  return projected_step(planes, multipliers, pull, still);
 }
 
 class Ball : public Peer {
@@ -88,8 +169,13 @@ class Ball : public Peer {
       const Vector3d normal = distance > 1e-9 * radius_m_ ? Vector3d(out / distance) : triangle.normal;
       planes_.push_back({normal, radius_m_ - distance - kSlack * still_m_});
     }
-    // What it touches first: multipliers of planes ahead, once raised, fall only slowly.
+    // What it touches first: multipliers of planes ahead, once raised, fall only slowly. Triangles that meet at the
+    // nearest point share a plane.
     std::sort(planes_.begin(), planes_.end(), [](const Plane& a, const Plane& b) { return a.least > b.least; });
+    const auto same = [this](const Plane& a, const Plane& b) {
+      return std::abs(a.least - b.least) < 1e-9 * radius_m_ && (a.normal - b.normal).squaredNorm() < 1e-14;
+    };
+    planes_.erase(std::unique(planes_.begin(), planes_.end(), same), planes_.end());
   }
 
   void push_out() {

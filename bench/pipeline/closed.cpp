@@ -212,7 +212,7 @@ bool run_case(const RunOptions& options, const test::NamedObject& named, const C
   row.object = named.name;
   row.what = c;
   pipeline::Projection projection;
-  const int runs = options.quick ? 1 : 3;
+  const int runs = options.every ? 3 : 1;
   try {
     row.ms_two = timed(cloud, grid, 2, runs, projection);
     row.ms_one = timed(cloud, grid, 1, runs, projection);

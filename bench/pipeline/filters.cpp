@@ -130,8 +130,8 @@ void run_filters(const RunOptions& options) {
   using pipeline::OutlierConfig;
   using pipeline::RadiusOutlierConfig;
   using pipeline::SmoothConfig;
-  const int times = options.quick ? 1 : 3;
-  const Cloud cloud = scanned(options.quick ? 200'000 : 1'000'000);
+  const int times = options.every ? 3 : 1;
+  const Cloud cloud = scanned(options.quick ? 200'000 : options.every ? 1'000'000 : 400'000);
   const double spacing_m = 1.14 / std::sqrt(static_cast<double>(cloud.size()));
   Rows rows(options.out / "pipeline_filters.csv");
   const auto compare = [&](const std::string& name, const FilterConfig& own, const FilterConfig& pcls) {

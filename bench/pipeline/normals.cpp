@@ -113,7 +113,7 @@ void run_normals(const RunOptions& options) {
     if (!options.scenes.empty() && named.name.find(options.scenes) == std::string::npos) continue;
     for (const double noise : {0.1, 0.3}) {
       test::ScanOptions how;
-      how.points = options.quick ? 100'000 : options.every ? 1'000'000 : 300'000;
+      how.points = options.every ? 1'000'000 : 100'000;
       how.noise_spacings = noise;
       const ObjectScan scan = test::scan_object(*named.object, how);
       const pipeline::Cloud cloud = test::make_cloud(scan.points);

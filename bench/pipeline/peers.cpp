@@ -72,7 +72,7 @@ void run_open(const RunOptions& options, const OpenCase& c, std::ofstream& csv) 
   const double point_spacing_m = truth.lattice().spacing_m / std::sqrt(c.per_node);
   const std::vector<ContestRow> rows =
       contest(contestants_of(cloud, points, config.grid, config.haptics.resolution_m, truth.lattice(), point_spacing_m),
-              options.quick ? 3 : 5, options.quick || c.varied != "base" ? 1 : 3);
+              3, options.quick || c.varied != "base" ? 1 : 2);
   const auto row = [&](const std::string& method, const std::vector<Sample>& samples, double seconds,
                        const ContestRow* timed) {
     const Figures f = judge(samples, truth);

@@ -57,7 +57,7 @@ void run_scaling(const RunOptions& options) {
   csv << "stage,against,points,nodes,seconds\n";
   fmt::print("\n## Stages against points and nodes, one thread\n");
   const auto measure = [&](const char* against, double points, int nodes) {
-    const auto stages = stages_of(options.work / "scaling", points, nodes, options.quick ? 1 : 2);
+    const auto stages = stages_of(options.work / "scaling", points, nodes, 1);
     fmt::print("{:.0f} points, {} x {} nodes:", points, nodes, nodes);
     for (const auto& [name, seconds] : stages) {
       csv << fmt::format("{},{},{:.0f},{},{}\n", name, against, points, nodes * nodes, seconds);

@@ -85,7 +85,7 @@ bool run(bool quick, const std::filesystem::path& out) {
       field = make_field(scenario.ground, scenario.nodes, front ? entrants : standard);
       made = wanted;
     }
-    for (const Row& row : race(scenario, field, quick ? 1000 : 2000, quick ? 5 : 7)) {
+    for (const Row& row : race(scenario, field, quick ? 1000 : 1500, 5)) {
       write_row(csv, row);
       print_row(row);
       report.rows.push_back(row);
