@@ -84,7 +84,7 @@ struct LiveOutput::Shared {
   }
   bool open();
   void play();
-  bool give_up();
+  void give_up();
   void lose(const std::string& why);
 };
 
@@ -130,18 +130,17 @@ void LiveOutput::Shared::play() {
   wake.wait(lock, [this] { return lost || stopping; });
 }
 
-/// After the stream was lost; false when no other one can be opened.
-bool LiveOutput::Shared::give_up() {
+/// After the stream was lost.
+void LiveOutput::Shared::give_up() {
   std::unique_ptr<LiveStream> old;
   {
     const std::lock_guard lock(mutex);
     lost = false;
     old = std::move(stream);
   }
-  if (!old->give_up()) return false;
+  old->give_up();
   old.reset();
   if (failed.exchange(false)) pause();
-  return true;
 }
 
 /// The events go back to whoever calls tend().
@@ -164,7 +163,7 @@ void LiveOutput::run(Shared& shared) {
       shared.stream->stop();
       break;
     }
-    if (!shared.give_up()) break;
+    shared.give_up();
   }
   std::unique_ptr<LiveStream> old;
   {

@@ -46,13 +46,22 @@ Error device_error(const std::string& what) {
   return Error(ErrorKind::device, {}, "no sound: " + what, "a sound device; --audio-out writes the sound to a file");
 }
 
+/// The JACK server has ended. Its library never forgets that: from then on this program has no JACK.
+std::atomic<bool>& jack_ended() {
+  static std::atomic<bool> ended{false};
+  return ended;
+}
+
+bool is_jack(const PaDeviceInfo& info) { return Pa_GetHostApiInfo(info.hostApi)->type == paJACK; }
+
 PaDeviceIndex choose_device() {
   const PaHostApiIndex jack = Pa_HostApiTypeIdToHostApiIndex(paJACK);
-  if (jack >= 0) {
+  if (jack >= 0 && !jack_ended()) {
     const PaDeviceIndex device = Pa_GetHostApiInfo(jack)->defaultOutputDevice;
     if (device != paNoDevice) return device;
   }
-  return Pa_GetDefaultOutputDevice();
+  const PaDeviceIndex device = Pa_GetDefaultOutputDevice();
+  return device != paNoDevice && jack_ended() && is_jack(*Pa_GetDeviceInfo(device)) ? paNoDevice : device;
 }
 
 /// PortAudio's devices while this lives.
@@ -77,7 +86,7 @@ std::vector<OutputDevice> list_devices() {
   const PaDeviceIndex chosen = choose_device();
   for (PaDeviceIndex k = 0; k < Pa_GetDeviceCount(); ++k) {
     const PaDeviceInfo& info = *Pa_GetDeviceInfo(k);
-    if (info.maxOutputChannels < 1) continue;
+    if (info.maxOutputChannels < 1 || (jack_ended() && is_jack(info))) continue;
     devices.push_back({k, info.name, Pa_GetHostApiInfo(info.hostApi)->name, info.maxOutputChannels,
                        info.defaultSampleRate, info.defaultLowOutputLatency, k == chosen});
   }
@@ -104,7 +113,7 @@ std::vector<OutputDevice> output_devices() {
 struct LiveStream::Implementation {
   Library library;
   PaStream* stream = nullptr;
-  bool is_jack = false;
+  bool plays_on_jack = false;
   double rate_hz = kWishedRate_hz;
   std::string name;
   Callback callback;
@@ -144,7 +153,7 @@ LiveStream::LiveStream(const std::string& wanted) : implementation_(std::make_un
   if (device == paNoDevice) throw device_error("this machine has no sound device");
   const PaDeviceInfo& info = *Pa_GetDeviceInfo(device);
   self.name = info.name;
-  self.is_jack = Pa_GetHostApiInfo(info.hostApi)->type == paJACK;
+  self.plays_on_jack = is_jack(info);
   PaStreamParameters output{};
   output.device = device;
   output.channelCount = 2;
@@ -209,18 +218,18 @@ void LiveStream::shut_out() noexcept {
     std::this_thread::yield();
 }
 
-bool LiveStream::give_up() noexcept {
-  if (!implementation_) return false;
-  if (implementation_->is_jack) {
+void LiveStream::give_up() noexcept {
+  if (!implementation_) return;
+  if (implementation_->plays_on_jack) {
+    jack_ended() = true;
     (void)implementation_.release();
-    return false;
+    return;
   }
   {
     const std::lock_guard lock(portaudio());
     Pa_AbortStream(implementation_->stream);
   }
   implementation_.reset();
-  return true;
 }
 
 bool LiveStream::playing() const noexcept {

@@ -46,9 +46,9 @@ class LiveStream {
   void stop() noexcept;
   /// From here on the device's thread stays out: what the callback uses may go.
   void shut_out() noexcept;
-  /// Gives a device that went away back to its sound system. False when that cannot be done, because it would wait for
-  /// ever (a JACK server that has ended): then no stream can be opened again in this program. Takes its time.
-  [[nodiscard]] bool give_up() noexcept;
+  /// Gives a device that went away back to its sound system. Of a JACK server nothing can be given back without waiting
+  /// for ever: it is left behind, and no stream of this program chooses JACK again. Takes its time.
+  void give_up() noexcept;
   /// False when the device went away (it has not asked for sound for 0.4 s).
   [[nodiscard]] bool playing() const noexcept;
 

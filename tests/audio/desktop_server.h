@@ -58,7 +58,8 @@ class DesktopServer {
       }
     }
   }
-  ~DesktopServer() {
+  ~DesktopServer() { end(); }
+  void end() {
     if (process_) process_->end(3000);
   }
   DesktopServer(const DesktopServer&) = delete;
