@@ -139,7 +139,7 @@ class Ball : public Peer {
       const Vector3d before = centre_;
       centre_ += allowed_step(planes_, multipliers_, pull, 0.01 * still_m_);
       push_out();
-      if ((centre_ - before).norm() < still_m_) break;
+      if ((centre_ - before).norm() < 0.2 * still_m_) break;
     }
     Touched touched;
     const Vector3d out = centre_ - hand;
