@@ -30,6 +30,7 @@ struct Rect {
   [[nodiscard]] bool contains(double px, double py) const {
     return px >= x && py >= y && px < x + width && py < y + height;
   }
+  [[nodiscard]] bool operator==(const Rect&) const = default;
 };
 
 /// Turntable camera: looks at `target` from `distance`, tilted from straight above, turned about z.

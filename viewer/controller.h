@@ -41,6 +41,9 @@ class Controller {
   /// Mouse, pixels in the window; `view` is the picture's detail view and `layout` where it lies.
   void mouse_move(double x, double y, const Layout& layout, const View& view, const Stage& stage,
                   const HeightAt& height);
+  /// A picture was drawn. A hand that followed the mouse since the picture before goes where the mouse points in this
+  /// one: keys pressed just before may have moved or split the detail view.
+  void picture_drawn(const Layout& layout, const View& view);
   void mouse_button(int button, bool down, int modifiers);  ///< 0 left, 1 right, 2 middle
   void mouse_wheel(double steps, int modifiers);
   /// What the interface has drawn and can be clicked; later ones lie on top.
@@ -119,6 +122,7 @@ class Controller {
   int help_pages_ = 1;
   Layout layout_;  // of the last move of the mouse
   std::optional<View> view_;
+  bool aimed_ = false;  // since the last picture
   Eigen::Vector2d mouse_ = Eigen::Vector2d::Zero();
   Grip grip_ = Grip::none;
   std::optional<Clickable> gripped_;

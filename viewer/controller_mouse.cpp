@@ -67,6 +67,14 @@ void Controller::mouse_move(double x, double y, const Layout& layout, const View
   if (drag_key_ != 0) return drag_hand(now - moved, view);
   // Side by side, either eye's picture is pointed at.
   hand_.aim(view.ray(std::fmod(x - layout.detail.x, view.width), y - layout.detail.y));
+  aimed_ = true;
+}
+
+void Controller::picture_drawn(const Layout& layout, const View& view) {
+  const bool moved =
+      view_ && (layout.detail != layout_.detail || view.width != view_->width || view.height != view_->height);
+  if (std::exchange(aimed_, false) && moved) mouse_move(mouse_.x(), mouse_.y(), layout, view, stage_, {});
+  aimed_ = false;
 }
 
 void Controller::press_left(int modifiers) {

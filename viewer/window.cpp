@@ -501,6 +501,8 @@ class Screen {
                          inputs_.height != drawn_height_ || picture_.waits(now_s) || controller_->wants_screenshot();
     if (!changed) return;
     picture_.draw(controller_->frame(), 0, inputs_.width, inputs_.height);
+    controller_->picture_drawn(layout_of(inputs_.width, inputs_.height, controller_->settings()),
+                               picture_.detail_view());
     GuiInput::begin_frame(inputs_);
     gui_.draw(controller_->frame(), controller_->buttons(), picture_, inputs_.width, inputs_.height, now_s - before_s_);
     controller_->set_boxes(gui_.boxes(), gui_.help_pages());

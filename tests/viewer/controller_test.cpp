@@ -161,6 +161,35 @@ TEST(Controller, TheMouseIsTheHandAndTheButtonPresses) {
   EXPECT_GT(desk.pointer->read().device_m[2], surface_m + 0.004);
 }
 
+TEST(Controller, AMouseThatMovesWhileThePictureChangesPointsAtTheNewPicture) {
+  Desk desk;
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  const Layout layout = layout_of(1280, 720, desk.controller->settings());
+  const Stage stage = stage_of(desk.scene->description());
+  const View whole = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
+  const View half = make_view(desk.controller->frame().camera, layout.detail.width / 2, layout.detail.height);
+  const auto pixel = whole.to_pixel(stage.to_world(Eigen::Vector3d(0.12, 0.09, Desk::height(0.12, 0.0))));
+  ASSERT_TRUE(pixel);
+  const auto seen = [&] {
+    const haptics::PointerSample hand = desk.pointer->read();
+    return *whole.to_pixel(
+        stage.to_world(Eigen::Vector3d(0.1 + hand.device_m[0] / state.scale, 0.1 + hand.device_m[1] / state.scale,
+                                       state.centre_m[2] + hand.device_m[2] / state.scale)));
+  };
+  // The last picture was side by side; a key has turned that off before the mouse moved.
+  desk.controller->mouse_move(pixel->x(), pixel->y(), layout, half, stage, Desk::height);
+  desk.run(state, 0.02);
+  desk.controller->picture_drawn(layout, whole);
+  desk.run(state);
+  EXPECT_LT((seen() - *pixel).norm(), 0.1);
+  // A mouse that does not move leaves the hand alone.
+  const Eigen::Vector2d before = seen();
+  desk.controller->picture_drawn(layout, half);
+  desk.run(state);
+  EXPECT_LT((seen() - before).norm(), 1e-6);
+}
+
 TEST(Controller, TheHandStaysInItsWorkspaceAndFiniteWhateverHappens) {
   Desk desk;
   haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
