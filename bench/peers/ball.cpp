@@ -128,18 +128,26 @@ class Ball : public Peer {
         radius_m_(options.radius_spacings * surface.lattice.spacing_m),
         still_m_(1e-4 * surface.lattice.spacing_m) {}
 
-  void place(const Vector3d& hand) override { centre_ = hand; }
+  void place(const Vector3d& hand) override { centre_ = hand_ = hand; }
   Touched update(const Vector3d& hand) override {
+    // A ball in contact moves about as far as the hand: only triangles that it can reach so are looked at.
+    double most_m = std::max(2.0 * (hand - hand_).norm(), still_m_);
+    hand_ = hand;
     for (int move = 0; move < options_.moves; ++move) {
-      Vector3d pull = hand - centre_;
-      const double length = pull.norm();
-      if (!(length > 0.0)) break;
-      if (length > radius_m_) pull *= radius_m_ / length;
-      find_planes(pull.norm());
+      const Vector3d pull = hand - centre_;
+      most_m = std::min({most_m, pull.norm(), radius_m_});
+      if (!(most_m > 0.0)) break;
+      find_planes(most_m);
       const Vector3d before = centre_;
-      centre_ += allowed_step(planes_, multipliers_, pull, 0.01 * still_m_);
+      Vector3d step = allowed_step(planes_, multipliers_, pull, 0.01 * still_m_);
+      // What all planes allow, a part of it does not offend; the next step may be longer.
+      const double length = step.norm();
+      const bool cut = length > most_m;
+      if (cut) step *= most_m / length;
+      centre_ += step;
+      most_m = cut ? 4.0 * most_m : std::max(2.0 * length, still_m_);
       push_out();
-      if ((centre_ - before).norm() < 0.2 * still_m_) break;
+      if (!cut && (centre_ - before).norm() < 0.2 * still_m_) break;
     }
     Touched touched;
     const Vector3d out = centre_ - hand;
@@ -180,12 +188,9 @@ class Ball : public Peer {
 
   void push_out() {
     for (int k = 0; k < 4; ++k) {
-      tree_.near(centre_, radius_m_, near_);
-      const auto nearest = std::min_element(near_.begin(), near_.end(), [this](const auto& a, const auto& b) {
-        return (a.point - centre_).squaredNorm() < (b.point - centre_).squaredNorm();
-      });
-      if (nearest == near_.end()) return;
-      const Vector3d out = centre_ - nearest->point;
+      const auto nearest = tree_.nearest(centre_, radius_m_);
+      if (!nearest) return;
+      const Vector3d out = centre_ - *nearest;
       const double distance = out.norm();
       const double deep = radius_m_ - distance;
       if (!(deep > 0.01 * still_m_ && distance > 1e-9 * radius_m_)) return;
@@ -198,6 +203,7 @@ class Ball : public Peer {
   double radius_m_;
   double still_m_;
   Vector3d centre_ = Vector3d::Zero();
+  Vector3d hand_ = Vector3d::Zero();  // of the tick before
   std::vector<TriangleTree::Near> near_;
   std::vector<Plane> planes_;
   std::vector<double> multipliers_;

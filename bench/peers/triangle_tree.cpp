@@ -199,8 +199,9 @@ void TriangleTree::near(const Vector3d& point, double reach, std::vector<Near>& 
   }
 }
 
-double TriangleTree::distance(const Vector3d& point, double bound) const {
+std::optional<Vector3d> TriangleTree::nearest(const Vector3d& point, double bound) const {
   double best = bound * bound;
+  std::optional<Vector3d> found;
   const auto away = [&point](const Box& box) { return squared_distance(box, point); };
   std::int32_t stack[kDeepest];
   int depth = 0;
@@ -211,7 +212,11 @@ double TriangleTree::distance(const Vector3d& point, double bound) const {
     if (away(box) >= best) continue;
     for (std::int32_t k = 0; k < box.count; ++k) {
       const Triangle& t = triangles_[static_cast<std::size_t>(box.first + k)];
-      best = std::min(best, (closest_point(point, vertex(t, 0), vertex(t, 1), vertex(t, 2)) - point).squaredNorm());
+      const Vector3d closest = closest_point(point, vertex(t, 0), vertex(t, 1), vertex(t, 2));
+      const double squared = (closest - point).squaredNorm();
+      if (!(squared < best)) continue;
+      best = squared;
+      found = closest;
     }
     if (box.count > 0) continue;
     const bool swap =
@@ -219,7 +224,7 @@ double TriangleTree::distance(const Vector3d& point, double bound) const {
     stack[depth++] = swap ? box.first : here + 1;
     stack[depth++] = swap ? here + 1 : box.first;
   }
-  return std::sqrt(best);
+  return found;
 }
 
 std::size_t TriangleTree::bytes() const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,8 +31,8 @@ class TriangleTree {
   [[nodiscard]] Hit first_hit(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
   /// Is this point over the inside of the triangle, at most `height_m` above it?
   [[nodiscard]] bool is_over(std::int32_t triangle, const Eigen::Vector3d& point, double height_m) const;
-  /// Distance to the mesh, or `bound` when it is farther than that.
-  [[nodiscard]] double distance(const Eigen::Vector3d& point, double bound) const;
+  /// The mesh's point nearest to `point`; none when it is not nearer than `bound`.
+  [[nodiscard]] std::optional<Eigen::Vector3d> nearest(const Eigen::Vector3d& point, double bound) const;
   /// A triangle's point nearest to a query, and the triangle's unit normal.
   struct Near {
     Eigen::Vector3d point;

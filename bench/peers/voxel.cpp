@@ -82,7 +82,10 @@ class Voxel : public Peer {
     for (int k = 0; k < n_[2]; ++k) {
       const double z = low_m_ + k * voxel_m_;
       const double vertical = std::abs(z - height);
-      const double distance = tree.distance({x, y, z}, std::min({band_m_, vertical, bound}));
+      const Eigen::Vector3d place(x, y, z);
+      const double most = std::min({band_m_, vertical, bound});
+      const auto nearest = tree.nearest(place, most);
+      const double distance = nearest ? (*nearest - place).norm() : most;
       distance_m_[index(i, j, k)] = static_cast<float>(z < height ? -distance : distance);
       bound = distance + voxel_m_;
     }
