@@ -156,15 +156,58 @@ Line border_of(const pipeline::Scene& scene, std::size_t part, int level) {
   return borders.empty() ? Line{} : std::move(borders.front());
 }
 
-/// The run of the drawn line that lies on the scene.
+/// The share of a segment, from begin to end, that lies in a box (Liang & Barsky 1984); empty where none does.
+std::optional<std::array<double, 2>> share_in(const Box& box, const Vector2d& from, const Vector2d& to) {
+  double begin = 0.0, end = 1.0;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    const double low = box.at(static_cast<std::size_t>(axis)), high = box.at(static_cast<std::size_t>(axis) + 2);
+    const double way = to[axis] - from[axis];
+    if (way == 0.0) {
+      if (from[axis] < low || from[axis] > high) return std::nullopt;
+      continue;
+    }
+    const double enters = ((way > 0.0 ? low : high) - from[axis]) / way;
+    const double leaves = ((way > 0.0 ? high : low) - from[axis]) / way;
+    begin = std::max(begin, enters);
+    end = std::min(end, leaves);
+  }
+  if (begin > end) return std::nullopt;
+  return std::array{begin, end};
+}
+
+/// The runs of a line that lie in a box. Of a closed line the last one goes on with the first.
+std::vector<Line> runs_in(const Box& box, const Line& line) {
+  std::vector<Line> runs;
+  bool goes_on = false;
+  for (std::size_t k = 0; k + 1 < line.size(); ++k) {
+    const Vector2d way = line[k + 1] - line[k];
+    const auto share = share_in(box, line[k], line[k + 1]);
+    if (!share) {
+      goes_on = false;
+      continue;
+    }
+    if (!goes_on) runs.push_back({(*share)[0] > 0.0 ? Vector2d(line[k] + (*share)[0] * way) : line[k]});
+    goes_on = (*share)[1] == 1.0;
+    const Vector2d end = goes_on ? line[k + 1] : Vector2d(line[k] + (*share)[1] * way);
+    if (end != runs.back().back()) runs.back().push_back(end);
+  }
+  if (runs.size() > 1 && line.front() == line.back() && goes_on && runs.front().front() == line.front()) {
+    runs.back().insert(runs.back().end(), runs.front().begin() + 1, runs.front().end());
+    runs.erase(runs.begin());
+  }
+  return runs;
+}
+
+/// The longest run of the drawn line that lies on the scene.
 Line drawn_line(const pipeline::SceneDescription& scene, const pipeline::GuideConfig& config) {
   const pipeline::Lattice& lattice = scene.levels.front();
   const Box box{lattice.x_m(0), lattice.y_m(0), lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1)};
   Line line;
   for (const auto& point : config.line_m) line.emplace_back(point[0], point[1]);
-  const bool outside =
-      std::none_of(line.begin(), line.end(), [&](const Vector2d& p) { return pipeline::in_box(box, p.x(), p.y()); });
-  return outside ? Line{} : line;
+  Line longest;
+  for (Line& run : runs_in(box, line))
+    if (length_m(run) > length_m(longest)) longest = std::move(run);
+  return longest;
 }
 
 }  // namespace

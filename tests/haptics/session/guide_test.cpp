@@ -134,6 +134,36 @@ TEST(GuideLine, ThatIsDrawnIsTakenAsItIs) {
   EXPECT_EQ(drawn({{0.1, 0.2}, {0.3, 0.2}}, true).why.key(), "guide_other_side");
 }
 
+TEST(GuideLine, ThatIsDrawnBeyondTheStoneIsItsLongestRunOnTheStone) {
+  using Drawn = std::vector<std::array<double, 2>>;
+  struct Case {
+    Drawn line;
+    double length_m;  // by hand
+  };
+  // The stone reaches from 0 to 1 m.
+  const std::vector<Case> cases = {
+      {{{0.5, 0.5}, {3.0, 0.5}}, 0.5},                                                  // one corner on it
+      {{{-1.0, 0.5}, {2.0, 0.5}}, 1.0},                                                 // across it, no corner on it
+      {{{0.2, 0.5}, {0.2, -1.0}, {0.5, -1.0}, {0.5, 0.9}}, 0.9},                        // two runs: 0.5 and 0.9
+      {{{0.5, 0.5}, {2.0, 0.5}, {2.0, 0.8}, {0.5, 0.8}, {0.5, 0.5}}, 0.5 + 0.3 + 0.5},  // closed: one run
+      {{{1.5, 0.0}, {0.0, 1.5}}, std::sqrt(0.5)},                                       // over a corner
+      {{{0.1, 0.1}, {0.1, 0.1}, {0.4, 0.1}}, 0.3}};                                     // a corner twice
+  for (const Case& drawn : cases) {
+    const auto scene = stone(disc_m, [&](pipeline::SceneDescription& d) {
+      d.config.guide = pipeline::GuideConfig{};
+      d.config.guide->path = pipeline::GuideConfig::Path::drawn;
+      d.config.guide->line_m = drawn.line;
+    });
+    const GuideAnswer answer = find_guide({scene, 0, {0.1, 0.1}, {}});
+    ASSERT_NE(answer.guide, nullptr);
+    EXPECT_NEAR(answer.guide->path.length_m(), drawn.length_m, 1e-9) << ::testing::PrintToString(drawn.line);
+    for (std::size_t k = 0; k < answer.guide->path.pieces(); ++k) {
+      EXPECT_GE(answer.guide->path.corner(k).minCoeff(), -1e-12);
+      EXPECT_LE(answer.guide->path.corner(k).maxCoeff(), 1.0 + 1e-12);
+    }
+  }
+}
+
 TEST(GuideLine, OfTheOutlinePrefersThatOfThePart) {
   const auto two_discs = [](double x, double y) {
     return std::hypot(x - 0.3, y - 0.5) < 0.1 || std::hypot(x - 0.7, y - 0.5) < 0.15 ? 0.02 : 0.0;
