@@ -1,6 +1,8 @@
 #include "haptics/session/guide_control.h"
 
 #include <chrono>
+#include <exception>
+#include <string>
 #include <utility>
 
 #include "base/error.h"
@@ -33,17 +35,23 @@ std::optional<Command> GuideControl::poll() {
   std::erase_if(given_, [](const auto& guide) { return guide.use_count() == 1; });
   if (!looking_.valid() || looking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
   GuideAnswer answer;
+  std::string failure;
   try {
     answer = looking_.get();
   } catch (const Error& error) {
-    announcer_.say("window_unreadable", {{"reason", error.wrong()}}, Announcement::Priority::fault);
-    return std::nullopt;
+    failure = error.wrong();
+  } catch (const std::exception& error) {
+    failure = error.what();
   }
   if (next_) {
     look(*std::exchange(next_, std::nullopt));
     return std::nullopt;
   }
   if (std::exchange(dropped_, false)) return std::nullopt;
+  if (!failure.empty()) {
+    announcer_.say("window_unreadable", {{"reason", failure}}, Announcement::Priority::fault);
+    return std::nullopt;
+  }
   on_ = answer.guide != nullptr;
   Command command;
   command.kind = Command::Kind::guide;

@@ -18,8 +18,8 @@ class GuideControl {
  public:
   explicit GuideControl(Announcer& announcer) : announcer_(announcer) {}
 
-  /// On or being looked for.
-  [[nodiscard]] bool on() const { return on_ || looking_.valid(); }
+  /// On or being looked for. What was dropped while it was looked for is not.
+  [[nodiscard]] bool on() const { return on_ || next_ || (looking_.valid() && !dropped_); }
   /// Looks for the line; answered by poll(). A wish while one is looked for takes its place.
   void ask(GuideWish wish);
   /// No guide any more; said unless `silent`. The command for the servo.

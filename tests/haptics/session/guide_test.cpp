@@ -6,10 +6,12 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/phrases.h"
+#include "haptics/session/guide_control.h"
 #include "haptics/session/guide_line.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/session.h"
@@ -162,6 +164,40 @@ TEST(GuideLine, ThatIsDrawnBeyondTheStoneIsItsLongestRunOnTheStone) {
       EXPECT_LE(answer.guide->path.corner(k).maxCoeff(), 1.0 + 1e-12);
     }
   }
+}
+
+TEST(GuideControl, IsOffAsSoonAsItWasDroppedAndOnWhenItIsAskedForAgain) {
+  AnnouncementBoard board;
+  const auto scene = stone(disc_m);
+  Announcer announcer(board, scene);
+  GuideControl guide(announcer);
+  const GuideWish wish{scene, 0, {0.5, 0.5}, {}};
+  guide.ask(wish);
+  EXPECT_TRUE(guide.on());
+  static_cast<void>(guide.stop(true));
+  EXPECT_FALSE(guide.on()) << "the search goes on, for nobody";
+  guide.ask(wish);
+  EXPECT_TRUE(guide.on());
+  std::optional<Command> command;
+  ASSERT_TRUE(eventually([&] { return (command = guide.poll()).has_value(); }));
+  EXPECT_NE(command->guide, nullptr);
+}
+
+TEST(GuideControl, SaysWhyWhateverEndedTheSearch) {
+  AnnouncementBoard board;
+  const auto scene = stone(disc_m, [](pipeline::SceneDescription& d) {
+    d.config.guide = pipeline::GuideConfig{};
+    d.config.guide->path = pipeline::GuideConfig::Path::part;
+  });
+  Announcer announcer(board, scene);
+  GuideControl guide(announcer);
+  guide.ask({scene, 0, {0.5, 0.5}, 99});  // std::out_of_range, no Error
+  ASSERT_TRUE(eventually([&] {
+    EXPECT_FALSE(guide.poll());
+    return !board.since(0).empty();
+  }));
+  EXPECT_EQ(board.since(0).front().priority, Announcement::Priority::fault);
+  EXPECT_FALSE(guide.on());
 }
 
 TEST(GuideLine, OfTheOutlinePrefersThatOfThePart) {
