@@ -52,7 +52,7 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"no_parts", ""},
     {"part_other_side", "part"},
     {"part_way", "part distance clock"},
-    {"part_here", "part"},
+    {"part_under", "part"},
     {"clock_1", ""},
     {"clock_2", ""},
     {"clock_3", ""},

@@ -21,8 +21,8 @@ Announcer::Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene, Phr
 
 void Announcer::set_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
-  part_.clear();
-  described_.clear();
+  part_.reset();
+  described_.reset();
   unknown_ = false;
   outside_ = false;
 }
@@ -44,18 +44,20 @@ void Announcer::control(Announcement::Control control, Phrase phrase) {
   board_.say(phrases_.text(phrase), Priority::information, control);
 }
 
-const pipeline::PartConfig* Announcer::part_at(const State& state) const {
-  return pipeline::part_at(scene_->description(), state.place_m);
+std::optional<std::size_t> Announcer::part_at(const State& state) const {
+  const pipeline::PartConfig* const part = pipeline::part_at(scene_->description(), state.place_m);
+  if (part == nullptr) return std::nullopt;
+  return static_cast<std::size_t>(part - scene_->description().config.parts.data());
 }
 
 void Announcer::watch(const State& state) {
   if (state.contact == 0) return;
-  if (const pipeline::PartConfig* part = part_at(state)) {
-    if (part->name != part_ || state.time_s - part_left_s_ > kSilenceS) {
-      say_as_is(part->say);
-      described_ = part->name;  // the next press tells more
+  if (const std::optional<std::size_t> here = part_at(state)) {
+    if (here != part_ || state.time_s - part_left_s_ > kSilenceS) {
+      say_as_is(part(*here).say);
+      described_ = here;  // the next press tells more
     }
-    part_ = part->name;
+    part_ = here;
     part_left_s_ = state.time_s;
   }
   const bool outside = (state.flags & kFlagOutside) != 0;
@@ -97,9 +99,11 @@ void Announcer::say_view(const View& view) { say_as_is(view_text(view)); }
 
 void Announcer::say_first(const View& view) { say("first_words", {{"view", view_text(view)}}); }
 
-void Announcer::say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m) {
-  described_ = part.name;
-  say_way("part_way", "part_here", way_m, {{"part", part.say}});
+void Announcer::say_part(std::size_t index, const Eigen::Vector2d& way_m, bool under_hand) {
+  described_ = index;
+  const PhraseValues values{{"part", part(index).say}};
+  if (under_hand) return say("part_under", values);
+  say_way("part_way", "part_under", way_m, values);
 }
 
 void Announcer::say_way(Phrase there, Phrase here, const Eigen::Vector2d& way_m, PhraseValues values) {
@@ -129,20 +133,20 @@ Phrase Announcer::place_on_stone(const State& state) const {
 }
 
 void Announcer::describe(const State& state, const View& view) {
-  const pipeline::PartConfig* part = part_at(state);
-  const bool again = part != nullptr && part->name == described_ && !part->more.empty();
-  described_ = part != nullptr && !again ? part->name : std::string();
-  if (again) return say_as_is(part->more);
+  const std::optional<std::size_t> here = part_at(state);
+  const bool again = here && here == described_ && !part(*here).more.empty();
+  described_ = again ? std::nullopt : here;
+  if (again) return say_as_is(part(*here).more);
   std::string contact = phrases_.text(state.contact != 0 ? Phrase("touching") : Phrase("in_the_air"));
   if ((state.flags & kFlagOutside) != 0)
     contact += ", " + phrases_.text("outside");
   else if ((state.flags & kFlagUnknownArea) != 0)
     contact += ", " + phrases_.text("not_measured");
-  const PhraseValues values{{"part", part != nullptr ? part->say : std::string()},
+  const PhraseValues values{{"part", here ? part(*here).say : std::string()},
                             {"place", phrases_.text(place_on_stone(state))},
                             {"view", view_text(view)},
                             {"contact", contact}};
-  say(part != nullptr ? Phrase("where_part") : Phrase("where"), values);
+  say(here ? Phrase("where_part") : Phrase("where"), values);
 }
 
 }  // namespace sparsha::haptics

@@ -1,7 +1,9 @@
 // Finds the words: watches State and says what a visitor who cannot see needs to know, in the visitor's language.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "base/phrases.h"
@@ -32,9 +34,10 @@ class Announcer {
   void say_view(const View& view);
   /// The same with how to get help, where speech begins.
   void say_first(const View& view);
-  /// A part that the window goes to, and its way from the hand, grid frame: "Lotus, 12 centimetres, two o'clock".
-  void say_part(const pipeline::PartConfig& part, const Eigen::Vector2d& way_m);
-  /// Distance and hour of a way from the hand, grid frame; `here` where there is none.
+  /// A part that the window goes to, by its index in the scene's list, and the way that leads the hand there, device
+  /// frame: "Lotus, 3 centimetres, two o'clock", or "Lotus is under your hand".
+  void say_part(std::size_t index, const Eigen::Vector2d& way_m, bool under_hand);
+  /// Distance and hour of a way of the hand, device frame; `here` where there is none.
   void say_way(Phrase there, Phrase here, const Eigen::Vector2d& way_m, PhraseValues values = {});
   /// Where the hand is, at length; asked again on the same part, what else there is to say about it.
   void describe(const State& state, const View& view);
@@ -48,7 +51,11 @@ class Announcer {
   [[nodiscard]] const Phrases& phrases() const { return phrases_; }
 
  private:
-  [[nodiscard]] const pipeline::PartConfig* part_at(const State& state) const;
+  /// Index into the scene's list.
+  [[nodiscard]] std::optional<std::size_t> part_at(const State& state) const;
+  [[nodiscard]] const pipeline::PartConfig& part(std::size_t index) const {
+    return scene_->description().config.parts.at(index);
+  }
   [[nodiscard]] std::string view_text(const View& view) const;
   [[nodiscard]] Phrase place_on_stone(const State& state) const;
   [[nodiscard]] Phrase way_back(const State& state) const;
@@ -56,10 +63,10 @@ class Announcer {
   AnnouncementBoard& board_;
   pipeline::ScenePointer scene_;
   Phrases phrases_;
-  std::string last_;           // said
-  std::string part_;           // name of the part last spoken
-  double part_left_s_ = -1e9;  // when the hand was last on it
-  std::string described_;      // name of the part that more can be told about
+  std::string last_;                      // said
+  std::optional<std::size_t> part_;       // last spoken
+  double part_left_s_ = -1e9;             // when the hand was last on it
+  std::optional<std::size_t> described_;  // that more can be told about
   bool unknown_ = false;
   double unknown_left_s_ = -1e9;
   bool outside_ = false;

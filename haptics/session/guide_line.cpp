@@ -235,7 +235,7 @@ GuideAnswer find_guide(const GuideWish& wish) {
   }
   if (line.size() < 2) return answer;
   answer.guide = std::make_shared<const Guide>(Guide{GuidePath(line), config.force_n, config.speed_m_per_s});
-  answer.way_m = way_to(answer.guide->path, wish.hand_m);
+  answer.way_m = wish.scale * way_to(answer.guide->path, wish.hand_m);
   return answer;
 }
 

@@ -19,13 +19,14 @@ struct GuideWish {
   int level = 0;                                     ///< that is touched; a level of too many nodes is not searched
   Eigen::Vector2d hand_m = Eigen::Vector2d::Zero();  ///< grid frame
   std::optional<std::size_t> part;                   ///< that was gone to or is under the hand, index into its list
+  double scale = 1.0;                                ///< device metres per grid metre
 };
 
 struct GuideAnswer {
   std::shared_ptr<const Guide> guide;               ///< null: there is none,
   Phrase why = "guide_no_outline";                  ///< and why
   std::string part;                                 ///< said of the part whose border it is; empty: another line
-  Eigen::Vector2d way_m = Eigen::Vector2d::Zero();  ///< from the hand to the line, grid frame
+  Eigen::Vector2d way_m = Eigen::Vector2d::Zero();  ///< of the hand to the line, device frame
 };
 
 /// By the scene's block `guide`, or its defaults. `path: outline`: of what is found in the heights, the longest line

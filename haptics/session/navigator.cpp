@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,14 @@ constexpr double kFastestScroll = 0.5;  // workspace widths a second, at the ver
 constexpr double kScrollStep = 0.05;    // changes smaller than this share of the fastest are not sent
 
 Eigen::Vector2d across(const std::array<double, 3>& v) { return {v[0], v[1]}; }
+
+/// Whether a part is surely at a place of the grid: of an object that was turned, the middle of the part is.
+bool lies_in(const pipeline::SceneDescription& scene, std::size_t part, const pipeline::PartPlace& place,
+             const Eigen::Vector2d& at_m) {
+  if (!scene.region_from_grid) return pipeline::area_of(scene, part).holds(at_m.x(), at_m.y());
+  const double width_m = std::min(place.box_m[2] - place.box_m[0], place.box_m[3] - place.box_m[1]);
+  return (at_m - place.middle_m).norm() <= 0.25 * width_m;
+}
 
 }  // namespace
 
@@ -104,7 +113,12 @@ WindowLoader::Job Navigator::whole_scene() {
   return move(plan, middle_of(level(plan.level)));
 }
 
-// To the nearest view that shows the whole part, with its way from the hand in words.
+Eigen::Vector2d Navigator::hand_m(const State& state) const {
+  return goal_m_ ? Eigen::Vector2d(*goal_m_ + across(state.device_m) / plan_.scale) : across(state.hip_m);
+}
+
+// To the nearest view that shows the whole part. The window brings the part to the device's centre: said is the way
+// that the hand has from where it is to there.
 std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   constexpr double kRoom = 1.1;  // window widths a part
   const auto& parts = scene_->description().config.parts;
@@ -130,7 +144,9 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   for (const ZoomStep& nearer : zoom_steps(scene_->description(), workspace_width_m_))
     if (const WindowPlan next = plan_at(nearer, centre_m); workspace_width_m_ / next.scale >= kRoom * size_m)
       plan = next;
-  announcer_.say_part(part, centre_m - across(state.hip_m));
+  const Eigen::Vector2d way_m = -across(state.device_m);
+  const Eigen::Vector2d hand_m = centre_m - way_m / plan.scale;
+  announcer_.say_part(part_ - 1, way_m, lies_in(scene_->description(), part_ - 1, *place, hand_m));
   return move(plan, centre_m);
 }
 

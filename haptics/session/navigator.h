@@ -25,6 +25,8 @@ class Navigator {
   /// Takes over a plan as the present one.
   void settle(const WindowPlan& plan) { plan_ = plan; }
   [[nodiscard]] const WindowPlan& plan() const { return plan_; }
+  /// Where the hand will be when the servo has taken over all that was asked for, grid frame.
+  [[nodiscard]] Eigen::Vector2d hand_m(const State& state) const;
   /// Width of the present window, grid frame.
   [[nodiscard]] double width_m() const { return workspace_width_m_ / plan_.scale; }
 

@@ -216,7 +216,8 @@ struct Session::Implementation {
     GuideWish wish;
     wish.scene = scene;
     wish.level = navigator.plan().level;
-    wish.hand_m = {now.hip_m[0], now.hip_m[1]};
+    wish.hand_m = navigator.hand_m(now);
+    wish.scale = navigator.plan().scale;
     wish.part = navigator.part();
     const auto& parts = scene->description().config.parts;
     const pipeline::PartConfig* touched = pipeline::part_at(scene->description(), now.place_m);

@@ -41,7 +41,7 @@ inline void visit(Visitor& visitor, const DiscStone& stone) {
     const std::size_t touches = visitor.states.size();
     const bool last = k + 1 == stone.parts.size();
     visitor.hand().press(kRight);
-    ASSERT_TRUE(visitor.hears(part.say + ", ", before)) << "its way: distance and hour";
+    ASSERT_TRUE(visitor.hears(part.say, before)) << "under the hand, or its way: distance and hour";
     if (last) {
       ASSERT_TRUE(visitor.hears("Guide on", before)) << "held on, the guide";
     }

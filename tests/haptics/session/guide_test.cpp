@@ -263,8 +263,8 @@ TEST(GuideWords, SayWhereTheOutlineIsAndThatTheGuideIsOff) {
     const Phrases phrases = Phrases::of(language);
     const std::string on = phrases.text("guide_on");
     EXPECT_TRUE(visit.hears(on.substr(0, on.find('{')))) << language;
-    // From the middle, on the overview's nodes of 10 mm.
-    EXPECT_TRUE(visit.hears_one_of({phrases.distance(0.29), phrases.distance(0.3), phrases.distance(0.31)}));
+    // From the middle, on the overview's nodes of 10 mm, in a workspace of a tenth of the stone.
+    EXPECT_TRUE(visit.hears_one_of({phrases.distance(0.029), phrases.distance(0.03), phrases.distance(0.031)}));
     EXPECT_TRUE(visit.sees([](const State& s) { return s.guide == GuidePhase::waiting; }));
     visit.ask(Request::Kind::guide);
     EXPECT_TRUE(visit.hears(phrases.text("guide_off"))) << language;

@@ -18,6 +18,7 @@
 #include "base/error.h"
 #include "haptics/device/pointer/pointer_device.h"
 #include "haptics/device/simulated/simulated_device.h"
+#include "tests/support/placed_hand.h"
 #include "tests/support/recorded_runs.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
@@ -37,35 +38,6 @@ TEST(Session, RefusesARateThatNoServoCanKeep) {
   SessionOptions options;
   options.haptics.rate_hz = 50'000.0;
   EXPECT_THROW(Session(sparsha::test::flat_scene(), make_simulated_device(1, 0.1), options), Error);
-}
-
-/// A hand at a fixed place, moved by the test.
-class Placed {
- public:
-  Placed() : place(std::make_shared<Seqlock<PointerSample>>()) { put(0.0, 0.0, 0.02); }
-  void put(double x, double y, double z, std::uint64_t buttons = 0) {
-    place->publish({{x, y, z}, buttons, ++sequence});
-  }
-  std::shared_ptr<Seqlock<PointerSample>> place;
-  std::uint64_t sequence = 0;
-};
-
-bool poll_until(Session& session, const std::function<bool()>& so) {
-  return eventually([&] {
-    session.poll();
-    return so();
-  });
-}
-
-std::vector<std::string> words(Session& session) {
-  std::vector<std::string> result;
-  for (const Announcement& a : session.announcements().since(0)) result.push_back(a.text);
-  return result;
-}
-
-bool said(Session& session, const std::string& text) {
-  const auto all = words(session);
-  return std::any_of(all.begin(), all.end(), [&](const std::string& w) { return w.find(text) != std::string::npos; });
 }
 
 TEST(Session, ZoomsWithTheDevicesButtonsAndSaysTheLevel) {
@@ -124,8 +96,8 @@ TEST(Session, HeldButtonsGoFromPartToPartAndSayTheWay) {
   State state = session.state().read();
   EXPECT_NEAR(state.hip_m[0], 0.075, 1e-9);
   EXPECT_NEAR(state.hip_m[1], 0.085, 1e-9);
-  // 25 mm right and 35 mm up of the middle is about one o'clock; the whole leaf lies in the window.
-  EXPECT_TRUE(said(session, "A leaf, 4 centimetres, one o'clock")) << ::testing::PrintToString(words(session));
+  // The window brings the leaf to a hand in the device's middle; the whole of it lies in the window.
+  EXPECT_TRUE(said(session, "A leaf is under your hand")) << ::testing::PrintToString(words(session));
   const double width_m = state.workspace_m / state.scale;
   EXPECT_GE(width_m, 0.01);
   EXPECT_LE(width_m, 0.03) << "and not much else";

@@ -1,6 +1,7 @@
 // What is said to a visitor who cannot see: in which words, in which language, and what a second press adds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,29 @@ TEST_F(Words, APressAfterAPartWasSpokenByTouchTellsMoreAtOnce) {
   EXPECT_EQ(last(), "Eight petals, carved about the year 1000.");
 }
 
+TEST_F(Words, TwoPartsOfOneNameAreSpokenOfEach) {
+  const auto twins = sparsha::test::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
+                                             [](pipeline::SceneDescription& d) {
+                                               pipeline::PartConfig part{"leaf", "A leaf", {0.0, 0.0, 0.04, 0.1}};
+                                               part.more = "It points to the left.";
+                                               d.config.parts.push_back(part);
+                                               part.box_m = {0.05, 0.0, 0.1, 0.1};
+                                               part.more = "It points to the right.";
+                                               d.config.parts.push_back(part);
+                                             });
+  Announcer announcer(board_, twins);
+  announcer.watch(at(0.02, 0.05));
+  announcer.watch(at(0.07, 0.05));
+  const auto all = board_.since(0);
+  EXPECT_EQ(std::count_if(all.begin(), all.end(), [](const Announcement& a) { return a.text == "A leaf"; }), 2);
+  announcer.describe(at(0.02, 0.05), {});
+  EXPECT_EQ(last().rfind("A leaf. ", 0), 0U) << "the hand came back to the first: more is told on the next press";
+  announcer.describe(at(0.07, 0.05), {});
+  EXPECT_EQ(last().rfind("A leaf. ", 0), 0U) << last();
+  announcer.describe(at(0.07, 0.05), {});
+  EXPECT_EQ(last(), "It points to the right.");
+}
+
 TEST_F(Words, AnEdgeIsSaidWithTheWayBackToTheStone) {
   const std::vector<std::pair<std::array<double, 2>, std::string>> cases = {
       {{-0.01, 0.05}, "Edge of the stone, go right"},  {{0.11, 0.05}, "Edge of the stone, go left"},
@@ -98,7 +122,7 @@ TEST_F(Words, NoSentenceNamesALevelANegativeNumberOrAValueThatIsMissing) {
       }
     for (const double x : {-0.2, -0.029, 0.0, 0.0001, 0.5})
       for (const double y : {-0.2, 0.0, 0.3}) {
-        announcer->say_part(plate()->description().config.parts.front(), {x, y});
+        announcer->say_part(0, {x, y}, false);
         announcer->describe(at(x, y), {});
       }
   }
@@ -110,13 +134,14 @@ TEST_F(Words, NoSentenceNamesALevelANegativeNumberOrAValueThatIsMissing) {
 }
 
 TEST_F(Words, TheWayToAPartIsADistanceAndAClockInEachLanguage) {
-  const pipeline::PartConfig part = plate()->description().config.parts.front();
-  english_.say_part(part, {0.104, 0.06});  // 12 cm, 60 degrees clockwise from up
+  english_.say_part(0, {0.104, 0.06}, false);  // 12 cm, 60 degrees clockwise from up
   EXPECT_EQ(last(), "Lotus medallion, 12 centimetres, two o'clock");
-  hindi_.say_part(part, {0.104, 0.06});
+  hindi_.say_part(0, {0.104, 0.06}, false);
   EXPECT_EQ(last(), "Lotus medallion, 12 सेंटीमीटर, दो बजे की दिशा में");
-  english_.say_part(part, {0.0, 0.0});
-  EXPECT_EQ(last(), "Lotus medallion, right here");
+  for (const bool under : {false, true}) {
+    english_.say_part(0, {under ? 0.01 : 0.0, 0.0}, under);
+    EXPECT_EQ(last(), "Lotus medallion is under your hand");
+  }
 }
 
 TEST_F(Words, AreSaidAgainWhenAskedFor) {

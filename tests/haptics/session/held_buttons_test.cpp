@@ -1,0 +1,71 @@
+// What a hand is told and gets that holds the grip's buttons: the way to a part, the end of the guide, help.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/phrases.h"
+#include "haptics/session/session.h"
+#include "tests/support/placed_hand.h"
+#include "tests/support/recorded_runs.h"
+#include "tests/support/scenes.h"
+
+namespace sparsha::haptics {
+namespace {
+
+/// Where the words send a hand, metres of its own space: the distance and the hour that they name.
+Eigen::Vector2d way_in(const std::string& words) {
+  const std::vector<std::string> hours{"twelve", "one",   "two",   "three", "four", "five",
+                                       "six",    "seven", "eight", "nine",  "ten",  "eleven"};
+  const std::size_t comma = words.find(", ");
+  const bool mm = words.find("millimetre") != std::string::npos;
+  const double distance_m = std::stod(words.substr(comma + 2)) * (mm ? 0.001 : 0.01);
+  for (std::size_t k = 0; k < hours.size(); ++k)
+    if (words.find(", " + hours[k] + " o'clock") != std::string::npos)
+      return distance_m * Eigen::Vector2d(std::sin(static_cast<double>(k) * std::numbers::pi / 6.0),
+                                          std::cos(static_cast<double>(k) * std::numbers::pi / 6.0));
+  ADD_FAILURE() << words;
+  return Eigen::Vector2d::Zero();
+}
+
+TEST(Session, AHandThatObeysTheWordsForAPartIsInThePartWhereverItIs) {
+  const std::array<double, 4> leaf_m{0.07, 0.08, 0.08, 0.09};
+  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(),
+                                             [&](pipeline::SceneDescription& d) {
+                                               d.config.parts.push_back({"leaf", "A leaf", leaf_m});
+                                             });
+  for (const Eigen::Vector2d& begin :
+       {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.03, 0.0), Eigen::Vector2d(-0.02, 0.035),
+        Eigen::Vector2d(-0.03, -0.03), Eigen::Vector2d(0.005, 0.0)}) {
+    Placed hand;
+    hand.put(begin.x(), begin.y(), 0.02);
+    Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+    session.start();
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+    const std::uint64_t before = session.state().read().surface_id;
+    session.requests().post({Request::Kind::next_part});
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().surface_id > before; }));
+    const std::string told = words(session).back();
+    const bool under = told == "A leaf is under your hand";
+    const Eigen::Vector2d goal = under ? begin : Eigen::Vector2d(begin + way_in(told));
+    hand.put(goal.x(), goal.y(), 0.02);
+    ASSERT_TRUE(poll_until(session, [&] {
+      const State now = session.state().read();
+      return std::hypot(now.device_m[0] - goal.x(), now.device_m[1] - goal.y()) < 1e-4;
+    }));
+    const State state = session.state().read();
+    EXPECT_GE(state.hip_m[0], leaf_m[0]) << told;
+    EXPECT_LE(state.hip_m[0], leaf_m[2]) << told;
+    EXPECT_GE(state.hip_m[1], leaf_m[1]) << told;
+    EXPECT_LE(state.hip_m[1], leaf_m[3]) << told;
+    session.stop();
+  }
+}
+
+}  // namespace
+}  // namespace sparsha::haptics
