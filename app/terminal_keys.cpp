@@ -78,7 +78,7 @@ void TerminalKeys::digit(std::size_t button, double time_s, std::vector<Request>
     requests.push_back({kHolds.at(button), 0.0, 0.0, true});
   } else if (button != kForward && !longer_ && time_s - since_s_ >= kLongS) {
     longer_ = true;
-    requests.push_back({button == kCentre ? Kind::toggle_speech : Kind::guide});
+    requests.push_back({button == kCentre ? Kind::toggle_speech : Kind::guide, 0.0, 0.0, true});
   }
 }
 

@@ -10,7 +10,7 @@
 namespace sparsha::haptics {
 
 /// The grip's four buttons as seen from the front: right and left zoom, held they go to the next and previous part,
-/// held for 2 s they turn the guide along an outline on or off; the
+/// held for 2 s they turn the guide along an outline on; while it is on, held they end it and do nothing else; the
 /// centre says where the hand is, held it helps, held for 2 s it turns speech on or off; forward drags the stone while
 /// it is held, clicked it shows the whole scene.
 enum class Gesture {

@@ -197,18 +197,24 @@ struct Session::Implementation {
         return;
       }
       case Request::Kind::guide:
-        if (recording) return;
+        if (recording || (request.on && std::exchange(hold_ended_guide, false))) return;
         if (guide.on())
           post(guide.stop());
         else
           guide.ask(guide_wish(now, true));
         return;
+      case Request::Kind::next_part:
+      case Request::Kind::previous_part:
+        if (recording) return;
+        if (request.on) hold_ended_guide = guide.on();
+        if (request.on && hold_ended_guide) return post(guide.stop());
+        request_window(navigator.wish(request, now));
+        // A guide along a part goes with the visitor to the next one.
+        if (guide.on()) guide.ask(guide_wish(now, false));
+        return;
       default:
         if (recording) return;
         request_window(navigator.wish(request, now));
-        // A guide along a part goes with the visitor to the next one.
-        if ((request.kind == Request::Kind::next_part || request.kind == Request::Kind::previous_part) && guide.on())
-          guide.ask(guide_wish(now, false));
     }
   }
 
@@ -247,9 +253,9 @@ struct Session::Implementation {
       case Gesture::zoom_out:
         return {Kind::zoom_out};
       case Gesture::next_part:
-        return {Kind::next_part};
+        return {Kind::next_part, 0.0, 0.0, true};
       case Gesture::previous_part:
-        return {Kind::previous_part};
+        return {Kind::previous_part, 0.0, 0.0, true};
       case Gesture::whole_scene:
         return {Kind::whole_scene};
       case Gesture::drag:
@@ -259,7 +265,7 @@ struct Session::Implementation {
       case Gesture::help:
         return {Kind::help};
       case Gesture::guide:
-        return {Kind::guide};
+        return {Kind::guide, 0.0, 0.0, true};
       case Gesture::speech:
         return {Kind::toggle_speech};
       case Gesture::describe:
@@ -342,6 +348,7 @@ struct Session::Implementation {
   ButtonTour tour{announcer};
   GuideControl guide{announcer};
   double helped_s = -kHelpAgainS;  // when help was given last
+  bool hold_ended_guide = false;   // the button that is held, or was held last
   double stiffness_n_per_m = 0.0;
   bool speaks = options.speaks;
   bool quit = false;

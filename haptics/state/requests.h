@@ -24,10 +24,10 @@ struct Request {
     set_stiffness,    ///< x: N/m
     scale_stiffness,  ///< x: factor, within 50 to 5000 N/m
     whole_scene,      ///< the overview, with the scene's middle in the middle
-    next_part,        ///< the window goes to the next named part
+    next_part,        ///< the window goes to the next named part; on: by a button that is held, which ends a guide
     previous_part,    ///< likewise
     drag,             ///< on: the stone moves with the hand, without force, until this is asked for with off
-    guide,            ///< the hand is led along an outline, or no longer
+    guide,            ///< the hand is led along an outline, or no longer; on: by a button that is held on
     describe,         ///< say where the hand is; again, more about the part that it is on
     help,             ///< say what the buttons do
     help_keys,        ///< say what the keys of a terminal do

@@ -91,7 +91,7 @@ inline void visit(Visitor& visitor, const DiscStone& stone) {
   for (const std::string& words : visitor.words) EXPECT_EQ(words.find('{'), std::string::npos) << words;
   const std::size_t before = visitor.words.size();
   visitor.hand().press(kRight);
-  ASSERT_TRUE(visitor.hears("Guide off", before)) << "the same button ends it";
+  ASSERT_TRUE(visitor.hears("Guide off", before)) << "a hold of the same button ends it";
   visitor.hand().press(0);
 }
 

@@ -67,5 +67,45 @@ TEST(Session, AHandThatObeysTheWordsForAPartIsInThePartWhereverItIs) {
   }
 }
 
+TEST(Session, AHoldOfTheGripEndsTheGuideAndDoesNothingElse) {
+  const auto scene =
+      sparsha::test::scene_of([](double x, double y) { return std::hypot(x - 0.05, y - 0.05) < 0.02 ? 0.002 : 0.0; },
+                              201, 0.1, 101, Eigen::Vector3d::Zero(),
+                              [](pipeline::SceneDescription& d) {
+                                d.config.parts.push_back({"disc", "A disc", {0.03, 0.03, 0.07, 0.07}});
+                                d.config.parts.push_back({"edge", "The edge", {0.0, 0.0, 0.02, 0.1}});
+                              });
+  Placed hand;
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  hand.put(0.0, 0.0, 0.02, 1);
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Guide on"); })) << "held for 2 s";
+  hand.put(0.0, 0.0, 0.02, 0);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().buttons == 0; }));
+  for (const std::uint64_t button : {1U, 8U}) {
+    const std::size_t before = words(session).size();
+    const std::uint64_t window = session.state().read().surface_id;
+    const double pressed_s = session.state().read().time_s;
+    hand.put(0.0, 0.0, 0.02, button);
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().time_s > pressed_s + 3.0; }));
+    hand.put(0.0, 0.0, 0.02, 0);
+    ASSERT_TRUE(poll_until(session, [&] { return session.state().read().buttons == 0; }));
+    const auto all = words(session);
+    const auto count = [&](const std::string& what) {
+      return std::count_if(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(),
+                           [&](const std::string& w) { return w.find(what) != std::string::npos; });
+    };
+    EXPECT_EQ(count("Guide off"), 1);
+    for (const char* other : {"A disc", "The edge", "Guide on"}) EXPECT_EQ(count(other), 0) << other;
+    EXPECT_EQ(session.state().read().surface_id, window) << "no other part";
+    EXPECT_EQ(session.state().read().guide, GuidePhase::off);
+    session.requests().post({Request::Kind::guide});  // by key, for the other button
+    const std::size_t off = all.size();
+    ASSERT_TRUE(poll_until(session, [&] { return words(session).size() > off; }));
+  }
+  session.stop();
+}
+
 }  // namespace
 }  // namespace sparsha::haptics
