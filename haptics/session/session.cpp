@@ -181,6 +181,7 @@ struct Session::Implementation {
         announcer.control(Announcement::Control::next_voice, "speech_voice");
         return;
       case Request::Kind::toggle_speech:
+        helped_s = -kHelpAgainS;  // a hold for speech helps on its way; the next one is to help, not to begin the tour
         speaks = !speaks;
         announcer.control(Announcement::Control::toggle, speaks ? Phrase("speech_on") : Phrase("speech_off"));
         return;

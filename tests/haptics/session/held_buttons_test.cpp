@@ -107,5 +107,27 @@ TEST(Session, AHoldOfTheGripEndsTheGuideAndDoesNothingElse) {
   session.stop();
 }
 
+TEST(Session, AHoldThatTurnedSpeechOnDoesNotMakeTheNextOneATour) {
+  Placed hand;
+  Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  const auto hold_until = [&](const char* expected, std::size_t from) {
+    hand.put(0.0, 0.0, 0.02, 4);
+    const bool heard = poll_until(session, [&] {
+      const auto all = words(session);
+      return std::any_of(all.begin() + static_cast<std::ptrdiff_t>(from), all.end(),
+                         [&](const std::string& w) { return w.find(expected) != std::string::npos; });
+    });
+    hand.put(0.0, 0.0, 0.02, 0);
+    return heard && poll_until(session, [&] { return session.state().read().buttons == 0; });
+  };
+  ASSERT_TRUE(hold_until("Speech on. For help, hold the middle button", 0));
+  const std::size_t before = words(session).size();
+  ASSERT_TRUE(hold_until("", before));
+  EXPECT_EQ(words(session).at(before).rfind("Right button: closer", 0), 0U) << words(session).at(before);
+  session.stop();
+}
+
 }  // namespace
 }  // namespace sparsha::haptics
