@@ -1,8 +1,12 @@
 // WAV through libsndfile.
 #include "audio/wav_writer.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <sndfile.h>
@@ -11,6 +15,36 @@
 #include "base/files.h"
 
 namespace sparsha::audio {
+namespace {
+
+/// Of a file that is no RF64 the chunk fmt as every program reads it: libsndfile's is WAVE_FORMAT_EXTENSIBLE, which
+/// some refuse. What is left of its room becomes a chunk that readers leap over. False when the file cannot be written.
+bool make_plain(const std::filesystem::path& path, int bits) {
+  constexpr std::size_t kExtensible = 40, kPlain = 16, kHeader = 8;
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  std::array<char, 256> head{};
+  file.read(head.data(), head.size());
+  file.clear();  // a short file ends here
+  const std::string_view text(head.data(), head.size());
+  const std::size_t at = text.find("fmt ");
+  if (!text.starts_with("RIFF") || at == std::string_view::npos || at + kHeader + kExtensible > text.size() ||
+      static_cast<unsigned char>(text[at + 4]) != kExtensible)
+    return file.good();
+  std::array<char, kHeader + kExtensible> chunk{};
+  std::copy_n(head.begin() + static_cast<std::ptrdiff_t>(at), kHeader + kPlain, chunk.begin());
+  chunk[4] = static_cast<char>(kPlain);
+  chunk[kHeader] = 1;  // WAVE_FORMAT_PCM
+  chunk[kHeader + 1] = 0;
+  chunk[kHeader + 14] = static_cast<char>(bits);
+  std::copy_n("JUNK", 4, chunk.begin() + kHeader + kPlain);
+  chunk[kHeader + kPlain + 4] = static_cast<char>(kExtensible - kPlain - kHeader);
+  file.seekp(static_cast<std::streamoff>(at));
+  file.write(chunk.data(), chunk.size());
+  file.flush();
+  return file.good();
+}
+
+}  // namespace
 
 struct WavWriter::Implementation {
   std::filesystem::path target;
@@ -45,9 +79,10 @@ WavWriter::WavWriter(const std::filesystem::path& target, int sample_rate_hz, in
   SF_INFO info{};
   info.samplerate = sample_rate_hz;
   info.channels = 2;
-  info.format = SF_FORMAT_WAV | (bits == 24 ? SF_FORMAT_PCM_24 : SF_FORMAT_PCM_16);
+  info.format = SF_FORMAT_RF64 | (bits == 24 ? SF_FORMAT_PCM_24 : SF_FORMAT_PCM_16);
   self.sound = sf_open(self.path.temporary().c_str(), SFM_WRITE, &info);
   if (self.sound == nullptr) self.fail(sf_strerror(nullptr));
+  sf_command(self.sound, SFC_RF64_AUTO_DOWNGRADE, nullptr, SF_TRUE);
 }
 
 WavWriter::~WavWriter() = default;
@@ -75,6 +110,7 @@ void WavWriter::commit() {
   const int status = sf_close(self.sound);
   self.sound = nullptr;
   if (status != 0) self.fail(sf_error_number(status));
+  if (!make_plain(self.path.temporary(), self.bits)) self.fail("its header cannot be written");
   self.path.commit();
 }
 

@@ -8,8 +8,8 @@
 
 namespace sparsha::audio {
 
-/// Stereo, 16 bits with triangular dither (seeded: same sound, same bytes), or 24 bits. Digital silence stays exact
-/// zeros.
+/// A WAV file, which from 4 GB on (6.2 hours of 16 bits at 48 kHz) is an RF64 one. Stereo, 16 bits with triangular
+/// dither (seeded: same sound, same bytes), or 24 bits. Digital silence stays exact zeros.
 class WavWriter {
  public:
   /// Opens a file beside `target`. Throws Error{failure}.
