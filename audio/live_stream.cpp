@@ -2,6 +2,7 @@
 #include "audio/live_stream.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -19,6 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr int kWishedRate_hz = 48000;
+constexpr std::size_t kMixedFrames = 512;  // at once
 /// A device that has not asked for sound for so long is gone (buffers are a tenth of it).
 constexpr auto kGone = std::chrono::milliseconds(400);
 
@@ -114,6 +116,8 @@ struct LiveStream::Implementation {
   Library library;
   PaStream* stream = nullptr;
   bool plays_on_jack = false;
+  int channels = 2;
+  std::array<float, 2 * kMixedFrames> both{};  ///< of a device of one channel
   double rate_hz = kWishedRate_hz;
   std::string name;
   Callback callback;
@@ -130,17 +134,31 @@ struct LiveStream::Implementation {
     if (stream != nullptr) Pa_CloseStream(stream);
   }
 
+  /// The mean of both channels, so that it is no louder than they are.
+  void fill_mono(std::span<float> out) {
+    while (!out.empty()) {
+      const std::size_t frames = std::min(out.size(), kMixedFrames);
+      callback(std::span(both).first(2 * frames));
+      for (std::size_t i = 0; i < frames; ++i) out[i] = 0.5F * (both[2 * i] + both[2 * i + 1]);
+      out = out.subspan(frames);
+    }
+  }
+
   static int fill(const void*, void* output, unsigned long frames, const PaStreamCallbackTimeInfo*,
                   PaStreamCallbackFlags, void* self) {
-    const std::span<float> out(static_cast<float*>(output), 2 * static_cast<std::size_t>(frames));
     auto& stream = *static_cast<Implementation*>(self);
+    const std::span<float> out(static_cast<float*>(output),
+                               static_cast<std::size_t>(stream.channels) * static_cast<std::size_t>(frames));
     Gate open = Gate::open;
     if (!stream.gate.compare_exchange_strong(open, Gate::inside, std::memory_order_acquire)) {
       std::fill(out.begin(), out.end(), 0.0F);
       return paContinue;
     }
     stream.asked.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed);
-    stream.callback(out);
+    if (stream.channels == 2)
+      stream.callback(out);
+    else
+      stream.fill_mono(out);
     stream.gate.store(Gate::open, std::memory_order_release);
     return paContinue;
   }
@@ -156,7 +174,8 @@ LiveStream::LiveStream(const std::string& wanted) : implementation_(std::make_un
   self.plays_on_jack = is_jack(info);
   PaStreamParameters output{};
   output.device = device;
-  output.channelCount = 2;
+  self.channels = std::min(2, info.maxOutputChannels);
+  output.channelCount = self.channels;
   output.sampleFormat = paFloat32;
   PaError status = paNoError;
   // The wished rate first, at the lowest latency; then what the device likes.

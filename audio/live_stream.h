@@ -1,4 +1,4 @@
-// A low-latency stereo output stream of the sound device, when there is one.
+// A low-latency output stream of the sound device, when there is one.
 #pragma once
 
 #include <functional>
@@ -25,7 +25,8 @@ struct OutputDevice {
 /// playing() and shut_out() waits for ever where a sound system does.
 class LiveStream {
  public:
-  /// Fills interleaved stereo; called from the sound system's thread, must not allocate, lock or throw.
+  /// Fills interleaved stereo, of which a device of one channel plays the mean; called from the sound system's thread,
+  /// must not allocate, lock or throw.
   using Callback = std::function<void(std::span<float>)>;
 
   /// `device`: a number of output_devices(), or a part of one's name whatever its case; empty: a JACK server, then the

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -88,6 +89,26 @@ TEST(LiveEngine, PlaysStrikesAndWritesTheSameRunAsAFile) {
   EXPECT_EQ(run.engine().warning(), "");
   EXPECT_TRUE(run.file_is_whole());
 }
+
+#if __has_include(<jack/jack.h>)
+TEST(LiveStream, ADeviceOfOneChannelPlaysBoth) {
+  sound_server::SoundServer server(1);
+  if (!server.running()) GTEST_SKIP() << "no sound server: jackd is not installed or does not start";
+  for (const std::size_t channel : {0U, 1U}) {
+    LiveStream stream;
+    stream.start([channel, on = 0](std::span<float> frames) mutable {
+      for (std::size_t i = 0; i < frames.size(); ++i)
+        frames[i] = i % 2 == channel ? ((on++ / 24) % 2 == 0 ? 0.5F : -0.5F) : 0.0F;
+    });
+    const sound_server::Listener listener;
+    ASSERT_TRUE(listener.connected());
+    for (int i = 0; i < 500 && listener.onsets().empty(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_FALSE(listener.onsets().empty()) << "channel " << channel;
+    stream.stop();
+  }
+}
+#endif
 
 /// Patience with a server that hangs, and as much again for a machine that is busy.
 constexpr double kSoon_s = 2.0 * LiveOutput::kPatience_s;
