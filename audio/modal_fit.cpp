@@ -18,6 +18,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 constexpr float kOnset = 0.1F;       // of the loudest sample
+constexpr double kRise_s = 0.05;     // from the onset to the loudest sample, at most
 constexpr double kAttack_s = 0.002;  // what a hammer adds
 // Spectra are taken over so long: short ones for modes that are over soon.
 constexpr std::array<double, 3> kSpectra_s = {1.0, 0.25, 0.06};
@@ -52,6 +53,16 @@ void transform(std::vector<Complex>& x) {  // radix 2, in place
     }
 }
 
+/// Without the constant that a recorder adds.
+std::vector<float> without_offset(std::span<const float> sound) {
+  double sum = 0.0;
+  for (const float value : sound) sum += static_cast<double>(value);
+  const auto mean = static_cast<float>(sum / static_cast<double>(sound.size()));
+  std::vector<float> result(sound.begin(), sound.end());
+  for (float& value : result) value -= mean;
+  return result;
+}
+
 /// The first sample that belongs to the strike, and the one from which on it rings alone.
 struct Begin {
   std::size_t onset = 0;
@@ -61,7 +72,9 @@ Begin begin_of(std::span<const float> sound, double rate_hz) {
   const auto louder = [](float a, float b) { return std::abs(a) < std::abs(b); };
   const auto loudest = std::max_element(sound.begin(), sound.end(), louder);
   const float threshold = kOnset * std::abs(*loudest);
-  const auto first = std::find_if(sound.begin(), loudest, [&](float value) { return std::abs(value) >= threshold; });
+  // Steps, clicks and softer strikes come earlier than the strike's own rise.
+  const auto rise = std::min(loudest - sound.begin(), static_cast<std::ptrdiff_t>(kRise_s * rate_hz));
+  const auto first = std::find_if(loudest - rise, loudest, [&](float value) { return std::abs(value) >= threshold; });
   return {static_cast<std::size_t>(first - sound.begin()),
           static_cast<std::size_t>(loudest - sound.begin()) + static_cast<std::size_t>(kAttack_s * rate_hz)};
 }
@@ -206,11 +219,12 @@ std::optional<Mode> follow(std::span<const float> sound, double frequency_hz, do
 
 }  // namespace
 
-std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> sound, double sample_rate_hz, std::size_t most) {
-  if (sound.empty()) return {};
+std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, double sample_rate_hz, std::size_t most) {
+  if (recorded.empty()) return {};
+  const std::vector<float> sound = without_offset(recorded);
   const Begin begin = begin_of(sound, sample_rate_hz);
   if (static_cast<double>(sound.size()) < static_cast<double>(begin.ringing) + kShortest_s * sample_rate_hz) return {};
-  const std::span<const float> ringing = sound.subspan(begin.ringing);
+  const std::span<const float> ringing = std::span(sound).subspan(begin.ringing);
   const auto late = static_cast<double>(begin.ringing - begin.onset);
   const std::vector<Peak> peaks = peaks_of(ringing, sample_rate_hz, most);
   std::vector<Mode> modes;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <numbers>
 #include <random>
 
@@ -70,6 +71,29 @@ TEST(Fit, FindsModesAtRandom) {
     SCOPED_TRACE(seed);
     expect_modes(truth, fit_modes(recording(truth, 2.5), kRate));
   }
+}
+
+/// What a microphone hears before the strike at 0.55 s: `add` gives a value per second of the recording.
+void expect_same_modes_after(const char* what, const std::function<double(double)>& add) {
+  const std::vector<pipeline::ModeConfig> truth = {
+      {240.0, 1.2, 0.0}, {630.3, 0.46, -4.0}, {1170.9, 0.25, -9.0}, {1820.4, 0.16, -12.0}};
+  const std::vector<float> strike = recording(truth, 2.0);
+  std::vector<float> sound(strike.size() + 24000);
+  for (std::size_t i = 0; i < sound.size(); ++i)
+    sound[i] = static_cast<float>(add(static_cast<double>(i) / kRate)) + (i < 24000 ? 0.0F : strike[i - 24000]);
+  SCOPED_TRACE(what);
+  expect_modes(truth, fit_modes(sound, kRate));
+}
+
+TEST(Fit, WhatIsHeardBeforeTheStrikeDoesNotChangeItsModes) {
+  // A tenth of the strike's peak (0.5) and more, each.
+  expect_same_modes_after("a click", [](double t) { return t >= 0.1 && t < 0.101 ? 0.12 : 0.0; });
+  expect_same_modes_after("a constant", [](double) { return 0.08; });
+  expect_same_modes_after("a soft strike of the same pillar", [](double t) {
+    return t < 0.05
+               ? 0.0
+               : 0.1 * std::exp(-6.907755 * (t - 0.05) / 1.2) * std::sin(2.0 * std::numbers::pi * 240.0 * (t - 0.05));
+  });
 }
 
 TEST(Fit, SilenceNoiseAndClicksHaveNoModes) {
