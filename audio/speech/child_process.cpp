@@ -141,8 +141,10 @@ const std::string& ChildProcess::output() {
 bool ChildProcess::running() {
   read_output();  // a full pipe would keep it waiting
   if (process_ <= 0) return false;
-  const pid_t ended = waitpid(process_, nullptr, WNOHANG);
+  int status = 0;
+  const pid_t ended = waitpid(process_, &status, WNOHANG);
   if (ended == 0 || (ended < 0 && errno == EINTR)) return true;
+  if (ended > 0) exit_code_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   process_ = 0;
   return false;
 }

@@ -30,6 +30,9 @@ class ChildProcess {
   [[nodiscard]] bool running();
   /// What it has written so far, 64 MB at most; whole once running() is false.
   [[nodiscard]] const std::string& output();
+  /// How it ended by itself, known once running() is false: its exit code, or 128 and the signal that ended it; 0 when
+  /// it was killed.
+  [[nodiscard]] int exit_code() const { return exit_code_; }
   [[nodiscard]] int process_id() const { return process_; }
   /// Ends it and what it has started, and waits for its end.
   void kill();
@@ -41,6 +44,7 @@ class ChildProcess {
   void read_output();
   int process_;
   int output_;  ///< to read from; -1: none
+  int exit_code_ = 0;
   std::string written_;
 };
 

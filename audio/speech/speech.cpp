@@ -8,6 +8,8 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -61,12 +63,25 @@ Words words_of(const std::string& wav) {
   return words;
 }
 
+/// What is being said, and by whom.
+struct Utterance {
+  Announcement words;
+  std::string voice;
+  bool again = false;        // in the language's own voice, since the program refused the one that was asked for
+  bool makes_words = false;  // the child's output is to be played
+  std::unique_ptr<ChildProcess> child = nullptr;
+  std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
+
+  [[nodiscard]] bool failed() const { return child && child->exit_code() != 0; }
+};
+
 }  // namespace
 
 struct Speech::Implementation {
   std::optional<std::filesystem::path> program;
   int words_per_minute = 170;
   std::string voice;
+  std::string language;
   std::function<bool(std::vector<float>, double)> play;
 
   std::mutex mutex;
@@ -75,12 +90,49 @@ struct Speech::Implementation {
   bool silenced = false;  // end what is being said
   std::deque<Announcement> faults;
   std::optional<Announcement> newest;
+  std::set<std::string> refused;  // voices
+  bool failure_told = false;
+  std::string problem;
   std::thread worker;
 
-  [[nodiscard]] std::vector<std::string> arguments() const {
+  [[nodiscard]] std::vector<std::string> arguments(const Utterance& spoken) const {
     std::vector<std::string> words{"--stdin", "-b", "1", "-s", std::to_string(words_per_minute)};
-    if (!voice.empty()) words.insert(words.end(), {"-v", voice});
+    if (!spoken.voice.empty()) words.insert(words.end(), {"-v", spoken.voice});
+    if (spoken.makes_words) words.emplace_back("--stdout");
     return words;
+  }
+
+  /// The language's own voice in the same variant.
+  [[nodiscard]] std::string other_voice() const {
+    const std::size_t variant = voice.find('+');
+    return language.empty() || variant == std::string::npos ? language : language + voice.substr(variant);
+  }
+
+  void start(Utterance& spoken, const std::vector<std::string>& arguments) const {
+    spoken.began = std::chrono::steady_clock::now();
+    spoken.child = ChildProcess::start(*program, arguments, speakable(spoken.words.text),
+                                       spoken.makes_words ? ChildProcess::Output::keep : ChildProcess::Output::discard);
+  }
+
+  /// The program did not take the words: they are said again in the language's own voice, once.
+  void say_otherwise(Utterance& spoken) {
+    const int code = spoken.child->exit_code();
+    spoken.child.reset();
+    if (!spoken.again && spoken.voice != other_voice()) {
+      spoken.again = true;
+      spoken.voice = other_voice();
+      return start(spoken, arguments(spoken));
+    }
+    if (!std::exchange(failure_told, true))
+      problem = program->filename().string() + " ends with code " + std::to_string(code) + ": nothing is spoken";
+  }
+
+  /// Told once: variants of a voice are refused with it.
+  void remember_refused(const Utterance& spoken) {
+    if (!spoken.again || spoken.voice != other_voice()) return;  // another voice has been asked for meanwhile
+    if (!refused.insert(voice).second || refused.size() > 1) return;
+    problem = program->filename().string() + " has no voice '" + voice + "': it speaks with '" + spoken.voice +
+              "'; expected a name of the column Language of espeak-ng --voices";
   }
 
   /// What is to be said next, given what is being said; none = let it speak.
@@ -97,49 +149,46 @@ struct Speech::Implementation {
   }
 
   void work() {
-    std::unique_ptr<ChildProcess> child;
-    Announcement current;
-    bool makes_words = false;  // the child's output is to be played
-    auto began = std::chrono::steady_clock::now();
-    auto played_until = began;
+    Utterance spoken;
+    auto played_until = spoken.began;
     std::unique_lock lock(mutex);
     while (!stopping) {
       const auto now = std::chrono::steady_clock::now();
-      const bool runs = child != nullptr && child->running() && now - began < kLongest;
-      if (child && !runs && makes_words) {
-        makes_words = false;
-        const Words words = words_of(child->output());
-        child.reset();
+      const bool runs = spoken.child && spoken.child->running() && now - spoken.began < kLongest;
+      if (!runs && spoken.failed()) {
+        say_otherwise(spoken);
+        continue;
+      }
+      if (!runs && spoken.child) remember_refused(spoken);
+      if (spoken.child && !runs && std::exchange(spoken.makes_words, false)) {
+        const Words words = words_of(spoken.child->output());
+        spoken.child.reset();
         if (!words.samples.empty() && play(words.samples, words.rate_hz)) {
           played_until = now + std::chrono::milliseconds(static_cast<std::int64_t>(
                                    1000.0 * static_cast<double>(words.samples.size()) / words.rate_hz));
         } else {
-          began = now;
-          child = ChildProcess::start(*program, arguments(), speakable(current.text));
+          start(spoken, arguments(spoken));
         }
         continue;
       }
       if (std::exchange(silenced, false)) {
-        child.reset();
-        makes_words = false;
+        spoken.child.reset();
+        spoken.makes_words = false;
         if (now < played_until) play({}, 0.0);
         played_until = now;
         continue;
       }
       const bool speaking = runs || now < played_until;
-      if (!runs) child.reset();
-      if (std::optional<Announcement> next = take(speaking, current)) {
-        std::vector<std::string> words = arguments();
+      if (!runs) spoken.child.reset();
+      if (std::optional<Announcement> next = take(speaking, spoken.words)) {
+        const bool known = refused.contains(voice);
+        Utterance utterance{std::move(*next), known ? other_voice() : voice, known, play != nullptr};
+        const std::vector<std::string> words = arguments(utterance);
         lock.unlock();
-        child.reset();
+        spoken = std::move(utterance);
         if (now < played_until) play({}, 0.0);
         played_until = now;
-        current = std::move(*next);
-        began = std::chrono::steady_clock::now();
-        makes_words = play != nullptr;
-        if (makes_words) words.emplace_back("--stdout");
-        child = ChildProcess::start(*program, words, speakable(current.text),
-                                    makes_words ? ChildProcess::Output::keep : ChildProcess::Output::discard);
+        start(spoken, words);
         lock.lock();
       } else if (speaking) {
         wake.wait_for(lock, kWatch);
@@ -156,6 +205,7 @@ Speech::Speech(const SpeechOptions& options) : implementation_(std::make_unique<
   self.play = options.play;
   self.words_per_minute = std::clamp(options.words_per_minute, kSlowest, kFastest);
   self.voice = options.voice;
+  self.language = options.language;
   if (!self.program) return;
   self.worker = std::thread([&self] { self.work(); });
 }
@@ -177,6 +227,11 @@ void Speech::set_words_per_minute(int words_per_minute) {
 void Speech::set_voice(const std::string& voice) {
   const std::lock_guard lock(implementation_->mutex);
   implementation_->voice = voice;
+}
+
+std::string Speech::take_problem() {
+  const std::lock_guard lock(implementation_->mutex);
+  return std::exchange(implementation_->problem, {});
 }
 
 void Speech::be_silent() {

@@ -196,6 +196,79 @@ TEST(Speech, WithoutAStreamTheProgramSpeaksItself) {
   EXPECT_TRUE(program.heard("aloud"));
 }
 
+/// The same, of a program that knows no voice "Nobody".
+const std::string kRefuseNobody =
+    "case \"$*\" in *Nobody*) cat > /dev/null; echo 'no such voice' >&2; exit 1;; esac\necho \"$*\" >> \"$log\"\n";
+
+TEST(Speech, AVoiceThatTheProgramRefusesIsToldOnceAndTheLanguagesOwnSpeaks) {
+  for (const bool stream : {true, false}) {
+    const SpeechProgram program(kRefuseNobody + kWriteWave);
+    std::atomic<int> played{0};
+    SpeechOptions options;
+    options.voice = "Nobody";
+    options.language = "hi";
+    if (stream)
+      options.play = [&](const std::vector<float>& words, double) {
+        if (!words.empty()) ++played;
+        return true;
+      };
+    Speech speech(options);
+    speech.say({"Lotus", Priority::information, 1});
+    ASSERT_TRUE(program.heard("-v hi")) << stream;
+    ASSERT_TRUE(program.heard("Lotus\n"));
+    std::string problem;
+    for (int i = 0; i < 1000 && problem.empty(); ++i) {
+      problem = speech.take_problem();
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_NE(problem.find("'Nobody'"), std::string::npos) << problem;
+    EXPECT_NE(problem.find("'hi'"), std::string::npos) << problem;
+    EXPECT_NE(problem.find("expected"), std::string::npos) << problem;
+    if (stream) {
+      EXPECT_EQ(played.load(), 1);
+    }
+    speech.set_voice("Nobody+f3");
+    speech.say({"A leaf", Priority::information, 2});
+    EXPECT_TRUE(program.heard("-v hi+f3")) << "another voice is another voice still";
+    EXPECT_TRUE(program.heard("A leaf\n"));
+    EXPECT_EQ(speech.take_problem(), "");
+  }
+}
+
+TEST(Speech, AProgramThatFailsInEveryVoiceIsToldOnce) {
+  const SpeechProgram program("cat > /dev/null\nexit 7\n");
+  SpeechOptions options;
+  options.voice = "Nobody";
+  options.language = "en";
+  Speech speech(options);
+  std::string problem;
+  for (std::uint64_t i = 1; i <= 1000 && problem.empty(); ++i) {
+    speech.say({"Lotus " + std::to_string(i), Priority::information, i});
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    problem = speech.take_problem();
+  }
+  EXPECT_NE(problem.find("code 7"), std::string::npos) << problem;
+  EXPECT_NE(problem.find("espeak-ng"), std::string::npos) << problem;
+}
+
+TEST(Speech, TheRealProgramSpeaksAlsoWhenAVoicesNameIsTakenFromTheWrongColumn) {
+  if (!find_program({"espeak-ng"})) GTEST_SKIP() << "espeak-ng is not installed";
+  for (const char* voice : {"English_(America)", "en-us", "en+f3"}) {
+    std::atomic<std::size_t> samples{0};
+    SpeechOptions options;
+    options.voice = voice;  // `espeak-ng --voices` lists the first as a VoiceName
+    options.language = "en";
+    options.play = [&](const std::vector<float>& words, double) {
+      samples += words.size();
+      return true;
+    };
+    Speech speech(options);
+    speech.say({"Lotus medallion", Priority::information, 1});
+    for (int i = 0; i < 1000 && samples == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_GT(samples.load(), 10000U) << voice;
+  }
+}
+
 TEST(LiveVoice, SpeechIsHeardOverSoundsThatAre12DecibelsSofterMeanwhile) {
   haptics::ContactQueue contacts(16);
   haptics::Seqlock<haptics::State> state;
