@@ -18,9 +18,17 @@ constexpr double kFinestShare = 1.0 / 3000;  // of the longest side: the finest 
 constexpr double kOutsideSides = 1.5;        // longest sides from the middle beyond which a pose's origin is believed
 constexpr std::size_t kLeastElements = 50;
 
+// The box between the ranks kInside and 1 - kInside along each axis.
 struct Extent {
+  Eigen::Vector3d low_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d high_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
   double longest_m = 0.0;
+
+  // Strays far away say nothing of a pose, but each keeps a voxel of its own, and moves far when the scan turns.
+  [[nodiscard]] bool is_near(const Eigen::Vector3d& p) const {
+    return (p.array() >= low_m.array() - longest_m).all() && (p.array() <= high_m.array() + longest_m).all();
+  }
 };
 
 Extent extent_of(const ScanSet& set, Progress& progress) {
@@ -33,11 +41,11 @@ Extent extent_of(const ScanSet& set, Progress& progress) {
   const std::vector<Eigen::Vector3d> points = sample.points();
   Extent extent;
   for (int axis = 0; axis < 3; ++axis) {
-    const double low = quantile(points, axis, kInside);
-    const double high = quantile(points, axis, 1.0 - kInside);
-    extent.middle_m[axis] = 0.5 * (low + high);
-    extent.longest_m = std::max(extent.longest_m, high - low);
+    extent.low_m[axis] = quantile(points, axis, kInside);
+    extent.high_m[axis] = quantile(points, axis, 1.0 - kInside);
   }
+  extent.middle_m = 0.5 * (extent.low_m + extent.high_m);
+  extent.longest_m = (extent.high_m - extent.low_m).maxCoeff();
   return extent;
 }
 
@@ -115,7 +123,10 @@ PosedScan read_one(const ScanConfig& config, double voxel_m, bool trusted, const
   VoxelMeans means(leaf_m);
   set.stream(
       [&](const CloudBlock& block) {
-        for (const Eigen::Vector3f& p : block.points) means.add(p.cast<double>());
+        for (const Eigen::Vector3f& point : block.points) {
+          const Eigen::Vector3d p = point.cast<double>();
+          if (extent.is_near(p)) means.add(p);
+        }
       },
       context.progress);
   std::optional<Eigen::Vector3d> place = place_of(set, config, extent, trusted);
@@ -192,11 +203,10 @@ PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m
   }
   for (std::size_t s = 0; s < scans.size(); ++s) {
     PosedScan& scan = result.scans[s];
-    const Eigen::Matrix3d turn = scans[s].pose.topLeftCorner<3, 3>();
-    const Eigen::Vector3d place = turn * scan.origin_m + scans[s].pose.topRightCorner<3, 1>();
+    const Eigen::Affine3d given(scans[s].pose);
+    const Eigen::Vector3d place = given * scan.origin_m;
     if (s == 0) result.origin_m = place;
-    // A matrix of a configuration is rigid to three digits only.
-    scan.pose.linear() = s == 0 ? turn : Eigen::Quaterniond(turn).normalized().toRotationMatrix();
+    scan.pose.linear() = given.rotation();  // the nearest: a matrix of a configuration is rigid to three digits only
     scan.pose.translation() = place - result.origin_m;
   }
   if (trusted) turn_views(result.scans);

@@ -24,8 +24,8 @@ struct PosedScan {
   std::optional<Eigen::Vector3d> place;
   /// Direction to it, when that had to be guessed from its surface alone; else 0.
   Eigen::Vector3d guessed_view = Eigen::Vector3d::Zero();
-  std::unique_ptr<StationSurface> fine, medium, coarse;
-  /// Scan's coordinates to the common frame.
+  std::unique_ptr<StationSurface> fine, medium, coarse;  ///< of points within a longest side of that box
+  /// Scan's coordinates to the common frame: the nearest rigid motion to the given one.
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
 };
 

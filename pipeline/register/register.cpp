@@ -36,6 +36,7 @@ constexpr double kByChance = 0.2;  // residual over the distance within which po
 // Roughness of one scan that the residual of two may reach: right links have 0.4 to 1.4, rings one place aside 2.2 and
 // more.
 constexpr double kRough = 1.7;
+constexpr double kRigid = 1e-9;         // moves a point by no more than that part of the scan's size
 constexpr double kContradiction = 2.0;  // reach of touch within which a pair's own result agrees with all others
 
 /// A pair while it is worked on.
@@ -46,6 +47,11 @@ struct Pair {
   Eigen::Isometry3d aligned = Eigen::Isometry3d::Identity();  ///< second to first
   Agreement agreement;                                        ///< of the medium surfaces, when aligned
 };
+
+bool is_rigid(const Eigen::Matrix4d& pose) {
+  const Eigen::Matrix3d turn = pose.topLeftCorner<3, 3>();
+  return (turn * turn.transpose()).isIdentity(kRigid);
+}
 
 PairFit::Fit fit_of(const Agreement& agreement, double within_m) {
   return {within_m, agreement.overlap, agreement.residual_m, agreement.matches};
@@ -86,8 +92,8 @@ class Registrar {
     for_pairs([this](Pair& pair) { measure_after(pair); });
     reject_what_does_not_fit();
     Registration result;
-    for (std::size_t s = 0; s < configs_.size(); ++s)
-      result.poses.push_back(s == 0 ? configs_[s].pose : posed_.pose_of(s, posed_.scans[s].pose));
+    for (std::size_t s = 0; s < configs_.size(); ++s) result.poses.push_back(posed_.pose_of(s, posed_.scans[s].pose));
+    if (is_rigid(configs_.front().pose)) result.poses.front() = configs_.front().pose;
     result.guesses = guesses_;
     result.pairs = found();
     return result;
@@ -180,7 +186,7 @@ class Registrar {
     return std::sqrt(sum / static_cast<double>(elements.size()));
   }
 
-  // Poses along the heaviest tree; weak pairs only where there is nothing else.
+  // Poses along the heaviest tree of used pairs, from the first scan; an error names a scan that it does not reach.
   void link() {
     std::vector<WeighedEdge> edges;
     std::vector<const Pair*> of_edge;
@@ -236,7 +242,7 @@ class Registrar {
             name,
             fmt::format("aligning this scan with {} moves it by {}, farther than a rough pose may be wrong", other,
                         length_text(moved_m(*best, first(*best).pose.inverse() * second(*best).pose))),
-            "poses within 10 degrees and 5 % of the object's size");
+            "poses within 10 degrees and 5 % of the object's size" + or_features());
       default:
         break;
     }
@@ -248,7 +254,8 @@ class Registrar {
               "on {})",
               100.0 * best->fit.before.overlap, length_text(reach_m_), other),
           fmt::format("at least {:.3g} %: better poses or a larger register.max_distance_mm",
-                      100.0 * config_.min_overlap));
+                      100.0 * config_.min_overlap) +
+              or_features());
     }
     return input_error(name,
                        fmt::format("{:.1f} % of its points have their place on {}, the scan with which it has most in "
@@ -256,7 +263,15 @@ class Registrar {
                                    100.0 * best->agreement.overlap, other),
                        fmt::format("at least {:.3g} % and {} of the thinned points: more overlap, better poses or a "
                                    "smaller register.min_overlap",
-                                   100.0 * config_.min_overlap, kLeastMatches));
+                                   100.0 * config_.min_overlap, kLeastMatches) +
+                           or_features());
+  }
+
+  // What helps where nobody has placed the scans.
+  [[nodiscard]] std::string or_features() const {
+    const auto unplaced = [](const ScanConfig& scan) { return scan.pose.isIdentity(0.0); };
+    if (!guesses_.empty() || !std::ranges::all_of(configs_, unplaced)) return {};
+    return "; no scan has a pose: `register: {guess: features}` finds them from the surfaces";
   }
 
   // Pairs that meet with the present poses, the given ones of which may not have been aligned by themselves.
@@ -332,7 +347,7 @@ class Registrar {
             "the best pose found leaves its points {} (RMS) from those of {} where the two are within {} of each "
             "other, which chance does as well",
             length_text(best->fit.after.residual_m), posed_.scans[other].name, length_text(best->fit.after.within_m)),
-        "poses nearer to the truth, more overlap, or parts that do not repeat");
+        "poses nearer to the truth, more overlap, or parts that do not repeat" + or_features());
   }
 
   [[nodiscard]] std::vector<PairFit> found() const {

@@ -45,9 +45,10 @@ struct FirstGuess {
 };
 
 struct Registration {
-  std::vector<Eigen::Matrix4d> poses;  ///< of the configuration's scans; the first is as given
-  std::vector<FirstGuess> guesses;     ///< in the order in which scans were placed; empty where poses were given
-  std::vector<PairFit> pairs;          ///< all that have something in common before or after
+  /// Of the configuration's scans, rigid. The first is as given, or turned the least that makes it rigid to 1e-9.
+  std::vector<Eigen::Matrix4d> poses;
+  std::vector<FirstGuess> guesses;  ///< in the order in which scans were placed; empty where poses were given
+  std::vector<PairFit> pairs;       ///< all that have something in common before or after
 };
 
 /// Finds poses, from those given or from features alone (RegisterConfig::guess). Throws Error{usage} on a single scan;

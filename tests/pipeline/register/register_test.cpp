@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "tests/pipeline/register/stations.h"
 
 namespace sparsha::pipeline::testing {
@@ -227,15 +228,77 @@ TEST(Register, MillimetresAreTakenAsMillimetres) {
   EXPECT_LT(found.poses[1].topRightCorner(3, 1).norm(), 50e-6);
 }
 
+std::vector<ScanConfig> carved_pair(const ScanFolder& folder) {
+  return {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved),
+          scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3, 20000}, 2, carved)};
+}
+
+// Scans with more points about them, evenly spread up to `away_m` from the object's middle in each direction.
+std::vector<ScanConfig> with_strays(const ScanFolder& folder, const std::vector<ScanConfig>& scans, int strays,
+                                    double away_m) {
+  std::mt19937_64 random(11);
+  const auto uniform = [&] { return 2.0 * (static_cast<double>(random() >> 11U) * 0x1p-53) - 1.0; };
+  std::vector<ScanConfig> result = scans;
+  for (std::size_t s = 0; s < result.size(); ++s) {
+    std::string text = read_file(scans[s].file, 1U << 30U);
+    for (int k = 0; k < strays; ++k) {
+      const double z = strays == 1 ? away_m : away_m * uniform();
+      text += std::to_string(away_m * uniform()) + ' ' + std::to_string(away_m * uniform()) + ' ' + std::to_string(z) +
+              '\n';
+    }
+    result[s].file = folder.write("strays-" + std::to_string(s) + ".xyz", text);
+  }
+  return result;
+}
+
+TEST(Register, StraysFarFromTheObjectDoNotKeepItsScansApart) {
+  const ScanFolder folder;
+  const std::vector<ScanConfig> truth = carved_pair(folder);
+  struct Strays {
+    int points;
+    double away_m;
+  };
+  for (const Strays& strays : {Strays{1, 7000.0}, Strays{100, 6.0}, Strays{200, 100.0}}) {
+    const std::vector<ScanConfig> scans = with_strays(folder, truth, strays.points, strays.away_m);
+    std::vector<ScanConfig> rough = disturbed(truth, 3, 5.0, 0.010);  // about the middle without strays
+    for (std::size_t s = 0; s < scans.size(); ++s) rough[s].file = scans[s].file;
+    const Registration found = registered(rough);
+    EXPECT_LT(rms_error(truth, found.poses), 0.1e-3)  // a twentieth of the distance between points
+        << strays.points << " strays within " << strays.away_m << " m";
+  }
+}
+
+TEST(Register, AFirstPoseOfThreeDigitsIsMadeRigidSoThatTheOthersFitIt) {
+  const ScanFolder folder;
+  std::vector<ScanConfig> truth = carved_pair(folder);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  for (ScanConfig& scan : truth) scan.pose = rigid(turn, {1.0, 2.0, 3.0});
+  std::vector<ScanConfig> rough = disturbed(truth, 3, 3.0, 0.005);
+  rough[0].pose = rigid((1e3 * turn).array().round() / 1e3, {1.0, 2.0, 3.0});
+  const Registration found = registered(rough);
+  for (const Eigen::Matrix4d& pose : found.poses) {
+    const Eigen::Matrix3d r = pose.topLeftCorner<3, 3>();
+    EXPECT_LT((r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-12);
+  }
+  EXPECT_LT((found.poses[0] - rough[0].pose).cwiseAbs().maxCoeff(), 1e-3);
+  EXPECT_LT(rms_error(truth, found.poses, true), 0.3 * 1e-3);  // the rounding's turn over the scan, no more
+  EXPECT_LT(rms_error(truth, found.poses), 0.1e-3);
+}
+
+TEST(Register, ScansThatNobodyPlacedAreToldOfFeatures) {
+  const ScanFolder folder;
+  const Scattered set = scattered(folder, carved_pair(folder), 1, 0.4);
+  EXPECT_THAT(error_of_registering(set.scans, ErrorKind::input), ::testing::HasSubstr("register: {guess: features}"));
+  std::vector<ScanConfig> posed = set.scans;
+  posed[1].pose(0, 3) = 5.0;
+  EXPECT_THAT(error_of_registering(posed, ErrorKind::input),
+              ::testing::Not(::testing::HasSubstr("register: {guess: features}")));
+}
+
 RegisterConfig by_features() {
   RegisterConfig config;
   config.guess = RegisterConfig::Guess::features;
   return config;
-}
-
-std::vector<ScanConfig> carved_pair(const ScanFolder& folder) {
-  return {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved),
-          scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3, 20000}, 2, carved)};
 }
 
 TEST(RegisterByFeatures, ScansThatNobodyPlacedComeTogether) {
