@@ -33,10 +33,12 @@ constexpr std::array<Rgb, 7> kColours{{{0xE6, 0x9F, 0x00},
                                        {0x00, 0x72, 0xB2},
                                        {0xF0, 0xE4, 0x42}}};
 
+static_assert(1 + (1 + kColours.size()) * kShades <= 256, "one palette");
+
 /// Points of one colour in the view's frame: x right, y up, z towards the viewer.
 struct Layer {
-  std::string label;
   Rgb colour;
+  std::size_t tone = 0;  ///< place of the colour in the palette; 0 is what is left, and colours repeat after seven
   bool outliers = false;
   std::vector<Eigen::Vector3d> points;
 };
@@ -60,12 +62,12 @@ std::vector<Layer> layers_of(const SceneDescription& scene, const Report& report
     for (const Eigen::Vector3d& p : points) result.emplace_back((view * p.homogeneous()).head<3>());
     return result;
   };
-  std::vector<Layer> layers{{"left", kKeptColour, false, seen(report.kept_m)}};
+  std::vector<Layer> layers{{kKeptColour, 0, false, seen(report.kept_m)}};
   for (std::size_t k = 0; k < report.filters.size(); ++k) {
     const Report::Filter& filter = report.filters[k];
     if (filter.sample_m.empty()) continue;
-    const Rgb colour = kColours[(layers.size() - 1) % kColours.size()];
-    layers.push_back({filter.name, colour, filter.outliers, seen(filter.sample_m)});
+    const std::size_t colour = (layers.size() - 1) % kColours.size();
+    layers.push_back({kColours[colour], 1 + colour, filter.outliers, seen(filter.sample_m)});
   }
   return layers;
 }
@@ -101,7 +103,7 @@ Range extent(const std::vector<Layer>& layers, Eigen::Index axis) {
 struct Buffer {
   int width, height;
   std::vector<double> depth;        ///< towards the viewer
-  std::vector<std::uint8_t> layer;  ///< 0: nothing; else 1 + layer
+  std::vector<std::uint8_t> layer;  ///< 0: nothing; else 1 + the layer's tone
 
   Buffer(int w, int h)
       : width(w),
@@ -160,10 +162,10 @@ int square_side(const std::vector<Eigen::Vector3d>& points, double pixel) {
 
 void paint(Picture& picture, const Buffer& buffer, const std::vector<Layer>& layers) {
   picture.palette[0] = kBackground;
-  for (std::size_t l = 0; l < layers.size(); ++l) {
+  for (const Layer& layer : layers) {
     for (int k = 0; k < kShades; ++k) {
-      const std::size_t index = 1 + l * kShades + static_cast<std::size_t>(k);
-      if (index < picture.palette.size()) picture.palette[index] = shaded(layers[l].colour, k / (kShades - 1.0));
+      const std::size_t index = 1 + layer.tone * kShades + static_cast<std::size_t>(k);
+      picture.palette[index] = shaded(layer.colour, k / (kShades - 1.0));
     }
   }
   Range depth;
@@ -191,12 +193,12 @@ void describe(Picture& picture, const std::vector<Layer>& layers, const Report& 
   picture.caption =
       "The scanned points, seen from above to the right of the viewer: grey is what the filters left, and each colour "
       "is what one of them took away. Points that only thin out the scan (voxel, thin) are not shown.";
+  if (layers.size() > 1 + kColours.size()) picture.caption += " There are more filters than colours: colours repeat.";
   picture.alternative = "View of the scanned points.";
   std::size_t l = 0;
   for (const Report::Filter& filter : report.filters) {
     if (filter.sample_m.empty()) continue;
     ++l;
-    if (l >= layers.size()) break;
     const std::string count = count_text(filter.removed, TextStyle::typeset);
     picture.alternative += fmt::format(" {} took {} of {} points away.", filter.name, count,
                                        count_text(report.points.read, TextStyle::typeset));
@@ -217,9 +219,7 @@ Picture filter_picture(const SceneDescription& scene, const Report& report) {
   picture.name = "filters";
   picture.title = "What the filters took away";
   picture.legend = Picture::Legend::entries;
-  std::vector<Layer> layers = layers_of(scene, report);
-  constexpr std::size_t kMostLayers = 255 / kShades;  // of one palette
-  if (layers.size() > kMostLayers) layers.resize(kMostLayers);
+  const std::vector<Layer> layers = layers_of(scene, report);
   const Range x = extent(layers, 0);
   const Range y = extent(layers, 1);
   const double longer = std::max({x.width(), y.width(), 1e-12});
@@ -238,7 +238,7 @@ Picture filter_picture(const SceneDescription& scene, const Report& report) {
       if (!(u >= 0.0 && v >= 0.0 && u < buffer.width && v < buffer.height)) continue;
       for (int k = 0; k < size * size; ++k) {
         buffer.put(static_cast<int>(u) + k % size - size / 2, static_cast<int>(v) + k / size - size / 2, p.z(),
-                   static_cast<std::uint8_t>(1 + l));
+                   static_cast<std::uint8_t>(1 + layers[l].tone));
       }
     }
   }

@@ -188,6 +188,30 @@ TEST(ReportPictures, ShowWhatTheFiltersTookAwayInColoursOfALegend) {
   EXPECT_NEAR(picture.width_m, 0.17, 0.06);
 }
 
+TEST(ReportPictures, ShowMoreFiltersThanThereAreColours) {
+  Report report = filtered_report();
+  const Report::Filter floor = report.filters.front();
+  report.filters.assign(40, floor);
+  for (std::size_t k = 0; k < report.filters.size(); ++k) {
+    report.filters[k].name = "filter-" + std::to_string(k) + ".";
+    for (Eigen::Vector3d& p : report.filters[k].sample_m) p.y() += 0.02 * static_cast<double>(k);
+  }
+  const ScenePointer scene = example_scene();
+  ThreadPool pool(2);
+  const Picture picture = make_pictures(scene->read_level(0), scene->description(), report, pool).back();
+  ASSERT_EQ(picture.entries.size(), 1U + report.filters.size());
+  EXPECT_EQ(picture.entries[1].colour.r, picture.entries[8].colour.r) << "seven colours";
+  EXPECT_THAT(picture.alternative, ::testing::HasSubstr("filter-39. took"));
+  EXPECT_THAT(picture.caption, ::testing::HasSubstr("colours repeat"));
+  // The points of the last one lie above all others and are drawn, in its colour.
+  const std::uint8_t top = *std::find_if(picture.pixels.begin(), picture.pixels.end(), [](auto p) { return p != 0; });
+  const Rgb& colour = picture.entries.back().colour;
+  const Rgb& c = picture.palette[top];
+  const double share = c.r / std::max(1.0, static_cast<double>(colour.r));
+  EXPECT_NEAR(c.g, share * colour.g, 2.0);
+  EXPECT_NEAR(c.b, share * colour.b, 2.0);
+}
+
 TEST(ReportJson, SurvivesNamesThatAreNoUtf8) {
   const json report = json::parse(report_json(*example_scene("caf\xE9.ply"), example_report()));
   EXPECT_THAT(report["inputs"][0]["file"].get<std::string>(), ::testing::StartsWith("caf"));
