@@ -85,6 +85,22 @@ FoundUnit unit_of(const RawScan& scan) {
   return {};
 }
 
+// The units of scans of one object. Files that name none were written by one program, so that one of which metres
+// cannot be true tells the unit of them all: a detail has a plausible size in any unit.
+std::vector<FoundUnit> units_of(const std::vector<fs::path>& files, const std::vector<ScanStatistics>& scans) {
+  std::vector<FoundUnit> units;
+  for (const ScanStatistics& statistics : scans) units.push_back(unit_of(statistics.scan));
+  const auto tells = [&](std::size_t s) { return !scans[s].scan.unit && units[s].metres != 1.0; };
+  std::size_t teller = 0;
+  while (teller < units.size() && !tells(teller)) ++teller;
+  for (std::size_t s = 0; teller < units.size() && s < units.size(); ++s) {
+    if (scans[s].scan.unit || tells(s)) continue;
+    units[s] = units[teller];
+    units[s].reason = fmt::format("as {}: {}", quoted(files[teller].filename().string()), units[teller].reason);
+  }
+  return units;
+}
+
 // Relative to the configuration's folder where there is a way.
 std::string shown_path(const fs::path& file, const fs::path& folder) {
   std::error_code code;
@@ -98,19 +114,23 @@ std::string shown_path(const fs::path& file, const fs::path& folder) {
 // Reads the scans into `seen` and `points`; their part of the configuration.
 std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
                     Progress& progress) {
-  std::string text = "scans:\n";
+  constexpr std::uint64_t kLarge = 256'000'000;  // bytes of all files beyond which a sample of each is kept
+  std::vector<ScanStatistics> all;
   for (const fs::path& file : scans) {
-    const ScanStatistics statistics = scan_statistics(file, progress);
-    const RawScan& scan = statistics.scan;
-    if (scan.points.empty()) {
+    all.push_back(scan_statistics(file, progress, kLarge / scans.size()));
+    if (all.back().scan.points.empty()) {
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
-    require_lengths(scan, file.string());
-    const FoundUnit unit = unit_of(scan);
-    seen.look_at(scan, unit.metres);
-    points.add(statistics, unit.metres);
-    text +=
-        fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(shown_path(file, folder)), unit.name, unit.reason);
+    require_lengths(all.back().scan, file.string());
+  }
+  const std::vector<FoundUnit> units = units_of(scans, all);
+  std::string text = "scans:\n";
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    seen.look_at(all[s].scan, units[s].metres);
+    points.add(all[s], units[s].metres);
+    all[s] = {};
+    text += fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(shown_path(scans[s], folder)), units[s].name,
+                        units[s].reason);
   }
   return text;
 }

@@ -188,6 +188,27 @@ TEST_F(Suggested, StraysAllAroundAnObjectDoNotHideIt) {
   EXPECT_GT(share(result, [&](const Eigen::Vector3d& p) { return std::abs(p.norm() - 1.0) < 0.5 * spacing; }), 0.97);
 }
 
+TEST_F(Suggested, ADetailHasTheUnitOfTheScanThatShowsTheWhole) {
+  const auto times = [](Points points, double factor) {
+    for (Eigen::Vector3d& p : points) p *= factor;
+    return points;
+  };
+  Points detail;
+  const Points whole = times(relief(60000, 0.0), 600.0);
+  for (const Eigen::Vector3d& p : whole)
+    if (p.x() < 44.0 && p.y() < 44.0) detail.push_back(p);
+  const std::vector<fs::path> files = {write(detail, "detail.xyz"), write(whole, "whole.xyz")};
+  for (const std::vector<fs::path>& set : {files, std::vector<fs::path>{files[1], files[0]}}) {
+    Progress progress;
+    const Suggestion suggestion = suggest_config(set, {}, progress);
+    for (const ScanConfig& scan : suggestion.config.scans) EXPECT_EQ(scan.units.unit, LengthUnit::mm) << scan.file;
+    EXPECT_NE(suggestion.yaml.find("as \"whole.xyz\""), std::string::npos) << suggestion.yaml;
+  }
+  // Alone it is taken for metres, as anything of 44.
+  Progress progress;
+  EXPECT_EQ(suggest_config({files[0]}, {}, progress).config.scans[0].units.unit, LengthUnit::m);
+}
+
 TEST_F(Suggested, ACloudWithoutASurfaceIsSaidToFailTheCheckOnScreenAndInTheFile) {
   Points points;
   for (int n = 0; n < 10000; ++n) points.emplace_back(normal(1.0), normal(1.0), normal(1.0));
