@@ -314,6 +314,24 @@ TEST(CrossCheck, CompletenessCountsMeasuredNodesWithAPointInsideTheOutline) {
   EXPECT_DOUBLE_EQ(*result.completeness, 700.0 / 1600);
 }
 
+TEST(CrossCheck, ANoiseOfMoreThanHalfThePointSpacingDoesNotWidenTheTolerance) {
+  const Scene scene(2000, 5);
+  ThreadPool pool(1);
+  Progress progress;
+  progress.begin("check");
+  Projection projection = scene.projection();
+  const double spacing_m = projection.grid.lattice.spacing_m;
+  projection.point_spacing_m = 4.0 * spacing_m;
+  const auto tolerance = [&](double noise_m) {
+    projection.noise_m = noise_m;
+    return cross_check(cloud_of(scene.in_scan, scene.origin), scene.scan_to_grid, projection, {}, {}, {pool, progress})
+        .tolerance_m;
+  };
+  EXPECT_DOUBLE_EQ(tolerance(0.1 * spacing_m), spacing_m);
+  EXPECT_DOUBLE_EQ(tolerance(1.0 * spacing_m), 3.0 * spacing_m);
+  for (const double noise : {2.0, 20.0, 2000.0}) EXPECT_DOUBLE_EQ(tolerance(noise * spacing_m), 6.0 * spacing_m);
+}
+
 TEST(CrossCheck, SaysNothingWhereThereIsNothing) {
   Cloud cloud;
   ThreadPool pool(1);
