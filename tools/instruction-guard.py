@@ -3,7 +3,8 @@
 
 instruction-guard.py PROGRAM KEPT.json [--keep]
 
-Counts do not depend on how busy the machine is. More than a tenth above what is kept fails; --keep writes new ones.
+Counts do not depend on how busy the machine is. More than a tenth above what is kept fails, and so does more than a
+tenth below: until the new counts are kept, that gain could be lost again without a failure. --keep writes new ones.
 """
 import json
 import re
@@ -12,7 +13,7 @@ import sys
 import tempfile
 
 PARTS = ("proxy", "projection", "window")
-MOST = 1.10
+LEAST, MOST = 0.90, 1.10
 
 
 def count(program, part):
@@ -38,14 +39,17 @@ def main():
         return
     with open(file, encoding="utf-8") as kept_file:
         kept = json.load(kept_file)
-    slower = False
-    for part in PARTS:
-        ratio = counts[part] / kept[part]
+    ratios = {part: counts[part] / kept[part] for part in PARTS}
+    for part, ratio in ratios.items():
         print(f"{part:10} {counts[part]:12} instructions, {ratio:.3f} of those kept")
-        slower |= ratio > MOST
+    slower = ", ".join(part for part, ratio in ratios.items() if ratio > MOST)
+    faster = ", ".join(part for part, ratio in ratios.items() if ratio < LEAST)
     if slower:
-        sys.exit(f"error: more than {MOST:.2f} of the instructions kept in {file}; make it faster, or say why not and keep "
-                 "the new counts with --keep")
+        sys.exit(f"error: {slower}: more than {MOST:.2f} of the instructions kept in {file}; make it faster, or say why not "
+                 "and keep the new counts with --keep")
+    if faster:
+        sys.exit(f"error: {faster}: less than {LEAST:.2f} of the instructions kept in {file}; keep the new counts with --keep, "
+                 "so that what was gained is guarded")
 
 
 if __name__ == "__main__":
