@@ -14,6 +14,10 @@ BROKEN_ON_PURPOSE = "tests/tools/check_links_test.py"
 SCRIPTS = ("Makefile", ".ci/run")
 # Names of files that a page or comment gives without a folder must exist somewhere in the tree when they end so.
 BARE = (".h", ".cpp", ".py")
+BARE_IN_COMMENT = re.compile(r"(?<![\w./*-])[\w-]+\.(?:h|cpp|py|sh)(?![\w/])")
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
+STRING = re.compile(r'"(?:\\.|[^"\\\n])*"')
+INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>\n]+)>", re.M)
 PATH_END = r"\.(?:h|cpp|py|sh|yaml|md|svg|cmake)"
 
 FENCE = re.compile(r"^ {0,3}(`{3,}|~{3,})[^\n]*\n.*?^ {0,3}\1[`~]*[ \t]*$", re.M | re.S)
@@ -168,11 +172,22 @@ def paths(tree, name):
 
 def named_files(tree, name, text):
     """Paths of code from the root in a source file: comments, messages and scripts."""
+    others = {path.rsplit("/", 1)[-1] for path in INCLUDED.findall(text)}  # headers of the system and of libraries
     tops = "|".join(sorted(map(re.escape, tree.top)))
     text = re.sub(r"^[ \t]*#[ \t]*include\b.*", lambda line: " " * len(line.group()), text, flags=re.M)
     for match in re.finditer(rf"(?<![\w./-])(?:{tops})/[\w./-]*?[\w-]\.(?:h|cpp|py|sh|svg|cmake(?:\.in)?)\b", text):
         exists = tree.find(match.group(), name) is not None
         yield match.start(), "" if exists else f"{match.group()}: no such file"
+    if name.endswith((".h", ".cpp")):
+        yield from bare_names(tree.names | others, blank(text, [match.span() for match in STRING.finditer(text)]))
+
+
+def bare_names(known, text):
+    """Names of files without a folder in the comments of a C++ file."""
+    for comment in COMMENT.finditer(text):
+        for match in BARE_IN_COMMENT.finditer(comment.group()):
+            exists = match.group() in known
+            yield comment.start() + match.start(), "" if exists else f"{match.group()}: no such file"
 
 
 def references(tree, name):

@@ -1,6 +1,6 @@
 // bench_haptics: time of a proxy update beside its error, for the exact solver, the C1 surface and the source paper's
 // solver. Writes haptics_speed.csv and haptics_speed.svg; never a time alone. Also the figures of the source paper
-// (haptics_figures.h).
+// (figures.h).
 #include <algorithm>
 #include <array>
 #include <chrono>

@@ -10,7 +10,8 @@ FILES = {
     "`docs/a.md` `room/a.h` `a.h` `room` `A/b.yaml`\n```\nroom/a.h [no](link.md)\n```\n",
     "docs/a.md": "# One\n\n## Two words\n\n## `C++` & names, twice\n\n## Two words\n\n[b](a.md#two-words-1) [c](#c--names-twice)\n",
     "docs/p.svg": "<svg/>\n",
-    "room/a.h": '// See docs/a.md, "One" and "Two\n// words".\n#include "gone/by/the/compiler.h"\n',
+    "room/a.h": '// See docs/a.md, "One" and "Two\n// words", and a.h.\n#include "gone/by/the/compiler.h"\n'
+    'const char* written = "b.cpp";  // a user\'s own\n#include <sys/c.h>  // a.h, c.h\n',
 }
 # What is put at the end of which file, and what is found then.
 BROKEN = [
@@ -33,6 +34,10 @@ BROKEN = [
     ("room/a.h", '// (docs/a.md, "Three")', 'docs/a.md, "Three": no such section'),
     ("room/a.h", '// (docs/a.md, "One"\n// and "Three")', 'docs/a.md, "Three": no such section'),
     ("room/a.h", "// room/b.h", "room/b.h: no such file"),
+    ("room/a.h", "int a;  ///< as in b.h", "b.h: no such file"),
+    ("room/a.h", "// The flags of b.cpp.", "b.cpp: no such file"),
+    ("room/a.h", "// b-c.py and a.h", "b-c.py: no such file"),
+    ("room/a.h", "/* tools.sh */", "tools.sh: no such file"),
 ]
 
 

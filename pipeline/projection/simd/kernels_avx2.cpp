@@ -1,4 +1,4 @@
-// The kernels compiled for AVX2; chosen at run time, see project_kernel.cpp.
+// The kernels compiled for AVX2; chosen at run time, see kernels.cpp.
 #include "pipeline/projection/simd/kernels.h"
 
 #if defined(__AVX2__)

@@ -1,5 +1,5 @@
 // The kernels for AVX-512: still eight lanes, but masks of one bit per lane and twice the registers; see
-// project_kernel.cpp.
+// kernels.cpp.
 #include "pipeline/projection/simd/kernels.h"
 
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512BW__) && defined(__AVX512DQ__)
