@@ -86,7 +86,7 @@ MappedRange* keep_range(const void* data, std::size_t size, int descriptor) {
   return range;
 }
 
-// Puts zeros in place of what is gone, and remembers it; any other SIGBUS ends the program as it always did.
+// Puts zeros in place of what is gone, and marks the mapping; any other SIGBUS ends the program as it always did.
 void on_bus_error(int, siginfo_t* info, void*) {
   const int before = errno;
   const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);

@@ -324,7 +324,7 @@ std::vector<PartConfig> parse_parts(const Node& node) {
     part.say = part.name;
     reader.read("say", part.say);
     reader.read("more", part.more);
-    // Speech would say nothing at all where something is promised.
+    // A part without words would be announced by silence.
     if (part.say.empty()) part.say = part.name;
     const int where = exclusive(reader, {"box_m", "polygon_m", "label"});
     if (where == 0) part.box_m = read_box(*item.find("box_m"));

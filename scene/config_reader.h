@@ -15,8 +15,8 @@
 
 namespace sparsha::pipeline {
 
-constexpr double kAny = 1e12;        // widest coordinate that is believed, metres
-constexpr double kSmallest = 1e-12;  // smallest length that is believed, in the key's unit
+constexpr double kAny = 1e12;        // widest coordinate that is accepted, metres
+constexpr double kSmallest = 1e-12;  // smallest length that is accepted, in the key's unit
 
 /// Reads a length in millimetres, when the key is present, into metres.
 void read_mm(yaml::MapReader& reader, std::string_view key, double& value_m, double low_mm, double high_mm);

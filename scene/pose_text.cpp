@@ -1,4 +1,4 @@
-// Edits by the places that the YAML reader gives; the result is read again and compared before it is believed.
+// Edits by the places that the YAML reader gives; the result is read again and compared before it is used.
 #include "scene/pose_text.h"
 
 #include <fmt/format.h>

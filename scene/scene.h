@@ -68,7 +68,7 @@ class Scene {
 
 using ScenePointer = std::shared_ptr<const Scene>;
 
-/// A scene that lives in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not, and
+/// A scene held in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not, and
 /// Error{input} when parts have labels and the label image cannot be read.
 [[nodiscard]] ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels);
 

@@ -1,4 +1,4 @@
-// Edits by the places of the YAML reader; the result is read again and compared before it is believed.
+// Edits by the places of the YAML reader; the result is read again and compared before it is used.
 #include "scene/setup_text.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What a solver found, written out in metres for the rest of the house.
+// What a solver found, in metres, for the rooms outside the solver.
 #pragma once
 
 #include "haptics/proxy/fast_path.h"

@@ -77,7 +77,7 @@ class RequestQueue {
   std::deque<Request> requests_;
 };
 
-/// The last announcements, for any number of readers, each of which remembers the sequence number it has seen.
+/// The last announcements, for any number of readers, each of which keeps the sequence number it has seen.
 class AnnouncementBoard {
  public:
   void say(std::string text, Announcement::Priority priority = Announcement::Priority::information,

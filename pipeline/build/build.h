@@ -29,7 +29,7 @@ struct BuildResult {
   Report report;
 };
 
-/// Builds a scene that lives in memory. Throws Error{usage, input}, Error{failure} when a limit cannot be kept;
+/// Builds a scene held in memory. Throws Error{usage, input}, Error{failure} when a limit cannot be kept;
 /// Cancelled.
 [[nodiscard]] BuildResult build_scene(const Config& config, const BuildOptions& options, Progress& progress);
 

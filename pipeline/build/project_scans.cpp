@@ -1,4 +1,4 @@
-// What the limit allows decides where points live; nothing that is computed depends on it.
+// The memory limit decides between points in memory and on disk; both give the same bytes.
 #include "pipeline/build/project_scans.h"
 
 #include <algorithm>
@@ -242,7 +242,7 @@ class Builder {
   }
   [[nodiscard]] double scale() const { return std::cbrt(std::abs(scan_to_grid_.topLeftCorner<3, 3>().determinant())); }
 
-  // Before memory is taken for what cannot be there: a system that promises more kills the program later.
+  // Before memory is taken for what cannot be there: a system that grants more than it has kills the program later.
   static void require_room(const Lattice& lattice, std::uint64_t bytes) {
     const std::uint64_t memory = system::physical_memory_bytes();
     if (memory == 0 || bytes <= memory / 10 * 9) return;

@@ -35,7 +35,7 @@ struct CloudOnDisk {
 [[nodiscard]] CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
                                         const std::filesystem::path& folder, Progress& progress);
 
-/// The raw points of some records, at most as long as the records live.
+/// The raw points of some records; valid as long as the records are.
 [[nodiscard]] inline RawPoints raw_points(const PointRecords& records) {
   return {records.words, records.layout.words(), records.count};
 }

@@ -1,4 +1,4 @@
-// Fate of points by the range of measured heights around them.
+// Classification of points by the range of measured heights around them.
 #include "pipeline/projection/classification.h"
 
 #include <algorithm>

@@ -85,7 +85,7 @@ DiscRule disc_rule(const SurfaceStatistics& surface) {
 void name_lying_stations(const FacingField& facing, const OrientedStations& oriented, ProjectionPlan& plan) {
   for (const std::size_t station : facing.lying_stations()) {
     const Station& lying = oriented.stations[station];
-    if (!lying.declared) continue;  // a pose says where points are; where from, nobody promised
+    if (!lying.declared) continue;  // a pose says where points are, not where from
     std::vector<std::string>& scans = lying.normals.empty() ? plan.lying_stations : plan.lying_normals;
     if (scans.empty() || scans.back() != lying.scan) scans.push_back(lying.scan);
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kInside = 0.01;             // rank at which the box around the points begins
 constexpr double kFinestShare = 1.0 / 3000;  // of the longest side: the finest automatic voxel
-constexpr double kOutsideSides = 1.5;        // longest sides from the middle beyond which a pose's origin is believed
+constexpr double kOutsideSides = 1.5;        // longest sides from the middle beyond which a pose's origin is accepted
 constexpr std::size_t kLeastElements = 50;
 
 // The box between the ranks kInside and 1 - kInside along each axis.

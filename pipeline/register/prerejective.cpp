@@ -122,7 +122,7 @@ class SeededPrerejective : public Base {
 
   static const Point& at(const PclCloud& cloud, pcl::index_t index) { return cloud[static_cast<std::size_t>(index)]; }
 
-  // Share of the places that meet one of the target with a similar normal; 0 when the first of them promise too little.
+  // Share of the places that meet one of the target with a similar normal; 0 when too few of the first of them do.
   [[nodiscard]] double inliers(const Matrix4& pose, double worst) {
     const Eigen::Matrix3f turn = pose.topLeftCorner<3, 3>();
     const Eigen::Vector3f shift = pose.topRightCorner<3, 1>();

@@ -28,7 +28,7 @@ bool is_utf16(std::string_view bytes) {
   return mark == "\xFE\xFF" || mark == "\xFF\xFE";
 }
 
-/// A file whose ending promises a format whose mark it does not bear.
+/// A file whose ending names a format, but which does not begin with that format's mark.
 void refuse_missing_header(const ScanFile& file) {
   if (file.extension == "ply") throw file.error("no PLY header", "a first line 'ply'");
   if (file.extension == "pcd") {

@@ -15,7 +15,7 @@ struct Suggestion {
   Config config;     ///< the same, parsed
 };
 
-/// Reads the scans and guesses. `folder` is where the configuration will live. Throws Error{input}.
+/// Reads the scans and guesses. `folder` is where the configuration will be written. Throws Error{input}.
 [[nodiscard]] Suggestion suggest_config(const std::vector<std::filesystem::path>& scans,
                                         const std::filesystem::path& folder, Progress& progress);
 

@@ -50,7 +50,7 @@ inline ServoOptions patient(double longest_gap_s = 1.0) {
   return options;
 }
 
-/// Does in read() what a test wants, and remembers the last force. Safe to watch from other threads.
+/// Does in read() what a test wants, and keeps the last force. Safe to watch from other threads.
 class ScriptedDevice final : public Device {
  public:
   using Script = std::function<DeviceSample(std::uint64_t tick, double time_s)>;

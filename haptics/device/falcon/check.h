@@ -1,4 +1,4 @@
-// What `sparsha device check|monitor|home` do: each step of bringing a Falcon to life with its remedy, live readings,
+// What `sparsha device check|monitor|home` do: each step of starting a Falcon with its remedy, live readings,
 // homing.
 #pragma once
 

@@ -28,7 +28,7 @@ class PointerDevice final : public Device {
     if (pointer_->try_read(wanted)) newest_ = wanted;
     const bool known = newest_.sequence != 0;
     const Eigen::Vector3d goal_m(newest_.device_m[0], newest_.device_m[1], newest_.device_m[2]);
-    // What is no place is passed on, for the servo to end the force, but the filter must not remember it.
+    // What is no place is passed on, for the servo to end the force, but the filter must not keep it.
     const bool usable_goal = goal_m.allFinite();
     if (known && usable_goal) {
       if (!known_) {

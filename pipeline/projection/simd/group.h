@@ -37,7 +37,7 @@ struct GroupResult {
   Floats reference;  ///< metres; kAbsent when fewer than four bins hold points
   Floats height;     ///< above the reference
   Ints decided;
-  Ints wider;  ///< the window is too small to decide; neither: the node needs more thought
+  Ints wider;  ///< the window is too small to decide; neither: the node takes the slow path
 };
 
 SPARSHA_INLINE Ints larger(Ints a, Ints b) { return (a & (a > b)) | (b & ~(a > b)); }

@@ -235,7 +235,7 @@ struct ProjectionKernels {
   /// Copies the points of bins, the highest first, equal heights by x, then y. What it leaves of bins with more than
   /// kFew points is not to be used.
   void (*sort_bins)(const BinSort& sort, std::size_t bins);
-  /// Nodes that need no thought: one layer in front, all around, with residuals of noise or a bend; or a window whose
+  /// Nodes that need no slow path: one layer in front, all around, with residuals of noise or a bend; or a window whose
   /// one layer is not all around. Heights of rows [j_begin, j_end) into height, and NodeKernel::Verdict into verdict,
   /// nx a row.
   void (*fit_rows)(const NodeKernel& kernel, std::size_t j_begin, std::size_t j_end, float* height,
