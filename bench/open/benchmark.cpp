@@ -1,4 +1,4 @@
-#include "benchmark.h"
+#include "bench/open/benchmark.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string_view>
 
 #include <Eigen/Geometry>
 
@@ -20,10 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr int kTicks = 2000;     // of the way at constant depth
-constexpr int kUp = 50;          // ticks
-constexpr double kAbove = 0.01;  // m, at the end
-constexpr double kMm = 1000.0;   // per metre, for .traj
+constexpr int kTicks = 2000;       // of the way at constant depth
+constexpr int kUp = 50;            // ticks
+constexpr double kAbove_m = 0.01;  // at the end
+constexpr double kMm = 1000.0;     // per metre, for .traj
+constexpr std::string_view kCasesHeader =
+    "case,surface,stiffness_n_per_m,speed_m_per_s,depth_m,ticks,path_sha256,truth_sha256\n";
 constexpr const char* kMetrics =
     "metric,unit,meaning\n"
     "error,1,length of force minus true force over the true force; median 99 % and largest over judged ticks\n"
@@ -35,14 +38,14 @@ constexpr const char* kMetrics =
     "ghost,share of ticks in free space,force above 0.01 of the largest true force of the case\n";
 
 OpenCase make_case(const std::string& name, const Ground& ground, double speed, double depth) {
-  OpenCase c{name, ground, speed, depth, make_course(ground, kOpenTick * speed, depth, kTicks), 0};
+  OpenCase c{name, ground, speed, depth, make_course(ground, kOpenTick_s * speed, depth, kTicks), 0};
   c.last = c.course.hands.size();
   const Vector3d foot = c.course.feet.back();
   const Vector3d normal = (foot - c.course.hands.back()).normalized();
   for (int tick = 1; tick <= kUp; ++tick) {
     const double share = static_cast<double>(tick) / kUp;
     c.course.feet.push_back(foot);
-    c.course.hands.push_back(foot + (kAbove * share - depth * (1.0 - share)) * normal);
+    c.course.hands.push_back(foot + (kAbove_m * share - depth * (1.0 - share)) * normal);
   }
   return c;
 }
@@ -85,7 +88,7 @@ std::array<double, 3> numbers_of(const Vector3d& v) { return {v.x(), v.y(), v.z(
 std::string path_csv(const OpenCase& c) {
   std::string text = "t_s,x_m,y_m,z_m\n";
   for (std::size_t tick = 0; tick < c.course.hands.size(); ++tick) {
-    csv::append(text, kOpenTick * static_cast<double>(tick));
+    csv::append(text, kOpenTick_s * static_cast<double>(tick));
     csv::append(text, numbers_of(c.course.hands[tick]));
     csv::end_row(text);
   }
@@ -95,7 +98,7 @@ std::string path_csv(const OpenCase& c) {
 std::string truth_csv(const OpenCase& c) {
   std::string text = "t_s,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,judged\n";
   for (std::size_t tick = 0; tick < c.course.hands.size(); ++tick) {
-    csv::append(text, kOpenTick * static_cast<double>(tick));
+    csv::append(text, kOpenTick_s * static_cast<double>(tick));
     csv::append(text, numbers_of(c.contact(tick) ? c.course.feet[tick] : c.course.hands[tick]));
     csv::append(text, numbers_of(c.true_force(tick)));
     csv::append(text, std::uint64_t{c.contact(tick) ? 1U : 0U});
@@ -110,7 +113,7 @@ std::string traj_of(const OpenCase& c, bool rendered) {
   std::string text;
   for (std::size_t tick = 0; tick < c.course.hands.size(); ++tick) {
     const bool contact = rendered && c.contact(tick);
-    csv::append(text, kOpenTick * static_cast<double>(tick));
+    csv::append(text, kOpenTick_s * static_cast<double>(tick));
     csv::append(text, numbers_of(kMm * (contact ? c.course.feet[tick] : c.course.hands[tick])));
     csv::append(text, numbers_of(rendered ? c.true_force(tick) : Vector3d::Zero()));
     csv::append(text, std::uint64_t{contact ? 1U : 0U});
@@ -122,12 +125,42 @@ std::string traj_of(const OpenCase& c, bool rendered) {
 
 std::string hash_of(const std::string& text) { return sha256(std::as_bytes(std::span(text))); }
 
+/// The first file in `folder` that no export wrote, or a folder that cannot be read; empty when there is none. An older
+/// export may have had other cases: its names are those that its own cases.csv gives.
+fs::path foreign_file(const fs::path& folder) {
+  constexpr std::size_t kMostBytes = 1 << 20;
+  const fs::path table = folder / "cases.csv";
+  std::error_code code;
+  const bool small = fs::is_regular_file(table, code) && fs::file_size(table, code) <= kMostBytes;
+  std::string names = small ? read_file(table, kMostBytes) : std::string();
+  const bool ours = names.starts_with(kCasesHeader);
+  std::replace(names.begin(), names.end(), '\n', ',');
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, code)) {
+    const std::string name = entry.path().filename().string();
+    const bool parts = name == "surfaces" || name == "paths" || name == "truth";
+    const bool file = name == "protocol.md" || name == "cases.csv" || name == "metrics.csv";
+    if (!ours || !(parts ? entry.is_directory() : file && entry.is_regular_file())) return entry.path();
+    if (!parts) continue;
+    for (const fs::directory_entry& part : fs::directory_iterator(entry.path(), code)) {
+      const std::string end = part.path().extension().string();
+      const bool written = name == "surfaces" ? end == ".ply" : end == ".csv" || end == ".traj";
+      if (!written || !part.is_regular_file() ||
+          names.find(',' + part.path().stem().string() + ',') == std::string::npos)
+        return part.path();
+    }
+    if (code) return entry.path();
+  }
+  return code ? folder : fs::path();
+}
+
 void require_replaceable(const fs::path& folder) {
   std::error_code code;
   if (!fs::exists(folder, code)) return;
   if (!fs::is_directory(folder, code)) throw usage_error(folder.string() + " is no folder", "a new or empty folder");
-  if (!fs::is_empty(folder, code) && !fs::is_regular_file(folder / "cases.csv", code))
-    throw usage_error(folder.string() + " holds other files", "a new or empty folder, or an older export");
+  const fs::path foreign = foreign_file(folder);
+  if (!foreign.empty())
+    throw usage_error(folder.string() + " holds other files: " + foreign.lexically_relative(folder).string(),
+                      "a new or empty folder, or an older export");
 }
 
 }  // namespace
@@ -138,7 +171,7 @@ bool OpenCase::contact(std::size_t tick) const {
 }
 
 Vector3d OpenCase::true_force(std::size_t tick) const {
-  return contact(tick) ? Vector3d(kOpenStiffness * (course.feet[tick] - course.hands[tick])) : Vector3d::Zero();
+  return contact(tick) ? Vector3d(kOpenStiffness_n_per_m * (course.feet[tick] - course.hands[tick])) : Vector3d::Zero();
 }
 
 std::vector<OpenCase> open_cases() {
@@ -161,7 +194,7 @@ void export_benchmark(const fs::path& folder) {
   target.naming_target([&] {
     const fs::path& out = target.temporary();
     for (const char* part : {"surfaces", "paths", "truth"}) fs::create_directories(out / part);
-    std::string table = "case,surface,stiffness_n_per_m,speed_m_per_s,depth_m,ticks,path_sha256,truth_sha256\n";
+    std::string table(kCasesHeader);
     for (const Ground& ground : all_grounds()) write_file(out / "surfaces" / (ground.name + ".ply"), ply_of(ground));
     for (const OpenCase& c : open_cases()) {
       const std::string path = path_csv(c);
@@ -171,7 +204,7 @@ void export_benchmark(const fs::path& folder) {
       write_file(out / "paths" / (c.name + ".traj"), traj_of(c, false));
       write_file(out / "truth" / (c.name + ".traj"), traj_of(c, true));
       table += c.name + "," + c.ground.name + ",";
-      for (const double value : {kOpenStiffness, c.speed_m_per_s, c.depth_m}) csv::append(table, value);
+      for (const double value : {kOpenStiffness_n_per_m, c.speed_m_per_s, c.depth_m}) csv::append(table, value);
       csv::append(table, std::uint64_t{c.course.hands.size()});
       table += hash_of(path) + "," + hash_of(truth) + "\n";
     }

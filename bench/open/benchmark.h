@@ -7,13 +7,13 @@
 
 #include <Eigen/Core>
 
-#include "course.h"
+#include "bench/open/course.h"
 
 namespace sparsha::bench {
 
-inline constexpr double kOpenStiffness = 500.0;  // N/m
-inline constexpr int kOpenNodes = 201;           // per side
-inline constexpr double kOpenTick = 0.001;       // s
+inline constexpr double kOpenStiffness_n_per_m = 500.0;
+inline constexpr int kOpenNodes = 201;  // per side
+inline constexpr double kOpenTick_s = 0.001;
 
 /// One path over one surface with its true forces. Grid frame, metres and newtons.
 struct OpenCase {
@@ -34,7 +34,7 @@ struct OpenCase {
 [[nodiscard]] const char* protocol();
 
 /// Writes the whole benchmark; `folder` appears when it is complete and replaces an older one. Throws Error{failure}
-/// when it cannot be written, Error{usage} when it is a folder with anything else in it.
+/// when it cannot be written, Error{usage} when it is a folder with a file that no export wrote.
 void export_benchmark(const std::filesystem::path& folder);
 
 /// Files of a case below the benchmark's folder.

@@ -1,4 +1,4 @@
-#include "course.h"
+#include "bench/open/course.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,14 +20,14 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 /// Largest curvature of tops, by differences of the slope on a fine raster.
 double top_curvature(const Ground& ground, double margin_m) {
   constexpr int kSamples = 400;
-  constexpr double kStep = 1e-4;  // m
+  constexpr double kStep_m = 1e-4;
   double most = 1e-9;
   for (int j = 0; j <= kSamples; ++j)
     for (int i = 0; i <= kSamples; ++i) {
       const double x = margin_m + (1.0 - 2.0 * margin_m) * i / kSamples;
       const double y = margin_m + (1.0 - 2.0 * margin_m) * j / kSamples;
-      const Vector2d along_x = (ground.slope(x + kStep, y) - ground.slope(x - kStep, y)) / (2.0 * kStep);
-      const Vector2d along_y = (ground.slope(x, y + kStep) - ground.slope(x, y - kStep)) / (2.0 * kStep);
+      const Vector2d along_x = (ground.slope(x + kStep_m, y) - ground.slope(x - kStep_m, y)) / (2.0 * kStep_m);
+      const Vector2d along_y = (ground.slope(x, y + kStep_m) - ground.slope(x, y - kStep_m)) / (2.0 * kStep_m);
       const double mean = 0.5 * (along_x.x() + along_y.y());
       const double half = 0.5 * (along_x.x() - along_y.y());
       const double least = mean - std::hypot(half, along_x.y());
@@ -129,8 +129,8 @@ haptics::MongeSurface sample(const Ground& ground, int nodes_per_side) {
 }
 
 Course make_course(const Ground& ground, double metres_per_tick, double depth_m, int ticks) {
-  constexpr int kDown = 50;        // ticks
-  constexpr double kStart = 0.01;  // m above
+  constexpr int kDown = 50;          // ticks
+  constexpr double kStart_m = 0.01;  // above
   Course course;
   course.first = kDown;
   for (int tick = -kDown; tick < ticks; ++tick) {
@@ -140,7 +140,7 @@ Course make_course(const Ground& ground, double metres_per_tick, double depth_m,
     const Vector3d normal = Vector3d(-slope.x(), -slope.y(), 1.0).normalized();
     const double down = std::min(1.0, 1.0 + static_cast<double>(tick + 1) / kDown);
     course.feet.emplace_back(x, y, ground.height(x, y));
-    course.hands.push_back(course.feet.back() + (kStart * (1.0 - down) - depth_m * down) * normal);
+    course.hands.push_back(course.feet.back() + (kStart_m * (1.0 - down) - depth_m * down) * normal);
   }
   return course;
 }
