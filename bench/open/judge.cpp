@@ -1,4 +1,4 @@
-#include "judge.h"
+#include "bench/open/judge.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include "base/files.h"
 #include "base/statistics.h"
 #include "base/text.h"
-#include "benchmark.h"
-#include "table_reader.h"
+#include "bench/open/benchmark.h"
+#include "bench/open/table_reader.h"
 
 namespace sparsha::bench {
 namespace {
@@ -18,9 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr double kMostForce = 1e6;   // N
-constexpr double kMostTime = 1e12;   // s and ns
-constexpr double kSameTime = 1e-6;   // s
+constexpr double kMostForce_n = 1e6;
+constexpr double kMostTime = 1e12;  // s and ns
+constexpr double kSameTime_s = 1e-6;
 constexpr double kMostTicks = 10e6;  // per case
 constexpr std::size_t kMostCases = 1000;
 
@@ -94,7 +94,7 @@ Truth read_truth(const fs::path& folder, const KnownCase& known) {
     truth.t_s.push_back(table.number(0, "seconds", kMostTime));
     Vector3d force;
     for (int axis = 0; axis < 3; ++axis)
-      force[axis] = table.number(static_cast<std::size_t>(axis) + 1, "newtons", kMostForce);
+      force[axis] = table.number(static_cast<std::size_t>(axis) + 1, "newtons", kMostForce_n);
     truth.force_n.push_back(force);
     if (table.number(4, "0 or 1", 1.0) != 1.0) continue;
     if (truth.last == 0) truth.first = truth.t_s.size() - 1;
@@ -176,14 +176,14 @@ class Results {
     if (tick == known.ticks)
       throw table_.wrong_row("case " + known.name + " has more rows than ticks",
                              count_text(known.ticks) + ", one for each tick of " + path_file(known.name).string());
-    if (std::abs(table_.number(1, "seconds", kMostTime) - truth.t_s[tick]) > kSameTime)
+    if (std::abs(table_.number(1, "seconds", kMostTime) - truth.t_s[tick]) > kSameTime_s)
       throw table_.wrong_at(
           1, "time " + csv::in_quotes(csv::trimmed(table_.word(1))) + " out of order",
           value_text(truth.t_s[tick], 7) + ", the time of this row in " + path_file(known.name).string());
     Vector3d force;
     for (int axis = 0; axis < 3; ++axis)
       force[axis] = table_.number(static_cast<std::size_t>(axis) + 2,
-                                  "a finite number of newtons; 0 where none was given", kMostForce);
+                                  "a finite number of newtons; 0 where none was given", kMostForce_n);
     forces.force_n.push_back(force);
     if (!table_.has(5)) return;
     const double ns = table_.number(5, "nanoseconds", kMostTime);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "score.h"
+#include "bench/open/score.h"
 
 namespace sparsha::bench {
 

@@ -1,4 +1,4 @@
-#include "score.h"
+#include "bench/open/score.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,8 @@
-#include "table_reader.h"
+#include "bench/open/table_reader.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "base/csv.h"
@@ -16,6 +17,33 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+/// The inside of a field in quotes that begins `line`, which loses it with its comma; nothing when there is none. A
+/// quote in it is written twice and stays so.
+std::optional<std::string_view> take_quoted(std::string_view& line) {
+  const std::size_t first = line.find_first_not_of(" \t");
+  if (first == std::string_view::npos || line[first] != '"') return std::nullopt;
+  std::size_t close = line.find('"', first + 1);
+  while (close != std::string_view::npos && line.substr(close + 1).starts_with('"')) close = line.find('"', close + 2);
+  if (close == std::string_view::npos) return std::nullopt;
+  std::string_view rest = line.substr(close + 1);
+  if (!csv::trimmed(csv::take_field(rest)).empty()) return std::nullopt;
+  const std::string_view inside = line.substr(first + 1, close - first - 1);
+  line = rest;
+  return inside;
+}
+
+/// The fields of a line; of more than `most` the first ones. Returns how many there are.
+std::size_t split(std::string_view line, std::size_t most, std::vector<std::string_view>& fields) {
+  fields.clear();
+  for (std::size_t count = 1;; ++count) {
+    const std::string_view before = line;
+    const std::optional<std::string_view> quoted = take_quoted(line);
+    const std::string_view field = quoted ? *quoted : csv::take_field(line);
+    if (count <= most) fields.push_back(field);
+    if (!before.substr(0, before.size() - line.size()).ends_with(',')) return count;
+  }
+}
+
 }  // namespace
 
 TableReader::TableReader(const std::filesystem::path& file, const std::vector<std::string>& columns,
@@ -26,17 +54,16 @@ TableReader::TableReader(const std::filesystem::path& file, const std::vector<st
     throw input_error(name_, "the file is empty", "a header with the columns " + listed(columns));
   line_ = 1;
   const std::string_view header = csv::take_line(rest_);
-  count_ = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
   constexpr std::size_t kMostColumns = 1000;
+  count_ = split(header, kMostColumns, fields_);
   if (count_ > kMostColumns)
     throw input_error_at(name_, 1, "the header has " + std::to_string(count_) + " columns", "1000 at most");
   std::vector<std::string> asked = columns;
   asked.insert(asked.end(), optional.begin(), optional.end());
   place_.assign(asked.size(), kAbsent);
-  std::string_view left = header;
   for (std::size_t field = 0; field < count_; ++field) {
-    const auto column = static_cast<int>(left.data() - header.data()) + 1;
-    const std::string_view word = csv::trimmed(csv::take_field(left));
+    const auto column = static_cast<int>(fields_[field].data() - header.data()) + 1;
+    const std::string_view word = csv::trimmed(fields_[field]);
     const auto found = std::find(asked.begin(), asked.end(), word);
     if (found == asked.end()) continue;
     std::size_t& place = place_[static_cast<std::size_t>(found - asked.begin())];
@@ -52,12 +79,10 @@ bool TableReader::next() {
   ++line_;
   if (rest_.find_first_not_of(" \t\r\n") == std::string_view::npos) return false;
   row_ = csv::take_line(rest_);
-  const auto count = static_cast<std::size_t>(std::count(row_.begin(), row_.end(), ',')) + 1;
+  const std::size_t count = split(row_, count_, fields_);
   if (count != count_)
     throw wrong_row("the row has " + count_text(count) + (count == 1 ? " field" : " fields"),
                     count_text(count_) + ", as many as the header");
-  fields_.clear();
-  for (std::string_view left = row_; fields_.size() < count_;) fields_.push_back(csv::take_field(left));
   return true;
 }
 

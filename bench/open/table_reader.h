@@ -12,8 +12,8 @@
 
 namespace sparsha::bench {
 
-/// A CSV file with a header. Columns may stand in any order, and others beside them. Memory does not grow with the
-/// file.
+/// A CSV file with a header. Columns may stand in any order, and others beside them. A field may stand in double
+/// quotes, as R's write.csv has it; commas in them do not end it. Memory does not grow with the file.
 class TableReader {
  public:
   /// Throws Error{input} when the file cannot be read, is empty, or lacks one of `columns` or has it twice. Columns of
@@ -26,6 +26,7 @@ class TableReader {
   /// Line of the row, from 1; behind the last row that of the end.
   [[nodiscard]] int line() const { return line_; }
   [[nodiscard]] bool has(std::size_t column) const { return place_[column] != kAbsent; }
+  /// Without its quotes.
   [[nodiscard]] std::string_view word(std::size_t column) const { return fields_[place_[column]]; }
   /// A finite number of at most `limit` in size. Throws Error{input} otherwise; `meaning` says what belongs there.
   [[nodiscard]] double number(std::size_t column, const std::string& meaning, double limit) const;
