@@ -2,13 +2,7 @@
 // shared inline function into an object compiled for AVX2.
 #include "pipeline/layers/bilateral_kernel.h"
 
-#if defined(__GNUC__) && defined(__x86_64__)
-#define SPARSHA_AVX2 __attribute__((target("avx2")))
-#define SPARSHA_INLINE static inline __attribute__((always_inline))
-#else
-#define SPARSHA_AVX2
-#define SPARSHA_INLINE static inline
-#endif
+#include "pipeline/layers/vector_target.h"
 
 namespace sparsha::pipeline::kernel {
 

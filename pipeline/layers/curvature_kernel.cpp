@@ -1,13 +1,7 @@
 // Even filters are folded about their centre, odd ones too; one pass over the neighbours serves all three results.
 #include "pipeline/layers/curvature_kernel.h"
 
-#if defined(__GNUC__) && defined(__x86_64__)
-#define SPARSHA_AVX2 __attribute__((target("avx2")))
-#define SPARSHA_INLINE static inline __attribute__((always_inline))
-#else
-#define SPARSHA_AVX2
-#define SPARSHA_INLINE static inline
-#endif
+#include "pipeline/layers/vector_target.h"
 
 namespace sparsha::pipeline::kernel {
 
