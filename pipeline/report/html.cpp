@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/html.h"
 #include "base/text.h"
 #include "pipeline/report/base64.h"
 #include "pipeline/report/page.h"

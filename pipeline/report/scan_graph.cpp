@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "base/html.h"
 #include "base/text.h"
 #include "pipeline/report/svg.h"
 

@@ -3,15 +3,11 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "pipeline/report/images.h"
 
 namespace sparsha::pipeline {
-
-/// Text as HTML: & < > " ' are escaped, bytes that are no valid UTF-8 become U+FFFD.
-[[nodiscard]] std::string escape_html(std::string_view text);
 
 /// The colour ramp with its ticks, or the named states.
 [[nodiscard]] std::string legend_svg(const Picture& picture);
