@@ -1,4 +1,4 @@
-#include "hard.h"
+#include "bench/race/hard.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,10 @@
-#include "lived.h"
+#include "bench/race/lived.h"
 
 #include <chrono>
 #include <thread>
 
 #include "base/statistics.h"
+#include "bench/report/turns.h"
 
 namespace sparsha::bench {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure.h"
+#include "bench/race/measure.h"
 
 namespace sparsha::bench {
 

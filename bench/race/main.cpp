@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "bench/haptics/plot.h"
-#include "report.h"
-#include "spline_ground.h"
+#include "bench/race/report.h"
+#include "bench/race/spline_ground.h"
 
 namespace sparsha::bench {
 namespace {
@@ -69,7 +69,7 @@ bool run(bool quick, const std::filesystem::path& out) {
   for (const Entrant& entrant : entrants)
     if (entrant.standard) standard.push_back(entrant);
   Report report;
-  report.mode = quick ? "quick" : "full";
+  report.repeats = 5;
   std::ofstream csv(out / "race.csv");
   csv << "method,setting,group,surface,points,speed_m_per_s,depth_m,cells_per_tick,p50_ns,p99_ns,max_ns,ratio_to_exact,"
          "ratio_low,ratio_high,force_error_median,force_error_p99,size_error_median,size_error_p99,angle_median_deg,"
@@ -85,7 +85,7 @@ bool run(bool quick, const std::filesystem::path& out) {
       field = make_field(scenario.ground, scenario.nodes, front ? entrants : standard);
       made = wanted;
     }
-    for (const Row& row : race(scenario, field, quick ? 1000 : 1500, 5)) {
+    for (const Row& row : race(scenario, field, quick ? 1000 : 1500, report.repeats)) {
       write_row(csv, row);
       print_row(row);
       report.rows.push_back(row);

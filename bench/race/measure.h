@@ -57,9 +57,6 @@ struct Field {
 
 [[nodiscard]] Field make_field(const Ground& ground, int nodes, std::vector<Entrant> entrants);
 
-/// Of two readings of the clock without anything between, nanoseconds, median.
-[[nodiscard]] double timer_overhead_ns();
-
 /// All entrants take turns over the same path, `repeats` times, each time another one first. The first entrant is what
 /// ratios refer to.
 [[nodiscard]] std::vector<Row> race(const Scenario& scenario, const Field& field, int ticks, int repeats);

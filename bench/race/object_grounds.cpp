@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <optional>
 
+#include "bench/race/spline_ground.h"
 #include "pipeline/simulate/surface.h"
-#include "spline_ground.h"
 #include "tests/support/closed_objects.h"
 
 namespace sparsha::bench {
@@ -36,16 +36,16 @@ std::optional<std::vector<double>> middle_of(const test::ClosedObject& object) {
 std::vector<Ground> object_grounds(double depth_m) {
   std::vector<Ground> grounds;
   {
-    constexpr double kWidth = 0.36;  // m; scaled to 1
+    constexpr double kWidth_m = 0.36;  // scaled to 1
     pipeline::SurfaceConfig config;
-    config.width_m = kWidth;
+    config.width_m = kWidth_m;
     config.height_m = 0.44;
     config.form = pipeline::ReliefForm{};
     const pipeline::Surface relief(config);
     std::vector<double> heights;
     for (int j = 0; j < kSide; ++j)
       for (int i = 0; i < kSide; ++i)
-        heights.push_back(relief.z(kWidth * i / (kSide - 1), 0.08 + kWidth * j / (kSide - 1)) / kWidth);
+        heights.push_back(relief.z(kWidth_m * i / (kSide - 1), 0.08 + kWidth_m * j / (kSide - 1)) / kWidth_m);
     grounds.push_back(spline_ground("sample", std::move(heights), kSide, depth_m));
   }
   if (auto heights = middle_of(*test::make_two_spheres()))

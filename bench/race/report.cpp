@@ -1,4 +1,4 @@
-#include "report.h"
+#include "bench/race/report.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -6,6 +6,7 @@
 #include <map>
 
 #include "bench/report/html.h"
+#include "bench/report/turns.h"
 
 namespace sparsha::bench {
 namespace {
@@ -120,7 +121,8 @@ constexpr const char* kIntroduction =
     "were written for this race from the publications; <code>embree</code> (Embree 3, Apache 2.0, where installed) is "
     "the "
     "closest point of the mesh. CGAL's tree of triangles, which would give the same closest point, is under the GPL; "
-    "this program links no GPL code, and there is no method <code>cgal</code>.</p><p>Methods take turns in one run. A "
+    "this program links no GPL code, and there is no method <code>cgal</code>.</p><p>Methods take turns in one run, "
+    "%d times each. A "
     "tick's time is the best "
     "of its "
     "repeats, less the timer; “longest” is the largest of these. “Time over exact's” is the median of the ratios of "
@@ -172,9 +174,9 @@ constexpr const char* kHonest =
 }  // namespace
 
 bool write_report(const std::filesystem::path& folder, const Report& report) {
-  const int repeats = report.mode == "full" ? 7 : 5;
+  const std::string confidence = text_of("%.2g %%", 100.0 * range_confidence(report.repeats));
   char introduction[4000];
-  std::snprintf(introduction, sizeof introduction, kIntroduction, repeats == 7 ? "98 %" : "94 %");
+  std::snprintf(introduction, sizeof introduction, kIntroduction, report.repeats, confidence.c_str());
   std::string html = html_heading("Rendering: the front of time and error") + introduction;
   html += html_figure(folder / "race_front.svg",
                       "Sinusoid of the source paper, the hand 2 mm deep at 0.25 m/s: median time of a tick against the "

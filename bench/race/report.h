@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "hard.h"
-#include "lived.h"
-#include "measure.h"
+#include "bench/race/hard.h"
+#include "bench/race/lived.h"
+#include "bench/race/measure.h"
 
 namespace sparsha::bench {
 
 struct Report {
-  std::string mode;  ///< quick or full
+  int repeats = 1;  ///< of each row: how often each method took its turn
   std::vector<Row> rows;
   std::vector<HardResult> hard;
   std::vector<LivedRow> lived;

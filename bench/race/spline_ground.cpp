@@ -1,4 +1,4 @@
-#include "spline_ground.h"
+#include "bench/race/spline_ground.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMargin = 0.1;  // m: beyond it no hand goes
+constexpr double kMargin_m = 0.1;  // beyond it no hand goes
 
 /// Weights of the four coefficients about a place and their derivatives, by cells.
 struct Basis {
@@ -87,7 +87,7 @@ Ground spline_ground(const std::string& name, std::vector<double> heights, int s
     const auto spline = std::make_shared<const Spline>(heights, side);
     ground.height = [spline](double x, double y) { return spline->height(x, y); };
     ground.slope = [spline](double x, double y) { return spline->slope(x, y); };
-    ground.most_depth_m = deepest_m(ground, kMargin);
+    ground.most_depth_m = deepest_m(ground, kMargin_m);
     if (ground.most_depth_m >= depth_m || passes > 4096) return ground;
     for (int k = 0; k < passes; ++k) heights = smoothed(heights, side);
   }

@@ -1,14 +1,15 @@
-#include "csv_table.h"
+#include "bench/report/csv_table.h"
 
 #include <cmath>
 
 #include "base/csv.h"
+#include "base/html.h"
 
 namespace sparsha::bench {
 
 std::string shown(const std::string& field, double scale) {
   double value = 0.0;
-  if (!csv::to_number(field, value)) return escaped(field);
+  if (!csv::to_number(field, value)) return escape_html(field);
   value *= scale;
   if (value != 0.0 && std::abs(value) < 1e-9) return "&lt; 1e-9";
   const bool whole = value == static_cast<double>(static_cast<long long>(value)) && value < 1e12 && value > -1e12;

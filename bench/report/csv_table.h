@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "html.h"
-#include "table.h"
+#include "bench/report/html.h"
+#include "bench/report/table.h"
 
 namespace sparsha::bench {
 

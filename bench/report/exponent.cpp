@@ -1,4 +1,4 @@
-#include "exponent.h"
+#include "bench/report/exponent.h"
 
 #include <array>
 #include <cmath>

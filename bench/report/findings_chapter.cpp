@@ -3,8 +3,9 @@
 #include <cmath>
 #include <optional>
 
-#include "chapters.h"
-#include "csv_table.h"
+#include "base/html.h"
+#include "bench/report/chapters.h"
+#include "bench/report/csv_table.h"
 
 namespace sparsha::bench {
 namespace {
@@ -94,14 +95,15 @@ std::string heights(const Table& table, const char* group, const char* value, co
   }
   if (std::isnan(ours) || best.empty()) return {};
   return "<li>Heights of " + std::string(what) + ": " + text_of("%.3g ", ours) + unit + " RMS, the best other way (" +
-         escaped(best) + ") " + text_of("%.3g ", least) + unit + ".</li>";
+         escape_html(best) + ") " + text_of("%.3g ", least) + unit + ".</li>";
 }
 
 std::string lateness(const Table& table) {
   std::string text;
   for (std::size_t row = 0; row < table.rows.size(); ++row)
-    text += (text.empty() ? "" : "; ") + escaped(table.text(row, "method")) + ", " + escaped(table.text(row, "state")) +
-            ": " + text_of("%.3f %%", 100.0 * table.number(row, "share_in_time"));
+    text += (text.empty() ? "" : "; ") + escape_html(table.text(row, "method")) + ", " +
+            escape_html(table.text(row, "state")) + ": " +
+            text_of("%.3f %%", 100.0 * table.number(row, "share_in_time"));
   return "<li>Ticks in time at 1 kHz: " + text + ".</li>";
 }
 

@@ -1,9 +1,10 @@
-#include "html.h"
+#include "bench/report/html.h"
 
 #include <cctype>
-#include <cstdio>
 #include <fstream>
 #include <sstream>
+
+#include "base/html.h"
 
 namespace sparsha::bench {
 namespace {
@@ -55,41 +56,10 @@ std::string contents_of(const std::string& body) {
 
 }  // namespace
 
-std::string escaped(const std::string& text) {
-  std::string html;
-  for (const char c : text) {
-    if (c == '&') {
-      html += "&amp;";
-    } else if (c == '<') {
-      html += "&lt;";
-    } else if (c == '>') {
-      html += "&gt;";
-    } else if (c == '"') {
-      html += "&quot;";
-    } else {
-      html += c;
-    }
-  }
-  return html;
-}
-
-std::string text_of(const char* format, double value) {
-  char line[64];
-  std::snprintf(line, sizeof line, format, value);
-  return line;
-}
-
-std::string time_text(double ns) {
-  if (ns < 1e3) return text_of("%.0f ns", ns);
-  return ns < 1e6 ? text_of("%.2f µs", 1e-3 * ns) : text_of("%.2f ms", 1e-6 * ns);
-}
-
-std::string share_text(double share) { return text_of("%.3g %%", 100.0 * share); }
-
 std::string html_table(const std::string& caption, const std::vector<std::string>& heads,
                        const std::vector<HtmlRow>& rows) {
-  std::string html = "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"" + escaped(caption) +
-                     "\"><table><caption>" + escaped(caption) + "</caption><thead><tr>";
+  std::string html = "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"" + escape_html(caption) +
+                     "\"><table><caption>" + escape_html(caption) + "</caption><thead><tr>";
   for (const std::string& head : heads) html += "<th scope=\"col\">" + head + "</th>";
   html += "</tr></thead><tbody>\n";
   for (const HtmlRow& row : rows) {
@@ -105,11 +75,11 @@ std::string html_table(const std::string& caption, const std::vector<std::string
 }
 
 std::string html_heading(const std::string& title) {
-  return "<h2 id=\"" + id_of(title) + "\">" + escaped(title) + "</h2>\n";
+  return "<h2 id=\"" + id_of(title) + "\">" + escape_html(title) + "</h2>\n";
 }
 
 std::string html_folded(const std::string& title, const std::string& html) {
-  return "<details><summary>" + escaped(title) + "</summary>\n" + html + "</details>\n";
+  return "<details><summary>" + escape_html(title) + "</summary>\n" + html + "</details>\n";
 }
 
 std::string html_figure(const std::filesystem::path& svg, const std::string& caption) {
@@ -127,8 +97,8 @@ std::string file_text(const std::filesystem::path& file) {
 std::string html_page(const std::string& title, const std::string& introduction, const std::string& body) {
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
          "content=\"width=device-width\"><title>" +
-         escaped(title) + "</title>\n<style>" + kStyle +
-         "</style></head>\n<body><a class=\"skip\" href=\"#main\">To the figures</a><header><h1>" + escaped(title) +
+         escape_html(title) + "</title>\n<style>" + kStyle +
+         "</style></head>\n<body><a class=\"skip\" href=\"#main\">To the figures</a><header><h1>" + escape_html(title) +
          "</h1>\n" + introduction + contents_of(body) + "</header>\n<main id=\"main\">\n" + body +
          "</main></body></html>\n";
 }

@@ -5,16 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace sparsha::bench {
+#include "bench/report/figure_text.h"
 
-/// &, <, > and " as entities.
-[[nodiscard]] std::string escaped(const std::string& text);
-/// A value in printf's format, e.g. "%.3g".
-[[nodiscard]] std::string text_of(const char* format, double value);
-/// Nanoseconds as "89 ns", "1.25 µs" or "2.10 ms".
-[[nodiscard]] std::string time_text(double ns);
-/// 0.031 as "3.1 %".
-[[nodiscard]] std::string share_text(double share);
+namespace sparsha::bench {
 
 struct HtmlCell {
   std::string html;

@@ -1,6 +1,6 @@
 // The source paper's validation again.
-#include "chapters.h"
-#include "csv_table.h"
+#include "bench/report/chapters.h"
+#include "bench/report/csv_table.h"
 
 namespace sparsha::bench {
 

@@ -1,8 +1,8 @@
 // The loop as it runs, what a hand gets from it, and what sound costs.
 #include <algorithm>
 
-#include "chapters.h"
-#include "csv_table.h"
+#include "bench/report/chapters.h"
+#include "bench/report/csv_table.h"
 
 namespace sparsha::bench {
 

@@ -2,15 +2,16 @@
 #include <algorithm>
 #include <vector>
 
-#include "chapters.h"
-#include "csv_table.h"
-#include "exponent.h"
+#include "base/html.h"
+#include "bench/report/chapters.h"
+#include "bench/report/csv_table.h"
+#include "bench/report/exponent.h"
 
 namespace sparsha::bench {
 namespace {
 
-constexpr double kFloor = 0.002;     // s: stages below are start-up and the clock
-constexpr double kTickFloor = 1e-9;  // s
+constexpr double kFloor_s = 0.002;  // stages below are start-up and the clock
+constexpr double kTickFloor_s = 1e-9;
 const std::vector<std::string> kAgainst = {"points", "nodes"};
 
 struct Series {
@@ -67,7 +68,7 @@ std::string table_of(const std::vector<Series>& all, const std::string& caption,
   heads.emplace_back("exponent");
   std::vector<HtmlRow> rows;
   for (const Series& s : all) {
-    HtmlRow cells{{escaped(s.name)}};
+    HtmlRow cells{{escape_html(s.name)}};
     for (const double count : counts) {
       const auto at = std::find(s.counts.begin(), s.counts.end(), count);
       cells.push_back(
@@ -88,10 +89,10 @@ std::string scaling_html(const std::filesystem::path& folder) {
       html += table_of(stages_of(*stages, against),
                        against == "points" ? "Stages of a build against the points, 160 000 nodes"
                                            : "Stages of a build against the nodes, the same number of points",
-                       against, kFloor);
+                       against, kFloor_s);
   if (const auto race = read_table(folder / "race.csv"))
     html += table_of(updates_of(*race), "Median update of each method against the points of its surface", "size",
-                     kTickFloor);
+                     kTickFloor_s);
   if (html.empty()) return {};
   return html_heading("Scaling") +
          "<p>Time = a · count<sup>exponent</sup>, fitted in the logarithms over the sizes that take at least 2 ms (a "

@@ -68,6 +68,13 @@ TEST_F(Page, TextOfAFileCannotBecomeMarkup) {
   EXPECT_THAT(html, HasSubstr("<caption>A &amp; B</caption>"));
 }
 
+TEST_F(Page, TextOfAFileCannotLeaveAnAttributeAndBytesThatAreNoTextAreShownAsSuch) {
+  write(folder_ / "a.csv", "method,value\nit's\xFF,2\n");
+  const std::string html = html_of(folder_ / "a.csv", "c", {{"method", "method"}, {"value", "value"}});
+  EXPECT_THAT(html, HasSubstr("it&#39;s\uFFFD"));
+  EXPECT_THAT(html, Not(HasSubstr("\xFF")));
+}
+
 TEST_F(Page, ValuesBeyondTheirLimitAreMarkedAndThoseBelowAreNot) {
   write(folder_ / "a.csv", "method,share\ngood,0.05\nbad,0.09\n");
   const std::string html = html_of(folder_ / "a.csv", "c", {{"method", "method"}, {"share", "%", 100.0, 7.0}});
