@@ -1,4 +1,4 @@
-#include "friction.h"
+#include "bench/effects/friction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -76,8 +76,8 @@ class Cone : public FrictionLaw {
   Vector2d anchor_ = Vector2d::Zero();
 };
 
-/// Slides against the velocity; below `kStill` it is held by a spring until that pulls harder than static friction. The
-/// spring starts with the force that sliding had, so that being caught is no jump.
+/// Slides against the velocity; below `kStill_m_per_s` it is held by a spring until that pulls harder than static
+/// friction. The spring starts with the force that sliding had, so that being caught is no jump.
 class Karnopp : public FrictionLaw {
  public:
   explicit Karnopp(const FrictionSetting& setting) : setting_(setting) {}
@@ -96,17 +96,17 @@ class Karnopp : public FrictionLaw {
       holds_ = false;
       slide_ = force.normalized();
     }
-    if (velocity_.norm() > kStill) slide_ = -velocity_.normalized();
+    if (velocity_.norm() > kStill_m_per_s) slide_ = -velocity_.normalized();
     const Vector2d force = setting_.mu_dynamic * press_n * slide_;
     anchor_ = hand_m + force / k;
-    if (velocity_.norm() <= kStill) holds_ = true;
+    if (velocity_.norm() <= kStill_m_per_s) holds_ = true;
     return force;
   }
   Vector2d anchor() const override { return anchor_; }
 
  private:
   static constexpr double kFilter_s = 0.005;
-  static constexpr double kStill = 0.005;  // m/s
+  static constexpr double kStill_m_per_s = 0.005;
   FrictionSetting setting_;
   bool holds_ = true;
   Vector2d anchor_ = Vector2d::Zero();
@@ -160,7 +160,7 @@ class Kikuuwe : public FrictionLaw {
     stretch_.setZero();
   }
   Vector2d update(const Vector2d& hand_m, double press_n) override {
-    const double damper = kDamping / setting_.tick_s;
+    const double damper = kDamping_n_s_per_m / setting_.tick_s;
     const double both = setting_.stiffness_n_per_m + damper;
     const Vector2d wanted = both * (anchor_ - hand_m) - damper * stretch_;  // as if the anchor stood still
     const double most = setting_.mu_dynamic * press_n;
@@ -172,7 +172,7 @@ class Kikuuwe : public FrictionLaw {
   Vector2d anchor() const override { return anchor_; }
 
  private:
-  static constexpr double kDamping = 0.2;  // N s/m
+  static constexpr double kDamping_n_s_per_m = 0.2;
   FrictionSetting setting_;
   Vector2d anchor_ = Vector2d::Zero();
   Vector2d stretch_ = Vector2d::Zero();  ///< anchor less hand, of the tick before

@@ -1,12 +1,14 @@
-#include "friction_trials.h"
+#include "bench/effects/friction_trials.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <numbers>
 
 #include <Eigen/Geometry>
+
+#include "bench/report/turns.h"
 
 namespace sparsha::bench {
 namespace {
@@ -14,16 +16,16 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kPress = 2.0;         // N
-constexpr double kEncoder = 0.000058;  // m: a Falcon's
-constexpr double kRadius = 0.05;       // m
-constexpr double kCircleSpeed = 0.1;   // m/s
+constexpr double kPress_n = 2.0;
+constexpr double kEncoder_m = 0.000058;  // a Falcon's
+constexpr double kRadius_m = 0.05;
+constexpr double kCircleSpeed_m_per_s = 0.1;
 
-Vector2d on_encoder(const Vector2d& place) { return (place / kEncoder).array().round().matrix() * kEncoder; }
+Vector2d on_encoder(const Vector2d& place) { return (place / kEncoder_m).array().round().matrix() * kEncoder_m; }
 
 Vector2d on_circle(double t_s) {
-  const double angle = kCircleSpeed / kRadius * t_s;
-  return kRadius * Vector2d(std::cos(angle) - 1.0, std::sin(angle));
+  const double angle = kCircleSpeed_m_per_s / kRadius_m * t_s;
+  return kRadius_m * Vector2d(std::cos(angle) - 1.0, std::sin(angle));
 }
 
 void measure_slide(FrictionLaw& law, const FrictionSetting& setting, FrictionRow& row) {
@@ -31,11 +33,11 @@ void measure_slide(FrictionLaw& law, const FrictionSetting& setting, FrictionRow
   law.place(on_circle(0.0));
   for (int tick = 1; tick <= kTicks; ++tick) {
     const double t = setting.tick_s * tick;
-    const Vector2d force = law.update(on_circle(t), kPress);
+    const Vector2d force = law.update(on_circle(t), kPress_n);
     if (tick <= kSettled) continue;
     const Vector2d back = on_circle(t - 0.5e-6) - on_circle(t + 0.5e-6);
     constexpr double kShare = 1.0 / (kTicks - kSettled);
-    row.slide_error += kShare * (force.norm() / (setting.mu_dynamic * kPress) - 1.0);
+    row.slide_error += kShare * (force.norm() / (setting.mu_dynamic * kPress_n) - 1.0);
     row.angle_deg +=
         kShare * std::abs(std::atan2(back.x() * force.y() - back.y() * force.x(), back.dot(force))) * 360.0 / kTurn;
   }
@@ -44,19 +46,19 @@ void measure_slide(FrictionLaw& law, const FrictionSetting& setting, FrictionRow
 void measure_break(FrictionLaw& law, double mu, FrictionRow& row) {
   law.place(Vector2d::Zero());
   double most = 0.0;
-  for (int tick = 1; tick <= 4000; ++tick) most = std::max(most, law.update({0.000001 * tick, 0.0}, kPress).norm());
-  row.break_error = most / (mu * kPress) - 1.0;
+  for (int tick = 1; tick <= 4000; ++tick) most = std::max(most, law.update({0.000001 * tick, 0.0}, kPress_n).norm());
+  row.break_error = most / (mu * kPress_n) - 1.0;
 }
 
 void measure_drift(FrictionLaw& law, const FrictionSetting& setting, FrictionRow& row) {
-  const double pull = 0.5 * setting.mu_dynamic * kPress / setting.stiffness_n_per_m;
+  const double pull = 0.5 * setting.mu_dynamic * kPress_n / setting.stiffness_n_per_m;
   law.place(Vector2d::Zero());
   Vector2d after_one_second = Vector2d::Zero();
   for (int tick = 1; tick <= 10000; ++tick) {
     const double t = setting.tick_s * tick;
     const Vector2d tremble(0.1 * pull * std::sin(kTurn * 23.0 * t), 0.1 * pull * std::cos(kTurn * 23.0 * t));
     const Vector2d hand = Vector2d(pull * std::min(1.0, t / 0.05), 0.0) + tremble;
-    static_cast<void>(law.update(on_encoder(hand), kPress * (1.0 + 0.2 * std::sin(kTurn * 7.0 * t))));
+    static_cast<void>(law.update(on_encoder(hand), kPress_n * (1.0 + 0.2 * std::sin(kTurn * 7.0 * t))));
     if (tick == 1000) after_one_second = law.anchor();
   }
   row.drift_m = (law.anchor() - after_one_second).norm();
@@ -64,34 +66,43 @@ void measure_drift(FrictionLaw& law, const FrictionSetting& setting, FrictionRow
 
 void measure_chatter(FrictionLaw& law, const FrictionSetting& setting, FrictionRow& row) {
   constexpr int kTicks = 6000, kSettled = 3000;
-  constexpr double kSlow = 0.002;  // m/s
+  constexpr double kSlow_m_per_s = 0.002;
   law.place(Vector2d::Zero());
   double sum = 0.0, squares = 0.0;
   for (int tick = 1; tick <= kTicks; ++tick) {
-    const double x = kSlow * setting.tick_s * tick;
-    const double force = law.update(on_encoder({x, 0.3 * x}), kPress).norm();
+    const double x = kSlow_m_per_s * setting.tick_s * tick;
+    const double force = law.update(on_encoder({x, 0.3 * x}), kPress_n).norm();
     if (tick <= kSettled) continue;
     sum += force;
     squares += force * force;
   }
   const double mean = sum / (kTicks - kSettled);
   row.chatter = std::sqrt(std::max(0.0, squares / (kTicks - kSettled) - mean * mean)) / mean;
-  row.slow_error = mean / (setting.mu_dynamic * kPress) - 1.0;
+  row.slow_error = mean / (setting.mu_dynamic * kPress_n) - 1.0;
 }
 
-double measure_time(FrictionLaw& law, const FrictionSetting& setting) {
-  constexpr int kUpdates = 20000;
-  double best = 1e18, sink = 0.0;
-  for (int run = 0; run < 5; ++run) {
-    std::vector<Vector2d> hands;
-    for (int tick = 0; tick < kUpdates; ++tick) hands.push_back(on_circle(setting.tick_s * tick));
-    law.place(hands.front());
-    const auto begin = std::chrono::steady_clock::now();
-    for (const Vector2d& hand : hands) sink += law.update(hand, kPress).x();
-    const auto end = std::chrono::steady_clock::now();
-    best = std::min(best, std::chrono::duration<double, std::nano>(end - begin).count() / kUpdates);
+void measure_times(const std::vector<std::unique_ptr<FrictionLaw>>& laws, const FrictionSetting& setting,
+                   std::vector<FrictionRow>& rows) {
+  constexpr std::size_t kUpdates = 20000, kGroup = 20;
+  constexpr int kRounds = 5;
+  std::vector<Vector2d> hands;
+  for (std::size_t tick = 0; tick < kUpdates; ++tick)
+    hands.push_back(on_circle(setting.tick_s * static_cast<double>(tick)));
+  std::vector<TickTimes> times(laws.size(), TickTimes(0, kUpdates, kGroup));
+  std::vector<Turn> methods;
+  for (std::size_t n = 0; n < laws.size(); ++n)
+    methods.push_back({[&law = *laws[n], &mine = times[n], &hands] {
+      law.place(hands.front());
+      return mine.time_round([&](std::size_t tick) { return law.update(hands[tick], kPress_n).x(); });
+    }});
+  const std::vector<TurnTimes> taken = take_turns(methods, kRounds);
+  for (std::size_t n = 0; n < laws.size(); ++n) {
+    rows[n].tick_p50_ns = times[n].quantile_ns(0.5);
+    rows[n].tick_p99_ns = times[n].quantile_ns(0.99);
+    rows[n].ratio = taken[n].ratio;
+    rows[n].ratio_low = taken[n].ratio_low;
+    rows[n].ratio_high = taken[n].ratio_high;
   }
-  return best + (sink == 0.125 ? 1e-9 : 0.0);  // the sum is used, so that no update can be left out
 }
 
 /// Times of slips: the mass becomes faster than the drawing end, having been slow.
@@ -167,20 +178,22 @@ std::vector<FrictionRow> friction_rows() {
   const DrawnMass drawn;
   const double period = continuous_period(setting, drawn);
   std::vector<FrictionRow> rows;
+  std::vector<std::unique_ptr<FrictionLaw>> laws;
   for (const FrictionEntrant& entrant : all_friction_laws()) {
     FrictionRow row;
     row.law = entrant.law;
     row.source = entrant.source;
-    const auto law = entrant.make(setting);
+    laws.push_back(entrant.make(setting));
+    FrictionLaw* law = laws.back().get();
     measure_slide(*law, setting, row);
     measure_break(*law, entrant.two_coefficients ? setting.mu_static : setting.mu_dynamic, row);
     measure_drift(*law, setting, row);
     measure_chatter(*law, setting, row);
     row.period_s = stick_slip_period(entrant, setting, drawn);
     row.period_true_s = entrant.two_coefficients ? period : 0.0;
-    row.tick_ns = measure_time(*law, setting);
     rows.push_back(row);
   }
+  measure_times(laws, setting, rows);
   return rows;
 }
 

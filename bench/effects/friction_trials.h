@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "friction.h"
+#include "bench/effects/friction.h"
 
 namespace sparsha::bench {
 
@@ -20,9 +20,13 @@ struct FrictionRow {
   double slow_error = 0.0;   ///< that mean over mu_dynamic times the press, less 1
   double period_s = 0.0;     ///< of stick-slip; 0: none
   double period_true_s = 0.0;  ///< of Coulomb's law in continuous time, for laws with two coefficients; else 0
-  double tick_ns = 0.0;        ///< mean of a batch of updates, best of several
+  double tick_p50_ns = 0.0;    ///< of updates, each the mean of twenty in a row, best of the rounds
+  double tick_p99_ns = 0.0;
+  double ratio = 1.0;  ///< median over the rounds of the mean time of an update over that of the first law
+  double ratio_low = 1.0, ratio_high = 1.0;  ///< least and greatest of these
 };
 
+/// All laws; their times are taken in turns.
 [[nodiscard]] std::vector<FrictionRow> friction_rows();
 
 /// A mass on a spring and a damper, drawn over a plane: where stick-slip is looked for.

@@ -1,14 +1,14 @@
-#include "texture.h"
+#include "bench/effects/texture.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <numeric>
 #include <random>
 
+#include "bench/effects/wavelet.h"
+#include "bench/report/figure_text.h"
 #include "haptics/proxy/proxy.h"
-#include "wavelet.h"
 
 namespace sparsha::bench {
 namespace {
@@ -17,12 +17,6 @@ using Eigen::Vector2d;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr std::size_t kSamples = 2048;  // of the profile along the stroke, for methods that store its transform
-
-std::string text(const char* format, double value) {
-  char line[64];
-  std::snprintf(line, sizeof line, format, value);
-  return line;
-}
 
 /// The profile is in the depth grid, and a point feels it.
 class Geometry : public TextureMethod {
@@ -141,16 +135,16 @@ std::vector<Harmonic> one_sinusoid(const std::vector<Harmonic>& all) {
 
 Profile::Profile() {
   constexpr int kWaves = 28;
-  constexpr double kShortest = 0.001, kLongest = 0.03, kHurst = 0.8, kRms = 0.00005;  // m
+  constexpr double kShortest_m = 0.001, kLongest_m = 0.03, kRms_m = 0.00005, kHurst = 0.8;
   std::mt19937_64 random(23);
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   double squares = 0.0;
   for (int n = 0; n < kWaves; ++n) {
-    const double length = kShortest * std::pow(kLongest / kShortest, (n + uniform()) / kWaves);
+    const double length = kShortest_m * std::pow(kLongest_m / kShortest_m, (n + uniform()) / kWaves);
     waves_.push_back({kTurn / length, kTurn * uniform(), std::pow(length, kHurst)});
     squares += 0.5 * waves_.back().amplitude * waves_.back().amplitude;
   }
-  for (Wave& wave : waves_) wave.amplitude *= kRms / std::sqrt(squares);
+  for (Wave& wave : waves_) wave.amplitude *= kRms_m / std::sqrt(squares);
 }
 
 double Profile::height(double x) const {
@@ -185,17 +179,17 @@ std::vector<TextureEntrant> all_textures(const Profile& profile, const TextureSt
   const std::vector<Harmonic> all = harmonics(heights, stroke.length_m());
   std::vector<TextureEntrant> entrants;
   for (const double mm : {0.125, 0.25, 0.5, 1.0})
-    entrants.push_back({"geometry", text("nodes %g mm apart", mm), "ours: docs/touch.md",
+    entrants.push_back({"geometry", text_of("nodes %g mm apart", mm), "ours: docs/touch.md",
                         std::make_unique<Geometry>(profile, stroke, 1e-3 * mm)});
   entrants.push_back({"sinusoid", "one wave of the profile's RMS", "Choi and Tan, Presence 13(4), 2004",
                       std::make_unique<Harmonics>(one_sinusoid(all))});
   for (const std::size_t kept : {std::size_t{16}, std::size_t{64}, std::size_t{256}})
-    entrants.push_back({"fourier", text("%.0f harmonics", static_cast<double>(kept)),
+    entrants.push_back({"fourier", text_of("%.0f harmonics", static_cast<double>(kept)),
                         "Wall and Harwin, Eurohaptics 2001",
                         std::make_unique<Harmonics>(
                             std::vector<Harmonic>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(kept)))});
   for (const std::size_t kept : {std::size_t{64}, std::size_t{256}, std::size_t{1024}})
-    entrants.push_back({"wavelet", text("%.0f coefficients", static_cast<double>(kept)),
+    entrants.push_back({"wavelet", text_of("%.0f coefficients", static_cast<double>(kept)),
                         "Daubechies 1988, the largest coefficients",
                         std::make_unique<Wavelets>(heights, stroke.length_m(), kept)});
   return entrants;

@@ -73,13 +73,17 @@ struct TextureRow {
   double lateral = 0.0;         ///< RMS of the force along the stroke over the true one
   double force_error = 0.0;     ///< RMS error of the force vector over the RMS of the true force's variation
   std::size_t numbers = 0;
-  double tick_ns = 0.0;
+  double tick_p50_ns = 0.0;  ///< of ticks, each the mean of sixteen in a row, best of the rounds
+  double tick_p99_ns = 0.0;
+  double ratio = 1.0;  ///< median over the rounds of the mean time of a tick over that of the first way
+  double ratio_low = 1.0, ratio_high = 1.0;  ///< least and greatest of these
 };
 
 /// Compares two signals of one length; fills gain, coherence and spectrum_error.
 void compare_spectra(const std::vector<double>& rendered, const std::vector<double>& truth, double tick_s,
                      TextureRow& row);
 
+/// All ways; their times are taken in turns.
 [[nodiscard]] std::vector<TextureRow> texture_rows();
 
 }  // namespace sparsha::bench

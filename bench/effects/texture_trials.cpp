@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
-#include "texture.h"
+#include "bench/effects/texture.h"
+#include "bench/report/turns.h"
 
 namespace sparsha::bench {
 namespace {
@@ -36,15 +36,25 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-double time_of(TextureMethod& method, const TextureStroke& stroke) {
-  double best = 1e18, sink = 0.0;
-  for (int run = 0; run < 5; ++run) {
-    const auto begin = std::chrono::steady_clock::now();
-    for (int tick = 0; tick < stroke.ticks; ++tick) sink += method.force_m(stroke.hand(tick)).y();
-    const auto end = std::chrono::steady_clock::now();
-    best = std::min(best, std::chrono::duration<double, std::nano>(end - begin).count() / stroke.ticks);
+void measure_times(const std::vector<TextureEntrant>& entrants, const TextureStroke& stroke,
+                   std::vector<TextureRow>& rows) {
+  constexpr std::size_t kGroup = 16;
+  constexpr int kRounds = 5;
+  std::vector<TickTimes> times(entrants.size(), TickTimes(0, static_cast<std::size_t>(stroke.ticks), kGroup));
+  std::vector<Turn> methods;
+  for (std::size_t n = 0; n < entrants.size(); ++n)
+    methods.push_back({[&rendered = *entrants[n].rendered, &mine = times[n], &stroke] {
+      return mine.time_round(
+          [&](std::size_t tick) { return rendered.force_m(stroke.hand(static_cast<int>(tick))).y(); });
+    }});
+  const std::vector<TurnTimes> taken = take_turns(methods, kRounds);
+  for (std::size_t n = 0; n < entrants.size(); ++n) {
+    rows[n].tick_p50_ns = times[n].quantile_ns(0.5);
+    rows[n].tick_p99_ns = times[n].quantile_ns(0.99);
+    rows[n].ratio = taken[n].ratio;
+    rows[n].ratio_low = taken[n].ratio_low;
+    rows[n].ratio_high = taken[n].ratio_high;
   }
-  return best + (sink == 0.125 ? 1e-9 : 0.0);  // the sum is used, so that no tick can be left out
 }
 
 }  // namespace
@@ -86,7 +96,8 @@ std::vector<TextureRow> texture_rows() {
   std::vector<double> variation;
   for (const Vector2d& force : truth) variation.push_back((force - Vector2d(0.0, stroke.depth_m)).norm());
   std::vector<TextureRow> rows;
-  for (const TextureEntrant& entrant : all_textures(profile, stroke)) {
+  const std::vector<TextureEntrant> entrants = all_textures(profile, stroke);
+  for (const TextureEntrant& entrant : entrants) {
     TextureRow row;
     row.method = entrant.method;
     row.setting = entrant.setting;
@@ -102,9 +113,9 @@ std::vector<TextureRow> texture_rows() {
     compare_spectra(z, truth_z, stroke.tick_s, row);
     row.lateral = rms(x) / rms(truth_x);
     row.force_error = rms(off) / rms(variation);
-    row.tick_ns = time_of(*entrant.rendered, stroke);
     rows.push_back(row);
   }
+  measure_times(entrants, stroke, rows);
   return rows;
 }
 

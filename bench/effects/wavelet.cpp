@@ -1,4 +1,4 @@
-#include "wavelet.h"
+#include "bench/effects/wavelet.h"
 
 #include <array>
 #include <cmath>

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <fstream>
 
-#include "cloudcompare.h"
-#include "judge.h"
+#include "bench/pipeline/cloudcompare.h"
+#include "bench/pipeline/judge.h"
+#include "bench/pipeline/run.h"
+#include "bench/pipeline/scenes.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/reader.h"
-#include "run.h"
-#include "scenes.h"
 
 namespace sparsha::bench {
 namespace {

@@ -11,10 +11,11 @@
 #include <limits>
 
 #include "base/error.h"
-#include "cloudcompare.h"
+#include "bench/pipeline/cloudcompare.h"
+#include "bench/pipeline/run.h"
+#include "bench/report/figure_text.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/simulate/ply_stream.h"
-#include "run.h"
 #include "tests/support/closed_scan.h"
 #include "tests/support/clouds.h"
 
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 using test::Judgement;
 using test::ObjectScan;
 
-constexpr double kResolution = 0.00005;  // metres, the configuration's default
+constexpr double kResolution_m = 0.00005;  // the configuration's default
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 struct Case {
@@ -99,8 +100,6 @@ double through_percent(const Judgement& f) {
 }
 
 /// Empty instead of NaN.
-std::string number(double value) { return std::isnan(value) ? std::string() : fmt::format("{:.3g}", value); }
-std::string milliseconds(double value) { return std::isnan(value) ? std::string() : fmt::format("{:.0f}", value); }
 
 class Table {
  public:
@@ -122,7 +121,7 @@ class Table {
     const auto cell = [&](double value, double limit) {
       const bool good = std::isnan(value) || value <= limit;
       kept = kept && good;
-      return number(value) + (good ? "" : fmt::format(" (> {:.3g}!)", limit));
+      return field_of("%.3g", value) + (good ? "" : fmt::format(" (> {:.3g}!)", limit));
     };
     const Bounds b = bounds_of(r.object, r.what);
     const Judgement& f = r.figures;
@@ -131,13 +130,14 @@ class Table {
                                    cell(100.0 * f.beyond, b.beyond), cell(f.median_spacings, b.median));
     const bool noise_found = !b.noise || std::abs(r.noise_ratio - 1.0) <= 0.25;
     kept = kept && noise_found;
-    line += fmt::format(" {}{} | {} | {} | {} |", number(r.noise_ratio), noise_found ? "" : " (not within 25 %!)",
-                        cell(through_percent(f), 0.0), milliseconds(r.ms_one), milliseconds(r.ms_two));
+    line +=
+        fmt::format(" {}{} | {} | {} | {} |", field_of("%.3g", r.noise_ratio), noise_found ? "" : " (not within 25 %!)",
+                    cell(through_percent(f), 0.0), field_of("%.0f", r.ms_one), field_of("%.0f", r.ms_two));
     csv_line(r, "sparsha", f, r.noise_ratio, r.ms_one, r.ms_two);
     if (r.peer) {
       const Judgement& p = r.peer->figures;
       line += fmt::format(" {:.3g} | {:.3g} | {:.3g} | {:.3g} | {} |", 100.0 * p.wrong_smooth, 100.0 * p.wrong,
-                          100.0 * p.beyond, p.median_spacings, milliseconds(r.peer->ms));
+                          100.0 * p.beyond, p.median_spacings, field_of("%.0f", r.peer->ms));
       csv_line(r, "cloudcompare max", p, kNone, r.peer->ms, kNone);
     } else {
       line += " | | | | |";
@@ -152,9 +152,10 @@ class Table {
     const test::ScanOptions& s = r.what.scan;
     const double grid = r.what.nodes > 0 ? kNone : r.what.grid_spacings;
     csv_ << fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.object, s.points,
-                        s.noise_spacings, number(grid), s.density_ratio, s.hole_spacings, method, f.nodes,
+                        s.noise_spacings, field_of("%.3g", grid), s.density_ratio, s.hole_spacings, method, f.nodes,
                         100.0 * f.covered, 100.0 * f.smooth, 100.0 * f.wrong_smooth, 100.0 * f.wrong, 100.0 * f.beyond,
-                        f.median_spacings, number(noise), number(through_percent(f)), number(ms_one), number(ms_two));
+                        f.median_spacings, field_of("%.3g", noise), field_of("%.3g", through_percent(f)),
+                        field_of("%.3g", ms_one), field_of("%.3g", ms_two));
     csv_.flush();
   }
 
@@ -179,7 +180,7 @@ double timed(const pipeline::Cloud& cloud, const pipeline::GridConfig& grid, uns
   double best = std::numeric_limits<double>::infinity();
   for (int k = 0; k < runs; ++k) {
     const auto began = std::chrono::steady_clock::now();
-    projection = pipeline::project(cloud, Eigen::Matrix4d::Identity(), grid, kResolution, {pool, progress});
+    projection = pipeline::project(cloud, Eigen::Matrix4d::Identity(), grid, kResolution_m, {pool, progress});
     best = std::min(best, 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
   }
   return best;

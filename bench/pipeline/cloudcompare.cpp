@@ -1,5 +1,5 @@
 // Command lines of CloudCompare 2.11, and readers of what it leaves beside its input.
-#include "cloudcompare.h"
+#include "bench/pipeline/cloudcompare.h"
 
 #include <fmt/format.h>
 

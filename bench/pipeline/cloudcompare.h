@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "judge.h"
-#include "process.h"
+#include "bench/pipeline/judge.h"
+#include "bench/pipeline/process.h"
 
 namespace sparsha::bench {
 

@@ -1,39 +1,32 @@
-#include "contest.h"
+#include "bench/pipeline/contest.h"
 
-#include <algorithm>
-#include <chrono>
 #include <memory>
+#include <utility>
 
-#include "base/statistics.h"
-#include "pcl_mls.h"
+#include "bench/pipeline/pcl_mls.h"
+#include "bench/report/turns.h"
 
 namespace sparsha::bench {
 
 std::vector<ContestRow> contest(const std::vector<Contestant>& contestants, int rounds, int slow_rounds) {
-  const std::size_t count = contestants.size();
-  std::vector<ContestRow> rows(count);
-  std::vector<std::vector<double>> ratios(count);
-  for (int round = 0; round < rounds; ++round) {
-    std::vector<double> seconds(count, -1.0);
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t n = (k + static_cast<std::size_t>(round)) % count;
-      if (contestants[n].slow && round >= slow_rounds) continue;
-      const auto began = std::chrono::steady_clock::now();
-      pipeline::DepthGrid grid = contestants[n].run();
-      seconds[n] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-      rows[n].seconds = rows[n].rounds == 0 ? seconds[n] : std::min(rows[n].seconds, seconds[n]);
-      ++rows[n].rounds;
-      rows[n].grid = std::move(grid);
-    }
-    for (std::size_t n = 0; n < count; ++n)
-      if (seconds[n] >= 0.0) ratios[n].push_back(seconds[n] / seconds[0]);
-  }
-  for (std::size_t n = 0; n < count; ++n) {
+  std::vector<ContestRow> rows(contestants.size());
+  std::vector<Turn> methods;
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    methods.push_back({[&own = contestants[n], &grid = rows[n].grid] {
+                         pipeline::DepthGrid heights;
+                         const double seconds = seconds_of([&] { heights = own.run(); });
+                         grid = std::move(heights);
+                         return seconds;
+                       },
+                       contestants[n].slow});
+  const std::vector<TurnTimes> taken = take_turns(methods, rounds, slow_rounds);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
     rows[n].method = contestants[n].method;
-    if (ratios[n].empty()) continue;
-    rows[n].ratio_low = *std::min_element(ratios[n].begin(), ratios[n].end());
-    rows[n].ratio_high = *std::max_element(ratios[n].begin(), ratios[n].end());
-    rows[n].ratio = median(ratios[n]);
+    rows[n].rounds = static_cast<int>(taken[n].times.size());
+    rows[n].seconds = taken[n].best();
+    rows[n].ratio = taken[n].ratio;
+    rows[n].ratio_low = taken[n].ratio_low;
+    rows[n].ratio_high = taken[n].ratio_high;
   }
   return rows;
 }

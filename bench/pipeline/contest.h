@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "bench/pipeline/rasters.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"
-#include "rasters.h"
 
 namespace sparsha::bench {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <fstream>
 
-#include "cloudcompare.h"
+#include "bench/pipeline/cloudcompare.h"
+#include "bench/pipeline/run.h"
 #include "pipeline/build/build.h"
 #include "pipeline/export/export.h"
 #include "pipeline/simulate/simulate.h"
-#include "run.h"
 
 namespace sparsha::bench {
 

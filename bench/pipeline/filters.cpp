@@ -2,18 +2,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_types.h>
 
+#include "bench/pipeline/points.h"
+#include "bench/pipeline/run.h"
+#include "bench/report/turns.h"
 #include "pipeline/filter/filter.h"
-#include "points.h"
-#include "run.h"
 #include "tests/support/clouds.h"
 
 namespace sparsha::bench {
@@ -46,41 +50,30 @@ Cloud copy_of(const Cloud& cloud) {
   return copy;
 }
 
-template <typename Work>
-double seconds_of(const Work& work) {
-  const auto began = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-}
-
-struct Timed {
-  double seconds = 1e300;
-  Cloud cloud;
+/// One way to filter: leaves its result and returns the seconds that the filter alone took.
+struct Way {
+  std::string method;
+  unsigned threads = 1;
+  std::function<double(Cloud& result)> run;
 };
-Timed timed(const Cloud& original, const FilterConfig& filter, unsigned threads, int times) {
-  Timed best;
-  for (int k = 0; k < times; ++k) {
-    Cloud cloud = copy_of(original);
-    ThreadPool pool(threads);
-    Progress progress;
-    best.seconds = std::min(best.seconds, seconds_of([&] {
-                              (void)pipeline::apply_filters(cloud, {filter}, {pool, progress});
-                            }));
-    best.cloud = std::move(cloud);
-  }
-  return best;
+
+Way by_filter(std::string method, const Cloud& original, const FilterConfig& filter, unsigned threads) {
+  return {std::move(method), threads, [&original, filter, threads](Cloud& result) {
+            result = copy_of(original);
+            ThreadPool pool(threads);
+            Progress progress;
+            return seconds_of([&] { (void)pipeline::apply_filters(result, {filter}, {pool, progress}); });
+          }};
 }
 
-Timed voxels_by_pcl(const Cloud& original, double leaf_m, int times) {
-  Timed best;
-  for (int k = 0; k < times; ++k) {
-    pcl::VoxelGrid<pcl::PointXYZ> filter;
-    const auto leaf = static_cast<float>(leaf_m);
-    filter.setLeafSize(leaf, leaf, leaf);
-    filter.setInputCloud(original.points);
-    best.seconds = std::min(best.seconds, seconds_of([&] { filter.filter(*best.cloud.points); }));
-  }
-  return best;
+Way voxels_by_pcl(const Cloud& original, double leaf_m) {
+  return {"PCL", 1, [&original, leaf = static_cast<float>(leaf_m)](Cloud& result) {
+            pcl::VoxelGrid<pcl::PointXYZ> filter;
+            filter.setLeafSize(leaf, leaf, leaf);
+            filter.setInputCloud(original.points);
+            result = Cloud{};
+            return seconds_of([&] { filter.filter(*result.points); });
+          }};
 }
 
 /// How far the points of one cloud are from the nearest of the other, micrometres: at most, and the share within one.
@@ -104,23 +97,41 @@ Apart apart(const Cloud& a, const Cloud& b) {
   return result;
 }
 
-class Rows {
+/// Ours on one thread and on two and PCL's take turns; the agreement is that of ours on one thread with PCL's.
+class Comparison {
  public:
-  explicit Rows(const std::filesystem::path& file) : csv_(file) {
-    csv_ << "filter,points,own_1_s,own_2_s,pcl_s,agreement\n";
+  Comparison(const std::filesystem::path& file, const Cloud& cloud) : csv_(file), cloud_(cloud) {
+    csv_ << "filter,method,threads,points,rounds,median_s,longest_s,ratio,ratio_low,ratio_high,agreement\n";
     fmt::print(
-        "\n## Filters beside PCL's\n\n| filter | ours, 1 thread, ms | 2 threads | PCL's, ms | results |\n"
-        "| --- | --- | --- | --- | --- |\n");
+        "\n## Filters beside PCL's, {} rounds\n\n| filter | method | threads | median, ms | longest, ms | time over "
+        "ours on one thread | results |\n| --- | --- | --- | --- | --- | --- | --- |\n",
+        kRounds);
   }
-  void add(const std::string& filter, std::size_t points, double one_s, double two_s, double pcl_s,
-           const std::string& agreement) {
-    fmt::print("| {} | {:.0f} | {:.0f} | {:.0f} | {} |\n", filter, 1e3 * one_s, 1e3 * two_s, 1e3 * pcl_s, agreement);
-    std::fflush(stdout);
-    csv_ << fmt::format("\"{}\",{},{},{},{},\"{}\"\n", filter, points, one_s, two_s, pcl_s, agreement);
+  using Agreement = std::function<std::string(const Cloud& ours, const Cloud& theirs)>;
+  void add(const std::string& filter, const FilterConfig& own, const Way& theirs, const Agreement& agreement) {
+    const std::vector<Way> ways{by_filter("sparsha", cloud_, own, 1), by_filter("sparsha", cloud_, own, 2), theirs};
+    std::vector<Cloud> results(ways.size());
+    std::vector<Turn> turns;
+    for (std::size_t n = 0; n < ways.size(); ++n)
+      turns.push_back({[&run = ways[n].run, &result = results[n]] { return run(result); }});
+    const std::vector<TurnTimes> taken = take_turns(turns, kRounds);
+    for (std::size_t n = 0; n < ways.size(); ++n)
+      row(filter, ways[n], taken[n], n + 1 == ways.size() ? agreement(results.front(), results.back()) : "");
   }
 
  private:
+  static constexpr int kRounds = 5;
+
+  void row(const std::string& filter, const Way& way, const TurnTimes& t, const std::string& agreement) {
+    fmt::print("| {} | {} | {} | {:.0f} | {:.0f} | {:.3g} ({:.3g} to {:.3g}) | {} |\n", filter, way.method, way.threads,
+               1e3 * t.median(), 1e3 * t.longest(), t.ratio, t.ratio_low, t.ratio_high, agreement);
+    std::fflush(stdout);
+    csv_ << fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},\"{}\"\n", filter, way.method, way.threads, cloud_.size(),
+                        t.times.size(), t.median(), t.longest(), t.ratio, t.ratio_low, t.ratio_high, agreement);
+  }
+
   std::ofstream csv_;
+  const Cloud& cloud_;
 };
 
 }  // namespace
@@ -130,18 +141,16 @@ void run_filters(const RunOptions& options) {
   using pipeline::OutlierConfig;
   using pipeline::RadiusOutlierConfig;
   using pipeline::SmoothConfig;
-  const int times = options.every ? 3 : 1;
-  const Cloud cloud = scanned(options.quick ? 200'000 : options.every ? 1'000'000 : 400'000);
+  // Small enough for five rounds in the time that a mode has.
+  const Cloud cloud = scanned(options.quick ? 60'000 : options.every ? 1'000'000 : 150'000);
   const double spacing_m = 1.14 / std::sqrt(static_cast<double>(cloud.size()));
-  Rows rows(options.out / "pipeline_filters.csv");
+  Comparison table(options.out / "pipeline_filters.csv", cloud);
   const auto compare = [&](const std::string& name, const FilterConfig& own, const FilterConfig& pcls) {
-    const Timed one = timed(cloud, own, 1, times);
-    const Timed two = timed(cloud, own, 2, times);
-    const Timed theirs = timed(cloud, pcls, 1, times);
     const bool moves = std::holds_alternative<SmoothConfig>(own);
-    rows.add(name, cloud.size(), one.seconds, two.seconds, theirs.seconds,
-             moves ? fmt::format("at most {:.2g} um apart", apart(one.cloud, theirs.cloud).most_um)
-                   : fmt::format("{:.4f} % decided alike", agreement_percent(cloud, one.cloud, theirs.cloud)));
+    table.add(name, own, by_filter("PCL", cloud, pcls, 1), [&](const Cloud& ours, const Cloud& theirs) {
+      return moves ? fmt::format("at most {:.2g} um apart", apart(ours, theirs).most_um)
+                   : fmt::format("{:.4f} % decided alike", agreement_percent(cloud, ours, theirs));
+    });
   };
   compare("`outliers`, 8 neighbours, 2 sigma", OutlierConfig{8, 2.0, OutlierConfig::Method::fast},
           OutlierConfig{8, 2.0, OutlierConfig::Method::pcl});
@@ -153,12 +162,11 @@ void run_filters(const RunOptions& options) {
   compare("`smooth`, 4 spacings, order 2", SmoothConfig{radius_m, 2, SmoothConfig::Method::fast},
           SmoothConfig{radius_m, 2, SmoothConfig::Method::pcl});
   const pipeline::VoxelConfig voxel{4.0 * spacing_m};
-  const Timed one = timed(cloud, voxel, 1, times);
-  const Timed two = timed(cloud, voxel, 2, times);
-  const Timed theirs = voxels_by_pcl(cloud, voxel.leaf_m, times);
-  rows.add("`voxel`, 4 spacings", cloud.size(), one.seconds, two.seconds, theirs.seconds,
-           fmt::format("{} and {} points, {:.4f} % within 1 um", one.cloud.size(), theirs.cloud.size(),
-                       apart(one.cloud, theirs.cloud).within_one_percent));
+  table.add("`voxel`, 4 spacings", voxel, voxels_by_pcl(cloud, voxel.leaf_m),
+            [](const Cloud& ours, const Cloud& theirs) {
+              return fmt::format("{} and {} points, {:.4f} % within 1 um", ours.size(), theirs.size(),
+                                 apart(ours, theirs).within_one_percent);
+            });
 }
 
 }  // namespace sparsha::bench

@@ -7,10 +7,10 @@
 
 #include "base/files.h"
 #include "base/system.h"
-#include "judge.h"
+#include "bench/pipeline/judge.h"
+#include "bench/pipeline/process.h"
+#include "bench/pipeline/run.h"
 #include "pipeline/simulate/simulate.h"
-#include "process.h"
-#include "run.h"
 #include "scene/scene.h"
 
 namespace sparsha::bench {

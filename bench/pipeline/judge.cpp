@@ -1,5 +1,5 @@
 // Errors in classes: everywhere, away from steps, on smooth parts, beside bars.
-#include "judge.h"
+#include "bench/pipeline/judge.h"
 #include "base/statistics.h"
 
 #include <algorithm>

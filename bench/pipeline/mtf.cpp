@@ -14,10 +14,10 @@
 
 #include "base/statistics.h"
 #include "base/yaml.h"
+#include "bench/pipeline/run.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/simulate/simulate.h"
-#include "run.h"
 #include "tests/support/clouds.h"
 
 namespace sparsha::bench {
@@ -234,8 +234,8 @@ std::vector<Wave> gratings(double spacing_m, double slope, std::uint64_t seed) {
 
 void run_gratings(double per_node, double noise_spacings, double slope, Table& table) {
   constexpr int kNodes = 322;
-  constexpr double kSpacing = 0.001;  // metres
-  const std::vector<Wave> waves = gratings(kSpacing, slope, 5);
+  constexpr double kSpacing_m = 0.001;
+  const std::vector<Wave> waves = gratings(kSpacing_m, slope, 5);
   const auto height_m = [&](double x, double y) {
     double z = 0.0;
     for (const Wave& w : waves) z += w.amplitude_m * std::cos(w.kx * x + w.ky * y + w.phase);
@@ -243,16 +243,16 @@ void run_gratings(double per_node, double noise_spacings, double slope, Table& t
   };
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  std::normal_distribution<double> normal(0.0, noise_spacings * kSpacing);
-  const double side = (kNodes - 1) * kSpacing;
+  std::normal_distribution<double> normal(0.0, noise_spacings * kSpacing_m);
+  const double side = (kNodes - 1) * kSpacing_m;
   test::Points points;
   for (double k = 0.0; k < per_node * kNodes * kNodes; k += 1.0) {
     const double x = side * unit(random), y = side * unit(random);
     points.push_back({x, y, height_m(x, y) + normal(random)});
   }
   pipeline::GridConfig grid;
-  grid.spacing_m = kSpacing;
-  grid.bounds_m = {0.0, 0.0, side + 0.25 * kSpacing, side + 0.25 * kSpacing};
+  grid.spacing_m = kSpacing_m;
+  grid.bounds_m = {0.0, 0.0, side + 0.25 * kSpacing_m, side + 0.25 * kSpacing_m};
   const pipeline::Projection projection = test::project_cloud(test::make_cloud(points), grid);
   table.rows(fmt::format("gratings of slope {}, {} points per node", slope, per_node),
              compare(projection.grid, height_m));

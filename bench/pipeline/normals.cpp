@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
+#include <functional>
+#include <memory>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <pcl/point_types.h>
 #include <pcl/features/impl/normal_3d.hpp>
@@ -14,8 +18,10 @@
 #include <pcl/kdtree/impl/kdtree_flann.hpp>
 #include <pcl/search/impl/kdtree.hpp>
 
+#include "base/statistics.h"
+#include "bench/pipeline/run.h"
+#include "bench/report/turns.h"
 #include "pipeline/projection/tangent_discs.h"
-#include "run.h"
 #include "tests/support/closed_scan.h"
 #include "tests/support/clouds.h"
 
@@ -27,61 +33,59 @@ using test::ObjectScan;
 constexpr double kSteep = 0.2;  // z of true normals below which discs are not asked for
 
 struct Figures {
-  double seconds = 0.0;
   double median_deg = 0.0, p95_deg = 0.0;
 };
 
-double seconds_since(std::chrono::steady_clock::time_point began) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-}
+/// A way to find normals: `run` returns the seconds that it took, `figures` judges what the last run found.
+struct Way {
+  const char* method;
+  std::function<double()> run;
+  std::function<Figures()> figures;
+};
 
 /// Of the angles between unsigned normals, of points whose true normal is not steep.
-Figures judged(std::vector<double> degrees, double seconds) {
-  std::sort(degrees.begin(), degrees.end());
-  const auto rank = [&](double share) {
-    return degrees.empty() ? 0.0 : degrees[static_cast<std::size_t>(share * static_cast<double>(degrees.size() - 1))];
-  };
-  return {seconds, rank(0.5), rank(0.95)};
+Figures judged(std::vector<double> degrees) {
+  if (degrees.empty()) return {};
+  return {quantile(degrees, 0.5), quantile(degrees, 0.95)};
 }
 
 double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::acos(std::min(1.0, std::abs(a.normalized().dot(b)))) * 180.0 / std::numbers::pi;
 }
 
-Figures by_pcl(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned threads) {
-  pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(threads);
-  estimation.setInputCloud(cloud.points);
-  estimation.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
-  estimation.setKSearch(14);
-  pcl::PointCloud<pcl::Normal> normals;
-  const auto began = std::chrono::steady_clock::now();
-  estimation.compute(normals);
-  const double seconds = seconds_since(began);
+Figures judge_normals(const ObjectScan& scan, const pcl::PointCloud<pcl::Normal>& normals) {
   std::vector<double> degrees;
   for (std::size_t k = 0; k < normals.size(); ++k) {
     if (std::abs(scan.normals[k].z()) < kSteep) continue;
     const Eigen::Vector3d normal = normals[k].getNormalVector3fMap().cast<double>();
     if (normal.allFinite()) degrees.push_back(angle_deg(normal, scan.normals[k]));
   }
-  return judged(std::move(degrees), seconds);
+  return judged(std::move(degrees));
 }
 
-Figures by_discs(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned threads) {
-  ThreadPool pool(threads);
-  const pipeline::OrientedPoints points = pipeline::orient_points(pipeline::raw_points(cloud), cloud.origin_m,
-                                                                  Eigen::Matrix4d::Identity(), cloud.origin_m, pool);
-  pipeline::DiscRule rule;
-  rule.spacing_m = scan.spacing_m;
-  const Eigen::Array2f extent = points.max_m.head<2>() - points.min_m.head<2>();
-  const pipeline::BinLattice nodes{static_cast<int>(extent.x() / scan.spacing_m) + 2,
-                                   static_cast<int>(extent.y() / scan.spacing_m) + 2, scan.spacing_m,
-                                   static_cast<double>(points.min_m.x()), static_cast<double>(points.min_m.y())};
-  const pipeline::BinLattice columns = pipeline::disc_columns(nodes, rule);
-  const auto began = std::chrono::steady_clock::now();
-  const pipeline::TangentDiscs discs =
-      pipeline::find_discs(points, {}, columns, pipeline::BinWindow::all(columns), rule, true, pool);
-  const double seconds = seconds_since(began);
+Way by_pcl(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned threads) {
+  const auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
+  return {"pcl::NormalEstimationOMP",
+          [&cloud, threads, normals] {
+            pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(threads);
+            estimation.setInputCloud(cloud.points);
+            estimation.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
+            estimation.setKSearch(14);
+            return seconds_of([&] { estimation.compute(*normals); });
+          },
+          [&scan, normals] { return judge_normals(scan, *normals); }};
+}
 
+pipeline::BinLattice columns_of(const pipeline::OrientedPoints& points, const pipeline::DiscRule& rule) {
+  const Eigen::Array2f extent = points.max_m.head<2>() - points.min_m.head<2>();
+  const pipeline::BinLattice nodes{static_cast<int>(extent.x() / rule.spacing_m) + 2,
+                                   static_cast<int>(extent.y() / rule.spacing_m) + 2, rule.spacing_m,
+                                   static_cast<double>(points.min_m.x()), static_cast<double>(points.min_m.y())};
+  return pipeline::disc_columns(nodes, rule);
+}
+
+Figures judge_discs(const ObjectScan& scan, const pipeline::Cloud& cloud, const pipeline::TangentDiscs& discs,
+                    const pipeline::BinLattice& columns) {
   // A disc's foot lies beside its point.
   pcl::KdTreeFLANN<pcl::PointXYZ> tree;
   tree.setInputCloud(cloud.points);
@@ -98,17 +102,73 @@ Figures by_discs(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned 
     const Eigen::Vector3d normal(-static_cast<double>(discs.slope_x[d]), -static_cast<double>(discs.slope_y[d]), 1.0);
     degrees.push_back(angle_deg(normal, truth));
   }
-  return judged(std::move(degrees), seconds);
+  return judged(std::move(degrees));
 }
+
+Way by_discs(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned threads) {
+  struct Work {
+    ThreadPool pool;
+    pipeline::OrientedPoints points;
+    pipeline::DiscRule rule;
+    pipeline::BinLattice columns;
+    pipeline::TangentDiscs discs;
+    explicit Work(unsigned count) : pool(count) {}
+  };
+  const auto work = std::make_shared<Work>(threads);
+  work->points = pipeline::orient_points(pipeline::raw_points(cloud), cloud.origin_m, Eigen::Matrix4d::Identity(),
+                                         cloud.origin_m, work->pool);
+  work->rule.spacing_m = scan.spacing_m;
+  work->columns = columns_of(work->points, work->rule);
+  return {"tangent discs",
+          [work] {
+            return seconds_of([&] {
+              work->discs = pipeline::find_discs(work->points, {}, work->columns,
+                                                 pipeline::BinWindow::all(work->columns), work->rule, true, work->pool);
+            });
+          },
+          [work, &scan, &cloud] { return judge_discs(scan, cloud, work->discs, work->columns); }};
+}
+
+class Rows {
+ public:
+  explicit Rows(const std::filesystem::path& file) : csv_(file) {
+    csv_ << "object,points,noise_spacings,method,threads,rounds,median_s,longest_s,ratio,ratio_low,ratio_high,"
+            "median_deg,p95_deg\n";
+    fmt::print(
+        "\n## Normals through 14 neighbours, {} rounds\n\n| object, points, noise in spacings | method | threads | "
+        "median, s | longest, s | time over ours | median error | 95 % |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        kRounds);
+  }
+  /// Discs and PCL's normals take turns on one scan.
+  void add(const std::string& object, double noise, const ObjectScan& scan, unsigned threads) {
+    const pipeline::Cloud cloud = test::make_cloud(scan.points);
+    const std::vector<Way> ways{by_discs(scan, cloud, threads), by_pcl(scan, cloud, threads)};
+    std::vector<Turn> turns;
+    for (const Way& way : ways) turns.push_back({way.run});
+    const std::vector<TurnTimes> taken = take_turns(turns, kRounds);
+    for (std::size_t n = 0; n < ways.size(); ++n) {
+      const TurnTimes& t = taken[n];
+      const Figures f = ways[n].figures();
+      fmt::print(
+          "| {}, {}, {} | {} | {} | {:.3f} | {:.3f} | {:.3g} ({:.3g} to {:.3g}) | {:.2f}\u00B0 | {:.1f}\u00B0 |\n",
+          object, cloud.size(), noise, ways[n].method, threads, t.median(), t.longest(), t.ratio, t.ratio_low,
+          t.ratio_high, f.median_deg, f.p95_deg);
+      csv_ << fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", object, cloud.size(),
+                          noise, ways[n].method, threads, t.times.size(), t.median(), t.longest(), t.ratio, t.ratio_low,
+                          t.ratio_high, f.median_deg, f.p95_deg);
+    }
+  }
+
+ private:
+  static constexpr int kRounds = 5;
+  std::ofstream csv_;
+};
 
 }  // namespace
 
 void run_normals(const RunOptions& options) {
-  std::ofstream csv(options.out / "pipeline_normals.csv");
-  csv << "object,points,noise_spacings,method,threads,seconds,median_deg,p95_deg\n";
-  fmt::print(
-      "\n## Normals through 14 neighbours\n\n| object, points, noise in spacings | method | threads | s | median "
-      "error | 95 % |\n| --- | --- | --- | --- | --- | --- |\n");
+  Rows rows(options.out / "pipeline_normals.csv");
   for (const test::NamedObject& named : test::analytic_objects()) {
     if (!options.scenes.empty() && named.name.find(options.scenes) == std::string::npos) continue;
     for (const double noise : {0.1, 0.3}) {
@@ -116,17 +176,7 @@ void run_normals(const RunOptions& options) {
       how.points = options.every ? 1'000'000 : 100'000;
       how.noise_spacings = noise;
       const ObjectScan scan = test::scan_object(*named.object, how);
-      const pipeline::Cloud cloud = test::make_cloud(scan.points);
-      for (const unsigned threads : {1U, 2U}) {
-        for (const bool discs : {true, false}) {
-          const Figures f = discs ? by_discs(scan, cloud, threads) : by_pcl(scan, cloud, threads);
-          const char* method = discs ? "tangent discs" : "pcl::NormalEstimationOMP";
-          fmt::print("| {}, {}, {} | {} | {} | {:.2f} | {:.2f}\u00B0 | {:.1f}\u00B0 |\n", named.name, how.points, noise,
-                     method, threads, f.seconds, f.median_deg, f.p95_deg);
-          csv << fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f}\n", named.name, how.points, noise, method, threads,
-                             f.seconds, f.median_deg, f.p95_deg);
-        }
-      }
+      for (const unsigned threads : {1U, 2U}) rows.add(named.name, noise, scan, threads);
     }
   }
 }

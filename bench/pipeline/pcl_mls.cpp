@@ -1,5 +1,5 @@
 // PCL stays here.
-#include "pcl_mls.h"
+#include "bench/pipeline/pcl_mls.h"
 
 #include <pcl/point_types.h>
 #include <pcl/kdtree/impl/kdtree_flann.hpp>

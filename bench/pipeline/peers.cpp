@@ -6,14 +6,15 @@
 #include <fstream>
 
 #include "base/statistics.h"
-#include "cloudcompare.h"
-#include "contest.h"
-#include "judge.h"
+#include "bench/pipeline/cloudcompare.h"
+#include "bench/pipeline/contest.h"
+#include "bench/pipeline/judge.h"
+#include "bench/pipeline/points.h"
+#include "bench/pipeline/run.h"
+#include "bench/report/figure_text.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/simulate/ply_stream.h"
 #include "pipeline/simulate/simulate.h"
-#include "points.h"
-#include "run.h"
 #include "tests/support/closed_scan.h"
 #include "tests/support/clouds.h"
 
@@ -21,8 +22,6 @@ namespace sparsha::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string number(double value) { return std::isnan(value) ? std::string() : fmt::format("{:.5g}", value); }
 
 std::vector<std::array<double, 3>> points_in_metres(const pipeline::Cloud& cloud) {
   std::vector<std::array<double, 3>> points;
@@ -78,10 +77,11 @@ void run_open(const RunOptions& options, const OpenCase& c, std::ofstream& csv) 
     const Figures f = judge(samples, truth);
     csv << fmt::format("{},{},{},{},{},{:.3g},{},{},{},{},{},{},{},{},{},{}\n", method, c.back, c.varied, c.per_node,
                        c.noise_mm, truth.lattice().spacing_m / point_spacing_m, cloud.size(), truth.lattice().count(),
-                       number(seconds), timed != nullptr ? number(timed->ratio) : "",
-                       timed != nullptr && timed->rounds > 1 ? number(timed->ratio_low) : "",
-                       timed != nullptr && timed->rounds > 1 ? number(timed->ratio_high) : "", number(f.rms_away_mm),
-                       number(f.p99_away_mm), number(f.off5_all_percent), number(f.coverage_percent));
+                       field_of("%.5g", seconds), timed != nullptr ? field_of("%.5g", timed->ratio) : "",
+                       timed != nullptr && timed->rounds > 1 ? field_of("%.5g", timed->ratio_low) : "",
+                       timed != nullptr && timed->rounds > 1 ? field_of("%.5g", timed->ratio_high) : "",
+                       field_of("%.5g", f.rms_away_mm), field_of("%.5g", f.p99_away_mm),
+                       field_of("%.5g", f.off5_all_percent), field_of("%.5g", f.coverage_percent));
     fmt::print("| {} | {} {} {} {} | {} | {:.1f} | {:.4g} | {:.4g} | {:.4g} | {:.2f} |\n", c.back, c.varied, c.per_node,
                c.noise_mm, c.nodes, method, 1e3 * seconds, f.rms_away_mm, f.p99_away_mm, f.off5_all_percent,
                f.coverage_percent);
@@ -144,22 +144,24 @@ void run_closed_case(const RunOptions& options, const test::NamedObject& named, 
   const auto points = points_in_metres(cloud);
   pipeline::GridConfig grid;
   grid.spacing_m = c.grid_spacings * scan.spacing_m;
-  constexpr double kResolution = 0.00005;  // m, the configuration's default
+  constexpr double kResolution_m = 0.00005;  // the configuration's default
   ThreadPool pool(2);
   Progress progress;
   const pipeline::Lattice lattice =
-      pipeline::project(cloud, Eigen::Matrix4d::Identity(), grid, kResolution, {pool, progress}).grid.lattice;
+      pipeline::project(cloud, Eigen::Matrix4d::Identity(), grid, kResolution_m, {pool, progress}).grid.lattice;
   const std::vector<ContestRow> rows =
-      contest(contestants_of(cloud, points, grid, kResolution, lattice, scan.spacing_m), options.quick ? 3 : 5,
+      contest(contestants_of(cloud, points, grid, kResolution_m, lattice, scan.spacing_m), options.quick ? 3 : 5,
               options.quick || c.varied != "base" ? 1 : 3);
   const auto row = [&](const std::string& method, const ClosedFigures& f, double seconds, const ContestRow* timed) {
     const test::Judgement& j = f.judgement;
     csv << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", method, named.name, c.varied, c.points,
-                       c.noise_spacings, c.grid_spacings, number(seconds), timed != nullptr ? number(timed->ratio) : "",
-                       timed != nullptr && timed->rounds > 1 ? number(timed->ratio_low) : "",
-                       timed != nullptr && timed->rounds > 1 ? number(timed->ratio_high) : "", number(f.rms_spacings),
-                       number(f.p99_spacings), number(j.median_spacings), number(100.0 * j.wrong),
-                       number(100.0 * j.beyond), timed != nullptr ? number(100.0 * j.covered) : "");
+                       c.noise_spacings, c.grid_spacings, field_of("%.5g", seconds),
+                       timed != nullptr ? field_of("%.5g", timed->ratio) : "",
+                       timed != nullptr && timed->rounds > 1 ? field_of("%.5g", timed->ratio_low) : "",
+                       timed != nullptr && timed->rounds > 1 ? field_of("%.5g", timed->ratio_high) : "",
+                       field_of("%.5g", f.rms_spacings), field_of("%.5g", f.p99_spacings),
+                       field_of("%.5g", j.median_spacings), field_of("%.5g", 100.0 * j.wrong),
+                       field_of("%.5g", 100.0 * j.beyond), timed != nullptr ? field_of("%.5g", 100.0 * j.covered) : "");
     fmt::print("| {} | {} {} {} {} | {} | {:.1f} | {:.4g} | {:.4g} | {:.4g} |\n", named.name, c.varied, c.points,
                c.noise_spacings, c.grid_spacings, method, 1e3 * seconds, f.rms_spacings, f.p99_spacings,
                100.0 * j.wrong);

@@ -1,5 +1,5 @@
 // PCL stays here.
-#include "points.h"
+#include "bench/pipeline/points.h"
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>

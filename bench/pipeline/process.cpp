@@ -1,5 +1,5 @@
 // fork, exec, wait4: the kernel's own account of the child.
-#include "process.h"
+#include "bench/pipeline/process.h"
 
 #include <fcntl.h>
 #include <sys/resource.h>

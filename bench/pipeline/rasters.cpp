@@ -1,4 +1,4 @@
-#include "rasters.h"
+#include "bench/pipeline/rasters.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// The rasters of every GIS: one height per cell from the points in it, without a thought about layers.
+// The rasters of every GIS: one height per cell from the points in it, whatever layers these lie on.
 #pragma once
 
 #include <array>

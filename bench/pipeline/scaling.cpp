@@ -6,9 +6,9 @@
 #include <map>
 #include <vector>
 
+#include "bench/pipeline/run.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/simulate.h"
-#include "run.h"
 
 namespace sparsha::bench {
 namespace {

@@ -1,5 +1,5 @@
 // 1 m relief at 512 nodes, noise 0.2 mm, 0.5 % outliers unless a scene says otherwise.
-#include "scenes.h"
+#include "bench/pipeline/scenes.h"
 
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace {
 using pipeline::BackConfig;
 using pipeline::SamplerConfig;
 
-constexpr double kNoise = 0.0002;  // metres
+constexpr double kNoise_m = 0.0002;
 
 Scene scene(std::string name, double points_per_node, const pipeline::Form& form = pipeline::AccuracyForm{}) {
   Scene s;
@@ -19,7 +19,7 @@ Scene scene(std::string name, double points_per_node, const pipeline::Form& form
   s.config.seed = 20;
   s.config.nodes = 512;
   s.config.surface.form = form;
-  s.config.noise_m = kNoise;
+  s.config.noise_m = kNoise_m;
   s.config.outlier_fraction = 0.005;
   s.config.outlier_spread_m = 0.05;
   s.config.scan = SamplerConfig{points_per_node, 1.0, 1};
@@ -77,7 +77,7 @@ std::vector<Scene> accuracy_scenes(bool quick) {
   for (const double n : {2.0, 4.0, 8.0, 16.0, 32.0}) {
     if (quick && n > 8.0) break;
     Scene& s = add(scene(fmt::format("smooth parts, {} a node", n), n));
-    s.rms_smooth_mm = 0.7 * 1e3 * kNoise / std::sqrt(n);
+    s.rms_smooth_mm = 0.7 * 1e3 * kNoise_m / std::sqrt(n);
   }
   return scenes;
 }

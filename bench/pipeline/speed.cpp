@@ -9,12 +9,12 @@
 #include <functional>
 #include <optional>
 
-#include "cloudcompare.h"
-#include "judge.h"
+#include "bench/pipeline/cloudcompare.h"
+#include "bench/pipeline/judge.h"
+#include "bench/pipeline/process.h"
+#include "bench/pipeline/run.h"
 #include "pipeline/projection/projector.h"
 #include "pipeline/scan/reader.h"
-#include "process.h"
-#include "run.h"
 #include "scene/scene.h"
 
 namespace sparsha::bench {

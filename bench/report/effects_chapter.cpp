@@ -1,6 +1,6 @@
 // Friction and texture.
-#include "chapters.h"
-#include "csv_table.h"
+#include "bench/report/chapters.h"
+#include "bench/report/csv_table.h"
 
 namespace sparsha::bench {
 
@@ -16,7 +16,11 @@ std::string effects_html(const std::filesystem::path& folder) {
                                         {"slow_error", "force at 2 mm/s, off by %", 100.0, 7.0},
                                         {"period_s", "stick-slip period, s"},
                                         {"period_true_s", "period in continuous time, s"},
-                                        {"tick_ns", "time of an update, ns"},
+                                        {"tick_p50_ns", "update, median, ns"},
+                                        {"tick_p99_ns", "update, 99 %, ns"},
+                                        {"ratio", "time over ours"},
+                                        {"ratio_low", "least"},
+                                        {"ratio_high", "greatest"},
                                         {"source", "source"}});
   if (!friction.empty())
     html += html_heading("Friction") +
@@ -42,7 +46,11 @@ std::string effects_html(const std::filesystem::path& folder) {
                {"lateral", "force along the stroke, of the true one"},
                {"force_error", "force, off by % of its variation", 100.0},
                {"numbers", "numbers kept"},
-               {"tick_ns", "time of an update, ns"},
+               {"tick_p50_ns", "tick, median, ns"},
+               {"tick_p99_ns", "tick, 99 %, ns"},
+               {"ratio", "time over geometry's"},
+               {"ratio_low", "least"},
+               {"ratio_high", "greatest"},
                {"source", "source"}});
   if (!texture.empty())
     html +=

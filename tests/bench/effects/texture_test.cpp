@@ -96,7 +96,8 @@ TEST(Texture, EveryMethodIsNearerToTheProfileTheMoreItStores) {
         "%-9s %-30s gain %.3f %.3f %.3f coherence %.3f %.3f %.3f spectrum %.3f lateral %.3f force %.3f %zu "
         "numbers %.0f ns\n",
         row.method.c_str(), row.setting.c_str(), row.gain[0], row.gain[1], row.gain[2], row.coherence[0],
-        row.coherence[1], row.coherence[2], row.spectrum_error, row.lateral, row.force_error, row.numbers, row.tick_ns);
+        row.coherence[1], row.coherence[2], row.spectrum_error, row.lateral, row.force_error, row.numbers,
+        row.tick_p50_ns);
     if (before != nullptr && before->method == row.method) {
       const bool more = row.numbers > before->numbers;
       EXPECT_LE(more ? row.spectrum_error : before->spectrum_error,
