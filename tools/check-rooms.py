@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Fails on an include that the rooms' rules forbid, and on third-party headers in public headers."""
+"""Fails on an include that the rooms' rules forbid, on third-party headers in public headers, and on a folder of tests
+without a room."""
+import os
 import re
 import subprocess
 import sys
@@ -43,7 +45,16 @@ ALLOWED = {
     "haptics/session": ["haptics", *SHARED],
     "audio": ["haptics/state", *SHARED],
     "viewer": ["haptics/state", *SHARED],
-    "app": ["pipeline", "haptics", "audio", "viewer", *SHARED],
+    "app": ["pipeline", "haptics", "audio", "viewer", "bench/open", *SHARED],
+    "bench/report": SHARED,
+    "bench/open": ["haptics/surface", *SHARED],
+    "bench/peers": ["bench/report", "haptics/proxy", "haptics/surface", *SHARED],
+    "bench/effects": ["bench/report", "haptics/proxy", *SHARED],
+    "bench/race": ["bench/open", "bench/peers", "bench/report", "bench/haptics/plot.h", "pipeline/simulate", "tests/support", *SHARED],
+    "bench/haptics": ["bench/open", "bench/report", "haptics", "pipeline/simulate", "pipeline/build", "tests/support", *SHARED],
+    "bench/pipeline": ["bench/report", "pipeline", "tests/support", *SHARED],
+    "bench/audio": ["audio", *SHARED],
+    "bench/realtime": ["bench/haptics/lines.h", "audio", "haptics", *SHARED],
 }
 # One file chooses the reader of a format, and no other file of its room knows the formats.
 EXCEPTIONS = {"pipeline/scan/reader.cpp": "pipeline/scan/formats"}
@@ -58,6 +69,9 @@ CORE_SHARED = ["base/error.h", "base/smooth_step.h", "base/system.h", "base/hash
 # Templates over PCL's point types, for programs that include PCL anyway.
 PCL_API = "sparsha/pcl"
 ROOMS = {name.split("/")[0] for name in ALLOWED}
+# Folders below tests/ that mirror no room: helpers, tests of tools, and parts of one folder's test.
+NO_ROOM = {"support", "tools", "fuzz", "guard", "falcon", "haptics/device/falcon/usb", "haptics/proxy/soak",
+           "pipeline/scan/formats/laz", "viewer/pictures", "viewer/reference"}
 THIRD_PARTY = re.compile(
     r"(pcl|opencv2|libusb|portaudio|epoxy|imgui|GLFW|GL|EGL|CLI|yaml-cpp|nlohmann|tiffio|png|sndfile|spdlog|fmt|pugixml)"
     r"([./-]|$|\.h)"
@@ -78,7 +92,7 @@ def may_include(path, room, name):
         return True
     if any(inside(name, other) for other in NOT_INSIDE.get(room, [])):
         return False
-    return inside(name, room) or any(inside(name, other) for other in ALLOWED[room])
+    return inside(name, room) or any(name == other or inside(name, other) for other in ALLOWED[room])
 
 
 def in_core(path):
@@ -99,7 +113,7 @@ def problems(path):
         if kind == '"':
             if "/" not in name:
                 yield f'{where}: include "{name}" by its path from the root'
-            elif name.split("/")[0] in ROOMS and not may_include(path, room, name):
+            elif name.split("/")[0] in {*ROOMS, "tests"} and not may_include(path, room, name):
                 yield f"{where}: {room} must not include {name}"
             elif in_core(path) and not in_core(name) and name not in CORE_SHARED:
                 yield f"{where}: {name} is not for the embeddable core"
@@ -132,10 +146,24 @@ def types_defined_twice(files):
             yield f"{found[1]}: {name} is defined in {found[0]} too"
 
 
+def tests_without_room(names):
+    folders = {name.rsplit("/", 1)[0] for name in names if "/" in name}
+    rooms = {"/".join(folder.split("/")[:depth]) for folder in folders for depth in range(1, folder.count("/") + 2)}
+    for folder in sorted(folders):
+        room = folder.removeprefix("tests/")
+        exempt = any(room == other or inside(room, other) for other in NO_ROOM)
+        if inside(folder, "tests") and room not in rooms and not exempt:
+            yield f"{folder}: there is no room {room}; a test lies where its room does, or in NO_ROOM of tools/check-rooms.py"
+
+
 def main():
-    files = subprocess.run(["git", "ls-files", "*.h", "*.cpp", "*.hpp"], capture_output=True, text=True, check=True).stdout.split()
+    if len(sys.argv) > 1:
+        os.chdir(sys.argv[1])
+    names = subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=True).stdout.split("\n")
+    files = [name for name in names if name.endswith((".h", ".cpp", ".hpp"))]
     found = [p for path in files if path.split("/")[0] in ROOMS for p in problems(path)]
     found += types_defined_twice([path for path in files if path.split("/")[0] in ROOMS])
+    found += tests_without_room(names)
     print("\n".join(found) if found else f"{len(files)} files keep the rules")
     return 1 if found else 0
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "audio/synth.h"
+#include "base/statistics.h"
 #include "scene/scene.h"
 
 namespace {
@@ -80,8 +81,7 @@ double load(int voices, bool strokes, int seconds) {
     }
     loads.push_back(static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
   }
-  std::nth_element(loads.begin(), loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2), loads.end());
-  return loads[loads.size() / 2];
+  return sparsha::median(loads);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Strokes across the medallion of the sample relief's true surface at its own size, without friction: a point gets
 // stickier as the nodes come closer, because it enters pits that no fingertip enters.
-#include "drag.h"
+#include "bench/haptics/drag.h"
 
 #include <array>
 #include <cmath>

@@ -1,12 +1,12 @@
 // The stroke of stroke.h over the analytic surface at its nodes, with a friction of one value: what scanning adds is
 // left to scanned.cpp.
-#include "figures.h"
+#include "bench/haptics/figures.h"
 
 #include <cstdio>
 #include <fstream>
 #include <vector>
 
-#include "stroke.h"
+#include "bench/haptics/stroke.h"
 
 namespace sparsha::bench {
 namespace {
@@ -41,10 +41,10 @@ bool write_figures(const std::filesystem::path& out) {
                                        render_stroke(surface_of(true, 0.0), hands),
                                        render_stroke(surface_of(true, kMu), hands)};
   // On a plane friction keeps the proxy mu * depth behind, along the surface.
-  const double plane_ms = 1e3 * kMu * kStrokeDepth / stroke_speed();
-  constexpr auto kFirst = static_cast<std::size_t>(kStrokeSettled / kStrokeTick);
-  const double z_ms = 1e3 * kStrokeTick * lag_ticks(strokes[1].z_mm, strokes[2].z_mm, kFirst);
-  const double force_ms = 1e3 * kStrokeTick * lag_ticks(strokes[1].force_n, strokes[2].force_n, kFirst);
+  const double plane_ms = 1e3 * kMu * kStrokeDepth_m / stroke_speed();
+  constexpr auto kFirst = static_cast<std::size_t>(kStrokeSettled_s / kStrokeTick_s);
+  const double z_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].z_mm, strokes[2].z_mm, kFirst);
+  const double force_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].force_n, strokes[2].force_n, kFirst);
   std::printf("lag by friction: z %.2f ms, force %.2f ms; mu * depth / speed on a plane %.2f ms\n", z_ms, force_ms,
               plane_ms);
   const auto figure = [&](const char* file, const char* title, const char* unit, double lag_ms,

@@ -1,10 +1,11 @@
-#include "lines.h"
+#include "bench/haptics/lines.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <limits>
+
+#include "bench/report/figure_text.h"
 
 namespace sparsha::bench {
 namespace {
@@ -24,11 +25,7 @@ struct Range {
   [[nodiscard]] double at(double value) const { return from + (to - from) * (value - low) / (high - low); }
 };
 
-std::string number(double value, const char* format = "%.1f") {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
+std::string number(double value) { return text_of("%.1f", value); }
 
 /// 1, 2 or 5 times a power of ten, some five steps to the range.
 double step_of(double low, double high) {
@@ -56,7 +53,7 @@ void draw_grid(std::ofstream& svg, const Range& x, const Range& y) {
     const double step = step_of(range.low, range.high);
     for (double k = std::ceil(range.low / step - 1e-9); k * step <= range.high + 1e-9 * step; ++k) draw(k * step);
   };
-  const auto text = [](double value) { return number(std::abs(value) < 1e-12 ? 0.0 : value, "%g"); };
+  const auto text = [](double value) { return text_of("%g", std::abs(value) < 1e-12 ? 0.0 : value); };
   ticks(x, [&](double value) {
     const std::string at = number(x.at(value));
     svg << "<path d=\"M" << at << ' ' << number(y.to) << 'V' << number(y.from) << "\" stroke=\"#ddd\"/><text x=\"" << at

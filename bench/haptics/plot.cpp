@@ -1,4 +1,4 @@
-#include "plot.h"
+#include "bench/haptics/plot.h"
 
 #include <algorithm>
 #include <cmath>

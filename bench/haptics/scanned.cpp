@@ -1,6 +1,6 @@
 // A noisy scan of the textured sinusoid through projection, bilateral filter, curvature and friction law to a window;
 // the stroke begins in free space.
-#include "scanned.h"
+#include "bench/haptics/scanned.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "bench/haptics/stroke.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/window/scene_window.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/ply_stream.h"
-#include "stroke.h"
 
 namespace sparsha::bench {
 namespace {
@@ -23,11 +23,11 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kNoise = 0.0002;    // m along z
-constexpr double kWorkspace = 0.1;   // m: kStrokeScale times the surface
-constexpr double kPerNode = 3.6;     // points
-constexpr double kSmoothing = 12.0;  // mm: the bilateral filter's reach, 0.4 of a grain
-constexpr double kRange = 3.0;       // mm: more than the grain's height
+constexpr double kNoise_m = 0.0002;     // along z
+constexpr double kWorkspace_m = 0.1;    // kStrokeScale times the surface
+constexpr double kPerNode = 3.6;        // points
+constexpr double kSmoothing_mm = 12.0;  // the bilateral filter's reach, 0.4 of a grain
+constexpr double kRange_mm = 3.0;       // more than the grain's height
 
 double seconds_since(Clock::time_point began) { return std::chrono::duration<double>(Clock::now() - began).count(); }
 
@@ -40,7 +40,7 @@ void write_scan(const fs::path& file, std::size_t count) {
     double noise = -6.0;  // of twelve uniform numbers: nearly Gaussian
     for (int n = 0; n < 12; ++n) noise += uniform();
     const double x = uniform(), y = uniform();
-    points.push_back({{x, y, stroke_envelope(x, y) + stroke_texture(x, y) + kNoise * noise}});
+    points.push_back({{x, y, stroke_envelope(x, y) + stroke_texture(x, y) + kNoise_m * noise}});
   }
   stream.append(points, Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
   stream.close();
@@ -51,7 +51,7 @@ pipeline::Config config_of(const fs::path& folder, int nodes, const std::string&
   {
     std::ofstream yaml(file);
     yaml << "scans:\n  - {file: scan.ply, units: m}\ngrid: {size: " << nodes << ", bounds_m: [0, 0, 1, 1]}\n"
-         << "texture: {sigma_space_mm: " << kSmoothing << ", sigma_range_mm: " << kRange << "}\n"
+         << "texture: {sigma_space_mm: " << kSmoothing_mm << ", sigma_range_mm: " << kRange_mm << "}\n"
          << "friction: {" << friction << "}\nlevels: {window: " << nodes
          << "}\nhaptics: {tip_radius_mm: 0}\ncheck: {samples: 50000}\n";
   }
@@ -60,7 +60,7 @@ pipeline::Config config_of(const fs::path& folder, int nodes, const std::string&
 
 haptics::SurfacePointer window_of(const pipeline::Scene& scene, bool texture, bool friction) {
   haptics::WindowPlan plan =
-      haptics::plan_window(scene.description(), 0, haptics::middle_of(scene.description().levels[0]), kWorkspace);
+      haptics::plan_window(scene.description(), 0, haptics::middle_of(scene.description().levels[0]), kWorkspace_m);
   plan.effects = {texture, friction};
   return haptics::load_window(scene, plan, 1).surface;
 }
@@ -135,11 +135,11 @@ bool write_lags(const fs::path& work, const fs::path& folder, int nodes) {
     for (const auto& [texture, friction] :
          {std::pair{false, false}, std::pair{true, false}, std::pair{true, true}, std::pair{false, true}})
       strokes.push_back(render_stroke(*window_of(*built.scene, texture, friction), hands));
-    constexpr auto kFirst = static_cast<std::size_t>((kStrokeApproach + kStrokeSettled) / kStrokeTick);
-    const double z_ms = 1e3 * kStrokeTick * lag_ticks(strokes[1].z_mm, strokes[2].z_mm, kFirst);
-    const double force_ms = 1e3 * kStrokeTick * lag_ticks(strokes[1].force_n, strokes[2].force_n, kFirst);
+    constexpr auto kFirst = static_cast<std::size_t>((kStrokeApproach_s + kStrokeSettled_s) / kStrokeTick_s);
+    const double z_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].z_mm, strokes[2].z_mm, kFirst);
+    const double force_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].force_n, strokes[2].force_n, kFirst);
     const double mu = mean_mu(*window_of(*built.scene, true, true));
-    const double plane_ms = 1e3 * mu * kStrokeDepth / stroke_speed();
+    const double plane_ms = 1e3 * mu * kStrokeDepth_m / stroke_speed();
     const TextureFidelity fidelity = texture_fidelity(*built.scene);
     csv << law << ',' << mu << ',' << z_ms << ',' << force_ms << ',' << plane_ms << ',' << fidelity.correlation << ','
         << fidelity.gain << '\n';

@@ -1,4 +1,4 @@
-#include "scenes.h"
+#include "bench/haptics/scenes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,14 +17,14 @@ using Eigen::Vector3d;
 using haptics::MongeSurface;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kHeight = 0.05;  // m
-constexpr double kDepth = 0.002;  // m
+constexpr double kHeight_m = 0.05;
+constexpr double kDepth_m = 0.002;
 
-double sinusoid(double x, double y) { return kHeight * std::sin(kTurn * x) * std::sin(kTurn * y); }
+double sinusoid(double x, double y) { return kHeight_m * std::sin(kTurn * x) * std::sin(kTurn * y); }
 
 Vector3d sinusoid_normal(double x, double y) {
-  return Vector3d(-kHeight * kTurn * std::cos(kTurn * x) * std::sin(kTurn * y),
-                  -kHeight * kTurn * std::sin(kTurn * x) * std::cos(kTurn * y), 1.0)
+  return Vector3d(-kHeight_m * kTurn * std::cos(kTurn * x) * std::sin(kTurn * y),
+                  -kHeight_m * kTurn * std::sin(kTurn * x) * std::cos(kTurn * y), 1.0)
       .normalized();
 }
 
@@ -114,7 +114,7 @@ HapticScene sinusoid_scene(int nodes, double cells_per_tick, int ticks, bool fri
   for (const Vector2d& p : points) {
     const Vector3d foot(p.x(), p.y(), sinusoid(p.x(), p.y()));
     scene.truth.push_back(foot);
-    scene.hands.push_back(foot - kDepth * sinusoid_normal(p.x(), p.y()));
+    scene.hands.push_back(foot - kDepth_m * sinusoid_normal(p.x(), p.y()));
   }
   if (friction) scene.truth.clear();
   return scene;

@@ -14,14 +14,14 @@
 #include <vector>
 
 #include "base/statistics.h"
-#include "drag.h"
-#include "figures.h"
+#include "bench/haptics/drag.h"
+#include "bench/haptics/figures.h"
+#include "bench/haptics/plot.h"
+#include "bench/haptics/scanned.h"
+#include "bench/haptics/scenes.h"
+#include "bench/haptics/stability.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/proxy/rest_residual.h"
-#include "plot.h"
-#include "scanned.h"
-#include "scenes.h"
-#include "stability.h"
 
 namespace sparsha::bench {
 namespace {

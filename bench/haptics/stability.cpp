@@ -1,6 +1,6 @@
 // Energy delivered, swing and share of altered ticks by mass, damping, delay, rate and stiffness. The hand is that of
 // the tests and shares no code with the governor.
-#include "stability.h"
+#include "bench/haptics/stability.h"
 
 #include <algorithm>
 #include <cstdio>

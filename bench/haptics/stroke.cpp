@@ -1,4 +1,4 @@
-#include "stroke.h"
+#include "bench/haptics/stroke.h"
 
 #include <algorithm>
 #include <array>
@@ -14,21 +14,21 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kHeight = 0.05;     // m
-constexpr double kTexture = 0.0006;  // m
+constexpr double kHeight_m = 0.05;
+constexpr double kTexture_m = 0.0006;
 constexpr double kStiffness = 800.0;
 constexpr int kTicks = 2000;
-constexpr double kSpeed = 0.45;  // m/s across
-constexpr double kY = 0.2;       // m: where the stroke goes
-constexpr double kAbove = 0.01;  // m: where an approach begins
+constexpr double kSpeed_m_per_s = 0.45;  // across
+constexpr double kY_m = 0.2;             // where the stroke goes
+constexpr double kAbove_m = 0.01;        // where an approach begins
 
 /// Under the envelope along its normal.
 Vector3d hand_at(double t, double depth) {
-  const double x = 0.05 + kSpeed * t;
-  const Vector3d normal = Vector3d(-kHeight * kTurn * std::cos(kTurn * x) * std::sin(kTurn * kY),
-                                   -kHeight * kTurn * std::sin(kTurn * x) * std::cos(kTurn * kY), 1.0)
+  const double x = 0.05 + kSpeed_m_per_s * t;
+  const Vector3d normal = Vector3d(-kHeight_m * kTurn * std::cos(kTurn * x) * std::sin(kTurn * kY_m),
+                                   -kHeight_m * kTurn * std::sin(kTurn * x) * std::cos(kTurn * kY_m), 1.0)
                               .normalized();
-  return Vector3d(x, kY, stroke_envelope(x, kY)) - depth * normal;
+  return Vector3d(x, kY_m, stroke_envelope(x, kY_m)) - depth * normal;
 }
 
 double correlation(std::span<const double> a, std::span<const double> b) {
@@ -50,19 +50,19 @@ double correlation(std::span<const double> a, std::span<const double> b) {
 
 }  // namespace
 
-double stroke_envelope(double x, double y) { return kHeight * std::sin(kTurn * x) * std::sin(kTurn * y); }
+double stroke_envelope(double x, double y) { return kHeight_m * std::sin(kTurn * x) * std::sin(kTurn * y); }
 
 double stroke_texture(double x, double y) {
-  const double grain = kTurn / kStrokeGrain;
-  return kTexture * std::sin(grain * x + 2.0 * std::sin(0.37 * grain * y)) * (1.0 + 0.5 * std::sin(0.23 * grain * x));
+  const double grain = kTurn / kStrokeGrain_m;
+  return kTexture_m * std::sin(grain * x + 2.0 * std::sin(0.37 * grain * y)) * (1.0 + 0.5 * std::sin(0.23 * grain * x));
 }
 
 std::vector<Vector3d> stroke_hands(bool approach) {
   std::vector<Vector3d> hands;
-  const int down = approach ? static_cast<int>(std::lround(kStrokeApproach / kStrokeTick)) : 0;
+  const int down = approach ? static_cast<int>(std::lround(kStrokeApproach_s / kStrokeTick_s)) : 0;
   for (int k = 0; k < down; ++k)
-    hands.push_back(hand_at(0.0, kStrokeDepth - (kAbove + kStrokeDepth) * (down - k) / down));
-  for (int k = 0; k < kTicks; ++k) hands.push_back(hand_at(k * kStrokeTick, kStrokeDepth));
+    hands.push_back(hand_at(0.0, kStrokeDepth_m - (kAbove_m + kStrokeDepth_m) * (down - k) / down));
+  for (int k = 0; k < kTicks; ++k) hands.push_back(hand_at(k * kStrokeTick_s, kStrokeDepth_m));
   return hands;
 }
 
@@ -70,7 +70,7 @@ double stroke_speed() {
   const std::vector<Vector3d> hands = stroke_hands(false);
   double way_m = 0.0;
   for (std::size_t k = 1; k < hands.size(); ++k) way_m += (hands[k] - hands[k - 1]).norm();
-  return way_m / (kTicks * kStrokeTick);
+  return way_m / (kTicks * kStrokeTick_s);
 }
 
 Stroke render_stroke(const haptics::MongeSurface& surface, const std::vector<Vector3d>& hands) {
@@ -80,7 +80,7 @@ Stroke render_stroke(const haptics::MongeSurface& surface, const std::vector<Vec
   for (std::size_t k = 0; k < hands.size(); ++k) {
     const Vector3d hand = hands[k] - origin;
     const haptics::ProxyUpdate update = update_exact(surface, hand, state, {});
-    stroke.t.push_back(static_cast<double>(k) * kStrokeTick);
+    stroke.t.push_back(static_cast<double>(k) * kStrokeTick_s);
     stroke.z_mm.push_back(1e3 * (update.position.z() + origin.z()));
     stroke.force_n.push_back(update.contact ? kStiffness * kStrokeScale * (update.position - hand).norm() : 0.0);
   }
@@ -112,7 +112,7 @@ std::vector<Panel> stroke_panels(const std::vector<Stroke>& strokes, const char*
   std::vector<Panel> panels(2);
   for (Panel& panel : panels) {
     panel.y_label = unit;
-    panel.x_to = strokes.front().t.back() + kStrokeTick;
+    panel.x_to = strokes.front().t.back() + kStrokeTick_s;
     for (std::size_t k = 0; k < strokes.size(); ++k)
       panel.curves.push_back({kNames[k], kColours[k], kDashes[k], strokes[k].t, strokes[k].*value});
   }

@@ -6,17 +6,17 @@
 
 #include <Eigen/Core>
 
+#include "bench/haptics/lines.h"
 #include "haptics/surface/monge_surface.h"
-#include "lines.h"
 
 namespace sparsha::bench {
 
-inline constexpr double kStrokeTick = 0.001;    // s
-inline constexpr double kStrokeDepth = 0.004;   // m under the untextured surface, along its normal
-inline constexpr double kStrokeScale = 0.1;     // device metres per grid metre
-inline constexpr double kStrokeGrain = 0.03;    // m, wavelength of the texture
-inline constexpr double kStrokeSettled = 0.1;   // s: after that the slip is steady
-inline constexpr double kStrokeApproach = 0.1;  // s through free space and into the surface
+inline constexpr double kStrokeTick_s = 0.001;
+inline constexpr double kStrokeDepth_m = 0.004;   // under the untextured surface, along its normal
+inline constexpr double kStrokeScale = 0.1;       // device metres per grid metre
+inline constexpr double kStrokeGrain_m = 0.03;    // wavelength of the texture
+inline constexpr double kStrokeSettled_s = 0.1;   // after that the slip is steady
+inline constexpr double kStrokeApproach_s = 0.1;  // through free space and into the surface
 
 [[nodiscard]] double stroke_envelope(double x, double y);
 /// Rounded grains that differ in height, at most 0.9 mm.

@@ -1,4 +1,4 @@
-#include "ball.h"
+#include "bench/peers/ball.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <Eigen/LU>
 
-#include "triangle_tree.h"
+#include "bench/peers/triangle_tree.h"
 
 namespace sparsha::bench {
 namespace {

@@ -3,7 +3,7 @@
 // with that of a point.
 #pragma once
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

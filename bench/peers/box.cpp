@@ -1,8 +1,8 @@
-#include "box.h"
+#include "bench/peers/box.h"
 
 #include <algorithm>
 
-#include "point_tree.h"
+#include "bench/peers/point_tree.h"
 
 namespace sparsha::bench {
 namespace {

@@ -3,7 +3,7 @@
 // direction; no proxy, so that a hand below the boxes is lost. Normals by principal components.
 #pragma once
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

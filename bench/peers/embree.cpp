@@ -1,4 +1,4 @@
-#include "embree.h"
+#include "bench/peers/embree.h"
 
 #include <stdexcept>
 
@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "triangle_tree.h"
+#include "bench/peers/triangle_tree.h"
 #endif
 
 namespace sparsha::bench {

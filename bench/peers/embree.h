@@ -2,7 +2,7 @@
 // built. No proxy: the force leads to whatever is nearest, so that a hand deep in a wall is pushed out at its back.
 #pragma once
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

@@ -1,27 +1,20 @@
-#include "entrants.h"
+#include "bench/peers/entrants.h"
 
-#include <cstdio>
-
-#include "ball.h"
-#include "box.h"
-#include "embree.h"
-#include "god_object.h"
-#include "implicit.h"
-#include "mls.h"
-#include "own.h"
-#include "sphere.h"
-#include "voxel.h"
+#include "bench/peers/ball.h"
+#include "bench/peers/box.h"
+#include "bench/peers/embree.h"
+#include "bench/peers/god_object.h"
+#include "bench/peers/implicit.h"
+#include "bench/peers/mls.h"
+#include "bench/peers/own.h"
+#include "bench/peers/sphere.h"
+#include "bench/peers/voxel.h"
+#include "bench/report/figure_text.h"
 
 namespace sparsha::bench {
 namespace {
 
 using haptics::MongeSurface;
-
-std::string text(const char* format, double value) {
-  char line[64];
-  std::snprintf(line, sizeof line, format, value);
-  return line;
-}
 
 }  // namespace
 
@@ -29,7 +22,7 @@ std::vector<Entrant> all_entrants() {
   std::vector<Entrant> all;
   for (const char* method : {"exact", "rounded", "c1"})
     for (const double tolerance : {1e-9, 1e-3})
-      all.push_back({method, text("tolerance %g cells", tolerance), tolerance == 1e-9,
+      all.push_back({method, text_of("tolerance %g cells", tolerance), tolerance == 1e-9,
                      [method, tolerance](const MongeSurface& surface) {
                        haptics::SolverOptions options;
                        options.tolerance_cells = tolerance;
@@ -37,45 +30,47 @@ std::vector<Entrant> all_entrants() {
                      }});
   for (const int iterations : {100, 1, 10})
     all.push_back(
-        {"paper", text("%.0f iterations", iterations), iterations == 100, [iterations](const MongeSurface& surface) {
+        {"paper", text_of("%.0f iterations", iterations), iterations == 100, [iterations](const MongeSurface& surface) {
            haptics::SolverOptions options;
            options.paper_iterations = iterations;
            return make_own(surface, "paper", options);
          }});
   for (const int moves : {100, 1})
-    all.push_back({"god-object", text("%.0f moves", moves), moves == 100,
+    all.push_back({"god-object", text_of("%.0f moves", moves), moves == 100,
                    [moves](const MongeSurface& surface) { return make_god_object(surface, {moves}); }});
   for (const double radius : {1.0, 0.3})
-    all.push_back({"god-object", text("a ball of %g spacings", radius), false, [radius](const MongeSurface& surface) {
-                     BallOptions options;
-                     options.radius_spacings = radius;
-                     return make_ball(surface, options);
-                   }});
+    all.push_back(
+        {"god-object", text_of("a ball of %g spacings", radius), false, [radius](const MongeSurface& surface) {
+           BallOptions options;
+           options.radius_spacings = radius;
+           return make_ball(surface, options);
+         }});
   for (const double radius : {3.0, 2.0, 5.0})
-    all.push_back({"sphere", text("radius %g spacings", radius), radius == 3.0, [radius](const MongeSurface& surface) {
-                     SphereOptions options;
-                     options.radius_spacings = radius;
-                     return make_sphere(surface, options);
-                   }});
+    all.push_back(
+        {"sphere", text_of("radius %g spacings", radius), radius == 3.0, [radius](const MongeSurface& surface) {
+           SphereOptions options;
+           options.radius_spacings = radius;
+           return make_sphere(surface, options);
+         }});
   for (const double width : {0.8, 1.5})
-    all.push_back({"mls", text("width %g spacings", width), width == 0.8, [width](const MongeSurface& surface) {
+    all.push_back({"mls", text_of("width %g spacings", width), width == 0.8, [width](const MongeSurface& surface) {
                      MlsOptions options;
                      options.width_spacings = width;
                      return make_mls(surface, options);
                    }});
   for (const double radius : {3.0, 5.0})
     all.push_back(
-        {"implicit", text("radius %g spacings", radius), radius == 3.0, [radius](const MongeSurface& surface) {
+        {"implicit", text_of("radius %g spacings", radius), radius == 3.0, [radius](const MongeSurface& surface) {
            ImplicitOptions options;
            options.radius_spacings = radius;
            return make_implicit(surface, options);
          }});
   for (const double half : {3.0, 1.5, 6.0})
-    all.push_back({"box", text("half side %g spacings", half), half == 3.0,
+    all.push_back({"box", text_of("half side %g spacings", half), half == 3.0,
                    [half](const MongeSurface& surface) { return make_box(surface, {half}); }});
   for (const double millions : {1.0, 4.0})
     all.push_back(
-        {"voxel", text("%g million voxels", millions), millions == 1.0, [millions](const MongeSurface& surface) {
+        {"voxel", text_of("%g million voxels", millions), millions == 1.0, [millions](const MongeSurface& surface) {
            VoxelOptions options;
            options.most_voxels = static_cast<std::size_t>(1e6 * millions);
            return make_voxel(surface, options);

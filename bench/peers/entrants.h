@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

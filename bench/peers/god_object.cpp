@@ -1,10 +1,10 @@
-#include "god_object.h"
+#include "bench/peers/god_object.h"
 
 #include <algorithm>
 
 #include <Eigen/Geometry>
 
-#include "triangle_tree.h"
+#include "bench/peers/triangle_tree.h"
 
 namespace sparsha::bench {
 namespace {

@@ -3,7 +3,7 @@
 // Khatib, "The haptic display of complex graphical environments", SIGGRAPH 1997. Radius 0.
 #pragma once
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

@@ -1,10 +1,10 @@
-#include "implicit.h"
+#include "bench/peers/implicit.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "point_tree.h"
-#include "tracker.h"
+#include "bench/peers/point_tree.h"
+#include "bench/peers/tracker.h"
 
 namespace sparsha::bench {
 namespace {

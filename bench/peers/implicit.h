@@ -4,7 +4,7 @@
 // is taken off the force.
 #pragma once
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

@@ -1,9 +1,9 @@
-#include "mls.h"
+#include "bench/peers/mls.h"
 
 #include <cmath>
 
-#include "point_tree.h"
-#include "tracker.h"
+#include "bench/peers/point_tree.h"
+#include "bench/peers/tracker.h"
 
 namespace sparsha::bench {
 namespace {

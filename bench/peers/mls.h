@@ -4,7 +4,7 @@
 // components.
 #pragma once
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

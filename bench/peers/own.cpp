@@ -1,4 +1,4 @@
-#include "own.h"
+#include "bench/peers/own.h"
 
 #include <stdexcept>
 

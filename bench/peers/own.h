@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "bench/peers/peer.h"
 #include "haptics/proxy/proxy.h"
-#include "peer.h"
 
 namespace sparsha::bench {
 

@@ -1,4 +1,4 @@
-#include "point_tree.h"
+#include "bench/peers/point_tree.h"
 
 #include <algorithm>
 

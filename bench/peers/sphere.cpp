@@ -1,11 +1,11 @@
-#include "sphere.h"
+#include "bench/peers/sphere.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "point_tree.h"
+#include "bench/peers/point_tree.h"
 
 namespace sparsha::bench {
 namespace {

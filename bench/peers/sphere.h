@@ -3,7 +3,7 @@
 // along the tangent plane of the mean push. Force: from the hand to the ball's surface.
 #pragma once
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

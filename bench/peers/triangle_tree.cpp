@@ -1,4 +1,4 @@
-#include "triangle_tree.h"
+#include "bench/peers/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>

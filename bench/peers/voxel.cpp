@@ -1,11 +1,11 @@
-#include "voxel.h"
+#include "bench/peers/voxel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-#include "triangle_tree.h"
+#include "bench/peers/triangle_tree.h"
 
 namespace sparsha::bench {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cstddef>
 
-#include "peer.h"
+#include "bench/peers/peer.h"
 
 namespace sparsha::bench {
 

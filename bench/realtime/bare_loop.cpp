@@ -1,4 +1,4 @@
-#include "bare_loop.h"
+#include "bench/realtime/bare_loop.h"
 
 #include <algorithm>
 

@@ -19,10 +19,10 @@
 #include <vector>
 
 #include "audio/speech/child_process.h"
-#include "bare_loop.h"
 #include "base/error.h"
 #include "base/system.h"
 #include "bench/haptics/lines.h"
+#include "bench/realtime/bare_loop.h"
 
 namespace sparsha::bench {
 namespace {

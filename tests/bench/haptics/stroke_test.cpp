@@ -38,7 +38,7 @@ TEST(Stroke, BeginsTenMillimetresAboveTheSurfaceAndIsFourBelowItWhileItStrokes) 
         least = std::min(least,
                          (Eigen::Vector3d(x, y, 0.05 * std::sin(kTurn * x) * std::sin(kTurn * y)) - hands[k]).norm());
       }
-    EXPECT_NEAR(least, kStrokeDepth, 2e-6) << k;
+    EXPECT_NEAR(least, kStrokeDepth_m, 2e-6) << k;
   }
 }
 
