@@ -54,6 +54,8 @@ std::string value_text(double value, int digits, TextStyle style) {
   return text;
 }
 
+std::string exact_text(double value) { return fmt::format("{}", value); }
+
 std::string length_text(double metres, TextStyle style) {
   if (!std::isfinite(metres)) return "unknown";
   const bool spoken = style == TextStyle::spoken;

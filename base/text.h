@@ -13,6 +13,9 @@ enum class TextStyle { plain, screen, typeset, spoken };
 /// Up to `digits` significant digits (1 to 7), no trailing zeros, no exponent.
 [[nodiscard]] std::string value_text(double value, int digits = 3, TextStyle style = TextStyle::plain);
 
+/// The fewest digits that give the same number back when they are read; "-0", "nan" and "inf" too. For files.
+[[nodiscard]] std::string exact_text(double value);
+
 /// A length, metres, in the unit that keeps its number short: "36 cm", "0.21 mm", "41 um", "3.5 centimetres". "unknown"
 /// for what is not finite.
 [[nodiscard]] std::string length_text(double metres, TextStyle style = TextStyle::plain);

@@ -6,22 +6,21 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/text.h"
 #include "scene/config.h"
 
 namespace sparsha::pipeline {
 namespace {
 
 // Shortest text that reads back to the same double.
-std::string number(double value) { return fmt::format("{}", value); }
-
 // Metres to the unit of a key, by the shortest decimal that reads back (times 1e-3) to the same metres.
 std::string millimetres(double metres) {
   const double scaled = metres * 1000.0;
   for (int digits = 1; digits <= 17; ++digits) {
     const double rounded = std::stod(fmt::format("{:.{}g}", scaled, digits));
-    if (rounded * 1e-3 == metres) return number(rounded);
+    if (rounded * 1e-3 == metres) return exact_text(rounded);
   }
-  return number(scaled);
+  return exact_text(scaled);
 }
 
 std::string quote(std::string_view text) {
@@ -42,16 +41,16 @@ std::string quote(std::string_view text) {
 std::string matrix(const Eigen::Matrix4d& m) {
   std::string text = "[";
   for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) text += (text.size() > 1 ? ", " : "") + number(m(row, column));
+    for (int column = 0; column < 4; ++column) text += (text.size() > 1 ? ", " : "") + exact_text(m(row, column));
   return text + "]";
 }
 
 std::string box(const std::array<double, 4>& b) {
-  return fmt::format("[{}, {}, {}, {}]", number(b[0]), number(b[1]), number(b[2]), number(b[3]));
+  return fmt::format("[{}, {}, {}, {}]", exact_text(b[0]), exact_text(b[1]), exact_text(b[2]), exact_text(b[3]));
 }
 
 std::string vector(const Eigen::Vector3d& v) {
-  return fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z()));
+  return fmt::format("[{}, {}, {}]", exact_text(v.x()), exact_text(v.y()), exact_text(v.z()));
 }
 
 std::string units(const Units& value) {
@@ -72,7 +71,7 @@ std::string filter_keys(const CropConfig& crop) {
 std::string filter_keys(const VoxelConfig& voxel) { return "leaf_mm: " + millimetres(voxel.leaf_m); }
 
 std::string filter_keys(const OutlierConfig& outliers) {
-  return fmt::format("neighbours: {}, sigma: {}, method: {}", outliers.neighbours, number(outliers.sigma),
+  return fmt::format("neighbours: {}, sigma: {}, method: {}", outliers.neighbours, exact_text(outliers.sigma),
                      method(outliers.method));
 }
 
@@ -83,15 +82,16 @@ std::string filter_keys(const RadiusOutlierConfig& outliers) {
 
 std::string filter_keys(const PassConfig& pass) {
   std::string text = fmt::format("axis: {}", "xyz"[pass.axis]);
-  if (std::isfinite(pass.min_m)) text += ", min_m: " + number(pass.min_m);
-  if (std::isfinite(pass.max_m)) text += ", max_m: " + number(pass.max_m);
+  if (std::isfinite(pass.min_m)) text += ", min_m: " + exact_text(pass.min_m);
+  if (std::isfinite(pass.max_m)) text += ", max_m: " + exact_text(pass.max_m);
   return text;
 }
 
 std::string filter_keys(const RemovePlaneConfig& plane) {
   static constexpr std::array<std::string_view, 3> kSides{"below", "above", "both"};
   return fmt::format("distance_mm: {}, side: {}, normal: {}, max_angle_deg: {}", millimetres(plane.distance_m),
-                     kSides[static_cast<std::size_t>(plane.side)], vector(plane.normal), number(plane.max_angle_deg));
+                     kSides[static_cast<std::size_t>(plane.side)], vector(plane.normal),
+                     exact_text(plane.max_angle_deg));
 }
 
 std::string filter_keys(const KeepConfig& keep) {
@@ -119,7 +119,7 @@ std::string orientation_text(const OrientationConfig& orientation) {
   static constexpr std::array<std::string_view, 3> kFaces{"auto", "plane", "principal"};
   std::string text = fmt::format("orientation: {{face: {}", kFaces[static_cast<std::size_t>(*orientation.face)]);
   if (orientation.face_up) text += ", up: " + vector(*orientation.face_up);
-  if (orientation.face_scale != 1.0) text += ", scale: " + number(orientation.face_scale);
+  if (orientation.face_scale != 1.0) text += ", scale: " + exact_text(orientation.face_scale);
   return text + regions + "}\n";
 }
 
@@ -129,7 +129,7 @@ std::string register_text(const RegisterConfig& config) {
   if (config.guess == RegisterConfig::Guess::features) text += ", guess: features";
   if (config.max_distance_m > 0) text += ", max_distance_mm: " + millimetres(config.max_distance_m);
   if (config.voxel_m > 0) text += ", voxel_mm: " + millimetres(config.voxel_m);
-  return text + ", min_overlap: " + number(config.min_overlap) + "}\n";
+  return text + ", min_overlap: " + exact_text(config.min_overlap) + "}\n";
 }
 
 std::string grid_text(const GridConfig& grid) {
@@ -147,20 +147,21 @@ std::string grid_text(const GridConfig& grid) {
 std::string friction_text(const FrictionConfig& friction) {
   static constexpr std::array<std::string_view, 3> kLaws{"curvature", "paper", "constant"};
   std::string text = fmt::format("friction: {{law: {}, mu_static: {}, mu_0: {}, mu_max: {}",
-                                 kLaws[static_cast<std::size_t>(friction.law)], number(friction.mu_static),
-                                 number(friction.mu_0), number(friction.mu_max));
+                                 kLaws[static_cast<std::size_t>(friction.law)], exact_text(friction.mu_static),
+                                 exact_text(friction.mu_0), exact_text(friction.mu_max));
   if (friction.scale_m > 0) text += ", scale_mm: " + millimetres(friction.scale_m);
-  if (friction.c_m) text += ", c_m: " + number(*friction.c_m);
+  if (friction.c_m) text += ", c_m: " + exact_text(*friction.c_m);
   return text + "}\n";
 }
 
 std::string sound_text(const ModalConfig& modal) {
   if (modal.modes.empty())
-    return fmt::format("modal: {{frequency_hz: {}, decay_s: {}}}", number(modal.frequency_hz), number(modal.decay_s));
+    return fmt::format("modal: {{frequency_hz: {}, decay_s: {}}}", exact_text(modal.frequency_hz),
+                       exact_text(modal.decay_s));
   std::string text = "modal: {modes: [";
   for (const ModeConfig& mode : modal.modes) {
     text += fmt::format("{}{{frequency_hz: {}, decay_s: {}, level_db: {}}}", text.back() == '[' ? "" : ", ",
-                        number(mode.frequency_hz), number(mode.decay_s), number(mode.level_db));
+                        exact_text(mode.frequency_hz), exact_text(mode.decay_s), exact_text(mode.level_db));
   }
   return text + "]}";
 }
@@ -169,16 +170,16 @@ std::string sound_text(const std::filesystem::path& clip) { return "clip: " + qu
 
 std::string sound_text(const MaterialSoundConfig& sound) {
   std::string text = fmt::format("material: {{name: {}", touch_of(sound.material).name);
-  if (sound.frequency_hz) text += ", frequency_hz: " + number(*sound.frequency_hz);
-  if (sound.damping) text += ", damping: " + number(*sound.damping);
-  if (sound.brightness) text += ", brightness: " + number(*sound.brightness);
+  if (sound.frequency_hz) text += ", frequency_hz: " + exact_text(*sound.frequency_hz);
+  if (sound.damping) text += ", damping: " + exact_text(*sound.damping);
+  if (sound.brightness) text += ", brightness: " + exact_text(*sound.brightness);
   return text + "}";
 }
 
 std::string points(const std::vector<std::array<double, 2>>& places_m) {
   std::string text = "[";
   for (const auto& place : places_m)
-    text += fmt::format("{}[{}, {}]", text.back() == '[' ? "" : ", ", number(place[0]), number(place[1]));
+    text += fmt::format("{}[{}, {}]", text.back() == '[' ? "" : ", ", exact_text(place[0]), exact_text(place[1]));
   return text + "]";
 }
 
@@ -211,7 +212,7 @@ std::string audio_text(const AudioConfig& audio) {
   }
   if (audio.material) text += "  " + sound_text(*audio.material) + "\n";
   if (audio.friction_sound_gain) {
-    text += fmt::format("  friction_sound: {{gain: {}{}}}\n", number(*audio.friction_sound_gain),
+    text += fmt::format("  friction_sound: {{gain: {}{}}}\n", exact_text(*audio.friction_sound_gain),
                         audio.friction_sound_grain ? "" : ", grain: off");
   }
   return text.empty() ? "audio: {}\n" : "audio:\n" + text;
@@ -228,16 +229,16 @@ std::string invented_text(const HapticsConfig& haptics) {
 
 std::string touch_text(const PartTouch& touch) {
   std::string text;
-  if (touch.stiffness_n_per_m) text += ", stiffness_n_per_m: " + number(*touch.stiffness_n_per_m);
-  if (touch.mu_dynamic) text += ", mu_dynamic: " + number(*touch.mu_dynamic);
-  if (touch.mu_static) text += ", mu_static: " + number(*touch.mu_static);
+  if (touch.stiffness_n_per_m) text += ", stiffness_n_per_m: " + exact_text(*touch.stiffness_n_per_m);
+  if (touch.mu_dynamic) text += ", mu_dynamic: " + exact_text(*touch.mu_dynamic);
+  if (touch.mu_static) text += ", mu_static: " + exact_text(*touch.mu_static);
   if (touch.material) text += fmt::format(", material: {}", touch_of(*touch.material).name);
   return text;
 }
 
 std::string guide_text(const GuideConfig& guide) {
   return fmt::format("guide: {{path: {}, force_n: {}, speed_mm_per_s: {}{}}}\n",
-                     GuideConfig::kPathNames[static_cast<std::size_t>(guide.path)], number(guide.force_n),
+                     GuideConfig::kPathNames[static_cast<std::size_t>(guide.path)], exact_text(guide.force_n),
                      millimetres(guide.speed_m_per_s), guide.line_m.empty() ? "" : ", line_m: " + points(guide.line_m));
 }
 
@@ -285,9 +286,9 @@ std::string to_yaml(const Config& config) {
   text += fmt::format(
       "haptics: {{stiffness_n_per_m: {}, solver: {}, surface: {}, creases: {}, rate_hz: {}, resolution_mm: {}, "
       "tip_radius_mm: {}{}}}\n",
-      number(haptics.stiffness_n_per_m), haptics.solver == HapticsConfig::Solver::exact ? "exact" : "paper",
+      exact_text(haptics.stiffness_n_per_m), haptics.solver == HapticsConfig::Solver::exact ? "exact" : "paper",
       haptics.surface == HapticsConfig::Surface::bilinear ? "bilinear" : "c1",
-      haptics.creases == HapticsConfig::Creases::sharp ? "sharp" : "rounded", number(haptics.rate_hz),
+      haptics.creases == HapticsConfig::Creases::sharp ? "sharp" : "rounded", exact_text(haptics.rate_hz),
       millimetres(haptics.resolution_m), millimetres(haptics.tip_radius_m), invented_text(haptics));
   if (!config.parts.empty()) text += "parts:\n";
   for (const PartConfig& part : config.parts) {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/text.h"
 #include "scene/layer_file.h"
 #include "scene/regions.h"
 #include "scene/scene.h"
@@ -28,7 +29,7 @@ fs::path level_folder(const fs::path& folder, std::size_t level) { return folder
 
 std::string numbers(std::initializer_list<double> values) {
   std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + fmt::format("{}", value);
+  for (const double value : values) text += (text.size() > 1 ? ", " : "") + exact_text(value);
   return text + "]";
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/png.h"
+#include "base/text.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/height_tiff.h"
 #include "pipeline/export/node_rows.h"
@@ -18,8 +19,8 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kFloatReach = 1000.0;  // metres; beyond, float32 is coarser than 0.05 mm
-constexpr double kPngSteps = 65534.0;   // of grey, 0 is unknown
+constexpr double kFloatReach_m = 1000.0;  // beyond, float32 is coarser than 0.05 mm
+constexpr double kPngSteps = 65534.0;     // of grey, 0 is unknown
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -56,7 +57,7 @@ PngFormat format_of(const Lattice& lattice, double low, double step) {
       "at x = {}, y = {} of the grid frame.",
       low, step, lattice.spacing_m, lattice.x_m(0), lattice.y_m(lattice.ny - 1));
   format.calibration = std::make_unique<PngFormat::Calibration>(
-      PngFormat::Calibration{"height", "m", fmt::format("{}", low - step), fmt::format("{}", step * 65535.0)});
+      PngFormat::Calibration{"height", "m", exact_text(low - step), exact_text(step * 65535.0)});
   return format;
 }
 
@@ -70,7 +71,7 @@ double raster_height(const Scene& scene, const Eigen::Vector3d& grid_m) {
 
 void export_tif(const Scene& scene, const std::filesystem::path& file, const std::string& shown, Progress& progress) {
   const Range range = height_range(scene, progress);
-  const bool wide = std::max(std::fabs(range.low), std::fabs(range.high)) > kFloatReach && range.low <= range.high;
+  const bool wide = std::max(std::fabs(range.low), std::fabs(range.high)) > kFloatReach_m && range.low <= range.high;
   NodeRows rows(scene, false);
   const Lattice& lattice = rows.lattice();
   HeightTiff tiff(file, shown, lattice.nx, lattice.ny, wide);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "pipeline/export/height_tiff.h"
 #include "pipeline/simulate/frames.h"
 
@@ -12,7 +13,7 @@ namespace sparsha::pipeline {
 namespace {
 
 /// Shortest text that reads back as the same double.
-std::string number(double value) { return fmt::format("{}", value + 0.0); }  // + 0.0: no negative zero
+std::string number(double value) { return exact_text(value + 0.0); }  // + 0.0: no negative zero
 
 template <typename Vector>
 std::string list(const Vector& vector) {

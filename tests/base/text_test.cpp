@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 namespace sparsha {
@@ -40,6 +41,15 @@ TEST(Text, ValuesKeepTheirSignificantDigitsWithoutExponents) {
   EXPECT_EQ(value_text(1234.56), "1235");
   EXPECT_EQ(value_text(0.0012345), "0.00123");
   EXPECT_EQ(value_text(99.96), "100");
+}
+
+TEST(Text, ExactNumbersComeBackWithTheSameBits) {
+  for (const double value : {0.1, -0.0, 1e-300, 123456789.0, 1.0 / 3.0, 5e-324}) {
+    const double back = std::strtod(exact_text(value).c_str(), nullptr);
+    EXPECT_EQ(back, value);
+    EXPECT_EQ(std::signbit(back), std::signbit(value));
+  }
+  EXPECT_EQ(exact_text(0.1), "0.1");
 }
 
 TEST(Text, RoundNumbersAreOneTwoOrFiveTimesAPowerOfTen) {
