@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "pipeline/register/features.h"
 #include "pipeline/register/graph.h"
 #include "pipeline/register/line_of_sight.h"
@@ -33,7 +34,7 @@ constexpr double kTouch = 1.5;           // medium point distances within which 
 constexpr double kClearance = 2.0;       // medium point distances that tell what stands in the way from what is seen
 constexpr double kMostInTheWay = 0.01;   // share of a scan
 constexpr double kLeastOverlap =
-    0.12;  // share of a scan, of a guess that is believed where both were made from one place
+    0.12;  // share of a scan, of a guess that is accepted where both were made from one place
 constexpr double kLeastUnseen = 0.5;  // and where that place is unknown, so that nothing tells what stands in the way
 constexpr double kSure = 0.75;        // of the best place's matches: another one that has more makes it unsure
 constexpr double kCloser = 1.4;       // times smaller residual that tells a place from others with as many matches
@@ -146,7 +147,7 @@ class Guesser {
     limits.apart_m = kApart * longest_m_;
     limits.most = kGuesses;
     limits.samples = kSamples;
-    limits.seed = edge.a * 0x9e3779b97f4a7c15U + edge.b;
+    limits.seed = edge.a * kGoldenStep + edge.b;
     const ScanFeatures& target = features_[edge.a];
     const ScanFeatures& source = features_[edge.b];
     std::vector<Candidate> result;

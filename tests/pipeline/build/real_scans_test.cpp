@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/statistics.h"
 #include "haptics/device/simulated/simulated_device.h"
 #include "haptics/session/session.h"
 #include "pipeline/build/build.h"
@@ -193,9 +194,7 @@ TEST(RealScanBunny, TheMergedBunnyLiesOnItsPublishedReconstruction) {
                                   static_cast<double>(b.height_m[n]) - b.lattice.origin_m.z()));
   }
   ASSERT_GT(difference.size(), a.height_m.size() / 3);
-  std::nth_element(difference.begin(), difference.begin() + static_cast<std::ptrdiff_t>(difference.size() / 2),
-                   difference.end());
-  EXPECT_LT(difference[difference.size() / 2], 0.0005);
+  EXPECT_LT(median(difference), 0.0005);
 }
 
 }  // namespace
