@@ -86,8 +86,6 @@ class Truth {
   [[nodiscard]] const Surface& surface() const { return surface_; }
   /// The orientation block's matrix: rotation only.
   [[nodiscard]] const Eigen::Matrix4d& scan_to_grid() const { return scan_to_grid_; }
-  /// Where the surface's local origin lies in the grid frame.
-  [[nodiscard]] const Eigen::Vector3d& grid_origin_m() const { return grid_origin_m_; }
   /// Lattice of the truth, grid frame; what `grid: {spacing_mm, bounds_m: bounds_m()}` gives.
   [[nodiscard]] const Lattice& lattice() const { return lattice_; }
   [[nodiscard]] std::array<double, 4> bounds_m() const;

@@ -96,10 +96,6 @@ void sort_cells(const std::vector<std::uint8_t>& known, Joints& joints) {
 
 }  // namespace
 
-bool Joints::any_step() const {
-  return std::ranges::any_of(step, [](std::uint8_t bits) { return bits != 0; });
-}
-
 Joints find_joints(std::vector<float>& height_m, const std::vector<std::uint8_t>& known, int nx, int ny,
                    double spacing_m) {
   Joints joints;

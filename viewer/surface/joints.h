@@ -1,4 +1,4 @@
-// Which cells of a lattice carry stone: never those that would hang a curtain from a near form to a far one.
+// Which cells of a lattice are drawn: none that would join a near form to a far one behind it.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,6 @@ struct Joints {
   [[nodiscard]] std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
   }
-  [[nodiscard]] bool any_step() const;
 };
 
 /// Two measured neighbours belong to one surface unless they lie on both sides of a depth step: a run of at most two
