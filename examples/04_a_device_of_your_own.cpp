@@ -17,7 +17,8 @@ class FallingMass final : public Device {
     return info;
   }
   [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
-    velocity_m_per_s_ += (force_n_.z() - kMassKg * 9.81 - kDampingNSPerM * velocity_m_per_s_) / kMassKg * period_s;
+    velocity_m_per_s_ +=
+        (force_n_.z() - kMass_kg * 9.81 - kDamping_n_s_per_m * velocity_m_per_s_) / kMass_kg * period_s;
     position_m_.z() += velocity_m_per_s_ * period_s;
     DeviceSample sample;
     sample.position_m = position_m_;
@@ -30,8 +31,7 @@ class FallingMass final : public Device {
   void zero() noexcept override {}  // called from the watchdog's thread: real devices switch their motors off here
 
  private:
-  static constexpr double kMassKg = 0.1;
-  static constexpr double kDampingNSPerM = 2.0;
+  static constexpr double kMass_kg = 0.1, kDamping_n_s_per_m = 2.0;
   Eigen::Vector3d position_m_{0.0, 0.0, 0.01};
   Eigen::Vector3d force_n_ = Eigen::Vector3d::Zero();
   double velocity_m_per_s_ = 0.0;

@@ -69,7 +69,7 @@ void write_plain(const std::filesystem::path& file, int nx, int ny, const PixelF
   });
 }
 
-// Opens a layer and checks that it is what scene.yaml promises.
+// Opens a layer and checks that it is what scene.yaml says.
 TiffFile open_layer(const std::filesystem::path& file, const LayerRegion& region, PixelFormat& format) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(file, code)) throw input_error(file.string(), "the layer is missing");
@@ -88,7 +88,7 @@ TiffFile open_layer(const std::filesystem::path& file, const LayerRegion& region
                                   format.samples, format.bits, kTileSize));
   }
   format.bits = found.bits;
-  // Before memory is taken for what the file only promises: plain pixels are all there, packed ones cannot be packed
+  // Before memory is taken for what the file only claims: plain pixels are all there, packed ones cannot be packed
   // closer than deflate packs zeros.
   const double closest = found.packed ? 1032.0 : 1.0;
   const double pixels = static_cast<double>(found.width) * found.height * static_cast<double>(format.bytes());
@@ -137,8 +137,8 @@ constexpr PixelFormat kRgba{8, 4, false};
 }  // namespace
 
 void write_layer(const std::filesystem::path& file, int nx, int ny, std::span<const float> values) {
-  constexpr float kFar = 1000.0F;  // metres, beyond which float32 would leave less than 0.1 mm
-  const bool wide = std::any_of(values.begin(), values.end(), [](float v) { return std::abs(v) > kFar; });
+  constexpr float kFar_m = 1000.0F;  // beyond which float32 would leave less than 0.1 mm
+  const bool wide = std::any_of(values.begin(), values.end(), [](float v) { return std::abs(v) > kFar_m; });
   if (!wide) return write_plain(file, nx, ny, PixelFormat{}, values);
   write_tiles(file, nx, ny, PixelFormat{64, 1, true}, [&](std::size_t source, std::uint32_t count, unsigned char* out) {
     for (std::uint32_t i = 0; i < count; ++i) {

@@ -57,12 +57,12 @@ void count_nodes(const DepthGrid& grid, Report& report, SceneDescription& scene)
 }
 
 void warn_of_size(const Lattice& lattice, Progress& progress) {
-  constexpr double kSmall = 0.005;  // metres; smaller and larger objects are rare in a heritage lab
-  constexpr double kLarge = 200.0;
+  constexpr double kSmall_m = 0.005;  // smaller and larger objects are rare in a heritage lab
+  constexpr double kLarge_m = 200.0;
   const double longest = lattice.spacing_m * (std::max(lattice.nx, lattice.ny) - 1);
-  if (longest >= kSmall && longest <= kLarge) return;
+  if (longest >= kSmall_m && longest <= kLarge_m) return;
   progress.warn(fmt::format("the object is {:.3g} m long; check 'units' of its scans{}", longest,
-                            longest > kLarge ? " (millimetres read as metres?)" : " (metres read as millimetres?)"));
+                            longest > kLarge_m ? " (millimetres read as metres?)" : " (metres read as millimetres?)"));
 }
 
 // White noise of the heights, a node: the points' own, averaged over as many as fall to a measured node.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kChunk = 1U << 13U;
 constexpr std::size_t kSample = 4096;
-constexpr float kLargest = 1e18F;  // metres; squares still fit a float
+constexpr float kLargest_m = 1e18F;  // squares still fit a float
 
 // Row-major 3x4 affine: grid - origin = rows * (p, 1), p relative to the cloud's origin.
 struct Affine {
@@ -55,7 +55,7 @@ Box put_aside(OrientedPoints& points, std::size_t begin, std::size_t end) {
   Box box;
   for (std::size_t k = begin; k < end; ++k) {
     const std::array<float, 3> p{points.x[k], points.y[k], points.z[k]};
-    if (std::abs(p[0]) < kLargest && std::abs(p[1]) < kLargest && std::abs(p[2]) < kLargest) {
+    if (std::abs(p[0]) < kLargest_m && std::abs(p[1]) < kLargest_m && std::abs(p[2]) < kLargest_m) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         box.low[axis] = std::min(box.low[axis], p[axis]);
         box.high[axis] = std::max(box.high[axis], p[axis]);
@@ -133,7 +133,7 @@ OrientedPoints orient_points(const RawPoints& raw, const Eigen::Vector3d& cloud_
                              points.x.get() + begin, points.y.get() + begin, points.z.get() + begin, box.low.data(),
                              box.high.data());
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (box.low[axis] <= -kLargest || box.high[axis] >= kLargest) {
+      if (box.low[axis] <= -kLargest_m || box.high[axis] >= kLargest_m) {
         box = put_aside(points, begin, end);
         break;
       }

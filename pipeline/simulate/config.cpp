@@ -14,7 +14,7 @@ using yaml::MapReader;
 using yaml::Node;
 
 constexpr double kMilli = 1e-3;
-constexpr double kMaxSize = 1e5;  // metres
+constexpr double kMaxSize_m = 1e5;
 constexpr double kFarthest =
     1e9;  // of a station, metres: beyond it double precision does not tell the surface's points
 constexpr std::size_t kMostStations = 1000;
@@ -48,8 +48,8 @@ BackConfig parse_back(const Node& node) {
   reader.required("kind");
   reader.read_choice("kind", kind, {"rough", "parallel"});
   back.kind = kind == 0 ? BackConfig::Kind::rough : BackConfig::Kind::parallel;
-  read_mm(reader, "depth_mm", back.depth_m, 1e-6, kMaxSize);
-  if (back.kind == BackConfig::Kind::rough) read_mm(reader, "roughness_mm", back.roughness_m, 0.0, kMaxSize);
+  read_mm(reader, "depth_mm", back.depth_m, 1e-6, kMaxSize_m);
+  if (back.kind == BackConfig::Kind::rough) read_mm(reader, "roughness_mm", back.roughness_m, 0.0, kMaxSize_m);
   reader.read("density", back.density, 0.0, 100.0);
   reader.finish();
   return back;
@@ -65,18 +65,18 @@ struct FormReader {
     f = {slope[0], slope[1]};
   }
   void operator()(SinusoidForm& f) const {
-    read_mm(reader, "amplitude_mm", f.amplitude_m, 0.0, kMaxSize);
-    read_mm(reader, "wavelength_mm", f.wavelength_m, 1e-6, kMaxSize);
+    read_mm(reader, "amplitude_mm", f.amplitude_m, 0.0, kMaxSize_m);
+    read_mm(reader, "wavelength_mm", f.wavelength_m, 1e-6, kMaxSize_m);
   }
   void operator()(AccuracyForm& f) const {
-    read_mm(reader, "step_mm", f.step_m, 0.0, kMaxSize);
-    read_mm(reader, "groove_mm", f.groove_m, 0.0, kMaxSize);
-    read_mm(reader, "groove_width_mm", f.groove_width_m, 1e-6, kMaxSize);
+    read_mm(reader, "step_mm", f.step_m, 0.0, kMaxSize_m);
+    read_mm(reader, "groove_mm", f.groove_m, 0.0, kMaxSize_m);
+    read_mm(reader, "groove_width_mm", f.groove_width_m, 1e-6, kMaxSize_m);
   }
   void operator()(BarsForm& f) const {
-    read_mm(reader, "bar_mm", f.bar_m, 0.0, kMaxSize);
-    read_mm(reader, "width_mm", f.width_m, 1e-6, kMaxSize);
-    read_mm(reader, "pitch_mm", f.pitch_m, 1e-6, kMaxSize);
+    read_mm(reader, "bar_mm", f.bar_m, 0.0, kMaxSize_m);
+    read_mm(reader, "width_mm", f.width_m, 1e-6, kMaxSize_m);
+    read_mm(reader, "pitch_mm", f.pitch_m, 1e-6, kMaxSize_m);
     reader.read("slanted", f.slanted);
   }
   void operator()(ReliefForm& f) const {
@@ -87,9 +87,9 @@ struct FormReader {
   void operator()(FacadeForm& f) const { read_mm(reader, "window_mm", f.window_m, 0.0, 1.0); }
   void operator()(HallForm& f) const {
     reader.read("minor", f.minor, 0, 1000);
-    read_mm(reader, "major_mm", f.major_m, 1e-6, kMaxSize);
-    read_mm(reader, "minor_mm", f.minor_m, 1e-6, kMaxSize);
-    read_mm(reader, "gap_mm", f.gap_m, 0.0, kMaxSize);
+    read_mm(reader, "major_mm", f.major_m, 1e-6, kMaxSize_m);
+    read_mm(reader, "minor_mm", f.minor_m, 1e-6, kMaxSize_m);
+    read_mm(reader, "gap_mm", f.gap_m, 0.0, kMaxSize_m);
     read_mm(reader, "grain_mm", f.grain_m, 0.0, 0.01);
   }
 };
@@ -106,7 +106,7 @@ SurfaceConfig parse_surface(const Node& node) {
   surface.form = forms[static_cast<std::size_t>(form)];
   std::array<double, 2> size = sizes[static_cast<std::size_t>(form)];
   reader.read("size_m", size);
-  if (!(std::min(size[0], size[1]) > 0.0) || std::max(size[0], size[1]) > kMaxSize) {
+  if (!(std::min(size[0], size[1]) > 0.0) || std::max(size[0], size[1]) > kMaxSize_m) {
     throw yaml::error_at(*node.find("size_m"), "an impossible size", "expected two numbers above 0, metres");
   }
   surface.width_m = size[0];
@@ -210,7 +210,7 @@ SimulationConfig parse_simulation(const Node& root) {
     MapReader outliers(*node, "outliers");
     config.outlier_fraction = 0.005;
     outliers.read("fraction", config.outlier_fraction, 0.0, 1.0);
-    read_mm(outliers, "spread_mm", config.outlier_spread_m, 0.0, kMaxSize);
+    read_mm(outliers, "spread_mm", config.outlier_spread_m, 0.0, kMaxSize_m);
     outliers.finish();
   }
   if (const Node* node = reader.optional("placement")) {

@@ -20,7 +20,7 @@ struct ReliefDrawing {
 
 namespace {
 
-constexpr double kWidth = 0.36, kHeight = 0.44;      // metres, of the drawing
+constexpr double kWidth_m = 0.36, kHeight_m = 0.44;  // of the drawing
 constexpr double kCentreX = 0.18, kCentreY = 0.262;  // of the medallion
 constexpr double kRadius = 0.130;                    // of the medallion's outer moulding
 constexpr double kFrame = 0.027;                     // inner edge of the frame, from the border
@@ -31,14 +31,14 @@ constexpr double kSoft = 0.0009;                     // weathered joints
 double squared(double x) { return x * x; }
 
 /// Distance inwards from the border of the slab.
-double border_distance(double x, double y) { return std::min(std::min(x, kWidth - x), std::min(y, kHeight - y)); }
+double border_distance(double x, double y) { return std::min(std::min(x, kWidth_m - x), std::min(y, kHeight_m - y)); }
 
 /// Pearls along the four sides; `e` is the distance from the border.
 double pearls_z(double x, double y, double e) {
   constexpr double kMiddle = 0.0185, kBall = 0.0029, kPitch = 0.0070;
   if (std::fabs(e - kMiddle) > 0.006) return -0.01;
-  const bool side = std::min(x, kWidth - x) < std::min(y, kHeight - y);
-  const double along = side ? y - 0.5 * kHeight : x - 0.5 * kWidth;
+  const bool side = std::min(x, kWidth_m - x) < std::min(y, kHeight_m - y);
+  const double along = side ? y - 0.5 * kHeight_m : x - 0.5 * kWidth_m;
   const double step = along / kPitch;
   const double offset = kPitch * (step - std::floor(step + 0.5));
   const double inside = squared(kBall) - squared(e - kMiddle) - squared(offset);
@@ -132,7 +132,7 @@ double grain_z(const ReliefDrawing& drawing, double x, double y) {
 double damage_z(const ReliefDrawing& drawing, double x, double y) {
   const std::uint64_t seed = drawing.form.seed;
   const double rough = 0.0022 * fractal_noise(seed + 40, x / 0.012, y / 0.012, 4, 0.55);
-  const double corner = 0.0300 - 0.9 * (kWidth - x) - 0.6 * (kHeight - y) + 2.2 * rough;
+  const double corner = 0.0300 - 0.9 * (kWidth_m - x) - 0.6 * (kHeight_m - y) + 2.2 * rough;
   const double bruise = 0.0085 - 0.5 * std::sqrt(squared(x - 0.004) + squared(0.6 * (y - 0.150))) + 2.0 * rough;
   const double lowest = 0.0016 + rough;
   double cut = 1.0;
@@ -144,8 +144,8 @@ double damage_z(const ReliefDrawing& drawing, double x, double y) {
 }  // namespace
 
 std::shared_ptr<const ReliefDrawing> draw_relief(const ReliefForm& form, double width_m, double height_m) {
-  ReliefDrawing drawing{form, 1.0 / std::max(width_m / kWidth, height_m / kHeight), {}};
-  drawing.lettering = set_letters(form.inscription, kFrame + kMargin, 0.0435, kWidth - kFrame - kMargin, 0.0885);
+  ReliefDrawing drawing{form, 1.0 / std::max(width_m / kWidth_m, height_m / kHeight_m), {}};
+  drawing.lettering = set_letters(form.inscription, kFrame + kMargin, 0.0435, kWidth_m - kFrame - kMargin, 0.0885);
   return std::make_shared<const ReliefDrawing>(std::move(drawing));
 }
 
@@ -159,7 +159,7 @@ double relief_z(const ReliefDrawing& drawing, double x_m, double y_m) {
 
   double carved = -0.01;
   if (y > kPanelTop + 0.001) {
-    const double side = std::min(x, kWidth - x) - (kFrame + 0.0015);
+    const double side = std::min(x, kWidth_m - x) - (kFrame + 0.0015);
     const double half = 0.1505;
     const double end = half - std::fabs(y - kCentreY);
     carved = soft_max(medallion_z(x, y), spandrel_z(side, end), kSoft);
