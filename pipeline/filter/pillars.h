@@ -16,9 +16,9 @@ struct Pillar {
   double radius_m = 0.0;
 };
 
-/// Planes that hold much of the points go first (pcl::SACSegmentation, RANSAC); the rest falls into clusters
-/// (pcl::EuclideanClusterExtraction), and in each cylinders are looked for (pcl::SACSegmentationFromNormals) that are
-/// at least two and a half times as long as their radius. Seeded: the same points give the same pillars, in no
+/// Planes that hold much of the points go first (RANSAC, pcl::SampleConsensusModelPlane); the rest falls into clusters
+/// (pcl::EuclideanClusterExtraction), and in each cylinders are looked for (RANSAC, pcl::SampleConsensusModelCylinder)
+/// that are at least two and a half times as long as their radius. Seeded: the same points give the same pillars, in no
 /// particular order. Some ten thousand points are enough; fewer than a hundred give none. Throws Cancelled.
 [[nodiscard]] std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m, Progress& progress);
 

@@ -59,8 +59,8 @@ struct FoundPlane {
 /// same sample gives the same plane. Throws Error{input} with what was found when no plane stands out.
 [[nodiscard]] FoundPlane find_plane(PlaneSample& sample, const RemovePlaneConfig& config, const Context& context);
 
-/// By pcl::SACSegmentation: normal and offset of the plane with the most of `points` within `distance`, its normal
-/// within `max_angle_deg` of `direction` (length 1); zeros when there is none.
+/// By PCL's RANSAC and model of a plane: normal and offset of the plane with the most of `points` within `distance`,
+/// its normal within `max_angle_deg` of `direction` (length 1); zeros when there is none.
 [[nodiscard]] Eigen::Vector4d plane_by_pcl(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& direction,
                                            double max_angle_deg, double distance);
 
