@@ -90,7 +90,7 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
     scans_ = std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted());
     make_session_of(std::move(scene));
   }
-  speaker_.emplace(speech(), speaks(),
+  speaker_.emplace(speech(), speaks(scene_),
                    [this](const std::vector<float>& words, double rate_hz) { return sound_.speak(words, rate_hz); });
   tell_of_speech();
 }
@@ -106,7 +106,9 @@ pipeline::SpeechConfig Exploration::speech() const {
   return speech;
 }
 
-bool Exploration::speaks() const { return arguments_.speech || (scene_ && scene_->description().config.speech); }
+bool Exploration::speaks(const pipeline::ScenePointer& scene) const {
+  return arguments_.speech || (scene && scene->description().config.speech);
+}
 
 void Exploration::run(bool window) {
   began_ = Clock::now();
@@ -230,13 +232,13 @@ void Exploration::poll() {
   for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {
     heard_ = announcement.sequence;
     speaker_->hear(announcement);
-    tell_of_speech();
     if (announcement.priority != haptics::Announcement::Priority::information) {
       terminal_.message("warning: " + announcement.text);
     } else if (keys_ && keys_->active()) {
       terminal_.message(announcement.text);  // for a braille display
     }
   }
+  tell_of_speech();
 }
 
 void Exploration::tell_of_scans() {
@@ -254,6 +256,7 @@ void Exploration::tell_of_scans() {
 }
 
 void Exploration::tell_of_speech() {
+  if (const std::string problem = speaker_->take_problem(); !problem.empty()) terminal_.message("warning: " + problem);
   if (told_of_speech_ || speaker_->available()) return;
   told_of_speech_ = true;
   terminal_.message("warning: no speech program is installed (espeak-ng)");

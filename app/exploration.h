@@ -51,7 +51,7 @@ class Exploration {
   using Clock = std::chrono::steady_clock;
 
   [[nodiscard]] pipeline::SpeechConfig speech() const;
-  [[nodiscard]] bool speaks() const;
+  [[nodiscard]] bool speaks(const pipeline::ScenePointer& scene) const;
   [[nodiscard]] bool over() const;
   void start();
   void deliver_nothing() const;
@@ -81,6 +81,7 @@ class Exploration {
   [[nodiscard]] std::unique_ptr<audio::Engine> sound_of(const pipeline::ScenePointer& scene);
   void change_scene(const pipeline::ScenePointer& scene);
   void change_sound(std::unique_ptr<audio::Engine> sound);
+  void change_speech(const pipeline::ScenePointer& before);
   void follow_recording();
   void refuse(const std::string& why);
   void next_scene(int step);

@@ -16,13 +16,21 @@ namespace {
 // Whether a live stream is asked for at all.
 bool sounds(const pipeline::Config& config) { return config.audio.has_value() || config.cues.has_value(); }
 
+// Whether places of parts are places of sounds.
+bool has_sounding_parts(const pipeline::Scene& scene) {
+  const pipeline::Config& config = scene.description().config;
+  return config.audio && config.audio->material &&
+         std::ranges::any_of(config.parts,
+                             [](const pipeline::PartConfig& part) { return part.touch.material.has_value(); });
+}
+
 }  // namespace
 
 std::unique_ptr<haptics::Session> Exploration::session_of(const pipeline::ScenePointer& scene) {
   const pipeline::Config& config = scene->description().config;
   haptics::SessionOptions options;
   options.language = speech().language;
-  options.speaks = speaks();
+  options.speaks = speaks(scene);
   options.haptics = config.haptics;
   options.effects = {!arguments_.no_texture, !arguments_.no_friction};
   options.record = arguments_.record;
@@ -59,6 +67,7 @@ std::unique_ptr<audio::Engine> Exploration::sound_of(const pipeline::ScenePointe
 // The first scene, while the window is open.
 void Exploration::begin_with(const pipeline::ScenePointer& scene) {
   make_session_of(scene, false);
+  speaker_->use(speech(), speaks(scene_));
   start();
   connect_session();
 }
@@ -71,6 +80,7 @@ void Exploration::change_scene(const pipeline::ScenePointer& scene) {
   if (changes_sound && sounds(scene->description().config)) sound = sound_of(scene);  // or nothing changes
   session_->set_scene(scene);
   before_ = std::exchange(scene_, scene);
+  change_speech(before_);
   const double stiffness = scene->description().config.haptics.stiffness_n_per_m;
   if (stiffness != before_->description().config.haptics.stiffness_n_per_m)
     session_->requests().post({haptics::Request::Kind::set_stiffness, stiffness});
@@ -87,11 +97,19 @@ void Exploration::change_sound(std::unique_ptr<audio::Engine> sound) {
   sound_.start();
 }
 
+// Speech that a visitor has turned on or off stays so between scenes that ask for the same.
+void Exploration::change_speech(const pipeline::ScenePointer& before) {
+  const bool on = speaks(before) == speaks(scene_) ? speaker_->on() : speaks(scene_);
+  session_->set_speech(speech().language, on);
+  speaker_->use(speech(), on);
+}
+
 // The recording that is played has come to another of its scenes: what is heard follows, as it did in the run. What is
 // seen asks the session.
 void Exploration::follow_recording() {
   if (!session_->plays_recording() || session_->scene() == scene_) return;
   const pipeline::ScenePointer before = std::exchange(scene_, session_->scene());
+  change_speech(before);
   if (pipeline::same_scans(before->description(), scene_->description())) return sound_.set_scene(scene_);
   if (!arguments_.audio_out.empty()) return;
   try {
@@ -192,9 +210,15 @@ void Exploration::rescan(const Eigen::Matrix4d& scan_to_grid) {
 bool Exploration::edit_parts(const std::vector<pipeline::PartConfig>& parts) {
   try {
     pipeline::ScenePointer edited = with_parts(scene_, parts);
+    const bool other_sound =
+        arguments_.audio_out.empty() && (has_sounding_parts(*scene_) || has_sounding_parts(*edited));
+    std::unique_ptr<audio::Engine> sound = other_sound ? sound_of(edited) : nullptr;
     session_->set_scene(edited);
     scene_ = std::move(edited);  // the window can show it: its layers are those of the one before
-    sound_.set_scene(scene_);
+    if (other_sound)
+      change_sound(std::move(sound));
+    else
+      sound_.set_scene(scene_);
     scans_->set_parts(parts);
     return true;
   } catch (const Error& error) {

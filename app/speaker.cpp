@@ -13,11 +13,29 @@ constexpr int kFastest = 450;
 
 }  // namespace
 
-Speaker::Speaker(const pipeline::SpeechConfig& config, bool on, Play play)
-    : play_(std::move(play)), words_per_minute_(config.words_per_minute), on_(on) {
+Speaker::Speaker(const pipeline::SpeechConfig& config, bool on, Play play) : play_(std::move(play)) {
+  take(config);
+  use(config, on);
+}
+
+void Speaker::take(const pipeline::SpeechConfig& config) {
+  config_ = config;
+  words_per_minute_ = config.words_per_minute;
   const std::string voice = config.voice.empty() ? config.language : config.voice;
   // espeak speaks any language with these variants.
   voices_ = {voice, voice + "+f3", voice + "+m3", voice + "+f2"};
+  voice_ = 0;
+}
+
+void Speaker::use(const pipeline::SpeechConfig& config, bool on) {
+  const bool same = config.language == config_.language && config.voice == config_.voice &&
+                    config.words_per_minute == config_.words_per_minute;
+  if (!same) {
+    take(config);
+    speech_.reset();  // ends what is being said
+  }
+  if (on_ && !on && speech_) speech_->be_silent();
+  on_ = on;
   if (on_) start();
 }
 
@@ -26,6 +44,7 @@ void Speaker::start() {
   audio::SpeechOptions options;
   options.words_per_minute = words_per_minute_;
   options.voice = voice();
+  options.language = config_.language;
   options.play = play_;
   speech_.emplace(options);
 }

@@ -19,22 +19,28 @@ class Speaker {
   using Play = std::function<bool(std::vector<float>, double)>;
   Speaker(const pipeline::SpeechConfig& config, bool on, Play play);
 
+  /// Another scene's: its language, voice and rate, where they differ from the present ones, from the next words on.
+  void use(const pipeline::SpeechConfig& config, bool on);
   /// Does what the announcement asks of speech, and says it while speech is on. "Speech off" is the last that is said.
   void hear(const haptics::Announcement& announcement);
   /// False when speech is on and no speech program is installed.
   [[nodiscard]] bool available() const { return !speech_ || speech_->available(); }
+  /// See audio::Speech::take_problem().
+  [[nodiscard]] std::string take_problem() { return speech_ ? speech_->take_problem() : std::string(); }
   [[nodiscard]] bool on() const { return on_; }
   [[nodiscard]] int words_per_minute() const { return words_per_minute_; }
   [[nodiscard]] const std::string& voice() const { return voices_[voice_]; }
 
  private:
   void start();
+  void take(const pipeline::SpeechConfig& config);
 
   Play play_;
-  int words_per_minute_;
+  pipeline::SpeechConfig config_;
+  int words_per_minute_ = 0;
   std::vector<std::string> voices_;
   std::size_t voice_ = 0;
-  bool on_;
+  bool on_ = false;
   std::optional<audio::Speech> speech_;
 };
 

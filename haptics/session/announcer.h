@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/phrases.h"
 #include "haptics/state/requests.h"
@@ -28,6 +29,8 @@ class Announcer {
   Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene, Phrases phrases = Phrases::of("en"));
 
   void set_scene(pipeline::ScenePointer scene);
+  /// Another language, from the next words on.
+  void set_phrases(Phrases phrases) { phrases_ = std::move(phrases); }
   /// Compares with what was said last: parts, unknown areas, edges of the scene.
   void watch(const State& state);
   /// "Closer, 12 centimetres across"; nearer views add how many times the stone's size is felt.

@@ -513,6 +513,13 @@ pipeline::ScenePointer Session::scene() const { return implementation_->scene; }
 
 bool Session::plays_recording() const { return implementation_->recording != nullptr; }
 
+void Session::set_speech(const std::string& language, bool speaks) {
+  Implementation& self = *implementation_;
+  self.announcer.set_phrases(Phrases::of(language));
+  if (speaks && !self.speaks) self.announcer.say("speech_on");
+  self.speaks = speaks;
+}
+
 void Session::set_scene(pipeline::ScenePointer scene) {
   Implementation& self = *implementation_;
   if (self.recording) throw Error(ErrorKind::usage, {}, "a recording is played on the scene it was made with");

@@ -26,7 +26,7 @@ struct SessionOptions {
   std::filesystem::path record;  ///< run.csv; empty = none. Beside it the scenes are kept when there are several
   bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
   double longest_gap_s = 0.010;  ///< lateness that ends the force; longer only where no hand holds the device
-  std::string language = "en";   ///< of what is announced
+  std::string language = "en";   ///< of what is announced; see set_speech()
   bool speaks = false;           ///< announcements are spoken from the start: the first one says how to get help
 };
 
@@ -93,6 +93,9 @@ class Session {
   /// A new scene, e.g. after a new depth scan; the hand keeps its place. A run that is recorded keeps it and the ones
   /// before. Throws Error{usage} when a recording is played.
   void set_scene(pipeline::ScenePointer scene);
+  /// What is announced from now on is in this language; `speaks`: announcements are spoken, which is said where it is
+  /// new. Throws Error{usage} for a language without texts.
+  void set_speech(const std::string& language, bool speaks);
 
  private:
   struct Implementation;

@@ -86,6 +86,29 @@ TEST_F(SpeakerTest, IsTurnedOnAndOffAndSaysSoBothTimes) {
   EXPECT_EQ(log().find("unheard"), std::string::npos) << log();
 }
 
+TEST_F(SpeakerTest, SpeaksInTheLanguageOfTheSceneThatIsTouchedNow) {
+  Speaker speaker({}, true, {});
+  speaker.hear(words("one", Control::faster));
+  EXPECT_EQ(call_of("one"), "--stdin -b 1 -s 204 -v en");
+  speaker.use({}, true);
+  speaker.hear(words("two"));
+  EXPECT_EQ(call_of("two"), "--stdin -b 1 -s 204 -v en") << "the visitor's rate stays where nothing else is asked for";
+  pipeline::SpeechConfig hindi;
+  hindi.language = "hi";
+  hindi.words_per_minute = 150;
+  speaker.use(hindi, true);
+  speaker.hear(words("three"));
+  EXPECT_EQ(call_of("three"), "--stdin -b 1 -s 150 -v hi");
+  speaker.hear(words("four", Control::next_voice));
+  EXPECT_EQ(call_of("four"), "--stdin -b 1 -s 150 -v hi+f3");
+  speaker.use(hindi, false);
+  speaker.hear(words("unheard"));
+  speaker.use(hindi, true);
+  speaker.hear(words("five"));
+  EXPECT_NE(call_of("five"), "");
+  EXPECT_EQ(log().find("unheard"), std::string::npos) << log();
+}
+
 TEST_F(SpeakerTest, StartsNothingWhileItIsOff) {
   setenv("PATH", "/nowhere", 1);
   Speaker speaker({}, false, {});

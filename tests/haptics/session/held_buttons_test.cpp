@@ -107,6 +107,25 @@ TEST(Session, AHoldOfTheGripEndsTheGuideAndDoesNothingElse) {
   session.stop();
 }
 
+TEST(Session, ASceneOfAnotherLanguageIsSpokenInItAndSpeechIsAsItSays) {
+  Placed hand;
+  Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  session.set_speech("hi", true);
+  EXPECT_EQ(words(session).back(), Phrases::of("hi").text("speech_on")) << "how to get help, where speech begins";
+  session.set_speech("hi", true);
+  session.requests().post({Request::Kind::toggle_speech});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, Phrases::of("hi").text("speech_off")); }));
+  session.requests().post({Request::Kind::zoom_out});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, Phrases::of("hi").text("already_whole")); }));
+  session.set_speech("en", false);
+  session.requests().post({Request::Kind::zoom_out});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "This is the whole stone"); }));
+  EXPECT_THROW(session.set_speech("xx", true), Error);
+  session.stop();
+}
+
 TEST(Session, AHoldThatTurnedSpeechOnDoesNotMakeTheNextOneATour) {
   Placed hand;
   Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
