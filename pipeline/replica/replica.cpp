@@ -21,7 +21,7 @@ namespace {
 constexpr double kFinestMm = 0.2;
 constexpr double kCoarsestMm = 0.45;
 constexpr double kFlattestMm = 3.0, kDeepestMm = 15.0;  // without a wish
-constexpr int kMostNodes = 4000;                        // along a side
+constexpr int kMostNodes = 2000;                        // along a side: 16 million triangles, 800 MB of STL
 // Dots and cells as printed signs have them (ISO 17049).
 constexpr double kDotHeightMm = 0.5, kDotRadiusMm = 0.8, kDotGapMm = 2.5, kCellGapMm = 6.1, kLineGapMm = 10.0;
 constexpr double kMarginMm = 6.0;
@@ -39,12 +39,32 @@ void check(const ReplicaOptions& options) {
           "1.5 to 50: thinner plates bend and break");
 }
 
-/// The finest level that a printer can still show, or the finest of all.
+int longer_side(const Lattice& lattice) { return std::max(lattice.nx, lattice.ny); }
+
+/// The finest level that a printer can still show and a file can bear, or the coarsest.
 int level_for(const SceneDescription& scene, double mm_per_m) {
+  const auto too_fine = [&](const Lattice& lattice) {
+    return lattice.spacing_m * mm_per_m < kFinestMm || longer_side(lattice) > kMostNodes;
+  };
   int level = 0;
   const auto count = static_cast<int>(scene.levels.size());
-  while (level + 1 < count && scene.levels[static_cast<std::size_t>(level)].spacing_m * mm_per_m < kFinestMm) ++level;
+  while (level + 1 < count && too_fine(scene.levels[static_cast<std::size_t>(level)])) ++level;
   return level;
+}
+
+/// Every n-th node of both directions, so that a side has kMostNodes at most.
+void thin(DepthGrid& grid) {
+  const Lattice from = grid.lattice;
+  const int step = (longer_side(from) - 2) / (kMostNodes - 1) + 1;
+  if (step == 1) return;
+  DepthGrid thinned(Lattice{(from.nx - 1) / step + 1, (from.ny - 1) / step + 1, from.spacing_m * step, from.origin_m});
+  for (int j = 0; j < thinned.lattice.ny; ++j)
+    for (int i = 0; i < thinned.lattice.nx; ++i) {
+      const std::size_t to = thinned.lattice.index(i, j), at = from.index(i * step, j * step);
+      thinned.height_m[to] = grid.height_m[at];
+      thinned.state[to] = grid.state[at];
+    }
+  grid = std::move(thinned);
 }
 
 struct Relief {
@@ -57,6 +77,7 @@ struct Relief {
 Relief read_relief(const Scene& scene, int level) {
   Relief relief;
   relief.layers = scene.read_level(level);
+  thin(relief.layers.grid);
   const DepthGrid& grid = relief.layers.grid;
   std::size_t unknown = 0;
   for (std::size_t n = 0; n < grid.height_m.size(); ++n) {
@@ -190,7 +211,7 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
   }
 
   const double spacing_mm = lattice.spacing_m * mm_per_m;
-  const int most_fine = std::max(1, kMostNodes / std::max(lattice.nx, lattice.ny));
+  const int most_fine = std::max(1, kMostNodes / longer_side(lattice));
   const int fine = std::clamp(static_cast<int>(std::ceil(spacing_mm / kCoarsestMm - 1e-9)), 1, most_fine);
   ReplicaPlate plate;
   plate.spacing_mm = spacing_mm / fine;
@@ -217,7 +238,12 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
   if (relief.unknown > 0.02)
     report.warnings.push_back(fmt::format("{:.0f} % of the relief was not measured and lies at the base; set `fill`",
                                           100.0 * relief.unknown));
-  if (plate.spacing_mm > 2.0 * kCoarsestMm)
+  if (longer_side(finest) > kMostNodes && spacing_mm > kCoarsestMm)
+    report.warnings.push_back(fmt::format(
+        "the print has nodes {:.2g} mm apart, the scene's would be {:.2g} mm apart: a replica has at most {} "
+        "along a side; print it smaller, or in pieces",
+        plate.spacing_mm, finest.spacing_m * mm_per_m, kMostNodes));
+  else if (plate.spacing_mm > 2.0 * kCoarsestMm)
     report.warnings.push_back("the scene is coarser than the print; Braille dots may not be legible");
   return plate;
 }

@@ -164,6 +164,37 @@ TEST(Replica, KeepsTheOrderOfDepthsAndTheSizeAsked) {
     }
 }
 
+TEST(Replica, OfAnySizeHasAtMost2000NodesAlongASideAndSaysSo) {
+  const auto tilted = [](double x, double y) { return 0.1 * x + 0.2 * y; };
+  for (const bool levels : {true, false}) {
+    const ScenePointer one = scene_of(4501, 31, 0.001, tilted);
+    SceneDescription description = one->description();
+    std::vector<Layers> layers{one->read_level(0)};
+    if (levels) {
+      const ScenePointer coarser = scene_of(1501, 11, 0.003, tilted);
+      description.levels.push_back(coarser->description().levels.front());
+      layers.push_back(coarser->read_level(0));
+    }
+    const ScenePointer scene = make_scene(std::move(description), std::move(layers));
+    ReplicaOptions options;
+    options.longest_mm = 2000.0;
+    ReplicaReport report;
+    const ReplicaPlate plate = make_replica(*scene, options, report);
+    EXPECT_LE(std::max(plate.nx, plate.ny), 2000);
+    EXPECT_NEAR(report.width_mm, 2000.0, plate.spacing_mm) << "a node's distance at most is lost at the rim";
+    ASSERT_EQ(report.warnings.size(), 1U);
+    EXPECT_NE(report.warnings[0].find("at most 2000"), std::string::npos) << report.warnings[0];
+    // Heights are those of the scene's nodes: the tilt is as steep everywhere.
+    const float rise = plate.at(1, plate.first_row) - plate.at(0, plate.first_row);
+    for (int i = 1; i < plate.nx; i += 100)
+      EXPECT_NEAR(plate.at(i, plate.first_row) - plate.at(i - 1, plate.first_row), rise, 1e-4);
+    options.longest_mm = 200.0;
+    ReplicaReport small;
+    static_cast<void>(make_replica(*scene, options, small));
+    EXPECT_TRUE(small.warnings.empty()) << small.warnings.front();
+  }
+}
+
 TEST(Replica, HasTheNamesOfItsPartsBelowTheReliefAsDotsThatFingersRead) {
   PartConfig part;
   part.name = "lotus";
