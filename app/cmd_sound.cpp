@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -39,13 +40,20 @@ std::string json_of(const std::vector<pipeline::ModeConfig>& modes) {
   return nlohmann::ordered_json{{"modal", {{"modes", list}}}}.dump(2) + "\n";
 }
 
-int run_fit(const Arguments& arguments, const CommonOptions& common) {
-  const audio::Clip clip = audio::load_clip(arguments.file, kRate_hz);
+/// The louder one: the sum of two microphones lacks the modes that reach them in opposite phase.
+std::vector<float> louder_channel(const audio::Clip& clip) {
+  std::array<double, 2> energy{};
+  for (std::size_t i = 0; i < clip.samples.size(); ++i)
+    energy[i % 2] += static_cast<double>(clip.samples[i]) * static_cast<double>(clip.samples[i]);
   std::vector<float> mono;
   mono.reserve(clip.frames());
-  for (std::size_t i = 0; i < clip.frames(); ++i)
-    mono.push_back(0.5F * (clip.samples[2 * i] + clip.samples[2 * i + 1]));
-  const std::vector<pipeline::ModeConfig> modes = audio::fit_modes(mono, kRate_hz, arguments.modes);
+  for (std::size_t i = energy[1] > energy[0] ? 1 : 0; i < clip.samples.size(); i += 2) mono.push_back(clip.samples[i]);
+  return mono;
+}
+
+int run_fit(const Arguments& arguments, const CommonOptions& common) {
+  const audio::Clip clip = audio::load_clip(arguments.file, kRate_hz);
+  const std::vector<pipeline::ModeConfig> modes = audio::fit_modes(louder_channel(clip), kRate_hz, arguments.modes);
   if (modes.empty())
     throw input_error(arguments.file, "nothing in it rings", "one strike of something that rings for 0.03 s or more");
   print(common.json ? json_of(modes) : yaml_of(modes));

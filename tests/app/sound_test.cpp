@@ -39,14 +39,14 @@ void append(std::string& bytes, std::uint32_t value, int count) {
   for (int k = 0; k < count; ++k) bytes += static_cast<char>(value >> (8 * k) & 0xFFU);
 }
 
-/// One channel at 48 kHz.
-std::string wav_of(const std::vector<double>& samples) {
+/// 48 kHz; channels interleaved.
+std::string wav_of(const std::vector<double>& samples, std::uint32_t channels = 1) {
   std::string bytes = "RIFF";
   const auto size = static_cast<std::uint32_t>(2 * samples.size());
   append(bytes, 36 + size, 4);
   bytes += "WAVEfmt ";
-  for (const auto& [value, count] :
-       std::array<std::pair<std::uint32_t, int>, 7>{{{16, 4}, {1, 2}, {1, 2}, {48000, 4}, {96000, 4}, {2, 2}, {16, 2}}})
+  for (const auto& [value, count] : std::array<std::pair<std::uint32_t, int>, 7>{
+           {{16, 4}, {1, 2}, {channels, 2}, {48000, 4}, {96000 * channels, 4}, {2 * channels, 2}, {16, 2}}})
     append(bytes, value, count);
   bytes += "data";
   append(bytes, size, 4);
@@ -182,6 +182,26 @@ TEST_F(Sound, AFittedStrikeIsABlockThatAConfigurationReads) {
   ASSERT_EQ(modes.size(), 2U);
   EXPECT_NEAR(modes[0].frequency_hz, 328.5, 0.1);
   EXPECT_NEAR(modes[1].decay_s, 0.4, 0.02);
+}
+
+TEST_F(Sound, TwoMicrophonesInOppositePhaseGiveTheModesOfOne) {
+  std::vector<double> one, two;
+  for (std::size_t i = 0; i < 72000; ++i) {
+    const double t = (static_cast<double>(i) - 2400.0) / 48000.0;
+    const auto mode = [&](double amplitude, double frequency_hz, double decay_s) {
+      return t < 0.0
+                 ? 0.0
+                 : amplitude * std::exp(-6.9078 * t / decay_s) * std::sin(2.0 * std::numbers::pi * frequency_hz * t);
+    };
+    const double near = mode(0.5, 328.5, 0.9) + mode(0.2, 871.0, 0.4);
+    one.push_back(near);
+    two.insert(two.end(), {near, mode(0.45, 328.5, 0.9) - mode(0.2, 871.0, 0.4)});
+  }
+  write("one.wav", wav_of(one));
+  write("two.wav", wav_of(two, 2));
+  const Outcome mono = run("sound fit one.wav");
+  ASSERT_EQ(mono.code, 0) << mono.err;
+  EXPECT_EQ(run("sound fit two.wav").out, mono.out);
 }
 
 TEST_F(Sound, WhatCannotBeFittedIsRefusedAsInput) {
