@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <memory>
 
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/terminal.h"
 #include "base/error.h"
@@ -47,12 +48,13 @@ void add_check(CLI::App& app, const CommonOptions& common, Run& run) {
       const pipeline::CheckConfig config{arguments->all ? 0 : arguments->samples};
       const pipeline::Report report =
           pipeline::recheck_scene(*scene, scans, config, arguments->threads, terminal.progress(), common.trusted());
-      print(common.json ? pipeline::report_json(*scene, report)
-                        : line("cloud to surface", report.check->cloud_to_surface) +
-                              line("surface to cloud", report.check->surface_to_cloud) +
-                              (report.check->completeness
-                                   ? fmt::format("completeness      {:.2f} %\n", 100.0 * *report.check->completeness)
-                                   : std::string()));
+      print(common.json    ? pipeline::report_json(*scene, report)
+            : common.plain ? check_sentences(*report.check)
+                           : line("cloud to surface", report.check->cloud_to_surface) +
+                                 line("surface to cloud", report.check->surface_to_cloud) +
+                                 (report.check->completeness
+                                      ? fmt::format("completeness      {:.2f} %\n", 100.0 * *report.check->completeness)
+                                      : std::string()));
       return 0;
     };
   });

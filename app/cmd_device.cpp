@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cmd_emulate.h"
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/printable.h"
 #include "app/terminal.h"
@@ -27,6 +28,18 @@ namespace {
 constexpr int kDeviceError = 4;
 constexpr double kStandardGravity = 9.80665;  // m/s^2
 
+std::string list_sentences(const std::vector<falcon::FoundFalcon>& falcons, bool display) {
+  std::string text;
+  for (const falcon::FoundFalcon& found : falcons)
+    text += fmt::format("The Falcon at bus {} and address {} {}.\n", found.bus, found.address,
+                        found.accessible ? "is available" : "is not available: " + found.problem);
+  if (falcons.empty()) text += "There is no Falcon.\n";
+  text += display ? "The pointer is available: the mouse is the hand.\n"
+                  : "The pointer is not available: it needs a display.\n";
+  text += "The simulated hand is available: it explores by itself.\n";
+  return text + "A recorded run is played back as the device playback, a colon and its file.\n";
+}
+
 int list_devices(const CommonOptions& common) {
   const std::vector<falcon::FoundFalcon> falcons = falcon::find_falcons();
   const bool display = viewer::display_available();
@@ -44,6 +57,10 @@ int list_devices(const CommonOptions& common) {
     json.push_back({{"name", "simulated"}, {"available", true}});
     json.push_back({{"name", "playback"}, {"available", true}});
     print(json.dump(2));
+    return 0;
+  }
+  if (common.plain) {
+    print(list_sentences(falcons, display));
     return 0;
   }
   std::string text;
@@ -84,6 +101,8 @@ int report_check(const falcon::CheckReport& report, const CommonOptions& common)
                  {"p99_ms", report.link.p99_ms},
                  {"max_ms", report.link.max_ms}}}}
               .dump(2));
+  } else if (common.plain) {
+    print(device_check_sentences(report));
   } else {
     static constexpr const char* kMarks[] = {"ok", "FAILED", "skipped"};
     std::string text;
@@ -120,6 +139,15 @@ std::string reading_text(const falcon::Reading& reading, const Since& since) {
       static_cast<double>(since.answers) / std::max(1e-3, reading.time_s - since.time_s), since.longest_s * 1e3);
 }
 
+std::string reading_sentence(const falcon::Reading& reading) {
+  const Eigen::Vector3d mm = reading.position_m * 1e3;
+  return fmt::format(
+      "After {:.1f} seconds the grip is at {:.0f}, {:.0f} and {:.0f} millimetres, it is {}, and of its buttons {} "
+      "held.",
+      reading.time_s, mm.x(), mm.y(), mm.z(), reading.homed ? "homed" : "not homed",
+      reading.answer.buttons == 0 ? "none is" : held_buttons(reading.answer.buttons) + " are");
+}
+
 Json reading_json(const falcon::Reading& reading, const Since& since) {
   return {{"t_s", reading.time_s},
           {"position_m", {reading.position_m.x(), reading.position_m.y(), reading.position_m.z()}},
@@ -144,7 +172,9 @@ int monitor_device(const CommonOptions& common, const falcon::FalconOptions& opt
     ++since.answers;
     since.longest_s = std::max(since.longest_s, reading.round_trip_s);
     if (reading.time_s >= since.time_s + 0.1) {
-      print(common.json ? reading_json(reading, since).dump() : reading_text(reading, since));
+      print(common.json    ? reading_json(reading, since).dump()
+            : common.plain ? reading_sentence(reading)
+                           : reading_text(reading, since));
       since = {reading.time_s, 0, 0.0};
     }
     return !interrupted() && (duration_s <= 0.0 || reading.time_s < duration_s);
@@ -175,8 +205,12 @@ int calibrate_device(const CommonOptions& common, const falcon::FalconOptions& d
                {"file", file}}
               .dump(2));
   } else {
-    print(fmt::format("{:.0f} motor counts per newton metre (+- {:.0f}); kept in {}", found->counts_per_newton_metre,
-                      found->counts_per_newton_metre * found->scatter_n / (found->loaded_n - found->empty_n), file));
+    const double scale = found->counts_per_newton_metre;
+    const double error = scale * found->scatter_n / (found->loaded_n - found->empty_n);
+    print(common.plain
+              ? fmt::format("The scale is {:.0f} motor counts per newton metre, give or take {:.0f}. It is kept in {}.",
+                            scale, error, file)
+              : fmt::format("{:.0f} motor counts per newton metre (+- {:.0f}); kept in {}", scale, error, file));
   }
   return 0;
 }
@@ -187,7 +221,7 @@ int home_device(const CommonOptions& common, const falcon::FalconOptions& option
   const auto wire = running_falcon(options);
   terminal.message("pull the grip fully out, then push it fully in");
   if (falcon::home(*wire, kTimeoutS)) {
-    print(common.json ? "{\"homed\": true}" : "homed");
+    print(common.json ? "{\"homed\": true}" : common.plain ? "The Falcon is homed." : "homed");
     return 0;
   }
   throw Error(ErrorKind::device, {}, "the Falcon did not home within a minute",

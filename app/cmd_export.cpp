@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/inputs.h"
 #include "app/terminal.h"
@@ -34,6 +35,10 @@ int make_replica(const std::string& folder, const std::string& file, const pipel
                                  {"braille", report.lines},
                                  {"warnings", report.warnings}}
               .dump(2));
+    return 0;
+  }
+  if (common.plain) {
+    print(replica_sentences(report) + written_sentences({file, pipeline::legibility_file_of(file)}));
     return 0;
   }
   std::string text = fmt::format(
@@ -91,7 +96,10 @@ void add_export(CLI::App& app, const CommonOptions& common, Run& run) {
                     arguments->scene);
       const pipeline::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
       pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress());
-      terminal.message("wrote " + arguments->file);
+      if (common.plain)
+        print(written_sentences({arguments->file}));
+      else
+        terminal.message("wrote " + arguments->file);
       return 0;
     };
   });

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/terminal.h"
 #include "base/text.h"
@@ -111,7 +112,7 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
       if (common.json) {
         all.push_back(scene_json(file, scene->description()));
       } else {
-        text += scene_text(file, scene->description());
+        text += common.plain ? scene_sentences(file, scene->description()) : scene_text(file, scene->description());
       }
       continue;
     }
@@ -119,7 +120,7 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
     if (common.json) {
       all.push_back(scan_json(file, info));
     } else {
-      text += scan_text(file, info);
+      text += common.plain ? scan_sentences(file, info) : scan_text(file, info);
     }
   }
   print(common.json

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/inputs.h"
 #include "app/terminal.h"
@@ -116,7 +117,7 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
       config.scans, config.registration.value_or(pipeline::RegisterConfig{}), {pool, terminal.progress()});
   terminal.progress().finish();
   end_progress_line();
-  std::istringstream lines(table(config, found));
+  std::istringstream lines(common.plain ? registration_sentences(config, found) : table(config, found));
   for (std::string line; std::getline(lines, line);) terminal.message(line);  // which is for one line
   const fs::path folder = arguments.out.empty() ? fs::path() : fs::path(arguments.out).parent_path();
   std::string yaml;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/terminal.h"
 #include "base/error.h"
@@ -33,7 +34,9 @@ void add_simulate(CLI::App& app, const CommonOptions& common, Run& run) {
         names.push_back(file.generic_string());
         text += file.string() + "\n";
       }
-      print(common.json ? names.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) : text);
+      print(common.json    ? names.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+            : common.plain ? written_sentences(files)
+                           : text);
       return 0;
     };
   });

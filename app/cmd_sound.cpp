@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/terminal.h"
 #include "audio/clip.h"
@@ -56,7 +57,7 @@ int run_fit(const Arguments& arguments, const CommonOptions& common) {
   const std::vector<pipeline::ModeConfig> modes = audio::fit_modes(louder_channel(clip), kRate_hz, arguments.modes);
   if (modes.empty())
     throw input_error(arguments.file, "nothing in it rings", "one strike of something that rings for 0.03 s or more");
-  print(common.json ? json_of(modes) : yaml_of(modes));
+  print(common.json ? json_of(modes) : common.plain ? modes_sentences(modes) : yaml_of(modes));
   return 0;
 }
 

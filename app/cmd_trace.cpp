@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/inputs.h"
 #include "app/kept_scenes.h"
@@ -129,15 +130,16 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
                 : trace_path(*scene, arguments, haptics, options);
   haptics::write_trace(arguments.out, result);
   const haptics::TraceSummary& s = result.summary;
-  print(common.json ? summary_json(s).dump(2)
-                    : fmt::format("updates   {}, {} in contact\n"
-                                  "time      {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns at most\n"
-                                  "residual  {:.2g} cells 99 %, {:.2g} at most\n"
-                                  "trouble   {} below the surface, {} not a number, {} unfinished\n"
-                                  "trace     {}\n",
-                                  count_text(s.updates), count_text(s.contacts), s.ns_p50, s.ns_p99, s.ns_max,
-                                  s.residual_cells_p99, s.residual_cells_max, s.below_surface, s.not_a_number,
-                                  s.unfinished, arguments.out));
+  print(common.json    ? summary_json(s).dump(2)
+        : common.plain ? trace_sentences(s, arguments.out)
+                       : fmt::format("updates   {}, {} in contact\n"
+                                     "time      {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns at most\n"
+                                     "residual  {:.2g} cells 99 %, {:.2g} at most\n"
+                                     "trouble   {} below the surface, {} not a number, {} unfinished\n"
+                                     "trace     {}\n",
+                                     count_text(s.updates), count_text(s.contacts), s.ns_p50, s.ns_p99, s.ns_max,
+                                     s.residual_cells_p99, s.residual_cells_max, s.below_surface, s.not_a_number,
+                                     s.unfinished, arguments.out));
   return 0;
 }
 

@@ -9,22 +9,21 @@
 #include "base/text.h"
 
 namespace sparsha::app {
-namespace {
 
-/// "1 contact", "2 contacts".
 std::string counted(std::uint64_t count, const char* one, const char* several) {
   return fmt::format("{} {}", count, count == 1 ? one : several);
 }
 
 std::string percent(double share) { return value_text(100.0 * share, 3) + " percent"; }
 
-/// Down to micrometres, in whole words.
 std::string exact_length(double metres) {
   if (std::isfinite(metres) && std::abs(metres) < 1e-4) return value_text(1e6 * metres, 3) + " micrometres";
   if (std::isfinite(metres) && std::abs(metres) < 0.1) return value_text(1e3 * metres, 3) + " millimetres";
   if (std::isfinite(metres) && std::abs(metres) < 2.0) return value_text(1e2 * metres, 3) + " centimetres";
   return value_text(metres, 4) + " metres";
 }
+
+namespace {
 
 std::string capital(std::string text) {
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));

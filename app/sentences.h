@@ -10,6 +10,13 @@
 
 namespace sparsha::app {
 
+/// "1 contact", "2 contacts".
+[[nodiscard]] std::string counted(std::uint64_t count, const char* one, const char* several);
+/// "12 percent".
+[[nodiscard]] std::string percent(double share);
+/// Down to micrometres, in whole words.
+[[nodiscard]] std::string exact_length(double metres);
+
 /// What a run of `explore` amounted to.
 [[nodiscard]] std::string summary_sentences(const haptics::SessionSummary& summary, std::uint64_t strikes);
 /// What a scene was built of and how good it is.
