@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "app/device_choice.h"
@@ -16,6 +18,7 @@
 #include "program.h"
 #include "scene/scene.h"
 #include "tests/audio/listening.h"
+#include "tests/audio/sound_server.h"
 
 namespace sparsha {
 namespace {
@@ -213,6 +216,28 @@ TEST_F(Sound, WhatCannotBeFittedIsRefusedAsInput) {
     EXPECT_THAT(fit.err, HasSubstr(file));
   }
 }
+
+#if __has_include(<jack/jack.h>)
+TEST_F(Sound, WithoutAWindowARunIsHeardThroughASoundServer) {
+  sound_server::SoundServer server;
+  if (!server.running()) GTEST_SKIP() << "no sound server: jackd is not installed or does not start";
+  ASSERT_EQ(run("build " + relief_ + " --out scene").code, 0);
+  Outcome outcome;
+  std::thread program([&] { outcome = run("explore scene --device simulated --headless --duration 8"); });
+  std::size_t heard = 0;
+  for (int i = 0; i < 30 && heard == 0; ++i) {  // until the program has come to its ports
+    const sound_server::Listener listener;
+    for (int k = 0; k < 100 && listener.connected() && heard == 0; ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      heard = listener.onsets().size();
+    }
+    if (!listener.connected()) std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+  program.join();
+  EXPECT_GT(heard, 0U);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+}
+#endif
 
 TEST_F(Sound, DevicesAreListedAndAnUnknownOneIsAWarningNotTheEnd) {
   EXPECT_EQ(run("explore --list-audio").code, 0);
