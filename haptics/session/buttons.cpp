@@ -15,6 +15,8 @@ struct Meaning {
 };
 
 constexpr double kLongS = 2.0;
+/// Without a fresh sample for so long, a button that is up was not let go: the device has gone.
+constexpr double kGoneS = 0.05;
 
 // Right, forward, centre, left: bits 0 to 3 of State::buttons, from the front of a Falcon's grip.
 constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_part, 0.6, {}, Gesture::guide},
@@ -26,6 +28,8 @@ constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_par
 
 std::vector<Gesture> Buttons::read(const State& state) {
   std::vector<Gesture> gestures;
+  if ((state.flags & kFlagStale) == 0) fresh_s_ = state.time_s;
+  const bool gone = state.time_s - fresh_s_ > kGoneS;
   for (std::size_t k = 0; k < buttons_.size(); ++k) {
     Button& button = buttons_[k];
     const Meaning& meaning = kMeanings[k];
@@ -36,9 +40,9 @@ std::vector<Gesture> Buttons::read(const State& state) {
     if (pressed && !button.down) button = {button.presses, true, false, false, state.time_s};
     if (!button.down) continue;
     if (!down) {
-      if (!button.held)
+      if (!button.held && !gone)
         gestures.push_back(meaning.click);
-      else if (meaning.release)
+      else if (button.held && meaning.release)
         gestures.push_back(*meaning.release);
       button.down = false;
     } else if (!button.held && state.time_s - button.since_s >= meaning.hold_s) {

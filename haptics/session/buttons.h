@@ -30,7 +30,8 @@ enum class Gesture {
 /// Session's thread only.
 class Buttons {
  public:
-  /// What has been done since the last call, in the order of the buttons. Clicks count when the button is let go.
+  /// What has been done since the last call, in the order of the buttons. Clicks count when the button is let go; a
+  /// button that goes with its device is no click.
   [[nodiscard]] std::vector<Gesture> read(const State& state);
 
  private:
@@ -42,6 +43,7 @@ class Buttons {
     double since_s = 0.0;
   };
   std::array<Button, 4> buttons_{};
+  double fresh_s_ = 0.0;  ///< of the last state that knew the hand
 };
 
 }  // namespace sparsha::haptics

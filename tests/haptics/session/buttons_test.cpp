@@ -27,6 +27,14 @@ class Grip {
     }
     return all;
   }
+  /// Nothing is known of the grip, as without its device.
+  std::vector<Gesture> lose(double duration_s) {
+    state_.flags |= kFlagStale;
+    std::vector<Gesture> all = hold(state_.buttons, 0.1);
+    for (const Gesture gesture : hold(0, duration_s)) all.push_back(gesture);
+    state_.flags = 0;
+    return all;
+  }
   /// Between two looks.
   void press(std::uint64_t buttons) {
     for (std::size_t k = 0; k < 4; ++k) state_.button_presses[k] += (buttons & ~state_.buttons) >> k & 1U;
@@ -68,6 +76,19 @@ TEST(GripButtons, HeldMeanSomethingElseAndSayItOnceAndAtOnce) {
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kForward, 2.0), Gestures{Gesture::drag});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{Gesture::let_go});
+}
+
+TEST(GripButtons, ThatGoWithTheirDeviceAreNoClickButLetTheStoneGo) {
+  Grip grip;
+  for (const std::uint64_t button : {kRight, kForward, kCentre, kLeft}) {
+    EXPECT_EQ(grip.hold(button, 0.05), Gestures{});
+    EXPECT_EQ(grip.lose(1.0), Gestures{}) << button;
+    EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
+  }
+  EXPECT_EQ(grip.hold(kForward, 0.3), Gestures{Gesture::drag});
+  EXPECT_EQ(grip.lose(1.0), Gestures{Gesture::let_go});
+  EXPECT_EQ(grip.hold(kRight, 0.1), Gestures{});
+  EXPECT_EQ(grip.hold(0, 0.1), Gestures{Gesture::zoom_in}) << "as ever once it is back";
 }
 
 TEST(GripButtons, AreToldApartWhenSeveralAreDown) {
