@@ -10,7 +10,7 @@ using haptics::Request;
 using Kind = Request::Kind;
 
 constexpr double kAgainS = 0.6;  // a second press within is the same gesture; longer than keyboards wait to repeat
-constexpr double kLongS = 2.0;   // as on the grip
+constexpr double kLongS = 2.0, kLongestS = 5.0;  // as on the grip
 constexpr double kPanWindows = 0.25;
 
 std::optional<Request> arrow(char key) {
@@ -71,14 +71,17 @@ void TerminalKeys::digit(std::size_t button, double time_s, std::vector<Request>
     pad_ = Pad::pressed;
     button_ = button;
     since_s_ = time_s;
-    longer_ = false;
+    longer_ = longest_ = false;
   } else if (pad_ == Pad::pressed) {
     pad_ = Pad::held;
     dragging_ = dragging_ || button == kForward;
     requests.push_back({kHolds.at(button), 0.0, 0.0, true});
   } else if (button != kForward && !longer_ && time_s - since_s_ >= kLongS) {
     longer_ = true;
-    requests.push_back({button == kCentre ? Kind::toggle_speech : Kind::guide, 0.0, 0.0, true});
+    requests.push_back({button == kCentre ? Kind::set_speech : Kind::guide, 0.0, 0.0, true});
+  } else if (button == kCentre && !longest_ && time_s - since_s_ >= kLongestS) {
+    longest_ = true;
+    requests.push_back({Kind::set_speech, 0.0, 0.0, false});
   }
 }
 

@@ -28,6 +28,7 @@ class TerminalKeys {
   double last_s_ = 0.0;   // when its key came last
   double since_s_ = 0.0;  // when it was pressed first
   bool longer_ = false;   // held so long that it means something else
+  bool longest_ = false;  // and longer still
   bool dragging_ = false;
 };
 

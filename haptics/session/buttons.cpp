@@ -12,17 +12,19 @@ struct Meaning {
   double hold_s;  ///< pressed for so long it is held
   std::optional<Gesture> release;
   std::optional<Gesture> hold_longer;
+  std::optional<Gesture> hold_longest;
 };
 
-constexpr double kLongS = 2.0;
+constexpr double kLongS = 2.0, kLongestS = 5.0;
 /// Without a fresh sample for so long, a button that is up was not let go: the device has gone.
 constexpr double kGoneS = 0.05;
 
 // Right, forward, centre, left: bits 0 to 3 of State::buttons, from the front of a Falcon's grip.
-constexpr std::array<Meaning, 4> kMeanings{{{Gesture::zoom_in, Gesture::next_part, 0.6, {}, Gesture::guide},
-                                            {Gesture::whole_scene, Gesture::drag, 0.2, Gesture::let_go, {}},
-                                            {Gesture::describe, Gesture::help, 0.8, {}, Gesture::speech},
-                                            {Gesture::zoom_out, Gesture::previous_part, 0.6, {}, Gesture::guide}}};
+constexpr std::array<Meaning, 4> kMeanings{
+    {{Gesture::zoom_in, Gesture::next_part, 0.6, {}, Gesture::guide, {}},
+     {Gesture::whole_scene, Gesture::drag, 0.2, Gesture::let_go, {}, {}},
+     {Gesture::describe, Gesture::help, 0.8, {}, Gesture::speech_on, Gesture::speech_off},
+     {Gesture::zoom_out, Gesture::previous_part, 0.6, {}, Gesture::guide, {}}}};
 
 }  // namespace
 
@@ -37,7 +39,7 @@ std::vector<Gesture> Buttons::read(const State& state) {
     // A contact that bounces between two looks is one press; one that came and went between them is a click.
     const bool pressed = state.button_presses[k] != button.presses;
     button.presses = state.button_presses[k];
-    if (pressed && !button.down) button = {button.presses, true, false, false, state.time_s};
+    if (pressed && !button.down) button = {button.presses, true, false, false, false, state.time_s};
     if (!button.down) continue;
     if (!down) {
       if (!button.held && !gone)
@@ -52,6 +54,10 @@ std::vector<Gesture> Buttons::read(const State& state) {
     if (down && meaning.hold_longer && !button.held_longer && state.time_s - button.since_s >= kLongS) {
       button.held_longer = true;
       gestures.push_back(*meaning.hold_longer);
+    }
+    if (down && meaning.hold_longest && !button.held_longest && state.time_s - button.since_s >= kLongestS) {
+      button.held_longest = true;
+      gestures.push_back(*meaning.hold_longest);
     }
   }
   return gestures;

@@ -11,8 +11,9 @@ namespace sparsha::haptics {
 
 /// The grip's four buttons as seen from the front: right and left zoom, held they go to the next and previous part,
 /// held for 2 s they turn the guide along an outline on; while it is on, held they end it and do nothing else; the
-/// centre says where the hand is, held it helps, held for 2 s it turns speech on or off; forward drags the stone while
-/// it is held, clicked it shows the whole scene.
+/// centre says where the hand is, held it helps, held for 2 s it turns speech on, for 5 s off: whoever listens to the
+/// help must not lose the voice by holding on; forward drags the stone while it is held, clicked it shows the whole
+/// scene.
 enum class Gesture {
   zoom_in,
   zoom_out,
@@ -23,7 +24,8 @@ enum class Gesture {
   drag,
   let_go,
   whole_scene,
-  speech,
+  speech_on,
+  speech_off,
   guide
 };
 
@@ -40,6 +42,7 @@ class Buttons {
     bool down = false;
     bool held = false;         ///< long enough, and said so
     bool held_longer = false;  ///< likewise
+    bool held_longest = false;
     double since_s = 0.0;
   };
   std::array<Button, 4> buttons_{};

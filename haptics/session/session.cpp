@@ -180,6 +180,9 @@ struct Session::Implementation {
       case Request::Kind::next_voice:
         announcer.control(Announcement::Control::next_voice, "speech_voice");
         return;
+      case Request::Kind::set_speech:
+        if (speaks == request.on) return;
+        [[fallthrough]];
       case Request::Kind::toggle_speech:
         helped_s = -kHelpAgainS;  // a hold for speech helps on its way; the next one is to help, not to begin the tour
         speaks = !speaks;
@@ -267,8 +270,9 @@ struct Session::Implementation {
         return {Kind::help};
       case Gesture::guide:
         return {Kind::guide, 0.0, 0.0, true};
-      case Gesture::speech:
-        return {Kind::toggle_speech};
+      case Gesture::speech_on:
+      case Gesture::speech_off:
+        return {Kind::set_speech, 0.0, 0.0, gesture == Gesture::speech_on};
       case Gesture::describe:
         break;
     }

@@ -37,6 +37,7 @@ struct Request {
     speak_faster,
     next_voice,
     toggle_speech,
+    set_speech,  ///< on
     quit
   };
   Kind kind = Kind::describe;

@@ -83,7 +83,11 @@ TEST_F(Keys, AKeyOfAPadThatIsHeldMeansItOnce) {
   EXPECT_EQ(type("", 1.0), Kinds{});
   EXPECT_EQ(hold("3", 1.5), Kinds{Kind::help});
   type("", 1.0);
-  EXPECT_EQ(hold("3", 4.0), (Kinds{Kind::help, Kind::toggle_speech})) << "2 s, as on the grip";
+  EXPECT_EQ(hold("3", 4.0), (Kinds{Kind::help, Kind::set_speech})) << "2 s, as on the grip";
+  EXPECT_TRUE(last_.on);
+  type("", 1.0);
+  EXPECT_EQ(hold("3", 6.0), (Kinds{Kind::help, Kind::set_speech, Kind::set_speech})) << "and 5 s";
+  EXPECT_FALSE(last_.on);
   type("", 1.0);
   EXPECT_EQ(hold("4", 4.0), (Kinds{Kind::previous_part, Kind::guide})) << "likewise";
   EXPECT_EQ(type("g", 1.0), Kinds{Kind::guide});

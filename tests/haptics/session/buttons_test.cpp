@@ -68,7 +68,9 @@ TEST(GripButtons, HeldMeanSomethingElseAndSayItOnceAndAtOnce) {
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kCentre, 1.0), Gestures{Gesture::help});
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
-  EXPECT_EQ(grip.hold(kCentre, 5.0), (Gestures{Gesture::help, Gesture::speech})) << "held for 2 s";
+  EXPECT_EQ(grip.hold(kCentre, 4.5), (Gestures{Gesture::help, Gesture::speech_on})) << "held for 2 s";
+  EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
+  EXPECT_EQ(grip.hold(kCentre, 9.0), (Gestures{Gesture::help, Gesture::speech_on, Gesture::speech_off})) << "5 s";
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
   EXPECT_EQ(grip.hold(kRight, 3.0), (Gestures{Gesture::next_part, Gesture::guide})) << "held for 2 s";
   EXPECT_EQ(grip.hold(0, 0.1), Gestures{});
