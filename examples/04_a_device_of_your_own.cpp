@@ -14,6 +14,7 @@ class FallingMass final : public Device {
     DeviceInfo info;
     info.name = "falling mass";
     info.limits.max_force_n = 5.0;
+    info.planned_time = true;  // computed from planned periods; a real device leaves this out
     return info;
   }
   [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {

@@ -28,7 +28,10 @@ struct DeviceInfo {
   std::string name;  ///< "simulated", "Novint Falcon", ...
   double workspace_width_m = pipeline::kDeskWorkspaceM;
   DeviceLimits limits;
-  bool paced = false;    ///< true: wait() paces the loop by the device's answers, else the servo's clock does
+  bool paced = false;  ///< true: wait() paces the loop by the device's answers, else the servo's clock does
+  /// true, and not paced: read() is told the planned time of its tick instead of that at which the servo woke. For
+  /// hands that are computed, whose run is then the same each time.
+  bool planned_time = false;
   double rate_hz = 0.0;  ///< of samples that come at a rate of their own whatever the servo's; 0 = none
   std::string warning;   ///< to be told when a session begins; empty = nothing
 };
@@ -46,7 +49,7 @@ class Device {
   [[nodiscard]] virtual DeviceInfo info() const = 0;
   /// Paced devices: returns when an answer is there or after `timeout_s`; the only call that may block.
   virtual void wait(double timeout_s) noexcept { static_cast<void>(timeout_s); }
-  /// The newest hand position. `time_s`: the servo's time of this tick, `period_s` the tick's length.
+  /// The newest hand position. `time_s`: when the servo woke for this tick, `period_s` the tick's planned length.
   [[nodiscard]] virtual DeviceSample read(double time_s, double period_s) noexcept = 0;
   /// Force to hold until the next call, newtons, device frame.
   virtual void write(const Eigen::Vector3d& force_n) noexcept = 0;

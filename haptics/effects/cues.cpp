@@ -66,9 +66,9 @@ void Cues::watch(const Input& input, const SurfaceEffects& effects) noexcept {
 
 double Cues::tick(const Input& input) noexcept {
   if (tick_s_ < 0.0) return 0.0;
-  const double frequency_hz = std::min(tick_hz_, kMostCyclesPerTick / input.nominal_period_s);
-  const double t = tick_s_ + 0.5 * input.nominal_period_s;
-  tick_s_ += std::min(input.period_s, input.nominal_period_s);
+  const double frequency_hz = std::min(tick_hz_, kMostCyclesPerTick / input.pace_s);
+  const double t = tick_s_ + 0.5 * input.pace_s;
+  tick_s_ += std::min(input.period_s, input.pace_s);
   if (tick_s_ > kTickS) tick_s_ = -1.0;
   const double force_n = kTickN * std::exp(-kDecayPerS * t) * std::sin(2.0 * std::numbers::pi * frequency_hz * t);
   return input.contact ? std::max(force_n, -input.pressed_n) : force_n;

@@ -17,7 +17,7 @@ class Cues {
  public:
   struct Input {
     double period_s = 0.001;
-    double nominal_period_s = 0.001;
+    double pace_s = 0.001;  ///< of the loop: a gap is one tick
     double time_s = 0.0;
     Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< touched, frame of the scene's parts
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< unit; zero when free

@@ -47,9 +47,9 @@ double EffectForces::stiffness(double base_n_per_m, double share, const Eigen::V
 /// how late is not known, so that the worst of all delays counts.
 double EffectForces::bearable(const Input& input, double most_j) noexcept {
   const Eigen::Vector3d moved_m = input.hand_m - last_m_;
-  const double leaked_j = kLeakW * std::min(input.period_s, input.nominal_period_s);
+  const double leaked_j = kLeakW * std::min(input.period_s, input.pace_s);
   double worst_j = 0.0;
-  for (std::size_t k = 0; k <= kLongestDelay && static_cast<double>(k) * input.nominal_period_s <= kLatestS; ++k) {
+  for (std::size_t k = 0; k <= kLongestDelay && static_cast<double>(k) * input.pace_s <= kLatestS; ++k) {
     given_j_[k] = std::max(-most_j, given_j_[k] + grain_n_[k].dot(moved_m) - leaked_j);
     worst_j = std::max(worst_j, given_j_[k]);
   }
@@ -67,7 +67,7 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
   const double y_m = input.place_m.y();
   Cues::Input cue;
   cue.period_s = input.period_s;
-  cue.nominal_period_s = input.nominal_period_s;
+  cue.pace_s = input.pace_s;
   cue.time_s = input.time_s;
   cue.place_m = input.place_m;
   cue.normal = input.normal;
@@ -80,7 +80,7 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
   if (effects->impact) {
     Impact::Input strike;
     strike.period_s = input.period_s;
-    strike.nominal_period_s = input.nominal_period_s;
+    strike.pace_s = input.pace_s;
     strike.hand_m = input.hand_m;
     strike.normal = input.normal;
     strike.contact = input.contact;
@@ -93,7 +93,7 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
   if (effects->grain && !effects->field.silent()) {
     Grain::Input slide;
     slide.period_s = input.period_s;
-    slide.nominal_period_s = input.nominal_period_s;
+    slide.pace_s = input.pace_s;
     slide.place_m = input.place_m.head<2>();
     slide.moved_m = input.moved_m - input.moved_m.dot(input.normal) * input.normal;
     slide.scale = effects->scale;

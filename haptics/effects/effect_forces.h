@@ -19,7 +19,7 @@ class EffectForces {
  public:
   struct Input {
     double period_s = 0.001;
-    double nominal_period_s = 0.001;
+    double pace_s = 0.001;                              ///< of the loop: a gap is one tick
     Eigen::Vector3d hand_m = Eigen::Vector3d::Zero();   ///< device frame
     Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< touched, frame of the scene's parts
     Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();  ///< of the proxy since the last tick, device frame
@@ -57,7 +57,7 @@ class EffectForces {
 
   [[nodiscard]] double bearable(const Input& input, double most_j) noexcept;
 
-  static constexpr std::size_t kLongestDelay = 15;
+  static constexpr std::size_t kLongestDelay = 40;  // ticks: 4 ms at 10 kHz
   Impact impact_;
   Cues cues_;
   Grain grain_;

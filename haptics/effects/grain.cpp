@@ -22,8 +22,8 @@ constexpr double kSteepest = 0.5;
 
 Grain::Output Grain::update(const Input& input, const pipeline::GrainField& field) noexcept {
   Output output;
-  const double period_s = std::max(input.period_s, 0.1 * input.nominal_period_s);
-  period_s_ = period_s_ > 0.0 ? period_s_ + kPeriodShare * (period_s - period_s_) : input.nominal_period_s;
+  const double period_s = std::max(input.period_s, 0.1 * input.pace_s);
+  period_s_ = period_s_ > 0.0 ? period_s_ + kPeriodShare * (period_s - period_s_) : input.pace_s;
   const Eigen::Vector3d velocity = input.contact ? Eigen::Vector3d(input.moved_m / period_s) : Eigen::Vector3d::Zero();
   slow_m_per_s_ += (velocity - slow_m_per_s_) * std::min(1.0, period_s / kSlowS);
   fast_m_per_s_ += (velocity - fast_m_per_s_) * std::min(1.0, period_s / kFastS);
@@ -31,7 +31,7 @@ Grain::Output Grain::update(const Input& input, const pipeline::GrainField& fiel
   const double share = smooth_step((speed - kStillMPerS) / (kMovingMPerS - kStillMPerS));
   if (!input.contact || !(share > 0.0) || !input.place_m.allFinite()) return output;
   const double per_tick_m =
-      std::max(speed, fast_m_per_s_.norm()) / input.scale * std::max({period_s_, input.nominal_period_s, period_s});
+      std::max(speed, fast_m_per_s_.norm()) / input.scale * std::max({period_s_, input.pace_s, period_s});
   double variance_m2 = 0.0;
   for (int band = 0; band < field.bands(); ++band) {
     const double highest_per_m = field.highest_per_m(band);

@@ -12,8 +12,8 @@ namespace sparsha::haptics {
 class Grain {
  public:
   struct Input {
-    double period_s = 0.001;  ///< since the last tick
-    double nominal_period_s = 0.001;
+    double period_s = 0.001;                            ///< since the last tick
+    double pace_s = 0.001;                              ///< of the loop: a gap is one tick
     Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< on the stone, frame of its parts and sounds
     Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();  ///< of the proxy in contact since the last tick, device frame
     double scale = 1.0;                                 ///< device metres per metre of the stone

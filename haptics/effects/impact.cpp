@@ -33,7 +33,7 @@ void Impact::watch_departure(const Input& input) noexcept {
     left_normal_ = input.normal;
     return;
   }
-  free_s_ += std::min(input.period_s, input.nominal_period_s);
+  free_s_ += std::min(input.period_s, input.pace_s);
   away_m_ = std::max(away_m_, (input.hand_m - left_m_).dot(left_normal_));
 }
 
@@ -62,8 +62,8 @@ void Impact::spend(const Input& input) noexcept {
 }
 
 double Impact::update(const Input& input) noexcept {
-  const double period_s = std::max(input.period_s, 0.1 * input.nominal_period_s);
-  period_s_ = period_s_ > 0.0 ? period_s_ + kPeriodShare * (period_s - period_s_) : input.nominal_period_s;
+  const double period_s = std::max(input.period_s, 0.1 * input.pace_s);
+  period_s_ = period_s_ > 0.0 ? period_s_ + kPeriodShare * (period_s - period_s_) : input.pace_s;
   if (input.touch) begin(input);
   watch_departure(input);
   double ring_n = 0.0;

@@ -13,7 +13,7 @@ class Impact {
  public:
   struct Input {
     double period_s = 0.001;  ///< since the last tick
-    double nominal_period_s = 0.001;
+    double pace_s = 0.001;    ///< of the loop: a gap is one tick
     Eigen::Vector3d hand_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the touched surface, unit; zero when free
     bool contact = false;

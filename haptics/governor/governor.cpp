@@ -20,7 +20,9 @@ constexpr double kMostDampingNSPerM = 100.0;
 
 // What no loop through a bus and motors undercuts, whatever is declared.
 constexpr double kLeastDelayS = 0.001;
-constexpr double kJitter = 1.15;       // of the nominal period: not yet another rate
+constexpr double kJitter = 1.15;       // of the pace: not yet jitter; of the nominal period: not yet another rate
+constexpr double kSlower = 1.05;       // of the nominal period, more than a bin of the meter: a loop that is slower
+constexpr double kNoLoopS = 0.010;     // beyond the nominal period: gaps, and no loop
 constexpr double kAnotherRate = 1.4;   // of the period of some seconds: the loop has become slower
 constexpr double kSoftenS = 0.020;     // time constants of the stiffness in contact
 constexpr double kSoftenSwings = 3.0;  // half-swings
@@ -83,13 +85,24 @@ double stiffness_limit(const DeviceLimits& limits, double period_s, double delay
   return 0.8 * limits.least_damping_n_s_per_m / (0.5 * period_s + delay);
 }
 
-double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcept {
+double Governor::pace_s(double nominal_period_s) const noexcept {
+  const double median_s = recent_periods_.median_s(nominal_period_s);
+  const bool slower = median_s > kSlower * nominal_period_s && median_s < nominal_period_s + kNoLoopS;
+  return slower ? median_s : nominal_period_s;
+}
+
+/// The 95th percentile of this loop's periods.
+double Governor::slow_period_s(double nominal_period_s) const noexcept {
   const double recent_s = recent_periods_.p95_s(nominal_period_s);
   const double lasting_s = periods_.p95_s(nominal_period_s);
-  double period_s = std::max(nominal_period_s, recent_s > kAnotherRate * lasting_s ? recent_s : lasting_s);
-  jitters_ = period_s >= kJitter * nominal_period_s;
-  if (!jitters_) period_s = nominal_period_s;
-  const double limit = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
+  return std::max(nominal_period_s, recent_s > kAnotherRate * lasting_s ? recent_s : lasting_s);
+}
+
+double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcept {
+  const double slow_s = slow_period_s(nominal_period_s);
+  const double period_s = slow_s >= kJitter * nominal_period_s ? slow_s : nominal_period_s;
+  const double pace_s = this->pace_s(nominal_period_s);
+  const double limit = limit_n_per_m_ = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
   const double target = borne_share_ * (wish_n_per_m > 0.0 ? std::min(wish_n_per_m, limit) : 0.0);
   if (wish_n_per_m != wish_n_per_m_) {
     wished_s_ = 0.0;
@@ -102,12 +115,12 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcep
   } else if (wished_s_ < kWishS && stiffness_n_per_m_ <= borne_share_ * limit) {
     // By the wish: a smooth step, so that it is no kick. What the loop does not bear goes at once, below.
     const double left = 1.0 - smooth_step(wished_s_ / kWishS);
-    wished_s_ = std::min(kWishS, wished_s_ + nominal_period_s);
+    wished_s_ = std::min(kWishS, wished_s_ + pace_s);
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWishS)) / left);
   } else if (target < (falling_ ? 1.0 : kSameLimit) * stiffness_n_per_m_) {
     // Softened faster than a heavy hand can follow, the wall would set it swinging.
     const double time_s = std::max(kSoftenS, kSoftenSwings * swing_.half_period_s());
-    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, nominal_period_s / time_s);
+    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, pace_s / time_s);
     falling_ = target < kReached * stiffness_n_per_m_;
   } else {
     falling_ = false;
@@ -120,8 +133,29 @@ void Governor::disarm() noexcept {
   free_s_ = 0.0;
 }
 
+GovernorOutput Governor::forget() noexcept {
+  has_last_ = false;
+  gap_s_ = 0.0;
+  gap_n_.setZero();
+  energy_j_ = std::min(energy_j_, 0.0);
+  return command(Vector3d::Zero(), false);
+}
+
+void Governor::stop() noexcept {
+  static_cast<void>(forget());
+  disarm();
+}
+
+/// Until the zero of this tick arrives, the device holds what was commanded before.
+GovernorOutput Governor::without_news(double period_s) noexcept {
+  gap_s_ += period_s;
+  const Vector3d& held_n = commanded_n_[delay()];
+  if (held_n.squaredNorm() > gap_n_.squaredNorm()) gap_n_ = held_n;
+  return command(Vector3d::Zero(), false);
+}
+
 void Governor::count_free_time(const GovernorInput& input) noexcept {
-  free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, input.nominal_period_s);
+  free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, pace_s_);
   if (free_s_ < kArmingTime) return;
   armed_ = true;
   if (!input.guided) energy_j_ = 0.0;
@@ -171,11 +205,12 @@ void Governor::watch_strike(double speed_m_per_s, double away_s) noexcept {
 /// Strikes and growing swings: both get damping until they are calm, a growing swing a softer wall besides.
 void Governor::watch_hand(const GovernorInput& input) noexcept {
   const Vector3d moved_m = has_last_ ? Vector3d(input.position_m - last_position_m_) : Vector3d::Zero();
-  const double period_s = std::max(input.period_s, 0.1 * input.nominal_period_s);
+  const double since_last_s = gap_s_ + input.period_s;
+  const double period_s = std::max(since_last_s, 0.1 * input.nominal_period_s);
   motion_.add(input.position_m, has_last_ ? period_s : 0.0);
   learn_step(moved_m.norm(), period_s);
-  periods_.add(input.period_s);
-  recent_periods_.add(input.period_s);
+  periods_.add(since_last_s);
+  recent_periods_.add(since_last_s);
   if (input.delay_s > 0.0) delays_.add(input.delay_s);
   in_contact_ = input.contact;
   if (input.contact) {
@@ -190,8 +225,8 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
     if (comes) watch_strike(-velocity().dot(input.normal), away_s);
     contact_s_ = comes ? 0.0 : contact_s_ + period_s;
   } else {
-    away_s_ += std::min(period_s, 2.0 * input.nominal_period_s);
-    borne_share_ = std::min(1.0, borne_share_ + std::min(period_s, input.nominal_period_s) / kForgetS);
+    away_s_ += std::min(period_s, 2.0 * pace_s_);
+    borne_share_ = std::min(1.0, borne_share_ + std::min(period_s, pace_s_) / kForgetS);
     if (away_s_ > kBounceS) damping_ = unstable_ = released_ = false;
   }
   const Vector3d surface_m = has_last_ ? Vector3d(input.proxy_m - last_proxy_m_) : Vector3d::Zero();
@@ -243,12 +278,15 @@ Vector3d Governor::damped(const GovernorInput& input) const noexcept {
 /// What the hand put in over the last interval, with the force that the device held then. Credited is the damping that
 /// every hand has, and no move within an encoder's step is booked: their flicker would drain the books of a hand at
 /// rest. Gains count only as far as the spring stores them: what friction ate cannot come back. What a guide has wound
-/// its springs up by is no gain of the hand's, and no debt when the hand gets it.
+/// its springs up by is no gain of the hand's, and no debt when the hand gets it. Over a gap nobody knows how long the
+/// force was held: a move outwards is booked with all of it, one inwards with none.
 void Governor::book(const GovernorInput& input) noexcept {
   displacement_m_.setZero();
   damped_j_ = 0.0;
   if (has_last_) {
-    const Vector3d held_n = commanded_n_[delay()];
+    const bool gap = gap_s_ > 0.0;
+    Vector3d held_n = commanded_n_[delay()];
+    if (gap_n_.squaredNorm() > held_n.squaredNorm()) held_n = gap_n_;
     const double held = held_n.norm();
     displacement_m_ = input.position_m - booked_m_;
     if (held > 0.0) {
@@ -256,15 +294,19 @@ void Governor::book(const GovernorInput& input) noexcept {
       displacement_m_ -= held_n * (std::clamp(along_m, -kPlay * step_m_, kPlay * step_m_) / held);
     }
     booked_m_ += displacement_m_;
-    damped_j_ = std::min(kCreditNSPerM, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
-                std::max(input.period_s, input.nominal_period_s);
-    const double work_j = damped_j_ - held_n.dot(displacement_m_);
+    if (!gap)
+      damped_j_ = std::min(kCreditNSPerM, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
+                  std::max(input.period_s, pace_s_);
+    const double given_j = held_n.dot(displacement_m_);
+    const double work_j = damped_j_ - (gap ? std::max(0.0, given_j) : given_j);
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
     energy_j_ = std::min(energy_j_ + std::min(work_j + input.supplied_j, stored_j), input.spring_energy_j);
   } else {
     booked_m_ = input.position_m;
   }
   has_last_ = true;
+  gap_s_ = 0.0;
+  gap_n_.setZero();
   last_position_m_ = input.position_m;
   last_spring_energy_j_ = input.spring_energy_j;
 }
@@ -300,18 +342,17 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   const bool finite = input.position_m.allFinite() && input.force_n.allFinite() &&
                       std::isfinite(input.spring_energy_j) && std::isfinite(input.supplied_j) &&
                       input.stiffness_n_per_m >= 0.0 && input.proxy_m.allFinite() && input.normal.allFinite();
-  if (!input.fresh || !finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) {
-    if (!finite) disarm();
-    has_last_ = false;
-    energy_j_ = std::min(energy_j_, 0.0);
-    return command(Vector3d::Zero(), false);
-  }
+  if (!finite) disarm();
+  if (!finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) return forget();
+  if (!input.fresh) return without_news(input.period_s);
+  pace_s_ = pace_s(input.nominal_period_s);
+  jitters_ = slow_period_s(input.nominal_period_s) >= kJitter * pace_s_;
   count_free_time(input);
   watch_hand(input);
   book(input);
   if (!armed_) return command(Vector3d::Zero(), false);
   const Vector3d most = clamped(damped(input), limits_.max_force_n);
-  const Vector3d grown = slewed(most, std::min(input.period_s, input.nominal_period_s));
+  const Vector3d grown = slewed(most, std::min(input.period_s, pace_s_));
   const Vector3d safe = deliverable(passive(grown), limits_.max_force_n);
   return command(safe, safe != input.force_n);
 }

@@ -55,10 +55,9 @@ struct GovernorInput {
   double spring_energy_j = 0.0;                          ///< 0.5 k |X_p - X_h|^2, device frame
   /// What a guide has put into the springs of spring_energy_j since the last tick by moving them: the hand may have it.
   double supplied_j = 0.0;
-  double period_s = 0.001;  ///< since the last tick
-  /// Of the servo's plan. A tick that was longer or shorter earns nothing: no growth of force, no free time, no credit.
-  double nominal_period_s = 0.001;
-  bool fresh = true;  ///< the position is new and finite
+  double period_s = 0.001;          ///< since the last tick
+  double nominal_period_s = 0.001;  ///< of the servo's plan
+  bool fresh = true;                ///< the position is new and finite
   bool contact = false;
   bool guided = false;  ///< a guide adds to the force: its books go on in free space
 };
@@ -80,8 +79,18 @@ class Governor {
   /// the hand has shown to bear. In contact it falls within a few swings and rises only with the wish. Call before each
   /// update().
   [[nodiscard]] double stiffness(double wish_n_per_m, double nominal_period_s) noexcept;
+  /// How long a tick of this loop lasts: as planned, or the median of the measured ones where the loop is steadily
+  /// slower. All time constants count a tick as no more, so that a gap earns nothing: no growth of force, no free time,
+  /// no credit. Of the ticks before this one.
+  [[nodiscard]] double pace_s(double nominal_period_s) const noexcept;
+  /// The ticks before this one scattered: their 95th percentile was beyond the pace.
+  [[nodiscard]] bool jitters() const noexcept { return jitters_; }
+  /// Of the loop as planned or as measured, before what this hand has shown to bear; 0 before the first stiffness().
+  [[nodiscard]] double limit_n_per_m() const noexcept { return limit_n_per_m_; }
   /// After start, fault or homing: force comes back only after 50 ms in free space.
   void disarm() noexcept;
+  /// The same, and what was known of the hand is forgotten: a force that was commanded in this tick does not count.
+  void stop() noexcept;
   /// Offline rendering needs no arming.
   void arm() noexcept { armed_ = true; }
   /// The encoder's step as far as it has shown, m; 0 before the first second has passed.
@@ -92,6 +101,9 @@ class Governor {
  private:
   static constexpr std::size_t kLongestDelay = kLongestDelayTicks;
 
+  [[nodiscard]] double slow_period_s(double nominal_period_s) const noexcept;
+  [[nodiscard]] GovernorOutput without_news(double period_s) noexcept;
+  [[nodiscard]] GovernorOutput forget() noexcept;
   void watch_hand(const GovernorInput& input) noexcept;
   void watch_strike(double speed_m_per_s, double away_s) noexcept;
   void damp() noexcept;
@@ -109,6 +121,8 @@ class Governor {
   bool armed_ = false;
   double free_s_ = 0.0;
   bool has_last_ = false;
+  double gap_s_ = 0.0;                               ///< without news of the hand
+  Eigen::Vector3d gap_n_ = Eigen::Vector3d::Zero();  ///< the largest force that the device held meanwhile
   std::array<Eigen::Vector3d, kLongestDelay + 1> commanded_n_ = zeros();  ///< newest first
   Eigen::Vector3d last_position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d displacement_m_ = Eigen::Vector3d::Zero();
@@ -120,10 +134,12 @@ class Governor {
   LoopMeter<2048> periods_;  // some seconds: its percentile hardly moves with jitter
   LoopMeter<> recent_periods_;
   LoopMeter<> delays_;
-  bool jitters_ = false;  // the loop
+  double pace_s_ = 0.0;  // of this tick
+  bool jitters_ = false;
   SwingDetector swing_;
   double wish_n_per_m_ = -1.0;
-  double wished_s_ = 1.0;            // since the wish has changed in this contact
+  double wished_s_ = 1.0;  // since the wish has changed in this contact
+  double limit_n_per_m_ = 0.0;
   double stiffness_n_per_m_ = -1.0;  // allowed now; negative before the first tick
   bool falling_ = false;             // on its way to a lower limit
   double borne_share_ = 1.0;         // of the wish, that this hand has shown to bear

@@ -26,7 +26,7 @@ Guidance::Output HapticRenderer::guide(const Eigen::Vector3d& hip_m) noexcept {
   input.scrolled_m = surface_->scale * (guided_at_m_ - centre_m_.head<2>());
   input.height_m = height_above_m(hip_m);
   input.stiffness_n_per_m = stiffness_n_per_m_;
-  input.step_s = std::min(record_.period_s, record_.nominal_period_s);
+  input.step_s = step_s();
   return guidance_.update(input);
 }
 

@@ -220,13 +220,7 @@ void HapticRenderer::make_safe() noexcept {
   record_.state.guide_n = {};
   record_.state.guide_stored_j = record_.state.guide_supplied_j = 0.0;
   felt_n_.setZero();
-  GovernorInput input;
-  input.position_m = hand_m_;
-  input.fresh = false;
-  input.period_s = record_.period_s;
-  input.nominal_period_s = record_.nominal_period_s;
-  static_cast<void>(governor_.update(input));
-  governor_.disarm();
+  governor_.stop();
   events_.reset();
   record_.state.commanded_force_n = {};
   record_.state.flags &= ~static_cast<std::uint64_t>(kFlagSaturated | kFlagArmed);
@@ -259,8 +253,7 @@ GovernorInput HapticRenderer::governor_input(const DeviceSample& sample, const E
   input.contact = found_.contact;
   felt_n_ = force_n;
   if (!fade_.active()) return input;
-  const double step_s = std::min(record_.period_s, record_.nominal_period_s);
-  felt_n_ = fade_.apply(force_n, hand_m_, stiffness_n_per_m_, step_s);
+  felt_n_ = fade_.apply(force_n, hand_m_, stiffness_n_per_m_, step_s());
   const double felt = felt_n_.norm();
   if (!(felt > 0.0 && stiffness_n_per_m_ > 0.0)) return input;
   input.force_n = felt_n_;
@@ -276,7 +269,7 @@ void HapticRenderer::add_effects(GovernorInput& input, const Eigen::Vector3d& mo
   const SurfaceEffects* effects = surface_->effects.get();
   EffectForces::Input tick;
   tick.period_s = record_.period_s;
-  tick.nominal_period_s = record_.nominal_period_s;
+  tick.pace_s = pace_s_;
   tick.hand_m = hand_m_;
   tick.place_m = to_vector(record_.state.place_m);
   tick.moved_m = moved_m;
@@ -377,8 +370,8 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
 }
 
 // Ticks that were missed do not let the window jump.
-void HapticRenderer::scroll(double nominal_period_s) noexcept {
-  Eigen::Vector3d step = scroll_m_per_s_ * std::min(record_.period_s, nominal_period_s);
+void HapticRenderer::scroll() noexcept {
+  Eigen::Vector3d step = scroll_m_per_s_ * step_s();
   if (proxy_.contact) step.z() = std::max(0.0, step.z());  // the window never presses the hand into the stone
   centre_m_ += step;
 }
@@ -391,7 +384,8 @@ void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s)
     has_time_ = true;
     last_time_s_ = sample.time_s;
   }
-  if (!swapped_ && !dragging_) scroll(nominal_period_s);
+  pace_s_ = governor_.pace_s(nominal_period_s);
+  if (!swapped_ && !dragging_) scroll();
   if (dragging_ && placed_ && sample.homed && is_place(sample)) {
     drag(sample.position_m);
     if (letting_go_) let_go(sample.position_m);
@@ -407,6 +401,7 @@ void HapticRenderer::replay(const DeviceSample& sample, const RecordedTick& reco
   stiffness_n_per_m_ = recorded.stiffness_n_per_m;
   record_.period_s = recorded.period_s;
   record_.nominal_period_s = recorded.nominal_period_s;
+  pace_s_ = governor_.pace_s(recorded.nominal_period_s);
   recorded_guide_ = Guidance::Output{recorded.guide_n, recorded.guide_stored_j, recorded.guide_supplied_j};
   record_.state.command = recorded.command;
   record_.state.flags = recorded.flags & static_cast<std::uint64_t>(kFlagRealTime);
@@ -439,6 +434,7 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (surface_->effects && surface_->effects->cues) state.flags |= kFlagCues;
   state.workspace_m = device_.workspace_width_m;
   state.stiffness_n_per_m = stiffness_n_per_m_;
+  state.stiffness_limit_n_per_m = governor_.limit_n_per_m();
   state.tip_radius_m = surface_->tip_radius_m;
   state.window = {window_.i0, window_.j0, surface_->lattice.nx, surface_->lattice.ny};
 }

@@ -2,6 +2,7 @@
 // exceptions. The servo's thread drives it in real time; tests and offline tools may drive it by hand.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -83,7 +84,9 @@ class HapticRenderer {
 
  private:
   void swap(Command& command) noexcept;
-  void scroll(double nominal_period_s) noexcept;
+  void scroll() noexcept;
+  /// What this tick counts as in time constants: a gap is one tick.
+  [[nodiscard]] double step_s() const noexcept { return std::min(record_.period_s, pace_s_); }
   void set_dragging(bool on) noexcept;
   void drag(const Eigen::Vector3d& hand_m) noexcept;
   void let_go(const Eigen::Vector3d& hand_m) noexcept;
@@ -135,7 +138,8 @@ class HapticRenderer {
   bool dragged_ = false;     // in the last tick
   bool swapped_ = false;     // since the last update: the recorded centre is then the swap's own
   bool has_time_ = false;
-  double stale_s_ = 0.0;  // without a fresh sample
+  double pace_s_ = 0.001;  // of the loop
+  double stale_s_ = 0.0;   // without a fresh sample
   double last_time_s_ = 0.0;
   double slip_speed_ = 0.0;
   std::uint64_t faults_ = 0;

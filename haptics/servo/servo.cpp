@@ -33,6 +33,7 @@ Servo::Servo(Device& device, const ServoOptions& options, HapticWindow window, S
       period_ns_(std::llround(1e9 / options.renderer.rate_hz)),
       patience_ns_(std::llround(1e9 * options.renderer.longest_gap_s)),
       most_force_n_(usable(device.info().limits).max_force_n),
+      planned_time_(device.info().planned_time),
       renderer_(device.info(), options.renderer, std::move(window)),
       publisher_(state, std::move(consumers), recorder),
       watchdog_(device, std::max(options.renderer.longest_gap_s, 2.0 * period_s_)) {}
@@ -171,7 +172,10 @@ void Servo::run_by_the_clock() noexcept {
   while (!stopping_.load(std::memory_order_relaxed)) {
     const std::int64_t planned_ns = start_ns + planned * period_ns_;
     wait_until(planned_ns);
-    watched_tick(planned_ns, static_cast<double>(planned) / options_.renderer.rate_hz);
+    const std::int64_t woke_ns = options_.clock.now_ns();
+    const std::int64_t late_ns = planned_time_ ? 0 : std::max<std::int64_t>(0, woke_ns - planned_ns);
+    watched_tick(planned_ns, woke_ns,
+                 static_cast<double>(planned) / options_.renderer.rate_hz + 1e-9 * static_cast<double>(late_ns));
     const std::int64_t done_ns = options_.clock.now_ns();
     ++planned;
     // After a clock that went backwards the plan begins anew, or the servo would sleep until the old time comes again.
@@ -192,13 +196,12 @@ void Servo::run_paced() noexcept {
   while (!stopping_.load(std::memory_order_relaxed)) {
     device_.wait(period_s_);
     const std::int64_t woke_ns = options_.clock.now_ns();
-    watched_tick(planned_ns, static_cast<double>(woke_ns - start_ns) * 1e-9);
+    watched_tick(planned_ns, woke_ns, static_cast<double>(woke_ns - start_ns) * 1e-9);
     planned_ns = woke_ns + period_ns_;
   }
 }
 
-void Servo::watched_tick(std::int64_t planned_ns, double time_s) noexcept {
-  const std::int64_t woke_ns = options_.clock.now_ns();
+void Servo::watched_tick(std::int64_t planned_ns, std::int64_t woke_ns, double time_s) noexcept {
   tripped_ = watchdog_.tripped();
   watchdog_.feed(now_ns());
   // Whoever stopped the whole program stopped the watchdog too, and the device has held its force all the while.

@@ -90,7 +90,7 @@ class Servo {
   void run_by_the_clock() noexcept;
   void wait_until(std::int64_t planned_ns) noexcept;
   void run_paced() noexcept;
-  void watched_tick(std::int64_t planned_ns, double time_s) noexcept;
+  void watched_tick(std::int64_t planned_ns, std::int64_t woke_ns, double time_s) noexcept;
   void tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept;
   void take_commands() noexcept;
   [[nodiscard]] bool is_late(std::int64_t time_ns) const noexcept;
@@ -104,6 +104,7 @@ class Servo {
   std::int64_t period_ns_;
   std::int64_t patience_ns_;
   double most_force_n_;          // of the device
+  bool planned_time_;            // the device's time is the plan's
   std::int64_t decided_ns_ = 0;  // when the last force was decided
   bool has_decided_ = false;
   bool tripped_ = false;  // the watchdog has, when this tick began

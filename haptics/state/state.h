@@ -69,6 +69,7 @@ struct State {
   std::uint64_t flags = 0;                        ///< StateFlag bits
   double workspace_m = 0.0;                       ///< width of the device's workspace, device frame
   double stiffness_n_per_m = 0.0;                 ///< rendered in this tick
+  double stiffness_limit_n_per_m = 0.0;           ///< that the loop bears as it is measured; 0: not yet known
   double tip_radius_m = 0.0;                      ///< of the fingertip, device frame
   std::array<std::int64_t, 4> window{};           ///< nodes of the level: first i, first j, how many in i, in j
   GuidePhase guide = GuidePhase::off;

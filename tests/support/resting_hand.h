@@ -19,6 +19,7 @@ struct RestingHand {
   double damping_n_s_per_m = 8.0;
   double rate_hz = 1000.0;
   double wish_n_per_m = 800.0;
+  double planned_hz = 0.0;  ///< of the servo; 0: as the real rate
 };
 
 /// Largest step and turn of the commanded force from one tick to the next after a swap.
@@ -57,7 +58,7 @@ class HandAtRest {
     for (int i = 0; i < steps; ++i) {
       if (step_++ % static_cast<std::uint64_t>(per_tick) == 0) {
         held_n_ = told_n_;  // a tick on its way
-        renderer_.update(haptics::sample_at(position_m_, static_cast<double>(step_) * kStep), 1.0 / hand_.rate_hz);
+        renderer_.update(haptics::sample_at(position_m_, static_cast<double>(step_) * kStep), 1.0 / planned_hz(hand_));
         told_n_ = force();
         if (watch) watch(static_cast<double>(i) * kStep);
       }
@@ -106,8 +107,9 @@ class HandAtRest {
   }
 
  private:
+  static double planned_hz(const RestingHand& hand) { return hand.planned_hz > 0.0 ? hand.planned_hz : hand.rate_hz; }
   static haptics::RendererOptions with(haptics::RendererOptions options, const RestingHand& hand) {
-    options.rate_hz = hand.rate_hz;
+    options.rate_hz = planned_hz(hand);
     options.stiffness_n_per_m = hand.wish_n_per_m;
     return options;
   }

@@ -54,7 +54,10 @@ inline ServoOptions patient(double longest_gap_s = 1.0) {
 class ScriptedDevice final : public Device {
  public:
   using Script = std::function<DeviceSample(std::uint64_t tick, double time_s)>;
-  explicit ScriptedDevice(Script script) : script_(std::move(script)) { info_.name = "scripted"; }
+  explicit ScriptedDevice(Script script, bool planned_time = false) : script_(std::move(script)) {
+    info_.name = "scripted";
+    info_.planned_time = planned_time;
+  }
 
   [[nodiscard]] DeviceInfo info() const override { return info_; }
   [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {

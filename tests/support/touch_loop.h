@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -45,6 +46,16 @@ inline double height_of(Ground ground, double x, double y) {
   return 0.0;
 }
 
+/// The least damping of hand and device that the test's device states, N s/m.
+inline constexpr double kStatedDamping = 2.0;
+
+/// The largest stiffness that docs/touch.md ("Governor") allows in a loop as planned: 0.8 of where a wall that answers
+/// the delay and half a period late takes all of the damping.
+inline double limit_n_per_m(double rate_hz, int declared_ticks = 1) {
+  const double delay_s = std::max(declared_ticks / rate_hz, 0.001);
+  return 0.8 * kStatedDamping / (0.5 / rate_hz + delay_s);
+}
+
 /// How the loop really is, and what the device says of itself.
 struct TouchCase {
   Ground ground = Ground::plane;
@@ -57,7 +68,8 @@ struct TouchCase {
   double rate_hz = 1000.0;        ///< real
   double configured_hz = 1000.0;  ///< planned
   double jitter_s = 0.0;          ///< a tick comes late by up to so much
-  double lost = 0.0;              ///< share of ticks that never come
+  double lost = 0.0;              ///< share of ticks without news of the hand
+  bool told_lost = false;         ///< they come as samples that are not fresh, as of a Falcon's driver; else not at all
   double delay_s = 0.001;         ///< from the writing of a force to the hand
   int declared_ticks = 1;         ///< what the device says of that
   bool governed = true;           ///< else the wished spring reaches the hand, up to 8 N
@@ -76,18 +88,22 @@ struct TouchResult {
   bool fault = false;  ///< a gap of over 10 ms in contact: force ends until the hand has been in the air
 };
 
+/// Sees each tick: what the renderer was given and what it made of it.
+using TickWatcher = std::function<void(const haptics::DeviceSample&, const haptics::Record&)>;
+
 /// One run on a window of 0.1 m. A run of ten seconds takes some 30 ms.
-inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window) {
+inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const TickWatcher& watch = {}) {
   using Eigen::Vector3d;
   constexpr double kStep = 20e-6;
   haptics::DeviceInfo info;
   info.name = "test hand";
   info.limits.delay_ticks = c.declared_ticks;
+  info.limits.least_damping_n_s_per_m = kStatedDamping;
   haptics::RendererOptions options;
   options.rate_hz = c.configured_hz;
   options.stiffness_n_per_m = c.wish_n_per_m;
   haptics::HapticRenderer renderer(info, options, std::move(window));
-  const double governed_n_per_m = haptics::governed_stiffness(c.wish_n_per_m, info.limits, 1.0 / c.configured_hz);
+  const double governed_n_per_m = std::min(c.wish_n_per_m, limit_n_per_m(c.configured_hz, c.declared_ticks));
 
   const auto floor_m = [&](double x, double y) {
     return height_of(c.ground, x + 0.05, y + 0.05) - height_of(c.ground, 0.05, 0.05);
@@ -126,6 +142,7 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window) {
   Vector3d held = Vector3d::Zero();
   Vector3d position = intended(0.0);
   Vector3d velocity = Vector3d::Zero();
+  Vector3d measured = position;
   TouchResult result;
   double work_j = 0.0;
   double least_j = std::numeric_limits<double>::infinity();
@@ -143,11 +160,15 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window) {
   for (std::uint64_t step = 0; static_cast<double>(step) * kStep < c.duration_s; ++step) {
     const double t = static_cast<double>(step) * kStep;
     if (t >= next_tick_s) {
-      if (uniform() >= c.lost) {
-        Vector3d measured = position;
-        for (int axis = 0; axis < 3; ++axis)
-          measured[axis] = c.encoder_step_m * std::round(position[axis] / c.encoder_step_m);
-        renderer.update(haptics::sample_at(measured, t), 1.0 / c.configured_hz);
+      const bool lost = uniform() < c.lost;
+      if (!lost || c.told_lost) {
+        if (!lost)
+          for (int axis = 0; axis < 3; ++axis)
+            measured[axis] = c.encoder_step_m * std::round(position[axis] / c.encoder_step_m);
+        haptics::DeviceSample sample = haptics::sample_at(measured, t);
+        sample.fresh = !lost;
+        renderer.update(sample, 1.0 / c.configured_hz);
+        if (watch) watch(sample, renderer.record());
         const haptics::State& state = renderer.state();
         const Vector3d told(state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]);
         const Vector3d rendered(state.force_n[0], state.force_n[1], state.force_n[2]);
@@ -215,8 +236,8 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window) {
 }
 
 /// `scene`: of make_ground().
-inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene) {
-  return touch(c, haptics::window_on(scene, 0, 1, false));
+inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene, const TickWatcher& watch = {}) {
+  return touch(c, haptics::window_on(scene, 0, 1, false), watch);
 }
 
 inline pipeline::ScenePointer make_ground(Ground ground) {

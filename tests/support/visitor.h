@@ -28,6 +28,7 @@ class RelaxedHand final : public Device {
   [[nodiscard]] DeviceInfo info() const override {
     DeviceInfo info;
     info.name = "hand";
+    info.planned_time = true;
     return info;
   }
   [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {

@@ -23,6 +23,7 @@ class SimulatedDevice final : public Device {
   [[nodiscard]] DeviceInfo info() const override {
     DeviceInfo info;
     info.name = "simulated";
+    info.planned_time = true;
     info.limits.max_force_n = parameters_.max_force_n;
     info.limits.least_damping_n_s_per_m = parameters_.damping_n_s_per_m;
     return info;

@@ -166,11 +166,12 @@ TEST(Servo, EndsInZeroForce) {
 TEST(Servo, SkipsTheTicksItMissedInsteadOfCatchingUp) {
   std::vector<double> times;
   times.reserve(10'000);
-  ScriptedDevice device([&](std::uint64_t tick, double time_s) {
+  const auto script = [&](std::uint64_t tick, double time_s) {
     if (tick == 20) std::this_thread::sleep_for(std::chrono::milliseconds(30));
     times.push_back(time_s);
     return in_air(time_s);
-  });
+  };
+  ScriptedDevice device(script, true);
   Seqlock<State> state;
   Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
   servo.start();

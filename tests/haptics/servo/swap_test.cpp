@@ -168,6 +168,25 @@ TEST(Swap, MovesTheForceOnAHandAtRestWithoutAKickAndIsOverAfter150Milliseconds) 
     }
 }
 
+TEST(Swap, InALoopThatIsSlowerThanPlannedIsOverAfter150MillisecondsToo) {
+  struct Loop {
+    double real_hz, planned_hz;
+  };
+  for (const Loop& loop : {Loop{851.0, 5000.0}, Loop{1000.0, 4000.0}, Loop{333.0, 1000.0}})
+    for (const Swap& swap : all_swaps()) {
+      if (swap.name != "move" && swap.name != "another scene" && swap.name != "stiffness halved") continue;
+      RestingHand hand;
+      hand.rate_hz = loop.real_hz;
+      hand.planned_hz = loop.planned_hz;
+      const SwapResult worst = worst_of(swap, hand);
+      std::printf("| %s | %.0f of %.0f Hz | %.2f | %.2f | %.3f | %.1f | %.0f |\n", swap.name.c_str(), loop.real_hz,
+                  loop.planned_hz, worst.before_n, worst.change_n, worst.step_n, worst.turn_deg, 1e3 * worst.settled_s);
+      EXPECT_LE(worst.step_n, 0.05) << swap.name;
+      EXPECT_LE(worst.turn_deg, 5.0) << swap.name;
+      EXPECT_LE(worst.settled_s, 0.150 + 1.0 / loop.real_hz) << swap.name;
+    }
+}
+
 TEST(Swap, AfterSwapMovesTheForceWithoutAKickInQuickSequenceToo) {
   std::mt19937_64 random(7);
   const auto swaps = all_swaps();

@@ -1,0 +1,110 @@
+// Ticks without news of the hand: no force, but the books of the contact go on.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "haptics/governor/governor.h"
+
+namespace sparsha::haptics::test {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPeriod = 0.001;
+constexpr double kStiffness = 800.0;
+
+/// A hand on a plane at z = 0, its places given.
+GovernorInput at(double z_m, bool fresh = true) {
+  const double depth_m = std::max(0.0, -z_m);
+  GovernorInput input;
+  input.position_m.z() = z_m;
+  input.force_n.z() = kStiffness * depth_m;
+  input.contact = depth_m > 0.0;
+  input.normal = input.contact ? Vector3d(Vector3d::UnitZ()) : Vector3d(Vector3d::Zero());
+  input.proxy_m = Vector3d(0, 0, std::max(0.0, z_m));
+  input.stiffness_n_per_m = kStiffness;
+  input.spring_energy_j = 0.5 * kStiffness * depth_m * depth_m;
+  input.fresh = fresh;
+  return input;
+}
+
+/// Presses with a newton, then lifts by `lift_m` in `ticks`. `stale` of the ticks before the lift are without news.
+std::vector<double> lifted(int stale, double lift_m, int ticks) {
+  constexpr double kDepth = 1.0 / kStiffness;
+  constexpr int kPressTicks = 200;
+  Governor governor{DeviceLimits{}};
+  governor.arm();
+  for (int k = 0; k <= kPressTicks; ++k) (void)governor.update(at(-kDepth * k / kPressTicks));
+  for (int k = 0; k < 100; ++k) (void)governor.update(at(-kDepth));
+  for (int k = 0; k < stale; ++k) EXPECT_EQ(governor.update(at(-kDepth, false)).force_n, Vector3d::Zero());
+  (void)governor.update(at(-kDepth));
+  std::vector<double> forces;
+  for (int k = 1; k <= ticks; ++k) forces.push_back(governor.update(at(-kDepth + lift_m * k / ticks)).force_n.z());
+  return forces;
+}
+
+}  // namespace
+
+TEST(Stale, ATickWithoutNewsTakesNothingFromTheForceOfTheWayOut) {
+  const std::vector<double> whole = lifted(0, 0.2e-3, 20);
+  for (const int stale : {1, 2, 5}) {
+    const std::vector<double> after = lifted(stale, 0.2e-3, 20);
+    for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_EQ(after[k], whole[k]) << stale << ", tick " << k;
+  }
+}
+
+TEST(Stale, AGapDeliversToAMovingHandNoMoreThanItPutInAndTheOverdraft) {
+  // The device holds each force until the tick after next: a declared delay of one. Out at any speed, gaps of any
+  // length, beginning anywhere on the way out.
+  for (const double speed_m_per_s : {0.02, 0.1, 0.3, 1.0})
+    for (int stale = 1; stale <= 9; ++stale)
+      for (int before = 0; before < 4; ++before) {
+        constexpr double kDepth = 1.0 / kStiffness;
+        Governor governor{DeviceLimits{}};
+        governor.arm();
+        double held_n[2] = {0.0, 0.0};
+        double z_m = 0.0;
+        double given_j = 0.0;  // to the hand
+        double step_j = 0.0;   // by one tick at most
+        const auto go = [&](double to_m, bool fresh) {
+          given_j += held_n[1] * (to_m - z_m);
+          step_j = std::max(step_j, std::abs(held_n[1] * (to_m - z_m)));
+          z_m = to_m;
+          const double force_n = governor.update(at(z_m, fresh)).force_n.z();
+          held_n[1] = held_n[0];
+          held_n[0] = force_n;
+        };
+        for (int k = 1; k <= 200; ++k) go(-kDepth * k / 200, true);
+        for (int k = 0; k < 10; ++k) go(-kDepth, true);
+        for (int k = 0; k < 1200 && z_m < kDepth; ++k)
+          go(z_m + speed_m_per_s * kPeriod, k < before || k >= before + stale);
+        EXPECT_LE(given_j, kOverdraftJ + 2.0 * step_j) << speed_m_per_s << " m/s, " << stale << " after " << before;
+      }
+}
+
+TEST(Stale, LostTicksCountAsTimeOfTheLoop) {
+  const auto limit_after = [](int lost_of_ten) {
+    Governor governor{DeviceLimits{}};
+    for (int k = 0; k < 3000; ++k) (void)governor.update(at(0.01, k % 10 >= lost_of_ten));
+    return governor.stiffness(1e5, kPeriod);
+  };
+  EXPECT_DOUBLE_EQ(limit_after(0), stiffness_limit({}, kPeriod));
+  // One entry in nine is of two ticks, one in seven of four; bins of 4.4 %.
+  EXPECT_LE(limit_after(1), stiffness_limit({}, 2.0 * kPeriod));
+  EXPECT_GE(limit_after(1), stiffness_limit({}, 2.0 * kPeriod) / 1.05);
+  EXPECT_LE(limit_after(3), stiffness_limit({}, 4.0 * kPeriod));
+  EXPECT_GE(limit_after(3), stiffness_limit({}, 4.0 * kPeriod) / 1.05);
+}
+
+TEST(Stale, TheHandsVelocityGoesOnOverAGap) {
+  Governor governor{DeviceLimits{}};
+  constexpr double kSpeed = 0.05;
+  for (int k = 0; k < 60; ++k) (void)governor.update(at(0.05 - kSpeed * kPeriod * k, k % 10 != 5));
+  (void)governor.update(at(0.05 - kSpeed * kPeriod * 60, false));
+  (void)governor.update(at(0.05 - kSpeed * kPeriod * 61));
+  EXPECT_NEAR(governor.velocity().z(), -kSpeed, 1e-9);
+}
+
+}  // namespace sparsha::haptics::test
