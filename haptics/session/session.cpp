@@ -109,6 +109,18 @@ struct Session::Implementation {
     return governed_stiffness(wish_n_per_m, info.limits, 1.0 / rate_hz);
   }
 
+  /// A loop that is slower than planned, or later than declared, bears less than was asked of it.
+  [[nodiscard]] double rendered(const State& now) const {
+    const double limit_n_per_m = now.stiffness_limit_n_per_m;
+    return limit_n_per_m > 0.0 ? std::min(stiffness_n_per_m, limit_n_per_m) : stiffness_n_per_m;
+  }
+
+  void say_stiffness(double wish_n_per_m, const State& now) {
+    const double rendered_n_per_m = rendered(now);
+    announcer.say(rendered_n_per_m < wish_n_per_m ? Phrase("stiffness_most") : Phrase("stiffness"),
+                  {{"number", fmt::format("{:.0f}", rendered_n_per_m)}});
+  }
+
   void post(Command command) {
     command.sequence = sequence + 1;
     if (servo->post(std::move(command)))
@@ -149,14 +161,13 @@ struct Session::Implementation {
         if (!(request.x >= 0.0) || recording) return;
         const double wish_n_per_m = request.kind == Request::Kind::set_stiffness
                                         ? request.x
-                                        : std::clamp(stiffness_n_per_m * request.x, kSoftestNPerM, kHardestNPerM);
+                                        : std::clamp(rendered(now) * request.x, kSoftestNPerM, kHardestNPerM);
         stiffness_n_per_m = governed(wish_n_per_m);
         Command command;
         command.kind = Command::Kind::stiffness;
         command.stiffness_n_per_m = stiffness_n_per_m;
         post(std::move(command));
-        announcer.say(stiffness_n_per_m < wish_n_per_m ? Phrase("stiffness_most") : Phrase("stiffness"),
-                      {{"number", fmt::format("{:.0f}", stiffness_n_per_m)}});
+        say_stiffness(wish_n_per_m, now);
         return;
       }
       case Request::Kind::help:

@@ -329,6 +329,29 @@ TEST(Session, SpeaksOfTheStiffnessThatItRendersStepByStep) {
   EXPECT_EQ(session.stop().stiffness_n_per_m, 0.8 * limit);
 }
 
+TEST(Session, SpeaksOfTheStiffnessThatALateLoopBearsAndNotOfThePlannedOne) {
+  constexpr double kDelayS = 0.004;
+  const auto late_hand = [](std::uint64_t, double time_s) {
+    DeviceSample sample = sample_at({0.0, 0.0, 0.02}, time_s);
+    sample.delay_s = kDelayS;
+    return sample;
+  };
+  Session session(sparsha::test::flat_scene(), std::make_unique<ScriptedDevice>(late_hand, true), SessionOptions{});
+  session.start();
+  const double limit = stiffness_limit(DeviceLimits{}, 0.001, kDelayS);
+  // The meter's bins are 4.4 % wide.
+  ASSERT_TRUE(poll_until(session, [&] {
+    const double known = session.state().read().stiffness_limit_n_per_m;
+    return known > 0.95 * limit && known < 1.01 * limit;
+  }));
+  const double known = session.state().read().stiffness_limit_n_per_m;
+  session.requests().post({Request::Kind::set_stiffness, 800.0});
+  EXPECT_TRUE(poll_until(session, [&] {
+    return said(session, fmt::format("Stiffness {:.0f} newtons a metre, all the device can bear", known));
+  }));
+  session.stop();
+}
+
 TEST(Session, ANewSceneKeepsTheHandsPlaceAndTheOldSceneIsLetGo) {
   Placed hand;
   auto first = sparsha::test::flat_scene(0.0);
