@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
+#include "base/error.h"
+#include "base/progress.h"
 #include "scene/ball_on_cell.h"
 
 namespace sparsha::pipeline {
@@ -29,12 +32,13 @@ struct Nodes {
         last(std::min(count - 1, begin + floor_of(1.0 - low + kRounding))) {}
 };
 
-/// A ball touches a node, an edge or the inside of a cell. Nodes are looked at from the ball's side; edges and cells
-/// know by their slopes from which nodes they are touched, mostly from none and from one.
+/// A ball touches a node, an edge or the inside of a cell. Of small balls nodes are looked at from the ball's side;
+/// those that a large ball may touch, edges and cells know by their slopes from which nodes they are touched, mostly
+/// from none and from one.
 class Dilation {
  public:
-  Dilation(std::vector<float>& height, int nx, int ny, double spacing, double radius)
-      : height_(height), nx_(nx), ny_(ny), unit_(spacing), radius_(radius / spacing) {
+  Dilation(std::vector<float>& height, int nx, int ny, double spacing, double radius, const Progress* progress)
+      : progress_(progress), height_(height), nx_(nx), ny_(ny), unit_(spacing), radius_(radius / spacing) {
     const double per_unit = 1.0 / spacing;
     low_.reserve(height.size());
     for (const float z : height) low_.push_back(static_cast<double>(z) * per_unit);
@@ -45,32 +49,55 @@ class Dilation {
       chord_.push_back(std::sqrt(std::max(0.0, radius_ * radius_ - static_cast<double>(d) * d)));
       steep_.push_back(d > 0 ? d / chord_.back() : 0.0);
     }
+    const auto widest = [&](int d) {
+      int width = 0;
+      while (radius_ * radius_ - static_cast<double>((width + 1) * (width + 1) + d * d) >= 0.0) ++width;
+      return width;
+    };
+    for (int d = 0; d <= reach_; ++d) widths_.push_back(widest(d));
     for (int dj = 0; dj <= reach_; ++dj)
       for (int di = 0; di <= reach_; ++di)
         caps_.push_back(std::sqrt(std::max(0.0, radius_ * radius_ - static_cast<double>(di * di + dj * dj))));
   }
 
   void run() {
-    for (int dj = -reach_; dj <= reach_; ++dj)
-      for (int di = -reach_; di <= reach_; ++di)
-        if (di != 0 || dj != 0) take_nodes(di, dj);
+    if (reach_ <= kFewRows)
+      take_all_nodes();
+    else
+      take_tops();
     const Axis rows{1, nx_, nx_, ny_};
-    for (int j = 0; j < ny_; ++j)
+    for_rows(ny_, [&](int j) {
       for (int i = 0; i + 1 < nx_; ++i) take_edge(rows, i, j);
+    });
     const Axis columns{nx_, 1, ny_, nx_};
-    for (int j = 0; j + 1 < ny_; ++j)
+    for_rows(ny_ - 1, [&](int j) {
       for (int i = 0; i < nx_; ++i) take_edge(columns, j, i);
-    for (int j = 0; j + 1 < ny_; ++j)
+    });
+    for_rows(ny_ - 1, [&](int j) {
       for (int i = 0; i + 1 < nx_; ++i) take_cell(i, j);
+    });
     for (std::size_t node = 0; node < low_.size(); ++node)
       height_[node] = static_cast<float>((best_[node] - radius_) * unit_);
   }
 
  private:
+  template <typename Row>
+  void for_rows(int count, const Row& row) const {
+    for (int j = 0; j < count; ++j) {
+      if (progress_ != nullptr && progress_->cancelled()) throw Cancelled();
+      row(j);
+    }
+  }
   [[nodiscard]] std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i);
   }
   static void raise(double& best, double value) { best = std::max(best, value); }
+
+  void take_all_nodes() {
+    for (int dj = -reach_; dj <= reach_; ++dj)
+      for (int di = -reach_; di <= reach_; ++di)
+        if (di != 0 || dj != 0) take_nodes(di, dj);
+  }
 
   void take_nodes(int di, int dj) {
     const double squared = radius_ * radius_ - static_cast<double>(di * di + dj * dj);
@@ -81,6 +108,49 @@ class Dilation {
       double* best = best_.data() + index(0, j);
       const double* other = low_.data() + index(0, j + dj);
       for (int i = std::max(0, -di); i < end; ++i) best[i] = std::max(best[i], other[i + di] + cap);
+    }
+  }
+
+  /// Of all nodes under a ball the highest with its cap is no lower than its neighbours with theirs: the cap's fall
+  /// from it to the next node is at least the ground's rise. A fall over one cell is the cap's slope somewhere in it,
+  /// so that only offsets count that lie within a cell of those where the cap is as steep as the ground on the node's
+  /// two sides. The rest has a higher neighbour by more than rounding, and the result is that of all nodes to the last
+  /// bit.
+  void take_tops() {
+    double greatest = radius_;
+    for (const double z : low_) greatest = std::max(greatest, std::abs(z));
+    const double play = 8.0 * std::numeric_limits<double>::epsilon() * greatest;
+    for_rows(ny_, [&](int j) {
+      for (int i = 0; i < nx_; ++i) take_top(i, j, play);
+    });
+  }
+
+  /// Sines of the slopes before and behind a node: where the cap is as steep, in shares of its width.
+  struct Sines {
+    double from, to;
+    Sines(const double* node, std::ptrdiff_t step, bool first, bool last, double play)
+        : from(last ? -1.0 : sine(node[step] - node[0] - play)), to(first ? 1.0 : sine(node[0] - node[-step] + play)) {}
+    [[nodiscard]] static double sine(double slope) { return slope / std::sqrt(1.0 + slope * slope); }
+    [[nodiscard]] double most() const { return std::max(std::abs(from), std::abs(to)); }
+  };
+
+  void take_top(int i, int j, double play) {
+    const double* node = low_.data() + index(i, j);
+    const Sines x(node, 1, i == 0, i + 1 == nx_, play);
+    const Sines y(node, nx_, j == 0, j + 1 == ny_, play);
+    const double widest = x.most() * radius_ + 1.0 + kRounding;
+    const double narrow = std::sqrt(std::max(0.0, radius_ * radius_ - widest * widest));
+    const auto row_of = [&](double sine, double outwards) { return sine * (sine * outwards > 0.0 ? radius_ : narrow); };
+    const int first = std::max(-reach_, -floor_of(1.0 + kRounding - row_of(y.from, -1.0)));
+    const int last = std::min(reach_, floor_of(row_of(y.to, 1.0) + 1.0 + kRounding));
+    for (int dj = std::max(first, j - ny_ + 1); dj <= std::min(last, j); ++dj) {
+      const auto row = static_cast<std::size_t>(std::abs(dj));
+      const int from = std::max(-widths_[row], -floor_of(1.0 + kRounding - x.from * chord_[row]));
+      const int to = std::min(widths_[row], floor_of(x.to * chord_[row] + 1.0 + kRounding));
+      double* best = best_.data() + index(0, j - dj);
+      const double* caps = caps_.data() + row * static_cast<std::size_t>(reach_ + 1);
+      for (int di = std::max(from, i - nx_ + 1); di <= std::min(to, i); ++di)
+        raise(best[i - di], node[0] + caps[std::abs(di)]);
     }
   }
 
@@ -197,7 +267,9 @@ class Dilation {
   static constexpr double kNear = 3e-3;    // the last Newton step to a top, which then is right to the square of it
   static constexpr double kBeside = 1e-4;  // of the cell, where a top that was found so well may belong to it
   static constexpr double kFlat = 0.5;
+  static constexpr int kFewRows = 5;  // of a ball so small that looking at all nodes under it takes less time
 
+  const Progress* progress_;
   std::vector<float>& height_;
   int nx_;
   int ny_;
@@ -207,15 +279,17 @@ class Dilation {
   std::vector<double> chord_;  // half the ball's width at so many rows from its middle
   std::vector<double> steep_;  // and the ball's slope across its edge there
   std::vector<double> caps_;   // and its height over its edge at so many rows and columns
+  std::vector<int> widths_;    // nodes on each side of its middle at so many rows
   std::vector<double> low_;
   std::vector<double> best_;
 };
 
 }  // namespace
 
-void touch_with_ball(std::vector<float>& height, int nx, int ny, double spacing, double radius) {
+void touch_with_ball(std::vector<float>& height, int nx, int ny, double spacing, double radius,
+                     const Progress* progress) {
   if (nx < 2 || ny < 2 || !(spacing > 0.0) || !(radius > 0.0)) return;
-  Dilation(height, nx, ny, spacing, radius).run();
+  Dilation(height, nx, ny, spacing, radius, progress).run();
 }
 
 }  // namespace sparsha::pipeline

@@ -12,6 +12,7 @@ WindowLoader::~WindowLoader() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
+  progress_.cancel();
   wake_.notify_all();
   thread_.join();
 }
@@ -19,6 +20,9 @@ WindowLoader::~WindowLoader() {
 void WindowLoader::request(Job job) {
   {
     const std::lock_guard lock(mutex_);
+    // A window comes to a place of its own or stays under the hand: only the former matters to what follows it.
+    const bool own_place = job.command.move;
+    std::erase_if(jobs_, [&](const Job& waiting) { return own_place || !waiting.command.move; });
     jobs_.push_back(std::move(job));
   }
   wake_.notify_one();
@@ -49,7 +53,7 @@ void WindowLoader::run() {
     lock.unlock();
     const auto begun = std::chrono::steady_clock::now();
     try {
-      result.job.command.window = load_window(*result.job.scene, result.job.plan, result.job.id);
+      result.job.command.window = load_window(*result.job.scene, result.job.plan, result.job.id, &progress_);
       result.job.command.window.scene = result.job.scene_number;
     } catch (const std::exception& error) {
       result.error = error.what();

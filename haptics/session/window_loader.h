@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "base/progress.h"
 #include "haptics/servo/command.h"
 #include "haptics/window/scene_window.h"
 #include "scene/scene.h"
@@ -33,10 +34,12 @@ class WindowLoader {
   };
 
   WindowLoader();
+  /// Cancels the load at work and waits for its end.
   ~WindowLoader();
   WindowLoader(const WindowLoader&) = delete;
   WindowLoader& operator=(const WindowLoader&) = delete;
 
+  /// Jobs that wait and whose view the new one leaves nothing of are dropped.
   void request(Job job);
   [[nodiscard]] std::optional<Result> take();
   /// Jobs that have been requested and not yet taken.
@@ -51,6 +54,7 @@ class WindowLoader {
   std::deque<Result> results_;
   bool working_ = false;
   bool stopping_ = false;
+  Progress progress_;
   std::thread thread_;
 };
 

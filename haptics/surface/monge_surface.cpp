@@ -107,7 +107,8 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
   const int nx = parts.lattice.nx + 2 * parts.margin;
   const int ny = parts.lattice.ny + 2 * parts.margin;
   pipeline::continue_heights(surface->height_m, nx, ny);
-  pipeline::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale);
+  pipeline::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale,
+                            parts.progress);
   if (parts.margin > 0) surface->height_m = cropped(surface->height_m, parts.lattice, parts.margin);
   surface->mu_dynamic = std::move(parts.friction.mu_dynamic);
   surface->mu_static = std::move(parts.friction.mu_static);

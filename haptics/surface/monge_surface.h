@@ -12,6 +12,10 @@
 
 #include "scene/depth_grid.h"
 
+namespace sparsha {
+class Progress;
+}
+
 namespace sparsha::haptics {
 
 /// Bits per cell, for State::flags.
@@ -59,13 +63,14 @@ struct SurfaceParts {
   std::uint64_t id = 0;
   std::optional<Eigen::Vector3d> centre_m;        ///< grid frame; absent: the surface in the window's middle
   std::shared_ptr<const SurfaceEffects> effects;  ///< may be null
+  const Progress* progress = nullptr;             ///< may cancel the making; null: nobody does
 };
 
 /// Nodes beyond a window that a ball over its border can touch.
 [[nodiscard]] int margin_of(double tip_radius_m, double scale, double spacing_m);
 
 /// Makes the surface; unknown heights are continued. Off the servo thread. Throws Error{failure} when sizes do not
-/// match the lattice, or lattice and scale are not positive and finite.
+/// match the lattice, or lattice and scale are not positive and finite, and Cancelled.
 [[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts);
 
 }  // namespace sparsha::haptics

@@ -158,6 +158,7 @@ std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescriptio
   parts.id = options.id;
   parts.centre_m = options.centre_m;
   parts.effects = options.surface_effects;
+  parts.progress = options.progress;
   return make_surface(std::move(parts));
 }
 

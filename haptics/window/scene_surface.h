@@ -20,6 +20,7 @@ struct SurfaceOptions {
   int margin = 0;                           ///< the layers reach so many nodes beyond the window on every side
   std::optional<Eigen::Vector3d> centre_m;  ///< grid frame; absent: the surface in the window's middle
   std::shared_ptr<const SurfaceEffects> surface_effects;  ///< may be null
+  const Progress* progress = nullptr;                     ///< may cancel; null: nobody does
 };
 
 /// Coefficients per node by the scene's FrictionLaw, both 0 where nothing was measured or filled. Empty when the scene

@@ -81,10 +81,12 @@ WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& 
   return plan;
 }
 
-HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id) {
+HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id,
+                         const Progress* progress) {
   const pipeline::SceneDescription& description = scene.description();
   const Lattice& level = description.levels.at(static_cast<std::size_t>(plan.level));
   SurfaceOptions options;
+  options.progress = progress;
   options.tip_radius_m = plan.tip_radius_m;
   options.margin = margin_of(plan.tip_radius_m, plan.scale, level.spacing_m);
   const int more = 2 * options.margin;

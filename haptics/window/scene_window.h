@@ -51,6 +51,7 @@ struct ZoomStep {
 
 /// Reads the tiles that are needed and makes the surface; centre at the nodes' middle, z of the surface there.
 /// Throws Error{input} when tiles cannot be read.
-[[nodiscard]] HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id);
+[[nodiscard]] HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id,
+                                       const Progress* progress = nullptr);
 
 }  // namespace sparsha::haptics

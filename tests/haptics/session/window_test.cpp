@@ -119,29 +119,6 @@ TEST(Window, ANearWindowHoldsTheSameStoneInFewerNodes) {
                   sparsha::test::hills_m(lattice.x_m(i), lattice.y_m(j)), 1e-6);
 }
 
-TEST(WindowLoader, LoadsInOrderOffTheCallersThread) {
-  const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);
-  WindowLoader loader;
-  for (std::uint64_t id = 1; id <= 5; ++id) {
-    WindowLoader::Job job;
-    job.scene = scene;
-    job.plan = plan_window(scene->description(), 0, {0.02 * static_cast<double>(id), 0.05}, 0.1);
-    job.id = id;
-    loader.request(std::move(job));
-  }
-  std::vector<std::uint64_t> loaded;
-  while (loaded.size() < 5)
-    if (const auto result = loader.take()) {
-      EXPECT_EQ(result->error, "");
-      ASSERT_NE(result->job.command.window.surface, nullptr);
-      loaded.push_back(result->job.command.window.id);
-    } else {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-  EXPECT_EQ(loaded, (std::vector<std::uint64_t>{1, 2, 3, 4, 5}));
-  EXPECT_FALSE(loader.busy());
-}
-
 /// A scene that cannot be read, as when a disk goes away.
 class BrokenScene final : public pipeline::Scene {
  public:

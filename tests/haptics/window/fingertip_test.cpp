@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+#include "base/error.h"
+#include "base/progress.h"
 #include "haptics/window/scene_window.h"
 #include "tests/support/scenes.h"
 
@@ -63,6 +65,42 @@ TEST(Fingertip, IsTheDilationOfTheBilinearSurfaceByABall) {
       }
       EXPECT_LE(most, (2.0 * rough * 0.5 + std::sqrt(radius)) / kParts) << radius << ' ' << rough;
     }
+}
+
+TEST(Fingertip, OfManyNodesIsNoLowerThanAnyNodeUnderItWithItsCap) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (const double radius : {6.2, 9.0, 12.7})
+    for (const double rough : {0.0, 0.02, 0.5, 6.0})
+      for (const double slope : {0.0, 0.6, -2.0}) {
+        constexpr int kNx = 27, kNy = 24;
+        std::vector<float> z;
+        for (int j = 0; j < kNy; ++j)
+          for (int i = 0; i < kNx; ++i)
+            z.push_back(static_cast<float>(rough * share(random) + slope * i - 0.3 * slope * j));
+        std::vector<float> ball = z;
+        touch_with_ball(ball, kNx, kNy, 1.0, radius);
+        for (int j = 0; j < kNy; ++j)
+          for (int i = 0; i < kNx; ++i) {
+            const auto here = static_cast<std::size_t>(j * kNx + i);
+            double highest = -1e300;
+            for (int y = 0; y < kNy; ++y)
+              for (int x = 0; x < kNx; ++x)
+                if (const double left = radius * radius - static_cast<double>((x - i) * (x - i) + (y - j) * (y - j));
+                    left >= 0.0)
+                  highest = std::max(highest,
+                                     static_cast<double>(z[static_cast<std::size_t>(y * kNx + x)]) + std::sqrt(left));
+            ASSERT_GE(ball[here], static_cast<float>(highest - radius)) << radius << ' ' << rough << ' ' << slope;
+          }
+      }
+}
+
+TEST(Fingertip, OfALargeWindowIsGivenUpWhenNobodyWaitsForIt) {
+  std::vector<float> z(300UL * 300UL, 0.0F);
+  Progress progress;
+  EXPECT_NO_THROW(touch_with_ball(z, 300, 300, 1.0, 2.0, &progress));
+  progress.cancel();
+  EXPECT_THROW(touch_with_ball(z, 300, 300, 1.0, 2.0, &progress), Cancelled);
 }
 
 /// The same at the middle of nine nodes: every cell sampled, the best places refined by a
