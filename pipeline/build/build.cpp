@@ -204,8 +204,7 @@ void fill_and_check(const Config& config, const BuildOptions& options, const Con
     if (!options.force) require_surface_near_points(base.grid.lattice, *report.check);
     scene.check_map = check_map_of(base.grid, *report.check);
   }
-  const bool has_points = projection.noise_m > 0.0;  // a mesh has none
-  for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, has_points, report.check)) {
+  for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, report.check)) {
     progress.warn(std::move(text));
   }
 }

@@ -175,7 +175,7 @@ class Builder {
         project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approve);
     // The noise is that of the points as measured; a mesh has none.
     double& noise_m = result_.projection.noise_m;
-    if (noise_m > 0.0) noise_m = std::hypot(noise_m, moved_rms_m);
+    if (!result_.projection.only_mesh) noise_m = std::hypot(noise_m, moved_rms_m);
     if (!checks()) return;
     auto classes = std::make_shared<Projection>();
     classes->point_class = std::move(result_.projection.point_class);

@@ -21,8 +21,9 @@ constexpr double kUnsure = 0.2;
 
 }  // namespace
 
-SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice, bool has_points,
+SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice,
                              const std::optional<CheckResult>& check) {
+  const bool has_points = !projection.only_mesh;
   const double apart = projection.point_spacing_m;
   SurfaceDoubts doubts;
   doubts.noisy = has_points && projection.noise_m > kNoisy * apart;
@@ -37,13 +38,13 @@ SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattic
 }
 
 std::vector<std::string> surface_warnings(const Projection& projection, const Lattice& lattice, std::uint64_t measured,
-                                          bool has_points, const std::optional<CheckResult>& check) {
+                                          const std::optional<CheckResult>& check) {
   std::vector<std::string> warnings;
-  if (!has_points || measured == 0) return warnings;
+  if (projection.only_mesh || measured == 0) return warnings;
   const double noise = projection.noise_m;
   const double apart = projection.point_spacing_m;
   const auto share = [&](std::uint64_t nodes) { return static_cast<double>(nodes) / static_cast<double>(measured); };
-  const SurfaceDoubts doubts = surface_doubts(projection, lattice, has_points, check);
+  const SurfaceDoubts doubts = surface_doubts(projection, lattice, check);
   if (doubts.noisy) {
     warnings.push_back(fmt::format(
         "the noise, {}, is more than half the distance between points, {}: forms of that size are not real; use a "

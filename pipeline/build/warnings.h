@@ -19,13 +19,13 @@ struct SurfaceDoubts {
   bool unfacing = false;     ///< much of what is seen first seems to face away
   double explained_m = 0.0;  ///< median distance that noise, and form between nodes and points, explain
 };
-[[nodiscard]] SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice, bool has_points,
+[[nodiscard]] SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice,
                                            const std::optional<CheckResult>& check);
 
-/// About a projection, whose grid is `lattice` with `measured` measured nodes, and its cross-check where there is one.
-/// `has_points`: there is more than a mesh.
+/// About a projection, whose grid is `lattice` with `measured` measured nodes, and its cross-check where there is one;
+/// nothing about one that has only a mesh.
 [[nodiscard]] std::vector<std::string> surface_warnings(const Projection& projection, const Lattice& lattice,
-                                                        std::uint64_t measured, bool has_points,
+                                                        std::uint64_t measured,
                                                         const std::optional<CheckResult>& check);
 
 /// Throws Error{input} when the surface lies farther from half of the points than a grid spacing: it is not theirs.

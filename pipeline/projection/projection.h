@@ -22,6 +22,7 @@ enum class PointClass : std::uint8_t { used, occluded, outlier, outside };
 struct Projection {
   DepthGrid grid;
   double noise_m = 0.0;                 ///< standard deviation of the points about the fits, from samples
+  bool only_mesh = false;               ///< every point is a corner of a face: there is no noise to find
   double point_spacing_m = 0.0;         ///< median spacing of front points
   double gap_m = 0.0;                   ///< the depth gap that separates front from back
   bool closed = false;                  ///< decided by tangent discs, see tangent_discs.h; only then are these counted:

@@ -81,6 +81,7 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   const ProjectionPlan plan = this->plan(points, scan_to_grid, origin_m, config, resolution_m, context.pool);
   if (approve) approve(plan.lattice, plan.bytes_per_point());
   Projection projection = plan.empty_projection();
+  projection.only_mesh = only_mesh_;
   context.progress.throw_if_cancelled();
 
   if (!only_mesh_) {

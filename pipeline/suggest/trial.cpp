@@ -158,8 +158,7 @@ Trial Trials::run(const View& view, double spacing_m, const ApproveLattice& appr
     const CheckResult check =
         cross_check(cloud_, scan_to_grid, projection, fill, CheckConfig{kCheckSamples}, {pool_, quiet});
     progress_.throw_if_cancelled();
-    const bool has_points = projection.noise_m > 0.0;
-    trial.doubts = surface_doubts(projection, lattice, has_points, check);
+    trial.doubts = surface_doubts(projection, lattice, check);
     trial.spacing_m = lattice.spacing_m;
     trial.point_spacing_m = projection.point_spacing_m;
     trial.noise_m = projection.noise_m;
@@ -169,7 +168,7 @@ Trial Trials::run(const View& view, double spacing_m, const ApproveLattice& appr
     trial.area_m2 = trial.measured * lattice.spacing_m * lattice.spacing_m;
     trial.fits = !trial.doubts.fine && check.cloud_to_surface.samples > 0 && trial.measured >= kFewest &&
                  trial.median_m <= kRoom * lattice.spacing_m &&
-                 (!has_points || trial.median_m <= kRoom * trial.doubts.explained_m);
+                 (projection.only_mesh || trial.median_m <= kRoom * trial.doubts.explained_m);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {

@@ -37,7 +37,7 @@ CheckResult checked(double median_m) {
 }
 
 std::vector<std::string> warnings_of(const Projection& projection, double median_m = 0.0001) {
-  return surface_warnings(projection, millimetre_grid(), kMeasured, true, checked(median_m));
+  return surface_warnings(projection, millimetre_grid(), kMeasured, checked(median_m));
 }
 
 void expect_one(const std::vector<std::string>& warnings, const std::string& words) {
@@ -47,7 +47,18 @@ void expect_one(const std::vector<std::string>& warnings, const std::string& wor
 
 TEST(SurfaceWarnings, ASoundSurfaceAndAMeshHaveNone) {
   EXPECT_TRUE(warnings_of(sound()).empty());
-  EXPECT_TRUE(surface_warnings(sound(), millimetre_grid(), kMeasured, false, checked(1.0)).empty());
+  Projection mesh = sound();
+  mesh.only_mesh = true;
+  mesh.noise_m = 0.0;
+  EXPECT_TRUE(warnings_of(mesh, 1.0).empty());
+}
+
+TEST(SurfaceWarnings, APointCloudWithoutNoiseHasThemAsAnyOther) {
+  Projection flat = sound();
+  flat.noise_m = 0.0;
+  expect_one(warnings_of(flat, 0.00021), "farther than 0.21 mm");
+  flat.point_spacing_m = 0.0031;
+  expect_one(warnings_of(flat), "3.1 times finer");
 }
 
 TEST(SurfaceWarnings, NameWhatIsDoubtfulAndWhatToDo) {
