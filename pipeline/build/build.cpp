@@ -162,20 +162,6 @@ void warn_of_empty_parts(const SceneDescription& scene, Progress& progress) {
   }
 }
 
-// What became of the points; takes the filters' findings.
-Report counts_of(ProjectedScans& scans) {
-  Report report;
-  report.points = scans.points;
-  report.filters = std::move(scans.filters);
-  report.kept_m = std::move(scans.kept_m);
-  report.orientation = std::move(scans.orientation);
-  report.points.used = scans.projection.used;
-  report.points.occluded = scans.projection.occluded;
-  report.points.outlier += scans.projection.outlier;
-  report.points.outside = scans.projection.outside;
-  return report;
-}
-
 Layers base_of(Projection& projection) {
   Layers base;
   base.grid = std::move(projection.grid);
@@ -220,7 +206,7 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   ProjectedScans scans = project_scans(config, options, {pool, progress});
   Projection& projection = scans.projection;
 
-  Report report = counts_of(scans);
+  Report report = take_counts(scans);
   report.pairs = pairs_of(config, options, {pool, progress});
   SceneDescription scene;
   if (config.orientation.face) {

@@ -384,4 +384,17 @@ ProjectedScans project_scans(const Config& config, const BuildOptions& options, 
   return Builder(config, options, context).run();
 }
 
+Report take_counts(ProjectedScans& scans) {
+  Report report;
+  report.points = scans.points;
+  report.filters = std::move(scans.filters);
+  report.kept_m = std::move(scans.kept_m);
+  report.orientation = std::move(scans.orientation);
+  report.points.used = scans.projection.used;
+  report.points.occluded = scans.projection.occluded;
+  report.points.outlier += scans.projection.outlier;
+  report.points.outside = scans.projection.outside;
+  return report;
+}
+
 }  // namespace sparsha::pipeline

@@ -32,4 +32,7 @@ struct ProjectedScans {
 /// arguments must outlive `check`.
 [[nodiscard]] ProjectedScans project_scans(const Config& config, const BuildOptions& options, const Context& context);
 
+/// A report of what became of the points; takes the filters' findings.
+[[nodiscard]] Report take_counts(ProjectedScans& scans);
+
 }  // namespace sparsha::pipeline

@@ -1,16 +1,13 @@
-// Points are classified by projecting them on the scene's own lattice; heights are the scene's.
+// Points are filtered and classified as by a build on the scene's own lattice; heights are the scene's.
 #include "pipeline/build/recheck.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "base/thread_pool.h"
-#include "pipeline/check/check.h"
-#include "pipeline/projection/projection.h"
-#include "pipeline/scan/reader.h"
+#include "pipeline/build/project_scans.h"
 #include "pipeline/scan/repeated.h"
 #include "scene/scene_folder.h"
 
@@ -19,7 +16,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<ScanConfig> scans_to_check(const SceneDescription& scene, const std::vector<fs::path>& files) {
+struct ScansToCheck {
+  std::vector<ScanConfig> scans;
+  bool own = true;  ///< the scene was made from all of them
+};
+
+ScansToCheck scans_to_check(const SceneDescription& scene, const std::vector<fs::path>& files) {
   if (files.empty()) {
     std::error_code code;
     for (const ScanConfig& scan : scene.config.scans) {
@@ -28,22 +30,25 @@ std::vector<ScanConfig> scans_to_check(const SceneDescription& scene, const std:
                           "name the scans to check against");
       }
     }
-    return scene.config.scans;
+    return {scene.config.scans};
   }
-  std::vector<ScanConfig> scans;
+  ScansToCheck result;
   for (const fs::path& file : files) {
     ScanConfig scan;
     scan.file = file;
     const MappedFile mapped(file);
     const std::string digest = mapped.whole([&] { return sha256(mapped.bytes()); });
+    bool own = false;
     for (std::size_t i = 0; i < std::min(scene.sources.size(), scene.config.scans.size()); ++i) {
       if (scene.sources[i].sha256 != digest) continue;
       scan.units = scene.config.scans[i].units;
       scan.pose = scene.config.scans[i].pose;
+      own = true;
     }
-    scans.push_back(std::move(scan));
+    result.own = result.own && own;
+    result.scans.push_back(std::move(scan));
   }
-  return scans;
+  return result;
 }
 
 // A file that is no scan may hold what is nobody's business: what a message quotes of it is left out.
@@ -59,14 +64,37 @@ std::string without_quotes(const std::string& message) {
   return text;
 }
 
-Cloud load_quietly(const std::vector<ScanConfig>& scans, Progress& progress) {
+// What is said of a scan quotes nothing of it; what is said of the scene's filters stays.
+ProjectedScans project_quietly(Config& config, const Context& context) {
   try {
-    return load_scans(without_repeats(scans, progress), progress);
+    config.scans = without_repeats(config.scans, context.progress);
+    return project_scans(config, {}, context);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
+    const auto is_place = [&](const ScanConfig& scan) { return scan.file.string() == error.place().file; };
+    if (!error.place().file.empty() && std::ranges::none_of(config.scans, is_place)) throw;
     throw Error(error.kind(), error.place(), without_quotes(error.wrong()), error.expected());
   }
+}
+
+// The build of the scene up to its cross-check, on the lattice that it has; `scans` in place of its own.
+Config config_of_check(const SceneDescription& scene, ScansToCheck&& scans, const CheckConfig& check) {
+  Config config;
+  config.scans = std::move(scans.scans);
+  if (scans.own) {
+    config.filters = scene.config.filters;
+    config.grid.noise_m = scene.config.grid.noise_m;
+  }
+  config.orientation.scan_to_grid = scene.config.orientation.scan_to_grid;
+  const Lattice& base = scene.levels.front();
+  config.grid.spacing_m = base.spacing_m;
+  config.grid.bounds_m = {base.x_m(0), base.y_m(0), base.x_m(base.nx - 1), base.y_m(base.ny - 1)};
+  config.grid.colour = config.grid.intensity = false;
+  config.haptics.resolution_m = scene.config.haptics.resolution_m;
+  config.fill = scene.config.fill;
+  config.check = check;
+  return config;
 }
 
 }  // namespace
@@ -78,32 +106,17 @@ Report recheck_scene(const Scene& scene, const std::vector<fs::path>& scans, con
     require_own_scans(description, scene.folder());
   }
   ThreadPool pool(threads);
-  Report report;
-  progress.begin("read");
-  const Cloud cloud = load_quietly(scans_to_check(description, scans), progress);
-  report.points.read = cloud.size() + cloud.invalid;
-  report.points.invalid = cloud.invalid;
-
-  progress.begin("project");
-  const Lattice& base = description.levels.front();
-  GridConfig grid;
-  grid.spacing_m = base.spacing_m;
-  grid.bounds_m = {base.x_m(0), base.y_m(0), base.x_m(base.nx - 1), base.y_m(base.ny - 1)};
-  const Eigen::Matrix4d scan_to_grid = description.scan_from_grid.inverse();
-  Projection projection = project(cloud, scan_to_grid, grid, description.config.haptics.resolution_m, {pool, progress});
-  report.points.used = projection.used;
-  report.points.occluded = projection.occluded;
-  report.points.outlier = projection.outlier;
-  report.points.outside = projection.outside;
+  Config config = config_of_check(description, scans_to_check(description, scans), check);
+  ProjectedScans projected = project_quietly(config, {pool, progress});
+  Report report = take_counts(projected);
 
   progress.begin("cross-check");
-  projection.grid = scene.read_level(0).grid;
-  projection.noise_m = std::max(projection.noise_m, description.noise_m);
-  report.check = cross_check(cloud, scan_to_grid, projection, description.config.fill, check, {pool, progress});
+  DepthGrid grid = scene.read_level(0).grid;
+  report.check = projected.check(grid);
   progress.finish();
   const auto count = [&](NodeState state) {
-    return static_cast<double>(std::count(projection.grid.state.begin(), projection.grid.state.end(), state)) /
-           static_cast<double>(projection.grid.state.size());
+    return static_cast<double>(std::count(grid.state.begin(), grid.state.end(), state)) /
+           static_cast<double>(grid.state.size());
   };
   report.coverage = count(NodeState::measured);
   report.filled_fraction = count(NodeState::filled);

@@ -11,7 +11,8 @@
 namespace sparsha::pipeline {
 
 /// Cross-checks level 0 against `scans`, or the scene's own when empty. A scan that the scene was made from keeps its
-/// units and pose, told by name or SHA-256; others are taken as they are. The report's `check` is always present.
+/// units and pose, told by SHA-256; others are taken as they are. The scene's filters and `grid.noise_mm` apply where
+/// all scans are its own, so that the figures are those of its build. The report's `check` is always present.
 /// Throws Error{input} when scans are missing, with the reason, and for Trust::own_folder as require_own_scans().
 [[nodiscard]] Report recheck_scene(const Scene& scene, const std::vector<std::filesystem::path>& scans,
                                    const CheckConfig& check, unsigned threads, Progress& progress,
