@@ -21,13 +21,11 @@
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/suggest.h"
 #include "scene/scene_folder.h"
-#include "scene/setup_text.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMostText = 1U << 20U;
 constexpr std::size_t kFaceSample = 20000;
 
 std::string title_of(const std::vector<pipeline::ScanConfig>& scans) {
@@ -62,19 +60,6 @@ viewer::ScanSetup setup_of(const pipeline::Config& config, const Eigen::Matrix4d
     break;
   }
   return setup;
-}
-
-void set_crop(pipeline::Config& config, const std::optional<pipeline::CropConfig>& crop) {
-  const auto old = std::ranges::find_if(
-      config.filters, [](const auto& filter) { return std::holds_alternative<pipeline::CropConfig>(filter); });
-  if (old != config.filters.end()) {
-    if (crop)
-      *old = *crop;
-    else
-      config.filters.erase(old);
-  } else if (crop) {
-    config.filters.insert(config.filters.begin(), *crop);
-  }
 }
 
 }  // namespace
@@ -175,11 +160,6 @@ viewer::OrientingStatus DepthScans::status() const {
   return status_;
 }
 
-void DepthScans::set_parts(const std::vector<pipeline::PartConfig>& parts) {
-  const std::lock_guard lock(mutex_);
-  config_.parts = parts;
-}
-
 pipeline::ScenePointer DepthScans::take_scene() {
   const std::lock_guard lock(mutex_);
   return std::exchange(scene_, nullptr);
@@ -254,7 +234,7 @@ void DepthScans::open() {
     require_trust();
     if (!guessed_) {
       const std::lock_guard lock(mutex_);
-      status_.proposal = setup_of(config_, base_to_grid_);
+      status_.proposal = scanned_.value_or(setup_of(config_, base_to_grid_));
       status_.spacing_m = config_.grid.spacing_m;
       ++status_.proposals;
     }
@@ -285,55 +265,43 @@ void DepthScans::find_face(pipeline::OrientationConfig::Face face, const viewer:
 void DepthScans::set_unit(pipeline::LengthUnit unit) {
   start("Reading the scans", [this, unit](Progress& progress) {
     pipeline::Config before;
+    double factor = 1.0;
     {
       const std::lock_guard lock(mutex_);
       before = config_;
-      const double factor = pipeline::metres_in(unit) / status_.points->metres_per_unit;
+      if (status_.points->metres_per_unit > 0.0) factor = pipeline::metres_in(unit) / status_.points->metres_per_unit;
       for (pipeline::ScanConfig& scan : config_.scans) scan.units = {unit, 0.0};
-      if (guessed_) pipeline::scale_lengths(config_, factor);
     }
     try {
       read(progress);
     } catch (...) {
       const std::lock_guard lock(mutex_);
-      config_ = before;
+      config_.scans = before.scans;
       throw;
     }
     note("The scans are read in " + pipeline::to_string(unit));
     const std::lock_guard lock(mutex_);
+    scale_by(factor);
     status_.spacing_m = config_.grid.spacing_m;
   });
 }
 
+// Of the last depth scan, or of the configuration.
 viewer::ScanSetup DepthScans::setup_from(const Eigen::Matrix4d& scan_to_grid) const {
   const std::lock_guard lock(mutex_);
-  return setup_of(config_, scan_to_grid);
+  viewer::ScanSetup setup = scanned_.value_or(setup_of(config_, scan_to_grid));
+  setup.scan_to_grid = scan_to_grid;
+  return setup;
 }
 
-pipeline::Config DepthScans::config_of(const viewer::ScanSetup& setup) const {
-  const std::lock_guard lock(mutex_);
-  pipeline::Config config = config_;
-  pipeline::OrientationConfig& orientation = config.orientation;
-  set_crop(config, setup.crop);
-  if (base_to_grid_ == setup.scan_to_grid) return config;
-  // What is written of places on the object stays there.
-  const bool places = !config.parts.empty() || config.audio;
-  if (places && !orientation.regions_scan_to_grid) orientation.regions_scan_to_grid = base_to_grid_;
-  // The label image lies over the grid that it was drawn for, not over the new one.
-  if (origin_ && config.audio && config.audio->labels && !config.audio->labels->bounds_m) {
-    const auto& built = origin_->description().config.audio;
-    if (built && built->labels) config.audio->labels->bounds_m = built->labels->bounds_m;
-  }
-  orientation.face.reset();
-  orientation.face_up.reset();
-  orientation.scan_to_grid = setup.scan_to_grid;
-  config.grid.bounds_m.reset();
-  return config;
-}
+void DepthScans::scan(const viewer::ScanSetup& setup) { build(setup, false); }
 
-void DepthScans::scan(const viewer::ScanSetup& setup) {
+void DepthScans::scan_from(const Eigen::Matrix4d& scan_to_grid) { build(setup_from(scan_to_grid), true); }
+
+// `proposes`: where the cloud is shown, it is turned to this setup.
+void DepthScans::build(const viewer::ScanSetup& setup, bool proposes) {
   const pipeline::Config config = config_of(setup);
-  start("Depth scan", [this, config](Progress& progress) {
+  start("Depth scan", [this, config, setup, proposes](Progress& progress) {
     {
       const std::lock_guard lock(mutex_);
       status_.scanning = true;
@@ -346,47 +314,12 @@ void DepthScans::scan(const viewer::ScanSetup& setup) {
                      count == 0 ? "" : fmt::format(", {} warning{} on the terminal", count, count == 1 ? "" : "s")));
     const std::lock_guard lock(mutex_);
     scene_ = std::move(result.scene);
-    warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
-  });
-}
-
-fs::path DepthScans::file_to_save() const {
-  if (!file_.empty()) return file_;
-  fs::path name = config_.scans.front().file.stem();
-  if (origin_ && !origin_->folder().empty()) {
-    const fs::path folder = origin_->folder().lexically_normal();
-    name = folder.filename().empty() ? folder.parent_path().filename() : folder.filename();
-  }
-  std::error_code code;
-  for (int k = 1; k < 1000; ++k) {
-    fs::path file = name;
-    file += k == 1 ? ".yaml" : fmt::format("-{}.yaml", k);
-    if (!fs::exists(file, code)) return file;
-  }
-  throw Error(ErrorKind::failure, {}, "there are too many configurations of that name here", "another folder");
-}
-
-void DepthScans::save(const viewer::ScanSetup& setup) {
-  const pipeline::Config wanted = config_of(setup);
-  start("Saving", [this, wanted](Progress&) {
-    fs::path file;
-    std::string text;
-    {
-      const std::lock_guard lock(mutex_);
-      file = file_to_save();
-      text = yaml_;
+    scanned_ = setup;
+    if (proposes) {
+      status_.proposal = setup;
+      ++status_.proposals;
     }
-    std::error_code code;
-    if (text.empty() && fs::is_regular_file(file, code)) text = read_file(file, kMostText);
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path();
-    const pipeline::SetupText result = pipeline::text_with_setup(text, wanted, folder);
-    write_file(file, result.text);
-    note(fmt::format("Saved as {}{}", file.string(),
-                     result.kept || text.empty() ? "" : "; its comments could not be kept"),
-         !result.kept && !text.empty());
-    const std::lock_guard lock(mutex_);
-    file_ = file;
-    yaml_.clear();
+    warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
   });
 }
 

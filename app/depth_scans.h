@@ -37,17 +37,18 @@ class DepthScans {
   void find_face(pipeline::OrientationConfig::Face face, const viewer::ScanSetup& setup);
   void set_unit(pipeline::LengthUnit unit);
   void scan(const viewer::ScanSetup& setup);
+  /// With the crop box of the last depth scan, else the configuration's, from another side.
+  void scan_from(const Eigen::Matrix4d& scan_to_grid);
   void cancel();
   void save(const viewer::ScanSetup& setup);
-  /// Parts that were edited on the scene; the next depth scan and the next saving have them.
-  void set_parts(const std::vector<pipeline::PartConfig>& parts);
+  /// Parts that were edited on the scene, and the frame that they are written in; the next depth scan and the next
+  /// saving have them.
+  void set_parts(const std::vector<pipeline::PartConfig>& parts, const Eigen::Matrix4d& scan_to_grid);
   [[nodiscard]] viewer::OrientingStatus status() const;
   /// A depth scan that has been made, once.
   [[nodiscard]] pipeline::ScenePointer take_scene();
   /// What builds warned of, once each; for the terminal.
   [[nodiscard]] std::vector<std::string> take_warnings();
-  /// The configuration's own setup, with another orientation.
-  [[nodiscard]] viewer::ScanSetup setup_from(const Eigen::Matrix4d& scan_to_grid) const;
   /// What a depth scan with that setup is built from. Parts and sounds stay on the object.
   [[nodiscard]] pipeline::Config config_of(const viewer::ScanSetup& setup) const;
 
@@ -57,6 +58,9 @@ class DepthScans {
   void read(Progress& progress);
   void suggest(Progress& progress);
   void require_trust() const;
+  void scale_by(double factor);
+  void build(const viewer::ScanSetup& setup, bool proposes);
+  [[nodiscard]] viewer::ScanSetup setup_from(const Eigen::Matrix4d& scan_to_grid) const;
   DepthScans();
   [[nodiscard]] std::filesystem::path file_to_save() const;
 
@@ -67,8 +71,10 @@ class DepthScans {
   std::string title_;
   mutable std::mutex mutex_;  ///< of all below
   pipeline::Config config_;
-  std::string yaml_;            ///< its text, or empty
-  std::filesystem::path file_;  ///< where it is saved; empty: to be chosen
+  std::optional<Eigen::Matrix4d> parts_to_grid_;  ///< the frame of config_.parts once they were edited
+  std::optional<viewer::ScanSetup> scanned_;      ///< that the last depth scan was made with
+  std::string yaml_;                              ///< its text, or empty
+  std::filesystem::path file_;                    ///< where it is saved; empty: to be chosen
   viewer::OrientingStatus status_;
   std::vector<pipeline::Station> stations_;
   std::vector<std::string> warnings_;

@@ -14,4 +14,9 @@ pipeline::ScenePointer with_parts(const pipeline::ScenePointer& scene, const std
   return edited;
 }
 
+const Eigen::Matrix4d& parts_frame(const pipeline::SceneDescription& scene) {
+  const pipeline::OrientationConfig& orientation = scene.config.orientation;
+  return orientation.regions_scan_to_grid ? *orientation.regions_scan_to_grid : orientation.scan_to_grid;
+}
+
 }  // namespace sparsha::app

@@ -13,4 +13,7 @@ namespace sparsha::app {
 [[nodiscard]] pipeline::ScenePointer with_parts(const pipeline::ScenePointer& scene,
                                                 const std::vector<pipeline::PartConfig>& parts);
 
+/// From the scans to the grid that a scene's parts are written in; where it was turned, that of the scene before.
+[[nodiscard]] const Eigen::Matrix4d& parts_frame(const pipeline::SceneDescription& scene);
+
 }  // namespace sparsha::app

@@ -73,21 +73,21 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
       exhibits_(arguments.scenes.empty() ? Exhibits() : Exhibits(arguments.scenes, common.trusted(), terminal)),
       chosen_(choose_device(arguments.device, window, falcon_options(arguments))) {
   if (starts_with_scans(arguments, window)) {
-    scans_ = std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end()));
-    if (const std::string why = scans_->unavailable(); !why.empty())
+    scans_.show(std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end())));
+    if (const std::string why = scans_.shown().unavailable(); !why.empty())
       throw input_error(arguments.scene.front(), "no such file", "a scene folder, a configuration or scans");
   } else if (chosen_.recording && (kept_ = kept_scenes_of(*chosen_.recording, common, terminal))) {
-    scans_ = std::make_unique<DepthScans>(kept_->first(), fs::path(), trust_);
+    scans_.show(std::make_unique<DepthScans>(kept_->first(), fs::path(), trust_));
     make_session_of(kept_->first());
   } else if (!exhibits_.empty()) {
     pipeline::ScenePointer scene = pipeline::open_scene(exhibits_.current(), trust_);
-    scans_ = std::make_unique<DepthScans>(scene, fs::path(), trust_);
+    scans_.show(std::make_unique<DepthScans>(scene, fs::path(), trust_));
     make_session_of(std::move(scene));
   } else {
     pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
     const std::string& first = arguments.scene.front();
     const bool config = is_config(first) && scene->folder().empty();
-    scans_ = std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted());
+    scans_.show(std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted()));
     make_session_of(std::move(scene));
   }
   speaker_.emplace(speech(), speaks(scene_),
@@ -155,7 +155,7 @@ void Exploration::deliver(const CommonOptions& common) {
 
 // The window was closed before a depth scan was made.
 void Exploration::deliver_nothing() const {
-  const viewer::OrientingStatus status = scans_->status();
+  const viewer::OrientingStatus status = scans_.shown().status();
   if (!status.points && status.problem) throw Error(ErrorKind::input, {}, status.note);
   const bool promised = !arguments_.record.empty() || !arguments_.screenshot.empty() || !arguments_.audio_out.empty() ||
                         !arguments_.study.empty();
@@ -198,7 +198,7 @@ viewer::WindowEnd Exploration::run_window(bool again) {
   connections_.poll = [this] { poll(); };
   connections_.finished = [this] { return over(); };
   connections_.scene = [this] { return session_ ? session_->scene() : nullptr; };
-  connections_.orienting = orienting_of([this]() -> DepthScans& { return *scans_; });
+  connections_.orienting = orienting_of([this]() -> DepthScans& { return scans_.shown(); });
   connections_.to_scans = [this] { return std::exchange(to_scans_, false); };
   if (!arguments_.kiosk) connections_.drop = [this](const std::vector<fs::path>& files) { drop(files); };
   if (session_ && session_->plays_recording())
@@ -222,6 +222,7 @@ void Exploration::connect_session() {
 }
 
 void Exploration::poll() {
+  scans_.settle();
   take_scan();
   tell_of_scans();
   if (!session_) return;
@@ -232,6 +233,7 @@ void Exploration::poll() {
   for (const haptics::Announcement& announcement : session_->announcements().since(heard_)) {
     heard_ = announcement.sequence;
     speaker_->hear(announcement);
+    if (announcement.text.empty()) continue;  // for speech alone
     if (announcement.priority != haptics::Announcement::Priority::information) {
       terminal_.message("warning: " + announcement.text);
     } else if (keys_ && keys_->active()) {
@@ -242,8 +244,8 @@ void Exploration::poll() {
 }
 
 void Exploration::tell_of_scans() {
-  const viewer::OrientingStatus status = scans_->status();
-  for (const std::string& warning : scans_->take_warnings()) terminal_.message("warning: " + warning);
+  const viewer::OrientingStatus status = scans_.shown().status();
+  for (const std::string& warning : scans_.shown().take_warnings()) terminal_.message("warning: " + warning);
   if (status.notes == notes_ && status.work == work_) return;
   const bool news = status.notes > 0;
   notes_ = status.notes;

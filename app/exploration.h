@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "app/commands.h"
-#include "app/depth_scans.h"
 #include "app/device_choice.h"
 #include "app/exhibits.h"
 #include "app/explore_arguments.h"
 #include "app/live_sound.h"
+#include "app/open_scans.h"
 #include "app/speaker.h"
 #include "app/terminal.h"
 #include "app/terminal_keys.h"
@@ -98,7 +98,6 @@ class Exploration {
   std::optional<haptics::RecordedScenes> kept_;  ///< with a recording of several scenes
   pipeline::ScenePointer scene_;
   pipeline::ScenePointer before_;  ///< the scene that was touched before
-  std::uint64_t scene_work_ = 0;   ///< the scans that scene_ was made from
   std::unique_ptr<haptics::Session> session_;
   std::shared_ptr<haptics::ContactQueue> contacts_;
   LiveSound sound_;
@@ -106,7 +105,7 @@ class Exploration {
   bool told_of_speech_ = false;
   std::optional<system::TerminalInput> keys_;  ///< without a window
   TerminalKeys meanings_;
-  std::unique_ptr<DepthScans> scans_;
+  OpenScans scans_;
   viewer::Connections connections_;
   std::uint64_t notes_ = 0, work_ = 0;
   bool to_scans_ = false;

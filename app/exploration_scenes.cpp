@@ -44,7 +44,7 @@ std::unique_ptr<haptics::Session> Exploration::session_of(const pipeline::SceneP
 // `needs_sound`: a scene whose sounds cannot be read is an error; else it is touched without them.
 void Exploration::make_session_of(pipeline::ScenePointer scene, bool needs_sound) {
   scene_ = std::move(scene);
-  scene_work_ = scans_->status().work;
+  scans_.touch();
   session_ = session_of(scene_);
   contacts_ = session_->add_contact_consumer();  // also where only a later scene sounds
   if (!sounds(scene_->description().config) && arguments_.audio_out.empty()) return;
@@ -100,8 +100,8 @@ void Exploration::change_sound(std::unique_ptr<audio::Engine> sound) {
 // Speech that a visitor has turned on or off stays so between scenes that ask for the same.
 void Exploration::change_speech(const pipeline::ScenePointer& before) {
   const bool on = speaks(before) == speaks(scene_) ? speaker_->on() : speaks(scene_);
-  session_->set_speech(speech().language, on);
-  speaker_->use(speech(), on);
+  session_->set_speech(speech().language, on, speaks(scene_));
+  speaker_->use(speech(), on, speaks(scene_));
 }
 
 // The recording that is played has come to another of its scenes: what is heard follows, as it did in the run. What is
@@ -123,7 +123,10 @@ void Exploration::follow_recording() {
 // The window cannot show the new scene: the one before comes back, unless a recording is played, which goes on.
 void Exploration::refuse(const std::string& why) {
   try {
-    if (const pipeline::ScenePointer before = std::exchange(before_, nullptr)) change_scene(before);
+    if (const pipeline::ScenePointer before = std::exchange(before_, nullptr)) {
+      change_scene(before);
+      scans_.go_back();
+    }
   } catch (const Error&) {
     // Its sounds cannot be read any more: the new scene is touched and the old picture shown.
   }
@@ -143,19 +146,19 @@ void Exploration::next_scene(int step) {
 
 // A finished depth scan goes to the session, the first one begins it.
 void Exploration::take_scan() {
-  const pipeline::ScenePointer scene = scans_->take_scene();
+  const pipeline::ScenePointer scene = scans_.shown().take_scene();
   if (!scene) return;
-  const bool other_object = scans_->status().work != scene_work_;
   try {
     if (!session_) {
       begin_with(scene);
-    } else if (other_object) {
+    } else if (!scans_.touched()) {
       change_scene(scene);
-      scene_work_ = scans_->status().work;
+      scans_.touch();
     } else {
       session_->set_scene(scene);
       before_ = std::exchange(scene_, scene);
       sound_.set_scene(scene);
+      scans_.touch();
     }
   } catch (const Error& error) {
     if (!session_) throw;
@@ -174,7 +177,7 @@ void Exploration::drop(const std::vector<fs::path>& files) {
     const auto is_one = [&](const fs::path& file) { return fs::is_directory(file, code) || is_config(file); };
     if (files.size() > 1 && std::ranges::any_of(files, is_one)) return warn("one_at_once");
     if (fs::is_directory(first, code)) return drop_scene(first);
-    scans_ = is_config(first) ? std::make_unique<DepthScans>(first) : std::make_unique<DepthScans>(files);
+    scans_.show(is_config(first) ? std::make_unique<DepthScans>(first) : std::make_unique<DepthScans>(files));
     to_scans_ = true;
   } catch (const Error& error) {
     warn("cannot_open", {{"reason", error.what()}});
@@ -184,12 +187,12 @@ void Exploration::drop(const std::vector<fs::path>& files) {
 void Exploration::drop_scene(const fs::path& folder) {
   pipeline::ScenePointer scene = pipeline::open_scene(folder, trust_);
   auto scans = std::make_unique<DepthScans>(scene, fs::path(), trust_);
-  if (session_) change_scene(scene);  // or nothing changes
-  scans_ = std::move(scans);
   if (session_) {
-    scene_work_ = scans_->status().work;
+    change_scene(scene);  // or nothing changes
+    scans_.touch(std::move(scans));
     return;
   }
+  scans_.show(std::move(scans));
   begin_with(scene);
 }
 
@@ -197,16 +200,16 @@ void Exploration::drop_scene(const fs::path& folder) {
 void Exploration::rescan(const Eigen::Matrix4d& scan_to_grid) {
   using Priority = haptics::Announcement::Priority;
   if (session_->plays_recording()) return announce("no_scan_while_played");
-  if (scans_->status().busy) return announce("scan_running");
-  if (const std::string why = scans_->unavailable(); !why.empty())
+  if (scans_.shown().status().busy) return announce("scan_running");
+  if (const std::string why = scans_.shown().unavailable(); !why.empty())
     return announce("no_new_scan", {{"reason", why}}, Priority::warning);
-  if (scans_->status().work != scene_work_)
-    return announce("no_new_scan", {{"reason", "other scans are open"}}, Priority::warning);
+  if (!scans_.touched()) return announce("no_new_scan", {{"reason", "other scans are open"}}, Priority::warning);
   announce("new_scan");
-  scans_->scan(scans_->setup_from(scan_to_grid));
+  scans_.shown().scan_from(scan_to_grid);
 }
 
-// Parts drawn or moved on the stone: felt and spoken at once, and kept in the scene's folder.
+// Parts drawn or moved on the stone: felt and spoken at once, and kept in the scene's folder. Scans of another object
+// that are open have no part in it.
 bool Exploration::edit_parts(const std::vector<pipeline::PartConfig>& parts) {
   try {
     pipeline::ScenePointer edited = with_parts(scene_, parts);
@@ -219,7 +222,7 @@ bool Exploration::edit_parts(const std::vector<pipeline::PartConfig>& parts) {
       change_sound(std::move(sound));
     else
       sound_.set_scene(scene_);
-    scans_->set_parts(parts);
+    if (scans_.touched()) scans_.shown().set_parts(parts, parts_frame(scene_->description()));
     return true;
   } catch (const Error& error) {
     warn("not_written", {{"reason", error.wrong()}});

@@ -27,7 +27,7 @@ void Speaker::take(const pipeline::SpeechConfig& config) {
   voice_ = 0;
 }
 
-void Speaker::use(const pipeline::SpeechConfig& config, bool on) {
+void Speaker::use(const pipeline::SpeechConfig& config, bool on, std::optional<bool> first_on) {
   const bool same = config.language == config_.language && config.voice == config_.voice &&
                     config.words_per_minute == config_.words_per_minute;
   if (!same) {
@@ -36,6 +36,7 @@ void Speaker::use(const pipeline::SpeechConfig& config, bool on) {
   }
   if (on_ && !on && speech_) speech_->be_silent();
   on_ = on;
+  first_on_ = first_on.value_or(on);
   if (on_) start();
 }
 
@@ -65,6 +66,16 @@ void Speaker::hear(const haptics::Announcement& announcement) {
       voice_ = (voice_ + 1) % voices_.size();
       if (speech_) speech_->set_voice(voice());
       break;
+    case Control::reset:
+      words_per_minute_ = config_.words_per_minute;
+      voice_ = 0;
+      on_ = first_on_;
+      if (on_) start();
+      if (!speech_) return;
+      speech_->be_silent();
+      speech_->set_words_per_minute(words_per_minute_);
+      speech_->set_voice(voice());
+      return;
     case Control::toggle:
       on_ = !on_;
       start();

@@ -20,7 +20,8 @@ class Speaker {
   Speaker(const pipeline::SpeechConfig& config, bool on, Play play);
 
   /// Another scene's: its language, voice and rate, where they differ from the present ones, from the next words on.
-  void use(const pipeline::SpeechConfig& config, bool on);
+  /// `first_on`: whether the next visitor finds it on, where that is not `on`.
+  void use(const pipeline::SpeechConfig& config, bool on, std::optional<bool> first_on = {});
   /// Does what the announcement asks of speech, and says it while speech is on. "Speech off" is the last that is said.
   void hear(const haptics::Announcement& announcement);
   /// False when speech is on and no speech program is installed.
@@ -41,6 +42,7 @@ class Speaker {
   std::vector<std::string> voices_;
   std::size_t voice_ = 0;
   bool on_ = false;
+  bool first_on_ = false;
   std::optional<audio::Speech> speech_;
 };
 

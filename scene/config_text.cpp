@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "scene/config.h"
+#include "scene/text_editor.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -258,6 +259,14 @@ std::string to_string(LengthUnit unit) {
   return kNames[static_cast<std::size_t>(unit)];
 }
 
+std::string box_text(const std::array<double, 4>& box_m) { return box(box_m); }
+
+std::string part_text(const PartConfig& part) {
+  return "{name: " + quote(part.name) + ", say: " + quote(part.say) +
+         (part.is_box() ? ", box_m: " + box(part.box_m) : outline_text(part)) + touch_text(part.touch) +
+         (part.more.empty() ? "" : ", more: " + quote(part.more)) + "}";
+}
+
 std::string to_yaml(const Config& config) {
   std::string text = config.scans.empty() ? "scans: []\n" : "scans:\n";
   for (const ScanConfig& scan : config.scans) {
@@ -292,9 +301,7 @@ std::string to_yaml(const Config& config) {
       millimetres(haptics.resolution_m), millimetres(haptics.tip_radius_m), invented_text(haptics));
   if (!config.parts.empty()) text += "parts:\n";
   for (const PartConfig& part : config.parts) {
-    text += "  - {name: " + quote(part.name) + ", say: " + quote(part.say) +
-            (part.is_box() ? ", box_m: " + box(part.box_m) : outline_text(part)) + touch_text(part.touch) +
-            (part.more.empty() ? "" : ", more: " + quote(part.more)) + "}\n";
+    text += "  - " + part_text(part) + "\n";
   }
   if (config.audio) text += audio_text(*config.audio);
   if (config.speech) {

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include "base/error.h"
 #include "base/yaml.h"
@@ -78,23 +80,70 @@ bool set_units(TextEditor& editor, const yaml::Node& root, const Config& given, 
   return true;
 }
 
+bool remove_crop(TextEditor& editor, const yaml::Entry& filters) {
+  if (filters.value.items.size() == 1) return editor.remove_items(filters);
+  for (std::size_t item = 0; item < filters.value.items.size(); ++item)
+    if (entry_of(filters.value.items[item], "crop") != nullptr) return editor.remove_item(filters.value, item);
+  return false;
+}
+
 bool set_crop(TextEditor& editor, const yaml::Node& root, const Config& given, const Config& wanted) {
   const CropConfig* crop = crop_of(wanted);
   const CropConfig* old = crop_of(given);
-  if (crop == nullptr) return old == nullptr;  // an item is not taken out of a text
+  const yaml::Node* filters = root.find("filters");
+  if (crop == nullptr) return old == nullptr || remove_crop(editor, *entry_of(root, "filters"));
   if (old != nullptr && crop->min_m == old->min_m && crop->max_m == old->max_m) return true;
   const std::string value =
       fmt::format("{{min_m: {}, max_m: {}}}", numbers_text(crop->min_m), numbers_text(crop->max_m));
-  const yaml::Node* filters = root.find("filters");
-  if (filters == nullptr || !filters->is_sequence() || filters->items.empty()) {
-    if (filters != nullptr) return false;
+  if (filters == nullptr) {
     editor.append("filters:\n  - crop: " + value + "\n");
     return true;
   }
+  if (filters->items.empty()) return editor.set_value(*entry_of(root, "filters"), "[{crop: " + value + "}]");
   if (old == nullptr) return editor.add_first_item(*filters, "crop: " + value);
   for (const yaml::Node& item : filters->items)
     if (const yaml::Entry* entry = entry_of(item, "crop")) return editor.set_value(*entry, value);
   return false;
+}
+
+/// The same part, wherever its box is.
+bool is_same_part(const PartConfig& given, const PartConfig& wanted) {
+  PartConfig moved = wanted;
+  moved.box_m = given.box_m;
+  return part_text(moved) == part_text(given);
+}
+
+// As parts are edited on the object: moved, removed, drawn anew behind the others.
+bool set_parts(TextEditor& editor, const yaml::Node& root, const Config& given, const Config& wanted) {
+  const yaml::Entry* entry = entry_of(root, "parts");
+  std::string all;
+  for (const PartConfig& part : wanted.parts) all += "  - " + part_text(part) + "\n";
+  if (entry == nullptr) {
+    if (!wanted.parts.empty()) editor.append("parts:\n" + all);
+    return true;
+  }
+  const yaml::Node& list = entry->value;
+  if (list.items.size() != given.parts.size()) return false;
+  std::vector<std::size_t> gone;
+  std::size_t next = 0;
+  for (std::size_t item = 0; item < given.parts.size(); ++item) {
+    const PartConfig& old = given.parts[item];
+    if (next >= wanted.parts.size() || !is_same_part(old, wanted.parts[next])) {
+      gone.push_back(item);
+      continue;
+    }
+    const PartConfig& part = wanted.parts[next++];
+    if (part.box_m == old.box_m) continue;
+    const yaml::Entry* box = entry_of(list.items[item], "box_m");
+    if (box == nullptr || !editor.set_value(*box, box_text(part.box_m))) return false;
+  }
+  if (list.items.empty()) return wanted.parts.empty() || editor.set_value(*entry, "\n" + all);
+  if (wanted.parts.empty()) return editor.remove_items(*entry);
+  for (const std::size_t item : gone)
+    if (!editor.remove_item(list, item)) return false;
+  std::vector<std::string> more;
+  for (; next < wanted.parts.size(); ++next) more.push_back(part_text(wanted.parts[next]));
+  return editor.add_last_items(list, more);
 }
 
 std::optional<std::string> edited(const std::string& text, const Config& wanted, const fs::path& folder) {
@@ -110,7 +159,9 @@ std::optional<std::string> edited(const std::string& text, const Config& wanted,
   } else if (!editor.set_value(*orientation, value)) {
     return std::nullopt;
   }
-  if (!set_units(editor, root, given, wanted) || !set_crop(editor, root, given, wanted)) return std::nullopt;
+  if (!set_units(editor, root, given, wanted) || !set_crop(editor, root, given, wanted) ||
+      !set_parts(editor, root, given, wanted))
+    return std::nullopt;
   return editor.finish();
 }
 
@@ -138,7 +189,16 @@ SetupText text_with_setup(const std::string& text, const Config& wanted, const f
   return {to_yaml(moved), false};
 }
 
+void scale_parts(Config& config, double factor) {
+  for (PartConfig& part : config.parts) {
+    for (double& side_m : part.box_m) side_m *= factor;
+    for (auto& corner_m : part.polygon_m)
+      for (double& coordinate_m : corner_m) coordinate_m *= factor;
+  }
+}
+
 void scale_lengths(Config& config, double factor) {
+  scale_parts(config, factor);
   config.grid.spacing_m *= factor;
   if (config.grid.noise_m) *config.grid.noise_m *= factor;
   if (config.fill) config.fill->max_gap_m *= factor;

@@ -70,7 +70,7 @@ bool TextEditor::set_path(const yaml::Node& value, const fs::path& path) {
 
 bool TextEditor::set_value(const yaml::Entry& entry, const std::string& value) {
   const std::optional<std::size_t> begin = offset(entry.value.place);
-  if (begin && text_[*begin] == '{') {
+  if (begin && (text_[*begin] == '{' || text_[*begin] == '[')) {
     edits_.push_back({*begin, after_braces(*begin), value});
     return true;
   }
@@ -81,14 +81,7 @@ bool TextEditor::set_value(const yaml::Entry& entry, const std::string& value) {
   const std::optional<std::size_t> key = offset(entry.place);
   if (!key) return false;
   // A block: the key's line and those below that are indented deeper.
-  const auto indent = static_cast<std::size_t>(entry.place.column) - 1;
-  std::size_t end = line_end(*key);
-  while (end < text_.size()) {
-    const std::size_t first_of_line = end + 1;
-    const std::size_t first = text_.find_first_not_of(' ', first_of_line);
-    if (first == std::string::npos || first - first_of_line <= indent || text_[first] == '\n') break;
-    end = line_end(first_of_line);
-  }
+  const std::size_t end = block_end(*key, static_cast<std::size_t>(entry.place.column) - 1);
   edits_.push_back({*key, end, entry.key + ": " + value});
   return true;
 }
@@ -111,11 +104,52 @@ bool TextEditor::add_key(const yaml::Node& map, const yaml::Node& after, const s
 bool TextEditor::add_first_item(const yaml::Node& sequence, const std::string& item) {
   if (sequence.items.empty()) return false;
   const std::optional<std::size_t> first = offset(sequence.items.front().place);
-  if (!first) return false;
-  const std::size_t line = *first == 0 ? 0 : text_.rfind('\n', *first - 1) + 1;
-  const std::size_t dash = text_.find_first_not_of(' ', line);
-  if (dash == std::string::npos || text_[dash] != '-') return false;
-  edits_.push_back({line, line, std::string(dash - line, ' ') + "- " + item + "\n"});
+  const std::optional<std::size_t> dash = dash_of(sequence.items.front());
+  if (!first || !dash) return false;
+  const std::size_t line = text_.rfind('\n', *first) + 1;
+  edits_.push_back({line, line, std::string(*dash, ' ') + "- " + item + "\n"});
+  return true;
+}
+
+bool TextEditor::add_last_items(const yaml::Node& sequence, const std::vector<std::string>& items) {
+  if (items.empty()) return true;
+  const std::optional<std::size_t> last = sequence.items.empty() ? std::nullopt : offset(sequence.items.back().place);
+  if (!last) return false;
+  std::string text;
+  if (const std::optional<std::size_t> dash = dash_of(sequence.items.back())) {
+    const std::size_t end = block_end(*last, *dash);
+    for (const std::string& item : items) text += std::string(*dash, ' ') + "- " + item + "\n";
+    if (end == text_.size())
+      edits_.push_back({end, end, "\n" + text});
+    else
+      edits_.push_back({end + 1, end + 1, text});
+    return true;
+  }
+  if (text_[*last] != '{') return false;
+  for (const std::string& item : items) text += ", " + item;
+  const std::size_t end = after_braces(*last);
+  edits_.push_back({end, end, text});
+  return true;
+}
+
+bool TextEditor::remove_item(const yaml::Node& sequence, std::size_t item) {
+  const std::optional<std::size_t> begin = offset(sequence.items[item].place);
+  const std::optional<std::size_t> dash = dash_of(sequence.items[item]);
+  if (!begin || !dash) return false;
+  const std::size_t line = text_.rfind('\n', *begin) + 1;
+  const std::size_t end = std::min(block_end(*begin, *dash) + 1, text_.size());
+  edits_.push_back({line, end, ""});
+  return true;
+}
+
+bool TextEditor::remove_items(const yaml::Entry& entry) {
+  const std::optional<std::size_t> key = offset(entry.place);
+  if (!key) return false;
+  for (std::size_t item = 0; item < entry.value.items.size(); ++item)
+    if (!remove_item(entry.value, item)) return false;
+  const std::size_t colon = text_.find(':', *key);
+  if (colon == std::string::npos) return false;
+  edits_.push_back({colon + 1, colon + 1, " []"});
   return true;
 }
 
@@ -134,6 +168,30 @@ std::optional<std::size_t> TextEditor::offset(const Place& place) const {
   if (place.line < 1 || static_cast<std::size_t>(place.line) > starts_.size()) return std::nullopt;
   const std::size_t at = starts_[static_cast<std::size_t>(place.line) - 1] + static_cast<std::size_t>(place.column) - 1;
   return at < text_.size() ? std::optional(at) : std::nullopt;
+}
+
+std::size_t TextEditor::block_end(std::size_t at, std::size_t indent) const {
+  std::size_t end = line_end(at), next = end;
+  while (next < text_.size()) {
+    const std::size_t first_of_line = next + 1;
+    const std::size_t first = text_.find_first_not_of(' ', first_of_line);
+    if (first == std::string::npos) break;
+    const bool nothing = text_[first] == '\n' || text_[first] == '#';
+    if (!nothing && first - first_of_line <= indent) break;
+    next = line_end(first_of_line);
+    if (!nothing) end = next;
+  }
+  return end;
+}
+
+std::optional<std::size_t> TextEditor::dash_of(const yaml::Node& item) const {
+  const std::optional<std::size_t> at = offset(item.place);
+  if (!at) return std::nullopt;
+  const std::size_t line = *at == 0 ? 0 : text_.rfind('\n', *at - 1) + 1;
+  const std::size_t dash = text_.find_first_not_of(' ', line);
+  if (dash == std::string::npos || dash >= *at || text_[dash] != '-' || text_.find_first_not_of(' ', dash + 1) != *at)
+    return std::nullopt;
+  return dash - line;
 }
 
 std::size_t TextEditor::line_end(std::size_t at) const { return std::min(text_.find('\n', at), text_.size()); }
@@ -158,8 +216,8 @@ std::size_t TextEditor::after_braces(std::size_t at) const {
       at = after_quoted(at);
       continue;
     }
-    if (c == '{') ++depth;
-    if (c == '}' && --depth == 0) return at + 1;
+    if (c == '{' || c == '[') ++depth;
+    if ((c == '}' || c == ']') && --depth == 0) return at + 1;
     ++at;
   }
   return text_.size();

@@ -24,6 +24,12 @@ class TextEditor {
   bool add_key(const yaml::Node& map, const yaml::Node& after, const std::string& key, const std::string& value);
   /// An item more at the head of a block sequence.
   bool add_first_item(const yaml::Node& sequence, const std::string& item);
+  /// Items more behind the last one, which may be removed at once: below it, in braces on its line.
+  bool add_last_items(const yaml::Node& sequence, const std::vector<std::string>& items);
+  /// An item less of a block sequence; comments on lines of their own stay.
+  bool remove_item(const yaml::Node& sequence, std::size_t item);
+  /// All items less of the block sequence that is the key's value: [] is left.
+  bool remove_items(const yaml::Entry& entry);
   /// A block at the end.
   void append(const std::string& lines);
 
@@ -39,6 +45,10 @@ class TextEditor {
   [[nodiscard]] std::size_t line_end(std::size_t at) const;
   [[nodiscard]] std::size_t after_quoted(std::size_t at) const;
   [[nodiscard]] std::size_t after_braces(std::size_t at) const;
+  /// Of the lines below `at`'s that are indented deeper than `indent`; comments and empty lines at their end are not.
+  [[nodiscard]] std::size_t block_end(std::size_t at, std::size_t indent) const;
+  /// Column of the dash before an item of a block sequence; nothing for others.
+  [[nodiscard]] std::optional<std::size_t> dash_of(const yaml::Node& item) const;
 
   std::string text_;
   std::vector<std::size_t> starts_;  // of lines
@@ -47,6 +57,10 @@ class TextEditor {
 
 /// Where there is no way from the folder to the path (another drive), the path itself.
 [[nodiscard]] std::filesystem::path relative_to(const std::filesystem::path& path, const std::filesystem::path& folder);
+
+/// A part, and its box, as a configuration has them.
+[[nodiscard]] std::string part_text(const PartConfig& part);
+[[nodiscard]] std::string box_text(const std::array<double, 4>& box_m);
 
 /// The configuration with absolute paths, as text: equal for configurations that mean the same.
 [[nodiscard]] std::string comparable_text(Config config);

@@ -141,6 +141,8 @@ constexpr std::array kBindings{
     Binding{'F', 0, Action::friction, false},
     Binding{']', kAny, Action::stiffer, true},
     Binding{'[', kAny, Action::softer, true},
+    Binding{'9', kAny, Action::stiffer, true},  // where a bracket's place has another meaning
+    Binding{'8', kAny, Action::softer, true},
     Binding{' ', 0, Action::describe, false},
     Binding{'C', 0, Action::colour, false},
     Binding{'C', kShift, Action::colour_back, false},
@@ -270,6 +272,10 @@ std::optional<Action> action_of(const KeyPress& press, bool kiosk) {
     return binding.action;
   }
   return std::nullopt;
+}
+
+bool is_key(int key) {
+  return std::ranges::any_of(kBindings, [key](const Binding& binding) { return binding.key == key; });
 }
 
 const char* name_of(Group group) {

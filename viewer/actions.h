@@ -120,6 +120,8 @@ struct ActionInfo {
 [[nodiscard]] const ActionInfo& info_of(Action action);
 /// The action of a key, or nothing. In kiosk mode only Control+Q ends the program.
 [[nodiscard]] std::optional<Action> action_of(const KeyPress& press, bool kiosk);
+/// True when the key has an action with some modifiers.
+[[nodiscard]] bool is_key(int key);
 [[nodiscard]] const char* name_of(Group group);
 
 }  // namespace sparsha::viewer

@@ -37,6 +37,9 @@ class Controller {
     if (frame_.marks.typing) marking_.type(character);  // and not the key that has begun the words
   }
   void act(Action action);
+  /// An exhibit's next visitor finds nothing of the one before: pressed hand, focus, guide, speech, settings, view.
+  /// `first`: the settings at the start.
+  void welcome_next(const ViewSettings& first);
 
   /// Mouse, pixels in the window; `view` is the picture's detail view and `layout` where it lies.
   void mouse_move(double x, double y, const Layout& layout, const View& view, const Stage& stage,

@@ -149,6 +149,23 @@ void Controller::go_home() {
   if (scene_) wishes_.act(Action::whole_scene, frame_.state, window());
 }
 
+void Controller::welcome_next(const ViewSettings& first) {
+  release(drag_key_);
+  if (grip_ == Grip::mark) marking_.release();
+  grip_ = Grip::none;  // and what it held is not clicked
+  hand_.press(false);
+  while (marking_.escape()) {
+  }
+  frame_.looks = !frame_.has_pointer;
+  frame_.asks_rescan = false;
+  frame_.focused = -1;
+  boxes_.clear();
+  light_preset_ = 0;
+  frame_.settings = first;
+  wishes_.welcome_next();
+  go_home();
+}
+
 // The pointer's hand, moved by keys.
 bool Controller::step_hand(Action action) {
   switch (action) {

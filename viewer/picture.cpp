@@ -85,7 +85,7 @@ void Picture::set_scene(pipeline::ScenePointer scene) {
   piece_.reset();
   whole_ = std::make_unique<ReliefView>(std::move(data), stage_);
   whole_->set_light(light_, pool_, true);
-  const Paint paint = paint_relief(whole_->data(), description, colour_);
+  const Paint paint = paint_relief(whole_->data(), description, colour_, workspace_m_);
   whole_->set_paint(paint);
   legend_ = paint.legend;
   stones_lit_ = false;
@@ -148,12 +148,15 @@ void Picture::prepare_style(const Frame& frame) {
     set_light(true);
   }
   const ColourMode wanted = has_mode(description, frame.settings.colour) ? frame.settings.colour : ColourMode::relief;
-  if (wanted != colour_) {
+  const double workspace_m = frame.state.tick != 0 ? frame.state.workspace_m : workspace_m_;
+  const bool other_hand = workspace_m != workspace_m_ && wanted == ColourMode::friction;
+  workspace_m_ = workspace_m;
+  if (wanted != colour_ || other_hand) {
     colour_ = wanted;
-    const Paint paint = paint_relief(whole_->data(), description, colour_);
+    const Paint paint = paint_relief(whole_->data(), description, colour_, workspace_m_);
     whole_->set_paint(paint);
     legend_ = paint.legend;
-    if (piece_) piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
+    if (piece_) piece_->set_paint(paint_relief(piece_->data(), description, colour_, workspace_m_, &legend_));
     stones_lit_ = false;
   }
 }
@@ -174,7 +177,7 @@ void Picture::follow_window(const Frame& frame, const Window& window) {
       if (ready) {
         piece_ = std::make_unique<ReliefView>(loading_->data.get(), stage_);
         piece_->set_light(light_, pool_, true);
-        piece_->set_paint(paint_relief(piece_->data(), description, colour_, &legend_));
+        piece_->set_paint(paint_relief(piece_->data(), description, colour_, workspace_m_, &legend_));
         stones_lit_ = false;
       }
     } catch (const Error&) {

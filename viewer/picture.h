@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "scene/workspace.h"
 #include "viewer/frame.h"
 #include "viewer/gl/objects.h"
 #include "viewer/overlay.h"
@@ -88,6 +89,7 @@ class Picture {
   bool light_fine_ = true;
   double light_changed_s_ = 0.0;
   ColourMode colour_ = ColourMode::relief;
+  double workspace_m_ = pipeline::kDeskWorkspaceM;  ///< of the hand
   bool envelope_ = false;
   bool high_contrast_ = false;
   Look look_ = Look::stone;

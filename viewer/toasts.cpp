@@ -16,7 +16,7 @@ std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoar
     fresh.insert(fresh.end(), said.begin(), said.end());
   }
   for (Announcement& announcement : fresh) {
-    if (announcement.text == hidden_) continue;
+    if (announcement.text.empty() || announcement.text == hidden_) continue;
     double length_s = 2.0 + 0.06 * static_cast<double>(announcement.text.size());
     if (announcement.priority == Announcement::Priority::warning) length_s *= 1.5;
     if (announcement.priority == Announcement::Priority::fault) length_s *= 2.0;

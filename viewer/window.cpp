@@ -1,7 +1,6 @@
 // The window: GLFW's events to the controller, the controller's frames to the screen.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -26,6 +25,7 @@
 #include "viewer/controller.h"
 #include "viewer/display_loss.h"
 #include "viewer/gui/gui.h"
+#include "viewer/keys.h"
 #include "viewer/kiosk/attract.h"
 #include "viewer/picture.h"
 #include "viewer/screenshot.h"
@@ -72,7 +72,8 @@ struct Inputs {
   [[nodiscard]] double pixel_ratio() const {
     return window_width > 0 ? static_cast<double>(width) / window_width : 1.0;
   }
-  bool damaged = true;  ///< the window's contents are lost
+  bool damaged = true;   ///< the window's contents are lost
+  bool stirred = false;  ///< a key, a button or the mouse since the last picture
   bool iconified = false;
 };
 
@@ -82,53 +83,11 @@ int modifiers_of(int mods) {
   return ((mods & GLFW_MOD_SHIFT) != 0 ? kShift : 0) | ((mods & GLFW_MOD_CONTROL) != 0 ? kControl : 0);
 }
 
-/// The key by the name that this keyboard's layout gives it; 0 for keys without a meaning here.
-int key_of(int glfw_key, int scancode) {
-  if (glfw_key >= GLFW_KEY_F1 && glfw_key <= GLFW_KEY_F12) return key::kF1 + glfw_key - GLFW_KEY_F1;
-  switch (glfw_key) {
-    case GLFW_KEY_LEFT:
-      return key::kLeft;
-    case GLFW_KEY_RIGHT:
-      return key::kRight;
-    case GLFW_KEY_UP:
-      return key::kUp;
-    case GLFW_KEY_DOWN:
-      return key::kDown;
-    case GLFW_KEY_PAGE_UP:
-      return key::kPageUp;
-    case GLFW_KEY_PAGE_DOWN:
-      return key::kPageDown;
-    case GLFW_KEY_HOME:
-      return key::kHome;
-    case GLFW_KEY_ENTER:
-    case GLFW_KEY_KP_ENTER:
-      return key::kEnter;
-    case GLFW_KEY_ESCAPE:
-      return key::kEscape;
-    case GLFW_KEY_TAB:
-      return key::kTab;
-    case GLFW_KEY_DELETE:
-      return key::kDelete;
-    case GLFW_KEY_BACKSPACE:
-      return key::kBackspace;
-    case GLFW_KEY_SPACE:
-      return ' ';
-    case GLFW_KEY_KP_ADD:
-      return '+';
-    case GLFW_KEY_KP_SUBTRACT:
-      return '-';
-    default:
-      break;
-  }
-  const char* name = glfwGetKeyName(glfw_key, scancode);
-  if (name != nullptr && name[0] != '\0' && name[1] == '\0') return std::toupper(static_cast<unsigned char>(name[0]));
-  return glfw_key >= GLFW_KEY_A && glfw_key <= GLFW_KEY_Z ? 'A' + glfw_key - GLFW_KEY_A : 0;
-}
-
 void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods) {
-  inputs_of(window).attract->touched();
-  const int key = key_of(glfw_key, scancode);
   Inputs& in = inputs_of(window);
+  in.attract->touched();
+  in.stirred = true;
+  const int key = key_of(glfw_key, glfwGetKeyName(glfw_key, scancode), in.cloud != nullptr ? is_cloud_key : is_key);
   if (event == GLFW_RELEASE) {
     if (in.controller != nullptr) in.controller->release(key);
     return;
@@ -146,12 +105,14 @@ void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods)
 
 void on_character(GLFWwindow* window, unsigned character) {
   Inputs& in = inputs_of(window);
+  in.stirred = true;
   if (in.cloud == nullptr && in.controller != nullptr) in.controller->type(static_cast<char32_t>(character));
 }
 
 void on_move(GLFWwindow* window, double x, double y) {
   Inputs& in = inputs_of(window);
   in.attract->touched();
+  in.stirred = true;
   in.mouse_x = x * in.pixel_ratio();
   in.mouse_y = y * in.pixel_ratio();
   if (in.cloud != nullptr) return in.cloud->mouse_move(in.mouse_x, in.mouse_y);
@@ -164,6 +125,7 @@ void on_move(GLFWwindow* window, double x, double y) {
 void on_button(GLFWwindow* window, int button, int event, int mods) {
   Inputs& in = inputs_of(window);
   in.attract->touched();
+  in.stirred = true;
   if (in.cloud == nullptr) {
     // Where it was clicked counts, and not where the last move was reported.
     double x = 0.0, y = 0.0;
@@ -189,6 +151,7 @@ void on_scroll(GLFWwindow* window, double /*x*/, double y) {
     mods |= kControl;
   Inputs& in = inputs_of(window);
   in.attract->touched();
+  in.stirred = true;
   if (in.cloud != nullptr) {
     if (!in.gui->wants_mouse()) in.cloud->mouse_wheel(y);
   } else if (in.controller != nullptr) {
@@ -207,13 +170,7 @@ void on_drop(GLFWwindow* window, int count, const char** names) {
 void attract_visitors(Attract& attract, Controller& controller, const ViewSettings& first, double time_s,
                       const haptics::State& state) {
   const Attract::Change change = attract.update(time_s, state);
-  if (change == Attract::Change::begins) {
-    controller.act(Action::home);
-    ViewSettings& settings = controller.frame().settings;
-    settings.help = false;
-    settings.high_contrast = settings.large_type = settings.mark_filled = false;
-    settings.colour = first.colour;
-  }
+  if (change == Attract::Change::begins) controller.welcome_next(first);
   if (attract.shows()) controller.frame().settings.light = attract.light(time_s);
   if (change == Attract::Change::ends) controller.frame().settings.light = KeyLight{};
 }
@@ -246,18 +203,24 @@ struct WindowHandle {
   }
 };
 
-/// Full screen and back to where the window was.
-void switch_full_screen(WindowHandle& window) {
+/// False without a screen.
+bool fill_screen(GLFWwindow* window) {
   GLFWmonitor* monitor = glfwGetPrimaryMonitor();
   const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
-  if (mode == nullptr) return;
+  if (mode == nullptr) return false;
+  glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+  return true;
+}
+
+/// Full screen and back to where the window was.
+void switch_full_screen(WindowHandle& window) {
   if (glfwGetWindowMonitor(window.handle) != nullptr) {
     glfwSetWindowMonitor(window.handle, nullptr, window.x, window.y, window.width, window.height, GLFW_DONT_CARE);
     return;
   }
   glfwGetWindowPos(window.handle, &window.x, &window.y);
   glfwGetWindowSize(window.handle, &window.width, &window.height);
-  glfwSetWindowMonitor(window.handle, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+  fill_screen(window.handle);
 }
 
 void save_picture(Controller& controller, int width, int height) {
@@ -301,6 +264,7 @@ void open(WindowHandle& window, const ViewerOptions& options) {
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  glfwWindowHint(GLFW_AUTO_ICONIFY, options.kiosk ? GLFW_FALSE : GLFW_TRUE);  // when another window gets the keyboard
   int width = options.width, height = options.height;
   GLFWmonitor* monitor = nullptr;
   if (options.kiosk) {
@@ -383,6 +347,9 @@ class Screen {
     glfwSetMouseButtonCallback(window, on_button);
     glfwSetScrollCallback(window, on_scroll);
     glfwSetDropCallback(window, on_drop);
+    // Only the staff's keys end an exhibit.
+    if (options_.kiosk)
+      glfwSetWindowCloseCallback(window, [](GLFWwindow* w) { glfwSetWindowShouldClose(w, GLFW_FALSE); });
     glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { inputs_of(w).damaged = true; });
     // Told and not asked: an answer that a lost display owes is never waited for.
     glfwSetWindowIconifyCallback(window, [](GLFWwindow* w, int on) { inputs_of(w).iconified = on == GLFW_TRUE; });
@@ -393,6 +360,7 @@ class Screen {
       inputs_of(w).damaged = true;
     });
     glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int inside) {
+      inputs_of(w).stirred = true;
       if (inside != GLFW_TRUE) inputs_of(w).mouse_x = inputs_of(w).mouse_y = -1e9;
     });
   }
@@ -467,12 +435,23 @@ class Screen {
       draw_scene(now_s);
     }
     if (display_lost()) return false;
+    if (options_.kiosk && !stay_on_screen(now_s)) return false;
     if (controller_ && controller_->take_full_screen_wish() && !options_.kiosk) {
       switch_full_screen(window_);
       if (!ask_sizes(window_.handle, inputs_)) return false;
     }
     inputs_.change_mode();
     return wait(now_s);
+  }
+
+  /// GLFW makes the window a small one when its monitor goes: an exhibit fills the screen again that comes. False when
+  /// the display is lost.
+  bool stay_on_screen(double now_s) {
+    if (now_s < look_at_screen_s_) return true;
+    look_at_screen_s_ = now_s + 1.0;
+    if (inputs_.iconified) glfwRestoreWindow(window_.handle);
+    if (glfwGetWindowMonitor(window_.handle) != nullptr || !fill_screen(window_.handle)) return !display_lost();
+    return ask_sizes(window_.handle, inputs_);
   }
 
   void update(double now_s) {
@@ -487,11 +466,19 @@ class Screen {
     count_.show(now_s, controller_->frame());
   }
 
+  /// Nothing is drawn that would look the same: fields and lists of the panel need some pictures after each event.
   void draw_cloud(double now_s) {
+    constexpr double kSettlesS = 1.0;
+    if (std::exchange(inputs_.stirred, false) || gui_.wants_keyboard()) stirred_s_ = now_s;
+    const bool resized = inputs_.width != drawn_width_ || inputs_.height != drawn_height_;
+    if (now_s - stirred_s_ > kSettlesS && !inputs_.damaged && !resized && cloud_->rests()) return;
     cloud_->controller().frame().finished = false;
     GuiInput::begin_frame(inputs_);
     cloud_->draw(gui_, settings_, 0, inputs_.width, inputs_.height, now_s, controller_.has_value());
     glfwSwapBuffers(window_.handle);
+    inputs_.damaged = false;
+    drawn_width_ = inputs_.width;
+    drawn_height_ = inputs_.height;
   }
 
   /// Nothing is drawn that would look the same.
@@ -542,7 +529,7 @@ class Screen {
   std::optional<CloudMode> cloud_;        // once the raw scans have been asked for
   bool leaves_ = false;
   Clock::time_point began_ = Clock::now();
-  double before_s_ = 0.0;
+  double before_s_ = 0.0, stirred_s_ = 0.0, look_at_screen_s_ = 0.0;
   std::uint64_t drawn_ = 0;  // look of the last picture
   int drawn_width_ = 0, drawn_height_ = 0;
   PictureCount count_;

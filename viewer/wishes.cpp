@@ -93,6 +93,8 @@ void Wishes::move_to(const Eigen::Vector2d& centre_m, const Window& window) {
   post(Kind::move_to, centre_m.x(), centre_m.y());
 }
 
+void Wishes::welcome_next() { post(haptics::Request::Kind::fresh_visitor); }
+
 void Wishes::quit() { post(Kind::quit); }
 
 bool Wishes::undo() {

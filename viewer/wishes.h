@@ -23,6 +23,8 @@ class Wishes {
   /// From now on the hand drags the stone, or no longer.
   void drag(bool on, const Window& window);
   void quit();
+  /// The session forgets the visitor.
+  void welcome_next();
   /// Back to the window before the last move; false when there is none.
   bool undo();
   /// One step of time: goes on with an undo that takes several steps.

@@ -17,6 +17,7 @@ class ButtonTour {
 
   /// Begins, or begins anew. Without named parts their step is left out.
   void start(double time_s, bool has_parts);
+  void stop() { step_ = steps_.size(); }
   [[nodiscard]] bool running() const { return step_ < steps_.size(); }
   void watch(const std::vector<Gesture>& gestures, double time_s);
 

@@ -41,6 +41,8 @@ class Navigator {
   [[nodiscard]] std::optional<std::size_t> part() const {
     return part_ > 0 ? std::optional<std::size_t>(part_ - 1) : std::nullopt;
   }
+  /// The next part to go to is the first one again.
+  void forget_part() { part_ = 0; }
   /// The overview of the same scene.
   [[nodiscard]] WindowLoader::Job whole_scene();
   /// A change of scene.

@@ -199,6 +199,9 @@ struct Session::Implementation {
         speaks = !speaks;
         announcer.control(Announcement::Control::toggle, speaks ? Phrase("speech_on") : Phrase("speech_off"));
         return;
+      case Request::Kind::fresh_visitor:
+        welcome_next();
+        return;
       case Request::Kind::tour:
         helped_s = -kHelpAgainS;
         tour.start(now.time_s, !scene->description().config.parts.empty());
@@ -231,6 +234,20 @@ struct Session::Implementation {
         if (recording) return;
         request_window(navigator.wish(request, now));
     }
+  }
+
+  // Nothing of the visitor before is left to the next one.
+  void welcome_next() {
+    speaks = options.speaks;
+    announcements.say({}, Announcement::Priority::information, Announcement::Control::reset);
+    helped_s = -kHelpAgainS;
+    tour.stop();
+    if (recording) return;
+    if (guide.on()) post(guide.stop(true));
+    Command command;
+    command.kind = Command::Kind::drag;
+    post(std::move(command));
+    navigator.forget_part();
   }
 
   [[nodiscard]] GuideWish guide_wish(const State& now, bool touched_first) const {
@@ -528,11 +545,12 @@ pipeline::ScenePointer Session::scene() const { return implementation_->scene; }
 
 bool Session::plays_recording() const { return implementation_->recording != nullptr; }
 
-void Session::set_speech(const std::string& language, bool speaks) {
+void Session::set_speech(const std::string& language, bool speaks, std::optional<bool> first_speaks) {
   Implementation& self = *implementation_;
   self.announcer.set_phrases(Phrases::of(language));
   if (speaks && !self.speaks) self.announcer.say("speech_on");
   self.speaks = speaks;
+  self.options.speaks = first_speaks.value_or(speaks);
 }
 
 void Session::set_scene(pipeline::ScenePointer scene) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -94,8 +95,9 @@ class Session {
   /// before. Throws Error{usage} when a recording is played.
   void set_scene(pipeline::ScenePointer scene);
   /// What is announced from now on is in this language; `speaks`: announcements are spoken, which is said where it is
-  /// new. Throws Error{usage} for a language without texts.
-  void set_speech(const std::string& language, bool speaks);
+  /// new. `first_speaks`: whether it is so for the next visitor, where that is not `speaks`. Throws Error{usage} for a
+  /// language without texts.
+  void set_speech(const std::string& language, bool speaks, std::optional<bool> first_speaks = {});
 
  private:
   struct Implementation;

@@ -38,6 +38,7 @@ struct Request {
     next_voice,
     toggle_speech,
     set_speech,  ///< on
+    fresh_visitor,  ///< what a visitor has left on or turned down is as it was at the start; nothing is said
     quit
   };
   Kind kind = Kind::describe;
@@ -50,7 +51,8 @@ struct Request {
 struct Announcement {
   enum class Priority { information, warning, fault };
   /// What speech is to become before it says the words; none of anyone else's business.
-  enum class Control { none, slower, faster, next_voice, toggle };
+  /// `reset`: on or off, rate and voice as at the start; comes without words.
+  enum class Control { none, slower, faster, next_voice, toggle, reset };
   std::string text;
   Priority priority = Priority::information;
   std::uint64_t sequence = 0;  ///< counts from 1

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "base/statistics.h"
+#include "base/text.h"
 #include "pipeline/report/filter_picture.h"
 #include "pipeline/report/shading.h"
 #include "scene/friction_law.h"
@@ -144,10 +145,14 @@ Picture friction(const Layers& base, const SceneDescription& scene) {
     return std::isnan(base.grid.height_m[n]) ? kUnknownHeight : law.dynamic(base, n);
   });
   picture.high = config.mu_max;
-  picture.caption = config.law == FrictionConfig::Law::paper
-                        ? "Coefficient of sliding friction that the hand feels in a 10 cm workspace, from pale "
-                          "(smooth) to dark (rough)."
-                        : "Coefficient of sliding friction that the hand feels, from pale (smooth) to dark (rough).";
+  picture.caption =
+      config.law == FrictionConfig::Law::paper
+          ? fmt::format(
+                "Coefficient of sliding friction that the hand feels with a device whose "
+                "workspace is {} wide, from pale (smooth) to dark (rough); under the paper's law "
+                "other devices feel other coefficients.",
+                length_text(kDeskWorkspaceM, TextStyle::typeset))
+          : std::string("Coefficient of sliding friction that the hand feels, from pale (smooth) to dark (rough).");
   picture.alternative =
       fmt::format("Map of the friction coefficient; its median is {:.2f}, its 95th percentile {:.2f}.",
                   quantile(field, 0.5), quantile(field, 0.95));

@@ -14,21 +14,6 @@ constexpr double kSmallestObject_m = 0.002;
 
 }  // namespace
 
-double metres_in(LengthUnit unit) {
-  switch (unit) {
-    case LengthUnit::cm:
-      return 0.01;
-    case LengthUnit::mm:
-      return 0.001;
-    case LengthUnit::ft:
-      return 0.3048;
-    case LengthUnit::us_ft:
-      return 1200.0 / 3937.0;
-    default:
-      return 1.0;
-  }
-}
-
 std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   const double side = (high - low).maxCoeff();
   const double away = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();

@@ -8,11 +8,9 @@
 
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
+#include "scene/length_unit.h"
 
 namespace sparsha::pipeline {
-
-/// Metres in one unit; 1 for automatic.
-[[nodiscard]] double metres_in(LengthUnit unit);
 
 /// A unit that fits better than metres, and why; nothing when metres are plausible. `low` and `high` bound the scan
 /// without its outliers, in file units.

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <thread>
 
+#include "app/edited_parts.h"
 #include "base/files.h"
 #include "pipeline/build/build.h"
 #include "scene/regions.h"
@@ -107,6 +108,108 @@ TEST(DepthScans, AScanFromAnotherSideKeepsTheLabelsOnTheObject) {
   EXPECT_EQ(part_at_summit(*third), "bump");
 }
 
+pipeline::ScenePointer scanned(DepthScans& scans, const viewer::ScanSetup& setup) {
+  scans.scan(setup);
+  finish(scans);
+  pipeline::ScenePointer scene = scans.take_scene();
+  EXPECT_TRUE(scene) << scans.status().note;
+  return scene;
+}
+
+/// A box of 60 mm around the highest node of a scene, in its own grid.
+std::vector<pipeline::PartConfig> box_at_summit(const pipeline::Scene& scene) {
+  const pipeline::DepthGrid grid = scene.read_level(0).grid;
+  std::size_t best = 0;
+  for (std::size_t n = 0; n < grid.height_m.size(); ++n)
+    if (grid.height_m[n] > grid.height_m[best] || std::isnan(grid.height_m[best])) best = n;
+  const int nx = grid.lattice.nx, at = static_cast<int>(best);
+  const double x = grid.lattice.x_m(at % nx), y = grid.lattice.y_m(at / nx), half = 0.03;
+  pipeline::PartConfig part;
+  part.name = part.say = "drawn";
+  part.box_m = {x - half, y - half, x + half, y + half};
+  return {part};
+}
+
+TEST(DepthScans, APartDrawnAfterATurnStaysOnTheObjectThroughTurnsAndSaving) {
+  const Plate plate;
+  std::string text = kConfig;
+  text.erase(text.find("parts:"));  // the first turn has nothing to keep in its place
+  write_file(plate.config, text);
+  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  viewer::ScanSetup setup = scans.status().proposal;
+  const viewer::ScanSetup straight = setup;
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
+  const pipeline::ScenePointer turned = scanned(scans, setup);
+  ASSERT_TRUE(turned);
+  const std::vector<pipeline::PartConfig> drawn = box_at_summit(*turned);
+  const pipeline::ScenePointer edited = with_parts(turned, drawn);
+  ASSERT_EQ(part_at_summit(*edited), "drawn");
+  scans.set_parts(drawn, parts_frame(edited->description()));
+  EXPECT_EQ(part_at_summit(*scanned(scans, setup)), "drawn") << "the same side once more";
+  EXPECT_EQ(part_at_summit(*scanned(scans, straight)), "drawn") << "back to the first side";
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.0, 0.01, 1.5);
+  EXPECT_EQ(part_at_summit(*scanned(scans, setup)), "drawn") << "a third side";
+  scans.save(setup);
+  finish(scans);
+  Progress progress;
+  EXPECT_EQ(part_at_summit(*pipeline::build_scene(pipeline::load_config(plate.config), {}, progress).scene), "drawn");
+}
+
+TEST(DepthScans, APartDrawnBeforeTheUnitIsCorrectedStaysOnTheObject) {
+  const Plate plate;
+  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  const viewer::ScanSetup setup = scans.status().proposal;
+  const pipeline::ScenePointer first = scanned(scans, setup);
+  const std::vector<pipeline::PartConfig> drawn = box_at_summit(*first);
+  scans.set_parts(drawn, parts_frame(first->description()));
+  scans.set_unit(pipeline::LengthUnit::ft);
+  finish(scans);
+  ASSERT_FALSE(scans.status().problem) << scans.status().note;
+  EXPECT_EQ(part_at_summit(*scanned(scans, setup)), "drawn");
+}
+
+TEST(DepthScans, AScanFromTheSideThatIsLookedAtKeepsTheCropBoxAndIsWhatIsShownAndSaved) {
+  const Plate plate;
+  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  viewer::ScanSetup setup = scans.status().proposal;
+  setup.crop = pipeline::CropConfig{{0.15, -1.0, -1.0}, {1.0, 1.0, 1.0}};
+  const pipeline::ScenePointer cropped = scanned(scans, setup);
+  ASSERT_TRUE(cropped);
+  const std::uint64_t proposals = scans.status().proposals;
+  const Eigen::Matrix4d side = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
+  scans.scan_from(side);
+  finish(scans);
+  const pipeline::ScenePointer second = scans.take_scene();
+  ASSERT_TRUE(second) << scans.status().note;
+  const auto& filters = second->description().config.filters;
+  ASSERT_EQ(filters.size(), 1U);
+  EXPECT_EQ(std::get<pipeline::CropConfig>(filters[0]).min_m, setup.crop->min_m);
+  const viewer::OrientingStatus status = scans.status();
+  EXPECT_EQ(status.proposals, proposals + 1);
+  EXPECT_EQ(status.proposal.scan_to_grid, side);
+  ASSERT_TRUE(status.proposal.crop);
+  EXPECT_EQ(status.proposal.crop->min_m, setup.crop->min_m);
+}
+
+TEST(DepthScans, AScanFromASideBeforeTheCloudWasOpenedIsTheFirstViewOfTheCloud) {
+  const Plate plate;
+  const pipeline::ScenePointer first = plate.build();
+  DepthScans scans(first, plate.config, pipeline::Trust::own_folder);
+  const Eigen::Matrix4d side = viewer::rolled(first->description().config.orientation.scan_to_grid, 0.0, 0.0, 0.5);
+  scans.scan_from(side);
+  finish(scans);
+  ASSERT_TRUE(scans.take_scene()) << scans.status().note;
+  scans.open();
+  finish(scans);
+  EXPECT_EQ(scans.status().proposal.scan_to_grid, side);
+}
+
 TEST(DepthScans, ALabelImageStaysOnTheObjectAlsoWhereItsBoundsAreNotWritten) {
   const Plate plate;
   test::write_labels(plate.folder.path() / "labels.png", 40, 30, [](int column, int row) {
@@ -166,6 +269,51 @@ TEST(DepthScans, SavingKeepsCommentsAndBuildsTheSameScene) {
   EXPECT_FALSE(scans.status().problem) << scans.status().note;
   EXPECT_TRUE(pipeline::load_config(plate.config).orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
   EXPECT_NE(read_file(plate.config, 1U << 20U).find("# right"), std::string::npos);
+}
+
+TEST(DepthScans, SavingADrawnPartAndNoCropBoxKeepsComments) {
+  const Plate plate;
+  write_file(plate.config,
+             std::string(kConfig) + "filters:  # why\n  - crop: {min_m: [0.1, -1, -1], max_m: [1, 1, 1]}\n");
+  const pipeline::ScenePointer scene = plate.build();
+  DepthScans scans(scene, plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  viewer::ScanSetup setup = scans.status().proposal;
+  ASSERT_TRUE(setup.crop);
+  setup.crop.reset();
+  std::vector<pipeline::PartConfig> parts = scene->description().config.parts;
+  parts.push_back(box_at_summit(*scene).front());
+  scans.set_parts(parts, parts_frame(scene->description()));
+  scans.save(setup);
+  finish(scans);
+  EXPECT_FALSE(scans.status().problem) << scans.status().note;
+  const std::string text = read_file(plate.config, 1U << 20U);
+  for (const char* comment : {"# The plate of the test.", "# one station", "# right", "# why"})
+    EXPECT_NE(text.find(comment), std::string::npos) << text;
+  const pipeline::Config saved = pipeline::load_config(plate.config);
+  EXPECT_EQ(saved.parts.size(), 2U);
+  EXPECT_TRUE(saved.filters.empty());
+}
+
+TEST(DepthScans, CommentsThatCannotBeKeptAreNotWrittenOver) {
+  const Plate plate;
+  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  scans.open();
+  finish(scans);
+  // Edited by hand meanwhile: the window knows nothing of it.
+  std::string text = kConfig;
+  text.replace(text.find("spacing_mm: 2"), 13, "spacing_mm: 3");
+  write_file(plate.config, text);
+  viewer::ScanSetup setup = scans.status().proposal;
+  setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.0, 0.0, 0.5);
+  scans.save(setup);
+  finish(scans);
+  EXPECT_EQ(read_file(plate.config, 1U << 20U), text);
+  EXPECT_TRUE(scans.status().problem);
+  const fs::path beside = plate.folder.path() / "plate-2.yaml";
+  EXPECT_NE(scans.status().note.find(beside.string()), std::string::npos) << scans.status().note;
+  EXPECT_TRUE(pipeline::load_config(beside).orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
 }
 
 TEST(DepthScans, ScansAloneAreGuessedShownTurnedAndBuilt) {

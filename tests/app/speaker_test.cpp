@@ -109,6 +109,26 @@ TEST_F(SpeakerTest, SpeaksInTheLanguageOfTheSceneThatIsTouchedNow) {
   EXPECT_EQ(log().find("unheard"), std::string::npos) << log();
 }
 
+TEST_F(SpeakerTest, IsForTheNextVisitorAsItWasForTheFirst) {
+  pipeline::SpeechConfig config;
+  config.words_per_minute = 200;
+  Speaker speaker(config, false, {});
+  const std::string voice = speaker.voice();
+  speaker.hear(words("", Control::reset));
+  EXPECT_FALSE(speaker.on()) << "before anybody came";
+  speaker.hear(words("on now", Control::toggle));
+  speaker.hear(words("faster", Control::faster));
+  speaker.hear(words("other", Control::next_voice));
+  speaker.hear(words("", Control::reset));
+  EXPECT_FALSE(speaker.on());
+  EXPECT_EQ(speaker.words_per_minute(), 200);
+  EXPECT_EQ(speaker.voice(), voice);
+  speaker.hear(words("unheard"));
+  speaker.hear(words("on again", Control::toggle));
+  EXPECT_EQ(call_of("on again"), "--stdin -b 1 -s 200 -v " + voice);
+  EXPECT_EQ(log().find("unheard"), std::string::npos) << log();
+}
+
 TEST_F(SpeakerTest, StartsNothingWhileItIsOff) {
   setenv("PATH", "/nowhere", 1);
   Speaker speaker({}, false, {});

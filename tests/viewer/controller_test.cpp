@@ -107,6 +107,40 @@ TEST(Controller, AVisitorsKeysLeaveNothingForTheNextOneToPutRight) {
     EXPECT_TRUE(action_of(press, true)) << press.key;
 }
 
+TEST(Controller, TheNextVisitorFindsNothingOfTheOneBefore) {
+  ViewSettings first;
+  first.kiosk = true;
+  first.colour = ColourMode::height;
+  Desk desk(first);
+  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
+  desk.run(state);
+  const double above_m = desk.pointer->read().position_m[2];
+  for (const KeyPress& press : {KeyPress{key::kEnter}, KeyPress{'C'}, KeyPress{'J'}, KeyPress{'X'}, KeyPress{'G'},
+                                KeyPress{key::kF1 + 5}, KeyPress{'H'}, KeyPress{'D'}, KeyPress{'+'}})
+    desk.controller->press(press);
+  desk.run(state);
+  ASSERT_LT(desk.pointer->read().position_m[2], above_m) << "pressed down";
+  while (desk.requests.take()) {
+  }
+  desk.controller->welcome_next(first);
+  desk.run(state);
+  EXPECT_NEAR(desk.pointer->read().position_m[2], above_m, 1e-4) << "the hand is lifted";
+  const Frame& frame = desk.controller->frame();
+  EXPECT_EQ(frame.focused, -1);
+  EXPECT_EQ(frame.settings.colour, first.colour);
+  EXPECT_EQ(frame.settings.light.elevation_rad, first.light.elevation_rad);
+  EXPECT_FALSE(frame.settings.help || frame.settings.high_contrast || frame.settings.large_type);
+  EXPECT_TRUE(frame.settings.kiosk);
+  std::set<Kind> kinds;
+  while (const auto request = desk.requests.take()) {
+    kinds.insert(request->kind);
+    EXPECT_FALSE(request->kind == Kind::drag && request->on);
+  }
+  EXPECT_TRUE(kinds.contains(Kind::fresh_visitor));
+  EXPECT_TRUE(kinds.contains(Kind::drag)) << "the stone is let go";
+  EXPECT_TRUE(kinds.contains(Kind::whole_scene));
+}
+
 TEST(Controller, FSixGoesThroughTheButtonsSpeaksAndEnterPresses) {
   Desk desk;
   desk.run(touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1), 0.1);

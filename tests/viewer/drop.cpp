@@ -92,6 +92,20 @@ class Source {
 
 }  // namespace
 
+bool ask_to_close(unsigned long window) {
+  Display* display = XOpenDisplay(nullptr);
+  if (display == nullptr) return false;
+  XEvent event{};
+  event.xclient.type = ClientMessage;
+  event.xclient.window = window;
+  event.xclient.message_type = XInternAtom(display, "WM_PROTOCOLS", False);
+  event.xclient.format = 32;
+  event.xclient.data.l[0] = static_cast<long>(XInternAtom(display, "WM_DELETE_WINDOW", False));
+  const bool sent = XSendEvent(display, window, False, NoEventMask, &event) != 0;
+  XCloseDisplay(display);
+  return sent;
+}
+
 bool drop_files(unsigned long window, const std::string& uri_list) { return Source(window).drop(uri_list); }
 
 }  // namespace sparsha::viewer::test

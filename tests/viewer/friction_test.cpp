@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/text.h"
 #include "haptics/surface/monge_surface.h"
 #include "haptics/window/scene_surface.h"
 #include "pipeline/report/images.h"
@@ -25,11 +26,13 @@ struct Case {
   FrictionConfig::Law law;
   int window;   // levels.window
   bool layers;  // curvature layers are there
+  double workspace_m = 0.1;
 };
 
 /// The law as the papers and docs/configuration.md write it, one node.
-double written_law(const FrictionConfig& config, const pipeline::Layers& layers, std::size_t k, double scale) {
-  constexpr double kRadiusM = 0.05;
+double written_law(const FrictionConfig& config, const pipeline::Layers& layers, std::size_t k, double scale,
+                   double workspace_m) {
+  const double radius_m = 0.5 * workspace_m;
   double mu = config.mu_0;
   if (config.law == FrictionConfig::Law::curvature && !layers.curvature_per_m.empty()) {
     const auto curvature = static_cast<double>(layers.curvature_per_m[k]);
@@ -38,7 +41,7 @@ double written_law(const FrictionConfig& config, const pipeline::Layers& layers,
   if (config.law == FrictionConfig::Law::paper && !layers.mean_curvature_per_m.empty()) {
     const double h = static_cast<double>(layers.mean_curvature_per_m[k]) / scale;
     const double g = static_cast<double>(layers.gaussian_curvature_per_m2[k]) / scale / scale;
-    if (!std::isnan(h)) mu = 1.0 / kRadiusM / std::sqrt(h * h + g * g);
+    if (!std::isnan(h)) mu = 1.0 / radius_m / std::sqrt(h * h + g * g);
   }
   return std::min(std::max(mu, 0.0), config.mu_max);
 }
@@ -47,6 +50,7 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
   for (const Case& c : {Case{"curvature", FrictionConfig::Law::curvature, 400, true},
                         Case{"curvature without its layer", FrictionConfig::Law::curvature, 400, false},
                         Case{"paper", FrictionConfig::Law::paper, 400, true},
+                        Case{"paper in a Falcon's workspace", FrictionConfig::Law::paper, 400, true, 0.07},
                         Case{"paper in a window smaller than the level", FrictionConfig::Law::paper, 40, true},
                         Case{"paper without its layers", FrictionConfig::Law::paper, 40, false},
                         Case{"constant", FrictionConfig::Law::constant, 400, true}}) {
@@ -77,25 +81,27 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
     const pipeline::SceneDescription& description = scene->description();
     const FrictionConfig& config = *description.config.friction;
     const pipeline::Layers layers = scene->read_level(0);
-    // A 0.1 m workspace on the window's longer side.
-    const double scale = 0.1 / ((std::min(c.window, kNodes) - 1) * kSpacingM);
+    // The workspace on the window's longer side.
+    const double scale = c.workspace_m / ((std::min(c.window, kNodes) - 1) * kSpacingM);
 
     const int nodes = std::min(c.window, kNodes);
     const pipeline::Layers window = scene->read(0, 0, 0, nodes, std::min(c.window, options.ny));
     const auto felt = haptics::make_surface(description, window, 0, scale, {});
     ThreadPool pool(2);
     const ReliefData relief = prepare_relief(layers, 0, false, 0.0, pool);
-    const Paint shown = paint_relief(relief, description, ColourMode::friction);
+    const Paint shown = paint_relief(relief, description, ColourMode::friction, c.workspace_m);
     const auto pictures = pipeline::make_pictures(layers, description, {}, pool);
     const auto reported =
         std::ranges::find_if(pictures, [](const pipeline::Picture& picture) { return picture.name == "friction"; });
     ASSERT_NE(reported, pictures.end());
     ASSERT_EQ(reported->width, options.nx);
+    const std::string workspace = length_text(0.1, TextStyle::typeset);
+    EXPECT_EQ(reported->caption.find(workspace) != std::string::npos, c.law == FrictionConfig::Law::paper);
 
     for (int j = 0; j < options.ny; ++j) {
       for (int i = 0; i < options.nx; ++i) {
         const std::size_t k = layers.grid.lattice.index(i, j);
-        const double expected = written_law(config, layers, k, scale);
+        const double expected = written_law(config, layers, k, scale, c.workspace_m);
         if (i < window.grid.lattice.nx && j < window.grid.lattice.ny) {
           ASSERT_NEAR(static_cast<double>(felt->mu_dynamic[window.grid.lattice.index(i, j)]), expected, 1e-6)
               << i << ", " << j;
@@ -106,7 +112,9 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
         }
         const std::size_t pixel = static_cast<std::size_t>(options.ny - 1 - j) * static_cast<std::size_t>(options.nx) +
                                   static_cast<std::size_t>(i);
-        ASSERT_NEAR(reported->pixels[pixel], 1.0 + 253.0 * expected / config.mu_max, 1.01) << i << ", " << j;
+        // The report knows no device and says for which workspace it holds.
+        const double desk = written_law(config, layers, k, scale * 0.1 / c.workspace_m, 0.1);
+        ASSERT_NEAR(reported->pixels[pixel], 1.0 + 253.0 * desk / config.mu_max, 1.01) << i << ", " << j;
       }
     }
   }

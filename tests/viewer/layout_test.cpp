@@ -1,6 +1,9 @@
 // Words at every size of the window: none lies on another, none leaves the window.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
 #include <tuple>
 
 #include "relief_scene.h"
@@ -75,6 +78,42 @@ TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
             << width << " x " << height << (large ? " large" : "") << ", page " << page;
       }
   EXPECT_TRUE(studio.gl_errors().empty()) << studio.gl_errors().front();
+}
+
+TEST(Layout, ALegendTellsTheEndsOfARangeOfMicrometresApart) {
+  ViewSettings settings;
+  settings.colour = ColourMode::height;
+  for (const double depth_m : {3e-6, 4.2e-5, 0.003, 0.4}) {
+    const auto wave = [&](double x_m, double) { return 0.5 * depth_m * std::sin(30.0 * x_m); };
+    Studio studio(scene_of(wave, {101, 101, 0.004, 1}), settings);
+    studio.shoot();
+    const Legend& legend = studio.picture().legend();
+    const auto is_range = [&](const DrawnText& text) {
+      return text.words.ends_with(" " + legend.unit) && text.words.find("\xE2\x80\x93") != std::string::npos;
+    };
+    const auto& texts = studio.gui().texts();
+    const auto range = std::ranges::find_if(texts, is_range);
+    ASSERT_NE(range, texts.end()) << depth_m;
+    const double high = std::stod(range->words.substr(range->words.find("\xE2\x80\x93") + 3));
+    const double half_a_digit = 0.005;  // of the number: three digits
+    EXPECT_NEAR(high, legend.high, half_a_digit * legend.high) << range->words;
+  }
+}
+
+TEST(Layout, LettersOfOtherAlphabetsAreDrawn) {
+  Studio studio(scene_of(lotus, {51, 51, 0.008, 1}));
+  const auto differ = [&](const char* one, const char* other) {
+    studio.controller().frame().title = one;
+    const Image a = studio.shoot();
+    studio.controller().frame().title = other;
+    return a.rgba != studio.shoot().rgba;
+  };
+  EXPECT_FALSE(differ("A", "A"));
+  EXPECT_FALSE(differ("\xE0\xA4\x95", "\xE0\xA4\x97")) << "letters that the fonts lack all look alike";
+  EXPECT_TRUE(differ("\xD0\x96", "\xD0\xA9")) << "Cyrillic";
+  EXPECT_TRUE(differ("\xCE\xAC", "\xCF\x8E")) << "Greek with accents";
+  EXPECT_TRUE(differ("\xCE\x86", "\xCE\x88")) << "its capitals";
+  EXPECT_TRUE(differ("\xE1\xBC\x80", "\xE1\xBF\xB3")) << "and with breathings";
 }
 
 }  // namespace

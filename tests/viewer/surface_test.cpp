@@ -193,10 +193,33 @@ TEST(Camera, NearPointsHaveCrossedParallaxAndTheTargetHasNone) {
   EXPECT_NEAR(left.to_pixel(corner)->y(), right.to_pixel(corner)->y(), 1e-9);
 }
 
+constexpr double kWorkspaceM = 0.1;
+
+TEST(Paint, OneDeepPitLeavesTheRangeOfTheSkyThatIsSeenToTheRest) {
+  const auto drilled = [](double x_m, double y_m) {
+    return lotus(x_m, y_m) - (std::hypot(x_m - 0.2, y_m - 0.2) < 0.01 ? 0.3 : 0.0);
+  };
+  ThreadPool pool(2);
+  const auto low_of = [&](const auto& height) {
+    const auto scene = scene_of(height, {101, 101, 0.004, 1});
+    const ReliefData relief = prepare_relief(scene->read_level(0), 0, false, 0.0, pool);
+    const Paint paint = paint_relief(relief, scene->description(), ColourMode::sky_view, kWorkspaceM);
+    std::size_t below = 0;
+    for (std::size_t k = 0; k < relief.lattice.count(); ++k)
+      below += 100.0 * relief.tone[4 * k] / 255.0 < paint.legend.low ? 1 : 0;
+    // Half a percent for the sample of nodes that the quantile is taken from.
+    EXPECT_LT(static_cast<double>(below), 0.025 * static_cast<double>(relief.lattice.count()));
+    return paint.legend.low;
+  };
+  const double plain = low_of(lotus);
+  // The pit is 0.2 % of the nodes; what it darkens of its rim may cost half the range at most.
+  EXPECT_GT(low_of(drilled), 100.0 - 1.5 * (100.0 - plain));
+}
+
 TEST(Paint, ModesFollowWhatTheSceneHas) {
   const auto scene = scene_of(lotus, {51, 51, 0.008, 1});
-  EXPECT_EQ(next_mode(scene->description(), ColourMode::relief), ColourMode::height);
-  EXPECT_EQ(next_mode(scene->description(), ColourMode::height), ColourMode::slope);
+  EXPECT_EQ(next_mode(scene->description(), ColourMode::relief, kWorkspaceM), ColourMode::height);
+  EXPECT_EQ(next_mode(scene->description(), ColourMode::height, kWorkspaceM), ColourMode::slope);
   EXPECT_FALSE(has_mode(scene->description(), ColourMode::friction));
   ThreadPool pool(1);
   const ReliefData relief = prepare_relief(scene->read_level(0), 0, false, 0.0, pool);

@@ -29,6 +29,9 @@
 #include "viewer/marks/notes.h"
 #include "viewer/viewer.h"
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
 namespace sparsha::viewer::test {
 namespace {
 
@@ -94,6 +97,18 @@ bool wait_for(const std::function<bool()>& condition, double seconds = 60.0) {
 }
 
 int xdotool(const std::string& arguments) { return std::system(("xdotool " + arguments + " >/dev/null 2>&1").c_str()); }
+
+#ifdef SPARSHA_HAS_X11
+/// The window's number in the X server; 0: there is none.
+unsigned long window_number() {
+  unsigned long window = 0;
+  if (FILE* pipe = ::popen("xdotool search --sync --name Sparsha", "r")) {
+    if (std::fscanf(pipe, "%lu", &window) != 1) window = 0;
+    ::pclose(pipe);
+  }
+  return window;
+}
+#endif
 
 /// DISPLAY for the time of a test.
 struct DisplayName {
@@ -399,14 +414,9 @@ TEST(Window, FilesDroppedIntoItAreOpenedByTheirNames) {
   std::string problem;
   std::thread visitor([&] {
     if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
-    std::string id;
-    if (FILE* pipe = ::popen("xdotool search --sync --name Sparsha", "r")) {
-      char c = 0;
-      while (::fread(&c, 1, 1, pipe) == 1 && c != '\n') id += c;
-      ::pclose(pipe);
-    }
-    if (problem.empty() && id.empty()) problem = "no window";
-    if (problem.empty() && !drop_files(std::stoul(id), "file:///tmp/left%20lion.ply\r\nfile:///tmp/right.las\r\n"))
+    const unsigned long id = window_number();
+    if (problem.empty() && id == 0) problem = "no window";
+    if (problem.empty() && !drop_files(id, "file:///tmp/left%20lion.ply\r\nfile:///tmp/right.las\r\n"))
       problem = "the window does not take what is dropped";
     if (problem.empty() && !wait_for([&] {
           const std::lock_guard lock(mutex);
@@ -440,6 +450,60 @@ TEST(Window, TheSessionsEndClosesAKiosk) {
   run_window(connections, options);
   EXPECT_GT(polls, 5);
 }
+
+#ifdef SPARSHA_HAS_X11
+TEST(Window, AKioskIsNotClosedByTheDesktopAndFillsTheScreenAgain) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  bool asked = false, small = false, full = false;
+  GLFWwindow* window = nullptr;
+  connections.poll = [&] {
+    ++polls;
+    window = glfwGetCurrentContext();
+    if (polls == 5) asked = ask_to_close(window_number());
+    // As GLFW does when a monitor is unplugged.
+    if (polls == 20) {
+      glfwSetWindowMonitor(window, nullptr, 10, 10, 320, 200, GLFW_DONT_CARE);
+      small = glfwGetWindowMonitor(window) == nullptr;
+    }
+    full = small && glfwGetWindowMonitor(window) != nullptr;
+  };
+  const auto began = std::chrono::steady_clock::now();
+  connections.finished = [&] { return full || std::chrono::steady_clock::now() - began > std::chrono::seconds(60); };
+  ViewerOptions options;
+  options.kiosk = true;
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+  EXPECT_TRUE(asked);
+  EXPECT_GT(polls, 20) << "the desktop has closed it";
+  EXPECT_TRUE(small);
+  EXPECT_TRUE(full);
+}
+
+TEST(Window, OutsideOfAKioskTheDesktopClosesIt) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  bool asked = false;
+  connections.poll = [&] {
+    if (++polls == 5) asked = ask_to_close(window_number());
+  };
+  connections.finished = [&] { return polls > 1000; };
+  EXPECT_EQ(run_window(connections, {}), WindowEnd::closed);
+  EXPECT_TRUE(asked);
+  EXPECT_LT(polls, 1000);
+}
+#endif
 
 TEST(Window, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
   if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";

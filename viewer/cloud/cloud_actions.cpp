@@ -115,4 +115,8 @@ std::optional<CloudAction> cloud_action_of(const KeyPress& press) {
   return std::nullopt;
 }
 
+bool is_cloud_key(int key) {
+  return std::ranges::any_of(kBindings, [key](const Binding& binding) { return binding.key == key; });
+}
+
 }  // namespace sparsha::viewer

@@ -403,6 +403,15 @@ void CloudController::update(double time_s, int width, int height, bool can_go_b
   fits_ = !preview_full_;
 }
 
+bool CloudController::rests() const {
+  const OrientingStatus now = orienting_.status ? orienting_.status() : frame_.status;
+  const OrientingStatus& seen = frame_.status;
+  const bool news = now.work != seen.work || now.points != seen.points || now.proposals != seen.proposals ||
+                    now.notes != seen.notes || now.spacing_m != seen.spacing_m || now.busy != seen.busy;
+  const bool looking = frame_.status.points && (fits_ || preview_due_ || !preview_full_);
+  return !news && !now.busy && !looking && wishes_.empty() && words_.empty();
+}
+
 CloudController::Wish CloudController::take_wish() {
   if (wishes_.empty()) return Wish::none;
   const Wish first = wishes_.front();

@@ -68,6 +68,9 @@ struct CloudActionInfo {
 [[nodiscard]] const CloudActionInfo& info_of(CloudAction action);
 [[nodiscard]] std::optional<CloudAction> cloud_action_of(const KeyPress& press);
 
+/// True when the key has an action with some modifiers.
+[[nodiscard]] bool is_cloud_key(int key);
+
 /// Everything one picture of the raw cloud shows, as plain values.
 struct CloudFrame {
   OrientingStatus status;
@@ -114,6 +117,9 @@ class CloudController {
   [[nodiscard]] Wish take_wish();
   /// New words for the visitor, once each.
   [[nodiscard]] std::vector<std::string> take_words();
+
+  /// True while the next update() would change nothing.
+  [[nodiscard]] bool rests() const;
 
   /// Middle of a crop handle in pixels of the rectangle; nothing when its axis points at the viewer.
   [[nodiscard]] std::optional<Eigen::Vector2d> crop_handle(int handle) const;

@@ -14,6 +14,11 @@ CloudMode::CloudMode(Orienting orienting, std::function<void(const std::string&)
 
 void CloudMode::press(const KeyPress& press) { controller_.press(press); }
 
+bool CloudMode::rests() const {
+  const bool drawn = !controller_.frame().status.points || picture_.complete();
+  return said_.empty() && drawn && controller_.rests();
+}
+
 CloudController::Wish CloudMode::take_wish(ViewSettings& settings) {
   using Wish = CloudController::Wish;
   for (Wish wish = controller_.take_wish(); wish != Wish::none; wish = controller_.take_wish()) {

@@ -25,6 +25,8 @@ class CloudMode {
   void draw(Gui& gui, const ViewSettings& settings, unsigned framebuffer, int width, int height, double time_s,
             bool can_go_back);
 
+  /// True while the next picture would be as the last one, but for what ImGui's own fields show.
+  [[nodiscard]] bool rests() const;
   [[nodiscard]] CloudController& controller() { return controller_; }
   [[nodiscard]] const CloudPicture& picture() const { return picture_; }
   /// Carries out what was wished of the settings; Wish::back and Wish::quit are the window's, once each.

@@ -12,9 +12,10 @@
 namespace sparsha::viewer {
 namespace {
 
-// Latin with the diacritics of Indic transliteration, Greek mu, dashes and quotes, arrows, minus.
-constexpr std::array<ImWchar, 15> kRanges{0x0020, 0x017F, 0x0391, 0x03C9, 0x1E00, 0x1EFF, 0x2010, 0x2026,
-                                          0x2190, 0x2193, 0x2212, 0x2212, 0x25CF, 0x25CF, 0};
+// Latin with the diacritics of Indic transliteration, combining accents, Greek with its accents and breathings,
+// Cyrillic, dashes and quotes, arrows, minus.
+constexpr std::array<ImWchar, 17> kRanges{0x0020, 0x017F, 0x0300, 0x036F, 0x0370, 0x052F, 0x1E00, 0x1FFF, 0x2010,
+                                          0x2026, 0x2190, 0x2193, 0x2212, 0x2212, 0x25CF, 0x25CF, 0};
 
 std::string first_of(const std::array<const char*, 4>& files) {
   for (const char* file : files) {
@@ -38,9 +39,10 @@ Fonts load_fonts(double scale) {
   atlas.Flags |= ImFontAtlasFlags_NoMouseCursors;
   const auto load = [&](const std::string& file, double size) {
     ImFontConfig config;
-    config.OversampleH = 2;
-    config.OversampleV = 1;
     const auto pixels = static_cast<float>(std::round(size * scale));
+    constexpr float kLargePixels = 32.0F;  // between pixels such letters need no place, and their texture is large
+    config.OversampleH = pixels < kLargePixels ? 2 : 1;
+    config.OversampleV = 1;
     ImFont* font = file.empty() ? nullptr : atlas.AddFontFromFileTTF(file.c_str(), pixels, &config, kRanges.data());
     if (font != nullptr) return font;
     config.SizePixels = pixels;

@@ -59,7 +59,8 @@ float draw_legend(const Brush& brush, const Legend& legend, float x, float y, fl
   const float title_w = brush.text(brush.fonts.small, x, y, brush.theme.text, legend.title);
   if (!legend.scale) return line + brush.px(8.0F);
   const auto number = [&](double value) {
-    return fmt::format("{:.{}f} {}", value, legend.high - legend.low < 1.0 ? 2 : 1, legend.unit);
+    constexpr int kDigits = 3;
+    return value_text(value, kDigits, TextStyle::screen) + " " + legend.unit;
   };
   brush.text_right(
       brush.fonts.small, x + width, y, brush.theme.dim,

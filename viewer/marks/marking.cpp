@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
+#include "scene/length_unit.h"
 #include "scene/scene_folder.h"
 #include "viewer/frame.h"
 
@@ -53,20 +54,44 @@ const char* name_of(Tool tool) {
   }
 }
 
+// Metres of a scene for each metre of the same scans as `other` reads them.
+double unit_ratio(const pipeline::SceneDescription& scene, const pipeline::SceneDescription& other) {
+  const auto metres = [](const pipeline::SceneDescription& description) {
+    const auto& scans = description.config.scans;
+    const bool known = !scans.empty() && scans.front().units.unit != pipeline::LengthUnit::longest_side;
+    return known ? pipeline::metres_in(scans.front().units.unit) : 0.0;
+  };
+  const double own = metres(scene), others = metres(other);
+  return own > 0.0 && others > 0.0 ? own / others : 1.0;
+}
+
+// From the grid of a scene to the scans' frame of `home`, which may read them in another unit.
+Eigen::Matrix4d home_from_grid(const pipeline::SceneDescription& scene, const pipeline::SceneDescription& home) {
+  Eigen::Matrix4d matrix = scene.scan_from_grid;
+  matrix.topRows<3>() *= unit_ratio(home, scene);
+  return matrix;
+}
+
 }  // namespace
 
 void Marking::set_scene(pipeline::ScenePointer scene) {
-  const bool same = scene_ && (scene_ == scene || pipeline::same_scans(scene_->description(), scene->description()));
+  const pipeline::ScenePointer before = std::exchange(scene_, std::move(scene));
+  const pipeline::SceneDescription& now = scene_->description();
+  const bool same = before && (before == scene_ || pipeline::same_scans(before->description(), now));
   // In the scans' frame, to come back in the new grid's.
-  Notes kept = same ? moved(marks_.notes, scene_->description().scan_from_grid) : Notes{};
-  scene_ = std::move(scene);
+  Notes kept = same ? moved(marks_.notes, before->description().scan_from_grid) : Notes{};
+  Eigen::Matrix4d scan_from_grid = same ? home_from_grid(now, before->description()) : now.scan_from_grid;
   Marks fresh;
   fresh.version = marks_.version;
   if (same) fresh.tool = marks_.tool;
   marks_ = std::move(fresh);
   held_.reset();
-  unreadable_ = told_ = false;
+  if (!same || !scene_->folder().empty()) {
+    home_ = scene_->folder().empty() ? nullptr : scene_;
+    unreadable_ = told_ = false;
+  }
   if (!scene_->folder().empty()) {
+    scan_from_grid = now.scan_from_grid;
     try {
       kept = read_notes(scene_->folder() / pipeline::kNotesFile);
     } catch (const Error& error) {
@@ -75,7 +100,7 @@ void Marking::set_scene(pipeline::ScenePointer scene) {
       tell_(std::string("The notes cannot be read: ") + error.what(), Priority::warning);
     }
   }
-  marks_.notes = moved(kept, scene_->description().scan_from_grid.inverse());
+  marks_.notes = moved(kept, scan_from_grid.inverse());
   read_parts();
   follow_profile();
   changed();
@@ -251,13 +276,14 @@ bool Marking::grip(const Aim& aim, bool shows_parts) {
 void Marking::save() {
   changed();
   if (unreadable_) return;
-  if (scene_->folder().empty()) {
+  if (!home_) {
     if (!std::exchange(told_, true))
       tell_("This scene lies in no folder: notes are lost when the window closes", Priority::information);
     return;
   }
   try {
-    write_notes(moved(marks_.notes, scene_->description().scan_from_grid), scene_->folder() / pipeline::kNotesFile);
+    write_notes(moved(marks_.notes, home_from_grid(scene_->description(), home_->description())),
+                home_->folder() / pipeline::kNotesFile);
   } catch (const Error& error) {
     if (!std::exchange(told_, true)) tell_("The notes are not kept: " + error.wrong(), Priority::warning);
   }

@@ -24,7 +24,8 @@ class Marking {
 
   Marking(Tell tell, SaveParts save_parts) : tell_(std::move(tell)), save_parts_(std::move(save_parts)) {}
 
-  /// Reads the scene's notes. A scene without a folder keeps those of the same scans that are there already.
+  /// Reads the scene's notes. A scene without a folder, such as a new depth scan, keeps those of the same scans that
+  /// are there already; they are written to the folder that they came from.
   void set_scene(pipeline::ScenePointer scene);
 
   /// What the mouse points at, for the actions and clicks that follow. `height_at`: of the drawn surface.
@@ -83,6 +84,7 @@ class Marking {
   Tell tell_;
   SaveParts save_parts_;
   pipeline::ScenePointer scene_;
+  pipeline::ScenePointer home_;  ///< the last scene of these scans with a folder, where notes are kept; null: none
   std::vector<pipeline::PartConfig> parts_;
   Marks marks_;
   Writing writing_ = Writing::pin;

@@ -28,13 +28,6 @@ double typical(const std::vector<double>& values, double share) {
   return some.empty() ? 0.0 : quantile(some, share);
 }
 
-double lowest(const std::vector<double>& values) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const double value : values)
-    if (value < least) least = value;
-  return std::isfinite(least) ? least : 0.0;
-}
-
 Paint scan_colours(const ReliefData& relief) {
   Paint paint;
   const std::size_t count = relief.lattice.count();
@@ -84,104 +77,151 @@ Paint coverage(const ReliefData& relief) {
   return paint;
 }
 
-/// What a map shows of each node; `own` gets title, unit and range.
-std::vector<double> values_of(const ReliefData& relief, const pipeline::SceneDescription& description, ColourMode mode,
-                              Legend& own) {
-  const std::size_t count = relief.lattice.count();
-  std::vector<double> values(count, kNone);
-  const auto each = [&](const auto& value) {
-    for (std::size_t k = 0; k < count; ++k)
-      if (relief.known[k] != 0) values[k] = value(k);
-  };
-  /// Below, at and above zero; all but 2 % lie within the range.
-  const auto about_zero = [&] {
-    own.map = ColourMap::diverging;
-    own.high = std::max(typical(values, 0.98), 1e-6);
-    own.low = -own.high;
-  };
-  const double spacing_m = relief.lattice.spacing_m;
-  const auto smoothed = [&](int radius) {
-    return blur(Heights{relief.lattice.nx, relief.lattice.ny, relief.height_m}, radius);
-  };
-  switch (mode) {
-    case ColourMode::height: {
-      own.unit = "mm";
-      const bool whole = description.height_max_m > description.height_min_m;
-      const double bottom_m = whole ? description.height_min_m : relief.height_min_m;
-      const double top_m = whole ? description.height_max_m : relief.height_max_m;
-      each([&](std::size_t k) { return 1e3 * (relief.height_m[k] + relief.lattice.origin_m.z() - bottom_m); });
-      own.high = std::max(1e3 * (top_m - bottom_m), 1e-6);
-      break;
-    }
-    case ColourMode::slope:
-      own.unit = "\xC2\xB0";
-      each([&](std::size_t k) {
-        const double slope = std::hypot(relief.slope[2 * k], relief.slope[2 * k + 1]);
-        return std::atan(slope) * 180.0 / std::numbers::pi;
-      });
-      own.high = std::clamp(typical(values, 0.98), 1.0, 90.0);
-      break;
-    case ColourMode::curvature: {
-      // Half the Laplacian of heights freed of noise; ridges positive.
-      own.unit = "1/m";
-      const std::vector<float> smooth = smoothed(2);
-      for (int j = 1; j + 1 < relief.lattice.ny; ++j)
-        for (int i = 1; i + 1 < relief.lattice.nx; ++i) {
-          const std::size_t k = relief.lattice.index(i, j), row = static_cast<std::size_t>(relief.lattice.nx);
-          if (relief.known[k] == 0) continue;
-          const double around = static_cast<double>(smooth[k - 1]) + smooth[k + 1] + smooth[k - row] + smooth[k + row];
-          values[k] = -0.5 * (around - 4.0 * smooth[k]) / (spacing_m * spacing_m);
-        }
-      about_zero();
-      break;
-    }
-    case ColourMode::local_relief: {
-      own.unit = "mm";
-      constexpr int kPieces = 40;  // of the longer side: what is wider is form, not inscription
-      const std::vector<float> form = smoothed(std::max(2, std::max(relief.lattice.nx, relief.lattice.ny) / kPieces));
-      each([&](std::size_t k) { return 1e3 * (static_cast<double>(relief.height_m[k]) - form[k]); });
-      // Rims and steps stand out by far more than any inscription: the middle half tells the range.
-      about_zero();
-      own.high = std::max(4.0 * typical(values, 0.5), 1e-6);
-      own.low = -own.high;
-      break;
-    }
-    case ColourMode::sky_view:
-      own.unit = "%";
-      each([&](std::size_t k) { return 100.0 * relief.tone[4 * k] / 255.0; });
-      own.high = 100.0;
-      own.low = std::min(100.0 * (1.0 - 1.0 / 256.0), lowest(values));
-      break;
-    case ColourMode::error: {
-      own.unit = "mm";
-      const pipeline::CheckMap& map = *description.check_map;
-      own.high = std::max(1e3 * map.high_m, 1e-6);
-      const pipeline::Lattice& lattice = relief.lattice;
-      for (int j = 0; j < lattice.ny; ++j)
-        for (int i = 0; i < lattice.nx; ++i)
-          if (relief.known[lattice.index(i, j)] != 0)
-            values[lattice.index(i, j)] = 1e3 * static_cast<double>(map.at(lattice.x_m(i), lattice.y_m(j)));
-      break;
-    }
-    case ColourMode::friction: {
-      own.unit = "\xC2\xB5";
-      own.high = std::max(description.config.friction->mu_max, 1e-6);
-      // As the hand meets it in level 0's window.
-      const double scale =
-          level_scale(description.config.levels.window, description.levels.front(), pipeline::kDeskWorkspaceM);
-      const pipeline::FrictionLaw law(description, scale, pipeline::kDeskWorkspaceM);
-      each([&](std::size_t k) { return static_cast<double>(law.dynamic(relief.layers, k)); });
-      break;
-    }
-    default:
-      own.unit = "mm";
-      each([&](std::size_t k) {
-        return 1e3 * (static_cast<double>(relief.layers.grid.height_m[k]) - relief.layers.envelope_m[k]);
-      });
-      about_zero();
-      break;
-  }
+/// What the maps are computed from.
+struct Source {
+  const ReliefData& relief;
+  const pipeline::SceneDescription& description;
+  double workspace_m;
+};
+
+/// `value(k)` of every known node.
+template <class Value>
+std::vector<double> each(const ReliefData& relief, const Value& value) {
+  std::vector<double> values(relief.lattice.count(), kNone);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (relief.known[k] != 0) values[k] = value(k);
   return values;
+}
+
+/// Below, at and above zero, of the same size.
+void set_about_zero(Legend& own, double high) {
+  own.map = ColourMap::diverging;
+  own.high = std::max(high, 1e-6);
+  own.low = -own.high;
+}
+
+std::vector<float> smoothed(const ReliefData& relief, int radius) {
+  return blur(Heights{relief.lattice.nx, relief.lattice.ny, relief.height_m}, radius);
+}
+
+// What each map shows of the nodes; `own` gets unit and range, within which all but 2 % lie.
+
+std::vector<double> heights(const Source& source, Legend& own) {
+  const auto& [relief, description, workspace_m] = source;
+  own.unit = "mm";
+  const bool whole = description.height_max_m > description.height_min_m;
+  const double bottom_m = whole ? description.height_min_m : relief.height_min_m;
+  const double top_m = whole ? description.height_max_m : relief.height_max_m;
+  own.high = std::max(1e3 * (top_m - bottom_m), 1e-6);
+  const double shift_m = relief.lattice.origin_m.z() - bottom_m;
+  const std::vector<float>& height_m = relief.height_m;
+  return each(relief, [&](std::size_t k) { return 1e3 * (height_m[k] + shift_m); });
+}
+
+std::vector<double> slopes(const Source& source, Legend& own) {
+  const ReliefData& relief = source.relief;
+  own.unit = "\xC2\xB0";
+  std::vector<double> values = each(relief, [&](std::size_t k) {
+    const double slope = std::hypot(relief.slope[2 * k], relief.slope[2 * k + 1]);
+    return std::atan(slope) * 180.0 / std::numbers::pi;
+  });
+  own.high = std::clamp(typical(values, 0.98), 1.0, 90.0);
+  return values;
+}
+
+/// Half the Laplacian of heights freed of noise; ridges positive.
+std::vector<double> curvatures(const Source& source, Legend& own) {
+  const ReliefData& relief = source.relief;
+  own.unit = "1/m";
+  const double spacing_m = relief.lattice.spacing_m;
+  const std::vector<float> smooth = smoothed(relief, 2);
+  std::vector<double> values(relief.lattice.count(), kNone);
+  for (int j = 1; j + 1 < relief.lattice.ny; ++j)
+    for (int i = 1; i + 1 < relief.lattice.nx; ++i) {
+      const std::size_t k = relief.lattice.index(i, j), row = static_cast<std::size_t>(relief.lattice.nx);
+      if (relief.known[k] == 0) continue;
+      const double around = static_cast<double>(smooth[k - 1]) + smooth[k + 1] + smooth[k - row] + smooth[k + row];
+      values[k] = -0.5 * (around - 4.0 * smooth[k]) / (spacing_m * spacing_m);
+    }
+  set_about_zero(own, typical(values, 0.98));
+  return values;
+}
+
+std::vector<double> local_relief(const Source& source, Legend& own) {
+  const ReliefData& relief = source.relief;
+  own.unit = "mm";
+  constexpr int kPieces = 40;  // of the longer side: what is wider is form, not inscription
+  const int longer = std::max(relief.lattice.nx, relief.lattice.ny);
+  const std::vector<float> form = smoothed(relief, std::max(2, longer / kPieces));
+  std::vector<double> values =
+      each(relief, [&](std::size_t k) { return 1e3 * (static_cast<double>(relief.height_m[k]) - form[k]); });
+  // Rims and steps stand out by far more than any inscription: the middle half tells the range.
+  set_about_zero(own, 4.0 * typical(values, 0.5));
+  return values;
+}
+
+/// One pit that sees nothing of the sky must not make all else look alike.
+std::vector<double> sky_seen(const Source& source, Legend& own) {
+  own.unit = "%";
+  std::vector<double> values =
+      each(source.relief, [&](std::size_t k) { return 100.0 * source.relief.tone[4 * k] / 255.0; });
+  own.high = 100.0;
+  own.low = std::min(100.0 * (1.0 - 1.0 / 256.0), typical(values, 0.02));
+  return values;
+}
+
+std::vector<double> errors(const Source& source, Legend& own) {
+  own.unit = "mm";
+  const pipeline::CheckMap& map = *source.description.check_map;
+  own.high = std::max(1e3 * map.high_m, 1e-6);
+  const pipeline::Lattice& lattice = source.relief.lattice;
+  const auto columns = static_cast<std::size_t>(lattice.nx);
+  return each(source.relief, [&](std::size_t k) {
+    const int i = static_cast<int>(k % columns), j = static_cast<int>(k / columns);
+    return 1e3 * static_cast<double>(map.at(lattice.x_m(i), lattice.y_m(j)));
+  });
+}
+
+/// As the hand meets it in level 0's window.
+std::vector<double> friction(const Source& source, Legend& own) {
+  const auto& [relief, description, workspace_m] = source;
+  own.unit = "\xC2\xB5";
+  own.high = std::max(description.config.friction->mu_max, 1e-6);
+  const double scale = level_scale(description.config.levels.window, description.levels.front(), workspace_m);
+  const pipeline::FrictionLaw law(description, scale, workspace_m);
+  const pipeline::Layers& layers = relief.layers;
+  return each(relief, [&](std::size_t k) { return static_cast<double>(law.dynamic(layers, k)); });
+}
+
+std::vector<double> texture(const Source& source, Legend& own) {
+  const pipeline::Layers& layers = source.relief.layers;
+  own.unit = "mm";
+  std::vector<double> values = each(source.relief, [&](std::size_t k) {
+    return 1e3 * (static_cast<double>(layers.grid.height_m[k]) - layers.envelope_m[k]);
+  });
+  set_about_zero(own, typical(values, 0.98));
+  return values;
+}
+
+std::vector<double> values_of(const Source& source, ColourMode mode, Legend& own) {
+  switch (mode) {
+    case ColourMode::height:
+      return heights(source, own);
+    case ColourMode::slope:
+      return slopes(source, own);
+    case ColourMode::curvature:
+      return curvatures(source, own);
+    case ColourMode::local_relief:
+      return local_relief(source, own);
+    case ColourMode::sky_view:
+      return sky_seen(source, own);
+    case ColourMode::error:
+      return errors(source, own);
+    case ColourMode::friction:
+      return friction(source, own);
+    default:
+      return texture(source, own);
+  }
 }
 
 constexpr std::array kTitles{"Stone",
@@ -226,7 +266,7 @@ ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode m
 }
 
 Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& description, ColourMode mode,
-                   const Legend* legend) {
+                   double workspace_m, const Legend* legend) {
   if (mode == ColourMode::relief || !has_mode(description, mode)) return {};
   if (mode == ColourMode::scan) return scan_colours(relief);
   if (mode == ColourMode::coverage) return coverage(relief);
@@ -236,7 +276,7 @@ Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& d
   Legend& own = paint.legend;
   own.title = name_of(mode);
   own.scale = true;
-  const std::vector<double> values = values_of(relief, description, mode, own);
+  const std::vector<double> values = values_of({relief, description, workspace_m}, mode, own);
   if (legend != nullptr) own = *legend;
 
   constexpr std::size_t kSteps = 1024;

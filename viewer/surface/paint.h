@@ -41,8 +41,9 @@ struct Paint {
 [[nodiscard]] const char* name_of(ColourMode mode);
 /// The next mode after `mode` that the scene has; `step` -1: the one before.
 [[nodiscard]] ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode, int step = 1);
-/// `legend`: the range to use instead of the piece's own, so that pieces of one scene agree.
+/// `workspace_m`: width of the hand's workspace, which the paper's law of friction depends on. `legend`: the range to
+/// use instead of the piece's own, so that pieces of one scene agree.
 [[nodiscard]] Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& description,
-                                 ColourMode mode, const Legend* legend = nullptr);
+                                 ColourMode mode, double workspace_m, const Legend* legend = nullptr);
 
 }  // namespace sparsha::viewer

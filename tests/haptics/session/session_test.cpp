@@ -110,6 +110,60 @@ TEST(Session, HeldButtonsGoFromPartToPartAndSayTheWay) {
   session.stop();
 }
 
+TEST(Session, TheNextVisitorFindsNeitherGuideNorSpeechNorTourOfTheOneBefore) {
+  const auto scene = sparsha::test::scene_of(
+      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](pipeline::SceneDescription& d) {
+        d.config.parts.push_back({"leaf", "A leaf", {0.04, 0.04, 0.06, 0.06}});
+        d.config.parts.push_back({"edge", "The left edge", {0.0, 0.0, 0.03, 0.1}});
+        d.config.guide = pipeline::GuideConfig{};
+        d.config.guide->path = pipeline::GuideConfig::Path::part;
+      });
+  Placed hand;
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  const auto controls = [&](Announcement::Control control) {
+    const auto all = session.announcements().since(0);
+    return std::count_if(all.begin(), all.end(), [&](const Announcement& a) { return a.control == control; });
+  };
+  const auto served = [&] {
+    return poll_until(session,
+                      [&, tick = session.state().read().tick] { return session.state().read().tick > tick + 5; });
+  };
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  session.requests().post({Request::Kind::next_part});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "A leaf"); }));
+  session.requests().post({Request::Kind::guide});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "guide") || said(session, "Guide"); }))
+      << ::testing::PrintToString(words(session));
+  session.requests().post({Request::Kind::toggle_speech});
+  session.requests().post({Request::Kind::help});
+  ASSERT_TRUE(served());
+  EXPECT_EQ(controls(Announcement::Control::toggle), 1);
+  const std::uint64_t commands = session.state().read().command;
+  session.requests().post({Request::Kind::fresh_visitor});
+  ASSERT_TRUE(served());
+  EXPECT_EQ(controls(Announcement::Control::reset), 1);
+  const auto all_said = session.announcements().since(0);
+  const auto reset = std::find_if(all_said.begin(), all_said.end(),
+                                  [](const Announcement& a) { return a.control == Announcement::Control::reset; });
+  ASSERT_NE(reset, all_said.end());
+  EXPECT_EQ(reset->text, "") << "nothing is said to nobody";
+  EXPECT_GE(session.state().read().command, commands + 2) << "the guide is taken from the servo, the stone is let go";
+  // Each is as it was at the start: a first help and no tour, speech that is turned on, the guide on, the first part.
+  const auto fresh = [&, seen = reset->sequence](const char* text) {
+    const auto all = session.announcements().since(seen);
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Announcement& a) { return a.text.find(text) != std::string::npos; });
+  };
+  session.requests().post({Request::Kind::help});
+  EXPECT_TRUE(poll_until(session, [&] { return fresh("Right button: closer"); }));
+  session.requests().post({Request::Kind::toggle_speech});
+  EXPECT_TRUE(poll_until(session, [&] { return fresh("Speech on"); })) << ::testing::PrintToString(words(session));
+  session.requests().post({Request::Kind::next_part});
+  EXPECT_TRUE(poll_until(session, [&] { return fresh("A leaf"); }));
+  session.stop();
+}
+
 TEST(Session, TheForwardButtonDragsTheStoneWhileItIsHeld) {
   Placed hand;
   Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});

@@ -103,6 +103,34 @@ TEST(CloudPicture, PartOfThePointsAtOnceBecomesAllOfThemAtRest) {
   EXPECT_LT(different, static_cast<std::size_t>(detail.width * detail.height / 200));
 }
 
+TEST(CloudPicture, AtRestNothingIsDrawnUntilSomethingChanges) {
+  CloudStudio studio(two_halves());
+  const gl::Target target(640, 400, false);
+  const auto draw = [&](double seconds) {
+    constexpr double kStepS = 0.1;
+    for (double t = 0.0; t < seconds; t += kStepS) {
+      studio.mode->controller().frame().finished = false;
+      studio.mode->draw(*studio.gui, studio.settings, target.framebuffer(), 640, 400, studio.time_s += kStepS, true);
+    }
+    return studio.mode->rests();
+  };
+  EXPECT_FALSE(studio.mode->rests()) << "nothing has been drawn yet";
+  const double toast_s = 12.0;
+  EXPECT_TRUE(draw(toast_s));
+  studio.mode->press({key::kLeft});
+  EXPECT_FALSE(studio.mode->rests());
+  EXPECT_FALSE(draw(0.1)) << "the preview of all points waits for rest";
+  EXPECT_TRUE(draw(toast_s));
+  studio.workshop.status.note = "found";
+  ++studio.workshop.status.notes;
+  EXPECT_FALSE(studio.mode->rests());
+  EXPECT_FALSE(draw(0.1)) << "words are shown";
+  EXPECT_TRUE(draw(toast_s));
+  studio.workshop.status.busy = true;
+  EXPECT_FALSE(studio.mode->rests());
+  EXPECT_FALSE(draw(1.0)) << "progress is shown";
+}
+
 TEST(CloudPicture, EveryColourAndSizeIsDrawnWithoutErrors) {
   PointView view = two_halves(60);
   for (std::size_t n = 0; n < view.points.size(); ++n) {

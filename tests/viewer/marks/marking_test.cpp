@@ -234,6 +234,52 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
   EXPECT_TRUE(again.marks().notes.empty()) << "another object has none of them";
 }
 
+TEST(Marking, NotesMadeAfterANewDepthScanAreKeptInTheFolderOfTheScans) {
+  const sparsha::test::TestFolder folder;
+  const auto of_scans = [](pipeline::LengthUnit unit, double shift_m) {
+    return [=](pipeline::SceneDescription& d) {
+      d.config.scans.resize(1);
+      d.config.scans[0].file = "scan.ply";
+      d.config.scans[0].units.unit = unit;
+      d.sources = {{"scan.ply", "abc", 1}};
+      d.scan_from_grid(0, 3) = shift_m;
+      d.config.orientation.scan_to_grid = d.scan_from_grid.inverse();
+    };
+  };
+  std::filesystem::create_directories(folder / "scene");
+  pipeline::write_scene(*plate(of_scans(pipeline::LengthUnit::mm, 1.0)), folder / "scene");
+  Bench bench(pipeline::open_scene(folder / "scene"));
+  const auto pin = [&](double x_m, double y_m, const char* words) {
+    bench.point_at(x_m, y_m);
+    bench.key('K');
+    bench.type(words);
+    bench.key(key::kEnter);
+  };
+  const auto set = [&](const pipeline::ScenePointer& scene) {
+    bench.controller->set_scene(bench.scene = scene);
+    bench.run();
+  };
+  pin(0.05, 0.08, "before");
+  set(plate(of_scans(pipeline::LengthUnit::mm, 3.0)));  // from another side
+  pin(0.15, 0.08, "after");
+  const auto file = [&] { return read_notes(folder / "scene" / "notes.yaml").pins; };
+  ASSERT_EQ(file().size(), 2U);
+  const double pixel_m = 0.001;
+  EXPECT_NEAR(file()[0].at_m.x(), 1.05, pixel_m);
+  EXPECT_NEAR(file()[1].at_m.x(), 3.15, pixel_m);
+  // The same numbers read in centimetres: ten times as large, the file stays in the folder's own unit.
+  set(plate(of_scans(pipeline::LengthUnit::cm, 30.0)));
+  ASSERT_EQ(bench.marks().notes.pins.size(), 2U);
+  EXPECT_NEAR(bench.marks().notes.pins[1].at_m.x(), 10.0 * 3.15 - 30.0, 10.0 * pixel_m);
+  pin(0.05, 0.05, "last");
+  ASSERT_EQ(file().size(), 3U);
+  EXPECT_NEAR(file()[0].at_m.x(), 1.05, pixel_m);
+  EXPECT_NEAR(file()[2].at_m.x(), 3.005, pixel_m);
+  set(plate());
+  pin(0.05, 0.05, "of another object");
+  EXPECT_EQ(file().size(), 3U) << "notes of another object are not kept there";
+}
+
 TEST(Marking, NotesThatCannotBeReadAreSaidAndNotWrittenOver) {
   const sparsha::test::TestFolder folder;
   std::filesystem::create_directories(folder / "scene");
@@ -249,6 +295,12 @@ TEST(Marking, NotesThatCannotBeReadAreSaidAndNotWrittenOver) {
   EXPECT_NE(bench.spoken.front().find("notes.yaml:1"), std::string::npos) << bench.spoken.front();
   bench.key('Z');
   EXPECT_EQ(read_file(folder / "scene" / "notes.yaml", 1000), "pins: broken\n");
+  bench.controller->set_scene(plate([](pipeline::SceneDescription& d) {
+    d.config.scans.resize(1);
+    d.sources = {{"scan.ply", "abc", 1}};
+  }));
+  bench.key('Z');
+  EXPECT_EQ(read_file(folder / "scene" / "notes.yaml", 1000), "pins: broken\n") << "nor after a new depth scan";
 }
 
 pipeline::ScenePointer with_part() {
