@@ -36,9 +36,10 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
   text += '\n';
   if (report.check) {
     const auto& cloud = report.check->cloud_to_surface;
-    text +=
-        fmt::format("check     {} points to surface: median {}, RMS {}, 99 % within {}\n", count_text(cloud.samples),
-                    length_text(cloud.median_m), length_text(cloud.rms_m), length_text(cloud.p99_m));
+    text += cloud.samples == 0 ? std::string("check     nothing to compare\n")
+                               : fmt::format("check     {} points to surface: median {}, RMS {}, 99 % within {}\n",
+                                             count_text(cloud.samples), length_text(cloud.median_m),
+                                             length_text(cloud.rms_m), length_text(cloud.p99_m));
   }
   text += fmt::format("time      {:.2f} s, {} MB at most\n", report.total_seconds, report.peak_rss_bytes / 1000000U);
   text += fmt::format("scene     {}\n", folder.string());

@@ -65,7 +65,7 @@ std::string build_sentences(const pipeline::Scene& scene, const pipeline::Report
                       report.points.used);
   text += fmt::format("{} of the nodes were measured, and {} were filled.\n", capital(percent(report.coverage)),
                       percent(report.filled_fraction));
-  if (report.check) {
+  if (report.check && report.check->cloud_to_surface.samples > 0) {
     const auto& cloud = report.check->cloud_to_surface;
     text += fmt::format("Half of the points checked lie within {} of the surface, and 99 percent within {}.\n",
                         exact_length(cloud.median_m), exact_length(cloud.p99_m));

@@ -64,7 +64,8 @@ std::string without_quotes(const std::string& message) {
   return text;
 }
 
-// What is said of a scan quotes nothing of it; what is said of the scene's filters stays.
+// What is said of a scan quotes nothing of it; what is said of the scene's filters stays. The grid is the scene's, and
+// no setting of it helps.
 ProjectedScans project_quietly(Config& config, const Context& context) {
   try {
     config.scans = without_repeats(config.scans, context.progress);
@@ -72,6 +73,10 @@ ProjectedScans project_quietly(Config& config, const Context& context) {
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
+    if (error.place().file.empty() && error.kind() == ErrorKind::input) {
+      throw input_error(config.scans.front().file.string(), without_quotes(error.wrong()),
+                        "scans of the surface that the scene shows, in the scene's coordinates");
+    }
     const auto is_place = [&](const ScanConfig& scan) { return scan.file.string() == error.place().file; };
     if (!error.place().file.empty() && std::ranges::none_of(config.scans, is_place)) throw;
     throw Error(error.kind(), error.place(), without_quotes(error.wrong()), error.expected());

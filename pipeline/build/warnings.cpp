@@ -33,6 +33,7 @@ SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattic
     doubts.far = has_points && check->cloud_to_surface.median_m > doubts.explained_m;
     doubts.not_theirs = check->cloud_to_surface.median_m > lattice.spacing_m;
   }
+  doubts.unproven = check && check->cloud_to_surface.samples == 0;
   doubts.unfacing = has_points && projection.closed && !projection.facing_known;
   return doubts;
 }
@@ -56,6 +57,12 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
         fmt::format("the grid is {:.1f} times finer than the points, which are {} apart: it shows nothing more than "
                     "grid.spacing_mm: {:.3g} would",
                     apart / lattice.spacing_m, length_text(apart), 1e3 * apart));
+  }
+  if (doubts.unproven) {
+    warnings.emplace_back(
+        "the cross-check had nothing to compare: no four measured nodes lie side by side, so there is no surface to "
+        "touch; "
+        "use a larger grid.spacing_mm, or points that spread over a surface");
   }
   if (doubts.far) {
     warnings.push_back(fmt::format(

@@ -17,6 +17,7 @@ struct SurfaceDoubts {
   bool far = false;          ///< half of the points lie farther from the surface than `explained_m`
   bool not_theirs = false;   ///< half of the points lie more than a grid spacing from the surface
   bool unfacing = false;     ///< much of what is seen first seems to face away
+  bool unproven = false;     ///< the cross-check found nothing to compare
   double explained_m = 0.0;  ///< median distance that noise, and form between nodes and points, explain
 };
 [[nodiscard]] SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice,

@@ -37,6 +37,7 @@ constexpr double kByChance = 0.2;  // residual over the distance within which po
 // more.
 constexpr double kRough = 1.7;
 constexpr double kRigid = 1e-9;         // moves a point by no more than that part of the scan's size
+constexpr double kOtherUnit = 50.0;     // ratio of longest sides beyond which units may be wrong: m, cm and mm
 constexpr double kContradiction = 2.0;  // reach of touch within which a pair's own result agrees with all others
 
 /// A pair while it is worked on.
@@ -228,8 +229,10 @@ class Registrar {
       if (best == nullptr || rank(pair) > rank(*best)) best = &pair;
     }
     const std::size_t lost = reached(best->fit.first) ? best->fit.second : best->fit.first;
-    const std::string& other = posed_.scans[lost == best->fit.second ? best->fit.first : best->fit.second].name;
+    const std::size_t beside = lost == best->fit.second ? best->fit.first : best->fit.second;
+    const std::string& other = posed_.scans[beside].name;
     const std::string& name = posed_.scans[lost].name;
+    const std::string hint = advice(posed_.scans[lost], posed_.scans[beside]);
     switch (best->fit.use) {
       case PairFit::Use::weak:
         return input_error(
@@ -242,7 +245,7 @@ class Registrar {
             name,
             fmt::format("aligning this scan with {} moves it by {}, farther than a rough pose may be wrong", other,
                         length_text(moved_m(*best, first(*best).pose.inverse() * second(*best).pose))),
-            "poses within 10 degrees and 5 % of the object's size" + or_features());
+            "poses within 10 degrees and 5 % of the object's size" + hint);
       default:
         break;
     }
@@ -255,7 +258,7 @@ class Registrar {
               100.0 * best->fit.before.overlap, length_text(reach_m_), other),
           fmt::format("at least {:.3g} %: better poses or a larger register.max_distance_mm",
                       100.0 * config_.min_overlap) +
-              or_features());
+              hint);
     }
     return input_error(name,
                        fmt::format("{:.1f} % of its points have their place on {}, the scan with which it has most in "
@@ -264,11 +267,15 @@ class Registrar {
                        fmt::format("at least {:.3g} % and {} of the thinned points: more overlap, better poses or a "
                                    "smaller register.min_overlap",
                                    100.0 * config_.min_overlap, kLeastMatches) +
-                           or_features());
+                           hint);
   }
 
-  // What helps where nobody has placed the scans.
-  [[nodiscard]] std::string or_features() const {
+  // What helps where sizes do not go together, or nobody has placed the scans.
+  [[nodiscard]] std::string advice(const PosedScan& lost, const PosedScan& other) const {
+    if (std::max(lost.longest_m, other.longest_m) > kOtherUnit * std::min(lost.longest_m, other.longest_m)) {
+      return fmt::format("; it is {} long and {} is {}: check 'units'", length_text(lost.longest_m), other.name,
+                         length_text(other.longest_m));
+    }
     const auto unplaced = [](const ScanConfig& scan) { return scan.pose.isIdentity(0.0); };
     if (!guesses_.empty() || !std::ranges::all_of(configs_, unplaced)) return {};
     return "; no scan has a pose: `register: {guess: features}` finds them from the surfaces";
@@ -347,7 +354,8 @@ class Registrar {
             "the best pose found leaves its points {} (RMS) from those of {} where the two are within {} of each "
             "other, which chance does as well",
             length_text(best->fit.after.residual_m), posed_.scans[other].name, length_text(best->fit.after.within_m)),
-        "poses nearer to the truth, more overlap, or parts that do not repeat" + or_features());
+        "poses nearer to the truth, more overlap, or parts that do not repeat" +
+            advice(posed_.scans[lost], posed_.scans[other]));
   }
 
   [[nodiscard]] std::vector<PairFit> found() const {

@@ -74,7 +74,8 @@ std::string key_figures(const SceneDescription& scene, const Report& report) {
   }
   add("Coverage", percent(report.coverage), fmt::format("{} filled", percent(report.filled_fraction)));
   if (scene.noise_m > 0)
-    add("Scanner noise", length_text(scene.noise_m, TextStyle::typeset), "standard deviation, estimated");
+    add("Scanner noise", length_text(scene.noise_m, TextStyle::typeset),
+        scene.config.grid.noise_m ? "standard deviation, from grid.noise_mm" : "standard deviation, estimated");
   if (report.check) {
     const CheckResult& check = *report.check;
     if (check.cloud_to_surface.samples > 0)

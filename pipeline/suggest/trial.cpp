@@ -92,6 +92,7 @@ Cloud TrialCloud::finish() {
 std::string Trial::complaint() const {
   if (!error.empty()) return error;
   if (measured < kFewest) return fmt::format("only {:.0f} nodes of the grid can be measured", measured);
+  if (doubts.unproven) return "no four measured nodes lie side by side: there is no surface to compare the points with";
   if (doubts.not_theirs || (!fits && !doubts.fine && !doubts.far)) {
     return fmt::format("half of the points lie farther than {} from the surface, and the grid spacing is {}",
                        length_text(median_m), length_text(spacing_m));

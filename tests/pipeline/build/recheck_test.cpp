@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/recheck.h"
@@ -107,6 +108,21 @@ TEST_F(Recheck, AppliesNoFilterToScansThatAreNotTheScenes) {
   EXPECT_EQ(other.points.filtered, 0U);
   EXPECT_EQ(other.points.read, 40000U);
   EXPECT_LT(other.check->cloud_to_surface.median_m, kSpacing_m);
+}
+
+TEST_F(Recheck, NamesAScanThatShowsNothingOfTheScene) {
+  static_cast<void>(build(kOneObject));
+  std::string line;
+  for (int k = 0; k < 1000; ++k) line += std::to_string(0.0005 * k) + " 0.1 0\n";
+  write_file(folder_ / "line.xyz", line);
+  try {
+    static_cast<void>(check({folder_ / "line.xyz"}));
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_EQ(fs::path(error.place().file).filename(), "line.xyz");
+    EXPECT_EQ(error.expected().find("grid."), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

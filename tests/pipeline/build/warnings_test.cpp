@@ -5,8 +5,11 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/files.h"
+#include "pipeline/build/build.h"
 #include "pipeline/build/warnings.h"
 #include "scene/config.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -78,9 +81,50 @@ TEST(SurfaceWarnings, NameWhatIsDoubtfulAndWhatToDo) {
   Projection unknown = sound();
   unknown.nodes_unsure = kMeasured / 2;
   expect_one(warnings_of(unknown), "50 %");
+  CheckResult nothing = checked(0.0);
+  nothing.cloud_to_surface.samples = 0;
+  expect_one(surface_warnings(sound(), millimetre_grid(), kMeasured, nothing), "nothing to compare");
   Projection turned = sound();
   turned.facing_known = false;
   expect_one(warnings_of(turned), "not believed");
+}
+
+// 50 x 50 places 10 mm apart in a plane, as points or as a mesh, on a grid of 2.5 mm.
+std::vector<std::string> warnings_of_plane(bool faces, const std::string& noise) {
+  const test::TestFolder folder;
+  constexpr int kSide = 50;
+  std::string corners;
+  std::string triangles;
+  int count = 0;
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      corners += std::to_string(0.01 * i) + ' ' + std::to_string(0.01 * j) + " 0\n";
+      if (i + 1 == kSide || j + 1 == kSide) continue;
+      const int a = kSide * j + i;
+      for (const int corner : {0, 1}) {
+        triangles += "3 " + std::to_string(a + corner * (kSide + 1)) + ' ' + std::to_string(a + kSide) + ' ' +
+                     std::to_string(a + 1) + '\n';
+      }
+      count += 2;
+    }
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(kSide * kSide);
+  text += "\nproperty double x\nproperty double y\nproperty double z\n";
+  if (faces) text += "element face " + std::to_string(count) + "\nproperty list uchar int vertex_indices\n";
+  write_file(folder / "plane.ply", text + "end_header\n" + corners + (faces ? triangles : ""));
+  Config config =
+      parse_config(yaml::parse_text("scans: [{file: plane.ply, units: m}]\norientation: {look_from: [0, 0, 1], up: "
+                                    "[0, 1, 0]}\ngrid: {spacing_mm: 2.5" +
+                                        noise + "}\n",
+                                    "test"),
+                   folder);
+  Progress progress;
+  return build_scene(config, {}, progress).report.warnings;
+}
+
+TEST(SurfaceWarnings, AreGivenForPointsWhoseNoiseIsZeroAndNotForAMesh) {
+  expect_one(warnings_of_plane(false, ", noise_mm: 0"), "times finer than the points");
+  expect_one(warnings_of_plane(false, ""), "times finer than the points");
+  EXPECT_TRUE(warnings_of_plane(true, "").empty());
 }
 
 TEST(SurfaceWarnings, ASurfaceFartherThanASpacingFromHalfOfItsPointsIsAnError) {

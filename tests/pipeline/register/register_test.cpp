@@ -295,6 +295,15 @@ TEST(Register, ScansThatNobodyPlacedAreToldOfFeatures) {
               ::testing::Not(::testing::HasSubstr("register: {guess: features}")));
 }
 
+TEST(Register, ScansOfDifferentUnitsAreToldSo) {
+  const ScanFolder folder;
+  std::vector<ScanConfig> scans = carved_pair(folder);
+  scans[1].units.unit = LengthUnit::mm;
+  const std::string text = error_of_registering(scans, ErrorKind::input);
+  EXPECT_THAT(text, ::testing::HasSubstr("check 'units'"));
+  EXPECT_THAT(text, ::testing::HasSubstr("b.xyz"));
+}
+
 RegisterConfig by_features() {
   RegisterConfig config;
   config.guess = RegisterConfig::Guess::features;

@@ -101,6 +101,16 @@ TEST(ReportJson, HasEveryKeyOfTheContract) {
       EXPECT_TRUE(report["check"][direction][key].is_number()) << direction << ' ' << key;
 }
 
+TEST(Report, SaysWhetherTheNoiseWasEstimatedOrGiven) {
+  const auto scene = example_scene();
+  SceneDescription description = scene->description();
+  description.config.grid.noise_m = description.noise_m;
+  const auto given = make_scene(description, {scene->read_level(0)});
+  EXPECT_THAT(report_html(*scene, example_report(), {}, {}), ::testing::HasSubstr("standard deviation, estimated"));
+  EXPECT_THAT(report_html(*given, example_report(), {}, {}),
+              ::testing::HasSubstr("standard deviation, from grid.noise_mm"));
+}
+
 TEST(Report, SaysWhatIsFeltAndWasInvented) {
   const auto scene = example_scene();
   EXPECT_TRUE(json::parse(report_json(*scene, example_report()))["invented"].empty());

@@ -221,6 +221,21 @@ TEST_F(Suggested, ACloudWithoutASurfaceIsSaidToFailTheCheckOnScreenAndInTheFile)
   EXPECT_THROW((void)build_scene(suggestion.config, {}, progress), Error);
 }
 
+TEST_F(Suggested, PointsAlongALineAreNotSaidToLieOnASurface) {
+  Points line;
+  while (line.size() < 5000) {
+    const double t = uniform(0, 1);
+    line.emplace_back(t + normal(0.0005), t + normal(0.0005), t + normal(0.0005));
+  }
+  Progress progress;
+  suggestion_ = suggest_config({write(line)}, {}, progress);
+  EXPECT_NE(suggestion_.yaml.find("no surface to compare"), std::string::npos) << suggestion_.yaml;
+  EXPECT_EQ(suggestion_.yaml.find("farther than 0 mm"), std::string::npos) << suggestion_.yaml;
+  const BuildResult result = build_scene(suggestion_.config, {}, progress);
+  EXPECT_EQ(result.report.check->cloud_to_surface.samples, 0U);
+  EXPECT_TRUE(warned(result, "nothing to compare"));
+}
+
 TEST_F(Suggested, TheOrderOfThePointsDoesNotMatter) {
   Points points = shell(5000, {0.3, 0.2, 0.1}, 1.0, 0.01);
   Progress progress;
