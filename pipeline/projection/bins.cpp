@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -170,6 +171,21 @@ void sort_band(const Bands& bands, std::size_t band, std::size_t first_row, std:
   }
 }
 
+// Whether a point of the bins stands where the one before it stands.
+bool has_repeats(const Bins& bins, ThreadPool& pool) {
+  std::atomic<bool> found = false;
+  pool.for_ranges(bins.points, 1U << 16U, [&](std::size_t begin, std::size_t end) {
+    std::size_t equal = 0;
+    for (std::size_t p = std::max<std::size_t>(begin, 1); p < end; ++p) equal += bins.z[p] == bins.z[p - 1] ? 1 : 0;
+    for (std::size_t p = std::max<std::size_t>(begin, 1); equal > 0 && p < end; ++p) {
+      if (bins.z[p] != bins.z[p - 1]) continue;
+      --equal;
+      if (bins.x[p] == bins.x[p - 1] && bins.y[p] == bins.y[p - 1]) found = true;
+    }
+  });
+  return found;
+}
+
 }  // namespace
 
 BinLocator::BinLocator(const BinLattice& lattice)
@@ -201,6 +217,29 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   std::fill_n(bins.start.get() + last_row * static_cast<std::size_t>(lattice.bins_x()), 1 + Bins::kReadAhead,
               static_cast<std::uint32_t>(bins.points));
   return bins;
+}
+
+void leave_out_repeats(Bins& bins, const BinWindow& window, ThreadPool& pool) {
+  if (!has_repeats(bins, pool)) return;
+  const auto columns = static_cast<std::size_t>(bins.lattice.bins_x());
+  const std::size_t last = static_cast<std::size_t>(window.last_row) * columns;
+  std::uint32_t from = bins.start[static_cast<std::size_t>(window.first_row) * columns];
+  std::uint32_t to = from;
+  for (std::size_t b = static_cast<std::size_t>(window.first_row) * columns; b < last; ++b) {
+    bins.start[b] = to;
+    for (const std::uint32_t end = bins.start[b + 1]; from < end; ++from) {
+      const std::uint32_t kept = to - 1;
+      const bool repeats = to > bins.start[b] && bins.z[from] == bins.z[kept] && bins.x[from] == bins.x[kept] &&
+                           bins.y[from] == bins.y[kept];
+      if (repeats) continue;
+      bins.x[to] = bins.x[from];
+      bins.y[to] = bins.y[from];
+      bins.z[to++] = bins.z[from];
+    }
+  }
+  bins.points = to;
+  for (Buffer<float>* array : {&bins.x, &bins.y, &bins.z}) std::fill_n(array->get() + to, Bins::kReadAhead, 0.0F);
+  std::fill_n(bins.start.get() + last, 1 + Bins::kReadAhead, to);
 }
 
 }  // namespace sparsha::pipeline

@@ -75,4 +75,8 @@ struct Bins {
                                   const BinLattice& lattice, const BinWindow& window, ThreadPool& pool,
                                   MemoryStore* store = nullptr);
 
+/// Leaves one of equal points in each bin of the window's rows: a point told twice makes a surface no denser. Changes
+/// no bit where all points differ.
+void leave_out_repeats(Bins& bins, const BinWindow& window, ThreadPool& pool);
+
 }  // namespace sparsha::pipeline

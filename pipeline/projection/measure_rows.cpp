@@ -75,7 +75,8 @@ std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::
                                        const ProjectionPlan& plan, const BinWindow& window, int first_row,
                                        const Context& context, DepthGrid& rows, MemoryStore* store) {
   if (!plan.discs) {
-    const Bins bins = sort_into_bins(points, skip, plan.bins, window, context.pool, store);
+    Bins bins = sort_into_bins(points, skip, plan.bins, window, context.pool, store);
+    leave_out_repeats(bins, window, context.pool);
     fit_rows(bins, plan.rule, plan.gap_m, first_row, context, rows);
     return {};
   }

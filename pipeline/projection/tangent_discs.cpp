@@ -130,7 +130,8 @@ BinLattice disc_columns(const BinLattice& nodes, const DiscRule& rule) {
 
 TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uint8_t>& skip, const BinLattice& columns,
                         const BinWindow& window, const DiscRule& rule, bool all, ThreadPool& pool, MemoryStore* store) {
-  const Bins bins = sort_into_bins(points, skip, columns, window, pool, store);
+  Bins bins = sort_into_bins(points, skip, columns, window, pool, store);
+  leave_out_repeats(bins, window, pool);
   const Rows rows{static_cast<std::size_t>(columns.bins_x()), static_cast<std::size_t>(window.first_row),
                   static_cast<std::size_t>(window.last_row)};
   const std::vector<float> hidden =

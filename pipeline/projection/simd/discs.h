@@ -316,8 +316,6 @@ SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
       while (last < end && k.z[begin] - k.z[last] <= 0.5F * k.side_m && k.z[last] >= k.needed_m[bin]) ++last;
       gather_near(k, windows, k.z[begin], k.z[last - 1], near);
       for (std::size_t p = begin; p < last; ++p) {
-        // A point that stands there twice makes no other disc.
-        if (p > k.start[bin] && k.z[p] == k.z[p - 1] && k.x[p] == k.x[p - 1] && k.y[p] == k.y[p - 1]) continue;
         add_point(k, row, column, p, near, batch);
         if (batch.size == kLanes) write_discs(k, batch);
       }

@@ -177,6 +177,14 @@ TEST_F(OutOfCore, ClosedObjectsAreTurnedByTheirStationsAsInMemory) {
   expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
 }
 
+TEST_F(OutOfCore, ClosedObjectsWhosePointsAreToldTwiceAreTheSame) {
+  const std::string balls = two_balls();
+  write_file(folder_ / "balls.xyz", balls + balls);
+  const std::string text =
+      "scans: [{file: balls.xyz, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
+  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 60'000);
+}
+
 TEST_F(OutOfCore, StripsTooFullForMemoryAreCutIntoColumns) {
   // The halo of a node holds up to 17 x 17 bins of about 4 points.
   expect_same_out_of_core(simulated(relief(120, 1)), 6'000);

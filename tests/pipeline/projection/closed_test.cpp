@@ -119,6 +119,25 @@ TEST(ClosedObjects, MayCostTwiceAsMuchWhereDensityVariesOneToTen) {
   }
 }
 
+TEST(ClosedObjects, ShowTheirFrontWhereEachOfTheirPointsIsToldSeveralTimes) {
+  for (const std::size_t k : {0, 3}) {
+    for (const std::size_t copies : {2, 5}) {
+      ObjectScan scan = scan_object(*objects()[k].object, cloud_of(kFew));
+      const Judgement once = judge_object(project_scan(scan).grid, *objects()[k].object, scan);
+      const Points points = scan.points;
+      for (std::size_t copy = 1; copy < copies; ++copy) {
+        scan.points.insert(scan.points.end(), points.begin(), points.end());
+      }
+      const Judgement often = judge_object(project_scan(scan).grid, *objects()[k].object, scan);
+      const std::string what = objects()[k].name + ", " + std::to_string(copies) + " copies";
+      // Blocks of the statistics are laid out anew, which moves noise and spacing a little.
+      EXPECT_NEAR(often.covered, once.covered, 0.005) << what;
+      EXPECT_LE(often.wrong_smooth, wrong_bound(kFew, 0.1)) << what;
+      EXPECT_NEAR(often.median_spacings, once.median_spacings, 0.1 * once.median_spacings) << what;
+    }
+  }
+}
+
 TEST(ClosedObjects, FlatOnesAreToldFromTheirBackOnCoarseGridsToo) {
   for (const double grid : {1.6, 2.0, 3.0}) expect_front_only(objects()[5], cloud_of(kMany), grid);
 }

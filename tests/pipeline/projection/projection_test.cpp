@@ -270,6 +270,27 @@ TEST(Projection, ManyCopiesOfAPointLeaveItsNeighboursAsTheyAre) {
   EXPECT_LE(far, 49U) << "a node's window has seven nodes per side at most where points are dense";
 }
 
+TEST(Projection, AReliefWhosePointsAreToldSeveralTimesIsMeasuredAsIfTheyWereToldOnce) {
+  std::mt19937_64 random(16);
+  Points points;
+  sample_surface(points, smooth_forms_m, 40'000, {0.0002, 0.0}, random);
+  const Points once = points;
+  const auto everywhere = [](double, double) { return true; };
+  for (const int count : {100, 201, 401}) {
+    const Errors plain = judge(project_cloud(make_cloud(once), nodes(count)).grid, smooth_forms_m, everywhere);
+    points = once;
+    for (const int copies : {2, 5}) {
+      while (points.size() < static_cast<std::size_t>(copies) * once.size()) {
+        points.insert(points.end(), once.begin(), once.end());
+      }
+      const Errors often = judge(project_cloud(make_cloud(points), nodes(count)).grid, smooth_forms_m, everywhere);
+      EXPECT_GE(often.measured, plain.measured - 0.001) << count << " nodes, " << copies << " copies";
+      // Blocks of the statistics are laid out anew, which moves the noise, and weights with it, a little.
+      EXPECT_LE(often.rms_m, 1.1 * plain.rms_m) << count << " nodes, " << copies << " copies";
+    }
+  }
+}
+
 TEST(Projection, RefusesGridsThatCannotFit) {
   const pipeline::Cloud cloud = make_cloud(small_scan(11));
   for (const double spacing : {1e-9, 1e-5, 3e-5}) {
