@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/scan_statistics.h"
 #include "pipeline/scan/units.h"
@@ -24,7 +25,8 @@ std::uint64_t count_duplicates(const std::vector<Eigen::Vector3d>& points) {
 }  // namespace
 
 ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress) {
-  const RawScan scan = read_scan(file, progress);
+  RawScan scan = read_scan(file, progress);
+  drop_empty_returns(scan);
   ScanInfo info;
   info.format = scan.format;
   info.points = scan.records;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/files.h"
+#include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"
@@ -77,78 +78,132 @@ struct ScanSet::Scan {
   std::filesystem::path file;
   RawScan raw;
   bool streamed = false;
-  std::uint64_t valid = 0;
+  std::uint64_t delivered = 0;  ///< finite points of the file
+  std::uint64_t valid = 0;      ///< of these, without empty returns
   bool colour = false;
   bool intensity = false;
-  PointSample sample;  ///< file units
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector3d high = -low;
+  /// Points that were looked at, file units.
+  struct Looked {
+    std::uint64_t count = 0;
+    PointSample sample;
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::Vector3d high = -low;
+
+    void add(const Eigen::Vector3d& p, bool bounds) {
+      ++count;
+      sample.add(p);
+      if (!bounds) return;
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    void add(const Looked& other) {
+      count += other.count;
+      sample.merge(other.sample, [](const Eigen::Vector3d& p) { return p; });
+      low = low.cwiseMin(other.low);
+      high = high.cwiseMax(other.high);
+    }
+  };
+  Looked looked;      ///< all but
+  Looked at_scanner;  ///< what may be empty returns, until their number is known
   Placement placement;
   struct Seen {
     Eigen::Vector3d place;
     PointSample sample;
+    PointSample at_scanner;  ///< as above
   };
   std::vector<Seen> from;   ///< each station, file units
   PointSample with_normal;  ///< points whose normals the file states, file units
+  PointSample normal_at_scanner;
 
   void look_from(const PointBlock& block) {
     if (!block.station) return;
     if (from.empty() || from.back().place != *block.station) {
       if (from.size() == kMostStations) return;
-      from.push_back({*block.station, PointSample()});
+      from.push_back({*block.station, PointSample(), PointSample()});
     }
-    for (const Eigen::Vector3d& p : block.points) from.back().sample.add(p);
+    for (const Eigen::Vector3d& p : block.points) {
+      (is_at_scanner(p, block.station) ? from.back().at_scanner : from.back().sample).add(p);
+    }
   }
   void look_at_normals(const PointBlock& block) {
     for (std::size_t i = 0; i < block.normals.size(); ++i) {
       const Eigen::Vector3f& normal = block.normals[i];
-      if (normal.allFinite() && normal.squaredNorm() > 0.0F) with_normal.add(block.points[i], normal);
+      if (!normal.allFinite() || !(normal.squaredNorm() > 0.0F)) continue;
+      const bool apart = is_at_scanner(block.points[i], block.station);
+      (apart ? normal_at_scanner : with_normal).add(block.points[i], normal);
     }
   }
   void look(const PointBlock& block, bool bounds) {
     look_from(block);
     look_at_normals(block);
-    valid += block.points.size();
     colour = colour || !block.rgba.empty();
     intensity = intensity || !block.intensity.empty();
-    for (const Eigen::Vector3d& p : block.points) sample.add(p);
-    if (!bounds) return;
     for (const Eigen::Vector3d& p : block.points) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
+      (is_at_scanner(p, block.station) ? at_scanner : looked).add(p, bounds);
     }
+  }
+  /// After the last block: whether what stands at the scanner is surface.
+  void decide_empty_returns() {
+    delivered = valid = looked.count + at_scanner.count;
+    if (raw.faces.empty() && are_empty_returns(at_scanner.count, delivered)) {
+      raw.warnings.push_back(empty_returns_warning(at_scanner.count, delivered));
+      raw.invalid += at_scanner.count;
+      valid -= at_scanner.count;
+      return;
+    }
+    const auto stay = [](const Eigen::Vector3d& p) { return p; };
+    looked.add(at_scanner);
+    for (Seen& seen : from) seen.sample.merge(seen.at_scanner, stay);
+    with_normal.merge(normal_at_scanner, stay);
+  }
+  [[nodiscard]] PointSink without_empty_returns(const PointSink& sink) const {
+    if (valid == delivered) return sink;
+    return [&sink, points = std::vector<Eigen::Vector3d>(), rgba = std::vector<std::uint32_t>(),
+            intensity = std::vector<float>()](const PointBlock& block) mutable {
+      points.clear();
+      rgba.clear();
+      intensity.clear();
+      for (std::size_t i = 0; i < block.points.size(); ++i) {
+        if (is_at_scanner(block.points[i], block.station)) continue;
+        points.push_back(block.points[i]);
+        if (!block.rgba.empty()) rgba.push_back(block.rgba[i]);
+        if (!block.intensity.empty()) intensity.push_back(block.intensity[i]);
+      }
+      sink({points, rgba, intensity});
+    };
   }
   /// Throws Error{input} when the file has not the points any more that were looked at.
   void for_each_block(const PointSink& sink, Progress& progress) const {
     std::uint64_t seen = 0;
+    const PointSink use = without_empty_returns(sink);
     const auto changed = [&] {
       return input_error(file.string(), "the file changed while it was read", "a file that nobody writes to");
     };
     const auto counted = [&](const PointBlock& block) {
       progress.throw_if_cancelled();
       seen += block.points.size();
-      if (seen > valid) throw changed();
-      sink(block);
+      if (seen > delivered) throw changed();
+      use(block);
     };
     if (streamed) {
       (void)stream_scan(file, counted, &progress);
     } else {
       counted({raw.points, raw.rgba, raw.intensity});
     }
-    if (seen != valid) throw changed();
+    if (seen != delivered) throw changed();
   }
   double scale(const ScanConfig& config, Progress& progress) const {
     const std::string name = config.file.string();
     const Units& units = config.units;
     require_lengths(raw, name);
     if (units.unit == LengthUnit::longest_side) {
-      const double side = (high - low).maxCoeff();
+      const double side = (looked.high - looked.low).maxCoeff();
       if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
       return units.longest_side_m / side;
     }
     if (units.unit != LengthUnit::automatic) return metres_in(units.unit);
     if (raw.unit) return metres_in(*raw.unit);
-    if (const std::optional<UnitGuess> guess = doubt_metres(sample)) {
+    if (const std::optional<UnitGuess> guess = doubt_metres(looked.sample)) {
       progress.warn(fmt::format("{}: no unit is known, metres are taken; {}{}", name, guess->reason,
                                 guess->unit == LengthUnit::m
                                     ? "; set 'units' if that is wrong"
@@ -171,6 +226,7 @@ struct ScanSet::Scan {
           &progress);
     } else {
       scan->raw = read_scan(config.file, &progress);
+      drop_empty_returns(scan->raw);
       scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals}, bounds);
       const std::vector<RawStation>& stations = scan->raw.stations;
       for (std::size_t s = 0; s < stations.size(); ++s) {
@@ -179,6 +235,7 @@ struct ScanSet::Scan {
         scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place, {}});
       }
     }
+    scan->decide_empty_returns();
     const std::string name = config.file.string();
     for (const std::string& warning : scan->raw.warnings) progress.warn(name + ": " + warning);
     if (scan->valid == 0) {
@@ -212,7 +269,7 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
       colour_ = colour_ || scan.colour;
       intensity_ = intensity_ || scan.intensity;
       z_up_ = z_up_ || is_z_up(scan.raw.format);
-      sample.merge(scan.sample, scan.placement);
+      sample.merge(scan.looked.sample, scan.placement);
     }
   } catch (...) {
     *abandoned_ = true;
@@ -241,7 +298,8 @@ std::vector<Station> ScanSet::stations() const {
       if (!seen.sample.empty()) add(scan, true, seen.place, seen.sample);
     }
     // A pose moves a scanner's own coordinates, whose origin it is.
-    if (scan.from.empty() && !configs_[s].pose.isIdentity(0.0)) add(scan, false, Eigen::Vector3d::Zero(), scan.sample);
+    if (scan.from.empty() && !configs_[s].pose.isIdentity(0.0))
+      add(scan, false, Eigen::Vector3d::Zero(), scan.looked.sample);
     if (!scan.with_normal.empty()) add(scan, true, Eigen::Vector3d::Zero(), scan.with_normal);
   }
   return stations;

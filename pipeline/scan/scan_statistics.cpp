@@ -16,6 +16,7 @@
 
 #include "base/hash.h"
 #include "base/statistics.h"
+#include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
 
 namespace sparsha::pipeline {
@@ -149,14 +150,25 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
     // First how many there are and a few of them, then an even sample and the neighbours of the few.
     PointSample few;
     std::uint64_t count = 0;
+    std::uint64_t at_scanner = 0;
     statistics.scan = stream_scan(
         file,
         [&](const PointBlock& block) {
           progress.throw_if_cancelled();
           count += block.points.size();
-          for (const Eigen::Vector3d& p : block.points) few.add(p);
+          for (const Eigen::Vector3d& p : block.points) {
+            const bool empty = is_at_scanner(p, block.station);
+            at_scanner += empty ? 1 : 0;
+            if (!empty) few.add(p);
+          }
         },
         &progress);
+    const bool empty_returns = are_empty_returns(at_scanner, count);
+    if (empty_returns) {
+      statistics.scan.warnings.push_back(empty_returns_warning(at_scanner, count));
+      statistics.scan.invalid += at_scanner;
+      count -= at_scanner;
+    }
     if (count > kSample && statistics.scan.faces.empty()) {
       std::vector<Eigen::Vector3d> places = few.points();
       const double reach = kReach * mean_spacing(places, count);
@@ -169,6 +181,7 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
           [&](const PointBlock& block) {
             progress.throw_if_cancelled();
             for (const Eigen::Vector3d& p : block.points) {
+              if (empty_returns && is_at_scanner(p, block.station)) continue;
               if (seen++ == next) {
                 statistics.scan.points.push_back(p);
                 next += every;
@@ -182,6 +195,7 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
     }
   }
   statistics.scan = read_scan(file, &progress);
+  drop_empty_returns(statistics.scan);
   statistics.spacing = median_spacing(statistics.scan.points);
   return statistics;
 }

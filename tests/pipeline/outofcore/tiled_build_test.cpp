@@ -319,6 +319,18 @@ TEST_F(OutOfCore, TextIsTheSame) {
   expect_same_out_of_core(config_of(folder_ / "scan.xyz"), 15'000);
 }
 
+TEST_F(OutOfCore, WhatADepthCameraDidNotSeeIsInvalidAsInMemory) {
+  std::string points;
+  for (const auto& p : whole_steps(1e-5)) {
+    points += fmt::format("{:.5f} {:.5f} {:.5f}\n", p[0] * 1e-5, p[1] * 1e-5, p[2] * 1e-5 - 2.0);
+    if (p[0] % 3 == 0) points += "0 0 0\n";
+  }
+  write_file(folder_ / "camera.xyz", points);
+  expect_same_out_of_core(config_of(folder_ / "camera.xyz"), 15'000);
+  const std::string warnings = report(folder_ / "disk")["warnings"].dump();
+  EXPECT_NE(warnings.find("stand at 0 0 0"), std::string::npos) << warnings;
+}
+
 TEST_F(OutOfCore, PlyInTextIsTheSame) {
   // Properties in an order of their own, lines of Windows, no faces.
   const auto points = whole_steps(1e-5);

@@ -8,6 +8,7 @@
 
 #include "base/files.h"
 #include "base/progress.h"
+#include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/scan_set.h"
 #include "pipeline/scan/scan_statistics.h"
 #include "pipeline/scan/units.h"
@@ -246,6 +247,77 @@ TEST(ScanSet, StreamsTheVeryPointsThatItLoads) {
   EXPECT_EQ(sources[1].points, 3U);
 }
 
+/// A wall 2 m away as a depth camera writes it: x y z and colour, with `empty` places that gave no answer between.
+std::string wall_of_a_depth_camera(std::int64_t points, std::int64_t empty) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> at(-0.5, 0.5);
+  std::ostringstream text;
+  for (std::int64_t i = 0; i < points; ++i) {
+    text << at(random) << ' ' << at(random) << " 2 10 20 30\n";
+    for (std::int64_t k = i * empty / points; k < (i + 1) * empty / points; ++k) text << "0 0 0 0 0 0\n";
+  }
+  return text.str();
+}
+
+TEST(ScanSet, CountsThePlacesThatADepthCameraDidNotSeeAsInvalidInMemoryAndStreamed) {
+  constexpr int kSeen = 9000, kEmpty = 3000;
+  const ScanFolder folder;
+  const ScanConfig scan = config_of(folder.write("camera.xyz", wall_of_a_depth_camera(kSeen, kEmpty)), LengthUnit::m);
+  Progress memory, disk;
+  const Cloud cloud = load_scans({scan}, memory);
+  ASSERT_EQ(cloud.size(), static_cast<std::size_t>(kSeen));
+  EXPECT_EQ(cloud.rgba.size(), cloud.size());
+  EXPECT_EQ(cloud.invalid, static_cast<std::uint64_t>(kEmpty));
+  EXPECT_EQ(cloud.origin_m, Eigen::Vector3d(0, 0, 2));
+  const ScanSet set({scan}, ScanSet::Keep::disk, false, disk);
+  EXPECT_EQ(set.points(), cloud.size());
+  EXPECT_EQ(set.invalid(), cloud.invalid);
+  EXPECT_EQ(set.origin_m(), cloud.origin_m);
+  std::size_t seen = 0;
+  (void)set.stream(
+      [&](const CloudBlock& block) {
+        ASSERT_EQ(block.rgba.size(), block.points.size());
+        for (std::size_t i = 0; i < block.points.size(); ++i, ++seen) {
+          ASSERT_LT(seen, cloud.size());
+          EXPECT_TRUE(std::equal(block.points[i].begin(), block.points[i].end(), cloud.xyz1() + 4 * seen));
+          EXPECT_EQ(block.rgba[i], cloud.rgba[seen]);
+        }
+      },
+      disk);
+  EXPECT_EQ(seen, cloud.size());
+  for (const Progress* progress : {&memory, &disk}) {
+    EXPECT_THAT(progress->warnings(), ElementsAre(HasSubstr("3000 of 12000 points stand at 0 0 0")));
+  }
+}
+
+TEST(ScanSet, ASurfaceThroughTheOriginKeepsItsPointsThere) {
+  const ScanFolder folder;
+  for (const int at_origin : {1, 16}) {
+    const auto file = folder.write("wall.xyz", wall_of_a_depth_camera(9000, at_origin));
+    for (const ScanSet::Keep keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {
+      Progress progress;
+      const ScanSet set({config_of(file, LengthUnit::m)}, keep, false, progress);
+      EXPECT_EQ(set.points(), 9000U + static_cast<unsigned>(at_origin));
+      EXPECT_EQ(set.invalid(), 0U);
+      EXPECT_THAT(progress.warnings(), IsEmpty());
+    }
+  }
+}
+
+TEST(ScanSet, AStationsPlaceIsNoSurfaceEither) {
+  RawScan scan;
+  scan.stations = {{0, Eigen::Vector3d(1, 2, 3)}, {50, Eigen::Vector3d(4, 5, 6)}};
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d stood = *scan.stations[i < 50 ? 0 : 1].place;
+    scan.points.push_back(i % 2 == 0 ? stood : Eigen::Vector3d(stood + Eigen::Vector3d(0, 0, 1 + i)));
+  }
+  drop_empty_returns(scan);
+  ASSERT_EQ(scan.points.size(), 50U);
+  EXPECT_EQ(scan.invalid, 50U);
+  EXPECT_EQ(scan.stations[1].first, 25U);
+  EXPECT_EQ(scan.points[25], Eigen::Vector3d(4, 5, 6 + 1 + 51)) << "the first of the second station's";
+}
+
 TEST(SurveyScan, OfAStreamSaysWhatTheWholeScanSays) {
   const ScanFolder folder;
   constexpr int kPoints = 150'000;
@@ -282,6 +354,23 @@ TEST(InspectScan, FindsExtentSpacingAndDuplicates) {
   EXPECT_EQ(info.min_m, Eigen::Vector3d(0, 0, 0));
   EXPECT_EQ(info.max_m, Eigen::Vector3d(12.25, 9.75, 0));
   EXPECT_EQ(info.units, "unknown");
+}
+
+TEST(InspectScan, CountsThePlacesThatADepthCameraDidNotSeeAsInvalid) {
+  const ScanFolder folder;
+  const auto file = folder.write("camera.xyz", wall_of_a_depth_camera(9000, 3000));
+  const ScanInfo info = inspect_scan(file);
+  EXPECT_EQ(info.points, 12000U);
+  EXPECT_EQ(info.invalid, 3000U);
+  EXPECT_EQ(info.min_m.z(), 2.0);
+  EXPECT_THAT(info.warnings, ElementsAre(HasSubstr("3000 of 12000 points stand at 0 0 0")));
+  const auto large = folder.write("large.xyz", wall_of_a_depth_camera(150'000, 30'000));
+  Progress progress;
+  for (const std::uint64_t large_bytes : {std::uint64_t{0}, ~std::uint64_t{0}}) {
+    const ScanStatistics statistics = scan_statistics(large, progress, large_bytes);
+    EXPECT_EQ(statistics.scan.invalid, 30'000U);
+    for (const Eigen::Vector3d& p : statistics.scan.points) ASSERT_EQ(p.z(), 2.0);
+  }
 }
 
 TEST(GuessUnit, DoubtsMetresOnlyWhereTheyAreImplausible) {
