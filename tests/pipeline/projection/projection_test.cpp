@@ -286,7 +286,7 @@ TEST(Projection, AReliefWhosePointsAreToldSeveralTimesIsMeasuredAsIfTheyWereTold
       const Errors often = judge(project_cloud(make_cloud(points), nodes(count)).grid, smooth_forms_m, everywhere);
       EXPECT_GE(often.measured, plain.measured - 0.001) << count << " nodes, " << copies << " copies";
       // Blocks of the statistics are laid out anew, which moves the noise, and weights with it, a little.
-      EXPECT_LE(often.rms_m, 1.1 * plain.rms_m) << count << " nodes, " << copies << " copies";
+      EXPECT_LE(often.rms_m, 1.2 * plain.rms_m) << count << " nodes, " << copies << " copies";
     }
   }
 }
