@@ -34,7 +34,7 @@ SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattic
     doubts.not_theirs = check->cloud_to_surface.median_m > lattice.spacing_m;
   }
   doubts.unproven = check && check->cloud_to_surface.samples == 0;
-  doubts.unfacing = has_points && projection.closed && !projection.facing_known;
+  doubts.unfacing = has_points && projection.facing_asked && !projection.facing_known;
   return doubts;
 }
 
@@ -98,7 +98,12 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
     warnings.emplace_back(
         "much of what is seen first seems to face away, so that is not believed: holes in the front may show the back; "
         "look at the object from its scanned side");
-  } else if (share(projection.nodes_unsure) > kUnsure) {
+  } else if (!projection.closed && share(projection.nodes_unsure) > kTurnedAway) {
+    warnings.push_back(fmt::format(
+        "{} nodes ({:.1f} %) lie behind what is around them, and nothing tells which way they face: there the back may "
+        "show through holes in the front; scans of more sides, or files that say where the scanner stood, tell",
+        projection.nodes_unsure, 100.0 * share(projection.nodes_unsure)));
+  } else if (projection.closed && share(projection.nodes_unsure) > kUnsure) {
     warnings.push_back(
         fmt::format("which way the surface faces is not known at {:.0f} % of the nodes: a hole in the front may show "
                     "the back there; scans of more sides tell",

@@ -10,6 +10,7 @@
 #include "pipeline/projection/attributes.h"
 #include "pipeline/projection/classification.h"
 #include "pipeline/projection/measure_rows.h"
+#include "pipeline/projection/turned_away.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -205,6 +206,7 @@ Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem
     context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
     fit_tile(tiles[t], context, projection);
   }
+  leave_out_turned_away(plan_, context.pool, projection);
   require_a_measured_node(projection.grid);
   decide_classes(context, projection);
   return projection;

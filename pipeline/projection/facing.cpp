@@ -24,6 +24,8 @@ constexpr double kMostCells = 4e6;     // of a depth map; an object alone needs 
 constexpr float kOblique = 0.25F;      // cosine under which a direction says nothing about a point
 constexpr float kLowest = -std::numeric_limits<float>::infinity();
 constexpr double kAgreement = 0.9;  // of a connected surface's votes, by weight
+// Of a closed surface's area as the viewer sees it a half faces away; of one whose foot was not scanned, less.
+constexpr double kOtherSide = 0.15;
 constexpr std::size_t kPiece = 1U << 14U;
 
 std::uint64_t hash_of(float x, float y, float z) {
@@ -155,7 +157,8 @@ struct DepthMap {
 }  // namespace
 
 FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
-                         double spacing_m, double samples, const std::vector<StationView>& stations, ThreadPool& pool) {
+                         double spacing_m, double samples, const std::vector<StationView>& stations,
+                         SideEvidence evidence, ThreadPool& pool) {
   const OrientedPoints sample = draw_sample(pieces, samples, totals.count, pool);
   const double thinned = static_cast<double>(totals.count) / std::max<double>(1.0, static_cast<double>(sample.count));
   spacing_m_ = spacing_m * std::sqrt(std::max(1.0, thinned));
@@ -191,8 +194,10 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
   vote(pool);
   find_neighbours(pool);
   spread_votes(pool);
-  overrule_by_surface();
+  overrule_by_surface(evidence);
+  told_.assign(votes_.size(), 0);
   if (!stations.empty()) ask_stations(stations);
+  if (evidence == SideEvidence::certain) forget_views();
   near_.clear();
   near_counts_.clear();
 
@@ -220,17 +225,6 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
       away_top_m_[j * nx + i] += static_cast<float>(2.5 * spacing_m_);
     }
   }
-}
-
-double FacingField::share_turned_away() const {
-  std::size_t seen = 0;
-  std::size_t turned = 0;
-  for (const std::uint32_t d : of_slot_) {
-    if (seen_[d] == 0) continue;
-    ++seen;
-    turned += votes_[d] < -kSure ? 1 : 0;
-  }
-  return seen == 0 ? 0.0 : static_cast<double>(turned) / static_cast<double>(seen);
 }
 
 void FacingField::vote(ThreadPool& pool) {
@@ -269,30 +263,6 @@ void FacingField::vote(ThreadPool& pool) {
       if (viewer) seen_[d] = mine[d] != 0.0F ? 1 : 0;
     }
   }
-}
-
-FacingKernel FacingField::kernel() const {
-  const BinLocator locator(samples_.columns);
-  FacingKernel kernel;
-  kernel.start = samples_.start.get();
-  kernel.columns = static_cast<std::size_t>(samples_.columns.bins_x());
-  kernel.rows = static_cast<std::size_t>(samples_.columns.bins_y());
-  kernel.x_shift_m = locator.x_shift_m;
-  kernel.y_shift_m = locator.y_shift_m;
-  kernel.per_m = locator.per_m;
-  kernel.x = samples_.x.get();
-  kernel.y = samples_.y.get();
-  kernel.z = height_.data();
-  kernel.normal_x = normal_x_.data();
-  kernel.normal_y = normal_y_.data();
-  kernel.normal_z = normal_z_.data();
-  kernel.votes = votes_.data();
-  kernel.away_top_m = away_top_m_.data();
-  kernel.reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
-  kernel.sheet_m = static_cast<float>(kSheet * spacing_m_);
-  kernel.aligned = kAligned;
-  kernel.sure = kSure;
-  return kernel;
 }
 
 // Neighbours on the same surface: near, with a normal that is nearly parallel, and not before or behind.
@@ -341,7 +311,7 @@ void FacingField::spread_votes(ThreadPool& pool) {
 // The inside of a wall is seen through a hole as well as its outside around it: only the surface that connects the two,
 // around the wall's rim, tells. So normals are aligned along the flattest connections (Hoppe et al. 1992, section 3.3),
 // and where the votes of a connected surface agree well, those that do not are overruled.
-void FacingField::overrule_by_surface() {
+void FacingField::overrule_by_surface(SideEvidence evidence) {
   struct Edge {
     std::uint32_t a, b;
     bool opposed;
@@ -367,31 +337,29 @@ void FacingField::overrule_by_surface() {
   outside_.assign(votes_.size(), 0.0F);
   std::vector<double> sum(votes_.size(), 0.0);
   std::vector<double> size(votes_.size(), 0.0);
+  std::vector<std::array<double, 2>> area(votes_.size());  // of either side, across the view
   for (const std::uint32_t d : of_slot_) {
     const SurfaceParts::Place place = parts.find(d);
+    area[place.root][place.opposed ? 1 : 0] += static_cast<double>(normal_z_[d]);
     sum[place.root] += static_cast<double>(place.opposed ? -votes_[d] : votes_[d]);
     size[place.root] += static_cast<double>(std::abs(votes_[d]));
   }
   for (const std::uint32_t d : of_slot_) {
     const SurfaceParts::Place place = parts.find(d);
     if (!(std::abs(sum[place.root]) >= kAgreement * size[place.root])) continue;
+    const auto [one, other] = area[place.root];
+    if (evidence == SideEvidence::certain && !(std::min(one, other) >= kOtherSide * (one + other))) continue;
     const bool outwards = (sum[place.root] > 0.0) != place.opposed;
     outside_[d] = outwards ? 1.0F : -1.0F;
     votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * outside_[d];
   }
 }
 
-void FacingField::set_facing(TangentDiscs& discs, ThreadPool& pool) const {
-  const FacingKernel shared = kernel();
-  const auto row_length = static_cast<std::size_t>(discs.columns.bins_x());
-  const auto first = static_cast<std::size_t>(discs.window.first_row);
-  pool.for_ranges(static_cast<std::size_t>(discs.window.last_row) - first, 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = first + begin; row < first + end; ++row) {
-      const std::uint32_t* start = discs.start.get() + row * (row_length + 1);
-      fastest_kernels().find_facing(shared, discs.x.get(), discs.y.get(), discs.records.get(), start[0],
-                                    start[row_length]);
-    }
-  });
+// Leaves the sides of closed surfaces and those that stations tell.
+void FacingField::forget_views() {
+  for (const std::uint32_t d : of_slot_) {
+    if (outside_[d] == 0.0F && told_[d] == 0) votes_[d] = 0.0F;
+  }
 }
 
 }  // namespace sparsha::pipeline

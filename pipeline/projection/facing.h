@@ -24,13 +24,18 @@ struct StationView {
   bool normals = false;  ///< `towards` are normals
 };
 
+/// What tells the sides of a surface. `views`: what is seen of it from 26 directions. `certain`: only surfaces that
+/// are seen to be closed, which both face the viewer and face away, and stations. From the views alone a front before a
+/// back and a canopy before the ground look the same.
+enum class SideEvidence { views, certain };
+
 /// A sample of the cloud with outward normals, in columns.
 class FacingField {
  public:
   /// Of about `samples` points, chosen by a hash. `spacing_m` is the cloud's on the surface. Depends neither on threads
   /// nor on the points' order. What a station saw faces it, unless its points' sides are known and say otherwise.
   FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent, double spacing_m,
-              double samples, const std::vector<StationView>& stations, ThreadPool& pool);
+              double samples, const std::vector<StationView>& stations, SideEvidence evidence, ThreadPool& pool);
 
   /// Of what the viewer sees first, the share that faces away: holes in the front. Where it is large, holes are an
   /// unlikely reason.
@@ -41,6 +46,12 @@ class FacingField {
 
   /// Sets the facing of each disc: 1 towards the viewer, -1 away, 0 where neither is sure.
   void set_facing(TangentDiscs& discs, ThreadPool& pool) const;
+  /// The same for places [0, count): of their records (kDiscRecord values) z and slopes are read, and facing is set
+  /// where samples can be near.
+  void set_facing(const float* x, const float* y, float* records, std::size_t count) const;
+
+  /// False when the side of no sample is known.
+  [[nodiscard]] bool knows_any_side() const;
 
  private:
   struct Neighbour {
@@ -50,7 +61,8 @@ class FacingField {
   void vote(ThreadPool& pool);
   void find_neighbours(ThreadPool& pool);
   void spread_votes(ThreadPool& pool);
-  void overrule_by_surface();
+  void overrule_by_surface(SideEvidence evidence);
+  void forget_views();
   void ask_stations(const std::vector<StationView>& stations);
   [[nodiscard]] std::vector<float> seen_from(const StationView& station) const;
   void spread_sides(std::vector<float>& sides) const;
@@ -74,6 +86,7 @@ class FacingField {
   std::vector<std::vector<Neighbour>> near_;           // of the samples of each row, in order, while votes are counted
   std::vector<std::uint32_t> near_counts_;
   std::vector<std::uint8_t> seen_;  // by the viewer
+  std::vector<std::uint8_t> told_;  // by stations
   std::vector<float> outside_;      // where a surface's votes agree: 1 the normal's side, -1 the other; else 0
   std::vector<std::size_t> lying_stations_;
   std::vector<float> away_top_m_;  // of each column: above it nothing near faces away

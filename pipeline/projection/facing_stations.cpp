@@ -89,7 +89,9 @@ void FacingField::ask_stations(const std::vector<StationView>& stations) {
   }
   spread_sides(sides);
   for (const std::uint32_t d : of_slot_) {
-    if (sides[d] != 0.0F) votes_[d] = sides[d] > 0.0F ? 2.0F * kSure : -2.0F * kSure;
+    if (sides[d] == 0.0F) continue;
+    votes_[d] = sides[d] > 0.0F ? 2.0F * kSure : -2.0F * kSure;
+    told_[d] = 1;
   }
 }
 

@@ -25,6 +25,8 @@ constexpr double kFewPoints = 1.3;  // point spacings between nodes
 constexpr double kTilted = 0.1;     // mean slope
 // Where points are this sparse at more places, the median says little about their spacing, and discs would miss them.
 constexpr double kMostSparse = 0.15;
+// Where places have another layer below the highest, a hole may show it.
+constexpr double kSomeLayered = 0.1;
 // Where more of what is seen first faces away, something else than holes is the reason.
 constexpr double kMostTurnedAway = 0.2;
 
@@ -44,17 +46,21 @@ bool has_several_sides(const CloudStatistics& statistics, const GridConfig& conf
 }
 
 // A sheet must not be taken for the one behind it: of thin objects more points are looked at.
-double facing_samples(const CloudStatistics& statistics, const SurfaceStatistics& surface, std::uint64_t points) {
+double facing_samples(const CloudStatistics& statistics, double spacing_m, std::uint64_t points) {
   constexpr double kSamples = 40000.0;
   constexpr double kMostTimes = 10.0;
   constexpr double kApart = 3.0;  // sample spacings
-  if (statistics.steep_share > kSteepShare) return kSamples;
+  if (statistics.steep_share > kSteepShare || !(statistics.layers_apart_m > 0.0)) return kSamples;
   const double thinned = std::max(1.0, static_cast<double>(points) / kSamples);
-  const double wanted = kApart * surface.spacing_m / statistics.layers_apart_m;
+  const double wanted = kApart * spacing_m / statistics.layers_apart_m;
   return kSamples * std::clamp(wanted * wanted * thinned, 1.0, kMostTimes);
 }
 
-std::vector<StationView> views_of(const OrientedStations& oriented) {
+// A pose does not promise that its scan's origin is the scanner, and estimated normals are turned over in places.
+bool is_certain(const Station& station) { return station.declared && station.normals.empty(); }
+
+// One view per station; of those that are not to be asked an empty one.
+std::vector<StationView> views_of(const OrientedStations& oriented, SideEvidence evidence) {
   const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector3f {
     return ((oriented.scan_to_grid * p.homogeneous()).head<3>() - oriented.origin_m).cast<float>();
   };
@@ -63,6 +69,7 @@ std::vector<StationView> views_of(const OrientedStations& oriented) {
   std::vector<StationView> views;
   for (const Station& station : oriented.stations) {
     StationView& view = views.emplace_back();
+    if (evidence == SideEvidence::certain && !is_certain(station)) continue;
     view.normals = !station.normals.empty();
     const Eigen::Vector3f stood = place(station.place_m);
     for (std::size_t k = 0; k < station.seen_m.size(); ++k) {
@@ -91,6 +98,22 @@ void name_lying_stations(const FacingField& facing, const OrientedStations& orie
   }
 }
 
+// Whether a hole in the front may show a back where windows decide.
+bool may_show_back(const CloudStatistics& statistics, const std::vector<Station>& stations) {
+  if (!(statistics.surface_spacing_m > 0.0)) return false;
+  return statistics.layered_share > kSomeLayered || std::any_of(stations.begin(), stations.end(), is_certain);
+}
+
+void find_sides(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
+                const OrientedStations& oriented, double spacing_m, double samples, SideEvidence evidence,
+                ThreadPool& pool, ProjectionPlan& plan) {
+  auto facing = std::make_shared<FacingField>(pieces, totals, extent, spacing_m, samples, views_of(oriented, evidence),
+                                              evidence, pool);
+  name_lying_stations(*facing, oriented, plan);
+  plan.facing_asked = true;
+  if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
+}
+
 }  // namespace
 
 ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
@@ -107,16 +130,19 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
       statistics.noise_m = surface.noise_m;
       statistics.point_spacing_m = surface.spacing_m;
       plan.discs = disc_rule(surface);
-      auto facing =
-          std::make_shared<FacingField>(pieces, totals, extent, surface.spacing_m,
-                                        facing_samples(statistics, surface, totals.count), views_of(oriented), pool);
-      name_lying_stations(*facing, oriented, plan);
-      if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
+      find_sides(pieces, totals, extent, oriented, surface.spacing_m,
+                 facing_samples(statistics, surface.spacing_m, totals.count), SideEvidence::views, pool, plan);
     }
+  }
+  if (!only_mesh && !plan.discs && may_show_back(statistics, oriented.stations)) {
+    const double spacing_m = statistics.surface_spacing_m;
+    find_sides(pieces, totals, extent, oriented, spacing_m, facing_samples(statistics, spacing_m, totals.count),
+               SideEvidence::certain, pool, plan);
   }
   if (config.noise_m) statistics.noise_m = *config.noise_m;
 
   plan.origin_m = origin_m;
+  plan.layers_apart_m = statistics.layers_apart_m;
   plan.point_spacing_m = statistics.point_spacing_m;
   plan.gap_m = layer_gap_m(statistics.noise_m, statistics.point_spacing_m);
   plan.lattice = choose_lattice(config, extent, origin_m, statistics.point_spacing_m, resolution_m);
@@ -133,6 +159,7 @@ Projection ProjectionPlan::empty_projection() const {
   projection.point_spacing_m = point_spacing_m;
   projection.gap_m = gap_m;
   projection.closed = discs.has_value();
+  projection.facing_asked = facing_asked;
   projection.facing_known = facing != nullptr;
   projection.lying_stations = lying_stations;
   projection.lying_normals = lying_normals;

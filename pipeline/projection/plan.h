@@ -31,7 +31,9 @@ struct ProjectionPlan {
   double point_spacing_m = 0.0;
   double gap_m = 0.0;
   std::optional<DiscRule> discs;              ///< closed objects: nodes are decided by tangent discs
-  std::shared_ptr<const FacingField> facing;  ///< with discs, when it is known what faces away
+  double layers_apart_m = 0.0;                ///< median, of places with two layers
+  bool facing_asked = false;                  ///< a back may show through holes of the front
+  std::shared_ptr<const FacingField> facing;  ///< when asked and known what faces away
   std::vector<std::string> lying_stations;    ///< files whose stations do not see the sides that are outside
   std::vector<std::string> lying_normals;     ///< files whose normals do not point outwards
 

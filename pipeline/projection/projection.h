@@ -25,11 +25,14 @@ struct Projection {
   bool only_mesh = false;               ///< every point is a corner of a face: there is no noise to find
   double point_spacing_m = 0.0;         ///< median spacing of front points
   double gap_m = 0.0;                   ///< the depth gap that separates front from back
-  bool closed = false;                  ///< decided by tangent discs, see tangent_discs.h; only then are these counted:
+  bool closed = false;                  ///< decided by tangent discs, see tangent_discs.h
+  std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely; of closed ones
+  bool facing_asked = false;            ///< a back may show through holes of the front; only then are these counted:
   bool facing_known = false;            ///< layers that face away were told from others
   std::uint64_t nodes_turned_away = 0;  ///< nodes in holes of the front, left unknown: what is seen there faces away
-  std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely
-  std::uint64_t nodes_unsure = 0;       ///< measured nodes of which nothing tells which way they face
+  /// Measured nodes of which nothing tells which way they face; not closed, only those that lie behind what is around
+  /// them.
+  std::uint64_t nodes_unsure = 0;
   std::vector<std::string> lying_stations;  ///< scans that were seen from elsewhere than they say, so it seems
   std::vector<std::string> lying_normals;   ///< scans whose normals do not point outwards, so it seems
   std::uint64_t used = 0, occluded = 0, outlier = 0, outside = 0;

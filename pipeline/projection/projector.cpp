@@ -11,6 +11,7 @@
 #include "pipeline/projection/measure_rows.h"
 #include "pipeline/projection/plan.h"
 #include "pipeline/projection/triangles.h"
+#include "pipeline/projection/turned_away.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -88,6 +89,7 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
     const std::vector<std::uint8_t> verdicts =
         measure_rows(points, vertices_, plan, BinWindow::all(plan.bins), 0, context, projection.grid, store);
     add_verdicts(verdicts.data(), verdicts.data() + verdicts.size(), projection);
+    leave_out_turned_away(plan, context.pool, projection);
   }
   TriangleHeights mesh;
   if (!cloud_.faces.empty()) {

@@ -28,6 +28,7 @@ Projection sound() {
   projection.noise_m = 0.0001;
   projection.point_spacing_m = 0.001;
   projection.closed = true;
+  projection.facing_asked = true;
   projection.facing_known = true;
   return projection;
 }
@@ -84,6 +85,10 @@ TEST(SurfaceWarnings, NameWhatIsDoubtfulAndWhatToDo) {
   CheckResult nothing = checked(0.0);
   nothing.cloud_to_surface.samples = 0;
   expect_one(surface_warnings(sound(), millimetre_grid(), kMeasured, nothing), "nothing to compare");
+  Projection relief = sound();
+  relief.closed = false;
+  relief.nodes_unsure = 200;
+  expect_one(warnings_of(relief), "200 nodes");
   Projection turned = sound();
   turned.facing_known = false;
   expect_one(warnings_of(turned), "not believed");

@@ -185,6 +185,36 @@ TEST_F(OutOfCore, ClosedObjectsWhosePointsAreToldTwiceAreTheSame) {
   expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 60'000);
 }
 
+// Two sheets of 1 m by 1 m, each seen by its own scanner 2 m away; the first has a hole.
+std::string sheets_with_a_hole() {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> across(-0.5, 0.5);
+  std::string ptx;
+  for (const double z : {2.0, -2.2}) {
+    std::string rows;
+    int count = 0;
+    for (int k = 0; k < 40'000; ++k) {
+      const double x = across(random), y = across(random);
+      if (z > 0.0 && std::hypot(x, y) < 0.06) continue;
+      rows += fmt::format("{:.6f} {:.6f} {:.6f} 0.5\n", x, y, z > 0.0 ? -z + 0.01 * std::sin(9.0 * x) : 2.0);
+      ++count;
+    }
+    ptx += fmt::format("{}\n1\n0 0 {}\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 {} 1\n", count, z, z) + rows;
+  }
+  return ptx;
+}
+
+TEST_F(OutOfCore, HolesOfSlabsStayHolesAsInMemory) {
+  write_file(folder_ / "slab.ptx", sheets_with_a_hole());
+  for (const char* size : {"100", "250"}) {
+    const std::string text = fmt::format(
+        "scans: [{{file: slab.ptx, units: m}}]\ngrid: {{size: {}, noise_mm: 0.3}}\ncheck: {{samples: 4000}}\n", size);
+    expect_same_out_of_core(parse_config(yaml::parse_text(text, "slab"), folder_.path()), 20'000);
+    const std::string warnings = report(folder_ / "disk")["warnings"].dump();
+    EXPECT_NE(warnings.find("the inside of the back is seen at"), std::string::npos) << warnings;
+  }
+}
+
 TEST_F(OutOfCore, StripsTooFullForMemoryAreCutIntoColumns) {
   // The halo of a node holds up to 17 x 17 bins of about 4 points.
   expect_same_out_of_core(simulated(relief(120, 1)), 6'000);

@@ -1,0 +1,68 @@
+// What a FacingField answers once its votes are counted.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "pipeline/projection/bins.h"
+#include "pipeline/projection/facing.h"
+#include "pipeline/projection/facing_rules.h"
+
+namespace sparsha::pipeline {
+
+double FacingField::share_turned_away() const {
+  std::size_t seen = 0;
+  std::size_t turned = 0;
+  for (const std::uint32_t d : of_slot_) {
+    if (seen_[d] == 0) continue;
+    ++seen;
+    turned += votes_[d] < -kSure ? 1 : 0;
+  }
+  return seen == 0 ? 0.0 : static_cast<double>(turned) / static_cast<double>(seen);
+}
+
+FacingKernel FacingField::kernel() const {
+  const BinLocator locator(samples_.columns);
+  FacingKernel kernel;
+  kernel.start = samples_.start.get();
+  kernel.columns = static_cast<std::size_t>(samples_.columns.bins_x());
+  kernel.rows = static_cast<std::size_t>(samples_.columns.bins_y());
+  kernel.x_shift_m = locator.x_shift_m;
+  kernel.y_shift_m = locator.y_shift_m;
+  kernel.per_m = locator.per_m;
+  kernel.x = samples_.x.get();
+  kernel.y = samples_.y.get();
+  kernel.z = height_.data();
+  kernel.normal_x = normal_x_.data();
+  kernel.normal_y = normal_y_.data();
+  kernel.normal_z = normal_z_.data();
+  kernel.votes = votes_.data();
+  kernel.away_top_m = away_top_m_.data();
+  kernel.reach2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
+  kernel.sheet_m = static_cast<float>(kSheet * spacing_m_);
+  kernel.aligned = kAligned;
+  kernel.sure = kSure;
+  return kernel;
+}
+
+bool FacingField::knows_any_side() const {
+  return std::any_of(of_slot_.begin(), of_slot_.end(), [&](std::uint32_t d) { return votes_[d] != 0.0F; });
+}
+
+void FacingField::set_facing(const float* x, const float* y, float* records, std::size_t count) const {
+  fastest_kernels().find_facing(kernel(), x, y, records, 0, count);
+}
+
+void FacingField::set_facing(TangentDiscs& discs, ThreadPool& pool) const {
+  const FacingKernel shared = kernel();
+  const auto row_length = static_cast<std::size_t>(discs.columns.bins_x());
+  const auto first = static_cast<std::size_t>(discs.window.first_row);
+  pool.for_ranges(static_cast<std::size_t>(discs.window.last_row) - first, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = first + begin; row < first + end; ++row) {
+      const std::uint32_t* start = discs.start.get() + row * (row_length + 1);
+      fastest_kernels().find_facing(shared, discs.x.get(), discs.y.get(), discs.records.get(), start[0],
+                                    start[row_length]);
+    }
+  });
+}
+
+}  // namespace sparsha::pipeline

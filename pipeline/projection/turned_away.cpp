@@ -1,0 +1,184 @@
+// Each node is asked which way it faces as a disc is. Regions that face away count only where they lie behind their
+// rim: on one sheet a doubt about sides costs no node.
+#include "pipeline/projection/turned_away.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/projection/simd/kernels.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+enum Facing : std::int8_t { kNothing, kTowards, kUnsure, kAway };
+
+// dz per node to the neighbours on either side along one axis, of those that are on the same surface.
+float slope_of(float before, float here, float after, float most_m) {
+  float sum = 0.0F;
+  int count = 0;
+  for (const float rise : {here - before, after - here}) {
+    if (!(std::abs(rise) <= most_m)) continue;  // unknown heights are NaN
+    sum += rise;
+    ++count;
+  }
+  return count == 0 ? 0.0F : sum / static_cast<float>(count);
+}
+
+// Which way the nodes of row j face.
+void ask_row(const ProjectionPlan& plan, const DepthGrid& grid, std::size_t j, float most_m, Facing* facing) {
+  const auto nx = static_cast<std::size_t>(grid.lattice.nx);
+  const auto ny = static_cast<std::size_t>(grid.lattice.ny);
+  const auto per_m = static_cast<float>(1.0 / plan.bins.spacing_m);
+  std::vector<float> x(nx), y(nx), records(kDiscRecord * nx, 0.0F);
+  const float* row = grid.height_m.data() + j * nx;
+  for (std::size_t i = 0; i < nx; ++i) {
+    x[i] = static_cast<float>(plan.bins.x0_m + static_cast<double>(i) * plan.bins.spacing_m);
+    y[i] = static_cast<float>(plan.bins.y0_m + static_cast<double>(j) * plan.bins.spacing_m);
+    float* record = records.data() + kDiscRecord * i;
+    record[2] = row[i];
+    const float left = i > 0 ? row[i - 1] : kUnknownHeight;
+    const float right = i + 1 < nx ? row[i + 1] : kUnknownHeight;
+    const float below = j > 0 ? row[i - nx] : kUnknownHeight;
+    const float above = j + 1 < ny ? row[i + nx] : kUnknownHeight;
+    record[3] = slope_of(left, row[i], right, most_m) * per_m;
+    record[4] = slope_of(below, row[i], above, most_m) * per_m;
+  }
+  plan.facing->set_facing(x.data(), y.data(), records.data(), nx);
+  for (std::size_t i = 0; i < nx; ++i) {
+    const float faces = records[kDiscRecord * i + 7];
+    facing[i] = grid.state[j * nx + i] != NodeState::measured ? kNothing
+                : faces > 0.0F                                ? kTowards
+                : faces < 0.0F                                ? kAway
+                                                              : kUnsure;
+  }
+}
+
+using Labels = std::vector<std::uint32_t>;  // of each node; 0 where there is nothing
+
+// Labels, from 1 on, of pieces of nodes that touch and are linked(one, other).
+template <typename Linked>
+Labels label_pieces(const std::vector<Facing>& facing, std::size_t nx, const Linked& linked) {
+  Labels labels(facing.size(), 0);
+  std::uint32_t last = 0;
+  std::vector<std::size_t> open;
+  for (std::size_t first = 0; first < facing.size(); ++first) {
+    if (facing[first] == kNothing || labels[first] != 0) continue;
+    labels[first] = ++last;
+    open.push_back(first);
+    while (!open.empty()) {
+      const std::size_t node = open.back();
+      open.pop_back();
+      const auto offer = [&](std::size_t beside) {
+        if (facing[beside] == kNothing || labels[beside] != 0 || !linked(node, beside)) return;
+        labels[beside] = last;
+        open.push_back(beside);
+      };
+      if (node % nx > 0) offer(node - 1);
+      if (node % nx + 1 < nx) offer(node + 1);
+      if (node >= nx) offer(node - nx);
+      if (node + nx < facing.size()) offer(node + nx);
+    }
+  }
+  return labels;
+}
+
+// Of each node: in how many of the four directions the nearest node of another label is higher by more than a step,
+// less in how many it is not. Where there is none, `none` is added.
+std::vector<std::int8_t> look_around(const DepthGrid& grid, const Labels& labels, float step_m, int none) {
+  struct Line {
+    std::uint32_t label = 0;
+    float last_m = kUnknownHeight, other_m = kUnknownHeight;  // heights of the last node and of the last other label's
+    void step(std::uint32_t to, float height_m) {
+      if (to != label) other_m = last_m;
+      label = to;
+      last_m = height_m;
+    }
+  };
+  const auto nx = static_cast<std::size_t>(grid.lattice.nx);
+  std::vector<std::int8_t> behind(labels.size(), 0);
+  for (const bool forward : {true, false}) {
+    std::vector<Line> columns(nx);
+    Line row;
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+      const std::size_t node = forward ? k : labels.size() - 1 - k;
+      if (k % nx == 0) row = {};
+      if (labels[node] == 0) continue;
+      for (Line* line : {&row, &columns[node % nx]}) {
+        line->step(labels[node], grid.height_m[node]);
+        const int vote = std::isnan(line->other_m) ? none : line->other_m - grid.height_m[node] > step_m ? 1 : -1;
+        behind[node] = static_cast<std::int8_t>(behind[node] + vote);
+      }
+    }
+  }
+  return behind;
+}
+
+// Which pieces lie behind what is around them.
+std::vector<bool> pieces_behind(const Labels& pieces, const std::vector<std::int8_t>& behind) {
+  std::vector<std::int64_t> sum(*std::max_element(pieces.begin(), pieces.end()) + std::size_t{1}, 0);
+  for (std::size_t node = 0; node < pieces.size(); ++node) sum[pieces[node]] += behind[node];
+  std::vector<bool> result;
+  for (const std::int64_t votes : sum) result.push_back(votes > 0);
+  return result;
+}
+
+void leave_out_regions(float gap_m, const std::vector<Facing>& facing, Projection& projection) {
+  DepthGrid& grid = projection.grid;
+  Labels sides(facing.size());
+  for (std::size_t node = 0; node < facing.size(); ++node) {
+    sides[node] = facing[node] == kNothing ? 0 : facing[node] == kAway ? 1 : 2;
+  }
+  const Labels regions = label_pieces(facing, static_cast<std::size_t>(grid.lattice.nx),
+                                      [&](std::size_t a, std::size_t b) { return sides[a] == sides[b]; });
+  const std::vector<bool> behind = pieces_behind(regions, look_around(grid, sides, gap_m, 0));
+  for (std::size_t node = 0; node < facing.size(); ++node) {
+    if (facing[node] != kAway || !behind[regions[node]]) continue;
+    grid.height_m[node] = kUnknownHeight;
+    grid.state[node] = NodeState::unknown;
+    ++projection.nodes_turned_away;
+  }
+}
+
+// Nodes of unknown side on smooth pieces of the surface that lie behind what surrounds them, as a back seen through a
+// hole does.
+std::uint64_t count_unsure(const ProjectionPlan& plan, const std::vector<Facing>& facing, const DepthGrid& grid) {
+  const auto gap_m = static_cast<float>(plan.gap_m);
+  const Labels pieces = label_pieces(
+      facing, static_cast<std::size_t>(grid.lattice.nx),
+      [&](std::size_t a, std::size_t b) { return std::abs(grid.height_m[a] - grid.height_m[b]) <= gap_m; });
+  const float step_m = std::max(gap_m, static_cast<float>(0.5 * plan.layers_apart_m));
+  const std::vector<bool> behind = pieces_behind(pieces, look_around(grid, pieces, step_m, -1));
+  std::uint64_t count = 0;
+  for (std::size_t node = 0; node < facing.size(); ++node) {
+    count += facing[node] == kUnsure && behind[pieces[node]] ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+void leave_out_turned_away(const ProjectionPlan& plan, ThreadPool& pool, Projection& projection) {
+  if (plan.discs || !plan.facing) return;
+  const DepthGrid& grid = projection.grid;
+  const auto nx = static_cast<std::size_t>(grid.lattice.nx);
+  const auto gap_m = static_cast<float>(plan.gap_m);
+  std::vector<Facing> facing(grid.height_m.size(), kNothing);
+  if (plan.facing->knows_any_side()) {
+    const float most_m = std::max(gap_m, static_cast<float>(2.0 * plan.bins.spacing_m));
+    pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), 4, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t j = begin; j < end; ++j) ask_row(plan, grid, j, most_m, facing.data() + j * nx);
+    });
+  } else {
+    for (std::size_t node = 0; node < facing.size(); ++node) {
+      if (grid.state[node] == NodeState::measured) facing[node] = kUnsure;
+    }
+  }
+  const auto any = [&](Facing which) { return std::find(facing.begin(), facing.end(), which) != facing.end(); };
+  if (any(kUnsure)) projection.nodes_unsure = count_unsure(plan, facing, grid);
+  if (any(kAway)) leave_out_regions(gap_m, facing, projection);
+}
+
+}  // namespace sparsha::pipeline
