@@ -16,6 +16,7 @@
 #include "bench/report/figure_text.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/simulate/ply_stream.h"
+#include "tests/support/closed_bounds.h"
 #include "tests/support/closed_scan.h"
 #include "tests/support/clouds.h"
 
@@ -41,43 +42,6 @@ std::string text_of(const Case& c) {
   if (c.scan.density_ratio != 1.0) text += fmt::format(", density 1:{}", c.scan.density_ratio);
   if (c.scan.hole_spacings > 0.0) text += fmt::format(", hole of {}", c.scan.hole_spacings);
   return text;
-}
-
-/// What a row must keep: percent, spacings, ratio. Bounds are ours, not the peer's.
-struct Bounds {
-  double wrong_smooth, beyond;
-  double wrong = std::numeric_limits<double>::infinity();
-  double median = std::numeric_limits<double>::infinity();
-  bool noise = false;
-};
-
-/// Wrong everywhere, percent, as a method by tangent discs has shown to be possible at noise 0.1.
-struct Reached {
-  const char* object;
-  std::size_t points;
-  double wrong;
-};
-constexpr Reached kReached[] = {{"lionstatue.obj", 20'000, 1.6},  {"lionstatue.obj", 100'000, 1.1},
-                                {"lionstatue.obj", 400'000, 0.9}, {"nefertiti-lowres.obj", 20'000, 0.5},
-                                {"bun_zipper.ply", 100'000, 0.6}, {"laurana.ply", 100'000, 0.5}};
-
-Bounds bounds_of(const std::string& object, const Case& c) {
-  const bool few = c.scan.points < 100'000;
-  const bool noisy = c.scan.noise_spacings > 0.4;
-  Bounds b{few ? 0.3 : noisy ? 0.15 : 0.05, few || noisy ? 1.5 : 0.5};
-  if (!few && c.scan.noise_spacings == 0.1) b.median = 0.05;
-  b.noise = !few && c.scan.noise_spacings >= 0.1;
-  for (const Reached& r : kReached) {
-    if (object == r.object && c.scan.points == r.points && c.scan.noise_spacings == 0.1) b.wrong = r.wrong;
-  }
-  if (c.scan.density_ratio != 1.0) {
-    b.wrong *= 2.0;
-    b.wrong_smooth *= 2.0;
-    b.beyond *= 2.0;
-    b.median *= 2.0;
-    b.noise = false;  // the mean spacing says nothing of the noise where density varies
-  }
-  return b;
 }
 
 struct Peer {
@@ -123,11 +87,12 @@ class Table {
       kept = kept && good;
       return field_of("%.3g", value) + (good ? "" : fmt::format(" (> {:.3g}!)", limit));
     };
-    const Bounds b = bounds_of(r.object, r.what);
+    const test::ClosedBounds b = test::closed_bounds(r.object, r.what.scan);
     const Judgement& f = r.figures;
-    std::string line = fmt::format("| {}: {} | {} | {} | {} | {} |", r.object, text_of(r.what),
-                                   cell(100.0 * f.wrong_smooth, b.wrong_smooth), cell(100.0 * f.wrong, b.wrong),
-                                   cell(100.0 * f.beyond, b.beyond), cell(f.median_spacings, b.median));
+    std::string line =
+        fmt::format("| {}: {} | {} | {} | {} | {} |", r.object, text_of(r.what),
+                    cell(100.0 * f.wrong_smooth, 100.0 * b.wrong_smooth), cell(100.0 * f.wrong, 100.0 * b.wrong),
+                    cell(100.0 * f.beyond, 100.0 * b.beyond), cell(f.median_spacings, b.median_spacings));
     const bool noise_found = !b.noise || std::abs(r.noise_ratio - 1.0) <= 0.25;
     kept = kept && noise_found;
     line +=
