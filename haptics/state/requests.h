@@ -37,7 +37,7 @@ struct Request {
     speak_faster,
     next_voice,
     toggle_speech,
-    set_speech,  ///< on
+    set_speech,     ///< on
     fresh_visitor,  ///< what a visitor has left on or turned down is as it was at the start; nothing is said
     quit
   };
