@@ -64,7 +64,17 @@ const Fault kFaults[] = {
     {"late-answers", "answers come 1 to 20 ms late", [](Setting& s) { s.falcon.latest_answer_s = 0.020; }},
     {"unplug", "2 s after its first force it is unplugged for a second and loses its power, again and again",
      [](Setting& s) { s.bus.unplug_after_s = 2.0; }},
+    {"power-cut", "2 s after its first force its power supply is pulled for 3 s, USB stays, again and again",
+     [](Setting& s) {
+       s.bus.unplug_after_s = 2.0;
+       s.bus.replug_after_s = 3.0;
+       s.bus.power_only = true;
+     }},
+    {"dead-port", "2 s after its first force every transfer fails for 1.5 s, its motors as they were",
+     [](Setting& s) { s.bus.dead_after_s = 2.0; }},
     {"three-tries", "two uploads echo well and yet run nothing", [](Setting& s) { s.falcon.failed_loads = 2; }},
+    {"late-arm", "the right arm's encoder is not homed before 7 s are over",
+     [](Setting& s) { s.falcon.arm_missing_s = 7.0; }},
     {"deaf", "the boot loader answers only the 20th greeting", [](Setting& s) { s.falcon.deaf_handshakes = 19; }},
     {"no-power", "its power supply is not plugged in", [](Setting& s) { s.falcon.powered = false; }},
     {"warm-start", "another program has left it running and homed",
@@ -76,6 +86,7 @@ struct Arguments {
   std::vector<std::string> faults;
   std::string scene;
   std::string log;
+  double weight_g = 0.0;
 };
 
 Setting setting_of(const std::vector<std::string>& names) {
@@ -119,7 +130,7 @@ class WireLog {
   }
   void write(const emulator::WireEvent& event) {
     if (!out_.is_open()) return;
-    static constexpr const char* kKinds[] = {"out", "in", "control", "plugged", "unplugged"};
+    static constexpr const char* kKinds[] = {"out", "in", "control", "plugged", "unplugged", "power-off", "power-on"};
     std::string bytes;
     for (const std::uint8_t byte : event.bytes) bytes += fmt::format("{:02x}", byte);
     const std::lock_guard lock(mutex_);
@@ -157,6 +168,7 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
   check_outputs({{"--log", arguments.log}}, arguments.scene);
   Terminal terminal(common);
   emulator::PersonOptions person;
+  person.weight_kg = arguments.weight_g * 1e-3;
   if (!arguments.scene.empty())
     person.explore = tour_through(scene_from({arguments.scene}, common.trusted(), terminal.progress())->description());
   WireLog log(arguments.log);
@@ -193,7 +205,7 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
   terminal.message(
       fmt::format("emulated Falcon: {} commands, {} of them with force before homing; motors {} at the end",
                   falcon->commands(), falcon->unsafe_commands(), force ? "ON" : "off"));
-  return code;
+  return force ? static_cast<int>(ErrorKind::device) : code;
 }
 
 }  // namespace
@@ -206,6 +218,8 @@ void add_emulate(CLI::App& device, const CommonOptions& common, Run& run) {
   for (const Fault& fault : kFaults) faults += fmt::format("\n{}: {}", fault.name, fault.what);
   command->add_option("--fault", arguments->faults, faults)->expected(1)->take_all();
   command->add_option("--scene", arguments->scene, "what the person at the grip tours");
+  command->add_option("--weight-g", arguments->weight_g, "grams that the person hangs from the grip, for calibrate")
+      ->check(CLI::Range(0.0, 1000.0));
   command->add_option("--log", arguments->log, "all bytes on the wire, as CSV");
   command->footer("sparsha device emulate [OPTIONS] -- COMMAND...; without one: device check");
   command->callback(

@@ -26,6 +26,7 @@ class Bridge {
   [[nodiscard]] double send(std::size_t count, double time_s);
   [[nodiscard]] double byte_s() const;
   [[nodiscard]] std::uint16_t divisor() const { return divisor_; }
+  [[nodiscard]] std::uint8_t latency_ms() const { return static_cast<std::uint8_t>(latency_s_ * 1e3 + 0.5); }
 
   /// A byte from the other end, which leaves there at `time_s` at the earliest. Lost when the buffer is full.
   void receive(std::uint8_t byte, double time_s);

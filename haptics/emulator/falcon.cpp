@@ -76,6 +76,15 @@ void Falcon::power_cycle() {
   lose_power();
 }
 
+void Falcon::set_power(bool on, double time_s) {
+  const std::lock_guard lock(mutex_);
+  options_.powered = on;
+  tell(on ? WireEvent::Kind::power_on : WireEvent::Kind::power_off, {}, time_s);
+  const Bridge bridge = bridge_;
+  lose_power();
+  bridge_ = bridge;
+}
+
 bool Falcon::control(std::uint8_t request, std::uint16_t value, double time_s) {
   const std::lock_guard lock(mutex_);
   const std::array<std::uint8_t, 3> bytes{request, static_cast<std::uint8_t>(value & 0xFFU),
@@ -147,8 +156,11 @@ void Falcon::hold(double time_s) {
   grip_ = hand_({time_s, force_n_, static_cast<std::uint8_t>(command_.flags & kLights)});
 }
 
-void Falcon::home(const PerArm& angles) {
+void Falcon::home(const PerArm& angles, double time_s) {
+  constexpr std::size_t kRight = 1;
+  if (homing_since_s_ < 0.0) homing_since_s_ = time_s;
   for (std::size_t i = 0; i < 3; ++i) {
+    if (i == kRight && time_s < homing_since_s_ + options_.arm_missing_s) continue;
     pulled_out_[i] = pulled_out_[i] || angles[i] > kPulledOut_rad;
     homed_[i] = homed_[i] || (pulled_out_[i] && angles[i] < kPushedIn_rad);
   }
@@ -173,7 +185,7 @@ void Falcon::serve(const Command& command, double time_s) {
   for (std::size_t i = 0; i < 3; ++i) torque[i] = -command.motors[i] / options_.counts_per_newton_metre;
   force_n_ = force ? force_of(torque, grip_.place_m) : Vec3{};
   if ((command.flags & kHomingRequest) != 0)
-    if (const auto angles = arm_angles(grip_.place_m)) home(*angles);
+    if (const auto angles = arm_angles(grip_.place_m)) home(*angles, time_s);
   if (options_.silent_every_s > 0.0 && time_s > last_silence_s_ + options_.silent_every_s) {
     if (last_silence_s_ > 0.0) silent_until_s_ = time_s + options_.silent_s;
     last_silence_s_ = time_s;
@@ -189,10 +201,10 @@ void Falcon::answer(double time_s) {
   Answer reply = answer_bytes(counts(), unsigned{grip_.buttons} | pressed_, homed);
   ++answers_;
   if (options_.garble_every > 0 && answers_ % static_cast<std::uint64_t>(options_.garble_every) == 0) reply[3] = 0xFF;
-  if (options_.latest_answer_s > 1e-3) {
+  if (options_.latest_answer_s >= options_.earliest_answer_s) {
     // A fixed, even spread over the range.
     const double share = static_cast<double>((answers_ * 7919) % 1000) / 1000.0;
-    time_s += 1e-3 + share * (options_.latest_answer_s - 1e-3);
+    time_s += options_.earliest_answer_s + share * (options_.latest_answer_s - options_.earliest_answer_s);
   }
   if (options_.garbage && answers_ % 3 == 0) {
     constexpr std::array<std::uint8_t, 7> kNoise{0x00, '<', 0xFF, '>', '<', 'A', 0x7F};
@@ -233,6 +245,14 @@ std::optional<std::vector<std::uint8_t>> Falcon::read(double time_s) {
 bool Falcon::plugged() const {
   const std::lock_guard lock(mutex_);
   return plugged_;
+}
+std::uint8_t Falcon::latency_ms() const {
+  const std::lock_guard lock(mutex_);
+  return bridge_.latency_ms();
+}
+bool Falcon::powered() const {
+  const std::lock_guard lock(mutex_);
+  return options_.powered;
 }
 std::array<int, 3> Falcon::motors() const {
   const std::lock_guard lock(mutex_);

@@ -30,9 +30,11 @@ struct FalconOptions {
   int garble_every = 0;         ///< every n-th answer is malformed
   bool split_answers = false;   ///< answers come in two USB packets
   bool garbage = false;         ///< bytes that mean nothing stand between the answers
-  double latest_answer_s = 0.;  ///< answers are late, by 1 ms to this
+  double latest_answer_s = 0.;  ///< answers are late, by earliest_answer_s to this
+  double earliest_answer_s = 1e-3;
   double silent_every_s = 0.0;  ///< the firmware says nothing for silent_s so often; it keeps its motors on
   double silent_s = 0.3;
+  double arm_missing_s = 0.0;  ///< the right arm's encoder is homed only so long after the first homing request
 };
 
 /// What the person at the grip knows when asked for its place.
@@ -48,7 +50,7 @@ struct Grip {
 
 /// Bytes on the wire.
 struct WireEvent {
-  enum class Kind : std::uint8_t { to_device, to_host, control, plugged, unplugged };
+  enum class Kind : std::uint8_t { to_device, to_host, control, plugged, unplugged, power_off, power_on };
   double time_s = 0.0;
   Kind kind = Kind::to_device;
   std::vector<std::uint8_t> bytes;  ///< of a packet; of a control request: request, value low, value high
@@ -70,6 +72,8 @@ class Falcon {
   void unplug(bool power, double time_s);
   void plug(double time_s);
   void power_cycle();
+  /// Its own supply, pulled or plugged in; the bridge lives on USB's.
+  void set_power(bool on, double time_s);
 
   // The endpoints.
   bool control(std::uint8_t request, std::uint16_t value, double time_s);
@@ -78,6 +82,8 @@ class Falcon {
   [[nodiscard]] double packet_s() const;
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> read(double time_s);
   [[nodiscard]] bool plugged() const;
+  [[nodiscard]] bool powered() const;
+  [[nodiscard]] std::uint8_t latency_ms() const;
 
   // What it has seen.
   [[nodiscard]] std::array<int, 3> motors() const;
@@ -99,7 +105,7 @@ class Falcon {
   void echo(std::uint8_t byte, double time_s);
   void serve(const Command& command, double time_s);
   void hold(double time_s);
-  void home(const PerArm& angles);
+  void home(const PerArm& angles, double time_s);
   [[nodiscard]] std::array<int, 3> counts() const;
   void answer(double time_s);
   void say(std::span<const std::uint8_t> bytes, double time_s);
@@ -122,6 +128,7 @@ class Falcon {
   std::array<bool, 3> pulled_out_{}, homed_{};
   std::size_t greeted_ = 0;  // bytes of the greeting seen
   std::vector<std::uint8_t> uploaded_;
+  double homing_since_s_ = -1.0;
   double silent_until_s_ = -1.0, last_silence_s_ = 0.0;
   std::uint64_t commands_ = 0, answers_ = 0, unsafe_ = 0, bytes_said_ = 0, uploads_ = 0;
   int greetings_ = 0;

@@ -9,14 +9,17 @@ namespace sparsha::haptics::emulator {
 namespace {
 
 constexpr std::uint8_t kGreen = 2, kBlue = 4, kRed = 8;
+constexpr std::uint8_t kCentre = 4;  ///< button
 constexpr double kStep_s = 50e-6;
+constexpr double kGravity_m_per_s2 = 9.80665;
 /// After a longer pause the hand has long been where it wants to be.
 constexpr double kLongestGap_s = 0.1;
 // On the axis, metres.
 constexpr double kFullyOut_m = 0.172, kFullyIn_m = 0.103, kInFront_m = 0.165, kHover_m = 0.158, kDeepest_m = 0.112;
 constexpr double kWalk_m_per_s = 0.25;  ///< of the wish while homing
 
-/// Presses with about a newton, strokes in circles, lifts; guided by what it feels.
+/// Presses with about a newton, strokes in circles, lifts; guided by what it feels. Clicks the grip's centre in the
+/// air.
 class PressAndStroke {
  public:
   Wish operator()(double dt_s, const Vec3& felt_n, const Vec3&) {
@@ -38,7 +41,10 @@ class PressAndStroke {
       if (time_s_ > kStroke_s) begin(true);
     }
     radius_m_ = std::min(0.012, radius_m_ + 0.01 * dt_s);
-    return {{radius_m_ * std::cos(turn_rad_), radius_m_ * std::sin(turn_rad_), z_m_}, 0};
+    constexpr double kClick_s = 0.3;
+    const bool clicks = lifting_ && time_s_ < kClick_s;
+    return {{radius_m_ * std::cos(turn_rad_), radius_m_ * std::sin(turn_rad_), z_m_},
+            clicks ? kCentre : std::uint8_t{0}};
   }
 
  private:
@@ -76,12 +82,21 @@ class Person {
   void wish(const Felt& felt, double dt_s) {
     if ((felt.lights & kBlue) != 0) {
       inwards_ = false;
+      if (options_.weight_kg > 0.0) return let_go_and_hang(dt_s);
       wish_ = options_.explore(dt_s, felt.force_n, place_m_);
     } else if ((felt.lights & kGreen) != 0) {
       walk(kInFront_m, dt_s);
     } else if ((felt.lights & kRed) != 0) {
       if (walk(inwards_ ? kFullyIn_m : kFullyOut_m, dt_s)) inwards_ = !inwards_;
     }
+  }
+
+  /// As who calibrates a device: brings the grip to the middle, lets it go, hangs the weight on it.
+  void let_go_and_hang(double dt_s) {
+    constexpr double kMiddle_m = 0.140, kLetGoAfter_s = 1.0;
+    if (walk(kMiddle_m, dt_s) || middle_s_ > 0.0) middle_s_ += dt_s;
+    lets_go_ = middle_s_ > kLetGoAfter_s;
+    hangs_ = middle_s_ > kLetGoAfter_s + options_.weight_after_s;
   }
 
   /// Towards a place on the axis; true once the hand is there.
@@ -99,11 +114,14 @@ class Person {
   void move(const Vec3& force_n, double dt_s) {
     const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kStep_s)));
     const double step_s = dt_s / steps;
+    const double stiffness = lets_go_ ? 0.0 : options_.stiffness_n_per_m;
+    const double weight_kg = hangs_ ? options_.weight_kg : 0.0;
+    const Vec3 weight_n{0.0, -weight_kg * kGravity_m_per_s2, 0.0};
     for (int step = 0; step < steps; ++step)
       for (std::size_t i = 0; i < 3; ++i) {
-        const double pull = options_.stiffness_n_per_m * (wish_.place_m[i] - place_m_[i]) -
-                            options_.damping_n_s_per_m * velocity_[i] + force_n[i];
-        velocity_[i] += step_s / options_.mass_kg * pull;
+        const double pull = stiffness * (wish_.place_m[i] - place_m_[i]) - options_.damping_n_s_per_m * velocity_[i] +
+                            force_n[i] + weight_n[i];
+        velocity_[i] += step_s / (options_.mass_kg + weight_kg) * pull;
         place_m_[i] += step_s * velocity_[i];
       }
   }
@@ -114,6 +132,8 @@ class Person {
   Vec3 place_m_{0.0, 0.0, 0.1346};
   Vec3 velocity_{};
   bool inwards_ = false;
+  double middle_s_ = 0.0;  ///< since the grip was brought to the middle
+  bool lets_go_ = false, hangs_ = false;
 };
 
 }  // namespace

@@ -21,6 +21,8 @@ struct PersonOptions {
   double mass_kg = 0.15;             ///< hand and device together
   double stiffness_n_per_m = 300.0;  ///< of the grasp
   double damping_n_s_per_m = 4.0;
+  double weight_kg = 0.0;  ///< > 0: lets the grip go in the middle, and hangs this on it later
+  double weight_after_s = 25.0;
   Explore explore;  ///< empty: presses and strokes whatever is below, and lifts, for ever
 };
 

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "haptics/emulator/usb_descriptors.h"
 #include "haptics/emulator/usb_port.h"
 #endif
 
@@ -51,13 +52,13 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 constexpr int kFirstAddress = 5;
-/// Device: 2.0, 64 bytes, 0403:cb48. Configuration: one interface, bulk IN 0x81 and bulk OUT 0x02 of 64 bytes.
-constexpr const char* kDescriptors =
-    "1201000200000040030448cb000400000001"
-    "09022000010100802d"
-    "0904000002ffffff00"
-    "07058102400000"
-    "07050202400000";
+
+std::string descriptors_in_hex() {
+  std::string hex;
+  for (const std::uint8_t byte : kDeviceDescriptor) hex += fmt::format("{:02x}", byte);
+  for (const std::uint8_t byte : kConfigurationDescriptor) hex += fmt::format("{:02x}", byte);
+  return hex;
+}
 
 }  // namespace
 
@@ -106,8 +107,9 @@ struct UsbBus::Implementation {
     const std::string text = fmt::format(
         "P: {0}\nN: bus/usb/001/{1:03}\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM={1:03}\n"
         "E: DEVNAME=/dev/bus/usb/001/{1:03}\nE: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\n"
-        "A: devnum={1}\\n\nA: speed=12\\n\nA: idVendor=0403\\n\nA: idProduct=cb48\\n\nH: descriptors={2}\n",
-        place.path, address, kDescriptors);
+        "A: devnum={1}\\n\nA: speed=12\\n\nA: idVendor=0403\\n\nA: idProduct=cb48\\n\nA: product={3}\\n\nH: "
+        "descriptors={2}\n",
+        place.path, address, descriptors_in_hex(), kProduct);
     umock.add_from_string(testbed, text.c_str(), nullptr);
   }
 
@@ -157,10 +159,15 @@ struct UsbBus::Implementation {
     const double first = port.first_force_s();
     if (first < 0.0) return;
     const double in_use_s = now_s() - first;
-    const bool plugged = port.falcon().plugged();
-    const bool pull = plugged && in_use_s > faults.unplug_after_s;
-    const bool push = !plugged && in_use_s > faults.unplug_after_s + faults.replug_after_s;
+    const bool works = faults.power_only ? port.falcon().powered() : port.falcon().plugged();
+    const bool pull = works && in_use_s > faults.unplug_after_s;
+    const bool push = !works && in_use_s > faults.unplug_after_s + faults.replug_after_s;
     if (!pull && !push) return;
+    if (faults.power_only) {
+      port.falcon().set_power(push, now_s());
+      if (push) port.count_from_now();
+      return;
+    }
     lock.unlock();
     if (pull) unplug(i);
     if (push) replug(i, false);

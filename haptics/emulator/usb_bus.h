@@ -17,6 +17,9 @@ struct BusFaults {
   int fail_every = 0;           ///< every n-th bulk transfer fails once
   double unplug_after_s = 0.0;  ///< so long after its first force the device is unplugged, again and again
   double replug_after_s = 1.0;  ///< and comes back so much later, without power meanwhile
+  bool power_only = false;      ///< what is unplugged is its power supply, not USB
+  double dead_after_s = 0.0;    ///< so long after the first force every bulk transfer fails
+  double dead_for_s = 1.5;      ///< for so long
 };
 
 class UsbBus {

@@ -10,6 +10,8 @@
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
 
+#include "haptics/emulator/usb_descriptors.h"
+
 namespace sparsha::haptics::emulator {
 namespace {
 
@@ -66,7 +68,11 @@ void UsbPort::disconnect() {
   }
 }
 
-bool UsbPort::fails() {
+bool UsbPort::fails(double now_s) {
+  const double in_use_s = first_force_s_ < 0.0 ? 0.0 : now_s - first_force_s_;
+  if (faults_.dead_after_s > 0.0 && in_use_s > faults_.dead_after_s &&
+      in_use_s < faults_.dead_after_s + faults_.dead_for_s)
+    return true;
   return faults_.fail_every > 0 && ++transfers_ % static_cast<std::uint64_t>(faults_.fail_every) == 0;
 }
 
@@ -76,13 +82,49 @@ void UsbPort::take_out(std::span<const std::uint8_t> bytes, double now_s) {
 }
 
 void UsbPort::control(Client& client, const Block& block, double now_s) {
-  const std::uint8_t* setup = block.bytes();
+  constexpr std::size_t kSetup = 8;
+  std::uint8_t* const setup = block.bytes();
   const auto value = static_cast<std::uint16_t>(setup[2] | (setup[3] << 8U));
-  const bool vendor_out = setup[0] == 0x40;
-  const bool known = vendor_out && falcon_->control(setup[1], value, now_s);
+  bool known = false;
+  std::size_t size = 0;
+  if ((setup[0] & 0x80U) != 0) {
+    const std::vector<std::uint8_t> answer = told_of(setup[0], setup[1], value);
+    const auto asked = std::min<std::size_t>(setup[6] | (setup[7] << 8U),
+                                             static_cast<std::size_t>(block.urb().buffer_length) - kSetup);
+    known = !answer.empty();
+    size = std::min(asked, answer.size());
+    std::copy_n(answer.begin(), size, setup + kSetup);
+  } else if (setup[0] == 0x40) {
+    known = falcon_->control(setup[1], value, now_s);
+  }
   block.urb().status = known ? 0 : -EPIPE;
-  block.urb().actual_length = 0;
+  block.urb().actual_length = static_cast<int>(size);
   client.finished.push_back(block);
+}
+
+std::vector<std::uint8_t> UsbPort::told_of(std::uint8_t kind, std::uint8_t request, std::uint16_t value) const {
+  constexpr std::uint8_t kStandard = 0x80, kVendor = 0xC0, kGetDescriptor = 6, kPollModem = 5, kGetLatency = 10;
+  if (kind == kVendor && request == kGetLatency) return {falcon_->latency_ms()};
+  if (kind == kVendor && request == kPollModem) return {0x01, 0x60};
+  if (kind != kStandard || request != kGetDescriptor) return {};
+  switch (value) {
+    case 0x0100:
+      return {kDeviceDescriptor.begin(), kDeviceDescriptor.end()};
+    case 0x0200:
+      return {kConfigurationDescriptor.begin(), kConfigurationDescriptor.end()};
+    case 0x0300:
+      return {4, 3, 0x09, 0x04};  // English
+    case 0x0300 + kProductString: {
+      std::vector<std::uint8_t> text{static_cast<std::uint8_t>(2 + 2 * kProduct.size()), 3};
+      for (const char letter : kProduct) {
+        text.push_back(static_cast<std::uint8_t>(letter));
+        text.push_back(0);
+      }
+      return text;
+    }
+    default:
+      return {};
+  }
 }
 
 int UsbPort::submit(Client& client, UMockdevIoctlData* argument, double now_s) {
@@ -109,7 +151,7 @@ int UsbPort::submit(Client& client, UMockdevIoctlData* argument, double now_s) {
     return 0;
   }
   if (urb.endpoint != kOut || buffer == nullptr) return ENOENT;
-  if (fails()) {
+  if (fails(now_s)) {
     urb.status = -EPROTO;
     urb.actual_length = 0;
   } else {
@@ -131,6 +173,7 @@ int UsbPort::bulk(Client& client, UMockdevIoctlData* argument, double now_s) {
     error = ENOENT;
   else if (!client.claims)
     error = claim(client, false);
+  if (error == 0 && fails(now_s)) error = EPROTO;
   if (error == 0) take_out({bytes->data, transfer.len}, now_s);
   if (bytes != nullptr) umockdev_.unref(bytes);
   umockdev_.unref(data);
@@ -233,6 +276,8 @@ void UsbPort::handle(UMockdevIoctlClient* handle, double now_s) {
     case USBDEVFS_CLEAR_HALT:
       return done(clear_halt(argument));
     case USBDEVFS_RESET:
+    case USBDEVFS_SETCONFIGURATION:
+    case USBDEVFS_SETINTERFACE:
       return done(0);
     case USBDEVFS_GETDRIVER:
       return done(ENODATA);
@@ -262,7 +307,7 @@ void UsbPort::serve(double now_s) {
       Block block = client.waiting.front();
       client.waiting.pop_front();
       block.urb().actual_length = 0;
-      if (fails()) {  // the device keeps what it could not deliver
+      if (fails(now_s)) {  // the device keeps what it could not deliver
         block.urb().status = -EPROTO;
       } else if (const auto packet = falcon_->read(now_s)) {
         const std::size_t size = std::min(packet->size(), static_cast<std::size_t>(block.urb().buffer_length));

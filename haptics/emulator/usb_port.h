@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "haptics/emulator/falcon.h"
 #include "haptics/emulator/umockdev_library.h"
@@ -59,6 +60,8 @@ class UsbPort {
   [[nodiscard]] int claim(Client& client, bool steal);
   [[nodiscard]] int submit(Client& client, UMockdevIoctlData* argument, double now_s);
   void control(Client& client, const Block& block, double now_s);
+  /// The answer to a control request that reads; empty when the chip does not know it.
+  [[nodiscard]] std::vector<std::uint8_t> told_of(std::uint8_t kind, std::uint8_t request, std::uint16_t value) const;
   [[nodiscard]] int bulk(Client& client, UMockdevIoctlData* argument, double now_s);
   [[nodiscard]] int discard(Client& client, UMockdevIoctlData* argument);
   [[nodiscard]] int clear_halt(UMockdevIoctlData* argument);
@@ -67,7 +70,7 @@ class UsbPort {
   /// Ends the waiting of a client: with what has finished, else with an error.
   void let_go(UMockdevIoctlClient* handle, Client& client, int error);
   void take_out(std::span<const std::uint8_t> bytes, double now_s);
-  [[nodiscard]] bool fails();
+  [[nodiscard]] bool fails(double now_s);
   void end_all(Client& client, int status);
 
   const Umockdev& umockdev_;

@@ -1,0 +1,137 @@
+// Another program's way to a Falcon: plain libusb by the published facts, with no line of the driver or the emulator.
+// Names the device, loads its firmware, homes it, waits for a button; `leave-force` then pushes and ends so.
+#include <libusb.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+constexpr unsigned kTimeout_ms = 1000;
+constexpr unsigned char kOut = 0x02, kIn = 0x81;
+libusb_device_handle* falcon = nullptr;
+
+[[noreturn]] void fail(const char* what, int status) {
+  std::printf("failed: %s (%s)\n", what, status < 0 ? libusb_error_name(status) : std::to_string(status).c_str());
+  std::exit(1);
+}
+
+void set(std::uint8_t request, std::uint16_t value) {
+  const int status = libusb_control_transfer(falcon, 0x40, request, value, 0, nullptr, 0, kTimeout_ms);
+  if (status != 0) fail("control", status);
+}
+
+void send(const void* bytes, int size) {
+  std::vector<unsigned char> copy(static_cast<std::size_t>(size));
+  std::memcpy(copy.data(), bytes, copy.size());
+  int sent = 0;
+  const int status = libusb_bulk_transfer(falcon, kOut, copy.data(), size, &sent, kTimeout_ms);
+  if (status != 0 || sent != size) fail("write", status);
+}
+
+/// At least `size` bytes behind the modem status of each packet, or what has come in 200 packets.
+std::string receive(std::size_t size) {
+  std::string bytes;
+  for (int i = 0; i < 200 && bytes.size() < size; ++i) {
+    std::array<unsigned char, 64> packet{};
+    int got = 0;
+    const int status =
+        libusb_bulk_transfer(falcon, kIn, packet.data(), static_cast<int>(packet.size()), &got, kTimeout_ms);
+    if (status != 0) fail("read", status);
+    if (got > 2) bytes.append(reinterpret_cast<char*>(packet.data()) + 2, static_cast<std::size_t>(got) - 2);
+  }
+  return bytes;
+}
+
+void describe() {
+  libusb_device_descriptor device{};
+  int status =
+      libusb_get_descriptor(falcon, LIBUSB_DT_DEVICE, 0, reinterpret_cast<unsigned char*>(&device), sizeof device);
+  if (status != 18 || device.idVendor != 0x0403 || device.idProduct != 0xCB48) fail("device descriptor", status);
+  std::array<unsigned char, 256> bytes{};
+  status = libusb_get_descriptor(falcon, LIBUSB_DT_CONFIG, 0, bytes.data(), static_cast<int>(bytes.size()));
+  if (status != 32 || bytes[2] != 32) fail("configuration descriptor", status);
+  status = libusb_get_string_descriptor_ascii(falcon, device.iProduct, bytes.data(), static_cast<int>(bytes.size()));
+  if (status < 0) fail("product string", status);
+  std::printf("product %.*s\n", status, reinterpret_cast<char*>(bytes.data()));
+  if ((status = libusb_set_configuration(falcon, 1)) != 0) fail("set configuration", status);
+  if ((status = libusb_claim_interface(falcon, 0)) != 0) fail("claim", status);
+  if ((status = libusb_set_interface_alt_setting(falcon, 0, 0)) != 0) fail("set interface", status);
+}
+
+int latency_ms() {
+  unsigned char latency = 0;
+  const int status = libusb_control_transfer(falcon, 0xC0, 0x0A, 0, 0, &latency, 1, kTimeout_ms);
+  if (status != 1) fail("latency", status);
+  return latency;
+}
+
+void load_firmware(const char* file) {
+  std::FILE* const in = std::fopen(file, "rb");
+  if (in == nullptr) fail("firmware file", 0);
+  std::vector<char> image(65536);
+  image.resize(std::fread(image.data(), 1, image.size(), in));
+  std::fclose(in);
+  for (const auto& [request, value] : std::vector<std::pair<int, int>>{
+           {0, 1}, {0, 2}, {9, 16}, {3, 0x4138}, {4, 8}, {2, 0}, {1, 0x0200}, {1, 0x0100}, {1, 0x0101}})
+    set(static_cast<std::uint8_t>(request), static_cast<std::uint16_t>(value));
+  if (latency_ms() != 16) fail("latency as set", latency_ms());
+  send("\x0A\x43\x0D", 3);
+  if (receive(4) != std::string("\x0A\x44\x2C\x0D")) fail("greeting", 0);
+  set(1, 0x0100);
+  set(3, 0x0015);
+  send("A", 1);
+  if (receive(1) != "A") fail("begin", 0);
+  for (std::size_t at = 0; at < image.size(); at += 62) {
+    const std::size_t size = std::min<std::size_t>(62, image.size() - at);
+    send(image.data() + at, static_cast<int>(size));
+    if (receive(size) != std::string(image.data() + at, size)) fail("echo", 0);
+  }
+}
+
+/// One question, and byte 13 of its answer.
+unsigned ask(const char* motors, char flags) {
+  const std::string question = "<" + std::string(motors) + flags + "A>";
+  send(question.data(), static_cast<int>(question.size()));
+  const std::string answer = receive(16);
+  if (answer.size() != 16 || answer.front() != '<' || answer.back() != '>') fail("answer", 0);
+  return static_cast<unsigned>(answer[13] - 'A');
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  constexpr int kMostAnswers = 60000;
+  constexpr const char* kNoForce = "AAAAAAAAAAAA";
+  const char* const firmware = std::getenv("SPARSHA_FALCON_FIRMWARE");
+  libusb_context* context = nullptr;
+  if (libusb_init(&context) != 0) fail("libusb", 0);
+  falcon = libusb_open_device_with_vid_pid(context, 0x0403, 0xCB48);
+  if (falcon == nullptr || firmware == nullptr) fail("open", 0);
+  describe();
+  load_firmware(firmware);
+  set(9, 1);
+  set(3, 2);
+  set(0, 1);
+  set(0, 2);
+  unsigned char status[2] = {};
+  if (libusb_control_transfer(falcon, 0xC0, 0x05, 0, 0, status, 2, kTimeout_ms) != 2) fail("modem status", 0);
+  std::printf("latency %d\n", latency_ms());
+  unsigned flags = 0;
+  for (int i = 0; i < kMostAnswers && flags >> 4U != 7U; ++i) flags = ask(kNoForce, 'A' + 1 + 8);
+  if (flags >> 4U != 7U) fail("homing", 0);
+  std::printf("homed\n");
+  for (int i = 0; i < kMostAnswers && (flags & 15U) == 0; ++i) flags = ask(kNoForce, 'A' + 1 + 4);
+  std::printf("buttons %u\n", flags & 15U);
+  if (count > 1 && std::strcmp(arguments[1], "leave-force") == 0) ask("ABAAABAAABAA", 'A' + 1 + 4);
+  libusb_close(falcon);
+  libusb_exit(context);
+  return (flags & 15U) != 0 ? 0 : 1;
+}
