@@ -10,11 +10,14 @@
 #include "app/command_sentences.h"
 #include "app/commands.h"
 #include "app/printable.h"
+#include "app/speaker.h"
 #include "app/terminal.h"
 #include "base/error.h"
+#include "base/phrases.h"
 #include "haptics/device/falcon/calibration.h"
 #include "haptics/device/falcon/check.h"
 #include "haptics/device/falcon/falcon.h"
+#include "haptics/device/falcon/homing_advice.h"
 #include "haptics/device/falcon/usb_transport.h"
 #include "haptics/servo/real_time.h"
 #include "viewer/viewer.h"
@@ -160,7 +163,7 @@ Json reading_json(const falcon::Reading& reading, const Since& since) {
 /// The first Falcon with its firmware running.
 std::unique_ptr<falcon::Transport> running_falcon(const falcon::FalconOptions& options) {
   auto wire = falcon::open_usb_transport();
-  falcon::bring_up(*wire, falcon::firmware_image(options));
+  falcon::bring_up(*wire, falcon::firmware_image(options), 10, falcon::loading(options));
   return wire;
 }
 
@@ -215,15 +218,50 @@ int calibrate_device(const CommonOptions& common, const falcon::FalconOptions& d
   return 0;
 }
 
-int home_device(const CommonOptions& common, const falcon::FalconOptions& options) {
+/// Words that are shown, and spoken where that is wanted.
+class Guide {
+ public:
+  Guide(const CommonOptions& common, bool speaks, const std::string& language)
+      : terminal_(common), phrases_(Phrases::of(language)), speaker_(config_of(language), speaks, {}) {}
+  void say(const char* phrase) {
+    haptics::Announcement words;
+    words.text = phrases_.text_or(phrase);
+    words.sequence = ++said_;
+    terminal_.message(words.text);
+    speaker_.hear(words);
+  }
+
+ private:
+  static pipeline::SpeechConfig config_of(const std::string& language) {
+    pipeline::SpeechConfig config;
+    config.language = language;
+    return config;
+  }
+  Terminal terminal_;
+  Phrases phrases_;
+  Speaker speaker_;
+  std::uint64_t said_ = 0;
+};
+
+int home_device(const CommonOptions& common, const falcon::FalconOptions& options, Guide& guide) {
   constexpr double kTimeoutS = 60.0;
-  const Terminal terminal(common);
   const auto wire = running_falcon(options);
-  terminal.message("pull the grip fully out, then push it fully in");
-  if (falcon::home(*wire, kTimeoutS)) {
+  const haptics::DeviceAdvice* told = nullptr;
+  double changed_s = 0.0;
+  std::uint8_t flags = 0;
+  const bool homed = falcon::home(*wire, kTimeoutS, [&](const falcon::Reading& reading) {
+    if (reading.answer.homed != flags) changed_s = reading.time_s;
+    flags = reading.answer.homed;
+    const auto* const advice = falcon::homing_advice(flags, reading.time_s - changed_s > falcon::kSlowHoming_s);
+    if (!reading.homed && advice != told) guide.say(advice->phrase);
+    told = advice;
+    return !interrupted();
+  });
+  if (homed) {
     print(common.json ? "{\"homed\": true}" : common.plain ? "The Falcon is homed." : "homed");
     return 0;
   }
+  if (interrupted()) throw Cancelled();
   throw Error(ErrorKind::device, {}, "the Falcon did not home within a minute",
               "the grip pulled fully out, then pushed fully in");
 }
@@ -236,6 +274,8 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
     double duration_s = 0.0;
     double link_s = 10.0;
     double weight_g = 200.0;
+    bool speech = false;
+    std::string language = "en";
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("device", "The haptic device: what is there and what state it is in");
@@ -245,8 +285,13 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
     added->callback([job, &run] { run = job; });
     return added;
   };
+  arguments->device.stop = interrupted;
   const auto add_on_falcon = [&](const char* name, const char* what, auto job) {
-    CLI::App* added = add(name, what, job);
+    CLI::App* added = add(name, what, [arguments, &common, job] {
+      const Terminal terminal(common);
+      arguments->device.say = [&terminal](const std::string& words) { terminal.message(words); };
+      return job();
+    });
     added->add_option("--firmware", arguments->device.firmware, "firmware image for a Falcon that runs none");
     return added;
   };
@@ -263,7 +308,14 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
   add_on_falcon("monitor", "print position, buttons and rate as they come; forces stay zero", [arguments, &common] {
     return monitor_device(common, arguments->device, arguments->duration_s);
   })->add_option("--duration", arguments->duration_s, "seconds; default: until stopped");
-  add_on_falcon("home", "home the encoders", [arguments, &common] { return home_device(common, arguments->device); });
+  CLI::App* home = add_on_falcon("home", "home the encoders; words say how", [arguments, &common] {
+    Guide guide(common, arguments->speech, arguments->language);
+    return home_device(common, arguments->device, guide);
+  });
+  home->add_flag("--speech", arguments->speech, "speak the words");
+  home->add_option("--language", arguments->language, "of the words")
+      ->check(CLI::IsMember(Phrases::languages()))
+      ->capture_default_str();
   add_on_falcon("calibrate", "find the motors' scale with a known weight, and keep it",
                 [arguments, &common] { return calibrate_device(common, arguments->device, arguments->weight_g); })
       ->add_option("--weight-g", arguments->weight_g, "grams that will hang from the grip")

@@ -18,10 +18,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-haptics::falcon::FalconOptions falcon_options(const ExploreArguments& arguments) {
+haptics::falcon::FalconOptions falcon_options(const ExploreArguments& arguments, const Terminal& terminal) {
   haptics::falcon::FalconOptions options;
+  options.stop = interrupted;
+  options.say = [&terminal](const std::string& words) { terminal.message(words); };
   options.firmware = arguments.firmware;
-  options.wait_for_device = arguments.kiosk;  // which starts with the machine, before the exhibit is switched on
+  // A kiosk starts with the machine, before the exhibit is switched on; a person may plug it in any time. A run of fixed
+  // length would be over without it.
+  options.wait_for_device = arguments.kiosk || (arguments.device == "falcon" && arguments.duration_s <= 0.0);
   return options;
 }
 
@@ -71,7 +75,7 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
       terminal_(terminal),
       trust_(common.trusted()),
       exhibits_(arguments.scenes.empty() ? Exhibits() : Exhibits(arguments.scenes, common.trusted(), terminal)),
-      chosen_(choose_device(arguments.device, window, falcon_options(arguments))) {
+      chosen_(choose_device(arguments.device, window, falcon_options(arguments, terminal))) {
   if (starts_with_scans(arguments, window)) {
     scans_.show(std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end())));
     if (const std::string why = scans_.shown().unavailable(); !why.empty())

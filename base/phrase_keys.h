@@ -132,6 +132,9 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"device_needs_firmware", ""},
     {"device_gets_firmware", ""},
     {"device_does_not_start", ""},
+    {"device_silent", ""},
+    {"device_not_permitted", ""},
+    {"device_busy", ""},
     // Scenes and scans.
     {"cannot_open", "reason"},
     {"not_written", "reason"},

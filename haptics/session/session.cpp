@@ -325,7 +325,8 @@ struct Session::Implementation {
       if (options.real_time && !servo->locked_memory())
         announcer.say("no_locked_memory", {}, Announcement::Priority::warning);
     }
-    if (servo->unplugged() && !unplugged_told) announcer.say("unplugged", {}, Announcement::Priority::fault);
+    plugged = plugged || (now.tick > 0 && !servo->unplugged());
+    if (plugged && servo->unplugged() && !unplugged_told) announcer.say("unplugged", {}, Announcement::Priority::fault);
     unplugged_told = servo->unplugged();
     if (const DeviceAdvice* const advice = device->advice(); advice != advice_told) {
       advice_told = advice;
@@ -388,6 +389,7 @@ struct Session::Implementation {
   std::uint64_t windows_loaded = 1;
   double window_load_s_max = 0.0;
   bool told_real_time = false;
+  bool plugged = false;  // at any time: who begins without a device hears the device's own advice
   bool unplugged_told = false;
   const DeviceAdvice* advice_told = nullptr;
   Told silences_told;

@@ -42,6 +42,7 @@ class Wire final : public haptics::falcon::Transport {
     }
   }
   void urgent(std::span<const std::uint8_t> bytes) noexcept override { static_cast<void>(write(bytes, 0)); }
+  [[nodiscard]] bool present() const noexcept override { return device_->plugged(); }
 
  private:
   TransportStatus next(UsbPacket& packet, std::size_t& size, double limit_s) noexcept {

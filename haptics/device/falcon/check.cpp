@@ -61,14 +61,14 @@ void forget_late_answers(Transport& wire) {
   }
 }
 
-LinkQuality measure(Transport& wire, double seconds, Answer& last) {
+LinkQuality measure(Transport& wire, double seconds, const std::function<bool()>& stop, Answer& last) {
   LinkQuality link;
   AnswerStream stream;
   std::vector<double> times;
   const Steady::time_point began = Steady::now();
   // A wire in virtual time must end too: no more questions than a kilohertz has.
   const auto most = static_cast<std::uint64_t>(2000.0 * seconds) + 1;
-  while (since(began) < seconds && link.asked < most) {
+  while (since(began) < seconds && link.asked < most && !(stop && stop())) {
     double round_trip = 0.0;
     ++link.asked;
     const TransportStatus status = ask(wire, stream, kHomingRequest | kLightRed, last, round_trip);
@@ -159,13 +159,15 @@ CheckReport check_wire(Transport& wire, const FalconOptions& options, double lin
         skip(report, {"homing", "link"});
         return report;
       }
-      bring_up(wire, image);
+      bring_up(wire, image, 10, loading(options));
       report.steps.push_back({"power", Result::passed, "the boot loader answers", ""});
       report.steps.push_back({"firmware", Result::passed, fmt::format("loaded, {} bytes", image.size()), ""});
     } else {
       report.steps.push_back({"power", Result::passed, "the firmware answers", ""});
       report.steps.push_back({"firmware", Result::passed, "already running", ""});
     }
+  } catch (const Cancelled&) {
+    throw;
   } catch (const Error& error) {
     report.steps.push_back(
         {report.steps.empty() ? "power" : "firmware", Result::failed, error.wrong(), error.expected()});
@@ -174,7 +176,7 @@ CheckReport check_wire(Transport& wire, const FalconOptions& options, double lin
     return report;
   }
   Answer last;
-  report.link = measure(wire, link_s, last);
+  report.link = measure(wire, link_s, options.stop, last);
   const bool homed = last.homed == 7;
   report.steps.push_back(
       {"homing", homed ? Result::passed : Result::failed,
@@ -260,13 +262,13 @@ void monitor(Transport& wire, const std::function<bool(const Reading&)>& each) {
       each);
 }
 
-bool home(Transport& wire, double timeout_s, const std::function<void(const Reading&)>& each) {
+bool home(Transport& wire, double timeout_s, const std::function<bool(const Reading&)>& each) {
   bool homed = false;
   std::uint64_t answers = 0;
   const auto most = static_cast<std::uint64_t>(2000.0 * timeout_s) + 1;  // virtual time ends too
   monitor(wire, [&](const Reading& reading) {
-    if (each) each(reading);
     homed = reading.homed;
+    if (each && !each(reading)) return false;
     return !homed && reading.time_s < timeout_s && ++answers < most;
   });
   return homed;

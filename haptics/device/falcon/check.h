@@ -48,7 +48,8 @@ struct CheckReport {
   [[nodiscard]] bool passed() const;
 };
 
-/// Walks all steps on the first Falcon on USB. Forces stay zero. Never throws for what is wrong with the device.
+/// Walks all steps on the first Falcon on USB. Forces stay zero. Never throws for what is wrong with the device; throws
+/// Cancelled when options.stop ends the loading of firmware. Ended while the link is measured, it judges what it has.
 [[nodiscard]] CheckReport check_falcon(const FalconOptions& options = {}, double link_s = 10.0);
 /// The steps from power on, over any wire. `link_s`: how long the link is measured.
 [[nodiscard]] CheckReport check_wire(Transport& wire, const FalconOptions& options, double link_s = 1.0);
@@ -67,7 +68,7 @@ struct Reading {
 void monitor(Transport& wire, const std::function<bool(const Reading&)>& each);
 
 /// Asks for homing, red light, until all three encoders are homed (then green) or `timeout_s` is over; true when homed.
-/// `each` may show the way: pull the grip fully out, then push it fully in.
-[[nodiscard]] bool home(Transport& wire, double timeout_s, const std::function<void(const Reading&)>& each = {});
+/// `each` may show the way (homing_advice()), and ends it by false.
+[[nodiscard]] bool home(Transport& wire, double timeout_s, const std::function<bool(const Reading&)>& each = {});
 
 }  // namespace sparsha::haptics::falcon

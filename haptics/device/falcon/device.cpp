@@ -12,88 +12,51 @@
 #include "haptics/device/falcon/effort.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/guard.h"
+#include "haptics/device/falcon/homing_advice.h"
 #include "haptics/device/falcon/keeper.h"
 #include "haptics/device/falcon/link.h"
+#include "haptics/device/falcon/open_questions.h"
 #include "haptics/device/falcon/usb_transport.h"
 
 namespace sparsha::haptics::falcon {
 namespace {
 
 using Steady = std::chrono::steady_clock;
-/// An answer that has not come by then never will: ask again.
+/// An answer that has not come by then may be lost: ask again.
 constexpr double kLost_s = 0.0035;
-/// USB frames make answers late by a millisecond or two now and then; giving up sooner would make the hand stale, and
-/// the force zero, for nothing. The watchdog bites at 10 ms.
-constexpr double kPatience_s = 0.004;
+/// A hand without an answer for so long is stale, and the force zero. Until then the last force is held and asked for
+/// again: on a link that is late but steady it would come and go otherwise. The watchdog acts at 10 ms.
+constexpr double kPatience_s = 2.0 * kLost_s;
+/// Without an answer for so long the firmware does not run any more, though the USB chip, which has power of its own,
+/// is still there.
+constexpr double kSilent_s = 1.0;
+/// Without an answer for so long nobody knows what is still pressed. A program that has not asked for so long was
+/// stopped.
+constexpr double kUnheard_s = 0.1;
+/// Homed flags must be missing in so many answers, so that one flipped bit does not un-home.
+constexpr int kUnhomedAnswers = 3;
 /// Homed flags must hold for this many answers, so that one flipped bit does not let forces through.
 constexpr int kHomedAnswers = 10;
 /// Encoders cannot move farther in a millisecond: 5 m/s.
 constexpr double kLongestStep_m = 0.005;
-/// Homing that has not come further for so long needs a more exact word.
-constexpr double kSlowHoming_s = 4.0;
 constexpr int kFinalZeros = 8;
 /// An answer may be that to an earlier question, and to the one before.
 constexpr int kZerosAnswered = 3;
-/// More is not asked of a hand-held device of this size, whatever its motors have.
-constexpr double kMostForce_n = 5.0;
-constexpr double kForceRadius_m = 0.035;
 /// USB packets taken in one tick: a few come at once after a pause, more only from a damaged device.
 constexpr int kMostPackets = 64;
 constexpr int kFailures = 4;
 
-/// How the person makes all three encoders know their places.
-const DeviceAdvice* homing_advice(std::uint8_t homed, bool slow) {
-  static constexpr DeviceAdvice kAll{"homing_all", true};
-  static constexpr DeviceAdvice kTop{"homing_top", true};
-  static constexpr DeviceAdvice kRight{"homing_right", true};
-  static constexpr DeviceAdvice kLeft{"homing_left", true};
-  static constexpr DeviceAdvice kNotTop{"homing_right_left", true};
-  static constexpr DeviceAdvice kNotRight{"homing_top_left", true};
-  static constexpr DeviceAdvice kNotLeft{"homing_top_right", true};
-  static constexpr const DeviceAdvice* kByFlags[8] = {&kAll,     &kNotTop, &kNotRight, &kLeft,
-                                                      &kNotLeft, &kRight,  &kTop,      &kAll};
-  // In one pull and push the arms follow each other: no word about that.
-  return slow ? kByFlags[homed & 7U] : &kAll;
-}
 constexpr DeviceAdvice kComeForward{"homed_come_forward", true};
 constexpr DeviceAdvice kReady{"device_ready", false};
 constexpr DeviceAdvice kWarm{"device_warm", false};
-
-/// The greatest force that the amplifiers deliver in every direction, anywhere within kForceRadius_m of the origin: no
-/// motor's share of a newton in its worst direction may pass its range.
-double force_everywhere_n(const FalconOptions& options) {
-  constexpr int kSteps = 8;  // from the middle to the rim
-  double least_n = kMostForce_n;
-  for (int i = -kSteps; i <= kSteps; ++i)
-    for (int j = -kSteps; j <= kSteps; ++j)
-      for (int k = -kSteps; k <= kSteps; ++k) {
-        const Eigen::Vector3d offset_m = Eigen::Vector3d(i, j, k) * (kForceRadius_m / kSteps);
-        if (offset_m.norm() > kForceRadius_m * (1.0 + 1e-9)) continue;
-        Eigen::Matrix3d torques_per_n;
-        for (int axis = 0; axis < 3; ++axis) {
-          const auto torque = torques(options.centre_m + offset_m, Eigen::Vector3d::Unit(axis));
-          if (!torque) return 0.0;
-          torques_per_n.col(axis) = *torque;
-        }
-        const double most = torques_per_n.rowwise().norm().maxCoeff() * options.counts_per_newton_metre;
-        least_n = std::min(least_n, kMostCommand / most);
-      }
-  return least_n;
-}
-
-FalconOptions with_usual_counts(FalconOptions options) {
-  if (!(options.counts_per_newton_metre > 0.0)) options.counts_per_newton_metre = kUsualCounts;
-  return options;
-}
+constexpr DeviceAdvice kSilent{"device_silent", true};
 
 class FalconDevice final : public Device {
  public:
   FalconDevice(std::unique_ptr<Transport> wire, const FalconOptions& options, std::unique_ptr<ForceGuard> guard = {},
                std::unique_ptr<Keeper> keeper = {})
-      : guard_(std::move(guard)),
-        keeper_(std::move(keeper)),
-        options_(with_usual_counts(options)),
-        info_(falcon_info(options_)) {
+      : guard_(std::move(guard)), keeper_(std::move(keeper)), options_(options), info_(falcon_info(options)) {
+    options_.counts_per_newton_metre = counts_of(options);
     if (wire)
       adopt(wire.release());
     else if (keeper_)
@@ -116,7 +79,8 @@ class FalconDevice final : public Device {
   [[nodiscard]] DeviceInfo info() const override {
     DeviceInfo info = info_;
     if (keeper_ && !guard_)
-      info.warning = "No process of its own guards the Falcon: if this program is killed, its force may stay on";
+      info.warning += std::string(info.warning.empty() ? "" : "; ") +
+                      "No process of its own guards the Falcon: if this program is killed, its force may stay on";
     return info;
   }
 
@@ -127,27 +91,37 @@ class FalconDevice final : public Device {
       return;
     }
     const Steady::time_point began = Steady::now();
-    if (!asked_ || since(asked_at_) > kLost_s) ask({});
+    if (since(waited_at_) > kUnheard_s) heard_at_ = began;  // the program was stopped, not the device
+    waited_at_ = began;
+    // A force is repeated only while this call waits, and not once others have made a zero of it.
+    const bool zeroed = count_urgent_zeros();
+    if (may_ask()) ask({});
+    const double patience_s = std::max(timeout_s, kPatience_s);
     bool answered = false;
     // A device that never stops talking must not hold the servo.
     for (int packets = 0; packets < kMostPackets && wire_ != nullptr; ++packets) {
+      if (!answered && asked_ && since(asked_at_) > kLost_s)
+        ask(zeroed || since(began) > patience_s || urgent_zeros_counted_ != urgent_zeros_.load() ? MotorCommand{}
+                                                                                                 : commanded_);
+      if (wire_ == nullptr) return;
       // What came beside the answer (to a question asked twice, to a watchdog's zero) is taken too, or the hand would
       // be seen late for ever after.
-      const double left = answered ? 0.0 : std::max(timeout_s, kPatience_s) - since(began);
+      const double left_s = answered ? 0.0 : std::max(0.0, patience_s - since(began));
       UsbPacket bytes{};
       std::size_t size = 0;
-      const TransportStatus status = wire_->receive(bytes, size, std::max(0.0, left));
-      if (status == TransportStatus::gone) lose();
-      // A transfer that failed ends the waiting before its time: the next may bring the answer.
-      if (status == TransportStatus::nothing && left > 0.0 && packets < kFailures && since(began) < kPatience_s)
-        continue;
-      if (status != TransportStatus::ok) return;
+      const TransportStatus status = wire_->receive(bytes, size, std::min(left_s, kLost_s));
+      if (status == TransportStatus::gone) lose(nullptr);
+      // A transfer that failed, or a question to be repeated, ends the waiting before its time.
+      if (status == TransportStatus::nothing && left_s > 0.0 && packets < kFailures) continue;
+      if (status != TransportStatus::ok) break;
       if (size <= kModemBytes) continue;
       if (const auto answer = stream_.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
         take(*answer);
         answered = true;
       }
     }
+    if (!answered) questions_.stays_silent(clock_s());
+    if (wire_ != nullptr && since(heard_at_) > kSilent_s) lose(&kSilent);
   }
 
   [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
@@ -155,7 +129,7 @@ class FalconDevice final : public Device {
     read_s_ = time_s;
     DeviceSample sample;
     sample.position_m = position_m_ - options_.centre_m;
-    sample.buttons = buttons_;
+    sample.buttons = since(heard_at_) > kUnheard_s ? 0 : buttons_;
     sample.time_s = time_s;
     sample.delay_s = delay_s_;
     sample.fresh = fresh_ && wire_ != nullptr;
@@ -169,18 +143,21 @@ class FalconDevice final : public Device {
     if (wire_ == nullptr) return;
     MotorCommand command{};
     const Eigen::Vector3d safe_n = effort_.share() * deliverable(force_n, info_.limits.max_force_n);
-    if (released_ && !safe_n.isZero(0.0))
+    if (released_ && unhomed_answers_ == 0 && !safe_n.isZero(0.0))
       if (const auto torque = torques(position_m_, safe_n))
         command = motor_command(*torque, options_.counts_per_newton_metre);
     // One question at a time; only a zero that must end a force does not wait for the answer.
     const bool stop = command == MotorCommand{} && commanded_ != MotorCommand{};
-    if (!asked_ || stop || since(asked_at_) > kLost_s) ask(command);
+    if (stop || may_ask()) ask(command);
   }
 
   [[nodiscard]] double force_share() const noexcept override { return effort_.share(); }
   void zero() noexcept override {
     if (keeper_) keeper_->enter();
-    if (Transport* const wire = shared_.load()) wire->urgent(zero_);
+    if (Transport* const wire = shared_.load()) {
+      wire->urgent(zero_);
+      urgent_zeros_.fetch_add(1, std::memory_order_relaxed);
+    }
     if (keeper_) keeper_->leave();
   }
 
@@ -193,9 +170,11 @@ class FalconDevice final : public Device {
   [[nodiscard]] static double since(Steady::time_point then) noexcept {
     return std::chrono::duration<double>(Steady::now() - then).count();
   }
+  [[nodiscard]] static double clock_s() noexcept { return since(Steady::time_point{}); }
   [[nodiscard]] std::uint8_t lights() const noexcept {
     return static_cast<std::uint8_t>(kHomingRequest | (!homed_ ? kLightRed : released_ ? kLightBlue : kLightGreen));
   }
+  [[nodiscard]] bool may_ask() noexcept { return asked_ ? since(asked_at_) > kLost_s : !questions_.holds(clock_s()); }
   void mark_force(bool on) noexcept {
     if (guard_) guard_->set_force(on);
   }
@@ -207,8 +186,10 @@ class FalconDevice final : public Device {
     commanded_ = {};
     buttons_ = 0;
     asked_ = fresh_ = homed_ = released_ = known_ = false;
-    homed_answers_ = jumps_ = 0;
+    homed_answers_ = unhomed_answers_ = jumps_ = 0;
     delay_s_ = 0.0;
+    questions_.clear();
+    heard_at_ = waited_at_ = Steady::now();
     homing_flags_ = 0;
     homing_since_ = Steady::now();
     advice_.store(homing_advice(0, false));
@@ -222,17 +203,30 @@ class FalconDevice final : public Device {
     if (wire != nullptr) adopt(wire);
     return wire != nullptr;
   }
-  void lose() noexcept {
+  /// `why`: what the person has to do; null when the keeper knows better.
+  void lose(const DeviceAdvice* why) noexcept {
     Transport* const wire = wire_;
     wire_ = nullptr;
     released_ = fresh_ = false;
     commanded_ = {};
-    mark_force(false);
-    if (guard_) guard_->watch({});
+    // One that is still on the bus may hold its force: the guard watches until zeros are answered again.
+    if (wire->present()) {
+      wire->urgent(zero_);
+    } else {
+      mark_force(false);
+      if (guard_) guard_->watch({});
+    }
+    advice_.store(keeper_ ? nullptr : why);
     if (!keeper_) return;  // the wire stays to be closed with this
-    advice_.store(nullptr);
     shared_.store(nullptr);
-    keeper_->give_back(wire);
+    keeper_->give_back(wire, why);
+  }
+  // Each of them is answered too. True when there were some.
+  bool count_urgent_zeros() noexcept {
+    const unsigned sent = urgent_zeros_.load(std::memory_order_relaxed);
+    const bool any = urgent_zeros_counted_ != sent;
+    for (; urgent_zeros_counted_ != sent; ++urgent_zeros_counted_) questions_.ask(clock_s());
+    return any;
   }
 
   void ask(const MotorCommand& command) noexcept {
@@ -241,23 +235,27 @@ class FalconDevice final : public Device {
       mark_force(true);
     }
     const TransportStatus status = wire_->post(encode(command, lights()));
-    if (status == TransportStatus::gone) lose();
+    if (status == TransportStatus::gone) lose(nullptr);
     if (status != TransportStatus::ok) return;
     commanded_ = command;
     asked_ = true;
     asked_at_ = Steady::now();
+    questions_.ask(clock_s());
   }
 
   void take(const Answer& answer) noexcept {
     // A force that is asked is felt, and the position of its answer known, within this time.
-    if (asked_) delay_s_ = since(asked_at_);
+    if (const double took_s = questions_.answer(clock_s()); took_s > 0.0) delay_s_ = took_s;
+    heard_at_ = Steady::now();
     asked_ = false;
     // A zero on its way would be lost with this process: only one that was answered has ended the force.
     if (commanded_ == MotorCommand{} && zeros_answered_ < kZerosAnswered && ++zeros_answered_ == kZerosAnswered)
       mark_force(false);
     buttons_ = answer.buttons;
     homed_answers_ = answer.homed == 7 ? std::min(homed_answers_ + 1, kHomedAnswers) : 0;
-    const bool homed = homed_answers_ == kHomedAnswers;
+    unhomed_answers_ = answer.homed == 7 ? 0 : std::min(unhomed_answers_ + 1, kUnhomedAnswers);
+    if (homed_ && unhomed_answers_ > 0 && unhomed_answers_ < kUnhomedAnswers) return;  // stale, and no force meanwhile
+    const bool homed = homed_ ? unhomed_answers_ == 0 : homed_answers_ == kHomedAnswers;
     if (homed != homed_) {  // coordinates jump: nothing of before holds
       homed_ = homed;
       released_ = false;
@@ -306,29 +304,38 @@ class FalconDevice final : public Device {
   std::uint8_t buttons_ = 0;
   bool asked_ = false;
   Steady::time_point asked_at_{};
-  double delay_s_ = 0.0;  ///< from the last question to its answer
+  OpenQuestions questions_;
+  std::atomic<unsigned> urgent_zeros_{0};
+  unsigned urgent_zeros_counted_ = 0;
+  double delay_s_ = 0.0;           ///< from a question to its answer
+  Steady::time_point heard_at_{};  ///< when the last answer came
+  Steady::time_point waited_at_{};
   bool fresh_ = false;
   bool homed_ = false;
   bool released_ = false;   ///< homed, and pulled out since
   bool known_ = false;      ///< position_m_ is the last answer's
   int zeros_answered_ = 0;  ///< since the last force
   int homed_answers_ = 0;
+  int unhomed_answers_ = 0;  ///< since the last that was homed
   int jumps_ = 0;
   std::uint8_t homing_flags_ = 0;
   Steady::time_point homing_since_{};
 };
 
 /// Each attempt opens the device anew: one that hangs after a failed upload comes to its senses.
-std::unique_ptr<Transport> open_and_load(std::span<const std::uint8_t> image) {
-  constexpr int kAttempts = 10;
+std::unique_ptr<Transport> open_and_load(std::span<const std::uint8_t> image, const FalconOptions& options) {
+  const int attempts = options.wait_for_device ? 1 : 10;
+  const auto progress = loading(options);
   for (int attempt = 1;; ++attempt) {
     std::unique_ptr<Transport> wire = open_usb_transport();
     try {
-      bring_up(*wire, image, 1);
+      bring_up(*wire, image, 1, progress);
       return wire;
+    } catch (const Cancelled&) {
+      throw;
     } catch (const Error& error) {
       if (image.empty()) throw;
-      if (attempt >= kAttempts)
+      if (attempt >= attempts)
         throw Error(ErrorKind::device, {}, error.wrong() + " (" + std::to_string(attempt) + " attempts)",
                     error.expected());
     }
@@ -337,26 +344,15 @@ std::unique_ptr<Transport> open_and_load(std::span<const std::uint8_t> image) {
 
 }  // namespace
 
-DeviceInfo falcon_info(const FalconOptions& options) {
-  DeviceInfo info;
-  info.name = "Novint Falcon";
-  info.workspace_width_m = 0.070;
-  info.limits.max_force_n = force_everywhere_n(with_usual_counts(options));
-  info.limits.least_damping_n_s_per_m = 2.0;
-  info.paced = true;
-  return info;
-}
-
 std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, const FalconOptions& options) {
   const std::vector<std::uint8_t> image = firmware_image(options);
-  bring_up(*wire, image);
+  bring_up(*wire, image, 10, loading(options));
   return std::make_unique<FalconDevice>(std::move(wire), options);
 }
 
 std::unique_ptr<Device> make_falcon_device(const FalconOptions& asked) {
   FalconOptions options = asked;
-  if (!(options.counts_per_newton_metre > 0.0))
-    options.counts_per_newton_metre = stored_calibration().value_or(kUsualCounts);
+  if (!(options.counts_per_newton_metre > 0.0)) options.counts_per_newton_metre = stored_calibration().value_or(0.0);
   std::unique_ptr<ForceGuard> guard;
   try {
     guard = std::make_unique<ForceGuard>();
@@ -364,8 +360,14 @@ std::unique_ptr<Device> make_falcon_device(const FalconOptions& asked) {
   }
   std::vector<std::uint8_t> image = firmware_image(options);
   std::unique_ptr<Transport> wire;
-  if (!options.wait_for_device || !find_falcons().empty()) wire = open_and_load(image);
-  auto keeper = std::make_unique<Keeper>(open_usb_transport, std::move(image));
+  try {
+    if (!options.wait_for_device || !find_falcons().empty()) wire = open_and_load(image, options);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error&) {  // without power, not permitted, or busy: the keeper says so, and tries again
+    if (!options.wait_for_device) throw;
+  }
+  auto keeper = std::make_unique<Keeper>(try_usb_transport, std::move(image));
   return std::make_unique<FalconDevice>(std::move(wire), options, std::move(guard), std::move(keeper));
 }
 

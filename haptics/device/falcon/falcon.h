@@ -25,9 +25,17 @@ struct FalconOptions {
   /// After homing the grip must be seen once beyond this z (Falcon frame, metres) before forces are possible; 0 = no
   /// such gate.
   double release_z_m = 0.155;
-  /// Begin without a Falcon, and take the first that is plugged in.
+  /// Begin without a Falcon, or beside one that has no power, is not permitted or is held by another program, and take
+  /// the first that can be had.
   bool wait_for_device = false;
+  /// Asked while opening and measuring, which take seconds; true ends them. Opening then throws Cancelled.
+  std::function<bool()> stop;
+  /// Told what opening does.
+  std::function<void(const std::string&)> say;
 };
+
+/// Motor counts per newton metre: those of the options, else kUsualCounts.
+[[nodiscard]] double counts_of(const FalconOptions& options);
 
 /// What a Falcon is for the servo. Device frame: metres about options.centre_m. Its force is what the motors have in
 /// every direction within 35 mm of there, and 5 N at most.
@@ -43,11 +51,11 @@ struct FoundFalcon {
 /// Those plugged in. Empty when USB itself is not there.
 [[nodiscard]] std::vector<FoundFalcon> find_falcons();
 
-/// Opens the first one, loads firmware when it runs none, and makes it a device, which may be unplugged and plugged in
-/// again: it is then brought up, homed and released anew. A process of its own ends the force when this one cannot.
-/// Throws Error{device} with the remedy.
+/// Opens the first one, loads firmware when it runs none, and makes it a device, which may be unplugged, or lose its
+/// power, and come back: it is then brought up, homed and released anew. A process of its own ends the force when this
+/// one cannot. Throws Error{device} with the remedy.
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(const FalconOptions& options = {});
-/// The same over any wire; unplugging ends it.
+/// The same over any wire; unplugging, or a second without an answer, ends it.
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, const FalconOptions& options);
 
 }  // namespace sparsha::haptics::falcon

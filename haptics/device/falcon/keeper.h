@@ -9,20 +9,23 @@
 
 #include "haptics/device/device.h"
 #include "haptics/device/falcon/transport.h"
+#include "haptics/device/falcon/usb_transport.h"
 
 namespace sparsha::haptics::falcon {
 
 class Keeper {
  public:
-  /// `open`: throws Error{device} while there is none to open.
-  Keeper(std::function<std::unique_ptr<Transport>()> open, std::vector<std::uint8_t> image);
+  /// A Falcon that is free, or null and why there is none.
+  using Open = std::function<std::unique_ptr<Transport>(OpenProblem& problem)>;
+  Keeper(Open open, std::vector<std::uint8_t> image);
   ~Keeper();
   Keeper(const Keeper&) = delete;
   Keeper& operator=(const Keeper&) = delete;
 
   // Servo thread; no lock, no allocation.
-  /// Ownership of a wire that is of no use any more; the keeper closes it and looks for another.
-  void give_back(Transport* wire) noexcept;
+  /// Ownership of a wire that is of no use any more; the keeper closes it and looks for another. `why` is the advice
+  /// until something else is known.
+  void give_back(Transport* wire, const DeviceAdvice* why = nullptr) noexcept;
   /// A Falcon in run mode, or null.
   [[nodiscard]] Transport* take() noexcept;
 
@@ -37,8 +40,9 @@ class Keeper {
   void run();
   void close(Transport* wire) const;
   [[nodiscard]] std::unique_ptr<Transport> find();
+  [[nodiscard]] bool start(Transport& wire);
 
-  std::function<std::unique_ptr<Transport>()> open_;
+  Open open_;
   std::vector<std::uint8_t> image_;
   std::atomic<Transport*> given_back_{nullptr}, offered_{nullptr};
   std::atomic<const DeviceAdvice*> advice_{nullptr};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -52,6 +53,26 @@ std::vector<std::uint8_t> collect(Transport& wire, std::size_t wanted, int tries
       bytes.insert(bytes.end(), packet.begin() + kModemBytes, packet.begin() + static_cast<std::ptrdiff_t>(size));
   }
   return bytes;
+}
+
+/// Questions that were repeated have answers on their way: they would be taken for those to later questions, and the
+/// hand would seem to be seen sooner than it is.
+void wait_for_quiet(Transport& wire) {
+  constexpr int kQuietReads = 50, kMostReads = 500;  // the bridge gives an empty packet each millisecond
+  UsbPacket packet{};
+  for (int read = 0, quiet = 0; read < kMostReads && quiet < kQuietReads; ++read) {
+    std::size_t size = 0;
+    const TransportStatus status = wire.read(packet, size, 1);
+    if (status == TransportStatus::gone) return;
+    quiet = status == TransportStatus::ok && size > kModemBytes ? 0 : quiet + 1;
+  }
+}
+
+/// True when firmware answers, and no more answers are on their way.
+bool runs(Transport& wire) {
+  if (!firmware_answers(wire)) return false;
+  wait_for_quiet(wire);
+  return true;
 }
 
 bool greet(Transport& wire) {
@@ -149,6 +170,7 @@ bool boot_loader_answers(Transport& wire) {
 }
 
 void load_firmware(Transport& wire, std::span<const std::uint8_t> image, const std::function<void(double)>& progress) {
+  if (progress) progress(0.0);
   if (!boot_loader_answers(wire)) throw fault("the boot loader does not answer", kPowerRemedy);
 
   set(wire, Request::modem, value::kDtrLow, "DTR");
@@ -169,10 +191,19 @@ void load_firmware(Transport& wire, std::span<const std::uint8_t> image, const s
   }
 }
 
+std::function<void(double)> loading(const FalconOptions& options) {
+  auto told = std::make_shared<bool>(false);
+  return [stop = options.stop, say = options.say, told](double) {
+    if (stop && stop()) throw Cancelled();
+    if (say && !*told) say("loading the Falcon's firmware, which takes some seconds");
+    *told = true;
+  };
+}
+
 void bring_up(Transport& wire, std::span<const std::uint8_t> image, int attempts,
               const std::function<void(double)>& progress) {
   enter_run_mode(wire);
-  if (firmware_answers(wire)) return;
+  if (runs(wire)) return;
   if (image.empty())
     throw fault(
         "no firmware runs on it and none was given",
@@ -182,8 +213,10 @@ void bring_up(Transport& wire, std::span<const std::uint8_t> image, int attempts
     try {
       load_firmware(wire, image, progress);
       enter_run_mode(wire);
-      if (firmware_answers(wire)) return;
+      if (runs(wire)) return;
       throw fault("the firmware was loaded but does not answer", "an image for the Falcon (7 to 9 kB)");
+    } catch (const Cancelled&) {
+      throw;
     } catch (const Error& error) {
       if (attempt >= attempts)
         throw Error(ErrorKind::device, {},

@@ -41,12 +41,15 @@ void enter_run_mode(Transport& wire);
 [[nodiscard]] bool boot_loader_answers(Transport& wire);
 
 /// One attempt to load an image: handshake at 9600 baud, echo check at 142857 baud. Throws Error{device} that names the
-/// step. `progress` gets the share done, 0 to 1.
+/// step. `progress` gets the share done, 0 to 1, first 0; what it throws ends the attempt.
 void load_firmware(Transport& wire, std::span<const std::uint8_t> image,
                    const std::function<void(double)>& progress = {});
 
+/// What the options ask for while firmware is loaded: they are told once, and may end it by Cancelled.
+[[nodiscard]] std::function<void(double)> loading(const FalconOptions& options);
+
 /// Enters run mode; loads `image` when nothing answers, up to `attempts` times. Throws Error{device}: without an image,
-/// how to name one; with one, the last attempt's reason.
+/// how to name one; with one, the last attempt's reason. Cancelled ends all attempts.
 void bring_up(Transport& wire, std::span<const std::uint8_t> image, int attempts = 10,
               const std::function<void(double)>& progress = {});
 

@@ -66,6 +66,8 @@ class Transport {
   /// Like post(), from any thread, past whatever the servo is doing.
   virtual void urgent(std::span<const std::uint8_t> bytes) noexcept = 0;
   [[nodiscard]] virtual UsbAddress address() const noexcept { return {}; }
+  /// False once the device has left the bus; `gone` alone may also mean that its transfers fail.
+  [[nodiscard]] virtual bool present() const noexcept = 0;
 };
 
 }  // namespace sparsha::haptics::falcon

@@ -78,12 +78,12 @@ void each_falcon(libusb_context* context, const Visit& visit) {
 
 class UsbTransport final : public Transport {
  public:
-  UsbTransport() {
-    if (context_.get() == nullptr)
-      throw Error(ErrorKind::device, {}, "Falcon: this machine has no USB",
-                  "a machine with USB, or --device pointer or simulated");
+  UsbTransport() = default;
+
+  /// The first that is free: another program may hold one of two. Before anything else.
+  OpenProblem open() {
+    if (context_.get() == nullptr) return OpenProblem::no_usb;
     int status = LIBUSB_ERROR_NO_DEVICE;
-    // The first that is free: another program may hold one of two.
     each_falcon(context_.get(), [&](libusb_device* device) {
       status = libusb_open(device, &handle_);
       if (status != 0) return false;
@@ -94,19 +94,17 @@ class UsbTransport final : public Transport {
       handle_ = nullptr;
       return false;
     });
-    if (status == LIBUSB_ERROR_ACCESS)
-      throw Error(ErrorKind::device, {}, "Falcon: this user may not open it", kUdevRule);
-    if (status == LIBUSB_ERROR_BUSY)
-      throw Error(ErrorKind::device, {}, "Falcon: another program holds it", "that program ended");
-    if (status != 0)
-      throw Error(ErrorKind::device, {}, "no Falcon is plugged in",
-                  "a Novint Falcon (USB 0403:cb48), or --device pointer or simulated");
+    if (status == LIBUSB_ERROR_ACCESS) return OpenProblem::not_permitted;
+    if (status == LIBUSB_ERROR_BUSY) return OpenProblem::busy;
+    if (status != 0) return OpenProblem::absent;
     for (Slot& slot : posts_) prepare(slot);
     for (Slot& slot : urgents_) prepare(slot);
     incoming_.transfer = libusb_alloc_transfer(0);
+    return OpenProblem::none;
   }
 
   ~UsbTransport() override {
+    if (handle_ == nullptr) return;
     const auto busy = [this] {
       bool any = incoming_.busy.load();
       for (Slot& slot : posts_) any = any || slot.busy.load();
@@ -201,6 +199,7 @@ class UsbTransport final : public Transport {
     libusb_device* const device = libusb_get_device(handle_);
     return {libusb_get_bus_number(device), libusb_get_device_address(device)};
   }
+  [[nodiscard]] bool present() const noexcept override { return !left_.load(std::memory_order_relaxed); }
 
  private:
   struct Slot {
@@ -229,6 +228,7 @@ class UsbTransport final : public Transport {
     const std::int64_t now_ns = Steady::now().time_since_epoch().count();
     std::int64_t since_ns = 0;
     if (failing_since_ns_.compare_exchange_strong(since_ns, now_ns)) since_ns = now_ns;
+    if (status == LIBUSB_ERROR_NO_DEVICE) left_.store(true, std::memory_order_relaxed);
     const bool for_good = status == LIBUSB_ERROR_NO_DEVICE || now_ns - since_ns > kFailsForGood_ns;
     if (for_good) gone_.store(true, std::memory_order_relaxed);
     return for_good ? TransportStatus::gone : TransportStatus::nothing;
@@ -334,7 +334,8 @@ class UsbTransport final : public Transport {
   std::array<Received, kReceived> received_{};
   std::size_t received_first_ = 0;
   std::size_t received_count_ = 0;
-  std::atomic<bool> gone_{false};
+  std::atomic<bool> gone_{false};  ///< nothing goes through any more
+  std::atomic<bool> left_{false};  ///< because the device has left the bus
   std::atomic<bool> in_stalled_{false}, out_stalled_{false};
   std::atomic<std::int64_t> failing_since_ns_{0};
   std::atomic<bool> closing_{false};
@@ -342,7 +343,33 @@ class UsbTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> open_usb_transport() { return std::make_unique<UsbTransport>(); }
+std::unique_ptr<Transport> try_usb_transport(OpenProblem& problem) {
+  auto wire = std::make_unique<UsbTransport>();
+  problem = wire->open();
+  if (problem != OpenProblem::none) return nullptr;
+  return wire;
+}
+
+std::unique_ptr<Transport> open_usb_transport() {
+  const char* const kOthers = "or --device pointer or simulated";
+  OpenProblem problem{};
+  std::unique_ptr<Transport> wire = try_usb_transport(problem);
+  switch (problem) {
+    case OpenProblem::none:
+      break;
+    case OpenProblem::no_usb:
+      throw Error(ErrorKind::device, {}, "Falcon: this machine has no USB",
+                  std::string("a machine with USB, ") + kOthers);
+    case OpenProblem::not_permitted:
+      throw Error(ErrorKind::device, {}, "Falcon: this user may not open it", kUdevRule);
+    case OpenProblem::busy:
+      throw Error(ErrorKind::device, {}, "Falcon: another program holds it", "that program ended");
+    case OpenProblem::absent:
+      throw Error(ErrorKind::device, {}, "no Falcon is plugged in",
+                  std::string("a Novint Falcon (USB 0403:cb48), ") + kOthers);
+  }
+  return wire;
+}
 
 std::vector<FoundFalcon> find_falcons() {
   std::vector<FoundFalcon> found;

@@ -1,10 +1,15 @@
 // The Falcon as the servo sees it: positions, forces, gates, faults.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -143,7 +148,7 @@ TEST_F(FalconOnTheBench, ZeroNeverRacesWithTheServo) {
   EXPECT_TRUE(tick().fresh);
 }
 
-/// A wire to an emulator that gives packets without end once it is told to.
+/// A wire to an emulator that gives packets without end once it is told to, or damages answers.
 class Chatter final : public Transport {
  public:
   explicit Chatter(std::unique_ptr<Transport> wire) : wire_(std::move(wire)) {}
@@ -159,27 +164,66 @@ class Chatter final : public Transport {
   }
   TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override { return wire_->post(bytes); }
   TransportStatus receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
-    if (!talks) return wire_->receive(packet, size, timeout_s);
+    if (!talks) {
+      const TransportStatus status = wire_->receive(packet, size, timeout_s);
+      constexpr std::size_t kFlags = kModemBytes + 13;
+      if (status == TransportStatus::ok && size > kFlags && damages > 0) {
+        --damages;
+        packet[kFlags] = static_cast<std::uint8_t>('A' + ((packet[kFlags] - 'A') ^ 0x20));  // the second homed flag
+      }
+      return status;
+    }
     packet.fill('A');
     size = packet.size();
     ++given;
     return TransportStatus::ok;
   }
   void urgent(std::span<const std::uint8_t> bytes) noexcept override { wire_->urgent(bytes); }
+  [[nodiscard]] bool present() const noexcept override { return wire_->present(); }
 
   bool talks = false;
+  int damages = 0;
   std::size_t given = 0;
 
  private:
   std::unique_ptr<Transport> wire_;
 };
 
-TEST_F(FalconOnTheBench, ADeviceThatNeverStopsTalkingDoesNotHoldTheServo) {
-  emulator = std::make_shared<EmulatedFalcon>(EmulatorOptions{});
-  auto wire = std::make_unique<Chatter>(make_wire(*emulator, Clock::virtual_time));
-  Chatter& chatter = *wire;
-  device = make_falcon_device(std::move(wire), {});
-  home();
+/// With the wire that does as it is told.
+class FalconOnABadWire : public FalconOnTheBench {
+ protected:
+  Chatter& start_and_home() {
+    emulator = std::make_shared<EmulatedFalcon>(EmulatorOptions{});
+    auto wire = std::make_unique<Chatter>(make_wire(*emulator, Clock::virtual_time));
+    Chatter& chatter = *wire;
+    device = make_falcon_device(std::move(wire), {});
+    home();
+    return chatter;
+  }
+};
+
+TEST_F(FalconOnABadWire, OneAnswerWithADamagedHomedFlagEndsForceForItsTickAlone) {
+  Chatter& wire = start_and_home();
+  const Vector3d force(0, 0, 3);
+  hold({0, 0, 0.14}, 6, force);
+  for (const int damaged : {1, 2}) {
+    wire.damages = damaged;
+    for (int i = 0; i < damaged; ++i) {
+      EXPECT_FALSE(tick(force).fresh) << "its position may be wrong too";
+      EXPECT_EQ(emulator->command(), MotorCommand{});
+    }
+    const DeviceSample sample = tick(force);
+    EXPECT_TRUE(sample.fresh && sample.homed);
+    tick(force);
+    EXPECT_NE(emulator->command(), MotorCommand{});
+  }
+  wire.damages = 3;
+  for (int i = 0; i < 3; ++i) tick(force);
+  EXPECT_FALSE(tick(force).homed) << "three in a row";
+}
+
+TEST_F(FalconOnABadWire, ADeviceThatNeverStopsTalkingDoesNotHoldTheServo) {
+  Chatter& chatter = start_and_home();
   chatter.talks = true;
   EXPECT_FALSE(tick({0, 0, 3}).fresh) << "noise is no answer";
   EXPECT_LE(chatter.given, 64U);
@@ -236,11 +280,117 @@ TEST_F(FalconOnTheBench, LostGarbledAndSplitAnswersAreSurvived) {
   EXPECT_EQ(emulator->device->unsafe_commands(), 0U);
 }
 
+TEST(FalconInfo, SaysThatTheForceWasNeverCalibratedUnlessItWas) {
+  EXPECT_NE(falcon_info().warning.find("run sparsha device calibrate"), std::string::npos) << falcon_info().warning;
+  FalconOptions calibrated;
+  calibrated.counts_per_newton_metre = 9000.0;
+  EXPECT_EQ(falcon_info(calibrated).warning, "");
+}
+
 TEST_F(FalconOnTheBench, PassesTheButtonsOn) {
   start();
   emulator->device->set_buttons(9);
   tick();
   EXPECT_EQ(tick().buttons, 9U);
+}
+
+/// Ticks until a condition holds; a loaded machine is slow, and a test that fails may take long.
+template <typename Tick, typename Condition>
+bool eventually_ticks(const Tick& tick, const Condition& condition) {
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < limit) {
+    tick();
+    if (condition()) return true;
+  }
+  return false;
+}
+
+TEST_F(FalconOnTheBench, AFalconWithoutItsPowerIsGoneThoughUsbStays) {
+  start({}, Clock::real_time);
+  ASSERT_TRUE(tick().connected);
+  emulator->device->set_power(false, 0.0);
+  DeviceSample sample;
+  EXPECT_TRUE(eventually_ticks([&] { sample = tick(); }, [&] { return !sample.connected; }));
+  ASSERT_NE(device->advice(), nullptr);
+  EXPECT_STREQ(device->advice()->phrase, "device_silent");
+}
+
+TEST_F(FalconOnTheBench, ButtonsAreUpOnceTheDeviceIsNotHeard) {
+  for (const bool unplugs : {true, false}) {
+    start({}, Clock::real_time);
+    emulator->device->set_buttons(4);
+    DeviceSample sample;
+    ASSERT_TRUE(eventually_ticks([&] { sample = tick(); }, [&] { return sample.buttons == 4U; }));
+    if (unplugs)
+      emulator->device->unplug(true, 0.0);
+    else
+      emulator->device->set_power(false, 0.0);
+    EXPECT_TRUE(eventually_ticks([&] { sample = tick(); }, [&] { return sample.buttons == 0U; })) << unplugs;
+  }
+}
+
+/// The times on the wire, in the emulator's own words: the device answers one question after the other.
+struct WireTimes {
+  void see(const sparsha::haptics::emulator::WireEvent& event) {
+    using Kind = sparsha::haptics::emulator::WireEvent::Kind;
+    if (event.kind == Kind::to_device) {
+      asked.push_back(event.time_s);
+      const bool force = !std::equal(event.bytes.begin() + 1, event.bytes.begin() + 13, kZero.begin());
+      forces += force ? 1 : 0;
+    }
+    if (event.kind != Kind::to_host) return;
+    for (const std::uint8_t byte : event.bytes)
+      if (byte == '>') took_s.push_back(event.time_s - asked.at(took_s.size()));
+  }
+  static double p95(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values.at(values.size() * 95 / 100);
+  }
+  static constexpr std::string_view kZero = "AAAAAAAAAAAA";
+  std::vector<double> asked, took_s;
+  int forces = 0;
+};
+
+class FalconOnALateLink : public FalconOnTheBench {
+ protected:
+  void start_late(double earliest_s, double latest_s) {
+    EmulatorOptions options;
+    options.homed = true;
+    options.earliest_answer_s = earliest_s;
+    options.latest_answer_s = latest_s;
+    emulator = std::make_shared<EmulatedFalcon>(options);
+    emulator->device->set_log([this](const auto& event) { times.see(event); });
+    device = make_falcon_device(make_wire(*emulator, Clock::real_time), {});
+    hold({0, 0, 0.160}, 100);
+  }
+  WireTimes times;
+};
+
+TEST_F(FalconOnALateLink, DelaysAreThoseOfTheWireNotTimesSinceTheLastQuestion) {
+  start_late(0.001, 0.020);
+  std::vector<double> measured_s;
+  const auto before = static_cast<std::ptrdiff_t>(times.took_s.size());
+  for (int i = 0; i < 1000; ++i)
+    if (const DeviceSample sample = tick(); sample.fresh) measured_s.push_back(sample.delay_s);
+  const std::vector<double> on_wire_s(times.took_s.begin() + before, times.took_s.end());
+  std::printf("p95 of the delay: %.2f ms measured, %.2f ms on the wire\n", 1e3 * WireTimes::p95(measured_s),
+              1e3 * WireTimes::p95(on_wire_s));
+  // A tick may take several answers, of which the newest counts; a millisecond is the wire's frame.
+  EXPECT_GT(WireTimes::p95(measured_s), WireTimes::p95(on_wire_s) - 0.001);
+}
+
+TEST_F(FalconOnALateLink, AForceIsSteadyWhereAnswersAreLateButRegular) {
+  start_late(0.006, 0.006);
+  const std::size_t before = times.asked.size();
+  times.forces = 0;
+  Vector3d force_n = Vector3d::Zero();
+  for (int i = 0; i < 300; ++i) {  // the servo asks for force where the hand is known
+    const DeviceSample sample = tick(force_n);
+    force_n = sample.fresh && sample.homed ? Vector3d(0, 0, 2) : Vector3d::Zero();
+  }
+  const auto asked = static_cast<double>(times.asked.size() - before);
+  std::printf("%d of %.0f commands with force\n", times.forces, asked);
+  EXPECT_GT(times.forces, 0.8 * asked) << "a loaded machine is late by itself now and then";
 }
 
 TEST(FalconInRealTime, APersonHomesItAndItRunsNearAKilohertz) {

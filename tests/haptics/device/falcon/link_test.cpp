@@ -225,11 +225,40 @@ TEST(FalconCheck, HomingWaitsForThePullAndThePushUnderZeroForce) {
     if (step < 100) {
       EXPECT_FALSE(reading.homed);
     }
+    return true;
   });
   EXPECT_TRUE(homed);
   EXPECT_GE(step, 100);
   EXPECT_EQ(bench.emulator->device->unsafe_commands(), 0U);
   EXPECT_NE(bench.emulator->device->flags() & kHomingRequest, 0);
+}
+
+TEST(FalconCheck, HomingAndTheMeasurementOfTheLinkEndWhenAsked) {
+  Bench bench{EmulatorOptions{}};
+  bring_up(*bench.wire, {});
+  int readings = 0;
+  EXPECT_FALSE(home(*bench.wire, 5.0, [&](const Reading&) { return ++readings < 7; }));
+  EXPECT_EQ(readings, 7);
+  FalconOptions options;
+  int asked = 0;
+  options.stop = [&asked] { return ++asked > 20; };
+  const CheckReport report = check_wire(*bench.wire, options, 3600.0);
+  EXPECT_EQ(report.link.asked, 20U) << "and what was measured is judged";
+  EXPECT_EQ(report.steps.size(), 4U);
+}
+
+TEST(FalconFirmware, LoadingIsToldOnceAndEndsWhenAskedInsteadOfTryingAgain) {
+  EmulatorOptions emulated;
+  emulated.firmware_loaded = false;
+  emulated.failed_loads = 100;
+  Bench bench(emulated);
+  FalconOptions options;
+  int told = 0, looks = 0;
+  options.say = [&told](const std::string&) { ++told; };
+  options.stop = [&looks] { return ++looks > 200; };
+  EXPECT_THROW(bring_up(*bench.wire, image(), 1000, loading(options)), sparsha::Cancelled);
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(looks, 201);
 }
 
 TEST(FalconCheck, MonitorShowsWhereTheGripIsAndWhichButtonsAreDown) {

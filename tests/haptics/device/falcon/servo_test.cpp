@@ -199,21 +199,22 @@ class PlainWire final : public Transport {
     return receive(packet, size, 0.0);
   }
   TransportStatus post(std::span<const std::uint8_t>) noexcept override {
-    asked_ = true;
+    ++asked_;
     return TransportStatus::ok;
   }
   TransportStatus receive(UsbPacket& packet, std::size_t& size, double) noexcept override {
-    if (!asked_) return TransportStatus::nothing;
-    asked_ = false;
+    if (asked_ == 0) return TransportStatus::nothing;
+    --asked_;
     const Packet answer = sparsha::haptics::emulator::answer_bytes({600 + (++count_ % 50), 610, 620}, 0, 7);
     std::copy(answer.begin(), answer.end(), packet.begin() + kModemBytes);
     size = kModemBytes + answer.size();
     return TransportStatus::ok;
   }
-  void urgent(std::span<const std::uint8_t>) noexcept override {}
+  void urgent(std::span<const std::uint8_t> bytes) noexcept override { static_cast<void>(post(bytes)); }
+  [[nodiscard]] bool present() const noexcept override { return true; }
 
  private:
-  bool asked_ = false;
+  int asked_ = 0;
   int count_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <string_view>
 
 #include "base/error.h"
 #include "haptics/device/falcon/check.h"
@@ -94,6 +95,27 @@ TEST_F(UsbFalcon, EndsInZeroForceWhenClosed) {
     EXPECT_NE(falcon->motors(), MotorCommand{});
   }
   EXPECT_EQ(falcon->motors(), MotorCommand{});
+}
+
+TEST_F(UsbFalcon, AKioskBeginsBesideOneThatHasNoPowerOrIsHeldAndTakesItOnceItCan) {
+  FalconOptions kiosk;
+  kiosk.wait_for_device = true;
+  emulator::FalconOptions options;
+  options.powered = false;
+  plug(options);
+  const auto device = make_falcon_device(kiosk);
+  run(*device, 3);
+  EXPECT_FALSE(last.connected);
+  const auto advises = [&](const char* phrase) {
+    for (int look = 0; look < 10000; ++look) {
+      run(*device, 1);
+      if (device->advice() != nullptr && std::string_view(device->advice()->phrase) == phrase) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(advises("device_does_not_start"));
+  const auto other = open_usb_transport();
+  EXPECT_TRUE(advises("device_busy"));
 }
 
 TEST_F(UsbFalcon, UnpluggingIsNoticedWithinTicksAndClosingDoesNotHang) {
