@@ -23,8 +23,8 @@ haptics::falcon::FalconOptions falcon_options(const ExploreArguments& arguments,
   options.stop = interrupted;
   options.say = [&terminal](const std::string& words) { terminal.message(words); };
   options.firmware = arguments.firmware;
-  // A kiosk starts with the machine, before the exhibit is switched on; a person may plug it in any time. A run of fixed
-  // length would be over without it.
+  // A kiosk starts with the machine, before the exhibit is switched on; a person may plug it in any time. A run of
+  // fixed length would be over without it.
   options.wait_for_device = arguments.kiosk || (arguments.device == "falcon" && arguments.duration_s <= 0.0);
   return options;
 }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "haptics/device/falcon/calibration.h"
@@ -66,14 +67,14 @@ class FalconDevice final : public Device {
   ~FalconDevice() override {
     const std::unique_ptr<Transport> wire(shared_.exchange(nullptr));
     if (!wire) return;
-    const Packet off = encode({}, kHomingRequest | kLightRed);
     UsbPacket bytes{};
     std::size_t size = 0;
+    int answered = 0;
     for (int i = 0; i < kFinalZeros; ++i) {
-      if (wire->write(off, 20) == TransportStatus::gone) break;
-      static_cast<void>(wire->receive(bytes, size, 0.002));
+      if (wire->write(zero_, 20) == TransportStatus::gone) break;
+      if (wire->receive(bytes, size, 0.002) == TransportStatus::ok && size > kModemBytes) ++answered;
     }
-    mark_force(false);
+    if (answered >= kZerosAnswered || !wire->present()) mark_force(false);  // else the guard goes on from here
   }
 
   [[nodiscard]] DeviceInfo info() const override {
@@ -93,16 +94,17 @@ class FalconDevice final : public Device {
     const Steady::time_point began = Steady::now();
     if (since(waited_at_) > kUnheard_s) heard_at_ = began;  // the program was stopped, not the device
     waited_at_ = began;
-    // A force is repeated only while this call waits, and not once others have made a zero of it.
+    // A force is repeated only while this call waits, and not once the servo or others have made a zero of it.
     const bool zeroed = count_urgent_zeros();
+    const bool holds_force = std::exchange(holds_force_, false) && !zeroed;
     if (may_ask()) ask({});
     const double patience_s = std::max(timeout_s, kPatience_s);
     bool answered = false;
     // A device that never stops talking must not hold the servo.
     for (int packets = 0; packets < kMostPackets && wire_ != nullptr; ++packets) {
       if (!answered && asked_ && since(asked_at_) > kLost_s)
-        ask(zeroed || since(began) > patience_s || urgent_zeros_counted_ != urgent_zeros_.load() ? MotorCommand{}
-                                                                                                 : commanded_);
+        ask(holds_force && since(began) < patience_s && urgent_zeros_counted_ == urgent_zeros_.load() ? commanded_
+                                                                                                      : MotorCommand{});
       if (wire_ == nullptr) return;
       // What came beside the answer (to a question asked twice, to a watchdog's zero) is taken too, or the hand would
       // be seen late for ever after.
@@ -148,6 +150,7 @@ class FalconDevice final : public Device {
         command = motor_command(*torque, options_.counts_per_newton_metre);
     // One question at a time; only a zero that must end a force does not wait for the answer.
     const bool stop = command == MotorCommand{} && commanded_ != MotorCommand{};
+    holds_force_ = command != MotorCommand{};
     if (stop || may_ask()) ask(command);
   }
 
@@ -155,8 +158,8 @@ class FalconDevice final : public Device {
   void zero() noexcept override {
     if (keeper_) keeper_->enter();
     if (Transport* const wire = shared_.load()) {
+      urgent_zeros_.fetch_add(1);  // first: whoever has not seen the zero must not repeat a force after it
       wire->urgent(zero_);
-      urgent_zeros_.fetch_add(1, std::memory_order_relaxed);
     }
     if (keeper_) keeper_->leave();
   }
@@ -185,7 +188,7 @@ class FalconDevice final : public Device {
     position_m_ = kNeutral_m;
     commanded_ = {};
     buttons_ = 0;
-    asked_ = fresh_ = homed_ = released_ = known_ = false;
+    asked_ = holds_force_ = fresh_ = homed_ = released_ = known_ = false;
     homed_answers_ = unhomed_answers_ = jumps_ = 0;
     delay_s_ = 0.0;
     questions_.clear();
@@ -303,6 +306,7 @@ class FalconDevice final : public Device {
   MotorCommand commanded_{};
   std::uint8_t buttons_ = 0;
   bool asked_ = false;
+  bool holds_force_ = false;  ///< the servo's last word was a force
   Steady::time_point asked_at_{};
   OpenQuestions questions_;
   std::atomic<unsigned> urgent_zeros_{0};

@@ -1,6 +1,7 @@
 #include "haptics/device/falcon/guard.h"
 
 #include <chrono>
+#include <thread>
 
 #include "haptics/device/falcon/packet.h"
 
@@ -12,6 +13,8 @@ enum Word : std::size_t { kDevice, kBeats, kForce };
 constexpr int kLook_ms = 4;
 /// The watchdog thread acts after 10 ms where it still runs.
 constexpr std::chrono::milliseconds kSilence{20};
+/// A port whose transfers fail comes to its senses within a second or two, or is dead.
+constexpr std::chrono::seconds kLastTries{2};
 /// A command that was cut off may swallow the first.
 constexpr int kZeros = 3;
 constexpr unsigned kInterface = 0, kOut = 0x02;
@@ -34,8 +37,10 @@ class Watcher {
       heard_ = now;
     }
     if (!force || !node_ || (alive && now - heard_ < kSilence)) return;
-    static_cast<void>(node_->write_taking_over(kInterface, kOut, zero_, kZeros));
-    heard_ = now;  // again as long as nothing is heard
+    // Again as long as nothing is heard. This is the last look at a program that has ended: a port may need more.
+    while (!node_->write_taking_over(kInterface, kOut, zero_, kZeros) && !alive && Steady::now() - now < kLastTries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+    heard_ = now;
   }
 
  private:

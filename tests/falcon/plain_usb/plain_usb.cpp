@@ -1,9 +1,11 @@
 // Another program's way to a Falcon: plain libusb by the published facts, with no line of the driver or the emulator.
-// Names the device, loads its firmware, homes it, waits for a button; `leave-force` then pushes and ends so.
+// Names the device, loads its firmware, homes it, waits for a button; `leave-force` then pushes and ends so. `rate`
+// counts answers instead of homing.
 #include <libusb.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +18,7 @@ namespace {
 
 constexpr unsigned kTimeout_ms = 1000;
 constexpr unsigned char kOut = 0x02, kIn = 0x81;
+constexpr const char* kNoForce = "AAAAAAAAAAAA";
 libusb_device_handle* falcon = nullptr;
 
 [[noreturn]] void fail(const char* what, int status) {
@@ -102,14 +105,28 @@ unsigned ask(const char* motors, char flags) {
   send(question.data(), static_cast<int>(question.size()));
   const std::string answer = receive(16);
   if (answer.size() != 16 || answer.front() != '<' || answer.back() != '>') fail("answer", 0);
-  return static_cast<unsigned>(answer[13] - 'A');
+  return static_cast<unsigned>(static_cast<unsigned char>(answer[13]) - 'A');
+}
+
+/// Of ten seconds, the one with the most answers to questions that are asked as soon as the last is answered.
+int best_rate() {
+  using Steady = std::chrono::steady_clock;
+  constexpr int kSeconds = 10;
+  int best = 0;
+  for (int second = 0; second < kSeconds; ++second) {
+    const Steady::time_point end = Steady::now() + std::chrono::seconds(1);
+    int answers = 0;
+    for (; Steady::now() < end; ++answers) ask(kNoForce, 'A');
+    best = std::max(best, answers);
+  }
+  return best;
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
   constexpr int kMostAnswers = 60000;
-  constexpr const char* kNoForce = "AAAAAAAAAAAA";
+  const std::string mode = count > 1 ? arguments[1] : "";
   const char* const firmware = std::getenv("SPARSHA_FALCON_FIRMWARE");
   libusb_context* context = nullptr;
   if (libusb_init(&context) != 0) fail("libusb", 0);
@@ -124,13 +141,17 @@ int main(int count, char** arguments) {
   unsigned char status[2] = {};
   if (libusb_control_transfer(falcon, 0xC0, 0x05, 0, 0, status, 2, kTimeout_ms) != 2) fail("modem status", 0);
   std::printf("latency %d\n", latency_ms());
+  if (mode == "rate") {
+    std::printf("rate %d\n", best_rate());
+    return 0;
+  }
   unsigned flags = 0;
   for (int i = 0; i < kMostAnswers && flags >> 4U != 7U; ++i) flags = ask(kNoForce, 'A' + 1 + 8);
   if (flags >> 4U != 7U) fail("homing", 0);
   std::printf("homed\n");
   for (int i = 0; i < kMostAnswers && (flags & 15U) == 0; ++i) flags = ask(kNoForce, 'A' + 1 + 4);
   std::printf("buttons %u\n", flags & 15U);
-  if (count > 1 && std::strcmp(arguments[1], "leave-force") == 0) ask("ABAAABAAABAA", 'A' + 1 + 4);
+  if (mode == "leave-force") ask("ABAAABAAABAA", 'A' + 1 + 4);
   libusb_close(falcon);
   libusb_exit(context);
   return (flags & 15U) != 0 ? 0 : 1;

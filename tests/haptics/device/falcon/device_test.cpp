@@ -148,7 +148,8 @@ TEST_F(FalconOnTheBench, ZeroNeverRacesWithTheServo) {
   EXPECT_TRUE(tick().fresh);
 }
 
-/// A wire to an emulator that gives packets without end once it is told to, or damages answers.
+/// A wire to an emulator that gives packets without end once it is told to, damages answers, or is cut: what is posted
+/// is refused, and no answer comes.
 class Chatter final : public Transport {
  public:
   explicit Chatter(std::unique_ptr<Transport> wire) : wire_(std::move(wire)) {}
@@ -162,8 +163,16 @@ class Chatter final : public Transport {
   TransportStatus read(UsbPacket& packet, std::size_t& size, int timeout_ms) noexcept override {
     return wire_->read(packet, size, timeout_ms);
   }
-  TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override { return wire_->post(bytes); }
+  TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override {
+    const auto command = bytes.subspan(1, 12);
+    if (std::any_of(command.begin(), command.end(), [](std::uint8_t nibble) { return nibble != 'A'; })) ++forces;
+    return cut ? TransportStatus::nothing : wire_->post(bytes);
+  }
   TransportStatus receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
+    if (cut) {
+      std::this_thread::sleep_for(std::chrono::duration<double>(timeout_s));
+      return TransportStatus::nothing;
+    }
     if (!talks) {
       const TransportStatus status = wire_->receive(packet, size, timeout_s);
       constexpr std::size_t kFlags = kModemBytes + 13;
@@ -181,8 +190,9 @@ class Chatter final : public Transport {
   void urgent(std::span<const std::uint8_t> bytes) noexcept override { wire_->urgent(bytes); }
   [[nodiscard]] bool present() const noexcept override { return wire_->present(); }
 
-  bool talks = false;
+  bool talks = false, cut = false;
   int damages = 0;
+  int forces = 0;  ///< posted, or tried to
   std::size_t given = 0;
 
  private:
@@ -220,6 +230,16 @@ TEST_F(FalconOnABadWire, OneAnswerWithADamagedHomedFlagEndsForceForItsTickAlone)
   wire.damages = 3;
   for (int i = 0; i < 3; ++i) tick(force);
   EXPECT_FALSE(tick(force).homed) << "three in a row";
+}
+
+TEST_F(FalconOnABadWire, AForceIsNotAskedForAgainOnceTheServoHasNoAnswer) {
+  Chatter& wire = start_and_home();
+  hold({0, 0, 0.14}, 6, {0, 0, 3});
+  wire.cut = true;
+  EXPECT_FALSE(tick().fresh);
+  wire.forces = 0;  // within that tick's wait it was held
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(tick().fresh);
+  EXPECT_EQ(wire.forces, 0) << "though each zero was refused";
 }
 
 TEST_F(FalconOnABadWire, ADeviceThatNeverStopsTalkingDoesNotHoldTheServo) {
