@@ -57,7 +57,7 @@ class RecordedByTheSession : public Program {
     const Eigen::Matrix4d turned =
         Eigen::Affine3d(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d(1.0, 0.3, 0.1).normalized())).matrix() *
         scene->description().config.orientation.scan_to_grid;
-    scans.scan(scans.setup_from(turned));
+    scans.scan_from(turned);
     while (scans.status().busy) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     ScenePointer result = scans.take_scene();
     EXPECT_TRUE(result) << scans.status().note;
@@ -71,7 +71,7 @@ class RecordedByTheSession : public Program {
     parts.front().box_m = {0.0, 0.0, 0.06, 0.08};
     parts.front().touch.mu_dynamic = 0.05;
     const ScenePointer edited = app::with_parts(first, parts);  // statue/scene.yaml is another one now
-    scans.set_parts(parts);
+    scans.set_parts(parts, app::parts_frame(edited->description()));
     const ScenePointer second = scanned_from(scans, first, 0.25);
     const ScenePointer third = scanned_from(scans, first, -0.2);
     ASSERT_TRUE(second->description().region_from_grid);

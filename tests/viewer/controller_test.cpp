@@ -114,17 +114,17 @@ TEST(Controller, TheNextVisitorFindsNothingOfTheOneBefore) {
   Desk desk(first);
   const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
   desk.run(state);
-  const double above_m = desk.pointer->read().position_m[2];
+  const double above_m = desk.pointer->read().device_m[2];
   for (const KeyPress& press : {KeyPress{key::kEnter}, KeyPress{'C'}, KeyPress{'J'}, KeyPress{'X'}, KeyPress{'G'},
                                 KeyPress{key::kF1 + 5}, KeyPress{'H'}, KeyPress{'D'}, KeyPress{'+'}})
     desk.controller->press(press);
   desk.run(state);
-  ASSERT_LT(desk.pointer->read().position_m[2], above_m) << "pressed down";
+  ASSERT_LT(desk.pointer->read().device_m[2], above_m) << "pressed down";
   while (desk.requests.take()) {
   }
   desk.controller->welcome_next(first);
   desk.run(state);
-  EXPECT_NEAR(desk.pointer->read().position_m[2], above_m, 1e-4) << "the hand is lifted";
+  EXPECT_NEAR(desk.pointer->read().device_m[2], above_m, 1e-4) << "the hand is lifted";
   const Frame& frame = desk.controller->frame();
   EXPECT_EQ(frame.focused, -1);
   EXPECT_EQ(frame.settings.colour, first.colour);

@@ -218,15 +218,15 @@ TEST(Paint, OneDeepPitLeavesTheRangeOfTheSkyThatIsSeenToTheRest) {
 
 TEST(Paint, ModesFollowWhatTheSceneHas) {
   const auto scene = scene_of(lotus, {51, 51, 0.008, 1});
-  EXPECT_EQ(next_mode(scene->description(), ColourMode::relief, kWorkspaceM), ColourMode::height);
-  EXPECT_EQ(next_mode(scene->description(), ColourMode::height, kWorkspaceM), ColourMode::slope);
+  EXPECT_EQ(next_mode(scene->description(), ColourMode::relief), ColourMode::height);
+  EXPECT_EQ(next_mode(scene->description(), ColourMode::height), ColourMode::slope);
   EXPECT_FALSE(has_mode(scene->description(), ColourMode::friction));
   ThreadPool pool(1);
   const ReliefData relief = prepare_relief(scene->read_level(0), 0, false, 0.0, pool);
-  const Paint paint = paint_relief(relief, scene->description(), ColourMode::height);
+  const Paint paint = paint_relief(relief, scene->description(), ColourMode::height, kWorkspaceM);
   ASSERT_EQ(paint.rgba.size(), 4 * relief.lattice.count());
   EXPECT_NEAR(paint.legend.high, 1e3 * (scene->description().height_max_m - scene->description().height_min_m), 1e-9);
-  EXPECT_TRUE(paint_relief(relief, scene->description(), ColourMode::relief).rgba.empty());
+  EXPECT_TRUE(paint_relief(relief, scene->description(), ColourMode::relief, kWorkspaceM).rgba.empty());
 }
 
 }  // namespace
