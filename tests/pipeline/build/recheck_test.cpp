@@ -113,7 +113,7 @@ TEST_F(Recheck, AppliesNoFilterToScansThatAreNotTheScenes) {
 TEST_F(Recheck, NamesAScanThatShowsNothingOfTheScene) {
   static_cast<void>(build(kOneObject));
   std::string line;
-  for (int k = 0; k < 1000; ++k) line += std::to_string(0.0005 * k) + " 0.1 0\n";
+  for (int k = 0; k < 1000; ++k) line += std::to_string(5.0 + 0.0005 * k) + " 0.1 0\n";
   write_file(folder_ / "line.xyz", line);
   try {
     static_cast<void>(check({folder_ / "line.xyz"}));
