@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "pipeline/projection/lattice.h"
@@ -65,7 +66,9 @@ class Search {
       constexpr double kNotFiner = 2.9;  // points a grid spacing, where some belong to no triangle
       return trial.error.empty() && trial.doubts.fine ? trials_.run(view, trial.point_spacing_m / kNotFiner) : trial;
     }
-    return trials_.run_at_own_spacing(view, std::max(neighbour_m_ / std::sqrt(share_), floor_m_));
+    const Trial trial = trials_.run_at_own_spacing(view, std::max(neighbour_m_ / std::sqrt(share_), floor_m_));
+    // Points on a lattice of their own may pass at one spacing and fail at the nearest one of three digits.
+    return trial.fits && share_ == 1.0 ? trials_.run(view, 1e-3 * std::stod(written_mm(trial.spacing_m))) : trial;
   }
   [[nodiscard]] Trial coarser(const Trial& trial, int times) {
     const double spacing_m = trial.error.empty() ? trial.spacing_m : std::max(neighbour_m_, floor_m_);
@@ -137,6 +140,8 @@ class Search {
 };
 
 }  // namespace
+
+std::string written_mm(double spacing_m) { return fmt::format("{:.3g}", 1e3 * spacing_m); }
 
 Choice find_view_and_spacing(TrialCloud& points, const SeenScans& seen, Progress& progress) {
   return Search(points, seen, progress).run();

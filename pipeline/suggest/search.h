@@ -17,6 +17,9 @@ struct Choice {
   std::string rejected;     ///< the guess and what was wrong with it, when another view was chosen
 };
 
+/// A spacing as the configuration gives it: in millimetres, of three digits.
+[[nodiscard]] std::string written_mm(double spacing_m);
+
 /// Tries the likeliest view first, then coarser grids where the points' form tells that view, then the other views,
 /// then coarser grids for all. Takes the points.
 [[nodiscard]] Choice find_view_and_spacing(TrialCloud& points, const SeenScans& seen, Progress& progress);

@@ -184,7 +184,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   yaml += filter_block;
   yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
   yaml += verdict(choice, share);
-  yaml += fmt::format("grid: {{spacing_mm: {:.3g}}}  # {}\n", spacing_mm, choice.spacing_reason);
+  yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n", written_mm(1e-3 * spacing_mm), choice.spacing_reason);
   yaml += fmt::format("fill: {{max_gap_mm: {:.3g}}}  # five spacings: small holes, no invented surface\n",
                       5.0 * spacing_mm);
   yaml += fmt::format(
