@@ -43,11 +43,19 @@ std::string real_time_html(const std::filesystem::path& folder) {
   }
   const std::string hands =
       html_of(folder / "haptics_stability.csv", "What a simulated hand gets, by loop, ground and hand",
-              {{"case", "loop"},
+              {{"motion", "motion"},
                {"ground", "ground"},
-               {"motion", "motion"},
                {"mass_kg", "mass, kg"},
                {"damping_n_s_per_m", "damping, N s/m"},
+               {"delay_s", "delay, ms", 1e3},
+               {"declared_ticks", "declared, ticks"},
+               {"rate_hz", "rate, Hz"},
+               {"planned_hz", "planned, Hz"},
+               {"jitter_s", "jitter, ms", 1e3},
+               {"lost", "lost ticks, %", 100.0},
+               {"lost_told", "told of them"},
+               {"wish_n_per_m", "wished, N/m"},
+               {"ungoverned_j", "without a governor, mJ", 1e3},
                {"delivered_j", "energy delivered, mJ", 1e3},
                {"swing_m", "swing, µm", 1e6},
                {"altered", "altered ticks, %", 100.0},
@@ -55,6 +63,9 @@ std::string real_time_html(const std::filesystem::path& folder) {
   if (!hands.empty())
     html += html_heading("Stability") +
             "<p>A hand of known mass and damping on late, jittering and slow loops (docs/touch.md).</p>" +
+            html_figure(folder / "haptics_stability.svg",
+                        "The worst over masses, grounds and motions by the hand's damping: energy that it gets beyond "
+                        "what the spring gives back, and its swing while it holds.") +
             html_folded("Every hand", hands);
   const std::string drag = html_of(folder / "haptics_drag.csv", "Drag over press on the sample relief without friction",
                                    {{"tip_radius_mm", "tip radius, mm"},
