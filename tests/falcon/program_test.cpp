@@ -50,7 +50,7 @@ class FalconProgram : public testing::Test {
   /// Starts the emulator and, on its bus, an exploration of a plane.
   void start(const std::string& faults, const std::string& more = "") {
     const std::string explore =
-        std::string(SPARSHA_PROGRAM) + " explore plane.xyz --device falcon --headless --duration 60 " + more;
+        std::string(SPARSHA_PROGRAM) + " explore plane.xyz --device falcon --headless --duration 150 " + more;
     const std::string command = "cd '" + folder_.path().string() + "' && env -u DISPLAY \"PATH=$PWD/bin:$PATH\" '" +
                                 SPARSHA_PROGRAM + "' device emulate --log wire.csv " + faults +
                                 " -- sh -c 'echo $$ > pid; exec " + explore + "' > out.txt 2> err.txt < /dev/null";
@@ -101,7 +101,7 @@ class FalconProgram : public testing::Test {
   }
   /// A loaded machine is slow, and a test that fails may take long.
   [[nodiscard]] bool eventually(const std::function<bool()>& condition) const {
-    for (int i = 0; i < 900; ++i) {
+    for (int i = 0; i < 2400; ++i) {
       if (condition()) return true;
       if (ended_) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
