@@ -18,7 +18,7 @@ class AdaptiveVelocity {
  public:
   /// Longest window.
   static constexpr double kLongestS = 0.024;
-  /// Of loops that are faster than 4 kHz, samples closer than this are left out, but never the newest.
+  /// Samples that are closer are left out: one step of the encoder within less would seem a fast hand.
   static constexpr double kClosestS = 0.00024;
 
   /// A sample; `period_s` since the one before it, 0 or less for the first of all.
@@ -39,6 +39,7 @@ class AdaptiveVelocity {
   [[nodiscard]] const Sample& back(std::size_t samples) const noexcept {
     return samples_[(next_ + kMost - 1 - samples) % kMost];
   }
+  [[nodiscard]] std::size_t nearest() const noexcept;
   [[nodiscard]] std::size_t window(Eigen::Index axis, double noise_m) const noexcept;
 
   std::array<Sample, kMost> samples_{};

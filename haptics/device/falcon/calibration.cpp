@@ -32,7 +32,10 @@ constexpr double kStillM = 0.0004;  // a grip at rest stays within this
 constexpr double kStillS = 2.0;
 constexpr double kMeasureS = 3.0;
 constexpr double kPlannedS = 0.001;
-constexpr double kNotice = 0.05;  // of the weight, with more counts than any Falcon has: the weight hangs
+constexpr double kLateS = 0.010;   // for so long the force is held while no answer comes
+constexpr double kBeyondS = 0.1;   // at the greatest force for so long, the weight is not held
+constexpr double kStepM = 100e-6;  // of the encoders across the grip's way, with the unknown time of their answer
+constexpr double kNotice = 0.05;   // of the weight, with more counts than any Falcon has: the weight hangs
 
 /// The device, driven tick by tick, with the time that its clock gives.
 class Bench {
@@ -62,11 +65,13 @@ class Bench {
       told_ = advice;
       if (advice->needed) say(phrases_.text_or(advice->phrase));
     }
+    const double now_s = seconds();
     if (!sample.fresh) {
-      device_.write(Vector3d::Zero());
+      // A force that comes and goes would never let the weight rest.
+      const bool late = ready_ && sample.homed && now_s - fresh_s_ < kLateS;
+      device_.write(late ? force_n_ : Vector3d(Vector3d::Zero()));
       return true;
     }
-    const double now_s = seconds();
     motion_.add(sample.position_m, fresh_s_ > 0.0 ? now_s - fresh_s_ : 0.0);
     period_s_ = fresh_s_ > 0.0 ? std::min(0.01, now_s - fresh_s_) : kPlannedS;
     fresh_s_ = now_s;
@@ -110,7 +115,8 @@ class Bench {
     }
     return seconds() - still_since_s_;
   }
-  [[nodiscard]] bool at_limit() const { return force_n_.norm() > 0.98 * kMostN; }
+  /// A single tick at the greatest force is one that came late.
+  [[nodiscard]] bool at_limit() const { return seconds() - within_limit_s_ > kBeyondS; }
 
  private:
   const Phrases phrases_ = Phrases::of("en");
@@ -121,9 +127,10 @@ class Bench {
       const Vector3d way_m = (1.0 - share) * from_m_ - position_m_;
       learned_n_ += kIntegralPerS * period_s_ * kSpringNPerM * way_m;
       if (learned_n_.norm() > kMostN) learned_n_ *= kMostN / learned_n_.norm();
-      force_n_ = kSpringNPerM * way_m + learned_n_ - kDamperNSPerM * motion_.velocity(kLikelyEncoderStepM);
+      force_n_ = kSpringNPerM * way_m + learned_n_ - kDamperNSPerM * motion_.velocity(kStepM);
       if (force_n_.norm() > kMostN) force_n_ *= kMostN / force_n_.norm();
     }
+    if (force_n_.norm() < 0.98 * kMostN) within_limit_s_ = seconds();
     share_ = device_.force_share();
     device_.write(force_n_);
   }
@@ -144,6 +151,7 @@ class Bench {
   double still_since_s_ = 0.0;
   double held_since_s_ = 0.0;
   double fresh_s_ = 0.0;
+  double within_limit_s_ = 0.0;
   double period_s_ = kPlannedS;
   bool ready_ = false;
   bool holding_ = false;

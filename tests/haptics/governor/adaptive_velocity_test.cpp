@@ -107,6 +107,17 @@ TEST(AdaptiveVelocity, LateTicksAndEveryRateGiveTheSameSpeed) {
   }
 }
 
+TEST(AdaptiveVelocity, AStepJustAfterALateTickIsNoFastHand) {
+  constexpr double kStepM = 60e-6;  // of which 50 micrometres are known
+  for (const double soon_s : {0.00002, 0.0001, 0.00023}) {
+    AdaptiveVelocity velocity;
+    for (int k = 0; k < 50; ++k) velocity.add(Eigen::Vector3d::Zero(), k == 0 ? 0.0 : 0.001);
+    velocity.add(Eigen::Vector3d::Zero(), 0.003);
+    velocity.add({0.0, kStepM, 0.0}, soon_s);
+    EXPECT_LT(velocity.velocity(50e-6).norm(), kStepM / 0.003) << soon_s;
+  }
+}
+
 TEST(AdaptiveVelocity, AHandThatStopsIsSeenToHaveStoppedWithinTwoTicks) {
   AdaptiveVelocity velocity;
   for (int k = 0; k < 100; ++k) velocity.add({0.0, 0.0, 0.2e-3 * std::min(k, 50)}, k == 0 ? 0.0 : 0.001);

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <Eigen/LU>
@@ -113,6 +115,42 @@ TEST(FalconCalibration, MotorsThatHaveBecomeWarmAndAreSparedGiveTheSameCounts) {
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(desk.device->force_share(), 0.95) << "the case that is meant";
   EXPECT_NEAR(found->counts_per_newton_metre / 18000.0, 1.0, 0.015);
+}
+
+/// A device of a program that the machine stops now and then.
+class Stopped final : public Device {
+ public:
+  explicit Stopped(Device& device) : device_(device) {}
+  [[nodiscard]] DeviceInfo info() const override { return device_.info(); }
+  void wait(double timeout_s) noexcept override {
+    if (++ticks_ % 499 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(4 + (ticks_ / 499) % 3 * 10));
+    device_.wait(timeout_s);
+  }
+  [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+    return device_.read(time_s, period_s);
+  }
+  void write(const Vector3d& force_n) noexcept override { device_.write(force_n); }
+  void zero() noexcept override { device_.zero(); }
+  [[nodiscard]] double force_share() const noexcept override { return device_.force_share(); }
+  [[nodiscard]] const DeviceAdvice* advice() const noexcept override { return device_.advice(); }
+
+ private:
+  Device& device_;
+  int ticks_ = 0;
+};
+
+TEST(FalconCalibration, AMachineThatStopsTheProgramNowAndThenGivesTheSameCounts) {
+  for (const double counts : {6300.0, 18000.0}) {
+    const Desk desk(counts, 0.15);
+    Stopped stopped(*desk.device);
+    CalibrationOptions options;
+    options.weight_n = 0.15 * 9.80665;
+    options.clock_s = [person = desk.curator] { return person->time_s(); };
+    const auto found =
+        calibrate(stopped, options, [person = desk.curator](const std::string& words) { person->hear(words); });
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR(found->counts_per_newton_metre / counts, 1.0, 0.015) << counts;
+  }
 }
 
 TEST(FalconCalibration, TellsWhatToDoInOrderAndNamesTheWeightInGrams) {
