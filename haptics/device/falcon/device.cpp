@@ -45,6 +45,9 @@ constexpr int kFinalZeros = 8;
 constexpr int kZerosAnswered = 3;
 /// USB packets taken in one tick: a few come at once after a pause, more only from a damaged device.
 constexpr int kMostPackets = 64;
+/// For so long in a tick is more taken once there is an answer. On a slow bus the watchdog's zeros are answered faster
+/// than their answers are taken: the tick would never end, and the watchdog never stop.
+constexpr double kDrain_s = 0.001;
 constexpr int kFailures = 4;
 
 constexpr DeviceAdvice kComeForward{"homed_come_forward", true};
@@ -102,6 +105,7 @@ class FalconDevice final : public Device {
     bool answered = false;
     // A device that never stops talking must not hold the servo.
     for (int packets = 0; packets < kMostPackets && wire_ != nullptr; ++packets) {
+      if (packets > 0 && since(began) > (answered ? kDrain_s : patience_s)) break;
       if (!answered && asked_ && since(asked_at_) > kLost_s)
         ask(holds_force && since(began) < patience_s && urgent_zeros_counted_ == urgent_zeros_.load() ? commanded_
                                                                                                       : MotorCommand{});

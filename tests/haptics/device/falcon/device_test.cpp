@@ -173,6 +173,11 @@ class Chatter final : public Transport {
       std::this_thread::sleep_for(std::chrono::duration<double>(timeout_s));
       return TransportStatus::nothing;
     }
+    if (flooded) {  // while a packet is taken, a watchdog sends a zero, which is answered too
+      ++given;
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+      static_cast<void>(wire_->write(encode({}, kHomingRequest), 0));
+    }
     if (!talks) {
       const TransportStatus status = wire_->receive(packet, size, timeout_s);
       constexpr std::size_t kFlags = kModemBytes + 13;
@@ -190,7 +195,7 @@ class Chatter final : public Transport {
   void urgent(std::span<const std::uint8_t> bytes) noexcept override { wire_->urgent(bytes); }
   [[nodiscard]] bool present() const noexcept override { return wire_->present(); }
 
-  bool talks = false, cut = false;
+  bool talks = false, cut = false, flooded = false;
   int damages = 0;
   int forces = 0;  ///< posted, or tried to
   std::size_t given = 0;
@@ -250,6 +255,17 @@ TEST_F(FalconOnABadWire, ADeviceThatNeverStopsTalkingDoesNotHoldTheServo) {
   chatter.talks = false;
   hold({0, 0, 0.14}, 6);
   EXPECT_TRUE(tick().fresh);
+}
+
+TEST_F(FalconOnABadWire, ZerosThatAreAnsweredFasterThanTheirAnswersAreTakenDoNotHoldTheServo) {
+  Chatter& wire = start_and_home();
+  hold({0, 0, 0.14}, 6, {0, 0, 3});
+  wire.flooded = true;
+  for (int i = 0; i < 10; ++i) {
+    wire.given = 0;
+    EXPECT_TRUE(tick({0, 0, 3}).fresh);
+    EXPECT_LE(wire.given, 4U) << "each took 3 ms";
+  }
 }
 
 TEST_F(FalconOnTheBench, EndsInZeroForce) {
