@@ -11,7 +11,8 @@ namespace sparsha::haptics {
 
 class Watchdog {
  public:
-  /// Calls device.zero() once the servo has been silent for `silence_s`, and again every 2 ms until it speaks.
+  /// Calls device.zero() once the servo has been silent for `silence_s`, and again after 2, 4, 8 ms
+  /// and then every `silence_s` until it speaks.
   explicit Watchdog(Device& device, double silence_s = 0.010);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
