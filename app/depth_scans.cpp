@@ -20,7 +20,7 @@
 #include "pipeline/orient/face.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/suggest.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

@@ -11,7 +11,7 @@
 #include "app/sentences.h"
 #include "app/study.h"
 #include "base/error.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands.h"
+#include "app/commands/commands.h"
 #include "app/device_choice.h"
 #include "app/exhibits.h"
 #include "app/explore_arguments.h"
@@ -19,7 +19,7 @@
 #include "app/terminal.h"
 #include "app/terminal_keys.h"
 #include "base/phrases.h"
-#include "base/system_terminal.h"
+#include "base/system/terminal.h"
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/session/session.h"
 #include "scene/scene.h"

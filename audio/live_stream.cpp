@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/lower_case.h"
-#include "base/system_library.h"
+#include "base/system/library.h"
 
 namespace sparsha::audio {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "base/system_library.h"
+#include "base/system/library.h"
 
 namespace sparsha::viewer {
 namespace {

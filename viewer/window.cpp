@@ -21,8 +21,8 @@
 #include <imgui.h>
 
 #include "base/error.h"
-#include "viewer/cloud/cloud_mode.h"
-#include "viewer/controller.h"
+#include "viewer/cloud/mode.h"
+#include "viewer/controller/controller.h"
 #include "viewer/display_loss.h"
 #include "viewer/gui/gui.h"
 #include "viewer/keys.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "viewer/actions.h"
-#include "viewer/cloud/cloud_controller.h"
+#include "viewer/cloud/controller.h"
 
 namespace sparsha::viewer::test {
 namespace {

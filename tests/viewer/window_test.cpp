@@ -21,7 +21,7 @@
 
 #include "base/error.h"
 #include "relief_scene.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 #include "tests/support/test_folder.h"
 #include "tests/viewer/cloud/points.h"
 #include "tests/viewer/drop.h"

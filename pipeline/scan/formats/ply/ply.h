@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/scan/file.h"
 #include "pipeline/scan/scalar.h"
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 
