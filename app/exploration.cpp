@@ -29,7 +29,7 @@ haptics::falcon::FalconOptions falcon_options(const ExploreArguments& arguments,
   return options;
 }
 
-// What a run has promised is delivered as far as possible: one output that fails takes no other with it.
+// Every output that was asked for is written as far as possible: one that fails keeps no other from it.
 class Deliveries {
  public:
   template <class Delivery>

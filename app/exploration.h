@@ -43,7 +43,7 @@ class Exploration {
   Exploration(const ExploreArguments& arguments, const CommonOptions& common, Terminal& terminal, bool window);
   /// Until the device, the user or the clock ends it.
   void run(bool window);
-  /// Writes and prints what the command line asked for; one output that fails takes no other with it. Throws the first
+  /// Writes and prints what the command line asked for; one output that fails keeps no other from it. Throws the first
   /// Error.
   void deliver(const CommonOptions& common);
 

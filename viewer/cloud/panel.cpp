@@ -27,7 +27,7 @@ ImVec2 at(const Layout& layout, const Eigen::Vector2d& pixel) {
   return {static_cast<float>(layout.detail.x + pixel.x()), static_cast<float>(layout.detail.y + pixel.y())};
 }
 
-/// ImGui's own widgets in the interface's colours and type, while it lives.
+/// ImGui's own widgets in the interface's colours and type, while it exists.
 class WidgetStyle {
  public:
   explicit WidgetStyle(const Brush& brush) {

@@ -1,4 +1,5 @@
-// PLY: header, ASCII and both binary bodies. Turk 1994, "The PLY Polygon File Format", with what the wild adds to it.
+// PLY: header, ASCII and both binary bodies. Turk 1994, "The PLY Polygon File Format", with what files in use add to
+// it.
 #pragma once
 
 #include <cstdint>
