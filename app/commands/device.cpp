@@ -29,7 +29,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int kDeviceError = 4;
-constexpr double kStandardGravity = 9.80665;  // m/s^2
+constexpr double kStandardGravityMPerS2 = 9.80665;
 
 std::string list_sentences(const std::vector<falcon::FoundFalcon>& falcons, bool display) {
   std::string text;
@@ -188,7 +188,7 @@ int monitor_device(const CommonOptions& common, const falcon::FalconOptions& opt
 int calibrate_device(const CommonOptions& common, const falcon::FalconOptions& device_options, double weight_g) {
   const Terminal terminal(common);
   falcon::CalibrationOptions options;
-  options.weight_n = weight_g * 1e-3 * kStandardGravity;
+  options.weight_n = weight_g * 1e-3 * kStandardGravityMPerS2;
   falcon::FalconOptions usual = device_options;
   usual.counts_per_newton_metre = options.counts_per_newton_metre;
   const auto device = falcon::make_falcon_device(usual);

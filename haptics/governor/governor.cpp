@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kArmingTime = 0.050;  // s in free space
+constexpr double kArmingS = 0.050;  // in free space
 
 // Nothing that a hand holds is stronger, stiffer or more damped.
 constexpr double kMostForceN = 100.0;
@@ -156,7 +156,7 @@ GovernorOutput Governor::without_news(double period_s) noexcept {
 
 void Governor::count_free_time(const GovernorInput& input) noexcept {
   free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, pace_s_);
-  if (free_s_ < kArmingTime) return;
+  if (free_s_ < kArmingS) return;
   armed_ = true;
   if (!input.guided) energy_j_ = 0.0;
 }

@@ -17,8 +17,8 @@ namespace sparsha::viewer {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kStep = 5.0 * kDegree;
-constexpr double kFineStep = 0.5 * kDegree;
+constexpr double kStepRad = 5.0 * kDegree;
+constexpr double kFineStepRad = 0.5 * kDegree;
 constexpr double kRadPerPixel = 0.008;
 constexpr double kPreviewS = 0.05;  // between previews while the object turns
 constexpr double kGestureS = 0.5;
@@ -123,34 +123,34 @@ bool CloudController::set_side(CloudAction action) {
 bool CloudController::turn_step(CloudAction action) {
   switch (action) {
     case CloudAction::turn_left:
-      turn_by(0.0, -kStep, 0.0);
+      turn_by(0.0, -kStepRad, 0.0);
       return true;
     case CloudAction::turn_right:
-      turn_by(0.0, kStep, 0.0);
+      turn_by(0.0, kStepRad, 0.0);
       return true;
     case CloudAction::tilt_up:
-      turn_by(-kStep, 0.0, 0.0);
+      turn_by(-kStepRad, 0.0, 0.0);
       return true;
     case CloudAction::tilt_down:
-      turn_by(kStep, 0.0, 0.0);
+      turn_by(kStepRad, 0.0, 0.0);
       return true;
     case CloudAction::roll_left:
-      turn_by(0.0, 0.0, kStep);
+      turn_by(0.0, 0.0, kStepRad);
       return true;
     case CloudAction::roll_right:
-      turn_by(0.0, 0.0, -kStep);
+      turn_by(0.0, 0.0, -kStepRad);
       return true;
     case CloudAction::fine_left:
-      turn_by(0.0, -kFineStep, 0.0);
+      turn_by(0.0, -kFineStepRad, 0.0);
       return true;
     case CloudAction::fine_right:
-      turn_by(0.0, kFineStep, 0.0);
+      turn_by(0.0, kFineStepRad, 0.0);
       return true;
     case CloudAction::fine_up:
-      turn_by(-kFineStep, 0.0, 0.0);
+      turn_by(-kFineStepRad, 0.0, 0.0);
       return true;
     case CloudAction::fine_down:
-      turn_by(kFineStep, 0.0, 0.0);
+      turn_by(kFineStepRad, 0.0, 0.0);
       return true;
     default:
       return false;

@@ -24,22 +24,22 @@ constexpr std::size_t kMapSteps = 256;
 /// Darkens what lies below its neighbours, and puts the backdrop where there is no point. First row at the bottom.
 void shade(const std::vector<std::uint32_t>& rgba, const std::vector<float>& heights, int width, int height, bool dark,
            ThreadPool& pool, std::vector<std::uint32_t>& picture) {
-  constexpr int kReach = 2;  // pixels
-  constexpr float kSteep = 1.0F / (4.0F * kReach);
+  constexpr int kReachPx = 2;
+  constexpr float kSteep = 1.0F / (4.0F * kReachPx);
   constexpr float kNothing = 0.5F * Splatter::kEmpty;
   const auto columns = static_cast<std::size_t>(width);
   picture.resize(rgba.size());
   const auto rows = [&](std::size_t begin, std::size_t end) {
     std::vector<float> hidden(columns);
     for (std::size_t y = begin; y < end; ++y) {
-      const std::size_t below = y < kReach ? y : y - kReach;
-      const std::size_t above = std::min(y + kReach, static_cast<std::size_t>(height) - 1);
+      const std::size_t below = y < kReachPx ? y : y - kReachPx;
+      const std::size_t above = std::min(y + kReachPx, static_cast<std::size_t>(height) - 1);
       const float* here = heights.data() + y * columns;
       std::ranges::fill(hidden, 0.0F);
       for (const std::size_t row : {below, y, above}) {
         const float* other = heights.data() + row * columns;
-        for (const int shift : {-kReach, 0, kReach}) {
-          const std::size_t first = shift < 0 ? kReach : 0, last = shift > 0 ? columns - kReach : columns;
+        for (const int shift : {-kReachPx, 0, kReachPx}) {
+          const std::size_t first = shift < 0 ? kReachPx : 0, last = shift > 0 ? columns - kReachPx : columns;
           // An empty neighbour lies so low that it hides nothing.
           for (std::size_t x = first; x < last; ++x)
             hidden[x] += std::clamp((other[static_cast<std::ptrdiff_t>(x) + shift] - here[x]) * kSteep, 0.0F, 1.0F);

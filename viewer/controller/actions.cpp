@@ -229,19 +229,19 @@ bool Controller::set_light(Action action) {
 }
 
 bool Controller::move_camera(Action action) {
-  constexpr double kTurn = 0.08, kTilt = 0.06;
+  constexpr double kTurnRad = 0.08, kTiltRad = 0.06;
   switch (action) {
     case Action::turn_left:
-      orbit_.turn(-kTurn, 0.0);
+      orbit_.turn(-kTurnRad, 0.0);
       return true;
     case Action::turn_right:
-      orbit_.turn(kTurn, 0.0);
+      orbit_.turn(kTurnRad, 0.0);
       return true;
     case Action::tilt_up:
-      orbit_.turn(0.0, -kTilt);
+      orbit_.turn(0.0, -kTiltRad);
       return true;
     case Action::tilt_down:
-      orbit_.turn(0.0, kTilt);
+      orbit_.turn(0.0, kTiltRad);
       return true;
     case Action::closer:
       orbit_.zoom(kCloser);

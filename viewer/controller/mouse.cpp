@@ -9,8 +9,8 @@ namespace {
 constexpr double kTurnRad = 0.006;  // a pixel
 constexpr double kLightRad = 0.008;
 constexpr double kDoubleClickS = 0.4;
-constexpr double kSamePlace = 6.0;   // pixels between the two clicks of a double one
-constexpr double kOverviewS = 0.08;  // between two windows that a drag in the overview asks for
+constexpr double kSamePlacePx = 6.0;  // between the two clicks of a double one
+constexpr double kOverviewS = 0.08;   // between two windows that a drag in the overview asks for
 
 }  // namespace
 
@@ -94,7 +94,7 @@ void Controller::press_left(int modifiers) {
   } else if (marking_.grip(aim(), frame_.settings.parts)) {
     grip_ = Grip::mark;
   } else if (frame_.looks || !frame_.has_pointer) {
-    const bool twice = frame_.time_s - clicked_s_ < kDoubleClickS && (mouse_ - clicked_).norm() < kSamePlace;
+    const bool twice = frame_.time_s - clicked_s_ < kDoubleClickS && (mouse_ - clicked_).norm() < kSamePlacePx;
     clicked_s_ = twice ? -1.0 : frame_.time_s;
     clicked_ = mouse_;
     grip_ = Grip::camera;
