@@ -1,5 +1,5 @@
 // Xlib's two handlers (since libX11 1.7). They are looked up by name, since GLFW need not be built for X.
-#include "viewer/display_loss.h"
+#include "viewer/window/display_loss.h"
 
 #include <atomic>
 

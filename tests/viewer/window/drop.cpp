@@ -1,6 +1,6 @@
 // The source's side of XDND: it owns the selection, tells where it is, drops, and hands over the list when asked.
 #ifdef SPARSHA_HAS_X11
-#include "tests/viewer/drop.h"
+#include "tests/viewer/window/drop.h"
 
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>

@@ -20,11 +20,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "relief_scene.h"
 #include "scene/folder/folder.h"
 #include "tests/support/test_folder.h"
 #include "tests/viewer/cloud/points.h"
-#include "tests/viewer/drop.h"
+#include "tests/viewer/relief_scene.h"
+#include "tests/viewer/window/drop.h"
 #include "viewer/cloud/orientation.h"
 #include "viewer/marks/notes.h"
 #include "viewer/viewer.h"

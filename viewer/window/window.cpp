@@ -1,170 +1,28 @@
-// The window: GLFW's events to the controller, the controller's frames to the screen.
-#include <algorithm>
-#include <array>
+// The window's loop: the controller's frames to the screen, and the change between raw cloud and touched scene.
 #include <chrono>
-#include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <deque>
-#include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include <backends/imgui_impl_glfw.h>
-#include <epoxy/gl.h>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <imgui.h>
 
 #include "base/error.h"
 #include "viewer/cloud/mode.h"
 #include "viewer/controller/controller.h"
-#include "viewer/display_loss.h"
 #include "viewer/gui/gui.h"
-#include "viewer/keys.h"
 #include "viewer/kiosk/attract.h"
 #include "viewer/picture.h"
 #include "viewer/screenshot.h"
+#include "viewer/window/display_loss.h"
+#include "viewer/window/events.h"
+#include "viewer/window/glfw_window.h"
 
 namespace sparsha::viewer {
 namespace {
-
-std::string last_glfw_error() {
-  const char* words = nullptr;
-  glfwGetError(&words);
-  return words != nullptr ? words : "no reason given";
-}
-
-Error no_window(const std::string& why) {
-  return Error(ErrorKind::failure, {}, "no window can be opened: " + why,
-               "a display with OpenGL 3.3, or --headless with --screenshot");
-}
-
-/// GLFW between construction and destruction.
-struct Library {
-  Library() {
-    if (glfwInit() != GLFW_TRUE) throw no_window(last_glfw_error());
-    survive_display_loss();
-  }
-  ~Library() { glfwTerminate(); }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
-};
-
-/// What the callbacks reach through the window's user pointer. Positions are in framebuffer pixels.
-struct Inputs {
-  Controller* controller = nullptr;   ///< null before the first depth scan
-  CloudMode* cloud = nullptr;         ///< while the raw cloud is shown, which then gets all events
-  std::function<void()> change_mode;  ///< between the two, when that was asked for: the next event belongs to the other
-  Picture* picture = nullptr;
-  Gui* gui = nullptr;
-  Attract* attract = nullptr;
-  const Connections* connections = nullptr;
-  // Told by events: a display that is lost answers questions with whatever lies on the stack.
-  int width = 1, height = 1;                ///< of the framebuffer
-  int window_width = 1;                     ///< in the units of the mouse
-  double mouse_x = -1e9, mouse_y = -1e9;    ///< framebuffer pixels; far away while it is not over the window
-  std::array<bool, 3> down{}, just_down{};  ///< left, right, middle
-  [[nodiscard]] double pixel_ratio() const {
-    return window_width > 0 ? static_cast<double>(width) / window_width : 1.0;
-  }
-  bool damaged = true;   ///< the window's contents are lost
-  bool stirred = false;  ///< a key, a button or the mouse since the last picture
-  bool iconified = false;
-};
-
-Inputs& inputs_of(GLFWwindow* window) { return *static_cast<Inputs*>(glfwGetWindowUserPointer(window)); }
-
-int modifiers_of(int mods) {
-  return ((mods & GLFW_MOD_SHIFT) != 0 ? kShift : 0) | ((mods & GLFW_MOD_CONTROL) != 0 ? kControl : 0);
-}
-
-void on_key(GLFWwindow* window, int glfw_key, int scancode, int event, int mods) {
-  Inputs& in = inputs_of(window);
-  in.attract->touched();
-  in.stirred = true;
-  const int key = key_of(glfw_key, glfwGetKeyName(glfw_key, scancode), in.cloud != nullptr ? is_cloud_key : is_key);
-  if (event == GLFW_RELEASE) {
-    if (in.controller != nullptr) in.controller->release(key);
-    return;
-  }
-  const KeyPress press{key, modifiers_of(mods), event == GLFW_REPEAT};
-  if (key == 0) return;
-  if (in.cloud != nullptr) {
-    // Tab enters the panel, and Escape leaves it: ImGui's keys until then.
-    if (key != key::kTab && !in.gui->wants_keyboard()) in.cloud->press(press);
-  } else if (in.controller != nullptr) {
-    in.controller->press(press);
-  }
-  in.change_mode();
-}
-
-void on_character(GLFWwindow* window, unsigned character) {
-  Inputs& in = inputs_of(window);
-  in.stirred = true;
-  if (in.cloud == nullptr && in.controller != nullptr) in.controller->type(static_cast<char32_t>(character));
-}
-
-void on_move(GLFWwindow* window, double x, double y) {
-  Inputs& in = inputs_of(window);
-  in.attract->touched();
-  in.stirred = true;
-  in.mouse_x = x * in.pixel_ratio();
-  in.mouse_y = y * in.pixel_ratio();
-  if (in.cloud != nullptr) return in.cloud->mouse_move(in.mouse_x, in.mouse_y);
-  if (in.controller == nullptr) return;
-  in.controller->mouse_move(in.mouse_x, in.mouse_y, layout_of(in.width, in.height, in.controller->settings()),
-                            in.picture->detail_view(), in.picture->stage(),
-                            [&](double u, double v) { return in.picture->touch_height_at(u, v); });
-}
-
-void on_button(GLFWwindow* window, int button, int event, int mods) {
-  Inputs& in = inputs_of(window);
-  in.attract->touched();
-  in.stirred = true;
-  if (in.cloud == nullptr) {
-    // Where it was clicked counts, and not where the last move was reported.
-    double x = 0.0, y = 0.0;
-    glfwGetCursorPos(window, &x, &y);
-    if (display_lost()) return;
-    on_move(window, x, y);
-  }
-  if (button >= 0 && button < static_cast<int>(in.down.size())) {
-    const auto at = static_cast<std::size_t>(button);
-    in.down[at] = event == GLFW_PRESS;
-    in.just_down[at] = in.just_down[at] || in.down[at];  // a click may be shorter than a frame
-  }
-  if (event == GLFW_PRESS && in.gui->wants_mouse()) return;
-  if (in.cloud != nullptr) return in.cloud->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
-  if (in.controller == nullptr) return;
-  in.controller->mouse_button(button, event == GLFW_PRESS, modifiers_of(mods));
-}
-
-void on_scroll(GLFWwindow* window, double /*x*/, double y) {
-  int mods = 0;
-  if (glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
-      glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS)
-    mods |= kControl;
-  Inputs& in = inputs_of(window);
-  in.attract->touched();
-  in.stirred = true;
-  if (in.cloud != nullptr) {
-    if (!in.gui->wants_mouse()) in.cloud->mouse_wheel(y);
-  } else if (in.controller != nullptr) {
-    in.controller->mouse_wheel(y, mods);
-  }
-}
-
-void on_drop(GLFWwindow* window, int count, const char** names) {
-  const Connections& connections = *inputs_of(window).connections;
-  std::vector<std::filesystem::path> files;
-  for (int k = 0; k < count; ++k) files.emplace_back(names[k]);
-  if (connections.drop) connections.drop(files);
-}
 
 /// An exhibit that nobody touches goes back to its beginning; a slow light shows it.
 void attract_visitors(Attract& attract, Controller& controller, const ViewSettings& first, double time_s,
@@ -173,54 +31,6 @@ void attract_visitors(Attract& attract, Controller& controller, const ViewSettin
   if (change == Attract::Change::begins) controller.welcome_next(first);
   if (attract.shows()) controller.frame().settings.light = attract.light(time_s);
   if (change == Attract::Change::ends) controller.frame().settings.light = KeyLight{};
-}
-
-/// ImGui's share of the events; callbacks set before it are still called.
-struct GuiInput {
-  explicit GuiInput(GLFWwindow* window) {
-    ImGui_ImplGlfw_InitForOpenGL(window, true);
-    ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
-  }
-  ~GuiInput() { ImGui_ImplGlfw_Shutdown(); }
-  GuiInput(const GuiInput&) = delete;
-  GuiInput& operator=(const GuiInput&) = delete;
-
-  /// Instead of ImGui_ImplGlfw_NewFrame, which asks the display for what events have told.
-  static void begin_frame(Inputs& in) {
-    ImGuiIO& io = ImGui::GetIO();
-    io.DisplayFramebufferScale = ImVec2(1.0F, 1.0F);  // the interface is laid out in framebuffer pixels
-    io.MousePos = ImVec2(static_cast<float>(in.mouse_x), static_cast<float>(in.mouse_y));
-    for (std::size_t button = 0; button < in.down.size(); ++button)
-      io.MouseDown[button] = std::exchange(in.just_down[button], false) || in.down[button];
-  }
-};
-
-struct WindowHandle {
-  GLFWwindow* handle = nullptr;
-  int x = 80, y = 80, width = 1280, height = 720;  ///< before it filled the screen
-  ~WindowHandle() {
-    if (handle != nullptr) glfwDestroyWindow(handle);
-  }
-};
-
-/// False without a screen.
-bool fill_screen(GLFWwindow* window) {
-  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
-  const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
-  if (mode == nullptr) return false;
-  glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
-  return true;
-}
-
-/// Full screen and back to where the window was.
-void switch_full_screen(WindowHandle& window) {
-  if (glfwGetWindowMonitor(window.handle) != nullptr) {
-    glfwSetWindowMonitor(window.handle, nullptr, window.x, window.y, window.width, window.height, GLFW_DONT_CARE);
-    return;
-  }
-  glfwGetWindowPos(window.handle, &window.x, &window.y);
-  glfwGetWindowSize(window.handle, &window.width, &window.height);
-  fill_screen(window.handle);
 }
 
 void save_picture(Controller& controller, int width, int height) {
@@ -249,55 +59,6 @@ class PictureCount {
   std::deque<std::pair<double, double>> pictures_;
 };
 
-/// What no event has told yet; false when the display is lost, and with it the answer.
-bool ask_sizes(GLFWwindow* window, Inputs& in) {
-  int height = 0;
-  glfwGetWindowSize(window, &in.window_width, &height);
-  glfwGetFramebufferSize(window, &in.width, &in.height);
-  return !display_lost();
-}
-
-void open(WindowHandle& window, const ViewerOptions& options) {
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_DEPTH_BITS, 0);
-  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-  glfwWindowHint(GLFW_AUTO_ICONIFY, options.kiosk ? GLFW_FALSE : GLFW_TRUE);  // when another window gets the keyboard
-  int width = options.width, height = options.height;
-  GLFWmonitor* monitor = nullptr;
-  if (options.kiosk) {
-    monitor = glfwGetPrimaryMonitor();
-    if (const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr) {
-      width = mode->width;
-      height = mode->height;
-    }
-  }
-  window.handle = glfwCreateWindow(width, height, "Sparsha", monitor, nullptr);
-  if (window.handle == nullptr) throw no_window(last_glfw_error());
-  glfwMakeContextCurrent(window.handle);
-  glfwSwapInterval(1);
-}
-
-}  // namespace
-
-bool display_available() {
-#ifdef __linux__
-  const auto set = [](const char* name) {
-    const char* value = std::getenv(name);
-    return value != nullptr && *value != '\0';
-  };
-  // Without either name no connection is tried at all.
-  if (!set("DISPLAY") && !set("WAYLAND_DISPLAY")) return false;
-#endif
-  if (glfwInit() != GLFW_TRUE) return false;
-  glfwTerminate();
-  return true;
-}
-
-namespace {
-
 /// What is in an open window: pictures, events, and the modes that they belong to.
 class Screen {
  public:
@@ -309,7 +70,7 @@ class Screen {
     inputs_.connections = &connections_;
     inputs_.change_mode = [this] { change_mode(); };
     settings_.kiosk = options_.kiosk;
-    listen();
+    listen(window_.handle, inputs_, options_.kiosk);
     gui_input_.emplace(window_.handle);  // calls on what listens already
   }
   Screen(const Screen&) = delete;
@@ -337,33 +98,6 @@ class Screen {
 
   [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
   [[nodiscard]] bool wants_to_leave() const { return controller_ && controller_->wants_to_leave(); }
-
-  void listen() {
-    GLFWwindow* const window = window_.handle;
-    glfwSetWindowUserPointer(window, &inputs_);
-    glfwSetKeyCallback(window, on_key);
-    glfwSetCharCallback(window, on_character);
-    glfwSetCursorPosCallback(window, on_move);
-    glfwSetMouseButtonCallback(window, on_button);
-    glfwSetScrollCallback(window, on_scroll);
-    glfwSetDropCallback(window, on_drop);
-    // Only the staff's keys end an exhibit.
-    if (options_.kiosk)
-      glfwSetWindowCloseCallback(window, [](GLFWwindow* w) { glfwSetWindowShouldClose(w, GLFW_FALSE); });
-    glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { inputs_of(w).damaged = true; });
-    // Told and not asked: an answer that a lost display owes is never waited for.
-    glfwSetWindowIconifyCallback(window, [](GLFWwindow* w, int on) { inputs_of(w).iconified = on == GLFW_TRUE; });
-    glfwSetWindowSizeCallback(window, [](GLFWwindow* w, int width, int) { inputs_of(w).window_width = width; });
-    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int width, int height) {
-      inputs_of(w).width = width;
-      inputs_of(w).height = height;
-      inputs_of(w).damaged = true;
-    });
-    glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int inside) {
-      inputs_of(w).stirred = true;
-      if (inside != GLFW_TRUE) inputs_of(w).mouse_x = inputs_of(w).mouse_y = -1e9;
-    });
-  }
 
   /// Between the raw cloud and the touched scene.
   void show_scans(bool on) {
@@ -521,7 +255,7 @@ class Screen {
   WindowHandle& window_;
   Picture picture_;
   Gui gui_;
-  Inputs inputs_;
+  WindowInputs inputs_;
   Attract attract_;
   std::optional<GuiInput> gui_input_;
   ViewSettings settings_;
@@ -537,11 +271,11 @@ class Screen {
 };
 
 WindowEnd run(const Connections& connections, const ViewerOptions& options) {
-  std::unique_ptr<Library> library;
+  std::unique_ptr<GlfwLibrary> library;
   WindowHandle window;
   try {
-    library = std::make_unique<Library>();
-    open(window, options);
+    library = std::make_unique<GlfwLibrary>();
+    open_window(window, options);
   } catch (const Error&) {
     if (options.opens_again) return WindowEnd::display_lost;
     throw;

@@ -1,6 +1,6 @@
 // Keyboards of other languages. A place is given by the character that a US keyboard has there, a name by what the
 // layout prints on the key, as X11 and Wayland tell it.
-#include "viewer/keys.h"
+#include "viewer/window/keys.h"
 
 #include <gtest/gtest.h>
 
