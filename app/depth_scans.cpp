@@ -20,7 +20,7 @@
 #include "pipeline/orient/face.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/suggest.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
@@ -123,7 +123,7 @@ void DepthScans::start(const std::string& stage, std::function<void(Progress&)> 
     const std::lock_guard lock(mutex_);
     if (status_.busy) return;
   }
-  if (work_.valid()) work_.wait();  // it has ended: busy is its last word
+  if (work_.valid()) work_.wait();  // it has ended: busy is the last that it sets
   const std::lock_guard lock(mutex_);
   status_.busy = true;
   status_.stage = stage;

@@ -8,7 +8,7 @@
 #include "app/depth_scans.h"
 #include "base/error.h"
 #include "base/files.h"
-#include "scene/setup_text.h"
+#include "scene/config/setup_text.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

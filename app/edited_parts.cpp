@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 

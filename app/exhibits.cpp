@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

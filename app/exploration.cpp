@@ -11,7 +11,7 @@
 #include "app/sentences.h"
 #include "app/study.h"
 #include "base/error.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
@@ -29,7 +29,7 @@ haptics::falcon::FalconOptions falcon_options(const ExploreArguments& arguments,
   return options;
 }
 
-// What a run has promised is delivered as far as possible: one output that fails takes no other with it.
+// Every output that was asked for is written as far as possible: one that fails keeps no other from it.
 class Deliveries {
  public:
   template <class Delivery>

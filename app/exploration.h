@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands.h"
+#include "app/commands/commands.h"
 #include "app/device_choice.h"
 #include "app/exhibits.h"
 #include "app/explore_arguments.h"
@@ -19,7 +19,7 @@
 #include "app/terminal.h"
 #include "app/terminal_keys.h"
 #include "base/phrases.h"
-#include "base/system_terminal.h"
+#include "base/system/terminal.h"
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/session/session.h"
 #include "scene/scene.h"
@@ -43,7 +43,7 @@ class Exploration {
   Exploration(const ExploreArguments& arguments, const CommonOptions& common, Terminal& terminal, bool window);
   /// Until the device, the user or the clock ends it.
   void run(bool window);
-  /// Writes and prints what the command line asked for; one output that fails takes no other with it. Throws the first
+  /// Writes and prints what the command line asked for; one output that fails keeps no other from it. Throws the first
   /// Error.
   void deliver(const CommonOptions& common);
 

@@ -6,7 +6,7 @@
 #include "app/exploration.h"
 #include "app/inputs.h"
 #include "base/error.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

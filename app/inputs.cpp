@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "pipeline/suggest/suggest.h"
-#include "scene/override.h"
-#include "scene/scene_folder.h"
+#include "scene/config/override.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "app/commands.h"
+#include "app/commands/commands.h"
 #include "app/terminal.h"
 #include "haptics/replay/recorded_scenes.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands.h"
+#include "app/commands/commands.h"
 #include "app/terminal.h"
 #include "base/error.h"
 #include "base/system.h"

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 #include "pipeline/scan/units.h"
 
 namespace sparsha::app {

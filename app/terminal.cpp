@@ -13,7 +13,7 @@
 #include "app/sentences.h"
 #include "base/error.h"
 #include "base/system.h"
-#include "base/system_terminal.h"
+#include "base/system/terminal.h"
 
 namespace sparsha::app {
 namespace {

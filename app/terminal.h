@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "app/commands.h"
+#include "app/commands/commands.h"
 #include "base/progress.h"
 
 namespace sparsha::app {

@@ -35,7 +35,7 @@ Clip load_clip(const std::filesystem::path& file, int sample_rate_hz) {
   if (info.samplerate < 1000 || info.samplerate > 768000)
     throw input_error(file.string(), "impossible sample rate " + std::to_string(info.samplerate) + " Hz", kExpected);
 
-  // The header's length is a claim: read block by block and believe what comes.
+  // The header's length may be wrong: read block by block and count what comes.
   const auto channels = static_cast<std::size_t>(info.channels);
   const auto most = static_cast<std::size_t>(kLongest_s * info.samplerate) * channels;
   std::vector<float> samples;

@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/lower_case.h"
-#include "base/system_library.h"
+#include "base/system/library.h"
 
 namespace sparsha::audio {
 namespace {
@@ -24,7 +24,8 @@ constexpr std::size_t kMixedFrames = 512;  // at once
 /// A device that has not asked for sound for so long is gone (buffers are a tenth of it).
 constexpr auto kGone = std::chrono::milliseconds(400);
 
-/// PortAudio's calls are not for several threads at once. One that waits for ever in a dead sound system keeps it.
+/// PortAudio's calls are not for several threads at once. One that waits for ever for a sound system that hangs keeps
+/// it.
 std::mutex& portaudio() {
   static std::mutex mutex;
   return mutex;
@@ -66,7 +67,7 @@ PaDeviceIndex choose_device() {
   return device != paNoDevice && jack_ended() && is_jack(*Pa_GetDeviceInfo(device)) ? paNoDevice : device;
 }
 
-/// PortAudio's devices while this lives.
+/// PortAudio's devices while this object exists.
 class Library {
  public:
   Library() {
@@ -224,7 +225,8 @@ void LiveStream::stop() noexcept {
     const std::lock_guard lock(portaudio());
     Pa_StopStream(implementation_->stream);
   } else {
-    // Stopping or closing the stream of a dead sound server waits for ever: leave it alone, and its memory with it.
+    // Stopping or closing the stream of a sound server that has ended waits for ever: leave it alone, and its memory
+    // with it.
     (void)implementation_.release();
   }
 }

@@ -9,9 +9,9 @@
 namespace sparsha::audio {
 namespace {
 
-/// A strike that waited longer than this (the device was still being opened) would be a ghost.
+/// A strike that waited longer than this (the device was still being opened) is not played: its touch is over.
 constexpr double kTooLate_s = 0.1;
-/// A servo that says nothing for this long scrapes nothing.
+/// Without a state of the servo for so long there is no sound of stroking.
 constexpr double kServoSilent_s = 0.05;
 constexpr double kFade_s = 0.02;
 constexpr float kDucked = 0.25F;  // 12 dB

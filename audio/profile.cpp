@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "scene/continuation.h"
-#include "scene/scene_spectrum.h"
+#include "scene/measured_spectrum.h"
 
 namespace sparsha::audio {
 namespace {

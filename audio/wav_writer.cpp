@@ -18,7 +18,7 @@ namespace sparsha::audio {
 namespace {
 
 /// Of a file that is no RF64 the chunk fmt as every program reads it: libsndfile's is WAVE_FORMAT_EXTENSIBLE, which
-/// some refuse. What is left of its room becomes a chunk that readers leap over. False when the file cannot be written.
+/// some refuse. What is left of its room becomes a chunk that readers skip. False when the file cannot be written.
 bool make_plain(const std::filesystem::path& path, int bits) {
   constexpr std::size_t kExtensible = 40, kPlain = 16, kHeader = 8;
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);

@@ -108,7 +108,7 @@ struct ChildEnd {
 
 /// Runs `work` where its crashes, endless loops and greed for memory do no harm; `receive` gets in this process the
 /// pieces that it sends, in their order. `while_waiting` is called at least ten times a second and may throw: what it
-/// or `receive` throws ends the child and passes through. The child dies with this process.
+/// or `receive` throws ends the child and passes through. The child ends with this process.
 ///
 /// The child is a copy of this process (fork) with the calling thread alone. `work` must need no lock that another
 /// thread may hold: the heap is safe, for the C library resets it (a sanitizer's is not); the program's own mutexes are

@@ -9,8 +9,8 @@ namespace sparsha::viewer {
 namespace {
 
 constexpr double kFollowS = 0.09;
-constexpr double kField = 0.5;     // vertical, radians
-constexpr double kMostTilt = 3.1;  // the back, from below or above
+constexpr double kFieldRad = 0.5;     // vertical
+constexpr double kMostTiltRad = 3.1;  // the back, from below or above
 constexpr double kNearest = 0.1, kFarthest = 40.0;
 
 }  // namespace
@@ -22,7 +22,7 @@ Camera camera_for(const Window& window, const Ground& ground, const Stage& stage
   const double aspect = static_cast<double>(std::max(rect.width, 1)) / std::max(rect.height, 1);
   camera.turn_rad = turn_rad;
   camera.tilt_rad = tilt_rad;
-  camera.field_rad = kField;
+  camera.field_rad = kFieldRad;
   const Eigen::Vector3d middle_m(window.centre_m.x(), window.centre_m.y(), ground.middle_m);
   camera.target = stage.to_world(middle_m) + Eigen::Vector3d(shift.x() * width, shift.y() * width, 0.0);
   const double tangent = std::tan(0.5 * camera.field_rad);
@@ -40,7 +40,7 @@ Camera camera_for(const Window& window, const Ground& ground, const Stage& stage
 
 void Orbit::turn(double right_rad, double back_rad) {
   turn_rad_ += right_rad;
-  tilt_rad_ = std::clamp(tilt_rad_ + back_rad, -kMostTilt, kMostTilt);
+  tilt_rad_ = std::clamp(tilt_rad_ + back_rad, -kMostTiltRad, kMostTiltRad);
 }
 
 void Orbit::zoom(double factor) { zoom_ = std::clamp(zoom_ * factor, kNearest, kFarthest); }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/png.h"
-#include "viewer/controller.h"
+#include "viewer/controller/controller.h"
 #include "viewer/gl/offscreen.h"
 #include "viewer/gui/gui.h"
 #include "viewer/picture.h"

@@ -38,9 +38,9 @@ void Strip::add(const haptics::State& state) {
 }
 
 bool Strip::moves() const {
-  constexpr double kForceN = 0.005, kDepthM = 5e-6, kSpeed = 5e-4;  // less than a pixel
+  constexpr double kForceN = 0.005, kDepthM = 5e-6, kSpeedMPerS = 5e-4;  // less than a pixel
   return !paused_ && std::ranges::any_of(samples_, [&](const Sample& sample) {
-    return sample.force_n > kForceN || sample.depth_m > kDepthM || sample.speed_m_per_s > kSpeed;
+    return sample.force_n > kForceN || sample.depth_m > kDepthM || sample.speed_m_per_s > kSpeedMPerS;
   });
 }
 

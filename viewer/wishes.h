@@ -23,7 +23,7 @@ class Wishes {
   /// From now on the hand drags the stone, or no longer.
   void drag(bool on, const Window& window);
   void quit();
-  /// The session forgets the visitor.
+  /// The session starts anew for the next visitor.
   void welcome_next();
   /// Back to the window before the last move; false when there is none.
   bool undo();

@@ -90,106 +90,128 @@ std::string peers_html(const std::filesystem::path& folder) {
   return html;
 }
 
+/// The tables of some files, one below the other.
+class Tables {
+ public:
+  explicit Tables(const std::filesystem::path& folder) : folder_(folder) {}
+  /// Nothing where the file is missing.
+  void add(const char* file, const char* caption, const std::vector<Column>& columns, bool folded) {
+    const std::string table = html_of(folder_ / file, caption, columns);
+    if (!table.empty()) html_ += folded ? html_folded(caption, table) : table;
+  }
+  [[nodiscard]] const std::string& html() const { return html_; }
+
+ private:
+  const std::filesystem::path& folder_;
+  std::string html_;
+};
+
+std::string steps_html(const std::filesystem::path& folder) {
+  Tables tables(folder);
+  tables.add("pipeline_filters.csv", "Outliers, voxels and other filters, ours and PCL's",
+             {{"filter", "filter"},
+              {"method", "method"},
+              {"threads", "threads"},
+              {"points", "points"},
+              {"median_s", "median, ms", 1e3},
+              {"longest_s", "longest, ms", 1e3},
+              {"ratio", "time over ours on one thread"},
+              {"ratio_low", "least"},
+              {"ratio_high", "greatest"},
+              {"rounds", "rounds"},
+              {"agreement", "results, ours on one thread and PCL's"}},
+             false);
+  tables.add("pipeline_normals.csv", "Normals through 14 neighbours, our tangent discs and PCL's",
+             {{"object", "object"},
+              {"points", "points"},
+              {"noise_spacings", "noise, spacings"},
+              {"method", "method"},
+              {"threads", "threads"},
+              {"median_s", "median, s"},
+              {"longest_s", "longest, s"},
+              {"ratio", "time over ours"},
+              {"ratio_low", "least"},
+              {"ratio_high", "greatest"},
+              {"rounds", "rounds"},
+              {"median_deg", "median error, °"},
+              {"p95_deg", "95 %, °"}},
+             true);
+  tables.add("pipeline_registration.csv", "Registration from 5° and 10 mm off, ours and PCL's plain ICP",
+             {{"scans", "scans"},
+              {"method", "method"},
+              {"seed", "seed"},
+              {"median_s", "median, s"},
+              {"longest_s", "longest, s"},
+              {"ratio", "time over our GICP's"},
+              {"ratio_low", "least"},
+              {"ratio_high", "greatest"},
+              {"rounds", "rounds"},
+              {"rms_mm", "RMS, mm"}},
+             false);
+  return tables.html();
+}
+
+std::string builds_html(const std::filesystem::path& folder) {
+  Tables tables(folder);
+  tables.add("pipeline_accuracy.csv", "Accuracy of every scene",
+             {{"scene", "scene"},
+              {"method", "method"},
+              {"points", "points"},
+              {"coverage_percent", "measured, %"},
+              {"rms_away_mm", "RMS away from steps, mm"},
+              {"p99_away_mm", "99 %, mm"},
+              {"off_2mm_away_percent", "&gt; 2 mm, %"},
+              {"rms_smooth_mm", "RMS where smooth, mm"},
+              {"median_mm", "median, mm"},
+              {"seconds", "time, s"}},
+             true);
+  tables.add("pipeline_closed.csv", "Closed objects by density, hole and noise, with CloudCompare",
+             {{"object", "object"},
+              {"method", "method"},
+              {"points", "points"},
+              {"noise_spacings", "noise, spacings"},
+              {"density_ratio", "density"},
+              {"hole_spacings", "hole"},
+              {"wrong_smooth_percent", "wrong, smooth, %"},
+              {"wrong_percent", "wrong, %"},
+              {"beyond_percent", "beyond, %"},
+              {"median_spacings", "median, spacings"},
+              {"ms_one_thread", "1 thread, ms"},
+              {"ms_two_threads", "2 threads, ms"}},
+             true);
+  tables.add("pipeline_mtf.csv", "Gain and coherence by wavelength",
+             {{"scene", "scene"},
+              {"wavelength_from_nodes", "from, nodes"},
+              {"wavelength_to_nodes", "to, nodes"},
+              {"gain", "gain"},
+              {"coherence", "coherence"}},
+             true);
+  tables.add("pipeline_c2m.csv", "Distances from scan to surface, ours and CloudCompare's",
+             {{"method", "method"}, {"points", "points"}, {"mean_mm", "mean, mm"}, {"rms_mm", "RMS, mm"}}, false);
+  tables.add("pipeline_speed.csv", "Projection and whole builds: time, memory, error",
+             {{"task", "task"},
+              {"method", "method"},
+              {"threads", "threads"},
+              {"points", "points"},
+              {"nodes", "nodes"},
+              {"seconds", "time, s"},
+              {"cpu_seconds", "CPU, s"},
+              {"peak_rss_mb", "memory, MB"},
+              {"rms_away_mm", "RMS, mm"}},
+             false);
+  return tables.html();
+}
+
 }  // namespace
 
 std::string pipeline_html(const std::filesystem::path& folder) {
-  std::string html;
-  const auto add = [&](const char* file, const char* caption, const std::vector<Column>& columns, bool folded) {
-    const std::string table = html_of(folder / file, caption, columns);
-    if (!table.empty()) html += folded ? html_folded(caption, table) : table;
-  };
-  add("pipeline_filters.csv", "Outliers, voxels and other filters, ours and PCL's",
-      {{"filter", "filter"},
-       {"method", "method"},
-       {"threads", "threads"},
-       {"points", "points"},
-       {"median_s", "median, ms", 1e3},
-       {"longest_s", "longest, ms", 1e3},
-       {"ratio", "time over ours on one thread"},
-       {"ratio_low", "least"},
-       {"ratio_high", "greatest"},
-       {"rounds", "rounds"},
-       {"agreement", "results, ours on one thread and PCL's"}},
-      false);
-  add("pipeline_normals.csv", "Normals through 14 neighbours, our tangent discs and PCL's",
-      {{"object", "object"},
-       {"points", "points"},
-       {"noise_spacings", "noise, spacings"},
-       {"method", "method"},
-       {"threads", "threads"},
-       {"median_s", "median, s"},
-       {"longest_s", "longest, s"},
-       {"ratio", "time over ours"},
-       {"ratio_low", "least"},
-       {"ratio_high", "greatest"},
-       {"rounds", "rounds"},
-       {"median_deg", "median error, °"},
-       {"p95_deg", "95 %, °"}},
-      true);
-  add("pipeline_registration.csv", "Registration from 5° and 10 mm off, ours and PCL's plain ICP",
-      {{"scans", "scans"},
-       {"method", "method"},
-       {"seed", "seed"},
-       {"median_s", "median, s"},
-       {"longest_s", "longest, s"},
-       {"ratio", "time over our GICP's"},
-       {"ratio_low", "least"},
-       {"ratio_high", "greatest"},
-       {"rounds", "rounds"},
-       {"rms_mm", "RMS, mm"}},
-      false);
-  std::string whole = peers_html(folder);
-  if (!html.empty()) whole += html_heading("Pipeline: filters, normals and registration") + html;
-  html.clear();
-  add("pipeline_accuracy.csv", "Accuracy of every scene",
-      {{"scene", "scene"},
-       {"method", "method"},
-       {"points", "points"},
-       {"coverage_percent", "measured, %"},
-       {"rms_away_mm", "RMS away from steps, mm"},
-       {"p99_away_mm", "99 %, mm"},
-       {"off_2mm_away_percent", "&gt; 2 mm, %"},
-       {"rms_smooth_mm", "RMS where smooth, mm"},
-       {"median_mm", "median, mm"},
-       {"seconds", "time, s"}},
-      true);
-  add("pipeline_closed.csv", "Closed objects by density, hole and noise, with CloudCompare",
-      {{"object", "object"},
-       {"method", "method"},
-       {"points", "points"},
-       {"noise_spacings", "noise, spacings"},
-       {"density_ratio", "density"},
-       {"hole_spacings", "hole"},
-       {"wrong_smooth_percent", "wrong, smooth, %"},
-       {"wrong_percent", "wrong, %"},
-       {"beyond_percent", "beyond, %"},
-       {"median_spacings", "median, spacings"},
-       {"ms_one_thread", "1 thread, ms"},
-       {"ms_two_threads", "2 threads, ms"}},
-      true);
-  add("pipeline_mtf.csv", "Gain and coherence by wavelength",
-      {{"scene", "scene"},
-       {"wavelength_from_nodes", "from, nodes"},
-       {"wavelength_to_nodes", "to, nodes"},
-       {"gain", "gain"},
-       {"coherence", "coherence"}},
-      true);
-  add("pipeline_c2m.csv", "Distances from scan to surface, ours and CloudCompare's",
-      {{"method", "method"}, {"points", "points"}, {"mean_mm", "mean, mm"}, {"rms_mm", "RMS, mm"}}, false);
-  add("pipeline_speed.csv", "Projection and whole builds: time, memory, error",
-      {{"task", "task"},
-       {"method", "method"},
-       {"threads", "threads"},
-       {"points", "points"},
-       {"nodes", "nodes"},
-       {"seconds", "time, s"},
-       {"cpu_seconds", "CPU, s"},
-       {"peak_rss_mb", "memory, MB"},
-       {"rms_away_mm", "RMS, mm"}},
-      false);
-  if (html.empty()) return whole;
-  return whole + html_heading("Pipeline: accuracy by scene and whole builds") +
-         "<p>Simulated scans with a known truth, read as files (docs/accuracy.md).</p>" + html;
+  std::string html = peers_html(folder);
+  if (const std::string steps = steps_html(folder); !steps.empty())
+    html += html_heading("Pipeline: filters, normals and registration") + steps;
+  if (const std::string builds = builds_html(folder); !builds.empty())
+    html += html_heading("Pipeline: accuracy by scene and whole builds") +
+            "<p>Simulated scans with a known truth, read as files (docs/accuracy.md).</p>" + builds;
+  return html;
 }
 
 }  // namespace sparsha::bench

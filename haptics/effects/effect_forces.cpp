@@ -24,8 +24,8 @@ void EffectForces::reset() noexcept {
   was_contact_ = false;
 }
 
-/// With the forces that the device held, so that the governor's books find as much: a height of the grain between two
-/// ticks would not do.
+/// With the forces that the device held, so that the governor observes the same energy: a height of the grain between
+/// two ticks would not do.
 double EffectForces::stored(const Input& input, double most_j) noexcept {
   const Eigen::Vector3d& held_n = grain_n_[std::min(input.delay_ticks, kLongestDelay)];
   stored_j_ = std::clamp(stored_j_ - held_n.dot(input.hand_m - last_m_), 0.0, most_j);

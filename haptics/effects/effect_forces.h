@@ -38,7 +38,7 @@ class EffectForces {
     Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< to be added
     double stored_j = 0.0;                              ///< what the hand has put into the grain and may get back
   };
-  /// `effects` may be null: then nothing is added, and nothing is remembered.
+  /// `effects` may be null: then nothing is added, and nothing is kept.
   [[nodiscard]] Output update(const Input& input, const SurfaceEffects* effects) noexcept;
 
   /// The wish where the hand was last, in steps too large for an encoder's flicker; the governor makes them smooth.

@@ -53,7 +53,7 @@ void Impact::begin(const Input& input) noexcept {
   mean_n_ = 0.0;
 }
 
-/// Books the half of the ring's work that may go into the hand: which half of a cycle meets which way of the hand
+/// Subtracts half of the ring's work, which may go into the hand: which half of a cycle meets which way of the hand
 /// depends on the device's delay, which is not known.
 void Impact::spend(const Input& input) noexcept {
   const double way_m = std::abs((input.hand_m - last_m_).dot(input.normal));

@@ -72,7 +72,7 @@ class Falcon {
   void unplug(bool power, double time_s);
   void plug(double time_s);
   void power_cycle();
-  /// Its own supply, pulled or plugged in; the bridge lives on USB's.
+  /// Its own supply, pulled or plugged in; the bridge is powered by USB.
   void set_power(bool on, double time_s);
 
   // The endpoints.

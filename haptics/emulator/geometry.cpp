@@ -8,9 +8,8 @@
 namespace sparsha::haptics::emulator {
 namespace {
 
-// Metres.
-constexpr double kThigh = 0.060, kShin = 0.1025, kPlatform = 0.01443, kHinges = 2 * 0.01125, kSkew = -0.025;
-constexpr double kBaseRadius = 0.0400, kBaseOffset = -0.02309;
+constexpr double kThigh_m = 0.060, kShin_m = 0.1025, kPlatform_m = 0.01443, kHinges_m = 2 * 0.01125, kSkew_m = -0.025;
+constexpr double kBaseRadius_m = 0.0400, kBaseOffset_m = -0.02309;
 constexpr std::array<double, 3> kAzimuth_deg{105.0, -15.0, -135.0};
 constexpr double kRadians = std::numbers::pi / 180.0;
 /// 320 slots, four edges each; a 14.25 mm capstan on a sector of 110 mm.
@@ -25,14 +24,14 @@ struct Joint {
 
 Joint joint_of(std::size_t i, const Vec3& p) {
   const double cosine = std::cos(kAzimuth_deg[i] * kRadians), sine = std::sin(kAzimuth_deg[i] * kRadians);
-  return {p[0] * cosine + p[1] * sine - kBaseRadius + kPlatform, p[1] * cosine - p[0] * sine - kBaseOffset + kSkew,
-          p[2], cosine, sine};
+  return {p[0] * cosine + p[1] * sine - kBaseRadius_m + kPlatform_m,
+          p[1] * cosine - p[0] * sine - kBaseOffset_m + kSkew_m, p[2], cosine, sine};
 }
 
 /// What the shin spans within the arm's plane; negative where it does not reach sideways.
 double span_of(const Joint& joint) {
-  const double rest = kShin * kShin - joint.side * joint.side;
-  return rest > 0.0 ? kHinges + std::sqrt(rest) : -1.0;
+  const double rest = kShin_m * kShin_m - joint.side * joint.side;
+  return rest > 0.0 ? kHinges_m + std::sqrt(rest) : -1.0;
 }
 
 /// The closure's residual for an arm angle, metres, its gradient in place and its derivative in angle.
@@ -45,13 +44,13 @@ std::optional<Closure> closure(std::size_t i, const Vec3& p, double angle) {
   const Joint joint = joint_of(i, p);
   const double span = span_of(joint);
   if (span < 0.0) return std::nullopt;
-  const double x = joint.out - kThigh * std::cos(angle), z = joint.forward - kThigh * std::sin(angle);
+  const double x = joint.out - kThigh_m * std::cos(angle), z = joint.forward - kThigh_m * std::sin(angle);
   const double distance = std::hypot(x, z);
   if (distance < 1e-9) return std::nullopt;
-  const double by_out = x / distance, by_forward = z / distance, by_side = joint.side / (span - kHinges);
+  const double by_out = x / distance, by_forward = z / distance, by_side = joint.side / (span - kHinges_m);
   return Closure{
       distance - span,
-      kThigh * (x * std::sin(angle) - z * std::cos(angle)) / distance,
+      kThigh_m * (x * std::sin(angle) - z * std::cos(angle)) / distance,
       {by_out * joint.cosine - by_side * joint.sine, by_out * joint.sine + by_side * joint.cosine, by_forward}};
 }
 
@@ -76,7 +75,7 @@ std::optional<PerArm> arm_angles(const Vec3& grip_m) {
     if (span < 0.0) return std::nullopt;
     // out cos(angle) + forward sin(angle) = k, with t = tan(angle / 2) a quadratic.
     const double reach2 = joint.out * joint.out + joint.forward * joint.forward;
-    const double k = (reach2 + kThigh * kThigh - span * span) / (2.0 * kThigh);
+    const double k = (reach2 + kThigh_m * kThigh_m - span * span) / (2.0 * kThigh_m);
     const double root2 = reach2 - k * k;
     if (!(root2 >= 0.0) || k + joint.out == 0.0) return std::nullopt;
     angles[i] = 2.0 * std::atan((joint.forward - std::sqrt(root2)) / (k + joint.out));

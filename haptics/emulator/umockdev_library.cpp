@@ -2,7 +2,7 @@
 #include "haptics/emulator/umockdev_library.h"
 
 #include "base/error.h"
-#include "base/system_library.h"
+#include "base/system/library.h"
 
 namespace sparsha::haptics::emulator {
 namespace {

@@ -141,7 +141,7 @@ int UsbPort::submit(Client& client, UMockdevIoctlData* argument, double now_s) {
     control(client, block, now_s);
     return 0;
   }
-  // The kernel claims for whoever has forgotten to.
+  // The kernel claims it for a program that has not.
   if (!client.claims && claim(client, false) != 0) {
     umockdev_.unref(block.data);
     return EBUSY;

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kArmingTime = 0.050;  // s in free space
+constexpr double kArmingS = 0.050;  // in free space
 
 // Nothing that a hand holds is stronger, stiffer or more damped.
 constexpr double kMostForceN = 100.0;
@@ -113,7 +113,7 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcep
     stiffness_n_per_m_ = target;
     wished_s_ = kWishS;
   } else if (wished_s_ < kWishS && stiffness_n_per_m_ <= borne_share_ * limit) {
-    // By the wish: a smooth step, so that it is no kick. What the loop does not bear goes at once, below.
+    // A changed wish is followed smoothly, without a jump of force. What the loop does not bear goes at once, below.
     const double left = 1.0 - smooth_step(wished_s_ / kWishS);
     wished_s_ = std::min(kWishS, wished_s_ + pace_s);
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWishS)) / left);
@@ -156,7 +156,7 @@ GovernorOutput Governor::without_news(double period_s) noexcept {
 
 void Governor::count_free_time(const GovernorInput& input) noexcept {
   free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, pace_s_);
-  if (free_s_ < kArmingTime) return;
+  if (free_s_ < kArmingS) return;
   armed_ = true;
   if (!input.guided) energy_j_ = 0.0;
 }
@@ -258,8 +258,9 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
 
 Vector3d Governor::velocity() const noexcept { return motion_.velocity(step_m_ > 0.0 ? step_m_ : kLikelyEncoderStepM); }
 
-/// Takes from the force where the hand moves out, never below zero: the wall gives back less than it got. A hand that
-/// has swung is braked along the surface too: on bumps the wall's side forces come as late as its normal ones.
+/// Takes from the force where the hand moves out, never below zero: the wall returns less energy than it received. A
+/// hand that has swung is braked along the surface too: on bumps the wall's side forces come as late as its normal
+/// ones.
 Vector3d Governor::damped(const GovernorInput& input) const noexcept {
   const double magnitude_n = input.force_n.norm();
   if (!damping_ || !(magnitude_n > 0.0)) return input.force_n;
@@ -275,12 +276,12 @@ Vector3d Governor::damped(const GovernorInput& input) const noexcept {
   return force_n;
 }
 
-/// What the hand put in over the last interval, with the force that the device held then. Credited is the damping that
-/// every hand has, and no move within an encoder's step is booked: their flicker would drain the books of a hand at
-/// rest. Gains count only as far as the spring stores them: what friction ate cannot come back. What a guide has wound
-/// its springs up by is no gain of the hand's, and no debt when the hand gets it. Over a gap nobody knows how long the
-/// force was held: a move outwards is booked with all of it, one inwards with none.
-void Governor::book(const GovernorInput& input) noexcept {
+/// The energy that the hand put in over the last interval, with the force that the device held then. The damping that
+/// every hand has is added, and moves within an encoder's step are left out: quantisation would make the observed
+/// energy of a hand at rest fall. Energy counts only as far as the spring stores it: friction does not return what it
+/// dissipates. What a guide has put into its springs counts as if the hand had, so that the hand may get it. Over a gap
+/// the time for which the force was held is unknown: a move outwards counts with all of the force, one inwards with none.
+void Governor::observe_energy(const GovernorInput& input) noexcept {
   displacement_m_.setZero();
   damped_j_ = 0.0;
   if (has_last_) {
@@ -288,12 +289,12 @@ void Governor::book(const GovernorInput& input) noexcept {
     Vector3d held_n = commanded_n_[delay()];
     if (gap_n_.squaredNorm() > held_n.squaredNorm()) held_n = gap_n_;
     const double held = held_n.norm();
-    displacement_m_ = input.position_m - booked_m_;
+    displacement_m_ = input.position_m - observed_m_;
     if (held > 0.0) {
       const double along_m = displacement_m_.dot(held_n) / held;
       displacement_m_ -= held_n * (std::clamp(along_m, -kPlay * step_m_, kPlay * step_m_) / held);
     }
-    booked_m_ += displacement_m_;
+    observed_m_ += displacement_m_;
     if (!gap)
       damped_j_ = std::min(kCreditNSPerM, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
                   std::max(input.period_s, pace_s_);
@@ -302,7 +303,7 @@ void Governor::book(const GovernorInput& input) noexcept {
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
     energy_j_ = std::min(energy_j_ + std::min(work_j + input.supplied_j, stored_j), input.spring_energy_j);
   } else {
-    booked_m_ = input.position_m;
+    observed_m_ = input.position_m;
   }
   has_last_ = true;
   gap_s_ = 0.0;
@@ -320,8 +321,8 @@ Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexce
   return from + clamped(force_n - from, limits_.slew_n_per_s * period_s);
 }
 
-/// Takes from the force what would deliver more than is in the books, the forces already on their way included, if the
-/// hand goes on as it moved last.
+/// Takes from the force what would deliver more than the observed energy, the forces already on their way included, if
+/// the hand goes on as it moved last.
 Vector3d Governor::passive(const Vector3d& force_n) const noexcept {
   const double outward_j = force_n.dot(displacement_m_);
   if (outward_j <= 0.0) return force_n;
@@ -349,7 +350,7 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   jitters_ = slow_period_s(input.nominal_period_s) >= kJitter * pace_s_;
   count_free_time(input);
   watch_hand(input);
-  book(input);
+  observe_energy(input);
   if (!armed_) return command(Vector3d::Zero(), false);
   const Vector3d most = clamped(damped(input), limits_.max_force_n);
   const Vector3d grown = slewed(most, std::min(input.period_s, pace_s_));

@@ -16,7 +16,7 @@
 namespace sparsha::haptics {
 
 inline constexpr int kLongestDelayTicks = 4;
-/// What the books of a contact open with, joules: less than a touch feels.
+/// Energy that a contact may deliver before it has received any, joules: less than a touch feels.
 inline constexpr double kOverdraftJ = 50e-6;
 
 /// What a device can bear.
@@ -59,7 +59,7 @@ struct GovernorInput {
   double nominal_period_s = 0.001;  ///< of the servo's plan
   bool fresh = true;                ///< the position is new and finite
   bool contact = false;
-  bool guided = false;  ///< a guide adds to the force: its books go on in free space
+  bool guided = false;  ///< a guide adds to the force: energy is observed in free space too
 };
 
 struct GovernorOutput {
@@ -111,7 +111,7 @@ class Governor {
   void learn_step(double moved_m, double period_s) noexcept;
   [[nodiscard]] Eigen::Vector3d damped(const GovernorInput& input) const noexcept;
   void count_free_time(const GovernorInput& input) noexcept;
-  void book(const GovernorInput& input) noexcept;
+  void observe_energy(const GovernorInput& input) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
   [[nodiscard]] Eigen::Vector3d passive(const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] GovernorOutput command(const Eigen::Vector3d& force_n, bool saturated) noexcept;
@@ -129,7 +129,7 @@ class Governor {
   double damped_j_ = 0.0;
   double last_spring_energy_j_ = 0.0;
   double energy_j_ = 0.0;
-  Eigen::Vector3d booked_m_ = Eigen::Vector3d::Zero();  // the hand without the encoder's flicker
+  Eigen::Vector3d observed_m_ = Eigen::Vector3d::Zero();  // the hand without the encoder's flicker
 
   LoopMeter<2048> periods_;  // some seconds: its percentile hardly moves with jitter
   LoopMeter<> recent_periods_;

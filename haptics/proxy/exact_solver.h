@@ -24,7 +24,7 @@ class ExactSolver {
   ExactSolver(const Surface& surface, const CellVector& hip, const SolverOptions& options) noexcept
       : surface_(surface), hip_(hip), tolerance_(options.tolerance_cells), limit_(options.segment_limit) {}
 
-  /// Puts `p` on the surface or into the air, where the state's say-so no longer holds, and moves it to rest.
+  /// Puts `p` on the surface or into the air, where the state's contact no longer holds, and moves it to rest.
   void settle_and_solve(CellPoint& p, bool& contact, bool& sticking) noexcept {
     settle_on(surface_.patch(p.i, p.j), p, contact);
     course_.sticking = kFriction && contact && sticking;

@@ -3,7 +3,7 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::haptics {
 namespace fs = std::filesystem;

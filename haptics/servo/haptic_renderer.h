@@ -56,7 +56,7 @@ class HapticRenderer {
   /// The same for a tick of a recording, with its centre, stiffness, times and faults instead of this run's.
   void replay(const DeviceSample& sample, const RecordedTick& recorded) noexcept;
 
-  /// Solves and governs the last hand position once more on copies and forgets the result: the core that wakes from
+  /// Solves and governs the last hand position once more on copies and discards the result: the core that wakes from
   /// sleep then has the next tick's code and data in its caches. Changes nothing.
   void rehearse() const noexcept;
 

@@ -155,8 +155,8 @@ void Servo::run() noexcept {
   publisher_.publish_rest(renderer_);
 }
 
-// A core that wakes from sleep is slow for its first microseconds: it wakes early, rehearses, and waits awake. A clock
-// that went backwards meanwhile is for the tick to judge.
+// A core that wakes from sleep is slow for its first microseconds: it wakes early, computes the last tick once more,
+// and polls the clock. Whether the clock went backwards meanwhile is decided by the tick.
 void Servo::wait_until(std::int64_t planned_ns) noexcept {
   options_.clock.sleep_until_ns(planned_ns - kRehearsalNs);
   const auto left_ns = [&] { return planned_ns - options_.clock.now_ns(); };

@@ -20,9 +20,9 @@ constexpr double kNothingN = 0.01;     // is not felt
 constexpr double kStepN = 0.034;       // most per tick
 constexpr double kWholeStepN = 0.045;  // with what the hand's own motion adds
 constexpr double kLeastStepN = 0.008;
-constexpr double kTurn = 0.065;   // most per tick, radians
-constexpr double kFeltN = 0.05;   // of a smaller force nobody feels the direction
-constexpr double kNearM = 0.005;  // farther from where the swap was, the old surface says little
+constexpr double kTurnRad = 0.065;  // most per tick
+constexpr double kFeltN = 0.05;     // of a smaller force nobody feels the direction
+constexpr double kNearM = 0.005;    // farther from where the swap was, the old surface says little
 
 }  // namespace
 
@@ -66,7 +66,7 @@ double SwapFade::step(const Vector3d& old_n, const Vector3d& way_n, double chang
   const double now = now_n.norm();
   if (now > kFeltN) {
     const double across = (way_n - now_n * (way_n.dot(now_n) / (now * now))).norm();
-    most = std::min(most, kTurn * now / std::max(across, kTurn * now));
+    most = std::min(most, kTurnRad * now / std::max(across, kTurnRad * now));
   }
   double next = std::min(1.0, time_share_ + period_s / duration_s_);
   if (smooth_step(next) - share > most) {

@@ -19,6 +19,8 @@
 #include "haptics/session/announcer.h"
 #include "haptics/session/button_tour.h"
 #include "haptics/session/buttons.h"
+#include "haptics/session/fault_watch.h"
+#include "haptics/session/gestures.h"
 #include "haptics/session/guide_control.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/window_loader.h"
@@ -29,7 +31,6 @@ namespace {
 
 constexpr double kSlowestHz = 100.0;
 constexpr double kFastestHz = 10000.0;
-constexpr double kFaultPauseS = 3.0;
 constexpr double kHelpAgainS = 30.0;
 // Of what is asked for step by step.
 constexpr double kSoftestNPerM = 50.0;
@@ -47,33 +48,6 @@ double checked_rate(double rate_hz, double own_rate_hz) {
 pipeline::ScenePointer first_recorded(const RecordedScenes& scenes, const Recording& recording) {
   scenes.require(recording);
   return scenes.of(recording.windows().front());
-}
-
-// What a key does as a button does it, so that the tour is learnt with either.
-std::optional<Gesture> gesture_of(const Request& request) {
-  using Kind = Request::Kind;
-  switch (request.kind) {
-    case Kind::zoom_in:
-      return Gesture::zoom_in;
-    case Kind::zoom_out:
-      return Gesture::zoom_out;
-    case Kind::next_part:
-      return Gesture::next_part;
-    case Kind::previous_part:
-      return Gesture::previous_part;
-    case Kind::whole_scene:
-      return Gesture::whole_scene;
-    case Kind::drag:
-      return request.on ? Gesture::drag : Gesture::let_go;
-    case Kind::describe:
-      return Gesture::describe;
-    case Kind::guide:
-      return Gesture::guide;
-    case Kind::help:
-      return Gesture::help;
-    default:
-      return std::nullopt;
-  }
 }
 
 }  // namespace
@@ -156,84 +130,109 @@ struct Session::Implementation {
       case Request::Kind::describe:
         describe(now);
         return;
-      case Request::Kind::set_stiffness:
-      case Request::Kind::scale_stiffness: {
-        if (!(request.x >= 0.0) || recording) return;
-        const double wish_n_per_m = request.kind == Request::Kind::set_stiffness
-                                        ? request.x
-                                        : std::clamp(rendered(now) * request.x, kSoftestNPerM, kHardestNPerM);
-        stiffness_n_per_m = governed(wish_n_per_m);
-        Command command;
-        command.kind = Command::Kind::stiffness;
-        command.stiffness_n_per_m = stiffness_n_per_m;
-        post(std::move(command));
-        say_stiffness(wish_n_per_m, now);
-        return;
-      }
-      case Request::Kind::help:
-        // Asked for once more, help becomes a tour.
-        if (now.time_s - helped_s < kHelpAgainS) return serve({Request::Kind::tour}, now);
-        helped_s = now.time_s;
-        announcer.say("help");
-        return;
-      case Request::Kind::help_keys:
-        announcer.say("help_keys");
-        return;
       case Request::Kind::repeat:
         announcer.repeat();
-        return;
-      case Request::Kind::speak_slower:
-        announcer.control(Announcement::Control::slower, "speech_slower");
-        return;
-      case Request::Kind::speak_faster:
-        announcer.control(Announcement::Control::faster, "speech_faster");
-        return;
-      case Request::Kind::next_voice:
-        announcer.control(Announcement::Control::next_voice, "speech_voice");
-        return;
-      case Request::Kind::set_speech:
-        if (speaks == request.on) return;
-        [[fallthrough]];
-      case Request::Kind::toggle_speech:
-        helped_s = -kHelpAgainS;  // a hold for speech helps on its way; the next one is to help, not to begin the tour
-        speaks = !speaks;
-        announcer.control(Announcement::Control::toggle, speaks ? Phrase("speech_on") : Phrase("speech_off"));
         return;
       case Request::Kind::fresh_visitor:
         welcome_next();
         return;
+      case Request::Kind::help:
+      case Request::Kind::help_keys:
       case Request::Kind::tour:
-        helped_s = -kHelpAgainS;
-        tour.start(now.time_s, !scene->description().config.parts.empty());
+        help(request, now);
         return;
-      case Request::Kind::drag: {
-        if (recording) return;
-        Command command;
-        command.kind = Command::Kind::drag;
-        command.on = request.on;
-        post(std::move(command));
-        return;
-      }
-      case Request::Kind::guide:
-        if (recording || (request.on && std::exchange(hold_ended_guide, false))) return;
-        if (guide.on())
-          post(guide.stop());
-        else
-          guide.ask(guide_wish(now, true));
-        return;
-      case Request::Kind::next_part:
-      case Request::Kind::previous_part:
-        if (recording) return;
-        if (request.on) hold_ended_guide = guide.on();
-        if (request.on && hold_ended_guide) return post(guide.stop());
-        request_window(navigator.wish(request, now));
-        // A guide along a part goes with the visitor to the next one.
-        if (guide.on()) guide.ask(guide_wish(now, false));
+      case Request::Kind::speak_slower:
+      case Request::Kind::speak_faster:
+      case Request::Kind::next_voice:
+      case Request::Kind::set_speech:
+      case Request::Kind::toggle_speech:
+        change_speech(request);
         return;
       default:
-        if (recording) return;
+        if (!recording) change_touch(request, now);
+    }
+  }
+
+  void help(const Request& request, const State& now) {
+    if (request.kind == Request::Kind::help_keys) return announcer.say("help_keys");
+    // Asked for once more, help becomes a tour.
+    if (request.kind == Request::Kind::tour || now.time_s - helped_s < kHelpAgainS) {
+      helped_s = -kHelpAgainS;
+      return tour.start(now.time_s, !scene->description().config.parts.empty());
+    }
+    helped_s = now.time_s;
+    announcer.say("help");
+  }
+
+  void change_speech(const Request& request) {
+    switch (request.kind) {
+      case Request::Kind::speak_slower:
+        return announcer.control(Announcement::Control::slower, "speech_slower");
+      case Request::Kind::speak_faster:
+        return announcer.control(Announcement::Control::faster, "speech_faster");
+      case Request::Kind::next_voice:
+        return announcer.control(Announcement::Control::next_voice, "speech_voice");
+      default:
+        break;
+    }
+    if (request.kind == Request::Kind::set_speech && speaks == request.on) return;
+    helped_s = -kHelpAgainS;  // a hold for speech helps on its way; the next one is to help, not to begin the tour
+    speaks = !speaks;
+    announcer.control(Announcement::Control::toggle, speaks ? Phrase("speech_on") : Phrase("speech_off"));
+  }
+
+  // What changes what the hand feels or where it is.
+  void change_touch(const Request& request, const State& now) {
+    switch (request.kind) {
+      case Request::Kind::set_stiffness:
+      case Request::Kind::scale_stiffness:
+        return change_stiffness(request, now);
+      case Request::Kind::drag:
+        return drag(request.on);
+      case Request::Kind::guide:
+        return change_guide(request, now);
+      case Request::Kind::next_part:
+      case Request::Kind::previous_part:
+        return go_to_part(request, now);
+      default:
         request_window(navigator.wish(request, now));
     }
+  }
+
+  void change_stiffness(const Request& request, const State& now) {
+    if (!(request.x >= 0.0)) return;
+    const double wish_n_per_m = request.kind == Request::Kind::set_stiffness
+                                    ? request.x
+                                    : std::clamp(rendered(now) * request.x, kSoftestNPerM, kHardestNPerM);
+    stiffness_n_per_m = governed(wish_n_per_m);
+    Command command;
+    command.kind = Command::Kind::stiffness;
+    command.stiffness_n_per_m = stiffness_n_per_m;
+    post(std::move(command));
+    say_stiffness(wish_n_per_m, now);
+  }
+
+  void drag(bool on) {
+    Command command;
+    command.kind = Command::Kind::drag;
+    command.on = on;
+    post(std::move(command));
+  }
+
+  void change_guide(const Request& request, const State& now) {
+    if (request.on && std::exchange(hold_ended_guide, false)) return;
+    if (guide.on())
+      post(guide.stop());
+    else
+      guide.ask(guide_wish(now, true));
+  }
+
+  void go_to_part(const Request& request, const State& now) {
+    if (request.on) hold_ended_guide = guide.on();
+    if (request.on && hold_ended_guide) return post(guide.stop());
+    request_window(navigator.wish(request, now));
+    // A guide along a part goes with the visitor to the next one.
+    if (guide.on()) guide.ask(guide_wish(now, false));
   }
 
   // Nothing of the visitor before is left to the next one.
@@ -244,9 +243,7 @@ struct Session::Implementation {
     tour.stop();
     if (recording) return;
     if (guide.on()) post(guide.stop(true));
-    Command command;
-    command.kind = Command::Kind::drag;
-    post(std::move(command));
+    drag(false);
     navigator.forget_part();
   }
 
@@ -275,75 +272,6 @@ struct Session::Implementation {
     const std::vector<Gesture> gestures = buttons.read(now);
     for (const Gesture gesture : gestures) serve(request_of(gesture), now);
     tour.watch(gestures, now.time_s);
-  }
-
-  static Request request_of(Gesture gesture) {
-    using Kind = Request::Kind;
-    switch (gesture) {
-      case Gesture::zoom_in:
-        return {Kind::zoom_in};
-      case Gesture::zoom_out:
-        return {Kind::zoom_out};
-      case Gesture::next_part:
-        return {Kind::next_part, 0.0, 0.0, true};
-      case Gesture::previous_part:
-        return {Kind::previous_part, 0.0, 0.0, true};
-      case Gesture::whole_scene:
-        return {Kind::whole_scene};
-      case Gesture::drag:
-        return {Kind::drag, 0.0, 0.0, true};
-      case Gesture::let_go:
-        return {Kind::drag, 0.0, 0.0, false};
-      case Gesture::help:
-        return {Kind::help};
-      case Gesture::guide:
-        return {Kind::guide, 0.0, 0.0, true};
-      case Gesture::speech_on:
-      case Gesture::speech_off:
-        return {Kind::set_speech, 0.0, 0.0, gesture == Gesture::speech_on};
-      case Gesture::describe:
-        break;
-    }
-    return {Kind::describe};
-  }
-
-  struct Told {
-    std::uint64_t count = 0;
-    double time_s = -1e9;
-  };
-  // Once when it happens, and again every few seconds while it goes on.
-  void tell_fault(std::uint64_t count, double time_s, Told& told, Phrase words) {
-    if (count == told.count || time_s - told.time_s < kFaultPauseS) return;
-    told = {count, time_s};
-    announcer.say(words, {}, Announcement::Priority::fault);
-  }
-
-  void watch_faults(const State& now) {
-    if (!told_real_time && servo->asked_for_real_time()) {
-      told_real_time = true;
-      if (options.real_time && !servo->real_time()) announcer.say("no_real_time", {}, Announcement::Priority::warning);
-      if (options.real_time && !servo->locked_memory())
-        announcer.say("no_locked_memory", {}, Announcement::Priority::warning);
-    }
-    plugged = plugged || (now.tick > 0 && !servo->unplugged());
-    if (plugged && servo->unplugged() && !unplugged_told) announcer.say("unplugged", {}, Announcement::Priority::fault);
-    unplugged_told = servo->unplugged();
-    if (const DeviceAdvice* const advice = device->advice(); advice != advice_told) {
-      advice_told = advice;
-      if (advice != nullptr)
-        announcer.say_as_is(announcer.phrases().text_or(advice->phrase),
-                            advice->needed ? Announcement::Priority::warning : Announcement::Priority::information);
-    }
-    tell_fault(servo->silences(), now.time_s, silences_told, "went_soft");
-    tell_fault(servo->bad_positions(), now.time_s, bad_positions_told, "hand_lost");
-    if (now.dropped_records > dropped_told) {
-      dropped_told = now.dropped_records;
-      announcer.say("recording_loses_rows", {}, Announcement::Priority::warning);
-    }
-    if (scenes_lost_told) return;
-    const std::string lost = keeper.failure();
-    scenes_lost_told = !lost.empty();
-    if (scenes_lost_told) announcer.say("not_written", {{"reason", lost}}, Announcement::Priority::warning);
   }
 
   // The recording goes on to another of its scenes.
@@ -388,14 +316,7 @@ struct Session::Implementation {
   bool quit = false;
   std::uint64_t windows_loaded = 1;
   double window_load_s_max = 0.0;
-  bool told_real_time = false;
-  bool plugged = false;  // at any time: who begins without a device hears the device's own advice
-  bool unplugged_told = false;
-  const DeviceAdvice* advice_told = nullptr;
-  Told silences_told;
-  Told bad_positions_told;
-  std::uint64_t dropped_told = 0;
-  bool scenes_lost_told = false;
+  FaultWatch faults{announcer, options.real_time};
 };
 
 Session::Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options)
@@ -449,7 +370,7 @@ void Session::poll() {
   const State now = self.state.read();
   if (self.servo) {
     self.servo->collect();
-    self.watch_faults(now);
+    self.faults.watch(now, *self.servo, *self.device, self.keeper);
   }
   if (now.tick > 0) {
     if (self.replay) self.follow_recording(now);

@@ -5,8 +5,8 @@
 #include <Eigen/LU>
 
 #include "scene/config.h"
+#include "scene/measured_spectrum.h"
 #include "scene/regions.h"
-#include "scene/scene_spectrum.h"
 
 namespace sparsha::haptics {
 std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene, const WindowPlan& plan,

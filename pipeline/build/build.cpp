@@ -25,8 +25,8 @@
 #include "pipeline/projection/projection.h"
 #include "pipeline/register/register.h"
 #include "pipeline/scan/repeated.h"
+#include "scene/folder/folder.h"
 #include "scene/regions.h"
-#include "scene/scene_folder.h"
 
 namespace sparsha::pipeline {
 namespace {

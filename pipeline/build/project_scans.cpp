@@ -22,7 +22,7 @@
 #include "pipeline/outofcore/tiled_check.h"
 #include "pipeline/outofcore/tiled_projection.h"
 #include "pipeline/projection/projector.h"
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 
 namespace sparsha::pipeline {
 namespace {

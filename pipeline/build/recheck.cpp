@@ -9,7 +9,7 @@
 #include "base/thread_pool.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/scan/repeated.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;

@@ -7,7 +7,7 @@
 #include "base/files.h"
 #include "base/lower_case.h"
 #include "pipeline/export/formats.h"
-#include "scene/layer_file.h"
+#include "scene/folder/layer_file.h"
 
 namespace sparsha::pipeline {
 namespace {

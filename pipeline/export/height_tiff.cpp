@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/tiff_file.h"
+#include "scene/folder/tiff_file.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -29,21 +29,21 @@ class Output {
     const std::size_t at = buffer_.size();
     buffer_.resize(at + sizeof(word));
     std::memcpy(&buffer_[at], &word, sizeof(word));
-    spill(kBuffer);
+    flush(kBuffer);
   }
   template <typename... Values>
   void print(fmt::format_string<Values...> format, Values&&... values) {
     fmt::format_to(std::back_inserter(buffer_), format, std::forward<Values>(values)...);
-    spill(kBuffer);
+    flush(kBuffer);
   }
   void close() {
-    spill(0);
+    flush(0);
     stream_.close();
     check();
   }
 
  private:
-  void spill(std::size_t limit) {
+  void flush(std::size_t limit) {
     if (buffer_.size() <= limit) return;
     stream_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     buffer_.clear();

@@ -14,7 +14,7 @@
 #include "pipeline/export/formats.h"
 #include "pipeline/export/height_tiff.h"
 #include "pipeline/export/node_rows.h"
-#include "scene/layer_file.h"
+#include "scene/folder/layer_file.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -12,7 +12,7 @@
 namespace sparsha::pipeline {
 
 /// A kd-tree with 16 points a leaf. All points of a leaf are searched together: what is near one of them is near all,
-/// so the way through the tree is paid once, and distances are taken sixteen at a time. Distances are float32 and
+/// so the tree is descended once for all of them, and distances are taken sixteen at a time. Distances are float32 and
 /// computed as FLANN does, (dx^2 + dy^2) + dz^2, so that the neighbours are the same.
 class NeighbourTree {
  public:

@@ -8,7 +8,7 @@
 #include "base/context.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/point_test.h"
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 
 namespace sparsha::pipeline {
 

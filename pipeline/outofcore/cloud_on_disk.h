@@ -13,7 +13,7 @@
 #include "pipeline/filter/streamed.h"
 #include "pipeline/outofcore/point_file.h"
 #include "pipeline/projection/points.h"
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 #include "scene/config.h"
 
 namespace sparsha::pipeline {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 #include "scene/config.h"
 #include "scene/depth_grid.h"
 

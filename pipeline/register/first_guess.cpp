@@ -235,7 +235,7 @@ class Guesser {
     }
   }
 
-  // A scan has got its pose: it offers places to others, and has its say about those that were offered before.
+  // A scan has got its pose: it gives places to try for others, and the places found before are compared with it.
   void add(std::size_t placed) {
     placed_[placed] = true;
     std::erase_if(places_, [&](const Place& place) { return place.scan == placed; });

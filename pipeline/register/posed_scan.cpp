@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "pipeline/scan/origin.h"
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "base/system_library.h"
+#include "base/system/library.h"
 
 namespace sparsha::pipeline {
 namespace {

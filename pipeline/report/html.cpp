@@ -14,7 +14,7 @@
 #include "pipeline/report/page.h"
 #include "pipeline/report/scan_graph.h"
 #include "pipeline/report/svg.h"
-#include "scene/layer_file.h"
+#include "scene/folder/layer_file.h"
 
 namespace sparsha::pipeline {
 namespace {

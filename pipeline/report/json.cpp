@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/report/report.h"
-#include "scene/layer_file.h"
+#include "scene/folder/layer_file.h"
 
 #ifndef SPARSHA_VERSION
 #define SPARSHA_VERSION "unknown"

@@ -5,7 +5,7 @@
 
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/reader.h"
-#include "pipeline/scan/scan_statistics.h"
+#include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
 
 namespace sparsha::pipeline {

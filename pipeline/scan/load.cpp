@@ -1,7 +1,7 @@
 // From files to one cloud in metres.
 #include "base/progress.h"
 #include "pipeline/scan/reader.h"
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {

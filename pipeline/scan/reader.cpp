@@ -5,6 +5,7 @@
 #include <array>
 
 #include "base/lower_case.h"
+#include "pipeline/scan/file.h"
 #include "pipeline/scan/formats/e57/e57.h"
 #include "pipeline/scan/formats/las/las.h"
 #include "pipeline/scan/formats/obj.h"
@@ -14,9 +15,8 @@
 #include "pipeline/scan/formats/stl.h"
 #include "pipeline/scan/formats/text/xyz.h"
 #include "pipeline/scan/read_bytes.h"
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
 #include "pipeline/scan/text.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 namespace {

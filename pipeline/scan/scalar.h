@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "pipeline/scan/scan_file.h"
+#include "pipeline/scan/file.h"
 
 namespace sparsha::pipeline {
 

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "pipeline/scan/reader.h"
-#include "pipeline/scan/scan_statistics.h"
+#include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/group.h"
 #include "pipeline/suggest/search.h"

@@ -12,7 +12,7 @@
 #include "pipeline/projection/projector.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/origin.h"
-#include "pipeline/scan/scan_statistics.h"
+#include "pipeline/scan/statistics.h"
 #include "pipeline/suggest/view.h"
 
 namespace sparsha::pipeline {

@@ -13,7 +13,7 @@
 #include "base/files.h"
 #include "pipeline/build/build.h"
 #include "program.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 #include "tests/support/changing_scenes.h"
 
 namespace sparsha {

@@ -15,7 +15,7 @@
 
 #include "app/speaker.h"
 #include "program.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 #include "tests/support/guided_visit.h"
 
 namespace sparsha {

@@ -21,7 +21,7 @@
 #include "audio/speech/child_process.h"
 #include "base/error.h"
 #include "base/system.h"
-#include "base/system_library.h"
+#include "base/system/library.h"
 #include "taps.h"
 
 namespace sound_server {

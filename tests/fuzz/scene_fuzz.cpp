@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "scene/layer_file.h"
+#include "scene/folder/layer_file.h"
 #include "scene/scene.h"
 #include "tests/fuzz/fuzz_file.h"
 

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 #include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "scene/layer_file.h"
+#include "scene/folder/layer_file.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

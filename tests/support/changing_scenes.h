@@ -18,7 +18,7 @@
 
 #include "haptics/device/simulated/simulated_device.h"
 #include "haptics/session/session.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 #include "tests/support/scenes.h"
 
 namespace sparsha::test {

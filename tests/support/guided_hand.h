@@ -1,4 +1,4 @@
-// A hand that is led: its mechanics, its clock and its books share no code with the guide or the governor.
+// A hand that is led: its mechanics, its clock and its energy account share no code with the guide or the governor.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // A hand that taps, through a loop with a delay and a rate of its own, and the share of a force's energy above a
-// frequency. Mechanics, books and spectrum share no code with the renderer, the governor or the effects.
+// frequency. Mechanics, energy account and spectrum share no code with the renderer, the governor or the effects.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // A hand that touches a surface through the renderer, with the delays, rates and losses that a real loop has. Its
-// mechanics, its clock and its books share no code with the governor or with the simulated device.
+// mechanics, its clock and its energy account share no code with the governor or with the simulated device.
 #pragma once
 
 #include <algorithm>

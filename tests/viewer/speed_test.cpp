@@ -11,7 +11,7 @@
 #include "relief_scene.h"
 #include "studio.h"
 #include "tests/viewer/cloud/points.h"
-#include "viewer/cloud/cloud_mode.h"
+#include "viewer/cloud/mode.h"
 
 namespace sparsha::viewer::test {
 namespace {

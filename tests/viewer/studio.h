@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "viewer/controller.h"
+#include "viewer/controller/controller.h"
 #include "viewer/gl/offscreen.h"
 #include "viewer/gui/gui.h"
 #include "viewer/picture.h"

@@ -1,4 +1,4 @@
-// An OpenGL 3.3 core context without a display (EGL, surfaceless), current on the calling thread while it lives.
+// An OpenGL 3.3 core context without a display (EGL, surfaceless), current on the calling thread while it exists.
 #pragma once
 
 #include <memory>

@@ -112,7 +112,7 @@ void main() {
   vec3 l = decode(texelFetch(left, p, 0).rgb);
   vec3 r = decode(texelFetch(right, p, 0).rgb);
   if (grey) {
-    // Hues that only one eye sees make the eyes fight.
+    // Hues that only one eye sees cause binocular rivalry.
     l = vec3(dot(l, vec3(0.2126, 0.7152, 0.0722)));
     r = vec3(dot(r, vec3(0.2126, 0.7152, 0.0722)));
   }

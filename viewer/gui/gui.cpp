@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "viewer/gui/brush.h"
 #include "viewer/gui/parts.h"
-#include "viewer/kiosk/kiosk_help.h"
+#include "viewer/kiosk/help.h"
 #include "viewer/picture.h"
 
 namespace sparsha::viewer {

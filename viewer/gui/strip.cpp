@@ -38,7 +38,7 @@ void draw_strip(const Brush& brush, const Frame& frame, const Layout& layout) {
     const Curve& curve = curves[c];
     double most = curve.least;
     for (const Strip::Sample& sample : samples) most = std::max(most, curve.factor * (sample.*curve.value));
-    // Full scale in steps, so that the curve does not breathe.
+    // Full scale in steps, so that the curve is not rescaled at every sample.
     const double full = std::exp2(std::ceil(std::log2(most / curve.least))) * curve.least;
     brush.text(brush.fonts.small, x + static_cast<float>(c) * third, y, curve.colour,
                brush.elided(brush.fonts.small, fmt::format("{} {:.3g} {}", curve.name, full, curve.unit),

@@ -11,8 +11,8 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
+#include "scene/folder/folder.h"
 #include "scene/length_unit.h"
-#include "scene/scene_folder.h"
 #include "viewer/frame.h"
 
 namespace sparsha::viewer {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "base/system_process.h"
+#include "base/system/process.h"
 #include "haptics/device/falcon/transport.h"
 
 namespace sparsha::haptics::falcon {

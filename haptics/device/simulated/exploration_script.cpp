@@ -10,18 +10,18 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kHoverHeightM = 0.03;   // first height above the device's origin, where the surface is
-constexpr double kLiftM = 0.025;         // above the last place that was touched
-constexpr double kApproachSpeed = 0.05;  // m/s
-constexpr double kTravelSpeed = 0.15;    // m/s, in the air
-constexpr double kTouchForceN = 0.15;    // a fingertip notices this
-constexpr double kForceGain = 0.02;      // m/s of intended depth per newton missing
-constexpr double kSearchSpeed = 0.08;    // m/s downwards when the surface is lost
-constexpr double kLateralLimitN = 2.0;   // a wall: slow down and climb
-constexpr double kClimbSpeed = 0.04;     // m/s
+constexpr double kHoverHeightM = 0.03;  // first height above the device's origin, where the surface is
+constexpr double kLiftM = 0.025;        // above the last place that was touched
+constexpr double kApproachMPerS = 0.05;
+constexpr double kTravelMPerS = 0.15;      // in the air
+constexpr double kTouchForceN = 0.15;      // a fingertip notices this
+constexpr double kForceGainMPerNS = 0.02;  // intended depth per newton missing
+constexpr double kSearchMPerS = 0.08;      // downwards when the surface is lost
+constexpr double kLateralLimitN = 2.0;     // a wall: slow down and climb
+constexpr double kClimbMPerS = 0.04;
 constexpr double kLongestApproachS = 2.0;
-constexpr double kDeepestM = -0.2;    // nobody reaches through the table
-constexpr double kStrikeSpeed = 0.3;  // m/s
+constexpr double kDeepestM = -0.2;  // nobody reaches through the table
+constexpr double kStrikeMPerS = 0.3;
 constexpr double kStruckForceN = 0.4;
 constexpr double kLongestStrikeS = 0.4;
 constexpr double kTourStrokeS = 2.6;
@@ -101,15 +101,15 @@ void ExplorationScript::enter(Phase phase) noexcept {
 void ExplorationScript::regulate(const Eigen::Vector3d& felt_force_n, double dt_s) noexcept {
   const double up_n = felt_force_n.z();
   const double lateral_n = std::hypot(felt_force_n.x(), felt_force_n.y());
-  double rate = -kForceGain * (wanted_force_n_ - up_n);
-  if (up_n < kTouchForceN && lateral_n < kTouchForceN) rate = -kSearchSpeed;
-  if (lateral_n > kLateralLimitN) rate = kClimbSpeed;
-  target_m_.z() = std::max(kDeepestM, target_m_.z() + std::clamp(rate, -kSearchSpeed, kClimbSpeed) * dt_s);
+  double rate = -kForceGainMPerNS * (wanted_force_n_ - up_n);
+  if (up_n < kTouchForceN && lateral_n < kTouchForceN) rate = -kSearchMPerS;
+  if (lateral_n > kLateralLimitN) rate = kClimbMPerS;
+  target_m_.z() = std::max(kDeepestM, target_m_.z() + std::clamp(rate, -kSearchMPerS, kClimbMPerS) * dt_s);
 }
 
 void ExplorationScript::hover(double dt_s) noexcept {
   const Eigen::Vector3d way = goal_m_ - target_m_;
-  const double longest = kTravelSpeed * dt_s;
+  const double longest = kTravelMPerS * dt_s;
   if (way.norm() > longest) {
     target_m_ += way * (longest / way.norm());
     return;
@@ -140,11 +140,11 @@ const Eigen::Vector3d& ExplorationScript::advance(const Eigen::Vector3d& felt_fo
       hover(dt_s);
       break;
     case Phase::approach:
-      target_m_.z() -= kApproachSpeed * dt_s;
+      target_m_.z() -= kApproachMPerS * dt_s;
       if (felt_force_n.norm() > kTouchForceN || phase_s_ >= phase_length_s_) enter(Phase::press);
       break;
     case Phase::strike:
-      target_m_.z() -= kStrikeSpeed * dt_s;
+      target_m_.z() -= kStrikeMPerS * dt_s;
       if (felt_force_n.norm() > kStruckForceN || phase_s_ >= phase_length_s_) enter(Phase::lift);
       break;
     case Phase::press:
@@ -164,7 +164,7 @@ const Eigen::Vector3d& ExplorationScript::advance(const Eigen::Vector3d& felt_fo
     case Phase::lift:
       // Through the air from where the hand really is: the intended place lies below the surface.
       if (phase_s_ <= dt_s) goal_m_.z() = std::max(std::max(hand_m.z(), target_m_.z()) + kLiftM, kHoverHeightM);
-      target_m_.z() += kTravelSpeed * dt_s;
+      target_m_.z() += kTravelMPerS * dt_s;
       if (target_m_.z() >= goal_m_.z()) {
         if (stop() != nullptr) ++next_;
         enter(Phase::hover);

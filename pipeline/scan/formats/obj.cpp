@@ -51,7 +51,7 @@ bool is_vertex(std::string_view statement) {
   return statement.size() > 1 && statement[0] == 'v' && is_blank(statement[1]);
 }
 
-/// An exponent whose sign stands before its letter, "3.1+e2", is read as "3.1e+2"; seen in the wild.
+/// An exponent whose sign stands before its letter, "3.1+e2", is read as "3.1e+2"; found in files.
 const char* parse_swapped_exponent(const char* p, const char* end, double& value) {
   if (end - p < 3 || (*p != '+' && *p != '-') || (p[1] != 'e' && p[1] != 'E')) return p;
   std::int64_t power = 0;

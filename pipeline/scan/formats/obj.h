@@ -1,8 +1,8 @@
 // Wavefront OBJ: vertices, their colours and faces; everything else is passed over.
 #pragma once
 
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 

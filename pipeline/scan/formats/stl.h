@@ -1,8 +1,8 @@
 // STL, binary and ASCII; its points are the distinct vertices.
 #pragma once
 
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 

@@ -1,4 +1,4 @@
-// Ticks without news of the hand: no force, but the books of the contact go on.
+// Ticks without news of the hand: no force, but the energy of the contact goes on being observed.
 #include <algorithm>
 #include <cmath>
 #include <vector>

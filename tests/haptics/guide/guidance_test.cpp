@@ -26,7 +26,7 @@ constexpr double kForceN = 1.0;
 constexpr double kSpeed = 0.04;  // m/s
 constexpr double kWithinM = 0.002;
 // What the springs may hold beyond what leads puts in: each up to the force at 2 mm and on to where a hand is let go,
-// and the overdraft of the governor's books.
+// and what the governor lets a contact deliver before it has received any energy.
 constexpr double kStoredJ = kForceN * (0.5 * 0.002 + (0.005 - 0.5 * 0.002)) + kOverdraftJ;
 
 /// A level stone of 0.1 m: device frame = grid frame about its middle.

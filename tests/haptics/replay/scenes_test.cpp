@@ -15,7 +15,7 @@
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/replay/replay_trace.h"
 #include "haptics/replay/scene_keeper.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 #include "tests/support/changing_scenes.h"
 #include "tests/support/recorded_runs.h"
 #include "tests/support/test_folder.h"

@@ -1,4 +1,5 @@
-// The hand drags the stone: what was under it stays under it, without a kick when it begins, on the way and at its end.
+// The hand drags the stone: what was under it stays under it, without a jump of force when it begins, on the way and at
+// its end.
 #include <gtest/gtest.h>
 
 #include <cmath>

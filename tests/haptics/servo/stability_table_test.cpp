@@ -1,5 +1,5 @@
 // What a hand gets from loops as they really are: delays and rates that nobody declared, jitter, lost ticks. The hand,
-// its clock and its books (tests/support/touch_loop.h) share no code with the governor.
+// its clock and its energy account (tests/support/touch_loop.h) share no code with the governor.
 #include <gtest/gtest.h>
 
 #include <algorithm>

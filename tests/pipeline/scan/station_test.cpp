@@ -5,7 +5,7 @@
 
 #include "base/files.h"
 #include "base/progress.h"
-#include "pipeline/scan/scan_set.h"
+#include "pipeline/scan/set.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "pipeline/scan/formats/pcd/lzf.h"
-#include "pipeline/scan/scan_statistics.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/statistics.h"
+#include "pipeline/scan/writer.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

@@ -1,4 +1,4 @@
-// Numbers and lines: the parser against the C library's, spellings of the wild, all line ends.
+// Numbers and lines: the parser against the C library's, spellings found in files, all line ends.
 #include "pipeline/scan/text.h"
 
 #include <cmath>

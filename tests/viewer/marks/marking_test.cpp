@@ -12,11 +12,11 @@
 #include <Eigen/LU>
 
 #include "base/files.h"
-#include "scene/scene_folder.h"
+#include "scene/folder/folder.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
 #include "tests/viewer/relief_scene.h"
-#include "viewer/controller.h"
+#include "viewer/controller/controller.h"
 
 namespace sparsha::viewer::test {
 namespace {

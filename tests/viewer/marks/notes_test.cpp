@@ -86,7 +86,7 @@ TEST(Notes, WhatIsDamagedOrHostileIsAnErrorOfTheInputAtItsPlace) {
   refuse("section: {at_m: [0, 0, 0], out: [0, 0, 0]}\n");
   refuse("pins:\n  - {at_m: [1, 2, 3], text: \"" + std::string(2001, 'x') + "\"}\n");
   refuse("unknown: 1\n");
-  // Control characters, which a terminal would obey, do not come in.
+  // Control characters, which a terminal would interpret, do not come in.
   std::ofstream(folder / "notes.yaml") << "pins:\n  - {at_m: [1, 2, 3], text: \"a\\x1b[2Jb\"}\n";
   EXPECT_EQ(read_notes(folder / "notes.yaml").pins.at(0).text, "a[2Jb");
 }

@@ -1,8 +1,8 @@
 // E57 (ASTM E2807): several scans with poses, Cartesian or spherical, every bit packing, checksums verified.
 #pragma once
 
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "pipeline/scan/scan_file.h"
+#include "pipeline/scan/file.h"
 
 namespace sparsha::pipeline::e57 {
 

@@ -1,8 +1,8 @@
 // LAS 1.0 to 1.4 (ASPRS), all point formats, and LAZ through LASzip where the build has it.
 #pragma once
 
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 

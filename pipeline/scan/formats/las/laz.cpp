@@ -14,8 +14,9 @@
 namespace sparsha::pipeline::las {
 namespace {
 
-/// The table of chunks stands behind the points, and LASzip goes wild without it: a file that was cut short has lost
-/// it. Its place is told by the first 8 bytes of the points, or by the last 8 of a file that was written as a stream.
+/// The table of chunks stands behind the points, and LASzip does not check that it is there: a file that was cut short
+/// has lost it. Its place is told by the first 8 bytes of the points, or by the last 8 of a file that was written as a
+/// stream.
 void check_chunks(const ScanFile& file, const Header& header, std::uint32_t chunk_size) {
   constexpr std::size_t kPlace = 8;
   constexpr std::size_t kTable = 8;  // version and number of chunks; their packed sizes follow
@@ -104,7 +105,7 @@ class Unpacker {
     const std::array<std::int32_t, 3> xyz = {point_->X, point_->Y, point_->Z};
     std::copy_n(reinterpret_cast<const char*>(xyz.data()), sizeof xyz, bytes_.begin());
     std::copy_n(reinterpret_cast<const char*>(&point_->intensity), 2, bytes_.begin() + 12);
-    // Formats 6 and up have flags of their own; LASzip's copies of them in the older place are a courtesy.
+    // Formats 6 and up have flags of their own; LASzip need not copy them to the older place.
     bytes_[15] = static_cast<char>(header.format >= 6 ? point_->extended_classification_flags
                                                       : (point_->withheld_flag != 0 ? 128 : 0));
     const std::size_t colour = header.colour_offset();
@@ -217,9 +218,9 @@ class Arrivals {
   std::string first_;
 };
 
-/// LASzip trusts what it unpacks: damaged points make it write where it must not, or run for ever. So it gets a process
-/// of its own. A copy of this one, for the library must not depend on where a program of its own may lie; LASzip needs
-/// none of this program's locks (docs/architecture.md, "LASzip in a child process").
+/// LASzip does not check what it unpacks: damaged points make it write where it must not, or run for ever. So it gets a
+/// process of its own. A copy of this one, for the library must not depend on where a program of its own may lie;
+/// LASzip needs none of this program's locks (docs/architecture.md, "LASzip in a child process").
 void unpack_in_child(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out) {
   system::ChildLimits limits;
   limits.memory_bytes += 2 * file.bytes.size();

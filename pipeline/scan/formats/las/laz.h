@@ -3,7 +3,7 @@
 
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/scalar.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline::las {
 

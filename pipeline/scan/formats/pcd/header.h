@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/scan/file.h"
 #include "pipeline/scan/scalar.h"
-#include "pipeline/scan/scan_file.h"
 
 namespace sparsha::pipeline::pcd {
 

@@ -1,8 +1,8 @@
 // PCD, the Point Cloud Library's format: ascii, binary and binary_compressed, versions .5 to .7.
 #pragma once
 
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 

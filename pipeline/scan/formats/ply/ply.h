@@ -1,4 +1,5 @@
-// PLY: header, ASCII and both binary bodies. Turk 1994, "The PLY Polygon File Format", with what the wild adds to it.
+// PLY: header, ASCII and both binary bodies. Turk 1994, "The PLY Polygon File Format", with what files in use add to
+// it.
 #pragma once
 
 #include <cstdint>
@@ -6,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/scan/file.h"
 #include "pipeline/scan/scalar.h"
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "pipeline/scan/file.h"
 #include "pipeline/scan/scalar.h"
-#include "pipeline/scan/scan_file.h"
 
 namespace sparsha::pipeline {
 

@@ -1,8 +1,8 @@
 // Columns of numbers in text: XYZ, TXT, ASC, CSV and PTS, with or without header, counts, colours and intensity.
 #pragma once
 
-#include "pipeline/scan/scan_file.h"
-#include "pipeline/scan/scan_writer.h"
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/writer.h"
 
 namespace sparsha::pipeline {
 

@@ -1,4 +1,4 @@
-// What stands for LASzip in tests: "unpacks" what packed() made, keeps books of the calls and fails where it is told
+// What stands for LASzip in tests: "unpacks" what packed() made, records the calls and fails where it is told
 // to.
 #pragma once
 

@@ -1,0 +1,116 @@
+// sparsha build CONFIG|SCAN...: scans in, scene folder out.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "app/commands/commands.h"
+#include "app/inputs.h"
+#include "app/results.h"
+#include "app/sentences.h"
+#include "app/terminal.h"
+#include "base/error.h"
+#include "base/system.h"
+#include "pipeline/build/build.h"
+#include "scene/folder/folder.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Arguments {
+  std::vector<std::string> inputs;
+  std::string out;
+  std::vector<std::string> settings;
+  unsigned threads = 0;
+  std::string memory;
+  bool validate = false;
+  bool force = false;
+  std::string only;
+};
+
+// "statue.yaml" -> "statue.scene" beside it; a scene's own scene.yaml -> that scene, built again; scans -> beside the
+// first scan's name in the current folder.
+fs::path default_folder(const Arguments& arguments) {
+  const fs::path input = arguments.inputs.front();
+  if (fs::path scene = scene_described_by(input); !scene.empty()) return scene;
+  const fs::path name = input.stem().string() + ".scene";
+  return is_config(input) ? input.parent_path() / name : name;
+}
+
+fs::path scene_folder(const Arguments& arguments) {
+  fs::path folder = arguments.out.empty() ? default_folder(arguments) : fs::path(arguments.out);
+  std::error_code code;
+  const bool nameless = folder.filename() == "." || folder.filename() == "..";
+  if (nameless && fs::exists(folder, code)) folder = fs::canonical(folder, code);
+  return folder;
+}
+
+// Before scans are read: a scene that cannot be written need not be built.
+void require_place(const fs::path& folder) {
+  std::error_code code;
+  fs::path parent = fs::absolute(folder, code).lexically_normal().parent_path();
+  if (fs::is_directory(parent, code)) return require_writable(folder, AtomicPath::Kind::folder);
+  while (!fs::exists(parent, code) && parent.has_relative_path()) parent = parent.parent_path();
+  if (fs::is_directory(parent, code) && system::is_writable(parent)) return;
+  throw Error(ErrorKind::failure, {folder.string(), 0, 0}, "cannot write: no folder can be made in " + parent.string(),
+              "a folder that can be written to");
+}
+
+int run_build(const Arguments& arguments, const CommonOptions& common) {
+  Terminal terminal(common);
+  pipeline::BuildOptions options;
+  options.threads = arguments.threads;
+  options.force = arguments.force;
+  options.grid_only = arguments.only == "grid";
+  if (!arguments.memory.empty()) options.memory_bytes = parse_bytes(arguments.memory);
+
+  const fs::path folder = scene_folder(arguments);
+  if (!arguments.validate) require_place(folder);
+  const pipeline::Config config =
+      config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress());
+  if (arguments.validate) {
+    for (const pipeline::ScanConfig& scan : config.scans) {
+      std::error_code code;
+      if (!fs::is_regular_file(scan.file, code)) {
+        throw input_error(scan.file.string(), "the scan does not exist", "a readable file");
+      }
+    }
+    print(common.json ? std::string("{\"valid\": true}") : pipeline::to_yaml(config));
+    return 0;
+  }
+  pipeline::require_replaceable(folder, config);
+  std::error_code code;
+  fs::create_directories(fs::absolute(folder, code).lexically_normal().parent_path(), code);
+  const pipeline::BuildResult result = blaming_scans(arguments.inputs, arguments.settings, [&] {
+    return pipeline::build_scene_folder(config, options, folder, terminal.progress());
+  });
+  print(common.json    ? pipeline::report_json(*result.scene, result.report)
+        : common.plain ? build_sentences(*result.scene, result.report, folder)
+                       : build_summary(*result.scene, result.report, folder));
+  return 0;
+}
+
+}  // namespace
+
+void add_build(CLI::App& app, const CommonOptions& common, Run& run) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("build", "Turn scans into a scene that can be touched, seen and heard");
+  command->add_option("input", arguments->inputs, "one CONFIG.yaml, or SCANs")->required();
+  command->add_option("--out,-o", arguments->out, "scene folder; default: beside the input, NAME.scene");
+  command->add_option("--set", arguments->settings, "override a key, e.g. grid.size=800")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--threads", arguments->threads, "threads; 0 = one a core")->check(CLI::Range(0U, 1024U));
+  command->add_option("--memory", arguments->memory, "memory limit, e.g. 1GB");
+  command->add_flag("--validate", arguments->validate, "check the configuration and print it resolved; build nothing");
+  command->add_flag("--force", arguments->force, "build although the surface lies far from the points");
+  command->add_option("--only", arguments->only, "grid: read, project and write heights, nothing else")
+      ->check(CLI::IsMember({"grid"}));
+  command->callback(
+      [arguments, &common, &run] { run = [arguments, &common] { return run_build(*arguments, common); }; });
+}
+
+}  // namespace sparsha::app

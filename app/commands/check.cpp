@@ -1,0 +1,63 @@
+// sparsha check SCENE [SCAN...]: cross-check a scene against scans, its own or others.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/LU>
+#include <memory>
+
+#include "app/commands/commands.h"
+#include "app/commands/sentences.h"
+#include "app/terminal.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "pipeline/build/recheck.h"
+
+namespace sparsha::app {
+
+namespace {
+
+std::string line(const char* name, const pipeline::DistanceStatistics& s) {
+  if (s.samples == 0) return fmt::format("{}  nothing to compare\n", name);
+  return fmt::format("{}  {} samples: mean {}, RMS {}, median {}, 95 % {}, 99 % {}, at most {}\n", name,
+                     count_text(s.samples), length_text(s.mean_m), length_text(s.rms_m), length_text(s.median_m),
+                     length_text(s.p95_m), length_text(s.p99_m), length_text(s.max_m));
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, const CommonOptions& common, Run& run) {
+  struct Arguments {
+    std::string scene;
+    std::vector<std::string> scans;
+    std::int64_t samples = 50000;
+    bool all = false;
+    unsigned threads = 0;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("check", "Measure how far a scene's surface is from scans");
+  command->add_option("scene", arguments->scene, "scene folder")->required();
+  command->add_option("scan", arguments->scans, "scans to compare with; default: the scene's own");
+  command->add_option("--samples", arguments->samples, "points to sample")->check(CLI::PositiveNumber);
+  command->add_flag("--all", arguments->all, "every point");
+  command->add_option("--threads", arguments->threads, "threads; 0 = one a core")->check(CLI::Range(0U, 1024U));
+  command->callback([arguments, &common, &run] {
+    run = [arguments, &common] {
+      Terminal terminal(common);
+      const pipeline::ScenePointer scene = pipeline::open_scene(arguments->scene, common.trusted());
+      const std::vector<std::filesystem::path> scans(arguments->scans.begin(), arguments->scans.end());
+      const pipeline::CheckConfig config{arguments->all ? 0 : arguments->samples};
+      const pipeline::Report report =
+          pipeline::recheck_scene(*scene, scans, config, arguments->threads, terminal.progress(), common.trusted());
+      print(common.json    ? pipeline::report_json(*scene, report)
+            : common.plain ? check_sentences(*report.check)
+                           : line("cloud to surface", report.check->cloud_to_surface) +
+                                 line("surface to cloud", report.check->surface_to_cloud) +
+                                 (report.check->completeness
+                                      ? fmt::format("completeness      {:.2f} %\n", 100.0 * *report.check->completeness)
+                                      : std::string()));
+      return 0;
+    };
+  });
+}
+
+}  // namespace sparsha::app

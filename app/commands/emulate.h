@@ -1,0 +1,10 @@
+// `sparsha device emulate`.
+#pragma once
+
+#include "app/commands/commands.h"
+
+namespace sparsha::app {
+
+void add_emulate(CLI::App& device, const CommonOptions& common, Run& run);
+
+}  // namespace sparsha::app

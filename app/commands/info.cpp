@@ -1,0 +1,141 @@
+// sparsha info FILE...: what is in a scan or a scene.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands/commands.h"
+#include "app/commands/sentences.h"
+#include "app/terminal.h"
+#include "base/text.h"
+#include "pipeline/scan/reader.h"
+#include "scene/scene.h"
+
+namespace sparsha::app {
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json scan_json(const fs::path& file, const pipeline::ScanInfo& info) {
+  Json json;
+  json["file"] = file.generic_string();
+  json["format"] = info.format;
+  json["points"] = info.points;
+  json["invalid"] = info.invalid;
+  const bool any = info.points > info.invalid;
+  json["extent_m"] = any ? Json{{"min", vector_json(info.min_m)}, {"max", vector_json(info.max_m)}} : Json(nullptr);
+  json["spacing_m"] = info.spacing_m > 0.0 ? Json(info.spacing_m) : Json(nullptr);
+  json["fields"] = info.fields;
+  json["units"] = info.units;
+  json["duplicates"] = info.duplicates;
+  json["scans"] = info.scans;
+  json["viewpoint"] = info.viewpoint ? Json(*info.viewpoint) : Json(nullptr);
+  if (!info.warnings.empty()) json["warnings"] = info.warnings;
+  return json;
+}
+
+std::string scan_text(const fs::path& file, const pipeline::ScanInfo& info) {
+  std::string text =
+      fmt::format("{}\n  format      {}\n  points      {}", file.string(), info.format, count_text(info.points));
+  if (info.invalid > 0) text += fmt::format(" ({} invalid)", count_text(info.invalid));
+  if (info.duplicates > 0) text += fmt::format(" ({} duplicates)", count_text(info.duplicates));
+  text += "\n";
+  if (info.scans != 1) text += fmt::format("  scans       {}\n", info.scans);
+  text += fmt::format("  units       {}\n", info.units);
+  if (info.points > info.invalid) {
+    const Eigen::Vector3d size = info.max_m - info.min_m;
+    text += fmt::format("  extent      {:.6g} x {:.6g} x {:.6g}, from ({:.10g}, {:.10g}, {:.10g})\n", size.x(),
+                        size.y(), size.z(), info.min_m.x(), info.min_m.y(), info.min_m.z());
+    if (info.spacing_m > 0.0) text += fmt::format("  spacing     {:.4g}, median\n", info.spacing_m);
+  }
+  text += fmt::format("  fields      {}\n", fmt::join(info.fields, " "));
+  if (info.viewpoint) text += fmt::format("  viewpoint   {} (shown, not applied)\n", fmt::join(*info.viewpoint, " "));
+  for (const std::string& warning : info.warnings) text += "  warning     " + warning + "\n";
+  return text;
+}
+
+Json scene_json(const fs::path& folder, const pipeline::SceneDescription& scene) {
+  Json json;
+  json["file"] = folder.generic_string();
+  json["format"] = "Sparsha scene";
+  Json levels = Json::array();
+  for (const pipeline::Lattice& level : scene.levels) {
+    levels.push_back({{"nx", level.nx}, {"ny", level.ny}, {"spacing_m", level.spacing_m}});
+  }
+  json["levels"] = levels;
+  json["origin_m"] = vector_json(scene.levels.front().origin_m);
+  json["height_range_m"] = {scene.height_min_m, scene.height_max_m};
+  json["noise_m"] = scene.noise_m;
+  json["units"] = "m";
+  json["scans"] = scene.sources.size();
+  Json layers = {"height", "mask"};
+  if (scene.has_envelope) layers.push_back("envelope");
+  if (scene.has_curvature) layers.push_back("curvature");
+  if (scene.has_paper_curvatures) layers.push_back("mean-curvature");
+  if (scene.has_paper_curvatures) layers.push_back("gaussian-curvature");
+  if (scene.has_colour) layers.push_back("colour");
+  if (scene.has_intensity) layers.push_back("intensity");
+  json["layers"] = layers;
+  return json;
+}
+
+std::string scene_text(const fs::path& folder, const pipeline::SceneDescription& scene) {
+  const pipeline::Lattice& base = scene.levels.front();
+  std::string text =
+      fmt::format("{}\n  format      Sparsha scene\n  size        {} x {} x {}\n", folder.string(),
+                  length_text((base.nx - 1) * base.spacing_m), length_text((base.ny - 1) * base.spacing_m),
+                  length_text(scene.height_max_m - scene.height_min_m));
+  for (std::size_t level = 0; level < scene.levels.size(); ++level) {
+    const pipeline::Lattice& lattice = scene.levels[level];
+    text += fmt::format("  level {}     {} x {} nodes, {} apart\n", level, lattice.nx, lattice.ny,
+                        length_text(lattice.spacing_m));
+  }
+  text += fmt::format("  made from   {} scan{}\n", scene.sources.size(), scene.sources.size() == 1 ? "" : "s");
+  return text;
+}
+
+int run_info(const std::vector<std::string>& files, const CommonOptions& common) {
+  Terminal terminal(common);
+  Json all = Json::array();
+  std::string text;
+  for (const std::string& file : files) {
+    terminal.progress().throw_if_cancelled();
+    std::error_code code;
+    if (fs::is_directory(file, code)) {
+      const pipeline::ScenePointer scene = pipeline::open_scene(file, common.trusted());
+      if (common.json) {
+        all.push_back(scene_json(file, scene->description()));
+      } else {
+        text += common.plain ? scene_sentences(file, scene->description()) : scene_text(file, scene->description());
+      }
+      continue;
+    }
+    const pipeline::ScanInfo info = pipeline::inspect_scan(file, &terminal.progress());
+    if (common.json) {
+      all.push_back(scan_json(file, info));
+    } else {
+      text += common.plain ? scan_sentences(file, info) : scan_text(file, info);
+    }
+  }
+  print(common.json
+            ? (files.size() == 1 ? all.front() : all).dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+            : text);
+  return 0;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, const CommonOptions& common, Run& run) {
+  auto files = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = app.add_subcommand("info", "Say what is in scans or scenes");
+  command->add_option("file", *files, "scan files or scene folders")->required();
+  command->callback([files, &common, &run] { run = [files, &common] { return run_info(*files, common); }; });
+}
+
+}  // namespace sparsha::app

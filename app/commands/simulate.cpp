@@ -1,0 +1,45 @@
+// sparsha simulate CONFIG --out DIR: a scan of a known surface, with the ground truth.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands/commands.h"
+#include "app/commands/sentences.h"
+#include "app/terminal.h"
+#include "base/error.h"
+#include "pipeline/simulate/simulate.h"
+
+namespace sparsha::app {
+
+void add_simulate(CLI::App& app, const CommonOptions& common, Run& run) {
+  struct Arguments {
+    std::string config;
+    std::string out;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("simulate", "Scan a known surface; writes scans, truth and a configuration");
+  command->add_option("config", arguments->config, "simulation (docs/simulation.md)")->required();
+  command->add_option("--out,-o", arguments->out, "folder for the scans")->required();
+  command->callback([arguments, &common, &run] {
+    run = [arguments, &common] {
+      Terminal terminal(common);
+      pipeline::simulate(arguments->config, arguments->out, terminal.progress());
+      nlohmann::json names = nlohmann::json::array();
+      std::string text;
+      std::vector<std::filesystem::path> files;
+      for (const auto& entry : std::filesystem::directory_iterator(arguments->out)) files.push_back(entry.path());
+      std::sort(files.begin(), files.end());
+      for (const std::filesystem::path& file : files) {
+        names.push_back(file.generic_string());
+        text += file.string() + "\n";
+      }
+      print(common.json    ? names.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+            : common.plain ? written_sentences(files)
+                           : text);
+      return 0;
+    };
+  });
+}
+
+}  // namespace sparsha::app

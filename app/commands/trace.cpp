@@ -1,0 +1,180 @@
+// sparsha trace SCENE --hip path.csv --out trace.csv: a path of the hand in, proxy and force out, offline.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/commands/commands.h"
+#include "app/commands/sentences.h"
+#include "app/inputs.h"
+#include "app/kept_scenes.h"
+#include "app/terminal.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "haptics/replay/replay_trace.h"
+#include "haptics/replay/trace.h"
+#include "haptics/window/scene_surface.h"
+#include "haptics/window/scene_window.h"
+
+namespace sparsha::app {
+
+namespace {
+
+struct Arguments {
+  std::string scene;
+  std::string hip;
+  std::string out;
+  std::string solver;
+  std::string frame = "grid";
+  int level = -1;
+  std::vector<double> centre;
+  bool no_texture = false;
+  bool no_friction = false;
+  double rho = 0.5;
+  int iterations = 100;
+  bool live = false;
+  double tip_radius_mm = 0.0;
+  std::string creases = "sharp";
+};
+
+std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scene& scene, const Arguments& arguments) {
+  const pipeline::SceneDescription& description = scene.description();
+  haptics::SurfaceOptions options;
+  options.effects.texture = !arguments.no_texture;
+  options.effects.friction = !arguments.no_friction;
+  options.tip_radius_m = 1e-3 * arguments.tip_radius_mm;
+  if (arguments.level < 0 && arguments.centre.empty()) {
+    return haptics::make_surface(description, scene.read_level(0), 0, 1.0, options);
+  }
+  const int level = std::max(arguments.level, 0);
+  const auto count = static_cast<int>(description.levels.size());
+  if (level >= count) {
+    throw usage_error(fmt::format("the scene has no level {}", level), fmt::format("0 to {}", count - 1));
+  }
+  Eigen::Vector2d centre_m = haptics::middle_of(description.levels[static_cast<std::size_t>(level)]);
+  if (!arguments.centre.empty()) centre_m = {arguments.centre[0], arguments.centre[1]};
+  const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
+  haptics::WindowPlan plan;
+  if (centre_m.allFinite()) plan = haptics::plan_window(description, level, centre_m, pipeline::kDeskWorkspaceM);
+  if (plan.nx == 0 || plan.i0 >= lattice.nx || plan.j0 >= lattice.ny || plan.i0 + plan.nx <= 0 ||
+      plan.j0 + plan.ny <= 0) {
+    throw usage_error("the window around --centre holds nothing of the scene",
+                      fmt::format("about {:.6g} to {:.6g} and {:.6g} to {:.6g}", lattice.x_m(0),
+                                  lattice.x_m(lattice.nx - 1), lattice.y_m(0), lattice.y_m(lattice.ny - 1)));
+  }
+  plan.effects = options.effects;
+  plan.tip_radius_m = options.tip_radius_m;
+  return haptics::load_window(scene, plan, 0).surface;
+}
+
+void to_grid_frame(std::vector<haptics::HipSample>& path, const Arguments& arguments,
+                   const pipeline::SceneDescription& scene, const haptics::MongeSurface& surface) {
+  if (arguments.frame == "grid") return;
+  const Eigen::Matrix4d grid_from_scan = scene.scan_from_grid.inverse();
+  for (haptics::HipSample& sample : path) {
+    if (arguments.frame == "scan") {
+      sample.position_m = (grid_from_scan * sample.position_m.homogeneous()).head<3>();
+    } else {
+      sample.position_m = sample.position_m / surface.scale + surface.centre_m;
+    }
+  }
+}
+
+nlohmann::ordered_json summary_json(const haptics::TraceSummary& s) {
+  return {{"updates", s.updates},
+          {"contacts", s.contacts},
+          {"ns",
+           {{"p50", s.ns_p50},
+            {"p99", s.ns_p99},
+            {"p999", s.ns_p999},
+            {"max", s.ns_max},
+            {"mean", s.ns_mean},
+            {"timer_overhead", s.timer_overhead_ns}}},
+          {"residual_cells", {{"p99", s.residual_cells_p99}, {"max", s.residual_cells_max}}},
+          {"below_surface", s.below_surface},
+          {"not_a_number", s.not_a_number},
+          {"unfinished", s.unfinished}};
+}
+
+haptics::TraceResult trace_path(const pipeline::Scene& scene, const Arguments& arguments,
+                                const pipeline::HapticsConfig& haptics, const haptics::SolverOptions& options) {
+  const auto surface = traced_surface(scene, arguments);
+  std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
+  to_grid_frame(path, arguments, scene.description(), *surface);
+  return haptics::trace(*surface, path, haptics, options);
+}
+
+int run_trace(const Arguments& arguments, const CommonOptions& common) {
+  if (std::isnan(arguments.rho)) throw usage_error("--rho nan", "a number from 0.01 to 1");
+  Terminal terminal(common);
+  check_outputs({{"--out", arguments.out}}, arguments.scene, {{"--hip", arguments.hip}});
+  std::optional<haptics::Recording> recording;
+  std::optional<haptics::RecordedScenes> kept;
+  if (arguments.live) kept = kept_scenes_of(recording.emplace(arguments.hip), common, terminal);
+  const pipeline::ScenePointer scene =
+      kept ? kept->first() : scene_from({arguments.scene}, common.trusted(), terminal.progress());
+  pipeline::HapticsConfig haptics = scene->description().config.haptics;
+  if (arguments.solver == "exact") haptics.solver = pipeline::HapticsConfig::Solver::exact;
+  if (arguments.solver == "paper") haptics.solver = pipeline::HapticsConfig::Solver::paper;
+  haptics::SolverOptions options;
+  options.paper_rho = arguments.rho;
+  options.paper_iterations = arguments.iterations;
+  if (arguments.creases == "rounded") options.shape = haptics::CellShape::rounded;
+  const haptics::TraceResult result =
+      recording ? trace_recording(kept.value_or(haptics::RecordedScenes(scene)), *recording, haptics, options)
+                : trace_path(*scene, arguments, haptics, options);
+  haptics::write_trace(arguments.out, result);
+  const haptics::TraceSummary& s = result.summary;
+  print(common.json    ? summary_json(s).dump(2)
+        : common.plain ? trace_sentences(s, arguments.out)
+                       : fmt::format("updates   {}, {} in contact\n"
+                                     "time      {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns at most\n"
+                                     "residual  {:.2g} cells 99 %, {:.2g} at most\n"
+                                     "trouble   {} below the surface, {} not a number, {} unfinished\n"
+                                     "trace     {}\n",
+                                     count_text(s.updates), count_text(s.contacts), s.ns_p50, s.ns_p99, s.ns_max,
+                                     s.residual_cells_p99, s.residual_cells_max, s.below_surface, s.not_a_number,
+                                     s.unfinished, arguments.out));
+  return 0;
+}
+
+}  // namespace
+
+void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("trace", "Render a recorded path of the hand offline: proxy and force");
+  command->add_option("scene", arguments->scene, "scene folder, configuration or scan")->required();
+  command->add_option("--hip", arguments->hip, "path.csv (t_s,x_m,y_m,z_m) or a run.csv")->required();
+  command->add_option("--out,-o", arguments->out, "trace.csv")->required();
+  command->add_option("--solver", arguments->solver, "default: the scene's")->check(CLI::IsMember({"exact", "paper"}));
+  command->add_option("--frame", arguments->frame, "frame of the path")
+      ->check(CLI::IsMember({"grid", "scan", "device"}))
+      ->capture_default_str();
+  command->add_option("--level", arguments->level, "trace a window of this level")->check(CLI::Range(0, 64));
+  command->add_option("--centre", arguments->centre, "X Y: centre of the window, grid frame, metres")->expected(2);
+  command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
+  command->add_flag("--no-friction", arguments->no_friction, "render without friction");
+  command->add_option("--tip-radius-mm", arguments->tip_radius_mm, "touch with a ball, device frame; default: a point")
+      ->check(CLI::Range(0.0, 2.0));
+  command
+      ->add_option("--creases", arguments->creases,
+                   "of the bilinear surface; sharp: the reference, rounded: as a hand feels them")
+      ->check(CLI::IsMember({"sharp", "rounded"}))
+      ->capture_default_str();
+  command
+      ->add_flag("--live", arguments->live,
+                 "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
+      ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm", "--creases");
+  command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(CLI::Range(0.01, 1.0));
+  command->add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
+      ->check(CLI::Range(1, 1000000));
+  command->callback(
+      [arguments, &common, &run] { run = [arguments, &common] { return run_trace(*arguments, common); }; });
+}
+
+}  // namespace sparsha::app

@@ -1,0 +1,24 @@
+// The dynamic linker of POSIX; nothing on other systems.
+#include "base/system/library.h"
+
+#if !defined(_WIN32)
+#include <dlfcn.h>
+#endif
+
+namespace sparsha::system {
+
+#if defined(_WIN32)
+
+void* load_library(const char*) noexcept { return nullptr; }
+void* symbol(void*, const char*) noexcept { return nullptr; }
+void* find_symbol(const char*) noexcept { return nullptr; }
+
+#else
+
+void* load_library(const char* name) noexcept { return ::dlopen(name, RTLD_NOW | RTLD_LOCAL); }
+void* symbol(void* library, const char* name) noexcept { return ::dlsym(library, name); }
+void* find_symbol(const char* name) noexcept { return ::dlsym(RTLD_DEFAULT, name); }
+
+#endif
+
+}  // namespace sparsha::system

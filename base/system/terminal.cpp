@@ -1,0 +1,116 @@
+#include "base/system/terminal.h"
+
+#if defined(_WIN32)
+
+namespace sparsha::system {
+
+TerminalInput::TerminalInput() = default;
+TerminalInput::~TerminalInput() = default;
+std::string TerminalInput::read() { return {}; }
+void restore_terminal() noexcept {}
+
+}  // namespace sparsha::system
+
+#else
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+namespace sparsha::system {
+namespace {
+
+// Written before `changed` is set, and only read while it is.
+termios before{};
+termios keys{};
+std::atomic<bool> changed{false};
+std::atomic<bool> lent{false};  // back as it was, for as long as the program is stopped
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+// Elsewhere the terminal is someone else's, and a program that touches it is stopped.
+bool in_foreground() noexcept { return tcgetpgrp(STDIN_FILENO) == getpgrp(); }
+
+// As the system would have handled it, with the terminal as it was.
+void on_fault(int number) {
+  restore_terminal();
+  std::signal(number, SIG_DFL);
+  raise(number);
+}
+
+void on_stop(int number) {
+  const int error = errno;
+  if (changed.load() && in_foreground()) tcsetattr(STDIN_FILENO, TCSANOW, &before);
+  lent.store(true);
+  struct sigaction standard {};
+  struct sigaction ours {};
+  standard.sa_handler = SIG_DFL;
+  sigaction(number, &standard, &ours);
+  sigset_t one, old;
+  sigemptyset(&one);
+  sigaddset(&one, number);
+  raise(number);
+  sigprocmask(SIG_UNBLOCK, &one, &old);  // stops here
+  sigprocmask(SIG_SETMASK, &old, nullptr);
+  sigaction(number, &ours, nullptr);
+  errno = error;
+}
+
+void handle(int number, void (*handler)(int)) {
+  struct sigaction action {};
+  struct sigaction old {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  // A handler of someone else's (a sanitizer's) stays.
+  if (sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_DFL) sigaction(number, &action, nullptr);
+}
+
+}  // namespace
+
+void restore_terminal() noexcept {
+  if (changed.exchange(false) && in_foreground()) tcsetattr(STDIN_FILENO, TCSANOW, &before);
+}
+
+TerminalInput::TerminalInput() {
+  if (changed.load() || !in_foreground() || tcgetattr(STDIN_FILENO, &before) != 0) return;
+  keys = before;
+  keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  keys.c_cc[VMIN] = 0;
+  keys.c_cc[VTIME] = 0;
+  lent.store(false);
+  changed.store(true);
+  static const bool registered = std::atexit([] { restore_terminal(); }) == 0;
+  static_cast<void>(registered);
+  for (const int number : {SIGSEGV, SIGABRT, SIGFPE, SIGILL}) handle(number, on_fault);
+  handle(SIGTSTP, on_stop);
+  active_ = tcsetattr(STDIN_FILENO, TCSANOW, &keys) == 0;
+  if (!active_) restore_terminal();
+}
+
+TerminalInput::~TerminalInput() {
+  if (active_) restore_terminal();
+}
+
+std::string TerminalInput::read() {
+  std::string typed;
+  if (!active_ || !in_foreground()) return typed;
+  if (lent.exchange(false)) tcsetattr(STDIN_FILENO, TCSANOW, &keys);
+  std::array<char, 256> block{};
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  constexpr std::size_t kMost = 4096;
+  while (typed.size() < kMost && poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0) {
+    const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
+    if (got <= 0) break;
+    typed.append(block.data(), static_cast<std::size_t>(got));
+  }
+  return typed;
+}
+
+}  // namespace sparsha::system
+
+#endif

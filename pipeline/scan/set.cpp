@@ -1,0 +1,399 @@
+// Units, poses, the common origin, and the one rounding of every point.
+#include "pipeline/scan/set.h"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/files.h"
+#include "pipeline/scan/empty_returns.h"
+#include "pipeline/scan/origin.h"
+#include "pipeline/scan/read_bytes.h"
+#include "pipeline/scan/reader.h"
+#include "pipeline/scan/units.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::uint32_t kWhite = 0xFFFFFFFFU;
+constexpr std::size_t kMostStations = 256;  // of a file
+constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+
+/// pose * units for one scan.
+struct Placement {
+  Eigen::Matrix3d turn_and_scale = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+  bool trivial = true;
+
+  [[nodiscard]] Eigen::Vector3d operator()(const Eigen::Vector3d& p) const {
+    return trivial ? p : Eigen::Vector3d(turn_and_scale * p + shift_m);
+  }
+};
+
+Placement place(const ScanConfig& config, double scale) {
+  Placement placement;
+  placement.turn_and_scale = config.pose.topLeftCorner<3, 3>() * scale;
+  placement.shift_m = config.pose.topRightCorner<3, 1>();
+  placement.trivial = placement.turn_and_scale.isIdentity(0.0) && placement.shift_m.isZero(0.0);
+  return placement;
+}
+
+/// The one place where a point is rounded: near(i, q) of points that fit a float, far(i) of the others.
+template <typename Near, typename Far>
+void round_points(const Placement& placement, const Eigen::Vector3d& origin_m, std::span<const Eigen::Vector3d> points,
+                  const Near& near, const Far& far) {
+  constexpr float kFar = 1e30F;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f q = (placement(points[i]) - origin_m).cast<float>();
+    if (std::fabs(q.x()) < kFar && std::fabs(q.y()) < kFar && std::fabs(q.z()) < kFar) {
+      near(i, q);
+    } else {
+      far(i);
+    }
+  }
+}
+
+/// Read piece by piece: a mapped file would count as memory of this process.
+std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>& abandoned) {
+  // Opening a named pipe would wait for somebody who writes to it.
+  if (!std::filesystem::is_regular_file(file)) throw input_error(file.string(), "this is not a regular file", "a scan");
+  Sha256 digest;
+  std::vector<char> buffer(1U << 18U);
+  std::ifstream stream(file, std::ios::binary);
+  while (stream && !abandoned) {
+    stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    digest.add(std::as_bytes(std::span(buffer.data(), static_cast<std::size_t>(stream.gcount()))));
+  }
+  if (!stream.eof() && !abandoned) throw input_error(file.string(), "the file cannot be read", "a readable file");
+  return digest.finish();
+}
+
+}  // namespace
+
+/// One scan: everything but its points, which are kept in double or streamed from the file again.
+struct ScanSet::Scan {
+  std::filesystem::path file;
+  RawScan raw;
+  bool streamed = false;
+  std::uint64_t delivered = 0;  ///< finite points of the file
+  std::uint64_t valid = 0;      ///< of these, without empty returns
+  bool colour = false;
+  bool intensity = false;
+  /// Points that were looked at, file units.
+  struct Looked {
+    std::uint64_t count = 0;
+    PointSample sample;
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::Vector3d high = -low;
+
+    void add(const Eigen::Vector3d& p, bool bounds) {
+      ++count;
+      sample.add(p);
+      if (!bounds) return;
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    void add(const Looked& other) {
+      count += other.count;
+      sample.merge(other.sample, [](const Eigen::Vector3d& p) { return p; });
+      low = low.cwiseMin(other.low);
+      high = high.cwiseMax(other.high);
+    }
+  };
+  Looked looked;      ///< all but
+  Looked at_scanner;  ///< what may be empty returns, until their number is known
+  Placement placement;
+  struct Seen {
+    Eigen::Vector3d place;
+    PointSample sample;
+    PointSample at_scanner;  ///< as above
+  };
+  std::vector<Seen> from;   ///< each station, file units
+  PointSample with_normal;  ///< points whose normals the file states, file units
+  PointSample normal_at_scanner;
+
+  void look_from(const PointBlock& block) {
+    if (!block.station) return;
+    if (from.empty() || from.back().place != *block.station) {
+      if (from.size() == kMostStations) return;
+      from.push_back({*block.station, PointSample(), PointSample()});
+    }
+    for (const Eigen::Vector3d& p : block.points) {
+      (is_at_scanner(p, block.station) ? from.back().at_scanner : from.back().sample).add(p);
+    }
+  }
+  void look_at_normals(const PointBlock& block) {
+    for (std::size_t i = 0; i < block.normals.size(); ++i) {
+      const Eigen::Vector3f& normal = block.normals[i];
+      if (!normal.allFinite() || !(normal.squaredNorm() > 0.0F)) continue;
+      const bool apart = is_at_scanner(block.points[i], block.station);
+      (apart ? normal_at_scanner : with_normal).add(block.points[i], normal);
+    }
+  }
+  void look(const PointBlock& block, bool bounds) {
+    look_from(block);
+    look_at_normals(block);
+    colour = colour || !block.rgba.empty();
+    intensity = intensity || !block.intensity.empty();
+    for (const Eigen::Vector3d& p : block.points) {
+      (is_at_scanner(p, block.station) ? at_scanner : looked).add(p, bounds);
+    }
+  }
+  /// After the last block: whether what stands at the scanner is surface.
+  void decide_empty_returns() {
+    delivered = valid = looked.count + at_scanner.count;
+    if (raw.faces.empty() && are_empty_returns(at_scanner.count, delivered)) {
+      raw.warnings.push_back(empty_returns_warning(at_scanner.count, delivered));
+      raw.invalid += at_scanner.count;
+      valid -= at_scanner.count;
+      return;
+    }
+    const auto stay = [](const Eigen::Vector3d& p) { return p; };
+    looked.add(at_scanner);
+    for (Seen& seen : from) seen.sample.merge(seen.at_scanner, stay);
+    with_normal.merge(normal_at_scanner, stay);
+  }
+  [[nodiscard]] PointSink without_empty_returns(const PointSink& sink) const {
+    if (valid == delivered) return sink;
+    return [&sink, points = std::vector<Eigen::Vector3d>(), rgba = std::vector<std::uint32_t>(),
+            intensity = std::vector<float>()](const PointBlock& block) mutable {
+      points.clear();
+      rgba.clear();
+      intensity.clear();
+      for (std::size_t i = 0; i < block.points.size(); ++i) {
+        if (is_at_scanner(block.points[i], block.station)) continue;
+        points.push_back(block.points[i]);
+        if (!block.rgba.empty()) rgba.push_back(block.rgba[i]);
+        if (!block.intensity.empty()) intensity.push_back(block.intensity[i]);
+      }
+      sink({points, rgba, intensity});
+    };
+  }
+  /// Throws Error{input} when the file has not the points any more that were looked at.
+  void for_each_block(const PointSink& sink, Progress& progress) const {
+    std::uint64_t seen = 0;
+    const PointSink use = without_empty_returns(sink);
+    const auto changed = [&] {
+      return input_error(file.string(), "the file changed while it was read", "a file that nobody writes to");
+    };
+    const auto counted = [&](const PointBlock& block) {
+      progress.throw_if_cancelled();
+      seen += block.points.size();
+      if (seen > delivered) throw changed();
+      use(block);
+    };
+    if (streamed) {
+      (void)stream_scan(file, counted, &progress);
+    } else {
+      counted({raw.points, raw.rgba, raw.intensity});
+    }
+    if (seen != delivered) throw changed();
+  }
+  double scale(const ScanConfig& config, Progress& progress) const {
+    const std::string name = config.file.string();
+    const Units& units = config.units;
+    require_lengths(raw, name);
+    if (units.unit == LengthUnit::longest_side) {
+      const double side = (looked.high - looked.low).maxCoeff();
+      if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
+      return units.longest_side_m / side;
+    }
+    if (units.unit != LengthUnit::automatic) return metres_in(units.unit);
+    if (raw.unit) return metres_in(*raw.unit);
+    if (const std::optional<UnitGuess> guess = doubt_metres(looked.sample)) {
+      progress.warn(fmt::format("{}: no unit is known, metres are taken; {}{}", name, guess->reason,
+                                guess->unit == LengthUnit::m
+                                    ? "; set 'units' if that is wrong"
+                                    : fmt::format("; set 'units: {}' if that is right", to_string(guess->unit))));
+    }
+    return 1.0;
+  }
+  static std::unique_ptr<Scan> look_at(const ScanConfig& config, bool streamed, Progress& progress) {
+    auto scan = std::make_unique<Scan>();
+    scan->file = config.file;
+    scan->streamed = streamed;
+    const bool bounds = config.units.unit == LengthUnit::longest_side;
+    if (streamed) {
+      scan->raw = stream_scan(
+          config.file,
+          [&](const PointBlock& block) {
+            progress.throw_if_cancelled();
+            scan->look(block, bounds);
+          },
+          &progress);
+    } else {
+      scan->raw = read_scan(config.file, &progress);
+      drop_empty_returns(scan->raw);
+      scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals}, bounds);
+      const std::vector<RawStation>& stations = scan->raw.stations;
+      for (std::size_t s = 0; s < stations.size(); ++s) {
+        const std::size_t end = s + 1 < stations.size() ? stations[s + 1].first : scan->raw.points.size();
+        const std::span points(scan->raw.points);
+        scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place, {}});
+      }
+    }
+    scan->decide_empty_returns();
+    const std::string name = config.file.string();
+    for (const std::string& warning : scan->raw.warnings) progress.warn(name + ": " + warning);
+    if (scan->valid == 0) {
+      throw input_error(name,
+                        scan->raw.records == 0 ? "the scan has no points"
+                                               : fmt::format("none of the {} points is valid", scan->raw.records),
+                        "at least one finite point");
+    }
+    scan->placement = place(config, scan->scale(config, progress));
+    return scan;
+  }
+};
+
+ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress)
+    : configs_(scans), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
+  PointSample sample;
+  try {
+    for (const ScanConfig& config : scans) {
+      progress.throw_if_cancelled();
+      if (digests) {
+        digests_.push_back(std::async(
+            std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
+      }
+      const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
+      scans_.push_back(Scan::look_at(config, streamed, progress));
+      const Scan& scan = *scans_.back();
+      records_.push_back(scan.raw.records);
+      points_ += scan.valid;
+      invalid_ += scan.raw.invalid;
+      faces_ += scan.raw.faces.size();
+      colour_ = colour_ || scan.colour;
+      intensity_ = intensity_ || scan.intensity;
+      z_up_ = z_up_ || is_z_up(scan.raw.format);
+      sample.merge(scan.looked.sample, scan.placement);
+    }
+  } catch (...) {
+    *abandoned_ = true;
+    throw;
+  }
+  origin_m_ = common_origin(sample);
+}
+
+ScanSet::~ScanSet() { *abandoned_ = true; }
+
+std::vector<Station> ScanSet::stations() const {
+  std::vector<Station> stations;
+  const auto add = [&](const Scan& scan, bool declared, const Eigen::Vector3d& place, const PointSample& sample) {
+    Station station{scan.file.string(), declared, scan.placement(place), sample.points(), {}};
+    for (Eigen::Vector3d& p : station.seen_m) p = scan.placement(p);
+    if (&sample == &scan.with_normal) {
+      station.normals = sample.normals();
+      const Eigen::Matrix3f turn = scan.placement.turn_and_scale.cast<float>();
+      for (Eigen::Vector3f& n : station.normals) n = (turn * n.normalized()).normalized();
+    }
+    stations.push_back(std::move(station));
+  };
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    const Scan& scan = *scans_[s];
+    for (const Scan::Seen& seen : scan.from) {
+      if (!seen.sample.empty()) add(scan, true, seen.place, seen.sample);
+    }
+    // A pose moves a scanner's own coordinates, whose origin it is.
+    if (scan.from.empty() && !configs_[s].pose.isIdentity(0.0))
+      add(scan, false, Eigen::Vector3d::Zero(), scan.looked.sample);
+    if (!scan.with_normal.empty()) add(scan, true, Eigen::Vector3d::Zero(), scan.with_normal);
+  }
+  return stations;
+}
+
+Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
+  Cloud cloud;
+  cloud.stations = stations();
+  cloud.origin_m = origin_m;
+  cloud.resize_points(static_cast<std::size_t>(points_));
+  cloud.faces.reserve(faces_);
+  if (colour_) cloud.rgba.reserve(cloud.size());
+  if (intensity_) cloud.intensity.reserve(cloud.size());
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    Scan* scan = scans_[s].get();
+    std::unique_ptr<Scan> again;
+    if (scan->streamed && !scan->raw.faces.empty()) {
+      // A stream cannot know where a polygon is hollow: faces are read with their points.
+      again = Scan::look_at(configs_[s], false, progress);
+      scan = again.get();
+    }
+    std::vector<std::uint32_t> moved;
+    const bool faces = !scan->raw.faces.empty();
+    if (faces) moved.reserve(static_cast<std::size_t>(scan->valid));
+    scan->for_each_block(
+        [&](const PointBlock& block) {
+          float* out = cloud.xyz1() + 4 * count;
+          round_points(
+              scan->placement, origin_m, block.points,
+              [&](std::size_t i, const Eigen::Vector3f& q) {
+                if (faces) moved.push_back(static_cast<std::uint32_t>(count));
+                out[0] = q.x();
+                out[1] = q.y();
+                out[2] = q.z();
+                out += 4;
+                ++count;
+                if (colour_) cloud.rgba.push_back(block.rgba.empty() ? kWhite : block.rgba[i]);
+                if (intensity_) cloud.intensity.push_back(block.intensity.empty() ? 0.0F : block.intensity[i]);
+              },
+              [&](std::size_t) {
+                if (faces) moved.push_back(kGone);
+                ++cloud.invalid;
+              });
+        },
+        progress);
+    for (const std::array<std::uint32_t, 3>& face : scan->raw.faces) {
+      const std::array<std::uint32_t, 3> corners = {moved[face[0]], moved[face[1]], moved[face[2]]};
+      if (corners[0] != kGone && corners[1] != kGone && corners[2] != kGone) cloud.faces.push_back(corners);
+    }
+    cloud.invalid += scan->raw.invalid;
+    // Gives the memory back before the next scan is copied.
+    if (!scan->streamed) scan->raw = RawScan{};
+  }
+  cloud.resize_points(count);
+  return cloud;
+}
+
+std::uint64_t ScanSet::stream(const std::function<void(const CloudBlock&)>& use, Progress& progress) const {
+  std::uint64_t beyond = 0;
+  std::uint64_t done = 0;
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::uint32_t> rgba;
+  std::vector<float> intensity;
+  for (const std::unique_ptr<Scan>& scan : scans_) {
+    scan->for_each_block(
+        [&](const PointBlock& block) {
+          points.clear();
+          rgba.clear();
+          intensity.clear();
+          round_points(
+              scan->placement, origin_m_, block.points,
+              [&](std::size_t i, const Eigen::Vector3f& q) {
+                points.push_back(q);
+                if (colour_) rgba.push_back(block.rgba.empty() ? kWhite : block.rgba[i]);
+                if (intensity_) intensity.push_back(block.intensity.empty() ? 0.0F : block.intensity[i]);
+              },
+              [&](std::size_t) { ++beyond; });
+          use({points, rgba, intensity});
+          done += block.points.size();
+          progress.at(static_cast<double>(done) / static_cast<double>(points_));
+        },
+        progress);
+  }
+  return beyond;
+}
+
+std::vector<ScanSource> ScanSet::sources() {
+  std::vector<ScanSource> sources;
+  for (std::size_t i = 0; i < digests_.size(); ++i) {
+    sources.push_back({configs_[i].file, digests_[i].get(), records_[i]});
+  }
+  digests_.clear();
+  return sources;
+}
+
+}  // namespace sparsha::pipeline

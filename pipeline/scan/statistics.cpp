@@ -1,0 +1,203 @@
+// Distances to neighbours: of all points in memory through a tree; of a stream from the points about some
+// places, which a first look has chosen.
+#include "pipeline/scan/statistics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+
+#include <pcl/kdtree/kdtree_flann.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include "base/hash.h"
+#include "base/statistics.h"
+#include "pipeline/scan/empty_returns.h"
+#include "pipeline/scan/origin.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::uint64_t kSample = 100'000;
+constexpr double kReach = 4.0;  // mean spacings, about a place
+constexpr std::size_t kMostNeighbours = 64;
+
+double middle_of(std::vector<float>& values) { return values.empty() ? 0.0 : static_cast<double>(median(values)); }
+
+/// Gathers what lies within `reach` of each of some places, or a little more: cubes of that size that touch it.
+class Neighbourhoods {
+ public:
+  Neighbourhoods(std::vector<Eigen::Vector3d> places, double reach) : places_(std::move(places)), reach_(reach) {
+    nearest_.assign(places_.size(), std::numeric_limits<float>::infinity());
+    for (std::uint32_t n = 0; n < places_.size(); ++n) {
+      const Cell home = cell_of(places_[n]);
+      for (std::int64_t x = -1; x <= 1; ++x)
+        for (std::int64_t y = -1; y <= 1; ++y)
+          for (std::int64_t z = -1; z <= 1; ++z) near_[{home[0] + x, home[1] + y, home[2] + z}].push_back(n);
+    }
+  }
+  void add(const Eigen::Vector3d& point) {
+    const auto found = near_.find(cell_of(point));
+    if (found == near_.end()) return;
+    for (const std::uint32_t n : found->second) {
+      const auto distance = static_cast<float>((point - places_[n]).norm());
+      if (distance > 0.0F && distance < nearest_[n]) nearest_[n] = distance;
+    }
+  }
+  [[nodiscard]] double median() const {
+    std::vector<float> distances;
+    for (const float d : nearest_)
+      if (std::isfinite(d)) distances.push_back(d);
+    return middle_of(distances);
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Cell& cell) const { return static_cast<std::size_t>(hash_cell(cell)); }
+  };
+  [[nodiscard]] Cell cell_of(const Eigen::Vector3d& p) const {
+    const auto whole = [&](double v) {
+      return static_cast<std::int64_t>(std::floor(std::clamp(v / reach_, -1e15, 1e15)));
+    };
+    return {whole(p.x()), whole(p.y()), whole(p.z())};
+  }
+
+  std::vector<Eigen::Vector3d> places_;
+  double reach_;
+  std::vector<float> nearest_;
+  std::unordered_map<Cell, std::vector<std::uint32_t>, Hash> near_;
+};
+
+/// Mean distance of points that lie on a surface as large as the sample's box without its outliers.
+double mean_spacing(const std::vector<Eigen::Vector3d>& sample, std::uint64_t points) {
+  std::array<double, 3> side{};
+  for (int axis = 0; axis < 3; ++axis)
+    side[static_cast<std::size_t>(axis)] = quantile(sample, axis, 0.99) - quantile(sample, axis, 0.01);
+  std::sort(side.begin(), side.end());
+  const double area = side[2] * std::max(side[1], side[2] * 1e-6);
+  return std::sqrt(area / static_cast<double>(points));
+}
+
+/// Nothing when a point is repeated so often that the search for another one would take the whole cloud, each time.
+std::optional<double> spacing_by_tree(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud) {
+  constexpr std::size_t kQueries = 2000;
+  if (cloud->size() < 2) return 0.0;
+  pcl::KdTreeFLANN<pcl::PointXYZ> tree;
+  tree.setSortedResults(true);
+  tree.setInputCloud(cloud);
+  std::vector<float> distances;
+  pcl::Indices found;
+  std::vector<float> squared;
+  const std::size_t step = std::max<std::size_t>(1, cloud->size() / kQueries);
+  for (std::size_t i = 0; i < cloud->size(); i += step) {
+    for (std::size_t k = 2;; k *= 4) {
+      k = std::min({k, kMostNeighbours, cloud->size()});
+      tree.nearestKSearch((*cloud)[i], static_cast<unsigned>(k), found, squared);
+      const auto other = std::find_if(squared.begin(), squared.end(), [](float d) { return d > 0.0F; });
+      if (other != squared.end()) {
+        distances.push_back(std::sqrt(*other));
+        break;
+      }
+      if (k == kMostNeighbours) return std::nullopt;
+      if (k == cloud->size()) break;
+    }
+  }
+  return middle_of(distances);
+}
+
+/// Leaves one of equal points and puts them into an order of their own.
+void leave_out_duplicates(pcl::PointCloud<pcl::PointXYZ>& cloud) {
+  const auto key = [](const pcl::PointXYZ& p) { return std::tie(p.x, p.y, p.z); };
+  std::sort(cloud.begin(), cloud.end(),
+            [&](const pcl::PointXYZ& a, const pcl::PointXYZ& b) { return key(a) < key(b); });
+  const auto end = std::unique(cloud.begin(), cloud.end(),
+                               [&](const pcl::PointXYZ& a, const pcl::PointXYZ& b) { return key(a) == key(b); });
+  cloud.resize(static_cast<std::size_t>(end - cloud.begin()));
+}
+
+}  // namespace
+
+double median_spacing(const std::vector<Eigen::Vector3d>& points) {
+  if (points.size() < 2) return 0.0;
+  PointSample sample;
+  for (const Eigen::Vector3d& p : points) sample.add(p);
+  const std::vector<Eigen::Vector3d> some = sample.points();
+  const Eigen::Vector3d centre(quantile(some, 0, 0.5), quantile(some, 1, 0.5), quantile(some, 2, 0.5));
+  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  cloud->reserve(points.size());
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3f q = (p - centre).cast<float>();
+    if (q.allFinite() && q.squaredNorm() < 1e30F) cloud->push_back({q.x(), q.y(), q.z()});
+  }
+  if (cloud->size() < 2) return 0.0;
+  std::optional<double> spacing = spacing_by_tree(cloud);
+  if (!spacing) {
+    leave_out_duplicates(*cloud);
+    spacing = spacing_by_tree(cloud);
+  }
+  return spacing.value_or(0.0);
+}
+
+ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress, std::uint64_t large_bytes) {
+  ScanStatistics statistics;
+  std::error_code code;
+  if (std::filesystem::file_size(file, code) > large_bytes && !code) {
+    // First how many there are and a few of them, then an even sample and the neighbours of the few.
+    PointSample few;
+    std::uint64_t count = 0;
+    std::uint64_t at_scanner = 0;
+    statistics.scan = stream_scan(
+        file,
+        [&](const PointBlock& block) {
+          progress.throw_if_cancelled();
+          count += block.points.size();
+          for (const Eigen::Vector3d& p : block.points) {
+            const bool empty = is_at_scanner(p, block.station);
+            at_scanner += empty ? 1 : 0;
+            if (!empty) few.add(p);
+          }
+        },
+        &progress);
+    const bool empty_returns = are_empty_returns(at_scanner, count);
+    if (empty_returns) {
+      statistics.scan.warnings.push_back(empty_returns_warning(at_scanner, count));
+      statistics.scan.invalid += at_scanner;
+      count -= at_scanner;
+    }
+    if (count > kSample && statistics.scan.faces.empty()) {
+      std::vector<Eigen::Vector3d> places = few.points();
+      const double reach = kReach * mean_spacing(places, count);
+      Neighbourhoods neighbours(std::move(places), std::max(reach, 1e-12));
+      const std::uint64_t every = count / kSample;
+      std::uint64_t next = 0;
+      std::uint64_t seen = 0;
+      (void)stream_scan(
+          file,
+          [&](const PointBlock& block) {
+            progress.throw_if_cancelled();
+            for (const Eigen::Vector3d& p : block.points) {
+              if (empty_returns && is_at_scanner(p, block.station)) continue;
+              if (seen++ == next) {
+                statistics.scan.points.push_back(p);
+                next += every;
+              }
+              neighbours.add(p);
+            }
+          },
+          &progress);
+      statistics.spacing = neighbours.median();
+      return statistics;
+    }
+  }
+  statistics.scan = read_scan(file, &progress);
+  drop_empty_returns(statistics.scan);
+  statistics.spacing = median_spacing(statistics.scan.points);
+  return statistics;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,134 @@
+#include "pipeline/scan/writer.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "pipeline/scan/triangulate.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+
+}  // namespace
+
+ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink)
+    : scan_(scan), sink_(sink), points_(kBlock), rgba_(kBlock, kWhite), intensity_(kBlock) {}
+
+void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity, bool normals) {
+  colour_ = colour;
+  has_intensity_ = intensity;
+  if (normals) normals_.resize(kBlock);
+  if (sink_) return;
+  const auto count = static_cast<std::size_t>(records);
+  scan_.points.reserve(count);
+  if (colour) scan_.rgba.reserve(count);
+  if (intensity) scan_.intensity.reserve(count);
+  if (normals) scan_.normals.reserve(count);
+}
+
+void ScanWriter::set_station(const std::optional<Eigen::Vector3d>& place) {
+  flush();
+  station_ = place && place->allFinite() ? place : std::nullopt;
+  if (!sink_) scan_.stations.push_back({scan_.points.size(), station_});
+}
+
+void ScanWriter::add_invalid() {
+  dropped_.push_back(valid_ + filled_ + dropped_.size());
+  ++scan_.invalid;
+}
+
+void ScanWriter::add_polygon(std::span<const std::uint32_t> corners) {
+  if (corners.size() < 3) return;
+  if (corners.size() == 3) {
+    add_triangle(corners[0], corners[1], corners[2]);
+    return;
+  }
+  polygons_.push_back(static_cast<std::uint32_t>(corners.size()));
+  polygons_.insert(polygons_.end(), corners.begin(), corners.end());
+}
+
+void ScanWriter::flush() {
+  if (filled_ == 0) return;
+  const std::span points(points_.data(), filled_);
+  const std::span rgba(rgba_.data(), colour_ ? filled_ : 0);
+  const std::span intensity(intensity_.data(), has_intensity_ ? filled_ : 0);
+  const std::span normals(normals_.data(), normals_.empty() ? 0 : filled_);
+  if (sink_) {
+    sink_({points, rgba, intensity, station_, normals});
+  } else {
+    scan_.points.insert(scan_.points.end(), points.begin(), points.end());
+    scan_.rgba.insert(scan_.rgba.end(), rgba.begin(), rgba.end());
+    scan_.intensity.insert(scan_.intensity.end(), intensity.begin(), intensity.end());
+    scan_.normals.insert(scan_.normals.end(), normals.begin(), normals.end());
+  }
+  valid_ += filled_;
+  filled_ = 0;
+}
+
+void ScanWriter::finish() {
+  flush();
+  scan_.records = valid_ + dropped_.size();
+  renumber_faces();
+  triangulate_polygons();
+}
+
+/// Faces name records; what is kept are the valid ones.
+void ScanWriter::renumber_faces() {
+  if (scan_.faces.empty() && polygons_.empty()) return;
+  std::vector<std::uint32_t> place;
+  if (!dropped_.empty()) {
+    place.resize(static_cast<std::size_t>(scan_.records));
+    std::size_t gone = 0;
+    for (std::size_t record = 0; record < place.size(); ++record) {
+      const bool drop = gone < dropped_.size() && dropped_[gone] == record;
+      place[record] = drop ? kGone : static_cast<std::uint32_t>(record - gone);
+      if (drop) ++gone;
+    }
+  }
+  std::uint64_t missing = 0;
+  const auto renumber = [&](std::span<std::uint32_t> corners) {
+    bool exists = true;
+    bool valid = true;
+    for (std::uint32_t& corner : corners) {
+      if (corner >= scan_.records) {
+        exists = false;
+        break;
+      }
+      if (!place.empty()) corner = place[corner];
+      valid = valid && corner != kGone;
+    }
+    if (!exists) ++missing;
+    return exists && valid;
+  };
+  std::erase_if(scan_.faces, [&](std::array<std::uint32_t, 3>& face) { return !renumber(face); });
+  std::size_t write = 0;
+  for (std::size_t read = 0; read < polygons_.size();) {
+    const std::size_t corners = polygons_[read];
+    if (renumber(std::span(polygons_).subspan(read + 1, corners))) {
+      std::copy_n(polygons_.begin() + static_cast<std::ptrdiff_t>(read), corners + 1,
+                  polygons_.begin() + static_cast<std::ptrdiff_t>(write));
+      write += corners + 1;
+    }
+    read += corners + 1;
+  }
+  polygons_.resize(write);
+  if (missing > 0) {
+    scan_.warnings.push_back(std::to_string(missing) + (missing == 1 ? " face names" : " faces name") +
+                             " vertices that the file does not have; left out");
+  }
+}
+
+void ScanWriter::triangulate_polygons() {
+  for (std::size_t at = 0; at < polygons_.size(); at += polygons_[at] + std::size_t{1}) {
+    const std::span<const std::uint32_t> corners = std::span(polygons_).subspan(at + 1, polygons_[at]);
+    if (sink_) {
+      triangulate_as_fan(corners, scan_.faces);
+    } else {
+      triangulate(corners, scan_.points, scan_.faces);
+    }
+  }
+  polygons_.clear();
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,277 @@
+// LAS: versions, point formats, scales, flags, units, and headers that lie.
+#include <gmock/gmock.h>
+
+#include "base/progress.h"
+#include "pipeline/scan/formats/las/header.h"
+#include "tests/pipeline/scan/formats/las_files.h"
+#include "tests/support/scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using testing::error_of_bytes;
+using testing::expect_refused;
+using ::testing::HasSubstr;
+using testing::las_point;
+using testing::LasFile;
+using testing::put;
+using testing::ScanFolder;
+using testing::set;
+
+std::string geo_keys(const std::vector<std::array<int, 2>>& keys) {
+  std::string bytes;
+  for (const int v : {1, 1, 0, static_cast<int>(keys.size())}) put(bytes, static_cast<std::uint16_t>(v));
+  for (const auto& [key, value] : keys) {
+    for (const int v : {key, 0, 1, value}) put(bytes, static_cast<std::uint16_t>(v));
+  }
+  return bytes;
+}
+
+TEST(LasReader, ReadsEveryVersionAndPointFormat) {
+  const ScanFolder folder;
+  for (int minor = 0; minor <= 4; ++minor) {
+    for (int format = 0; format <= 10; ++format) {
+      LasFile file;
+      file.minor = minor;
+      file.format = format;
+      file.points = {las_point(format, 1, -2, 300, 7), las_point(format, 2147483647, 0, -2147483647, 65535)};
+      const RawScan scan = folder.read("a.las", file.bytes());
+      EXPECT_EQ(scan.format, "LAS 1." + std::to_string(minor) + " pf" + std::to_string(format));
+      ASSERT_EQ(scan.points.size(), 2U);
+      EXPECT_EQ(scan.points[0], Eigen::Vector3d(1 * 0.01 + 100, -2 * 0.01 + 100, 300 * 0.01 + 100));
+      EXPECT_EQ(scan.points[1].x(), 2147483647 * 0.01 + 100);
+      EXPECT_EQ(scan.intensity, (std::vector<float>{7.0F, 65535.0F}));
+      EXPECT_EQ(scan.unit, std::nullopt);
+    }
+  }
+}
+
+TEST(LasReader, ReadsColoursOfSixteenBitsAndOfEight) {
+  const ScanFolder folder;
+  const std::pair<int, std::size_t> places[] = {{2, 20}, {3, 28}, {5, 28}, {7, 30}, {8, 30}, {10, 30}};
+  for (const auto& [format, place] : places) {
+    for (const bool words : {false, true}) {
+      LasFile file;
+      file.minor = 4;
+      file.format = format;
+      file.points = {las_point(format, 0, 0, 0)};
+      const int unit = words ? 257 : 1;
+      for (std::size_t k = 0; k < 3; ++k) {
+        set(file.points[0], place + 2 * k,
+            static_cast<std::uint16_t>(unit * (k == 0 ? 255 : static_cast<int>(10 * k))));
+      }
+      const RawScan scan = folder.read("c.las", file.bytes());
+      EXPECT_EQ(scan.rgba, std::vector<std::uint32_t>{0xFF140AFFU}) << format << (words ? " words" : " bytes");
+    }
+  }
+}
+
+TEST(LasReader, CountsWithheldPointsAsInvalid) {
+  const ScanFolder folder;
+  for (const int format : {1, 6}) {
+    LasFile file;
+    file.minor = 4;
+    file.format = format;
+    file.points = {las_point(format, 0, 0, 0), las_point(format, 1, 1, 1)};
+    file.points[1][15] = static_cast<char>(format >= 6 ? 4 : 128);
+    const RawScan scan = folder.read("w.las", file.bytes());
+    EXPECT_EQ(scan.records, 2U);
+    EXPECT_EQ(scan.invalid, 1U);
+  }
+}
+
+TEST(LasReader, FindsUnitsInGeoKeys) {
+  const ScanFolder folder;
+  const auto units_of = [&](const std::vector<std::array<int, 2>>& keys) {
+    LasFile file;
+    file.record_id = 34735;
+    file.record = geo_keys(keys);
+    file.points = {las_point(0, 0, 0, 0), las_point(0, 100, 0, 100)};
+    return folder.read("u.las", file.bytes());
+  };
+  EXPECT_EQ(units_of({{1024, 1}, {3076, 9001}}).unit, LengthUnit::m);
+  EXPECT_EQ(units_of({{1024, 1}, {3076, 9002}}).unit, LengthUnit::ft);
+  EXPECT_EQ(units_of({{1024, 1}, {3076, 9003}}).unit, LengthUnit::us_ft);
+  EXPECT_EQ(units_of({{1024, 1}, {3072, 32617}}).unit, LengthUnit::m) << "UTM is in metres";
+  EXPECT_EQ(units_of({{1024, 1}, {3072, 2285}}).unit, std::nullopt);
+  EXPECT_TRUE(units_of({{1024, 2}, {2048, 4326}}).degrees);
+  const RawScan mixed = units_of({{1024, 1}, {3076, 9001}, {4099, 9002}});
+  EXPECT_EQ(mixed.unit, LengthUnit::m);
+  EXPECT_DOUBLE_EQ(mixed.points[1].z(), 101.0 * 0.3048) << "heights in feet become metres";
+  EXPECT_EQ(mixed.warnings.size(), 1U);
+}
+
+TEST(LasReader, FindsUnitsInWellKnownText) {
+  using las::parse_wkt_units;
+  const auto us_ft = parse_wkt_units(
+      R"(PROJCS["NAD83 / Washington",GEOGCS["NAD83",UNIT["degree",0.0174532925199433]],PARAMETER["x",[1]],)"
+      R"(UNIT["US survey foot",0.3048006096012192,AUTHORITY["EPSG","9003"]],AXIS["X",EAST]])");
+  EXPECT_FALSE(us_ft.geographic);
+  EXPECT_DOUBLE_EQ(us_ft.horizontal_m, 0.3048006096012192);
+  const auto compound = parse_wkt_units(
+      R"(COMPD_CS["a + b",PROJCS["a",GEOGCS["g",UNIT["degree",0.017]],UNIT["metre",1]],VERT_CS["b",UNIT["foot",0.3048]]])");
+  EXPECT_EQ(compound.horizontal_m, 1.0);
+  EXPECT_EQ(compound.vertical_m, 0.3048);
+  EXPECT_TRUE(parse_wkt_units(R"(GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]])").geographic);
+  EXPECT_TRUE(parse_wkt_units(R"(GEOGCRS["WGS 84",CS[ellipsoidal,2]])").geographic);
+  EXPECT_EQ(
+      parse_wkt_units(R"wkt(PROJCRS["a",BASEGEOGCRS["g"],CS[Cartesian,2],AXIS["(E)",east,LENGTHUNIT["metre",1]]])wkt")
+          .horizontal_m,
+      1.0);
+  for (const std::string text : {"", "PROJCS", "PROJCS[", "[[[[", "PROJCS[\"a", "UNIT[,,]", "PROJCS[]]]]", ")("}) {
+    EXPECT_EQ(parse_wkt_units(text).horizontal_m, 0.0) << text;
+  }
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += "A[";
+  EXPECT_EQ(parse_wkt_units(deep).horizontal_m, 0.0);
+
+  const ScanFolder folder;
+  LasFile file;
+  file.record_id = 2112;
+  file.record = R"(PROJCS["p",UNIT["foot",0.3048]])";
+  file.points = {las_point(0, 0, 0, 0)};
+  EXPECT_EQ(folder.read("w.las", file.bytes()).unit, LengthUnit::ft);
+}
+
+TEST(LasReader, LoadsFeetAsMetresAndRefusesDegrees) {
+  const ScanFolder folder;
+  LasFile file;
+  file.offset = 0.0;
+  file.record_id = 34735;
+  file.record = geo_keys({{1024, 1}, {3076, 9003}});
+  file.points = {las_point(0, 0, 0, 0), las_point(0, 1000, 0, 0)};
+  ScanConfig config;
+  config.file = folder.write("feet.las", file.bytes());
+  Progress progress;
+  const Cloud cloud = load_scan(config, progress);
+  EXPECT_NEAR(static_cast<double>(cloud.xyz1()[4] - cloud.xyz1()[0]), 12000.0 / 3937.0, 1e-6);
+  file.record = geo_keys({{1024, 2}});
+  config.file = folder.write("degrees.las", file.bytes());
+  EXPECT_THROW((void)load_scan(config, progress), Error);
+  EXPECT_EQ(inspect_scan(config.file).units, "degrees");
+}
+
+TEST(LasReader, RefusesLies) {
+  const ScanFolder folder;
+  LasFile good;
+  good.points = {las_point(0, 1, 2, 3), las_point(0, 4, 5, 6)};
+  const auto refuse = [](const std::string& bytes, const char* message) { expect_refused("lie.las", bytes, message); };
+  std::string bytes = good.bytes();
+  set(bytes, 107, std::uint32_t{4000000000U});
+  refuse(bytes, "promises 4000000000 points, only 2");
+  bytes = good.bytes();
+  set(bytes, 96, std::uint32_t{4000000000U});
+  refuse(bytes, "begin at byte 4000000000");
+  bytes = good.bytes();
+  set(bytes, 94, std::uint16_t{12});
+  refuse(bytes, "header of 12 bytes");
+  bytes = good.bytes();
+  bytes[104] = 11;
+  refuse(bytes, "point format 11");
+  bytes = good.bytes();
+  set(bytes, 105, std::uint16_t{19});
+  refuse(bytes, "in 19 bytes");
+  bytes = good.bytes();
+  set(bytes, 131, 0.0);
+  refuse(bytes, "scale");
+  bytes = good.bytes();
+  set(bytes, 155, std::numeric_limits<double>::quiet_NaN());
+  refuse(bytes, "scale");
+  bytes = good.bytes();
+  bytes[25] = 9;
+  refuse(bytes, "version 1.9");
+  bytes = good.bytes();
+  bytes[104] = static_cast<char>(128);
+  refuse(bytes, "without a LASzip record");
+  refuse(good.bytes().substr(0, 100), "breaks off");
+}
+
+TEST(LasReader, TakesAWrongNumberOfRecordsForWhatItIsWorth) {
+  const ScanFolder folder;
+  LasFile file;
+  file.points = {las_point(0, 1, 2, 3)};
+  std::string bytes = file.bytes();
+  set(bytes, 100, std::uint32_t{1069128089});
+  const RawScan scan = folder.read("v.las", bytes);
+  EXPECT_EQ(scan.records, 1U);
+  EXPECT_THAT(scan.warnings, ::testing::ElementsAre(HasSubstr("1069128089")));
+}
+
+TEST(LasReader, RefusesATruncationAtEveryByte) {
+  const ScanFolder folder;
+  LasFile file;
+  file.minor = 4;
+  file.format = 6;
+  file.points = {las_point(6, 1, 2, 3), las_point(6, 4, 5, 6)};
+  const std::string bytes = file.bytes();
+  ASSERT_FALSE(error_of_bytes("whole.las", bytes));
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    EXPECT_TRUE(error_of_bytes("cut.las", std::string_view(bytes).substr(0, n))) << n;
+  }
+}
+
+/// A box of 10 units a side, as the header should have it.
+LasFile boxed(int minor, int count) {
+  LasFile file;
+  file.minor = minor;
+  for (int i = 0; i < count; ++i) {
+    file.points.push_back(las_point(0, i % 32 * 32 + 10, i / 32 % 32 * 32 + 10, i % 7 * 10 + 10));
+  }
+  return file;
+}
+
+std::string with_box(const LasFile& file, double low, double high) {
+  std::string bytes = file.bytes();
+  for (std::size_t k = 0; k < 3; ++k) {
+    testing::set(bytes, 179 + 16 * k, high);
+    testing::set(bytes, 187 + 16 * k, low);
+  }
+  return bytes;
+}
+
+TEST(LasReader, WarnsOfMorePointsThanItsHeaderPromisesInEveryVersion) {
+  const testing::ScanFolder folder;
+  for (int minor = 0; minor <= 4; ++minor) {
+    std::string bytes = boxed(minor, 100).bytes();
+    EXPECT_THAT(folder.read("a.las", bytes).warnings, ::testing::IsEmpty());
+    testing::set(bytes, 107, std::uint32_t{60});
+    if (minor == 4) testing::set(bytes, 247, std::uint64_t{60});
+    EXPECT_THAT(folder.read("a.las", bytes).warnings,
+                ::testing::ElementsAre(::testing::HasSubstr("room for 100 points, its header promises 60")));
+  }
+  // What the header says follows the points is no missing point.
+  std::string waves = boxed(3, 60).bytes();
+  testing::set(waves, 227, static_cast<std::uint64_t>(waves.size()));
+  EXPECT_THAT(folder.read("a.las", waves + std::string(5000, 'w')).warnings, ::testing::IsEmpty());
+}
+
+TEST(LasReader, WarnsOfPointsFarOutsideTheHeadersBoxAndRefusesAnAbsurdSpread) {
+  const testing::ScanFolder folder;
+  LasFile file = boxed(2, 1000);
+  EXPECT_THAT(folder.read("a.las", with_box(file, 100.0, 111.0)).warnings, ::testing::IsEmpty());
+  EXPECT_THAT(folder.read("a.las", with_box(file, 0.0, 0.0)).warnings, ::testing::IsEmpty()) << "no box";
+  // A cloud that was moved without its box keeps its size: usable.
+  EXPECT_THAT(folder.read("a.las", with_box(file, 5100.0, 5111.0)).warnings,
+              ::testing::ElementsAre(::testing::HasSubstr("1000 of 1000 points lie far outside")));
+  // One point in a thousand: an outlier.
+  file.points[500] = las_point(0, 2000000000, 5, 5);
+  EXPECT_THAT(folder.read("a.las", with_box(file, 100.0, 111.0)).warnings,
+              ::testing::ElementsAre(::testing::HasSubstr("1 of 1000 points lie far outside")));
+  for (std::size_t i = 0; i < 40; ++i) file.points[i] = las_point(0, 2000000000, 5, 5);
+  testing::expect_refused("a.las", with_box(file, 100.0, 111.0), "far outside the header's box");
+}
+
+TEST(LasReader, RefusesAFileWhoseLineFeedsWereTranslated) {
+  LasFile file = boxed(2, 2000);  // their bytes hold line feeds
+  const std::string bytes = file.bytes();
+  std::string copied;
+  for (const char c : bytes) {
+    if (c == '\n') copied += '\r';
+    copied += c;
+  }
+  ASSERT_GT(copied.size(), bytes.size() + 20);
+  testing::expect_refused("a.las", copied, "copied as text");
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

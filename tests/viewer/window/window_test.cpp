@@ -1,0 +1,576 @@
+// A real window on a virtual display, driven by real key and mouse events.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/folder/folder.h"
+#include "tests/support/test_folder.h"
+#include "tests/viewer/cloud/points.h"
+#include "tests/viewer/relief_scene.h"
+#include "tests/viewer/window/drop.h"
+#include "viewer/cloud/orientation.h"
+#include "viewer/marks/notes.h"
+#include "viewer/viewer.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace sparsha::viewer::test {
+namespace {
+
+bool on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::string rest = path != nullptr ? path : "";
+  while (!rest.empty()) {
+    const std::size_t colon = rest.find(':');
+    if (::access((rest.substr(0, colon) + "/" + program).c_str(), X_OK) == 0) return true;
+    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
+  }
+  return false;
+}
+
+/// Xvfb on a display number of its own choice, ended by the destructor.
+class VirtualDisplay {
+ public:
+  /// `number`: a display number of one's own choice, or nothing.
+  explicit VirtualDisplay(const std::string& number = {}) {
+    int ends[2];
+    if (::pipe(ends) != 0) return;
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      const int quiet = ::open("/dev/null", O_RDWR);
+      ::dup2(quiet, 1);
+      ::dup2(quiet, 2);
+      ::close(ends[0]);
+      const std::string fd = std::to_string(ends[1]);
+      if (!number.empty())
+        ::execlp("Xvfb", "Xvfb", number.c_str(), "-noreset", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24",
+                 "-nolisten", "tcp", static_cast<char*>(nullptr));
+      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
+               static_cast<char*>(nullptr));
+      ::_exit(127);
+    }
+    ::close(ends[1]);
+    char c = 0;
+    while (::read(ends[0], &c, 1) == 1 && c != '\n') name_ += c;
+    ::close(ends[0]);
+    if (!name_.empty()) name_ = ":" + name_;
+  }
+  ~VirtualDisplay() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGTERM);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  VirtualDisplay(const VirtualDisplay&) = delete;
+  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  pid_t pid_ = -1;
+  std::string name_;
+};
+
+bool wait_for(const std::function<bool()>& condition, double seconds = 60.0) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < end) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return condition();
+}
+
+int xdotool(const std::string& arguments) { return std::system(("xdotool " + arguments + " >/dev/null 2>&1").c_str()); }
+
+#ifdef SPARSHA_HAS_X11
+/// The window's number in the X server; 0: there is none.
+unsigned long window_number() {
+  unsigned long window = 0;
+  if (FILE* pipe = ::popen("xdotool search --sync --name Sparsha", "r")) {
+    if (std::fscanf(pipe, "%lu", &window) != 1) window = 0;
+    ::pclose(pipe);
+  }
+  return window;
+}
+#endif
+
+/// DISPLAY for the time of a test.
+struct DisplayName {
+  explicit DisplayName(const char* name) {
+    if (const char* old = std::getenv("DISPLAY")) before = old;
+    ::unsetenv("WAYLAND_DISPLAY");
+    if (name != nullptr)
+      ::setenv("DISPLAY", name, 1);
+    else
+      ::unsetenv("DISPLAY");
+  }
+  ~DisplayName() {
+    if (before.empty())
+      ::unsetenv("DISPLAY");
+    else
+      ::setenv("DISPLAY", before.c_str(), 1);
+  }
+  std::string before;
+};
+
+TEST(Window, NoDisplayIsFoundOutCheaplyAndSaid) {
+  const auto began = std::chrono::steady_clock::now();
+  {
+    const DisplayName none(nullptr);
+    EXPECT_FALSE(display_available());
+    const auto scene = scene_of(lotus, {51, 51, 0.008, 1});
+    Connections connections;
+    connections.scene = [&] { return scene; };
+    try {
+      run_window(connections, {});
+      FAIL() << "there is no display";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::failure);
+      EXPECT_NE(std::string(error.what()).find("display"), std::string::npos) << error.what();
+    }
+  }
+  {
+    const DisplayName wrong(":47113");
+    EXPECT_FALSE(display_available());
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
+}
+
+TEST(Window, KeysAndMouseReachTheSession) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  ASSERT_TRUE(display_available());
+
+  const auto scene = scene_of(lotus, {201, 201, 0.002, 2});
+  haptics::Seqlock<haptics::State> state;
+  haptics::State at = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
+  state.publish(at);
+  haptics::RequestQueue requests;
+  haptics::AnnouncementBoard board;
+  board.say("Welcome");
+  Connections connections;
+  connections.state = &state;
+  connections.requests = &requests;
+  connections.announcements = &board;
+  connections.pointer = std::make_shared<haptics::Seqlock<haptics::PointerSample>>();
+  std::atomic<int> frames{0};
+  connections.poll = [&] { ++frames; };
+  std::atomic<bool> finished{false};
+  connections.finished = [&] { return finished.load(); };
+  connections.scene = [&] { return scene; };
+
+  std::string problem;
+  std::thread visitor([&] {
+    const auto expect = [&](const std::string& keys, haptics::Request::Kind kind) {
+      if (!problem.empty()) return;
+      xdotool("key " + keys);
+      const bool came = wait_for([&] {
+        const auto request = requests.take();
+        return request && request->kind == kind;
+      });
+      if (!came) problem = "no request after " + keys;
+    };
+    using Kind = haptics::Request::Kind;
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    if (problem.empty() && xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    expect("plus", Kind::zoom_in);
+    expect("minus", Kind::zoom_out);
+    expect("Left", Kind::pan);
+    expect("t", Kind::set_texture);
+    expect("f", Kind::set_friction);
+    expect("space", Kind::describe);
+    xdotool("key F1 c l s s s s Escape");  // the help has a page or two, Escape closes either
+    xdotool("search --name Sparsha mousemove --window %1 454 330");
+    const auto sample = [&] { return connections.pointer->read(); };
+    if (problem.empty() && !wait_for([&] { return sample().sequence > 0 && std::abs(sample().device_m[0]) < 0.02; }))
+      problem = "the mouse does not move the hand: " + std::to_string(sample().sequence) + ", " +
+                std::to_string(sample().device_m[0]);
+    const double above_m = sample().device_m[2];
+    xdotool("mousedown 1");
+    if (problem.empty() && !wait_for([&] { return sample().device_m[2] < above_m - 0.003; }))
+      problem = "the button does not press";
+    xdotool("mouseup 1");
+    xdotool("search --name Sparsha windowsize %1 900 600");
+    const int before = frames.load();
+    if (problem.empty() && !wait_for([&] { return frames.load() > before + 3; })) problem = "no frames after a resize";
+    expect("q", Kind::quit);
+    finished = true;
+  });
+  std::string window_problem;
+  try {
+    run_window(connections, {});
+  } catch (const std::exception& error) {
+    window_problem = error.what();
+  }
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(window_problem, "");
+  EXPECT_EQ(problem, "");
+}
+
+TEST(Window, MeasuresPinsAndSectionsAreMadeWithRealKeysAndClicksAndKept) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const sparsha::test::TestFolder folder;
+  std::filesystem::create_directories(folder / "scene");
+  pipeline::write_scene(*scene_of(lotus, {201, 201, 0.002, 2},
+                                  [](pipeline::SceneDescription& d) {
+                                    d.config.scans.resize(1);
+                                    d.config.scans[0].file = "scan.ply";
+                                    d.sources = {{"scan.ply", "abc", 1}};
+                                  }),
+                        folder / "scene");
+  const auto scene = pipeline::open_scene(folder / "scene");
+  haptics::RequestQueue requests;
+  std::atomic<int> frames{0};
+  std::atomic<bool> finished{false};
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.requests = &requests;
+  connections.poll = [&] { ++frames; };
+  connections.finished = [&] { return finished.load(); };
+  std::string problem;
+  std::thread visitor([&] {
+    const auto notes = [&] { return read_notes(folder / "scene" / "notes.yaml"); };
+    const auto pictures = [&] { wait_for([&, before = frames.load()] { return frames.load() > before + 5; }); };
+    const auto expect = [&](const char* what, const std::function<bool()>& condition) {
+      if (problem.empty() && !wait_for(condition)) problem = what;
+    };
+    const auto click = [&](int x, int y) {
+      xdotool("search --name Sparsha mousemove --window %1 " + std::to_string(x) + " " + std::to_string(y));
+      xdotool("click 1");
+      pictures();
+    };
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    if (problem.empty() && xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    xdotool("key u");
+    click(400, 300);
+    click(500, 360);
+    expect("no measure is kept", [&] { return notes().measures.size() == 1; });
+    xdotool("search --name Sparsha mousemove --window %1 450 200");
+    pictures();
+    xdotool("key k");
+    pictures();
+    xdotool("type --delay 60 'a chip'");
+    xdotool("key Return");
+    expect("no pin is kept", [&] { return notes().pins.size() == 1; });
+    xdotool("key z");
+    expect("no section is kept", [&] { return notes().section.has_value(); });
+    xdotool("key i");
+    expect("the parallel view is not kept", [&] { return notes().parallel; });
+    xdotool("key Delete");
+    expect("nothing is removed", [&] { return notes().pins.empty(); });
+    xdotool("key Escape q");
+    expect("q does not leave", [&] {
+      const auto got = requests.take();
+      return got && got->kind == haptics::Request::Kind::quit;
+    });
+    finished = true;
+  });
+  run_window(connections, {});
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(problem, "");
+  const Notes kept = read_notes(folder / "scene" / "notes.yaml");
+  ASSERT_EQ(kept.measures.size(), 1U);
+  EXPECT_GT(value_of(kept.measures[0]), 0.02);
+}
+
+TEST(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  Workshop workshop(square(150, 1.0));
+  std::mutex mutex;  // of the workshop, which both threads look at
+  const auto made = scene_of(lotus, {201, 201, 0.002, 2});
+  pipeline::ScenePointer scene;
+  haptics::Seqlock<haptics::State> state;
+  state.publish(touching(*made, 0.2, 0.2, 0.01, 0.2, 0.2));
+  haptics::RequestQueue requests;
+  haptics::AnnouncementBoard board;
+  std::atomic<int> frames{0};
+  std::atomic<bool> finished{false};
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.finished = [&] { return finished.load(); };
+  const Orienting orienting = workshop.orienting();
+  connections.orienting = orienting;
+  const auto locked = [&](const auto& work) {
+    const std::lock_guard lock(mutex);
+    return work();
+  };
+  connections.orienting.open = [&] { locked([&] { ++workshop.opened; }); };
+  connections.orienting.status = [&] { return locked([&] { return workshop.status; }); };
+  connections.orienting.save = [&](const ScanSetup& setup) { locked([&] { workshop.saves.push_back(setup); }); };
+  connections.orienting.scan = [&](const ScanSetup& setup) { locked([&] { workshop.scans.push_back(setup); }); };
+  connections.poll = [&] {
+    ++frames;
+    if (scene || locked([&] { return workshop.scans.empty(); })) return;
+    scene = made;  // the depth scan is done: the session begins
+    connections.state = &state;
+    connections.requests = &requests;
+    connections.announcements = &board;
+  };
+
+  std::string problem;
+  std::thread visitor([&] {
+    const auto expect = [&](const char* what, const std::function<bool()>& condition) {
+      if (problem.empty() && !wait_for([&] { return locked(condition); })) problem = what;
+    };
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    if (problem.empty() && xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    expect("the scans are not opened", [&] { return workshop.opened == 1; });
+    xdotool("search --name Sparsha mousemove --window %1 400 300");
+    xdotool("mousedown 1");
+    xdotool("search --name Sparsha mousemove --window %1 470 300");
+    xdotool("mouseup 1");
+    xdotool("key Left Up comma ctrl+s");
+    expect("nothing is saved", [&] { return !workshop.saves.empty(); });
+    xdotool("key Return");
+    expect("no depth scan", [&] { return !workshop.scans.empty(); });
+    // In the scene, the same keys are the session's.
+    const auto request = [&](const std::string& keys, haptics::Request::Kind kind) {
+      xdotool("key " + keys);
+      expect(("no request after " + keys).c_str(), [&] {
+        const auto got = requests.take();
+        return got && got->kind == kind;
+      });
+    };
+    if (problem.empty() && !wait_for([&, before = frames.load()] { return frames.load() > before + 5; }))
+      problem = "no frames in the scene";
+    request("plus", haptics::Request::Kind::zoom_in);
+    xdotool("key o");
+    expect("the scans are not shown again", [&] { return workshop.opened == 2; });
+    xdotool("key 5 ctrl+s");
+    expect("nothing is saved after coming back", [&] { return workshop.saves.size() == 2; });
+    xdotool("key Escape");
+    request("minus", haptics::Request::Kind::zoom_out);
+    request("q", haptics::Request::Kind::quit);
+    finished = true;
+  });
+  std::string window_problem;
+  try {
+    run_window(connections, {});
+  } catch (const std::exception& error) {
+    window_problem = error.what();
+  }
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(window_problem, "");
+  ASSERT_EQ(problem, "");
+  // 70 pixels of the mouse, then the keys: turn by -5, tilt by -5, roll by 5 degrees.
+  const double step = 3.14159265358979 / 36.0;
+  Eigen::Matrix4d truth = turned(Eigen::Matrix4d::Identity(), false, 70.0 * 0.008, 0.0);
+  truth = rolled(turned(turned(truth, false, -step, 0.0), false, 0.0, -step), 0.0, 0.0, step);
+  EXPECT_TRUE(workshop.saves[0].scan_to_grid.isApprox(truth, 1e-9));
+  EXPECT_EQ(workshop.scans[0].scan_to_grid, workshop.saves[0].scan_to_grid);
+  EXPECT_TRUE(workshop.saves[1].scan_to_grid.isApprox(seen_from(Face::top, false, truth), 1e-9));
+}
+
+#ifdef SPARSHA_HAS_X11
+TEST(Window, FilesDroppedIntoItAreOpenedByTheirNames) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  std::atomic<int> frames{0};
+  std::atomic<bool> finished{false};
+  std::mutex mutex;
+  std::vector<std::filesystem::path> dropped;
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.poll = [&] { ++frames; };
+  connections.finished = [&] { return finished.load(); };
+  connections.drop = [&](const std::vector<std::filesystem::path>& files) {
+    const std::lock_guard lock(mutex);
+    dropped = files;
+  };
+  std::string problem;
+  std::thread visitor([&] {
+    if (!wait_for([&] { return frames.load() > 3; })) problem = "no frames";
+    const unsigned long id = window_number();
+    if (problem.empty() && id == 0) problem = "no window";
+    if (problem.empty() && !drop_files(id, "file:///tmp/left%20lion.ply\r\nfile:///tmp/right.las\r\n"))
+      problem = "the window does not take what is dropped";
+    if (problem.empty() && !wait_for([&] {
+          const std::lock_guard lock(mutex);
+          return dropped.size() == 2;
+        }))
+      problem = "nothing is opened";
+    finished = true;
+  });
+  run_window(connections, {});
+  finished = true;
+  visitor.join();
+  ASSERT_EQ(problem, "");
+  EXPECT_EQ(dropped[0], "/tmp/left lion.ply");
+  EXPECT_EQ(dropped[1], "/tmp/right.las");
+}
+#endif
+
+TEST(Window, TheSessionsEndClosesAKiosk) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  connections.poll = [&] { ++polls; };
+  connections.finished = [&] { return polls > 5; };
+  ViewerOptions options;
+  options.kiosk = true;
+  run_window(connections, options);
+  EXPECT_GT(polls, 5);
+}
+
+#ifdef SPARSHA_HAS_X11
+TEST(Window, AKioskIsNotClosedByTheDesktopAndFillsTheScreenAgain) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  bool asked = false, small = false, full = false;
+  GLFWwindow* window = nullptr;
+  connections.poll = [&] {
+    ++polls;
+    window = glfwGetCurrentContext();
+    if (polls == 5) asked = ask_to_close(window_number());
+    // As GLFW does when a monitor is unplugged.
+    if (polls == 20) {
+      glfwSetWindowMonitor(window, nullptr, 10, 10, 320, 200, GLFW_DONT_CARE);
+      small = glfwGetWindowMonitor(window) == nullptr;
+    }
+    full = small && glfwGetWindowMonitor(window) != nullptr;
+  };
+  const auto began = std::chrono::steady_clock::now();
+  connections.finished = [&] { return full || std::chrono::steady_clock::now() - began > std::chrono::seconds(60); };
+  ViewerOptions options;
+  options.kiosk = true;
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+  EXPECT_TRUE(asked);
+  EXPECT_GT(polls, 20) << "the desktop has closed it";
+  EXPECT_TRUE(small);
+  EXPECT_TRUE(full);
+}
+
+TEST(Window, OutsideOfAKioskTheDesktopClosesIt) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  bool asked = false;
+  connections.poll = [&] {
+    if (++polls == 5) asked = ask_to_close(window_number());
+  };
+  connections.finished = [&] { return polls > 1000; };
+  EXPECT_EQ(run_window(connections, {}), WindowEnd::closed);
+  EXPECT_TRUE(asked);
+  EXPECT_LT(polls, 1000);
+}
+#endif
+
+TEST(Window, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  auto display = std::make_unique<VirtualDisplay>();
+  ASSERT_FALSE(display->name().empty()) << "Xvfb did not start";
+  const std::string number = display->name();
+  const DisplayName name(number.c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  connections.poll = [&] {
+    if (++polls == 6) display.reset();
+  };
+  ViewerOptions options;
+  options.kiosk = true;
+  EXPECT_EQ(run_window(connections, options), WindowEnd::display_lost);
+  EXPECT_FALSE(display_available());
+  display = std::make_unique<VirtualDisplay>(number);
+  ASSERT_EQ(display->name(), number);
+  ASSERT_TRUE(display_available());
+  polls = 100;
+  connections.finished = [&] { return polls > 110; };
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+}
+
+TEST(Window, AnExhibitWithoutVisitorsShowsItselfAndListensAgain) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  haptics::RequestQueue requests;
+  std::atomic<int> steps{0};
+  std::atomic<bool> finished{false};
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.requests = &requests;
+  connections.next_scene = [&](int step) { steps += step; };
+  connections.finished = [&] { return finished.load(); };
+  ViewerOptions options;
+  options.kiosk = true;
+  options.idle_s = 1.0;
+  std::string problem;
+  std::thread visitor([&] {
+    const auto request = [&](const char* what, haptics::Request::Kind kind) {
+      const bool came = problem.empty() && wait_for([&] {
+                          const auto got = requests.take();
+                          return got && got->kind == kind;
+                        });
+      if (problem.empty() && !came) problem = what;
+    };
+    request("it does not go back to its beginning", haptics::Request::Kind::whole_scene);
+    if (xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    xdotool("key q Escape r o e");
+    if (problem.empty() && !wait_for([&] { return steps == 1; })) problem = "no other scene";
+    request("it does not go back a second time", haptics::Request::Kind::whole_scene);
+    xdotool("key ctrl+q");
+    request("staff cannot leave", haptics::Request::Kind::quit);
+    finished = true;
+  });
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(problem, "");
+}
+
+}  // namespace
+}  // namespace sparsha::viewer::test

@@ -1,0 +1,18 @@
+// The panel beside the raw cloud, and what is marked on the cloud: outline of the grid, crop box, axes.
+#pragma once
+
+#include "viewer/cloud/controller.h"
+#include "viewer/frame.h"
+#include "viewer/gui/brush.h"
+
+namespace sparsha::viewer {
+
+/// Size of the depth scan in words: "212 x 148 mm, 31 mm deep".
+[[nodiscard]] std::string size_text(const DepthPreview& preview);
+
+/// Inside an ImGui frame. `preview_texture`: the preview's picture, or 0.
+void draw_cloud_panel(const Brush& brush, CloudController& controller, const Layout& layout, unsigned preview_texture);
+void draw_cloud_marks(const Brush& brush, const CloudController& controller, const Layout& layout);
+void draw_cloud_help(const Brush& brush, int width, int height);
+
+}  // namespace sparsha::viewer
