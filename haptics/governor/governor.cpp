@@ -280,7 +280,8 @@ Vector3d Governor::damped(const GovernorInput& input) const noexcept {
 /// every hand has is added, and moves within an encoder's step are left out: quantisation would make the observed
 /// energy of a hand at rest fall. Energy counts only as far as the spring stores it: friction does not return what it
 /// dissipates. What a guide has put into its springs counts as if the hand had, so that the hand may get it. Over a gap
-/// the time for which the force was held is unknown: a move outwards counts with all of the force, one inwards with none.
+/// the time for which the force was held is unknown: a move outwards counts with all of the force, one inwards with
+/// none.
 void Governor::observe_energy(const GovernorInput& input) noexcept {
   displacement_m_.setZero();
   damped_j_ = 0.0;
