@@ -97,6 +97,19 @@ TEST(ClosedObjects, ShowTheirFrontUnderLittleNoiseAndMuch) {
   for (const double noise : {0.02, 0.3, 0.5}) expect_front_only(objects()[3], cloud_of(kMany, noise));
 }
 
+TEST(ClosedObjects, HaveWallsOfSixAndAHalfNoisesToldApartAndDoubted) {
+  for (const std::size_t k : {2, 3, 5}) {
+    const ScanOptions options = cloud_of(kFew, 0.5);
+    expect_front_only(objects()[k], options);
+    const ObjectScan scan = scan_object(*objects()[k].object, options);
+    const pipeline::Projection p = project_scan(scan);
+    const Judgement f = judge_object(p.grid, *objects()[k].object, scan);
+    EXPECT_LE(f.median_spacings, 0.5 * options.noise_spacings) << objects()[k].name;
+    // One in a hundred is what the report warns of.
+    EXPECT_GE(static_cast<double>(p.nodes_doubtful), 0.01 * static_cast<double>(f.nodes)) << objects()[k].name;
+  }
+}
+
 TEST(ClosedObjects, ShowTheirFrontOnGridsTwiceAsCoarseAndTwiceAsFineAsTheirPoints) {
   for (const double grid : {2.0, 0.5}) {
     expect_front_only(objects()[1], cloud_of(kMany), grid);
