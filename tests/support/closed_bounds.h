@@ -36,7 +36,7 @@ inline constexpr Wall kWalls[] = {{"vase from the side", 3.25}, {"vase from abov
 
 /// Walls thinner than so many standard deviations of noise are taken for one sheet at a few nodes: discs through points
 /// of both faces link the two. Seen of the vase's wall, 6.5 thick, on three samples and grids of 0.5, 1 and 2 spacings:
-/// 0 to 0.0033 of the smooth nodes; of the coin, 8.5 thick: 0.0001. The report warns of such walls.
+/// 0 to 0.0033 of the smooth nodes; of the coin, 8.5 thick: 0 to 0.0005. The report warns of such walls.
 inline constexpr double kThinWallNoises = 7.0;
 
 [[nodiscard]] constexpr bool has_thin_wall(std::string_view object, const ScanOptions& scan) {

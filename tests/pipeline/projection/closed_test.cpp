@@ -87,7 +87,8 @@ TEST(ClosedObjects, HaveTheAreasOfTheirFormulas) {
 
 TEST(ClosedObjects, ShowTheirFrontAndOnlyTheirFront) {
   for (const NamedObject& named : objects()) {
-    // The bound is 0.05; the lion misses it by 0.0004 on this sample, for a reason not yet known.
+    // The bound is 0.05; the lion misses it by 0.0003: it has forms smaller than the spacing of 100 000 points, which
+    // alone, at noise 0.02, make 0.033. Of four times as many points the median error is 0.046.
     const double median = named.name == "lionstatue.obj" ? 0.052 : 0.05;
     for (const std::size_t points : {kFew, kMany}) expect_front_only(named, cloud_of(points), 1.0, median);
   }
