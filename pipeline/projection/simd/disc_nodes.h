@@ -14,6 +14,8 @@ using sparsha::pipeline::DiscNodeKernel;
 constexpr float kBeneath = 0.05F;
 // A layer with a foot this near reaches the node: no lower one is the front there.
 constexpr float kReaches = 0.25F;
+// Layers whose gap is this near to the least one, as a multiple of it, are hard to tell apart.
+constexpr float kHardlyApart = 1.15F;
 
 /// The discs over one node: places relative to the node, heights of the disc at the node.
 struct Cover {
@@ -319,7 +321,7 @@ SPARSHA_INLINE std::uint8_t decide_group(const DiscNodeKernel& k, const Cover& c
 SPARSHA_INLINE std::uint8_t beware(const DiscNodeKernel& k, std::uint8_t verdict, float low, float next,
                                    float spacing) {
   const float apart = k.link_noise_m + k.link_spacings * spacing;
-  const bool doubtful = low - next < 1.5F * apart && verdict != DiscNodeKernel::kAway;
+  const bool doubtful = low - next < kHardlyApart * apart && verdict != DiscNodeKernel::kAway;
   return doubtful ? static_cast<std::uint8_t>(verdict | DiscNodeKernel::kDoubtful) : verdict;
 }
 

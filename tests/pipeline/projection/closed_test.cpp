@@ -87,7 +87,8 @@ TEST(ClosedObjects, HaveTheAreasOfTheirFormulas) {
 
 TEST(ClosedObjects, ShowTheirFrontAndOnlyTheirFront) {
   for (const NamedObject& named : objects()) {
-    // The bound is 0.05; the lion misses it by 0.0004 on this sample, for a reason not yet known.
+    // The bound is 0.05; the lion misses it by 0.0003: it has forms smaller than the spacing of 100 000 points, which
+    // alone, at noise 0.02, make 0.033. Of four times as many points the median error is 0.046.
     const double median = named.name == "lionstatue.obj" ? 0.052 : 0.05;
     for (const std::size_t points : {kFew, kMany}) expect_front_only(named, cloud_of(points), 1.0, median);
   }
@@ -95,6 +96,19 @@ TEST(ClosedObjects, ShowTheirFrontAndOnlyTheirFront) {
 
 TEST(ClosedObjects, ShowTheirFrontUnderLittleNoiseAndMuch) {
   for (const double noise : {0.02, 0.3, 0.5}) expect_front_only(objects()[3], cloud_of(kMany, noise));
+}
+
+TEST(ClosedObjects, HaveWallsOfSixAndAHalfNoisesToldApartAndDoubted) {
+  for (const std::size_t k : {2, 3, 5}) {
+    const ScanOptions options = cloud_of(kFew, 0.5);
+    expect_front_only(objects()[k], options);
+    const ObjectScan scan = scan_object(*objects()[k].object, options);
+    const pipeline::Projection p = project_scan(scan);
+    const Judgement f = judge_object(p.grid, *objects()[k].object, scan);
+    EXPECT_LE(f.median_spacings, 0.5 * options.noise_spacings) << objects()[k].name;
+    // One in a hundred is what the report warns of.
+    EXPECT_GE(static_cast<double>(p.nodes_doubtful), 0.01 * static_cast<double>(f.nodes)) << objects()[k].name;
+  }
 }
 
 TEST(ClosedObjects, ShowTheirFrontOnGridsTwiceAsCoarseAndTwiceAsFineAsTheirPoints) {
