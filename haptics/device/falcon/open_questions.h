@@ -17,6 +17,9 @@ class OpenQuestions {
   static constexpr double kForgotten_s = 0.05;
   /// Questions that stay open for so long are looked at. Twice as long after each look at a link that was only late.
   static constexpr double kFirstLook_s = 0.02, kLastLook_s = 1.0;
+  /// After a look that found answers lost: it cost a tick without an answer. Where many are lost, delays seem longer
+  /// meanwhile, and the stone becomes softer.
+  static constexpr double kNextLook_s = 0.1;
 
   void clear() noexcept { *this = {}; }
   /// More than kMost are not kept: the oldest goes.
@@ -40,14 +43,14 @@ class OpenQuestions {
   }
   /// True while no question may be asked.
   [[nodiscard]] bool holds(double time_s) noexcept {
-    holds_ = holds_ || (count_ > 0 && time_s - none_open_s_ > look_s_);
+    holds_ = holds_ || (count_ > 0 && time_s - none_open_s_ > look_s_ && time_s - lost_s_ > kNextLook_s);
     return holds_;
   }
   /// Nothing came for longer than answers are apart: what is open meanwhile was lost.
   void stays_silent(double time_s) noexcept {
     if (!holds_) return;
     clear();
-    none_open_s_ = time_s;
+    none_open_s_ = lost_s_ = time_s;
   }
 
  private:
@@ -59,7 +62,8 @@ class OpenQuestions {
 
   std::array<double, kMost> asked_s_{};
   std::size_t first_ = 0, count_ = 0;
-  double none_open_s_ = 0.0;  ///< when that was so last
+  double none_open_s_ = 0.0;      ///< when that was so last
+  double lost_s_ = -kNextLook_s;  ///< when a look found answers lost last
   double look_s_ = kFirstLook_s;
   bool holds_ = false;
 };

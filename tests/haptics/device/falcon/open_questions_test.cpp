@@ -51,6 +51,10 @@ TEST(OpenQuestions, ThatStayOpenHoldBackNewOnesUntilTheyAreAnsweredOrLost) {
   questions.stays_silent(time_s);
   EXPECT_FALSE(questions.holds(time_s));
   EXPECT_EQ(questions.answer(time_s), 0.0) << "lost";
+  questions.ask(time_s);
+  EXPECT_FALSE(questions.holds(time_s + 2.0 * OpenQuestions::kFirstLook_s)) << "each look costs a tick";
+  questions.ask(time_s + 0.99 * OpenQuestions::kNextLook_s);
+  EXPECT_TRUE(questions.holds(time_s + 1.01 * OpenQuestions::kNextLook_s));
 }
 
 /// A device that answers in turn, seen each millisecond, and a driver that asks when it is answered, asks again after
