@@ -303,7 +303,12 @@ class FalconFault : public FalconProgram, public testing::WithParamInterface<con
 TEST_P(FalconFault, IsLivedThroughAndLeavesNoForce) {
   if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "each fault only with SPARSHA_NIGHTLY=1";
   start(std::string("--fault ") + GetParam());
-  EXPECT_TRUE(eventually([&] { return presses_since(0); })) << messages();
+  // Of answers that are 1 to 20 ms late, each on its own, some come more than 10 ms after the one before: the force is
+  // off then, and the visitor is told.
+  const bool late = std::string(GetParam()) == "late-answers";
+  EXPECT_TRUE(eventually([&] {
+    return presses_since(0) || (late && messages().find("The stone went soft for a moment") != std::string::npos);
+  })) << messages();
   ::kill(explorer(), SIGTERM);
   EXPECT_EQ(finish(), 0) << messages();
   EXPECT_TRUE(off());
