@@ -116,7 +116,7 @@ class Bench {
     return seconds() - still_since_s_;
   }
   /// A single tick at the greatest force is one that came late.
-  [[nodiscard]] bool at_limit() const { return seconds() - within_limit_s_ > kBeyondS; }
+  [[nodiscard]] bool at_limit() const { return beyond_s_ > kBeyondS; }
 
  private:
   const Phrases phrases_ = Phrases::of("en");
@@ -130,7 +130,7 @@ class Bench {
       force_n_ = kSpringNPerM * way_m + learned_n_ - kDamperNSPerM * motion_.velocity(kStepM);
       if (force_n_.norm() > kMostN) force_n_ *= kMostN / force_n_.norm();
     }
-    if (force_n_.norm() < 0.98 * kMostN) within_limit_s_ = seconds();
+    beyond_s_ = force_n_.norm() > 0.98 * kMostN ? beyond_s_ + period_s_ : 0.0;
     share_ = device_.force_share();
     device_.write(force_n_);
   }
@@ -151,7 +151,7 @@ class Bench {
   double still_since_s_ = 0.0;
   double held_since_s_ = 0.0;
   double fresh_s_ = 0.0;
-  double within_limit_s_ = 0.0;
+  double beyond_s_ = 0.0;  // at the greatest force without a break, while answers came
   double period_s_ = kPlannedS;
   bool ready_ = false;
   bool holding_ = false;
