@@ -57,5 +57,8 @@ install(FILES ${CMAKE_BINARY_DIR}/SparshaConfig.cmake ${CMAKE_BINARY_DIR}/Sparsh
 
 # The whole program: cmake --install build --component program.
 install(TARGETS sparsha RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+if(TARGET sparsha_opencv_images)
+  install(TARGETS sparsha_opencv_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT program)
+endif()
 # Read there when the prefix is /usr or /usr/local.
 install(FILES haptics/device/falcon/40-novint-falcon.rules DESTINATION lib/udev/rules.d COMPONENT program)

@@ -5,11 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "base/hash.h"
+#include "pipeline/images/images.h"
 #include "pipeline/layers/bilateral_kernel.h"
 #include "pipeline/layers/layers.h"
 
@@ -99,14 +98,13 @@ std::vector<float> opencv(const DepthGrid& grid, double sigma_space, double sigm
   std::vector<float> envelope(grid.lattice.count(), kUnknownHeight);
   if (!std::isfinite(low)) return envelope;
   const auto beyond = static_cast<float>(low - 20 * sigma_range_m);
-  cv::Mat source(grid.lattice.ny, grid.lattice.nx, CV_32F);
-  for (std::size_t n = 0; n < envelope.size(); ++n)
-    source.ptr<float>()[n] = std::isnan(grid.height_m[n]) ? beyond : grid.height_m[n];
-  cv::Mat filtered;
+  Image source{grid.lattice.ny, grid.lattice.nx, grid.height_m};
+  for (float& z : source.values)
+    if (std::isnan(z)) z = beyond;
   const int diameter = 2 * static_cast<int>(kReach * sigma_space) + 1;
-  cv::bilateralFilter(source, filtered, diameter, sigma_range_m, sigma_space, cv::BORDER_REFLECT_101);
+  const Image filtered = images().bilateral(std::move(source), diameter, sigma_range_m, sigma_space);
   for (std::size_t n = 0; n < envelope.size(); ++n)
-    if (!std::isnan(grid.height_m[n])) envelope[n] = filtered.ptr<float>()[n];
+    if (!std::isnan(grid.height_m[n])) envelope[n] = filtered.values[n];
   return envelope;
 }
 
