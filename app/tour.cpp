@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "scene/regions.h"
 #include "scene/workspace.h"
 

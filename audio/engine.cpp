@@ -10,10 +10,10 @@
 #include <optional>
 #include <thread>
 
-#include "audio/live_output.h"
-#include "audio/live_voice.h"
-#include "audio/profile_loader.h"
-#include "audio/wav_sink.h"
+#include "audio/live/output.h"
+#include "audio/live/voice.h"
+#include "audio/scrape/profile_loader.h"
+#include "audio/wav/sink.h"
 #include "base/error.h"
 
 namespace sparsha::audio {

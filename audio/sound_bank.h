@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "audio/clip.h"
-#include "audio/modal.h"
+#include "audio/clip/clip.h"
+#include "audio/modal/modal.h"
 #include "scene/area.h"
 #include "scene/cues_config.h"
 #include "scene/scene.h"

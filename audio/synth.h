@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "audio/clip_player.h"
+#include "audio/clip/player.h"
 #include "audio/earcons.h"
 #include "audio/levels.h"
 #include "audio/limiter.h"
-#include "audio/needle.h"
+#include "audio/scrape/needle.h"
 #include "audio/sound_bank.h"
 #include "audio/strike_gate.h"
 #include "haptics/state/state.h"

@@ -13,7 +13,7 @@
 #include "app/printable.h"
 #include "app/study.h"
 #include "app/terminal.h"
-#include "audio/live_stream.h"
+#include "audio/live/stream.h"
 #include "base/error.h"
 #include "base/phrases.h"
 #include "viewer/viewer.h"

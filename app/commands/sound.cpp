@@ -11,8 +11,8 @@
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
 #include "app/terminal.h"
-#include "audio/clip.h"
-#include "audio/modal_fit.h"
+#include "audio/clip/clip.h"
+#include "audio/modal/fit.h"
 #include "base/error.h"
 
 namespace sparsha::app {

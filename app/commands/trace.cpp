@@ -18,8 +18,8 @@
 #include "base/text.h"
 #include "haptics/replay/replay_trace.h"
 #include "haptics/replay/trace.h"
-#include "haptics/window/scene_surface.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/surface.h"
+#include "haptics/window/window.h"
 
 namespace sparsha::app {
 

@@ -13,7 +13,7 @@
 
 #include "bench/haptics/stroke.h"
 #include "haptics/proxy/proxy.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/ply_stream.h"
 

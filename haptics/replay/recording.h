@@ -8,7 +8,7 @@
 
 #include "haptics/device/device.h"
 #include "haptics/servo/haptic_renderer.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

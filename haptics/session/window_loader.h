@@ -12,7 +12,7 @@
 
 #include "base/progress.h"
 #include "haptics/servo/command.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

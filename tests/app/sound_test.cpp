@@ -12,13 +12,13 @@
 
 #include "app/device_choice.h"
 #include "audio/sound_bank.h"
-#include "audio/wav_sink.h"
+#include "audio/wav/sink.h"
 #include "haptics/servo/haptic_renderer.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "program.h"
 #include "scene/scene.h"
 #include "tests/audio/listening.h"
-#include "tests/audio/sound_server.h"
+#include "tests/audio/live/sound_server.h"
 
 namespace sparsha {
 namespace {

@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "audio/synth.h"
-#include "audio_scene.h"
 #include "haptics/servo/haptic_renderer.h"
-#include "haptics/window/scene_window.h"
-#include "listening.h"
+#include "haptics/window/window.h"
+#include "tests/audio/audio_scene.h"
+#include "tests/audio/listening.h"
 #include "tests/support/servo_parts.h"
 
 namespace {

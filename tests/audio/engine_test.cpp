@@ -8,10 +8,10 @@
 
 #include <sndfile.h>
 
-#include "audio/wav_sink.h"
-#include "audio_scene.h"
+#include "audio/wav/sink.h"
 #include "base/error.h"
-#include "listening.h"
+#include "tests/audio/audio_scene.h"
+#include "tests/audio/listening.h"
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "audio/synth.h"
-#include "audio_scene.h"
-#include "listening.h"
+#include "tests/audio/audio_scene.h"
+#include "tests/audio/listening.h"
 
 namespace stroking {
 

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <random>
 
-#include "audio_scene.h"
 #include "base/error.h"
 #include "base/png.h"
 #include "base/yaml.h"
 #include "haptics/state/state.h"
-#include "listening.h"
 #include "scene/config.h"
+#include "tests/audio/audio_scene.h"
+#include "tests/audio/listening.h"
 #include "tests/support/allocations.h"
 
 namespace {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "audio/engine.h"
-#include "audio_scene.h"
+#include "tests/audio/audio_scene.h"
 #include "tests/support/servo_parts.h"
 
 namespace taps {

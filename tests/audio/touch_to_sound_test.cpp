@@ -1,9 +1,9 @@
 // From a moving hand through the servo's own tick to the sound: loudness, time of the onset, determinism.
 #include <gtest/gtest.h>
 
-#include "audio_scene.h"
 #include "haptics/servo/haptic_renderer.h"
-#include "listening.h"
+#include "tests/audio/audio_scene.h"
+#include "tests/audio/listening.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 

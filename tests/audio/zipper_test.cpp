@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <random>
 
-#include "listening.h"
-#include "stroking.h"
+#include "tests/audio/listening.h"
+#include "tests/audio/stroking.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptics/proxy/proxy.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/clouds.h"
 #include "tests/support/scenes.h"
 #include "tests/support/surfaces.h"

@@ -12,7 +12,7 @@
 #include "haptics/servo/command.h"
 #include "haptics/servo/servo.h"
 #include "haptics/surface/monge_surface.h"
-#include "haptics/window/scene_surface.h"
+#include "haptics/window/surface.h"
 #include "tests/support/scenes.h"
 
 namespace sparsha::haptics {

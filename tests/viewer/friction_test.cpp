@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 #include "haptics/surface/monge_surface.h"
-#include "haptics/window/scene_surface.h"
+#include "haptics/window/surface.h"
 #include "pipeline/report/images.h"
 #include "relief_scene.h"
 #include "viewer/surface/paint.h"

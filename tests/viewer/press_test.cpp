@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "relief_scene.h"
 #include "scene/workspace.h"
 #include "viewer/hand.h"

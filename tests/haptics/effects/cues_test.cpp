@@ -10,7 +10,7 @@
 #include "haptics/effects/cues.h"
 #include "haptics/effects/surface_effects.h"
 #include "haptics/servo/haptic_renderer.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/scenes.h"
 #include "tests/support/striking_hand.h"
 

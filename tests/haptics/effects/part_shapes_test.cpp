@@ -7,7 +7,7 @@
 #include <random>
 
 #include "haptics/effects/surface_effects.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/servo_parts.h"
 #include "tests/support/test_folder.h"

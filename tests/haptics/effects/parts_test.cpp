@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptics/effects/surface_effects.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "haptics/proxy/proxy.h"
-#include "haptics/window/scene_surface.h"
+#include "haptics/window/surface.h"
 #include "tests/support/rest_oracle.h"
 #include "tests/support/surfaces.h"
 

@@ -19,7 +19,7 @@
 
 #include "haptics/replay/recorder.h"
 #include "haptics/servo/servo.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/servo_parts.h"

@@ -1,6 +1,6 @@
 #include "haptics/servo/haptic_renderer.h"
-#include "haptics/window/scene_surface.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/surface.h"
+#include "haptics/window/window.h"
 
 #include <gtest/gtest.h>
 

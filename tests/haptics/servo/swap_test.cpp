@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/resting_hand.h"
 
 namespace sparsha::haptics {

@@ -15,7 +15,7 @@
 #include "haptics/session/guide_line.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/session.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/guided_hand.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"

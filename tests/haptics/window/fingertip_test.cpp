@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "haptics/window/scene_window.h"
+#include "haptics/window/window.h"
 #include "tests/support/scenes.h"
 
 namespace sparsha::haptics {

@@ -1,5 +1,5 @@
+#include "haptics/window/surface.h"
 #include "haptics/surface/monge_surface.h"
-#include "haptics/window/scene_surface.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,120 @@
+// Nodes of a level into heights along a path.
+#include "audio/scrape/profile.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "scene/continuation.h"
+#include "scene/measured_spectrum.h"
+
+namespace sparsha::audio {
+namespace {
+
+/// Waves per sample at which a band of the grain begins to fade, and from which it is gone.
+constexpr double kWhole = 0.3;
+constexpr double kGone = 0.4;
+constexpr int kWidest = 1 << 14;  ///< nodes per side of a window
+
+/// Weights of four nodes at a share of the way from the second to the third.
+std::array<double, 4> catmull_rom(double t) {
+  return {0.5 * t * (t * (2.0 - t) - 1.0), 0.5 * (t * t * (3.0 * t - 5.0) + 2.0), 0.5 * t * (t * (4.0 - 3.0 * t) + 1.0),
+          0.5 * t * t * (t - 1.0)};
+}
+
+}  // namespace
+
+Profile::Window Profile::window_of(const pipeline::SceneDescription& scene, const haptics::State& state) {
+  const auto last = static_cast<std::uint64_t>(scene.levels.size()) - 1;
+  Window window;
+  window.level = static_cast<int>(std::min(state.level, last));
+  const auto node = [](std::int64_t value) {
+    return static_cast<int>(std::clamp<std::int64_t>(value, -1 << 28, 1 << 28));
+  };
+  window.i0 = node(state.window[0]);
+  window.j0 = node(state.window[1]);
+  window.nx = std::clamp(node(state.window[2]), 0, kWidest);
+  window.ny = std::clamp(node(state.window[3]), 0, kWidest);
+  window.texture = (state.flags & haptics::kFlagTexture) != 0;
+  while (window.level > 0 && 2 * std::max(window.nx, window.ny) <= kMostNodes) {
+    --window.level;
+    window.i0 *= 2;
+    window.j0 *= 2;
+    window.nx = 2 * window.nx - 1;
+    window.ny = 2 * window.ny - 1;
+  }
+  return window;
+}
+
+Profile::Profile(const pipeline::Scene& scene, const Window& window, std::shared_ptr<const pipeline::GrainField> grain)
+    : grain_(std::move(grain)) {
+  const pipeline::Layers layers = scene.read(window.level, window.i0, window.j0, window.nx, window.ny);
+  lattice_ = layers.grid.lattice;
+  height_m_ = window.texture || layers.envelope_m.empty() ? layers.grid.height_m : layers.envelope_m;
+  for (std::size_t n = 0; n < height_m_.size(); ++n)
+    if (layers.grid.state[n] == pipeline::NodeState::unknown) height_m_[n] = pipeline::kUnknownHeight;
+  pipeline::continue_heights(height_m_, lattice_.nx, lattice_.ny);
+  if (const auto& matrix = scene.description().region_from_grid) {
+    region_from_grid_ = matrix->topRows<3>();
+    enlarged_ = std::cbrt(std::abs(matrix->topLeftCorner<3, 3>().determinant()));
+  }
+}
+
+double Profile::height_m(double x_m, double y_m) const noexcept {
+  const double x = x_m / lattice_.spacing_m;
+  const double y = y_m / lattice_.spacing_m;
+  if (!std::isfinite(x) || !std::isfinite(y)) return 0.0;
+  const double across = std::clamp(x, 0.0, static_cast<double>(lattice_.nx - 1));
+  const double along = std::clamp(y, 0.0, static_cast<double>(lattice_.ny - 1));
+  const int i = static_cast<int>(across);
+  const int j = static_cast<int>(along);
+  const auto in_x = catmull_rom(across - i);
+  const auto in_y = catmull_rom(along - j);
+  double height = 0.0;
+  for (int b = 0; b < 4; ++b) {
+    const int row = std::clamp(j + b - 1, 0, lattice_.ny - 1);
+    double sum = 0.0;
+    for (int a = 0; a < 4; ++a)
+      sum += in_x[static_cast<std::size_t>(a)] *
+             static_cast<double>(height_m_[lattice_.index(std::clamp(i + a - 1, 0, lattice_.nx - 1), row)]);
+    height += in_y[static_cast<std::size_t>(b)] * sum;
+  }
+  return height;
+}
+
+double Profile::grain_m(const Eigen::Vector3d& place_m, double per_sample_m, double shortest_m) const noexcept {
+  if (!grain_ || grain_->silent()) return 0.0;
+  const Eigen::Vector3d grid_m = place_m + lattice_.origin_m;
+  Eigen::Vector2d place = grid_m.head<2>();
+  if (region_from_grid_)
+    place = region_from_grid_->topLeftCorner<2, 3>() * grid_m + region_from_grid_->col(3).head<2>();
+  double height = 0.0;
+  for (int band = 0; band < grain_->bands(); ++band) {
+    const double highest_per_m = grain_->highest_per_m(band) * enlarged_;  // per metre of the grid frame
+    const double waves = highest_per_m * per_sample_m;
+    if (waves >= kGone || highest_per_m * shortest_m > 1.0) break;
+    const double weight = std::clamp((kGone - waves) / (kGone - kWhole), 0.0, 1.0);
+    height += weight * grain_->height_m(band, place.x(), place.y());
+  }
+  return height / enlarged_;
+}
+
+void ProfileReader::set_scene(pipeline::ScenePointer scene) {
+  scene_ = std::move(scene);
+  grain_.reset();
+  window_.reset();
+}
+
+std::shared_ptr<const Profile> ProfileReader::update(const haptics::State& state) {
+  if (state.window[2] < 2 || state.window[3] < 2) return nullptr;  // no window yet
+  const Profile::Window window = Profile::window_of(scene_->description(), state);
+  if (window_ == window) return nullptr;
+  window_ = window;
+  if (with_grain_ && !grain_)
+    grain_ = std::make_shared<const pipeline::GrainField>(pipeline::measure_spectrum(*scene_));
+  return std::make_shared<const Profile>(*scene_, window, grain_);
+}
+
+}  // namespace sparsha::audio
