@@ -191,22 +191,16 @@ SPARSHA_INLINE Floats root(Floats a) {
   return r;
 }
 
-// Planes of the batch: the eigenvector of the smallest eigenvalue of each covariance (Hoppe et al. 1992).
-SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
-  for (std::size_t lane = batch.size; lane < kLanes; ++lane) {
-    for (auto& sum : batch.sum) sum[lane] = 0.0F;
-    batch.count[lane] = batch.r2[lane] = 1.0F;
-  }
-  const Floats per_count = 1.0F / load(batch.count);
-  const Floats mx = load(batch.sum[0]) * per_count;
-  const Floats my = load(batch.sum[1]) * per_count;
-  const Floats mz = load(batch.sum[2]) * per_count;
-  Floats xx = load(batch.sum[3]) * per_count - mx * mx;
-  Floats xy = load(batch.sum[4]) * per_count - mx * my;
-  Floats xz = load(batch.sum[5]) * per_count - mx * mz;
-  Floats yy = load(batch.sum[6]) * per_count - my * my;
-  Floats yz = load(batch.sum[7]) * per_count - my * mz;
-  Floats zz = load(batch.sum[8]) * per_count - mz * mz;
+// The normal of a plane through points, and the eigenvalues of their covariance as shares of its trace.
+struct PlaneAxis {
+  Floats nx, ny, nz;  ///< the length is 1 / per_length
+  Floats per_length;
+  Ints known;  ///< there is such an axis
+  Floats least, middle, largest;
+};
+
+// The eigenvector of the smallest eigenvalue of a covariance (Hoppe et al. 1992).
+SPARSHA_INLINE PlaneAxis plane_axis(Floats xx, Floats xy, Floats xz, Floats yy, Floats yz, Floats zz) {
   const Floats trace = xx + yy + zz;
   const Ints spread = trace > 0.0F;
   const Floats unit = choose(spread, 1.0F / choose(spread, trace, all(1.0F)), Floats{});
@@ -232,7 +226,7 @@ SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   const Floats product = minors - t * (1.0F - t);
   const Floats apart = root(most(half * half - product, Floats{}));
   const Floats middle = half - apart;
-  const Floats largest_value = half + apart;
+  const Floats largest = half + apart;
   // The axis is orthogonal to the rows of the matrix less t: the longest of their three cross products.
   const Floats a = xx - t;
   const Floats b = yy - t;
@@ -253,15 +247,31 @@ SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   offer(b * c - yz * yz, xz * yz - xy * c, xy * yz - xz * b);
   const Ints known = longest > 0.0F;
   const Floats per_length = choose(known, 1.0F / root(choose(known, longest, all(1.0F))), Floats{});
-  const Ints down = nz < 0.0F;
-  const Floats sign = choose(down, -per_length, per_length);
-  nx *= sign;
-  ny *= sign;
-  nz *= sign;
+  return {nx, ny, nz, per_length, known, t, middle, largest};
+}
+
+// Planes of the batch.
+SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
+  for (std::size_t lane = batch.size; lane < kLanes; ++lane) {
+    for (auto& sum : batch.sum) sum[lane] = 0.0F;
+    batch.count[lane] = batch.r2[lane] = 1.0F;
+  }
+  const Floats per_count = 1.0F / load(batch.count);
+  const Floats mx = load(batch.sum[0]) * per_count;
+  const Floats my = load(batch.sum[1]) * per_count;
+  const Floats mz = load(batch.sum[2]) * per_count;
+  const PlaneAxis axis = plane_axis(load(batch.sum[3]) * per_count - mx * mx, load(batch.sum[4]) * per_count - mx * my,
+                                    load(batch.sum[5]) * per_count - mx * mz, load(batch.sum[6]) * per_count - my * my,
+                                    load(batch.sum[7]) * per_count - my * mz, load(batch.sum[8]) * per_count - mz * mz);
+  const Ints down = axis.nz < 0.0F;
+  const Floats sign = choose(down, -axis.per_length, axis.per_length);
+  const Floats nx = axis.nx * sign;
+  const Floats ny = axis.ny * sign;
+  const Floats nz = axis.nz * sign;
 
   const Floats spacing2 = load(batch.r2) * 3.14159265F * per_count;
-  const Ints good = known & (nz >= k.least_nz) & (spacing2 <= k.most_spacing_m * k.most_spacing_m) &
-                    (t <= 0.5F * middle) & (middle >= 0.02F * largest_value);
+  const Ints good = axis.known & (nz >= k.least_nz) & (spacing2 <= k.most_spacing_m * k.most_spacing_m) &
+                    (axis.least <= 0.5F * axis.middle) & (axis.middle >= 0.02F * axis.largest);
   const Floats upright = choose(good, nz, all(1.0F));
   const Floats slope_x = -nx / upright;
   const Floats slope_y = -ny / upright;

@@ -1,4 +1,4 @@
-// Clicks and keys to measures, pins, sections and parts, through the controller as the window feeds it.
+// Clicks and keys to measures, pins and sections, through the controller as the window feeds it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,70 +15,13 @@
 #include "scene/folder/folder.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
-#include "tests/viewer/relief_scene.h"
-#include "viewer/controller/controller.h"
+#include "tests/viewer/marks/marking_bench.h"
 
 namespace sparsha::viewer::test {
 namespace {
 
-double slope(double x_m, double) { return 0.1 * x_m; }
-
-/// A controller over a scene, driven by pixels that are computed from places of the object.
-struct Bench {
-  std::vector<std::string> spoken;
-  std::vector<std::vector<pipeline::PartConfig>> saved;
-  bool takes_parts = true;
-  pipeline::ScenePointer scene;
-  std::unique_ptr<Controller> controller;
-  double time_s = 0.0;
-
-  explicit Bench(pipeline::ScenePointer made) : scene(std::move(made)) {
-    Connections connections;
-    connections.speak = [this](const std::string& words) { spoken.push_back(words); };
-    connections.save_parts = [this](const std::vector<pipeline::PartConfig>& parts) {
-      saved.push_back(parts);
-      return takes_parts;
-    };
-    controller = std::make_unique<Controller>(connections, ViewSettings{});
-    controller->set_scene(scene);
-    run();
-  }
-  void run() {
-    for (int k = 0; k < 60; ++k) controller->update(time_s += 0.02, {}, 1280, 720, slope);
-  }
-  [[nodiscard]] Layout layout() const { return layout_of(1280, 720, controller->settings()); }
-  [[nodiscard]] View view() const {
-    return make_view(controller->frame().camera, layout().detail.width, layout().detail.height);
-  }
-  void point_at(double x_m, double y_m) {
-    const Stage stage = stage_of(scene->description());
-    const auto pixel = view().to_pixel(stage.to_world({x_m, y_m, slope(x_m, y_m)}));
-    ASSERT_TRUE(pixel);
-    controller->mouse_move(layout().detail.x + pixel->x(), pixel->y(), layout(), view(), stage, slope);
-  }
-  void click(double x_m, double y_m) {
-    point_at(x_m, y_m);
-    controller->mouse_button(0, true, 0);
-    controller->mouse_button(0, false, 0);
-    run();
-  }
-  void key(int key, int modifiers = 0) {
-    controller->press({key, modifiers});
-    run();
-  }
-  void type(const std::string& words) {
-    for (const char c : words) controller->type(static_cast<char32_t>(c));
-    run();
-  }
-  [[nodiscard]] const Marks& marks() const { return controller->frame().marks; }
-};
-
-pipeline::ScenePointer plate(const sparsha::test::EditDescription& edit = {}) {
-  return scene_of(slope, {201, 201, 0.001, 1}, edit);
-}
-
 TEST(Marking, ADistanceBetweenTwoClicksIsThatOfThePlacesUnderThem) {
-  Bench bench(plate());
+  MarkingBench bench(plate());
   bench.key('U');
   ASSERT_EQ(bench.marks().tool, Tool::distance);
   bench.click(0.05, 0.06);
@@ -107,7 +50,7 @@ TEST(Marking, ADistanceBetweenTwoClicksIsThatOfThePlacesUnderThem) {
 }
 
 TEST(Marking, AClickOfAToolNeitherPressesNorTurnsAndEscapeLeavesIt) {
-  Bench bench(plate());
+  MarkingBench bench(plate());
   bench.key('U');
   const Camera before = bench.controller->frame().camera;
   bench.point_at(0.1, 0.1);
@@ -128,7 +71,7 @@ TEST(Marking, AClickOfAToolNeitherPressesNorTurnsAndEscapeLeavesIt) {
 }
 
 TEST(Marking, ProfileComesFromTheFinestLevel) {
-  Bench bench(plate());
+  MarkingBench bench(plate());
   for (int k = 0; k < 3; ++k) bench.key('U');
   bench.click(0.04, 0.05);
   bench.click(0.16, 0.05);
@@ -138,7 +81,8 @@ TEST(Marking, ProfileComesFromTheFinestLevel) {
 }
 
 TEST(Marking, AClickWhereNothingWasMeasuredIsSaid) {
-  Bench bench(scene_of([](double x_m, double) { return x_m < 0.1 ? 0.1 * x_m : std::nan(""); }, {201, 201, 0.001, 1}));
+  MarkingBench bench(
+      scene_of([](double x_m, double) { return x_m < 0.1 ? 0.1 * x_m : std::nan(""); }, {201, 201, 0.001, 1}));
   bench.key('U');
   bench.click(0.15, 0.1);
   EXPECT_TRUE(bench.marks().pending_m.empty());
@@ -146,7 +90,7 @@ TEST(Marking, AClickWhereNothingWasMeasuredIsSaid) {
 }
 
 TEST(Marking, APinKeepsWhatIsTypedAndNotTheKeyThatBeganIt) {
-  Bench bench(plate());
+  MarkingBench bench(plate());
   bench.point_at(0.07, 0.13);
   bench.controller->press({'K'});
   bench.controller->type(U'k');  // comes with the key, before the next picture
@@ -192,7 +136,7 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
   std::filesystem::create_directories(folder / "scene");
   pipeline::write_scene(*plate(turned), folder / "scene");
   {
-    Bench bench(pipeline::open_scene(folder / "scene"));
+    MarkingBench bench(pipeline::open_scene(folder / "scene"));
     bench.point_at(0.05, 0.08);
     bench.key('K');
     bench.type("Nose");
@@ -248,7 +192,7 @@ TEST(Marking, NotesMadeAfterANewDepthScanAreKeptInTheFolderOfTheScans) {
   };
   std::filesystem::create_directories(folder / "scene");
   pipeline::write_scene(*plate(of_scans(pipeline::LengthUnit::mm, 1.0)), folder / "scene");
-  Bench bench(pipeline::open_scene(folder / "scene"));
+  MarkingBench bench(pipeline::open_scene(folder / "scene"));
   const auto pin = [&](double x_m, double y_m, const char* words) {
     bench.point_at(x_m, y_m);
     bench.key('K');
@@ -290,7 +234,7 @@ TEST(Marking, NotesThatCannotBeReadAreSaidAndNotWrittenOver) {
   }),
                         folder / "scene");
   write_file(folder / "scene" / "notes.yaml", "pins: broken\n");
-  Bench bench(pipeline::open_scene(folder / "scene"));
+  MarkingBench bench(pipeline::open_scene(folder / "scene"));
   ASSERT_FALSE(bench.spoken.empty());
   EXPECT_NE(bench.spoken.front().find("notes.yaml:1"), std::string::npos) << bench.spoken.front();
   bench.key('Z');
@@ -303,177 +247,8 @@ TEST(Marking, NotesThatCannotBeReadAreSaidAndNotWrittenOver) {
   EXPECT_EQ(read_file(folder / "scene" / "notes.yaml", 1000), "pins: broken\n") << "nor after a new depth scan";
 }
 
-pipeline::ScenePointer with_part() {
-  return plate([](pipeline::SceneDescription& d) {
-    pipeline::PartConfig part;
-    part.name = part.say = "petal";
-    part.box_m = {0.05, 0.05, 0.10, 0.09};
-    part.touch.stiffness_n_per_m = 500.0;
-    d.config.parts.push_back(part);
-  });
-}
-
-TEST(Marking, APartsCornerIsDraggedAndWhatElseItHasStays) {
-  Bench bench(with_part());
-  bench.key('A');
-  ASSERT_TRUE(bench.controller->settings().parts);
-  bench.point_at(0.10, 0.09);
-  bench.controller->mouse_button(0, true, 0);
-  bench.point_at(0.13, 0.12);
-  EXPECT_TRUE(bench.saved.empty()) << "while it is dragged nothing is kept";
-  bench.controller->mouse_button(0, false, 0);
-  bench.run();
-  ASSERT_EQ(bench.saved.size(), 1U);
-  ASSERT_EQ(bench.saved[0].size(), 1U);
-  const pipeline::PartConfig& part = bench.saved[0][0];
-  EXPECT_NEAR(part.box_m[0], 0.05, 1e-12);
-  EXPECT_NEAR(part.box_m[1], 0.05, 1e-12);
-  EXPECT_NEAR(part.box_m[2], 0.13, 0.001);
-  EXPECT_NEAR(part.box_m[3], 0.12, 0.001);
-  EXPECT_EQ(part.touch.stiffness_n_per_m, 500.0);
-  // The middle moves all of it; a corner cannot be dragged through the others.
-  bench.point_at(0.09, 0.085);
-  bench.controller->mouse_button(0, true, 0);
-  bench.point_at(0.10, 0.085);
-  bench.controller->mouse_button(0, false, 0);
-  bench.run();
-  ASSERT_EQ(bench.saved.size(), 2U);
-  EXPECT_NEAR(bench.saved[1][0].box_m[0], 0.06, 0.001);
-  EXPECT_NEAR(bench.saved[1][0].box_m[2], 0.14, 0.001);
-  bench.point_at(0.06, 0.05);
-  bench.controller->mouse_button(0, true, 0);
-  bench.point_at(0.18, 0.18);
-  bench.controller->mouse_button(0, false, 0);
-  bench.run();
-  EXPECT_LT(bench.marks().parts[0].box_m[0], bench.marks().parts[0].box_m[2]);
-}
-
-TEST(Marking, ANewPartGetsItsNameAndOneThatCannotBeKeptGoesBack) {
-  Bench bench(with_part());
-  bench.point_at(0.15, 0.15);
-  bench.key('K', kShift);
-  bench.type("leaf");
-  bench.key(key::kEnter);
-  ASSERT_EQ(bench.saved.size(), 1U);
-  ASSERT_EQ(bench.saved[0].size(), 2U);
-  EXPECT_EQ(bench.saved[0][1].name, "leaf");
-  EXPECT_EQ(bench.saved[0][1].say, "leaf");
-  EXPECT_NEAR(0.5 * (bench.saved[0][1].box_m[0] + bench.saved[0][1].box_m[2]), 0.15, 0.001);
-  bench.takes_parts = false;
-  bench.point_at(0.15, 0.15);
-  bench.key(key::kDelete);
-  EXPECT_EQ(bench.saved.size(), 2U);
-  EXPECT_EQ(bench.marks().parts.size(), 1U) << "as the scene has them";
-}
-
-TEST(Marking, PartsDrawnInAnotherOrientationAreShownAndNotEdited) {
-  Bench bench(plate([](pipeline::SceneDescription& d) {
-    pipeline::PartConfig part;
-    part.name = "petal";
-    part.box_m = {0.05, 0.05, 0.10, 0.09};
-    d.config.parts.push_back(part);
-    d.region_from_grid = Eigen::Matrix4d::Identity();
-  }));
-  bench.key('A');
-  ASSERT_EQ(bench.marks().parts.size(), 1U);
-  EXPECT_TRUE(bench.marks().parts_fixed);
-  bench.point_at(0.10, 0.09);
-  bench.controller->mouse_button(0, true, 0);
-  bench.point_at(0.13, 0.12);
-  bench.controller->mouse_button(0, false, 0);
-  bench.run();
-  EXPECT_TRUE(bench.saved.empty());
-}
-
-/// A box, a polygon and a label, of which the pixels from x = 0.10 to 0.15 and y = 0.10 to 0.15 are.
-pipeline::ScenePointer with_shapes(const std::filesystem::path& labels) {
-  sparsha::test::write_labels(
-      labels, 40, 40, [](int column, int row) { return column >= 20 && column < 30 && row >= 10 && row < 20 ? 3 : 0; });
-  return plate([&](pipeline::SceneDescription& d) {
-    d.config.audio.emplace();
-    d.config.audio->labels = pipeline::LabelImageConfig{labels, std::array<double, 4>{0.0, 0.0, 0.2, 0.2}};
-    pipeline::PartConfig polygon;
-    polygon.name = polygon.say = "leaf";
-    polygon.polygon_m = {{0.02, 0.02}, {0.08, 0.02}, {0.08, 0.04}, {0.04, 0.04}, {0.04, 0.09}, {0.02, 0.09}};
-    pipeline::PartConfig label;
-    label.name = label.say = "stalk";
-    label.label = 3;
-    d.config.parts = {{"petal", "petal", {0.12, 0.03, 0.18, 0.07}}, polygon, label};
-  });
-}
-
-TEST(Marking, PolygonsAndLabelsAreShownAsTheyAreAndOnlyBoxesAreDragged) {
-  const sparsha::test::TestFolder folder;
-  const pipeline::ScenePointer scene = with_shapes(folder / "labels.png");
-  Bench bench(scene);
-  bench.key('A');
-  ASSERT_EQ(bench.marks().parts.size(), 3U);
-  EXPECT_TRUE(bench.marks().parts[0].is_box);
-  ASSERT_EQ(bench.marks().parts[1].borders_m.size(), 1U);
-  EXPECT_EQ(bench.marks().parts[1].borders_m[0].size(), 7U) << "six corners and the first once more";
-  EXPECT_EQ(bench.marks().parts[1].box_m, (std::array<double, 4>{0.02, 0.02, 0.08, 0.09}));
-  ASSERT_EQ(bench.marks().parts[2].borders_m.size(), 1U);
-  for (const Eigen::Vector2d& p : bench.marks().parts[2].borders_m[0])
-    EXPECT_NEAR((p - Eigen::Vector2d(0.125, 0.125)).cwiseAbs().maxCoeff(), 0.025, 0.005) << "within a pixel";
-  const auto drag = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    bench.point_at(from.x(), from.y());
-    bench.controller->mouse_button(0, true, 0);
-    bench.point_at(to.x(), to.y());
-    bench.controller->mouse_button(0, false, 0);
-    bench.run();
-  };
-  drag({0.08, 0.04}, {0.10, 0.05});
-  EXPECT_TRUE(bench.saved.empty());
-  ASSERT_FALSE(bench.spoken.empty());
-  EXPECT_EQ(bench.spoken.back(), "This part is a polygon: its corners are changed in the configuration");
-  const Eigen::Vector2d corner = bench.marks().parts[2].borders_m[0].front();
-  drag(corner, corner + Eigen::Vector2d(0.01, 0.01));
-  EXPECT_TRUE(bench.saved.empty());
-  EXPECT_EQ(bench.spoken.back(), "This part is drawn in the label image: it is changed there");
-  // A box beside them is edited, and they stay what they are.
-  drag({0.18, 0.07}, {0.19, 0.08});
-  ASSERT_EQ(bench.saved.size(), 1U);
-  const auto& parts = bench.saved[0];
-  ASSERT_EQ(parts.size(), 3U);
-  EXPECT_NEAR(parts[0].box_m[2], 0.19, 0.001);
-  EXPECT_EQ(parts[1].polygon_m, scene->description().config.parts[1].polygon_m);
-  EXPECT_EQ(parts[2].label, 3);
-  EXPECT_FALSE(parts[1].is_box() || parts[2].is_box());
-  // With a tool the click is the tool's; the part is removed only where it is pointed at.
-  bench.key('U');
-  bench.click(0.08, 0.04);
-  EXPECT_EQ(bench.marks().pending_m.size(), 1U);
-  bench.key(key::kEscape);
-  bench.point_at(0.04, 0.09);
-  bench.key(key::kDelete);
-  ASSERT_EQ(bench.saved.size(), 2U);
-  ASSERT_EQ(bench.saved[1].size(), 2U);
-  EXPECT_EQ(bench.saved[1][1].name, "stalk");
-}
-
-TEST(Marking, AnEditedBoxInAFolderKeepsPolygonsAndLabels) {
-  const sparsha::test::TestFolder folder;
-  std::filesystem::create_directories(folder / "scene");
-  const pipeline::ScenePointer drawn = with_shapes(folder / "labels.png");
-  pipeline::SceneDescription scanned = drawn->description();
-  scanned.config.scans.resize(1);
-  scanned.config.scans[0].file = "scan.ply";
-  scanned.sources = {{"scan.ply", "abc", 1}};
-  pipeline::write_scene(*pipeline::with_description(drawn, scanned), folder / "scene");
-  const pipeline::ScenePointer opened = pipeline::open_scene(folder / "scene");
-  pipeline::SceneDescription description = opened->description();
-  description.config.parts[0].box_m[2] = 0.19;
-  pipeline::write_description(*pipeline::with_description(opened, description), folder / "scene");
-  const pipeline::ScenePointer again = pipeline::open_scene(folder / "scene");
-  const auto& parts = again->description().config.parts;
-  ASSERT_EQ(parts.size(), 3U);
-  EXPECT_EQ(parts[0].box_m[2], 0.19);
-  EXPECT_EQ(parts[1].polygon_m, description.config.parts[1].polygon_m);
-  EXPECT_EQ(parts[2].label, 3);
-}
-
 TEST(Marking, TheSectionPlaneLiesAlongTheNewestProfileAndMoves) {
-  Bench bench(plate());
+  MarkingBench bench(plate());
   for (int k = 0; k < 3; ++k) bench.key('U');
   bench.click(0.04, 0.05);
   bench.click(0.16, 0.11);

@@ -1,19 +1,11 @@
 // A real window on a virtual display, driven by real key and mouse events.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -24,110 +16,14 @@
 #include "tests/support/test_folder.h"
 #include "tests/viewer/cloud/points.h"
 #include "tests/viewer/relief_scene.h"
+#include "tests/viewer/window/display.h"
 #include "tests/viewer/window/drop.h"
 #include "viewer/cloud/orientation.h"
 #include "viewer/marks/notes.h"
 #include "viewer/viewer.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 namespace sparsha::viewer::test {
 namespace {
-
-bool on_path(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::string rest = path != nullptr ? path : "";
-  while (!rest.empty()) {
-    const std::size_t colon = rest.find(':');
-    if (::access((rest.substr(0, colon) + "/" + program).c_str(), X_OK) == 0) return true;
-    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
-  }
-  return false;
-}
-
-/// Xvfb on a display number of its own choice, ended by the destructor.
-class VirtualDisplay {
- public:
-  /// `number`: a display number of one's own choice, or nothing.
-  explicit VirtualDisplay(const std::string& number = {}) {
-    int ends[2];
-    if (::pipe(ends) != 0) return;
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      const int quiet = ::open("/dev/null", O_RDWR);
-      ::dup2(quiet, 1);
-      ::dup2(quiet, 2);
-      ::close(ends[0]);
-      const std::string fd = std::to_string(ends[1]);
-      if (!number.empty())
-        ::execlp("Xvfb", "Xvfb", number.c_str(), "-noreset", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24",
-                 "-nolisten", "tcp", static_cast<char*>(nullptr));
-      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
-               static_cast<char*>(nullptr));
-      ::_exit(127);
-    }
-    ::close(ends[1]);
-    char c = 0;
-    while (::read(ends[0], &c, 1) == 1 && c != '\n') name_ += c;
-    ::close(ends[0]);
-    if (!name_.empty()) name_ = ":" + name_;
-  }
-  ~VirtualDisplay() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGTERM);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  VirtualDisplay(const VirtualDisplay&) = delete;
-  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
-  [[nodiscard]] const std::string& name() const { return name_; }
-
- private:
-  pid_t pid_ = -1;
-  std::string name_;
-};
-
-bool wait_for(const std::function<bool()>& condition, double seconds = 60.0) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (std::chrono::steady_clock::now() < end) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return condition();
-}
-
-int xdotool(const std::string& arguments) { return std::system(("xdotool " + arguments + " >/dev/null 2>&1").c_str()); }
-
-#ifdef SPARSHA_HAS_X11
-/// The window's number in the X server; 0: there is none.
-unsigned long window_number() {
-  unsigned long window = 0;
-  if (FILE* pipe = ::popen("xdotool search --sync --name Sparsha", "r")) {
-    if (std::fscanf(pipe, "%lu", &window) != 1) window = 0;
-    ::pclose(pipe);
-  }
-  return window;
-}
-#endif
-
-/// DISPLAY for the time of a test.
-struct DisplayName {
-  explicit DisplayName(const char* name) {
-    if (const char* old = std::getenv("DISPLAY")) before = old;
-    ::unsetenv("WAYLAND_DISPLAY");
-    if (name != nullptr)
-      ::setenv("DISPLAY", name, 1);
-    else
-      ::unsetenv("DISPLAY");
-  }
-  ~DisplayName() {
-    if (before.empty())
-      ::unsetenv("DISPLAY");
-    else
-      ::setenv("DISPLAY", before.c_str(), 1);
-  }
-  std::string before;
-};
 
 TEST(Window, NoDisplayIsFoundOutCheaplyAndSaid) {
   const auto began = std::chrono::steady_clock::now();
@@ -433,144 +329,6 @@ TEST(Window, FilesDroppedIntoItAreOpenedByTheirNames) {
   EXPECT_EQ(dropped[1], "/tmp/right.las");
 }
 #endif
-
-TEST(Window, TheSessionsEndClosesAKiosk) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
-  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
-  Connections connections;
-  connections.scene = [&] { return scene; };
-  int polls = 0;
-  connections.poll = [&] { ++polls; };
-  connections.finished = [&] { return polls > 5; };
-  ViewerOptions options;
-  options.kiosk = true;
-  run_window(connections, options);
-  EXPECT_GT(polls, 5);
-}
-
-#ifdef SPARSHA_HAS_X11
-TEST(Window, AKioskIsNotClosedByTheDesktopAndFillsTheScreenAgain) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
-  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
-  Connections connections;
-  connections.scene = [&] { return scene; };
-  int polls = 0;
-  bool asked = false, small = false, full = false;
-  GLFWwindow* window = nullptr;
-  connections.poll = [&] {
-    ++polls;
-    window = glfwGetCurrentContext();
-    if (polls == 5) asked = ask_to_close(window_number());
-    // As GLFW does when a monitor is unplugged.
-    if (polls == 20) {
-      glfwSetWindowMonitor(window, nullptr, 10, 10, 320, 200, GLFW_DONT_CARE);
-      small = glfwGetWindowMonitor(window) == nullptr;
-    }
-    full = small && glfwGetWindowMonitor(window) != nullptr;
-  };
-  const auto began = std::chrono::steady_clock::now();
-  connections.finished = [&] { return full || std::chrono::steady_clock::now() - began > std::chrono::seconds(60); };
-  ViewerOptions options;
-  options.kiosk = true;
-  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
-  EXPECT_TRUE(asked);
-  EXPECT_GT(polls, 20) << "the desktop has closed it";
-  EXPECT_TRUE(small);
-  EXPECT_TRUE(full);
-}
-
-TEST(Window, OutsideOfAKioskTheDesktopClosesIt) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
-  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
-  Connections connections;
-  connections.scene = [&] { return scene; };
-  int polls = 0;
-  bool asked = false;
-  connections.poll = [&] {
-    if (++polls == 5) asked = ask_to_close(window_number());
-  };
-  connections.finished = [&] { return polls > 1000; };
-  EXPECT_EQ(run_window(connections, {}), WindowEnd::closed);
-  EXPECT_TRUE(asked);
-  EXPECT_LT(polls, 1000);
-}
-#endif
-
-TEST(Window, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  auto display = std::make_unique<VirtualDisplay>();
-  ASSERT_FALSE(display->name().empty()) << "Xvfb did not start";
-  const std::string number = display->name();
-  const DisplayName name(number.c_str());
-  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
-  Connections connections;
-  connections.scene = [&] { return scene; };
-  int polls = 0;
-  connections.poll = [&] {
-    if (++polls == 6) display.reset();
-  };
-  ViewerOptions options;
-  options.kiosk = true;
-  EXPECT_EQ(run_window(connections, options), WindowEnd::display_lost);
-  EXPECT_FALSE(display_available());
-  display = std::make_unique<VirtualDisplay>(number);
-  ASSERT_EQ(display->name(), number);
-  ASSERT_TRUE(display_available());
-  polls = 100;
-  connections.finished = [&] { return polls > 110; };
-  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
-}
-
-TEST(Window, AnExhibitWithoutVisitorsShowsItselfAndListensAgain) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
-  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
-  haptics::RequestQueue requests;
-  std::atomic<int> steps{0};
-  std::atomic<bool> finished{false};
-  Connections connections;
-  connections.scene = [&] { return scene; };
-  connections.requests = &requests;
-  connections.next_scene = [&](int step) { steps += step; };
-  connections.finished = [&] { return finished.load(); };
-  ViewerOptions options;
-  options.kiosk = true;
-  options.idle_s = 1.0;
-  std::string problem;
-  std::thread visitor([&] {
-    const auto request = [&](const char* what, haptics::Request::Kind kind) {
-      const bool came = problem.empty() && wait_for([&] {
-                          const auto got = requests.take();
-                          return got && got->kind == kind;
-                        });
-      if (problem.empty() && !came) problem = what;
-    };
-    request("it does not go back to its beginning", haptics::Request::Kind::whole_scene);
-    if (xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
-    xdotool("key q Escape r o e");
-    if (problem.empty() && !wait_for([&] { return steps == 1; })) problem = "no other scene";
-    request("it does not go back a second time", haptics::Request::Kind::whole_scene);
-    xdotool("key ctrl+q");
-    request("staff cannot leave", haptics::Request::Kind::quit);
-    finished = true;
-  });
-  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
-  finished = true;
-  visitor.join();
-  EXPECT_EQ(problem, "");
-}
 
 }  // namespace
 }  // namespace sparsha::viewer::test

@@ -1,0 +1,160 @@
+// The window of an exhibit on a virtual display: what ends it, what does not, and what it does without visitors.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "tests/viewer/relief_scene.h"
+#include "tests/viewer/window/display.h"
+#include "tests/viewer/window/drop.h"
+#include "viewer/viewer.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace sparsha::viewer::test {
+namespace {
+
+TEST(KioskWindow, TheSessionsEndClosesAKiosk) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  connections.poll = [&] { ++polls; };
+  connections.finished = [&] { return polls > 5; };
+  ViewerOptions options;
+  options.kiosk = true;
+  run_window(connections, options);
+  EXPECT_GT(polls, 5);
+}
+
+#ifdef SPARSHA_HAS_X11
+TEST(KioskWindow, AKioskIsNotClosedByTheDesktopAndFillsTheScreenAgain) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  bool asked = false, small = false, full = false;
+  GLFWwindow* window = nullptr;
+  connections.poll = [&] {
+    ++polls;
+    window = glfwGetCurrentContext();
+    if (polls == 5) asked = ask_to_close(window_number());
+    // As GLFW does when a monitor is unplugged.
+    if (polls == 20) {
+      glfwSetWindowMonitor(window, nullptr, 10, 10, 320, 200, GLFW_DONT_CARE);
+      small = glfwGetWindowMonitor(window) == nullptr;
+    }
+    full = small && glfwGetWindowMonitor(window) != nullptr;
+  };
+  const auto began = std::chrono::steady_clock::now();
+  connections.finished = [&] { return full || std::chrono::steady_clock::now() - began > std::chrono::seconds(60); };
+  ViewerOptions options;
+  options.kiosk = true;
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+  EXPECT_TRUE(asked);
+  EXPECT_GT(polls, 20) << "the desktop has closed it";
+  EXPECT_TRUE(small);
+  EXPECT_TRUE(full);
+}
+
+TEST(Window, OutsideOfAKioskTheDesktopClosesIt) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  bool asked = false;
+  connections.poll = [&] {
+    if (++polls == 5) asked = ask_to_close(window_number());
+  };
+  connections.finished = [&] { return polls > 1000; };
+  EXPECT_EQ(run_window(connections, {}), WindowEnd::closed);
+  EXPECT_TRUE(asked);
+  EXPECT_LT(polls, 1000);
+}
+#endif
+
+TEST(KioskWindow, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  auto display = std::make_unique<VirtualDisplay>();
+  ASSERT_FALSE(display->name().empty()) << "Xvfb did not start";
+  const std::string number = display->name();
+  const DisplayName name(number.c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  connections.poll = [&] {
+    if (++polls == 6) display.reset();
+  };
+  ViewerOptions options;
+  options.kiosk = true;
+  EXPECT_EQ(run_window(connections, options), WindowEnd::display_lost);
+  EXPECT_FALSE(display_available());
+  display = std::make_unique<VirtualDisplay>(number);
+  ASSERT_EQ(display->name(), number);
+  ASSERT_TRUE(display_available());
+  polls = 100;
+  connections.finished = [&] { return polls > 110; };
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+}
+
+TEST(KioskWindow, AnExhibitWithoutVisitorsShowsItselfAndListensAgain) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  VirtualDisplay display;
+  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+  const DisplayName name(display.name().c_str());
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  haptics::RequestQueue requests;
+  std::atomic<int> steps{0};
+  std::atomic<bool> finished{false};
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  connections.requests = &requests;
+  connections.next_scene = [&](int step) { steps += step; };
+  connections.finished = [&] { return finished.load(); };
+  ViewerOptions options;
+  options.kiosk = true;
+  options.idle_s = 1.0;
+  std::string problem;
+  std::thread visitor([&] {
+    const auto request = [&](const char* what, haptics::Request::Kind kind) {
+      const bool came = problem.empty() && wait_for([&] {
+                          const auto got = requests.take();
+                          return got && got->kind == kind;
+                        });
+      if (problem.empty() && !came) problem = what;
+    };
+    request("it does not go back to its beginning", haptics::Request::Kind::whole_scene);
+    if (xdotool("search --sync --name Sparsha windowfocus") != 0) problem = "no window";
+    xdotool("key q Escape r o e");
+    if (problem.empty() && !wait_for([&] { return steps == 1; })) problem = "no other scene";
+    request("it does not go back a second time", haptics::Request::Kind::whole_scene);
+    xdotool("key ctrl+q");
+    request("staff cannot leave", haptics::Request::Kind::quit);
+    finished = true;
+  });
+  EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
+  finished = true;
+  visitor.join();
+  EXPECT_EQ(problem, "");
+}
+
+}  // namespace
+}  // namespace sparsha::viewer::test
