@@ -9,8 +9,8 @@ namespace {
 using haptics::Request;
 using Kind = Request::Kind;
 
-constexpr double kAgainS = 0.6;  // a second press within is the same gesture; longer than keyboards wait to repeat
-constexpr double kLongS = 2.0, kLongestS = 5.0;  // as on the grip
+constexpr double kAgain_s = 0.6;  // a second press within is the same gesture; longer than keyboards wait to repeat
+constexpr double kLong_s = 2.0, kLongest_s = 5.0;  // as on the grip
 constexpr double kPanWindows = 0.25;
 
 std::optional<Request> arrow(char key) {
@@ -76,10 +76,10 @@ void TerminalKeys::digit(std::size_t button, double time_s, std::vector<Request>
     pad_ = Pad::held;
     dragging_ = dragging_ || button == kForward;
     requests.push_back({kHolds.at(button), 0.0, 0.0, true});
-  } else if (button != kForward && !longer_ && time_s - since_s_ >= kLongS) {
+  } else if (button != kForward && !longer_ && time_s - since_s_ >= kLong_s) {
     longer_ = true;
     requests.push_back({button == kCentre ? Kind::set_speech : Kind::guide, 0.0, 0.0, true});
-  } else if (button == kCentre && !longest_ && time_s - since_s_ >= kLongestS) {
+  } else if (button == kCentre && !longest_ && time_s - since_s_ >= kLongest_s) {
     longest_ = true;
     requests.push_back({Kind::set_speech, 0.0, 0.0, false});
   }
@@ -87,7 +87,7 @@ void TerminalKeys::digit(std::size_t button, double time_s, std::vector<Request>
 
 std::vector<Request> TerminalKeys::take(std::string_view typed, double time_s) {
   std::vector<Request> requests;
-  if (time_s - last_s_ >= kAgainS) end(requests);
+  if (time_s - last_s_ >= kAgain_s) end(requests);
   for (std::size_t at = 0; at < typed.size(); ++at) {
     const char key = typed[at];
     if (key == '\x1b') {

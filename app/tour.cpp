@@ -25,13 +25,13 @@ class Overview {
   explicit Overview(const pipeline::SceneDescription& scene) {
     const pipeline::Lattice& level = scene.levels.at(static_cast<std::size_t>(haptics::overview_level(scene)));
     middle_m_ = haptics::middle_of(level);
-    scale_ = pipeline::level_scale(scene.config.levels.window, level, pipeline::kDeskWorkspaceM);
+    scale_ = pipeline::level_scale(scene.config.levels.window, level, pipeline::kDeskWorkspace_m);
   }
   [[nodiscard]] Eigen::Vector2d device_m(double x_m, double y_m) const {
     // Whoever wrote the boxes may have placed some beyond the scene; the hand stays in its workspace.
-    constexpr double kReachM = 0.5 * pipeline::kDeskWorkspaceM;
+    constexpr double kReach_m = 0.5 * pipeline::kDeskWorkspace_m;
     const Eigen::Vector2d place = scale_ * (Eigen::Vector2d(x_m, y_m) - middle_m_);
-    return place.cwiseMax(-kReachM).cwiseMin(kReachM);
+    return place.cwiseMax(-kReach_m).cwiseMin(kReach_m);
   }
   [[nodiscard]] Eigen::Vector2d middle_of(const Box& box) const {
     return device_m(0.5 * (box[0] + box[2]), 0.5 * (box[1] + box[3]));

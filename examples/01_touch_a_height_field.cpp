@@ -22,7 +22,7 @@ int main() {
   const auto surface = haptics::make_surface(std::move(parts));
 
   // The hand comes down in the middle, to 5 mm below the surface, a tenth of a millimetre per tick.
-  constexpr double kStiffnessNPerM = 800.0;
+  constexpr double kStiffness_n_per_m = 800.0;
   const double x_m = 0.5 * surface->width_m();
   const double y_m = 0.5 * surface->depth_m();
   const double surface_m = surface->height(x_m, y_m);
@@ -34,7 +34,7 @@ int main() {
   for (int tick = 0; tick <= 100; ++tick) {
     hand_m.z() = surface_m + 0.005 - 0.0001 * tick;
     found = haptics::update_exact(*surface, hand_m, proxy, {});
-    if (found.contact) force_n = kStiffnessNPerM * (found.position - hand_m);
+    if (found.contact) force_n = kStiffness_n_per_m * (found.position - hand_m);
     if (tick % 10 == 0) std::printf("%23.1f  %9.3f\n", 1e3 * (hand_m.z() - surface_m), force_n.norm());
   }
   std::printf("normal at the end (%.3f, %.3f, %.3f)\n", found.normal.x(), found.normal.y(), found.normal.z());

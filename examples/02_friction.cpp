@@ -21,18 +21,18 @@ int main() {
   const auto surface = haptics::make_surface(std::move(parts));
 
   // 2 mm deep, from left to right at 50 mm/s and 1 kHz.
-  constexpr double kStiffnessNPerM = 800.0;
-  constexpr double kDepthM = 0.002;
+  constexpr double kStiffness_n_per_m = 800.0;
+  constexpr double kDepth_m = 0.002;
   haptics::ProxyState proxy = haptics::start_proxy(*surface, {0.01, 0.05, 0.001});
   double drag_n[2] = {0.0, 0.0};  // on the polished and on the rough half
   for (double x_m = 0.01; x_m < 0.09; x_m += 50e-6) {
-    const Eigen::Vector3d hand_m(x_m, 0.05, -kDepthM);
+    const Eigen::Vector3d hand_m(x_m, 0.05, -kDepth_m);
     const haptics::ProxyUpdate found = haptics::update_exact(*surface, hand_m, proxy, {});
-    const Eigen::Vector3d force_n = kStiffnessNPerM * (found.position - hand_m);
+    const Eigen::Vector3d force_n = kStiffness_n_per_m * (found.position - hand_m);
     if (x_m > 0.03 && x_m < 0.045) drag_n[0] = -force_n.x();
     if (x_m > 0.075) drag_n[1] = -force_n.x();
   }
-  const double press_n = kStiffnessNPerM * kDepthM;
+  const double press_n = kStiffness_n_per_m * kDepth_m;
   std::printf("pressing with %.2f N: drag %.3f N on the polished half (mu %.2f), %.3f N on the rough one (mu %.2f)\n",
               press_n, drag_n[0], drag_n[0] / press_n, drag_n[1], drag_n[1] / press_n);
   return drag_n[0] > 0.0 && drag_n[1] > 5.0 * drag_n[0] ? 0 : 1;

@@ -39,7 +39,7 @@ double FrictionLaw::with_parts(const Layers& layers, std::size_t node, double mu
     place = *scene_.region_from_grid * place;
   }
   for (auto part = parts_.rbegin(); part != parts_.rend(); ++part)
-    mu += ((*part).*own - mu) * part->area.share_inside(place.x(), place.y(), kBorderM / scale_);
+    mu += ((*part).*own - mu) * part->area.share_inside(place.x(), place.y(), kBorder_m / scale_);
   return mu;
 }
 

@@ -13,7 +13,7 @@ namespace sparsha::pipeline {
 /// law paper: mu_d = 1 / (R sqrt(H^2 + K^2)) clamped to [0, mu_max] (Aniyath et al., eq. 7 to 9), curvatures at the
 /// window's scale, R = half the workspace's width, metres. law constant: mu_0. Where the curvature is not known, near
 /// steps and holes or because the scene has no such layer, mu_d is mu_0 (law curvature and paper), within [0, mu_max].
-/// A part's own coefficients stand above the law; the first part that has some wins, with a soft border (kBorderM).
+/// A part's own coefficients stand above the law; the first part that has some wins, with a soft border (kBorder_m).
 class FrictionLaw {
  public:
   /// `scale`: device metres a grid metre. Requires a scene with a friction block; it outlives the law.

@@ -45,7 +45,7 @@ inline constexpr std::array<MaterialTouch, 6> kMaterials = {{
 }};
 
 /// No hand that holds a device is lighter: what a strike may give to any hand is what this one brings.
-inline constexpr double kLightestHandKg = 0.05;
+inline constexpr double kLightestHand_kg = 0.05;
 
 [[nodiscard]] constexpr const MaterialTouch& touch_of(Material material) {
   return kMaterials[static_cast<std::size_t>(material)];

@@ -16,7 +16,7 @@ using RegionFrame = Eigen::Matrix<double, 3, 4, Eigen::RowMajor | Eigen::DontAli
 
 /// At the hand: what a part changes of the touch changes over so wide a border, half of it on either side, so that no
 /// force jumps there.
-inline constexpr double kBorderM = 0.002;
+inline constexpr double kBorder_m = 0.002;
 
 /// 1 inside `box_m` (xmin ymin xmax ymax), 0 outside, a smooth step over `width_m` across its border.
 [[nodiscard]] inline double share_inside(const std::array<double, 4>& box_m, double x_m, double y_m, double width_m) {

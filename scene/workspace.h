@@ -8,7 +8,7 @@
 namespace sparsha::pipeline {
 
 /// Width of a desktop device's workspace, metres: what pictures and offline paths assume where no device is known.
-inline constexpr double kDeskWorkspaceM = 0.1;
+inline constexpr double kDeskWorkspace_m = 0.1;
 
 /// Nodes a side of a window where `levels.window` is `wanted`; levels that have fewer are touched as a whole.
 [[nodiscard]] inline int window_nodes(int wanted) {

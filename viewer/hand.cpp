@@ -9,16 +9,16 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr double kPressM = 0.003;
-constexpr double kPressN = 2.4;  // of a press without the wheel, whatever the stiffness
-constexpr double kDeepestM = 0.015;
-constexpr double kWheelM = 0.0005;       // one notch of the wheel
-constexpr double kFollowS = 0.06;        // the pressing hand's height follows so slowly that fine texture is felt
-constexpr double kMostAgainstM = 0.003;  // deeper than asked for, when a pressing hand is moved against a wall
-constexpr double kClearM = 0.002;        // a hand that moves across the stone stays so far above it
-constexpr double kThereM = 0.001;
-constexpr double kDeviceFollowS = 0.012;  // of the pointer device
-constexpr double kAimFreshS = 0.5;
+constexpr double kPress_m = 0.003;
+constexpr double kPress_n = 2.4;  // of a press without the wheel, whatever the stiffness
+constexpr double kDeepest_m = 0.015;
+constexpr double kWheel_m = 0.0005;       // one notch of the wheel
+constexpr double kFollow_s = 0.06;        // the pressing hand's height follows so slowly that fine texture is felt
+constexpr double kMostAgainst_m = 0.003;  // deeper than asked for, when a pressing hand is moved against a wall
+constexpr double kClear_m = 0.002;        // a hand that moves across the stone stays so far above it
+constexpr double kThere_m = 0.001;
+constexpr double kDeviceFollow_s = 0.012;  // of the pointer device
+constexpr double kAimFresh_s = 0.5;
 
 }  // namespace
 
@@ -59,11 +59,13 @@ void PointerHand::step(double x_m, double y_m) {
   wanted_m_ += Eigen::Vector2d(x_m, y_m);
 }
 
-void PointerHand::raise(double steps) { hover_m_ = std::clamp(hover_m_ + steps * kWheelM, -kDeepestM, 2.0 * kHoverM); }
+void PointerHand::raise(double steps) {
+  hover_m_ = std::clamp(hover_m_ + steps * kWheel_m, -kDeepest_m, 2.0 * kHover_m);
+}
 
 void PointerHand::wheel(double steps) {
   if (!pressed_) return raise(steps);
-  deeper_m_ = std::clamp(deeper_m_.value_or(kPressM) - steps * kWheelM, 0.0, kDeepestM);
+  deeper_m_ = std::clamp(deeper_m_.value_or(kPress_m) - steps * kWheel_m, 0.0, kDeepest_m);
 }
 
 void PointerHand::press(bool down) {
@@ -73,13 +75,13 @@ void PointerHand::press(bool down) {
 
 double PointerHand::press_depth_m(const haptics::State& state) const {
   if (deeper_m_) return *deeper_m_;
-  return state.stiffness_n_per_m > 0.0 ? std::min(kPressM, kPressN / state.stiffness_n_per_m) : kPressM;
+  return state.stiffness_n_per_m > 0.0 ? std::min(kPress_m, kPress_n / state.stiffness_n_per_m) : kPress_m;
 }
 
 // The hand is where the mouse's ray meets the stone, or the height at which the hand hovers.
 void PointerHand::follow_aim(const haptics::State& state, const pipeline::SceneDescription& scene, const Stage& stage,
                              const HeightAt& height_at) {
-  if (!aim_ || fresh_s_ > kAimFreshS || !(state.scale > 0.0)) return;
+  if (!aim_ || fresh_s_ > kAimFresh_s || !(state.scale > 0.0)) return;
   const Eigen::Vector3d centre_m(state.centre_m[0], state.centre_m[1], state.centre_m[2]);
   if (!centre_m.allFinite()) return;
   double low_m = scene.height_min_m, high_m = scene.height_max_m;
@@ -93,11 +95,11 @@ void PointerHand::follow_aim(const haptics::State& state, const pipeline::SceneD
 
 // Critically damped, as the device is.
 void PointerHand::follow_device(double seconds) {
-  const double decay = std::exp(-seconds / kDeviceFollowS);
+  const double decay = std::exp(-seconds / kDeviceFollow_s);
   const Eigen::Vector3d away = device_m_ - sent_m_;
-  const Eigen::Vector3d rise = velocity_ + away / kDeviceFollowS;
+  const Eigen::Vector3d rise = velocity_ + away / kDeviceFollow_s;
   device_m_ = sent_m_ + (away + rise * seconds) * decay;
-  velocity_ = (velocity_ - rise * (seconds / kDeviceFollowS)) * decay;
+  velocity_ = (velocity_ - rise * (seconds / kDeviceFollow_s)) * decay;
 }
 
 void PointerHand::approach(double seconds, double reach_m, double depth_m,
@@ -107,16 +109,16 @@ void PointerHand::approach(double seconds, double reach_m, double depth_m,
   const double here_m = surface_m(wanted_m_);
   // A press begins when the hand is there.
   const bool presses = (pressed_ || hover_m_ < 0.0) && (sent_m_.head<2>() - wanted_m_).norm() < 1e-9 &&
-                       (way.norm() < kThereM || sent_m_.z() < here_m);
+                       (way.norm() < kThere_m || sent_m_.z() < here_m);
   if (presses || (pressed_ && sent_m_.z() < surface_m(sent_m_.head<2>()))) {
     sent_m_.head<2>() = wanted_m_;
     const double goal_m = here_m - (pressed_ ? depth_m : -hover_m_);
-    sent_m_.z() += (1.0 - std::exp(-seconds / kFollowS)) * (goal_m - sent_m_.z());
-    sent_m_.z() = std::max(sent_m_.z(), goal_m - kMostAgainstM);
+    sent_m_.z() += (1.0 - std::exp(-seconds / kFollow_s)) * (goal_m - sent_m_.z());
+    sent_m_.z() = std::max(sent_m_.z(), goal_m - kMostAgainst_m);
   } else {
     // Over what lies between: up at once, across as far as the height allows, then down.
     constexpr int kPlaces = 48;
-    const double least_m = std::min(kClearM, std::max(hover_m_, 0.0));
+    const double least_m = std::min(kClear_m, std::max(hover_m_, 0.0));
     double clear_m = here_m + least_m, free_share = 1.0;
     for (int k = 0; k <= kPlaces; ++k) {
       const double share = static_cast<double>(k) / kPlaces;
@@ -128,7 +130,7 @@ void PointerHand::approach(double seconds, double reach_m, double depth_m,
     sent_m_.head<2>() = from + free_share * way;
     if (free_share == 1.0) sent_m_.head<2>() = wanted_m_;
     const double goal_m = std::max(here_m + std::max(hover_m_, least_m), clear_m);
-    const double share = goal_m > sent_m_.z() ? 1.0 : 1.0 - std::exp(-seconds / kFollowS);
+    const double share = goal_m > sent_m_.z() ? 1.0 : 1.0 - std::exp(-seconds / kFollow_s);
     sent_m_.z() += share * (goal_m - sent_m_.z());
   }
   sent_m_ = sent_m_.cwiseMax(-reach_m).cwiseMin(reach_m);

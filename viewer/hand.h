@@ -55,7 +55,7 @@ class PointerHand {
   std::optional<View::Ray> aim_;
   double fresh_s_ = 0.0;                                // since the last aim
   Eigen::Vector2d wanted_m_ = Eigen::Vector2d::Zero();  // device frame
-  double hover_m_ = kHoverM;                            // above the surface, device frame
+  double hover_m_ = kHover_m;                           // above the surface, device frame
   std::optional<double> deeper_m_;                      // depth of a press that the wheel has asked for
   bool pressed_ = false;
   bool known_ = false;
@@ -64,7 +64,7 @@ class PointerHand {
   Eigen::Vector3d device_m_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
   std::uint64_t sequence_ = 0;
 
-  static constexpr double kHoverM = 0.008;
+  static constexpr double kHover_m = 0.008;
 };
 
 }  // namespace sparsha::viewer

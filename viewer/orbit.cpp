@@ -8,9 +8,9 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr double kFollowS = 0.09;
-constexpr double kFieldRad = 0.5;     // vertical
-constexpr double kMostTiltRad = 3.1;  // the back, from below or above
+constexpr double kFollow_s = 0.09;
+constexpr double kField_rad = 0.5;     // vertical
+constexpr double kMostTilt_rad = 3.1;  // the back, from below or above
 constexpr double kNearest = 0.1, kFarthest = 40.0;
 
 }  // namespace
@@ -22,7 +22,7 @@ Camera camera_for(const Window& window, const Ground& ground, const Stage& stage
   const double aspect = static_cast<double>(std::max(rect.width, 1)) / std::max(rect.height, 1);
   camera.turn_rad = turn_rad;
   camera.tilt_rad = tilt_rad;
-  camera.field_rad = kFieldRad;
+  camera.field_rad = kField_rad;
   const Eigen::Vector3d middle_m(window.centre_m.x(), window.centre_m.y(), ground.middle_m);
   camera.target = stage.to_world(middle_m) + Eigen::Vector3d(shift.x() * width, shift.y() * width, 0.0);
   const double tangent = std::tan(0.5 * camera.field_rad);
@@ -40,7 +40,7 @@ Camera camera_for(const Window& window, const Ground& ground, const Stage& stage
 
 void Orbit::turn(double right_rad, double back_rad) {
   turn_rad_ += right_rad;
-  tilt_rad_ = std::clamp(tilt_rad_ + back_rad, -kMostTiltRad, kMostTiltRad);
+  tilt_rad_ = std::clamp(tilt_rad_ + back_rad, -kMostTilt_rad, kMostTilt_rad);
 }
 
 void Orbit::zoom(double factor) { zoom_ = std::clamp(zoom_ * factor, kNearest, kFarthest); }
@@ -65,7 +65,7 @@ void Orbit::update(double seconds, const Window& window, const Ground& ground, c
   // The shorter way round.
   now.turn_rad -= 2.0 * std::numbers::pi * std::round((now.turn_rad - goal.turn_rad) / (2.0 * std::numbers::pi));
   const bool parallel = parallel_;
-  const double share = jumps_ ? 1.0 : 1.0 - std::exp(-seconds / kFollowS);
+  const double share = jumps_ ? 1.0 : 1.0 - std::exp(-seconds / kFollow_s);
   const bool near = (goal.target - now.target).norm() < 2e-4 * goal.distance &&
                     std::abs(goal.distance - now.distance) < 2e-4 * goal.distance &&
                     std::abs(goal.turn_rad - now.turn_rad) < 2e-4 && std::abs(goal.tilt_rad - now.tilt_rad) < 2e-4;

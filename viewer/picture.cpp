@@ -22,10 +22,10 @@ namespace {
 constexpr int kWholeNodes = 2048;      // longer side of the piece that shows the whole scene
 constexpr int kPieceNodes = 1536;      // and of the finer piece around the window
 constexpr int kSoftwareNodes = 1024;   // of both without a graphics card, where light costs by the node
-constexpr double kRestS = 0.20;        // a camera that has not moved for so long rests
+constexpr double kRest_s = 0.20;       // a camera that has not moved for so long rests
 constexpr double kBallShare = 0.016;   // of the window's width: the ball's radius
 constexpr double kArrowShare = 0.070;  // of the window's width for each newton
-constexpr double kStrongN = 3.0;
+constexpr double kStrong_n = 3.0;
 
 bool same(const View& a, const View& b) {
   return a.width == b.width && a.height == b.height && a.projection == b.projection;
@@ -122,9 +122,9 @@ bool Picture::waits(double time_s) const {
   if (loading_ && loading_->data.valid() &&
       loading_->data.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
     return true;
-  if (!light_fine_ && time_s - light_changed_s_ >= kRestS) return true;
+  if (!light_fine_ && time_s - light_changed_s_ >= kRest_s) return true;
   return std::ranges::any_of(surfaces_, [&](const auto& surface) {
-    return surface->supersampling != 0 && !surface->fine && time_s - surface->changed_s >= kRestS;
+    return surface->supersampling != 0 && !surface->fine && time_s - surface->changed_s >= kRest_s;
   });
 }
 
@@ -144,7 +144,7 @@ void Picture::prepare_style(const Frame& frame) {
     light_ = light;
     light_changed_s_ = frame.time_s;
     set_light(frame.finished || !software_);
-  } else if (!light_fine_ && (frame.finished || frame.time_s - light_changed_s_ >= kRestS)) {
+  } else if (!light_fine_ && (frame.finished || frame.time_s - light_changed_s_ >= kRest_s)) {
     set_light(true);
   }
   const ColourMode wanted = has_mode(description, frame.settings.colour) ? frame.settings.colour : ColourMode::relief;
@@ -300,7 +300,8 @@ void Picture::refresh(Surface& surface, const View& view, const ReliefStyle& sty
                        !same(surface.style, style);
   if (changed) surface.changed_s = frame.time_s;
   const bool there = surface.supersampling != 0 && same(surface.view, view);
-  const bool rests = frame.finished || !software_ || (overview && !there) || frame.time_s - surface.changed_s >= kRestS;
+  const bool rests =
+      frame.finished || !software_ || (overview && !there) || frame.time_s - surface.changed_s >= kRest_s;
   if (!changed && (surface.fine || !rests)) return;
   if (overview && !rests) {  // the old one does until all rests
     surface.fine = false;
@@ -331,7 +332,7 @@ std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& 
   const Eigen::Vector3d force = vector(state.commanded_force_n);
   if (force.allFinite()) {
     hand.force = force * std::min(kArrowShare, 0.35 / std::max(force.norm(), 1e-9)) * width;
-    hand.strength = std::clamp(force.norm() / kStrongN, 0.0, 1.0);
+    hand.strength = std::clamp(force.norm() / kStrong_n, 0.0, 1.0);
   }
   hand.radius = kBallShare * width;
   const Eigen::Vector3d below = stage_.to_grid_m(hand.ball());

@@ -89,7 +89,7 @@ class Picture {
   bool light_fine_ = true;
   double light_changed_s_ = 0.0;
   ColourMode colour_ = ColourMode::relief;
-  double workspace_m_ = pipeline::kDeskWorkspaceM;  ///< of the hand
+  double workspace_m_ = pipeline::kDeskWorkspace_m;  ///< of the hand
   bool envelope_ = false;
   bool high_contrast_ = false;
   Look look_ = Look::stone;

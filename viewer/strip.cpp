@@ -34,13 +34,13 @@ void Strip::add(const haptics::State& state) {
   last_ = state;
   if (std::isfinite(sample.force_n) && std::isfinite(sample.depth_m) && std::isfinite(sample.speed_m_per_s))
     samples_.push_back(sample);
-  while (!samples_.empty() && samples_.front().time_s < state.time_s - kLengthS) samples_.pop_front();
+  while (!samples_.empty() && samples_.front().time_s < state.time_s - kLength_s) samples_.pop_front();
 }
 
 bool Strip::moves() const {
-  constexpr double kForceN = 0.005, kDepthM = 5e-6, kSpeedMPerS = 5e-4;  // less than a pixel
+  constexpr double kForce_n = 0.005, kDepth_m = 5e-6, kSpeed_m_per_s = 5e-4;  // less than a pixel
   return !paused_ && std::ranges::any_of(samples_, [&](const Sample& sample) {
-    return sample.force_n > kForceN || sample.depth_m > kDepthM || sample.speed_m_per_s > kSpeedMPerS;
+    return sample.force_n > kForce_n || sample.depth_m > kDepth_m || sample.speed_m_per_s > kSpeed_m_per_s;
   });
 }
 

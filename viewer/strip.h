@@ -16,7 +16,7 @@ class Strip {
     double depth_m = 0.0;        ///< penetration, device frame; 0 when free
     double speed_m_per_s = 0.0;  ///< of the hand, device frame
   };
-  static constexpr double kLengthS = 10.0;
+  static constexpr double kLength_s = 10.0;
 
   /// One sample a picture; nothing while paused or when the servo has not gone on.
   void add(const haptics::State& state);

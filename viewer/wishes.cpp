@@ -9,7 +9,7 @@ namespace {
 using Kind = haptics::Request::Kind;
 
 constexpr double kPan = 0.25;        // window widths
-constexpr double kAnswerS = 1.0;     // a servo that has not followed by then will not
+constexpr double kAnswer_s = 1.0;    // a servo that has not followed by then will not
 constexpr double kSameWidth = 0.02;  // share
 constexpr int kMostTries = 16;
 constexpr std::size_t kMostBefore = 64;
@@ -18,7 +18,7 @@ constexpr std::size_t kMostBefore = 64;
 
 bool Wishes::Toggle::flip(bool present, double time_s) {
   wished = !(time_s < until_s ? wished : present);
-  until_s = time_s + kAnswerS;
+  until_s = time_s + kAnswer_s;
   return wished;
 }
 
@@ -102,7 +102,7 @@ bool Wishes::undo() {
   goal_ = before_.back();
   before_.pop_back();
   tries_ = 0;
-  asked_s_ = -kAnswerS;
+  asked_s_ = -kAnswer_s;
   return true;
 }
 
@@ -114,7 +114,7 @@ void Wishes::forget_windows() {
 void Wishes::update(double time_s, const haptics::State& state, const Window& window) {
   time_s_ = time_s;
   if (!goal_ || !window.meant) return;
-  const bool answered = state.surface_id != surface_ || time_s - asked_s_ >= kAnswerS;
+  const bool answered = state.surface_id != surface_ || time_s - asked_s_ >= kAnswer_s;
   if (!answered) return;
   surface_ = state.surface_id;
   asked_s_ = time_s;

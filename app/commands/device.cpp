@@ -244,12 +244,12 @@ class Guide {
 };
 
 int home_device(const CommonOptions& common, const falcon::FalconOptions& options, Guide& guide) {
-  constexpr double kTimeoutS = 60.0;
+  constexpr double kTimeout_s = 60.0;
   const auto wire = running_falcon(options);
   const haptics::DeviceAdvice* told = nullptr;
   double changed_s = 0.0;
   std::uint8_t flags = 0;
-  const bool homed = falcon::home(*wire, kTimeoutS, [&](const falcon::Reading& reading) {
+  const bool homed = falcon::home(*wire, kTimeout_s, [&](const falcon::Reading& reading) {
     if (reading.answer.homed != flags) changed_s = reading.time_s;
     flags = reading.answer.homed;
     const auto* const advice = falcon::homing_advice(flags, reading.time_s - changed_s > falcon::kSlowHoming_s);

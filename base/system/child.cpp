@@ -219,13 +219,13 @@ void write_all(int out, const void* data, std::size_t size) {
 
 /// Waits for all these bytes; false when the pipe ends before.
 bool read_all(int in, void* data, std::size_t size, const std::function<void()>& while_waiting) {
-  constexpr int kPatienceMs = 100;
+  constexpr int kPatience_ms = 100;
   auto* bytes = static_cast<char*>(data);
   while (size > 0) {
     struct pollfd waiting {
       in, POLLIN, 0
     };
-    if (::poll(&waiting, 1, kPatienceMs) <= 0) {
+    if (::poll(&waiting, 1, kPatience_ms) <= 0) {
       while_waiting();
       continue;
     }

@@ -18,14 +18,14 @@ BareLoop::BareLoop() {
     lateness_.real_time = haptics::request_real_time(haptics::kServoPriority - 1);
     std::int64_t plan = haptics::now_ns();
     while (!over_) {
-      plan += kLoopPeriodNs;
+      plan += kLoopPeriod_ns;
       haptics::sleep_until_ns(plan);
       const std::int64_t late = std::max<std::int64_t>(0, haptics::now_ns() - plan);
       ++lateness_.ticks;
-      ++lateness_.bins[std::min(kLateBins - 1, static_cast<std::size_t>(late / kLateBinNs))];
+      ++lateness_.bins[std::min(kLateBins - 1, static_cast<std::size_t>(late / kLateBin_ns))];
       lateness_.longest_ns = std::max(lateness_.longest_ns, late);
-      lateness_.missed += static_cast<std::uint64_t>(late / kLoopPeriodNs);
-      plan += late / kLoopPeriodNs * kLoopPeriodNs;
+      lateness_.missed += static_cast<std::uint64_t>(late / kLoopPeriod_ns);
+      plan += late / kLoopPeriod_ns * kLoopPeriod_ns;
     }
   });
 }

@@ -9,9 +9,9 @@
 
 namespace sparsha::bench {
 
-inline constexpr std::size_t kLateBins = 20;         // of 100 us, the last one open: as `explore --json` counts
-inline constexpr std::int64_t kLateBinNs = 100'000;  // ns
-inline constexpr std::int64_t kLoopPeriodNs = 1'000'000;
+inline constexpr std::size_t kLateBins = 20;          // of 100 us, the last one open: as `explore --json` counts
+inline constexpr std::int64_t kLateBin_ns = 100'000;  // ns
+inline constexpr std::int64_t kLoopPeriod_ns = 1'000'000;
 
 struct Lateness {
   std::array<std::uint64_t, kLateBins> bins{};

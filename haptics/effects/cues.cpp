@@ -9,13 +9,13 @@ namespace {
 
 using pipeline::Cue;
 
-constexpr double kSilenceS = 1.0;  // the same thing is told of again only after so long an absence, as words are
-constexpr double kDecayPerS = 120.0;
-constexpr double kTickS = 0.040;  // then nothing is left of it
+constexpr double kSilence_s = 1.0;  // the same thing is told of again only after so long an absence, as words are
+constexpr double kDecay_per_s = 120.0;
+constexpr double kTick_s = 0.040;  // then nothing is left of it
 constexpr double kMostCyclesPerTick = 0.3;
 constexpr double kSameScale = 0.01;  // views that differ less are the same one
 // One for each cue, between what a hand tells apart and what slow loops render.
-constexpr std::array<double, pipeline::kCues> kFrequenciesHz{120.0, 90.0, 70.0, 160.0, 110.0};
+constexpr std::array<double, pipeline::kCues> kFrequencies_hz{120.0, 90.0, 70.0, 160.0, 110.0};
 
 }  // namespace
 
@@ -25,7 +25,7 @@ void Cues::reset() noexcept {
 }
 
 bool Cues::begins(Watched& watched, bool now, double time_s) noexcept {
-  const bool begins = now && !watched.now && time_s - watched.last_s > kSilenceS;
+  const bool begins = now && !watched.now && time_s - watched.last_s > kSilence_s;
   if (now) watched.last_s = time_s;
   watched.now = now;
   return begins;
@@ -36,15 +36,15 @@ void Cues::tell(Cue cue, const SurfaceEffects& effects) noexcept {
   ++counts_[index];
   if (!effects.cues->tick[index]) return;
   tick_s_ = 0.0;
-  tick_hz_ = kFrequenciesHz[index];
+  tick_hz_ = kFrequencies_hz[index];
 }
 
 // As words are said of parts: in contact, and again after a second elsewhere.
 void Cues::watch_parts(const Input& input, const SurfaceEffects& effects) noexcept {
   const std::size_t part = effects.part_at(input.place_m.x(), input.place_m.y());
-  const bool known = part == part_ && (part == SurfaceEffects::kNoPart || input.time_s - part_left_s_ <= kSilenceS);
+  const bool known = part == part_ && (part == SurfaceEffects::kNoPart || input.time_s - part_left_s_ <= kSilence_s);
   if (!known) {
-    const bool was_there = part_ != SurfaceEffects::kNoPart && input.time_s - part_left_s_ <= kSilenceS;
+    const bool was_there = part_ != SurfaceEffects::kNoPart && input.time_s - part_left_s_ <= kSilence_s;
     if (part != SurfaceEffects::kNoPart)
       tell(Cue::part_entered, effects);
     else if (was_there)
@@ -69,8 +69,8 @@ double Cues::tick(const Input& input) noexcept {
   const double frequency_hz = std::min(tick_hz_, kMostCyclesPerTick / input.pace_s);
   const double t = tick_s_ + 0.5 * input.pace_s;
   tick_s_ += std::min(input.period_s, input.pace_s);
-  if (tick_s_ > kTickS) tick_s_ = -1.0;
-  const double force_n = kTickN * std::exp(-kDecayPerS * t) * std::sin(2.0 * std::numbers::pi * frequency_hz * t);
+  if (tick_s_ > kTick_s) tick_s_ = -1.0;
+  const double force_n = kTick_n * std::exp(-kDecay_per_s * t) * std::sin(2.0 * std::numbers::pi * frequency_hz * t);
   return input.contact ? std::max(force_n, -input.pressed_n) : force_n;
 }
 

@@ -28,14 +28,14 @@ class Cues {
     bool unknown = false;  ///< where nothing was measured, likewise
   };
   /// Newtons, device frame, to be added. A tick begins with a cue, lasts some hundredths of a second and is at most
-  /// kTickN strong. `effects` may be null: then there are no cues.
+  /// kTick_n strong. `effects` may be null: then there are no cues.
   [[nodiscard]] Eigen::Vector3d update(const Input& input, const SurfaceEffects* effects) noexcept;
   /// Ends the tick; the present view counts as known. After faults and homing.
   void reset() noexcept;
   /// So far, in the order of pipeline::Cue.
   [[nodiscard]] const std::array<std::uint64_t, pipeline::kCues>& counts() const noexcept { return counts_; }
 
-  static constexpr double kTickN = 0.3;
+  static constexpr double kTick_n = 0.3;
 
  private:
   void watch(const Input& input, const SurfaceEffects& effects) noexcept;

@@ -8,9 +8,9 @@ namespace {
 
 constexpr double kStiffnessStep = 0.02;  // smaller changes of a wish wait
 constexpr double kMostDeviations = 6.0;  // of the grain's heights, from the lowest to the highest
-constexpr double kLatestS = 0.004;       // from a tick to the hand
-constexpr double kLeakW = 0.0003;        // of what the grain gives, that every hand takes
-constexpr double kBearableJ = 0.0002;    // beyond that and the grain's own heights it becomes weaker
+constexpr double kLatest_s = 0.004;      // from a tick to the hand
+constexpr double kLeak_w = 0.0003;       // of what the grain gives, that every hand takes
+constexpr double kBearable_j = 0.0002;   // beyond that and the grain's own heights it becomes weaker
 
 }  // namespace
 
@@ -47,13 +47,13 @@ double EffectForces::stiffness(double base_n_per_m, double share, const Eigen::V
 /// how late is not known, so that the worst of all delays counts.
 double EffectForces::bearable(const Input& input, double most_j) noexcept {
   const Eigen::Vector3d moved_m = input.hand_m - last_m_;
-  const double leaked_j = kLeakW * std::min(input.period_s, input.pace_s);
+  const double leaked_j = kLeak_w * std::min(input.period_s, input.pace_s);
   double worst_j = 0.0;
-  for (std::size_t k = 0; k <= kLongestDelay && static_cast<double>(k) * input.pace_s <= kLatestS; ++k) {
+  for (std::size_t k = 0; k <= kLongestDelay && static_cast<double>(k) * input.pace_s <= kLatest_s; ++k) {
     given_j_[k] = std::max(-most_j, given_j_[k] + grain_n_[k].dot(moved_m) - leaked_j);
     worst_j = std::max(worst_j, given_j_[k]);
   }
-  return std::clamp(1.0 - (worst_j - most_j) / kBearableJ, 0.0, 1.0);
+  return std::clamp(1.0 - (worst_j - most_j) / kBearable_j, 0.0, 1.0);
 }
 
 EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffects* effects) noexcept {

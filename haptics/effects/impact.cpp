@@ -7,12 +7,12 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kLeastMPerS = 0.015;  // slower touches do not ring
-constexpr double kMostMPerS = 0.5;     // faster ones not louder
-constexpr double kDepartureS = 0.020;  // of a hand that has left, and how far
-constexpr double kDepartureM = 0.0005;
-constexpr double kLongDepartureS = 0.100;  // then the surface has gone from under the hand
-constexpr double kSilentN = 0.01;
+constexpr double kLeast_m_per_s = 0.015;  // slower touches do not ring
+constexpr double kMost_m_per_s = 0.5;     // faster ones not louder
+constexpr double kDeparture_s = 0.020;    // of a hand that has left, and how far
+constexpr double kDeparture_m = 0.0005;
+constexpr double kLongDeparture_s = 0.100;  // then the surface has gone from under the hand
+constexpr double kSilent_n = 0.01;
 constexpr double kMostCyclesPerTick = 0.3;
 constexpr double kPeriodShare = 0.05;  // of a new period in the mean
 
@@ -38,16 +38,17 @@ void Impact::watch_departure(const Input& input) noexcept {
 }
 
 void Impact::begin(const Input& input) noexcept {
-  const bool departed = free_s_ >= kDepartureS && (!touched_ || away_m_ >= kDepartureM || free_s_ >= kLongDepartureS);
-  const double speed = std::min(input.approach_m_per_s, kMostMPerS);
-  if (!departed || input.material == nullptr || !(speed >= kLeastMPerS)) return;
+  const bool departed =
+      free_s_ >= kDeparture_s && (!touched_ || away_m_ >= kDeparture_m || free_s_ >= kLongDeparture_s);
+  const double speed = std::min(input.approach_m_per_s, kMost_m_per_s);
+  if (!departed || input.material == nullptr || !(speed >= kLeast_m_per_s)) return;
   // Slow loops cannot ring so fast, and hold each force for longer: they ring lower and softer.
   const double frequency_hz = std::min(input.material->frequency_hz, kMostCyclesPerTick / period_s_);
   radians_per_s_ = 2.0 * std::numbers::pi * frequency_hz;
   decay_per_s_ = input.material->decay_per_s;
   const double slower = frequency_hz / input.material->frequency_hz;
   amplitude_n_ = input.material->force_per_speed_n_s_per_m * speed * slower * slower;
-  budget_j_ = 0.5 * pipeline::kLightestHandKg * speed * speed;
+  budget_j_ = 0.5 * pipeline::kLightestHand_kg * speed * speed;
   time_s_ = 0.0;
   left_j_ = budget_j_;
   mean_n_ = 0.0;
@@ -77,7 +78,7 @@ double Impact::update(const Input& input) noexcept {
     ring_n = std::max(-input.pressed_n, share * decayed_n * std::sin(radians_per_s_ * t));
     mean_n_ += (std::abs(ring_n) - mean_n_) * std::min(1.0, period_s * radians_per_s_ / (2.0 * std::numbers::pi));
     time_s_ += period_s;
-    if (share * decayed_n <= kSilentN) amplitude_n_ = 0.0;
+    if (share * decayed_n <= kSilent_n) amplitude_n_ = 0.0;
   }
   last_m_ = input.hand_m;
   return ring_n;

@@ -8,7 +8,7 @@ namespace sparsha::haptics {
 void AdaptiveVelocity::add(const Eigen::Vector3d& position_m, double period_s) noexcept {
   if (!(period_s > 0.0)) count_ = 0;
   time_s_ = count_ == 0 ? 0.0 : time_s_ + period_s;
-  if (count_ >= 2 && back(0).time_s - back(1).time_s < kClosestS) {
+  if (count_ >= 2 && back(0).time_s - back(1).time_s < kClosest_s) {
     next_ = (next_ + kMost - 1) % kMost;
     --count_;
   }
@@ -19,7 +19,7 @@ void AdaptiveVelocity::add(const Eigen::Vector3d& position_m, double period_s) n
 
 /// The last sample before the newest that is not too close to it; the one before it where there is no other.
 std::size_t AdaptiveVelocity::nearest() const noexcept {
-  return count_ > 2 && back(0).time_s - back(1).time_s < kClosestS ? 2 : 1;
+  return count_ > 2 && back(0).time_s - back(1).time_s < kClosest_s ? 2 : 1;
 }
 
 /// Samples before the newest that its window reaches back. Each sample j in between lets the line have slopes from
@@ -32,7 +32,7 @@ std::size_t AdaptiveVelocity::window(Eigen::Index axis, double noise_m) const no
   std::size_t longest = first;
   for (std::size_t j = first; j < count_; ++j) {
     const double back_s = newest.time_s - back(j).time_s;
-    if (j > first && back_s > kLongestS) break;
+    if (j > first && back_s > kLongest_s) break;
     const double way_m = newest.position_m[axis] - back(j).position_m[axis];
     const double slope = way_m / back_s;
     if (slope < least || slope > most) break;

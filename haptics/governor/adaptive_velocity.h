@@ -11,15 +11,15 @@
 namespace sparsha::haptics {
 
 /// Of an encoder that has not shown its step yet.
-inline constexpr double kLikelyEncoderStepM = 50e-6;
+inline constexpr double kLikelyEncoderStep_m = 50e-6;
 
 /// Servo thread only; no allocation. Metres, seconds, any frame.
 class AdaptiveVelocity {
  public:
   /// Longest window.
-  static constexpr double kLongestS = 0.024;
+  static constexpr double kLongest_s = 0.024;
   /// Samples that are closer are left out: one step of the encoder within less would seem a fast hand.
-  static constexpr double kClosestS = 0.00024;
+  static constexpr double kClosest_s = 0.00024;
 
   /// A sample; `period_s` since the one before it, 0 or less for the first of all.
   void add(const Eigen::Vector3d& position_m, double period_s) noexcept;

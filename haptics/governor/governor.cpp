@@ -11,48 +11,48 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kArmingS = 0.050;  // in free space
+constexpr double kArming_s = 0.050;  // in free space
 
 // Nothing that a hand holds is stronger, stiffer or more damped.
-constexpr double kMostForceN = 100.0;
-constexpr double kMostSlewNPerS = 1e6;
-constexpr double kMostDampingNSPerM = 100.0;
+constexpr double kMostForce_n = 100.0;
+constexpr double kMostSlew_n_per_s = 1e6;
+constexpr double kMostDamping_n_s_per_m = 100.0;
 
 // What no loop through a bus and motors undercuts, whatever is declared.
-constexpr double kLeastDelayS = 0.001;
+constexpr double kLeastDelay_s = 0.001;
 constexpr double kJitter = 1.15;       // of the pace: not yet jitter; of the nominal period: not yet another rate
 constexpr double kSlower = 1.05;       // of the nominal period, more than a bin of the meter: a loop that is slower
-constexpr double kNoLoopS = 0.010;     // beyond the nominal period: gaps, and no loop
+constexpr double kNoLoop_s = 0.010;    // beyond the nominal period: gaps, and no loop
 constexpr double kAnotherRate = 1.4;   // of the period of some seconds: the loop has become slower
-constexpr double kSoftenS = 0.020;     // time constants of the stiffness in contact
+constexpr double kSoften_s = 0.020;    // time constants of the stiffness in contact
 constexpr double kSoftenSwings = 3.0;  // half-swings
 // The percentiles of a jittering loop scatter by some percent. Followed to its lowest, the limit would fall for as long
 // as the contact lasts.
 constexpr double kSameLimit = 0.8;
 constexpr double kReached = 0.995;
-constexpr double kWishS = 0.120;  // until a new wish is fulfilled in contact
-constexpr double kSofter = 0.5;   // after each onset of oscillation
+constexpr double kWish_s = 0.120;  // until a new wish is fulfilled in contact
+constexpr double kSofter = 0.5;    // after each onset of oscillation
 constexpr double kSoftest = 0.06;
-constexpr double kForgetS = 10.0;      // in free space, until the whole stiffness is tried again
-constexpr double kStrikeMPerS = 0.08;  // a faster touch is a strike
-constexpr double kBounceS = 0.100;     // a hand that comes back sooner has bounced
-constexpr double kThrownS = 0.090;     // longest touch of a hand that is thrown back
-constexpr double kFlightS = 0.400;
+constexpr double kForget_s = 10.0;        // in free space, until the whole stiffness is tried again
+constexpr double kStrike_m_per_s = 0.08;  // a faster touch is a strike
+constexpr double kBounce_s = 0.100;       // a hand that comes back sooner has bounced
+constexpr double kThrown_s = 0.090;       // longest touch of a hand that is thrown back
+constexpr double kFlight_s = 0.400;
 constexpr double kRestitution = 0.8;
 constexpr int kMostThrows = 2;
 constexpr double kDampingRatio = 0.7;  // of the added damping, once the half-period of the swing is known
-constexpr double kFirstHalfPeriodS = 0.040;
-constexpr double kCalmS = 0.200;
-constexpr double kPatienceS = 0.5;  // of the damping with a swing that does not become calm
-constexpr double kLargeM = 55e-6;   // smaller swings do not soften the wall further
+constexpr double kFirstHalfPeriod_s = 0.040;
+constexpr double kCalm_s = 0.200;
+constexpr double kPatience_s = 0.5;  // of the damping with a swing that does not become calm
+constexpr double kLarge_m = 55e-6;   // smaller swings do not soften the wall further
 constexpr double kLargeSteps = 2.7;
 constexpr double kDecay = 0.8;  // of a swing's size in that time
-constexpr double kAxisS = 0.3;
+constexpr double kAxis_s = 0.3;
 constexpr double kDeadSteps = 0.4;  // encoder steps in the longest window that are no velocity
-constexpr double kSideDampingNSPerM = 1.0;
-constexpr double kMostSideShare = 0.5;  // of the force
-constexpr double kPlay = 1.05;          // encoder steps that are flicker
-constexpr double kCreditNSPerM = 0.25;  // damping that every hand has
+constexpr double kSideDamping_n_s_per_m = 1.0;
+constexpr double kMostSideShare = 0.5;      // of the force
+constexpr double kPlay = 1.05;              // encoder steps that are flicker
+constexpr double kCredit_n_s_per_m = 0.25;  // damping that every hand has
 
 /// NaN becomes zero.
 double between_zero_and(double most, double value) noexcept { return value > 0.0 ? std::min(value, most) : 0.0; }
@@ -66,9 +66,9 @@ Vector3d clamped(const Vector3d& force_n, double most_n) noexcept {
 
 DeviceLimits usable(const DeviceLimits& limits) noexcept {
   DeviceLimits result;
-  result.max_force_n = between_zero_and(kMostForceN, limits.max_force_n);
-  result.slew_n_per_s = between_zero_and(kMostSlewNPerS, limits.slew_n_per_s);
-  result.least_damping_n_s_per_m = between_zero_and(kMostDampingNSPerM, limits.least_damping_n_s_per_m);
+  result.max_force_n = between_zero_and(kMostForce_n, limits.max_force_n);
+  result.slew_n_per_s = between_zero_and(kMostSlew_n_per_s, limits.slew_n_per_s);
+  result.least_damping_n_s_per_m = between_zero_and(kMostDamping_n_s_per_m, limits.least_damping_n_s_per_m);
   result.delay_ticks = std::clamp(limits.delay_ticks, 0, kLongestDelayTicks);
   return result;
 }
@@ -81,13 +81,13 @@ Vector3d deliverable(const Vector3d& force_n, double most_n) noexcept {
 
 double stiffness_limit(const DeviceLimits& limits, double period_s, double delay_s) noexcept {
   const double declared_s = limits.delay_ticks * period_s;
-  const double delay = std::max({declared_s, delay_s, kLeastDelayS});
+  const double delay = std::max({declared_s, delay_s, kLeastDelay_s});
   return 0.8 * limits.least_damping_n_s_per_m / (0.5 * period_s + delay);
 }
 
 double Governor::pace_s(double nominal_period_s) const noexcept {
   const double median_s = recent_periods_.median_s(nominal_period_s);
-  const bool slower = median_s > kSlower * nominal_period_s && median_s < nominal_period_s + kNoLoopS;
+  const bool slower = median_s > kSlower * nominal_period_s && median_s < nominal_period_s + kNoLoop_s;
   return slower ? median_s : nominal_period_s;
 }
 
@@ -111,15 +111,15 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcep
   wish_n_per_m_ = wish_n_per_m;
   if (stiffness_n_per_m_ < 0.0 || !in_contact_) {
     stiffness_n_per_m_ = target;
-    wished_s_ = kWishS;
-  } else if (wished_s_ < kWishS && stiffness_n_per_m_ <= borne_share_ * limit) {
+    wished_s_ = kWish_s;
+  } else if (wished_s_ < kWish_s && stiffness_n_per_m_ <= borne_share_ * limit) {
     // A changed wish is followed smoothly, without a jump of force. What the loop does not bear goes at once, below.
-    const double left = 1.0 - smooth_step(wished_s_ / kWishS);
-    wished_s_ = std::min(kWishS, wished_s_ + pace_s);
-    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWishS)) / left);
+    const double left = 1.0 - smooth_step(wished_s_ / kWish_s);
+    wished_s_ = std::min(kWish_s, wished_s_ + pace_s);
+    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWish_s)) / left);
   } else if (target < (falling_ ? 1.0 : kSameLimit) * stiffness_n_per_m_) {
     // Softened faster than a heavy hand can follow, the wall would set it swinging.
-    const double time_s = std::max(kSoftenS, kSoftenSwings * swing_.half_period_s());
+    const double time_s = std::max(kSoften_s, kSoftenSwings * swing_.half_period_s());
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, pace_s / time_s);
     falling_ = target < kReached * stiffness_n_per_m_;
   } else {
@@ -156,17 +156,17 @@ GovernorOutput Governor::without_news(double period_s) noexcept {
 
 void Governor::count_free_time(const GovernorInput& input) noexcept {
   free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, pace_s_);
-  if (free_s_ < kArmingS) return;
+  if (free_s_ < kArming_s) return;
   armed_ = true;
   if (!input.guided) energy_j_ = 0.0;
 }
 
 /// The smallest move of the last one to two seconds is taken for the encoder's step.
 void Governor::learn_step(double moved_m, double period_s) noexcept {
-  constexpr double kLeastM = 1e-6;
-  constexpr double kMostM = 100e-6;
+  constexpr double kLeast_m = 1e-6;
+  constexpr double kMost_m = 100e-6;
   learning_s_ += std::min(period_s, 0.01);
-  if (moved_m > kLeastM && moved_m < kMostM && (least_moves_m_[0] == 0.0 || moved_m < least_moves_m_[0]))
+  if (moved_m > kLeast_m && moved_m < kMost_m && (least_moves_m_[0] == 0.0 || moved_m < least_moves_m_[0]))
     least_moves_m_[0] = moved_m;
   if (learning_s_ < 1.0) return;
   learning_s_ = 0.0;
@@ -185,17 +185,17 @@ void Governor::damp() noexcept {
 }
 
 void Governor::soften() noexcept {
-  wished_s_ = kWishS;
+  wished_s_ = kWish_s;
   borne_share_ = std::max(kSoftest, kSofter * borne_share_);
   damping_s_ = 0.0;
 }
 
 /// A hand that comes back from the wall as fast as it went in, again and again, is thrown by it.
 void Governor::watch_strike(double speed_m_per_s, double away_s) noexcept {
-  const bool thrown = contact_s_ < kThrownS && away_s < kFlightS && speed_m_per_s > kRestitution * struck_m_per_s_;
-  throws_ = thrown && speed_m_per_s > kStrikeMPerS ? throws_ + 1 : 0;
+  const bool thrown = contact_s_ < kThrown_s && away_s < kFlight_s && speed_m_per_s > kRestitution * struck_m_per_s_;
+  throws_ = thrown && speed_m_per_s > kStrike_m_per_s ? throws_ + 1 : 0;
   struck_m_per_s_ = speed_m_per_s;
-  if (speed_m_per_s > kStrikeMPerS) damp();
+  if (speed_m_per_s > kStrike_m_per_s) damp();
   if (throws_ < kMostThrows) return;
   throws_ = 0;
   unstable_ = true;
@@ -215,25 +215,25 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
   in_contact_ = input.contact;
   if (input.contact) {
     const bool comes = away_s_ > 0.005;
-    if (away_s_ > kBounceS || axis_.isZero(0.0)) {
+    if (away_s_ > kBounce_s || axis_.isZero(0.0)) {
       swing_.reset();
       axis_ = input.normal;
     }
     const double away_s = std::exchange(away_s_, 0.0);
     // A mean normal: along it the rise and fall of what is stroked shows.
-    axis_ += (input.normal - axis_) * std::min(1.0, period_s / kAxisS);
+    axis_ += (input.normal - axis_) * std::min(1.0, period_s / kAxis_s);
     if (comes) watch_strike(-velocity().dot(input.normal), away_s);
     contact_s_ = comes ? 0.0 : contact_s_ + period_s;
   } else {
     away_s_ += std::min(period_s, 2.0 * pace_s_);
-    borne_share_ = std::min(1.0, borne_share_ + std::min(period_s, pace_s_) / kForgetS);
-    if (away_s_ > kBounceS) damping_ = unstable_ = released_ = false;
+    borne_share_ = std::min(1.0, borne_share_ + std::min(period_s, pace_s_) / kForget_s);
+    if (away_s_ > kBounce_s) damping_ = unstable_ = released_ = false;
   }
   const Vector3d surface_m = has_last_ ? Vector3d(input.proxy_m - last_proxy_m_) : Vector3d::Zero();
   last_proxy_m_ = input.proxy_m;
   using Finding = SwingDetector::Finding;
   Finding finding = Finding::none;
-  if (away_s_ <= kBounceS)
+  if (away_s_ <= kBounce_s)
     finding = swing_.update(period_s, moved_m.dot(axis_), input.contact ? surface_m.dot(axis_) : 0.0,
                             input.contact ? surface_m.norm() : 0.0, step_m_, {released_, jitters_});
   if (finding != Finding::none) damp();
@@ -244,19 +244,21 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
   }
   if (!damping_) return;
   damping_s_ += std::min(period_s, 0.01);
-  if (damping_s_ > kPatienceS) {
-    const double large_m = std::max(kLargeM, kLargeSteps * step_m_);
-    if (unstable_ && swing_.quiet_s() < kCalmS && swing_.size_m() > std::max(large_m, kDecay * damped_m_)) soften();
+  if (damping_s_ > kPatience_s) {
+    const double large_m = std::max(kLarge_m, kLargeSteps * step_m_);
+    if (unstable_ && swing_.quiet_s() < kCalm_s && swing_.size_m() > std::max(large_m, kDecay * damped_m_)) soften();
     damping_s_ = 0.0;
     damped_m_ = swing_.size_m();
   }
-  if (input.contact && !unstable_ && swing_.quiet_s() > kCalmS) {
+  if (input.contact && !unstable_ && swing_.quiet_s() > kCalm_s) {
     damping_ = false;
     released_ = true;
   }
 }
 
-Vector3d Governor::velocity() const noexcept { return motion_.velocity(step_m_ > 0.0 ? step_m_ : kLikelyEncoderStepM); }
+Vector3d Governor::velocity() const noexcept {
+  return motion_.velocity(step_m_ > 0.0 ? step_m_ : kLikelyEncoderStep_m);
+}
 
 /// Takes from the force where the hand moves out, never below zero: the wall returns less energy than it received. A
 /// hand that has swung is braked along the surface too: on bumps the wall's side forces come as late as its normal
@@ -264,15 +266,16 @@ Vector3d Governor::velocity() const noexcept { return motion_.velocity(step_m_ >
 Vector3d Governor::damped(const GovernorInput& input) const noexcept {
   const double magnitude_n = input.force_n.norm();
   if (!damping_ || !(magnitude_n > 0.0)) return input.force_n;
-  const double half_s = swing_.half_period_s() > 0.0 ? swing_.half_period_s() : kFirstHalfPeriodS;
+  const double half_s = swing_.half_period_s() > 0.0 ? swing_.half_period_s() : kFirstHalfPeriod_s;
   const double damping = 2.0 * kDampingRatio * input.stiffness_n_per_m * half_s / std::numbers::pi;
   const Vector3d along = input.force_n / magnitude_n;
   const Vector3d hand_m_per_s = velocity();
   const double out = hand_m_per_s.dot(along);
-  const double moving_out = out - kDeadSteps * step_m_ / AdaptiveVelocity::kLongestS;
+  const double moving_out = out - kDeadSteps * step_m_ / AdaptiveVelocity::kLongest_s;
   Vector3d force_n = input.force_n;
   if (moving_out > 0.0) force_n *= std::max(0.0, 1.0 - damping * moving_out / magnitude_n);
-  if (unstable_) force_n -= clamped(kSideDampingNSPerM * (hand_m_per_s - out * along), kMostSideShare * force_n.norm());
+  if (unstable_)
+    force_n -= clamped(kSideDamping_n_s_per_m * (hand_m_per_s - out * along), kMostSideShare * force_n.norm());
   return force_n;
 }
 
@@ -297,7 +300,7 @@ void Governor::observe_energy(const GovernorInput& input) noexcept {
     }
     observed_m_ += displacement_m_;
     if (!gap)
-      damped_j_ = std::min(kCreditNSPerM, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
+      damped_j_ = std::min(kCredit_n_s_per_m, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
                   std::max(input.period_s, pace_s_);
     const double given_j = held_n.dot(displacement_m_);
     const double work_j = damped_j_ - (gap ? std::max(0.0, given_j) : given_j);
@@ -327,7 +330,7 @@ Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexce
 Vector3d Governor::passive(const Vector3d& force_n) const noexcept {
   const double outward_j = force_n.dot(displacement_m_);
   if (outward_j <= 0.0) return force_n;
-  double balance_j = energy_j_ + damped_j_ + kOverdraftJ;
+  double balance_j = energy_j_ + damped_j_ + kOverdraft_j;
   for (std::size_t k = 0; k < delay(); ++k)
     balance_j += damped_j_ - std::max(0.0, commanded_n_[k].dot(displacement_m_));
   if (balance_j >= 0.0) return force_n;

@@ -17,7 +17,7 @@ namespace sparsha::haptics {
 
 inline constexpr int kLongestDelayTicks = 4;
 /// Energy that a contact may deliver before it has received any, joules: less than a touch feels.
-inline constexpr double kOverdraftJ = 50e-6;
+inline constexpr double kOverdraft_j = 50e-6;
 
 /// What a device can bear.
 struct DeviceLimits {

@@ -18,7 +18,7 @@ class LoopMeter {
   void add(double time_s) noexcept {
     if (!(time_s > 0.0)) return;
     const auto bin = static_cast<std::uint8_t>(
-        std::clamp(kSteps * std::log2(time_s / kShortestS), 0.0, static_cast<double>(kBins - 1)));
+        std::clamp(kSteps * std::log2(time_s / kShortest_s), 0.0, static_cast<double>(kBins - 1)));
     if (count_ == kWindow)
       --bins_[ring_[next_]];
     else
@@ -40,7 +40,7 @@ class LoopMeter {
     std::size_t above = 0;
     for (std::size_t bin = kBins; bin-- > 0;) {
       above += bins_[bin];
-      if (part * above > count_) return kShortestS * std::exp2(static_cast<double>(bin + 1) / kSteps);
+      if (part * above > count_) return kShortest_s * std::exp2(static_cast<double>(bin + 1) / kSteps);
     }
     return 0.0;
   }
@@ -49,7 +49,7 @@ class LoopMeter {
   static constexpr std::size_t kFirst = 8;
   static constexpr std::size_t kBins = 160;
   static constexpr double kSteps = 16.0;
-  static constexpr double kShortestS = 64e-6;
+  static constexpr double kShortest_s = 64e-6;
 
   std::array<std::uint16_t, kBins> bins_{};
   std::array<std::uint8_t, kWindow> ring_{};

@@ -5,22 +5,22 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kLeastTurnM = 50e-6;  // smaller reversals are encoder and tremor
+constexpr double kLeastTurn_m = 50e-6;  // smaller reversals are encoder and tremor
 constexpr double kStepsPerTurn = 2.5;
 constexpr double kLastingSteps = 3.2;
-constexpr double kAlertTurnM = 30e-6;  // of a hand that has swung before
+constexpr double kAlertTurn_m = 30e-6;  // of a hand that has swung before
 constexpr double kAlertSteps = 1.6;
 constexpr double kUndiminished = 0.95;
-constexpr double kShortestS = 0.003;  // of half a swing on a spring that a hand holds
-constexpr double kLongestS = 0.150;
+constexpr double kShortest_s = 0.003;  // of half a swing on a spring that a hand holds
+constexpr double kLongest_s = 0.150;
 constexpr double kOwn = 1.5;        // a swing this much larger than the surface's own rise and fall is the hand's
 constexpr double kFarLarger = 4.0;  // than the surface's: no resonance of a hand that strokes
-constexpr double kTellingM = 120e-6;
-constexpr double kSlowDecay = 0.5;  // over three swings
-constexpr double kStillM = 100e-6;  // a hand that touches one place
+constexpr double kTelling_m = 120e-6;
+constexpr double kSlowDecay = 0.5;   // over three swings
+constexpr double kStill_m = 100e-6;  // a hand that touches one place
 
 /// A swing of less may last: encoder and tremor.
-double lasting_m(double step_m) noexcept { return std::max(kLeastTurnM, kLastingSteps * step_m); }
+double lasting_m(double step_m) noexcept { return std::max(kLeastTurn_m, kLastingSteps * step_m); }
 
 }  // namespace
 
@@ -33,7 +33,7 @@ SwingDetector::Finding SwingDetector::update(double period_s, double hand_m, dou
   surface_low_m_ = std::min(surface_low_m_, surface_m_);
   surface_high_m_ = std::max(surface_high_m_, surface_m_);
   const double turn_m =
-      suspicion.alert ? std::max(kAlertTurnM, kAlertSteps * step_m) : std::max(kLeastTurnM, kStepsPerTurn * step_m);
+      suspicion.alert ? std::max(kAlertTurn_m, kAlertSteps * step_m) : std::max(kLeastTurn_m, kStepsPerTurn * step_m);
   if (direction_ == 0.0) {
     if (std::abs(hand_m_ - extreme_m_) < turn_m) return Finding::none;
     direction_ = std::copysign(1.0, hand_m_ - extreme_m_);
@@ -49,7 +49,7 @@ SwingDetector::Finding SwingDetector::update(double period_s, double hand_m, dou
 SwingDetector::Finding SwingDetector::turned(double step_m, const Suspicion& suspicion) noexcept {
   const Half now{std::abs(extreme_m_ - last_m_), extreme_s_ - last_s_};
   const double surface_m = surface_high_m_ - surface_low_m_;
-  const bool own = now.time_s >= kShortestS && now.time_s <= kLongestS && now.size_m > kOwn * surface_m + step_m;
+  const bool own = now.time_s >= kShortest_s && now.time_s <= kLongest_s && now.size_m > kOwn * surface_m + step_m;
   last_m_ = extreme_m_;
   last_s_ = extreme_s_;
   extreme_m_ = hand_m_;
@@ -57,7 +57,7 @@ SwingDetector::Finding SwingDetector::turned(double step_m, const Suspicion& sus
   surface_low_m_ = surface_high_m_ = surface_m_;
   direction_ = -direction_;
   count_ = own ? std::min(count_ + 1, kKept) : 0;
-  still_ = own && travel_m_ < 0.5 * now.size_m + kStillM ? std::min(still_ + 1, kKept) : 0;
+  still_ = own && travel_m_ < 0.5 * now.size_m + kStill_m ? std::min(still_ + 1, kKept) : 0;
   large_ = own && now.size_m > kFarLarger * surface_m + lasting_m(step_m) ? std::min(large_ + 1, kKept) : 0;
   travel_m_ = 0.0;
   if (!own) return Finding::none;
@@ -87,7 +87,7 @@ SwingDetector::Finding SwingDetector::judge(double step_m, const Suspicion& susp
     return true;
   };
   const double least_m = lasting_m(step_m);
-  if (half(0).size_m >= kTellingM) {
+  if (half(0).size_m >= kTelling_m) {
     if (still_ >= 3 && ratio(1) > 1.8 && ratio(2) > 4.0) return Finding::growing;
     if (still_ >= 4 && ratio(2) > 1.3 && ratio(3, 1) > 1.15) return Finding::growing;
     if (still_ >= 8 && ratio(6) > 1.2 && ratio(2) > 1.0 && ratio(4) > 1.05) return Finding::growing;
@@ -104,7 +104,7 @@ SwingDetector::Finding SwingDetector::judge(double step_m, const Suspicion& susp
   if (suspicion.wary && suspicion.alert && (still_ >= 4 || (large_ >= 4 && regular(4, 1.5))) &&
       std::min({half(0).size_m, half(1).size_m, half(2).size_m, half(3).size_m}) > least_m)
     return Finding::lasting;
-  if (large_ >= 16 && half(0).size_m > kTellingM && regular(16, 1.25) && ratio(14) > 0.85 && ratio(15, 1) > 0.85)
+  if (large_ >= 16 && half(0).size_m > kTelling_m && regular(16, 1.25) && ratio(14) > 0.85 && ratio(15, 1) > 0.85)
     return Finding::lasting;
   if (still_ >= 14 && half(0).size_m > least_m && ratio(12) > 0.85 && ratio(6) > 0.9 && ratio(13, 1) > 0.85)
     return Finding::lasting;

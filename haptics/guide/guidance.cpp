@@ -9,20 +9,20 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kWallM = 0.002;   // from the line, where the walls are as strong as the guide
-constexpr double kAskedM = 0.020;  // from which a hand is taken up that has just asked
-constexpr double kNearM = 0.003;   // and any other
-constexpr double kLeaveM = 0.005;  // beyond the walls' beginning: the hand has left
-constexpr double kStrainS = 0.4;   // of the whole force across the line: the hand wants to leave
-constexpr double kLowM = 0.012;    // above the stone, where a hand is taken up
-constexpr double kHighM = 0.025;   // and let go
-constexpr double kAgainS = 0.5;    // after a hand was let go
-constexpr double kRiseS = 0.25;    // of the force
-constexpr double kFallS = 0.12;
-constexpr double kDampingNSPerM = 2.0;
+constexpr double kWall_m = 0.002;   // from the line, where the walls are as strong as the guide
+constexpr double kAsked_m = 0.020;  // from which a hand is taken up that has just asked
+constexpr double kNear_m = 0.003;   // and any other
+constexpr double kLeave_m = 0.005;  // beyond the walls' beginning: the hand has left
+constexpr double kStrain_s = 0.4;   // of the whole force across the line: the hand wants to leave
+constexpr double kLow_m = 0.012;    // above the stone, where a hand is taken up
+constexpr double kHigh_m = 0.025;   // and let go
+constexpr double kAgain_s = 0.5;    // after a hand was let go
+constexpr double kRise_s = 0.25;    // of the force
+constexpr double kFall_s = 0.12;
+constexpr double kDamping_n_s_per_m = 2.0;
 constexpr double kMostDamping = 0.5;  // of the guide's force
-constexpr double kLookAheadM = 0.001;
-constexpr double kBrakeM = 0.004;    // before a sharp turn
+constexpr double kLookAhead_m = 0.001;
+constexpr double kBrake_m = 0.004;   // before a sharp turn
 constexpr double kSlowest = 0.4;     // of the speed, in it
 constexpr double kSharp = 0.5;       // cosine of what turns the hand before it goes on
 constexpr std::size_t kLooks = 128;  // pieces per tick
@@ -72,8 +72,8 @@ void Guidance::look_for_line(const Input& input) noexcept {
   looked_at_ = 0;
   nearest_ = path.nearest_on(nearest_.piece, input.hand_m);  // the hand has moved on since
   const double distance_m = input.scale * (path.point_m(nearest_) - input.hand_m).norm();
-  const bool again = phase_ != GuidePhase::let_go || let_go_s_ > kAgainS;
-  if (again && input.height_m < kLowM && distance_m < (asked_ ? kAskedM : kNearM)) take_up(nearest_, distance_m);
+  const bool again = phase_ != GuidePhase::let_go || let_go_s_ > kAgain_s;
+  if (again && input.height_m < kLow_m && distance_m < (asked_ ? kAsked_m : kNear_m)) take_up(nearest_, distance_m);
 }
 
 void Guidance::take_up(const GuidePath::Place& place, double distance_m) noexcept {
@@ -149,7 +149,7 @@ Vector2d Guidance::way_ahead(double reach_m, double& room_m) const noexcept {
   Vector2d aim = from + reach_m * first;
   room_m = 0.0;
   bool aimed = false;
-  const double scaled_brake_m = reach_m * (kBrakeM / kLookAheadM);
+  const double scaled_brake_m = reach_m * (kBrake_m / kLookAhead_m);
   for (int k = 0; k < kMostPieces; ++k) {
     const Vector2d& end = path.corner(direction_ > 0.0 ? piece + 1 : piece);
     const double length_m = (end - at).norm();
@@ -176,13 +176,13 @@ Vector2d Guidance::way_ahead(double reach_m, double& room_m) const noexcept {
 
 bool Guidance::leaves(const Input& input, double beyond_m, double across_n) noexcept {
   strained_s_ = across_n >= 0.98 * guide_->force_n ? strained_s_ + input.step_s : 0.0;
-  return beyond_m > kLeaveM || strained_s_ > kStrainS || input.height_m > kHighM;
+  return beyond_m > kLeave_m || strained_s_ > kStrain_s || input.height_m > kHigh_m;
 }
 
 Guidance::Output Guidance::lead(const Input& input) noexcept {
   const Guide& guide = *guide_;
   const double most_n = guide.force_n;
-  const double stiffness = std::min(most_n / kWallM, input.stiffness_n_per_m);
+  const double stiffness = std::min(most_n / kWall_m, input.stiffness_n_per_m);
   if (!(stiffness > 0.0)) return {};
   const double step_m = guide.speed_m_per_s * input.step_s;
   follow(input);
@@ -193,34 +193,34 @@ Guidance::Output Guidance::lead(const Input& input) noexcept {
   // Walls that still stand apart follow a hand that comes nearer by itself.
   const double walls_before_m = std::min(walls_m_, distance_m);
   // They wait for a hand that does not follow, as what leads does.
-  const double yields = share_ * std::clamp(2.0 * (1.0 - (distance_m - walls_before_m) / kWallM), 0.0, 1.0);
+  const double yields = share_ * std::clamp(2.0 * (1.0 - (distance_m - walls_before_m) / kWall_m), 0.0, 1.0);
   walls_m_ = std::max(0.0, walls_before_m - yields * step_m);
   const double beyond_m = std::max(0.0, distance_m - walls_m_);
   const double across_n = std::min(most_n, stiffness * beyond_m);
   if (phase_ == GuidePhase::leading && leaves(input, beyond_m, across_n)) let_go();
   const bool holds = phase_ == GuidePhase::leading;
-  share_ = holds ? std::min(1.0, share_ + input.step_s / kRiseS) : std::max(0.0, share_ - input.step_s / kFallS);
+  share_ = holds ? std::min(1.0, share_ + input.step_s / kRise_s) : std::max(0.0, share_ - input.step_s / kFall_s);
 
   double room_m = 0.0;
-  const Vector2d ahead = way_ahead(kLookAheadM / input.scale, room_m);
+  const Vector2d ahead = way_ahead(kLookAhead_m / input.scale, room_m);
   const double most_lead_m = most_n / stiffness;
   const double lead_before_m = std::clamp(lead_m_, 0.0, most_lead_m);
   // What leads waits for a hand that does not follow, for one that is off the line, and is slow in sharp turns.
   const double follows = std::clamp(3.0 * (1.0 - lead_before_m / most_lead_m), 0.0, 1.0);
-  const double keeps = std::clamp(2.0 * (1.0 - distance_m / kWallM), 0.0, 1.0);
-  const double turns = kSlowest + (1.0 - kSlowest) * std::min(1.0, room_m * input.scale / kBrakeM);
+  const double keeps = std::clamp(2.0 * (1.0 - distance_m / kWall_m), 0.0, 1.0);
+  const double turns = kSlowest + (1.0 - kSlowest) * std::min(1.0, room_m * input.scale / kBrake_m);
   const double advanced_m = holds ? step_m * follows * keeps * turns : 0.0;
   lead_m_ = std::min(most_lead_m, lead_before_m + advanced_m);
   const double leads_m_per_s = input.step_s > 0.0 ? advanced_m / input.step_s : 0.0;
   const double lags_m_per_s = leads_m_per_s - input.velocity_m_per_s.dot(ahead);
   const double free_n = std::sqrt(std::max(0.0, most_n * most_n - across_n * across_n));
-  const double along_n = std::clamp(
-      stiffness * lead_m_ + std::clamp(kDampingNSPerM * lags_m_per_s, -kMostDamping * most_n, kMostDamping * most_n),
-      0.0, free_n);
+  const double along_n = std::clamp(stiffness * lead_m_ + std::clamp(kDamping_n_s_per_m * lags_m_per_s,
+                                                                     -kMostDamping * most_n, kMostDamping * most_n),
+                                    0.0, free_n);
 
   const Vector2d inwards = distance_m > 0.0 ? Vector2d(offset_m / distance_m) : Vector2d::Zero();
   const Vector2d across_m_per_s = input.velocity_m_per_s - input.velocity_m_per_s.dot(ahead) * ahead;
-  const double damped_n = std::min(kDampingNSPerM * across_m_per_s.norm(), kMostDamping * most_n);
+  const double damped_n = std::min(kDamping_n_s_per_m * across_m_per_s.norm(), kMostDamping * most_n);
   Vector2d force_n = across_n * inwards + along_n * ahead;
   if (across_m_per_s.norm() > 0.0 && walls_m_ <= 0.0) force_n -= damped_n * across_m_per_s.normalized();
   if (force_n.norm() > most_n) force_n *= most_n / force_n.norm();

@@ -72,7 +72,7 @@ ProxyUpdate update_smooth(const MongeSurface& monge, double cells_per_m, const E
 
 // Where the surface turns under a sliding proxy, where friction lets it stop depends on the hand's way and not on its
 // end alone: half the normal's turn is what the force may be off by, of the depth.
-constexpr double kTurnOfPartRad = 0.01;
+constexpr double kTurnOfPart_rad = 0.01;
 constexpr int kMostParts = 4;
 constexpr int kManySegments = 8;  // a way that is costly enough is not divided further
 
@@ -86,7 +86,7 @@ ProxyUpdate follow_hand(const MongeSurface& monge, double cells_per_m, const Eig
   const Eigen::Vector3d way_m = known ? Eigen::Vector3d(hip_m - last.hand) : Eigen::Vector3d::Zero();
   const double length_m = way_m.norm();
   // The curvature of Catmull-Rom patches jumps at the edges of cells, which no turn of the last tick tells of.
-  constexpr double kPart = kBasis == CubicBasis::catmull_rom ? 0.5 * kTurnOfPartRad : kTurnOfPartRad;
+  constexpr double kPart = kBasis == CubicBasis::catmull_rom ? 0.5 * kTurnOfPart_rad : kTurnOfPart_rad;
   constexpr int kMost = kBasis == CubicBasis::catmull_rom ? 2 * kMostParts : kMostParts;
   const double turns = length_m * last.turn_per_m / kPart;
   const int parts = !(turns >= 1.0) ? 1 : turns < kMost ? 1 + static_cast<int>(turns) : kMost;

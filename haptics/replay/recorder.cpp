@@ -11,8 +11,8 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kQueueS = 8.0;
-constexpr double kShortestGapS = 0.005;  // as for contact events
+constexpr double kQueue_s = 8.0;
+constexpr double kShortestGap_s = 0.005;  // as for contact events
 constexpr std::size_t kBufferBytes = 1U << 18U;
 
 std::uint64_t pack(std::int32_t i, std::int32_t j) {
@@ -44,7 +44,7 @@ struct Recorder::CsvFile {
 };
 
 Recorder::Recorder(const std::filesystem::path& file, const DeviceInfo& device, double rows_per_s)
-    : queue_(static_cast<std::size_t>(std::max(1024.0, kQueueS * rows_per_s))) {
+    : queue_(static_cast<std::size_t>(std::max(1024.0, kQueue_s * rows_per_s))) {
   if (!file.empty()) csv_ = std::make_unique<CsvFile>(file, device);
 }
 
@@ -95,7 +95,7 @@ void Recorder::take(const Record& record) {
   const double force_n = std::hypot(state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]);
   figures_.peak_force_n = std::max(figures_.peak_force_n, force_n);
   if (state.contact != 0) {
-    if (last_contact_s_ < 0.0 || state.time_s - last_contact_s_ > kShortestGapS) ++figures_.contacts;
+    if (last_contact_s_ < 0.0 || state.time_s - last_contact_s_ > kShortestGap_s) ++figures_.contacts;
     last_contact_s_ = state.time_s;
     figures_.contact_s += record.period_s;
     force_time_ += force_n * record.period_s;

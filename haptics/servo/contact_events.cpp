@@ -7,8 +7,8 @@ namespace sparsha::haptics {
 namespace {
 
 // A hand that rests at the surface flickers in and out of contact by encoder steps: shorter gaps are not lifts.
-constexpr double kShortestLiftS = 0.005;
-constexpr double kShortestSlipPauseS = 0.02;
+constexpr double kShortestLift_s = 0.005;
+constexpr double kShortestSlipPause_s = 0.02;
 
 }  // namespace
 
@@ -28,18 +28,18 @@ std::optional<ContactEvent> ContactEvents::update(const Input& input) noexcept {
       touching_ = true;
       say(ContactEvent::Kind::touch);
       // The touching sample itself is left out: the surface has already pushed.
-      const double noise_m = input.encoder_step_m > 0.0 ? input.encoder_step_m : kLikelyEncoderStepM;
+      const double noise_m = input.encoder_step_m > 0.0 ? input.encoder_step_m : kLikelyEncoderStep_m;
       const double speed = std::max(0.0, -approach_.velocity(noise_m).dot(input.normal));
       event->normal_speed_m_per_s = speed;
       event->peak_force_n = speed * std::sqrt(input.stiffness_n_per_m * hand_mass_kg_);
-    } else if (was_sticking_ && !input.sticking && input.time_s - last_slip_s_ > kShortestSlipPauseS) {
+    } else if (was_sticking_ && !input.sticking && input.time_s - last_slip_s_ > kShortestSlipPause_s) {
       say(ContactEvent::Kind::slip);
       last_slip_s_ = input.time_s;
     }
     last_contact_s_ = input.time_s;
     last_proxy_m_ = input.proxy_m;
     last_place_m_ = input.place_m;
-  } else if (touching_ && input.time_s - last_contact_s_ >= kShortestLiftS) {
+  } else if (touching_ && input.time_s - last_contact_s_ >= kShortestLift_s) {
     touching_ = false;
     say(ContactEvent::Kind::lift);
     event->time_s = last_contact_s_;

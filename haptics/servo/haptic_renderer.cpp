@@ -10,9 +10,9 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kSlipFilterS = 0.005;   // time constant of the published slip speed
-constexpr double kFarthestHandM = 10.0;  // no hand is so far from its device
-constexpr double kSamePlaceM = 1e-9;
+constexpr double kSlipFilter_s = 0.005;   // time constant of the published slip speed
+constexpr double kFarthestHand_m = 10.0;  // no hand is so far from its device
+constexpr double kSamePlace_m = 1e-9;
 
 Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& centre_m) noexcept {
   const pipeline::Lattice& lattice = surface.lattice;
@@ -97,7 +97,7 @@ void HapticRenderer::swap(Command& command) noexcept {
     centre_m_.head<2>() = proxy_grid_m.head<2>() - proxy_device_m.head<2>() / fresh.scale;
   // Fresh tiles of the same view leave the hand where it is on the line; any other view does not.
   const double moved_m = fresh.scale * (centre_m_.head<2>() - old_centre_m).norm();
-  if (fresh.scale != old_scale || moved_m > kSamePlaceM) guidance_.interrupt();
+  if (fresh.scale != old_scale || moved_m > kSamePlace_m) guidance_.interrupt();
   guided_at_m_ = centre_m_.head<2>();
   if (!placed_) {
     centre_m_ = point_on(fresh, centre_m_.head<2>());
@@ -157,7 +157,7 @@ SurfacePointer HapticRenderer::apply(Command& command) noexcept {
 }
 
 bool HapticRenderer::is_place(const DeviceSample& sample) noexcept {
-  return sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHandM;
+  return sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHand_m;
 }
 
 // What was felt fades, as after a swap.
@@ -354,7 +354,7 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   armed_ = output.armed;
 
   const double travel_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;
-  slip_speed_ += (travel_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilterS);
+  slip_speed_ += (travel_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilter_s);
   state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
   state.commanded_force_n = to_array(output.force_n);
   place_flags_ = find_place(found_.position);

@@ -60,9 +60,9 @@ class TimeHistogram {
 class LatenessHistogram {
  public:
   static constexpr std::size_t kBins = 20;
-  static constexpr std::int64_t kBinNs = 100'000;
+  static constexpr std::int64_t kBin_ns = 100'000;
   void add(std::int64_t late_ns) noexcept {
-    const std::int64_t index = late_ns > 0 ? late_ns / kBinNs : 0;
+    const std::int64_t index = late_ns > 0 ? late_ns / kBin_ns : 0;
     ++counts_[index < static_cast<std::int64_t>(kBins) ? static_cast<std::size_t>(index) : kBins - 1];
   }
   [[nodiscard]] const std::array<std::uint64_t, kBins>& counts() const noexcept { return counts_; }

@@ -10,8 +10,8 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr int kWatchdogPriority = 85;
-constexpr std::int64_t kInTimeNs = 1'000'000;
-constexpr std::int64_t kRehearsalNs = 40'000;
+constexpr std::int64_t kInTime_ns = 1'000'000;
+constexpr std::int64_t kRehearsal_ns = 40'000;
 constexpr int kMostLooks = 20'000;  // at the clock, should it stand still
 constexpr int kFinalZeros = 3;      // packets get lost; say it more than once
 
@@ -21,7 +21,7 @@ void ServoFigures::count(std::int64_t took_ns, std::int64_t late_ns) noexcept {
   tick_ns.add(took_ns);
   lateness.add(late_ns);
   ++ticks;
-  if (late_ns <= kInTimeNs) ++ticks_in_time;
+  if (late_ns <= kInTime_ns) ++ticks_in_time;
   share_in_time = static_cast<double>(ticks_in_time) / static_cast<double>(ticks + missed_ticks);
 }
 
@@ -158,12 +158,12 @@ void Servo::run() noexcept {
 // A core that wakes from sleep is slow for its first microseconds: it wakes early, computes the last tick once more,
 // and polls the clock. Whether the clock went backwards meanwhile is decided by the tick.
 void Servo::wait_until(std::int64_t planned_ns) noexcept {
-  options_.clock.sleep_until_ns(planned_ns - kRehearsalNs);
+  options_.clock.sleep_until_ns(planned_ns - kRehearsal_ns);
   const auto left_ns = [&] { return planned_ns - options_.clock.now_ns(); };
   if (left_ns() <= 0) return;
   renderer_.rehearse();
   for (int look = 0; look < kMostLooks; ++look)
-    if (const std::int64_t left = left_ns(); left <= 0 || left > 2 * kRehearsalNs) return;
+    if (const std::int64_t left = left_ns(); left <= 0 || left > 2 * kRehearsal_ns) return;
 }
 
 void Servo::run_by_the_clock() noexcept {

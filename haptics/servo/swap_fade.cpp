@@ -10,24 +10,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDurationS = 0.075;
-constexpr double kAimS = 0.105;
-constexpr double kShortestS = 0.020;
-constexpr double kSettledS = 0.300;    // since the swap; then a hand that slips does so by itself
-constexpr double kSteep = 1.0;         // times its own stiffness is as much as a motion explains
-constexpr double kWholeN = 0.3;        // smaller changes take less time
-constexpr double kNothingN = 0.01;     // is not felt
-constexpr double kStepN = 0.034;       // most per tick
-constexpr double kWholeStepN = 0.045;  // with what the hand's own motion adds
-constexpr double kLeastStepN = 0.008;
-constexpr double kTurnRad = 0.065;  // most per tick
-constexpr double kFeltN = 0.05;     // of a smaller force nobody feels the direction
-constexpr double kNearM = 0.005;    // farther from where the swap was, the old surface says little
+constexpr double kDuration_s = 0.075;
+constexpr double kAim_s = 0.105;
+constexpr double kShortest_s = 0.020;
+constexpr double kSettled_s = 0.300;    // since the swap; then a hand that slips does so by itself
+constexpr double kSteep = 1.0;          // times its own stiffness is as much as a motion explains
+constexpr double kWhole_n = 0.3;        // smaller changes take less time
+constexpr double kNothing_n = 0.01;     // is not felt
+constexpr double kStep_n = 0.034;       // most per tick
+constexpr double kWholeStep_n = 0.045;  // with what the hand's own motion adds
+constexpr double kLeastStep_n = 0.008;
+constexpr double kTurn_rad = 0.065;  // most per tick
+constexpr double kFelt_n = 0.05;     // of a smaller force nobody feels the direction
+constexpr double kNear_m = 0.005;    // farther from where the swap was, the old surface says little
 
 }  // namespace
 
 bool SwapFade::is_felt(const Vector3d& old_n, const Vector3d& fresh_n) noexcept {
-  return (fresh_n - old_n).norm() > kNothingN;
+  return (fresh_n - old_n).norm() > kNothing_n;
 }
 
 void SwapFade::begin(const Vector3d& old_n, const Vector3d& fresh_n, const Vector3d& hand_m,
@@ -35,7 +35,7 @@ void SwapFade::begin(const Vector3d& old_n, const Vector3d& fresh_n, const Vecto
   watching_ = active_ || is_felt(old_n, fresh_n);
   since_swap_s_ = 0.0;
   begun_m_ = hand_m;
-  fade(old_n, fresh_n, hand_m, stiffness_n_per_m, kDurationS);
+  fade(old_n, fresh_n, hand_m, stiffness_n_per_m, kDuration_s);
   felt_n_ = old_n;
 }
 
@@ -45,11 +45,11 @@ void SwapFade::fade(const Vector3d& old_n, const Vector3d& fresh_n, const Vector
   stiffness_n_per_m_ = stiffness_n_per_m;
   last_m_ = hand_m;
   const double change_n = (fresh_n - old_n).norm();
-  active_ = change_n > kNothingN && std::isfinite(change_n) && stiffness_n_per_m > 0.0;
+  active_ = change_n > kNothing_n && std::isfinite(change_n) && stiffness_n_per_m > 0.0;
   if (!active_) return;
   const double old_length_n = old_n.norm();
   time_share_ = 0.0;
-  duration_s_ = duration_s * std::min(1.0, change_n / kWholeN);
+  duration_s_ = duration_s * std::min(1.0, change_n / kWhole_n);
   depth_m_ = old_length_n / stiffness_n_per_m;
   normal_ = old_length_n > 0.0 ? Vector3d(old_n / old_length_n) : Vector3d::Zero();
   place_m_ = hand_m + depth_m_ * normal_;
@@ -60,13 +60,13 @@ void SwapFade::fade(const Vector3d& old_n, const Vector3d& fresh_n, const Vector
 double SwapFade::step(const Vector3d& old_n, const Vector3d& way_n, double changed_n, double travel_m,
                       double period_s) const noexcept {
   const double share = smooth_step(time_share_);
-  const double step_n = std::clamp(kWholeStepN - changed_n, kLeastStepN, kStepN);
+  const double step_n = std::clamp(kWholeStep_n - changed_n, kLeastStep_n, kStep_n);
   double most = step_n / std::max(way_n.norm(), step_n);
   const Vector3d now_n = old_n + share * way_n;
   const double now = now_n.norm();
-  if (now > kFeltN) {
+  if (now > kFelt_n) {
     const double across = (way_n - now_n * (way_n.dot(now_n) / (now * now))).norm();
-    most = std::min(most, kTurnRad * now / std::max(across, kTurnRad * now));
+    most = std::min(most, kTurn_rad * now / std::max(across, kTurn_rad * now));
   }
   double next = std::min(1.0, time_share_ + period_s / duration_s_);
   if (smooth_step(next) - share > most) {
@@ -78,7 +78,7 @@ double SwapFade::step(const Vector3d& old_n, const Vector3d& way_n, double chang
     }
     next = low;
   }
-  return next - time_share_ + travel_m / kNearM;
+  return next - time_share_ + travel_m / kNear_m;
 }
 
 Vector3d SwapFade::mean(const Vector3d& fresh_n, const Vector3d& hand_m, double stiffness_n_per_m,
@@ -87,7 +87,7 @@ Vector3d SwapFade::mean(const Vector3d& fresh_n, const Vector3d& hand_m, double 
   const double depth_m = std::clamp((place_m_ - hand_m).dot(normal_), 0.0, depth_m_);
   const Vector3d old_n = stiffness_n_per_m * depth_m * normal_;
   const Vector3d way_n = fresh_n - old_n;
-  const double travel_m = (hand_m - begun_m_).norm() > kNearM ? (hand_m - last_m_).norm() : 0.0;
+  const double travel_m = (hand_m - begun_m_).norm() > kNear_m ? (hand_m - last_m_).norm() : 0.0;
   time_share_ += step(old_n, way_n, (fresh_n - fresh_n_).norm(), travel_m, period_s);
   active_ = time_share_ < 1.0;
   return active_ ? Vector3d(old_n + smooth_step(time_share_) * way_n) : fresh_n;
@@ -98,17 +98,17 @@ Vector3d SwapFade::mean(const Vector3d& fresh_n, const Vector3d& hand_m, double 
 bool SwapFade::jumps(const Vector3d& fresh_n, const Vector3d& hand_m, double stiffness_n_per_m) const noexcept {
   const double moved_n = stiffness_n_per_m * (hand_m - last_m_).norm();
   const double stiffened_n = std::abs(stiffness_n_per_m - stiffness_n_per_m_) / stiffness_n_per_m * fresh_n.norm();
-  return (fresh_n - fresh_n_).norm() > kNothingN + kSteep * moved_n + stiffened_n;
+  return (fresh_n - fresh_n_).norm() > kNothing_n + kSteep * moved_n + stiffened_n;
 }
 
 Vector3d SwapFade::apply(const Vector3d& fresh_n, const Vector3d& hand_m, double stiffness_n_per_m,
                          double period_s) noexcept {
   if (!watching_) return fresh_n;
   since_swap_s_ += period_s;
-  watching_ = active_ || since_swap_s_ < kSettledS;
-  if (since_swap_s_ < kSettledS && stiffness_n_per_m > 0.0 && (hand_m - begun_m_).norm() < kNearM &&
+  watching_ = active_ || since_swap_s_ < kSettled_s;
+  if (since_swap_s_ < kSettled_s && stiffness_n_per_m > 0.0 && (hand_m - begun_m_).norm() < kNear_m &&
       jumps(fresh_n, hand_m, stiffness_n_per_m)) {
-    fade(felt_n_, fresh_n, last_m_, stiffness_n_per_m, std::clamp(kAimS - since_swap_s_, kShortestS, kDurationS));
+    fade(felt_n_, fresh_n, last_m_, stiffness_n_per_m, std::clamp(kAim_s - since_swap_s_, kShortest_s, kDuration_s));
   }
   felt_n_ = mean(fresh_n, hand_m, stiffness_n_per_m, period_s);
   fresh_n_ = fresh_n;

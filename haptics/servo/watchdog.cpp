@@ -9,7 +9,7 @@ namespace sparsha::haptics {
 namespace {
 
 // A zero may get lost, so it is said again; on a slow bus zeros that follow closely keep the servo from its answers.
-constexpr std::int64_t kFirstRepeatNs = 2'000'000;
+constexpr std::int64_t kFirstRepeat_ns = 2'000'000;
 constexpr std::int64_t kNotYet = std::numeric_limits<std::int64_t>::max() / 2;  // nobody has spoken
 
 }  // namespace
@@ -35,13 +35,13 @@ void Watchdog::stop() {
 void Watchdog::run(int priority) {
   if (priority > 0) static_cast<void>(request_real_time(priority));
   bool silent = false;
-  std::int64_t repeat_ns = kFirstRepeatNs;
+  std::int64_t repeat_ns = kFirstRepeat_ns;
   while (!stopping_.load(std::memory_order_relaxed)) {
     const std::int64_t now = now_ns();
     const std::int64_t deadline = fed_ns_.load(std::memory_order_relaxed) + silence_ns_;
     if (now < deadline) {
       silent = false;
-      repeat_ns = kFirstRepeatNs;
+      repeat_ns = kFirstRepeat_ns;
       sleep_until_ns(std::min(deadline, now + silence_ns_));
       continue;
     }

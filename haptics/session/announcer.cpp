@@ -12,7 +12,7 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kSilenceS = 1.0;  // the same thing is said again only after so long an absence
+constexpr double kSilence_s = 1.0;  // the same thing is said again only after so long an absence
 
 }  // namespace
 
@@ -53,7 +53,7 @@ std::optional<std::size_t> Announcer::part_at(const State& state) const {
 void Announcer::watch(const State& state) {
   if (state.contact == 0) return;
   if (const std::optional<std::size_t> here = part_at(state)) {
-    if (here != part_ || state.time_s - part_left_s_ > kSilenceS) {
+    if (here != part_ || state.time_s - part_left_s_ > kSilence_s) {
       say_as_is(part(*here).say);
       described_ = here;  // the next press tells more
     }
@@ -61,11 +61,11 @@ void Announcer::watch(const State& state) {
     part_left_s_ = state.time_s;
   }
   const bool outside = (state.flags & kFlagOutside) != 0;
-  if (outside && !outside_ && state.time_s - outside_left_s_ > kSilenceS) say(way_back(state));
+  if (outside && !outside_ && state.time_s - outside_left_s_ > kSilence_s) say(way_back(state));
   if (outside) outside_left_s_ = state.time_s;
   outside_ = outside;
   const bool unknown = (state.flags & kFlagUnknownArea) != 0 && !outside;
-  if (unknown && !unknown_ && state.time_s - unknown_left_s_ > kSilenceS) say("not_measured");
+  if (unknown && !unknown_ && state.time_s - unknown_left_s_ > kSilence_s) say("not_measured");
   if (unknown) unknown_left_s_ = state.time_s;
   unknown_ = unknown;
 }
@@ -109,8 +109,8 @@ void Announcer::say_part(std::size_t index, const Eigen::Vector2d& way_m, bool u
 void Announcer::say_way(Phrase there, Phrase here, const Eigen::Vector2d& way_m, PhraseValues values) {
   constexpr std::array<Phrase, 12> kClock{"clock_12", "clock_1", "clock_2", "clock_3", "clock_4",  "clock_5",
                                           "clock_6",  "clock_7", "clock_8", "clock_9", "clock_10", "clock_11"};
-  constexpr double kHereM = 0.0005;
-  if (way_m.norm() < kHereM) return say(here, values);
+  constexpr double kHere_m = 0.0005;
+  if (way_m.norm() < kHere_m) return say(here, values);
   const double turns = std::atan2(way_m.x(), way_m.y()) / (2.0 * std::numbers::pi);  // from twelve o'clock, clockwise
   const auto hour = static_cast<std::size_t>(std::lround(12.0 * (turns + 1.0))) % kClock.size();
   values.emplace_back("distance", phrases_.distance(way_m.norm()));

@@ -6,7 +6,7 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kPatienceS = 11.0;  // five steps in a minute, done or not
+constexpr double kPatience_s = 11.0;  // five steps in a minute, done or not
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void ButtonTour::watch(const std::vector<Gesture>& gestures, double time_s) {
                                 [&](Gesture gesture) { return gesture == step.awaited || gesture == step.also; });
   if (done)
     go_on(time_s, Phrase("tour_good"));
-  else if (time_s - since_s_ > kPatienceS)
+  else if (time_s - since_s_ > kPatience_s)
     go_on(time_s, std::nullopt);
 }
 

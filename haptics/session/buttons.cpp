@@ -15,9 +15,9 @@ struct Meaning {
   std::optional<Gesture> hold_longest;
 };
 
-constexpr double kLongS = 2.0, kLongestS = 5.0;
+constexpr double kLong_s = 2.0, kLongest_s = 5.0;
 /// Without a fresh sample for so long, a button that is up was not let go: the device has gone.
-constexpr double kGoneS = 0.05;
+constexpr double kGone_s = 0.05;
 
 // Right, forward, centre, left: bits 0 to 3 of State::buttons, from the front of a Falcon's grip.
 constexpr std::array<Meaning, 4> kMeanings{
@@ -31,7 +31,7 @@ constexpr std::array<Meaning, 4> kMeanings{
 std::vector<Gesture> Buttons::read(const State& state) {
   std::vector<Gesture> gestures;
   if ((state.flags & kFlagStale) == 0) fresh_s_ = state.time_s;
-  const bool gone = state.time_s - fresh_s_ > kGoneS;
+  const bool gone = state.time_s - fresh_s_ > kGone_s;
   for (std::size_t k = 0; k < buttons_.size(); ++k) {
     Button& button = buttons_[k];
     const Meaning& meaning = kMeanings[k];
@@ -51,11 +51,11 @@ std::vector<Gesture> Buttons::read(const State& state) {
       button.held = true;
       gestures.push_back(meaning.hold);
     }
-    if (down && meaning.hold_longer && !button.held_longer && state.time_s - button.since_s >= kLongS) {
+    if (down && meaning.hold_longer && !button.held_longer && state.time_s - button.since_s >= kLong_s) {
       button.held_longer = true;
       gestures.push_back(*meaning.hold_longer);
     }
-    if (down && meaning.hold_longest && !button.held_longest && state.time_s - button.since_s >= kLongestS) {
+    if (down && meaning.hold_longest && !button.held_longest && state.time_s - button.since_s >= kLongest_s) {
       button.held_longest = true;
       gestures.push_back(*meaning.hold_longest);
     }

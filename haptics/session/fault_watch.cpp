@@ -5,7 +5,7 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kPauseS = 3.0;
+constexpr double kPause_s = 3.0;
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void FaultWatch::watch_records(const State& now, const SceneKeeper& keeper) {
 
 /// Once when it happens, and again every few seconds while it goes on.
 void FaultWatch::tell(std::uint64_t count, double time_s, Told& told, Phrase words) {
-  if (count == told.count || time_s - told.time_s < kPauseS) return;
+  if (count == told.count || time_s - told.time_s < kPause_s) return;
   told = {count, time_s};
   announcer_.say(words, {}, Announcement::Priority::fault);
 }

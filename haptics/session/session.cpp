@@ -29,16 +29,16 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kSlowestHz = 100.0;
-constexpr double kFastestHz = 10000.0;
-constexpr double kHelpAgainS = 30.0;
+constexpr double kSlowest_hz = 100.0;
+constexpr double kFastest_hz = 10000.0;
+constexpr double kHelpAgain_s = 30.0;
 // Of what is asked for step by step.
-constexpr double kSoftestNPerM = 50.0;
-constexpr double kHardestNPerM = 5000.0;
+constexpr double kSoftest_n_per_m = 50.0;
+constexpr double kHardest_n_per_m = 5000.0;
 
 double checked_rate(double rate_hz, double own_rate_hz) {
   if (own_rate_hz > 0.0) rate_hz = own_rate_hz;
-  if (rate_hz >= kSlowestHz && rate_hz <= kFastestHz) return rate_hz;
+  if (rate_hz >= kSlowest_hz && rate_hz <= kFastest_hz) return rate_hz;
   if (own_rate_hz > 0.0)
     throw Error(ErrorKind::input, {}, fmt::format("the rows of the recording come at {:.6g} Hz", rate_hz),
                 "100 to 10000 rows a second");
@@ -156,8 +156,8 @@ struct Session::Implementation {
   void help(const Request& request, const State& now) {
     if (request.kind == Request::Kind::help_keys) return announcer.say("help_keys");
     // Asked for once more, help becomes a tour.
-    if (request.kind == Request::Kind::tour || now.time_s - helped_s < kHelpAgainS) {
-      helped_s = -kHelpAgainS;
+    if (request.kind == Request::Kind::tour || now.time_s - helped_s < kHelpAgain_s) {
+      helped_s = -kHelpAgain_s;
       return tour.start(now.time_s, !scene->description().config.parts.empty());
     }
     helped_s = now.time_s;
@@ -176,7 +176,7 @@ struct Session::Implementation {
         break;
     }
     if (request.kind == Request::Kind::set_speech && speaks == request.on) return;
-    helped_s = -kHelpAgainS;  // a hold for speech helps on its way; the next one is to help, not to begin the tour
+    helped_s = -kHelpAgain_s;  // a hold for speech helps on its way; the next one is to help, not to begin the tour
     speaks = !speaks;
     announcer.control(Announcement::Control::toggle, speaks ? Phrase("speech_on") : Phrase("speech_off"));
   }
@@ -203,7 +203,7 @@ struct Session::Implementation {
     if (!(request.x >= 0.0)) return;
     const double wish_n_per_m = request.kind == Request::Kind::set_stiffness
                                     ? request.x
-                                    : std::clamp(rendered(now) * request.x, kSoftestNPerM, kHardestNPerM);
+                                    : std::clamp(rendered(now) * request.x, kSoftest_n_per_m, kHardest_n_per_m);
     stiffness_n_per_m = governed(wish_n_per_m);
     Command command;
     command.kind = Command::Kind::stiffness;
@@ -239,7 +239,7 @@ struct Session::Implementation {
   void welcome_next() {
     speaks = options.speaks;
     announcements.say({}, Announcement::Priority::information, Announcement::Control::reset);
-    helped_s = -kHelpAgainS;
+    helped_s = -kHelpAgain_s;
     tour.stop();
     if (recording) return;
     if (guide.on()) post(guide.stop(true));
@@ -309,8 +309,8 @@ struct Session::Implementation {
   Buttons buttons;
   ButtonTour tour{announcer};
   GuideControl guide{announcer};
-  double helped_s = -kHelpAgainS;  // when help was given last
-  bool hold_ended_guide = false;   // the button that is held, or was held last
+  double helped_s = -kHelpAgain_s;  // when help was given last
+  bool hold_ended_guide = false;    // the button that is held, or was held last
   double stiffness_n_per_m = 0.0;
   bool speaks = options.speaks;
   bool quit = false;

@@ -37,7 +37,7 @@ std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene,
     effects->region_from_grid = linear / enlarged;
   }
   effects->scale = plan.scale / enlarged;
-  effects->border_m = pipeline::kBorderM / effects->scale;
+  effects->border_m = pipeline::kBorder_m / effects->scale;
   if (plan.grain) effects->field = pipeline::GrainField(pipeline::measure_spectrum(scene));
   return effects;
 }

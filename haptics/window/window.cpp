@@ -15,9 +15,10 @@ namespace {
 
 using pipeline::Lattice;
 
-constexpr double kNearestScale = 8.0;      // device metres per grid metre
-constexpr double kFarthestNodesM = 0.004;  // between nodes, device frame: beyond, a window shows its cells and no stone
-constexpr double kWorthAStep = 1.2;        // times nearer
+constexpr double kNearestScale = 8.0;  // device metres per grid metre
+constexpr double kFarthestNodes_m =
+    0.004;                           // between nodes, device frame: beyond, a window shows its cells and no stone
+constexpr double kWorthAStep = 1.2;  // times nearer
 
 /// First node of a run of `window` nodes around `centre`, or all `n` nodes when they fit.
 std::pair<int, int> run_around(double centre_nodes, int n, int window) {
@@ -45,7 +46,7 @@ std::vector<ZoomStep> zoom_steps(const pipeline::SceneDescription& scene, double
   std::vector<ZoomStep> steps;
   for (int level = overview_level(scene); level >= 0; --level) steps.push_back({level, window});
   const Lattice& finest = scene.levels.front();
-  const double nearest = std::min(kNearestScale, kFarthestNodesM / finest.spacing_m);
+  const double nearest = std::min(kNearestScale, kFarthestNodes_m / finest.spacing_m);
   double scale = pipeline::level_scale(window, finest, workspace_width_m);
   for (double next = std::exp2(std::ceil(std::log2(kWorthAStep * scale))); scale * kWorthAStep < nearest; next *= 2.0) {
     scale = next * kWorthAStep < nearest ? next : nearest;

@@ -13,7 +13,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kPixelMm = 0.5;
+constexpr double kPixel_mm = 0.5;
 /// Colours that the colour-blind tell apart (Okabe and Ito 2008), for grey, felt and crowded.
 constexpr std::array<std::array<double, 3>, 3> kColours{{{170, 170, 170}, {86, 180, 233}, {230, 159, 0}}};
 
@@ -25,9 +25,9 @@ void write_legibility(const ReplicaPlate& plate, const std::filesystem::path& fi
   Image fine{rows, plate.nx, std::vector<float>(static_cast<std::size_t>(rows) * static_cast<std::size_t>(plate.nx))};
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < plate.nx; ++i) fine.at(rows - 1 - j, i) = plate.at(i, plate.first_row + j);
-  const Image height = images().shrink(std::move(fine), std::min(1.0, plate.spacing_mm / kPixelMm));
+  const Image height = images().shrink(std::move(fine), std::min(1.0, plate.spacing_mm / kPixel_mm));
   const double pixel_mm = plate.spacing_mm * plate.nx / height.columns;
-  const int gap = 2 * static_cast<int>(std::lround(0.5 * kLeastGapMm / pixel_mm)) + 1;
+  const int gap = 2 * static_cast<int>(std::lround(0.5 * kLeastGap_mm / pixel_mm)) + 1;
   const Image highest = images().dilate(height, gap);
   const Image lowest = images().erode(height, gap);
   const Image closed = images().erode(highest, gap);
@@ -44,14 +44,14 @@ void write_legibility(const ReplicaPlate& plate, const std::filesystem::path& fi
   std::uint64_t felt = 0;
   std::uint64_t crowded = 0;
   const auto shade = [&](int y, int x) {
-    const double slope = static_cast<double>(height.at(y, x)) -
-                         static_cast<double>(height.at(std::max(0, y - 1), std::max(0, x - 1)));
+    const double slope =
+        static_cast<double>(height.at(y, x)) - static_cast<double>(height.at(std::max(0, y - 1), std::max(0, x - 1)));
     return std::clamp(1.0 + 0.35 * slope / pixel_mm, 0.45, 1.25);
   };
   for (int y = 0; y < height.rows; ++y)
     for (int x = 0; x < height.columns; ++x) {
       const float here = height.at(y, x);
-      const auto least = static_cast<float>(kLeastFeatureMm);
+      const auto least = static_cast<float>(kLeastFeature_mm);
       const bool narrow = closed.at(y, x) - here >= least || here - opened.at(y, x) >= least;
       const bool feature = highest.at(y, x) - lowest.at(y, x) >= least;
       felt += feature ? 1 : 0;

@@ -7,8 +7,8 @@
 
 namespace sparsha::pipeline {
 
-/// Writes the map: grey where nothing of kLeastFeatureMm lies within kLeastGapMm, blue where features are felt, orange
-/// where grooves or ridges are narrower than kLeastGapMm. Fills report.felt and report.crowded.
+/// Writes the map: grey where nothing of kLeastFeature_mm lies within kLeastGap_mm, blue where features are felt,
+/// orange where grooves or ridges are narrower than kLeastGap_mm. Fills report.felt and report.crowded.
 void write_legibility(const ReplicaPlate& plate, const std::filesystem::path& file, ReplicaReport& report);
 
 }  // namespace sparsha::pipeline

@@ -18,13 +18,13 @@ namespace sparsha::pipeline {
 namespace {
 
 // Finer than a nozzle prints, coarser than a file can bear.
-constexpr double kFinestMm = 0.2;
-constexpr double kCoarsestMm = 0.45;
-constexpr double kFlattestMm = 3.0, kDeepestMm = 15.0;  // without a wish
-constexpr int kMostNodes = 2000;                        // along a side: 16 million triangles, 800 MB of STL
+constexpr double kFinest_mm = 0.2;
+constexpr double kCoarsest_mm = 0.45;
+constexpr double kFlattest_mm = 3.0, kDeepest_mm = 15.0;  // without a wish
+constexpr int kMostNodes = 2000;                          // along a side: 16 million triangles, 800 MB of STL
 // Dots and cells as printed signs have them (ISO 17049).
-constexpr double kDotHeightMm = 0.5, kDotRadiusMm = 0.8, kDotGapMm = 2.5, kCellGapMm = 6.1, kLineGapMm = 10.0;
-constexpr double kMarginMm = 6.0;
+constexpr double kDotHeight_mm = 0.5, kDotRadius_mm = 0.8, kDotGap_mm = 2.5, kCellGap_mm = 6.1, kLineGap_mm = 10.0;
+constexpr double kMargin_mm = 6.0;
 
 void require(bool good, const char* name, double value, const char* expected) {
   if (!good) throw Error(ErrorKind::usage, {}, fmt::format("{} cannot be {}", name, value), expected);
@@ -35,7 +35,7 @@ void check(const ReplicaOptions& options) {
   if (options.depth_mm)
     require(*options.depth_mm >= 0.1 && *options.depth_mm <= 200.0, "--depth-mm", *options.depth_mm, "0.1 to 200");
   require(options.curve >= 0.1 && options.curve <= 10.0, "--curve", options.curve, "0.1 to 10");
-  require(options.base_mm >= kLeastBaseMm && options.base_mm <= 50.0, "--base-mm", options.base_mm,
+  require(options.base_mm >= kLeastBase_mm && options.base_mm <= 50.0, "--base-mm", options.base_mm,
           "1.5 to 50: thinner plates bend and break");
 }
 
@@ -44,7 +44,7 @@ int longer_side(const Lattice& lattice) { return std::max(lattice.nx, lattice.ny
 /// The finest level that a printer can still show and a file can bear, or the coarsest.
 int level_for(const SceneDescription& scene, double mm_per_m) {
   const auto too_fine = [&](const Lattice& lattice) {
-    return lattice.spacing_m * mm_per_m < kFinestMm || longer_side(lattice) > kMostNodes;
+    return lattice.spacing_m * mm_per_m < kFinest_mm || longer_side(lattice) > kMostNodes;
   };
   int level = 0;
   const auto count = static_cast<int>(scene.levels.size());
@@ -96,15 +96,15 @@ Relief read_relief(const Scene& scene, int level) {
 
 /// A cap of a sphere above the plate.
 void raise_dot(ReplicaPlate& plate, double x_mm, double y_mm, double base_mm) {
-  const double ball = (kDotRadiusMm * kDotRadiusMm + kDotHeightMm * kDotHeightMm) / (2.0 * kDotHeightMm);
-  const int reach = static_cast<int>(std::ceil(kDotRadiusMm / plate.spacing_mm));
+  const double ball = (kDotRadius_mm * kDotRadius_mm + kDotHeight_mm * kDotHeight_mm) / (2.0 * kDotHeight_mm);
+  const int reach = static_cast<int>(std::ceil(kDotRadius_mm / plate.spacing_mm));
   const int ci = static_cast<int>(std::lround(x_mm / plate.spacing_mm));
   const int cj = static_cast<int>(std::lround(y_mm / plate.spacing_mm));
   for (int j = std::max(0, cj - reach); j <= std::min(plate.first_row - 1, cj + reach); ++j)
     for (int i = std::max(0, ci - reach); i <= std::min(plate.nx - 1, ci + reach); ++i) {
       const double r = std::hypot(i * plate.spacing_mm - x_mm, j * plate.spacing_mm - y_mm);
-      if (r >= kDotRadiusMm) continue;
-      const double z = base_mm + std::sqrt(ball * ball - r * r) - (ball - kDotHeightMm);
+      if (r >= kDotRadius_mm) continue;
+      const double z = base_mm + std::sqrt(ball * ball - r * r) - (ball - kDotHeight_mm);
       float& node = plate.height_mm[static_cast<std::size_t>(j) * static_cast<std::size_t>(plate.nx) +
                                     static_cast<std::size_t>(i)];
       node = std::max(node, static_cast<float>(z));
@@ -115,8 +115,8 @@ void raise_dot(ReplicaPlate& plate, double x_mm, double y_mm, double base_mm) {
 std::vector<std::vector<BrailleCell>> braille_lines(const SceneDescription& scene, double width_mm,
                                                     ReplicaReport& report) {
   std::vector<std::vector<BrailleCell>> lines;
-  const double room_mm = width_mm - 2.0 * kMarginMm;
-  const auto most = room_mm < kCellGapMm ? std::size_t{0} : static_cast<std::size_t>(room_mm / kCellGapMm);
+  const double room_mm = width_mm - 2.0 * kMargin_mm;
+  const auto most = room_mm < kCellGap_mm ? std::size_t{0} : static_cast<std::size_t>(room_mm / kCellGap_mm);
   bool incomplete = false;
   for (const PartConfig& part : scene.config.parts) {
     const std::string& text = part.say.empty() ? part.name : part.say;
@@ -133,16 +133,16 @@ std::vector<std::vector<BrailleCell>> braille_lines(const SceneDescription& scen
 }
 
 void write_braille(ReplicaPlate& plate, const std::vector<std::vector<BrailleCell>>& lines, double base_mm) {
-  double y_mm = plate.first_row * plate.spacing_mm - kMarginMm;  // of a line's upper dots
+  double y_mm = plate.first_row * plate.spacing_mm - kMargin_mm;  // of a line's upper dots
   for (const std::vector<BrailleCell>& line : lines) {
-    double x_mm = kMarginMm;
+    double x_mm = kMargin_mm;
     for (const BrailleCell cell : line) {
       for (unsigned dot = 0; dot < 6; ++dot)
         if ((cell >> dot & 1U) != 0)
-          raise_dot(plate, x_mm + (dot / 3) * kDotGapMm, y_mm - (dot % 3) * kDotGapMm, base_mm);
-      x_mm += kCellGapMm;
+          raise_dot(plate, x_mm + (dot / 3) * kDotGap_mm, y_mm - (dot % 3) * kDotGap_mm, base_mm);
+      x_mm += kCellGap_mm;
     }
-    y_mm -= kLineGapMm;
+    y_mm -= kLineGap_mm;
   }
 }
 
@@ -200,7 +200,7 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
     throw Error(ErrorKind::input, {}, "the scene has no area", "two nodes and more along both sides");
 
   const double true_mm = (relief.high_m - relief.low_m) * mm_per_m;
-  const double depth_mm = options.depth_mm.value_or(std::clamp(true_mm, kFlattestMm, kDeepestMm));
+  const double depth_mm = options.depth_mm.value_or(std::clamp(true_mm, kFlattest_mm, kDeepest_mm));
   const double span_m = relief.high_m - relief.low_m;
   std::vector<float> node_mm(relief.layers.grid.height_m.size());
   for (std::size_t n = 0; n < node_mm.size(); ++n) {
@@ -212,14 +212,15 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
 
   const double spacing_mm = lattice.spacing_m * mm_per_m;
   const int most_fine = std::max(1, kMostNodes / longer_side(lattice));
-  const int fine = std::clamp(static_cast<int>(std::ceil(spacing_mm / kCoarsestMm - 1e-9)), 1, most_fine);
+  const int fine = std::clamp(static_cast<int>(std::ceil(spacing_mm / kCoarsest_mm - 1e-9)), 1, most_fine);
   ReplicaPlate plate;
   plate.spacing_mm = spacing_mm / fine;
   plate.nx = (lattice.nx - 1) * fine + 1;
   const auto lines =
       options.braille ? braille_lines(description, plate.width_mm(), report) : std::vector<std::vector<BrailleCell>>{};
   const double strip_mm =
-      lines.empty() ? 0.0 : 2.0 * kMarginMm + 2.0 * kDotGapMm + (static_cast<double>(lines.size()) - 1.0) * kLineGapMm;
+      lines.empty() ? 0.0
+                    : 2.0 * kMargin_mm + 2.0 * kDotGap_mm + (static_cast<double>(lines.size()) - 1.0) * kLineGap_mm;
   plate.first_row = static_cast<int>(std::ceil(strip_mm / plate.spacing_mm));
   plate.ny = plate.first_row + (lattice.ny - 1) * fine + 1;
   plate.height_mm.assign(static_cast<std::size_t>(plate.nx) * static_cast<std::size_t>(plate.ny),
@@ -238,12 +239,12 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
   if (relief.unknown > 0.02)
     report.warnings.push_back(fmt::format("{:.0f} % of the relief was not measured and lies at the base; set `fill`",
                                           100.0 * relief.unknown));
-  if (longer_side(finest) > kMostNodes && spacing_mm > kCoarsestMm)
+  if (longer_side(finest) > kMostNodes && spacing_mm > kCoarsest_mm)
     report.warnings.push_back(fmt::format(
         "the print has nodes {:.2g} mm apart, the scene's would be {:.2g} mm apart: a replica has at most {} "
         "along a side; print it smaller, or in pieces",
         plate.spacing_mm, finest.spacing_m * mm_per_m, kMostNodes));
-  else if (plate.spacing_mm > 2.0 * kCoarsestMm)
+  else if (plate.spacing_mm > 2.0 * kCoarsest_mm)
     report.warnings.push_back("the scene is coarser than the print; Braille dots may not be legible");
   return plate;
 }
@@ -266,7 +267,7 @@ ReplicaReport export_replica(const Scene& scene, const std::filesystem::path& fi
   if (report.crowded > 0.1)
     report.warnings.push_back(fmt::format(
         "{:.0f} % has grooves or ridges narrower than {:.0f} mm, which fingers run together; print it larger",
-        100.0 * report.crowded, kLeastGapMm));
+        100.0 * report.crowded, kLeastGap_mm));
   if (report.felt < 0.2)
     report.warnings.push_back(
         "most of it is smoother than fingers notice (0.5 mm); raise it with --depth-mm or --curve");

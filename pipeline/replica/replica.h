@@ -49,7 +49,7 @@ struct ReplicaReport {
 };
 
 /// Rules for tactile graphics that the legibility map follows: features of 0.5 mm, 5 mm apart, on 1.5 mm of base.
-inline constexpr double kLeastFeatureMm = 0.5, kLeastGapMm = 5.0, kLeastBaseMm = 1.5;
+inline constexpr double kLeastFeature_mm = 0.5, kLeastGap_mm = 5.0, kLeastBase_mm = 1.5;
 
 /// Throws Error{usage} for options out of range, Error{input} for a scene without a known node.
 [[nodiscard]] ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, ReplicaReport& report);

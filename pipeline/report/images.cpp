@@ -139,8 +139,8 @@ Picture friction(const Layers& base, const SceneDescription& scene) {
   picture.title = "Friction";
   picture.map = ColourMap::friction;
   const FrictionConfig& config = *scene.config.friction;
-  const double scale = level_scale(scene.config.levels.window, base.grid.lattice, kDeskWorkspaceM);
-  const FrictionLaw law(scene, scale, kDeskWorkspaceM);
+  const double scale = level_scale(scene.config.levels.window, base.grid.lattice, kDeskWorkspace_m);
+  const FrictionLaw law(scene, scale, kDeskWorkspace_m);
   const Field field = reduce(base.grid.lattice, [&](std::size_t n) {
     return std::isnan(base.grid.height_m[n]) ? kUnknownHeight : law.dynamic(base, n);
   });
@@ -151,7 +151,7 @@ Picture friction(const Layers& base, const SceneDescription& scene) {
                 "Coefficient of sliding friction that the hand feels with a device whose "
                 "workspace is {} wide, from pale (smooth) to dark (rough); under the paper's law "
                 "other devices feel other coefficients.",
-                length_text(kDeskWorkspaceM, TextStyle::typeset))
+                length_text(kDeskWorkspace_m, TextStyle::typeset))
           : std::string("Coefficient of sliding friction that the hand feels, from pale (smooth) to dark (rough).");
   picture.alternative =
       fmt::format("Map of the friction coefficient; its median is {:.2f}, its 95th percentile {:.2f}.",

@@ -176,6 +176,33 @@ TEST_F(FalconProgram, AStoppedProgramHoldsNoForceAndGoesOnAfterwards) {
   EXPECT_TRUE(off());
 }
 
+// As when a lid is closed: the program and the guard of its force stop and go on together, and nothing has sent zeros.
+TEST_F(FalconProgram, AMachineThatSleptInContactWakesWithZeroForceAndGoesOn) {
+  start("--fault warm-start");
+  ASSERT_TRUE(eventually([&] { return presses_since(0); })) << messages();
+  std::vector<pid_t> sleepers{explorer()};
+  const std::string id = std::to_string(explorer());
+  std::ifstream children("/proc/" + id + "/task/" + id + "/children");
+  for (pid_t child = 0; children >> child;) sleepers.push_back(child);
+  ASSERT_GE(sleepers.size(), 2U) << "the guard";
+  for (auto sleeper = sleepers.rbegin(); sleeper != sleepers.rend(); ++sleeper) ::kill(*sleeper, SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  const std::size_t asleep = events().size();
+  for (const pid_t sleeper : sleepers) ::kill(sleeper, SIGCONT);
+  EXPECT_TRUE(eventually([&] { return presses_since(asleep); })) << messages();
+  int forces = 0;  // what was on its way when the machine fell asleep
+  const auto all = events();
+  for (std::size_t i = asleep; i < all.size(); ++i) {
+    if (all[i].kind != "out" || !all[i].packet) continue;
+    if (!all[i].force()) break;
+    ++forces;
+  }
+  EXPECT_LE(forces, 1);
+  ::kill(explorer(), SIGTERM);
+  EXPECT_EQ(finish(), 0);
+  EXPECT_TRUE(off());
+}
+
 TEST_F(FalconProgram, IsLoadedHomedTouchedUnpluggedInContactPluggedInAgainAndTouchedAgain) {
   install_voice();
   start("--fault unplug --fault bad-echo --fault deaf --fault late-arm", "--speech");

@@ -106,8 +106,8 @@ inline haptics::SessionOptions options_of(const pipeline::ScenePointer& scene, c
 inline haptics::SessionSummary record_on(const pipeline::ScenePointer& first,
                                          const std::vector<pipeline::ScenePointer>& others,
                                          const std::filesystem::path& file, std::uint64_t seed = 4) {
-  constexpr double kEachS = 0.8;
-  const double duration_s = 2.0 + kEachS * static_cast<double>(others.size() + 1);
+  constexpr double kEach_s = 0.8;
+  const double duration_s = 2.0 + kEach_s * static_cast<double>(others.size() + 1);
   haptics::Session session(first, haptics::make_simulated_device(seed, duration_s), options_of(first, file));
   session.start();
   std::size_t given = 0;
@@ -115,8 +115,8 @@ inline haptics::SessionSummary record_on(const pipeline::ScenePointer& first,
   while (!session.finished()) {
     session.poll();
     const double time_s = session.state().read().time_s - 2.0;  // the first touch comes meanwhile
-    if (given < others.size() && time_s > kEachS * static_cast<double>(given + 1)) session.set_scene(others[given++]);
-    if (zoomed <= others.size() && time_s > kEachS * (static_cast<double>(zoomed) + 0.5)) {
+    if (given < others.size() && time_s > kEach_s * static_cast<double>(given + 1)) session.set_scene(others[given++]);
+    if (zoomed <= others.size() && time_s > kEach_s * (static_cast<double>(zoomed) + 0.5)) {
       ++zoomed;
       session.requests().post({haptics::Request::Kind::zoom_in});
     }

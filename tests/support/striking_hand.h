@@ -40,16 +40,16 @@ struct Strike {
 inline Strike strike(const StrikingHand& c, haptics::HapticWindow window) {
   using Eigen::Vector3d;
   constexpr double kStep = 20e-6;
-  constexpr double kHoverM = 0.012;
+  constexpr double kHover_m = 0.012;
   haptics::DeviceInfo info;
   haptics::RendererOptions options;
   options.rate_hz = c.rate_hz;
   options.stiffness_n_per_m = c.wish_n_per_m;
   haptics::HapticRenderer renderer(info, options, std::move(window));
-  const double way_m = kHoverM + c.below_m;
+  const double way_m = kHover_m + c.below_m;
   const auto intended = [&](double t) {
     const double gone = c.speed_m_per_s * std::max(0.0, t - 0.12);
-    return kHoverM - (gone < way_m ? gone : std::max(0.0, 2.0 * way_m - gone));
+    return kHover_m - (gone < way_m ? gone : std::max(0.0, 2.0 * way_m - gone));
   };
   struct Force {
     double time_s;
@@ -57,7 +57,7 @@ inline Strike strike(const StrikingHand& c, haptics::HapticWindow window) {
   };
   std::deque<Force> on_the_way;
   Strike result;
-  double z = kHoverM;
+  double z = kHover_m;
   double velocity = 0.0;
   double held = 0.0;
   double work_j = 0.0;

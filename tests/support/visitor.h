@@ -32,11 +32,11 @@ class RelaxedHand final : public Device {
     return info;
   }
   [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
-    constexpr double kMassKg = 0.15;
+    constexpr double kMass_kg = 0.15;
     constexpr double kDamping = 3.0;  // N s/m
     const Vector2d wish(wish_x_.load(), wish_y_.load());
     const Vector2d pull = force_n_ + kDamping * (wish - velocity_);
-    velocity_ += pull * (period_s / kMassKg);
+    velocity_ += pull * (period_s / kMass_kg);
     place_ += velocity_ * period_s;
     place_ = place_.cwiseMax(-0.05).cwiseMin(0.05);
     DeviceSample sample = sample_at({place_.x(), place_.y(), z_m_.load()}, time_s);

@@ -18,7 +18,7 @@ namespace {
 using pipeline::FrictionConfig;
 
 constexpr int kNodes = 120;
-constexpr double kSpacingM = 0.0005;
+constexpr double kSpacing_m = 0.0005;
 constexpr double kFrictionCM = 0.002;
 
 struct Case {
@@ -58,7 +58,7 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
     SceneOptions options;
     options.nx = kNodes;
     options.ny = kNodes / 2;
-    options.spacing_m = kSpacingM;
+    options.spacing_m = kSpacing_m;
     const auto scene =
         scene_of([](double x, double y) { return 0.0005 * std::sin(300.0 * x) * std::cos(200.0 * y); }, options,
                  [&](pipeline::SceneDescription& description) {
@@ -82,7 +82,7 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
     const FrictionConfig& config = *description.config.friction;
     const pipeline::Layers layers = scene->read_level(0);
     // The workspace on the window's longer side.
-    const double scale = c.workspace_m / ((std::min(c.window, kNodes) - 1) * kSpacingM);
+    const double scale = c.workspace_m / ((std::min(c.window, kNodes) - 1) * kSpacing_m);
 
     const int nodes = std::min(c.window, kNodes);
     const pipeline::Layers window = scene->read(0, 0, 0, nodes, std::min(c.window, options.ny));

@@ -32,7 +32,7 @@ TEST(Press, LandsWhereTheMousePointsAndStaysGentleOnDeepForms) {
   const pipeline::SceneDescription& description = scene->description();
   const Stage stage = stage_of(description);
   const haptics::WindowPlan plan = haptics::plan_window(description, static_cast<int>(description.levels.size()) - 1,
-                                                        {0.2, 0.2}, pipeline::kDeskWorkspaceM);
+                                                        {0.2, 0.2}, pipeline::kDeskWorkspace_m);
   const haptics::HapticWindow window = haptics::load_window(*scene, plan, 1);
   const haptics::MongeSurface& surface = *window.surface;
   haptics::State state = touching(*scene, 0.2, 0.2, 0.1, 0.2, 0.2);

@@ -17,16 +17,16 @@ namespace sparsha::viewer {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kStepRad = 5.0 * kDegree;
-constexpr double kFineStepRad = 0.5 * kDegree;
+constexpr double kStep_rad = 5.0 * kDegree;
+constexpr double kFineStep_rad = 0.5 * kDegree;
 constexpr double kRadPerPixel = 0.008;
-constexpr double kPreviewS = 0.05;  // between previews while the object turns
-constexpr double kGestureS = 0.5;
-constexpr double kRestS = 0.30;         // then one of all points
+constexpr double kPreview_s = 0.05;  // between previews while the object turns
+constexpr double kGesture_s = 0.5;
+constexpr double kRest_s = 0.30;        // then one of all points
 constexpr std::size_t kQuick = 60000;   // points of a preview while the object turns
 constexpr std::size_t kFull = 1500000;  // and at rest
 constexpr double kFitShare = 0.82;      // of the picture
-constexpr double kHandlePx = 14.0;
+constexpr double kHandle_px = 14.0;
 constexpr std::size_t kMostUndo = 200;
 
 }  // namespace
@@ -58,7 +58,7 @@ void CloudController::press(const KeyPress& press) {
 
 void CloudController::turn(const Eigen::Matrix4d& scan_to_grid, bool keep_fit) {
   // The steps of one gesture are undone at once.
-  const bool goes_on = keep_fit && !before_.empty() && frame_.time_s - turned_s_ < kGestureS;
+  const bool goes_on = keep_fit && !before_.empty() && frame_.time_s - turned_s_ < kGesture_s;
   if (!goes_on) before_.push_back(frame_.setup.scan_to_grid);
   if (before_.size() > kMostUndo) before_.erase(before_.begin());
   frame_.setup.scan_to_grid = scan_to_grid;
@@ -123,34 +123,34 @@ bool CloudController::set_side(CloudAction action) {
 bool CloudController::turn_step(CloudAction action) {
   switch (action) {
     case CloudAction::turn_left:
-      turn_by(0.0, -kStepRad, 0.0);
+      turn_by(0.0, -kStep_rad, 0.0);
       return true;
     case CloudAction::turn_right:
-      turn_by(0.0, kStepRad, 0.0);
+      turn_by(0.0, kStep_rad, 0.0);
       return true;
     case CloudAction::tilt_up:
-      turn_by(-kStepRad, 0.0, 0.0);
+      turn_by(-kStep_rad, 0.0, 0.0);
       return true;
     case CloudAction::tilt_down:
-      turn_by(kStepRad, 0.0, 0.0);
+      turn_by(kStep_rad, 0.0, 0.0);
       return true;
     case CloudAction::roll_left:
-      turn_by(0.0, 0.0, kStepRad);
+      turn_by(0.0, 0.0, kStep_rad);
       return true;
     case CloudAction::roll_right:
-      turn_by(0.0, 0.0, -kStepRad);
+      turn_by(0.0, 0.0, -kStep_rad);
       return true;
     case CloudAction::fine_left:
-      turn_by(0.0, -kFineStepRad, 0.0);
+      turn_by(0.0, -kFineStep_rad, 0.0);
       return true;
     case CloudAction::fine_right:
-      turn_by(0.0, kFineStepRad, 0.0);
+      turn_by(0.0, kFineStep_rad, 0.0);
       return true;
     case CloudAction::fine_up:
-      turn_by(-kFineStepRad, 0.0, 0.0);
+      turn_by(-kFineStep_rad, 0.0, 0.0);
       return true;
     case CloudAction::fine_down:
-      turn_by(kFineStepRad, 0.0, 0.0);
+      turn_by(kFineStep_rad, 0.0, 0.0);
       return true;
     default:
       return false;
@@ -302,7 +302,7 @@ void CloudController::mouse_button(int button, bool down, int /*modifiers*/) {
   left_down_ = down;
   frame_.held = -1;
   if (!down || !frame_.edits_crop) return;
-  double nearest = kHandlePx * kHandlePx;
+  double nearest = kHandle_px * kHandle_px;
   for (int handle = 0; handle < 6; ++handle) {
     const auto at = crop_handle(handle);
     if (!at || (*at - mouse_).squaredNorm() > nearest) continue;
@@ -389,8 +389,8 @@ void CloudController::update(double time_s, int width, int height, bool can_go_b
   view.height = std::max(height, 1);
   view.scan_to_view = frame_.setup.scan_to_grid.topLeftCorner<3, 3>();
   if (!frame_.status.points) return;
-  const bool rests = frame_.finished || time_s - turned_s_ >= kRestS;
-  if ((preview_due_ && (rests || time_s - preview_s_ >= kPreviewS)) || (rests && !preview_full_)) {
+  const bool rests = frame_.finished || time_s - turned_s_ >= kRest_s;
+  if ((preview_due_ && (rests || time_s - preview_s_ >= kPreview_s)) || (rests && !preview_full_)) {
     frame_.preview = preview_of(*frame_.status.points, frame_.setup, rests ? kFull : kQuick);
     ++frame_.previews;
     preview_due_ = false;

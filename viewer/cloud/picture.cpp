@@ -15,31 +15,31 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr double kFrameS = 0.016;    // for the points of one frame
-constexpr double kPatienceS = 0.12;  // a view that has not changed for so long gets all points
-constexpr double kOverlap = 1.35;    // splats are so much wider than points are apart
+constexpr double kFrame_s = 0.016;    // for the points of one frame
+constexpr double kPatience_s = 0.12;  // a view that has not changed for so long gets all points
+constexpr double kOverlap = 1.35;     // splats are so much wider than points are apart
 constexpr int kLargest = 7;
 constexpr std::size_t kMapSteps = 256;
 
 /// Darkens what lies below its neighbours, and puts the backdrop where there is no point. First row at the bottom.
 void shade(const std::vector<std::uint32_t>& rgba, const std::vector<float>& heights, int width, int height, bool dark,
            ThreadPool& pool, std::vector<std::uint32_t>& picture) {
-  constexpr int kReachPx = 2;
-  constexpr float kSteep = 1.0F / (4.0F * kReachPx);
+  constexpr int kReach_px = 2;
+  constexpr float kSteep = 1.0F / (4.0F * kReach_px);
   constexpr float kNothing = 0.5F * Splatter::kEmpty;
   const auto columns = static_cast<std::size_t>(width);
   picture.resize(rgba.size());
   const auto rows = [&](std::size_t begin, std::size_t end) {
     std::vector<float> hidden(columns);
     for (std::size_t y = begin; y < end; ++y) {
-      const std::size_t below = y < kReachPx ? y : y - kReachPx;
-      const std::size_t above = std::min(y + kReachPx, static_cast<std::size_t>(height) - 1);
+      const std::size_t below = y < kReach_px ? y : y - kReach_px;
+      const std::size_t above = std::min(y + kReach_px, static_cast<std::size_t>(height) - 1);
       const float* here = heights.data() + y * columns;
       std::ranges::fill(hidden, 0.0F);
       for (const std::size_t row : {below, y, above}) {
         const float* other = heights.data() + row * columns;
-        for (const int shift : {-kReachPx, 0, kReachPx}) {
-          const std::size_t first = shift < 0 ? kReachPx : 0, last = shift > 0 ? columns - kReachPx : columns;
+        for (const int shift : {-kReach_px, 0, kReach_px}) {
+          const std::size_t first = shift < 0 ? kReach_px : 0, last = shift > 0 ? columns - kReach_px : columns;
           // An empty neighbour lies so low that it hides nothing.
           for (std::size_t x = first; x < last; ++x)
             hidden[x] += std::clamp((other[static_cast<std::ptrdiff_t>(x) + shift] - here[x]) * kSteep, 0.0F, 1.0F);
@@ -160,17 +160,17 @@ void CloudPicture::splat(const CloudFrame& frame, bool changed) {
   if (changed) {
     quick_.clear(frame.view);
     const auto visible = static_cast<double>(std::max<std::uint64_t>(quick_.visible(*frame.status.points), 1));
-    share_ = frame.finished ? 1.0 : std::min(1.0, points_per_s_ * kFrameS / visible);
+    share_ = frame.finished ? 1.0 : std::min(1.0, points_per_s_ * kFrame_s / visible);
     add(quick_, frame, 0.0, share_, share_);
     upload(quick_, frame.view);
     changed_s_ = frame.time_s;
     refined_ = 0.0;
     return;
   }
-  if (share_ >= 1.0 || frame.time_s - changed_s_ < kPatienceS) return;
+  if (share_ >= 1.0 || frame.time_s - changed_s_ < kPatience_s) return;
   if (refined_ == 0.0) all_.clear(frame.view);
   const auto visible = static_cast<double>(std::max<std::uint64_t>(all_.visible(*frame.status.points), 1));
-  const double to = std::min(1.0, refined_ + std::max(0.02, points_per_s_ * kFrameS / visible));
+  const double to = std::min(1.0, refined_ + std::max(0.02, points_per_s_ * kFrame_s / visible));
   add(all_, frame, refined_, to, 1.0);
   refined_ = to;
   if (refined_ < 1.0) return;

@@ -11,8 +11,8 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr double kHandStepM = 0.002;  // one arrow key
-constexpr double kLightStepRad = std::numbers::pi / 12.0;
+constexpr double kHandStep_m = 0.002;  // one arrow key
+constexpr double kLightStep_rad = std::numbers::pi / 12.0;
 constexpr double kCloser = 1.15;
 const char* const kRescanQuestion = "Scan again from this side?";
 
@@ -170,16 +170,16 @@ void Controller::welcome_next(const ViewSettings& first) {
 bool Controller::step_hand(Action action) {
   switch (action) {
     case Action::hand_left:
-      hand_.step(-kHandStepM, 0.0);
+      hand_.step(-kHandStep_m, 0.0);
       return true;
     case Action::hand_right:
-      hand_.step(kHandStepM, 0.0);
+      hand_.step(kHandStep_m, 0.0);
       return true;
     case Action::hand_up:
-      hand_.step(0.0, kHandStepM);
+      hand_.step(0.0, kHandStep_m);
       return true;
     case Action::hand_down:
-      hand_.step(0.0, -kHandStepM);
+      hand_.step(0.0, -kHandStep_m);
       return true;
     case Action::hand_raise:
       hand_.raise(1.0);
@@ -205,10 +205,10 @@ bool Controller::set_light(Action action) {
   auto& light = frame_.settings.light;
   switch (action) {
     case Action::light_turn:
-      light.azimuth_rad -= kLightStepRad;
+      light.azimuth_rad -= kLightStep_rad;
       return true;
     case Action::light_back:
-      light.azimuth_rad += kLightStepRad;
+      light.azimuth_rad += kLightStep_rad;
       return true;
     case Action::light_higher:
       light.elevation_rad = std::min(light.elevation_rad + 0.08, 1.4);
@@ -229,19 +229,19 @@ bool Controller::set_light(Action action) {
 }
 
 bool Controller::move_camera(Action action) {
-  constexpr double kTurnRad = 0.08, kTiltRad = 0.06;
+  constexpr double kTurn_rad = 0.08, kTilt_rad = 0.06;
   switch (action) {
     case Action::turn_left:
-      orbit_.turn(-kTurnRad, 0.0);
+      orbit_.turn(-kTurn_rad, 0.0);
       return true;
     case Action::turn_right:
-      orbit_.turn(kTurnRad, 0.0);
+      orbit_.turn(kTurn_rad, 0.0);
       return true;
     case Action::tilt_up:
-      orbit_.turn(0.0, -kTiltRad);
+      orbit_.turn(0.0, -kTilt_rad);
       return true;
     case Action::tilt_down:
-      orbit_.turn(0.0, kTiltRad);
+      orbit_.turn(0.0, kTilt_rad);
       return true;
     case Action::closer:
       orbit_.zoom(kCloser);

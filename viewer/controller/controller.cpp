@@ -70,7 +70,7 @@ void Controller::tell(const std::string& text, haptics::Announcement::Priority p
 
 double Controller::reach_m() const {
   const haptics::State& state = frame_.state;
-  return 0.5 * (state.tick != 0 ? state.workspace_m : pipeline::kDeskWorkspaceM);
+  return 0.5 * (state.tick != 0 ? state.workspace_m : pipeline::kDeskWorkspace_m);
 }
 
 // Never wider than the scene: a window that reaches beyond it is drawn as the whole of it.

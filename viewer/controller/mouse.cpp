@@ -6,11 +6,11 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr double kTurnRad = 0.006;  // a pixel
-constexpr double kLightRad = 0.008;
-constexpr double kDoubleClickS = 0.4;
-constexpr double kSamePlacePx = 6.0;  // between the two clicks of a double one
-constexpr double kOverviewS = 0.08;   // between two windows that a drag in the overview asks for
+constexpr double kTurn_rad = 0.006;  // a pixel
+constexpr double kLight_rad = 0.008;
+constexpr double kDoubleClick_s = 0.4;
+constexpr double kSamePlace_px = 6.0;  // between the two clicks of a double one
+constexpr double kOverview_s = 0.08;   // between two windows that a drag in the overview asks for
 
 }  // namespace
 
@@ -49,7 +49,7 @@ void Controller::mouse_move(double x, double y, const Layout& layout, const View
   }
   if (right_down_ || grip_ == Grip::camera) {
     hand_.forget_aim();
-    return orbit_.turn(-kTurnRad * moved.x(), -kTurnRad * moved.y());
+    return orbit_.turn(-kTurn_rad * moved.x(), -kTurn_rad * moved.y());
   }
   if (middle_down_) {
     hand_.forget_aim();
@@ -94,7 +94,7 @@ void Controller::press_left(int modifiers) {
   } else if (marking_.grip(aim(), frame_.settings.parts)) {
     grip_ = Grip::mark;
   } else if (frame_.looks || !frame_.has_pointer) {
-    const bool twice = frame_.time_s - clicked_s_ < kDoubleClickS && (mouse_ - clicked_).norm() < kSamePlacePx;
+    const bool twice = frame_.time_s - clicked_s_ < kDoubleClick_s && (mouse_ - clicked_).norm() < kSamePlace_px;
     clicked_s_ = twice ? -1.0 : frame_.time_s;
     clicked_ = mouse_;
     grip_ = Grip::camera;
@@ -144,7 +144,7 @@ void Controller::drag_hand(const Eigen::Vector2d& from, const View& view) {
 
 // A drag asks for no more windows than can be read.
 void Controller::go_to_overview(const Eigen::Vector2d& place) {
-  if (!scene_ || frame_.time_s - overview_s_ < kOverviewS) {
+  if (!scene_ || frame_.time_s - overview_s_ < kOverview_s) {
     overview_waits_ = true;
     return;
   }
@@ -168,7 +168,7 @@ void Controller::turn_light(const Eigen::Vector2d& moved) {
   auto& light = frame_.settings.light;
   const double reach = std::cos(light.elevation_rad);
   Eigen::Vector2d lamp(reach * std::cos(light.azimuth_rad), reach * std::sin(light.azimuth_rad));
-  lamp += kLightRad * Eigen::Vector2d(moved.x(), -moved.y());
+  lamp += kLight_rad * Eigen::Vector2d(moved.x(), -moved.y());
   constexpr double kLowest = 0.12, kHighest = 1.5;
   light.azimuth_rad = std::atan2(lamp.y(), lamp.x());
   light.elevation_rad = std::clamp(std::acos(std::min(lamp.norm(), 1.0)), kLowest, kHighest);

@@ -40,8 +40,8 @@ Fonts load_fonts(double scale) {
   const auto load = [&](const std::string& file, double size) {
     ImFontConfig config;
     const auto pixels = static_cast<float>(std::round(size * scale));
-    constexpr float kLargePx = 32.0F;  // between pixels such letters need no place, and their texture is large
-    config.OversampleH = pixels < kLargePx ? 2 : 1;
+    constexpr float kLarge_px = 32.0F;  // between pixels such letters need no place, and their texture is large
+    config.OversampleH = pixels < kLarge_px ? 2 : 1;
     config.OversampleV = 1;
     ImFont* font = file.empty() ? nullptr : atlas.AddFontFromFileTTF(file.c_str(), pixels, &config, kRanges.data());
     if (font != nullptr) return font;

@@ -32,8 +32,8 @@ class Plotter {
 
   [[nodiscard]] bool place(const Eigen::Vector3d& grid_m, ImVec2& at) const {
     const auto pixel = picture_.detail_view().to_pixel(picture_.stage().to_world(grid_m));
-    constexpr double kFarPx = 1e5;
-    if (!pixel || !pixel->allFinite() || pixel->cwiseAbs().maxCoeff() > kFarPx) return false;
+    constexpr double kFar_px = 1e5;
+    if (!pixel || !pixel->allFinite() || pixel->cwiseAbs().maxCoeff() > kFar_px) return false;
     at = {static_cast<float>(left_ + pixel->x()), static_cast<float>(top_ + pixel->y())};
     return true;
   }

@@ -110,8 +110,8 @@ void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& l
   const auto place = [&](const Eigen::Vector3d& grid_m) {
     Eigen::Vector2d p = view.to_pixel(stage.to_world(grid_m)).value_or(Eigen::Vector2d::Zero());
     // ImGui looks into a table by what it is given: never a NaN, never far off the picture.
-    constexpr double kFarPx = 1e5;
-    for (double& pixel : p) pixel = std::isfinite(pixel) ? std::clamp(pixel, -kFarPx, kFarPx) : 0.0;
+    constexpr double kFar_px = 1e5;
+    for (double& pixel : p) pixel = std::isfinite(pixel) ? std::clamp(pixel, -kFar_px, kFar_px) : 0.0;
     return ImVec2(static_cast<float>(rect.x + p.x()), static_cast<float>(rect.y + p.y()));
   };
   const ImVec2 low(static_cast<float>(rect.x), static_cast<float>(rect.y));

@@ -47,7 +47,7 @@ void draw_strip(const Brush& brush, const Frame& frame, const Layout& layout) {
     const double end_s = samples.empty() ? 0.0 : samples.back().time_s;
     float last_x = -1e9F;
     for (const Strip::Sample& sample : samples) {
-      const float px = x + width * static_cast<float>(1.0 - (end_s - sample.time_s) / Strip::kLengthS);
+      const float px = x + width * static_cast<float>(1.0 - (end_s - sample.time_s) / Strip::kLength_s);
       const float share = static_cast<float>(std::min(curve.factor * (sample.*curve.value) / full, 1.0));
       const ImVec2 point(std::max(px, x), top + (height - brush.px(2.0F)) * (1.0F - share) + brush.px(1.0F));
       // No more points than pixels: the highest counts.

@@ -7,11 +7,11 @@
 namespace sparsha::viewer {
 
 Attract::Change Attract::update(double time_s, const haptics::State& state) {
-  constexpr double kMovedM = 0.002;  // a device at rest drifts less
+  constexpr double kMoved_m = 0.002;  // a device at rest drifts less
   if (state.tick != 0) {
     double square = 0.0;
     for (std::size_t k = 0; k < 3; ++k) square += std::pow(state.device_m[k] - hand_m_[k], 2);
-    if (!(square < kMovedM * kMovedM)) {
+    if (!(square < kMoved_m * kMoved_m)) {
       hand_m_ = state.device_m;
       touched_ = touched_ || begun_;
     }
@@ -31,10 +31,10 @@ Attract::Change Attract::update(double time_s, const haptics::State& state) {
 }
 
 KeyLight Attract::light(double time_s) const {
-  constexpr double kRoundS = 180.0, kStepRad = std::numbers::pi / 90.0;
+  constexpr double kRound_s = 180.0, kStep_rad = std::numbers::pi / 90.0;
   KeyLight light;
-  const double way = 2.0 * std::numbers::pi * (time_s - shows_since_s_) / kRoundS;
-  light.azimuth_rad -= kStepRad * std::floor(way / kStepRad);
+  const double way = 2.0 * std::numbers::pi * (time_s - shows_since_s_) / kRound_s;
+  light.azimuth_rad -= kStep_rad * std::floor(way / kStep_rad);
   light.elevation_rad = 0.30;
   return light;
 }

@@ -41,9 +41,9 @@ bool Marking::move_section(Action action, double width_m) {
     return true;
   }
   constexpr double kStep = 0.02;  // window widths
-  constexpr double kTurnRad = std::numbers::pi / 12.0;
+  constexpr double kTurn_rad = std::numbers::pi / 12.0;
   if (action == Action::section_turn)
-    section->out = Eigen::AngleAxisd(kTurnRad, Eigen::Vector3d::UnitZ()) * section->out;
+    section->out = Eigen::AngleAxisd(kTurn_rad, Eigen::Vector3d::UnitZ()) * section->out;
   else
     section->at_m += (action == Action::section_near ? kStep : -kStep) * width_m * section->out;
   save();

@@ -257,9 +257,9 @@ ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, dou
 
 std::vector<std::uint8_t> bake_shadow(const ReliefData& relief, const KeyLight& light, ThreadPool& pool, bool soft) {
   const Heights heights = lit_heights(relief);
-  constexpr double kHalfWidthRad = 0.09, kEdge = 0.5;
+  constexpr double kHalfWidth_rad = 0.09, kEdge = 0.5;
   const std::vector<float> share =
-      soft ? soft_shadow(heights, light.azimuth_rad, light.elevation_rad, kHalfWidthRad, pool)
+      soft ? soft_shadow(heights, light.azimuth_rad, light.elevation_rad, kHalfWidth_rad, pool)
            : light_visibility(heights, light.azimuth_rad, light.elevation_rad, kEdge);
   std::vector<std::uint8_t> bytes(share.size());
   for (std::size_t k = 0; k < share.size(); ++k) bytes[k] = to_byte(share[k]);

@@ -202,10 +202,10 @@ class Screen {
 
   /// Nothing is drawn that would look the same: fields and lists of the panel need some pictures after each event.
   void draw_cloud(double now_s) {
-    constexpr double kSettlesS = 1.0;
+    constexpr double kSettles_s = 1.0;
     if (std::exchange(inputs_.stirred, false) || gui_.wants_keyboard()) stirred_s_ = now_s;
     const bool resized = inputs_.width != drawn_width_ || inputs_.height != drawn_height_;
-    if (now_s - stirred_s_ > kSettlesS && !inputs_.damaged && !resized && cloud_->rests()) return;
+    if (now_s - stirred_s_ > kSettles_s && !inputs_.damaged && !resized && cloud_->rests()) return;
     cloud_->controller().frame().finished = false;
     GuiInput::begin_frame(inputs_);
     cloud_->draw(gui_, settings_, 0, inputs_.width, inputs_.height, now_s, controller_.has_value());
@@ -240,10 +240,10 @@ class Screen {
   /// Events until the next picture is due: drivers without a vertical blank do not wait in the swap. False when the
   /// display is lost.
   bool wait(double now_s) const {
-    constexpr double kFrameS = 1.0 / 60.0;
+    constexpr double kFrame_s = 1.0 / 60.0;
     glfwPollEvents();
     while (!display_lost()) {
-      const double left_s = now_s + kFrameS - seconds();
+      const double left_s = now_s + kFrame_s - seconds();
       if (left_s < 0.001) return true;
       glfwWaitEventsTimeout(left_s);
     }

@@ -22,20 +22,20 @@ namespace {
 using Eigen::Vector3d;
 
 // The spring that holds the grip. Where the true scale is four times the assumed one, it is still stable.
-constexpr double kSpringNPerM = 80.0;
-constexpr double kDamperNSPerM = 3.0;
-constexpr double kIntegralPerS = 1.0;  // of the spring's force, what is learned in a second
-constexpr double kMostN = 4.5;
-constexpr double kNearM = 0.015;  // of the middle: the person has brought it there
-constexpr double kSoftStartS = 1.0;
-constexpr double kStillM = 0.0004;  // a grip at rest stays within this
-constexpr double kStillS = 2.0;
-constexpr double kMeasureS = 3.0;
-constexpr double kPlannedS = 0.001;
-constexpr double kLateS = 0.010;   // for so long the force is held while no answer comes
-constexpr double kBeyondS = 0.1;   // at the greatest force for so long, the weight is not held
-constexpr double kStepM = 100e-6;  // of the encoders across the grip's way, with the unknown time of their answer
-constexpr double kNotice = 0.05;   // of the weight, with more counts than any Falcon has: the weight hangs
+constexpr double kSpring_n_per_m = 80.0;
+constexpr double kDamper_n_s_per_m = 3.0;
+constexpr double kIntegral_per_s = 1.0;  // of the spring's force, what is learned in a second
+constexpr double kMost_n = 4.5;
+constexpr double kNear_m = 0.015;  // of the middle: the person has brought it there
+constexpr double kSoftStart_s = 1.0;
+constexpr double kStill_m = 0.0004;  // a grip at rest stays within this
+constexpr double kStill_s = 2.0;
+constexpr double kMeasure_s = 3.0;
+constexpr double kPlanned_s = 0.001;
+constexpr double kLate_s = 0.010;   // for so long the force is held while no answer comes
+constexpr double kBeyond_s = 0.1;   // at the greatest force for so long, the weight is not held
+constexpr double kStep_m = 100e-6;  // of the encoders across the grip's way, with the unknown time of their answer
+constexpr double kNotice = 0.05;    // of the weight, with more counts than any Falcon has: the weight hangs
 
 /// The device, driven tick by tick, with the time that its clock gives.
 class Bench {
@@ -56,8 +56,8 @@ class Bench {
   /// One tick with the force that the last one decided; false when it is to end.
   [[nodiscard]] bool tick() {
     if (stop_ && stop_()) return false;
-    device_.wait(kPlannedS);
-    const DeviceSample sample = device_.read(seconds(), kPlannedS);
+    device_.wait(kPlanned_s);
+    const DeviceSample sample = device_.read(seconds(), kPlanned_s);
     if (!sample.connected)
       throw Error(ErrorKind::device, {}, "calibration: the Falcon was unplugged", "a Falcon that stays plugged in");
     const bool was_ready = std::exchange(ready_, sample.homed);
@@ -68,12 +68,12 @@ class Bench {
     const double now_s = seconds();
     if (!sample.fresh) {
       // A force that comes and goes would never let the weight rest.
-      const bool late = ready_ && sample.homed && now_s - fresh_s_ < kLateS;
+      const bool late = ready_ && sample.homed && now_s - fresh_s_ < kLate_s;
       device_.write(late ? force_n_ : Vector3d(Vector3d::Zero()));
       return true;
     }
     motion_.add(sample.position_m, fresh_s_ > 0.0 ? now_s - fresh_s_ : 0.0);
-    period_s_ = fresh_s_ > 0.0 ? std::min(0.01, now_s - fresh_s_) : kPlannedS;
+    period_s_ = fresh_s_ > 0.0 ? std::min(0.01, now_s - fresh_s_) : kPlanned_s;
     fresh_s_ = now_s;
     position_m_ = sample.position_m;
     if (holding_ && ready_ && !was_ready) grasp();  // homed anew, the grip is far from the middle
@@ -100,7 +100,7 @@ class Bench {
     learned_n_.setZero();
   }
   [[nodiscard]] bool ready() const { return ready_; }
-  [[nodiscard]] bool near_middle() const { return ready_ && position_m_.norm() < kNearM; }
+  [[nodiscard]] bool near_middle() const { return ready_ && position_m_.norm() < kNear_m; }
   /// Upwards, as the motors make it by the present scale.
   [[nodiscard]] double lift_n() const { return share_ * force_n_.y(); }
   [[nodiscard]] double seconds() const {
@@ -109,28 +109,28 @@ class Bench {
   }
   /// For so long has the grip stayed where it is.
   [[nodiscard]] double still_s() {
-    if ((position_m_ - still_m_).norm() > kStillM) {
+    if ((position_m_ - still_m_).norm() > kStill_m) {
       still_m_ = position_m_;
       still_since_s_ = seconds();
     }
     return seconds() - still_since_s_;
   }
   /// A single tick at the greatest force is one that came late.
-  [[nodiscard]] bool at_limit() const { return beyond_s_ > kBeyondS; }
+  [[nodiscard]] bool at_limit() const { return beyond_s_ > kBeyond_s; }
 
  private:
   const Phrases phrases_ = Phrases::of("en");
   void hold() {
     force_n_.setZero();
     if (holding_ && ready_) {
-      const double share = std::clamp((seconds() - held_since_s_) / kSoftStartS, 0.0, 1.0);
+      const double share = std::clamp((seconds() - held_since_s_) / kSoftStart_s, 0.0, 1.0);
       const Vector3d way_m = (1.0 - share) * from_m_ - position_m_;
-      learned_n_ += kIntegralPerS * period_s_ * kSpringNPerM * way_m;
-      if (learned_n_.norm() > kMostN) learned_n_ *= kMostN / learned_n_.norm();
-      force_n_ = kSpringNPerM * way_m + learned_n_ - kDamperNSPerM * motion_.velocity(kStepM);
-      if (force_n_.norm() > kMostN) force_n_ *= kMostN / force_n_.norm();
+      learned_n_ += kIntegral_per_s * period_s_ * kSpring_n_per_m * way_m;
+      if (learned_n_.norm() > kMost_n) learned_n_ *= kMost_n / learned_n_.norm();
+      force_n_ = kSpring_n_per_m * way_m + learned_n_ - kDamper_n_s_per_m * motion_.velocity(kStep_m);
+      if (force_n_.norm() > kMost_n) force_n_ *= kMost_n / force_n_.norm();
     }
-    beyond_s_ = force_n_.norm() > 0.98 * kMostN ? beyond_s_ + period_s_ : 0.0;
+    beyond_s_ = force_n_.norm() > 0.98 * kMost_n ? beyond_s_ + period_s_ : 0.0;
     share_ = device_.force_share();
     device_.write(force_n_);
   }
@@ -152,7 +152,7 @@ class Bench {
   double held_since_s_ = 0.0;
   double fresh_s_ = 0.0;
   double beyond_s_ = 0.0;  // at the greatest force without a break, while answers came
-  double period_s_ = kPlannedS;
+  double period_s_ = kPlanned_s;
   bool ready_ = false;
   bool holding_ = false;
 };
@@ -167,7 +167,7 @@ std::optional<Mean> measure_once(Bench& bench) {
   constexpr int kParts = 10;
   std::array<double, kParts> parts{};
   for (double& part : parts) {
-    const double until_s = bench.seconds() + kMeasureS / kParts;
+    const double until_s = bench.seconds() + kMeasure_s / kParts;
     double sum = 0.0;
     std::uint64_t count = 0;
     while (bench.seconds() < until_s || count == 0) {
@@ -187,11 +187,11 @@ std::optional<Mean> measure_once(Bench& bench) {
 /// Again where the machine paused or somebody touched the grip: the calmest of some.
 std::optional<Mean> measure(Bench& bench) {
   constexpr int kTries = 4;
-  constexpr double kCalmN = 0.005;
+  constexpr double kCalm_n = 0.005;
   std::optional<Mean> best;
-  for (int i = 0; i < kTries && !(best && best->error < kCalmN); ++i) {
-    if (i > 0 &&
-        !bench.until([&] { return bench.still_s() > kStillS; }, "the grip does not come to rest", "nobody touching it"))
+  for (int i = 0; i < kTries && !(best && best->error < kCalm_n); ++i) {
+    if (i > 0 && !bench.until([&] { return bench.still_s() > kStill_s; }, "the grip does not come to rest",
+                              "nobody touching it"))
       return std::nullopt;
     const std::optional<Mean> mean = measure_once(bench);
     if (!mean) return std::nullopt;
@@ -258,7 +258,7 @@ std::optional<Calibration> calibrate(Device& device, const CalibrationOptions& o
                    "the grip in the middle of its way"))
     return std::nullopt;
   bench.grasp();
-  const auto still = [&] { return bench.still_s() > kStillS; };
+  const auto still = [&] { return bench.still_s() > kStill_s; };
   if (!bench.until(still, "the bare grip does not come to rest", "nobody touching it")) return std::nullopt;
   const std::optional<Mean> empty = measure(bench);
   if (!empty) return std::nullopt;
@@ -269,7 +269,7 @@ std::optional<Calibration> calibrate(Device& device, const CalibrationOptions& o
     if (bench.at_limit())
       throw Error(ErrorKind::device, {}, "calibration: the weight is more than the motors hold", "a lighter weight");
     if (bench.lift_n() < empty->value + notice_n) light_s = bench.seconds();
-    return bench.seconds() - light_s > kStillS && still();
+    return bench.seconds() - light_s > kStill_s && still();
   };
   if (!bench.until(hangs, "no weight was felt, or it does not come to rest", "the weight hanging still from the grip"))
     return std::nullopt;

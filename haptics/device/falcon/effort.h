@@ -14,7 +14,7 @@ namespace sparsha::haptics::falcon {
 /// Heat goes with the square of a motor's current and leaves with a time constant. Servo thread; no allocation.
 class MotorEffort {
  public:
-  static constexpr double kCoolingS = 30.0;
+  static constexpr double kCooling_s = 30.0;
   /// Share of the heat of full current, for ever: half the current.
   static constexpr double kBudget = 0.25;
   /// Where forces begin to shrink.
@@ -22,7 +22,7 @@ class MotorEffort {
 
   /// `command` was held for `seconds`.
   void add(const MotorCommand& command, double seconds) noexcept {
-    const double share = 1.0 - std::exp(-std::clamp(seconds, 0.0, 0.1) / kCoolingS);
+    const double share = 1.0 - std::exp(-std::clamp(seconds, 0.0, 0.1) / kCooling_s);
     for (std::size_t i = 0; i < heat_.size(); ++i) {
       const double current = static_cast<double>(command[i]) / kMostCommand;
       heat_[i] += share * (current * current - heat_[i]);

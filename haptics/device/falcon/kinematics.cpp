@@ -24,7 +24,7 @@ constexpr std::array<double, 3> kAzimuthDegrees = {105.0, -15.0, -135.0};
 // Encoder: 320 slots read fourfold a motor turn; the capstan of 14.25 mm drives a sector of 110 mm.
 constexpr double kCountsPerTurn = 320.0 * 4.0 * 110.0 / 14.25;
 constexpr double kRadianPerCount = 2.0 * std::numbers::pi / kCountsPerTurn;
-constexpr double kOffsetRad = 35.0 * kDegree;
+constexpr double kOffset_rad = 35.0 * kDegree;
 
 struct Azimuth {
   double cosine;
@@ -87,14 +87,14 @@ bool angles_and_jacobian(const Eigen::Vector3d& grip_m, Eigen::Vector3d& angles,
 Eigen::Vector3d angles_from_counts(const Counts& counts) noexcept {
   Eigen::Vector3d angles;
   for (std::size_t i = 0; i < 3; ++i)
-    angles[static_cast<Eigen::Index>(i)] = kOffsetRad + kRadianPerCount * static_cast<double>(counts[i]);
+    angles[static_cast<Eigen::Index>(i)] = kOffset_rad + kRadianPerCount * static_cast<double>(counts[i]);
   return angles;
 }
 
 Counts counts_from_angles(const Eigen::Vector3d& angles) noexcept {
   Counts counts{};
   for (std::size_t i = 0; i < 3; ++i)
-    counts[i] = static_cast<int>(std::lround((angles[static_cast<Eigen::Index>(i)] - kOffsetRad) / kRadianPerCount));
+    counts[i] = static_cast<int>(std::lround((angles[static_cast<Eigen::Index>(i)] - kOffset_rad) / kRadianPerCount));
   return counts;
 }
 
@@ -118,8 +118,8 @@ std::optional<Eigen::Matrix3d> jacobian(const Eigen::Vector3d& position_m) noexc
 std::optional<Eigen::Vector3d> forward(const Eigen::Vector3d& angles, const Eigen::Vector3d& start_m) noexcept {
   constexpr int kIterations = 40;
   constexpr int kHalvings = 12;
-  constexpr double kSettledRad = 1e-11;
-  constexpr double kLongestStepM = 0.03;
+  constexpr double kSettled_rad = 1e-11;
+  constexpr double kLongestStep_m = 0.03;
   if (!angles.allFinite()) return std::nullopt;
   Eigen::Vector3d position = start_m;
   Eigen::Vector3d reached;
@@ -130,11 +130,11 @@ std::optional<Eigen::Vector3d> forward(const Eigen::Vector3d& angles, const Eige
   }
   for (int i = 0; i < kIterations; ++i) {
     const Eigen::Vector3d missing = angles - reached;
-    if (missing.cwiseAbs().maxCoeff() <= kSettledRad) return position;
+    if (missing.cwiseAbs().maxCoeff() <= kSettled_rad) return position;
     Eigen::Vector3d step = derivative.inverse() * missing;
     if (!step.allFinite()) return std::nullopt;
     const double length = step.norm();
-    if (length > kLongestStepM) step *= kLongestStepM / length;
+    if (length > kLongestStep_m) step *= kLongestStep_m / length;
     // Halve until the step stays where a grip can be and comes nearer.
     bool nearer = false;
     for (int halving = 0; halving < kHalvings && !nearer; ++halving, step *= 0.5) {

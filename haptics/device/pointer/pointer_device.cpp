@@ -9,8 +9,8 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kFollowS = 0.012;  // time constant: most of a frame, less than the eye notices
-constexpr double kLongestStepS = 0.1;
+constexpr double kFollow_s = 0.012;  // time constant: most of a frame, less than the eye notices
+constexpr double kLongestStep_s = 0.1;
 
 class PointerDevice final : public Device {
  public:
@@ -35,7 +35,7 @@ class PointerDevice final : public Device {
         position_m_ = goal_m;
         velocity_.setZero();
       } else if (time_s > time_s_) {
-        follow(goal_m, std::min(time_s - time_s_, kLongestStepS));
+        follow(goal_m, std::min(time_s - time_s_, kLongestStep_s));
       }
       known_ = true;
     }
@@ -54,11 +54,11 @@ class PointerDevice final : public Device {
  private:
   // Exact solution of x'' = (goal - x) / T^2 - 2 x' / T over one step.
   void follow(const Eigen::Vector3d& goal_m, double dt_s) noexcept {
-    const double decay = std::exp(-dt_s / kFollowS);
+    const double decay = std::exp(-dt_s / kFollow_s);
     const Eigen::Vector3d away = position_m_ - goal_m;
-    const Eigen::Vector3d rise = velocity_ + away / kFollowS;
+    const Eigen::Vector3d rise = velocity_ + away / kFollow_s;
     position_m_ = goal_m + (away + rise * dt_s) * decay;
-    velocity_ = (velocity_ - rise * (dt_s / kFollowS)) * decay;
+    velocity_ = (velocity_ - rise * (dt_s / kFollow_s)) * decay;
   }
 
   std::shared_ptr<const Seqlock<PointerSample>> pointer_;

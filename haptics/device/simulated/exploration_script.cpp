@@ -10,23 +10,23 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kHoverHeightM = 0.03;  // first height above the device's origin, where the surface is
-constexpr double kLiftM = 0.025;        // above the last place that was touched
-constexpr double kApproachMPerS = 0.05;
-constexpr double kTravelMPerS = 0.15;      // in the air
-constexpr double kTouchForceN = 0.15;      // a fingertip notices this
-constexpr double kForceGainMPerNS = 0.02;  // intended depth per newton missing
-constexpr double kSearchMPerS = 0.08;      // downwards when the surface is lost
-constexpr double kLateralLimitN = 2.0;     // a wall: slow down and climb
-constexpr double kClimbMPerS = 0.04;
-constexpr double kLongestApproachS = 2.0;
-constexpr double kDeepestM = -0.2;  // nobody reaches through the table
-constexpr double kStrikeMPerS = 0.3;
-constexpr double kStruckForceN = 0.4;
-constexpr double kLongestStrikeS = 0.4;
-constexpr double kTourStrokeS = 2.6;
-constexpr double kTourStrokeForceN = 1.2;
-constexpr double kButtonS = 0.1;
+constexpr double kHoverHeight_m = 0.03;  // first height above the device's origin, where the surface is
+constexpr double kLift_m = 0.025;        // above the last place that was touched
+constexpr double kApproach_m_per_s = 0.05;
+constexpr double kTravel_m_per_s = 0.15;       // in the air
+constexpr double kTouchForce_n = 0.15;         // a fingertip notices this
+constexpr double kForceGain_m_per_n_s = 0.02;  // intended depth per newton missing
+constexpr double kSearch_m_per_s = 0.08;       // downwards when the surface is lost
+constexpr double kLateralLimit_n = 2.0;        // a wall: slow down and climb
+constexpr double kClimb_m_per_s = 0.04;
+constexpr double kLongestApproach_s = 2.0;
+constexpr double kDeepest_m = -0.2;  // nobody reaches through the table
+constexpr double kStrike_m_per_s = 0.3;
+constexpr double kStruckForce_n = 0.4;
+constexpr double kLongestStrike_s = 0.4;
+constexpr double kTourStroke_s = 2.6;
+constexpr double kTourStrokeForce_n = 1.2;
+constexpr double kButton_s = 0.1;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ ExplorationScript::ExplorationScript(std::uint64_t seed, double workspace_width_
     : tour_(std::move(tour)),
       random_(seed),
       radius_m_(0.3 * workspace_width_m),
-      target_m_(0.0, 0.0, kHoverHeightM),
+      target_m_(0.0, 0.0, kHoverHeight_m),
       goal_m_(target_m_) {
   phase_length_s_ = 0.3;
   if (const TourStop* first = stop()) goal_m_.head<2>() = first->at_m;
@@ -43,7 +43,7 @@ ExplorationScript::ExplorationScript(std::uint64_t seed, double workspace_width_
 std::uint64_t ExplorationScript::buttons() const noexcept {
   const TourStop* now = stop();
   const double since_s = phase_s_ - 0.5 * phase_length_s_;
-  const bool pressed = now != nullptr && phase_ == Phase::stroke && since_s >= 0.0 && since_s < kButtonS;
+  const bool pressed = now != nullptr && phase_ == Phase::stroke && since_s >= 0.0 && since_s < kButton_s;
   return pressed ? now->buttons : 0;
 }
 
@@ -70,20 +70,20 @@ void ExplorationScript::enter(Phase phase) noexcept {
       break;
     }
     case Phase::approach:
-      phase_length_s_ = kLongestApproachS;
+      phase_length_s_ = kLongestApproach_s;
       break;
     case Phase::strike:
-      phase_length_s_ = kLongestStrikeS;
+      phase_length_s_ = kLongestStrike_s;
       break;
     case Phase::press:
-      wanted_force_n_ = stop() != nullptr ? kTourStrokeForceN : uniform(0.6, 2.0);
+      wanted_force_n_ = stop() != nullptr ? kTourStrokeForce_n : uniform(0.6, 2.0);
       phase_length_s_ = uniform(0.3, 0.6);
       break;
     case Phase::stroke:
       if (const TourStop* now = stop()) {
         const Eigen::Vector2d way = now->to_m - target_m_.head<2>();
-        phase_length_s_ = kTourStrokeS;
-        speed_ = way.norm() / kTourStrokeS;
+        phase_length_s_ = kTourStroke_s;
+        speed_ = way.norm() / kTourStroke_s;
         heading_rad_ = std::atan2(way.y(), way.x());
         break;
       }
@@ -101,15 +101,15 @@ void ExplorationScript::enter(Phase phase) noexcept {
 void ExplorationScript::regulate(const Eigen::Vector3d& felt_force_n, double dt_s) noexcept {
   const double up_n = felt_force_n.z();
   const double lateral_n = std::hypot(felt_force_n.x(), felt_force_n.y());
-  double rate = -kForceGainMPerNS * (wanted_force_n_ - up_n);
-  if (up_n < kTouchForceN && lateral_n < kTouchForceN) rate = -kSearchMPerS;
-  if (lateral_n > kLateralLimitN) rate = kClimbMPerS;
-  target_m_.z() = std::max(kDeepestM, target_m_.z() + std::clamp(rate, -kSearchMPerS, kClimbMPerS) * dt_s);
+  double rate = -kForceGain_m_per_n_s * (wanted_force_n_ - up_n);
+  if (up_n < kTouchForce_n && lateral_n < kTouchForce_n) rate = -kSearch_m_per_s;
+  if (lateral_n > kLateralLimit_n) rate = kClimb_m_per_s;
+  target_m_.z() = std::max(kDeepest_m, target_m_.z() + std::clamp(rate, -kSearch_m_per_s, kClimb_m_per_s) * dt_s);
 }
 
 void ExplorationScript::hover(double dt_s) noexcept {
   const Eigen::Vector3d way = goal_m_ - target_m_;
-  const double longest = kTravelMPerS * dt_s;
+  const double longest = kTravel_m_per_s * dt_s;
   if (way.norm() > longest) {
     target_m_ += way * (longest / way.norm());
     return;
@@ -140,12 +140,12 @@ const Eigen::Vector3d& ExplorationScript::advance(const Eigen::Vector3d& felt_fo
       hover(dt_s);
       break;
     case Phase::approach:
-      target_m_.z() -= kApproachMPerS * dt_s;
-      if (felt_force_n.norm() > kTouchForceN || phase_s_ >= phase_length_s_) enter(Phase::press);
+      target_m_.z() -= kApproach_m_per_s * dt_s;
+      if (felt_force_n.norm() > kTouchForce_n || phase_s_ >= phase_length_s_) enter(Phase::press);
       break;
     case Phase::strike:
-      target_m_.z() -= kStrikeMPerS * dt_s;
-      if (felt_force_n.norm() > kStruckForceN || phase_s_ >= phase_length_s_) enter(Phase::lift);
+      target_m_.z() -= kStrike_m_per_s * dt_s;
+      if (felt_force_n.norm() > kStruckForce_n || phase_s_ >= phase_length_s_) enter(Phase::lift);
       break;
     case Phase::press:
       regulate(felt_force_n, dt_s);
@@ -155,7 +155,7 @@ const Eigen::Vector3d& ExplorationScript::advance(const Eigen::Vector3d& felt_fo
       regulate(felt_force_n, dt_s);
       steer(dt_s);
       const double lateral_n = std::hypot(felt_force_n.x(), felt_force_n.y());
-      const double advance_m = speed_ * std::clamp(1.5 - lateral_n / kLateralLimitN, 0.0, 1.0) * dt_s;
+      const double advance_m = speed_ * std::clamp(1.5 - lateral_n / kLateralLimit_n, 0.0, 1.0) * dt_s;
       target_m_.x() += advance_m * std::cos(heading_rad_);
       target_m_.y() += advance_m * std::sin(heading_rad_);
       if (phase_s_ >= phase_length_s_) enter(Phase::lift);
@@ -163,8 +163,8 @@ const Eigen::Vector3d& ExplorationScript::advance(const Eigen::Vector3d& felt_fo
     }
     case Phase::lift:
       // Through the air from where the hand really is: the intended place lies below the surface.
-      if (phase_s_ <= dt_s) goal_m_.z() = std::max(std::max(hand_m.z(), target_m_.z()) + kLiftM, kHoverHeightM);
-      target_m_.z() += kTravelMPerS * dt_s;
+      if (phase_s_ <= dt_s) goal_m_.z() = std::max(std::max(hand_m.z(), target_m_.z()) + kLift_m, kHoverHeight_m);
+      target_m_.z() += kTravel_m_per_s * dt_s;
       if (target_m_.z() >= goal_m_.z()) {
         if (stop() != nullptr) ++next_;
         enter(Phase::hover);

@@ -11,12 +11,12 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kLongestStepS = 0.1;  // a longer silence of the servo is simulated as this much
+constexpr double kLongestStep_s = 0.1;  // a longer silence of the servo is simulated as this much
 
 class SimulatedDevice final : public Device {
  public:
   SimulatedDevice(std::uint64_t seed, double duration_s, std::vector<TourStop> tour)
-      : script_(seed, pipeline::kDeskWorkspaceM, std::move(tour)),
+      : script_(seed, pipeline::kDeskWorkspace_m, std::move(tour)),
         hand_(parameters_, script_.target_m()),
         duration_s_(duration_s) {}
 
@@ -35,7 +35,7 @@ class SimulatedDevice final : public Device {
         held_n_.setZero();
         next_n_.setZero();
       }
-      const double dt_s = std::min(time_s - time_s_, kLongestStepS);
+      const double dt_s = std::min(time_s - time_s_, kLongestStep_s);
       hand_.advance(script_.advance(held_n_, hand_.position_m(), dt_s), held_n_, dt_s);
       held_n_ = next_n_;
     }

@@ -214,13 +214,13 @@ TEST(SimulatedDevice, VisitsTheStopsOfItsTourInTheirOrderAndGoesOnExploring) {
     device->write({0.0, 0.0, std::min(8.0, 800.0 * std::max(0.0, depth))});
   }
   ASSERT_GE(touches.size(), 4U) << "three stops, and rounds by chance after them";
-  constexpr double kNearM = 0.003;  // a hand that moves is not exact
-  EXPECT_LT((touches[0].first - bell).norm(), kNearM);
-  EXPECT_LT((touches[1].first - letter).norm(), kNearM);
+  constexpr double kNear_m = 0.003;  // a hand that moves is not exact
+  EXPECT_LT((touches[0].first - bell).norm(), kNear_m);
+  EXPECT_LT((touches[1].first - letter).norm(), kNear_m);
   EXPECT_LT(touches[0].ticks, 150) << "a strike is short";
   EXPECT_LT(touches[1].ticks, 150);
-  EXPECT_LT((touches[2].first - left).norm(), kNearM);
-  EXPECT_LT((touches[2].last - right).norm(), 2.0 * kNearM);
+  EXPECT_LT((touches[2].first - left).norm(), kNear_m);
+  EXPECT_LT((touches[2].last - right).norm(), 2.0 * kNear_m);
   EXPECT_GT(touches[2].ticks, 1500);
   EXPECT_NEAR(touches[2].button_ticks, 100, 2) << "a click in the middle of the stroke";
 }

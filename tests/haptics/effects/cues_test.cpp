@@ -19,11 +19,11 @@ namespace {
 
 using pipeline::Cue;
 
-constexpr double kWidthM = 0.1;
+constexpr double kWidth_m = 0.1;
 
 /// A level stone of 0.1 m, a part from x = 40 to 60 mm, and from 80 mm on nothing measured.
 pipeline::ScenePointer stone(const std::optional<pipeline::CuesConfig>& cues) {
-  return sparsha::test::scene_of([](double x, double) { return x < 0.0801 ? 0.0 : std::nan(""); }, 201, kWidthM, 201,
+  return sparsha::test::scene_of([](double x, double) { return x < 0.0801 ? 0.0 : std::nan(""); }, 201, kWidth_m, 201,
                                  Eigen::Vector3d::Zero(),
                                  [&](pipeline::SceneDescription& d) {
                                    d.config.haptics.tip_radius_m = 0.0;
@@ -33,7 +33,7 @@ pipeline::ScenePointer stone(const std::optional<pipeline::CuesConfig>& cues) {
 }
 
 HapticWindow window_of(const pipeline::ScenePointer& scene, double scale = 1.0) {
-  WindowPlan plan = plan_window(scene->description(), 0, {0.05, 0.05}, kWidthM * scale);
+  WindowPlan plan = plan_window(scene->description(), 0, {0.05, 0.05}, kWidth_m * scale);
   return load_window(*scene, plan, 1);
 }
 
@@ -98,7 +98,7 @@ TEST(Cues, TickLightlyAndShortly) {
   for (std::size_t cue = 0; cue < pipeline::kCues; ++cue) {
     const std::size_t at = with.ticks[cue].front();
     const double felt_n = most(with.force_n, without.force_n, at, at + 45);
-    EXPECT_LE(felt_n, Cues::kTickN + 1e-9) << cue;
+    EXPECT_LE(felt_n, Cues::kTick_n + 1e-9) << cue;
     EXPECT_GE(felt_n, 0.1) << cue << ": it is felt";
     EXPECT_EQ(most(with.force_n, without.force_n, at - 20, at), 0.0) << cue;
     EXPECT_LE(most(with.force_n, without.force_n, at + 45, at + 100), 1e-12) << cue;

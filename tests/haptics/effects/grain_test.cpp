@@ -22,7 +22,7 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kStoneM = 0.2;
+constexpr double kStone_m = 0.2;
 
 /// A level stone of 0.2 m with grain of a known law, felt at `scale`.
 HapticWindow grained(const pipeline::HeightSpectrum& law, double scale = 1.0,
@@ -31,10 +31,10 @@ HapticWindow grained(const pipeline::HeightSpectrum& law, double scale = 1.0,
   effects->grain = true;
   effects->material = material;
   effects->scale = scale;
-  effects->border_m = pipeline::kBorderM / scale;
+  effects->border_m = pipeline::kBorder_m / scale;
   effects->field = pipeline::GrainField(law);
   SurfaceParts parts;
-  parts.lattice = {101, 101, kStoneM / 100, Eigen::Vector3d(-0.5 * kStoneM, -0.5 * kStoneM, 0.0)};
+  parts.lattice = {101, 101, kStone_m / 100, Eigen::Vector3d(-0.5 * kStone_m, -0.5 * kStone_m, 0.0)};
   parts.height_m.assign(parts.lattice.count(), 0.0F);
   parts.scale = scale;
   parts.effects = effects;
@@ -213,7 +213,7 @@ TEST(Grain, MakesNoWaveThatIsFasterThanHalfTheTicks) {
   Stroke fast(grained(law), 1000.0);
   for (const Eigen::Vector3d& force : fast.along({-0.04, 0.0}, {0.7, 0.0}, 0.002, 0.1)) {
     // Up to how places are rounded: stiffness * epsilon * the stone's width.
-    EXPECT_LT(force.head<2>().norm(), 800.0 * 1e-15 * kStoneM);
+    EXPECT_LT(force.head<2>().norm(), 800.0 * 1e-15 * kStone_m);
   }
   // At 0.4 m/s a loop of 4000 Hz shows what one of 1000 Hz has to leave out: what it keeps lies below 500 Hz.
   Stroke slow_loop(grained(law), 1000.0);

@@ -19,11 +19,11 @@ using sparsha::test::Strike;
 using sparsha::test::strike;
 using sparsha::test::StrikingHand;
 
-constexpr double kWidthM = 0.1;
-constexpr double kLightestHandKg = 0.05;
+constexpr double kWidth_m = 0.1;
+constexpr double kLightestHand_kg = 0.05;
 
 pipeline::ScenePointer flat(bool impact, pipeline::Material material = pipeline::Material::granite) {
-  return sparsha::test::scene_of([](double, double) { return 0.0; }, 101, kWidthM, 101, Eigen::Vector3d::Zero(),
+  return sparsha::test::scene_of([](double, double) { return 0.0; }, 101, kWidth_m, 101, Eigen::Vector3d::Zero(),
                                  [&](pipeline::SceneDescription& d) {
                                    d.config.haptics.impact = impact;
                                    d.config.haptics.material = material;
@@ -32,7 +32,7 @@ pipeline::ScenePointer flat(bool impact, pipeline::Material material = pipeline:
 }
 
 HapticWindow window_of(const pipeline::ScenePointer& scene) {
-  return load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, kWidthM), 1);
+  return load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, kWidth_m), 1);
 }
 
 double largest_of_first(const Strike& tap, std::size_t ticks) {
@@ -79,7 +79,7 @@ TEST(Impact, GivesNoHandMoreThanALightHandHadWhenItStruck) {
               hand.speed_m_per_s = speed;
               const Strike soft = strike(hand, window_of(flat(false)));
               const Strike hard = strike(hand, window_of(flat(true, material)));
-              const double most_j = 0.5 * kLightestHandKg * hard.approach_m_per_s * hard.approach_m_per_s;
+              const double most_j = 0.5 * kLightestHand_kg * hard.approach_m_per_s * hard.approach_m_per_s;
               worst = std::max(worst, (hard.given_j - soft.given_j) / most_j);
               EXPECT_LE(hard.given_j, soft.given_j + most_j)
                   << speed << " m/s " << mass << " kg " << damping << " N s/m " << delay << " s " << rate << " Hz";
@@ -93,7 +93,7 @@ TEST(Impact, OfNoMaterialHasAHalfCycleWithMoreImpulseThanTheLightestHandBears) {
     EXPECT_LE(material.frequency_hz, 300.0);
     // Work of one half against v is 2 n v^2 / w; the hand brings m v^2 / 2.
     const double omega = 2.0 * std::numbers::pi * material.frequency_hz;
-    EXPECT_LE(2.0 * material.force_per_speed_n_s_per_m / omega, 0.5 * kLightestHandKg) << material.name;
+    EXPECT_LE(2.0 * material.force_per_speed_n_s_per_m / omega, 0.5 * kLightestHand_kg) << material.name;
   }
 }
 

@@ -85,7 +85,7 @@ TEST(PartShape, OfAPolygonAndALabelIsFeltInsideAndNotInItsNotch) {
 TEST(PartShape, ChangesTheForceAcrossItsBorderWithoutAJump) {
   const test::TestFolder folder;
   const auto scene = test::els(folder / "labels.png", firm(), kFriction);
-  constexpr double kDepthM = 0.002;
+  constexpr double kDepth_m = 0.002;
   for (const double left : {0.060, 0.010}) {
     HapticRenderer renderer(damped(), RendererOptions{},
                             load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, 0.1), 1));
@@ -97,13 +97,13 @@ TEST(PartShape, ChangesTheForceAcrossItsBorderWithoutAJump) {
     };
     // Slantwise through the upright, the notch and the foot, round the inner corner.
     const Eigen::Vector2d from(left - 0.008, 0.045), to(left + 0.036, 0.001);
-    for (int k = 0; k < 200; ++k) go(from.x(), from.y(), 0.01 - (0.01 + kDepthM) * k / 200.0);
-    Eigen::Vector3d last = go(from.x(), from.y(), -kDepthM);
+    for (int k = 0; k < 200; ++k) go(from.x(), from.y(), 0.01 - (0.01 + kDepth_m) * k / 200.0);
+    Eigen::Vector3d last = go(from.x(), from.y(), -kDepth_m);
     double step_n = 0.0, least_n = 1e9;
     constexpr int kTicks = 1500;  // 40 mm/s
     for (int k = 0; k <= kTicks; ++k) {
       const Eigen::Vector2d at = from + (to - from) * k / kTicks;
-      const Eigen::Vector3d force = go(at.x(), at.y(), -kDepthM);
+      const Eigen::Vector3d force = go(at.x(), at.y(), -kDepth_m);
       if (k > 100) step_n = std::max(step_n, (force - last).norm());
       least_n = std::min(least_n, force.z());
       last = force;

@@ -13,12 +13,12 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kWidthM = 0.1;
+constexpr double kWidth_m = 0.1;
 constexpr double kBorderX = 0.05;
 
 /// A level stone of 0.1 m whose right half is a part.
 pipeline::ScenePointer halves(const pipeline::PartTouch& touch, bool impact = false, bool turned = false) {
-  return sparsha::test::scene_of([](double, double) { return 0.0; }, 201, kWidthM, 201, Eigen::Vector3d::Zero(),
+  return sparsha::test::scene_of([](double, double) { return 0.0; }, 201, kWidth_m, 201, Eigen::Vector3d::Zero(),
                                  [&](pipeline::SceneDescription& d) {
                                    d.config.haptics.impact = impact;
                                    d.config.haptics.tip_radius_m = 0.0;
@@ -30,12 +30,12 @@ pipeline::ScenePointer halves(const pipeline::PartTouch& touch, bool impact = fa
                                    // Parts were written when the stone lay the other way round.
                                    d.region_from_grid = Eigen::Matrix4d::Identity();
                                    (*d.region_from_grid)(0, 0) = (*d.region_from_grid)(1, 1) = -1.0;
-                                   (*d.region_from_grid)(0, 3) = (*d.region_from_grid)(1, 3) = kWidthM;
+                                   (*d.region_from_grid)(0, 3) = (*d.region_from_grid)(1, 3) = kWidth_m;
                                  });
 }
 
 HapticWindow window_of(const pipeline::ScenePointer& scene) {
-  return load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, kWidthM), 1);
+  return load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, kWidth_m), 1);
 }
 
 /// A hand that goes along x at a constant depth; places in the stone's own metres.
@@ -68,31 +68,31 @@ TEST(Part, WithItsOwnStiffnessAndFrictionIsFeltAcrossItsBorderWithoutAJump) {
   pipeline::PartTouch touch;
   touch.stiffness_n_per_m = 1200.0;
   touch.mu_dynamic = 0.4;
-  constexpr double kDepthM = 0.002;
+  constexpr double kDepth_m = 0.002;
   for (const double speed : {0.02, 0.1, 0.3})
     for (const double direction : {1.0, -1.0}) {
       Traveller hand(halves(touch));
       const double from = direction > 0 ? 0.02 : 0.08;
-      for (int i = 0; i < 100; ++i) hand.go(from, -kDepthM * i / 100);
-      Eigen::Vector3d last = commanded(hand.go(from, -kDepthM));
+      for (int i = 0; i < 100; ++i) hand.go(from, -kDepth_m * i / 100);
+      Eigen::Vector3d last = commanded(hand.go(from, -kDepth_m));
       const double begins_n = last.z();
       double step_n = 0.0;
       const auto ticks = static_cast<int>(0.06 / speed / 0.001);
       for (int i = 0; i <= ticks; ++i) {
-        const Eigen::Vector3d force = commanded(hand.go(from + direction * 0.06 * i / ticks, -kDepthM));
+        const Eigen::Vector3d force = commanded(hand.go(from + direction * 0.06 * i / ticks, -kDepth_m));
         if (i > 30) step_n = std::max(step_n, (force - last).norm());  // once it slides
         last = force;
       }
-      for (int i = 0; i < 200; ++i) last = commanded(hand.go(from + direction * 0.06, -kDepthM));
+      for (int i = 0; i < 200; ++i) last = commanded(hand.go(from + direction * 0.06, -kDepth_m));
       const double ends_n = last.z();
-      EXPECT_NEAR(direction > 0 ? begins_n : ends_n, 800.0 * kDepthM, 1e-3) << speed;
-      EXPECT_NEAR(direction > 0 ? ends_n : begins_n, 1200.0 * kDepthM, 1e-3) << speed;
+      EXPECT_NEAR(direction > 0 ? begins_n : ends_n, 800.0 * kDepth_m, 1e-3) << speed;
+      EXPECT_NEAR(direction > 0 ? ends_n : begins_n, 1200.0 * kDepth_m, 1e-3) << speed;
       // A smooth step is 1.5 times as steep in its middle as a straight one: friction's over the border, the
       // stiffness's over the governor's 0.12 s. Where friction falls, the proxy goes faster than the hand, by what it
       // lags less.
-      const double friction_n = (0.4 * 1200.0 - 0.1 * 800.0) * kDepthM * std::min(1.0, 1.5 * speed * 0.001 / 0.002);
-      const double stiffness_n = 400.0 * kDepthM * 1.5 * 0.001 / 0.12;
-      const double faster = 1.0 + 1.5 * (0.4 - 0.1) * kDepthM / 0.002;
+      const double friction_n = (0.4 * 1200.0 - 0.1 * 800.0) * kDepth_m * std::min(1.0, 1.5 * speed * 0.001 / 0.002);
+      const double stiffness_n = 400.0 * kDepth_m * 1.5 * 0.001 / 0.12;
+      const double faster = 1.0 + 1.5 * (0.4 - 0.1) * kDepth_m / 0.002;
       EXPECT_LE(step_n, faster * (friction_n + stiffness_n)) << speed;
       EXPECT_NEAR(std::abs(last.x()) / last.z(), direction > 0 ? 0.4 : 0.1, 1e-3) << speed;
     }

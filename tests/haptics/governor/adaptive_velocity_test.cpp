@@ -82,10 +82,10 @@ TEST(AdaptiveVelocity, ASlowHandIsSeenWithAQuarterOfTheNoiseOfALowPass) {
 
 TEST(AdaptiveVelocity, AHandOfLessThanAStepPerWindowIsNeverSeenFasterThanOneStepMakesItSeem) {
   // One step within the window, at the worst place: a slope of 1.5 steps per window.
-  constexpr double kStepM = 20e-6;
+  constexpr double kStep_m = 20e-6;
   for (const double steps_per_s : {0.0, 5.0, 17.0, 37.0}) {
-    const Course course = follow(steady(steps_per_s * kStepM), kStepM);
-    for (const double found : course.found) EXPECT_LE(std::abs(found), 1.6 * kStepM / AdaptiveVelocity::kLongestS);
+    const Course course = follow(steady(steps_per_s * kStep_m), kStep_m);
+    for (const double found : course.found) EXPECT_LE(std::abs(found), 1.6 * kStep_m / AdaptiveVelocity::kLongest_s);
     EXPECT_LT(rms_error(course.found, course.truth), 0.8 * rms_error(course.low_passed, course.truth) + 1e-12);
   }
 }
@@ -108,13 +108,13 @@ TEST(AdaptiveVelocity, LateTicksAndEveryRateGiveTheSameSpeed) {
 }
 
 TEST(AdaptiveVelocity, AStepJustAfterALateTickIsNoFastHand) {
-  constexpr double kStepM = 60e-6;  // of which 50 micrometres are known
+  constexpr double kStep_m = 60e-6;  // of which 50 micrometres are known
   for (const double soon_s : {0.00002, 0.0001, 0.00023}) {
     AdaptiveVelocity velocity;
     for (int k = 0; k < 50; ++k) velocity.add(Eigen::Vector3d::Zero(), k == 0 ? 0.0 : 0.001);
     velocity.add(Eigen::Vector3d::Zero(), 0.003);
-    velocity.add({0.0, kStepM, 0.0}, soon_s);
-    EXPECT_LT(velocity.velocity(50e-6).norm(), kStepM / 0.003) << soon_s;
+    velocity.add({0.0, kStep_m, 0.0}, soon_s);
+    EXPECT_LT(velocity.velocity(50e-6).norm(), kStep_m / 0.003) << soon_s;
   }
 }
 

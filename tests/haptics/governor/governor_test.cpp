@@ -166,7 +166,7 @@ TEST(Governor, NeverGivesBackMoreThanOneTicksWorkBeyondWhatWasPutIn) {
       input.position_m.z() = z;
       input.spring_energy_j = 0.5 * kStiffness * depth * depth;
       const GovernorOutput output = governor.update(input);
-      EXPECT_GE(output.energy_j, -2.0 * most_work - kOverdraftJ - 1e-12);
+      EXPECT_GE(output.energy_j, -2.0 * most_work - kOverdraft_j - 1e-12);
       EXPECT_LE(delivered_j - damped_j, 2.0 * most_work + 1e-12);
       held[1] = held[0];
       held[0] = output.force_n;

@@ -17,10 +17,10 @@ struct Loop {
   double real_hz, planned_hz;
 };
 constexpr Loop kSlow[] = {{851.0, 5000.0}, {851.0, 1000.0}, {1000.0, 4000.0}, {333.0, 1000.0}};
-constexpr int kFirstTicks = 8;      // until the loop is known
-constexpr double kBin = 1.045;      // of the meter: a sixteenth of an octave
-constexpr double kArmingS = 0.050;  // docs/touch.md, "Governor"
-constexpr double kWishS = 0.120;
+constexpr int kFirstTicks = 8;       // until the loop is known
+constexpr double kBin = 1.045;       // of the meter: a sixteenth of an octave
+constexpr double kArming_s = 0.050;  // docs/touch.md, "Governor"
+constexpr double kWish_s = 0.120;
 
 GovernorInput tick_of(const Loop& loop, const Vector3d& force_n, bool contact) {
   GovernorInput input;
@@ -53,8 +53,8 @@ TEST(Pace, ASteadySlowLoopArmsAfterFiftyMillisecondsAndNotLater) {
       armed = governor.update(tick_of(loop, Vector3d::Zero(), false)).armed;
       free_s += period_s;
     }
-    EXPECT_GE(free_s, kArmingS);
-    EXPECT_LE(free_s, kArmingS + (kFirstTicks + 2) * period_s) << loop.real_hz << " of " << loop.planned_hz;
+    EXPECT_GE(free_s, kArming_s);
+    EXPECT_LE(free_s, kArming_s + (kFirstTicks + 2) * period_s) << loop.real_hz << " of " << loop.planned_hz;
   }
 }
 
@@ -99,8 +99,8 @@ TEST(Pace, ANewWishIsFulfilledIn120MillisecondsOfRealTime) {
       (void)governor.update(tick_of(loop, {0, 0, 1}, true));
       taken_s += 1.0 / loop.real_hz;
     }
-    EXPECT_GE(taken_s, kWishS / kBin - 2.0 / loop.real_hz);
-    EXPECT_LE(taken_s, kWishS + 2.0 / loop.real_hz) << loop.real_hz << " of " << loop.planned_hz;
+    EXPECT_GE(taken_s, kWish_s / kBin - 2.0 / loop.real_hz);
+    EXPECT_LE(taken_s, kWish_s + 2.0 / loop.real_hz) << loop.real_hz << " of " << loop.planned_hz;
   }
 }
 

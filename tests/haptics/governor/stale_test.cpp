@@ -80,7 +80,7 @@ TEST(Stale, AGapDeliversToAMovingHandNoMoreThanItPutInAndTheOverdraft) {
         for (int k = 0; k < 10; ++k) go(-kDepth, true);
         for (int k = 0; k < 1200 && z_m < kDepth; ++k)
           go(z_m + speed_m_per_s * kPeriod, k < before || k >= before + stale);
-        EXPECT_LE(given_j, kOverdraftJ + 2.0 * step_j) << speed_m_per_s << " m/s, " << stale << " after " << before;
+        EXPECT_LE(given_j, kOverdraft_j + 2.0 * step_j) << speed_m_per_s << " m/s, " << stale << " after " << before;
       }
 }
 

@@ -22,17 +22,17 @@ using test::GuidedHand;
 using test::GuidedRun;
 using test::Polygon;
 
-constexpr double kForceN = 1.0;
+constexpr double kForce_n = 1.0;
 constexpr double kSpeed = 0.04;  // m/s
-constexpr double kWithinM = 0.002;
+constexpr double kWithin_m = 0.002;
 // What the springs may hold beyond what leads puts in: each up to the force at 2 mm and on to where a hand is let go,
 // and what the governor lets a contact deliver before it has received any energy.
-constexpr double kStoredJ = kForceN * (0.5 * 0.002 + (0.005 - 0.5 * 0.002)) + kOverdraftJ;
+constexpr double kStored_j = kForce_n * (0.5 * 0.002 + (0.005 - 0.5 * 0.002)) + kOverdraft_j;
 
 /// A level stone of 0.1 m: device frame = grid frame about its middle.
 HapticRenderer level_stone() { return {DeviceInfo{}, RendererOptions{}, window_on(test::flat_scene(), 0, 1, false)}; }
 
-Command guide_along(const Polygon& corners_m, bool closed, double force_n = kForceN, double speed = kSpeed) {
+Command guide_along(const Polygon& corners_m, bool closed, double force_n = kForce_n, double speed = kSpeed) {
   std::vector<Vector2d> line;
   for (const Vector2d& corner : corners_m) line.emplace_back(corner + Vector2d(0.05, 0.05));
   if (closed) line.push_back(line.front());
@@ -62,13 +62,13 @@ Following following(const GuidedRun& run, const Polygon& corners, bool closed) {
   std::size_t reached = 0;
   for (const Vector2d& place : line)
     reached += std::any_of(run.places_m.begin(), run.places_m.end(),
-                           [&](const Vector2d& hand) { return (hand - place).norm() < kWithinM; })
+                           [&](const Vector2d& hand) { return (hand - place).norm() < kWithin_m; })
                    ? 1
                    : 0;
   std::size_t ticks = 0;
   std::size_t near = 0;
   for (const Vector2d& hand : run.places_m) {
-    const bool within = test::distance_to(corners, closed, hand) < kWithinM;
+    const bool within = test::distance_to(corners, closed, hand) < kWithin_m;
     if (within || ticks > 0) {
       ++ticks;
       near += within ? 1 : 0;
@@ -107,14 +107,14 @@ TEST(Guide, LeadsHandsOfAnyWeightAlongLinesOfAnyShape) {
           GuidedHand hand{.mass_kg = mass, .damping_n_s_per_m = damping, .delay_s = delay};
           hand.start_m = shape.corners.front() + Vector2d(0.004, 0.003);
           const double length = length_of(shape.corners, shape.closed);
-          const GuidedRun run = test::run(renderer, hand, 3.0 + 3.0 * length / kSpeed, kForceN * kSpeed);
+          const GuidedRun run = test::run(renderer, hand, 3.0 + 3.0 * length / kSpeed, kForce_n * kSpeed);
           const Following found = following(run, shape.corners, shape.closed);
           const std::string which = shape.name + ", " + std::to_string(mass) + " kg, " + std::to_string(damping) +
                                     " N s/m, " + std::to_string(delay) + " s";
           EXPECT_GE(found.of_line, 0.95) << which;
           EXPECT_GE(found.of_time, 0.95) << which;
-          EXPECT_LE(run.strongest_n, kForceN + 1e-9) << which;
-          EXPECT_LE(run.delivered_j, kStoredJ) << which;
+          EXPECT_LE(run.strongest_n, kForce_n + 1e-9) << which;
+          EXPECT_LE(run.delivered_j, kStored_j) << which;
           EXPECT_GE(run.states.back().guide_rounds, shape.closed ? 1U : 0U) << which;
         }
 }
@@ -127,7 +127,7 @@ TEST(Guide, LeadsAHandThatPressesOnTheStone) {
   HapticRenderer renderer = level_stone();
   ask(renderer, guide_along(square(), true));
   GuidedHand hand{.height_m = -0.001, .start_m = {-0.018, -0.016}};
-  const GuidedRun run = test::run(renderer, hand, 12.0, kForceN * kSpeed);
+  const GuidedRun run = test::run(renderer, hand, 12.0, kForce_n * kSpeed);
   EXPECT_EQ(run.states.back().contact, 1U);
   EXPECT_GE(following(run, square(), true).of_line, 0.95);
   EXPECT_GE(following(run, square(), true).of_time, 0.95);
@@ -149,7 +149,7 @@ TEST(Guide, IsNotFasterThanAskedAndFollowsTheWishedForceAndSpeed) {
 TEST(Guide, BeginsWithoutAStepAndOnlyOnceForcesAreArmed) {
   HapticRenderer renderer = level_stone();
   ask(renderer, guide_along(square(), true));
-  const GuidedRun run = test::run(renderer, {.start_m = {-0.01, -0.012}}, 3.0, kForceN * kSpeed);
+  const GuidedRun run = test::run(renderer, {.start_m = {-0.01, -0.012}}, 3.0, kForce_n * kSpeed);
   constexpr std::size_t kFirstCorner = 1000;  // there the force turns with the line
   double last_n = 0.0;
   for (std::size_t k = 0; k < run.states.size(); ++k) {
@@ -170,16 +170,16 @@ TEST(Guide, TakesUpAHandFromAfarWhateverItWeighs) {
   for (const double speed : {0.02, 0.1})
     for (const double mass : {0.05, 0.5}) {
       HapticRenderer renderer = level_stone();
-      ask(renderer, guide_along(square(), true, kForceN, speed));
-      const GuidedRun run = test::run(renderer, {.mass_kg = mass, .start_m = {-0.002, 0.001}}, 3.0, kForceN * speed);
+      ask(renderer, guide_along(square(), true, kForce_n, speed));
+      const GuidedRun run = test::run(renderer, {.mass_kg = mass, .start_m = {-0.002, 0.001}}, 3.0, kForce_n * speed);
       EXPECT_TRUE(std::none_of(run.states.begin(), run.states.end(),
                                [](const State& s) { return s.guide == GuidePhase::let_go; }))
           << speed << " m/s, " << mass << " kg";
       const bool there = std::any_of(run.places_m.begin(), run.places_m.end(), [](const Vector2d& hand) {
-        return test::distance_to(square(), true, hand) < kWithinM;
+        return test::distance_to(square(), true, hand) < kWithin_m;
       });
       EXPECT_TRUE(there) << speed << " m/s, " << mass << " kg";
-      EXPECT_LE(run.strongest_n, kForceN + 1e-9);
+      EXPECT_LE(run.strongest_n, kForce_n + 1e-9);
     }
 }
 
@@ -200,9 +200,9 @@ TEST(Guide, ThatIsResistedNeverExceedsItsForceAndGivesNothing) {
       return Vector2d(-grip_n_per_m * (place - Vector2d(-0.0195, 0.0)));
     };
     const GuidedRun run = test::run(renderer, hand, 6.0, 0.0);
-    EXPECT_LE(run.strongest_n, kForceN + 1e-9);
-    EXPECT_GT(run.strongest_n, 0.3 * kForceN) << "it is felt";
-    EXPECT_LE(run.delivered_j, kStoredJ + 0.5 * kForceN * kForceN / grip_n_per_m) << "what the grip's spring holds";
+    EXPECT_LE(run.strongest_n, kForce_n + 1e-9);
+    EXPECT_GT(run.strongest_n, 0.3 * kForce_n) << "it is felt";
+    EXPECT_LE(run.delivered_j, kStored_j + 0.5 * kForce_n * kForce_n / grip_n_per_m) << "what the grip's spring holds";
   }
 }
 
@@ -217,9 +217,9 @@ TEST(Guide, LetsAHandGoThatLeavesAndTakesItUpAgainOnlyNearTheLine) {
     if (t < 2.0) return Vector2d(0.0, 0.0);
     return pull.norm() > 2.0 ? Vector2d(2.0 * pull.normalized()) : pull;
   };
-  const GuidedRun run = test::run(renderer, hand, 10.0, kForceN * kSpeed);
+  const GuidedRun run = test::run(renderer, hand, 10.0, kForce_n * kSpeed);
   EXPECT_EQ(run.states[1900].guide, GuidePhase::leading);
-  EXPECT_LE(run.strongest_n, kForceN + 1e-9);
+  EXPECT_LE(run.strongest_n, kForce_n + 1e-9);
   std::size_t let_go = 0;
   for (std::size_t k = 2000; k < 8000 && let_go == 0; ++k)
     if (run.states[k].guide == GuidePhase::let_go) let_go = k;
@@ -322,9 +322,9 @@ TEST(Guide, GivesNoMoreEnergyThanItsBooksToHandsThatTryToTakeIt) {
         hand.own_n = [hertz](double t, const Vector2d&) {
           return Vector2d(0.4 * std::sin(6.2831853 * hertz * t), 0.4 * std::sin(6.2831853 * 1.3 * hertz * t));
         };
-        const GuidedRun run = test::run(renderer, hand, 10.0, kForceN * kSpeed);
-        EXPECT_LE(run.delivered_j, kStoredJ) << hertz << " Hz, " << mass << " kg, " << delay << " s";
-        EXPECT_LE(run.strongest_n, kForceN + 1e-9);
+        const GuidedRun run = test::run(renderer, hand, 10.0, kForce_n * kSpeed);
+        EXPECT_LE(run.delivered_j, kStored_j) << hertz << " Hz, " << mass << " kg, " << delay << " s";
+        EXPECT_LE(run.strongest_n, kForce_n + 1e-9);
       }
 }
 

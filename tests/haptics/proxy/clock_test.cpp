@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDepthM = 0.0015;
+constexpr double kDepth_m = 0.0015;
 constexpr int kFiner = 100;  // samples of the fine clock per tick
 
 struct Difference {
@@ -35,7 +35,7 @@ MongeSurface bumps() {
 Vector3d hand_at(double way_m, bool circle) {
   const double x = circle ? 0.045 * std::cos(way_m / 0.045) : 0.04 * std::sin(way_m / 0.04);
   const double y = circle ? 0.045 * std::sin(way_m / 0.045) : 0.03 * std::sin(0.731 * way_m / 0.04 + 0.4);
-  return {0.06 + x, 0.06 + y, -kDepthM};
+  return {0.06 + x, 0.06 + y, -kDepth_m};
 }
 
 Difference compare(const MongeSurface& surface, CellShape shape, double speed_m_per_s, bool circle) {
@@ -53,7 +53,7 @@ Difference compare(const MongeSurface& surface, CellShape shape, double speed_m_
       other = update_exact(surface, hand(1e-3 * (tick - 1 + static_cast<double>(k) / kFiner)), fine, options);
     const ProxyUpdate found = update_exact(surface, hand(1e-3 * tick), coarse, options);
     if (tick < kSettled) continue;
-    const double off = (found.position - other.position).norm() / kDepthM;
+    const double off = (found.position - other.position).norm() / kDepth_m;
     result.worst = std::max(result.worst, off);
     if (off > 0.01) ++beyond;
   }
@@ -91,7 +91,7 @@ TEST(FrictionWithoutAClock, AProxyThatWasMovedForgetsTheHandsWay) {
   anew.position = place;
   anew.contact = true;
   anew.sticking = moved.sticking;
-  const Vector3d hand(0.0305, 0.0402, -kDepthM);
+  const Vector3d hand(0.0305, 0.0402, -kDepth_m);
   EXPECT_EQ(update_exact(surface, hand, moved, options).position, update_exact(surface, hand, anew, options).position);
 }
 

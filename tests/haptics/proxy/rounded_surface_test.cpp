@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSpacingM = 0.0009;
+constexpr double kSpacing_m = 0.0009;
 
 SolverOptions options_of(CellShape shape) {
   SolverOptions options;
@@ -35,15 +35,15 @@ double b_spline(double x) {
 }
 
 /// A ball's top of 10 mm radius on the sample relief's spacing.
-constexpr double kRadiusM = 0.010;
+constexpr double kRadius_m = 0.010;
 constexpr int kNodes = 41;
 Vector3d ball_centre() {
-  return {0.5 * (kNodes - 1) * kSpacingM + 0.00013, 0.5 * (kNodes - 1) * kSpacingM - 0.0002, 0.0};
+  return {0.5 * (kNodes - 1) * kSpacing_m + 0.00013, 0.5 * (kNodes - 1) * kSpacing_m - 0.0002, 0.0};
 }
 MongeSurface ball() {
-  return make_surface_of(kNodes, kNodes, kSpacingM, [](double x, double y) {
+  return make_surface_of(kNodes, kNodes, kSpacing_m, [](double x, double y) {
     const double r2 = (Eigen::Vector2d(x, y) - ball_centre().head<2>()).squaredNorm();
-    return std::sqrt(std::max(kRadiusM * kRadiusM - r2, 1e-6));
+    return std::sqrt(std::max(kRadius_m * kRadius_m - r2, 1e-6));
   });
 }
 
@@ -54,7 +54,7 @@ double largest_jump(const MongeSurface& surface, double depth_m, CellShape shape
   for (int way = 0; way < 12; ++way) {
     const double angle = way * kPi / 6.0 + 0.1;
     const Vector3d along(std::cos(angle), std::sin(angle), 0.0);
-    const double radius = kRadiusM - depth_m;
+    const double radius = kRadius_m - depth_m;
     const Vector3d side = 0.0002 * (way % 5) * Vector3d(-along.y(), along.x(), 0.0);
     ProxyState state;
     Vector3d last = Vector3d::Zero();
@@ -77,9 +77,9 @@ struct Drag {
 };
 Drag drag_in_groove(double heading, double depth_m, double mu, double beside, CellShape shape) {
   const Vector3d along(std::cos(heading), std::sin(heading), 0.0);
-  const double middle = 0.5 * (kNodes - 1) * kSpacingM;
-  MongeSurface surface = make_surface_of(kNodes, kNodes, kSpacingM, [&](double x, double y) {
-    return std::tan(kPi / 8) * std::abs(-(x - middle) * along.y() + (y - middle - beside * kSpacingM) * along.x());
+  const double middle = 0.5 * (kNodes - 1) * kSpacing_m;
+  MongeSurface surface = make_surface_of(kNodes, kNodes, kSpacing_m, [&](double x, double y) {
+    return std::tan(kPi / 8) * std::abs(-(x - middle) * along.y() + (y - middle - beside * kSpacing_m) * along.x());
   });
   surface.mu_dynamic.assign(surface.lattice.count(), static_cast<float>(mu));
   surface.mu_static = surface.mu_dynamic;
@@ -88,7 +88,7 @@ Drag drag_in_groove(double heading, double depth_m, double mu, double beside, Ce
   for (int k = 0; k <= 160; ++k) {
     const double way = -0.008 + 0.0001 * k;
     const Vector3d hand =
-        Vector3d(middle, middle + beside * kSpacingM / std::max(0.1, along.x()) * along.x(), -depth_m) + way * along;
+        Vector3d(middle, middle + beside * kSpacing_m / std::max(0.1, along.x()) * along.x(), -depth_m) + way * along;
     if (k == 0) state = start_proxy(surface, hand + Vector3d(0, 0, 0.01));
     const Vector3d force = update_exact(surface, hand, state, options_of(shape)).position - hand;
     if (k < 60) continue;  // until friction drags the whole way behind
@@ -187,8 +187,8 @@ TEST(RoundedSurface, DragsAlikeInAGrooveAtAnyHeading) {
 TEST(RoundedSurface, GivesBackOnAClosedWayWhatItTook) {
   // Rough ground and a way that comes and goes at different depths: any force that is no potential's gains or loses.
   std::mt19937_64 random(73);
-  const MongeSurface surface = make_rough_surface(31, kSpacingM, 0.0002, random);
-  const Vector3d middle(15.3 * kSpacingM, 14.6 * kSpacingM, -0.0015);
+  const MongeSurface surface = make_rough_surface(31, kSpacing_m, 0.0002, random);
+  const Vector3d middle(15.3 * kSpacing_m, 14.6 * kSpacing_m, -0.0015);
   const auto work_of = [&](CellShape shape) {
     ProxyState state;
     double work = 0.0;

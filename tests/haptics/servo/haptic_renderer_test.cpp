@@ -13,7 +13,7 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kPeriodS = 0.001;
+constexpr double kPeriod_s = 0.001;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 Eigen::Vector3d vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
@@ -24,12 +24,12 @@ class Hand {
   explicit Hand(HapticWindow window, RendererOptions options = {})
       : renderer(DeviceInfo{}, options, std::move(window)) {}
   const State& go(const Eigen::Vector3d& device_m) {
-    renderer.update(sample_at(device_m, kPeriodS * static_cast<double>(tick_++)), kPeriodS);
+    renderer.update(sample_at(device_m, kPeriod_s * static_cast<double>(tick_++)), kPeriod_s);
     return renderer.state();
   }
   const State& go(DeviceSample sample) {
-    sample.time_s = kPeriodS * static_cast<double>(tick_++);
-    renderer.update(sample, kPeriodS);
+    sample.time_s = kPeriod_s * static_cast<double>(tick_++);
+    renderer.update(sample, kPeriod_s);
     return renderer.state();
   }
   /// 60 ms in the air arm the governor.
@@ -191,7 +191,7 @@ TEST(HapticRenderer, ASwapInContactKeepsTheHandTheProxyAndTheForceWhereTheyWere)
   // What is under the finger stays under the finger.
   EXPECT_NEAR(after.proxy_m[0], before.proxy_m[0], 0.5 * before.penetration_m / after.scale + 1e-12);
   const double growth = vector_of(after.commanded_force_n).norm() - vector_of(before.commanded_force_n).norm();
-  EXPECT_LE(growth, 1500.0 * kPeriodS * (1.0 + 1e-9)) << "the slew limit of 1.5 N a millisecond";
+  EXPECT_LE(growth, 1500.0 * kPeriod_s * (1.0 + 1e-9)) << "the slew limit of 1.5 N a millisecond";
 }
 
 TEST(HapticRenderer, ASwapInTheAirKeepsTheClearance) {
@@ -376,13 +376,13 @@ TEST(HapticRenderer, AGapInTheHandsTimeIsAFaultAndMovesNoWindow) {
   hand.press({0.0, 0.0, -0.002});
   const State before = hand.renderer.state();
   DeviceSample late = sample_at({0.0, 0.0, -0.002}, before.time_s + 1.0);
-  hand.renderer.update(late, kPeriodS);
+  hand.renderer.update(late, kPeriod_s);
   const State& state = hand.renderer.state();
   EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
   EXPECT_TRUE((state.flags & kFlagFault) != 0);
-  EXPECT_NEAR(state.centre_m[0] - before.centre_m[0], 0.01 * kPeriodS, 1e-12) << "one nominal tick's way";
+  EXPECT_NEAR(state.centre_m[0] - before.centre_m[0], 0.01 * kPeriod_s, 1e-12) << "one nominal tick's way";
   for (int i = 1; i < 100; ++i) {
-    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, late.time_s + i * kPeriodS), kPeriodS);
+    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, late.time_s + i * kPeriod_s), kPeriod_s);
     ASSERT_EQ(vector_of(hand.renderer.state().commanded_force_n).norm(), 0.0) << "still in the stone";
   }
 }
@@ -392,8 +392,8 @@ TEST(HapticRenderer, TimesThatGoBackwardsOrAreNoNumbersLastOneNominalTick) {
   Hand hand(window_on(sparsha::test::flat_scene()));
   hand.arm();
   for (const double time_s : {kNan, -1.0, -1e300, -std::numeric_limits<double>::infinity(), kNan}) {
-    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, time_s), kPeriodS);
-    EXPECT_EQ(hand.renderer.record().period_s, kPeriodS) << time_s;
+    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, time_s), kPeriod_s);
+    EXPECT_EQ(hand.renderer.record().period_s, kPeriod_s) << time_s;
     EXPECT_TRUE(vector_of(hand.renderer.state().commanded_force_n).allFinite());
     EXPECT_LE(hand.renderer.state().commanded_force_n[2], 8.0);
   }
@@ -422,7 +422,7 @@ TEST(HapticRenderer, CommandsThatAreNoNumbersOrBeyondTheDeviceDoNotReachTheHand)
     static_cast<void>(hand.renderer.apply(command));
     const State& state = hand.go({0.0, 0.0, -0.001});
     EXPECT_GE(hand.renderer.state().stiffness_n_per_m, 0.0);
-    EXPECT_LE(hand.renderer.state().stiffness_n_per_m, stiffness_limit(DeviceLimits{}, kPeriodS));
+    EXPECT_LE(hand.renderer.state().stiffness_n_per_m, stiffness_limit(DeviceLimits{}, kPeriod_s));
     EXPECT_TRUE(vector_of(state.force_n).allFinite());
   }
   Command scroll;

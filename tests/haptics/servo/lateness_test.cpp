@@ -23,7 +23,7 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kPeriodNs = 1 * kMs;
+constexpr std::int64_t kPeriod_ns = 1 * kMs;
 
 /// What the device was told, and when.
 struct Write {
@@ -96,7 +96,7 @@ void judge(const std::vector<Write>& writes, std::int64_t slack_ns, double slew_
     const std::int64_t gap_ns = writes[i].time_ns - writes[i - 1].time_ns;
     // Writes at one moment: only the last of them is held.
     const bool held = i + 1 == writes.size() || writes[i + 1].time_ns - writes[i].time_ns > kMs / 5;
-    if (gap_ns > patience_ns + kPeriodNs + slack_ns || gap_ns < 0) {
+    if (gap_ns > patience_ns + kPeriod_ns + slack_ns || gap_ns < 0) {
       held_back = true;
       free_ns = 0;
       ++pauses;
@@ -111,7 +111,7 @@ void judge(const std::vector<Write>& writes, std::int64_t slack_ns, double slew_
     if (free_ns >= 50 * kMs) held_back = false;
     if (held) {
       ASSERT_LE(writes[i].force_n - writes[i - 1].force_n,
-                slew_n_per_s * 1e-9 * static_cast<double>(kPeriodNs) * (1.0 + 1e-9))
+                slew_n_per_s * 1e-9 * static_cast<double>(kPeriod_ns) * (1.0 + 1e-9))
           << "write " << i << ", gap " << gap_ns << " ns";
     }
   }
@@ -261,11 +261,11 @@ class Child {
 
 TEST(Lateness, AProgramThatWasStoppedAndContinuedHoldsNoForceBeforeTheHandHasBeenInTheAir) {
   // So patient that the machine's own pauses, which may be many, are none.
-  constexpr std::int64_t kPatienceNs = 100 * kMs;
+  constexpr std::int64_t kPatience_ns = 100 * kMs;
   for (const bool real_time : {true, false}) {
     std::vector<Write> writes;
     {
-      Child child(real_time, kPatienceNs);
+      Child child(real_time, kPatience_ns);
       std::mt19937_64 random(9);
       for (const int pause_ms : {105, 110, 120, 150, 200, 300, 500, 110, 120, 120}) {
         ASSERT_TRUE(eventually([&] { return child.pushes(); }));
@@ -279,7 +279,7 @@ TEST(Lateness, AProgramThatWasStoppedAndContinuedHoldsNoForceBeforeTheHandHasBee
       writes = child.writes();
     }
     std::size_t pauses = 0;
-    judge(writes, kMs / 2, DeviceInfo{}.limits.slew_n_per_s, pauses, kPatienceNs);
+    judge(writes, kMs / 2, DeviceInfo{}.limits.slew_n_per_s, pauses, kPatience_ns);
     EXPECT_GE(pauses, 6U) << "of ten, some may have met a hand that was just lifted";
   }
 }

@@ -12,7 +12,7 @@
 namespace sparsha::test {
 namespace {
 
-constexpr double kMostJ = 0.010;    // in ten seconds
+constexpr double kMost_j = 0.010;   // in ten seconds
 constexpr double kMostSteps = 3.0;  // of swing
 
 const pipeline::ScenePointer& ground(Ground which) {
@@ -64,7 +64,7 @@ TEST(StabilityTable, HoldsAndStrokesOfUndeclaredDelayDeliverLittleAndDoNotSwing)
             c.mass_kg = mass;
             c.delay_s = delay;
             const TouchResult result = touch(c, ground(each));
-            EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+            EXPECT_LE(result.delivered_j, kMost_j) << words(c);
             worst_j = std::max(worst_j, result.delivered_j);
             if (!stroke || each == Ground::plane) {
               EXPECT_LE(result.swing_m / c.encoder_step_m, kMostSteps) << words(c);
@@ -113,7 +113,7 @@ TEST(StabilityTable, RatesJitterAndLostTicksDeliverLittleAndDoNotSwingDeclaredOr
   int ended = 0;
   for (const TouchCase& c : rates_jitter_and_losses()) {
     const TouchResult result = touch(c, ground(c.ground));
-    EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+    EXPECT_LE(result.delivered_j, kMost_j) << words(c);
     worst_j = std::max(worst_j, result.delivered_j);
     if (c.stroke) continue;  // the relief lifts the hand
     if (result.fault) {      // there is no force any more that could calm a hand
@@ -153,7 +153,7 @@ TEST(StabilityTable, ALoopThatJittersAndLosesTicksLeavesHandsCalm) {
               c.lost = 0.1;
               c.seed = seed;
               const TouchResult result = touch(c, ground(each));
-              EXPECT_LE(result.delivered_j, kMostJ) << words(c) << ", seed " << seed;
+              EXPECT_LE(result.delivered_j, kMost_j) << words(c) << ", seed " << seed;
               ++runs;
               if (result.fault) {  // there is no force any more that could calm a hand
                 ++faults;
@@ -184,7 +184,7 @@ TEST(StabilityTable, AHandOfOrdinaryDampingFeelsTheWishedStiffnessUnaltered) {
           const TouchResult result = touch(c, ground(each));
           EXPECT_LE(result.altered, 0.001) << words(c);
           EXPECT_NEAR(result.static_share, 1.0, 0.01) << words(c);
-          EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+          EXPECT_LE(result.delivered_j, kMost_j) << words(c);
           if (!stroke) {
             EXPECT_LE(result.swing_m / c.encoder_step_m, kMostSteps) << words(c);
           }
@@ -202,7 +202,7 @@ TEST(StabilityTable, HandsThatStrikeAreCalmWithinASecond) {
         c.duration_s = 3.0;
         const TouchResult result = touch(c, ground(Ground::plane));
         EXPECT_LE(result.calm_s, 1.0) << words(c);
-        EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+        EXPECT_LE(result.delivered_j, kMost_j) << words(c);
       }
 }
 
@@ -218,7 +218,7 @@ TEST(StabilityTable, HandsOfLittleDampingThatStrikeBeginToSwingOnceMoreAtMost) {
         c.duration_s = 3.0;
         const TouchResult result = touch(c, ground(Ground::plane));
         EXPECT_LE(result.calm_s, 1.5) << words(c);
-        EXPECT_LE(result.delivered_j, kMostJ) << words(c);
+        EXPECT_LE(result.delivered_j, kMost_j) << words(c);
       }
 }
 

@@ -19,7 +19,7 @@ using sparsha::test::RestingHand;
 using sparsha::test::SceneOptions;
 using sparsha::test::SwapResult;
 
-constexpr double kWidthM = 0.1;
+constexpr double kWidth_m = 0.1;
 
 /// Hills with grain as steep as carving, four levels, friction, an envelope without the grain, a hole in one corner.
 pipeline::ScenePointer carved_scene() {
@@ -27,7 +27,7 @@ pipeline::ScenePointer carved_scene() {
     const auto grain = [](double x, double y) { return 0.0006 * std::sin(1500.0 * x) * std::sin(1100.0 * y + 0.4); };
     SceneOptions options;
     options.nx = options.ny = 801;
-    options.spacing_m = kWidthM / 800;
+    options.spacing_m = kWidth_m / 800;
     options.levels = 4;
     return sparsha::test::scene_of(
         [&](double x, double y) {
@@ -62,7 +62,7 @@ pipeline::ScenePointer other_scene() {
 
 HapticWindow window_at(const pipeline::ScenePointer& scene, int level, const Eigen::Vector2d& centre_m,
                        std::uint64_t id, bool texture = true, bool friction = true) {
-  WindowPlan plan = plan_window(scene->description(), level, centre_m, kWidthM);
+  WindowPlan plan = plan_window(scene->description(), level, centre_m, kWidth_m);
   plan.effects = {texture, friction};
   return load_window(*scene, plan, id);
 }
@@ -216,7 +216,7 @@ TEST(Swap, DeliversNoEnergyHoweverOften) {
       resting.run(0.03 + 0.002 * (k % 40));
     }
     // What the wall's spring had stored at the beginning is the hand's own, and the governor's overdraft.
-    EXPECT_LE(resting.work_j() - before_j, 0.5 * press_n * press_n / 800.0 + kOverdraftJ) << press_n;
+    EXPECT_LE(resting.work_j() - before_j, 0.5 * press_n * press_n / 800.0 + kOverdraft_j) << press_n;
   }
 }
 

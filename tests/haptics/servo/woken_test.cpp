@@ -10,7 +10,7 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr std::int64_t kPeriodNs = 1'000'000;
+constexpr std::int64_t kPeriod_ns = 1'000'000;
 
 /// A hand in the air on a machine that wakes the servo late by up to 0.9 ms.
 class SleepyDevice final : public Device {
@@ -42,7 +42,7 @@ class SleepyDevice final : public Device {
   void wake_late(std::int64_t until_ns) noexcept {
     // From before the planned time, whatever the servo allows itself, to 0.9 ms after it.
     const auto late = static_cast<std::int64_t>(told_s.size() * 37 % 10);
-    if (told_s.size() < kTicks) time_ns_ = std::max(time_ns_, until_ns + kPeriodNs / 20 + late * kPeriodNs / 11);
+    if (told_s.size() < kTicks) time_ns_ = std::max(time_ns_, until_ns + kPeriod_ns / 20 + late * kPeriod_ns / 11);
   }
   DeviceInfo info_;
   std::int64_t time_ns_ = 1'000'000'000;

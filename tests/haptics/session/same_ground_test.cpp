@@ -44,10 +44,10 @@ TEST(SameGround, ANavigatorKeepsWindowAndLevelAndOnlyAnotherStoneIsShownWhole) {
   AnnouncementBoard board;
   const ScenePointer first = plain_stone();
   Announcer announcer(board, first);
-  constexpr double kWorkspaceM = 0.1;
-  Navigator navigator(first, kWorkspaceM, {}, announcer);
-  const ZoomStep near = zoom_steps(first->description(), kWorkspaceM).back();
-  const WindowPlan before = plan_window(first->description(), near, {2.03, -2.96}, kWorkspaceM);
+  constexpr double kWorkspace_m = 0.1;
+  Navigator navigator(first, kWorkspace_m, {}, announcer);
+  const ZoomStep near = zoom_steps(first->description(), kWorkspace_m).back();
+  const WindowPlan before = plan_window(first->description(), near, {2.03, -2.96}, kWorkspace_m);
   navigator.settle(before);
 
   const ScenePointer edited = with_part(first, {});

@@ -384,15 +384,15 @@ TEST(Session, SpeaksOfTheStiffnessThatItRendersStepByStep) {
 }
 
 TEST(Session, SpeaksOfTheStiffnessThatALateLoopBearsAndNotOfThePlannedOne) {
-  constexpr double kDelayS = 0.004;
+  constexpr double kDelay_s = 0.004;
   const auto late_hand = [](std::uint64_t, double time_s) {
     DeviceSample sample = sample_at({0.0, 0.0, 0.02}, time_s);
-    sample.delay_s = kDelayS;
+    sample.delay_s = kDelay_s;
     return sample;
   };
   Session session(sparsha::test::flat_scene(), std::make_unique<ScriptedDevice>(late_hand, true), SessionOptions{});
   session.start();
-  const double limit = stiffness_limit(DeviceLimits{}, 0.001, kDelayS);
+  const double limit = stiffness_limit(DeviceLimits{}, 0.001, kDelay_s);
   // The meter's bins are 4.4 % wide.
   ASSERT_TRUE(poll_until(session, [&] {
     const double known = session.state().read().stiffness_limit_n_per_m;

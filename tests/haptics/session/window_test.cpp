@@ -66,19 +66,19 @@ TEST(Window, AWindowIsCentredOnThePointAndMayReachBeyondTheLevel) {
 }
 
 TEST(Window, ZoomingGoesOnBeyondTheFinestLevelByWholePowersOfTwoUpToItsLimits) {
-  constexpr double kWidthM = 0.1;
+  constexpr double kWidth_m = 0.1;
   for (const double spacing_m : {0.00002, 0.0001, 0.0009, 0.001, 0.0037, 0.02}) {
     for (const int window : {200, 60}) {
       auto description = description_of(1600, 1200, 4, window);
       for (pipeline::Lattice& level : description.levels) level.spacing_m *= spacing_m / 0.001;
-      const std::vector<ZoomStep> steps = zoom_steps(description, kWidthM);
+      const std::vector<ZoomStep> steps = zoom_steps(description, kWidth_m);
       ASSERT_GE(steps.size(), 1U);
       EXPECT_EQ(steps.front().level, overview_level(description));
       double before = 0.0;
       int near = 0;
-      const double full = kWidthM / ((window - 1) * spacing_m);
+      const double full = kWidth_m / ((window - 1) * spacing_m);
       for (const ZoomStep& step : steps) {
-        const WindowPlan plan = plan_window(description, step, middle_of(description.levels.front()), kWidthM);
+        const WindowPlan plan = plan_window(description, step, middle_of(description.levels.front()), kWidth_m);
         EXPECT_GT(plan.scale, 1.15 * before) << spacing_m;
         before = plan.scale;
         if (step.level > 0 || step.nodes == window) continue;

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using test::Mesh;
 using test::Raster;
 
-constexpr int kImpulseI = 41, kImpulseJ = 7;
+constexpr int kImpulseI = 41, kImpulse_j = 7;
 constexpr double kHigh = 0.025;
 
 class Export : public testing::Test {
@@ -36,7 +36,7 @@ Layers impulse(int nx, int ny, const Eigen::Vector3d& origin) {
   layers.grid = DepthGrid(Lattice{nx, ny, 0.002, origin});
   std::fill(layers.grid.height_m.begin(), layers.grid.height_m.end(), 0.0F);
   std::fill(layers.grid.state.begin(), layers.grid.state.end(), NodeState::measured);
-  layers.grid.height_m[layers.grid.lattice.index(kImpulseI, kImpulseJ)] = static_cast<float>(kHigh);
+  layers.grid.height_m[layers.grid.lattice.index(kImpulseI, kImpulse_j)] = static_cast<float>(kHigh);
   return layers;
 }
 
@@ -72,8 +72,8 @@ TEST_F(Export, MeshesPutAnImpulseWhereTheScanHasIt) {
   const Eigen::Vector3d origin(0.3, -0.2, 1.5);
   for (const Eigen::Matrix4d& pose : {Eigen::Matrix4d(Eigen::Matrix4d::Identity()), utm_pose()}) {
     const ScenePointer scene = scene_of(impulse(90, 61, origin), pose);
-    const Eigen::Vector4d at =
-        pose * Eigen::Vector4d(0.3 + kImpulseI * 0.002, -0.2 + kImpulseJ * 0.002, 1.5 + static_cast<float>(kHigh), 1.0);
+    const Eigen::Vector4d at = pose * Eigen::Vector4d(0.3 + kImpulseI * 0.002, -0.2 + kImpulse_j * 0.002,
+                                                      1.5 + static_cast<float>(kHigh), 1.0);
     for (const char* name : {"mesh.ply", "mesh.obj", "points.xyz"}) {
       save(*scene, out(name));
       const Mesh mesh = read_mesh(out(name));
@@ -107,13 +107,13 @@ TEST_F(Export, RastersPutAnImpulseIntoItsPixelAndTheWorldFilePutsThePixelBack) {
     ASSERT_EQ(raster.width, 300U);
     ASSERT_EQ(raster.height, 270U);
     EXPECT_EQ(raster.bits, tif ? 32 : 16);
-    const auto row = static_cast<std::uint32_t>(270 - 1 - kImpulseJ);
+    const auto row = static_cast<std::uint32_t>(270 - 1 - kImpulse_j);
     const auto highest = std::max_element(raster.z.begin(), raster.z.end());
     EXPECT_EQ(static_cast<std::size_t>(highest - raster.z.begin()), row * 300U + kImpulseI) << name;
     EXPECT_NEAR(*highest, 11.5 + kHigh, 1e-6) << name;  // half an ulp of float32 at 12 m; a PNG step is 4e-7 m
     EXPECT_NEAR(raster.at(0, 0), 11.5, 1e-6) << name;
     EXPECT_NEAR(raster.c + raster.a * kImpulseI, 100.3 + kImpulseI * 0.002, 1e-9) << name;
-    EXPECT_NEAR(raster.f + raster.e * row, 199.8 + kImpulseJ * 0.002, 1e-9) << name;
+    EXPECT_NEAR(raster.f + raster.e * row, 199.8 + kImpulse_j * 0.002, 1e-9) << name;
     EXPECT_LT(raster.e, 0.0);
   }
 }
@@ -134,7 +134,7 @@ TEST_F(Export, HeightsBeyondAKilometreAreWrittenInDoublePrecision) {
   save(*scene, out("heights.tif"));
   const Raster raster = test::read_tif(out("heights.tif"));
   EXPECT_EQ(raster.bits, 64);
-  EXPECT_NEAR(raster.at(kImpulseI, 49 - kImpulseJ) - raster.at(0, 0), kHigh, 1e-8);
+  EXPECT_NEAR(raster.at(kImpulseI, 49 - kImpulse_j) - raster.at(0, 0), kHigh, 1e-8);
 }
 
 TEST_F(Export, UnknownNodesAreNaNInTiffAndZeroInPngAndAbsentFromMeshes) {

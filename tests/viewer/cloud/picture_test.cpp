@@ -107,10 +107,10 @@ TEST(CloudPicture, AtRestNothingIsDrawnUntilSomethingChanges) {
   CloudStudio studio(two_halves());
   const gl::Target target(640, 400, false);
   const auto draw = [&](double seconds) {
-    constexpr double kStepS = 0.1;
-    for (double t = 0.0; t < seconds; t += kStepS) {
+    constexpr double kStep_s = 0.1;
+    for (double t = 0.0; t < seconds; t += kStep_s) {
       studio.mode->controller().frame().finished = false;
-      studio.mode->draw(*studio.gui, studio.settings, target.framebuffer(), 640, 400, studio.time_s += kStepS, true);
+      studio.mode->draw(*studio.gui, studio.settings, target.framebuffer(), 640, 400, studio.time_s += kStep_s, true);
     }
     return studio.mode->rests();
   };

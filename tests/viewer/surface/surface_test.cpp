@@ -193,7 +193,7 @@ TEST(Camera, NearPointsHaveCrossedParallaxAndTheTargetHasNone) {
   EXPECT_NEAR(left.to_pixel(corner)->y(), right.to_pixel(corner)->y(), 1e-9);
 }
 
-constexpr double kWorkspaceM = 0.1;
+constexpr double kWorkspace_m = 0.1;
 
 TEST(Paint, OneDeepPitLeavesTheRangeOfTheSkyThatIsSeenToTheRest) {
   const auto drilled = [](double x_m, double y_m) {
@@ -203,7 +203,7 @@ TEST(Paint, OneDeepPitLeavesTheRangeOfTheSkyThatIsSeenToTheRest) {
   const auto low_of = [&](const auto& height) {
     const auto scene = scene_of(height, {101, 101, 0.004, 1});
     const ReliefData relief = prepare_relief(scene->read_level(0), 0, false, 0.0, pool);
-    const Paint paint = paint_relief(relief, scene->description(), ColourMode::sky_view, kWorkspaceM);
+    const Paint paint = paint_relief(relief, scene->description(), ColourMode::sky_view, kWorkspace_m);
     std::size_t below = 0;
     for (std::size_t k = 0; k < relief.lattice.count(); ++k)
       below += 100.0 * relief.tone[4 * k] / 255.0 < paint.legend.low ? 1 : 0;
@@ -223,10 +223,10 @@ TEST(Paint, ModesFollowWhatTheSceneHas) {
   EXPECT_FALSE(has_mode(scene->description(), ColourMode::friction));
   ThreadPool pool(1);
   const ReliefData relief = prepare_relief(scene->read_level(0), 0, false, 0.0, pool);
-  const Paint paint = paint_relief(relief, scene->description(), ColourMode::height, kWorkspaceM);
+  const Paint paint = paint_relief(relief, scene->description(), ColourMode::height, kWorkspace_m);
   ASSERT_EQ(paint.rgba.size(), 4 * relief.lattice.count());
   EXPECT_NEAR(paint.legend.high, 1e3 * (scene->description().height_max_m - scene->description().height_min_m), 1e-9);
-  EXPECT_TRUE(paint_relief(relief, scene->description(), ColourMode::relief, kWorkspaceM).rgba.empty());
+  EXPECT_TRUE(paint_relief(relief, scene->description(), ColourMode::relief, kWorkspace_m).rgba.empty());
 }
 
 }  // namespace
