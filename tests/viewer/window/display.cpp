@@ -69,6 +69,14 @@ DisplayName::~DisplayName() {
     ::setenv("DISPLAY", before_.c_str(), 1);
 }
 
+void OnADisplay::SetUp() {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  display_ = std::make_unique<VirtualDisplay>();
+  ASSERT_FALSE(display_->name().empty()) << "Xvfb did not start";
+  name_.emplace(display_->name().c_str());
+}
+
 bool wait_for(const std::function<bool()>& condition, double seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (std::chrono::steady_clock::now() < end) {

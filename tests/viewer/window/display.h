@@ -1,9 +1,12 @@
 // A virtual display and what a visitor's hands do on it.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <sys/types.h>
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 
 namespace sparsha::viewer::test {
@@ -36,6 +39,15 @@ class DisplayName {
 
  private:
   std::string before_;
+};
+
+/// A test with a display of its own; skipped where there is no Xvfb.
+class OnADisplay : public testing::Test {
+ protected:
+  void SetUp() override;
+
+  std::unique_ptr<VirtualDisplay> display_;
+  std::optional<DisplayName> name_;
 };
 
 /// Whether the condition came true in time.

@@ -18,11 +18,9 @@
 namespace sparsha::viewer::test {
 namespace {
 
-TEST(KioskWindow, TheSessionsEndClosesAKiosk) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+class KioskWindow : public OnADisplay {};
+
+TEST_F(KioskWindow, TheSessionsEndClosesAKiosk) {
   const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
   Connections connections;
   connections.scene = [&] { return scene; };
@@ -36,11 +34,7 @@ TEST(KioskWindow, TheSessionsEndClosesAKiosk) {
 }
 
 #ifdef SPARSHA_HAS_X11
-TEST(KioskWindow, AKioskIsNotClosedByTheDesktopAndFillsTheScreenAgain) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+TEST_F(KioskWindow, AKioskIsNotClosedByTheDesktopAndFillsTheScreenAgain) {
   const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
   Connections connections;
   connections.scene = [&] { return scene; };
@@ -69,11 +63,7 @@ TEST(KioskWindow, AKioskIsNotClosedByTheDesktopAndFillsTheScreenAgain) {
   EXPECT_TRUE(full);
 }
 
-TEST(Window, OutsideOfAKioskTheDesktopClosesIt) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+TEST_F(KioskWindow, OutsideOfAKioskTheDesktopClosesIt) {
   const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
   Connections connections;
   connections.scene = [&] { return scene; };
@@ -89,37 +79,28 @@ TEST(Window, OutsideOfAKioskTheDesktopClosesIt) {
 }
 #endif
 
-TEST(KioskWindow, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  auto display = std::make_unique<VirtualDisplay>();
-  ASSERT_FALSE(display->name().empty()) << "Xvfb did not start";
-  const std::string number = display->name();
-  const DisplayName name(number.c_str());
+TEST_F(KioskWindow, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
+  const std::string number = display_->name();
   const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
   Connections connections;
   connections.scene = [&] { return scene; };
   int polls = 0;
   connections.poll = [&] {
-    if (++polls == 6) display.reset();
+    if (++polls == 6) display_.reset();
   };
   ViewerOptions options;
   options.kiosk = true;
   EXPECT_EQ(run_window(connections, options), WindowEnd::display_lost);
   EXPECT_FALSE(display_available());
-  display = std::make_unique<VirtualDisplay>(number);
-  ASSERT_EQ(display->name(), number);
+  display_ = std::make_unique<VirtualDisplay>(number);
+  ASSERT_EQ(display_->name(), number);
   ASSERT_TRUE(display_available());
   polls = 100;
   connections.finished = [&] { return polls > 110; };
   EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
 }
 
-TEST(KioskWindow, AnExhibitWithoutVisitorsShowsItselfAndListensAgain) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+TEST_F(KioskWindow, AnExhibitWithoutVisitorsShowsItselfAndListensAgain) {
   const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
   haptics::RequestQueue requests;
   std::atomic<int> steps{0};

@@ -25,7 +25,9 @@
 namespace sparsha::viewer::test {
 namespace {
 
-TEST(Window, NoDisplayIsFoundOutCheaplyAndSaid) {
+class Window : public OnADisplay {};
+
+TEST(WindowWithoutDisplay, IsFoundOutCheaplyAndSaid) {
   const auto began = std::chrono::steady_clock::now();
   {
     const DisplayName none(nullptr);
@@ -48,12 +50,7 @@ TEST(Window, NoDisplayIsFoundOutCheaplyAndSaid) {
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
 }
 
-TEST(Window, KeysAndMouseReachTheSession) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+TEST_F(Window, KeysAndMouseReachTheSession) {
   ASSERT_TRUE(display_available());
 
   const auto scene = scene_of(lotus, {201, 201, 0.002, 2});
@@ -123,12 +120,7 @@ TEST(Window, KeysAndMouseReachTheSession) {
   EXPECT_EQ(problem, "");
 }
 
-TEST(Window, MeasuresPinsAndSectionsAreMadeWithRealKeysAndClicksAndKept) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+TEST_F(Window, MeasuresPinsAndSectionsAreMadeWithRealKeysAndClicksAndKept) {
   const sparsha::test::TestFolder folder;
   std::filesystem::create_directories(folder / "scene");
   pipeline::write_scene(*scene_of(lotus, {201, 201, 0.002, 2},
@@ -194,12 +186,7 @@ TEST(Window, MeasuresPinsAndSectionsAreMadeWithRealKeysAndClicksAndKept) {
   EXPECT_GT(value_of(kept.measures[0]), 0.02);
 }
 
-TEST(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+TEST_F(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
   Workshop workshop(square(150, 1.0));
   std::mutex mutex;  // of the workshop, which both threads look at
   const auto made = scene_of(lotus, {201, 201, 0.002, 2});
@@ -288,12 +275,7 @@ TEST(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
 }
 
 #ifdef SPARSHA_HAS_X11
-TEST(Window, FilesDroppedIntoItAreOpenedByTheirNames) {
-  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
-  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
-  VirtualDisplay display;
-  ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
-  const DisplayName name(display.name().c_str());
+TEST_F(Window, FilesDroppedIntoItAreOpenedByTheirNames) {
   const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
   std::atomic<int> frames{0};
   std::atomic<bool> finished{false};
