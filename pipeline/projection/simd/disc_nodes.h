@@ -242,7 +242,8 @@ SPARSHA_INLINE float height_of_group(const Cover& c, std::size_t begin, std::siz
   }
   Eight sums = totals(sw, sx, sy, sa, sb, ss, Floats{}, Floats{});
   if (!(sums.at[0] > 1e-12F)) return 0.5F * (low + high);
-  const float per_weight = 1.0F / sums.at[0];
+  const float weight = sums.at[0];
+  const float per_weight = 1.0F / weight;
   const float mean_x = sums.at[1] * per_weight;
   const float mean_y = sums.at[2] * per_weight;
   const float mean_a = sums.at[3] * per_weight;
@@ -266,8 +267,8 @@ SPARSHA_INLINE float height_of_group(const Cover& c, std::size_t begin, std::siz
   }
   sums = totals(xx, xy, yy, ax, ay, bx, by, Floats{});
   // A little of the spacing squared keeps the bending of a thin support small.
-  const float prior = 0.02F * sums.at[0] * spacing * spacing;
-  const float m_xx = sums.at[0 + 0] + prior;
+  const float prior = 0.02F * weight * spacing * spacing;
+  const float m_xx = sums.at[0] + prior;
   const float m_xy = sums.at[1];
   const float m_yy = sums.at[2] + prior;
   const float determinant = m_xx * m_yy - m_xy * m_xy;
