@@ -155,7 +155,7 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
   EXPECT_NEAR(file.pins[0].at_m.z(), 30.08, 0.001);
   EXPECT_TRUE(file.parallel);
   EXPECT_TRUE(file.section);
-  Bench again(pipeline::open_scene(folder / "scene"));
+  MarkingBench again(pipeline::open_scene(folder / "scene"));
   ASSERT_EQ(again.marks().notes.pins.size(), 1U);
   EXPECT_NEAR(again.marks().notes.pins[0].at_m.x(), 0.05, 0.001);
   EXPECT_NEAR(again.marks().notes.pins[0].at_m.y(), 0.08, 0.001);
