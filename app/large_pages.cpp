@@ -17,7 +17,12 @@ using sparsha::system::kLargePageBytes;
 constexpr std::size_t kLargeBlock = std::size_t{64} << 10U;
 
 /// Where the heap ends.
-std::uintptr_t heap_end() noexcept { return reinterpret_cast<std::uintptr_t>(::sbrk(0)); }
+char* heap_end() noexcept { return static_cast<char*>(::sbrk(0)); }
+
+/// The border of large pages at or below a place.
+std::uintptr_t border_below(const char* place) noexcept {
+  return reinterpret_cast<std::uintptr_t>(place) / kLargePageBytes * kLargePageBytes;
+}
 
 /// Up to here the heap lies in large pages; on the border of one.
 std::atomic<std::uintptr_t> advised_to{0};
@@ -27,17 +32,21 @@ const bool kHeapIsKept = [] {
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
   ::mallopt(M_TOP_PAD, 16 << 20);
-  advised_to = (heap_end() / kLargePageBytes + 1) * kLargePageBytes;
+  advised_to = border_below(heap_end()) + kLargePageBytes;
   return true;
 }();
 
 /// Asks for large pages where the heap has grown.
 void advise_heap() noexcept {
-  const std::uintptr_t border = heap_end() / kLargePageBytes * kLargePageBytes;
+  char* const end = heap_end();
+  const std::uintptr_t border = border_below(end);
   std::uintptr_t from = advised_to.load(std::memory_order_relaxed);
   if (border >= from && border - from < 2 * kLargePageBytes) return;
   if (from == 0 || !advised_to.compare_exchange_strong(from, border)) return;
-  if (border > from) sparsha::system::advise_large_pages(reinterpret_cast<void*>(from), border - from);
+  if (border > from) {
+    const std::size_t grown = border - from;
+    sparsha::system::advise_large_pages(end - (reinterpret_cast<std::uintptr_t>(end) - from), grown);
+  }
 }
 
 void* allocate(std::size_t size) noexcept {

@@ -15,8 +15,8 @@ const Images& images() {
     if (library == nullptr)
       throw Error(ErrorKind::failure, {SPARSHA_IMAGES_LIBRARY}, "Sparsha's image functions cannot be loaded",
                   "this file in lib/sparsha beside the program's folder, and OpenCV installed");
-    const auto get = reinterpret_cast<decltype(&sparsha_opencv_images)>(
-        system::symbol(library, "sparsha_opencv_images"));
+    const auto get =
+        reinterpret_cast<decltype(&sparsha_opencv_images)>(system::symbol(library, "sparsha_opencv_images"));
     if (get == nullptr)
       throw Error(ErrorKind::failure, {SPARSHA_IMAGES_LIBRARY}, "this file holds none of Sparsha's image functions",
                   "the file that was installed with the program");

@@ -34,8 +34,8 @@ TEST_F(Program, UsageErrorsExitWithTwoAndNameTheNearestWord) {
 }
 
 #if defined(__linux__)
-// Each of these makes every command slower to start: VTK, Qt, GDAL and OpenCV by what they load, PCL's own libraries by their
-// templates for every type of point, which the dynamic linker binds.
+// Each of these makes every command slower to start: VTK, Qt, GDAL and OpenCV by what they load, PCL's own libraries by
+// their templates for every type of point, which the dynamic linker binds.
 TEST_F(Program, LoadsNoLibraryThatSlowsDownEveryStart) {
   const fs::path list = folder_ / "libraries";
   const std::string command =
