@@ -1,9 +1,10 @@
-// The heap in large pages. A build makes and gives back arrays of megabytes at every step, and the system needs a third
-// as long to hand them over page by page as the work on them takes.
+// The heap in large pages. A build takes and frees arrays of megabytes at every step; with small pages a quarter of its
+// time was spent in page faults.
 #include <malloc.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <new>
@@ -20,15 +21,13 @@ constexpr std::size_t kLargeBlock = std::size_t{64} << 10U;
 char* heap_end() noexcept { return static_cast<char*>(::sbrk(0)); }
 
 /// The border of large pages at or below a place.
-std::uintptr_t border_below(const char* place) noexcept {
-  return reinterpret_cast<std::uintptr_t>(place) / kLargePageBytes * kLargePageBytes;
-}
+char* border_below(char* place) noexcept { return place - reinterpret_cast<std::uintptr_t>(place) % kLargePageBytes; }
 
-/// Up to here the heap lies in large pages; on the border of one.
-std::atomic<std::uintptr_t> advised_to{0};
+/// Up to this border the heap lies in large pages; null before main().
+std::atomic<char*> advised_to{nullptr};
 
 /// Blocks of up to 32 MB come from the heap and go back to it, and 64 MB of it are kept for those to come.
-const bool kHeapIsKept = [] {
+[[maybe_unused]] const bool kHeapIsKept = [] {
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
   ::mallopt(M_TOP_PAD, 16 << 20);
@@ -36,17 +35,15 @@ const bool kHeapIsKept = [] {
   return true;
 }();
 
-/// Asks for large pages where the heap has grown.
+/// Asks for large pages where the heap has grown, and begins anew where it has shrunk. One call of the system for
+/// several megabytes of growth, none otherwise.
 void advise_heap() noexcept {
-  char* const end = heap_end();
-  const std::uintptr_t border = border_below(end);
-  std::uintptr_t from = advised_to.load(std::memory_order_relaxed);
-  if (border >= from && border - from < 2 * kLargePageBytes) return;
-  if (from == 0 || !advised_to.compare_exchange_strong(from, border)) return;
-  if (border > from) {
-    const std::size_t grown = border - from;
-    sparsha::system::advise_large_pages(end - (reinterpret_cast<std::uintptr_t>(end) - from), grown);
-  }
+  char* const border = border_below(heap_end());
+  char* from = advised_to.load(std::memory_order_relaxed);
+  const std::ptrdiff_t grown = border - from;
+  if (from == nullptr || (grown >= 0 && grown < static_cast<std::ptrdiff_t>(2 * kLargePageBytes))) return;
+  if (advised_to.compare_exchange_strong(from, border) && grown > 0)
+    sparsha::system::advise_large_pages(from, static_cast<std::size_t>(grown));
 }
 
 void* allocate(std::size_t size) noexcept {
