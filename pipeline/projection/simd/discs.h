@@ -185,12 +185,6 @@ SPARSHA_INLINE void add_moments(const DiscKernel& k, const Candidates& c, float 
   batch.point[batch.size++] = static_cast<std::uint32_t>(point);
 }
 
-SPARSHA_INLINE Floats root(Floats a) {
-  Floats r{};
-  for (std::size_t lane = 0; lane < kLanes; ++lane) r[lane] = __builtin_sqrtf(a[lane]);
-  return r;
-}
-
 // The normal of a plane through points, and the eigenvalues of their covariance as shares of its trace.
 struct PlaneAxis {
   Floats nx, ny, nz;  ///< the length is 1 / per_length

@@ -67,14 +67,19 @@ SPARSHA_INLINE Floats absolute(Floats value) {
   return reinterpret_cast<Floats>(reinterpret_cast<Ints>(value) & 0x7fffffff);
 }
 
-// The smaller and the larger of a and b; b when they do not compare.
+// Square roots of the lanes; the smaller and the larger of a and b, b when they do not compare.
 #if defined(__AVX2__)
+SPARSHA_INLINE Floats root(Floats a) { return (Floats)_mm256_sqrt_ps((__m256)a); }
 SPARSHA_INLINE Floats least(Floats a, Floats b) { return (Floats)_mm256_min_ps((__m256)a, (__m256)b); }
 SPARSHA_INLINE Floats most(Floats a, Floats b) { return (Floats)_mm256_max_ps((__m256)a, (__m256)b); }
 #elif defined(__SSE2__)
 struct Halves {
   __m128 low, high;
 };
+SPARSHA_INLINE Floats root(Floats a) {
+  const auto x = __builtin_bit_cast(Halves, a);
+  return __builtin_bit_cast(Floats, Halves{_mm_sqrt_ps(x.low), _mm_sqrt_ps(x.high)});
+}
 SPARSHA_INLINE Floats least(Floats a, Floats b) {
   const auto x = __builtin_bit_cast(Halves, a);
   const auto y = __builtin_bit_cast(Halves, b);
@@ -86,6 +91,11 @@ SPARSHA_INLINE Floats most(Floats a, Floats b) {
   return __builtin_bit_cast(Floats, Halves{_mm_max_ps(x.low, y.low), _mm_max_ps(x.high, y.high)});
 }
 #else
+SPARSHA_INLINE Floats root(Floats a) {
+  Floats r{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) r[lane] = __builtin_sqrtf(a[lane]);
+  return r;
+}
 SPARSHA_INLINE Floats least(Floats a, Floats b) { return a < b ? a : b; }
 SPARSHA_INLINE Floats most(Floats a, Floats b) { return a > b ? a : b; }
 #endif
