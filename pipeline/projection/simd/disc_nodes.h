@@ -61,15 +61,23 @@ SPARSHA_INLINE Cover cover_in(const DiscNodeKernel& k) {
 // Finds the discs [begin, end) that cover the node.
 SPARSHA_INLINE void find_discs(const DiscNodeKernel& k, std::size_t begin, std::size_t end, float x, float y,
                                Cover& c) {
-  for (std::size_t p = begin; p < end; p += kLanes) {
-    const Floats dx = x - load(k.x + p);
-    const Floats dy = y - load(k.y + p);
-    const Floats rise = load(k.slope_x + p) * dx + load(k.slope_y + p) * dy;
-    std::uint32_t lanes = lanes_of(dx * dx + dy * dy + rise * rise < load(k.radius2 + p));
+  // In registers: what is written below could otherwise be them.
+  const float* const foot_x = k.x;
+  const float* const foot_y = k.y;
+  const float* const slope_x = k.slope_x;
+  const float* const slope_y = k.slope_y;
+  const float* const radius2 = k.radius2;
+  std::uint32_t* const found = c.found;
+  std::size_t count = c.count;
+  for (std::size_t p = begin; p < end && count + kLanes <= DiscNodeKernel::kMostDiscs; p += kLanes) {
+    const Floats dx = x - load(foot_x + p);
+    const Floats dy = y - load(foot_y + p);
+    const Floats rise = load(slope_x + p) * dx + load(slope_y + p) * dy;
+    std::uint32_t lanes = lanes_of(dx * dx + dy * dy + rise * rise < load(radius2 + p));
     if (end - p < kLanes) lanes &= (1U << (end - p)) - 1U;
-    if (c.count + kLanes > DiscNodeKernel::kMostDiscs) return;
-    c.count += write_lanes(lanes, static_cast<std::uint32_t>(p), c.found + c.count);
+    count += write_lanes(lanes, static_cast<std::uint32_t>(p), found + count);
   }
+  c.count = count;
 }
 
 // Reads the discs `numbers` and works out all that is asked about them. A group that begins at `last_begin` or before

@@ -114,15 +114,29 @@ SPARSHA_INLINE Windows windows_around(const DiscKernel& k, std::size_t row, std:
   return w;
 }
 
+// The first of points [begin, end), which descend in z, that is not above `z` (or not as high, when `equal` is): few
+// steps from `begin`.
+SPARSHA_INLINE std::uint32_t next_below(const float* heights, std::uint32_t begin, std::uint32_t end, float z,
+                                        bool equal) {
+  for (;;) {
+    const Floats here = load(heights + begin);
+    std::uint32_t lanes = lanes_of(equal ? here >= z : here > z);
+    if (end - begin < kLanes) lanes &= (1U << (end - begin)) - 1U;
+    const auto above = static_cast<std::uint32_t>(__builtin_ctz(~lanes));
+    begin += above;
+    if (above < kLanes) return begin;
+  }
+}
+
 // Candidates for the points from `top` down to `bottom` of the column in the middle.
 SPARSHA_INLINE void gather_near(const DiscKernel& k, Windows& w, float top, float bottom, Candidates& to) {
   top += k.side_m;
   bottom -= k.side_m;
   to.count = 0;
   for (std::size_t c = 0; c < w.count; ++c) {
-    while (w.begin[c] < w.last[c] && k.z[w.begin[c]] > top) ++w.begin[c];
+    w.begin[c] = next_below(k.z, w.begin[c], w.last[c], top, false);
     if (w.end[c] < w.begin[c]) w.end[c] = w.begin[c];
-    while (w.end[c] < w.last[c] && k.z[w.end[c]] >= bottom) ++w.end[c];
+    w.end[c] = next_below(k.z, w.end[c], w.last[c], bottom, true);
     append(k, w.begin[c], w.end[c], to);
   }
   finish(to);
