@@ -124,11 +124,13 @@ struct UsbBus::Implementation {
 
   static gboolean on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, Place* place) {
     Implementation& self = *place->bus;
+    bool sooner = false;
     {
       const std::lock_guard lock(self.mutex);
       place->port->handle(client, self.now_s());
+      sooner = place->port->next_s() < self.served_next_s;
     }
-    self.wake.notify_all();
+    if (sooner) self.wake.notify_all();
     return gboolean{1};
   }
   static void on_gone(UMockdevIoctlBase*, UMockdevIoctlClient* client, Place* place) {
@@ -146,6 +148,7 @@ struct UsbBus::Implementation {
         next = std::min(next, place->port->next_s());
       }
       for (std::size_t i = 0; i < places.size(); ++i) pull_and_push(lock, i);
+      served_next_s = next;
       if (next > now)
         wake.wait_until(lock,
                         began + std::chrono::duration_cast<Steady::duration>(std::chrono::duration<double>(next)));
@@ -209,6 +212,7 @@ struct UsbBus::Implementation {
   std::mutex mutex;
   std::condition_variable wake;
   bool stopping = false;
+  double served_next_s = 0.0;  ///< when the thread looks at the ports again, unless it is woken
   std::thread thread;
 };
 

@@ -18,7 +18,7 @@ namespace {
 constexpr unsigned char kOut = 0x02, kIn = 0x81;
 /// A client that asks what has finished waits for so long at most: its other threads wait with it.
 constexpr double kPatience_s = 0.5e-3;
-constexpr int kAskedInVain = 3;
+constexpr int kAskedInVain = 1;
 constexpr double kNever_s = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -205,30 +205,27 @@ bool UsbPort::hand_back(UMockdevIoctlClient* handle, Client& client) {
   if (client.finished.empty()) return false;
   const Block block = client.finished.front();
   client.finished.pop_front();
-  UMockdevIoctlData* pointer = umockdev_.resolve(client.reaping, 0, sizeof(void*), nullptr);
-  client.reaping = nullptr;
-  if (pointer == nullptr) {
-    umockdev_.unref(block.data);
-    umockdev_.complete(handle, -1, EFAULT);
-    return true;
-  }
-  umockdev_.set_ptr(pointer, 0, block.data);
-  umockdev_.unref(pointer);
+  umockdev_.set_ptr(client.reaping, 0, block.data);
+  umockdev_.unref(std::exchange(client.reaping, nullptr));
   umockdev_.unref(block.data);
   umockdev_.complete(handle, 0, 0);
   return true;
 }
 
 void UsbPort::reap(UMockdevIoctlClient* handle, Client& client, double now_s) {
-  client.reaping = umockdev_.get_arg(handle);
-  client.reaping_until_s = now_s + kPatience_s;
   // The kernel tells at once that nothing has finished; only who asks again and again is made to wait.
   if (client.finished.empty() && ++client.asked_in_vain <= kAskedInVain) {
-    client.reaping = nullptr;
     umockdev_.complete(handle, -1, EAGAIN);
     return;
   }
   if (!client.finished.empty()) client.asked_in_vain = 0;
+  // Asked of the client now, so that nothing needs to be asked when a transfer ends.
+  client.reaping = umockdev_.resolve(umockdev_.get_arg(handle), 0, sizeof(void*), nullptr);
+  client.reaping_until_s = now_s + kPatience_s;
+  if (client.reaping == nullptr) {
+    umockdev_.complete(handle, -1, EFAULT);
+    return;
+  }
   if (!hand_back(handle, client)) umockdev_.object_ref(handle);  // nobody else keeps a client that waits
 }
 
@@ -238,7 +235,7 @@ void UsbPort::let_go(UMockdevIoctlClient* handle, Client& client, int error) {
     umockdev_.object_unref(handle);
     return;
   }
-  client.reaping = nullptr;
+  umockdev_.unref(std::exchange(client.reaping, nullptr));
   umockdev_.complete(handle, -1, error);
   umockdev_.object_unref(handle);
 }

@@ -52,7 +52,7 @@ class UsbPort {
     bool claims = false;
     std::list<Block> waiting;  ///< reads without a packet yet
     std::deque<Block> finished;
-    UMockdevIoctlData* reaping = nullptr;  ///< asks for what has finished, until
+    UMockdevIoctlData* reaping = nullptr;  ///< where the client, which waits, finds what has finished, until
     double reaping_until_s = 0.0;
     int asked_in_vain = 0;  ///< since something was handed back
   };

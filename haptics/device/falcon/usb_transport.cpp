@@ -165,7 +165,13 @@ class UsbTransport final : public Transport {
     return cut ? TransportStatus::ok : status;
   }
 
-  TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override { return submit(posts_, bytes); }
+  TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override {
+    const TransportStatus status = submit(posts_, bytes);
+    // What a stall needs takes longer, and is receive()'s.
+    const bool listens = incoming_.busy.load() || in_stalled_.load() || out_stalled_.load();
+    if (status == TransportStatus::ok && !listens) static_cast<void>(listen());
+    return status;
+  }
 
   TransportStatus receive(UsbPacket& packet, std::size_t& size, double timeout_s) noexcept override {
     const Steady::time_point limit = Steady::now() + std::chrono::duration_cast<Steady::duration>(
@@ -309,14 +315,16 @@ class UsbTransport final : public Transport {
     if (!closing) static_cast<void>(self.status_of(error_of(transfer->status)));
     if (transfer->status == LIBUSB_TRANSFER_STALL) self.in_stalled_.store(true);
     if (transfer->status == LIBUSB_TRANSFER_COMPLETED) {
-      self.keep(static_cast<std::size_t>(transfer->actual_length));
-      if (!closing && libusb_submit_transfer(transfer) == 0) return;
+      // After an answer the next question goes out first: post() and receive() listen again.
+      const bool answer = self.keep(static_cast<std::size_t>(transfer->actual_length));
+      if (!closing && !answer && libusb_submit_transfer(transfer) == 0) return;
     }
     self.incoming_.busy.store(false);  // listen() begins anew
   }
 
-  void keep(std::size_t size) noexcept {
-    if (size <= kModemBytes) return;
+  /// False when there are no bytes of the firmware's.
+  bool keep(std::size_t size) noexcept {
+    if (size <= kModemBytes) return false;
     if (received_count_ == kReceived) {  // nobody listens: the oldest goes
       received_first_ = (received_first_ + 1) % kReceived;
       --received_count_;
@@ -324,6 +332,7 @@ class UsbTransport final : public Transport {
     Received& slot = received_[(received_first_ + received_count_++) % kReceived];
     slot.bytes = incoming_.bytes;
     slot.size = size;
+    return true;
   }
 
   Context context_;
