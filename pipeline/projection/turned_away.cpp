@@ -34,6 +34,8 @@ void ask_row(const ProjectionPlan& plan, const DepthGrid& grid, std::size_t j, f
   const auto per_m = static_cast<float>(1.0 / plan.bins.spacing_m);
   std::vector<float> x(nx), y(nx), records(kDiscRecord * nx, 0.0F);
   const float* row = grid.height_m.data() + j * nx;
+  const float* row_below = j > 0 ? row - nx : nullptr;
+  const float* row_above = j + 1 < ny ? row + nx : nullptr;
   for (std::size_t i = 0; i < nx; ++i) {
     x[i] = static_cast<float>(plan.bins.x0_m + static_cast<double>(i) * plan.bins.spacing_m);
     y[i] = static_cast<float>(plan.bins.y0_m + static_cast<double>(j) * plan.bins.spacing_m);
@@ -41,8 +43,8 @@ void ask_row(const ProjectionPlan& plan, const DepthGrid& grid, std::size_t j, f
     record[2] = row[i];
     const float left = i > 0 ? row[i - 1] : kUnknownHeight;
     const float right = i + 1 < nx ? row[i + 1] : kUnknownHeight;
-    const float below = j > 0 ? row[i - nx] : kUnknownHeight;
-    const float above = j + 1 < ny ? row[i + nx] : kUnknownHeight;
+    const float below = row_below != nullptr ? row_below[i] : kUnknownHeight;
+    const float above = row_above != nullptr ? row_above[i] : kUnknownHeight;
     record[3] = slope_of(left, row[i], right, most_m) * per_m;
     record[4] = slope_of(below, row[i], above, most_m) * per_m;
   }
