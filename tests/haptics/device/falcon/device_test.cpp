@@ -389,6 +389,10 @@ struct WireTimes {
 
 class FalconOnALateLink : public FalconOnTheBench {
  protected:
+  ~FalconOnALateLink() override {
+    device.reset();  // its last packets are logged in `times`
+    emulator.reset();
+  }
   void start_late(double earliest_s, double latest_s) {
     EmulatorOptions options;
     options.homed = true;
