@@ -41,7 +41,9 @@ class DesktopServer {
     setenv("PULSE_RUNTIME_PATH", home.c_str(), 1);
     setenv("HOME", home.c_str(), 1);
     setenv("PULSE_SERVER", ("unix:" + socket).c_str(), 1);
-    setenv("ALSA_CONFIG_PATH", ("/usr/share/alsa/alsa.conf:" + (folder_ / "asound.conf").string()).c_str(), 1);
+    static const char* const outside = std::getenv("ALSA_CONFIG_PATH");
+    static const std::string files = outside != nullptr ? outside : "/usr/share/alsa/alsa.conf";
+    setenv("ALSA_CONFIG_PATH", (files + ":" + (folder_ / "asound.conf").string()).c_str(), 1);
     setenv("JACK_NO_START_SERVER", "1", 1);
     setenv("JACK_DEFAULT_SERVER", "sparsha-test-none", 1);
     process_ = audio::ChildProcess::start(
