@@ -141,13 +141,13 @@ struct UsbBus::Implementation {
   void run() {
     std::unique_lock lock(mutex);
     while (!stopping) {
+      for (std::size_t i = 0; i < places.size(); ++i) pull_and_push(lock, i);
       const double now = now_s();
       double next = now + 0.1;
       for (const auto& place : places) {
         place->port->serve(now);
         next = std::min(next, place->port->next_s());
       }
-      for (std::size_t i = 0; i < places.size(); ++i) pull_and_push(lock, i);
       served_next_s = next;
       if (next > now)
         wake.wait_until(lock,

@@ -18,7 +18,7 @@ namespace {
 constexpr unsigned char kOut = 0x02, kIn = 0x81;
 /// A client that asks what has finished waits for so long at most: its other threads wait with it.
 constexpr double kPatience_s = 0.5e-3;
-constexpr int kAskedInVain = 1;
+constexpr int kAskedInVain = 1;  ///< and is told so many times before that nothing has
 constexpr double kNever_s = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -38,6 +38,7 @@ void UsbPort::forget(UMockdevIoctlClient* client) {
   if (found == clients_.end()) return;
   for (const Block& block : found->second.waiting) umockdev_.unref(block.data);
   for (const Block& block : found->second.finished) umockdev_.unref(block.data);
+  if (found->second.reaping != nullptr) umockdev_.unref(found->second.reaping);
   clients_.erase(found);
 }
 
@@ -213,7 +214,7 @@ bool UsbPort::hand_back(UMockdevIoctlClient* handle, Client& client) {
 }
 
 void UsbPort::reap(UMockdevIoctlClient* handle, Client& client, double now_s) {
-  // The kernel tells at once that nothing has finished; only who asks again and again is made to wait.
+  // The kernel tells at once that nothing has finished; only who asks once more is made to wait.
   if (client.finished.empty() && ++client.asked_in_vain <= kAskedInVain) {
     umockdev_.complete(handle, -1, EAGAIN);
     return;

@@ -167,9 +167,9 @@ class UsbTransport final : public Transport {
 
   TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override {
     const TransportStatus status = submit(posts_, bytes);
-    // What a stall needs takes longer, and is receive()'s.
-    const bool listens = incoming_.busy.load() || in_stalled_.load() || out_stalled_.load();
-    if (status == TransportStatus::ok && !listens) static_cast<void>(listen());
+    // Clearing a stall takes longer and is left to receive().
+    const bool stalled = in_stalled_.load() || out_stalled_.load();
+    if (status == TransportStatus::ok && !incoming_.busy.load() && !stalled) static_cast<void>(listen());
     return status;
   }
 

@@ -61,7 +61,7 @@ SPARSHA_INLINE Cover cover_in(const DiscNodeKernel& k) {
 // Finds the discs [begin, end) that cover the node.
 SPARSHA_INLINE void find_discs(const DiscNodeKernel& k, std::size_t begin, std::size_t end, float x, float y,
                                Cover& c) {
-  // In registers: what is written below could otherwise be them.
+  // Copies: the compiler must assume that a write to `found` changes the kernel's own pointers.
   const float* const foot_x = k.x;
   const float* const foot_y = k.y;
   const float* const slope_x = k.slope_x;

@@ -41,6 +41,7 @@ class DesktopServer {
     setenv("PULSE_RUNTIME_PATH", home.c_str(), 1);
     setenv("HOME", home.c_str(), 1);
     setenv("PULSE_SERVER", ("unix:" + socket).c_str(), 1);
+    // Read once: a second server in one program must not find the file of the first.
     static const char* const outside = std::getenv("ALSA_CONFIG_PATH");
     static const std::string files = outside != nullptr ? outside : "/usr/share/alsa/alsa.conf";
     setenv("ALSA_CONFIG_PATH", (files + ":" + (folder_ / "asound.conf").string()).c_str(), 1);
