@@ -143,8 +143,13 @@ TEST(Session, AHoldThatTurnedSpeechOnDoesNotMakeTheNextOneATour) {
   };
   ASSERT_TRUE(hold_until("Speech on. For help, hold the middle button", 0));
   const std::size_t before = words(session).size();
-  ASSERT_TRUE(hold_until("", before));
-  EXPECT_EQ(words(session).at(before).rfind("Right button: closer", 0), 0U) << words(session).at(before);
+  ASSERT_TRUE(hold_until("Right button: closer", before));
+  auto said = words(session);
+  said.erase(said.begin(), said.begin() + static_cast<std::ptrdiff_t>(before));
+  // On a loaded machine this comes between at any time.
+  std::erase_if(said, [](const std::string& w) { return w.find("The stone went soft") == 0; });
+  ASSERT_FALSE(said.empty());
+  EXPECT_EQ(said.front().rfind("Right button: closer", 0), 0U) << said.front();
   session.stop();
 }
 
