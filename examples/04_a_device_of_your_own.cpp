@@ -21,12 +21,7 @@ class FallingMass final : public Device {
     velocity_m_per_s_ +=
         (force_n_.z() - kMass_kg * 9.81 - kDamping_n_s_per_m * velocity_m_per_s_) / kMass_kg * period_s;
     position_m_.z() += velocity_m_per_s_ * period_s;
-    DeviceSample sample;
-    sample.position_m = position_m_;
-    sample.time_s = time_s;
-    sample.fresh = true;
-    sample.finished = time_s > 2.0;
-    return sample;
+    return {.position_m = position_m_, .time_s = time_s, .fresh = true, .finished = time_s > 2.0};
   }
   void write(const Eigen::Vector3d& force_n) noexcept override { force_n_ = force_n; }
   void zero() noexcept override {}  // called from the watchdog's thread: real devices switch their motors off here
