@@ -220,7 +220,8 @@ TEST_F(Sound, WhatCannotBeFittedIsRefusedAsInput) {
 #if __has_include(<jack/jack.h>)
 TEST_F(Sound, WithoutAWindowARunIsHeardThroughASoundServer) {
   sound_server::SoundServer server;
-  if (!server.running()) GTEST_SKIP() << "no sound server: jackd is not installed or does not start";
+  if (!server.installed()) GTEST_SKIP() << sound_server::kMissing;
+  ASSERT_TRUE(server.running()) << sound_server::kSilent;
   ASSERT_EQ(run("build " + relief_ + " --out scene").code, 0);
   Outcome outcome;
   std::thread program([&] { outcome = run("explore scene --device simulated --headless --duration 8"); });

@@ -1,6 +1,10 @@
 // A real sound server without a sound card (JACK's dummy driver), and a client of it that listens to what it plays.
 #pragma once
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -8,6 +12,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -29,29 +34,52 @@ namespace sound_server {
 using namespace sparsha;
 using Clock = std::chrono::steady_clock;
 
-/// A JACK server of our own, under a name of its own, whose cycles have 128 frames at 48 kHz.
+inline constexpr const char* kMissing = "no sound server: jackd is not installed";
+inline constexpr const char* kSilent = "jackd is installed, but does not start";
+
+/// One of four names for a server, which no other test has while this lives. JACK lists at most eight servers and takes
+/// one that was killed off its list only when another of its name starts: names that are new each time fill the list.
+class ServerName {
+ public:
+  ServerName() {
+    for (int k = 1; k <= 4 && lock_ < 0; ++k) {
+      name_ = "sparsha-test-" + std::to_string(k);
+      const auto file = std::filesystem::temp_directory_path() / (name_ + ".lock");
+      lock_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+      if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) == 0) continue;
+      ::close(lock_);
+      lock_ = -1;
+    }
+  }
+  ~ServerName() {
+    if (lock_ >= 0) ::close(lock_);
+  }
+  ServerName(const ServerName&) = delete;
+  ServerName& operator=(const ServerName&) = delete;
+  [[nodiscard]] const std::string& text() const { return name_; }
+
+ private:
+  std::string name_;
+  int lock_ = -1;
+};
+
+/// A JACK server of our own, whose cycles have 128 frames at 48 kHz.
 class SoundServer {
  public:
   /// `channels`: of its sound card.
   explicit SoundServer(int channels = 2) {
     const auto program = audio::find_program({"jackd"});
-    if (!program) return;
-    const std::string name = "sparsha-test-" + std::to_string(system::process_id());
-    setenv("JACK_DEFAULT_SERVER", name.c_str(), 1);
+    installed_ = program.has_value();
+    if (!installed_) return;
+    setenv("JACK_DEFAULT_SERVER", name_.text().c_str(), 1);
     setenv("JACK_NO_AUDIO_RESERVATION", "1", 1);
-    process_ = audio::ChildProcess::start(
-        *program,
-        {"--no-realtime", "--name", name, "-d", "dummy", "-r", "48000", "-p", "128", "-P", std::to_string(channels)},
-        "");
-    for (int i = 0; i < 40 && !ready_; ++i) {  // a busy machine takes its time to start it
+    process_ = audio::ChildProcess::start(*program,
+                                          {"--no-realtime", "--name", name_.text(), "-d", "dummy", "-r", "48000", "-p",
+                                           "128", "-P", std::to_string(channels)},
+                                          "");
+    for (int i = 0; i < 120 && !ready_ && process_->running(); ++i) {  // a busy machine takes its time to start it
       std::this_thread::sleep_for(std::chrono::milliseconds(250));
-      try {
-        const auto devices = audio::output_devices();
-        ready_ = std::any_of(devices.begin(), devices.end(), [](const audio::OutputDevice& device) {
-          return device.system.find("JACK") != std::string::npos;
-        });
-      } catch (const Error&) {
-      }
+      ready_ = reached();
     }
   }
   ~SoundServer() {
@@ -61,6 +89,8 @@ class SoundServer {
   }
   SoundServer(const SoundServer&) = delete;
   SoundServer& operator=(const SoundServer&) = delete;
+  /// Where it is not, tests are skipped; where it is and does not run, they fail.
+  [[nodiscard]] bool installed() const { return installed_; }
   [[nodiscard]] bool running() { return ready_ && process_->running(); }
   /// Lets it tidy up its shared memory.
   void end() {
@@ -72,7 +102,20 @@ class SoundServer {
   }
 
  private:
+  [[nodiscard]] static bool reached() {
+    try {
+      const auto devices = audio::output_devices();
+      return std::any_of(devices.begin(), devices.end(), [](const audio::OutputDevice& device) {
+        return device.system.find("JACK") != std::string::npos;
+      });
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
+  ServerName name_;
   std::unique_ptr<audio::ChildProcess> process_;
+  bool installed_ = false;
   bool ready_ = false;
 };
 

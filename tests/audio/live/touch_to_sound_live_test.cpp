@@ -46,7 +46,8 @@ std::function<void()> words_to(audio::Engine& engine) {
 class TouchToSoundLive : public testing::Test {
  protected:
   void SetUp() override {
-    if (!server_.running()) GTEST_SKIP() << "no sound server: jackd is not installed or does not start";
+    if (!server_.installed()) GTEST_SKIP() << sound_server::kMissing;
+    ASSERT_TRUE(server_.running()) << sound_server::kSilent;
   }
   [[nodiscard]] static Heard taps(int count, bool speaks) {
     return ::taps::hear<sound_server::Listener>(count, 0.3,
