@@ -40,6 +40,7 @@ std::string text_of(const Case& c) {
   std::string text = fmt::format("{}, {}, ", c.scan.points, c.scan.noise_spacings);
   text += c.nodes > 0 ? fmt::format("{} nodes", c.nodes) : fmt::format("{:g}", c.grid_spacings);
   if (c.scan.density_ratio != 1.0) text += fmt::format(", density 1:{}", c.scan.density_ratio);
+  if (c.scan.lines > 0.0) text += fmt::format(", lines 1:{}", c.scan.lines);
   if (c.scan.hole_spacings > 0.0) text += fmt::format(", hole of {}", c.scan.hole_spacings);
   return text;
 }
@@ -66,7 +67,7 @@ double through_percent(const Judgement& f) {
 class Table {
  public:
   explicit Table(const fs::path& file) : csv_(file) {
-    csv_ << "object,points,noise_spacings,grid_spacings,density_ratio,hole_spacings,method,nodes,covered_percent,"
+    csv_ << "object,points,noise_spacings,grid_spacings,density_ratio,hole_spacings,lines,method,nodes,covered_percent,"
             "smooth_percent,wrong_smooth_percent,wrong_percent,beyond_percent,median_spacings,noise_ratio,"
             "hole_through_percent,ms_one_thread,ms_two_threads\n";
     fmt::print(
@@ -114,11 +115,11 @@ class Table {
   void csv_line(const Row& r, const char* method, const Judgement& f, double noise, double ms_one, double ms_two) {
     const test::ScanOptions& s = r.what.scan;
     const double grid = r.what.nodes > 0 ? kNone : r.what.grid_spacings;
-    csv_ << fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.object, s.points,
-                        s.noise_spacings, field_of("%.3g", grid), s.density_ratio, s.hole_spacings, method, f.nodes,
-                        100.0 * f.covered, 100.0 * f.smooth, 100.0 * f.wrong_smooth, 100.0 * f.wrong, 100.0 * f.beyond,
-                        f.median_spacings, field_of("%.3g", noise), field_of("%.3g", through_percent(f)),
-                        field_of("%.3g", ms_one), field_of("%.3g", ms_two));
+    csv_ << fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.object, s.points,
+                        s.noise_spacings, field_of("%.3g", grid), s.density_ratio, s.hole_spacings, s.lines, method,
+                        f.nodes, 100.0 * f.covered, 100.0 * f.smooth, 100.0 * f.wrong_smooth, 100.0 * f.wrong,
+                        100.0 * f.beyond, f.median_spacings, field_of("%.3g", noise),
+                        field_of("%.3g", through_percent(f)), field_of("%.3g", ms_one), field_of("%.3g", ms_two));
     csv_.flush();
   }
 
@@ -239,6 +240,8 @@ std::vector<Case> cases_of(const RunOptions& options, const std::string& object,
   for (const std::size_t points : options.every ? all_counts : std::vector<std::size_t>{100'000}) {
     add(points, 0.1, 1.0, 10.0);
     add(points, 0.1, 1.0, 1.0, 10.0);
+    add(points, 0.1, 1.0);
+    cases.back().scan.lines = 4.0;
   }
   const bool timed_object = object == "torus" || object == "vase from above" || object == "lionstatue.obj";
   if (options.every || (!options.quick && timed_object)) {

@@ -172,6 +172,7 @@ std::string builds_html(const std::filesystem::path& folder) {
               {"noise_spacings", "noise, spacings"},
               {"density_ratio", "density"},
               {"hole_spacings", "hole"},
+              {"lines", "lines 1:"},
               {"wrong_smooth_percent", "wrong, smooth, %"},
               {"wrong_percent", "wrong, %"},
               {"beyond_percent", "beyond, %"},

@@ -53,6 +53,7 @@ std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const Project
   shared.nx = static_cast<std::size_t>(rows.lattice.nx);
   shared.per_reach = static_cast<float>(1.0 / DiscRule::kReach);
   shared.link_noise_m = static_cast<float>(kLinkNoise * plan.rule.noise_m);
+  shared.lines = plan.discs->lines;
   std::vector<std::uint8_t> verdicts(rows.lattice.count());
   context.pool.for_ranges(static_cast<std::size_t>(rows.lattice.ny), 4, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();

@@ -32,7 +32,7 @@ constexpr double kMostTurnedAway = 0.2;
 
 // Whether windows in x and y could take one side of the object for another. A window over many points tells two layers
 // apart where it looks straight at them, and reliefs with steps are better seen by windows.
-bool has_several_sides(const CloudStatistics& statistics, const GridConfig& config, const Extent& extent) {
+bool has_several_sides(const SpaceStatistics& statistics, const GridConfig& config, const Extent& extent) {
   if (!(statistics.surface_spacing_m > 0.0)) return false;
   if (statistics.steep_share > kSteepShare) return true;
   const double apart_m = statistics.layers_apart_m;
@@ -46,7 +46,7 @@ bool has_several_sides(const CloudStatistics& statistics, const GridConfig& conf
 }
 
 // A sheet must not be taken for the one behind it: of thin objects more points are looked at.
-double facing_samples(const CloudStatistics& statistics, double spacing_m, std::uint64_t points) {
+double facing_samples(const SpaceStatistics& statistics, double spacing_m, std::uint64_t points) {
   constexpr double kSamples = 40000.0;
   constexpr double kMostTimes = 10.0;
   constexpr double kApart = 3.0;  // sample spacings
@@ -82,9 +82,11 @@ std::vector<StationView> views_of(const OrientedStations& oriented, SideEvidence
   return views;
 }
 
-DiscRule disc_rule(const SurfaceStatistics& surface) {
+DiscRule disc_rule(const SurfaceStatistics& surface, bool on_lines) {
   DiscRule rule;
   rule.spacing_m = surface.spacing_m * static_cast<double>(surface.scale);
+  rule.noise_m = surface.noise_m;
+  rule.lines = on_lines;
   rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
   return rule;
 }
@@ -99,7 +101,7 @@ void name_lying_stations(const FacingField& facing, const OrientedStations& orie
 }
 
 // Whether a hole in the front may show a back where windows decide.
-bool may_show_back(const CloudStatistics& statistics, const std::vector<Station>& stations) {
+bool may_show_back(const SpaceStatistics& statistics, const std::vector<Station>& stations) {
   if (!(statistics.surface_spacing_m > 0.0)) return false;
   return statistics.layered_share > kSomeLayered || std::any_of(stations.begin(), stations.end(), is_certain);
 }
@@ -121,28 +123,41 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
                                double resolution_m, ThreadPool& pool) {
   const Eigen::Vector3d& origin_m = oriented.origin_m;
   CloudStatistics statistics = sample_cloud(pieces, extent, pool);
+  const SpaceStatistics& in_space = statistics.in_space;
   ProjectionPlan plan;
+  // Discs, of `space`; of several sides what is seen tells which faces out. False where they would not find the
+  // surface.
+  const auto use_discs = [&](const SpaceStatistics& space, bool on_lines, SideEvidence evidence) {
+    const SurfaceStatistics surface = surface_statistics(pieces, extent, space.surface_spacing_m, on_lines, pool);
+    if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) return false;
+    statistics.noise_m = surface.noise_m;
+    statistics.point_spacing_m = surface.spacing_m;
+    plan.discs = disc_rule(surface, on_lines);
+    find_sides(pieces, totals, extent, oriented, surface.spacing_m,
+               facing_samples(space, surface.spacing_m, totals.count), evidence, pool, plan);
+    return true;
+  };
   if (only_mesh) {
     statistics.noise_m = 0.0;
-  } else if (has_several_sides(statistics, config, extent)) {
-    const SurfaceStatistics surface = surface_statistics(pieces, extent, statistics.surface_spacing_m, pool);
-    if (surface.spacing_m > 0.0 && surface.sparse_share <= kMostSparse) {
-      statistics.noise_m = surface.noise_m;
-      statistics.point_spacing_m = surface.spacing_m;
-      plan.discs = disc_rule(surface);
-      find_sides(pieces, totals, extent, oriented, surface.spacing_m,
-                 facing_samples(statistics, surface.spacing_m, totals.count), SideEvidence::views, pool, plan);
+  } else {
+    bool decided = false;
+    if (const auto& lines = statistics.on_lines; lines && lines->surface_spacing_m > 0.0) {
+      const bool several = has_several_sides(*lines, config, extent);
+      decided = use_discs(*lines, true, several ? SideEvidence::views : SideEvidence::certain);
     }
-  }
-  if (!only_mesh && !plan.discs && may_show_back(statistics, oriented.stations)) {
-    const double spacing_m = statistics.surface_spacing_m;
-    find_sides(pieces, totals, extent, oriented, spacing_m, facing_samples(statistics, spacing_m, totals.count),
-               SideEvidence::certain, pool, plan);
+    if (!decided && has_several_sides(in_space, config, extent)) {
+      decided = use_discs(in_space, false, SideEvidence::views);
+    }
+    if (!decided && may_show_back(in_space, oriented.stations)) {
+      const double spacing_m = in_space.surface_spacing_m;
+      find_sides(pieces, totals, extent, oriented, spacing_m, facing_samples(in_space, spacing_m, totals.count),
+                 SideEvidence::certain, pool, plan);
+    }
   }
   if (config.noise_m) statistics.noise_m = *config.noise_m;
 
   plan.origin_m = origin_m;
-  plan.layers_apart_m = statistics.layers_apart_m;
+  plan.layers_apart_m = (plan.discs && plan.discs->lines ? *statistics.on_lines : in_space).layers_apart_m;
   plan.point_spacing_m = statistics.point_spacing_m;
   plan.gap_m = layer_gap_m(statistics.noise_m, statistics.point_spacing_m);
   plan.lattice = choose_lattice(config, extent, origin_m, statistics.point_spacing_m, resolution_m);

@@ -28,6 +28,13 @@ constexpr double kBlockSpacings = 6.0;
 constexpr double kNoiseQuantile = 0.35;
 constexpr double kNoiseOfQuantile = 1.08;
 constexpr double kBlocks = 700.0;
+// Where the lines of a scanner are farther apart than the points on them, the nearest points often all lie on one line.
+// Where many seem to, wider blocks tell whether they do.
+constexpr double kSeem = 1.0 / 3.0;
+constexpr double kDo = 0.2;  // at most 0.16 of the neighbourhoods of points that lie at random, as a lion's
+constexpr double kUpright = 0.2;
+constexpr double kWideTimes = 4.0;      // as wide as the other blocks,
+constexpr double kWideSpacings = 20.0;  // and at least so many point spacings
 constexpr std::size_t kPiece = 1U << 15U;
 constexpr std::size_t kBatch = 1U << 10U;
 constexpr std::size_t kBlocksAtOnce = 32;
@@ -90,14 +97,40 @@ double weighted_quantile(std::vector<Weighted>& values, double share, double oth
   return values.back().value;
 }
 
+// Which neighbourhoods of a block are looked at.
+struct Look {
+  double blocks = kBlocks;                                     // about
+  std::size_t neighbours = 10;                                 // of a plane
+  std::size_t most = std::numeric_limits<std::size_t>::max();  // of a block, about
+};
+constexpr Look kWideLook{24.0, 40, 16};
+
 // Neighbourhoods about the middle of a block: how many are flat, and of these steep, and their point spacing.
 struct Steepness {
   std::size_t flat = 0, steep = 0;
+  std::size_t looked_at = 0, on_lines = 0;  // all, and those whose nearest points lie on one line
   std::vector<double> spacings_m;
   double slope_x = 0.0, slope_y = 0.0;  // sums over those that are not steep,
   std::size_t sloped = 0;               // and their number
   std::size_t blocks = 0;               // with a flat neighbourhood,
   std::vector<double> apart_m;          // of these with another layer below the highest: the distance across the two
+
+  [[nodiscard]] double on_lines_share() const {
+    return static_cast<double>(on_lines) / static_cast<double>(std::max<std::size_t>(1, looked_at));
+  }
+  [[nodiscard]] SpaceStatistics statistics() {
+    SpaceStatistics result;
+    if (flat > 0) {
+      result.steep_share = static_cast<double>(steep) / static_cast<double>(flat);
+      result.surface_spacing_m = median(spacings_m);
+    }
+    if (!apart_m.empty()) {
+      result.layered_share = static_cast<double>(apart_m.size()) / static_cast<double>(blocks);
+      result.layers_apart_m = median(apart_m);
+      result.tilt = std::hypot(slope_x, slope_y) / static_cast<double>(sloped);
+    }
+    return result;
+  }
 };
 
 // How a flat neighbourhood continues to the middle of its block.
@@ -119,27 +152,39 @@ std::optional<double> next_layer_m(std::vector<Continued>& surfaces, double spac
   if (4 * above < above + below || 4 * below < above + below) return std::nullopt;
   return across(*next);
 }
-Steepness steepness_of_block(std::span<const NodePoint> block, double side) {
-  constexpr std::size_t kNeighbours = 10;
+// Whether the points taken, or the nearest of them, lie on one line.
+bool on_line(const Neighbourhood& near, const SurfacePlane& plane, std::size_t taken) {
+  constexpr std::array<std::size_t, 3> kOfLine{5, 10, 20};
+  return (plane.narrow() && taken <= kOfLine.back()) ||
+         std::any_of(kOfLine.begin(), kOfLine.end(),
+                     [&](std::size_t count) { return count < taken && near.narrow(count); });
+}
+
+Steepness steepness_of_block(std::span<const NodePoint> block, double side, const Look& look) {
   constexpr float kMiddle = 0.17F;
   constexpr double kSteep = 0.5;  // z of a normal
   Steepness result;
-  if (block.size() < kNeighbours) return result;
+  if (block.size() < look.neighbours) return result;
   std::vector<SpacePoint> points;
+  std::vector<std::size_t> seeds;
   for (const NodePoint& p : block) {
+    if (std::abs(p.u) < kMiddle && std::abs(p.v) < kMiddle) seeds.push_back(points.size());
     points.push_back({p.u * static_cast<float>(side), p.v * static_cast<float>(side), p.z});
   }
   Neighbourhood near(points);
   std::vector<Continued> surfaces;
-  for (std::size_t k = 0; k < block.size(); ++k) {
-    if (!(std::abs(block[k].u) < kMiddle && std::abs(block[k].v) < kMiddle)) continue;
-    near.take(k, kNeighbours, std::numeric_limits<double>::infinity());
+  const std::size_t step = 1 + seeds.size() / look.most;
+  for (std::size_t s = 0; s < seeds.size(); s += step) {
+    const std::size_t k = seeds[s];
+    near.take(k, look.neighbours, std::numeric_limits<double>::infinity());
     const SurfacePlane plane = near.plane();
+    ++result.looked_at;
+    result.on_lines += on_line(near, plane, look.neighbours) ? 1 : 0;
     if (!plane.planar()) continue;
     ++result.flat;
     result.steep += plane.normal[2] < kSteep ? 1 : 0;
-    result.spacings_m.push_back(near.radius_m(kNeighbours) *
-                                std::sqrt(std::numbers::pi / static_cast<double>(kNeighbours)));
+    result.spacings_m.push_back(near.radius_m(look.neighbours) *
+                                std::sqrt(std::numbers::pi / static_cast<double>(look.neighbours)));
     const std::array<double, 3>& n = plane.normal;
     if (n[2] < kSteep) continue;
     const double rise = (n[0] * static_cast<double>(points[k].x) + n[1] * static_cast<double>(points[k].y)) / n[2];
@@ -203,13 +248,15 @@ class Blocks {
     sort_points();
   }
 
-  [[nodiscard]] Steepness steepness() const {
+  [[nodiscard]] Steepness steepness(const Look& look) const {
     std::vector<Steepness> parts(found_.size());
     pool_.for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t b = begin; b < end; ++b) parts[b] = steepness_of_block(all_of(found_[b]), side_);
+      for (std::size_t b = begin; b < end; ++b) parts[b] = steepness_of_block(all_of(found_[b]), side_, look);
     });
     Steepness sum;
     for (const Steepness& part : parts) {
+      sum.looked_at += part.looked_at;
+      sum.on_lines += part.on_lines;
       sum.flat += part.flat;
       sum.steep += part.steep;
       sum.slope_x += part.slope_x;
@@ -292,24 +339,25 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
     return result;
   }
 
+  const auto blocks_of = [&](const Look& look, double side) {
+    BlockKernel drawn;
+    drawn.x0_m = static_cast<float>(extent.xmin_m);
+    drawn.y0_m = static_cast<float>(extent.ymin_m);
+    drawn.per_m = static_cast<float>(1.0 / side);
+    const double share = std::min(1.0, look.blocks / std::max(1.0, area / (side * side)));
+    drawn.limit = static_cast<std::uint32_t>(share * 4294967295.0);
+    return Blocks(draw_samples(pieces, drawn, pool), side, pool);
+  };
   const double side = kBlockSpacings * mean_spacing;
-  const double block_count = area / (side * side);
-  BlockKernel drawn;
-  drawn.x0_m = static_cast<float>(extent.xmin_m);
-  drawn.y0_m = static_cast<float>(extent.ymin_m);
-  drawn.per_m = static_cast<float>(1.0 / side);
-  drawn.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, block_count)) * 4294967295.0);
-  Blocks blocks(draw_samples(pieces, drawn, pool), side, pool);
+  Blocks blocks = blocks_of({}, side);
 
-  Steepness in_space = blocks.steepness();
-  if (in_space.flat > 0) {
-    result.steep_share = static_cast<double>(in_space.steep) / static_cast<double>(in_space.flat);
-    result.surface_spacing_m = median(in_space.spacings_m);
-  }
-  if (!in_space.apart_m.empty()) {
-    result.layered_share = static_cast<double>(in_space.apart_m.size()) / static_cast<double>(in_space.blocks);
-    result.layers_apart_m = median(in_space.apart_m);
-    result.tilt = std::hypot(in_space.slope_x, in_space.slope_y) / static_cast<double>(in_space.sloped);
+  Steepness near = blocks.steepness({});
+  result.in_space = near.statistics();
+  // Noise as wide as the points are apart makes a band of a line, which stands upright.
+  if (near.on_lines_share() > kSeem || result.in_space.steep_share > kUpright) {
+    const double wide = std::max(kWideTimes * side, kWideSpacings * result.in_space.surface_spacing_m);
+    Steepness across = blocks_of(kWideLook, wide).steepness(kWideLook);
+    if (across.on_lines_share() > kDo) result.on_lines = across.statistics();
   }
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
   for (int round = 0; round < 5; ++round) {

@@ -8,6 +8,23 @@
 #include <Eigen/Eigenvalues>
 
 namespace sparsha::pipeline {
+namespace {
+
+template <class Relative>
+Eigen::Matrix3d covariance(std::size_t count, const Relative& relative) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::array<double, 3> at = relative(k);
+    const Eigen::Vector3d p(at[0], at[1], at[2]);
+    mean += p;
+    second += p * p.transpose();
+  }
+  mean /= static_cast<double>(count);
+  return second / static_cast<double>(count) - mean * mean.transpose();
+}
+
+}  // namespace
 
 std::size_t Neighbourhood::take(std::size_t index, std::size_t count, double most_m) {
   centre_ = index;
@@ -43,19 +60,19 @@ std::array<double, 3> Neighbourhood::relative(std::size_t k) const {
   return {static_cast<double>(p.x - c.x), static_cast<double>(p.y - c.y), static_cast<double>(p.z - c.z)};
 }
 
-SurfacePlane Neighbourhood::plane() const {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  for (std::size_t k = 0; k < near_.size(); ++k) {
-    const std::array<double, 3> at = relative(k);
-    const Eigen::Vector3d p(at[0], at[1], at[2]);
-    mean += p;
-    second += p * p.transpose();
+bool Neighbourhood::narrow(std::size_t count) const {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;  // the direct way is exact enough for a ratio
+  axes.computeDirect(covariance(count, [&](std::size_t k) { return relative(k); }), Eigen::EigenvaluesOnly);
+  SurfacePlane strip;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    strip.variance_m2[axis] = axes.eigenvalues()[static_cast<Eigen::Index>(axis)];
   }
-  const auto count = static_cast<double>(near_.size());
-  mean /= count;
-  const Eigen::Matrix3d covariance = second / count - mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  return strip.narrow();
+}
+
+SurfacePlane Neighbourhood::plane() const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      covariance(near_.size(), [&](std::size_t k) { return relative(k); }));
   SurfacePlane plane;
   const Eigen::Vector3d normal = axes.eigenvectors().col(0) * (axes.eigenvectors()(2, 0) < 0.0 ? -1.0 : 1.0);
   plane.normal = {normal.x(), normal.y(), normal.z()};

@@ -24,6 +24,11 @@ struct SurfacePlane {
   [[nodiscard]] bool planar() const {
     return variance_m2[0] < 0.4 * variance_m2[1] && variance_m2[1] > 0.02 * variance_m2[2];
   }
+  /// True for a strip of points, as one line of a scanner whose lines are farther apart than the points on them: more
+  /// neighbours are needed.
+  [[nodiscard]] bool narrow() const { return variance_m2[1] < kNarrow * variance_m2[2]; }
+
+  static constexpr double kNarrow = 0.1;  ///< of points in a disc one neighbourhood of 14 in a thousand is so narrow
 };
 
 /// Finds neighbours by going through all points; for samples of at most some thousand. One a thread.
@@ -39,6 +44,8 @@ class Neighbourhood {
   [[nodiscard]] double radius_m(std::size_t count) const;
 
   [[nodiscard]] SurfacePlane plane() const;
+  /// Whether the nearest `count` of those taken are a strip (SurfacePlane::narrow).
+  [[nodiscard]] bool narrow(std::size_t count) const;
   /// Standard deviation of the points taken about a quadric over their plane, six degrees of freedom taken off. Absent
   /// when they do not determine one. Requires more than seven of them.
   [[nodiscard]] std::optional<double> residual_m(const SurfacePlane& plane) const;

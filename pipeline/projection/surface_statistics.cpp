@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <unordered_map>
@@ -21,12 +22,14 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kBlockSpacings = 16.0;  // side of a block
+constexpr double kBlockSpacings = 16.0;  // side of a block,
+constexpr double kOfLines = 24.0;        // and where points lie on lines
 constexpr double kInner = 0.2;           // neighbourhoods are centred this near to its middle, sides
 constexpr double kBlocks = 128.0;
 constexpr std::size_t kSeeds = 16;     // neighbourhoods of a block
 constexpr std::size_t kForNoise = 24;  // points of a neighbourhood
 constexpr std::size_t kForSpacing = 14;
+constexpr std::size_t kWidest = 4;  // times as many where these lie on one line
 constexpr std::size_t kMostOfBlock = 20000;
 // Form and second layers only ever add to a residual, so a low quantile is nearest to the noise. It is divided by that
 // quantile of sqrt(chi^2 / 18), 18 = 24 points less 6 coefficients.
@@ -136,8 +139,32 @@ struct Measured {
   }
 };
 
+// The plane through the neighbourhood of a seed, and how many points that holds. Of a scanner's lines the nearest
+// points often lie on one line, or in the plane of that line and the noise: more of them are taken then.
+struct Patch {
+  SurfacePlane plane;
+  std::size_t count;
+};
+Patch widen(Neighbourhood& near, std::size_t seed, std::size_t wanted, double margin_m, bool on_lines) {
+  constexpr double kTurned = 0.8;  // cosine of normals
+  Patch patch{near.plane(), wanted};
+  for (std::size_t more = 2 * wanted; patch.plane.narrow() && more <= kWidest * wanted; more *= 2) {
+    if (near.take(seed, more, margin_m) < more) return patch;
+    patch = {near.plane(), more};
+  }
+  if (!on_lines || patch.count == kWidest * wanted) return patch;
+  const std::size_t before = patch.count;
+  if (near.take(seed, kWidest * wanted, margin_m) < kWidest * wanted) return patch;
+  const SurfacePlane wide = near.plane();
+  const double cosine = std::inner_product(wide.normal.begin(), wide.normal.end(), patch.plane.normal.begin(), 0.0);
+  if (std::abs(cosine) < kTurned) return {wide, kWidest * wanted};
+  near.take(seed, before, margin_m);
+  return patch;
+}
+
 // Neighbourhoods of one block's points. Those that reach beyond the block are not used.
-Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, std::size_t per_neighbour) {
+Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, std::size_t per_neighbour,
+                       bool on_lines) {
   std::vector<SpacePoint> points;
   std::vector<std::pair<std::uint64_t, std::size_t>> seeds;
   for (const BlockPoint& point : block) {
@@ -148,17 +175,25 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
   seeds.resize(std::min(seeds.size(), kSeeds));
   Measured measured;
   measured.seeds = seeds.size();
-  if (points.size() < kForNoise * per_neighbour) return measured;
+  const std::size_t wanted = kForNoise * per_neighbour;
+  if (points.size() < wanted) return measured;
   Neighbourhood near(points);
   for (const auto& [hash, seed] : seeds) {
-    const std::size_t taken = near.take(seed, kForNoise * per_neighbour, margin_m);
-    const std::size_t count = kForSpacing * per_neighbour;
+    const std::size_t taken = near.take(seed, wanted, margin_m);
+    std::size_t count = kForSpacing * per_neighbour;
     if (taken < count) continue;
-    measured.spacing_m.push_back(near.radius_m(count) * std::sqrt(std::numbers::pi / static_cast<double>(count)));
-    if (taken < kForNoise * per_neighbour) continue;
-    const SurfacePlane plane = near.plane();
-    if (!plane.planar()) continue;
-    if (const std::optional<double> residual = near.residual_m(plane)) measured.noise_m.push_back(*residual);
+    double radius_m = near.radius_m(count);
+    std::optional<double> noise_m;
+    if (taken == wanted) {
+      const Patch patch = widen(near, seed, wanted, margin_m, on_lines);
+      if (patch.count > wanted) {
+        count = patch.count;
+        radius_m = patch.plane.radius_m;
+      }
+      if (patch.plane.planar() && !(on_lines && patch.plane.narrow())) noise_m = near.residual_m(patch.plane);
+    }
+    measured.spacing_m.push_back(radius_m * std::sqrt(std::numbers::pi / static_cast<double>(count)));
+    if (noise_m) measured.noise_m.push_back(*noise_m);
   }
   return measured;
 }
@@ -166,16 +201,16 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
 }  // namespace
 
 SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent& extent, double spacing_m,
-                                     ThreadPool& pool) {
+                                     bool on_lines, ThreadPool& pool) {
   SurfaceStatistics result;
   for (std::size_t scale = 1;; scale *= 2) {
-    const double side_m = kBlockSpacings * spacing_m * static_cast<double>(scale);
+    const double side_m = (on_lines ? kOfLines : kBlockSpacings) * spacing_m * static_cast<double>(scale);
     std::vector<Block> blocks = draw_blocks(pieces, extent, side_m, pool);
     std::vector<Measured> parts(blocks.size());
     pool.for_ranges(blocks.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) {
         blocks[b].put_in_order();
-        parts[b] = measure_block(blocks[b].points, (0.5 - kInner) * side_m, scale * scale);
+        parts[b] = measure_block(blocks[b].points, (0.5 - kInner) * side_m, scale * scale, on_lines);
       }
     });
     Measured all;
@@ -188,6 +223,7 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
       result.sparse_share = 1.0 - static_cast<double>(all.spacing_m.size()) / static_cast<double>(all.seeds);
     }
     if (2 * all.noise_m.size() >= all.spacing_m.size() && all.noise_m.size() >= kFew) {
+      result.flat = true;
       result.scale = scale;
       result.noise_m = quantile(all.noise_m, kQuantile) / kOfChi;
       if (result.noise_m <= kFlat * static_cast<double>(scale) * result.spacing_m) return result;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "pipeline/projection/simd/kernels.h"
+#include "pipeline/projection/surface_plane.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -151,6 +152,8 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   kernel.least = (rule.neighbours + 1) / 2 + 1;
   kernel.most_spacing_m = static_cast<float>(DiscRule::kMostSpacings * rule.spacing_m);
   kernel.least_nz = static_cast<float>(rule.least_nz);
+  kernel.narrow = static_cast<float>(SurfacePlane::kNarrow);
+  kernel.least_width2 = rule.lines ? static_cast<float>(2.0 * rule.noise_m * rule.noise_m) : 0.0F;
   kernel.reach = static_cast<float>(DiscRule::kReach);
   kernel.needed_m = hidden.data();
   kernel.foot_x = found.x.get();

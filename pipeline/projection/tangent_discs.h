@@ -20,6 +20,8 @@ struct DiscRule {
   static constexpr double kMostSpacings = 3.0;  ///< points farther apart than so many medians are no surface
 
   double spacing_m = 0.0;  ///< median point spacing on the surface, times the scale of SurfaceStatistics
+  double noise_m = 0.0;    ///< standard deviation across the surface
+  bool lines = false;      ///< points lie on lines between which a front may be taken for two layers
   int neighbours = 14;     ///< points that a plane is drawn through, about
   double least_nz = 0.12;  ///< z of the normals of discs that are used
 };

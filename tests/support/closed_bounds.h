@@ -65,12 +65,12 @@ inline constexpr double kThinWallNoises = 7.0;
     const bool same = object == reached.object && scan.points == reached.points && scan.noise_spacings == 0.1;
     if (same) b.wrong = reached.wrong;
   }
-  if (scan.density_ratio != 1.0) {
+  if (scan.density_ratio != 1.0 || scan.lines > 0.0) {
     b.wrong *= 2.0;
     b.wrong_smooth *= 2.0;
     b.beyond *= 2.0;
     b.median_spacings *= 2.0;
-    b.noise = false;  // the mean spacing says nothing of the noise where density varies
+    if (scan.density_ratio != 1.0) b.noise = false;  // the mean spacing says nothing of the noise where density varies
   }
   return b;
 }

@@ -93,6 +93,11 @@ ObjectScan scan_object(const ClosedObject& object, const ScanOptions& options) {
       const double across = (p.position_m.x() - x0) / (x1 - x0);
       if (unit(random) > std::pow(options.density_ratio, -across)) continue;
     }
+    if (options.lines > 0.0) {
+      constexpr double kThick = 0.02;  // half of it, of the distance of the lines
+      const double line = p.position_m.dot(options.across) / (std::sqrt(options.lines) * scan.spacing_m);
+      if (std::abs(line - std::round(line)) > kThick) continue;
+    }
     ++made;
     if (scan.hole && distance_to(*scan.hole, p.position_m.x(), p.position_m.y()) < scan.hole->radius_m) {
       const std::optional<double> front = object.front_m(p.position_m.x(), p.position_m.y());

@@ -26,6 +26,10 @@ struct ScanOptions {
   std::uint64_t seed = 1;
   double density_ratio = 1.0;  ///< greatest density over least, falling exponentially along x
   double hole_spacings = 0.0;  ///< radius of a hole where the front varies least; 0 makes none
+  /// Points lie on lines, in planes across `across`, that are so many times farther apart than the points on them where
+  /// the surface is at right angles to the planes, and farther where it is not; 0: nowhere in particular.
+  double lines = 0.0;
+  Eigen::Vector3d across = Eigen::Vector3d::UnitX();
 };
 
 struct ObjectScan {

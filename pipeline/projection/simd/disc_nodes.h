@@ -351,6 +351,7 @@ SPARSHA_APART std::uint8_t decide_by_sorting(const DiscNodeKernel& k, float x, f
       return beware(k, verdict, c.height[d - 1], next, c.spacing[d - 1]);
     }
     if (layer && reaches(c, begin, d)) break;
+    if (k.lines && surround(c, 0, d)) break;
     begin = d;
   }
   return DiscNodeKernel::kUnknown;

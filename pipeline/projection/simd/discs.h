@@ -165,7 +165,9 @@ SPARSHA_INLINE float neighbourhood2(const DiscKernel& k, const Candidates& c, fl
 /// Sums over neighbourhoods of up to eight points, one per lane.
 struct DiscBatch {
   float count[kLanes], r2[kLanes];
-  float sum[9][kLanes];  // x y z xx xy xz yy yz zz
+  float flatness = 0.5F;             // the least variance by the middle one is below
+  float reach_of_neighbours = 0.0F;  // squared: discs reach at least so many times as far as their neighbours
+  float sum[9][kLanes];              // x y z xx xy xz yy yz zz
   std::uint32_t point[kLanes];
   std::size_t size = 0;
 };
@@ -205,6 +207,7 @@ struct PlaneAxis {
   Floats per_length;
   Ints known;  ///< there is such an axis
   Floats least, middle, largest;
+  Floats trace;
 };
 
 // The eigenvector of the smallest eigenvalue of a covariance (Hoppe et al. 1992).
@@ -255,10 +258,10 @@ SPARSHA_INLINE PlaneAxis plane_axis(Floats xx, Floats xy, Floats xz, Floats yy, 
   offer(b * c - yz * yz, xz * yz - xy * c, xy * yz - xz * b);
   const Ints known = longest > 0.0F;
   const Floats per_length = choose(known, 1.0F / root(choose(known, longest, all(1.0F))), Floats{});
-  return {nx, ny, nz, per_length, known, t, middle, largest};
+  return {nx, ny, nz, per_length, known, t, middle, largest, trace};
 }
 
-// Planes of the batch.
+// Planes of the batch. The squared radius of points with too narrow a neighbourhood is 0.
 SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   for (std::size_t lane = batch.size; lane < kLanes; ++lane) {
     for (auto& sum : batch.sum) sum[lane] = 0.0F;
@@ -278,15 +281,17 @@ SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   const Floats nz = axis.nz * sign;
 
   const Floats spacing2 = load(batch.r2) * 3.14159265F * per_count;
-  const Ints good = axis.known & (nz >= k.least_nz) & (spacing2 <= k.most_spacing_m * k.most_spacing_m) &
-                    (axis.least <= 0.5F * axis.middle) & (axis.middle >= 0.02F * axis.largest);
+  const Ints narrow = (axis.middle < k.narrow * axis.largest) | (axis.middle * axis.trace < k.least_width2);
+  const Ints good = axis.known & ~narrow & (nz >= k.least_nz) & (spacing2 <= k.most_spacing_m * k.most_spacing_m) &
+                    (axis.least <= batch.flatness * axis.middle);
   const Floats upright = choose(good, nz, all(1.0F));
   const Floats slope_x = -nx / upright;
   const Floats slope_y = -ny / upright;
   // The point's distance above the plane, along z, and the foot of its perpendicular.
   const Floats offset = mx * nx + my * ny + mz * nz;
   const Floats above = -offset / upright;
-  const Floats radius2 = choose(good, spacing2 * k.reach * k.reach, all(-1.0F));
+  const Floats reach2 = most(spacing2 * k.reach * k.reach, load(batch.r2) * batch.reach_of_neighbours);
+  const Floats radius2 = choose(good, reach2, choose(narrow, Floats{}, all(-1.0F)));
   for (std::size_t lane = 0; lane < batch.size; ++lane) {
     const std::size_t p = batch.point[lane];
     k.foot_x[p] = k.x[p] + offset[lane] * nx[lane];
@@ -319,6 +324,34 @@ SPARSHA_INLINE void add_point(const DiscKernel& k, std::size_t row, std::size_t 
   if (r2 > 0.0F) add_moments(k, far, r2, count, point, batch);
 }
 
+// Once more, from all points within `columns` columns, those of a row whose squared radius is 0. A scanner's lines are
+// often farther apart than the points on them, so that the nearest points all lie on one line and tell no plane.
+SPARSHA_APART void widen(const DiscKernel& k, std::size_t row, float columns) {
+  DiscBatch batch;
+  batch.flatness = 0.2F;             // what is wide may hold two surfaces
+  batch.reach_of_neighbours = 1.0F;  // to the next line
+  Candidates far = candidates_in(k, 1);
+  const float r2 = columns * columns * k.side_m * k.side_m;
+  const auto rings = static_cast<std::size_t>(__builtin_ceilf(columns));
+  const std::uint32_t* const start = k.start + row * k.bins_x;
+  std::size_t column = 0;
+  const std::size_t end = start[k.bins_x];
+  for (std::size_t first = start[0]; first < end; first += kLanes) {
+    std::uint32_t lanes = lanes_of(load(k.radius2 + first) == 0.0F);
+    if (end - first < kLanes) lanes &= (1U << (end - first)) - 1U;
+    for (; lanes != 0; lanes &= lanes - 1U) {
+      const std::size_t p = first + static_cast<std::size_t>(__builtin_ctz(lanes));
+      while (start[column + 1] <= p) ++column;
+      k.radius2[p] = -1.0F;
+      gather_wide(k, row, column, rings, p, far);
+      const std::int32_t count = count_within(far, r2);
+      if (count >= k.least) add_moments(k, far, r2, count, p, batch);
+      if (batch.size == kLanes) write_discs(k, batch);
+    }
+  }
+  if (batch.size > 0) write_discs(k, batch);
+}
+
 SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
   DiscBatch batch;
   Candidates near = candidates_in(k, 0);
@@ -341,6 +374,8 @@ SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
     }
   }
   if (batch.size > 0) write_discs(k, batch);
+  constexpr float kWider[] = {1.2F, 1.6F, 2.0F, 3.0F};  // columns
+  for (const float columns : kWider) widen(k, row, columns);
 }
 
 }  // namespace

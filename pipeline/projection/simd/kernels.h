@@ -135,6 +135,8 @@ struct DiscKernel {
   std::int32_t least = 8;                   ///< fewer make no disc
   float most_spacing_m = 0.0F;              ///< where points are farther apart, they are no surface
   float least_nz = 0.12F;                   ///< planes that are steeper cover nothing
+  float narrow = 0.1F;                      ///< variances of points on one line, the lesser by the greater, are below
+  float least_width2 = 0.0F;                ///< or the lesser is below this, m^2; more neighbours are looked at then
   float reach = 2.5F;                       ///< radius of a disc, local spacings
   const float* needed_m = nullptr;          ///< of each column; lower points get no disc
   float* scratch = nullptr;                 ///< kScratch floats of the calling thread
@@ -186,6 +188,7 @@ struct DiscNodeKernel {
   float link_noise_m = 0.0F;   ///< discs whose heights differ by less than this and
   float link_spacings = 0.5F;  ///< so many local spacings are one layer
   float most_away = 0.3F;      ///< a layer of which more faces away is no front
+  bool lines = false;          ///< what surrounds a node hides what is below, even if it is no layer
   float* scratch = nullptr;    ///< kScratch floats of the calling thread
 };
 
