@@ -24,12 +24,14 @@ soak() { make soak; }
 
 # Clang with ASan, UBSan and coverage counters: all tests; one build and one run serve all three. GCC's sanitizers see
 # readers and contact at every change (.ci/run). -O2, since below it Clang inlines nothing: with -O1 the tests took ten
-# times as long as those of the release.
+# times as long as those of the release. UBSan and counters leave out the headers of Eigen, PCL and the like: a file that
+# registers scans compiles in half the time and is a third of the size.
 clang() {
-  local build=build-clang program objects=()
+  local build=build-clang program objects=() watched
+  watched="-fsanitize-ignorelist=$PWD/tools/clang-foreign.txt -fprofile-list=$PWD/tools/clang-counted.txt"
   cmake -S . -B $build -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++ \
     "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O2 -gline-tables-only -DNDEBUG" -DSPARSHA_SANITIZE=address,undefined \
-    "-DCMAKE_CXX_FLAGS=-fprofile-instr-generate -fcoverage-mapping" > /dev/null
+    "-DCMAKE_CXX_FLAGS=-fprofile-instr-generate -fcoverage-mapping $watched" > /dev/null
   cmake --build $build -j"$jobs"
   rm -rf $build/profiles
   # Without ALSA's plug-ins: one of them loads libraries that lose memory, and unloads them, so that no list can name them.
