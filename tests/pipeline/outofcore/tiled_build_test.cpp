@@ -19,6 +19,7 @@
 #include "base/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/simulate.h"
+#include "tests/pipeline/outofcore/two_builds.h"
 #include "tests/support/test_folder.h"
 
 #if !defined(_WIN32)
@@ -29,8 +30,6 @@
 namespace sparsha::pipeline {
 namespace {
 namespace fs = std::filesystem;
-
-constexpr std::size_t kLargest = 1U << 30U;
 
 SimulationConfig relief(int nodes, int files) {
   SimulationConfig config;
@@ -44,54 +43,7 @@ SimulationConfig relief(int nodes, int files) {
   return config;
 }
 
-class OutOfCore : public ::testing::Test {
- protected:
-  Config simulated(const SimulationConfig& simulation, const std::vector<std::string>& settings = {}) {
-    write_simulation(simulation, folder_ / "scan", progress_);
-    return load_config(folder_ / "scan" / "sparsha.yaml", settings);
-  }
-  /// Every file of the scene, and of the report all but times and memory.
-  static void expect_same(const fs::path& a, const fs::path& b) {
-    std::size_t compared = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(a)) {
-      const fs::path relative = entry.path().lexically_relative(a);
-      const bool counts = relative == "scene.yaml" || relative.string().starts_with("level-");
-      if (!entry.is_regular_file() || !counts) continue;
-      ASSERT_TRUE(fs::exists(b / relative)) << relative;
-      EXPECT_TRUE(read_file(entry.path(), kLargest) == read_file(b / relative, kLargest)) << relative << " differs";
-      ++compared;
-    }
-    EXPECT_GE(compared, 4U);
-    EXPECT_EQ(report(a), report(b));
-  }
-  static nlohmann::json report(const fs::path& scene) {
-    auto json = nlohmann::json::parse(read_file(scene / "report.json", kLargest));
-    for (const char* key : {"stages", "total_seconds", "peak_rss_bytes"}) json.erase(key);
-    return json;
-  }
-  static bool kept_on_disk(const fs::path& scene) {
-    const auto json = nlohmann::json::parse(read_file(scene / "report.json", kLargest));
-    return std::any_of(json["stages"].begin(), json["stages"].end(),
-                       [](const auto& stage) { return stage["name"] == "points to disk"; });
-  }
-  void build(const Config& config, const std::string& name, std::uint64_t points, unsigned threads = 2) {
-    BuildOptions options;
-    options.threads = threads;
-    options.memory_points = points;
-    Progress progress;
-    build_scene_folder(config, options, folder_ / name, progress);
-    EXPECT_EQ(kept_on_disk(folder_ / name), points > 0);
-  }
-  /// In memory and with so few points at once.
-  void expect_same_out_of_core(const Config& config, std::uint64_t points) {
-    build(config, "memory", 0);
-    build(config, "disk", points);
-    expect_same(folder_ / "memory", folder_ / "disk");
-  }
-
-  const test::TestFolder folder_;
-  Progress progress_;
-};
+class OutOfCore : public TwoBuilds {};
 
 const std::vector<std::string> kAllLayers = {"texture={}", "friction={}", "fill={max_gap_mm: 8}",
                                              "check={samples: 5000}"};
@@ -119,99 +71,6 @@ TEST_F(OutOfCore, NeitherThreadsNorTheOrderOfFilesChangeAByte) {
                   read_file(folder_ / "disk" / "level-0" / layer, kLargest))
           << layer;
     }
-  }
-}
-
-// A ball before a larger one, as text: what is steep, hidden, turned away or seen through a hole is decided by discs.
-std::string two_balls() {
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
-  std::string text;
-  for (int k = 0; k < 90'000; ++k) {
-    Eigen::Vector3d direction(normal(random), normal(random), normal(random));
-    direction.normalize();
-    const bool before = k % 5 == 0;
-    const double radius = (before ? 0.1 : 0.2) + 0.0002 * normal(random);
-    const Eigen::Vector3d p = radius * direction + Eigen::Vector3d(before ? 0.05 : 0.0, 0.02, before ? 0.4 : 0.0);
-    if (!before && direction.z() > 0.98) continue;  // a hole
-    text += fmt::format("{:.7f} {:.7f} {:.7f}\n", p.x(), p.y(), p.z());
-  }
-  return text;
-}
-
-TEST_F(OutOfCore, ClosedObjectsGiveTheSameBytesAsInMemoryOnCoarseGridsAndFine) {
-  write_file(folder_ / "balls.xyz", two_balls());
-  for (const char* size : {"60", "200", "450"}) {
-    const std::string text = fmt::format(
-        "scans: [{{file: balls.xyz, units: m}}]\ngrid: {{size: {}}}\nfill: {{max_gap_mm: 8}}\ncheck: {{samples: "
-        "4000}}\n",
-        size);
-    expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
-  }
-}
-
-// The balls as two scanners before and behind them would write them, each what faces it.
-std::string two_stations() {
-  std::array<std::string, 2> rows;
-  std::array<int, 2> counts{};
-  std::istringstream text(two_balls());
-  for (double x = 0.0, y = 0.0, z = 0.0; text >> x >> y >> z;) {
-    const std::size_t station = z > (std::hypot(x - 0.05, y - 0.02) < 0.1 && z > 0.29 ? 0.4 : 0.0) ? 0 : 1;
-    rows[station] += fmt::format("{:.7f} {:.7f} {:.7f} 0.5\n", x, y, z - (station == 0 ? 3.0 : -3.0));
-    ++counts[station];
-  }
-  std::string ptx;
-  for (const std::size_t station : {0U, 1U}) {
-    const char* z = station == 0 ? "3" : "-3";
-    ptx +=
-        fmt::format("{}\n1\n0 0 {}\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 {} 1\n", counts[station], z, z);
-    ptx += rows[station];
-  }
-  return ptx;
-}
-
-TEST_F(OutOfCore, ClosedObjectsAreTurnedByTheirStationsAsInMemory) {
-  write_file(folder_ / "balls.ptx", two_stations());
-  const std::string text =
-      "scans: [{file: balls.ptx, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
-  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
-}
-
-TEST_F(OutOfCore, ClosedObjectsWhosePointsAreToldTwiceAreTheSame) {
-  const std::string balls = two_balls();
-  write_file(folder_ / "balls.xyz", balls + balls);
-  const std::string text =
-      "scans: [{file: balls.xyz, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
-  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 60'000);
-}
-
-// Two sheets of 1 m by 1 m, each seen by its own scanner 2 m away; the first has a hole.
-std::string sheets_with_a_hole() {
-  std::mt19937_64 random(6);
-  std::uniform_real_distribution<double> across(-0.5, 0.5);
-  std::string ptx;
-  for (const double z : {2.0, -2.2}) {
-    std::string rows;
-    int count = 0;
-    for (int k = 0; k < 40'000; ++k) {
-      const double x = across(random), y = across(random);
-      if (z > 0.0 && std::hypot(x, y) < 0.06) continue;
-      rows += fmt::format("{:.6f} {:.6f} {:.6f} 0.5\n", x, y, z > 0.0 ? -z + 0.01 * std::sin(9.0 * x) : 2.0);
-      ++count;
-    }
-    ptx += fmt::format("{}\n1\n0 0 {}\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 {} 1\n", count, z, z) + rows;
-  }
-  return ptx;
-}
-
-TEST_F(OutOfCore, HolesOfSlabsStayHolesAsInMemory) {
-  write_file(folder_ / "slab.ptx", sheets_with_a_hole());
-  for (const char* size : {"100", "250"}) {
-    const std::string text = fmt::format(
-        "scans: [{{file: slab.ptx, units: m}}]\ngrid: {{size: {}, noise_mm: 0.3}}\ncheck: {{samples: 4000}}\n", size);
-    expect_same_out_of_core(parse_config(yaml::parse_text(text, "slab"), folder_.path()), 20'000);
-    const std::string warnings = report(folder_ / "disk")["warnings"].dump();
-    EXPECT_NE(warnings.find("the inside of the back is seen at"), std::string::npos) << warnings;
   }
 }
 
