@@ -100,7 +100,7 @@ void add_verdicts(const std::uint8_t* first, const std::uint8_t* last, Projectio
   for (; first != last; ++first) {
     projection.nodes_turned_away += (*first & DiscNodeKernel::kAway) != 0 ? 1 : 0;
     projection.nodes_doubtful += (*first & DiscNodeKernel::kDoubtful) != 0 ? 1 : 0;
-    projection.nodes_unsure += (*first & DiscNodeKernel::kUnsure) != 0 ? 1 : 0;
+    projection.nodes_unsure += projection.closed && (*first & DiscNodeKernel::kUnsure) != 0 ? 1 : 0;
   }
 }
 

@@ -127,14 +127,18 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   ProjectionPlan plan;
   // Discs, of `space`; of several sides what is seen tells which faces out. False where they would not find the
   // surface.
-  const auto use_discs = [&](const SpaceStatistics& space, bool on_lines, SideEvidence evidence) {
+  const auto use_discs = [&](const SpaceStatistics& space, bool on_lines, bool several) {
     const SurfaceStatistics surface = surface_statistics(pieces, extent, space.surface_spacing_m, on_lines, pool);
     if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) return false;
     statistics.noise_m = surface.noise_m;
     statistics.point_spacing_m = surface.spacing_m;
     plan.discs = disc_rule(surface, on_lines);
-    find_sides(pieces, totals, extent, oriented, surface.spacing_m,
-               facing_samples(space, surface.spacing_m, totals.count), evidence, pool, plan);
+    plan.closed = several;
+    if (several || may_show_back(space, oriented.stations)) {
+      find_sides(pieces, totals, extent, oriented, surface.spacing_m,
+                 facing_samples(space, surface.spacing_m, totals.count),
+                 several ? SideEvidence::views : SideEvidence::certain, pool, plan);
+    }
     return true;
   };
   if (only_mesh) {
@@ -142,11 +146,10 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   } else {
     bool decided = false;
     if (const auto& lines = statistics.on_lines; lines && lines->surface_spacing_m > 0.0) {
-      const bool several = has_several_sides(*lines, config, extent);
-      decided = use_discs(*lines, true, several ? SideEvidence::views : SideEvidence::certain);
+      decided = use_discs(*lines, true, has_several_sides(*lines, config, extent));
     }
     if (!decided && has_several_sides(in_space, config, extent)) {
-      decided = use_discs(in_space, false, SideEvidence::views);
+      decided = use_discs(in_space, false, true);
     }
     if (!decided && may_show_back(in_space, oriented.stations)) {
       const double spacing_m = in_space.surface_spacing_m;
@@ -173,7 +176,7 @@ Projection ProjectionPlan::empty_projection() const {
   projection.noise_m = rule.noise_m;
   projection.point_spacing_m = point_spacing_m;
   projection.gap_m = gap_m;
-  projection.closed = discs.has_value();
+  projection.closed = closed;
   projection.facing_asked = facing_asked;
   projection.facing_known = facing != nullptr;
   projection.lying_stations = lying_stations;

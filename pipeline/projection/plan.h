@@ -30,7 +30,8 @@ struct ProjectionPlan {
   NodeFitParameters rule;
   double point_spacing_m = 0.0;
   double gap_m = 0.0;
-  std::optional<DiscRule> discs;              ///< closed objects: nodes are decided by tangent discs
+  std::optional<DiscRule> discs;              ///< closed objects and scans in lines: tangent discs decide the nodes
+  bool closed = false;                        ///< discs, of an object that has several sides
   double layers_apart_m = 0.0;                ///< median, of places with two layers
   bool facing_asked = false;                  ///< a back may show through holes of the front
   std::shared_ptr<const FacingField> facing;  ///< when asked and known what faces away

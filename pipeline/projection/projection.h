@@ -25,7 +25,7 @@ struct Projection {
   bool only_mesh = false;               ///< every point is a corner of a face: there is no noise to find
   double point_spacing_m = 0.0;         ///< median spacing of front points
   double gap_m = 0.0;                   ///< the depth gap that separates front from back
-  bool closed = false;                  ///< decided by tangent discs, see tangent_discs.h
+  bool closed = false;                  ///< several sides, told apart by tangent discs, see tangent_discs.h
   std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely; of closed ones
   bool facing_asked = false;            ///< a back may show through holes of the front; only then are these counted:
   bool facing_known = false;            ///< layers that face away were told from others

@@ -188,6 +188,8 @@ TEST(ClosedObjects, OpenOnesScannedInLinesAreMeasuredBetweenThem) {
     std::sort(errors.begin(), errors.end());
     EXPECT_LE(errors[errors.size() / 2], 0.5 * noise) << noise;
     EXPECT_LE(errors.back(), 3.0) << noise;
+    EXPECT_FALSE(p.closed);
+    EXPECT_EQ(p.nodes_unsure, 0U);
   }
 }
 
