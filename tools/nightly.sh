@@ -12,6 +12,13 @@ if [ -d ../shared/data ]; then
 fi
 all_tests() { ctest --test-dir "$1" -j"$jobs" --output-on-failure --no-tests=error --timeout 3600; }
 
+# One of ALSA's plug-ins loads libraries that lose memory and that bear no second loading, and unloads them, so that no
+# sanitizer's list can name them.
+without_alsa_plugins() {
+  sed '/^@hooks \[/,/^\]/d' /usr/share/alsa/alsa.conf > "$1/alsa.conf"
+  export ALSA_CONFIG_PATH=$PWD/$1/alsa.conf
+}
+
 # Release: every test, the heavy ones too.
 release() {
   cmake --preset release -DSPARSHA_BUILD_TESTS=ON -DSPARSHA_BUILD_BENCH=ON > /dev/null
@@ -34,9 +41,7 @@ clang() {
     "-DCMAKE_CXX_FLAGS=-fprofile-instr-generate -fcoverage-mapping $watched" > /dev/null
   cmake --build $build -j"$jobs"
   rm -rf $build/profiles
-  # Without ALSA's plug-ins: one of them loads libraries that lose memory, and unloads them, so that no list can name them.
-  sed '/^@hooks \[/,/^\]/d' /usr/share/alsa/alsa.conf > $build/alsa.conf
-  export ALSA_CONFIG_PATH=$PWD/$build/alsa.conf
+  without_alsa_plugins $build
   # Processes of one program merge their counts into the same four files.
   LLVM_PROFILE_FILE="$PWD/$build/profiles/%4m.profraw" all_tests $build
   for program in $build/tests/*_test; do objects+=(-object "$program"); done
@@ -53,6 +58,7 @@ tsan() {
   local program
   cmake --preset tsan > /dev/null
   cmake --build build-tsan -j"$jobs" --target "${threaded[@]}"
+  without_alsa_plugins build-tsan
   for program in "${threaded[@]}"; do
     TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp" build-tsan/tests/"$program" --gtest_brief=1
   done
