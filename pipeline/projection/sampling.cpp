@@ -152,6 +152,7 @@ std::optional<double> next_layer_m(std::vector<Continued>& surfaces, double spac
   if (4 * above < above + below || 4 * below < above + below) return std::nullopt;
   return across(*next);
 }
+
 // Whether the points taken, or the nearest of them, lie on one line.
 bool on_line(const Neighbourhood& near, const SurfacePlane& plane, std::size_t taken) {
   constexpr std::array<std::size_t, 3> kOfLine{5, 10, 20};

@@ -25,7 +25,6 @@
 #include "audio/live/stream.h"
 #include "audio/speech/child_process.h"
 #include "base/error.h"
-#include "base/system.h"
 #include "base/system/library.h"
 #include "tests/audio/taps.h"
 

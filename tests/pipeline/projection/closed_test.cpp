@@ -8,56 +8,11 @@
 #include <functional>
 #include <numbers>
 
-#include "tests/support/closed_bounds.h"
-#include "tests/support/closed_scan.h"
+#include "tests/pipeline/projection/front_only.h"
 #include "tests/support/clouds.h"
 
 namespace sparsha::test {
 namespace {
-
-constexpr std::size_t kFew = 20'000, kMany = 100'000;
-
-/// torus, two spheres, the vase from the side and from above, the knot, the coin.
-const std::vector<NamedObject>& objects() {
-  static const std::vector<NamedObject> all = analytic_objects();
-  return all;
-}
-
-ScanOptions cloud_of(std::size_t points, double noise = 0.1) {
-  ScanOptions options;
-  options.points = points;
-  options.noise_spacings = noise;
-  options.seed = 11;
-  return options;
-}
-
-pipeline::Projection project_scan(const ObjectScan& scan, double grid_spacings = 1.0) {
-  pipeline::GridConfig grid;
-  grid.spacing_m = grid_spacings * scan.spacing_m;
-  return project_cloud(make_cloud(scan.points), grid);
-}
-
-/// All of an object's bounds on one cloud; its median error may be `median` where there is a bound.
-void expect_front_only(const NamedObject& named, const ScanOptions& options, double grid_spacings = 1.0,
-                       double median = 0.05) {
-  const ObjectScan scan = scan_object(*named.object, options);
-  const pipeline::Projection p = project_scan(scan, grid_spacings);
-  const Judgement f = judge_object(p.grid, *named.object, scan);
-  const ClosedBounds bounds = closed_bounds(named.name, options);
-  const std::string what = named.name + ", " + std::to_string(options.points) + " points, noise " +
-                           std::to_string(options.noise_spacings) + ", grid " + std::to_string(grid_spacings);
-  EXPECT_LE(f.wrong_smooth, bounds.wrong_smooth) << what;
-  EXPECT_LE(f.beyond, bounds.beyond) << what;
-  // All but a node or two along the silhouette, or what lies beyond the last line.
-  EXPECT_GE(f.covered, options.points < kMany ? 0.85 : options.lines > 0.0 ? 0.89 : 0.92) << what;
-  EXPECT_LE(f.median_spacings, median / 0.05 * bounds.median_spacings) << what;
-}
-
-double noise_ratio(const ObjectScan& scan, const Eigen::Matrix4d& view = Eigen::Matrix4d::Identity()) {
-  pipeline::GridConfig grid;
-  grid.spacing_m = scan.spacing_m;
-  return project_cloud(make_cloud(scan.points), grid, view).noise_m / scan.noise_m;
-}
 
 TEST(ClosedObjects, SamplesLieOnTheSurfaceThatHeightsAreTracedTo) {
   for (const NamedObject& named : objects()) {
@@ -123,73 +78,6 @@ TEST(ClosedObjects, MayCostTwiceAsMuchWhereDensityVariesOneToTen) {
     ScanOptions options = cloud_of(kMany);
     options.density_ratio = 10.0;
     expect_front_only(objects()[k], options);
-  }
-}
-
-// A line scanner, a turntable with a coarse step, stacked contours. Points on one line tell no plane.
-TEST(ClosedObjects, ScannedInLinesShowTheirFrontAndOnlyTheirFront) {
-  for (const NamedObject& named : objects()) {
-    ScanOptions options = cloud_of(kMany);
-    options.lines = 4.0;
-    expect_front_only(named, options);
-  }
-}
-
-// Noise of half a spacing is as wide as the points on these lines are apart, and wider.
-TEST(ClosedObjects, ScannedInObliqueLinesShowTheirFrontUnderMuchNoise) {
-  for (const std::size_t k : {0, 4}) {
-    for (const double lines : {4.0, 9.0}) {
-      ScanOptions options = cloud_of(kMany, lines > 4.0 ? 0.5 : 0.1);
-      options.across = Eigen::Vector3d(0.36, 0.48, 0.8);
-      options.lines = lines;
-      expect_front_only(objects()[k], options);
-    }
-  }
-}
-
-TEST(ClosedObjects, ScannedInLinesGiveTheirNoiseWithinAQuarter) {
-  for (const std::size_t k : {0, 3}) {
-    for (const double noise : {0.1, 0.5}) {
-      ScanOptions options = cloud_of(kMany, noise);
-      options.lines = 4.0;
-      EXPECT_NEAR(noise_ratio(scan_object(*objects()[k].object, options)), 1.0, 0.25) << objects()[k].name;
-    }
-  }
-}
-
-// Between lines that are nine times farther apart than their points windows found too little.
-TEST(ClosedObjects, OpenOnesScannedInLinesAreMeasuredBetweenThem) {
-  constexpr double kSpacing_m = 0.005;
-  const auto truth = [](double x, double y) { return 0.04 * std::sin(9.0 * x) * std::cos(7.0 * y); };
-  for (const double noise : {0.1, 0.3}) {
-    std::mt19937_64 random(5);
-    std::uniform_real_distribution<double> unit(0.0, 1.0);
-    std::normal_distribution<double> normal(0.0, noise * kSpacing_m);
-    Points points;
-    for (int k = 0; k < 40'000; ++k) {
-      const double gap_m = 3.0 * kSpacing_m;
-      const double x = gap_m * (std::floor(unit(random) / gap_m) + 0.02 * (unit(random) - 0.5));
-      const double y = unit(random);
-      points.push_back({x, y, truth(x, y) + normal(random)});
-    }
-    pipeline::GridConfig grid;
-    grid.spacing_m = kSpacing_m;
-    const pipeline::Projection p = project_cloud(make_cloud(points), grid);
-    std::vector<double> errors;
-    for (int j = 0; j < p.grid.lattice.ny; ++j) {
-      for (int i = 0; i < p.grid.lattice.nx; ++i) {
-        const std::size_t k = p.grid.lattice.index(i, j);
-        if (p.grid.state[k] != pipeline::NodeState::measured) continue;
-        const double height_m = p.grid.lattice.origin_m.z() + static_cast<double>(p.grid.height_m[k]);
-        errors.push_back(std::abs(height_m - truth(p.grid.lattice.x_m(i), p.grid.lattice.y_m(j))) / kSpacing_m);
-      }
-    }
-    EXPECT_GE(static_cast<double>(errors.size()), 0.95 * static_cast<double>(p.grid.lattice.count())) << noise;
-    std::sort(errors.begin(), errors.end());
-    EXPECT_LE(errors[errors.size() / 2], 0.5 * noise) << noise;
-    EXPECT_LE(errors.back(), 3.0) << noise;
-    EXPECT_FALSE(p.closed);
-    EXPECT_EQ(p.nodes_unsure, 0U);
   }
 }
 
@@ -474,27 +362,12 @@ TEST(ClosedObjects, TwentySlabsHaveNoNodeOnTheirBack) {
   }
 }
 
-std::vector<NamedObject> real_meshes() {
-  const char* folder = std::getenv("SPARSHA_SCANS_DIR");
-  return mesh_objects(folder == nullptr ? "" : folder);
-}
-
 TEST(RealScanObjects, ShowTheirFrontAndOnlyTheirFront) {
   const std::vector<NamedObject> meshes = real_meshes();
   if (meshes.empty()) GTEST_SKIP() << "SPARSHA_SCANS_DIR names no folder of scans";
   for (const NamedObject& named : meshes) {
     // The lion's mane has forms of three points, which cost it 0.001 more on some samples.
     for (const std::size_t points : {kFew, kMany}) expect_front_only(named, cloud_of(points), 1.0, 0.052);
-  }
-}
-
-TEST(RealScanObjects, ScannedInLinesShowTheirFrontAndOnlyTheirFront) {
-  const std::vector<NamedObject> meshes = real_meshes();
-  if (meshes.empty()) GTEST_SKIP() << "SPARSHA_SCANS_DIR names no folder of scans";
-  for (const NamedObject& named : meshes) {
-    ScanOptions options = cloud_of(kMany);
-    options.lines = 4.0;
-    expect_front_only(named, options);
   }
 }
 
