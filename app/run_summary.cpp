@@ -43,6 +43,7 @@ std::string summary_text(const haptics::SessionSummary& s, std::uint64_t strikes
                       s.real_time ? "" : " (no real-time priority was granted; see docs/hardware.md)");
   text += fmt::format("render    {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns 99.9 %, {:.0f} ns at most\n",
                       s.tick_ns_p50, s.tick_ns_p99, s.tick_ns_p999, s.tick_ns_max);
+  if (s.duration_s > 0.0) text += fmt::format("processor {:.0f} % of a core\n", 100.0 * s.processor_s / s.duration_s);
   std::uint64_t late = 0;
   for (std::size_t bin = 10; bin < s.lateness_histogram.size(); ++bin) late += s.lateness_histogram[bin];
   text += fmt::format("lateness  {}; {} later than 1 ms\n", lateness_text(s.lateness_histogram), late);
@@ -65,6 +66,7 @@ std::string summary_json(const haptics::SessionSummary& s, std::uint64_t strikes
       {"share_in_time", s.share_in_time},
       {"real_time", s.real_time},
       {"duration_s", s.duration_s},
+      {"processor_s", s.processor_s},
       {"contact_s", s.contact_s},
       {"contacts", s.contacts},
       {"strikes", strikes},

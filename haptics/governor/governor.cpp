@@ -146,12 +146,22 @@ void Governor::stop() noexcept {
   disarm();
 }
 
-/// Until the zero of this tick arrives, the device holds what was commanded before.
-GovernorOutput Governor::without_news(double period_s) noexcept {
-  gap_s_ += period_s;
+/// The force of before goes on until the hand is stale, less what the spring would lose if the hand goes on leaving as
+/// it did last. Until the command of this tick arrives, the device holds an older one.
+GovernorOutput Governor::without_news(const GovernorInput& input) noexcept {
   const Vector3d& held_n = commanded_n_[delay()];
+  if (gap_s_ == 0.0) gap_least_n_ = held_n.norm();
+  gap_s_ += input.period_s;
   if (held_n.squaredNorm() > gap_n_.squaredNorm()) gap_n_ = held_n;
-  return command(Vector3d::Zero(), false);
+  Vector3d next_n = Vector3d::Zero();
+  const double last = commanded_n_[0].norm();
+  if (armed_ && gap_s_ < kStale_s && last > 0.0) {
+    const double out_m_per_s = velocity().dot(commanded_n_[0]) / last;
+    const double lost_n = input.stiffness_n_per_m * out_m_per_s * input.period_s;
+    next_n = commanded_n_[0] * std::clamp(1.0 - lost_n / last, 0.0, 1.0);
+  }
+  gap_least_n_ = std::min({gap_least_n_, held_n.norm(), next_n.norm()});
+  return command(next_n, false);
 }
 
 void Governor::count_free_time(const GovernorInput& input) noexcept {
@@ -283,8 +293,7 @@ Vector3d Governor::damped(const GovernorInput& input) const noexcept {
 /// every hand has is added, and moves within an encoder's step are left out: quantisation would make the observed
 /// energy of a hand at rest fall. Energy counts only as far as the spring stores it: friction does not return what it
 /// dissipates. What a guide has put into its springs counts as if the hand had, so that the hand may get it. Over a gap
-/// the time for which the force was held is unknown: a move outwards counts with all of the force, one inwards with
-/// none.
+/// it is unknown which force was held when: a move outwards counts with the largest, one inwards with the least.
 void Governor::observe_energy(const GovernorInput& input) noexcept {
   displacement_m_.setZero();
   damped_j_ = 0.0;
@@ -299,11 +308,12 @@ void Governor::observe_energy(const GovernorInput& input) noexcept {
       displacement_m_ -= held_n * (std::clamp(along_m, -kPlay * step_m_, kPlay * step_m_) / held);
     }
     observed_m_ += displacement_m_;
-    if (!gap)
-      damped_j_ = std::min(kCredit_n_s_per_m, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
-                  std::max(input.period_s, pace_s_);
-    const double given_j = held_n.dot(displacement_m_);
-    const double work_j = damped_j_ - (gap ? std::max(0.0, given_j) : given_j);
+    // A damper takes no less over any way than over the even one from end to end.
+    damped_j_ = std::min(kCredit_n_s_per_m, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
+                std::max(gap_s_ + input.period_s, pace_s_);
+    double given_j = held_n.dot(displacement_m_);
+    if (gap && given_j < 0.0 && held > 0.0) given_j *= gap_least_n_ / held;
+    const double work_j = damped_j_ - given_j;
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
     energy_j_ = std::min(energy_j_ + std::min(work_j + input.supplied_j, stored_j), input.spring_energy_j);
   } else {
@@ -349,7 +359,7 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
                       input.stiffness_n_per_m >= 0.0 && input.proxy_m.allFinite() && input.normal.allFinite();
   if (!finite) disarm();
   if (!finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) return forget();
-  if (!input.fresh) return without_news(input.period_s);
+  if (!input.fresh) return without_news(input);
   pace_s_ = pace_s(input.nominal_period_s);
   jitters_ = slow_period_s(input.nominal_period_s) >= kJitter * pace_s_;
   count_free_time(input);

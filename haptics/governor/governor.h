@@ -19,6 +19,10 @@ inline constexpr int kLongestDelayTicks = 4;
 /// Energy that a contact may deliver before it has received any, joules: less than a touch feels.
 inline constexpr double kOverdraft_j = 50e-6;
 
+/// A hand without news for so long is stale, and its force zero. Until then the force of before goes on, as it does
+/// over a tick that never comes: one answer in ten that is lost would shake the hand otherwise.
+inline constexpr double kStale_s = 0.007;
+
 /// What a device can bear.
 struct DeviceLimits {
   double max_force_n = 8.0;
@@ -102,7 +106,7 @@ class Governor {
   static constexpr std::size_t kLongestDelay = kLongestDelayTicks;
 
   [[nodiscard]] double slow_period_s(double nominal_period_s) const noexcept;
-  [[nodiscard]] GovernorOutput without_news(double period_s) noexcept;
+  [[nodiscard]] GovernorOutput without_news(const GovernorInput& input) noexcept;
   [[nodiscard]] GovernorOutput forget() noexcept;
   void watch_hand(const GovernorInput& input) noexcept;
   void watch_strike(double speed_m_per_s, double away_s) noexcept;
@@ -123,6 +127,7 @@ class Governor {
   bool has_last_ = false;
   double gap_s_ = 0.0;                               ///< without news of the hand
   Eigen::Vector3d gap_n_ = Eigen::Vector3d::Zero();  ///< the largest force that the device held meanwhile
+  double gap_least_n_ = 0.0;                         ///< and the size of the least
   std::array<Eigen::Vector3d, kLongestDelay + 1> commanded_n_ = zeros();  ///< newest first
   Eigen::Vector3d last_position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d displacement_m_ = Eigen::Vector3d::Zero();

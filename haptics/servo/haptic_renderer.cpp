@@ -363,10 +363,7 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   if (found_.unfinished) state.flags |= kFlagUnfinished;
   if (output.saturated) state.flags |= kFlagSaturated;
   if (output.armed) state.flags |= kFlagArmed;
-  if (!sample.fresh) {
-    state.flags |= kFlagStale;
-    state.commanded_force_n = {};
-  }
+  if (!sample.fresh) state.flags |= kFlagStale;
 }
 
 // Ticks that were missed do not let the window jump.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <exception>
 #include <optional>
 #include <utility>
@@ -301,6 +302,7 @@ struct Session::Implementation {
   HapticWindow first_window;
   std::unique_ptr<Servo> servo;
   std::unique_ptr<Replay> replay;
+  std::clock_t processor_at_start = 0;
   std::optional<SessionSummary> summary;
 
   std::uint64_t next_id = 1;
@@ -359,6 +361,7 @@ void Session::start() {
   else
     self.announcer.say_view(view);
   self.recorder.start();
+  self.processor_at_start = std::clock();
   if (self.servo) self.servo->start();
   if (self.replay) self.replay->start();
 }
@@ -403,6 +406,7 @@ SessionSummary Session::stop() {
   if (self.summary) return *self.summary;
   SessionSummary summary;
   if (self.servo || self.replay) {
+    summary.processor_s = static_cast<double>(std::clock() - self.processor_at_start) / CLOCKS_PER_SEC;
     if (self.servo) self.servo->stop();
     if (self.replay) self.replay->stop();
     const ServoFigures& servo = self.servo ? self.servo->figures() : self.replay->figures();

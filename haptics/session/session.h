@@ -38,6 +38,7 @@ struct SessionSummary {
   double share_in_time = 1.0;  ///< ticks begun within 1 ms of plan
   bool real_time = false;      ///< SCHED_FIFO was granted
   double duration_s = 0.0;
+  double processor_s = 0.0;  ///< of all threads of the program, from start() to stop()
   double contact_s = 0.0;
   std::uint64_t contacts = 0;
   double path_m = 0.0;        ///< of the hand, device frame

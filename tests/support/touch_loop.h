@@ -69,7 +69,7 @@ struct TouchCase {
   double configured_hz = 1000.0;  ///< planned
   double jitter_s = 0.0;          ///< a tick comes late by up to so much
   double lost = 0.0;              ///< share of ticks without news of the hand
-  bool told_lost = false;         ///< they come as samples that are not fresh, as of a Falcon's driver; else not at all
+  bool told_lost = false;         ///< they come as samples that are not fresh; else not at all
   double delay_s = 0.001;         ///< from the writing of a force to the hand
   int declared_ticks = 1;         ///< what the device says of that
   bool governed = true;           ///< else the wished spring reaches the hand, up to 8 N

@@ -2,15 +2,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <tuple>
 
 #include "relief_scene.h"
 #include "studio.h"
+#include "tests/viewer/cloud/points.h"
+#include "viewer/cloud/mode.h"
 
 namespace sparsha::viewer::test {
 namespace {
+
+constexpr std::array<std::pair<int, int>, 8> kSizes{
+    {{640, 400}, {800, 600}, {1024, 600}, {1280, 720}, {720, 1280}, {1920, 1080}, {2560, 1080}, {3840, 2160}}};
 
 /// The first pair of the same layer that overlaps by more than a pixel, or a text outside; empty when all is well.
 std::string fault_in(const std::vector<DrawnText>& texts, int width, int height) {
@@ -20,6 +26,7 @@ std::string fault_in(const std::vector<DrawnText>& texts, int width, int height)
     if (p.x < -kPlay || p.y < -kPlay || p.x + p.width > static_cast<float>(width) + kPlay ||
         p.y + p.height > static_cast<float>(height) + kPlay)
       return "outside: " + p.words;
+    if (p.room > 0.0F && p.width > p.room + kPlay) return "cut off: " + p.words;
     for (std::size_t b = a + 1; b < texts.size(); ++b) {
       const DrawnText& q = texts[b];
       // A shadow under the same words is meant.
@@ -50,9 +57,7 @@ TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
   haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
   state.flags |= haptics::kFlagImpact | haptics::kFlagFilledArea;
   studio.controller().frame().title = "Lion of the northern staircase, second flight";
-  using Size = std::pair<int, int>;
-  for (const auto& [width, height] :
-       {Size{640, 400}, {800, 600}, {1024, 600}, {1280, 720}, {720, 1280}, {1920, 1080}, {2560, 1080}, {3840, 2160}})
+  for (const auto& [width, height] : kSizes)
     for (const bool large : {false, true})
       for (const int page : {0, 1, 2, 3, 4}) {
         Frame& frame = studio.controller().frame();
@@ -78,6 +83,64 @@ TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
             << width << " x " << height << (large ? " large" : "") << ", page " << page;
       }
   EXPECT_TRUE(studio.gl_errors().empty()) << studio.gl_errors().front();
+}
+
+TEST(Layout, NoWordsOfAnExhibitOverlapAtAnySize) {
+  haptics::AnnouncementBoard board;
+  Connections connections;
+  connections.announcements = &board;
+  connections.next_scene = [](int) {};
+  ViewSettings settings;
+  settings.kiosk = true;
+  Studio studio(scene_of(lotus, {101, 101, 0.004, 3}), settings, connections);
+  const haptics::State state = touching(*studio.picture().scene(), 0.2, 0.2, 0.01, 0.2, 0.2);
+  Frame& frame = studio.controller().frame();
+  frame.title = "Lion of the northern staircase, second flight";
+  for (const bool speaks : {false, true})
+    for (const auto& [width, height] : kSizes)
+      for (const bool large : {false, true})
+        for (const bool help : {false, true}) {
+          frame.settings.large_type = large;
+          frame.settings.help = help;
+          frame.has_pointer = help && large;
+          if (speaks) board.say("The object that you touch now: lion of the northern staircase, second flight");
+          studio.shoot(state, width, height);
+          EXPECT_GE(studio.gui().texts().size(), help ? 10U : 5U);
+          EXPECT_EQ(fault_in(studio.gui().texts(), width, height), "")
+              << width << " x " << height << (large ? " large" : "") << (help ? " help" : "");
+        }
+}
+
+TEST(Layout, NoWordsBesideARawCloudOverlapOrAreCutOffAtAnySize) {
+  PointView view = square(100, 1.0);
+  view.title = "Lion of the northern staircase, second flight";
+  const gl::OffscreenContext context;
+  Workshop workshop(std::move(view));
+  workshop.status.spacing_m = 0.001;
+  for (const auto& [width, height] : kSizes)
+    for (const bool large : {false, true})
+      for (const int page : {0, 1, 2, 3}) {
+        Gui gui;
+        CloudMode mode(workshop.orienting(), {});
+        ViewSettings settings;
+        settings.large_type = large;
+        const gl::Target target(width, height, false);
+        workshop.status.busy = page == 2;
+        workshop.status.stage = page == 2 ? "Filtering 12 345 678 points of the second scan" : "";
+        double time_s = 0.0;
+        const auto draw = [&] {
+          mode.controller().frame().finished = true;
+          mode.draw(gui, settings, target.framebuffer(), width, height, time_s += 0.5, true);
+        };
+        draw();
+        if (page == 1) mode.controller().act(CloudAction::help);
+        if (page == 3) mode.controller().act(CloudAction::crop);
+        draw();
+        draw();
+        EXPECT_GT(gui.texts().size(), 10U);
+        EXPECT_EQ(fault_in(gui.texts(), width, height), "")
+            << width << " x " << height << (large ? " large" : "") << ", page " << page;
+      }
 }
 
 TEST(Layout, ALegendTellsTheEndsOfARangeOfMicrometresApart) {

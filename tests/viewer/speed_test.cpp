@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <iostream>
@@ -136,43 +137,53 @@ TEST(Speed, TheRawCloudOfTenMillionPointsTurns) {
   std::cout << "all points after " << frames << " pictures at rest\n";
 }
 
-TEST(Speed, ABigSceneZoomedAt1280x720) {
+TEST(Speed, EverySizeOfSceneAt1280x720) {
   if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "figures only with SPARSHA_NIGHTLY=1";
-  const auto scene =
-      scene_of(lotus, {4096, 4096, 0.0001, 5}, [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
-  Studio studio(scene);
-  Controller& controller = studio.controller();
-  const gl::Target target(1280, 720, false);
-  haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
-  double time_s = 0.0;
-  const auto frame = [&](bool finished) {
-    controller.update(time_s, state, 1280, 720, [&](double x, double y) { return studio.picture().height_at(x, y); });
-    controller.frame().finished = finished;
-    studio.picture().draw(controller.frame(), target.framebuffer(), 1280, 720);
-  };
-  frame(true);
-  frame(true);
-  const auto print = [](const char* what, const Cost& cost) {
-    std::cout << what << ": " << cost.wall_ms << " ms, " << cost.cpu_ms << " ms of processor\n";
-  };
-  print("zoomed while the camera moves", best_of(10, [&] {
-          controller.act(Action::turn_left);
-          time_s += 0.05;
-          frame(false);
-        }));
-  print("zoomed, turn the light", best_of(3, [&] {
-          controller.act(Action::light_turn);
-          frame(false);
-        }));
-  state.window = {0, 0, 4096, 4096};
-  state.scale = 0.1 / 0.4096;
-  time_s += 5.0;
-  frame(true);
-  print("whole while the camera moves", best_of(10, [&] {
-          controller.act(Action::turn_left);
-          time_s += 0.05;
-          frame(false);
-        }));
+  std::printf("milliseconds of a picture: hand moves | camera moves | light key\n");
+  for (const int nodes : {800, 4096, 8192}) {
+    const double spacing_m = 0.4 / nodes;
+    const auto scene = scene_of(lotus, {nodes, nodes, spacing_m, 6},
+                                [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
+    for (const bool stereo : {false, true})
+      for (const bool whole : {false, true}) {
+        ViewSettings settings;
+        settings.stereo.mode = stereo ? StereoMode::anaglyph : StereoMode::off;
+        Studio studio(scene, settings);
+        Controller& controller = studio.controller();
+        const gl::Target target(1280, 720, false);
+        haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
+        if (whole) {
+          state.window = {0, 0, nodes, nodes};
+          state.scale = 0.1 / 0.4;
+        }
+        double time_s = 0.0;
+        const auto frame = [&](double step_s, bool finished = false) {
+          time_s += step_s;
+          controller.update(time_s, state, 1280, 720,
+                            [&](double x, double y) { return studio.picture().height_at(x, y); });
+          controller.frame().finished = finished;
+          studio.picture().draw(controller.frame(), target.framebuffer(), 1280, 720);
+        };
+        frame(1.0, true);
+        frame(5.0, true);
+        const double touch_ms = best_of(20, [&] {
+                                  state.proxy_m[0] += spacing_m;
+                                  frame(0.03);
+                                }).wall_ms;
+        const double orbit_ms = best_of(10, [&] {
+                                  controller.act(Action::turn_left);
+                                  frame(0.05);
+                                }).wall_ms;
+        frame(5.0, true);
+        const double light_ms = best_of(5, [&] {
+                                  controller.act(Action::light_turn);
+                                  frame(0.0);
+                                }).wall_ms;
+        std::printf("%d x %d %s%s: %.1f | %.1f | %.1f\n", nodes, nodes, whole ? "whole" : "zoomed",
+                    stereo ? " in stereo" : "", touch_ms, orbit_ms, light_ms);
+        std::fflush(stdout);
+      }
+  }
 }
 
 }  // namespace

@@ -76,17 +76,47 @@ class WidgetStyle {
   int colours_ = 0, variables_ = 0;
 };
 
+/// Tells tests of the layout what the last item says, which ImGui cuts off where it has no room: from `before` its left
+/// edge on to `after` before its right one.
+void record(const Brush& brush, const std::string& words, float before = 0.0F, float after = 0.0F) {
+  if (brush.drawn == nullptr || !ImGui::IsItemVisible()) return;
+  const ImVec2 window = ImGui::GetWindowPos(), low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const float left = low.x + before;
+  const float right = std::min(high.x - after, window.x + ImGui::GetWindowContentRegionMax().x);
+  const float top = std::max(low.y, window.y), bottom = std::min(high.y, window.y + ImGui::GetWindowHeight());
+  brush.drawn->push_back({words, left, top, ImGui::CalcTextSize(words.c_str()).x, bottom - top, brush.layer,
+                          std::max(1.0F, right - left)});
+}
+
+bool button(const Brush& brush, const std::string& label, float width = -1.0F) {
+  const bool pressed = ImGui::Button(label.c_str(), {width, 0.0F});
+  record(brush, label, ImGui::GetStyle().FramePadding.x, ImGui::GetStyle().FramePadding.x);
+  return pressed;
+}
+
+void line(const Brush& brush, const char* words) {
+  ImGui::TextUnformatted(words);
+  record(brush, words);
+}
+
+bool check(const Brush& brush, const char* label, bool& on) {
+  const bool changed = ImGui::Checkbox(label, &on);
+  record(brush, label, ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x);
+  return changed;
+}
+
 void heading(const Brush& brush, const char* words) {
   ImGui::Dummy({1.0F, brush.px(2.0F)});
   ImGui::PushFont(brush.fonts.strong);
   ImGui::PushStyleColor(ImGuiCol_Text, brush.theme.accent);
-  ImGui::TextUnformatted(words);
+  line(brush, words);
   ImGui::PopStyleColor();
   ImGui::PopFont();
 }
 
 /// A row of buttons of one width.
-void buttons(CloudController& controller, std::initializer_list<CloudAction> actions, bool enabled = true) {
+void buttons(const Brush& brush, CloudController& controller, std::initializer_list<CloudAction> actions,
+             bool enabled = true) {
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   const float width = (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(actions.size() - 1)) /
                       static_cast<float>(actions.size());
@@ -94,7 +124,7 @@ void buttons(CloudController& controller, std::initializer_list<CloudAction> act
   bool first = true;
   for (const CloudAction action : actions) {
     if (!std::exchange(first, false)) ImGui::SameLine();
-    if (ImGui::Button(info_of(action).label, {width, 0.0F})) controller.act(action);
+    if (button(brush, info_of(action).label, width)) controller.act(action);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s (%s)", info_of(action).what, info_of(action).keys);
   }
   ImGui::EndDisabled();
@@ -105,19 +135,19 @@ void orientation_part(const Brush& brush, CloudController& controller) {
   const CloudFrame& frame = controller.frame();
   heading(brush, "Front");
   const bool ready = frame.status.points != nullptr;
-  buttons(controller, {front, rear, left}, ready);
-  buttons(controller, {right, top, bottom}, ready);
-  buttons(controller, {flat_face, broad_side}, ready && !frame.status.busy);
-  buttons(controller, {as_scanned, upright, undo}, ready);
+  buttons(brush, controller, {front, rear, left}, ready);
+  buttons(brush, controller, {right, top, bottom}, ready);
+  buttons(brush, controller, {flat_face, broad_side}, ready && !frame.status.busy);
+  buttons(brush, controller, {as_scanned, upright, undo}, ready);
   const Eigen::Vector3d angles = euler_deg(frame.setup.scan_to_grid);
   std::array<double, 3> edited{angles.x(), angles.y(), angles.z()};
-  ImGui::TextUnformatted("Angles about x, y, z (euler_deg)");
+  line(brush, "Angles about x, y, z (euler_deg)");
   ImGui::SetNextItemWidth(-1.0F);
   if (ImGui::InputScalarN("##angles", ImGuiDataType_Double, edited.data(), 3, nullptr, nullptr, "%.2f",
                           ImGuiInputTextFlags_EnterReturnsTrue))
     controller.set_euler({edited[0], edited[1], edited[2]});
   bool ball = frame.free_ball;
-  if (ImGui::Checkbox("Free ball (off: turntable)", &ball)) controller.act(free_ball);
+  if (check(brush, "Free ball (off: turntable)", ball)) controller.act(free_ball);
 }
 
 void scans_part(const Brush& brush, CloudController& controller) {
@@ -130,7 +160,7 @@ void scans_part(const Brush& brush, CloudController& controller) {
   ImGui::TextWrapped("%s points, %s", count_text(points->total, TextStyle::plain).c_str(), size.c_str());
   if (points->total > points->points.size())
     ImGui::TextWrapped("%s of them are shown", count_text(points->points.size(), TextStyle::plain).c_str());
-  ImGui::TextUnformatted("Unit");
+  line(brush, "Unit");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(0.35F * ImGui::GetContentRegionAvail().x);
   ImGui::BeginDisabled(frame.status.busy || !(points->metres_per_unit > 0.0));
@@ -142,11 +172,10 @@ void scans_part(const Brush& brush, CloudController& controller) {
   }
   ImGui::EndDisabled();
   ImGui::SameLine();
-  if (ImGui::Button(fmt::format("Colour: {}", name_of(frame.colour)).c_str(), {-1.0F, 0.0F}))
-    controller.act(CloudAction::colour);
+  if (button(brush, fmt::format("Colour: {}", name_of(frame.colour)))) controller.act(CloudAction::colour);
 
   bool crops = frame.setup.crop.has_value();
-  if (ImGui::Checkbox("Crop box", &crops)) {
+  if (check(brush, "Crop box", crops)) {
     if (crops)
       controller.act(CloudAction::crop);
     else
@@ -155,7 +184,7 @@ void scans_part(const Brush& brush, CloudController& controller) {
   if (!frame.setup.crop) return;
   ImGui::SameLine();
   bool handles = frame.edits_crop;
-  if (ImGui::Checkbox("handles", &handles)) controller.act(CloudAction::crop);
+  if (check(brush, "handles", handles)) controller.act(CloudAction::crop);
   pipeline::CropConfig crop = *frame.setup.crop;
   bool edited = false;
   for (const auto& [label, corner] : {std::pair{"from, m", &crop.min_m}, std::pair{"to, m", &crop.max_m}}) {
@@ -171,7 +200,7 @@ void preview_part(const Brush& brush, const CloudFrame& frame, unsigned texture)
   heading(brush, "What the depth scan will see");
   const DepthPreview& preview = frame.preview;
   if (!preview.any || texture == 0) {
-    ImGui::TextUnformatted(frame.status.points ? "no point is left" : "nothing yet");
+    line(brush, frame.status.points ? "no point is left" : "nothing yet");
     return;
   }
   const float room = ImGui::GetContentRegionAvail().x;
@@ -195,7 +224,7 @@ void work_part(const Brush& brush, CloudController& controller) {
   const OrientingStatus& status = frame.status;
   if (status.busy) {
     ImGui::ProgressBar(static_cast<float>(status.fraction), {-1.0F, 0.0F}, status.stage.c_str());
-    if (ImGui::Button("Stop (Esc)", {-1.0F, 0.0F})) controller.cancel();
+    if (button(brush, "Stop (Esc)")) controller.cancel();
     return;
   }
   const bool ready = status.points && frame.preview.any;
@@ -203,17 +232,17 @@ void work_part(const Brush& brush, CloudController& controller) {
   ImGui::PushFont(brush.fonts.medium);
   ImGui::PushStyleColor(ImGuiCol_Button, brush.theme.accent);
   ImGui::PushStyleColor(ImGuiCol_Text, brush.theme.accent_text);
-  if (ImGui::Button("Scan (Enter)", {-1.0F, 0.0F})) controller.act(CloudAction::scan);
+  if (button(brush, "Scan (Enter)")) controller.act(CloudAction::scan);
   ImGui::PopStyleColor(2);
   ImGui::PopFont();
   ImGui::EndDisabled();
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   ImGui::BeginDisabled(!ready);
-  if (ImGui::Button("Save (Ctrl S)", {half, 0.0F})) controller.act(CloudAction::save);
+  if (button(brush, "Save (Ctrl S)", half)) controller.act(CloudAction::save);
   ImGui::EndDisabled();
   ImGui::SameLine();
   const char* leave = frame.can_go_back ? "Back (Esc)" : "Leave (Esc)";
-  if (ImGui::Button(leave, {half, 0.0F})) controller.act(CloudAction::back);
+  if (button(brush, leave, half)) controller.act(CloudAction::back);
 }
 
 }  // namespace

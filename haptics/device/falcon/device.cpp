@@ -18,16 +18,17 @@
 #include "haptics/device/falcon/link.h"
 #include "haptics/device/falcon/open_questions.h"
 #include "haptics/device/falcon/usb_transport.h"
+#include "haptics/governor/governor.h"
 
 namespace sparsha::haptics::falcon {
 namespace {
 
 using Steady = std::chrono::steady_clock;
-/// An answer that has not come by then may be lost: ask again.
-constexpr double kLost_s = 0.0035;
 /// A hand without an answer for so long is stale, and the force zero. Until then the last force is held and asked for
 /// again: on a link that is late but steady it would come and go otherwise. The watchdog acts at 10 ms.
-constexpr double kPatience_s = 2.0 * kLost_s;
+constexpr double kPatience_s = kStale_s;
+/// An answer that has not come by then may be lost: ask again.
+constexpr double kLost_s = 0.5 * kPatience_s;
 /// Without an answer for so long the firmware does not run any more, though the USB chip, which has power of its own,
 /// is still there.
 constexpr double kSilent_s = 1.0;

@@ -1,4 +1,5 @@
-// Ticks without news of the hand: no force, but the energy of the contact goes on being observed.
+// Ticks without news of the hand: the force of before for 7 ms, then none; the energy of the contact goes on being
+// observed.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -38,7 +39,10 @@ std::vector<double> lifted(int stale, double lift_m, int ticks) {
   governor.arm();
   for (int k = 0; k <= kPressTicks; ++k) (void)governor.update(at(-kDepth * k / kPressTicks));
   for (int k = 0; k < 100; ++k) (void)governor.update(at(-kDepth));
-  for (int k = 0; k < stale; ++k) EXPECT_EQ(governor.update(at(-kDepth, false)).force_n, Vector3d::Zero());
+  for (int k = 1; k <= stale; ++k) {
+    const double force_n = governor.update(at(-kDepth, false)).force_n.z();
+    EXPECT_DOUBLE_EQ(force_n, k < 7 ? 1.0 : 0.0) << k << " ms without news";
+  }
   (void)governor.update(at(-kDepth));
   std::vector<double> forces;
   for (int k = 1; k <= ticks; ++k) forces.push_back(governor.update(at(-kDepth + lift_m * k / ticks)).force_n.z());
@@ -49,15 +53,43 @@ std::vector<double> lifted(int stale, double lift_m, int ticks) {
 
 TEST(Stale, ATickWithoutNewsTakesNothingFromTheForceOfTheWayOut) {
   const std::vector<double> whole = lifted(0, 0.2e-3, 20);
-  for (const int stale : {1, 2, 5}) {
+  for (const int stale : {1, 2, 5, 6}) {
     const std::vector<double> after = lifted(stale, 0.2e-3, 20);
     for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_EQ(after[k], whole[k]) << stale << ", tick " << k;
   }
 }
 
+TEST(Stale, TheForceOfBeforeGoesOnForSevenMillisecondsAtAnyRateAndOnlyWhereItMay) {
+  for (const double rate_hz : {200.0, 333.0, 851.0, 1000.0, 4000.0}) {
+    Governor governor{DeviceLimits{}};
+    const auto go = [&](GovernorInput input) {
+      input.period_s = input.nominal_period_s = 1.0 / rate_hz;
+      return governor.update(input).force_n.z();
+    };
+    governor.arm();
+    double pressed_n = 0.0;
+    for (int k = 0; k <= 500; ++k) pressed_n = go(at(-1e-3 * std::min(1.0, k / 400.0)));
+    ASSERT_GT(pressed_n, 0.7);
+    for (int k = 1; k < rate_hz; ++k) {
+      const double age_s = k / rate_hz;
+      ASSERT_DOUBLE_EQ(go(at(-1e-3, false)), age_s < 0.007 - 1e-9 ? pressed_n : 0.0) << rate_hz << " Hz, " << age_s;
+    }
+    EXPECT_GT(go(at(-1e-3)), 0.0);
+    governor.disarm();
+    EXPECT_EQ(go(at(-1e-3, false)), 0.0) << "disarmed";
+    GovernorInput broken = at(-1e-3, false);
+    broken.position_m.x() = NAN;
+    governor.arm();
+    for (int k = 0; k < 50; ++k) static_cast<void>(go(at(-1e-3)));
+    EXPECT_EQ(go(broken), 0.0);
+    EXPECT_EQ(go(at(-1e-3, false)), 0.0) << "after what is not a number";
+  }
+}
+
 TEST(Stale, AGapDeliversToAMovingHandNoMoreThanItPutInAndTheOverdraft) {
   // The device holds each force until the tick after next: a declared delay of one. Out at any speed, gaps of any
-  // length, beginning anywhere on the way out.
+  // length, beginning anywhere on the way out. A hand that begins to leave within the gap is held to be at rest: the
+  // newton of before goes on for 7 ms and the delay.
   for (const double speed_m_per_s : {0.02, 0.1, 0.3, 1.0})
     for (int stale = 1; stale <= 9; ++stale)
       for (int before = 0; before < 4; ++before) {
@@ -80,8 +112,30 @@ TEST(Stale, AGapDeliversToAMovingHandNoMoreThanItPutInAndTheOverdraft) {
         for (int k = 0; k < 10; ++k) go(-kDepth, true);
         for (int k = 0; k < 1200 && z_m < kDepth; ++k)
           go(z_m + speed_m_per_s * kPeriod, k < before || k >= before + stale);
-        EXPECT_LE(given_j, kOverdraft_j + 2.0 * step_j) << speed_m_per_s << " m/s, " << stale << " after " << before;
+        const double unseen_j = before == 0 ? 1.0 * speed_m_per_s * kPeriod * std::min(stale, 8) : 0.0;
+        EXPECT_LE(given_j, kOverdraft_j + 2.0 * step_j + unseen_j)
+            << speed_m_per_s << " m/s, " << stale << " after " << before;
       }
+}
+
+TEST(Stale, AForceThatGoesOnFallsAsTheSpringWouldForAHandThatLeaves) {
+  constexpr double kDepth = 2.0 / kStiffness;
+  for (const double speed_m_per_s : {-0.1, 0.0, 0.02, 0.1}) {
+    Governor governor{DeviceLimits{}};
+    governor.arm();
+    for (int k = 0; k <= 200; ++k) (void)governor.update(at(-kDepth * k / 200));
+    double z_m = -kDepth;
+    for (int k = 0; k < 10; ++k) (void)governor.update(at(z_m += speed_m_per_s * kPeriod));
+    const double before_n = governor.update(at(z_m += speed_m_per_s * kPeriod)).force_n.z();
+    for (int k = 1; k < 7; ++k) {
+      const double spring_n = before_n - kStiffness * std::max(0.0, speed_m_per_s) * kPeriod * k;
+
+      const double force_n = governor.update(at(z_m, false)).force_n.z();
+      EXPECT_GE(force_n, spring_n - 0.01) << speed_m_per_s << ", " << k;
+      EXPECT_LE(force_n, spring_n + 0.01) << speed_m_per_s << ", " << k;
+      EXPECT_LE(force_n, before_n) << "it never grows";
+    }
+  }
 }
 
 TEST(Stale, LostTicksCountAsTimeOfTheLoop) {

@@ -275,7 +275,10 @@ TEST(Guide, IsZeroWhenTurnedOffOnFaultsOnStaleHandsAndOnPlacesThatAreNoNumbers) 
     HapticRenderer renderer = led();
     DeviceSample stale = sample_at(place, 1.0);
     stale.fresh = false;
-    renderer.update(stale, 0.001);
+    for (int k = 0; k < 7; ++k) {
+      stale.time_s = 1.0 + 1e-3 * k;
+      renderer.update(stale, 0.001);
+    }
     EXPECT_EQ(told(renderer), 0.0);
   }
   {

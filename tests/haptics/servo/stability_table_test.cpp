@@ -109,7 +109,6 @@ std::vector<TouchCase> rates_jitter_and_losses() {
 TEST(StabilityTable, RatesJitterAndLostTicksDeliverLittleAndDoNotSwingDeclaredOrNot) {
   double worst_j = 0.0;
   double worst_steps = 0.0;
-  double shaken_steps = 0.0;
   int ended = 0;
   for (const TouchCase& c : rates_jitter_and_losses()) {
     const TouchResult result = touch(c, ground(c.ground));
@@ -121,16 +120,11 @@ TEST(StabilityTable, RatesJitterAndLostTicksDeliverLittleAndDoNotSwingDeclaredOr
       continue;
     }
     const double steps = result.swing_m / c.encoder_step_m;
-    if (c.told_lost) {  // a tick without news has no force: one in ten lets the hand fall, at random
-      shaken_steps = std::max(shaken_steps, steps);
-      continue;
-    }
     EXPECT_LE(steps, kMostSteps) << words(c);
     worst_steps = std::max(worst_steps, steps);
   }
-  std::printf(
-      "at most %.2f mJ delivered, %.2f steps of swing, %.1f where lost ticks are told; %d held runs ended by a gap\n",
-      1e3 * worst_j, worst_steps, shaken_steps, ended);
+  std::printf("at most %.2f mJ delivered, %.2f steps of swing; %d held runs ended by a gap\n", 1e3 * worst_j,
+              worst_steps, ended);
 }
 
 TEST(StabilityTable, ALoopThatJittersAndLosesTicksLeavesHandsCalm) {
