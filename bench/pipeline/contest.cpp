@@ -44,7 +44,7 @@ std::vector<Contestant> contestants_of(const pipeline::Cloud& cloud, const std::
   for (const RasterRule rule : {RasterRule::max, RasterRule::mean, RasterRule::median, RasterRule::inverse_distance})
     all.push_back({name_of(rule), false, [&points, lattice, rule] { return raster(points, lattice, rule); }});
   for (const RasterRule rule : {RasterRule::mean, RasterRule::max})
-    all.push_back({std::string("PCL MLS, ") + name_of(rule), true, [&cloud, lattice, rule, point_spacing_m] {
+    all.push_back({std::string("PCL MLS + ") + name_of(rule), true, [&cloud, lattice, rule, point_spacing_m] {
                      std::vector<std::array<double, 3>> smoothed = by_pcl_mls(cloud, 3.0 * point_spacing_m);
                      for (auto& p : smoothed)
                        for (int axis = 0; axis < 3; ++axis) p[static_cast<std::size_t>(axis)] += cloud.origin_m[axis];

@@ -92,7 +92,7 @@ void run_open(const RunOptions& options, const OpenCase& c, std::ofstream& csv) 
     for (const bool clean : {false, true})
       if (const auto theirs =
               cloudcompare_raster(folder / "scan.ply", truth.lattice().spacing_m, clean ? "AVG" : "MAX", clean))
-        row(clean ? "CloudCompare SOR, RASTERIZE AVG (process)" : "CloudCompare RASTERIZE MAX (process)",
+        row(clean ? "CloudCompare SOR + RASTERIZE AVG (process)" : "CloudCompare RASTERIZE MAX (process)",
             theirs->samples, theirs->process.seconds, nullptr);
   fs::remove_all(folder);
 }

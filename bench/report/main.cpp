@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -67,7 +68,12 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  if (sparsha::bench::write_page(out, mode, seconds)) return 0;
+  try {
+    if (sparsha::bench::write_page(out, mode, seconds)) return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
   std::fprintf(stderr, "%s: error: cannot be written\n", (out / "report.html").c_str());
   return 1;
 }

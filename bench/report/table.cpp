@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "base/csv.h"
@@ -52,9 +53,13 @@ std::optional<Table> read_table(const std::filesystem::path& file) {
   if (!stream || !std::getline(stream, line) || line.empty()) return std::nullopt;
   Table table;
   table.names = fields_of(line);
-  while (std::getline(stream, line)) {
+  for (int number = 2; std::getline(stream, line); ++number) {
     if (line.empty()) continue;
     std::vector<std::string> row = fields_of(line);
+    if (row.size() > table.names.size())
+      throw std::runtime_error(file.string() + ':' + std::to_string(number) + ": error: the row has " +
+                               std::to_string(row.size()) + " fields; " + std::to_string(table.names.size()) +
+                               ", as many as the header");
     row.resize(table.names.size());
     table.rows.push_back(std::move(row));
   }

@@ -21,8 +21,9 @@ struct Table {
   [[nodiscard]] double number(std::size_t row, const std::string& name) const;
 };
 
-/// Fields may stand in double quotes, a quote in them doubled. Short rows are filled up with empty fields, longer ones
-/// cut. Nothing when the file is missing or has no header.
+/// Fields may stand in double quotes, a quote in them doubled. Short rows are filled up with empty fields. Nothing when
+/// the file is missing or has no header. Throws std::runtime_error with file and line when a row has more fields than
+/// the header: its figures would stand in the wrong columns.
 [[nodiscard]] std::optional<Table> read_table(const std::filesystem::path& file);
 
 }  // namespace sparsha::bench

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,16 @@ TEST_F(Page, FieldsInQuotesKeepTheirCommasAndQuotes) {
   EXPECT_TRUE(std::isnan(table->number(1, "value")));
   EXPECT_TRUE(std::isnan(table->number(0, "no such column")));
   EXPECT_FALSE(read_table(folder_ / "missing.csv"));
+}
+
+TEST_F(Page, ARowWithMoreFieldsThanTheHeaderIsRefusedAndNotShownInTheWrongColumns) {
+  write(folder_ / "a.csv", "method,rms_mm\nsparsha,0.1\nPCL MLS, mean,0.2\n");
+  try {
+    static_cast<void>(read_table(folder_ / "a.csv"));
+    FAIL() << "the row was taken";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a.csv:3: error: the row has 3 fields; 2"));
+  }
 }
 
 TEST_F(Page, TextOfAFileCannotBecomeMarkup) {
