@@ -118,7 +118,7 @@ Judgement judged(const std::string& name, const Forces& forces, const Truth& tru
   Judgement judgement;
   judgement.case_name = name;
   judgement.score = score_forces(forces.force_n, truth.force_n, truth.first, truth.last);
-  judgement.ghost = ghost_share(forces.force_n, truth.force_n);
+  judgement.ghost = ghost_share(forces.force_n, truth.force_n, truth.first, truth.last);
   judgement.worst_t_s = truth.t_s[judgement.score.worst];
   judgement.worst_line = forces.first_line + static_cast<int>(judgement.score.worst);
   if (!forces.tick_ns.empty()) {

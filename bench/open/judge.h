@@ -13,7 +13,7 @@ namespace sparsha::bench {
 struct Judgement {
   std::string case_name;
   Score score;
-  double ghost = 0.0;            ///< share of the ticks in free space with a force
+  double ghost = 0.0;            ///< share of the ticks on the way down and up with a wrong force
   double worst_t_s = 0.0;        ///< of the largest error
   int worst_line = 0;            ///< of results.csv
   std::optional<double> p50_ns;  ///< of tick_ns over the judged ticks, where results.csv has it

@@ -31,7 +31,9 @@ struct Score {
 [[nodiscard]] Score score_forces(std::span<const Eigen::Vector3d> forces, std::span<const Eigen::Vector3d> truth,
                                  std::size_t first, std::size_t last);
 
-/// Share of the ticks without true force at which `forces` has one; 0 when there are none.
-[[nodiscard]] double ghost_share(std::span<const Eigen::Vector3d> forces, std::span<const Eigen::Vector3d> truth);
+/// Share of the ticks outside [first, last) at which `forces` is off by more than kGhost of the largest true force
+/// where there is no true force, by more than kFeltError of it where there is one; 0 when there are no such ticks.
+[[nodiscard]] double ghost_share(std::span<const Eigen::Vector3d> forces, std::span<const Eigen::Vector3d> truth,
+                                 std::size_t first, std::size_t last);
 
 }  // namespace sparsha::bench
