@@ -116,7 +116,7 @@ class Karnopp : public FrictionLaw {
 };
 
 /// Integrates over distance and not over time: z = x - w, w' = |x'| alpha(z) z, alpha 0 while stuck, 1 / z_max while
-/// sliding, which never leaves z above z_max. Sliding begins beyond z_stick and ends when z has come back well below
+/// sliding, which never leaves z above z_max. Sliding begins beyond z_stick and ends when z has come back below
 /// z_max, as it does on reversal.
 class HaywardArmstrong : public FrictionLaw {
  public:
@@ -126,7 +126,8 @@ class HaywardArmstrong : public FrictionLaw {
     slides_ = false;
   }
   Vector2d update(const Vector2d& hand_m, double press_n) override {
-    constexpr double kStickAgain = 0.9;  // of z_max
+    constexpr double kStickAgain =
+        0.98;  // of z_max; at 0.9 a mass that rebounds less stays in sliding and misses a slip
     const double z_max = setting_.mu_dynamic * press_n / setting_.stiffness_n_per_m;
     const double z_stick = setting_.mu_static * press_n / setting_.stiffness_n_per_m;
     const double moved = (hand_m - before_).norm();
