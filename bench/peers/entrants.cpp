@@ -45,22 +45,22 @@ std::vector<Entrant> all_entrants() {
            options.radius_spacings = radius;
            return make_ball(surface, options);
          }});
-  for (const double radius : {3.0, 2.0, 5.0})
+  for (const double radius : {3.0, 2.0, 5.0, 12.0})
     all.push_back(
         {"sphere", text_of("radius %g spacings", radius), radius == 3.0, [radius](const MongeSurface& surface) {
            SphereOptions options;
            options.radius_spacings = radius;
            return make_sphere(surface, options);
          }});
-  for (const double width : {0.8, 1.5})
-    all.push_back({"mls", text_of("width %g spacings", width), width == 0.8, [width](const MongeSurface& surface) {
+  for (const double width : {0.5, 0.8, 1.5})
+    all.push_back({"mls", text_of("width %g spacings", width), width == 0.5, [width](const MongeSurface& surface) {
                      MlsOptions options;
                      options.width_spacings = width;
                      return make_mls(surface, options);
                    }});
-  for (const double radius : {3.0, 5.0})
+  for (const double radius : {2.0, 3.0, 5.0})
     all.push_back(
-        {"implicit", text_of("radius %g spacings", radius), radius == 3.0, [radius](const MongeSurface& surface) {
+        {"implicit", text_of("radius %g spacings", radius), radius == 2.0, [radius](const MongeSurface& surface) {
            ImplicitOptions options;
            options.radius_spacings = radius;
            return make_implicit(surface, options);

@@ -9,7 +9,7 @@
 namespace sparsha::bench {
 
 struct MlsOptions {
-  double width_spacings = 0.8;  ///< of the Gaussian weight exp(-r^2 / width^2)
+  double width_spacings = 0.5;  ///< of the Gaussian weight exp(-r^2 / width^2)
   int iterations = 20;          ///< tangent steps per tick, at most
 };
 

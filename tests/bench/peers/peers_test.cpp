@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "bench/open/course.h"
@@ -52,7 +53,7 @@ double allowed(const Entrant& entrant, double curvature, double spread) {
   if (entrant.method == "god-object" || entrant.method == "exact" || entrant.method == "embree")
     return float_m + h * h * curvature / 4.0 + h * turned;
   if (entrant.method == "rounded" || entrant.method == "c1") return float_m + h * h * curvature;
-  if (entrant.method == "paper") return 1e-3 * h + h * h * curvature / 4.0 + h * turned + 0.02 * kDepth;
+  if (entrant.method == "paper") return 1e-3 * h + h * h * curvature / 4.0 + h * turned + 0.002 * kDepth;
   // Between four points a ball of radius R sinks by R - sqrt(R^2 - h^2 / 2), h stretched by the slope, and rests askew
   // where it leaves one of them.
   if (entrant.method == "sphere") {
@@ -61,8 +62,9 @@ double allowed(const Entrant& entrant, double curvature, double spread) {
            0.5 * spread * h / radius * kDepth;
   }
   if (entrant.method == "mls") return 1e-3 * h + h * h * curvature + h * turned;
-  // The level of the density over a slope: points are spread by `spread` in one direction.
-  if (entrant.method == "implicit") return 0.02 * h + 0.3 * (spread - 1.0) * 3.0 * h + 4.5 * h * h * curvature;
+  // The level of the density over a slope: points are spread by `spread` in one direction. With a support of two
+  // spacings it also ripples between the points.
+  if (entrant.method == "implicit") return 0.05 * h + 0.3 * (spread - 1.0) * 2.0 * h + 2.0 * h * h * curvature;
   if (entrant.method == "box") return float_m + 9.0 * h * h * curvature / 4.0 + h * turned;
   // voxel: a million of them are 1.07 cells wide.
   const double voxel = 1.1 * h;
@@ -91,6 +93,32 @@ TEST(Peers, EveryEntrantIsWithinItsOwnApproximationOnPlaneCapAndSinusoid) {
       EXPECT_EQ(errors.lost, 0) << entrant.method << " on " << c.ground;
       EXPECT_LE(errors.worst_m, allowed(entrant, c.curvature, c.spread)) << entrant.method << " on " << c.ground;
     }
+  }
+}
+
+TEST(Peers, APressOnALevelPlaneIsAnsweredWithinHalfAPercentByEveryEntrantAtEverySetting) {
+  // A force that is off by 2 % fails, also of those that the surfaces above allow more. A ball rests on four points,
+  // and not always quite in their middle.
+  Ground ground;
+  ground.height = [](double, double) { return 0.0; };
+  for (const Entrant& entrant : all_entrants()) {
+    const double reach = entrant.method == "box" || entrant.method == "voxel" ? kSpacing : 10.0 * kSpacing;
+    const PeerPointer peer = entrant.make(sample(ground, kNodes));
+    const Eigen::Vector3d above(100.5 * kSpacing, 80.5 * kSpacing, 0.01);
+    const Eigen::Vector3d below(above.x(), above.y(), -reach);
+    peer->place(above);
+    Touched touched;
+    for (int tick = 1; tick <= 200; ++tick)
+      touched = peer->update(above + std::min(1.0, 0.01 * tick) * (below - above));
+    double depth = reach;
+    if (entrant.method == "sphere") {
+      const double radius = kSpacing * std::stod(entrant.setting.substr(std::string("radius ").size()));
+      depth -= radius - std::sqrt(radius * radius - 0.5 * kSpacing * kSpacing);
+    }
+    EXPECT_TRUE(touched.contact) << entrant.method << ", " << entrant.setting;
+    EXPECT_NEAR(touched.force_m.z(), depth, 0.005 * depth) << entrant.method << ", " << entrant.setting;
+    EXPECT_LT(touched.force_m.head<2>().norm(), (entrant.method == "sphere" ? 0.015 : 0.005) * depth)
+        << entrant.method << ", " << entrant.setting;
   }
 }
 
