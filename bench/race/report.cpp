@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kFelt = 0.07;
 
+/// Whole degrees from 10 on, so that 180 does not become 1.8e+02.
+std::string angle_text(double degrees) { return text_of(degrees < 10.0 ? "%.2g°" : "%.0f°", degrees); }
 std::string size_text(std::size_t bytes) { return text_of("%.2f MB", 1e-6 * static_cast<double>(bytes)); }
 
 HtmlRow cells_of(const Row& row) {
@@ -30,7 +32,7 @@ HtmlRow cells_of(const Row& row) {
           {share_text(row.error_median), row.error_median > kFelt},
           {share_text(row.error_p99), row.error_p99 > kFelt},
           {share_text(row.size_median) + " / " + share_text(row.size_p99)},
-          {text_of("%.2g°", row.angle_median_deg) + " / " + text_of("%.2g°", row.angle_p99_deg)},
+          {angle_text(row.angle_median_deg) + " / " + angle_text(row.angle_p99_deg)},
           {share_text(row.lost), row.lost > 0.0},
           {share_text(row.jumps), row.jumps > 0.0},
           {text_of("%.3g s", row.seconds)},
@@ -161,13 +163,19 @@ std::string lived_table(const std::vector<LivedRow>& rows) {
 // How the methods differ by what they are; which is ahead where is in the tables of the run.
 constexpr const char* kHonest =
     "<p>How to read it. <code>voxel</code> looks a distance up, so that its time depends neither on speed nor on the "
-    "cells crossed; it pays with memory, with pre-processing and with the depth at which the hand is lost. "
+    "cells crossed; it pays with pre-processing, with the depth at which the hand is lost, with memory on small grids "
+    "and, "
+    "as its voxels are capped, with error on large ones, where it needs less memory than the grid itself. "
     "<code>c1</code> follows the surface between nodes with a curvature that a bilinear cell, <code>exact</code>, does "
     "not have, and overshoots at steps, which clean nodes do not show. <code>box</code> and <code>voxel</code> answer "
     "from the hand alone. The mesh and point methods render closed objects and overhangs, which a depth grid cannot. "
     "<code>sphere</code>, <code>mls</code>, <code>implicit</code> and <code>box</code> need no grid, "
     "<code>sphere</code> and <code>implicit</code> not even normals; with points as clean and even as here these "
-    "tables cannot show what that is worth. Pre-processing counts from the nodes on; making the grid from a scan is in "
+    "tables cannot show what that is worth. The setting that a method has everywhere is the one that errs or loses "
+    "least "
+    "over all surfaces: a larger ball of <code>sphere</code> is nearer to smooth ones and stands off where it does not "
+    "fit, a smaller box loses a hand that is deeper than it is wide. Pre-processing counts from the nodes on; making "
+    "the grid from a scan is in "
     "the tables of the pipeline. Caches are warm. The peers are ours to tune, and another hand may tune them better. "
     "The intervals of ratios take the repeats for independent, which they are not on a machine that others use.</p>";
 

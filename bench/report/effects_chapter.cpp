@@ -60,7 +60,8 @@ std::string effects_html(const std::filesystem::path& folder) {
         "force over the true one, <em>in phase</em> the share of it that follows the truth. <code>geometry</code> "
         "is what Sparsha does: the heights themselves are touched, and texture is a part of them. The others add a "
         "force to a smooth surface; they push along the normal only, so that they lack most of the force along the "
-        "stroke.</p>" +
+        "stroke. <code>wavelet</code> puts its profile together before the stroke, which its time leaves out, and then "
+        "looks it up.</p>" +
         texture;
   return html;
 }

@@ -83,10 +83,12 @@ std::string peers_html(const std::filesystem::path& folder) {
                       {{"base", "Object"}, {"density", "Density"}, {"noise", "Noise"}, {"spacing", "Spacing"}});
   if (!html.empty())
     html +=
-        "<p>Where a peer is better: a z-buffer, a mean and a median take a small part of our time, and where there is "
-        "one layer and little noise they are as good as anything; inverse distance and moving least squares average "
-        "more noise away than a local fit that keeps edges when points are sparse, at the price of rounding them. None "
-        "of them knows what lies behind what.</p>";
+        "<p>Where a peer is better: a z-buffer, a mean and a median take a small part of our time, and inverse "
+        "distance "
+        "leaves fewer nodes empty. No object here is one layer without a back, where all of them do better than in "
+        "these "
+        "tables. None of them knows what lies behind what; CloudCompare's SOR takes a sparse back away and not one as "
+        "dense as the front.</p>";
   return html;
 }
 

@@ -98,7 +98,10 @@ std::string scaling_html(const std::filesystem::path& folder) {
          "<p>Time = a · count<sup>exponent</sup>, fitted in the logarithms over the sizes that take at least 2 ms (a "
          "stage) on one thread; ± is the 95 % interval of the fit. An exponent of 1 is linear. Below 1 something that "
          "does not grow still counts: against the points, work on the nodes; against the nodes, work on the "
-         "points. The hand's speed in the last table is the same in metres, so that it crosses more cells on finer "
+         "points. Above 1 on finer grids: filters whose reach is in metres have more nodes in it. Where ± exceeds 1 "
+         "the times "
+         "follow no power. The hand's speed in the last table is the same in metres, so that it crosses more cells on "
+         "finer "
          "surfaces.</p>" +
          html;
 }

@@ -26,5 +26,19 @@ TEST(RaceReport, ItsConfidenceIsThatOfItsRepeats) {
   EXPECT_NE(page(7).find("with a probability of 98 %."), std::string::npos);
 }
 
+TEST(RaceReport, AnglesAreWrittenInDegreesWithoutPowersOfTen) {
+  const test::TestFolder folder;
+  Report report;
+  Row row;
+  row.group = "front";
+  row.angle_median_deg = 0.123;
+  row.angle_p99_deg = 180.0;
+  report.rows = {row};
+  EXPECT_TRUE(write_report(folder, report));
+  std::ifstream file(folder / "race.part.html");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(page.find("0.12° / 180°"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sparsha::bench
