@@ -13,12 +13,11 @@
 #include <vector>
 
 #include <pcl/point_types.h>
-#include <pcl/features/impl/normal_3d.hpp>
-#include <pcl/features/impl/normal_3d_omp.hpp>
 #include <pcl/kdtree/impl/kdtree_flann.hpp>
-#include <pcl/search/impl/kdtree.hpp>
 
 #include "base/statistics.h"
+#include "bench/pipeline/disc_list.h"
+#include "bench/pipeline/pcl_normals.h"
 #include "bench/pipeline/run.h"
 #include "bench/report/turns.h"
 #include "pipeline/projection/tangent_discs.h"
@@ -66,13 +65,7 @@ Figures judge_normals(const ObjectScan& scan, const pcl::PointCloud<pcl::Normal>
 Way by_pcl(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned threads) {
   const auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
   return {"pcl::NormalEstimationOMP",
-          [&cloud, threads, normals] {
-            pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(threads);
-            estimation.setInputCloud(cloud.points);
-            estimation.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
-            estimation.setKSearch(14);
-            return seconds_of([&] { estimation.compute(*normals); });
-          },
+          [&cloud, threads, normals] { return seconds_of([&] { *normals = by_pcl_normals(cloud, 14, threads); }); },
           [&scan, normals] { return judge_normals(scan, *normals); }};
 }
 
@@ -84,18 +77,14 @@ pipeline::BinLattice columns_of(const pipeline::OrientedPoints& points, const pi
   return pipeline::disc_columns(nodes, rule);
 }
 
-Figures judge_discs(const ObjectScan& scan, const pipeline::Cloud& cloud, const pipeline::TangentDiscs& discs,
-                    const pipeline::BinLattice& columns) {
+Figures judge_discs(const ObjectScan& scan, const pipeline::Cloud& cloud, const pipeline::TangentDiscs& discs) {
   // A disc's foot lies beside its point.
   pcl::KdTreeFLANN<pcl::PointXYZ> tree;
   tree.setInputCloud(cloud.points);
   pcl::Indices near(1);
   std::vector<float> squares(1);
   std::vector<double> degrees;
-  const std::size_t count =
-      discs.start[static_cast<std::size_t>(columns.bins_y()) * static_cast<std::size_t>(columns.bins_x() + 1) - 1];
-  for (std::size_t d = 0; d < count; ++d) {
-    if (!(discs.radius2[d] > 0.0F)) continue;
+  for (const std::size_t d : disc_indices(discs)) {
     tree.nearestKSearch({discs.x[d], discs.y[d], discs.height(d)}, 1, near, squares);
     const Eigen::Vector3d& truth = scan.normals[static_cast<std::size_t>(near[0])];
     if (std::abs(truth.z()) < kSteep) continue;
@@ -126,7 +115,7 @@ Way by_discs(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned thre
                                                  pipeline::BinWindow::all(work->columns), work->rule, true, work->pool);
             });
           },
-          [work, &scan, &cloud] { return judge_discs(scan, cloud, work->discs, work->columns); }};
+          [work, &scan, &cloud] { return judge_discs(scan, cloud, work->discs); }};
 }
 
 class Rows {
@@ -143,7 +132,8 @@ class Rows {
   /// Discs and PCL's normals take turns on one scan.
   void add(const std::string& object, double noise, const ObjectScan& scan, unsigned threads) {
     const pipeline::Cloud cloud = test::make_cloud(scan.points);
-    const std::vector<Way> ways{by_discs(scan, cloud, threads), by_pcl(scan, cloud, threads)};
+    std::vector<Way> ways{by_discs(scan, cloud, threads)};
+    if (threads == 1 || pcl_normals_have_threads()) ways.push_back(by_pcl(scan, cloud, threads));
     std::vector<Turn> turns;
     for (const Way& way : ways) turns.push_back({way.run});
     const std::vector<TurnTimes> taken = take_turns(turns, kRounds);
