@@ -58,9 +58,9 @@ std::vector<Entrant> all_entrants() {
                      options.width_spacings = width;
                      return make_mls(surface, options);
                    }});
-  for (const double radius : {2.0, 3.0, 5.0})
+  for (const double radius : {2.5, 2.0, 3.0, 5.0})
     all.push_back(
-        {"implicit", text_of("radius %g spacings", radius), radius == 2.0, [radius](const MongeSurface& surface) {
+        {"implicit", text_of("radius %g spacings", radius), radius == 2.5, [radius](const MongeSurface& surface) {
            ImplicitOptions options;
            options.radius_spacings = radius;
            return make_implicit(surface, options);

@@ -9,7 +9,7 @@
 namespace sparsha::bench {
 
 struct ImplicitOptions {
-  double radius_spacings = 2.0;  ///< support of a point; below 2 the surface has holes
+  double radius_spacings = 2.5;  ///< support of a point; below 2 the surface has holes
   int iterations = 20;           ///< tangent steps per tick, at most
 };
 

@@ -62,9 +62,9 @@ double allowed(const Entrant& entrant, double curvature, double spread) {
            0.5 * spread * h / radius * kDepth;
   }
   if (entrant.method == "mls") return 1e-3 * h + h * h * curvature + h * turned;
-  // The level of the density over a slope: points are spread by `spread` in one direction. With a support of two
+  // The level of the density over a slope: points are spread by `spread` in one direction. With a support of 2.5
   // spacings it also ripples between the points.
-  if (entrant.method == "implicit") return 0.05 * h + 0.3 * (spread - 1.0) * 2.0 * h + 2.0 * h * h * curvature;
+  if (entrant.method == "implicit") return 0.03 * h + 0.3 * (spread - 1.0) * 2.5 * h + 3.1 * h * h * curvature;
   if (entrant.method == "box") return float_m + 9.0 * h * h * curvature / 4.0 + h * turned;
   // voxel: a million of them are 1.07 cells wide.
   const double voxel = 1.1 * h;
