@@ -52,18 +52,18 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::acos(std::min(1.0, std::abs(a.normalized().dot(b)))) * 180.0 / std::numbers::pi;
 }
 
-Figures judge_normals(const ObjectScan& scan, const pcl::PointCloud<pcl::Normal>& normals) {
+Figures judge_normals(const ObjectScan& scan, const std::vector<Eigen::Vector3f>& normals) {
   std::vector<double> degrees;
   for (std::size_t k = 0; k < normals.size(); ++k) {
     if (std::abs(scan.normals[k].z()) < kSteep) continue;
-    const Eigen::Vector3d normal = normals[k].getNormalVector3fMap().cast<double>();
+    const Eigen::Vector3d normal = normals[k].cast<double>();
     if (normal.allFinite()) degrees.push_back(angle_deg(normal, scan.normals[k]));
   }
   return judged(std::move(degrees));
 }
 
 Way by_pcl(const ObjectScan& scan, const pipeline::Cloud& cloud, unsigned threads) {
-  const auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
+  const auto normals = std::make_shared<std::vector<Eigen::Vector3f>>();
   return {"pcl::NormalEstimationOMP",
           [&cloud, threads, normals] { return seconds_of([&] { *normals = by_pcl_normals(cloud, 14, threads); }); },
           [&scan, normals] { return judge_normals(scan, *normals); }};

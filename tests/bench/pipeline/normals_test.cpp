@@ -73,10 +73,8 @@ TEST(BenchNormals, PclRunsOnAsManyThreadsAsItIsGiven) {
   EXPECT_EQ(threads(), before);
   const auto three = by_pcl_normals(cloud, 14, 3);
   EXPECT_EQ(threads(), before + 2);  // OpenMP keeps its threads
-  ASSERT_EQ(one.size(), three.size());
-  EXPECT_TRUE(std::equal(one.begin(), one.end(), three.begin(), [](const pcl::Normal& a, const pcl::Normal& b) {
-    return a.getNormalVector3fMap() == b.getNormalVector3fMap();
-  }));
+  EXPECT_EQ(one.size(), scan.points.size());
+  EXPECT_EQ(one, three);
 }
 #endif
 
