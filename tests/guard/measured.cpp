@@ -29,15 +29,31 @@ std::vector<Vector3d> hands() {
   return path;
 }
 
+void follow(const haptics::MongeSurface& surface, const std::vector<Vector3d>& path, haptics::ProxyState& state,
+            haptics::CellShape shape) {
+  const haptics::SolverOptions options{.shape = shape};
+  double sum = 0.0;
+  for (const Vector3d& hand : path) sum += update_exact(surface, hand, state, options).position.z();
+  sink = sum;
+}
+
 }  // namespace
 
 extern "C" __attribute__((noinline)) void measured_proxy(const haptics::MongeSurface& surface,
                                                          const std::vector<Vector3d>& path,
                                                          haptics::ProxyState& state) {
-  const haptics::SolverOptions options{.shape = haptics::CellShape::rounded};
-  double sum = 0.0;
-  for (const Vector3d& hand : path) sum += update_exact(surface, hand, state, options).position.z();
-  sink = sum;
+  follow(surface, path, state, haptics::CellShape::rounded);
+}
+
+extern "C" __attribute__((noinline)) void measured_sharp(const haptics::MongeSurface& surface,
+                                                         const std::vector<Vector3d>& path,
+                                                         haptics::ProxyState& state) {
+  follow(surface, path, state, haptics::CellShape::bilinear);
+}
+
+extern "C" __attribute__((noinline)) void measured_c1(const haptics::MongeSurface& surface,
+                                                      const std::vector<Vector3d>& path, haptics::ProxyState& state) {
+  follow(surface, path, state, haptics::CellShape::c1);
 }
 
 extern "C" __attribute__((noinline)) void measured_projection(const pipeline::Cloud& cloud) {
@@ -53,14 +69,14 @@ extern "C" __attribute__((noinline)) void measured_window(const pipeline::Scene&
 
 int main(int argc, char** argv) {
   const std::string part = argc == 2 ? argv[1] : "";
-  if (part == "proxy") {
+  if (part == "proxy" || part == "sharp" || part == "c1") {
     haptics::MongeSurface surface = haptics::test::make_surface_of(200, 200, 1.0 / 199.0, [](double x, double y) {
       return 0.05 * std::sin(2.0 * M_PI * x) * std::sin(2.0 * M_PI * y);
     });
     haptics::test::set_friction(surface, 0.5, 0.4);
     const std::vector<Vector3d> path = hands();
     haptics::ProxyState state = start_proxy(surface, path.front());
-    measured_proxy(surface, path, state);
+    (part == "proxy" ? measured_proxy : part == "sharp" ? measured_sharp : measured_c1)(surface, path, state);
   } else if (part == "projection") {
     test::Points points;
     for (int j = 0; j < 300; ++j)
@@ -74,7 +90,7 @@ int main(int argc, char** argv) {
     measured_window(
         *test::scene_of([](double x, double y) { return 0.01 * std::sin(40.0 * x) * std::cos(30.0 * y); }, 801, 0.4));
   } else {
-    std::fputs("usage: instruction_guard proxy|projection|window\n", stderr);
+    std::fputs("usage: instruction_guard proxy|sharp|c1|projection|window\n", stderr);
     return 2;
   }
   std::printf("%g\n", static_cast<double>(sink));

@@ -7,7 +7,7 @@ import sys
 import tempfile
 
 GUARD = pathlib.Path(__file__).resolve().parents[2] / "tools" / "instruction-guard.py"
-PARTS = ("proxy", "projection", "window")
+PARTS = ("proxy", "sharp", "c1", "projection", "window")
 # In valgrind's place: its last argument is the part that is measured.
 VALGRIND = '#!/bin/sh\nfor part; do :; done\neval "count=\\$COUNT_$part"\necho "Collected : $count" >&2\n'
 # Instructions of `proxy` where 1000 are kept, and what the guard says of them: exit code, words.
