@@ -23,11 +23,20 @@ std::string processor() {
   return "unknown processor";
 }
 
+std::string compiler() {
+#ifdef __clang__
+  return __VERSION__;
+#else
+  return std::string("GCC ") + __VERSION__;
+#endif
+}
+
 bool write_page(const std::filesystem::path& folder, const std::string& mode, double seconds) {
   const double memory_gb = 1e-9 * static_cast<double>(system::physical_memory_bytes());
   std::string introduction = "<p>Machine: " + escape_html(processor()) + ", " +
                              std::to_string(std::thread::hardware_concurrency()) + " threads, " +
-                             text_of("%.0f GB", memory_gb) + " of memory. Mode: " + escape_html(mode) + ".";
+                             text_of("%.0f GB", memory_gb) + " of memory. Compiler: " + escape_html(compiler()) +
+                             ", " SPARSHA_BUILD_TYPE "; PCL " SPARSHA_PCL_VERSION ". Mode: " + escape_html(mode) + ".";
   if (seconds > 0.0) introduction += " Measuring took " + text_of("%.0f s", seconds) + ".";
   if (mode == "quick")
     introduction +=
