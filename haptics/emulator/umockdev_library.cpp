@@ -36,6 +36,7 @@ Umockdev load() {
   find(library, table.unref, "umockdev_ioctl_data_unref");
   find(library, table.object_ref, "g_object_ref");
   find(library, table.object_unref, "g_object_unref");
+  find(library, table.weak_ref, "g_object_weak_ref");
   find(library, table.signal_connect, "g_signal_connect_data");
   return table;
 }

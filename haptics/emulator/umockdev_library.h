@@ -23,6 +23,7 @@ struct Umockdev {
   decltype(&::umockdev_ioctl_data_unref) unref;
   decltype(&::g_object_ref) object_ref;
   decltype(&::g_object_unref) object_unref;
+  decltype(&::g_object_weak_ref) weak_ref;
   decltype(&::g_signal_connect_data) signal_connect;
 };
 

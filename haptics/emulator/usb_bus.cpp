@@ -101,8 +101,6 @@ struct UsbBus::Implementation {
     place.handler = umock.ioctl_base_new();
     umock.signal_connect(place.handler, "handle-ioctl", G_CALLBACK(&Implementation::on_ioctl), &place, nullptr,
                          G_CONNECT_AFTER);
-    umock.signal_connect(place.handler, "client-vanished", G_CALLBACK(&Implementation::on_gone), &place, nullptr,
-                         G_CONNECT_AFTER);
     umock.attach_ioctl(testbed, place.node.c_str(), place.handler, nullptr);
     const std::string text = fmt::format(
         "P: {0}\nN: bus/usb/001/{1:03}\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM={1:03}\n"
@@ -132,10 +130,6 @@ struct UsbBus::Implementation {
     }
     if (sooner) self.wake.notify_all();
     return gboolean{1};
-  }
-  static void on_gone(UMockdevIoctlBase*, UMockdevIoctlClient* client, Place* place) {
-    const std::lock_guard lock(place->bus->mutex);
-    place->port->forget(client);
   }
 
   void run() {
@@ -172,17 +166,17 @@ struct UsbBus::Implementation {
       return;
     }
     lock.unlock();
-    if (pull) unplug(i);
+    if (pull) unplug(i, false);
     if (push) replug(i, false);
     lock.lock();
   }
 
-  void unplug(std::size_t i) {
+  void unplug(std::size_t i, bool power) {
     Place& place = *places.at(i);
     {
       const std::lock_guard lock(mutex);
       if (!place.port->falcon().plugged()) return;
-      place.port->falcon().unplug(true, now_s());
+      place.port->falcon().unplug(power, now_s());
       place.port->disconnect();
     }
     umock.uevent(testbed, ("/sys" + place.path).c_str(), "remove");
@@ -219,7 +213,7 @@ struct UsbBus::Implementation {
 UsbBus::UsbBus(std::vector<std::shared_ptr<Falcon>> falcons, const BusFaults& faults)
     : implementation_(std::make_unique<Implementation>(std::move(falcons), faults)) {}
 UsbBus::~UsbBus() = default;
-void UsbBus::unplug(std::size_t port) { implementation_->unplug(port); }
+void UsbBus::unplug(std::size_t port) { implementation_->unplug(port, true); }
 void UsbBus::replug(std::size_t port, bool power) { implementation_->replug(port, power); }
 double UsbBus::now_s() const { return implementation_->now_s(); }
 

@@ -42,6 +42,30 @@ void UsbPort::forget(UMockdevIoctlClient* client) {
   clients_.erase(found);
 }
 
+// umockdev declares a signal for this and never gives it.
+UsbPort::Client& UsbPort::client_of(UMockdevIoctlClient* handle) {
+  forget_freed();  // another may have been at this address
+  const auto [found, is_new] = clients_.try_emplace(handle);
+  if (is_new) {
+    const auto note = [](gpointer data, GObject* client) {
+      const std::unique_ptr<std::shared_ptr<Freed>> freed(static_cast<std::shared_ptr<Freed>*>(data));
+      const std::lock_guard lock((*freed)->mutex);
+      (*freed)->clients.push_back(reinterpret_cast<UMockdevIoctlClient*>(client));
+    };
+    umockdev_.weak_ref(reinterpret_cast<GObject*>(handle), note, new std::shared_ptr<Freed>(freed_));
+  }
+  return found->second;
+}
+
+void UsbPort::forget_freed() {
+  std::vector<UMockdevIoctlClient*> clients;
+  {
+    const std::lock_guard lock(freed_->mutex);
+    clients.swap(freed_->clients);
+  }
+  for (UMockdevIoctlClient* const client : clients) forget(client);
+}
+
 int UsbPort::claim(Client& client, bool steal) {
   for (auto& [handle, other] : clients_) {
     if (&other == &client || !other.claims) continue;
@@ -65,6 +89,7 @@ void UsbPort::end_all(Client& client, int status) {
 void UsbPort::disconnect() {
   for (auto& [handle, client] : clients_) {
     end_all(client, -ENODEV);
+    client.claims = false;
     if (client.reaping != nullptr) let_go(handle, client, ENODEV);
   }
 }
@@ -242,7 +267,7 @@ void UsbPort::let_go(UMockdevIoctlClient* handle, Client& client, int error) {
 }
 
 void UsbPort::handle(UMockdevIoctlClient* handle, double now_s) {
-  Client& client = clients_[handle];
+  Client& client = client_of(handle);
   UMockdevIoctlData* argument = umockdev_.get_arg(handle);
   const gulong request = umockdev_.get_request(handle);
   const auto done = [&](int error) { umockdev_.complete(handle, error == 0 ? 0 : -1, error); };
@@ -294,6 +319,7 @@ void UsbPort::handle(UMockdevIoctlClient* handle, double now_s) {
 }
 
 void UsbPort::serve(double now_s) {
+  forget_freed();
   if (faults_.stall_every_s > 0.0 && now_s > next_stall_s_) {
     stalled_ = next_stall_s_ > 0.0;
     next_stall_s_ = now_s + faults_.stall_every_s;

@@ -6,6 +6,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -31,9 +32,7 @@ class UsbPort {
   void serve(double now_s);
   /// When serve() has something to do next.
   [[nodiscard]] double next_s() const;
-  /// A program that has closed the node or ended.
-  void forget(UMockdevIoctlClient* client);
-  /// Ends every transfer: the device has gone.
+  /// Ends every transfer and every claim: the device has gone.
   void disconnect();
 
   [[nodiscard]] Falcon& falcon() { return *falcon_; }
@@ -57,6 +56,16 @@ class UsbPort {
     int asked_in_vain = 0;  ///< since something was handed back
   };
 
+  /// Clients that umockdev has freed, whose programs have closed the node or ended, not forgotten yet. Freed on any
+  /// thread, and with any lock held.
+  struct Freed {
+    std::mutex mutex;
+    std::vector<UMockdevIoctlClient*> clients;
+  };
+
+  [[nodiscard]] Client& client_of(UMockdevIoctlClient* handle);
+  void forget(UMockdevIoctlClient* client);
+  void forget_freed();
   [[nodiscard]] int claim(Client& client, bool steal);
   [[nodiscard]] int submit(Client& client, UMockdevIoctlData* argument, double now_s);
   void control(Client& client, const Block& block, double now_s);
@@ -77,6 +86,7 @@ class UsbPort {
   std::shared_ptr<Falcon> falcon_;
   BusFaults faults_;
   std::map<UMockdevIoctlClient*, Client> clients_;
+  std::shared_ptr<Freed> freed_ = std::make_shared<Freed>();
   bool stalled_ = false;
   double next_stall_s_ = 0.0;
   double first_force_s_ = -1.0;
