@@ -204,6 +204,7 @@ Node parse_text(std::string_view text, const std::string& name) {
   } catch (const YAML::Exception& error) {
     throw Error(ErrorKind::usage, place_of(name, error.mark), "not valid YAML: " + error.msg);
   }
+  if (builder.root.place.file.empty()) builder.root.place.file = name;  // nothing was in it
   return std::move(builder.root);
 }
 

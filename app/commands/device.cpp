@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/between.h"
 #include "app/commands/commands.h"
 #include "app/commands/emulate.h"
 #include "app/commands/sentences.h"
@@ -178,6 +179,7 @@ int monitor_device(const CommonOptions& common, const falcon::FalconOptions& opt
       print(common.json    ? reading_json(reading, since).dump()
             : common.plain ? reading_sentence(reading)
                            : reading_text(reading, since));
+      flush_output();  // live, and over when nobody reads any more
       since = {reading.time_s, 0, 0.0};
     }
     return !interrupted() && (duration_s <= 0.0 || reading.time_s < duration_s);
@@ -186,6 +188,7 @@ int monitor_device(const CommonOptions& common, const falcon::FalconOptions& opt
 }
 
 int calibrate_device(const CommonOptions& common, const falcon::FalconOptions& device_options, double weight_g) {
+  falcon::require_calibration_place();
   const Terminal terminal(common);
   falcon::CalibrationOptions options;
   options.weight_n = weight_g * 1e-3 * kStandardGravityMPerS2;
@@ -303,11 +306,12 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
                   return report_check(falcon::check_falcon(arguments->device, arguments->link_s), common);
                 })
       ->add_option("--duration", arguments->link_s, "seconds for which the link is measured")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(between(0.1, 3600.0))
       ->capture_default_str();
-  add_on_falcon("monitor", "print position, buttons and rate as they come; forces stay zero", [arguments, &common] {
-    return monitor_device(common, arguments->device, arguments->duration_s);
-  })->add_option("--duration", arguments->duration_s, "seconds; default: until stopped");
+  add_on_falcon("monitor", "print position, buttons and rate as they come; forces stay zero",
+                [arguments, &common] { return monitor_device(common, arguments->device, arguments->duration_s); })
+      ->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
+      ->check(between(0.001, 1e7));
   CLI::App* home = add_on_falcon("home", "home the encoders; words say how", [arguments, &common] {
     Guide guide(common, arguments->speech, arguments->language);
     return home_device(common, arguments->device, guide);
@@ -319,7 +323,7 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
   add_on_falcon("calibrate", "find the motors' scale with a known weight, and keep it",
                 [arguments, &common] { return calibrate_device(common, arguments->device, arguments->weight_g); })
       ->add_option("--weight-g", arguments->weight_g, "grams that will hang from the grip")
-      ->check(CLI::Range(20.0, 1000.0))
+      ->check(between(20.0, 1000.0))
       ->capture_default_str();
   add_emulate(*command, common, run);
 }

@@ -12,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "app/commands/between.h"
 #include "app/inputs.h"
 #include "app/results.h"
 #include "app/terminal.h"
@@ -219,7 +220,7 @@ void add_emulate(CLI::App& device, const CommonOptions& common, Run& run) {
   command->add_option("--fault", arguments->faults, faults)->expected(1)->take_all();
   command->add_option("--scene", arguments->scene, "what the person at the grip tours");
   command->add_option("--weight-g", arguments->weight_g, "grams that the person hangs from the grip, for calibrate")
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(between(0.0, 1000.0));
   command->add_option("--log", arguments->log, "all bytes on the wire, as CSV");
   command->footer("sparsha device emulate [OPTIONS] -- COMMAND...; without one: device check");
   command->callback(

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "app/commands/between.h"
 #include "app/commands/commands.h"
 #include "app/exploration.h"
 #include "app/explore_arguments.h"
@@ -93,7 +94,7 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
       ->capture_default_str();
   command->add_flag("--headless", arguments->headless, "no window");
   command->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
-      ->check(CLI::Range(0.001, 1e7));
+      ->check(between(0.001, 1e7));
   command->add_option("--firmware", arguments->firmware,
                       "firmware image for a Falcon that runs none; default: SPARSHA_FALCON_FIRMWARE, "
                       "~/.config/sparsha/falcon.bin");

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/commands/between.h"
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
 #include "app/inputs.h"
@@ -160,7 +161,7 @@ void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
   command->add_flag("--no-friction", arguments->no_friction, "render without friction");
   command->add_option("--tip-radius-mm", arguments->tip_radius_mm, "touch with a ball, device frame; default: a point")
-      ->check(CLI::Range(0.0, 2.0));
+      ->check(between(0.0, 2.0));
   command
       ->add_option("--creases", arguments->creases,
                    "of the bilinear surface; sharp: the reference, rounded: as a hand feels them")
@@ -170,7 +171,7 @@ void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
       ->add_flag("--live", arguments->live,
                  "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
       ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm", "--creases");
-  command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(CLI::Range(0.01, 1.0));
+  command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(between(0.01, 1.0));
   command->add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
       ->check(CLI::Range(1, 1000000));
   command->callback(

@@ -307,5 +307,14 @@ TEST_F(Program, ADurationThatIsNoNumberIsRefused) {
     EXPECT_EQ(run(std::string("explore a.ply --device simulated --headless --duration ") + duration).code, 2);
 }
 
+TEST_F(Program, ANumberForTheFalconThatIsNoneIsRefused) {
+  for (const char* arguments : {"check --duration nan", "monitor --duration nan", "monitor --duration -1",
+                                "calibrate --weight-g nan", "emulate --weight-g nan -- true"}) {
+    const Outcome outcome = run(std::string("device ") + arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_THAT(outcome.err, HasSubstr("is not a number from")) << arguments;
+  }
+}
+
 }  // namespace
 }  // namespace sparsha

@@ -222,6 +222,7 @@ TEST_F(FalconProgram, IsLoadedHomedTouchedUnpluggedInContactPluggedInAgainAndTou
   EXPECT_THAT(said, HasSubstr("pull the grip fully out"));
   EXPECT_THAT(said, HasSubstr("the right arm is missing"));
   EXPECT_THAT(said, HasSubstr("unplugged; forces are off"));
+  EXPECT_THAT(said, Not(HasSubstr("Another program holds the Falcon")));
 }
 
 TEST_F(FalconProgram, ItsPowerSupplyIsPulledInContactAndPluggedInAgainAndItIsTouchedAgain) {
@@ -322,6 +323,28 @@ TEST_F(FalconProgram, TheEmulatorRunsAnyProgramWithItsDashesAndGivesItsExitCode)
   EXPECT_EQ(run("--fault second-falcon -- '" + std::string(SPARSHA_PROGRAM) + "' device list"), 0);
   EXPECT_THAT(output(), HasSubstr("address 5"));
   EXPECT_THAT(output(), HasSubstr("address 6"));
+}
+
+TEST_F(FalconProgram, AKilledProgramHoldsTheEmulatedFalconNoLonger) {
+  const std::string monitor = "'" + std::string(SPARSHA_PROGRAM) + "' device monitor";
+  std::ofstream(folder_ / "twice.sh") << monitor
+                                      << " --duration 60 > first.txt & while ! test -s first.txt; do sleep 0.05; done\n"
+                                      << "kill -9 $!; wait $!; exec " << monitor << " --duration 0.2\n";
+  EXPECT_EQ(run("-- sh twice.sh"), 0) << messages();
+}
+
+TEST_F(FalconProgram, TheMonitorEndsWhenNobodyReadsAnyMore) {
+  // Without an end of its own: it must not go on for ever behind `head`.
+  EXPECT_EQ(run("--fault warm-start -- sh -c \"'" + std::string(SPARSHA_PROGRAM) + "' device monitor | head -1\""), 0);
+  EXPECT_THAT(output(), HasSubstr("answers/s"));
+  EXPECT_THAT(messages(), HasSubstr("standard output could not be written"));
+}
+
+TEST_F(FalconProgram, ACalibrationThatCannotBeKeptIsNotBegun) {
+  std::ofstream(folder_ / "sparsha") << "in the way";  // of the folder of that name
+  EXPECT_EQ(run("--weight-g 200 -- '" + std::string(SPARSHA_PROGRAM) + "' device calibrate"), 1);
+  EXPECT_THAT(messages(), HasSubstr("cannot create the folder"));
+  EXPECT_THAT(messages(), HasSubstr(" 0 commands"));
 }
 
 /// Each fault by itself: the stone is felt all the same, and no force is left.

@@ -228,7 +228,7 @@ std::filesystem::path calibration_file() { return own_file("falcon.yaml"); }
 
 std::optional<double> stored_calibration(const std::filesystem::path& file) {
   std::error_code code;
-  if (file.empty() || !std::filesystem::is_regular_file(file, code)) return std::nullopt;
+  if (file.empty() || !std::filesystem::exists(file, code)) return std::nullopt;
   const yaml::Node node = yaml::parse_file(file);
   yaml::MapReader reader(node, "the Falcon's calibration");
   double counts = kUsualCounts;
@@ -238,10 +238,19 @@ std::optional<double> stored_calibration(const std::filesystem::path& file) {
   return counts;
 }
 
-void store_calibration(double counts_per_newton_metre, const std::filesystem::path& file) {
+void require_calibration_place(const std::filesystem::path& file) {
   if (file.empty())
     throw Error(ErrorKind::device, {}, "calibration: no place to keep it", "HOME or XDG_CONFIG_HOME set");
-  std::filesystem::create_directories(file.parent_path());
+  std::error_code code;
+  std::filesystem::create_directories(file.parent_path(), code);
+  if (code)
+    throw Error(ErrorKind::failure, {file.parent_path().string()}, "cannot create the folder: " + code.message(),
+                "a place where the calibration can be kept");
+  require_writable(file);
+}
+
+void store_calibration(double counts_per_newton_metre, const std::filesystem::path& file) {
+  require_calibration_place(file);
   write_file(file, fmt::format("# Written by `sparsha device calibrate`.\ncounts_per_newton_metre: {:.1f}\n",
                                counts_per_newton_metre));
 }

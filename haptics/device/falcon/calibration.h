@@ -19,6 +19,8 @@ inline constexpr double kLeastCounts = 1000.0, kMostCounts = 60000.0;
 [[nodiscard]] std::filesystem::path calibration_file();
 /// `counts_per_newton_metre` of that file; empty when there is none. Throws Error{usage} with line and column.
 [[nodiscard]] std::optional<double> stored_calibration(const std::filesystem::path& file = calibration_file());
+/// Throws as store_calibration() would, before a person has held a weight for a minute. Creates the file's folder.
+void require_calibration_place(const std::filesystem::path& file = calibration_file());
 /// Writes it, whole or not at all. Throws Error.
 void store_calibration(double counts_per_newton_metre, const std::filesystem::path& file = calibration_file());
 

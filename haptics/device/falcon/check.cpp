@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -72,7 +73,8 @@ LinkQuality measure(Transport& wire, double seconds, const std::function<bool()>
     double round_trip = 0.0;
     ++link.asked;
     const TransportStatus status = ask(wire, stream, kHomingRequest | kLightRed, last, round_trip);
-    if (status == TransportStatus::gone) break;
+    link.unplugged = status == TransportStatus::gone;
+    if (link.unplugged) break;
     if (status == TransportStatus::ok) {
       ++link.answered;
       times.push_back(round_trip * 1e3);
@@ -108,6 +110,9 @@ LinkVerdict judge(const LinkQuality& link) {
   const auto keeps = [&link](const Limits& limits) {
     return link.rate_hz >= limits.rate_hz && link.share() >= limits.share && link.p99_ms <= limits.p99_ms;
   };
+  if (link.unplugged)
+    return {Grade::insufficient, "unplugged while it was measured",
+            "use a cable and a port that hold, and check again"};
   if (keeps(kGood)) return {Grade::good, "", ""};
   LinkVerdict verdict{keeps(kMarginal) ? Grade::marginal : Grade::insufficient, "", ""};
   const std::uint64_t missed = link.asked - link.answered;
@@ -136,53 +141,72 @@ bool CheckReport::passed() const {
   return std::all_of(steps.begin(), steps.end(), [](const CheckStep& step) { return step.result == Result::passed; });
 }
 
-CheckReport check_wire(Transport& wire, const FalconOptions& options, double link_s) {
-  CheckReport report;
+namespace {
+
+/// The steps power and firmware; false when none runs in the end. What is wrong with an image is no fault of the power.
+bool check_firmware(Transport& wire, const FalconOptions& options, CheckReport& report) {
+  const auto passed = [&report](const char* power, std::string firmware) {
+    report.steps.push_back({"power", Result::passed, power, ""});
+    report.steps.push_back({"firmware", Result::passed, std::move(firmware), ""});
+    return true;
+  };
+  const auto no_power = [&report](std::string detail, std::string remedy) {
+    report.steps.push_back({"power", Result::failed, std::move(detail), std::move(remedy)});
+    skip(report, {"firmware"});
+    return false;
+  };
+  std::string detail = "none runs, and none was given";
+  std::string remedy =
+      "name an image: --firmware FILE, SPARSHA_FALCON_FIRMWARE or ~/.config/sparsha/falcon.bin; its licence forbids "
+      "shipping one";
   try {
-    const bool ran = [&wire] {
-      enter_run_mode(wire);
-      return firmware_answers(wire);
-    }();
-    if (!ran) {
+    enter_run_mode(wire);
+    if (firmware_answers(wire)) return passed("the firmware answers", "already running");
+    try {
       const std::vector<std::uint8_t> image = firmware_image(options);
-      if (image.empty()) {
-        const bool power = boot_loader_answers(wire);
-        report.steps.push_back({"power", power ? Result::passed : Result::failed,
-                                power ? "the boot loader answers" : "neither firmware nor boot loader answers",
-                                power ? "" : "plug in the Falcon's own power supply, then unplug and replug USB"});
-        report.steps.push_back(
-            {"firmware", power ? Result::failed : Result::skipped,
-             power ? "none runs, and none was given" : "not reached",
-             power ? "name an image: --firmware FILE, SPARSHA_FALCON_FIRMWARE or ~/.config/sparsha/falcon.bin; "
-                     "its licence forbids shipping one"
-                   : ""});
-        skip(report, {"homing", "link"});
-        return report;
+      if (!image.empty()) {
+        bring_up(wire, image, 10, loading(options));
+        return passed("the boot loader answers", fmt::format("loaded, {} bytes", image.size()));
       }
-      bring_up(wire, image, 10, loading(options));
-      report.steps.push_back({"power", Result::passed, "the boot loader answers", ""});
-      report.steps.push_back({"firmware", Result::passed, fmt::format("loaded, {} bytes", image.size()), ""});
-    } else {
-      report.steps.push_back({"power", Result::passed, "the firmware answers", ""});
-      report.steps.push_back({"firmware", Result::passed, "already running", ""});
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      const std::string place = to_string(error.place());
+      detail = place.empty() ? error.wrong() : place + ": " + error.wrong();
+      remedy = error.expected();
     }
+    if (!boot_loader_answers(wire))
+      return no_power("neither firmware nor boot loader answers",
+                      "plug in the Falcon's own power supply, then unplug and replug USB");
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
-    report.steps.push_back(
-        {report.steps.empty() ? "power" : "firmware", Result::failed, error.wrong(), error.expected()});
-    if (report.steps.size() == 1) skip(report, {"firmware"});
+    return no_power(error.wrong(), error.expected());
+  }
+  report.steps.push_back({"power", Result::passed, "the boot loader answers", ""});
+  report.steps.push_back({"firmware", Result::failed, detail, remedy});
+  return false;
+}
+
+}  // namespace
+
+CheckReport check_wire(Transport& wire, const FalconOptions& options, double link_s) {
+  CheckReport report;
+  if (!check_firmware(wire, options, report)) {
     skip(report, {"homing", "link"});
     return report;
   }
   Answer last;
   report.link = measure(wire, link_s, options.stop, last);
   const bool homed = last.homed == 7;
-  report.steps.push_back(
-      {"homing", homed ? Result::passed : Result::failed,
-       homed ? "all three encoders know their position"
-             : fmt::format("encoders homed: {}{}{}", last.homed & 1, (last.homed >> 1U) & 1, last.homed >> 2U),
-       homed ? "" : "pull the grip fully out, then push it fully in (sparsha device home)"});
+  if (report.link.unplugged && !homed)
+    skip(report, {"homing"});
+  else
+    report.steps.push_back(
+        {"homing", homed ? Result::passed : Result::failed,
+         homed ? "all three encoders know their position"
+               : fmt::format("encoders homed: {}{}{}", last.homed & 1, (last.homed >> 1U) & 1, last.homed >> 2U),
+         homed ? "" : "pull the grip fully out, then push it fully in (sparsha device home)"});
   report.verdict = judge(report.link);
   const bool usable = report.verdict.grade != LinkVerdict::Grade::insufficient;
   std::string detail = fmt::format("{}: {:.0f} answers a second, {:.2f} % in time, p50 {:.2f} ms, p99 {:.2f} ms",
@@ -238,6 +262,7 @@ void watch(Transport& wire, const Flags& flags, const std::function<bool(const R
       if (since(heard) > kSilent_s)
         throw Error(ErrorKind::device, {}, "Falcon: it has not answered for a second",
                     "its power supply and USB plugged in");
+      forget_late_answers(wire);
       continue;
     }
     heard = Steady::now();

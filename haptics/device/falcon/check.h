@@ -26,6 +26,7 @@ struct LinkQuality {
   std::uint64_t answered = 0;                       ///< within 4 ms
   double rate_hz = 0.0;                             ///< answers a second
   double p50_ms = 0.0, p99_ms = 0.0, max_ms = 0.0;  ///< from question to answer
+  bool unplugged = false;                           ///< while it was measured
   [[nodiscard]] double share() const {
     return asked == 0 ? 0.0 : static_cast<double>(answered) / static_cast<double>(asked);
   }

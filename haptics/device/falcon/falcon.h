@@ -45,7 +45,7 @@ struct FalconOptions {
 struct FoundFalcon {
   int bus = 0;
   int address = 0;
-  bool accessible = false;  ///< this user may open it
+  bool accessible = false;  ///< this user may open it, and no other program holds it
   std::string problem;      ///< why not
 };
 /// Those plugged in. Empty when USB itself is not there.

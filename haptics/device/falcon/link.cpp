@@ -26,8 +26,12 @@ const char* const kPowerRemedy =
   return Error(ErrorKind::device, {}, "Falcon: " + std::move(wrong), std::move(expected));
 }
 
+[[nodiscard]] Error unplugged() { return fault("unplugged while starting", "a Falcon that stays plugged in"); }
+
 void set(Transport& wire, Request request, std::uint16_t value, const char* what) {
-  if (wire.control(request, value) != TransportStatus::ok)
+  const TransportStatus status = wire.control(request, value);
+  if (status == TransportStatus::gone) throw unplugged();
+  if (status != TransportStatus::ok)
     throw fault(std::string("the USB bridge refuses to set ") + what, "a Falcon that stays plugged in");
 }
 
@@ -37,8 +41,9 @@ void purge(Transport& wire) {
 }
 
 void send(Transport& wire, std::span<const std::uint8_t> bytes, const char* step) {
-  if (wire.write(bytes, kTimeout_ms) != TransportStatus::ok)
-    throw fault(std::string("cannot write during the ") + step, kPowerRemedy);
+  const TransportStatus status = wire.write(bytes, kTimeout_ms);
+  if (status == TransportStatus::gone) throw unplugged();
+  if (status != TransportStatus::ok) throw fault(std::string("cannot write during the ") + step, kPowerRemedy);
 }
 
 /// Collects at least `wanted` data bytes; fewer when `tries` USB packets do not bring them.
@@ -48,7 +53,7 @@ std::vector<std::uint8_t> collect(Transport& wire, std::size_t wanted, int tries
   for (int i = 0; i < tries && bytes.size() < wanted; ++i) {
     std::size_t size = 0;
     const TransportStatus status = wire.read(packet, size, kTimeout_ms);
-    if (status == TransportStatus::gone) throw fault("unplugged while starting", "a Falcon that stays plugged in");
+    if (status == TransportStatus::gone) throw unplugged();
     if (status == TransportStatus::ok && size > kModemBytes)
       bytes.insert(bytes.end(), packet.begin() + kModemBytes, packet.begin() + static_cast<std::ptrdiff_t>(size));
   }
@@ -106,8 +111,7 @@ std::vector<std::uint8_t> read_firmware(const std::filesystem::path& file) {
 void enter_run_mode(Transport& wire) {
   set(wire, Request::latency, 1, "its latency timer");
   // An answer's last byte sends what the bridge holds at once. One that does not know this still has its timer.
-  if (wire.control(Request::event_character, value::kEventAnswer) == TransportStatus::gone)
-    throw fault("unplugged while starting", "a Falcon that stays plugged in");
+  if (wire.control(Request::event_character, value::kEventAnswer) == TransportStatus::gone) throw unplugged();
   set(wire, Request::baud, value::kBaudRun, "1.5 Mbaud");
   purge(wire);
 }
@@ -136,7 +140,8 @@ std::filesystem::path own_file(const char* name) {
   if (configuration != nullptr && *configuration != '\0')
     return std::filesystem::path(configuration) / "sparsha" / name;
   const char* const home = std::getenv("HOME");
-  return home == nullptr ? std::filesystem::path() : std::filesystem::path(home) / ".config" / "sparsha" / name;
+  return home == nullptr || *home == '\0' ? std::filesystem::path()
+                                          : std::filesystem::path(home) / ".config" / "sparsha" / name;
 }
 
 std::filesystem::path own_firmware() { return own_file("falcon.bin"); }
@@ -152,7 +157,8 @@ std::vector<std::uint8_t> firmware_image(const FalconOptions& options) {
   if (file.empty())
     if (const char* named = std::getenv("SPARSHA_FALCON_FIRMWARE")) file = named;
   std::error_code code;
-  if (file.empty() && std::filesystem::is_regular_file(own_firmware(), code)) file = own_firmware();
+  // Whatever is there under that name: what cannot be read is said, and not passed over.
+  if (file.empty() && std::filesystem::exists(own_firmware(), code)) file = own_firmware();
   return file.empty() ? std::vector<std::uint8_t>{} : read_firmware(file);
 }
 
@@ -218,6 +224,7 @@ void bring_up(Transport& wire, std::span<const std::uint8_t> image, int attempts
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
+      if (!wire.present()) throw;
       if (attempt >= attempts)
         throw Error(ErrorKind::device, {},
                     error.wrong() + (attempts > 1 ? " (" + std::to_string(attempts) + " attempts)" : ""),

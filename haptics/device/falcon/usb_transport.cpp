@@ -389,9 +389,16 @@ std::vector<FoundFalcon> find_falcons() {
     falcon.bus = libusb_get_bus_number(device);
     falcon.address = libusb_get_device_address(device);
     libusb_device_handle* handle = nullptr;
-    const int status = libusb_open(device, &handle);
+    int status = libusb_open(device, &handle);
+    if (status == 0) {
+      static_cast<void>(libusb_set_auto_detach_kernel_driver(handle, 1));
+      status = libusb_claim_interface(handle, kInterface);
+      if (status == 0) libusb_release_interface(handle, kInterface);
+    }
     falcon.accessible = status == 0;
-    if (status == LIBUSB_ERROR_ACCESS)
+    if (status == LIBUSB_ERROR_BUSY)
+      falcon.problem = "another program holds it";
+    else if (status == LIBUSB_ERROR_ACCESS)
       falcon.problem = std::string("this user may not open it; expected ") + kUdevRule;
     else if (status != 0)
       falcon.problem = libusb_error_name(status);

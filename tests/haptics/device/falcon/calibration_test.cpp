@@ -214,6 +214,33 @@ TEST(FalconCalibration, IsStoredReadAgainAndRefusedWhereItIsNoFalcons) {
   EXPECT_THROW(static_cast<void>(stored_calibration(file)), sparsha::Error);
 }
 
+TEST(FalconCalibration, AFileThatIsEmptyOrAFolderIsNamedAndNotPassedOver) {
+  const TestFolder folder;
+  const std::filesystem::path file = folder.path() / "falcon.yaml";
+  const auto place = [&file] {
+    try {
+      static_cast<void>(stored_calibration(file));
+    } catch (const sparsha::Error& error) {
+      return error.place().file;
+    }
+    return std::string("no error");
+  };
+  std::ofstream(file) << "";
+  EXPECT_EQ(place(), file.string());
+  std::filesystem::remove(file);
+  std::filesystem::create_directory(file);
+  EXPECT_EQ(place(), file.string());
+}
+
+TEST(FalconCalibration, APlaceThatCannotBeWrittenIsRefusedBeforeAnybodyHoldsAWeight) {
+  const TestFolder folder;
+  EXPECT_NO_THROW(require_calibration_place(folder.path() / "sparsha" / "falcon.yaml"));
+  EXPECT_THROW(require_calibration_place({}), sparsha::Error) << "no home";
+  std::ofstream(folder.path() / "file") << "in the way";
+  EXPECT_THROW(require_calibration_place(folder.path() / "file" / "falcon.yaml"), sparsha::Error);
+  EXPECT_THROW(store_calibration(9000.0, folder.path() / "file" / "falcon.yaml"), sparsha::Error);
+}
+
 TEST(FalconForce, IsAvailableInEveryDirectionWithin35MillimetresOrSmallerFiguresAreTold) {
   for (const double counts : {6300.0, 10000.0, 18000.0}) {
     FalconOptions options;

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "haptics/device/falcon/check.h"
 #include "tests/support/emulated_falcon.h"
+#include "tests/support/test_folder.h"
 
 namespace {
 
@@ -186,6 +187,66 @@ TEST(FalconCheck, EveryFailedStepHasARemedyAndWhatNeedsItIsSkipped) {
       }
 }
 
+TEST(FalconCheck, WhatIsWrongWithAnImageIsNoFaultOfThePower) {
+  const sparsha::test::TestFolder folder;
+  FalconOptions options;
+  options.firmware = folder.path() / "short.bin";
+  std::ofstream(options.firmware) << "short";
+  Bench truncated(bare());
+  const CheckReport report = check_wire(*truncated.wire, options, 0.05);
+  EXPECT_EQ(result(report, "power"), Result::passed);
+  EXPECT_EQ(result(report, "firmware"), Result::failed);
+  EXPECT_NE(report.steps[1].detail.find("short.bin"), std::string::npos) << report.steps[1].detail;
+
+  EmulatorOptions never_runs = bare();
+  never_runs.failed_loads = 1000;
+  Bench wrong(never_runs);
+  const std::vector<std::uint8_t> bytes = image();
+  std::ofstream(options.firmware, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const CheckReport unused = check_wire(*wrong.wire, options, 0.05);
+  EXPECT_EQ(result(unused, "power"), Result::passed);
+  EXPECT_EQ(result(unused, "firmware"), Result::failed);
+  EXPECT_EQ(result(unused, "homing"), Result::skipped);
+  EXPECT_EQ(result(unused, "link"), Result::skipped);
+}
+
+TEST(FalconCheck, UnpluggedWhileTheLinkIsMeasuredIsNamedSo) {
+  Bench bench{EmulatorOptions{}};
+  FalconOptions options;
+  int asked = 0;
+  options.stop = [&] {
+    if (++asked == 10) bench.emulator->device->unplug(true, 0.0);
+    return false;
+  };
+  const CheckReport report = check_wire(*bench.wire, options, 3600.0);
+  EXPECT_EQ(result(report, "homing"), Result::skipped) << "nobody knows";
+  EXPECT_EQ(result(report, "link"), Result::failed);
+  EXPECT_EQ(report.verdict.grade, LinkVerdict::Grade::insufficient);
+  EXPECT_NE(report.verdict.reason.find("unplugged"), std::string::npos) << report.verdict.reason;
+}
+
+TEST(FalconFirmware, AnEmptyHomeIsNoFolder) {
+  const char* const home = std::getenv("HOME");
+  const std::string kept = home == nullptr ? "" : home;
+  ::unsetenv("XDG_CONFIG_HOME");
+  ::setenv("HOME", "", 1);
+  EXPECT_TRUE(own_firmware().empty()) << own_firmware() << " in whatever folder this runs";
+  ::setenv("HOME", kept.c_str(), 1);
+}
+
+TEST(FalconFirmware, UnpluggedWhileLoadingIsNamedSoAndNotTriedAgain) {
+  Bench bench(bare());
+  int looks = 0;
+  const auto unplug = [&](double) {
+    if (++looks == 20) bench.emulator->device->unplug(true, 0.0);
+  };
+  const std::string why = reason([&] { bring_up(*bench.wire, image(), 10, unplug); });
+  EXPECT_NE(why.find("unplugged"), std::string::npos) << why;
+  EXPECT_EQ(why.find("attempts"), std::string::npos) << why;
+  EXPECT_EQ(looks, 20);
+}
+
 TEST(FalconCheck, JudgesALinkByItsRateItsLossesAndItsLateAnswersAndNamesTheRemedyOfEach) {
   using Grade = LinkVerdict::Grade;
   struct Case {
@@ -279,6 +340,24 @@ TEST(FalconCheck, MonitorShowsWhereTheGripIsAndWhichButtonsAreDown) {
   bench.emulator->device->unplug(true, 0.0);
   EXPECT_NE(reason([&] { monitor(*bench.wire, [](const Reading&) { return true; }); }).find("unplugged"),
             std::string::npos);
+}
+
+TEST(FalconCheck, MonitorTakesNoLateAnswerForThatToItsNextQuestion) {
+  EmulatorOptions options;
+  options.homed = true;
+  options.latest_answer_s = 0.007;  // some come after the patience with one question
+  Bench bench(options);
+  bring_up(*bench.wire, {});
+  std::uint8_t pressed = 0;
+  int count = 0;
+  bench.emulator->device->set_buttons(pressed);
+  monitor(*bench.wire, [&](const Reading& reading) {
+    EXPECT_EQ(reading.answer.buttons, pressed) << "after " << count << " answers";
+    pressed = static_cast<std::uint8_t>(++count % 16);
+    bench.emulator->device->set_buttons(pressed);
+    return count < 200;
+  });
+  EXPECT_EQ(count, 200);
 }
 
 }  // namespace

@@ -48,6 +48,9 @@ TEST_F(UsbFalcon, IsFoundWhenPluggedIn) {
   EXPECT_EQ(found[0].bus, 1);
   EXPECT_EQ(found[0].address, 5);
   EXPECT_TRUE(found[0].accessible) << found[0].problem;
+  const auto holder = open_usb_transport();
+  EXPECT_FALSE(find_falcons().at(0).accessible);
+  EXPECT_EQ(find_falcons().at(0).problem, "another program holds it");
 }
 
 TEST_F(UsbFalcon, LoadsFirmwareOverRealTransfers) {
@@ -132,6 +135,22 @@ TEST_F(UsbFalcon, UnpluggingIsNoticedWithinTicksAndClosingDoesNotHang) {
   run(*device, 20);
   EXPECT_FALSE(last.connected);
   EXPECT_FALSE(last.fresh);
+}
+
+TEST_F(UsbFalcon, UnpluggedByTheFaultItHasNoPowerAndNoForceMeanwhile) {
+  emulator::BusFaults faults;
+  faults.unplug_after_s = 0.1;
+  faults.replug_after_s = 60.0;
+  falcon = std::make_shared<emulator::Falcon>();
+  bus = std::make_unique<emulator::UsbBus>(std::vector{falcon}, faults);
+  const auto device = make_falcon_device();
+  for (const double z : {0.170, 0.105, 0.160, 0.14}) {
+    hold({0, 0, z});
+    run(*device, 60, {0, 0, 3});
+  }
+  for (int tick = 0; tick < 10000 && falcon->plugged(); ++tick) run(*device, 1, {0, 0, 3});
+  EXPECT_FALSE(falcon->plugged());
+  EXPECT_EQ(falcon->motors(), MotorCommand{});
 }
 
 TEST_F(UsbFalcon, TheCheckWalksFromUsbToTheLink) {
