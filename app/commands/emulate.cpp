@@ -123,7 +123,7 @@ emulator::Explore tour_through(const pipeline::SceneDescription& scene) {
 // Bytes on the wire, one packet a line.
 class WireLog {
  public:
-  explicit WireLog(const std::string& file) {
+  explicit WireLog(const std::string& file) : file_(file) {
     if (file.empty()) return;
     out_.open(file, std::ios::binary);
     if (!out_) throw usage_error("--log " + file + ": cannot be written", "a file in an existing folder");
@@ -138,8 +138,14 @@ class WireLog {
     out_ << fmt::format("{:.6f},{},{}\n", event.time_s, kKinds[static_cast<std::size_t>(event.kind)], bytes);
     out_.flush();  // whoever watches a run reads along
   }
+  /// Throws Error{failure} when not all of it has been written.
+  void finish() {
+    if (out_.is_open() && !out_.flush())
+      throw Error(ErrorKind::failure, {file_}, "the bytes on the wire could not be written", "a disk with room");
+  }
 
  private:
+  std::string file_;
   std::ofstream out_;
   std::mutex mutex_;
 };
@@ -206,7 +212,9 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
   terminal.message(
       fmt::format("emulated Falcon: {} commands, {} of them with force before homing; motors {} at the end",
                   falcon->commands(), falcon->unsafe_commands(), force ? "ON" : "off"));
-  return force ? static_cast<int>(ErrorKind::device) : code;
+  if (force) return static_cast<int>(ErrorKind::device);
+  if (code == 0) log.finish();  // else what the command says counts more
+  return code;
 }
 
 }  // namespace

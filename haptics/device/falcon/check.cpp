@@ -236,6 +236,10 @@ CheckReport check_falcon(const FalconOptions& options, double link_s) {
     skip(report, {"power", "firmware", "homing", "link"});
     return report;
   }
+  // Of two, another program may hold the first.
+  const UsbAddress at = wire->address();
+  report.steps.back().detail = fmt::format("bus {} device {}", at.bus, at.address);
+  if (found.size() > 1) report.steps.back().detail += fmt::format(", one of {}", found.size());
   report.steps.push_back({"permission", Result::passed, "this user may use it", ""});
   CheckReport rest = check_wire(*wire, options, link_s);
   report.steps.insert(report.steps.end(), rest.steps.begin(), rest.steps.end());

@@ -166,6 +166,15 @@ TEST_F(UsbFalcon, TheCheckWalksFromUsbToTheLink) {
   EXPECT_GT(report.link.answered, 50U);
 }
 
+TEST_F(UsbFalcon, TheCheckNamesTheOneItWalksThroughWhereAnotherProgramHoldsTheFirst) {
+  std::vector<std::shared_ptr<emulator::Falcon>> two{std::make_shared<emulator::Falcon>(),
+                                                     std::make_shared<emulator::Falcon>()};
+  bus = std::make_unique<emulator::UsbBus>(two);
+  const auto holder = open_usb_transport();
+  EXPECT_EQ(holder->address().address, 5U);
+  EXPECT_EQ(check_falcon({}, 0.1).steps.front().detail, "bus 1 device 6, one of 2");
+}
+
 TEST_F(UsbFalcon, WithoutOneOpeningSaysWhatToPlugIn) {
   EXPECT_TRUE(find_falcons().empty());
   try {
