@@ -8,10 +8,12 @@
 #if defined(SPARSHA_HAVE_UMOCKDEV)
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <thread>
 
 #include <fmt/format.h>
 
+#include "base/files.h"
 #include "haptics/emulator/usb_descriptors.h"
 #include "haptics/emulator/usb_port.h"
 #endif
@@ -53,6 +55,17 @@ namespace {
 using Steady = std::chrono::steady_clock;
 constexpr int kFirstAddress = 5;
 
+/// Throws where umockdev would end the program: it keeps the bus in a folder for temporary files.
+UMockdevTestbed* make_testbed(const Umockdev& umock) {
+  std::error_code code;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+  if (code)
+    throw Error(ErrorKind::failure, {}, "no emulated USB bus: there is no folder for temporary files",
+                "TMPDIR unset, or the name of a folder");
+  require_writable(folder / "umockdev");
+  return umock.testbed_new();
+}
+
 std::string descriptors_in_hex() {
   std::string hex;
   for (const std::uint8_t byte : kDeviceDescriptor) hex += fmt::format("{:02x}", byte);
@@ -72,7 +85,7 @@ struct UsbBus::Implementation {
   };
 
   Implementation(std::vector<std::shared_ptr<Falcon>> falcons, const BusFaults& bus_faults)
-      : umock(umockdev()), faults(bus_faults), testbed(umock.testbed_new()) {
+      : umock(umockdev()), faults(bus_faults), testbed(make_testbed(umock)) {
     for (std::size_t i = 0; i < falcons.size(); ++i) {
       auto place = std::make_unique<Place>();
       place->bus = this;

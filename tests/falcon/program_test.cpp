@@ -319,6 +319,10 @@ TEST_F(FalconProgram, TheEmulatorRunsAnyProgramWithItsDashesAndGivesItsExitCode)
   EXPECT_EQ(run("-- ./no-such-program"), 2);
   EXPECT_EQ(run("--fault sparks -- true"), 2);
   EXPECT_THAT(messages(), HasSubstr("lost-bytes | "));
+  ::setenv("TMPDIR", "/no-such-folder", 1);
+  EXPECT_EQ(run("-- true"), 1);
+  ::unsetenv("TMPDIR");
+  EXPECT_THAT(messages(), HasSubstr("no folder for temporary files"));
   EXPECT_EQ(run("--log /dev/full -- true"), 1) << "a promised log that is not there";
   EXPECT_EQ(run("-- sh -c 'test -s \"$SPARSHA_FALCON_FIRMWARE\"'"), 0);
   EXPECT_EQ(run("--fault second-falcon -- '" + std::string(SPARSHA_PROGRAM) + "' device list"), 0);

@@ -59,7 +59,8 @@ class Bench {
     device_.wait(kPlanned_s);
     const DeviceSample sample = device_.read(seconds(), kPlanned_s);
     if (!sample.connected)
-      throw Error(ErrorKind::device, {}, "calibration: the Falcon was unplugged", "a Falcon that stays plugged in");
+      throw Error(ErrorKind::device, {}, "calibration: the Falcon was unplugged, or its power failed",
+                  "USB and power that stay plugged in; should its motors still push, pull its power supply");
     const bool was_ready = std::exchange(ready_, sample.homed);
     if (const DeviceAdvice* const advice = device_.advice(); advice != nullptr && advice != told_) {
       told_ = advice;
