@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "base/system/library.h"
 #include "tests/viewer/relief_scene.h"
 #include "tests/viewer/window/display.h"
 #include "tests/viewer/window/drop.h"
@@ -105,6 +106,52 @@ TEST_F(KioskWindow, ALostDisplayEndsTheWindowAndNotTheProgramAndItComesBack) {
   connections.finished = [&] { return polls > 110; };
   EXPECT_EQ(run_window(connections, options), WindowEnd::closed);
 }
+
+#ifdef SPARSHA_HAS_X11
+TEST_F(KioskWindow, ALostDisplayTellsDriversTheSizeThatTheWindowHad) {
+  using XDrawable = unsigned long;  // NOLINT(google-runtime-int): Xlib's type
+  using Ask = int(void*, XDrawable, XDrawable*, int*, int*, unsigned*, unsigned*, unsigned*, unsigned*);
+  // As the linker finds it for a driver.
+  auto* const ask = reinterpret_cast<Ask*>(system::find_symbol("XGetGeometry"));
+  auto* const x_display = reinterpret_cast<void* (*)()>(system::find_symbol("glfwGetX11Display"));
+  ASSERT_NE(ask, nullptr);
+  ASSERT_NE(x_display, nullptr);
+  struct Answer {
+    int answered = -1;
+    unsigned width = 123456, height = 654321;  // what lay there before
+  };
+  Answer before, after;
+  const auto asked = [&](XDrawable window) {
+    Answer answer;
+    XDrawable root = 0;
+    int x = 0, y = 0;
+    unsigned border = 0, depth = 0;
+    answer.answered = ask(x_display(), window, &root, &x, &y, &answer.width, &answer.height, &border, &depth);
+    return answer;
+  };
+  const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
+  Connections connections;
+  connections.scene = [&] { return scene; };
+  int polls = 0;
+  connections.poll = [&] {
+    if (++polls != 6) return;
+    const XDrawable window = window_number();
+    before = asked(window);
+    display_.reset();
+    after = asked(window);
+  };
+  ViewerOptions options;
+  options.width = 800;
+  options.height = 500;
+  EXPECT_EQ(run_window(connections, options), WindowEnd::display_lost);
+  EXPECT_NE(before.answered, 0);
+  EXPECT_EQ(before.width, 800U);
+  EXPECT_EQ(before.height, 500U);
+  EXPECT_EQ(after.answered, 0);
+  EXPECT_EQ(after.width, before.width);
+  EXPECT_EQ(after.height, before.height);
+}
+#endif
 
 TEST_F(KioskWindow, AnExhibitWithoutVisitorsShowsItselfAndListensAgain) {
   const auto scene = scene_of(lotus, {101, 101, 0.004, 1});
