@@ -182,8 +182,10 @@ void CloudController::act(CloudAction action) {
         frame_.help = false;
       } else if (frame_.status.busy) {
         cancel();
-      } else {
-        wishes_.push_back(frame_.can_go_back ? Wish::back : Wish::quit);
+      } else if (frame_.can_go_back) {
+        wishes_.push_back(Wish::back);
+      } else if (frame_.time_s - ended_s_ >= kLateStop_s) {
+        wishes_.push_back(Wish::quit);
       }
       return;
     case CloudAction::closer:
@@ -318,7 +320,9 @@ void CloudController::mouse_wheel(double steps) {
 }
 
 void CloudController::take_status() {
+  const bool worked = frame_.status.busy;
   if (orienting_.status) frame_.status = orienting_.status();
+  if (worked && !frame_.status.busy) ended_s_ = frame_.time_s;
   const OrientingStatus& status = frame_.status;
   if (status.work != work_) {
     work_ = status.work;
@@ -409,7 +413,8 @@ bool CloudController::rests() const {
   const bool news = now.work != seen.work || now.points != seen.points || now.proposals != seen.proposals ||
                     now.notes != seen.notes || now.spacing_m != seen.spacing_m || now.busy != seen.busy;
   const bool looking = frame_.status.points && (fits_ || preview_due_ || !preview_full_);
-  return !news && !now.busy && !looking && wishes_.empty() && words_.empty();
+  const bool just_ended = frame_.time_s - ended_s_ < kLateStop_s;  // and time is to go on
+  return !news && !now.busy && !looking && !just_ended && wishes_.empty() && words_.empty();
 }
 
 CloudController::Wish CloudController::take_wish() {

@@ -142,6 +142,7 @@ class CloudController {
   bool left_down_ = false, right_down_ = false, middle_down_ = false;
   bool fits_ = true, preview_due_ = true, touched_ = false;
   double preview_s_ = -1e9, turned_s_ = -1e9;
+  double ended_s_ = -1e9;  ///< work on the scans
   bool preview_full_ = false;
   std::uint64_t work_ = 0, proposals_ = 0, notes_ = 0;
   const PointView* shown_ = nullptr;

@@ -52,6 +52,9 @@ struct ScanSetup {
   std::optional<pipeline::CropConfig> crop;
 };
 
+/// An Escape that was to stop work on the scans may come so long after its end; it does not leave the program then.
+inline constexpr double kLateStop_s = 1.0;
+
 /// How the work on the scans stands. What is numbered counts from 1 and is new when its number is.
 struct OrientingStatus {
   std::uint64_t work = 0;                   ///< other scans have another number, and count anew what is numbered

@@ -273,7 +273,8 @@ bool Controller::set_marks(Action action) {
   return marking_.act(action, aim(), touched_m, reached.centre_m, reached.width_m, frame_.settings.parts);
 }
 
-// Escape closes what is open; with nothing open it leaves, but not an exhibition.
+// Escape closes what is open and stops a depth scan; with nothing of that it leaves, but not an exhibition, and not
+// just after a scene has come: it was to stop the depth scan.
 void Controller::close_or_leave() {
   ViewSettings& settings = frame_.settings;
   if (settings.help || frame_.focused >= 0 || frame_.asks_rescan) {
@@ -281,7 +282,10 @@ void Controller::close_or_leave() {
     boxes_.clear();
     frame_.focused = -1;
   } else if (!marking_.escape() && !settings.kiosk) {
-    leave();
+    const Orienting& scans = connections_.orienting;
+    const bool busy = scans.status && scans.cancel && scans.status().busy;
+    if (busy) return scans.cancel();
+    if (!came_ && frame_.time_s - came_s_ >= kLateStop_s) leave();
   }
 }
 

@@ -52,6 +52,7 @@ Controller::~Controller() { release(drag_key_); }
 
 void Controller::set_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
+  came_ = true;
   stage_ = stage_of(scene_->description());
   frame_.title = title_of(*scene_);
   frame_.why_not_orient = connections_.orienting.unavailable ? connections_.orienting.unavailable()
@@ -104,6 +105,7 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
                         const HeightAt& drawn_at) {
   const double seconds = std::clamp(time_s - frame_.time_s, 0.0, 0.1);
   frame_.time_s = time_s;
+  if (std::exchange(came_, false)) came_s_ = time_s;
   frame_.state = state;
   frame_.mouse = mouse_;
   frame_.strip.add(state);

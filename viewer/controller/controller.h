@@ -136,6 +136,8 @@ class Controller {
   double clicked_s_ = -1.0;
   Eigen::Vector2d clicked_ = Eigen::Vector2d::Zero();
   int light_preset_ = 0;
+  bool came_ = false;     // a scene, since the last update
+  double came_s_ = -1e9;  // when
 };
 
 }  // namespace sparsha::viewer

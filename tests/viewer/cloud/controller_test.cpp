@@ -66,6 +66,22 @@ TEST(CloudController, WorkIsNotStartedTwiceAndEscapeStopsIt) {
   EXPECT_EQ(bench.workshop.faces[0], pipeline::OrientationConfig::Face::principal);
 }
 
+TEST(CloudController, AnEscapeThatComesTooLateToStopDoesNotLeave) {
+  Bench bench;
+  const auto see = [&](double seconds) { bench.controller.update(bench.time_s += seconds, 800, 600, false); };
+  bench.workshop.status.busy = true;
+  see(0.02);
+  bench.workshop.status.busy = false;
+  see(0.02);
+  EXPECT_FALSE(bench.controller.rests()) << "time goes on";
+  bench.controller.press({key::kEscape});
+  EXPECT_EQ(bench.controller.take_wish(), CloudController::Wish::none);
+  see(kLateStop_s + 0.02);
+  EXPECT_TRUE(bench.controller.rests());
+  bench.controller.press({key::kEscape});
+  EXPECT_EQ(bench.controller.take_wish(), CloudController::Wish::quit);
+}
+
 TEST(CloudController, TheFirstViewIsTakenOverUnlessSomebodyHasTurnedTheObject) {
   for (const bool turned_before : {false, true}) {
     Bench bench;
