@@ -29,6 +29,11 @@ TEST(Yaml, KeepsThePlaceOfEveryKeyAndValueCountedFromOne) {
   EXPECT_EQ(second.find("c")->place.file, "f.yaml");
 }
 
+TEST(Yaml, NothingAtAllHasThePlaceOfItsFile) {
+  for (const char* text : {"", "# nothing\n"})
+    EXPECT_EQ(parse_text(text, "empty.yaml").place.file, "empty.yaml") << text;
+}
+
 TEST(Yaml, RefusesADuplicateKeyAtItsSecondPlace) {
   const std::string text = message_of([] { (void)parse_text("a: 1\nb: 2\na: 3\n", "f.yaml"); });
   EXPECT_THAT(text, HasSubstr("f.yaml:3:1: error: the key 'a' is given twice"));
