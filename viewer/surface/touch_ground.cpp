@@ -18,7 +18,7 @@ TouchGround::Heights TouchGround::load(const pipeline::Scene& scene, const Windo
   const pipeline::Layers layers = scene.read(static_cast<int>(window.level), at(0) - margin, at(1) - margin,
                                              at(2) + 2 * margin, at(3) + 2 * margin);
   Heights heights{layers.grid.lattice,
-                  !window.texture && !layers.envelope_m.empty() ? layers.envelope_m : layers.grid.height_m};
+                  !window.texture && !layers.envelope_m.empty() ? layers.envelope_m : layers.grid.height_m, margin};
   for (std::size_t node = 0; node < heights.height_m.size(); ++node)
     if (layers.grid.state[node] == pipeline::NodeState::unknown) heights.height_m[node] = pipeline::kUnknownHeight;
   const int nx = heights.lattice.nx, ny = heights.lattice.ny;
@@ -52,8 +52,10 @@ void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::Sta
 std::optional<double> TouchGround::height_at(double x_m, double y_m) const {
   if (!heights_) return std::nullopt;
   const pipeline::Lattice& lattice = heights_->lattice;
-  const double x = std::clamp((x_m - lattice.origin_m.x()) / lattice.spacing_m, 0.0, lattice.nx - 1.0);
-  const double y = std::clamp((y_m - lattice.origin_m.y()) / lattice.spacing_m, 0.0, lattice.ny - 1.0);
+  // Beyond the window the servo continues its border, and not what lies in the margin.
+  const double first = heights_->margin;
+  const double x = std::clamp((x_m - lattice.origin_m.x()) / lattice.spacing_m, first, lattice.nx - 1.0 - first);
+  const double y = std::clamp((y_m - lattice.origin_m.y()) / lattice.spacing_m, first, lattice.ny - 1.0 - first);
   if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
   const int i = std::min(static_cast<int>(x), lattice.nx - 2), j = std::min(static_cast<int>(y), lattice.ny - 2);
   const double u = x - i, v = y - j;

@@ -32,6 +32,7 @@ class TouchGround {
   struct Heights {
     pipeline::Lattice lattice;
     std::vector<float> height_m;
+    int margin = 0;  ///< nodes on every side that are not the window's: the ball touches them from over its border
   };
   static Heights load(const pipeline::Scene& scene, const Window& window);
 
