@@ -24,8 +24,12 @@ constexpr double kAttack_s = 0.002;  // what a hammer adds
 constexpr std::array<double, 3> kSpectra_s = {1.0, 0.25, 0.06};
 constexpr double kShortest_s = 0.03;  // a sound that is shorter does not ring
 constexpr double kFaintest_db = -55.0;
-constexpr double kFollowed_db = 40.0;  // of a mode's decay
-constexpr double kClosest_hz = 6.0;    // modes that are closer are one
+/// A mode is so many times the median of the spectrum around it. Levels of noise have a Rayleigh distribution: one in
+/// 2^(5 * 5) reaches five times its median.
+constexpr double kAboveNoise = 5.0;
+constexpr std::size_t kAroundLobes = 8;  // on either side
+constexpr double kFollowed_db = 40.0;    // of a mode's decay
+constexpr double kClosest_hz = 6.0;      // modes that are closer are one
 constexpr int kRounds = 4;
 constexpr int kFewestWindows = 12;  // an eighth of their length apart
 constexpr double kUneven = 0.2;     // of the logarithm of the amplitude
@@ -82,12 +86,23 @@ Begin begin_of(std::span<const float> sound, double rate_hz) {
 struct Peak {
   double frequency_hz = 0.0;
   double amplitude = 0.0;
+  bool noise = false;  ///< no mode, but what a mode next to it is told apart from
 };
 
 /// Four terms (Blackman-Harris): side lobes 92 dB down, so that they are no peaks; four bins to the first zero.
 double blackman_harris(double share) {
   const double turn = 2.0 * kPi * share;
   return 0.35875 - 0.48829 * std::cos(turn) + 0.14128 * std::cos(2.0 * turn) - 0.01168 * std::cos(3.0 * turn);
+}
+
+/// Of the levels up to `reach` bins from bin `k`.
+double median_around(const std::vector<double>& level, std::size_t k, std::size_t reach) {
+  const auto first = level.begin() + static_cast<std::ptrdiff_t>(k - std::min(k, reach));
+  const auto last = level.begin() + static_cast<std::ptrdiff_t>(std::min(level.size(), k + reach + 1));
+  std::vector<double> around(first, last);
+  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+  std::nth_element(around.begin(), middle, around.end());
+  return *middle;
 }
 
 /// Adds the peaks of the spectrum of the first `length` samples that lie apart from those that are known.
@@ -116,7 +131,9 @@ void add_peaks(std::span<const float> sound, double rate_hz, std::size_t length,
     const bool apart =
         std::none_of(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(known),
                      [&](const Peak& peak) { return std::abs(peak.frequency_hz - frequency) < lobe_hz; });
-    if (apart) peaks.push_back({frequency, level[k]});
+    if (!apart) continue;
+    const bool noise = level[k] < kAboveNoise * median_around(level, k, kAroundLobes * reach);
+    peaks.push_back({frequency, level[k], noise});
   }
 }
 
@@ -229,6 +246,7 @@ std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, dou
   const std::vector<Peak> peaks = peaks_of(ringing, sample_rate_hz, most);
   std::vector<Mode> modes;
   for (const Peak& peak : peaks) {
+    if (peak.noise) continue;
     double apart_hz = peak.frequency_hz;
     for (const Peak& other : peaks)
       if (&other != &peak) apart_hz = std::min(apart_hz, std::abs(other.frequency_hz - peak.frequency_hz));

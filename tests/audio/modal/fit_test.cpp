@@ -105,6 +105,20 @@ TEST(Fit, SilenceNoiseAndClicksHaveNoModes) {
   EXPECT_TRUE(fit_modes(recording({}, 1.0, 0.1), kRate).empty());
 }
 
+TEST(Fit, NoiseHasNoModesSteadyOrDyingAway) {
+  for (unsigned seed = 1; seed <= 25; ++seed) {
+    for (const double falls_in_s : {1e9, 0.35, 0.14}) {  // by 60 dB
+      std::mt19937 random(seed);
+      std::normal_distribution<double> normal;
+      std::vector<float> noise(48000);
+      for (std::size_t i = 0; i < noise.size(); ++i)
+        noise[i] = static_cast<float>(0.2 * normal(random) *
+                                      std::exp(-6.907755 * static_cast<double>(i) / (kRate * falls_in_s)));
+      EXPECT_TRUE(fit_modes(noise, kRate).empty()) << "seed " << seed << ", " << falls_in_s << " s";
+    }
+  }
+}
+
 TEST(Fit, WhatWasFittedSoundsLikeWhatWasRecorded) {
   const std::vector<pipeline::ModeConfig> truth = {{311.0, 0.8, 0.0}, {702.0, 0.5, -6.0}};
   pipeline::ModalConfig modal;
