@@ -25,6 +25,7 @@ class ClipShelf {
     Clip loaded = load_clip(file, sample_rate_hz_);
     if (loop == pipeline::AudioRegionConfig::Loop::one_period)
       loaded = loop_one_period(loaded, sample_rate_hz_, file.string());
+    end_softly(loaded, sample_rate_hz_);
     clip = std::make_shared<const Clip>(std::move(loaded));
     samples_ += clip->samples.size();
     if (samples_ > kMostSamples)
@@ -130,6 +131,15 @@ std::optional<std::size_t> SoundBank::region_at(double x_m, double y_m) const no
     if (region.area.holds(x_m, y_m)) return i;
   }
   return std::nullopt;
+}
+
+void require_clips(const pipeline::Config& config) {
+  constexpr int kAnyRate_hz = 48000;
+  ClipShelf clips(kAnyRate_hz);
+  if (!config.audio) return;
+  for (const pipeline::AudioRegionConfig& region : config.audio->regions)
+    if (const auto* file = std::get_if<std::filesystem::path>(&region.sound))
+      static_cast<void>(clips.get(*file, region.loop));
 }
 
 std::shared_ptr<const SoundBank> make_sound_bank(const pipeline::Scene& scene, int sample_rate_hz) {

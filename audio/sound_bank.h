@@ -48,6 +48,9 @@ struct SoundBank {
   [[nodiscard]] std::optional<std::size_t> region_at(double x_m, double y_m) const noexcept;
 };
 
+/// Throws Error{input} for the first clip of a configuration that a scene made of it could not play.
+void require_clips(const pipeline::Config& config);
+
 /// Loads clips and label image and works out modes. A scene without `audio:` gives a bank without regions. Throws
 /// Error{input} for files that cannot be read, Error{usage} for impossible notes.
 [[nodiscard]] std::shared_ptr<const SoundBank> make_sound_bank(const pipeline::Scene& scene, int sample_rate_hz);

@@ -1,6 +1,7 @@
 // Clips through libsndfile.
 #include "audio/clip/clip.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -8,12 +9,15 @@
 
 #include <sndfile.h>
 
+#include "audio/decibel.h"
 #include "base/error.h"
 
 namespace sparsha::audio {
 namespace {
 
 constexpr double kLongest_s = 600.0;
+constexpr double kFade_s = 0.005;
+constexpr float kSilent = 0.001F;  // a step to silence that is no click
 constexpr const char* kExpected = "a mono or stereo sound file (WAV, FLAC, Ogg, AIFF)";
 
 struct CloseSound {
@@ -66,6 +70,18 @@ Clip load_clip(const std::filesystem::path& file, int sample_rate_hz) {
     for (const float value : samples) clip.samples.insert(clip.samples.end(), {value, value});
   }
   return clip;
+}
+
+void end_softly(Clip& clip, int sample_rate_hz) {
+  const std::size_t frames = clip.frames();
+  if (frames == 0) return;
+  if (std::abs(clip.samples[2 * frames - 2]) <= kSilent && std::abs(clip.samples[2 * frames - 1]) <= kSilent) return;
+  const std::size_t length = std::min(frames / 2, static_cast<std::size_t>(kFade_s * sample_rate_hz));
+  for (std::size_t k = 0; k < length; ++k) {
+    const auto gain = static_cast<float>(fade(length - 1 - k, length));
+    clip.samples[2 * (frames - 1 - k)] *= gain;
+    clip.samples[2 * (frames - 1 - k) + 1] *= gain;
+  }
 }
 
 }  // namespace sparsha::audio

@@ -18,6 +18,9 @@ struct Clip {
 /// the file's own rate samples stay as they are. Throws Error{input} with the file and the reason.
 [[nodiscard]] Clip load_clip(const std::filesystem::path& file, int sample_rate_hz);
 
+/// Fades the last 5 ms, at most half of the clip, when it stops while it still sounds: a cut would click.
+void end_softly(Clip& clip, int sample_rate_hz);
+
 /// A note made of one period of the clip, cut between zero crossings of like slope 30 ms or more after its loudest
 /// moment, and repeated with the clip's own decay (10 s at most). Its pitch is that of the periods there. Throws
 /// Error{input} that names `name` when there is no such period.

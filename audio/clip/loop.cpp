@@ -102,10 +102,17 @@ std::size_t end_of_decay(const std::vector<double>& x, std::size_t begin, double
 Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& name) {
   const double rate_hz = sample_rate_hz;
   std::vector<double> x(clip.frames());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    x[i] = 0.5 * (static_cast<double>(clip.samples[2 * i]) + static_cast<double>(clip.samples[2 * i + 1]));
+    sum += x[i];
+  }
+  // Without the constant that a recorder adds, which does not decay.
+  const double mean = x.empty() ? 0.0 : sum / static_cast<double>(x.size());
   double largest = 0.0;
   std::size_t loudest = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    x[i] = 0.5 * (static_cast<double>(clip.samples[2 * i]) + static_cast<double>(clip.samples[2 * i + 1]));
+    x[i] -= mean;
     if (std::abs(x[i]) > largest) largest = std::abs(x[i]), loudest = i;
   }
   const auto refuse = [&](const char* why) {
