@@ -10,6 +10,7 @@
 #include "app/results.h"
 #include "app/sentences.h"
 #include "app/terminal.h"
+#include "audio/sound_bank.h"
 #include "base/error.h"
 #include "base/system.h"
 #include "pipeline/build/build.h"
@@ -71,6 +72,7 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
   if (!arguments.validate) require_place(folder);
   const pipeline::Config config =
       config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress());
+  audio::require_clips(config);  // before a long build, not when somebody wants to hear them
   if (arguments.validate) {
     for (const pipeline::ScanConfig& scan : config.scans) {
       std::error_code code;

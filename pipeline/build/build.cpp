@@ -9,6 +9,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "base/error.h"
@@ -146,19 +149,50 @@ void place_labels(Config& config, const Lattice& grid) {
 
 // Before a long build, not after it.
 void require_label_image(const Config& config) {
-  const auto has_label = [](const PartConfig& part) { return part.label.has_value(); };
-  if (config.audio && config.audio->labels && std::any_of(config.parts.begin(), config.parts.end(), has_label))
+  if (!config.audio || !config.audio->labels) return;
+  const auto has_label = [](const auto& place) { return place.label.has_value(); };
+  if (std::any_of(config.parts.begin(), config.parts.end(), has_label) ||
+      std::any_of(config.audio->regions.begin(), config.audio->regions.end(), has_label))
     static_cast<void>(read_number_png(config.audio->labels->file));
 }
 
-// Parts and a label image may have been drawn for each other or not.
-void warn_of_empty_parts(const SceneDescription& scene, Progress& progress) {
+// What was drawn for another grid, in another unit or on another label image. `what`: "part 'lotus'".
+void warn_if_nowhere(const SceneDescription& scene, const std::string& what, const Area& area,
+                     const std::optional<int>& label, Progress& progress) {
+  const std::optional<Area::Box> box_m = area.bounds_m();
+  if (!box_m) {
+    progress.warn(label ? fmt::format("{} is nowhere: no pixel of the label image has the value {}", what, *label)
+                        : fmt::format("{} is nowhere: its polygon encloses nothing", what));
+    return;
+  }
+  const Lattice& grid = scene.levels.front();
+  const double xmax_m = grid.x_m(grid.nx - 1), ymax_m = grid.y_m(grid.ny - 1);
+  const bool beside =
+      box_m->at(2) < grid.x_m(0) || box_m->at(0) > xmax_m || box_m->at(3) < grid.y_m(0) || box_m->at(1) > ymax_m;
+  if (!beside || scene.region_from_grid) return;
+  progress.warn(fmt::format("{} is nowhere: it lies beside the grid, which is [{:.3f}, {:.3f}, {:.3f}, {:.3f}] m", what,
+                            grid.x_m(0), grid.y_m(0), xmax_m, ymax_m));
+}
+
+void warn_of_empty_places(const SceneDescription& scene, Progress& progress) {
   for (std::size_t part = 0; part < scene.config.parts.size(); ++part) {
     const PartConfig& config = scene.config.parts[part];
-    if (area_of(scene, part).bounds_m()) continue;
-    progress.warn(config.label ? fmt::format("part '{}' is nowhere: no pixel of the label image has the value {}",
-                                             config.name, *config.label)
-                               : fmt::format("part '{}' is nowhere: its polygon encloses nothing", config.name));
+    warn_if_nowhere(scene, fmt::format("part '{}'", config.name), area_of(scene, part), config.label, progress);
+  }
+  if (!scene.config.audio) return;
+  std::shared_ptr<const LabelMap> labels;
+  for (const AudioRegionConfig& region : scene.config.audio->regions) {
+    if (!region.has_place() || (region.label && !scene.config.audio->labels)) continue;  // is warned of where it sounds
+    Area area;
+    if (region.box_m) {
+      area = Area(*region.box_m);
+    } else if (!region.polygon_m.empty()) {
+      area = Area(std::make_shared<const Polygon>(region.polygon_m));
+    } else {
+      if (!labels) labels = label_map_of(scene);
+      area = Area(std::make_shared<const LabelArea>(labels, *region.label, LabelArea::Border::none));
+    }
+    warn_if_nowhere(scene, fmt::format("audio region '{}'", region.name), area, region.label, progress);
   }
 }
 
@@ -253,7 +287,7 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
 
   BuildResult result;
   result.scene = make_scene(std::move(scene), std::move(levels));
-  warn_of_empty_parts(result.scene->description(), progress);
+  warn_of_empty_places(result.scene->description(), progress);
   report.stages = progress.stages();
   report.warnings = progress.warnings();
   report.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

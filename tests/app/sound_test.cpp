@@ -109,6 +109,23 @@ TEST_F(Sound, TenSecondsOfTheDemoAreMinus16LufsWithin2AndNothingClips) {
   std::printf("%.1f LUFS\n", loudness);
 }
 
+TEST_F(Sound, AClipThatCannotBePlayedStopsTheBuildBeforeItBegins) {
+  write("stone.xyz", "0 0 0\n");  // too few points for a scene
+  write("text.wav", "this is not a sound");
+  std::ofstream(folder_ / "click.wav", std::ios::binary) << wav_of(std::vector<double>(48, 0.5));
+  for (const std::string clip : {"text.wav", "missing.wav", "click.wav, loop: one_period"}) {
+    write("stone.yaml",
+          "scans: [{file: stone.xyz, units: m}]\naudio: {regions: [{name: a, box_m: [0, 0, 1, 1], clip: " + clip +
+              "}]}\n");
+    for (const char* command : {"build stone.yaml", "build stone.yaml --validate"}) {
+      const Outcome outcome = run(command);
+      EXPECT_EQ(outcome.code, 3) << clip;
+      EXPECT_THAT(outcome.err, HasSubstr(clip.substr(0, clip.find(',')) + ": error: ")) << clip;
+      EXPECT_FALSE(fs::exists(folder_ / "stone.scene"));
+    }
+  }
+}
+
 TEST_F(Sound, ARunOnTheMachinesOwnClockIsHeardAndNothingClips) {
   const std::string relief = (fs::path(SPARSHA_SOURCE_DIR) / "configs" / "relief.yaml").string();
   ASSERT_EQ(run("build \"" + relief + "\" --out scene").code, 0);

@@ -84,8 +84,7 @@ TEST_F(SoundPlaces, PillarsAreTheSameOutOfCore) {
 }
 
 TEST_F(SoundPlaces, ALabelImageKeepsThePlaceThatItWasDrawnFor) {
-  // One grey pixel of value 3; what is in the file does not matter for where it lies.
-  write_file(folder_ / "labels.png", "");
+  test::write_labels(folder_ / "labels.png", 1, 1, [](int, int) { return 3; });
   const BuildResult built = build_scene(
       config(kFront, "{labels: labels.png, regions: [{name: a, label: 3, material: wood}]}"), {}, progress_);
   const auto& labels = built.scene->description().config.audio->labels;
@@ -97,6 +96,26 @@ TEST_F(SoundPlaces, ALabelImageKeepsThePlaceThatItWasDrawnFor) {
       static_cast<void>(build_scene(
           config(kTurned, "{labels: labels.png, regions: [{name: a, label: 3, material: wood}]}"), {}, progress_)),
       Error);
+}
+
+TEST_F(SoundPlaces, ThatAreNowhereOnTheGridAreWarnedOfByName) {
+  test::write_labels(folder_ / "labels.png", 4, 4, [](int column, int) { return column < 2 ? 3 : 0; });
+  const BuildResult built =
+      build_scene(config(kFront,
+                         "{labels: labels.png, regions: [{name: there, box_m: [0, 0, 1, 1], material: wood}, "
+                         "{name: millimetres, box_m: [3000, 0, 4000, 1000], material: wood}, "
+                         "{name: far, polygon_m: [[8, 8], [9, 8], [9, 9]], material: wood}, "
+                         "{name: pixels, label: 3, material: wood}, {name: none, label: 4, material: wood}]}\n"
+                         "parts: [{name: beside, box_m: [-9, 0, -8, 1]}, {name: half, box_m: [-9, 0, 0, 1]}]"),
+                  {}, progress_);
+  const auto told = [&](const std::string& what) {
+    return std::count_if(built.report.warnings.begin(), built.report.warnings.end(),
+                         [&](const std::string& text) { return text.find(what + " is nowhere") != std::string::npos; });
+  };
+  for (const char* name : {"audio region 'millimetres'", "audio region 'far'", "audio region 'none'", "part 'beside'"})
+    EXPECT_EQ(told(name), 1) << name;
+  for (const char* name : {"audio region 'there'", "audio region 'pixels'", "part 'half'"})
+    EXPECT_EQ(told(name), 0) << name;
 }
 
 /// The hall is 3 m wide: a picture of 30 x 15 pixels over it, value 4 in the left half.
@@ -137,6 +156,18 @@ TEST_F(PartPlaces, OfALabelImageThatCannotBeReadStopTheBuildBeforeItBegins) {
     FAIL() << "a broken label image was built with";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_NE(std::string(error.what()).find("labels.png"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(SoundPlaces, OfALabelImageThatCannotBeReadStopTheBuildBeforeItBegins) {
+  write_file(folder_ / "labels.png", "no picture");
+  write_file(folder_ / "hall.xyz", "no scan\n");
+  try {
+    static_cast<void>(build_scene(
+        config(kFront, "{labels: labels.png, regions: [{name: a, label: 3, material: wood}]}"), {}, progress_));
+    FAIL() << "a broken label image was built with";
+  } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("labels.png"), std::string::npos) << error.what();
   }
 }
