@@ -1,5 +1,6 @@
 // sparsha sound fit STRIKE.wav: a note for `audio.regions` from a recorded strike.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -41,6 +42,11 @@ std::string json_of(const std::vector<pipeline::ModeConfig>& modes) {
   return nlohmann::ordered_json{{"modal", {{"modes", list}}}}.dump(2) + "\n";
 }
 
+/// ": modes that beat, or a hum, near 440, 655 Hz".
+std::string beats_at(const std::vector<double>& frequencies_hz) {
+  return fmt::format(": modes that beat, or a hum, near {:.0f} Hz", fmt::join(frequencies_hz, ", "));
+}
+
 /// The louder one: the sum of two microphones lacks the modes that reach them in opposite phase.
 std::vector<float> louder_channel(const audio::Clip& clip) {
   std::array<double, 2> energy{};
@@ -54,9 +60,19 @@ std::vector<float> louder_channel(const audio::Clip& clip) {
 
 int run_fit(const Arguments& arguments, const CommonOptions& common) {
   const audio::Clip clip = audio::load_clip(arguments.file, kRate_hz);
-  const std::vector<pipeline::ModeConfig> modes = audio::fit_modes(louder_channel(clip), kRate_hz, arguments.modes);
-  if (modes.empty())
+  std::vector<double> uneven_hz;
+  const std::vector<pipeline::ModeConfig> modes =
+      audio::fit_modes(louder_channel(clip), kRate_hz, arguments.modes, &uneven_hz);
+  if (modes.empty() && uneven_hz.empty())
     throw input_error(arguments.file, "nothing in it rings", "one strike of something that rings for 0.03 s or more");
+  if (modes.empty())
+    throw input_error(arguments.file, "no tone in it dies away evenly" + beats_at(uneven_hz),
+                      "one strike of something whose modes do not beat; or the recording itself, as a clip");
+  if (!uneven_hz.empty()) {
+    Terminal terminal(common);
+    terminal.progress().warn("what does not die away evenly is left out" + beats_at(uneven_hz) +
+                             "; the recording itself, as a clip, keeps it");
+  }
   print(common.json ? json_of(modes) : common.plain ? modes_sentences(modes) : yaml_of(modes));
   return 0;
 }

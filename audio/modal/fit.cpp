@@ -28,12 +28,14 @@ constexpr double kFaintest_db = -55.0;
 /// 2^(5 * 5) reaches five times its median.
 constexpr double kAboveNoise = 5.0;
 constexpr std::size_t kAroundLobes = 8;  // on either side
+constexpr double kLoud_db = -20.0;       // of the loudest peak: one that is left out is told of
 constexpr double kFollowed_db = 40.0;    // of a mode's decay
 constexpr double kClosest_hz = 6.0;      // modes that are closer are one
 constexpr int kRounds = 4;
-constexpr int kFewestWindows = 12;  // an eighth of their length apart
-constexpr double kUneven = 0.2;     // of the logarithm of the amplitude
-constexpr double kLeastFall = 0.3;  // of the same, from the first window to the last
+constexpr double kFewestSamples = 32.0;  // of a window
+constexpr int kFewestWindows = 12;       // an eighth of their length apart
+constexpr double kUneven = 0.2;          // of the logarithm of the amplitude
+constexpr double kLeastFall = 0.3;       // of the same, from the first window to the last
 constexpr double kLn1000 = 6.907755278982137;
 
 double hann(double share) { return 0.5 - 0.5 * std::cos(2.0 * kPi * share); }
@@ -193,9 +195,9 @@ struct Mode {
 /// Follows one mode; `apart_hz` to the nearest other one.
 std::optional<Mode> follow(std::span<const float> sound, double frequency_hz, double apart_hz, double rate_hz) {
   // Four bins of the window between it and its neighbour: their side lobes are 60 dB down and fall further.
-  const double wished_s = std::max(4.0 / apart_hz, 6.0 / frequency_hz);
+  const double wished_s = std::max({4.0 / apart_hz, 6.0 / frequency_hz, kFewestSamples / rate_hz});
   const auto length = static_cast<std::size_t>(std::min(wished_s * rate_hz, 0.5 * static_cast<double>(sound.size())));
-  if (length < 32) return std::nullopt;
+  if (length < static_cast<std::size_t>(kFewestSamples)) return std::nullopt;
   const std::size_t hop = std::max<std::size_t>(1, length / 8);
   Mode mode;
   double slope = 0.0;
@@ -236,7 +238,8 @@ std::optional<Mode> follow(std::span<const float> sound, double frequency_hz, do
 
 }  // namespace
 
-std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, double sample_rate_hz, std::size_t most) {
+std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, double sample_rate_hz, std::size_t most,
+                                            std::vector<double>* left_out_hz) {
   if (recorded.empty()) return {};
   const std::vector<float> sound = without_offset(recorded);
   const Begin begin = begin_of(sound, sample_rate_hz);
@@ -245,6 +248,7 @@ std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, dou
   const auto late = static_cast<double>(begin.ringing - begin.onset);
   const std::vector<Peak> peaks = peaks_of(ringing, sample_rate_hz, most);
   std::vector<Mode> modes;
+  std::vector<double> lost_hz;
   for (const Peak& peak : peaks) {
     if (peak.noise) continue;
     double apart_hz = peak.frequency_hz;
@@ -253,6 +257,8 @@ std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, dou
     if (const auto mode = follow(ringing, peak.frequency_hz, apart_hz, sample_rate_hz)) {
       modes.push_back(*mode);  // as loud as it was at the onset
       modes.back().amplitude *= std::exp(kLn1000 * late / (mode->config.decay_s * sample_rate_hz));
+    } else if (peak.amplitude > peaks.front().amplitude * from_decibel(kLoud_db)) {
+      lost_hz.push_back(peak.frequency_hz);
     }
   }
   std::sort(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) { return a.amplitude > b.amplitude; });
@@ -265,6 +271,14 @@ std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, dou
     result.push_back(mode.config);
     result.back().level_db = to_decibel(mode.amplitude / modes.front().amplitude);
   }
+  if (left_out_hz == nullptr) return result;
+  for (const double lost : lost_hz) {
+    const bool found = std::any_of(result.begin(), result.end(), [&](const pipeline::ModeConfig& mode) {
+      return std::abs(mode.frequency_hz - lost) < kClosest_hz;
+    });
+    if (!found) left_out_hz->push_back(lost);
+  }
+  std::sort(left_out_hz->begin(), left_out_hz->end());
   return result;
 }
 

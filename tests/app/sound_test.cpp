@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
@@ -124,6 +125,25 @@ TEST_F(Sound, AClipThatCannotBePlayedStopsTheBuildBeforeItBegins) {
       EXPECT_FALSE(fs::exists(folder_ / "stone.scene"));
     }
   }
+}
+
+TEST_F(Sound, AStrikeWhoseModesBeatIsFittedWithAWarningThatNamesThem) {
+  std::vector<double> strike(96000), pair(96000);
+  for (std::size_t i = 0; i < strike.size(); ++i) {
+    const double t = static_cast<double>(i) / 48000.0, turn = 2.0 * std::numbers::pi * t;
+    pair[i] = 0.2 * std::exp(-6.9 * t / 1.5) * (std::sin(440.0 * turn) + 0.9 * std::sin(443.0 * turn));
+    strike[i] = pair[i] + 0.3 * std::exp(-6.9 * t / 1.5) * std::sin(240.0 * turn);
+  }
+  std::ofstream(folder_ / "strike.wav", std::ios::binary) << wav_of(strike);
+  std::ofstream(folder_ / "pair.wav", std::ios::binary) << wav_of(pair);
+  const Outcome fitted = run("sound fit strike.wav");
+  EXPECT_EQ(fitted.code, 0);
+  EXPECT_THAT(fitted.out, HasSubstr("frequency_hz: 240.0"));
+  EXPECT_THAT(fitted.err, HasSubstr("warning: "));
+  EXPECT_THAT(fitted.err, HasSubstr("beat, or a hum, near 44"));
+  const Outcome none = run("sound fit pair.wav");
+  EXPECT_EQ(none.code, 3);
+  EXPECT_THAT(none.err, HasSubstr("beat, or a hum, near 44"));
 }
 
 TEST_F(Sound, ARunOnTheMachinesOwnClockIsHeardAndNothingClips) {

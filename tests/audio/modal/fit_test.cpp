@@ -119,6 +119,25 @@ TEST(Fit, NoiseHasNoModesSteadyOrDyingAway) {
   }
 }
 
+TEST(Fit, FindsAModeThatIsAloneAndHigh) {
+  for (const double frequency_hz : {8000.0, 9500.0, 14000.0}) {
+    const std::vector<pipeline::ModeConfig> truth = {{frequency_hz, 0.3, 0.0}};
+    expect_modes(truth, fit_modes(recording(truth, 1.0), kRate));
+  }
+}
+
+TEST(Fit, ModesThatBeatAreLeftOutByName) {
+  std::vector<double> left_out;
+  const std::vector<pipeline::ModeConfig> truth = {{240.0, 1.2, 0.0}, {440.0, 1.2, -3.0}, {443.0, 1.2, -4.0}};
+  const auto found = fit_modes(recording(truth, 2.0), kRate, 16, &left_out);
+  expect_modes({truth.front()}, found);
+  ASSERT_GE(left_out.size(), 1U);
+  for (const double frequency : left_out) EXPECT_NEAR(frequency, 441.5, 6.0);
+  left_out.clear();
+  static_cast<void>(fit_modes(recording({truth[0], truth[1]}, 2.0), kRate, 16, &left_out));
+  EXPECT_TRUE(left_out.empty()) << left_out.front();
+}
+
 TEST(Fit, WhatWasFittedSoundsLikeWhatWasRecorded) {
   const std::vector<pipeline::ModeConfig> truth = {{311.0, 0.8, 0.0}, {702.0, 0.5, -6.0}};
   pipeline::ModalConfig modal;
