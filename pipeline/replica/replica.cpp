@@ -25,6 +25,7 @@ constexpr int kMostNodes = 2000;                          // along a side: 16 mi
 // Dots and cells as printed signs have them (ISO 17049).
 constexpr double kDotHeight_mm = 0.5, kDotRadius_mm = 0.8, kDotGap_mm = 2.5, kCellGap_mm = 6.1, kLineGap_mm = 10.0;
 constexpr double kMargin_mm = 6.0;
+constexpr double kLongestStrip_mm = 2000.0;  // of Braille: as long as the largest relief
 
 void require(bool good, const char* name, double value, const char* expected) {
   if (!good) throw Error(ErrorKind::usage, {}, fmt::format("{} cannot be {}", name, value), expected);
@@ -221,6 +222,11 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
   const double strip_mm =
       lines.empty() ? 0.0
                     : 2.0 * kMargin_mm + 2.0 * kDotGap_mm + (static_cast<double>(lines.size()) - 1.0) * kLineGap_mm;
+  const std::string strip = fmt::format("the parts' names take {:.0f} mm of Braille below the relief", strip_mm);
+  if (strip_mm > kLongestStrip_mm)
+    throw Error(ErrorKind::usage, {}, strip, "a `say` of a few words for each part, a larger print, or --no-braille");
+  if (strip_mm > options.longest_mm)
+    report.warnings.push_back(strip + "; print it larger, or give each part a `say` of a few words");
   plate.first_row = static_cast<int>(std::ceil(strip_mm / plate.spacing_mm));
   plate.ny = plate.first_row + (lattice.ny - 1) * fine + 1;
   plate.height_mm.assign(static_cast<std::size_t>(plate.nx) * static_cast<std::size_t>(plate.ny),

@@ -227,6 +227,23 @@ TEST(Replica, HasTheNamesOfItsPartsBelowTheReliefAsDotsThatFingersRead) {
   EXPECT_EQ(make_replica(*scene, options, bare).first_row, 0);
 }
 
+TEST(Replica, NamesThatTakeMoreRoomThanTheReliefAreAWarningAndEndlessOnesAnError) {
+  ReplicaOptions options;
+  options.longest_mm = 100.0;
+  PartConfig part;
+  const auto warned = [&](std::size_t letters) {
+    part.say = std::string(letters, 'x');
+    ReplicaReport report;
+    static_cast<void>(make_replica(*scene_of(101, 51, 0.002, bumps, {part}), options, report));
+    return std::any_of(report.warnings.begin(), report.warnings.end(),
+                       [](const std::string& text) { return text.find("mm of Braille") != std::string::npos; });
+  };
+  // 14 cells a line and 10 mm a line.
+  EXPECT_FALSE(warned(14 * 8));
+  EXPECT_TRUE(warned(14 * 12));
+  EXPECT_THROW(static_cast<void>(warned(14 * 210)), Error);
+}
+
 TEST(Replica, NamesPartsOfAnyShapeInTheirOrder) {
   PartConfig polygon;
   polygon.name = polygon.say = "sash";
