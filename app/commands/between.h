@@ -1,19 +1,13 @@
 // A check of numbers on the command line.
 #pragma once
 
-#include <fmt/format.h>
-#include <CLI/CLI.hpp>
+namespace CLI {
+class Validator;
+}
 
 namespace sparsha::app {
 
 /// A number from `least` to `most`. Unlike CLI::Range it refuses "nan".
-inline CLI::Validator between(double least, double most) {
-  const auto check = [least, most](const std::string& text) {
-    double value = 0.0;
-    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return std::string();
-    return fmt::format("{} is not a number from {} to {}", text, least, most);
-  };
-  return {check, fmt::format("FLOAT in [{} - {}]", least, most), "between"};
-}
+[[nodiscard]] CLI::Validator between(double least, double most);
 
 }  // namespace sparsha::app
