@@ -86,25 +86,47 @@ void draw_curve(std::ofstream& svg, const Curve& curve, const Range& x, const Ra
   svg << "\"/>\n";
 }
 
+struct LegendPlace {
+  double at = 0.0;
+  double down = 0.0;  ///< below the first line
+};
+
+/// One place per curve; what would end beyond the drawing begins a new line.
+std::vector<LegendPlace> legend_of(const std::vector<Curve>& curves) {
+  constexpr double kLetter = 7.2, kDash = 32.0, kBetween = 28.0, kLine = 20.0;
+  std::vector<LegendPlace> places;
+  LegendPlace next{kLeft, 0.0};
+  for (const Curve& curve : curves) {
+    const double width = kDash + kLetter * static_cast<double>(curve.name.size());
+    if (next.at > kLeft && next.at + width > kWidth) next = {kLeft, next.down + kLine};
+    places.push_back(next);
+    next.at += width + kBetween;
+  }
+  return places;
+}
+
 }  // namespace
 
 bool write_lines(const std::filesystem::path& file, const std::string& title, const std::string& x_label,
                  const std::vector<Panel>& panels) {
   if (panels.empty()) return false;
-  const double height = kTop + kPanel * static_cast<double>(panels.size());
+  const std::vector<LegendPlace> legend = legend_of(panels.front().curves);
+  const double first = kTop + (legend.empty() ? 0.0 : legend.back().down);
+  const double height = first + kPanel * static_cast<double>(panels.size());
   std::ofstream svg(file);
   svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << kWidth << ' ' << height
       << "\" font-family=\"sans-serif\" font-size=\"14\" role=\"img\">\n<title>" << title
       << "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"" << kLeft
       << "\" y=\"22\" font-weight=\"bold\">" << title << "</text>\n";
-  double at = kLeft;
-  for (const Curve& curve : panels.front().curves) {
-    svg << "<path d=\"M" << number(at) << " 42h26\" stroke-width=\"2.5\" stroke=\"" << curve.colour << '"';
+  for (std::size_t k = 0; k < legend.size(); ++k) {
+    const Curve& curve = panels.front().curves[k];
+    svg << "<path d=\"M" << number(legend[k].at) << ' ' << number(42.0 + legend[k].down)
+        << "h26\" stroke-width=\"2.5\" stroke=\"" << curve.colour << '"';
     if (!curve.dashes.empty()) svg << " stroke-dasharray=\"" << curve.dashes << '"';
-    svg << "/><text x=\"" << number(at + 32) << "\" y=\"47\">" << curve.name << "</text>\n";
-    at += 60.0 + 7.2 * static_cast<double>(curve.name.size());
+    svg << "/><text x=\"" << number(legend[k].at + 32) << "\" y=\"" << number(47.0 + legend[k].down) << "\">"
+        << curve.name << "</text>\n";
   }
-  double top = kTop;
+  double top = first;
   for (const Panel& panel : panels) {
     const Range x{panel.x_from, panel.x_to, kLeft, kWidth - kRight};
     const Range y = y_range(panel, top + kPanel - kAxis, top);
