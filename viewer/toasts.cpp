@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "viewer/gui/fonts.h"
+
 namespace sparsha::viewer {
 
 using haptics::Announcement;
@@ -16,7 +18,7 @@ std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoar
     fresh.insert(fresh.end(), said.begin(), said.end());
   }
   for (Announcement& announcement : fresh) {
-    if (announcement.text.empty() || announcement.text == hidden_) continue;
+    if (announcement.text.empty() || announcement.text == hidden_ || !can_show(announcement.text)) continue;
     double length_s = 2.0 + 0.06 * static_cast<double>(announcement.text.size());
     if (announcement.priority == Announcement::Priority::warning) length_s *= 1.5;
     if (announcement.priority == Announcement::Priority::fault) length_s *= 2.0;

@@ -1,4 +1,5 @@
-// Announcements on the picture: each is shown once, for as long as it takes to read.
+// Announcements on the picture: each is shown once, for as long as it takes to read. Scripts that the fonts do not
+// write are spoken only.
 #pragma once
 
 #include <cstdint>

@@ -2,7 +2,10 @@
 #include "viewer/gui/fonts.h"
 
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -25,7 +28,31 @@ std::string first_of(const std::array<const char*, 4>& files) {
   return {};
 }
 
+bool in_ranges(std::uint32_t character) {
+  for (std::size_t k = 0; k + 1 < kRanges.size(); k += 2)
+    if (character >= kRanges[k] && character <= kRanges[k + 1]) return true;
+  return false;
+}
+
 }  // namespace
+
+bool can_show(std::string_view text) {
+  int drawn = 0, missing = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    if (first < 0x80) {
+      drawn += std::isalpha(first) != 0 ? 1 : 0;
+      continue;
+    }
+    const int more = first >= 0xF0 ? 3 : first >= 0xE0 ? 2 : first >= 0xC0 ? 1 : 0;
+    if (more == 0) continue;  // within a letter, or no UTF-8
+    std::uint32_t character = first & (0x3FU >> more);
+    for (int k = 0; k < more && at + 1 < text.size(); ++k)
+      character = (character << 6U) | (static_cast<unsigned char>(text[++at]) & 0x3FU);
+    ++(in_ranges(character) ? drawn : missing);
+  }
+  return missing <= drawn;
+}
 
 Fonts load_fonts(double scale) {
   static const std::string plain =

@@ -81,40 +81,6 @@ TEST(Controller, HeldKeysDoNotFlickerToggles) {
   EXPECT_EQ(action_of({key::kLeft, 0, true}, false), Action::pan_left);
 }
 
-TEST(Controller, EscapeStopsADepthScanAndDoesNotLeaveJustAfterItsEnd) {
-  Desk desk;
-  const haptics::State state = touching(*desk.scene, 0.1, 0.1, 0.01, 0.1, 0.1);
-  bool busy = true;
-  int stopped = 0;
-  Connections connections;
-  connections.orienting.status = [&] {
-    OrientingStatus status;
-    status.busy = busy;
-    return status;
-  };
-  connections.orienting.cancel = [&] { ++stopped; };
-  Controller controller(connections, {});
-  controller.set_scene(desk.scene);
-  double time_s = 0.0;
-  const auto run = [&](double seconds) { controller.update(time_s += seconds, state, 1280, 720, Desk::height); };
-  run(10.0);
-  run(2.0 * kLateStop_s);
-  controller.press({key::kEscape});
-  EXPECT_EQ(stopped, 1);
-  EXPECT_FALSE(controller.wants_to_leave());
-  // It has ended meanwhile: its scene has come.
-  busy = false;
-  controller.set_scene(desk.scene);
-  controller.press({key::kEscape});
-  run(0.02);
-  controller.press({key::kEscape});
-  EXPECT_EQ(stopped, 1);
-  EXPECT_FALSE(controller.wants_to_leave());
-  run(kLateStop_s);
-  controller.press({key::kEscape});
-  EXPECT_TRUE(controller.wants_to_leave());
-}
-
 TEST(Controller, AKioskIsLeftByControlQOnly) {
   ViewSettings settings;
   settings.kiosk = true;
