@@ -51,4 +51,9 @@ void Strip::write_csv(const std::filesystem::path& file) const {
   write_file(file, text);
 }
 
+std::string full_scale_text(double value, std::string_view unit) {
+  const bool metres = value >= 1000.0 && unit.starts_with("mm");
+  return fmt::format("{:.3g} {}", metres ? 1e-3 * value : value, metres ? unit.substr(1) : unit);
+}
+
 }  // namespace sparsha::viewer

@@ -3,6 +3,8 @@
 
 #include <deque>
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "haptics/state/state.h"
 
@@ -33,5 +35,8 @@ class Strip {
   haptics::State last_;
   bool paused_ = false;
 };
+
+/// "1.28 m/s": `value` in `unit`, and in metres from a thousand millimetres on.
+[[nodiscard]] std::string full_scale_text(double value, std::string_view unit);
 
 }  // namespace sparsha::viewer

@@ -41,7 +41,7 @@ void draw_strip(const Brush& brush, const Frame& frame, const Layout& layout) {
     // Full scale in steps, so that the curve is not rescaled at every sample.
     const double full = std::exp2(std::ceil(std::log2(most / curve.least))) * curve.least;
     brush.text(brush.fonts.small, x + static_cast<float>(c) * third, y, curve.colour,
-               brush.elided(brush.fonts.small, fmt::format("{} {:.3g} {}", curve.name, full, curve.unit),
+               brush.elided(brush.fonts.small, fmt::format("{} {}", curve.name, full_scale_text(full, curve.unit)),
                             third - brush.px(4.0F)));
     std::vector<ImVec2> points;
     const double end_s = samples.empty() ? 0.0 : samples.back().time_s;
