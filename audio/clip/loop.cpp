@@ -7,6 +7,7 @@
 
 #include "audio/clip/clip.h"
 #include "base/error.h"
+#include "base/smooth_step.h"
 #include "scene/sound_limits.h"
 
 namespace sparsha::audio {
@@ -22,6 +23,7 @@ constexpr double kLook_s = 0.02;
 constexpr double kQuietest_db = 80.0;
 constexpr double kLongest_s = 10.0;
 constexpr double kRise_s = 0.0005;
+constexpr double kBlended = 0.25;  // of the period
 
 double value_at(const std::vector<double>& x, double at) {  // cubic through four samples
   const auto i = static_cast<std::ptrdiff_t>(std::floor(at));
@@ -150,7 +152,14 @@ Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& na
   for (double i = 0.0; i < frames; i += 1.0) {
     const double phase = std::fmod(i, period);
     // The period's own decay is taken out, so that its end meets its beginning.
-    const double value = value_at(x, first + phase) * std::exp(decay * phase);
+    double value = value_at(x, first + phase) * std::exp(decay * phase);
+    // Partials that are no multiples of the pitch do not come back after a period: its end fades into what was before
+    // it.
+    const double blend = (phase / period - 1.0 + kBlended) / kBlended;
+    if (blend > 0.0) {
+      const double before = value_at(x, first + phase - period) * std::exp(decay * (phase - period));
+      value += smooth_step(blend) * (before - value);
+    }
     const double rise = std::min(1.0, i / (kRise_s * rate_hz));
     const double end = i > fade_from ? std::max(0.0, (frames - 1.0 - i) / (frames - fade_from)) : 1.0;
     const auto sample = static_cast<float>(gain * value * std::exp(-decay * i) * rise * end);

@@ -247,6 +247,24 @@ TEST(Clip, SilenceOrNoiseBehindANoteDoesNotLengthenItsLoopedDecay) {
   }
 }
 
+TEST(Clip, APeriodOfAStoneWhosePartialsAreNoMultiplesIsLoopedWithoutAStep) {
+  for (const double frequency : {120.0, 240.0, 317.3}) {
+    Clip clip;
+    for (std::size_t i = 0; i < 72000; ++i) {
+      const double t = static_cast<double>(i) / 48000.0;
+      double value = 0.0;
+      for (const auto& [ratio, level] : {std::pair{1.0, 0.4}, {2.756, 0.25}, {5.404, 0.12}})  // of a bar
+        value += level * std::exp(-6.9078 * t / 1.5) * std::sin(2.0 * std::numbers::pi * ratio * frequency * t + ratio);
+      clip.samples.insert(clip.samples.end(), 2, static_cast<float>(value));
+    }
+    const Clip looped = loop_one_period(clip, 48000, "bar");
+    const auto note = listening::channel(clip.samples, 0), sound = listening::channel(looped.samples, 0);
+    EXPECT_LT(listening::sharpest_corner(sound, 100, sound.size()),
+              1.5 * listening::sharpest_corner(note, 100, note.size()))
+        << frequency;
+  }
+}
+
 TEST(Clip, TheConstantOfARecorderChangesNoLoop) {
   const audio_scene::Folder folder;
   auto note = decaying_note(240.0, 48000);
