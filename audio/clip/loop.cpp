@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "audio/clip/clip.h"
+#include "audio/modal/fit.h"
 #include "base/error.h"
 #include "base/smooth_step.h"
 #include "scene/sound_limits.h"
@@ -23,7 +24,9 @@ constexpr double kLook_s = 0.02;
 constexpr double kQuietest_db = 80.0;
 constexpr double kLongest_s = 10.0;
 constexpr double kRise_s = 0.0005;
-constexpr double kBlended = 0.25;  // of the period
+constexpr double kNear_octaves = 0.3;  // of a mode's pitch from that of the zero crossings
+constexpr double kSoftest_db = -15.0;  // of that mode
+constexpr double kBlended = 0.25;      // of the period
 
 double value_at(const std::vector<double>& x, double at) {  // cubic through four samples
   const auto i = static_cast<std::ptrdiff_t>(std::floor(at));
@@ -84,6 +87,17 @@ double followed_period(const std::vector<double>& zeros, double first, double pe
   return period;
 }
 
+/// Of the loudest mode near a period's pitch: partials that are no multiples of it move zero crossings by a semitone
+/// and more. Without such a mode the period as it is.
+double tuned_period(const std::vector<double>& x, double period, double rate_hz) {
+  const std::vector<float> sound(x.begin(), x.end());
+  for (const pipeline::ModeConfig& mode : fit_modes(sound, rate_hz)) {
+    const double of_mode = rate_hz / mode.frequency_hz;
+    if (mode.level_db > kSoftest_db && std::abs(std::log2(of_mode / period)) < kNear_octaves) return of_mode;
+  }
+  return period;
+}
+
 double rms(const std::vector<double>& x, std::size_t begin, std::size_t length) {
   double sum = 0.0;
   for (std::size_t i = begin; i < std::min(x.size(), begin + length); ++i) sum += x[i] * x[i];
@@ -135,8 +149,9 @@ Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& na
     if (steep(zero) > steep(first)) first = zero;
   }
   std::size_t count = 0;
-  const double period = followed_period(zeros, first, static_cast<double>(lag), count);
+  const double followed = followed_period(zeros, first, static_cast<double>(lag), count);
   if (count == 0) throw refuse("no two zero crossings of like slope are a period apart");
+  const double period = tuned_period(x, followed, rate_hz);
   // Decay from the first to the last quarter of the time in which the note is heard.
   const std::size_t quarter = (end_of_decay(x, begin, rate_hz) - begin) / 4;
   if (static_cast<double>(quarter) < period) throw refuse("it ends within four periods");

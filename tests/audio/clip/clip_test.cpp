@@ -247,7 +247,7 @@ TEST(Clip, SilenceOrNoiseBehindANoteDoesNotLengthenItsLoopedDecay) {
   }
 }
 
-TEST(Clip, APeriodOfAStoneWhosePartialsAreNoMultiplesIsLoopedWithoutAStep) {
+TEST(Clip, APeriodOfAStoneWhosePartialsAreNoMultiplesIsLoopedInTuneWithoutAStep) {
   for (const double frequency : {120.0, 240.0, 317.3}) {
     Clip clip;
     for (std::size_t i = 0; i < 72000; ++i) {
@@ -262,6 +262,8 @@ TEST(Clip, APeriodOfAStoneWhosePartialsAreNoMultiplesIsLoopedWithoutAStep) {
     EXPECT_LT(listening::sharpest_corner(sound, 100, sound.size()),
               1.5 * listening::sharpest_corner(note, 100, note.size()))
         << frequency;
+    const double heard = listening::strongest_frequency(sound, 0.8 * frequency, 1.2 * frequency, 48000.0, 1000, 30000);
+    EXPECT_LT(std::abs(1200.0 * std::log2(heard / frequency)), 5.0) << frequency;
   }
 }
 
