@@ -77,6 +77,7 @@ std::string summary_json(const haptics::SessionSummary& s, std::uint64_t strikes
       {"levels", s.levels},
       {"tick_ns", {{"p50", s.tick_ns_p50}, {"p99", s.tick_ns_p99}, {"p999", s.tick_ns_p999}, {"max", s.tick_ns_max}}},
       {"lateness_histogram_100us", s.lateness_histogram},
+      {"late_ns_max", s.late_ns_max},
       {"stiffness_n_per_m", s.stiffness_n_per_m},
       {"watchdog_trips", s.watchdog_trips},
       {"late_faults", s.late_faults},

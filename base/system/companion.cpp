@@ -60,6 +60,19 @@ int keep_only(int end) {
   return kKept;
 }
 
+/// One that was killed is started again: the watch is another process, and this one waits for it. Whichever of the two
+/// somebody ends, this program is watched over.
+void stay_behind_the_watch() {
+  for (;;) {
+    const pid_t watch = ::fork();
+    if (watch <= 0) return;  // the watch; or no process is to be had, and this one has to do
+    int status = 0;
+    while (::waitpid(watch, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (!WIFSIGNALED(status)) ::_exit(0);
+  }
+}
+
 [[noreturn]] void be_the_companion(const Companion::Watch& watch, int end, SharedWords& words, int look_ms) {
   ::setsid();
   for (int number = 1; number < NSIG; ++number) ::signal(number, SIG_DFL);
@@ -72,6 +85,7 @@ int keep_only(int end) {
   sched_param priority{};
   priority.sched_priority = kCompanionPriority;
   static_cast<void>(::sched_setscheduler(0, SCHED_FIFO, &priority));  // where it is granted
+  stay_behind_the_watch();
   for (;;) {
     pollfd ended{end, POLLIN, 0};
     const int found = ::poll(&ended, 1, look_ms);

@@ -30,7 +30,7 @@ using SharedWords = std::array<std::atomic<std::uint64_t>, 8>;
 
 /// A process that watches over this one and outlives it: of a session of its own, with no open file of this one's, deaf
 /// to the signals of a terminal. Start it before other threads exist: it is a copy of this process with the calling
-/// thread alone.
+/// thread alone. Where somebody kills it, it is started again.
 class Companion {
  public:
   /// Called in the companion about every `look_ms`, `alive` until this process has ended, however that was. Its last

@@ -100,6 +100,7 @@ void add_run(Total& total, const nlohmann::json& run) {
   for (std::size_t bin = 0; bin < std::min(kLateBins, bins.size()); ++bin)
     late.bins[bin] = bins[bin].get<std::uint64_t>();
   late.ticks = run.at("ticks").get<std::uint64_t>();
+  late.longest_ns = static_cast<std::int64_t>(run.at("late_ns_max").get<double>());
   late.missed = run.at("missed_ticks").get<std::uint64_t>();
   late.real_time = run.at("real_time").get<bool>();
   add(total.lateness, late);

@@ -62,6 +62,22 @@ std::string faster(const Table& race) {
   return text + "; the chapter on where a peer is better says how often and at what error.</li>";
 }
 
+std::string losers(const Table& race) {
+  constexpr double kMany = 0.5;  // of the ticks
+  std::string names;
+  for (std::size_t row = 0; row < race.rows.size(); ++row) {
+    if (race.text(row, "group") != "surfaces" || !(race.number(row, "lost") > kMany)) continue;
+    names += (names.empty() ? " <code>" : ", <code>") + escape_html(race.text(row, "method")) + "</code> on " +
+             escape_html(race.text(row, "surface")) + " of " + text_of("%.3g", race.number(row, "points")) +
+             " points (" + share_text(race.number(row, "lost")) + ")";
+  }
+  return names.empty()
+             ? ""
+             : "<li>Missed the contact in more than half of the ticks, so that their times there are those of "
+               "free space:" +
+                   names + ".</li>";
+}
+
 std::string hard(const Table& table) {
   std::vector<std::string> methods, failing;
   const auto add = [](std::vector<std::string>& list, const std::string& name) {
@@ -111,7 +127,7 @@ std::string lateness(const Table& table) {
 
 std::string findings_html(const std::filesystem::path& folder) {
   std::string list;
-  if (const auto race = read_table(folder / "race.csv")) list += rendering(*race) + faster(*race);
+  if (const auto race = read_table(folder / "race.csv")) list += rendering(*race) + faster(*race) + losers(*race);
   if (const auto table = read_table(folder / "race_hard.csv"); table && !table->rows.empty()) list += hard(*table);
   if (const auto table = read_table(folder / "pipeline_open_peers.csv"); table && !table->rows.empty())
     list += heights(*table, "back", "rms_away_mm", "mm", "an open relief with a sparse back");

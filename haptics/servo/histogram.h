@@ -1,6 +1,7 @@
 // Counts of times without allocation: exact below 128 ns, then 64 steps an octave (0.8 % wide at most 1.6 %).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -64,11 +65,14 @@ class LatenessHistogram {
   void add(std::int64_t late_ns) noexcept {
     const std::int64_t index = late_ns > 0 ? late_ns / kBin_ns : 0;
     ++counts_[index < static_cast<std::int64_t>(kBins) ? static_cast<std::size_t>(index) : kBins - 1];
+    max_ns_ = std::max(max_ns_, late_ns);
   }
+  [[nodiscard]] std::int64_t max_ns() const noexcept { return max_ns_; }
   [[nodiscard]] const std::array<std::uint64_t, kBins>& counts() const noexcept { return counts_; }
 
  private:
   std::array<std::uint64_t, kBins> counts_{};
+  std::int64_t max_ns_ = 0;
 };
 
 }  // namespace sparsha::haptics

@@ -24,6 +24,7 @@
 #include "haptics/session/gestures.h"
 #include "haptics/session/guide_control.h"
 #include "haptics/session/navigator.h"
+#include "haptics/session/summary.h"
 #include "haptics/session/window_loader.h"
 #include "scene/regions.h"
 
@@ -409,21 +410,7 @@ SessionSummary Session::stop() {
     summary.processor_s = static_cast<double>(std::clock() - self.processor_at_start) / CLOCKS_PER_SEC;
     if (self.servo) self.servo->stop();
     if (self.replay) self.replay->stop();
-    const ServoFigures& servo = self.servo ? self.servo->figures() : self.replay->figures();
-    summary.ticks = servo.ticks;
-    summary.missed_ticks = servo.missed_ticks;
-    summary.share_in_time = servo.share_in_time;
-    summary.real_time = servo.real_time;
-    summary.locked_memory = servo.locked_memory;
-    summary.faults = servo.faults;
-    summary.watchdog_trips = servo.watchdog_trips;
-    summary.late_faults = servo.late_faults;
-    summary.swap_ns_max = servo.swap_ns_max;
-    summary.tick_ns_p50 = servo.tick_ns.quantile_ns(0.5);
-    summary.tick_ns_p99 = servo.tick_ns.quantile_ns(0.99);
-    summary.tick_ns_p999 = servo.tick_ns.quantile_ns(0.999);
-    summary.tick_ns_max = servo.tick_ns.max_ns();
-    summary.lateness_histogram.assign(servo.lateness.counts().begin(), servo.lateness.counts().end());
+    add_figures(summary, self.servo ? self.servo->figures() : self.replay->figures());
   }
   std::exception_ptr lost;
   try {
@@ -437,16 +424,7 @@ SessionSummary Session::stop() {
   } catch (...) {
     if (!lost) lost = std::current_exception();
   }
-  const RunFigures& figures = self.recorder.figures();
-  summary.duration_s = figures.duration_s;
-  summary.contact_s = figures.contact_s;
-  summary.contacts = figures.contacts;
-  summary.path_m = figures.path_m;
-  summary.mean_force_n = figures.mean_force_n;
-  summary.peak_force_n = figures.peak_force_n;
-  summary.area_m2 = figures.area_m2;
-  summary.levels = figures.levels;
-  summary.unfinished = figures.unfinished;
+  add_figures(summary, self.recorder.figures());
   summary.dropped_records = self.recorder.dropped();
   summary.stiffness_n_per_m = self.stiffness_n_per_m;
   summary.windows_loaded = self.replay ? self.replay->windows_loaded() : self.windows_loaded;

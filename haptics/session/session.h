@@ -48,6 +48,7 @@ struct SessionSummary {
   std::vector<int> levels;  ///< used
   double tick_ns_p50 = 0, tick_ns_p99 = 0, tick_ns_p999 = 0, tick_ns_max = 0;
   std::vector<std::uint64_t> lateness_histogram;  ///< 20 bins of 100 us, the last one open
+  double late_ns_max = 0.0;                       ///< of a tick's begin
   std::uint64_t unfinished = 0;
   std::uint64_t faults = 0;
   std::uint64_t dropped_records = 0;

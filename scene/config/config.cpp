@@ -321,6 +321,8 @@ std::vector<PartConfig> parse_parts(const Node& node) {
     MapReader reader(item, "a part");
     PartConfig part;
     part.name = yaml::to_text(reader.required("name"));
+    if (part.name.find_first_not_of(" \t\n\r") == std::string::npos)
+      throw yaml::error_at(*item.find("name"), "the name of a part is empty", "words by which it is announced");
     part.say = part.name;
     reader.read("say", part.say);
     reader.read("more", part.more);

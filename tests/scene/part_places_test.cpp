@@ -61,6 +61,7 @@ TEST(PartPlaces, ThatAreNoneAreRefusedWhereTheyStand) {
   many += "]";
   const std::vector<std::pair<std::string, std::vector<const char*>>> cases = {
       {"{name: a}", {"c.yaml:2:9", "part 'a' has no place", "box_m, polygon_m or label"}},
+      {"{name: ' ', box_m: [0, 0, 1, 1]}", {"c.yaml:2:16", "the name of a part is empty", "words by which it is"}},
       {"{name: a, box_m: [0,0,1,1], polygon_m: [[0,0],[1,0],[0,1]]}",
        {"c.yaml:2:48", "'box_m' and 'polygon_m' contradict"}},
       {"{name: a, polygon_m: [[0,0],[1,0],[0,1]], label: 1}", {"c.yaml:2:58", "'polygon_m' and 'label' contradict"}},

@@ -157,7 +157,8 @@ void scans_part(const Brush& brush, CloudController& controller) {
   heading(brush, "Scans");
   std::string size = length(static_cast<double>((points->high - points->low).x()));
   for (int axis = 1; axis < 3; ++axis) size += " x " + length(static_cast<double>((points->high - points->low)[axis]));
-  ImGui::TextWrapped("%s points, %s", count_text(points->total, TextStyle::plain).c_str(), size.c_str());
+  ImGui::TextWrapped("%s point%s, %s", count_text(points->total, TextStyle::plain).c_str(),
+                     points->total == 1 ? "" : "s", size.c_str());
   if (points->total > points->points.size())
     ImGui::TextWrapped("%s of them are shown", count_text(points->points.size(), TextStyle::plain).c_str());
   line(brush, "Unit");

@@ -145,6 +145,16 @@ TEST_F(Page, FindingsNameThePeerThatIsBetterThanOurs) {
   EXPECT_THAT(html, HasSubstr("0.2 mm RMS, the best other way (median) 0.1 mm"));
 }
 
+TEST_F(Page, FindingsNameWhoMissesTheContactInMostTicks) {
+  write(folder_ / "race.csv",
+        "method,group,surface,points,lost\nmls,surfaces,scan: lion,1e5,0.72\nbox,surfaces,scan: lion,1e5,0.5\n"
+        "sphere,depth,plane,1e5,0.9\n");
+  const std::string html = findings_html(folder_.path());
+  EXPECT_THAT(html, HasSubstr("<code>mls</code> on scan: lion of 1e+05 points (72 %)."));
+  EXPECT_THAT(html, Not(HasSubstr("box")));
+  EXPECT_THAT(html, Not(HasSubstr("sphere")));
+}
+
 TEST(Exponent, IsFoundFromAnExactPowerAndHasNoError) {
   std::vector<double> counts, seconds;
   for (double n = 1e3; n < 2e6; n *= 10.0) {
