@@ -25,7 +25,8 @@ constexpr double kQuietest_db = 80.0;
 constexpr double kLongest_s = 10.0;
 constexpr double kRise_s = 0.0005;
 constexpr double kNear_octaves = 0.3;  // of a mode's pitch from that of the zero crossings
-constexpr double kSoftest_db = -15.0;  // of that mode
+constexpr double kSoftest_db = -15.0;  // of a mode that counts
+constexpr double kMultiple = 0.1;      // of the pitch: as far a partial may be from a multiple
 constexpr double kBlended = 0.25;      // of the period
 
 double value_at(const std::vector<double>& x, double at) {  // cubic through four samples
@@ -89,13 +90,27 @@ double followed_period(const std::vector<double>& zeros, double first, double pe
 
 /// Of the loudest mode near a period's pitch: partials that are no multiples of it move zero crossings by a semitone
 /// and more. Without such a mode the period as it is.
-double tuned_period(const std::vector<double>& x, double period, double rate_hz) {
-  const std::vector<float> sound(x.begin(), x.end());
-  for (const pipeline::ModeConfig& mode : fit_modes(sound, rate_hz)) {
+double tuned_period(const std::vector<pipeline::ModeConfig>& modes, double period, double rate_hz) {
+  for (const pipeline::ModeConfig& mode : modes) {
     const double of_mode = rate_hz / mode.frequency_hz;
     if (mode.level_db > kSoftest_db && std::abs(std::log2(of_mode / period)) < kNear_octaves) return of_mode;
   }
   return period;
+}
+
+/// A sound whose partials are no multiples of a pitch may be most like itself after several periods of the lowest: that
+/// one's period, in samples. 0 where the lag is one period.
+double period_of_lowest(const std::vector<pipeline::ModeConfig>& modes, std::size_t lag, double rate_hz) {
+  const double pitch_hz = rate_hz / static_cast<double>(lag);
+  double lowest_hz = HUGE_VAL;
+  bool multiples = true;
+  for (const pipeline::ModeConfig& mode : modes) {
+    if (mode.level_db <= kSoftest_db) continue;
+    lowest_hz = std::min(lowest_hz, mode.frequency_hz);
+    const double multiple = mode.frequency_hz / pitch_hz;
+    multiples = multiples && std::abs(multiple - std::round(multiple)) < kMultiple;
+  }
+  return !multiples && lowest_hz > 1.5 * pitch_hz ? rate_hz / lowest_hz : 0.0;
 }
 
 double rms(const std::vector<double>& x, std::size_t begin, std::size_t length) {
@@ -138,20 +153,27 @@ Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& na
   const std::size_t begin = loudest + static_cast<std::size_t>(kAttack_s * rate_hz);
   if (begin + static_cast<std::size_t>(0.06 * rate_hz) > x.size()) throw refuse("it is too short");
   const std::size_t length = std::min(x.size() - begin, static_cast<std::size_t>(kJudged_s * rate_hz));
+  const std::vector<pipeline::ModeConfig> modes = fit_modes(std::vector<float>(x.begin(), x.end()), rate_hz);
   const std::size_t lag = rough_period(x, begin, length, rate_hz);
   const std::vector<double> zeros = rising_zeros(x, begin, begin + length);
   if (lag == 0 || zeros.size() < 3) throw refuse("it has no pitch");
+  const double of_lowest = period_of_lowest(modes, lag, rate_hz);
+  const double rough = of_lowest > 0.0 ? of_lowest : static_cast<double>(lag);
   // Of the crossings of one period the steepest tells its place best.
   double first = zeros.front();
   for (const double zero : zeros) {
-    if (zero > zeros.front() + static_cast<double>(lag)) break;
+    if (zero > zeros.front() + rough) break;
     const auto steep = [&](double at) { return value_at(x, at + 0.5) - value_at(x, at - 0.5); };
     if (steep(zero) > steep(first)) first = zero;
   }
-  std::size_t count = 0;
-  const double followed = followed_period(zeros, first, static_cast<double>(lag), count);
-  if (count == 0) throw refuse("no two zero crossings of like slope are a period apart");
-  const double period = tuned_period(x, followed, rate_hz);
+  double period = of_lowest;
+  if (!(period > 0.0)) {
+    std::size_t count = 0;
+    const double followed = followed_period(zeros, first, rough, count);
+    period = tuned_period(modes, followed, rate_hz);
+    // A mode tells the period where other partials move the crossings.
+    if (count == 0 && period == followed) throw refuse("no two zero crossings of like slope are a period apart");
+  }
   // Decay from the first to the last quarter of the time in which the note is heard.
   const std::size_t quarter = (end_of_decay(x, begin, rate_hz) - begin) / 4;
   if (static_cast<double>(quarter) < period) throw refuse("it ends within four periods");

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <random>
 
@@ -278,6 +279,29 @@ TEST(Clip, TheConstantOfARecorderChangesNoLoop) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 4800; ++i) sum += sound[i];  // whole periods
   EXPECT_LT(std::abs(sum / 4800.0), 0.01);
+}
+
+TEST(Clip, OfTheHallsOwnPillarsOnePeriodIsLoopedAndNotSeveral) {
+  constexpr int kRate = 48000;
+  const std::filesystem::path folder = std::filesystem::path(SPARSHA_SOURCE_DIR) / "data" / "audio";
+  int pillars = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.path().filename().string().starts_with("pillar-")) continue;
+    ++pillars;
+    const Clip clip = load_clip(entry.path(), kRate);
+    const auto whole = listening::channel(clip.samples, 0);
+    const auto looped = listening::channel(loop_one_period(clip, kRate, entry.path().string()).samples, 0);
+    // Its lowest partial: the loudest below 600 Hz, in steps of a hertz.
+    double pitch_hz = 0.0, most = 0.0;
+    for (double hz = 60.0; hz < 600.0; hz += 1.0)
+      if (const double level = listening::amplitude_at(whole, hz, kRate, 4800, 28800); level > most)
+        most = level, pitch_hz = hz;
+    const double own = listening::amplitude_at(looped, pitch_hz, kRate, 4800, 28800);
+    for (const double share : {1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0, 3.0 / 4.0})
+      EXPECT_LT(listening::amplitude_at(looped, share * pitch_hz, kRate, 4800, 28800), 0.03 * own)
+          << entry.path().filename() << ", " << share << " of " << pitch_hz << " Hz";
+  }
+  EXPECT_EQ(pillars, 8);
 }
 
 TEST(Clip, WhatHasNoPitchCannotBeLooped) {
