@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kPress_m = 0.003;
 constexpr double kPress_n = 2.4;  // of a press without the wheel, whatever the stiffness
+constexpr double kMost_n = 2.7;   // of a hand that is not moved, whatever the stone does under it
 constexpr double kDeepest_m = 0.015;
 constexpr double kWheel_m = 0.0005;       // one notch of the wheel
 constexpr double kFollow_s = 0.06;        // the pressing hand's height follows so slowly that fine texture is felt
@@ -19,6 +20,7 @@ constexpr double kClear_m = 0.002;        // a hand that moves across the stone 
 constexpr double kThere_m = 0.001;
 constexpr double kDeviceFollow_s = 0.012;  // of the pointer device
 constexpr double kAimFresh_s = 0.5;
+constexpr double kStill_s = 0.25;
 
 }  // namespace
 
@@ -56,6 +58,7 @@ std::optional<Eigen::Vector3d> meet_surface(const Eigen::Vector3d& origin_m, con
 
 void PointerHand::step(double x_m, double y_m) {
   forget_aim();
+  moves();
   wanted_m_ += Eigen::Vector2d(x_m, y_m);
 }
 
@@ -71,11 +74,19 @@ void PointerHand::wheel(double steps) {
 void PointerHand::press(bool down) {
   pressed_ = down;
   fresh_s_ = 0.0;
+  moved_s_ = kLong_s;
 }
 
 double PointerHand::press_depth_m(const haptics::State& state) const {
   if (deeper_m_) return *deeper_m_;
   return state.stiffness_n_per_m > 0.0 ? std::min(kPress_m, kPress_n / state.stiffness_n_per_m) : kPress_m;
+}
+
+// No limit for a hand that is moved: it may be pushed against a wall. The wheel and the keys may ask for more.
+double PointerHand::most_force_n(const haptics::State& state) const {
+  if (moved_s_ < kStill_s) return 0.0;
+  const double depth_m = pressed_ ? press_depth_m(state) : std::max(0.0, -hover_m_);
+  return std::max(kMost_n, state.stiffness_n_per_m * depth_m + (kMost_n - kPress_n));
 }
 
 // The hand is where the mouse's ray meets the stone, or the height at which the hand hovers.
@@ -87,10 +98,16 @@ void PointerHand::follow_aim(const haptics::State& state, const pipeline::SceneD
   double low_m = scene.height_min_m, high_m = scene.height_max_m;
   if (!(high_m >= low_m)) low_m = high_m = centre_m.z();
   constexpr double kSmoothShare = 1.0 / 400.0;  // of the window's width: half the distance of its nodes
+  bool known = true;
+  const auto known_at = [&](double x_m, double y_m) {
+    const double height_m = height_at(x_m, y_m);
+    known = known && std::isfinite(height_m);
+    return height_m;
+  };
   const auto place =
-      meet_surface(stage.to_grid_m(aim_->origin), aim_->direction, height_at, pressed_ ? 0.0 : hover_m_ / state.scale,
+      meet_surface(stage.to_grid_m(aim_->origin), aim_->direction, known_at, pressed_ ? 0.0 : hover_m_ / state.scale,
                    low_m, high_m, kSmoothShare * window_of(state, scene).width_m);
-  if (place) wanted_m_ = state.scale * (*place - centre_m).head<2>();
+  if (place && known) wanted_m_ = state.scale * (*place - centre_m).head<2>();
 }
 
 // Critically damped, as the device is.
@@ -102,7 +119,7 @@ void PointerHand::follow_device(double seconds) {
   velocity_ = (velocity_ - rise * (seconds / kDeviceFollow_s)) * decay;
 }
 
-void PointerHand::approach(double seconds, double reach_m, double depth_m,
+void PointerHand::approach(double seconds, double reach_m, double depth_m, double against_m,
                            const std::function<double(const Eigen::Vector2d&)>& surface_m) {
   const Eigen::Vector2d from = device_m_.head<2>();
   const Eigen::Vector2d way = wanted_m_ - from;
@@ -114,7 +131,7 @@ void PointerHand::approach(double seconds, double reach_m, double depth_m,
     sent_m_.head<2>() = wanted_m_;
     const double goal_m = here_m - (pressed_ ? depth_m : -hover_m_);
     sent_m_.z() += (1.0 - std::exp(-seconds / kFollow_s)) * (goal_m - sent_m_.z());
-    sent_m_.z() = std::max(sent_m_.z(), goal_m - kMostAgainst_m);
+    sent_m_.z() = std::max(sent_m_.z(), goal_m - against_m);
   } else {
     // Over what lies between: up at once, across as far as the height allows, then down.
     constexpr int kPlaces = 48;
@@ -141,25 +158,37 @@ haptics::PointerSample PointerHand::update(double seconds, const haptics::State&
                                            const HeightAt& height_at) {
   follow_aim(state, scene, stage, height_at);
   fresh_s_ += seconds;
+  moved_s_ += seconds;
   if (!wanted_m_.allFinite()) wanted_m_.setZero();
   wanted_m_ = wanted_m_.cwiseMax(-reach_m).cwiseMin(reach_m);
+  bool known = true;
   const auto surface_m = [&](const Eigen::Vector2d& device_m) {
     if (state.tick == 0 || !(state.scale > 0.0)) return 0.0;
     const double height_m =
         height_at(state.centre_m[0] + device_m.x() / state.scale, state.centre_m[1] + device_m.y() / state.scale);
     const double surface = state.scale * (height_m - state.centre_m[2]);
+    known = known && std::isfinite(surface);
     return std::isfinite(surface) ? surface : 0.0;
   };
   if (!known_) {
     known_ = true;
-    sent_m_ << wanted_m_, std::clamp(surface_m(wanted_m_) + hover_m_, -reach_m, reach_m);
+    const double begin_m = surface_m(wanted_m_) + hover_m_;
+    sent_m_ << wanted_m_, known ? std::clamp(begin_m, -reach_m, reach_m) : reach_m;
     device_m_ = sent_m_;
   }
   follow_device(seconds);
-  approach(seconds, reach_m, press_depth_m(state), surface_m);
+  const double stiffness = state.stiffness_n_per_m, depth_m = press_depth_m(state), most_n = most_force_n(state);
+  const bool limited = most_n > 0.0 && stiffness > 0.0;
+  const double against_m = limited ? std::clamp(most_n / stiffness - depth_m, 0.0, kMostAgainst_m) : kMostAgainst_m;
+  // Over stone that is still read the hand stays where it is: what it would go down to may not be there.
+  const Eigen::Vector3d before_m = sent_m_;
+  approach(seconds, reach_m, depth_m, against_m, surface_m);
+  if (!known) sent_m_ = before_m;
   haptics::PointerSample sample;
   sample.device_m = {sent_m_.x(), sent_m_.y(), sent_m_.z()};
   sample.sequence = ++sequence_;
+  sample.most_force_n = most_n;
+  sample.stiffness_n_per_m = stiffness;
   return sample;
 }
 

@@ -13,7 +13,7 @@
 
 namespace sparsha::viewer {
 
-/// Height of the surface that the hand touches at x, y (grid frame, metres).
+/// Height of the surface that the hand touches at x, y (grid frame, metres); no number where it is not known yet.
 using HeightAt = std::function<double(double x_m, double y_m)>;
 
 /// First place where the ray (grid frame) meets the surface raised by `above_m`; nothing when it never does.
@@ -28,6 +28,7 @@ class PointerHand {
   void aim(const View::Ray& ray) {
     aim_ = ray;
     fresh_s_ = 0.0;
+    moves();
   }
   /// The picture is about to move: the hand stays where it is in its workspace.
   void forget_aim() { aim_.reset(); }
@@ -46,14 +47,19 @@ class PointerHand {
 
  private:
   [[nodiscard]] double press_depth_m(const haptics::State& state) const;
+  [[nodiscard]] double most_force_n(const haptics::State& state) const;
+  void moves() {
+    if (pressed_ || hover_m_ < 0.0) moved_s_ = 0.0;
+  }
   void follow_aim(const haptics::State& state, const pipeline::SceneDescription& scene, const Stage& stage,
                   const HeightAt& height_at);
-  void approach(double seconds, double reach_m, double depth_m,
+  void approach(double seconds, double reach_m, double depth_m, double against_m,
                 const std::function<double(const Eigen::Vector2d&)>& surface_m);
   void follow_device(double seconds);
 
   std::optional<View::Ray> aim_;
   double fresh_s_ = 0.0;                                // since the last aim
+  double moved_s_ = kLong_s;                            // since the pressing hand was moved
   Eigen::Vector2d wanted_m_ = Eigen::Vector2d::Zero();  // device frame
   double hover_m_ = kHover_m;                           // above the surface, device frame
   std::optional<double> deeper_m_;                      // depth of a press that the wheel has asked for
@@ -65,6 +71,7 @@ class PointerHand {
   std::uint64_t sequence_ = 0;
 
   static constexpr double kHover_m = 0.008;
+  static constexpr double kLong_s = 1e9;
 };
 
 }  // namespace sparsha::viewer

@@ -92,7 +92,8 @@ void Picture::set_scene(pipeline::ScenePointer scene) {
 }
 
 double Picture::touch_height_at(double x_m, double y_m) const {
-  return touch_ground_.height_at(x_m, y_m).value_or(height_at(x_m, y_m));
+  if (const auto height_m = touch_ground_.height_at(x_m, y_m)) return *height_m;
+  return touch_ground_.waits() ? std::numeric_limits<double>::quiet_NaN() : height_at(x_m, y_m);
 }
 
 double Picture::height_at(double x_m, double y_m) const {

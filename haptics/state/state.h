@@ -114,7 +114,9 @@ static_assert(std::is_trivially_copyable_v<ContactEvent>);
 struct PointerSample {
   std::array<double, 3> device_m{};  ///< device frame
   std::uint64_t buttons = 0;
-  std::uint64_t sequence = 0;  ///< counts samples; 0 = none yet
+  std::uint64_t sequence = 0;      ///< counts samples; 0 = none yet
+  double most_force_n = 0.0;       ///< the hand gives way to more; 0: to none
+  double stiffness_n_per_m = 0.0;  ///< of the stone, as the writer knows it; the hand gives way by it
 };
 static_assert(std::is_trivially_copyable_v<PointerSample>);
 

@@ -33,16 +33,18 @@ void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::Sta
       heights_ = loading_.get();
     } catch (const std::exception&) {  // the servo reads the same tiles and says so
     }
+    held_ = wanted_;
   }
   constexpr std::int64_t kMostNodes = 1 << 14;
   const bool usable = state.tick != 0 && scene != nullptr && state.level < scene->description().levels.size() &&
                       state.scale > 0.0 && std::isfinite(state.scale) && state.tip_radius_m >= 0.0 &&
                       state.window[2] >= 2 && state.window[3] >= 2 && state.window[2] <= kMostNodes &&
                       state.window[3] <= kMostNodes;
-  if (!usable || loading_.valid()) return;
+  if (!usable) return;
   const Window window{scene.get(), state.level, state.window, (state.flags & haptics::kFlagTexture) != 0,
                       state.tip_radius_m / state.scale};
-  if (window == wanted_) return;
+  asked_ = window;
+  if (loading_.valid() || window == wanted_) return;
   if (window.scene != wanted_.scene) heights_.reset();
   wanted_ = window;
   loading_ = std::async(std::launch::async, [scene, window] { return load(*scene, window); });
@@ -50,13 +52,16 @@ void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::Sta
 }
 
 std::optional<double> TouchGround::height_at(double x_m, double y_m) const {
-  if (!heights_) return std::nullopt;
+  if (!heights_ || (waits() && !held_.same_view(asked_))) return std::nullopt;
   const pipeline::Lattice& lattice = heights_->lattice;
   // Beyond the window the servo continues its border, and not what lies in the margin.
   const double first = heights_->margin;
-  const double x = std::clamp((x_m - lattice.origin_m.x()) / lattice.spacing_m, first, lattice.nx - 1.0 - first);
-  const double y = std::clamp((y_m - lattice.origin_m.y()) / lattice.spacing_m, first, lattice.ny - 1.0 - first);
+  const double place_x = (x_m - lattice.origin_m.x()) / lattice.spacing_m;
+  const double place_y = (y_m - lattice.origin_m.y()) / lattice.spacing_m;
+  const double x = std::clamp(place_x, first, lattice.nx - 1.0 - first);
+  const double y = std::clamp(place_y, first, lattice.ny - 1.0 - first);
   if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
+  if (waits() && (x != place_x || y != place_y)) return std::nullopt;
   const int i = std::min(static_cast<int>(x), lattice.nx - 2), j = std::min(static_cast<int>(y), lattice.ny - 2);
   const double u = x - i, v = y - j;
   const auto at = [&](int a, int b) { return static_cast<double>(heights_->height_m[lattice.index(a, b)]); };

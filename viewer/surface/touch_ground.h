@@ -15,10 +15,13 @@ namespace sparsha::viewer {
 class TouchGround {
  public:
   /// Reads the window that `state` tells of when it is another; on a worker unless `wait`. Until it has come the last
-  /// one stays. Never throws: unreadable layers leave the last window.
+  /// one serves where it lies. Never throws: unreadable layers leave the last window.
   void follow(const pipeline::ScenePointer& scene, const haptics::State& state, bool wait);
-  /// Height of the rendered surface, grid frame, clamped to the window; nothing as long as no window is known.
+  /// Height of the rendered surface, grid frame, clamped to the window; nothing where it is not known: before the first
+  /// window, and while another is read, outside the last one or at another scale.
   [[nodiscard]] std::optional<double> height_at(double x_m, double y_m) const;
+  /// The window that the servo has told of is still read.
+  [[nodiscard]] bool waits() const { return held_ != asked_; }
 
  private:
   struct Window {
@@ -28,6 +31,9 @@ class TouchGround {
     bool texture = true;
     double tip_m = 0.0;  ///< grid frame
     bool operator==(const Window&) const = default;
+    [[nodiscard]] bool same_view(const Window& other) const {
+      return scene == other.scene && level == other.level && texture == other.texture && tip_m == other.tip_m;
+    }
   };
   struct Heights {
     pipeline::Lattice lattice;
@@ -36,7 +42,9 @@ class TouchGround {
   };
   static Heights load(const pipeline::Scene& scene, const Window& window);
 
-  Window wanted_;
+  Window asked_;   // of the last state
+  Window wanted_;  // read last, or read now
+  Window held_;    // of the heights
   std::optional<Heights> heights_;
   std::future<Heights> loading_;
 };

@@ -9,7 +9,7 @@
 
 namespace sparsha::haptics {
 
-/// The hand is where the viewer's pointer is.
+/// The hand is where the viewer's pointer is, as far as the force does not become greater than the pointer allows.
 [[nodiscard]] std::unique_ptr<Device> make_pointer_device(std::shared_ptr<const Seqlock<PointerSample>> pointer);
 
 }  // namespace sparsha::haptics
