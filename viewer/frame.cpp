@@ -135,8 +135,8 @@ Layout layout_of(int width, int height, const ViewSettings& settings) {
   layout.scale = std::clamp(std::min(width / 1280.0, height / 720.0), 0.6, 4.0) * (settings.large_type ? 1.3 : 1.0);
   const auto px = [&](double value) { return static_cast<int>(std::lround(value * layout.scale)); };
   if (settings.kiosk) {
-    layout.detail = {0, 0, width, height};
-    layout.bar = {0, height - px(110), width, px(110)};
+    layout.detail = {0, 0, width, std::max(height - px(110), 32)};
+    layout.bar = {0, layout.detail.height, width, height - layout.detail.height};
     const int side = std::min(px(240), width / 4);
     layout.overview = {width - side - px(24), px(24), side, side};
     return layout;

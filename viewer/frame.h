@@ -104,7 +104,7 @@ struct Clickable {
 /// Where things are in the window, pixels from the top left.
 struct Layout {
   Rect detail;
-  Rect bar;            ///< of the buttons: below the detail view, in kiosk mode over it
+  Rect bar;            ///< of the buttons: below the detail view
   Rect panel;          ///< zero width in kiosk mode
   Rect overview;       ///< the overview's picture, inside the panel or over the detail view
   Rect strip;          ///< force, depth and speed over time; empty where there is no room

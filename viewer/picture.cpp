@@ -380,18 +380,16 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   }
 
   draw_detail(frame, layout, framed, framebuffer, height);
-  if (layout.panel.width > 0) {
-    // The ground of panel and bar: clearing is far cheaper than blended rectangles.
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glEnable(GL_SCISSOR_TEST);
-    const float ground = frame.settings.high_contrast ? 0.0F : 1.0F;
-    glClearColor(0.094F * ground, 0.086F * ground, 0.078F * ground, 1.0F);
-    for (const Rect& rect : {layout.panel, layout.bar}) {
-      glScissor(rect.x, height - rect.y - rect.height, rect.width, rect.height);
-      glClear(GL_COLOR_BUFFER_BIT);
-    }
-    glDisable(GL_SCISSOR_TEST);
+  // The ground of panel and bar: clearing is far cheaper than blended rectangles.
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glEnable(GL_SCISSOR_TEST);
+  const float ground = frame.settings.high_contrast ? 0.0F : 1.0F;
+  glClearColor(0.094F * ground, 0.086F * ground, 0.078F * ground, 1.0F);
+  for (const Rect& rect : {layout.panel, layout.bar}) {
+    glScissor(rect.x, height - rect.y - rect.height, rect.width, rect.height);
+    glClear(GL_COLOR_BUFFER_BIT);
   }
+  glDisable(GL_SCISSOR_TEST);
   if (layout.overview.width > 0 && layout.overview.height > 0) draw_overview(frame, layout, style, framebuffer, height);
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);

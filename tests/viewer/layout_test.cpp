@@ -111,6 +111,32 @@ TEST(Layout, NoWordsOfAnExhibitOverlapAtAnySize) {
         }
 }
 
+// What lies under the buttons cannot be touched with the mouse.
+TEST(Layout, AnExhibitsStoneLiesAboveItsButtonsAtEverySize) {
+  Connections connections;
+  connections.next_scene = [](int) {};
+  ViewSettings settings;
+  settings.kiosk = true;
+  Studio studio(scene_of(lotus, {101, 101, 0.01, 1}), settings, connections);
+  const Stage& stage = studio.picture().stage();
+  for (const auto& [width, height] : kSizes)
+    for (const bool large : {false, true}) {
+      studio.controller().frame().settings.large_type = large;
+      studio.settle({}, width, height);
+      studio.shoot({}, width, height);
+      const Layout layout = layout_of(width, height, studio.controller().frame().settings);
+      ASSERT_GT(layout.bar.height, 0);
+      EXPECT_EQ(layout.bar.y + layout.bar.height, height);
+      for (const double x : {0.0, 1.0})
+        for (const double y : {0.0, 1.0}) {
+          const auto corner = studio.picture().detail_view().to_pixel(stage.to_world({x, y, 0.0}));
+          ASSERT_TRUE(corner);
+          EXPECT_LT(corner->y() + layout.detail.y, layout.bar.y) << width << " x " << height << (large ? " large" : "");
+          EXPECT_GT(corner->y() + layout.detail.y, 0.0) << width << " x " << height << (large ? " large" : "");
+        }
+    }
+}
+
 TEST(Layout, NoWordsBesideARawCloudOverlapOrAreCutOffAtAnySize) {
   PointView view = square(100, 1.0);
   view.title = "Lion of the northern staircase, second flight";

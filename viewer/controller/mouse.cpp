@@ -87,7 +87,7 @@ void Controller::press_left(int modifiers) {
     grip_ = Grip::overview;
     overview_s_ = -1.0;
     go_to_overview(mouse_);
-  } else if (layout_.panel.contains(mouse_.x(), mouse_.y())) {
+  } else if (layout_.panel.contains(mouse_.x(), mouse_.y()) || layout_.bar.contains(mouse_.x(), mouse_.y())) {
     grip_ = Grip::box;
   } else if ((modifiers & kControl) != 0 && (modifiers & kShift) != 0) {
     grip_ = Grip::light;
