@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPress_m = 0.003;
 constexpr double kPress_n = 2.4;  // of a press without the wheel, whatever the stiffness
-constexpr double kMost_n = 2.7;   // of a hand that is not moved, whatever the stone does under it
+constexpr double kMost_n = 2.6;   // of a hand that is not moved, whatever the stone does under it
 constexpr double kDeepest_m = 0.015;
 constexpr double kWheel_m = 0.0005;       // one notch of the wheel
 constexpr double kFollow_s = 0.06;        // the pressing hand's height follows so slowly that fine texture is felt
