@@ -35,7 +35,8 @@ constexpr const char* kMetrics =
     "lost,share of judged ticks,error of 1 or more\n"
     "felt,share of judged ticks,error above 0.07\n"
     "jumps,share of judged ticks,change of the error vector from tick to tick above 0.07 of the true force\n"
-    "ghost,share of ticks not judged,error above 0.01 (hand above the surface) or 0.07 (below it) of the case's largest "
+    "ghost,share of ticks not judged,error above 0.01 (hand above the surface) or 0.07 (below it) of the case's "
+    "largest "
     "true force\n";
 
 OpenCase make_case(const std::string& name, const Ground& ground, double speed, double depth) {

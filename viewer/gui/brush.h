@@ -23,7 +23,7 @@ struct Theme {
 struct DrawnText {
   std::string words;
   float x = 0.0F, y = 0.0F, width = 0.0F, height = 0.0F;
-  int layer = 0;  ///< 0 under, 1 announcements, 2 a page or question over everything, 3 marks on the stone
+  int layer = 0;      ///< 0 under, 1 announcements, 2 a page or question over everything, 3 marks on the stone
   float room = 0.0F;  ///< the width that a button or panel has for them; 0: they are not cut off
 };
 
