@@ -68,7 +68,7 @@ std::string losers(const Table& race) {
   for (std::size_t row = 0; row < race.rows.size(); ++row) {
     if (race.text(row, "group") != "surfaces" || !(race.number(row, "lost") > kMany)) continue;
     names += (names.empty() ? " <code>" : ", <code>") + escape_html(race.text(row, "method")) + "</code> on " +
-             escape_html(race.text(row, "surface")) + " of " + text_of("%.3g", race.number(row, "points")) +
+             escape_html(race.text(row, "surface")) + " of " + text_of("%.0f", race.number(row, "points")) +
              " points (" + share_text(race.number(row, "lost")) + ")";
   }
   return names.empty()

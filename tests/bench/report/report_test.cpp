@@ -150,7 +150,7 @@ TEST_F(Page, FindingsNameWhoMissesTheContactInMostTicks) {
         "method,group,surface,points,lost\nmls,surfaces,scan: lion,1e5,0.72\nbox,surfaces,scan: lion,1e5,0.5\n"
         "sphere,depth,plane,1e5,0.9\n");
   const std::string html = findings_html(folder_.path());
-  EXPECT_THAT(html, HasSubstr("<code>mls</code> on scan: lion of 1e+05 points (72 %)."));
+  EXPECT_THAT(html, HasSubstr("<code>mls</code> on scan: lion of 100000 points (72 %)."));
   EXPECT_THAT(html, Not(HasSubstr("box")));
   EXPECT_THAT(html, Not(HasSubstr("sphere")));
 }
