@@ -317,6 +317,8 @@ TEST_F(FalconProgram, TheEmulatorRunsAnyProgramWithItsDashesAndGivesItsExitCode)
   EXPECT_EQ(run("-- sh -c 'exit 7'"), 7);
   EXPECT_EQ(run("-- sh -c 'kill -TERM $$'"), 128 + SIGTERM);
   EXPECT_EQ(run("-- ./no-such-program"), 2);
+  // ALSA looks for more sound cards than umockdev has room for.
+  EXPECT_EQ(run("-- '" + std::string(SPARSHA_PROGRAM) + "' explore --list-audio"), 0);
   EXPECT_EQ(run("--fault sparks -- true"), 2);
   EXPECT_THAT(messages(), HasSubstr("lost-bytes | "));
   ::setenv("TMPDIR", "/no-such-folder", 1);
