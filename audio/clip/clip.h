@@ -22,9 +22,10 @@ struct Clip {
 void end_softly(Clip& clip, int sample_rate_hz);
 
 /// A note made of one period of the clip, cut between zero crossings of like slope 30 ms or more after its loudest
-/// moment, and repeated with the clip's own decay (10 s at most); its last quarter fades into what
-/// was before it, so that partials which are no multiples of the pitch make no step. Its pitch is that of the
-/// periods there, or of the loudest mode near it. Throws Error{input} that names `name` when there is no such period.
+/// moment, and repeated with the clip's own decay (10 s at most). The last quarter of the period fades into what was
+/// before the period, so that partials which are no multiples of the pitch make no step. The pitch is that of the
+/// periods there, of the loudest mode near it, or, where the sound repeats only after several periods of its lowest
+/// mode, of that mode. Throws Error{input} that names `name` when there is no such period.
 [[nodiscard]] Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& name);
 
 /// Band-limited resampling of interleaved frames with linear phase (libsoxr's "very high quality": 28 bits, pass band
