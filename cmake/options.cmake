@@ -36,6 +36,24 @@ if(SPARSHA_SANITIZE)
   target_compile_definitions(sparsha_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_link_options(sparsha_options INTERFACE -fsanitize=${SPARSHA_SANITIZE})
 endif()
+# What makes a fault in a reader of strangers' files an end of the program and not a way in: checked copies, guarded
+# stacks, marked branch targets, tables that are read-only once the program is loaded. The price is in docs/architecture.md.
+option(SPARSHA_HARDEN "Stack protector, checked library calls, control-flow marks, full RELRO" ON)
+include(CheckPIESupported)
+check_pie_supported(LANGUAGES CXX)
+if(SPARSHA_HARDEN AND NOT MSVC)
+  target_compile_options(sparsha_options INTERFACE -fstack-protector-strong)
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+    target_link_options(sparsha_options INTERFACE -Wl,-z,relro,-z,now)
+    if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+      target_compile_options(sparsha_options INTERFACE -fcf-protection=full -fstack-clash-protection)
+    endif()
+    if(NOT SPARSHA_SANITIZE)  # sanitizers check these calls themselves; without optimisation the checks do nothing but warn
+      target_compile_options(sparsha_options INTERFACE
+        $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
+    endif()
+  endif()
+endif()
 find_package(Threads REQUIRED)
 target_link_libraries(sparsha_options INTERFACE Threads::Threads)
 

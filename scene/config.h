@@ -35,6 +35,9 @@ struct ScanConfig {
   std::filesystem::path file;  ///< absolute, or relative to the current folder
   Units units;
   Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();  ///< rigid, metres
+  /// Of a text file whose columns have no names, one word a column: a field's name ("x", "red") or "skip"; empty: the
+  /// reader's own guess.
+  std::vector<std::string> columns{};
 };
 
 struct CropConfig {
@@ -89,9 +92,21 @@ struct SmoothConfig {
 struct ThinConfig {
   int points_per_node = 4;
 };
+/// Keeps points of which the file says a value from `min` to `max`, borders included.
+struct FieldConfig {
+  std::string name;  ///< as `info` lists it: "confidence", "opacity", "quality", "intensity"
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+/// Keeps points by their class, 0 to 255: the listed ones, or all but the listed ones. One of the lists is empty.
+struct ClassesConfig {
+  std::vector<int> keep;
+  std::vector<int> drop;
+};
 /// One entry of `filters`.
-struct FilterConfig : std::variant<CropConfig, VoxelConfig, OutlierConfig, RadiusOutlierConfig, PassConfig,
-                                   RemovePlaneConfig, KeepConfig, SmoothConfig, ThinConfig> {
+struct FilterConfig
+    : std::variant<CropConfig, VoxelConfig, OutlierConfig, RadiusOutlierConfig, PassConfig, RemovePlaneConfig,
+                   KeepConfig, SmoothConfig, ThinConfig, FieldConfig, ClassesConfig> {
   using variant::variant;
   Place place;  ///< of its key in the configuration, for errors that the data show; empty when it was not read
 };

@@ -46,6 +46,7 @@ std::uint64_t keep_only(Cloud& cloud, const Flags& keep) {
       move_kept(cloud.intensity, i, kept);
       move_kept(cloud.normals, i, kept);
       move_kept(cloud.measured, i, kept);
+      for (PointField& field : cloud.fields) move_kept(field.values, i, kept);
     }
     ++kept;
   }
@@ -56,6 +57,7 @@ std::uint64_t keep_only(Cloud& cloud, const Flags& keep) {
   cut(cloud.intensity, kept);
   cut(cloud.normals, kept);
   cut(cloud.measured, kept);
+  for (PointField& field : cloud.fields) cut(field.values, kept);
   cloud.faces.clear();
   return gone;
 }
@@ -277,6 +279,37 @@ class FilterRun {
     take_away(thinned(cloud_, spacing, config.points_per_node, context_));
     step().found = fmt::format("at most {} point{} in a cube of {}", config.points_per_node,
                                config.points_per_node == 1 ? "" : "s", length_text(spacing));
+  }
+
+  void apply(const FieldConfig& field) {
+    take_away_by(field.name, [&](float value) {
+      return static_cast<double>(value) >= field.min && static_cast<double>(value) <= field.max;
+    });
+  }
+
+  void apply(const ClassesConfig& classes) {
+    take_away_by(PointField::kClass, [&](float value) {
+      const std::vector<int>& listed = classes.keep.empty() ? classes.drop : classes.keep;
+      const bool is_listed =
+          std::any_of(listed.begin(), listed.end(), [&](int c) { return static_cast<float>(c) == value; });
+      return is_listed != classes.keep.empty();
+    });
+  }
+
+  /// Points of scans that do not say the field (NaN) stay.
+  template <typename Test>
+  void take_away_by(const std::string& name, const Test& passes) {
+    const auto field = std::find_if(cloud_.fields.begin(), cloud_.fields.end(),
+                                    [&](const PointField& each) { return each.name == name; });
+    if (field == cloud_.fields.end()) {
+      throw Error(ErrorKind::input, {}, "no scan says '" + name + "' of its points",
+                  "a field that `sparsha info` lists");
+    }
+    Flags keep(cloud_.size());
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+      keep[i] = std::isnan(field->values[i]) || passes(field->values[i]) ? 1 : 0;
+    }
+    take_away(keep);
   }
 
   Cloud& cloud_;

@@ -33,6 +33,13 @@ struct Station {
   std::vector<Eigen::Vector3f> normals;  ///< as the file states them, one per seen_m; then place_m says nothing
 };
 
+/// What a file says of its points beside their places, e.g. "confidence"; as the file has it.
+struct PointField {
+  static constexpr const char* kClass = "classification";
+  std::string name;
+  std::vector<float> values;  ///< one per point; NaN where a scan of several has no such field
+};
+
 /// Points are float32, relative to a double origin, so that a georeferenced scan keeps 0.1 mm. Points are finite;
 /// what was not is counted in `invalid`.
 struct Cloud {
@@ -43,6 +50,7 @@ struct Cloud {
   std::vector<Eigen::Vector3f> normals;             ///< as PCL's users give them; empty or one per point
   std::vector<Eigen::Vector3f> measured;            ///< empty, or where each point was before a filter moved it
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points
+  std::vector<PointField> fields;                   ///< those that a filter asks for
   std::uint64_t invalid = 0;                        ///< records of the file that were not finite or flagged invalid
   std::vector<Station> stations;                    ///< of the scans that say where they were made from
 

@@ -113,12 +113,39 @@ Eigen::Matrix4d parse_pose(const Node& node) {
   return pose;
 }
 
+/// Field names of a text file's columns; x, y and z once each.
+std::vector<std::string> parse_columns(const Node& node) {
+  static const std::vector<std::string> kNames{"skip", "x",         "y",  "z",  "red", "green",
+                                               "blue", "intensity", "nx", "ny", "nz"};
+  if (!node.is_sequence()) throw yaml::error_at(node, "columns is not a list", "[skip, x, y, z, red, green, blue]");
+  std::vector<std::string> columns;
+  for (const Node& item : node.items) {
+    columns.push_back(yaml::to_text(item));
+    if (std::find(kNames.begin(), kNames.end(), columns.back()) == kNames.end()) {
+      const std::string near = yaml::nearest(columns.back(), kNames);
+      throw yaml::error_at(item, "a column is called '" + columns.back() + "'",
+                           "skip | x | y | z | red | green | blue | intensity | nx | ny | nz" +
+                               (near.empty() ? "" : " (did you mean '" + near + "'?)"));
+    }
+    if (columns.back() != "skip" && std::count(columns.begin(), columns.end(), columns.back()) > 1) {
+      throw yaml::error_at(item, "two columns are called '" + columns.back() + "'", "each name once, but skip");
+    }
+  }
+  for (const char* axis : {"x", "y", "z"}) {
+    if (std::find(columns.begin(), columns.end(), axis) == columns.end()) {
+      throw yaml::error_at(node, std::string("no column is called ") + axis, "x, y and z among the columns");
+    }
+  }
+  return columns;
+}
+
 ScanConfig parse_scan(const Node& node, const std::filesystem::path& folder) {
   ScanConfig scan;
   MapReader reader(node, "a scan");
   scan.file = resolved(reader.required("file"), folder);
   if (const Node* units = reader.optional("units")) scan.units = parse_units(*units);
   if (const Node* pose = reader.optional("pose")) scan.pose = parse_pose(*pose);
+  if (const Node* columns = reader.optional("columns")) scan.columns = parse_columns(*columns);
   reader.finish();
   return scan;
 }

@@ -136,6 +136,39 @@ ThinConfig parse_thin(const Node& node) {
   return config;
 }
 
+FieldConfig parse_field(const Node& node) {
+  FieldConfig config;
+  MapReader keys(node, "field");
+  config.name = yaml::to_text(keys.required("name"));
+  const bool low = keys.optional("min") != nullptr;
+  const bool high = keys.optional("max") != nullptr;
+  if (low) keys.read("min", config.min, -kAny, kAny);
+  if (high) keys.read("max", config.max, -kAny, kAny);
+  keys.finish();
+  if (config.name.empty()) throw yaml::error_at(node, "field has no name", "a name that `sparsha info` lists");
+  if (!low && !high) throw yaml::error_at(node, "field has no limit", "min, max or both");
+  if (!(config.min <= config.max)) throw yaml::error_at(node, "field keeps nothing", "min up to max");
+  return config;
+}
+
+ClassesConfig parse_classes(const Node& node) {
+  ClassesConfig config;
+  MapReader keys(node, "classes");
+  const int form = exclusive(keys, {"keep", "drop"});
+  if (form < 0) throw yaml::error_at(node, "classes names none", "keep: [2, 6] or drop: [7, 18]");
+  const Node& list = keys.required(form == 0 ? "keep" : "drop");
+  if (!list.is_sequence() || list.items.empty()) {
+    throw yaml::error_at(list, "the list of classes is empty", "one class or more, 0 to 255");
+  }
+  for (const Node& item : list.items) {
+    const std::int64_t value = yaml::to_integer(item);
+    if (value < 0 || value > 255) throw yaml::error_at(item, "no class has this number", "0 to 255");
+    (form == 0 ? config.keep : config.drop).push_back(static_cast<int>(value));
+  }
+  keys.finish();
+  return config;
+}
+
 using Parser = FilterConfig (*)(const Node&);
 template <auto kParse>
 FilterConfig parse_with(const Node& node) {
@@ -153,6 +186,8 @@ const std::array<std::pair<const char*, Parser>, std::variant_size_v<FilterConfi
     {"keep", parse_with<parse_keep>},
     {"smooth", parse_with<parse_smooth>},
     {"thin", parse_with<parse_thin>},
+    {"field", parse_with<parse_field>},
+    {"classes", parse_with<parse_classes>},
 }};
 
 std::string filter_names() {

@@ -108,6 +108,18 @@ std::string filter_keys(const SmoothConfig& smooth) {
 
 std::string filter_keys(const ThinConfig& thin) { return fmt::format("points_per_node: {}", thin.points_per_node); }
 
+std::string filter_keys(const FieldConfig& field) {
+  std::string text = "name: " + quote(field.name);
+  if (std::isfinite(field.min)) text += ", min: " + exact_text(field.min);
+  if (std::isfinite(field.max)) text += ", max: " + exact_text(field.max);
+  return text;
+}
+
+std::string filter_keys(const ClassesConfig& classes) {
+  return fmt::format("{}: [{}]", classes.keep.empty() ? "drop" : "keep",
+                     fmt::join(classes.keep.empty() ? classes.drop : classes.keep, ", "));
+}
+
 std::string filter_text(const FilterConfig& filter) {
   const std::string keys = std::visit([](const auto& config) { return filter_keys(config); }, filter);
   return "  - " + filter_name(filter) + ": {" + keys + "}\n";
@@ -273,6 +285,7 @@ std::string to_yaml(const Config& config) {
     text += "  - file: " + quote(scan.file.generic_string()) + "\n";
     if (const std::string unit = units(scan.units); !unit.empty()) text += "    units: " + unit + "\n";
     if (scan.pose != Eigen::Matrix4d::Identity()) text += "    pose: {matrix: " + matrix(scan.pose) + "}\n";
+    if (!scan.columns.empty()) text += fmt::format("    columns: [{}]\n", fmt::join(scan.columns, ", "));
   }
   if (!config.filters.empty()) text += "filters:\n";
   for (const FilterConfig& filter : config.filters) text += filter_text(filter);
