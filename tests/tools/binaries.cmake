@@ -1,0 +1,20 @@
+# Every binary of the build tree and every installed one, read by tools/check-binaries.py.
+# cmake -DBUILD=... -DSOURCE=... -DPYTHON=... [-DGUARDS=HARDENED] -DWORK=... -P binaries.cmake
+file(REMOVE_RECURSE ${WORK})
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --component program --prefix ${WORK}/prefix
+  COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+if(GUARDS)
+  set(flags --hardened)
+endif()
+file(GLOB folders ${BUILD}/*/CMakeFiles ${BUILD}/*/*/CMakeFiles)
+list(FILTER folders EXCLUDE REGEX "/[a-z]+-test/")  # of programs that use the package: not ours
+foreach(name bin lib tests)
+  if(EXISTS ${BUILD}/${name})
+    list(APPEND folders ${BUILD}/${name})
+  endif()
+endforeach()
+execute_process(COMMAND ${PYTHON} ${SOURCE}/tools/check-binaries.py ${flags} ${folders} ${WORK}/prefix RESULT_VARIABLE code)
+file(REMOVE_RECURSE ${WORK})
+if(NOT code EQUAL 0)
+  message(FATAL_ERROR "binaries with faults are named above")
+endif()
