@@ -13,6 +13,7 @@ constexpr int kBlock = 4;            // cells along a block's side
 constexpr double kFirstReach = 1.0;  // spacings; most points are nearer to the surface than this
 constexpr double kShared = 6.0;      // spacings by which a search reaches beyond its point's need, for the next points
 constexpr std::size_t kSlicesPerBlock = 4;
+constexpr double kRoundings = 4.0;  // epsilons of a coordinate: the tree's point, the asked one and their difference
 
 double outside(double value, double low, double high) { return std::max(std::max(low - value, value - high), 0.0); }
 
@@ -37,36 +38,35 @@ SurfaceIndex::SurfaceIndex(const DepthGrid& grid)
                          std::nextafter(static_cast<float>(high * per_spacing_), 1e30F)});
     }
   double slice = kBlock;
-  std::vector<float> points;
-  for (;; slice *= 2) {
-    points = tree_points(slice, (blocks_.size() + 1) * kSlicesPerBlock);
-    if (!points.empty() || blocks_.empty()) break;
-  }
+  const std::size_t limit = (blocks_.size() + 1) * kSlicesPerBlock;
+  while (!cut_into_slices(slice, limit)) slice *= 2;
+  double farthest = 0;  // spacings
+  for (const float coordinate : slice_centres_)
+    farthest = std::max(farthest, std::abs(static_cast<double>(coordinate)) * per_spacing_);
   // Half the diagonal of a slice, and the rounding of the tree's floats.
-  bound_ = std::sqrt(2.0 * (kBlock / 2.0) * (kBlock / 2.0) + slice * slice / 4) * (1 + 1e-5) + 1e-4;
-  block_of_point_.reserve(points.size() / 3);
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const auto slices = static_cast<std::size_t>(std::max(1.0, std::ceil((blocks_[b].high - blocks_[b].low) / slice)));
-    block_of_point_.insert(block_of_point_.end(), slices, static_cast<std::uint32_t>(b));
-  }
-  tree_ = std::make_unique<PointTree>(points);
+  bound_ = std::sqrt(2.0 * (kBlock / 2.0) * (kBlock / 2.0) + slice * slice / 4) * (1 + 1e-5) + 1e-4 +
+           kRoundings * farthest * std::numeric_limits<float>::epsilon();
+  tree_ = std::make_unique<PointTree>(slice_centres_);
+  slice_centres_ = {};
 }
 
-/// x y z of all slices' centres, metres; empty when there would be more than `limit`.
-std::vector<float> SurfaceIndex::tree_points(double slice, std::size_t limit) const {
-  std::vector<float> points;
-  points.reserve(3 * blocks_.size());
-  for (const Block& block : blocks_) {
+/// Fills the slices' centres and their blocks; false when there would be more than `limit`.
+bool SurfaceIndex::cut_into_slices(double slice, std::size_t limit) {
+  slice_centres_.clear();
+  block_of_slice_.clear();
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Block& block = blocks_[b];
     const double span = static_cast<double>(block.high) - block.low;
     const double slices = std::max(1.0, std::ceil(span / slice));
-    if (slices + static_cast<double>(points.size()) / 3.0 > static_cast<double>(limit)) return {};
+    if (slices + static_cast<double>(block_of_slice_.size()) > static_cast<double>(limit)) return false;
     for (double k = 0; k < slices; k += 1) {
-      points.push_back(static_cast<float>((block.i + kBlock / 2.0) * spacing_));
-      points.push_back(static_cast<float>((block.j + kBlock / 2.0) * spacing_));
-      points.push_back(static_cast<float>((block.low + (k + 0.5) * span / slices) * spacing_));
+      slice_centres_.push_back(static_cast<float>((block.i + kBlock / 2.0) * spacing_));
+      slice_centres_.push_back(static_cast<float>((block.j + kBlock / 2.0) * spacing_));
+      slice_centres_.push_back(static_cast<float>((block.low + (k + 0.5) * span / slices) * spacing_));
+      block_of_slice_.push_back(static_cast<std::uint32_t>(b));
     }
   }
-  return points;
+  return true;
 }
 
 void SurfaceIndex::offer_cell(int i, int j, double x, double y, double z, Best& best, Closest closest) const {
@@ -115,7 +115,7 @@ void SurfaceIndex::find_blocks(double x, double y, double z, double radius, Scra
   tree_->within(static_cast<float>(x * spacing_), static_cast<float>(y * spacing_), static_cast<float>(z * spacing_),
                 radius * spacing_ * (1 + 1e-6), scratch.answer);
   scratch.blocks.clear();
-  for (const int k : scratch.answer.index) scratch.blocks.push_back(block_of_point_[static_cast<std::size_t>(k)]);
+  for (const int k : scratch.answer.index) scratch.blocks.push_back(block_of_slice_[static_cast<std::size_t>(k)]);
   // A tall block has several centres.
   std::sort(scratch.blocks.begin(), scratch.blocks.end());
   scratch.blocks.erase(std::unique(scratch.blocks.begin(), scratch.blocks.end()), scratch.blocks.end());
@@ -135,7 +135,7 @@ SurfaceDistance SurfaceIndex::distance(double x_m, double y_m, double z_m, Scrat
   if (scratch.blocks.empty()) {  // far from everything: the nearest centre's block gives a first bound
     PointTree::Answer& answer = scratch.answer;
     if (tree_->nearest(static_cast<float>(x_m), static_cast<float>(y_m), static_cast<float>(z_m), answer))
-      offer_block(block_of_point_[static_cast<std::size_t>(answer.index[0])], x, y, z, best);
+      offer_block(block_of_slice_[static_cast<std::size_t>(answer.index[0])], x, y, z, best);
   }
   // The block under the point first: it rules most of the others out.
   for (const std::uint32_t block : scratch.blocks)

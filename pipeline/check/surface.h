@@ -47,14 +47,15 @@ class SurfaceIndex {
   void offer_cell(int i, int j, double x, double y, double z, Best& best, Closest closest = closest_on_patch) const;
   void offer_block(std::uint32_t block, double x, double y, double z, Best& best) const;
   void find_blocks(double x, double y, double z, double radius, Scratch& scratch) const;
-  [[nodiscard]] std::vector<float> tree_points(double slice, std::size_t limit) const;
+  bool cut_into_slices(double slice, std::size_t limit);
   [[nodiscard]] SurfaceDistance result(const Best& best) const;
 
   const DepthGrid& grid_;
   double spacing_, per_spacing_;
-  double bound_ = 0;  ///< radius that holds any tree point's part of its block, spacings
+  double bound_ = 0;  ///< radius about a slice's centre that holds the slice, spacings
   std::vector<Block> blocks_;
-  std::vector<std::uint32_t> block_of_point_;
+  std::vector<float> slice_centres_;           ///< x y z, metres; given to the tree
+  std::vector<std::uint32_t> block_of_slice_;  ///< one entry a tree point
   std::unique_ptr<PointTree> tree_;
 };
 
