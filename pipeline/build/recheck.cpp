@@ -43,6 +43,7 @@ ScansToCheck scans_to_check(const SceneDescription& scene, const std::vector<fs:
       if (scene.sources[i].sha256 != digest) continue;
       scan.units = scene.config.scans[i].units;
       scan.pose = scene.config.scans[i].pose;
+      scan.columns = scene.config.scans[i].columns;
       own = true;
     }
     result.own = result.own && own;

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -22,6 +23,7 @@ struct ScanFile {
   std::string_view bytes;
   const MappedFile* map = nullptr;     ///< null in tests that read from memory
   const Progress* progress = nullptr;  ///< null when nobody can cancel
+  std::vector<std::string> columns{};  ///< of a text table, as the configuration names them; empty: the file's own
 
   /// Bytes before `offset` were read for the last time: the system may have their memory back. Throws Cancelled.
   void done_before(std::size_t offset) const {

@@ -9,7 +9,7 @@
 namespace sparsha::pipeline {
 
 /// As read_scan of a file called `name` with these bytes.
-[[nodiscard]] RawScan read_scan_bytes(std::string_view bytes, const std::string& name);
+[[nodiscard]] RawScan read_scan_bytes(std::string_view bytes, const std::string& name, const ReadOptions& options = {});
 
 /// True when a file is decoded so fast (fixed binary records, no faces) that reading it twice costs less than keeping
 /// its points in double.

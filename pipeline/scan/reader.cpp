@@ -93,7 +93,7 @@ void read_any(const ScanFile& file, ScanWriter& out) {
 }
 
 RawScan read_into(const std::string& name, std::string_view bytes, const MappedFile* map, const PointSink& sink,
-                  const Progress* progress) {
+                  const Progress* progress, const ReadOptions& options) {
   ScanFile file;
   file.name = name;
   file.extension = ending_of(name);
@@ -101,23 +101,29 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
   file.bytes = bytes;
   file.map = map;
   file.progress = progress;
+  file.columns = options.columns;
   RawScan scan;
   ScanWriter out(scan, sink);
   read_any(file, out);
   out.finish();
+  if (!file.columns.empty() && !scan.table) {
+    throw file.error("the configuration names its columns, but the file is no text table: " + scan.format,
+                     "a scan without 'columns', or a file of XYZ, TXT, ASC, CSV or PTS rows");
+  }
   return scan;
 }
 
 }  // namespace
 
-RawScan read_scan(const std::filesystem::path& file, const Progress* progress) {
+RawScan read_scan(const std::filesystem::path& file, const Progress* progress, const ReadOptions& options) {
   const MappedFile map(file);
-  return map.whole([&] { return read_into(file.string(), map.text(), nullptr, {}, progress); });
+  return map.whole([&] { return read_into(file.string(), map.text(), nullptr, {}, progress, options); });
 }
 
-RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress) {
+RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress,
+                    const ReadOptions& options) {
   const MappedFile map(file);
-  return map.whole([&] { return read_into(file.string(), map.text(), &map, sink, progress); });
+  return map.whole([&] { return read_into(file.string(), map.text(), &map, sink, progress, options); });
 }
 
 bool is_quick_to_stream(const std::filesystem::path& file) {
@@ -134,8 +140,8 @@ bool is_quick_to_stream(const std::filesystem::path& file) {
   return is_pcd(scan) && (says("DATA binary\n") || says("DATA binary\r\n"));
 }
 
-RawScan read_scan_bytes(std::string_view bytes, const std::string& name) {
-  return read_into(name, bytes, nullptr, {}, nullptr);
+RawScan read_scan_bytes(std::string_view bytes, const std::string& name, const ReadOptions& options) {
+  return read_into(name, bytes, nullptr, {}, nullptr, options);
 }
 
 bool is_z_up(const std::string& format) {

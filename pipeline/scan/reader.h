@@ -23,6 +23,23 @@ struct RawStation {
   std::optional<Eigen::Vector3d> place;
 };
 
+/// What the columns of a text table are, and what tells it.
+struct TextTable {
+  enum class By : std::uint8_t {
+    position,       ///< no names: x, y and z are the first three columns
+    shape,          ///< no names, but the values leave no doubt
+    names,          ///< the file's header
+    configuration,  ///< `scans: columns`
+  };
+  By by = By::position;
+  std::vector<std::string> columns;  ///< of most rows, in the words of `scans: columns`
+};
+
+/// What is known of a file besides its bytes.
+struct ReadOptions {
+  std::vector<std::string> columns{};  ///< ScanConfig::columns
+};
+
 /// One scan as the file has it: file units, double, before any pose but with the file's own.
 struct RawScan {
   std::string format;                               ///< "PLY binary little-endian", "LAS 1.2 pf3", ...
@@ -39,6 +56,7 @@ struct RawScan {
   std::size_t scans = 1;  ///< scans within the file
   std::optional<std::array<double, 7>> viewpoint;  ///< PCD: tx ty tz qw qx qy qz; shown, never applied
   std::vector<RawStation> stations;                ///< in memory only, ascending; streams name them block by block
+  std::optional<TextTable> table;                  ///< of text tables of points
   std::vector<std::string> warnings;
 };
 
@@ -47,8 +65,10 @@ struct RawScan {
 
 /// Reads any supported file, told by content first and ending second. Throws Error{input} with file, line where there
 /// is one, and what was expected; Cancelled when `progress` is cancelled. A
-/// file that declares zero points gives zero points.
-[[nodiscard]] RawScan read_scan(const std::filesystem::path& file, const Progress* progress = nullptr);
+/// file that declares zero points gives zero points. Columns that are named for a file that is no text table are an
+/// error, too.
+[[nodiscard]] RawScan read_scan(const std::filesystem::path& file, const Progress* progress = nullptr,
+                                const ReadOptions& options = {});
 
 /// Some consecutive valid points of a scan; spans are good during the call only.
 struct PointBlock {
@@ -62,7 +82,8 @@ using PointSink = std::function<void(const PointBlock&)>;
 
 /// read_scan in constant memory for the points: they go to `sink` block by block, in the file's order, and the result
 /// holds all the rest (faces too). Several threads may stream different files.
-RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress = nullptr);
+RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress = nullptr,
+                    const ReadOptions& options = {});
 
 /// Reads, scales and poses one configured scan: scan = pose * units * p. The origin is `origin_m` when given, else
 /// common_origin's choice. Throws Error{input}, also on an empty scan; warns of implausible units through `progress`.

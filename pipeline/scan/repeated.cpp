@@ -19,6 +19,7 @@ namespace {
 std::string placement_of(const ScanConfig& scan) {
   std::string text = fmt::format("{} {}", static_cast<int>(scan.units.unit), scan.units.longest_side_m);
   for (const double value : scan.pose.reshaped()) text += fmt::format(" {}", value);
+  for (const std::string& column : scan.columns) text += " " + column;
   return text;
 }
 

@@ -76,6 +76,7 @@ std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>
 /// One scan: everything but its points, which are kept in double or streamed from the file again.
 struct ScanSet::Scan {
   std::filesystem::path file;
+  ReadOptions options;
   RawScan raw;
   bool streamed = false;
   std::uint64_t delivered = 0;  ///< finite points of the file
@@ -186,7 +187,7 @@ struct ScanSet::Scan {
       use(block);
     };
     if (streamed) {
-      (void)stream_scan(file, counted, &progress);
+      (void)stream_scan(file, counted, &progress, options);
     } else {
       counted({raw.points, raw.rgba, raw.intensity});
     }
@@ -214,6 +215,7 @@ struct ScanSet::Scan {
   static std::unique_ptr<Scan> look_at(const ScanConfig& config, bool streamed, Progress& progress) {
     auto scan = std::make_unique<Scan>();
     scan->file = config.file;
+    scan->options.columns = config.columns;
     scan->streamed = streamed;
     const bool bounds = config.units.unit == LengthUnit::longest_side;
     if (streamed) {
@@ -223,9 +225,9 @@ struct ScanSet::Scan {
             progress.throw_if_cancelled();
             scan->look(block, bounds);
           },
-          &progress);
+          &progress, scan->options);
     } else {
-      scan->raw = read_scan(config.file, &progress);
+      scan->raw = read_scan(config.file, &progress, scan->options);
       drop_empty_returns(scan->raw);
       scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals}, bounds);
       const std::vector<RawStation>& stations = scan->raw.stations;

@@ -139,6 +139,7 @@ void use_names(TableColumns& columns, const std::vector<std::string>& names, con
   columns.y = named.columns[1];
   columns.z = named.columns[2];
   columns.degrees = named.degrees;
+  columns.by = TextTable::By::names;
   const int red = find(names, {"red", "r", "rf"});
   const int green = find(names, {"green", "g", "gf"});
   const int blue = find(names, {"blue", "b", "bf"});
@@ -156,6 +157,21 @@ void use_names(TableColumns& columns, const std::vector<std::string>& names, con
     columns.ny = ny;
     columns.nz = nz;
   }
+}
+
+/// What the colours of the sample mean.
+ColourScale scale_of(const TableColumns& columns, const std::vector<TableRow>& sample) {
+  double largest = 0.0;
+  bool fractions = false;
+  for (const TableRow& row : sample) {
+    for (const int column : {columns.red, columns.green, columns.blue}) {
+      if (column < 0 || static_cast<std::size_t>(column) >= row.count) continue;
+      const double v = row.values[static_cast<std::size_t>(column)];
+      if (v > largest) largest = v;
+      fractions = fractions || v != std::floor(v);
+    }
+  }
+  return colour_scale(largest, fractions);
 }
 
 }  // namespace
@@ -215,6 +231,17 @@ RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow
 
 int TableColumns::last() const { return std::max({x, y, z, red, green, blue, intensity}); }
 
+std::vector<std::string> TableColumns::words() const {
+  std::vector<std::string> words(std::max(usual, static_cast<std::size_t>(std::max(last(), nz)) + 1), "skip");
+  const std::pair<int, const char*> named[] = {
+      {x, "x"},   {y, "y"},   {z, "z"},  {red, "red"}, {green, "green"}, {blue, "blue"}, {intensity, "intensity"},
+      {nx, "nx"}, {ny, "ny"}, {nz, "nz"}};
+  for (const auto& [column, word] : named) {
+    if (column >= 0 && static_cast<std::size_t>(column) < words.size()) words[static_cast<std::size_t>(column)] = word;
+  }
+  return words;
+}
+
 TableColumns guess_columns(const std::vector<std::string>& names, const std::vector<TableRow>& sample, bool pts) {
   TableColumns columns;
   columns.usual = usual_count(sample);
@@ -231,17 +258,29 @@ TableColumns guess_columns(const std::vector<std::string>& names, const std::vec
       columns.warnings.push_back("the header does not name x, y and z once each; the first three columns are taken");
     }
   }
-  double largest = 0.0;
-  bool fractions = false;
-  for (const TableRow& row : sample) {
-    for (const int column : {columns.red, columns.green, columns.blue}) {
-      if (column < 0 || static_cast<std::size_t>(column) >= row.count) continue;
-      const double v = row.values[static_cast<std::size_t>(column)];
-      if (v > largest) largest = v;
-      fractions = fractions || v != std::floor(v);
-    }
+  columns.scale = scale_of(columns, sample);
+  return columns;
+}
+
+TableColumns configured_columns(const std::vector<std::string>& words, const std::vector<TableRow>& sample) {
+  TableColumns columns;
+  columns.by = TextTable::By::configuration;
+  columns.usual = std::max(usual_count(sample), words.size());
+  columns.x = find(words, {"x"});
+  columns.y = find(words, {"y"});
+  columns.z = find(words, {"z"});
+  columns.red = find(words, {"red"});
+  columns.green = find(words, {"green"});
+  columns.blue = find(words, {"blue"});
+  columns.intensity = find(words, {"intensity"});
+  columns.nx = find(words, {"nx"});
+  columns.ny = find(words, {"ny"});
+  columns.nz = find(words, {"nz"});
+  for (std::size_t i = 0; i < columns.usual; ++i) {
+    const bool named = i < words.size() && words[i] != "skip";
+    columns.fields.push_back(named ? words[i] : "column " + std::to_string(i + 1));
   }
-  columns.scale = colour_scale(largest, fractions);
+  columns.scale = scale_of(columns, sample);
   return columns;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/scan/file.h"
+#include "pipeline/scan/reader.h"
 #include "pipeline/scan/scalar.h"
 
 namespace sparsha::pipeline {
@@ -46,14 +47,21 @@ struct TableColumns {
   int nx = -1, ny = -1, nz = -1;
   bool degrees = false;  ///< x and y are longitude and latitude
   ColourScale scale = ColourScale::byte;
-  std::size_t usual = 3;            ///< columns of most rows
+  std::size_t usual = 3;  ///< columns of most rows
+  TextTable::By by = TextTable::By::position;
   std::vector<std::string> fields;  ///< names, as far as known
   std::vector<std::string> warnings;
 
   [[nodiscard]] bool has_colour() const { return red >= 0; }
   [[nodiscard]] bool has_normals() const { return nx >= 0; }
   [[nodiscard]] int last() const;
+  /// In the words of `scans: columns`, one for each of the usual columns.
+  [[nodiscard]] std::vector<std::string> words() const;
 };
+
+/// As the configuration names them, of which x, y and z are there.
+[[nodiscard]] TableColumns configured_columns(const std::vector<std::string>& words,
+                                              const std::vector<TableRow>& sample);
 
 /// From the header's names (may be empty) and the first rows. `pts`: a fourth column is an intensity before colours.
 [[nodiscard]] TableColumns guess_columns(const std::vector<std::string>& names, const std::vector<TableRow>& sample,

@@ -97,7 +97,7 @@ class Reader {
       } else if (kind != RowKind::blank && sample.empty()) {
         std::vector<std::string> found = header_names(line);
         if (found.size() >= 3) names = std::move(found);
-        style_.leading_words = name_coordinates(names).complete();
+        style_.leading_words = !file_.columns.empty() || name_coordinates(names).complete();
         if (kind == RowKind::words && first_words == 0) {
           first_words = lines.number();
           words = line;
@@ -108,6 +108,7 @@ class Reader {
     std::string kind = file_.extension;
     for (char& c : kind) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
     scan.format = (kind == "TXT" || kind == "ASC" || kind == "CSV" || kind == "PTS" ? kind : "XYZ") + " text";
+    scan.table.emplace();
     if (sample.empty()) {
       if (!declared_empty && first_words > 0) {
         throw file_.error_at(first_words, "no rows of numbers; " + in_quotes(words) + " is none", "lines 'x y z'");
@@ -117,11 +118,13 @@ class Reader {
       out_.begin(0, false, false);
       return;
     }
-    columns_ = guess_columns(names, sample, file_.extension == "pts");
+    columns_ = file_.columns.empty() ? guess_columns(names, sample, file_.extension == "pts")
+                                     : configured_columns(file_.columns, sample);
     needed_ = static_cast<std::size_t>(columns_.last()) + 1;
     scan.fields = columns_.fields;
     scan.warnings = columns_.warnings;
     scan.degrees = columns_.degrees;
+    scan.table = {columns_.by, columns_.words()};
     out_.begin(0, columns_.has_colour(), columns_.intensity >= 0, columns_.has_normals());
   }
 
