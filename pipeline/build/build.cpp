@@ -75,9 +75,19 @@ double node_noise(const Projection& projection, const DepthGrid& grid) {
   return projection.noise_m / std::sqrt(std::max(1.0, points));
 }
 
+Report::Friction count_friction(const DepthGrid& grid, const CurvatureMap& map) {
+  Report::Friction count;
+  for (std::size_t n = 0; n < grid.state.size(); ++n) {
+    if (grid.state[n] == NodeState::unknown) continue;
+    ++count.nodes;
+    count.undecided += std::isnan(map.rms_per_m[n]) ? 1 : 0;
+  }
+  return count;
+}
+
 // Texture and friction layers of level 0.
 void add_texture(const Config& config, const Projection& projection, const Context& context, Layers& base,
-                 SceneDescription& scene) {
+                 SceneDescription& scene, Report& report) {
   if (!config.texture) return;
   context.progress.begin("texture");
   base.envelope_m = bilateral_envelope(base.grid, *config.texture, context.pool);
@@ -88,9 +98,13 @@ void add_texture(const Config& config, const Projection& projection, const Conte
   if (!(friction.scale_m > 0.0)) {
     friction.scale_m = std::max(3.0 * base.grid.lattice.spacing_m, config.texture->sigma_space_m);
   }
-  CurvatureMap map = texture_curvature(base.grid, base.envelope_m, friction.scale_m, node_noise(projection, base.grid),
-                                       step_height(projection), context.pool, config.texture->sigma_space_m);
+  const double noise_m = node_noise(projection, base.grid), step_m = step_height(projection);
+  const std::vector<float> envelope_m =
+      continued_envelope(base.grid, base.envelope_m, *config.texture, noise_m, step_m, context.pool);
+  CurvatureMap map = texture_curvature(base.grid, envelope_m, friction.scale_m, noise_m, step_m, context.pool,
+                                       config.texture->sigma_space_m);
   scene.friction_c_m = friction_slope(map, friction);
+  report.friction = count_friction(base.grid, map);
   base.curvature_per_m = std::move(map.rms_per_m);
   scene.has_curvature = true;
   if (friction.law != FrictionConfig::Law::paper) return;
@@ -272,7 +286,7 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   std::vector<Layers> levels;
   if (!options.grid_only) {
     fill_and_check(config, options, {pool, progress}, scans, base, scene, report);
-    add_texture(config, projection, {pool, progress}, base, scene);
+    add_texture(config, projection, {pool, progress}, base, scene, report);
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
   } else {

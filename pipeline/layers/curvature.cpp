@@ -1,23 +1,27 @@
 // Curvature of the texture h = f - f_b. Node-to-node differences would measure noise, so derivatives come from a
-// quadratic fitted with Gaussian weights; on complete windows that fit is a separable filter.
+// quadratic fitted with Gaussian weights. On whole windows that fit is a separable filter; elsewhere it is made of the
+// nodes of the own layer (pipeline/layers/layer_fit.h).
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 
-#include "base/statistics.h"
+#include "pipeline/layers/border.h"
 #include "pipeline/layers/curvature_kernel.h"
+#include "pipeline/layers/friction_slope.h"
+#include "pipeline/layers/layer_fit.h"
 #include "pipeline/layers/layers.h"
+#include "pipeline/layers/surface_links.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kReach = 2.5;  // scales; where the fit's Gaussian window ends
+constexpr double kReach = 2.5;        // scales; where the fit's Gaussian window ends
+constexpr double kBorderWider = 1.5;  // scales; of the Gaussian that the texture goes on with beyond the lattice
 constexpr std::size_t kRowsPerPiece = 48;
-// The 95th percentile of k that noise leaves on a flat plane after its expectation is taken away, in noise floors, and
-// the percentile from which on the texture stands clear of it.
-constexpr double kNoisePercentile = 1.6;
-constexpr double kClearPercentile = 3.0;
 
 /// The fit as 1-D filters: least squares with weights w(x) w(y) and basis 1, x, y, x^2, xy, y^2 separates, because 1, x
 /// and x^2 - m2 are orthogonal under w.
@@ -74,71 +78,111 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 
 /// What unit white noise in the heights becomes in the derivatives of the texture: the envelope is nearly a Gaussian of
 /// the heights where these differ by noise alone, so a derivative K of the texture is K - K * G of the heights.
-struct NoiseGain {
-  double bend = 0;        ///< variance of h_xx and of h_yy
-  double twist = 0;       ///< variance of h_xy
-  double covariance = 0;  ///< of h_xx and h_yy
+NoiseGain noise_gain(const Filter& filter, double sigma) {
+  const int margin = static_cast<int>(3 * sigma);  // as the envelope's own window
+  const auto padded = [&](const std::vector<float>& half, double sign) {
+    std::vector<double> whole(static_cast<std::size_t>(margin));
+    const std::vector<double> middle = both_halves(half, sign);
+    whole.insert(whole.end(), middle.begin(), middle.end());
+    whole.resize(whole.size() + static_cast<std::size_t>(margin));
+    return whole;
+  };
+  const std::vector<double> v = padded(filter.value, 1), s = padded(filter.slope, -1), b = padded(filter.bend, 1);
+  const std::vector<double> vg = smoothed(both_halves(filter.value, 1), sigma, margin),
+                            sg = smoothed(both_halves(filter.slope, -1), sigma, margin),
+                            bg = smoothed(both_halves(filter.bend, 1), sigma, margin);
+  // Kernels are products of a filter in x and one in y; so are their scalar products.
+  const double bend = dot(b, b) * dot(v, v) - 2 * dot(b, bg) * dot(v, vg) + dot(bg, bg) * dot(vg, vg);
+  const double twist = dot(s, s) * dot(s, s) - 2 * dot(s, sg) * dot(s, sg) + dot(sg, sg) * dot(sg, sg);
+  const double covariance = dot(b, v) * dot(b, v) - 2 * dot(b, vg) * dot(v, bg) + dot(bg, vg) * dot(bg, vg);
+  return {bend, bend, twist, covariance};
+}
 
-  NoiseGain(const Filter& filter, double sigma) {
-    const int margin = static_cast<int>(3 * sigma);  // as the envelope's own window
-    const auto padded = [&](const std::vector<float>& half, double sign) {
-      std::vector<double> whole(static_cast<std::size_t>(margin));
-      const std::vector<double> middle = both_halves(half, sign);
-      whole.insert(whole.end(), middle.begin(), middle.end());
-      whole.resize(whole.size() + static_cast<std::size_t>(margin));
-      return whole;
-    };
-    const std::vector<double> v = padded(filter.value, 1), s = padded(filter.slope, -1), b = padded(filter.bend, 1);
-    const std::vector<double> vg = smoothed(both_halves(filter.value, 1), sigma, margin),
-                              sg = smoothed(both_halves(filter.slope, -1), sigma, margin),
-                              bg = smoothed(both_halves(filter.bend, 1), sigma, margin);
-    // Kernels are products of a filter in x and one in y; so are their scalar products.
-    bend = dot(b, b) * dot(v, v) - 2 * dot(b, bg) * dot(v, vg) + dot(bg, bg) * dot(vg, vg);
-    twist = dot(s, s) * dot(s, s) - 2 * dot(s, sg) * dot(s, sg) + dot(sg, sg) * dot(sg, sg);
-    covariance = dot(b, v) * dot(b, v) - 2 * dot(b, vg) * dot(v, bg) + dot(bg, vg) * dot(bg, vg);
-  }
-};
-
-/// Texture with a border of NaN; NaN too where a height is unknown or beside a step, so that every window that touches
-/// one yields NaN.
-class Texture {
+/// Texture that goes on beyond the lattice; NaN where a height is unknown or beside a step, so that every window that
+/// touches one yields NaN.
+class WholeTexture {
  public:
-  Texture(const DepthGrid& grid, const std::vector<float>& envelope_m, double step_m, int margin)
-      : grid_(grid), envelope_(envelope_m), step_(static_cast<float>(step_m)), margin_(margin) {}
+  WholeTexture(const DepthGrid& grid, const TextureView& texture, const SurfaceLinks& links,
+               const BorderExtension& border, int margin)
+      : lattice_(grid.lattice), texture_(texture), links_(links), border_(border), margin_(margin) {}
 
-  /// Row j into `row`, from -margin to nx + margin.
-  void read(int j, float* row) const {
-    const int nx = grid_.lattice.nx, ny = grid_.lattice.ny;
-    std::fill(row, row + nx + 2 * margin_, kUnknownHeight);
-    if (j < 0 || j >= ny) return;
-    float* out = row + margin_;
-    const float* z = grid_.height_m.data() + grid_.lattice.index(0, j);
-    const float* base = envelope_.data() + grid_.lattice.index(0, j);
-    for (int i = 0; i < nx; ++i) out[i] = z[i] - base[i];
-    const auto mark = [&](const float* other, int from, int to, int shift) {
-      for (int i = from; i < to; ++i)
-        if (std::abs(z[i] - other[i + shift]) > step_) out[i] = kUnknownHeight;
-    };
-    mark(z, 1, nx, -1);
-    mark(z, 0, nx - 1, 1);
-    if (j > 0) mark(z - nx, 0, nx, 0);
-    if (j + 1 < ny) mark(z + nx, 0, nx, 0);
+  /// Row j, from -margin to ny + margin, into `row`, from -margin to nx + margin.
+  void read(int j, float* row) {
+    const int ny = lattice_.ny;
+    if (j >= 0 && j < ny) return read_inside(j, row);
+    const std::size_t width = static_cast<std::size_t>(lattice_.nx + 2 * margin_);
+    if (ny < border_.nodes()) return static_cast<void>(std::fill_n(row, width, kUnknownHeight));
+    const float* weights = border_.weights(j < 0 ? -j : j - ny + 1);
+    std::fill_n(row, width, 0.0F);
+    inner_.resize(width);
+    for (int m = 0; m < border_.nodes(); ++m) {
+      read_inside(j < 0 ? m : ny - 1 - m, inner_.data());
+      for (std::size_t k = 0; k < width; ++k) row[k] += weights[m] * inner_[k];
+    }
   }
 
  private:
-  const DepthGrid& grid_;
-  const std::vector<float>& envelope_;
-  float step_;
+  void read_inside(int j, float* row) {
+    const int nx = lattice_.nx;
+    float* out = row + margin_;
+    const std::size_t first = lattice_.index(0, j);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(nx); ++i) out[i] = texture_.at(first + i);
+    links_.loose_nodes(j, loose_);
+    for (std::size_t w = 0; w < loose_.size(); ++w)
+      for (std::uint64_t nodes = loose_[w]; nodes != 0; nodes &= nodes - 1)
+        out[64 * w + static_cast<std::size_t>(std::countr_zero(nodes))] = kUnknownHeight;
+    for (int k = 1; k <= margin_; ++k) {
+      float low = nx < border_.nodes() ? kUnknownHeight : 0.0F, high = low;
+      for (int m = 0; m < std::min(nx, border_.nodes()); ++m) {
+        low += border_.weights(k)[m] * out[m];
+        high += border_.weights(k)[m] * out[nx - 1 - m];
+      }
+      out[-k] = low;
+      out[nx - 1 + k] = high;
+    }
+  }
+
+  const Lattice& lattice_;
+  const TextureView& texture_;
+  const SurfaceLinks& links_;
+  const BorderExtension& border_;
   int margin_;
+  std::vector<std::uint64_t> loose_;
+  std::vector<float> inner_;
+};
+
+/// What unit white noise becomes in the derivatives near the lattice's border, by the distances of a node from it.
+class BorderNoise {
+ public:
+  BorderNoise(const Filter& filter, const BorderExtension& border) {
+    const std::vector<double> v = both_halves(filter.value, 1), s = both_halves(filter.slope, -1),
+                              b = both_halves(filter.bend, 1);
+    for (int distance = 0; distance <= filter.radius; ++distance) {
+      const std::vector<double> fv = border.folded(v, distance), fs = border.folded(s, distance),
+                                fb = border.folded(b, distance);
+      parts_.push_back({dot(fv, fv), dot(fs, fs), dot(fb, fb), dot(fv, fb)});
+    }
+  }
+  /// Distances beyond the filter's radius count as it.
+  [[nodiscard]] NoiseGain at(int x, int y) const {
+    const Part& a = part(x);
+    const Part& b = part(y);
+    return {a.bend * b.value, a.value * b.bend, a.slope * b.slope, a.mixed * b.mixed};
+  }
+
+ private:
+  struct Part {
+    double value, slope, bend, mixed;
+  };
+  [[nodiscard]] const Part& part(int distance) const {
+    return parts_[std::min(static_cast<std::size_t>(distance), parts_.size() - 1)];
+  }
+  std::vector<Part> parts_;
 };
 
 /// Expectations that white noise in h adds, and the scales that turn spacings into metres.
 struct Noise {
   double mean_2 = 0, gaussian = 0, rms_2 = 0;
-};
-
-struct Derivatives {
-  double h_x, h_y, h_xx, h_xy, h_yy;
 };
 
 struct Curvature {
@@ -155,6 +199,14 @@ Curvature curvature_of(const Derivatives& d, const Noise& noise) {
           gaussian};
 }
 
+/// Heights as float32 are rounded by that much.
+double rounding_m(const DepthGrid& grid) {
+  float most_m = 0;
+  for (const float z : grid.height_m)
+    if (std::abs(z) > most_m) most_m = std::abs(z);
+  return 0.5 * static_cast<double>(std::numeric_limits<float>::epsilon() * most_m);
+}
+
 }  // namespace
 
 CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m, double scale_m,
@@ -165,68 +217,80 @@ CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& 
   const Filter filter(scale);
   const auto view = filter.view();
   const kernel::CurvatureKernels kernels = kernel::curvature_kernels();
-  const Texture texture(grid, envelope_m, step_m, filter.radius);
+  const TextureView texture{grid.height_m.data(), envelope_m.data(), static_cast<std::size_t>(nx)};
 
   const double variance = noise_m * noise_m / (h * h * h * h);
   Noise noise;
-  const NoiseGain gain(filter, std::min(sigma_space_m / h, static_cast<double>(nx + ny)));
-  noise.mean_2 = variance * (gain.bend + gain.covariance) / 2;
+  const NoiseGain gain = noise_gain(filter, std::min(sigma_space_m / h, static_cast<double>(nx + ny)));
+  noise.mean_2 = variance * (gain.bend_x + gain.covariance) / 2;
   noise.gaussian = variance * (gain.covariance - gain.twist);
   noise.rms_2 = 2 * noise.mean_2 - noise.gaussian;
+
+  // Windows that are not whole: without the envelope's part, of which as much is taken to be in them.
+  const NoiseGain whole = noise_gain(filter, 0.0);
+  const double envelope_share = gain.rms() / whole.rms();
+  const double texture_noise_m = std::hypot(noise_m * std::sqrt(envelope_share), rounding_m(grid));
+  const OwnLayerFit layer_fit(scale, whole);
+  const SurfaceLinks links(grid, {noise_m, step_m}, pool);
+  const SurfaceLinks thinned = links.thinned(layer_fit.stride());
 
   CurvatureMap map;
   map.noise_floor_per_m = std::sqrt(std::max(0.0, noise.rms_2));
   map.rms_per_m.resize(grid.lattice.count());
   map.mean_per_m.resize(grid.lattice.count());
   map.gaussian_per_m2.resize(grid.lattice.count());
-  // Marks complete windows over measured nodes, for the percentile.
-  std::vector<std::uint8_t> counted(grid.lattice.count());
+  const auto keep = [&](std::size_t n, const Derivatives& d, const Noise& expected) {
+    const Curvature c =
+        curvature_of({d.h_x / h, d.h_y / h, d.h_xx / (h * h), d.h_xy / (h * h), d.h_yy / (h * h)}, expected);
+    map.rms_per_m[n] = static_cast<float>(c.rms);
+    map.mean_per_m[n] = static_cast<float>(c.mean);
+    map.gaussian_per_m2[n] = static_cast<float>(c.gaussian);
+  };
+  const auto expected = [&](const NoiseGain& own) {
+    const double mean_2 = noise.mean_2 * (own.bend_x + own.bend_y + 2 * own.covariance) /
+                          (whole.bend_x + whole.bend_y + 2 * whole.covariance);
+    return Noise{mean_2, 2 * mean_2 - noise.rms_2 * own.rms() / whole.rms(), 0.0};
+  };
 
   const auto width = static_cast<std::size_t>(nx);
+  const int r = filter.radius;
+  const BorderExtension border(kBorderWider * scale, r);
+  const BorderNoise border_noise(filter, border);
   pool.for_ranges(static_cast<std::size_t>(ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    const std::size_t rows = end - begin + 2 * static_cast<std::size_t>(filter.radius);
-    std::vector<float> row(width + 2 * static_cast<std::size_t>(filter.radius));
+    const std::size_t rows = end - begin + 2 * static_cast<std::size_t>(r);
+    std::vector<float> row(width + 2 * static_cast<std::size_t>(r));
     std::vector<float> value(rows * width), slope(rows * width), bend(rows * width), results(5 * width);
-    for (std::size_t r = 0; r < rows; ++r) {
-      texture.read(static_cast<int>(begin + r) - filter.radius, row.data());
-      kernels.along(view, row.data() + filter.radius, width, value.data() + r * width, slope.data() + r * width,
-                    bend.data() + r * width);
+    WholeTexture whole_texture(grid, texture, links, border, r);
+    for (std::size_t k = 0; k < rows; ++k) {
+      whole_texture.read(std::min(static_cast<int>(begin + k) - r, ny - 1 + r), row.data());
+      kernels.along(view, row.data() + r, width, value.data() + k * width, slope.data() + k * width,
+                    bend.data() + k * width);
     }
     const std::array<float*, 5> out = {results.data(), results.data() + width, results.data() + 2 * width,
                                        results.data() + 3 * width, results.data() + 4 * width};
+    OwnLayerFit fit = layer_fit;
     for (std::size_t j = begin; j < end; ++j) {
-      const std::size_t start = (j - begin + static_cast<std::size_t>(filter.radius)) * width;
+      const std::size_t start = (j - begin + static_cast<std::size_t>(r)) * width;
       kernels.across(view, value.data() + start, slope.data() + start, bend.data() + start,
                      static_cast<std::ptrdiff_t>(width), width, out.data());
+      const int y = static_cast<int>(j), from_y = std::min(y, ny - 1 - y);
       for (std::size_t i = 0; i < width; ++i) {
-        if (std::isnan(out[2][i])) continue;
         const std::size_t n = j * width + i;
-        const Curvature c = curvature_of(
-            {out[0][i] / h, out[1][i] / h, out[2][i] / (h * h), out[3][i] / (h * h), out[4][i] / (h * h)}, noise);
-        map.rms_per_m[n] = static_cast<float>(c.rms);
-        map.mean_per_m[n] = static_cast<float>(c.mean);
-        map.gaussian_per_m2[n] = static_cast<float>(c.gaussian);
-        counted[n] = grid.state[n] == NodeState::measured ? 1 : 0;
+        const int x = static_cast<int>(i), from_x = std::min(x, nx - 1 - x);
+        Derivatives d{out[0][i], out[1][i], out[2][i], out[3][i], out[4][i]};
+        NoiseGain own;
+        if (!std::isnan(d.h_xx)) {
+          keep(n, d, std::min(from_x, from_y) >= r ? noise : expected(border_noise.at(from_x, from_y)));
+        } else if (!std::isnan(grid.height_m[n]) && fit.fit(texture, thinned, x, y, texture_noise_m, d, own)) {
+          keep(n, d, expected(own));
+        } else {
+          map.rms_per_m[n] = map.mean_per_m[n] = map.gaussian_per_m2[n] = kUnknownHeight;
+        }
       }
     }
   });
-
-  std::vector<float> measured;
-  measured.reserve(grid.lattice.count());
-  for (std::size_t n = 0; n < counted.size(); ++n)
-    if (counted[n] != 0) measured.push_back(map.rms_per_m[n]);
-  map.percentile_95_per_m = measured.empty() ? 0.0 : static_cast<double>(quantile(measured, 0.95));
+  map.percentile_95_per_m = curvature_percentile(grid, map.rms_per_m, links, filter.radius, step_m);
   return map;
-}
-
-double friction_slope(const CurvatureMap& map, const FrictionConfig& config) {
-  if (config.c_m) return *config.c_m;
-  const double percentile = map.percentile_95_per_m;
-  if (!(percentile > 0)) return 0;
-  // Below the clear percentile the slope fades out, so that the roughness of a flat plane's noise is not felt.
-  const double low = kNoisePercentile * map.noise_floor_per_m, high = kClearPercentile * map.noise_floor_per_m;
-  const double t = high > low ? std::clamp((percentile - low) / (high - low), 0.0, 1.0) : 1.0;
-  return t * t * (3 - 2 * t) * (config.mu_max - config.mu_0) / percentile;
 }
 
 }  // namespace sparsha::pipeline

@@ -18,10 +18,18 @@ void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadP
 [[nodiscard]] std::vector<float> bilateral_envelope(const DepthGrid& grid, const TextureConfig& config,
                                                     ThreadPool& pool);
 
-/// Curvatures of the texture f - f_b by a Gaussian-weighted quadratic fit at `scale_m`, less their noise expectation;
-/// 0 where the window has unknown nodes or a step. `noise_m` is the heights' white noise per node (of points with n a
-/// node: their noise / sqrt(n)); `sigma_space_m` is the envelope's, which takes most of that noise along (0: it takes
-/// none).
+/// The envelope that friction takes: that of bilateral_envelope(), and where unknown nodes or a step are within reach
+/// the one that it would be if the node's own layer went on as the quadratic through it. `noise_m` and `step_m` as
+/// below.
+[[nodiscard]] std::vector<float> continued_envelope(const DepthGrid& grid, const std::vector<float>& envelope_m,
+                                                    const TextureConfig& config, double noise_m, double step_m,
+                                                    ThreadPool& pool);
+
+/// Curvatures of the texture f - f_b by a Gaussian-weighted fit at `scale_m` over the nodes of a node's own layer, less
+/// their noise expectation; NaN where the height is unknown and where too few nodes of the layer say anything.
+/// `noise_m` is the heights' white noise per node (of points with n a node: their noise / sqrt(n)); a jump that the
+/// surface continues on neither side is a step from about 0.9 spacings or 8 noises on, in any case from `step_m`;
+/// `sigma_space_m` is the envelope's, which takes most of the noise along (0: it takes none).
 struct CurvatureMap {
   std::vector<float> rms_per_m;        ///< k = sqrt(max(0, 2H^2 - K))
   std::vector<float> mean_per_m;       ///< H

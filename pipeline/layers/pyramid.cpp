@@ -211,9 +211,10 @@ Layers halve(const Layers& fine, ThreadPool& pool) {
   });
   grid.height_m = halve_layer(fine, grid, fine.grid.height_m, true, kUnknownHeight, pool);
   coarse.envelope_m = halve_layer(fine, grid, fine.envelope_m, true, kUnknownHeight, pool);
-  coarse.curvature_per_m = halve_layer(fine, grid, fine.curvature_per_m, false, 0.0F, pool);
-  coarse.mean_curvature_per_m = halve_layer(fine, grid, fine.mean_curvature_per_m, false, 0.0F, pool);
-  coarse.gaussian_curvature_per_m2 = halve_layer(fine, grid, fine.gaussian_curvature_per_m2, false, 0.0F, pool);
+  coarse.curvature_per_m = halve_layer(fine, grid, fine.curvature_per_m, false, kUnknownHeight, pool);
+  coarse.mean_curvature_per_m = halve_layer(fine, grid, fine.mean_curvature_per_m, false, kUnknownHeight, pool);
+  coarse.gaussian_curvature_per_m2 =
+      halve_layer(fine, grid, fine.gaussian_curvature_per_m2, false, kUnknownHeight, pool);
   coarse.intensity = halve_layer(fine, grid, fine.intensity, false, kUnknownHeight, pool);
   if (!fine.colour_rgba.empty()) {
     coarse.colour_rgba.resize(grid.lattice.count());

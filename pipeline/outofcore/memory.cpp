@@ -37,7 +37,7 @@ constexpr double kCheckScratch = 6.5;
 constexpr double kErrorMap = 4.0;
 constexpr double kLayer = 4.0;
 constexpr double kTextureScratch = 4.0;
-constexpr double kFrictionScratch = 15.5;
+constexpr double kFrictionScratch = 20.0;
 constexpr double kAllLevels = 4.0 / 3.0;
 constexpr double kPictures = 1.0;
 

@@ -85,6 +85,12 @@ std::string key_figures(const SceneDescription& scene, const Report& report) {
       add("Completeness", percent(*check.completeness),
           fmt::format("of the outline has a point within {}", length_text(check.tolerance_m, TextStyle::typeset)));
   }
+  if (report.friction && report.friction->undecided > 0 && scene.config.friction) {
+    const auto& [nodes, undecided] = *report.friction;
+    add("Friction not told", percent(static_cast<double>(undecided) / static_cast<double>(nodes)),
+        fmt::format("{} nodes with too little of their own surface around them take the coefficient {:.2g}",
+                    count_text(undecided, TextStyle::typeset), scene.config.friction->mu_0));
+  }
   const HapticsConfig& haptics = scene.config.haptics;
   if (haptics.impact || haptics.grain)
     add("Invented",

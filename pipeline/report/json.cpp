@@ -85,6 +85,9 @@ std::string report_json(const Scene& scene, const Report& report) {
   json["invented"] = Json::array();
   if (description.config.haptics.impact) json["invented"].push_back("impact");
   if (description.config.haptics.grain) json["invented"].push_back("grain");
+  json["friction"] = nullptr;
+  if (report.friction)
+    json["friction"] = {{"nodes", report.friction->nodes}, {"undecided", report.friction->undecided}};
   json["check"] = check(report.check);
   json["inputs"] = Json::array();
   for (const ScanSource& source : description.sources)

@@ -45,6 +45,11 @@ struct Report {
   std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame
   double coverage = 0.0;                ///< measured nodes / all
   double filled_fraction = 0.0;         ///< filled nodes / all
+  /// Of a friction map: known nodes, and those of them where no curvature could be told; these take mu_0.
+  struct Friction {
+    std::uint64_t nodes = 0, undecided = 0;
+  };
+  std::optional<Friction> friction;
   std::optional<CheckResult> check;
   std::vector<ScanPair> pairs;  ///< of a configuration with a block `register`
   std::vector<StageTime> stages;

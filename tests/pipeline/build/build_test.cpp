@@ -1,4 +1,5 @@
 // The whole pipeline on the sample relief: sums, bytes, blocks that are absent, failure that keeps the old scene.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -135,7 +136,14 @@ TEST_F(Build, TheSceneOnDiskIsTheSceneInMemory) {
   const Layers a = disk->read_level(0);
   const Layers b = result.scene->read_level(0);
   EXPECT_EQ(a.grid.state, b.grid.state);
-  EXPECT_EQ(a.curvature_per_m, b.curvature_per_m);
+  EXPECT_THAT(a.curvature_per_m, ::testing::Pointwise(::testing::NanSensitiveFloatEq(), b.curvature_per_m));
+  ASSERT_TRUE(result.report.friction);
+  const auto known = static_cast<std::uint64_t>(
+      std::count_if(b.grid.state.begin(), b.grid.state.end(), [](NodeState s) { return s != NodeState::unknown; }));
+  const auto decided = static_cast<std::uint64_t>(
+      std::count_if(b.curvature_per_m.begin(), b.curvature_per_m.end(), [](float k) { return !std::isnan(k); }));
+  EXPECT_EQ(result.report.friction->nodes, known);
+  EXPECT_EQ(result.report.friction->nodes - result.report.friction->undecided, decided);
   // scene.yaml is a configuration again.
   EXPECT_EQ(disk->description().config.grid.spacing_m, result.scene->description().config.grid.spacing_m);
   EXPECT_TRUE(fs::exists(folder_ / "scene" / "report.html"));

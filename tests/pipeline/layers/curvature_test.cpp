@@ -13,7 +13,6 @@ namespace sparsha::pipeline {
 namespace {
 
 using testing::add_noise;
-using testing::forget;
 using testing::grid_of;
 using testing::lattice_of;
 
@@ -161,28 +160,6 @@ TEST(Curvature, KnowsHowMuchNoiseTheEnvelopeTakesAlong) {
   EXPECT_GT(share, 0.7);
   EXPECT_LT(share, 1.1);
   EXPECT_LT(predicted, 0.5 * texture_curvature(grid, envelope, 3 * h, noise, kNoStep, pool).noise_floor_per_m);
-}
-
-TEST(Curvature, IsZeroWhereTheWindowHoldsUnknownNodesOrAStep) {
-  const double h = 0.001;
-  DepthGrid grid =
-      grid_of(lattice_of(100, 60, h), [](double x, double y) { return 3 * x * x + y * y + (x > 0.07 ? 0.02 : 0.0); });
-  forget(grid, 20, 30);
-  ThreadPool pool(1);
-  const CurvatureMap map = texture_curvature(grid, flat(grid), 3 * h, 0, 0.005, pool);
-  const int radius = 8;  // 2.5 scales, rounded
-  for (int j = 0; j < 60; ++j)
-    for (int i = 0; i < 100; ++i) {
-      const bool border = i < radius || j < radius || i >= 100 - radius || j >= 60 - radius;
-      const bool hole = std::abs(i - 20) <= radius && std::abs(j - 30) <= radius;
-      const bool step = i + radius >= 70 && i - radius <= 71;
-      const float k = map.rms_per_m[grid.lattice.index(i, j)];
-      if (border || hole || step) {
-        EXPECT_EQ(k, 0.0F) << i << ' ' << j;
-      } else {
-        EXPECT_GT(k, 1.0F) << i << ' ' << j;
-      }
-    }
 }
 
 TEST(FrictionSlope, BringsThe95thPercentileToTheMost) {

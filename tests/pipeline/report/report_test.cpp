@@ -123,6 +123,20 @@ TEST(Report, SaysWhatIsFeltAndWasInvented) {
   EXPECT_EQ(report_html(*scene, example_report(), {}, {}).find("was not measured"), std::string::npos);
 }
 
+TEST(ReportText, CountsTheNodesWhoseFrictionIsNotTold) {
+  const ScenePointer scene = example_scene();
+  ASSERT_TRUE(scene->description().config.friction);
+  Report report = example_report();
+  EXPECT_TRUE(nlohmann::json::parse(report_json(*scene, report)).at("friction").is_null());
+  EXPECT_THAT(report_html(*scene, report, {}, {}), ::testing::Not(::testing::HasSubstr("Friction not told")));
+  report.friction = Report::Friction{4000, 1000};
+  const auto friction = nlohmann::json::parse(report_json(*scene, report)).at("friction");
+  EXPECT_EQ(friction.at("nodes"), 4000);
+  EXPECT_EQ(friction.at("undecided"), 1000);
+  const std::string html = report_html(*scene, report, {}, {});
+  EXPECT_THAT(html, ::testing::HasSubstr("Friction not told</dt><dd>25"));
+}
+
 TEST(ReportJson, ReadIsTheSumOfTheOthers) {
   const json points = json::parse(report_json(*example_scene(), example_report()))["points"];
   std::uint64_t sum = 0;
