@@ -249,6 +249,45 @@ TEST(CurvatureBesideSteps, GivesTheSameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(std::memcmp(one.gaussian_per_m2.data(), three.gaussian_per_m2.data(), bytes), 0);
 }
 
+TEST(Texture, HasNoEdgeWhereTheFiltersWindowMeetsAStepOrAHole) {
+  const Surface z = [](double x, double y) { return 0.5 * x + wave(x, y, 0.002, 0.03); };
+  const TextureConfig config{3 * kSpacing_m, kSpacing_m, TextureConfig::Method::direct};
+  const int reach = 9;  // three sigmas
+  ThreadPool pool(2);
+  for (const auto& [name, inside] : outlines())
+    for (const bool hole : {false, true}) {
+      DepthGrid grid = stepped(z, inside, 0.03);
+      if (hole)
+        for (int j = 0; j < kSide; ++j)
+          for (int i = 0; i < kSide; ++i)
+            if (inside(i * kSpacing_m, j * kSpacing_m)) forget(grid, i, j);
+      const std::vector<float> filtered = bilateral_envelope(grid, config, pool);
+      for (const std::vector<float>& envelope :
+           {filtered, continued_envelope(grid, filtered, config, 0, kSpacing_m, pool)}) {
+        double open = 0, border = 0;
+        for (int j = 12; j < kSide - 12; ++j)
+          for (int i = 12; i < kSide - 13; ++i) {
+            const auto side = [&](int a, int b) { return inside(a * kSpacing_m, b * kSpacing_m); };
+            if (side(i, j)) continue;
+            // The nearest node of the other side, in the window's own measure: columns and rows.
+            int nearest = 2 * reach;
+            for (int b = -reach - 2; b <= reach + 2; ++b)
+              for (int a = -reach - 2; a <= reach + 2; ++a)
+                if (side(i + a, j + b)) nearest = std::min(nearest, std::max(std::abs(a), std::abs(b)));
+            const std::size_t n = grid.lattice.index(i, j);
+            const auto texture = [&](std::size_t k) {
+              return static_cast<double>(grid.height_m[k]) - static_cast<double>(envelope[k]);
+            };
+            const double change = std::abs(texture(n + 1) - texture(n));
+            if (nearest > reach + 2) open = std::max(open, change);
+            if (nearest >= reach && nearest <= reach + 1) border = std::max(border, change);
+          }
+        EXPECT_GT(border, 0) << name;
+        EXPECT_LE(border, 1.2 * open) << name << (hole ? ", a hole" : ", a step");
+      }
+    }
+}
+
 TEST(ContinuedEnvelope, LeavesNoRimOfFalseTextureAlongAStepOnASlope) {
   const Surface z = [](double x, double y) { return 0.7 * x + 0.3 * y + 2 * x * x; };
   const Side right = [](double x, double) { return x > kMiddle_m; };

@@ -186,6 +186,20 @@ TEST(Pyramid, CarriesTheOptionalLayers) {
   EXPECT_TRUE(build_pyramid(layers_of(base.grid), 100, pool)[0].envelope_m.empty());
 }
 
+TEST(Pyramid, LeavesUndecidedCurvatureOutOfMeansAndKeepsItWhereThereIsNoOther) {
+  const Lattice lattice = lattice_of(121, 101, 1);
+  Layers base = layers_of(grid_of(lattice, [](double x, double) { return x; }));
+  base.curvature_per_m.assign(lattice.count(), 2.0F);
+  base.curvature_per_m[lattice.index(41, 40)] = kUnknownHeight;
+  for (int j = 60; j < 80; ++j)
+    for (int i = 60; i < 80; ++i) base.curvature_per_m[lattice.index(i, j)] = kUnknownHeight;
+  ThreadPool pool(1);
+  const Layers level = build_pyramid(base, 100, pool)[0];
+  EXPECT_NEAR(level.curvature_per_m[level.grid.lattice.index(20, 20)], 2, 1e-6);
+  EXPECT_TRUE(std::isnan(level.curvature_per_m[level.grid.lattice.index(35, 35)]));
+  EXPECT_NEAR(level.curvature_per_m[level.grid.lattice.index(29, 35)], 2, 1e-6);
+}
+
 TEST(Pyramid, GivesTheSameBitsOnAnyNumberOfThreads) {
   DepthGrid grid =
       grid_of(lattice_of(333, 222, 1), [](double x, double y) { return std::sin(x * 0.1) + 0.3 * std::cos(y * 0.2); });
