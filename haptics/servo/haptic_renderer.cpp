@@ -20,6 +20,12 @@ Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& cen
   return {centre_m.x(), centre_m.y(), lattice.origin_m.z() + z};
 }
 
+/// How much of `whole` is in `part`, along it, 0 to 1; 1 of nothing.
+double share_of(const Eigen::Vector3d& part, const Eigen::Vector3d& whole) noexcept {
+  const double squared = whole.squaredNorm();
+  return squared > 0.0 ? std::clamp(part.dot(whole) / squared, 0.0, 1.0) : 1.0;
+}
+
 }  // namespace
 
 HapticRenderer::HapticRenderer(const DeviceInfo& device, const RendererOptions& options, HapticWindow window)
@@ -223,6 +229,7 @@ void HapticRenderer::make_safe() noexcept {
   governor_.stop();
   events_.reset();
   record_.state.commanded_force_n = {};
+  record_.state.given_share = 0.0;
   record_.state.flags &= ~static_cast<std::uint64_t>(kFlagSaturated | kFlagArmed);
 }
 
@@ -352,6 +359,9 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   state.away_m = away_m(hip_m);
   const GovernorOutput output = governor_.update(input);
   armed_ = output.armed;
+  // A swap's fade takes from the surface's force, the governor from the whole.
+  state.given_share = share_of(felt_n_, force_n) * share_of(output.force_n, input.force_n);
+  if (event_ && !output.armed) event_->peak_force_n = 0.0;
 
   const double travel_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;
   slip_speed_ += (travel_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilter_s);

@@ -34,6 +34,7 @@ class Publisher {
   void publish_rest(HapticRenderer& renderer) noexcept {
     State& state = renderer.state();
     state.commanded_force_n = {};
+    state.given_share = 0.0;
     state_.publish(state);
   }
 

@@ -50,6 +50,7 @@ struct State {
   std::array<double, 3> normal{};             ///< unit surface normal at the proxy, grid frame; 0 when free
   std::array<double, 3> force_n{};            ///< the renderer's force k * scale * (X_p - X_h), before the governor
   std::array<double, 3> commanded_force_n{};  ///< what the device was told
+  double given_share = 1.0;                   ///< of the force before the governor that the hand was given, 0 to 1
   std::array<double, 3> device_m{};           ///< hand position, device frame
   std::array<double, 3> centre_m{};           ///< grid point that is the device frame's origin
   double scale = 1.0;                         ///< device metres per grid metre
@@ -105,7 +106,7 @@ struct ContactEvent {
   std::array<double, 3> proxy_m{};    ///< grid frame
   std::array<double, 3> place_m{};    ///< touched_place() in the frame of the scene's parts and sounds
   double normal_speed_m_per_s = 0.0;  ///< of the hand towards the surface, device frame, low-passed
-  double peak_force_n = 0.0;          ///< predicted peak v_n * sqrt(k m), newtons
+  double peak_force_n = 0.0;          ///< predicted peak v_n * sqrt(k m), newtons; 0 where the hand gets no force
   std::uint64_t level = 0;
 };
 static_assert(std::is_trivially_copyable_v<ContactEvent>);

@@ -240,7 +240,7 @@ TEST(Synth, NoDenormalNumberLeaves) {
   for (const float value : audio_scene::render(synth, 20.0)) ASSERT_NE(std::fpclassify(value), FP_SUBNORMAL);
 }
 
-TEST(Stroking, IsSilentInTheAirInAFaultWithStaleDataAndForPlacesThatAreNotNumbers) {
+TEST(Stroking, IsSilentInTheAirInAFaultWithoutForceWithStaleDataAndForPlacesThatAreNotNumbers) {
   const auto peak = [](const auto& spoil) {
     Synth synth(bank({}, 0.5));
     const auto profile = audio_scene::rough_profile();
@@ -262,6 +262,8 @@ TEST(Stroking, IsSilentInTheAirInAFaultWithStaleDataAndForPlacesThatAreNotNumber
   EXPECT_EQ(peak([](haptics::State& state) { state.flags |= haptics::kFlagFault; }), 0.0);
   EXPECT_EQ(peak([](haptics::State& state) { state.flags |= haptics::kFlagStale; }), 0.0);
   EXPECT_EQ(peak([](haptics::State& state) { state.contact = 0; }), 0.0);
+  EXPECT_EQ(peak([](haptics::State& state) { state.given_share = 0.0; }), 0.0) << "stone that gives no force";
+  EXPECT_LT(peak([](haptics::State& state) { state.given_share = 0.1; }), peak([](haptics::State&) {}));
   EXPECT_EQ(peak([&](haptics::State& state) { state.proxy_m[0] = nan; }), 0.0);
   EXPECT_EQ(peak([&](haptics::State& state) { state.force_n[2] = nan; }), 0.0);
   EXPECT_EQ(peak([&](haptics::State& state) { state.scale = nan; }), 0.0);

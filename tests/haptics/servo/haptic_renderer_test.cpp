@@ -87,6 +87,31 @@ TEST(HapticRenderer, GivesNoForceBeforeTheHandHasBeenInFreeSpaceForFiftyMillisec
   EXPECT_GT(hand.renderer.state().commanded_force_n[2], 0.5);
 }
 
+TEST(HapticRenderer, TellsWhichShareOfTheForceTheHandIsGivenAndNoStrikeWithoutForce) {
+  Hand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  EXPECT_EQ(hand.renderer.state().given_share, 1.0) << "nothing is held back in the air";
+  const State& resting = hand.press({0.0, 0.0, -0.002});
+  EXPECT_NEAR(resting.given_share, 1.0, 0.01);
+  // A watchdog's silence: the stone gives nothing until the hand has been in free space, and whoever asks is told so.
+  hand.renderer.fail();
+  EXPECT_EQ(hand.renderer.state().given_share, 0.0);
+  int touches = 0;
+  for (int k = 0; k < 400; ++k) {
+    const State& state = hand.go({0.0, 0.0, k % 20 < 10 ? -0.003 : 0.0005});
+    if (state.contact != 0) {
+      ASSERT_GT(state.force_n[2], 0.1) << "traces still know the raw force";
+      ASSERT_EQ(state.given_share, 0.0);
+    }
+    const auto& event = hand.renderer.event();
+    if (event && event->kind == ContactEvent::Kind::touch) {
+      ++touches;
+      ASSERT_EQ(event->peak_force_n, 0.0) << "no click without a force";
+    }
+  }
+  EXPECT_GT(touches, 10);
+}
+
 TEST(HapticRenderer, AnswersNotANumberWithZeroForceAtOnceAndArmsAnew) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
