@@ -1,6 +1,7 @@
 // The source paper's proxy (Aniyath et al. 2014, eq. 1 to 6): the tangential part of the way to the hand, taken in
 // steps of rho, each followed by a projection along the normal; friction scales the step by 1 - mu_d cot(beta) once
-// tan(beta) has exceeded mu_s. It chatters at patch creases; the exact solver does not.
+// tan(beta) has exceeded mu_s. It chatters at patch creases; the exact solver does not. The projection knows one normal
+// and no way: at a cliff it would carry the proxy to the top at once, so a tick's move is bounded (Reach).
 #include <algorithm>
 #include <cmath>
 
@@ -44,9 +45,26 @@ CellPoint project_along(const BilinearSurface& surface, const CellVector& q, con
   return p;
 }
 
+/// Where a tick may take the proxy, in cells: no farther from the hand than where the tick began, as the nearest points
+/// are that the iteration looks for, and a cell more, for it chatters. So what it lags behind the hand grows by the
+/// hand's own way and a cell, and no move is longer than twice the lag and a cell.
+class Reach {
+ public:
+  Reach(const CellPoint& start, const CellVector& hip) noexcept : hip_(hip), most_(length(hip - start) + 1.0) {}
+  [[nodiscard]] bool holds(const CellPoint& p) const noexcept { return length(hip_ - p) <= most_; }
+  /// Steps are so much shorter than the method has them: halved whenever one went beyond, for the rest of the tick,
+  /// which then costs some forty projections more at most.
+  double share = 1.0;
+
+ private:
+  static double length(const CellVector& v) noexcept { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
+  CellVector hip_;
+  double most_;
+};
+
 /// One iteration; false when it did not move or the hand leaves the surface.
 bool step(const BilinearSurface& surface, const CellVector& hip, const SolverOptions& options, CellPoint& p,
-          bool& contact, SolverState& course) noexcept {
+          bool& contact, SolverState& course, Reach& reach) noexcept {
   const Normal n = unit_normal(surface.patch(p.i, p.j), p);
   const CellVector v = hip - p;
   const double along = n.x * v.x + n.y * v.y + n.z * v.z;
@@ -67,11 +85,15 @@ bool step(const BilinearSurface& surface, const CellVector& hip, const SolverOpt
     if (course.sticking) return false;
     factor = std::clamp(1.0 - mu_d * -along / length, 0.0, 1.0);
   }
-  const double rho = options.paper_rho * factor;
-  if (rho * length <= options.tolerance_cells) return false;
-  const CellVector q{p.i + p.s + rho * tangential.x, p.j + p.t + rho * tangential.y, p.z + rho * tangential.z};
-  p = project_along(surface, q, n);
-  return true;
+  for (;; reach.share *= 0.5) {
+    const double rho = options.paper_rho * factor * reach.share;
+    if (rho * length <= options.tolerance_cells) return false;
+    const CellVector q{p.i + p.s + rho * tangential.x, p.j + p.t + rho * tangential.y, p.z + rho * tangential.z};
+    const CellPoint next = project_along(surface, q, n);
+    if (!reach.holds(next)) continue;
+    p = next;
+    return true;
+  }
 }
 
 }  // namespace
@@ -88,6 +110,7 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
   }
   const double floor = cells.patch(p.i, p.j).height(p.s, p.t);
   if (state.contact || p.z < floor) p.z = floor, state.contact = true;
+  Reach reach(p, hand);
   SolverState course;
   course.sticking = cells.has_friction() && state.contact && state.sticking;
   course.may_stick_again = cells.has_friction() && state.contact && !state.sticking;
@@ -99,7 +122,7 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
   for (int k = 0; k < options.paper_iterations && !at_hand && !settled; ++k) {
     if (state.contact) {
       ++segments;
-      const bool moved = step(cells, hand, options, p, state.contact, course);
+      const bool moved = step(cells, hand, options, p, state.contact, course, reach);
       settled = !moved && state.contact;
       leaving = !state.contact;
       if (state.contact) continue;
@@ -114,7 +137,7 @@ ProxyUpdate update_paper(const MongeSurface& surface, const Eigen::Vector3d& hip
   state.sticking = course.sticking;
   ProxyUpdate update = report(surface, cells, hip, p, at_hand, {}, state);
   update.segments = segments;
-  update.unfinished = !at_hand && !settled && options.paper_iterations > 1;
+  update.unfinished = reach.share < 1.0 || (!at_hand && !settled && options.paper_iterations > 1);
   return update;
 }
 
