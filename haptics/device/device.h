@@ -18,7 +18,7 @@ struct DeviceSample {
   std::uint64_t buttons = 0;
   double time_s = 0.0;    ///< when it was measured, on the servo's clock
   double delay_s = 0.0;   ///< from a force's writing to a position that shows it, if measured; else 0
-  bool fresh = false;     ///< false: nothing new; the force of before goes on for kStale_s, then it is zero
+  bool fresh = false;     ///< false: nothing new; the force of before goes on until it is stale, then it is zero
   bool homed = true;      ///< false: positions are not absolute yet; the servo then commands zero
   bool connected = true;  ///< false: unplugged
   bool finished = false;  ///< no more samples will come; one that is not fresh is none itself

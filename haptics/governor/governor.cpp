@@ -155,7 +155,7 @@ GovernorOutput Governor::without_news(const GovernorInput& input) noexcept {
   if (held_n.squaredNorm() > gap_n_.squaredNorm()) gap_n_ = held_n;
   Vector3d next_n = Vector3d::Zero();
   const double last = commanded_n_[0].norm();
-  if (armed_ && gap_s_ < kStale_s && last > 0.0) {
+  if (armed_ && gap_s_ < stale_after_s(pace_s(input.nominal_period_s)) && last > 0.0) {
     const double out_m_per_s = velocity().dot(commanded_n_[0]) / last;
     const double lost_n = input.stiffness_n_per_m * out_m_per_s * input.period_s;
     next_n = commanded_n_[0] * std::clamp(1.0 - lost_n / last, 0.0, 1.0);

@@ -22,6 +22,15 @@ inline constexpr double kOverdraft_j = 50e-6;
 /// A hand without news for so long is stale, and its force zero. Until then the force of before goes on, as it does
 /// over a tick that never comes: one answer in ten that is lost would shake the hand otherwise.
 inline constexpr double kStale_s = 0.007;
+/// Three samples of a slow device are older than that already: of its samples as many must be missing as at a
+/// kilohertz, or a few that are lost in a row would take the force from a hand that rests.
+inline constexpr double kStaleTicks = 7.0;
+/// `pace_s`: between two samples that came.
+[[nodiscard]] constexpr double stale_after_s(double pace_s) noexcept {
+  return std::max(kStale_s, kStaleTicks * pace_s);
+}
+/// Without news for so many samples, and no less than RendererOptions::longest_gap_s, nobody knows where the hand is.
+inline constexpr double kLongestGapTicks = 10.0;
 
 /// What a device can bear.
 struct DeviceLimits {

@@ -492,7 +492,7 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
   } else {
     render(sample);
     stale_s_ = sample.fresh ? 0.0 : stale_s_ + record_.period_s;
-    if (stale_s_ > options_.longest_gap_s) make_safe();
+    if (stale_s_ > std::max(options_.longest_gap_s, kLongestGapTicks * pace_s_)) make_safe();
     if (fault) {
       make_safe();
       event_.reset();

@@ -28,7 +28,8 @@ struct RendererOptions {
   double stiffness_n_per_m = 800.0;  ///< the wish; rendered is what the device can bear
   pipeline::HapticsConfig::Solver solver = pipeline::HapticsConfig::Solver::exact;
   SolverOptions solver_options{.shape = CellShape::rounded};
-  /// Longer without news of the hand, or later than planned, is a fault: forces need free space again.
+  /// Later than planned by more is a fault, and so is longer without news of the hand and kLongestGapTicks of its
+  /// samples: forces need free space again.
   double longest_gap_s = 0.010;
 };
 

@@ -16,7 +16,7 @@ enum StateFlag : std::uint64_t {
   kFlagWindowBorder = 1U << 3,  ///< the proxy is within a cell of the window's border
   kFlagSaturated = 1U << 4,     ///< the governor limited the force
   kFlagArmed = 1U << 5,         ///< forces are delivered
-  kFlagStale = 1U << 6,         ///< no fresh position: the force of before, or zero after 7 ms
+  kFlagStale = 1U << 6,         ///< no fresh position: the force of before, or zero (stale_after_s())
   kFlagFault = 1U << 7,         ///< watchdog, NaN or unplugging; force is zero
   kFlagUnfinished = 1U << 8,    ///< the proxy goes on next tick
   kFlagFilledArea = 1U << 9,    ///< the proxy is over filled nodes

@@ -1,5 +1,5 @@
-// Ticks without news of the hand: the force of before for 7 ms, then none; the energy of the contact goes on being
-// observed.
+// Ticks without news of the hand: the force of before for 7 ms or seven samples of a slow device, then none; the energy
+// of the contact goes on being observed.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -59,8 +59,9 @@ TEST(Stale, ATickWithoutNewsTakesNothingFromTheForceOfTheWayOut) {
   }
 }
 
-TEST(Stale, TheForceOfBeforeGoesOnForSevenMillisecondsAtAnyRateAndOnlyWhereItMay) {
-  for (const double rate_hz : {200.0, 333.0, 851.0, 1000.0, 4000.0}) {
+TEST(Stale, TheForceOfBeforeGoesOnForSevenMillisecondsOrSixSlowSamplesAndOnlyWhereItMay) {
+  for (const double rate_hz : {100.0, 200.0, 333.0, 400.0, 851.0, 1000.0, 4000.0}) {
+    const double stale_s = std::max(0.007, 7.0 / rate_hz);
     Governor governor{DeviceLimits{}};
     const auto go = [&](GovernorInput input) {
       input.period_s = input.nominal_period_s = 1.0 / rate_hz;
@@ -72,7 +73,7 @@ TEST(Stale, TheForceOfBeforeGoesOnForSevenMillisecondsAtAnyRateAndOnlyWhereItMay
     ASSERT_GT(pressed_n, 0.7);
     for (int k = 1; k < rate_hz; ++k) {
       const double age_s = k / rate_hz;
-      ASSERT_DOUBLE_EQ(go(at(-1e-3, false)), age_s < 0.007 - 1e-9 ? pressed_n : 0.0) << rate_hz << " Hz, " << age_s;
+      ASSERT_DOUBLE_EQ(go(at(-1e-3, false)), age_s < stale_s - 1e-9 ? pressed_n : 0.0) << rate_hz << " Hz, " << age_s;
     }
     EXPECT_GT(go(at(-1e-3)), 0.0);
     governor.disarm();
@@ -84,6 +85,26 @@ TEST(Stale, TheForceOfBeforeGoesOnForSevenMillisecondsAtAnyRateAndOnlyWhereItMay
     EXPECT_EQ(go(broken), 0.0);
     EXPECT_EQ(go(at(-1e-3, false)), 0.0) << "after what is not a number";
   }
+}
+
+TEST(Stale, SamplesThatComeMoreSlowlyThanThePlanAreJudgedByTheirOwnPace) {
+  // A servo planned for a kilohertz, a device of 400 Hz: five ticks in two samples.
+  Governor governor{DeviceLimits{}};
+  governor.arm();
+  int tick = 0;
+  const auto go = [&](bool lost) {
+    const bool fresh = tick * 2 / 5 != (tick - 1) * 2 / 5 && !lost;
+    ++tick;
+    return governor.update(at(-1e-3 * std::min(1.0, tick / 400.0), fresh)).force_n.z();
+  };
+  double pressed_n = 0.0;
+  while (tick < 1000) pressed_n = go(false);
+  ASSERT_GT(pressed_n, 0.7);
+  int held = 0;
+  while (go(true) == pressed_n && held < 100) ++held;
+  // The median of two and three ticks is two: seven times that, not the seven samples of 17.5 ms.
+  EXPECT_GE(held, 13) << "five samples of the device are 12.5 ms";
+  EXPECT_LE(held, 18);
 }
 
 TEST(Stale, AGapDeliversToAMovingHandNoMoreThanItPutInAndTheOverdraft) {
