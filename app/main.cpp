@@ -9,11 +9,17 @@
 #include "app/terminal.h"
 #include "base/error.h"
 #include "base/system.h"
+#include "base/system/signals.h"
 #include "base/yaml.h"
 
 namespace {
 
 constexpr int kUsage = 2;
+
+#if defined(SPARSHA_SIGNALS_BEFORE_MAIN)
+// Run once libraries are loaded and before they set themselves up: a signal that comes sooner than main() is not lost.
+[[gnu::used, gnu::section(".preinit_array")]] void (*const catch_interrupts_first)() = sparsha::app::catch_interrupts;
+#endif
 
 // "error: ...; did you mean --headless?" for an option or subcommand that does not exist.
 std::string usage_message(const CLI::ParseError& error, const CLI::App& app,
@@ -38,10 +44,38 @@ std::string usage_message(const CLI::ParseError& error, const CLI::App& app,
   return text + "; sparsha --help lists what there is";
 }
 
+// Runs a command to its exit code; results that cannot be written are a failure, whatever they are.
+int deliver(const sparsha::app::Run& run) {
+  using namespace sparsha::app;
+  try {
+    const int code = run();
+    flush_output();
+    return code;
+  } catch (const sparsha::Cancelled&) {
+    print_error("stopped; nothing was changed");
+    return 1;
+  } catch (const sparsha::Error& error) {
+    print_error(error.what());
+    return static_cast<int>(error.kind());
+  } catch (const std::bad_alloc&) {
+    print_error("error: out of memory; a smaller input, a coarser grid or --memory");
+    return 1;
+  } catch (const std::exception& error) {
+    print_error(std::string("error: ") + error.what());
+    return 1;
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace sparsha::app;
+#if !defined(SPARSHA_SIGNALS_BEFORE_MAIN)
+  catch_interrupts();
+#endif
+  sparsha::system::survive_cut_files();
+  sparsha::system::open_standard_streams();
+  sparsha::system::allow_many_open_files();
   CLI::App app("Sparsha: touch, see and hear scanned heritage", "sparsha");
   app.set_version_flag("--version", std::string("sparsha ") + SPARSHA_VERSION);
   app.require_subcommand(1);
@@ -77,29 +111,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return deliver([&] { return app.exit(error); });  // --help, --version
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     print_error(usage_message(error, app, arguments));
     return kUsage;
   }
 
-  catch_interrupts();
-  sparsha::system::allow_many_open_files();
-  try {
-    const int code = run();
-    flush_output();
-    return code;
-  } catch (const sparsha::Cancelled&) {
-    print_error("stopped; nothing was changed");
-    return 1;
-  } catch (const sparsha::Error& error) {
-    print_error(error.what());
-    return static_cast<int>(error.kind());
-  } catch (const std::bad_alloc&) {
-    print_error("error: out of memory; a smaller input, a coarser grid or --memory");
-    return 1;
-  } catch (const std::exception& error) {
-    print_error(std::string("error: ") + error.what());
-    return 1;
-  }
+  return deliver(run);
 }

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
@@ -13,6 +13,7 @@
 #include "app/sentences.h"
 #include "base/error.h"
 #include "base/system.h"
+#include "base/system/signals.h"
 #include "base/system/terminal.h"
 
 namespace sparsha::app {
@@ -22,31 +23,32 @@ std::atomic<Progress*> running{nullptr};
 std::atomic<bool> stop_asked{false};
 std::atomic<bool> line_open{false};
 
-static_assert(std::atomic<Progress*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+std::atomic<std::int64_t> asked_ms{0};  // when the program was asked to stop first
 
-void on_signal(int) {
-  if (stop_asked.exchange(true)) {
+static_assert(std::atomic<Progress*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free &&
+              std::atomic<std::int64_t>::is_always_lock_free);
+
+/// What was promised is finished however often the program is asked to stop. One that hangs can still be ended.
+constexpr std::int64_t kPatience_ms = 10'000;
+
+std::int64_t now_ms() {
+  using namespace std::chrono;
+  return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
+void on_ending_signal() {
+  std::int64_t first_ms = 0;
+  if (!asked_ms.compare_exchange_strong(first_ms, now_ms()) && now_ms() - first_ms > kPatience_ms) {
     system::restore_terminal();
     std::_Exit(static_cast<int>(ErrorKind::failure));
   }
+  stop_asked.store(true);
   if (Progress* progress = running.load()) progress->cancel();
 }
 
 }  // namespace
 
-void catch_interrupts() {
-  for (const int number : {SIGINT, SIGTERM}) std::signal(number, on_signal);
-#if !defined(_WIN32)
-  for (const int number : {SIGQUIT, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGPROF}) {
-    std::signal(number, on_signal);
-  }
-  // A program started by nohup goes on without its terminal.
-  if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
-  // A file that may not grow and a reader that has gone are errors of the write that meets them.
-  for (const int number : {SIGXFSZ, SIGPIPE}) std::signal(number, SIG_IGN);
-#endif
-  system::survive_cut_files();
-}
+void catch_interrupts() { system::route_ending_signals(on_ending_signal); }
 
 bool interrupted() { return stop_asked.load(); }
 

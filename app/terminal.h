@@ -34,8 +34,9 @@ class Terminal {
 };
 
 /// Routes the signals that ask a program to end (SIGINT, SIGTERM, SIGHUP, SIGQUIT, ...): the first asks the running
-/// Progress to stop, the second ends the program with exit code 1. What is not asked for by a person - a file that may
-/// not grow, a closed pipe, a file cut short while it is read - becomes an error where it is met.
+/// Progress to stop. Others change nothing, so that promised files are finished; only one that comes more than ten
+/// seconds after the first ends the program, with exit code 1. What is not asked for by a person - a file that may not
+/// grow, a closed pipe - becomes an error where it is met. Before main().
 void catch_interrupts();
 /// True once the user asked to stop.
 [[nodiscard]] bool interrupted();

@@ -57,6 +57,9 @@ install(FILES ${CMAKE_BINARY_DIR}/SparshaConfig.cmake ${CMAKE_BINARY_DIR}/Sparsh
 
 # The whole program: cmake --install build --component program.
 install(TARGETS sparsha RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+if(TARGET sparsha_program)
+  install(TARGETS sparsha_program RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT program)
+endif()
 if(TARGET sparsha_opencv_images)
   install(TARGETS sparsha_opencv_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT program)
 endif()

@@ -46,7 +46,7 @@ clang() {
   LLVM_PROFILE_FILE="$PWD/$build/profiles/%4m.profraw" all_tests $build
   for program in $build/tests/*_test; do objects+=(-object "$program"); done
   llvm-profdata merge -sparse --failure-mode=all $build/profiles/*.profraw -o $build/tests.profdata
-  llvm-cov report "$build/bin/sparsha" "${objects[@]}" -instr-profile=$build/tests.profdata \
+  llvm-cov report "$build"/lib*/sparsha/sparsha "${objects[@]}" -instr-profile=$build/tests.profdata \
     "-ignore-filename-regex=(^|/)(usr|bench|examples|tests)/" 2> /dev/null > $build/coverage.txt
   tail -1 $build/coverage.txt
 }
