@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -113,7 +114,7 @@ Eigen::Matrix4d parse_pose(const Node& node) {
   return pose;
 }
 
-/// Field names of a text file's columns; x, y and z once each.
+/// Field names of a text file's columns; x, y and z once each, colours and normals with all three parts or none.
 std::vector<std::string> parse_columns(const Node& node) {
   static const std::vector<std::string> kNames{"skip", "x",         "y",  "z",  "red", "green",
                                                "blue", "intensity", "nx", "ny", "nz"};
@@ -134,6 +135,16 @@ std::vector<std::string> parse_columns(const Node& node) {
   for (const char* axis : {"x", "y", "z"}) {
     if (std::find(columns.begin(), columns.end(), axis) == columns.end()) {
       throw yaml::error_at(node, std::string("no column is called ") + axis, "x, y and z among the columns");
+    }
+  }
+  const auto is_named = [&](const char* name) {
+    return std::find(columns.begin(), columns.end(), name) != columns.end();
+  };
+  constexpr std::array<std::array<const char*, 3>, 2> kTriples{{{"red", "green", "blue"}, {"nx", "ny", "nz"}}};
+  for (const auto& [a, b, c] : kTriples) {
+    if ((is_named(a) || is_named(b) || is_named(c)) && !(is_named(a) && is_named(b) && is_named(c))) {
+      throw yaml::error_at(node, fmt::format("not all of {}, {} and {} are among the columns", a, b, c),
+                           "the three of them or none");
     }
   }
   return columns;

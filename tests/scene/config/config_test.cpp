@@ -94,6 +94,12 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"not affine", kScan + "orientation: {matrix: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}\n", {"the last row"}},
       {"not rigid", "scans: [{file: a, pose: {matrix: [2,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}}]\n", {"not rigid"}},
       {"quaternion", "scans: [{file: a, pose: {quaternion: [0, 0, 0, 2]}}]\n", {"does not have length 1"}},
+      {"columns without x", "scans: [{file: a.txt, columns: [y, z]}]\n", {"c.yaml:1:32", "no column is called x"}},
+      {"a column of no kind", "scans: [{file: a.txt, columns: [x, y, zz]}]\n", {"'zz'", "skip | x | y"}},
+      {"a column twice", "scans: [{file: a.txt, columns: [x, y, z, x]}]\n", {"two columns are called 'x'"}},
+      {"columns of no list", "scans: [{file: a.txt, columns: x}]\n", {"columns is not a list"}},
+      {"red alone", "scans: [{file: a.txt, columns: [x, y, z, red]}]\n", {"not all of red, green and blue"}},
+      {"half a normal", "scans: [{file: a.txt, columns: [x, y, z, nx, nz]}]\n", {"not all of nx, ny and nz"}},
       {"empty crop", kScan + "filters: [{crop: {min_m: [0,0,0], max_m: [1,0,1]}}]\n", {"the crop box is empty"}},
       {"two filters in one", kScan + "filters: [{crop: {}, voxel: {}}]\n", {"a filter has 2 keys"}},
       {"unknown filter", kScan + "filters: [{voxels: {leaf_mm: 1}}]\n", {"'voxels'", "did you mean 'voxel'?"}},
@@ -187,6 +193,7 @@ TEST(Config, ReadsBackWhatItWrites) {
 scans:
   - {file: "a b\"c.ply", units: mm, pose: {translate: [1, 2, 3], euler_deg: [10, 20, 30]}}
   - {file: b.ply, units: {longest_side_mm: 300}}
+  - {file: c.txt, columns: [skip, x, y, z, skip, red, green, blue, intensity, nx, ny, nz]}
 filters: [{crop: {min_m: [-1, -1, -1], max_m: [1, 1, 1]}}, {voxel: {leaf_mm: 0.3}}, {outliers: {neighbours: 9, sigma: 1.5, method: pcl}},
   {radius_outliers: {radius_mm: 1.3, neighbours: 7, method: pcl}}, {pass: {axis: y, max_m: 0.1}},
   {remove_plane: {distance_mm: 0.7, side: both, normal: [1, 2, 3], max_angle_deg: 12.5}},
