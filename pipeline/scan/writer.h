@@ -28,6 +28,9 @@ class ScanWriter {
   /// To be called once before the first record, with a number already checked against the file's size.
   void begin(std::uint64_t records, bool colour, bool intensity, bool normals = false);
   [[nodiscard]] bool has_colour() const { return colour_; }
+  /// What the records from now on have: blocks of one file may differ. The points of the others are white, without
+  /// intensity and without a normal.
+  void set_attributes(bool colour, bool intensity, bool normals = false);
 
   /// Records from now on were seen from here, file units.
   void set_station(const std::optional<Eigen::Vector3d>& place);

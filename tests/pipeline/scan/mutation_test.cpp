@@ -12,6 +12,7 @@ using testing::put;
 struct Seed {
   std::string name;
   std::string bytes;
+  ReadOptions options{};
 };
 
 std::vector<Seed> seeds() {
@@ -52,6 +53,23 @@ std::vector<Seed> seeds() {
   result.push_back({"a.obj", "# x\nv 1 2 3\nv 1 2 4 0.5 0.5 0.5\nv -1 2e1 .4\nf 1//1 2/2 -1\nf 1 2 3 \\\n 1 2\n"});
   result.push_back({"a.xyz", "//X Y Z Rf Gf Bf\n3\n1 2 3 .5 .5 .5\n4 5 6 1 1 1\n7, 8; 9 0 0 0\n"});
   result.push_back({"a.csv", "\"x\";\"y\";\"z\"\n1,5;2,5;3,5\n;;\n1;2;3\n"});
+  result.push_back(
+      {"n.csv", "Nr,Remark,X [mm],Y [mm],Z [mm]\n-,-,mm,mm,mm\n1,\"a, b\",1,2,3\n2,north wall,4,5,-9999\n"});
+  result.push_back({"n.txt", "2\n# Nr X Y Z\n1 2 3 4 left wall\nP 2 3 4\n"});
+  std::string counted;
+  for (int k = 0; k < 12; ++k) counted += std::to_string(k + 7) + ",1.5,2.5,1.70141E+38,10,20,30\n";
+  result.push_back({"c.csv", counted});
+  result.push_back({"d.csv", "\"x\",\"y\",\"z\"\n\"1,5\",\"2,25\",\"-9999\"\n1;2;3\n\"4,0\",5,\"0,5\"\n"});
+  std::string tracks = "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+  for (int k = 0; k < 12; ++k) {
+    tracks += std::to_string(31 * k % 17) + " 0.5 1.5 2 1 2 3 0.71";
+    for (int n = 0; n < 2 + k; ++n) tracks += " " + std::to_string(n) + " 7";
+    tracks += "\n";
+  }
+  result.push_back({"points3D.txt", tracks});
+  result.push_back({"k.txt",
+                    "Name a b c\nP 1;1;2;3;9;1;2;3\nP 2;4;5;6;9;4;5;6\n",
+                    {{"skip", "x", "y", "z", "skip", "red", "green", "blue"}}});
   result.push_back({"a.pts", "2\r\n1 2 3 -100 1 2 3\r\n1 2 3 -100 1 2 3\r\n1\n1 2 3 4 5 6 7\n"});
   result.push_back(
       {"a.ptx", "1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n1 2 3 0.5\n0 0 0 0.5\n"});
@@ -133,14 +151,14 @@ TEST(DamagedScans, GivePointsOrAnInputErrorWhateverTheDamage) {
   std::size_t read = 0;
   std::size_t refused = 0;
   for (const Seed& seed : seeds()) {
-    ASSERT_NO_THROW((void)read_scan_bytes(seed.bytes, seed.name)) << seed.name;
+    ASSERT_NO_THROW((void)read_scan_bytes(seed.bytes, seed.name, seed.options)) << seed.name;
     std::mt19937 random(kSeed);
     for (int round = 0; round < rounds; ++round) {
       std::string bytes = seed.bytes;
       mutate(bytes, random);
       SCOPED_TRACE(seed.name + ", seed " + std::to_string(kSeed) + ", round " + std::to_string(round));
       try {
-        expect_consistent(read_scan_bytes(bytes, seed.name));
+        expect_consistent(read_scan_bytes(bytes, seed.name, seed.options));
         ++read;
       } catch (const Error& error) {
         ASSERT_EQ(error.kind(), ErrorKind::input) << error.what();

@@ -1,32 +1,59 @@
-// What the header and the first rows of a text table say of it: names of columns in several languages, decimal commas.
+// What the header of a text table says of its columns: their names in several languages, and units.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scene/config.h"
+
 namespace sparsha::pipeline {
 
-/// The names in a header line: lower case, without quotes, comment signs and units in brackets. A line that is too long
-/// for a header has none.
-[[nodiscard]] std::vector<std::string> header_names(std::string_view line);
+/// Columns by their names; -1 where there is none.
+struct NamedColumns {
+  std::array<int, 3> xyz = {-1, -1, -1};
+  std::array<int, 3> colour = {-1, -1, -1};
+  std::array<int, 3> normal = {-1, -1, -1};
+  int intensity = -1;
+  bool degrees = false;      ///< x and y are longitude and latitude
+  bool by_initials = false;  ///< of easting, northing and height, which might be other words'
+  bool repeated = false;     ///< one of the three is there twice
 
-/// Columns of x, y and z by their names; all -1 unless the three are there.
-struct NamedCoordinates {
-  std::array<int, 3> columns = {-1, -1, -1};
-  bool degrees = false;  ///< longitude and latitude
-
-  [[nodiscard]] bool complete() const { return columns[0] >= 0; }
+  [[nodiscard]] bool complete() const { return xyz[0] >= 0; }
 };
-[[nodiscard]] NamedCoordinates name_coordinates(const std::vector<std::string>& names);
 
-/// What a row's commas are.
-enum class Commas : std::uint8_t {
-  none_or_separators,
-  decimal,    ///< "1,5;2,5", "1,5 2,5", "\"1,5\",\"2,5\""
-  thousands,  ///< "1,234.5 6,789.1 ..."
+struct TableHeader {
+  std::vector<std::string> names;  ///< lower case, without quotes, comment signs and units in brackets
+  std::vector<std::string> units;  ///< one per name, lower case; empty where none is given
+  NamedColumns columns;            ///< x, y and z, or none at all
+  char separator = 0;              ///< between the names; 0: blanks
+  bool gap = false;                ///< begins with blanks: programs leave the place of row numbers empty
+  bool comment = false;            ///< it began with a comment sign
+  bool prose = false;              ///< it holds words of sentences
+  int line = 0;
 };
-[[nodiscard]] Commas commas_of_row(std::string_view line);
+
+/// From a line before the first row: with the separator that makes x, y and z names, else the likeliest. A line that is
+/// too long for a header has no names.
+[[nodiscard]] TableHeader parse_header(std::string_view line);
+
+/// From names that stand on lines of their own.
+[[nodiscard]] TableHeader header_of_lines(const std::vector<std::string_view>& lines);
+
+/// Columns by names and their units, as many.
+[[nodiscard]] NamedColumns name_columns(const std::vector<std::string>& names, const std::vector<std::string>& units);
+
+/// What x, y and z are given in; several units, or one that no configuration has, are told in words.
+struct HeaderUnit {
+  std::optional<LengthUnit> unit;
+  std::string several;  ///< "x in mm, y in mm, z in m"
+  std::string unknown;  ///< "in", "km"
+};
+[[nodiscard]] HeaderUnit unit_of(const TableHeader& header);
+
+/// True for a line such as "m,m,m" below a header: its units go into the header.
+[[nodiscard]] bool add_units_row(std::string_view line, TableHeader& header);
 
 }  // namespace sparsha::pipeline

@@ -1,45 +1,56 @@
 #include "pipeline/scan/formats/text/xyz.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
+#include <fmt/format.h>
+
+#include "pipeline/scan/formats/text/columns.h"
+#include "pipeline/scan/formats/text/layout.h"
+#include "pipeline/scan/formats/text/no_data.h"
 #include "pipeline/scan/formats/text/table.h"
-#include "pipeline/scan/formats/text/table_header.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kSample = 1000;
-constexpr std::size_t kSampledBytes = 1 << 20;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A line with nothing but one whole number: how many rows follow.
-bool is_count(const TableRow& row) {
-  return row.count == 1 && row.words[0].empty() && row.values[0] >= 0.0 && row.values[0] < 9e15 &&
-         row.values[0] == static_cast<double>(static_cast<std::int64_t>(row.values[0]));
+std::string format_of(const std::string& extension) {
+  std::string kind = extension;
+  for (char& c : kind) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+  return (kind == "TXT" || kind == "ASC" || kind == "CSV" || kind == "PTS" ? kind : "XYZ") + " text";
 }
 
 class Reader {
  public:
-  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out) { begin_ = byte_order_mark(file.bytes); }
+  Reader(const ScanFile& file, ScanWriter& out)
+      : file_(file), out_(out), begin_(byte_order_mark(file.bytes)), layout_(inspect_table(file)) {}
 
   void read() {
-    inspect();
+    begin();
     LineReader lines(file_.bytes, begin_);
     std::string_view line;
     TableRow row;
     std::size_t told = 0;
     while (lines.next(line)) {
-      switch (parse_table_row(line, style_, row)) {
+      if (line == "\x1A" && lines.offset() == file_.bytes.size()) break;  // an end of file as DOS wrote it
+      switch (parse_table_row(line, layout_.style, row)) {
         case RowKind::blank:
         case RowKind::comment:
           break;
         case RowKind::words:
-          if (rows_ > 0) {
+          if (lines.number() >= layout_.first_row) {
             throw file_.error_at(lines.number(), in_quotes(line) + " is not a row of numbers", expected_row());
           }
           break;
         case RowKind::numbers:
-          is_count(row) ? count_line(row, lines.number()) : point(row, lines.number());
+          if (is_count(row)) {
+            count_line(row, lines);
+          } else if (lines.number() >= layout_.first_row) {
+            point(row, lines.number());
+          }
       }
       if (lines.offset() - told > (1U << 22)) {
         told = lines.offset();
@@ -47,110 +58,64 @@ class Reader {
       }
     }
     end_block(lines.number());
-    if (longer_ > 0) {
-      out_.scan().warnings.push_back(std::to_string(longer_) + (longer_ == 1 ? " row has" : " rows have") +
-                                     " more values than most; the first " + std::to_string(columns_.usual) +
-                                     " are taken");
-    }
-    if (blocks_ > 1) out_.scan().scans = blocks_;
+    tell();
   }
 
  private:
-  /// What commas are, by the vote of the first rows that have some.
-  void judge_commas() {
-    LineReader lines(file_.bytes, begin_);
-    std::string_view line;
-    std::array<std::size_t, 3> votes{};
-    int thousands_line = 0;
-    for (std::size_t seen = 0; seen < kSample && lines.offset() < kSampledBytes && lines.next(line); ++seen) {
-      if (line.find(',') == std::string_view::npos) continue;
-      const Commas commas = commas_of_row(line);
-      ++votes[static_cast<std::size_t>(commas)];
-      if (commas == Commas::thousands && thousands_line == 0) thousands_line = lines.number();
-    }
-    const std::size_t decimal = votes[static_cast<std::size_t>(Commas::decimal)];
-    const std::size_t thousands = votes[static_cast<std::size_t>(Commas::thousands)];
-    const std::size_t others = votes[static_cast<std::size_t>(Commas::none_or_separators)];
-    if (thousands > others && thousands >= decimal) {
-      throw file_.error_at(thousands_line, "numbers with a comma and a point", "no separators of thousands");
-    }
-    style_.decimal_comma = decimal > others;
-  }
+  [[nodiscard]] const TableColumns& columns() const { return layout_.columns; }
 
-  /// Header and meaning of the columns, from the first rows.
-  void inspect() {
-    judge_commas();
-    LineReader lines(file_.bytes, begin_);
-    std::string_view line;
-    std::vector<std::string> names;
-    std::vector<TableRow> sample;
-    TableRow row;
-    bool declared_empty = false;
-    int first_words = 0;
-    std::string_view words;
-    while (sample.size() < kSample && lines.next(line)) {
-      const RowKind kind = parse_table_row(line, style_, row);
-      if (kind == RowKind::numbers && is_count(row)) {
-        declared_empty = declared_empty || row.values[0] == 0.0;
-      } else if (kind == RowKind::numbers) {
-        sample.push_back(row);
-      } else if (kind != RowKind::blank && sample.empty()) {
-        std::vector<std::string> found = header_names(line);
-        if (found.size() >= 3) names = std::move(found);
-        style_.leading_words = !file_.columns.empty() || name_coordinates(names).complete();
-        if (kind == RowKind::words && first_words == 0) {
-          first_words = lines.number();
-          words = line;
-        }
-      }
-    }
+  void begin() {
     RawScan& scan = out_.scan();
-    std::string kind = file_.extension;
-    for (char& c : kind) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
-    scan.format = (kind == "TXT" || kind == "ASC" || kind == "CSV" || kind == "PTS" ? kind : "XYZ") + " text";
-    scan.table.emplace();
-    if (sample.empty()) {
-      if (!declared_empty && first_words > 0) {
-        throw file_.error_at(first_words, "no rows of numbers; " + in_quotes(words) + " is none", "lines 'x y z'");
-      }
-      if (!declared_empty) throw file_.error("no rows of numbers", "lines 'x y z'");
-      scan.fields = {"x", "y", "z"};
-      out_.begin(0, false, false);
-      return;
-    }
-    columns_ = file_.columns.empty() ? guess_columns(names, sample, file_.extension == "pts")
-                                     : configured_columns(file_.columns, sample);
-    needed_ = static_cast<std::size_t>(columns_.last()) + 1;
-    scan.fields = columns_.fields;
-    scan.warnings = columns_.warnings;
-    scan.degrees = columns_.degrees;
-    scan.table = {columns_.by, columns_.words()};
-    out_.begin(0, columns_.has_colour(), columns_.intensity >= 0, columns_.has_normals());
+    scan.format = format_of(file_.extension);
+    scan.table = {columns().by, columns().words()};
+    scan.fields = columns().fields;
+    if (layout_.empty) scan.fields = {"x", "y", "z"};
+    scan.warnings = columns().warnings;
+    scan.degrees = columns().degrees;
+    scan.unit = layout_.unit;
+    needed_ = columns().needed();
+    out_.begin(0, columns().has_colour(), columns().intensity >= 0, columns().has_normals());
+    normals_ = columns().has_normals();
   }
 
   [[nodiscard]] std::string expected_row() const {
-    return std::to_string(std::max<std::size_t>(columns_.usual, 3)) + " numbers";
+    if (columns().by == TextTable::By::configuration) {
+      return std::to_string(needed_) + " values, as 'columns' of the scan says";
+    }
+    if (columns().rows_vary || columns().by == TextTable::By::names) {
+      return fmt::format("at least {} values, of which {}, {} and {} are x, y and z", needed_, columns().x + 1,
+                         columns().y + 1, columns().z + 1);
+    }
+    return std::to_string(std::max<std::size_t>(columns().usual, 3)) + " numbers";
   }
 
   void point(const TableRow& row, int line) {
     if (row.count < needed_) {
-      throw file_.error_at(line, "a row of " + std::to_string(row.count) + " values", expected_row());
+      throw file_.error_at(line, "a row of " + std::to_string(row.count) + (row.count == 1 ? " value" : " values"),
+                           expected_row());
     }
-    if (row.count > columns_.usual + (row.ends_empty() ? 1 : 0)) ++longer_;
+    if (row.count > columns().usual + (row.ends_empty() ? 1 : 0)) ++longer_;
     const auto value = [&](int column) { return row.values[static_cast<std::size_t>(column)]; };
-    for (const int column : {columns_.x, columns_.y, columns_.z}) {
+    for (const int column : {columns().x, columns().y, columns().z}) {
       const std::string_view word = row.words[static_cast<std::size_t>(column)];
       if (!word.empty()) throw file_.error_at(line, in_quotes(word) + " is not a number", expected_row());
     }
-    std::uint32_t rgba = kWhite;
-    if (columns_.has_colour()) {
-      rgba = pack_rgba(colour_byte(value(columns_.red), columns_.scale),
-                       colour_byte(value(columns_.green), columns_.scale),
-                       colour_byte(value(columns_.blue), columns_.scale));
+    double z = value(columns().z);
+    if (NoDataValues::is_candidate(z) && is_no_data(z)) {
+      if (no_data_++ == 0) first_no_data_ = z;
+      z = kNaN;
     }
-    if (columns_.has_normals()) set_normal(row);
-    out_.add(value(columns_.x), value(columns_.y), value(columns_.z), rgba,
-             columns_.intensity >= 0 ? static_cast<float>(value(columns_.intensity)) : 0.0F);
+    const auto has = [&](int column) { return column >= 0 && static_cast<std::size_t>(column) < row.count; };
+    std::uint32_t rgba = kWhite;
+    if (columns().has_colour() && has(std::max({columns().red, columns().green, columns().blue}))) {
+      rgba = pack_rgba(colour_byte(value(columns().red), columns().scale),
+                       colour_byte(value(columns().green), columns().scale),
+                       colour_byte(value(columns().blue), columns().scale));
+      ++coloured_;
+    }
+    if (normals_) set_normal(row);
+    out_.add(value(columns().x), value(columns().y), z, rgba,
+             has(columns().intensity) ? static_cast<float>(value(columns().intensity)) : 0.0F);
     ++rows_;
     ++rows_of_block_;
   }
@@ -158,18 +123,62 @@ class Reader {
   /// A row may end before its normal.
   void set_normal(const TableRow& row) {
     const auto value = [&](int column) {
-      const auto i = static_cast<std::size_t>(column);
-      return i < row.count ? row.values[i] : 0.0;
+      return column >= 0 && static_cast<std::size_t>(column) < row.count ? row.values[static_cast<std::size_t>(column)]
+                                                                         : 0.0;
     };
-    out_.set_normal(value(columns_.nx), value(columns_.ny), value(columns_.nz));
+    out_.set_normal(value(columns().nx), value(columns().ny), value(columns().nz));
   }
 
-  /// PTS files may hold several scans, each with its count.
-  void count_line(const TableRow& row, int line) {
-    end_block(line);
+  /// Whether a height that may be no data is; looks through all rows when the first one is met.
+  bool is_no_data(double z) {
+    if (!looked_for_no_data_) {
+      looked_for_no_data_ = true;
+      LineReader lines(file_.bytes, begin_);
+      std::string_view line;
+      TableRow row;
+      std::size_t seen = 0;
+      while (lines.next(line)) {
+        if ((++seen & 0xFFFF) == 0) file_.throw_if_cancelled();
+        if (parse_table_row(line, layout_.style, row) == RowKind::numbers && row.has_number(columns().z)) {
+          no_data_values_.add(row.values[static_cast<std::size_t>(columns().z)]);
+        }
+      }
+      no_data_values_.decide();
+    }
+    return no_data_values_.contains(z);
+  }
+
+  /// PTS files may hold several scans, each with its count and its own columns.
+  void count_line(const TableRow& row, const LineReader& lines) {
+    if (layout_.listed_names && rows_ == 0) return;
+    end_block(lines.number());
     promised_ = row.values[0];
     rows_of_block_ = 0;
     ++blocks_;
+    if (rows_ > 0 && columns().by == TextTable::By::position) inspect_block(lines);
+  }
+
+  void inspect_block(LineReader lines) {
+    std::vector<TableRow> sample;
+    std::string_view line;
+    TableRow row;
+    while (sample.size() < kSampledRows && lines.next(line)) {
+      if (parse_table_row(line, layout_.style, row) != RowKind::numbers) continue;
+      if (is_count(row)) break;
+      sample.push_back(row);
+    }
+    if (sample.empty()) return;
+    TableColumns found = columns_by_position(sample, file_.extension == "pts");
+    if (found.usual == columns().usual) return;
+    layout_.columns = std::move(found);
+    needed_ = columns().needed();
+    normals_ = normals_ || columns().has_normals();
+    out_.set_attributes(columns().has_colour(), columns().intensity >= 0, columns().has_normals());
+    RawScan& scan = out_.scan();
+    for (const std::string& field : columns().fields) {
+      if (std::find(scan.fields.begin(), scan.fields.end(), field) == scan.fields.end()) scan.fields.push_back(field);
+    }
+    if (columns().words().size() > scan.table->columns.size()) scan.table->columns = columns().words();
   }
 
   void end_block(int line) {
@@ -186,17 +195,40 @@ class Reader {
     }
   }
 
+  /// What a reader of the result should know.
+  void tell() {
+    RawScan& scan = out_.scan();
+    if (longer_ > 0 && !columns().rows_vary) {
+      scan.warnings.push_back(std::to_string(longer_) + (longer_ == 1 ? " row has" : " rows have") +
+                              " more values than most; the first " + std::to_string(columns().usual) + " are taken");
+    }
+    if (coloured_ > 0 && coloured_ < rows_) {
+      scan.warnings.push_back(fmt::format("{} of {} points have no colour; they are white", rows_ - coloured_, rows_));
+    }
+    if (no_data_ > 0) {
+      scan.warnings.push_back(
+          fmt::format("{} of {} points have the no-data value {:.10g} as z; they are counted as invalid", no_data_,
+                      rows_, first_no_data_));
+    }
+    if (blocks_ > 1) scan.scans = blocks_;
+  }
+
   const ScanFile& file_;
   ScanWriter& out_;
-  std::size_t begin_ = 0;
-  TableStyle style_;
-  TableColumns columns_;
+  std::size_t begin_;
+  TableLayout layout_;
   std::size_t needed_ = 3;
+  bool normals_ = false;  ///< of any block
   std::uint64_t rows_ = 0;
   std::uint64_t rows_of_block_ = 0;
   std::uint64_t longer_ = 0;
+  std::uint64_t coloured_ = 0;
   std::size_t blocks_ = 0;
   double promised_ = -1.0;
+  NoDataValues no_data_values_;
+  bool looked_for_no_data_ = false;
+  std::uint64_t no_data_ = 0;
+  double first_no_data_ = 0.0;
 };
 
 }  // namespace

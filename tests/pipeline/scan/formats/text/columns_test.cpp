@@ -1,46 +1,449 @@
-// Which column of a text table is what: told by the configuration, by names, or by their places.
+// Which column of a text table is what: told by the configuration, by names, by values or by their places. Tables are
+// written as other programs write them; their true points are what the test wrote.
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "pipeline/scan/set.h"
+#include "pipeline/scan/statistics.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using testing::expect_refused;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::ScanFolder;
 
+/// A small relief, as numbers of four decimals.
+struct Relief {
+  std::vector<std::array<std::string, 3>> texts;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<int> ids;
+
+  Relief() {
+    for (int j = 0; j < 6; ++j) {
+      for (int i = 0; i < 8; ++i) {
+        const double place[3] = {0.02 * i - 0.05, 0.02 * j + 0.0371, 0.003 * std::sin(i * 0.7 + j)};
+        std::array<std::string, 3> text;
+        Eigen::Vector3d point;
+        for (std::size_t k = 0; k < 3; ++k) {
+          text[k] = fmt::format("{:.4f}", place[k]);
+          point[static_cast<Eigen::Index>(k)] = std::stod(text[k]);
+        }
+        texts.push_back(text);
+        points.push_back(point);
+        ids.push_back((i * 37 + j * 11) % 101 + 1);
+      }
+    }
+  }
+
+  using Row = std::function<std::string(std::size_t)>;
+  /// x, y and z of a row, or in another order, with a separator between them.
+  [[nodiscard]] std::string at(std::size_t k, const std::string& separator = " ",
+                               const std::string& order = "xyz") const {
+    std::string text;
+    for (const char axis : order)
+      text += (text.empty() ? "" : separator) + texts[k][static_cast<std::size_t>(axis - 'x')];
+    return text;
+  }
+  [[nodiscard]] std::string table(const std::string& header, const Row& row) const {
+    std::string text = header;
+    for (std::size_t k = 0; k < points.size(); ++k) text += row(k) + "\n";
+    return text;
+  }
+  /// Rows of an id, x, y and z.
+  [[nodiscard]] std::string numbered(const std::string& header, const std::string& separator = " ",
+                                     const std::string& order = "xyz") const {
+    return table(header, [&](std::size_t k) { return std::to_string(ids[k]) + separator + at(k, separator, order); });
+  }
+};
+
+RawScan read(const std::string& text, const std::string& name = "a.txt", const ReadOptions& options = {}) {
+  return read_scan_bytes(text, name, options);
+}
+
+/// Reads a table and compares its points with the relief's.
+RawScan expect_relief(const Relief& relief, const std::string& text, const std::string& name = "a.txt",
+                      const ReadOptions& options = {}) {
+  const RawScan scan = read(text, name, options);
+  EXPECT_EQ(scan.points, relief.points) << text.substr(0, 200);
+  return scan;
+}
+
 TEST(TextTable, SaysWhatToldItsColumns) {
-  const RawScan by_position = read_scan_bytes("1 2 3 10 20 30\n1 2 4 1 2 3\n", "a.xyz");
+  const RawScan by_position = read("1 2 3 10 20 30\n1 2 4 1 2 3\n");
   ASSERT_TRUE(by_position.table);
   EXPECT_EQ(by_position.table->by, TextTable::By::position);
   EXPECT_THAT(by_position.table->columns, ElementsAre("x", "y", "z", "red", "green", "blue"));
-  const RawScan by_names = read_scan_bytes("id,z,y,x\n1,2,3,4\n", "a.csv");
+  const RawScan by_names = read("id,z,y,x\n1,2,3,4\n");
   ASSERT_TRUE(by_names.table);
   EXPECT_EQ(by_names.table->by, TextTable::By::names);
   EXPECT_THAT(by_names.table->columns, ElementsAre("skip", "z", "y", "x"));
-  EXPECT_FALSE(read_scan_bytes("v 1 2 3\nv 4 5 6\n", "a.obj").table);
+  EXPECT_FALSE(read("v 1 2 3\nv 4 5 6\n", "a.obj").table);
+}
+
+TEST(TextTable, NamesWinOverPlacesBehindEveryCommentSignAndSeparator) {
+  const Relief relief;
+  for (const std::string sign : {"", "#", "# ", "//", "// ", ";", "; ", "%", "% ", "## ", "!", "* "}) {
+    for (const std::string separator : {" ", "\t", ",", ", ", ";"}) {
+      if (separator == ";" && sign == ";") continue;  // an empty first column
+      const std::string header = sign + "Nr" + separator + "Z" + separator + "Y" + separator + "X\n";
+      const RawScan scan = expect_relief(relief, relief.numbered(header, separator, "zyx"));
+      EXPECT_THAT(scan.warnings, IsEmpty()) << header;
+    }
+  }
+  expect_relief(relief, relief.numbered("# Nr, Z, Y, X\n", " ", "zyx"));  // as numpy writes it
+  expect_relief(relief, relief.numbered("Survey of 12 March 2019\nby 4 people\nID X Y Z\n"));
+  expect_relief(relief, relief.numbered("48\nID X Y Z\n"));
+}
+
+TEST(TextTable, NamesOfOtherProgramsAreKnown) {
+  const Relief relief;
+  const auto rest = [&](const std::string& before, const std::string& separator, const std::string& behind,
+                        const std::string& order = "xyz") {
+    return [&relief, before, separator, behind, order](std::size_t k) {
+      return before + separator + relief.at(k, separator, order) + behind;
+    };
+  };
+  const auto named = [&](const std::string& header, const Relief::Row& row) {
+    const RawScan scan = expect_relief(relief, relief.table(header, row));
+    EXPECT_THAT(scan.warnings, IsEmpty()) << header;
+    ASSERT_TRUE(scan.table);
+    EXPECT_EQ(scan.table->by, TextTable::By::names) << header;
+  };
+  named(
+      "#CoordinateSystem: LOCAL_CS[\"Local "
+      "(m)\",UNIT[\"metre\",1]]\n#Label,X/Easting,Y/Northing,Z/Altitude,Error_(m)\n",
+      rest("point 7", ",", ",0.1"));                                                                // Metashape
+  named("#name,x,y,alt,heading,pitch,roll\n", rest("IMG 1.JPG", ",", ",1,2,3"));                    // RealityCapture
+  named("PointId;Easting;Northing;Ortho. Height;Code\n", rest("GCP 1", ";", ";wall top"));          // Leica
+  named("Point ID,Northing,Easting,Elevation,Code\n", rest("TP1", ",", ",CORNER OF WALL", "yxz"));  // Trimble
+  named("Row Column X Y Z R G B\n", rest("4 7", " ", " 1 2 3"));                                    // FARO
+  named("Version,Slot ID,Timestamp,X,Y,Z,Reflectivity,Tag\n", rest("5,1,100", ",", ",17,0"));       // Livox
+  named("\"intensity\",\"azimuth\",\"Points_m_XYZ:0\",\"Points_m_XYZ:1\",\"Points_m_XYZ:2\"\n",
+        rest("3,20", ",", ""));  // VeloView
+  named("\"Normals:0\",\"Normals:1\",\"Normals:2\",\"Points:0\",\"Points:1\",\"Points:2\"\n",
+        rest("0,0,1", ",", ""));                                                    // ParaView
+  named("fid,name,POINT_X,POINT_Y,POINT_Z\n", rest("1,\"wall, north\"", ",", ""));  // GIS
+  named("#F=N X Y Z\n", rest("A1", " ", ""));                                       // MicMac
+  named("TITLE = \"wall\"\nVARIABLES = \"I\", \"X\", \"Y\", \"Z\"\nZONE I=8, J=6, F=POINT\n", rest("3", " ", ""));
+  named("id P[x] P[y] P[z]\n", rest("9", " ", ""));               // Houdini
+  named("wall\n5\nid\nX\nY\nZ\nvalue\n", rest("17", " ", " 7"));  // GSLIB
+  named("# Columns: id X Y Z\n", rest("17", " ", ""));
+  named("# FIELDS id x y z\n", rest("17", " ", ""));
+  named("Point No. X Y Z R G B\n", rest("17", " ", " 1 2 3"));
+  named("Nr;X-Koordinate;Y-Koordinate;Z-Koordinate\n", rest("17", ";", ""));
+  named("Nr;Coord. X;Coord. Y;Coord. Z\n", rest("17", ";", ""));
+  named("\xEF\xBB\xBFid,x,y,z\n", rest("17", ",", ""));
+}
+
+TEST(TextTable, OfDataFramesHaveAColumnOfRowNamesWithoutAName) {
+  const Relief relief;
+  const auto row = [&](const std::string& open, const std::string& separator) {
+    return [&relief, open, separator](std::size_t k) {
+      return open + std::to_string(k) + open + separator + relief.at(k, separator);
+    };
+  };
+  expect_relief(relief, relief.table(",x,y,z\n", row("", ",")));
+  expect_relief(relief, relief.table(" x y z\n", row("", " ")));
+  expect_relief(relief, relief.table("\tx\ty\tz\n", row("", "\t")));
+  expect_relief(relief, relief.table("      x      y      z\n", row("", "  ")));
+  expect_relief(relief, relief.table("\"x\" \"y\" \"z\"\n", row("\"", " ")));
+  expect_relief(relief, relief.table("\"\",\"x\",\"y\",\"z\"\n", row("\"", ",")));
+  expect_relief(relief, relief.table("\"name\" \"x\" \"y\" \"z\"\n", [&](std::size_t k) {
+    return fmt::format("\"{}\" \"north wall\" {}", k + 1, relief.at(k));
+  }));
+}
+
+TEST(TextTable, TakesUnitsFromNamesAndFromTheRowBelowThem) {
+  const Relief relief;
+  for (const std::string header :
+       {"Nr X (mm) Y (mm) Z (mm)", "Nr X [mm] Y [mm] Z [mm]", "Nr x_mm y_mm z_mm", "Nr X[mm] Y[mm] Z[mm]",
+        "Nr Xmm Ymm Zmm", "Nr X/mm Y/mm Z/mm", "Nr;X in mm;Y in mm;Z in mm", "Nr\tX, mm\tY, mm\tZ, mm",
+        "Nr X Y Z\n- mm mm mm", "Nr;X;Y;Z\n;(mm);(mm);(mm)", "# Nr X Y Z\n# - [mm] [mm] [mm]",
+        "Nr,X,Y,Z\n-,mm,mm,mm"}) {
+    const std::string separator = header.find(';') != std::string::npos    ? ";"
+                                  : header.find('\t') != std::string::npos ? "\t"
+                                  : header.find(',') != std::string::npos  ? ","
+                                                                           : " ";
+    const RawScan scan = expect_relief(relief, relief.numbered(header + "\n", separator));
+    ASSERT_TRUE(scan.unit) << header;
+    EXPECT_EQ(*scan.unit, LengthUnit::mm) << header;
+    EXPECT_THAT(scan.warnings, IsEmpty()) << header;
+  }
+  EXPECT_EQ(read("X [US ft],Y [US ft],Z [US ft]\n1,2,3\n").unit, LengthUnit::us_ft);
+  EXPECT_EQ(read("Range (mm), X (m), Y (m), Z (m)\n5, 1, 2, 3\n").unit, LengthUnit::m);
+  EXPECT_FALSE(read("id,x,y,z\nint,float,float,float\n1,2,3,4\n").unit);
+  expect_refused("a.csv", "X [m],Y [m],Z [mm]\n1,2,3\n", "x in m, y in m, z in mm", 1);
+  EXPECT_THAT(read("X [in],Y [in],Z [in]\n1,2,3\n").warnings, ElementsAre(HasSubstr("'in'")));
+}
+
+TEST(TextTable, RowsMayVaryInLengthBehindTheCoordinates) {
+  const Relief relief;
+  const std::vector<std::string> remarks = {"", " north wall", " a \"b\" c", " top", " 1 of 2"};
+  const auto remark = [&](std::size_t k) { return remarks[k % remarks.size()]; };
+  const RawScan blanks = expect_relief(
+      relief, relief.table("Nr X Y Z Remark\n", [&](std::size_t k) { return "7 " + relief.at(k) + remark(k); }));
+  EXPECT_THAT(blanks.warnings, IsEmpty());
+  expect_relief(relief, relief.table("Nr,Remark,X,Y,Z\n",
+                                     [&](std::size_t k) { return "7," + remark(k) + "," + relief.at(k, ","); }));
+  expect_relief(relief, relief.table("Remark\tX\tY\tZ\n",
+                                     [&](std::size_t k) { return "wall" + remark(k) + "\t" + relief.at(k, "\t"); }));
+  const RawScan short_rows = expect_relief(relief, relief.table("ID,X,Y,Z,R,G,B,Quality\n", [&](std::size_t k) {
+    return "7," + relief.at(k, ",") + ",1,2,3";
+  }));
+  EXPECT_EQ(short_rows.rgba, std::vector<std::uint32_t>(relief.points.size(), 0xFF030201U));
+  EXPECT_THAT(short_rows.warnings, ElementsAre(HasSubstr("8 columns, the rows have 7; x, y and z are taken from "
+                                                         "columns 2, 3 and 4")));
+  const RawScan some_colours = expect_relief(relief, relief.table("ID X Y Z R G B\n", [&](std::size_t k) {
+    return "7 " + relief.at(k) + (k % 2 == 0 ? " 1 2 3" : "");
+  }));
+  EXPECT_EQ(some_colours.rgba[0], 0xFF030201U);
+  EXPECT_THAT(some_colours.warnings, ElementsAre(HasSubstr("24 of 48 points have no colour")));
+  expect_refused("a.txt", "ID X Y Z\n1 2 3 4\n1 2 3\n", "a row of 3 values; at least 4", 3);
+}
+
+TEST(TextTable, NamesWithBlanksBeforeTheCoordinatesAreRefusedWhereBlanksPartColumns) {
+  const Relief relief;
+  const std::string text = relief.table(
+      "Name X Y Z\n", [&](std::size_t k) { return fmt::format("wall {} {}", relief.ids[k], relief.at(k)); });
+  expect_refused("a.txt", text, "names in them may hold blanks", 1);
+}
+
+/// Rows of COLMAP's points3D.txt; tracks of `k` are of many lengths.
+std::string colmap(const Relief& relief, const std::string& header) {
+  return relief.table(header, [&](std::size_t k) {
+    std::string row = fmt::format("{} {} 1 2 3 0.71", relief.ids[k] * 31, relief.at(k));
+    for (std::size_t n = 0; n < 2 + k % 40; ++n) row += fmt::format(" {} {}", n + 1, 17 * n);
+    return row;
+  });
+}
+
+TEST(TextTable, OfColmapHasItsPointsInColumnsTwoToFour) {
+  const Relief relief;
+  const std::string header =
+      "# 3D point list with one line of data per point:\n"
+      "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n"
+      "# Number of points: 48, mean track length: 3.5\n";
+  const RawScan named = expect_relief(relief, colmap(relief, header));
+  EXPECT_EQ(named.rgba, std::vector<std::uint32_t>(relief.points.size(), 0xFF030201U));
+  EXPECT_THAT(named.warnings, IsEmpty());
+  const RawScan unnamed = expect_relief(relief, colmap(relief, ""));
+  EXPECT_EQ(unnamed.rgba, named.rgba);
+  EXPECT_EQ(unnamed.table->by, TextTable::By::shape);
+  EXPECT_THAT(unnamed.warnings, ElementsAre(HasSubstr("points3D.txt")));
+}
+
+TEST(TextTable, WhoseFirstColumnCountsAllRowsHasItsPointsBehindIt) {
+  const Relief relief;
+  const auto counted = [&](const std::string& separator, const std::string& behind) {
+    return relief.table("", [&relief, separator, behind](std::size_t k) {
+      return std::to_string(k + 500) + separator + relief.at(k, separator) + behind;
+    });
+  };
+  for (const std::string behind : {"", " WALL", " 1 2 3"}) {
+    const RawScan scan = expect_relief(relief, counted(" ", behind));
+    EXPECT_THAT(scan.warnings, ElementsAre(AllOf(HasSubstr("counts the rows"), HasSubstr("'columns'"))));
+    EXPECT_EQ(scan.table->by, TextTable::By::shape);
+    EXPECT_EQ(scan.rgba.empty(), behind != " 1 2 3");
+  }
+  expect_relief(relief, counted(",", ",1,2,3"));
+  // With other columns behind it nobody knows which are which.
+  EXPECT_EQ(read(counted(" ", " 5")).table->by, TextTable::By::position);
+  // One row far down tells that the numbers count nothing.
+  std::string long_table;
+  for (int k = 0; k < 3000; ++k)
+    long_table += fmt::format("{} {} {} 0.5\n", k == 2500 ? 7 : k, k % 50 * 0.1, k / 50 * 0.1);
+  const RawScan scan = read(long_table);
+  EXPECT_EQ(scan.table->by, TextTable::By::position);
+  EXPECT_EQ(scan.points[10].x(), 10.0);
+  // A grid whose x are whole numbers begins anew in every line.
+  std::string grid;
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 20; ++i) grid += fmt::format("{} {} {} 0.5\n", i, j, (i * j) % 7);
+  EXPECT_EQ(read(grid).table->by, TextTable::By::position);
+}
+
+TEST(TextTable, CommentsInSentencesNameNoColumns) {
+  const Relief relief;
+  for (const std::string comment : {"# This file has x, y, z in metres and the intensity\n",
+                                    "# exported with x y z by hand\n", "# x y z of the wall are in the file\n"}) {
+    expect_relief(relief, relief.table(comment, [&](std::size_t k) { return relief.at(k) + " 5"; }));
+  }
+  EXPECT_THAT(read("alpha,beta,gamma\n1,2,3\n").warnings, ElementsAre(HasSubstr("does not name x, y and z once each")));
+  EXPECT_THAT(read("O.5 1 2\n1 2 3\n").warnings, ElementsAre(HasSubstr("line 1 begins with a word")));
+}
+
+TEST(TextTable, SaysWhatItTookForXYAndZ) {
+  const RawScan survey = read("Code,Elevation,Northing,Easting\n7,3,2,1\n");
+  EXPECT_THAT(survey.points, ElementsAre(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_THAT(survey.fields, ElementsAre("code", "elevation (z)", "northing (y)", "easting (x)"));
+  EXPECT_THAT(survey.warnings, IsEmpty());
+  const RawScan initials = read("Pt,N,E,H\n7,2,1,3\n");
+  EXPECT_THAT(initials.points, ElementsAre(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_THAT(initials.warnings, ElementsAre(HasSubstr("'e', 'n' and 'h'")));
+  EXPECT_TRUE(read("#Label,X/Longitude,Y/Latitude,Z/Altitude\nA,12.5,41.9,50\n").degrees);
+  EXPECT_TRUE(read("x [deg],y [deg],z [m]\n12.5,41.9,50\n").degrees);
+  expect_refused("a.csv", "x,y,z,x\n1,2,3,4\n", "a coordinate twice", 1);
 }
 
 TEST(TextTable, TakesTheColumnsOfTheConfiguration) {
   const ReadOptions options{{"skip", "x", "y", "z", "skip", "red", "green", "blue"}};
-  const RawScan scan = read_scan_bytes("7 1 2 3 9 10 20 30\n8 4 5 6 9 1 2 3\n", "a.txt", options);
+  const RawScan scan = read("7 1 2 3 9 10 20 30\n8 4 5 6 9 1 2 3\n", "a.txt", options);
   EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
   EXPECT_THAT(scan.rgba, ElementsAre(0xFF1E140AU, 0xFF030201U));
+  EXPECT_THAT(scan.fields, ElementsAre("column 1", "x", "y", "z", "column 5", "red", "green", "blue"));
+  EXPECT_THAT(scan.warnings, IsEmpty());
   ASSERT_TRUE(scan.table);
   EXPECT_EQ(scan.table->by, TextTable::By::configuration);
   EXPECT_EQ(scan.table->columns, options.columns);
 }
 
-TEST(TextTable, OfWhichColumnsAreNamedMustBeOne) {
+TEST(TextTable, ColumnsOfTheConfigurationMayStandBehindNamesAndTitles) {
+  const Relief relief;
+  const ReadOptions options{{"skip", "z", "x", "y"}};
+  const auto row = [&](std::size_t k) { return fmt::format("P {},{},STN 4", k, relief.at(k, ",", "zxy")); };
+  expect_relief(relief, relief.table("", row), "a.csv", options);
+  expect_relief(relief, relief.table("Name,A,B,C\nfrom 12 3 2019\n", row), "a.csv", options);
+  // Without them such a file is refused, and the remedy is named.
+  expect_refused("a.csv", relief.table("", row), "'columns' of the scan", 1);
+}
+
+TEST(TextTable, OfWhichColumnsAreNamedMustBeOneWithThatManyColumns) {
+  const auto error_of = [](const std::string& text, const std::string& name, const ReadOptions& options) {
+    try {
+      (void)read_scan_bytes(text, name, options);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error_of("v 1 2 3\nv 4 5 6\n", "a.obj", {{"skip", "x", "y", "z"}}), HasSubstr("no text table: OBJ"));
+  EXPECT_THAT(error_of("1 2 3 4\n1 2 3\n", "a.txt", {{"x", "y", "z", "intensity"}}),
+              HasSubstr("a.txt:2: error: a row of 3 values; 4 values, as 'columns'"));
+  EXPECT_THAT(error_of("1 2 3\n4 5 6\n", "a.txt", {{"skip", "x", "y", "z"}}), HasSubstr("a.txt:1: error: a row of 3"));
+  EXPECT_THAT(error_of("1 a 3 4\n", "a.txt", {{"skip", "x", "y", "z"}}), HasSubstr("'a' is not a number"));
+}
+
+TEST(TextTable, WhoseHeaderContradictsTheConfigurationIsReadAsThatSaysWithAWarning) {
   const ReadOptions options{{"skip", "x", "y", "z"}};
-  try {
-    (void)read_scan_bytes("v 1 2 3\nv 4 5 6\n", "a.obj", options);
-    FAIL() << "columns of an OBJ file";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::input);
-    EXPECT_THAT(error.what(), HasSubstr("no text table: OBJ"));
+  const RawScan other = read("x,y,z,w\n7,1,2,3\n", "a.csv", options);
+  EXPECT_THAT(other.points, ElementsAre(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_THAT(other.warnings, ElementsAre(AllOf(HasSubstr("'y' as x"), HasSubstr("'z' as y"), HasSubstr("'w' as z"))));
+  EXPECT_THAT(read("id,x,y,z\n7,1,2,3\n", "a.csv", options).warnings, IsEmpty());
+  EXPECT_EQ(read("id,x [mm],y [mm],z [mm]\n7,1,2,3\n", "a.csv", options).unit, LengthUnit::mm);
+}
+
+TEST(TextTable, ColumnsOfTheConfigurationHoldInMemoryStreamedAndInSets) {
+  const Relief relief;
+  const ScanFolder folder;
+  ScanConfig config;
+  config.file = folder.write("a.txt", relief.table("", [&](std::size_t k) {
+    return fmt::format("0.{:03} {} 1 2 3", k, relief.at(k, " ", "zxy"));
+  }));
+  config.columns = {"skip", "z", "x", "y", "red", "green", "blue"};
+  std::vector<Eigen::Vector3d> streamed;
+  const RawScan rest = stream_scan(
+      config.file,
+      [&](const PointBlock& block) { streamed.insert(streamed.end(), block.points.begin(), block.points.end()); },
+      nullptr, {config.columns});
+  EXPECT_EQ(streamed, relief.points);
+  EXPECT_EQ(rest.table->by, TextTable::By::configuration);
+  Progress progress;
+  for (const auto keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {
+    ScanSet set({config}, keep, false, progress);
+    EXPECT_TRUE(set.has_colour());
+    std::size_t count = 0;
+    set.stream(
+        [&](const CloudBlock& block) {
+          for (const Eigen::Vector3f& p : block.points) {
+            const Eigen::Vector3d place = p.cast<double>() + set.origin_m();
+            EXPECT_LT((place - relief.points[count++]).cwiseAbs().maxCoeff(), 1e-7);  // float32 near zero
+          }
+        },
+        progress);
+    EXPECT_EQ(count, relief.points.size());
+    EXPECT_EQ(set.load(set.origin_m(), progress).size(), relief.points.size());
   }
+}
+
+TEST(TextTable, OfCommasAloneThatMayBeDecimalIsRefused) {
+  const Relief relief;
+  const auto decimal = [](std::string text) {
+    std::replace(text.begin(), text.end(), '.', ',');
+    return text;
+  };
+  const auto refuse = [&](const std::string& header, const Relief::Row& row, int line) {
+    const std::string text = header + decimal(relief.table("", row));
+    expect_refused("a.csv", text, "nobody can tell", line);
+  };
+  refuse(
+      "", [&](std::size_t k) { return relief.at(k, ","); }, 1);
+  refuse(
+      "X,Y,Z\n", [&](std::size_t k) { return relief.at(k, ","); }, 2);
+  refuse(
+      "", [&](std::size_t k) { return std::to_string(k) + "," + relief.at(k, ",") + ",WALL"; }, 1);
+  refuse(
+      "",
+      [&](std::size_t k) {  // decimals of any length, or none
+        std::string text;
+        for (const std::string& value : relief.texts[k]) {
+          text += (text.empty() ? "" : ",") + fmt::format("{}", std::stod(value));
+        }
+        return text;
+      },
+      1);
+  // Whole numbers with colours, and quoted decimals, are what they are.
+  EXPECT_EQ(read("120,340,-5,255,0,10\n121,340,-4,25,100,9\n").points.size(), 2U);
+  expect_relief(relief, "\"X\",\"Y\",\"Z\"\n" + relief.table("", [&](std::size_t k) {
+    return decimal(fmt::format("\"{}\",\"{}\"", relief.texts[k][0], relief.texts[k][1])) + ",\"" +
+           decimal(relief.texts[k][2]) + "\"";
+  }));
+  expect_relief(relief, "X\tY\tZ\tRemark\n" + relief.table("", [&](std::size_t k) {
+    return decimal(relief.at(k, "\t")) + "\tleft, upper wall";
+  }));
+}
+
+TEST(TextTable, NumbersOfOtherLanguagesAreRefusedAtTheirLine) {
+  expect_refused("a.txt",
+                 "X\tY\tZ\n412\xC2\xA0"
+                 "345,00\t5\xC2\xA0"
+                 "654\xC2\xA0"
+                 "321,00\t100,00\n",
+                 "is not a number", 2);
+  expect_refused("a.csv", "X;Y;Z\n412.345,0000;5.654.321,0000;100,0000\n", "'412.345,0000' is not a number", 2);
+  expect_refused("a.txt",
+                 "0.0 0.0 \xE2\x88\x92"
+                 "0.1\n",
+                 "is not a number", 1);
+  expect_refused("a.txt", "0.0|0.0|0.1\n0.1|0.0|0.1\n", "stand between bars", 1);
+}
+
+TEST(TextTable, HeightsThatStandForNoDataAreInvalid) {
+  const Relief relief;
+  const auto is_hole = [](std::size_t k) { return k >= 20 && k < 26; };
+  std::vector<Eigen::Vector3d> rest;
+  for (std::size_t k = 0; k < relief.points.size(); ++k)
+    if (!is_hole(k)) rest.push_back(relief.points[k]);
+  for (const std::string value :
+       {"-9999", "-9999.0000", "-99999", "1.70141E+38", "1.70141e+038", "-3.4028234663852886e+38", "-32768", "9999"}) {
+    const RawScan scan = read(relief.table(
+        "", [&](std::size_t k) { return relief.at(k, " ", "xy") + " " + (is_hole(k) ? value : relief.texts[k][2]); }));
+    EXPECT_EQ(scan.points, rest) << value;
+    EXPECT_EQ(scan.invalid, 6U);
+    EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("6 of 48 points have the no-data value"))) << value;
+  }
+  // Heights about such a value are heights, and two of it are no bulk.
+  EXPECT_EQ(read("0 0 -9999\n1 0 -9999\n2 0 -9999\n0 1 -9990\n1 1 -9995\n2 1 -9998\n").invalid, 0U);
+  EXPECT_EQ(read("0 0 -9999\n1 0 -9999\n0 1 1\n1 1 2\n2 1 3\n").invalid, 0U);
+  EXPECT_EQ(read("x,y,z\n1,2,NA\n1,2,3\n1,3,null\n").invalid, 2U);
 }
 
 }  // namespace

@@ -1,0 +1,399 @@
+#include "pipeline/scan/formats/text/columns.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kFewestNumbered = 10;  // rows
+
+int find(const std::vector<std::string>& names, const char* wanted) {
+  const auto found = std::find(names.begin(), names.end(), wanted);
+  return found != names.end() ? static_cast<int>(found - names.begin()) : -1;
+}
+
+std::size_t index(int column) { return static_cast<std::size_t>(column); }
+
+bool is_whole(double value) { return value == std::floor(value); }
+
+/// Columns of most rows; one that is empty in all of them comes from separators at the ends of lines.
+std::size_t usual_count(const std::vector<TableRow>& sample) {
+  std::array<std::size_t, kMostColumns + 1> votes{};
+  for (const TableRow& row : sample) ++votes[row.count];
+  const auto usual = static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  const auto ends_empty = [&](const TableRow& row) { return row.count != usual || row.ends_empty(); };
+  const bool empty_end = usual > 3 && std::all_of(sample.begin(), sample.end(), ends_empty);
+  return empty_end ? usual - 1 : usual;
+}
+
+/// True when all rows are of one length, but for an empty end.
+bool are_rows_alike(const std::vector<TableRow>& sample, std::size_t usual) {
+  return std::all_of(sample.begin(), sample.end(), [&](const TableRow& row) {
+    return row.count == usual || (row.count == usual + 1 && row.ends_empty());
+  });
+}
+
+/// True when all sampled rows have finite values of [low, high] in columns first to first + 2.
+bool in_range(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first, double low, double high,
+              bool whole) {
+  if (usual < first + 3) return false;
+  for (const TableRow& row : sample) {
+    if (row.count != usual) continue;
+    for (std::size_t k = first; k < first + 3; ++k) {
+      const double v = row.values[k];
+      if (!(v >= low && v <= high) || (whole && !is_whole(v))) return false;
+    }
+  }
+  return true;
+}
+
+/// Three neighbouring columns that look like colours: whole numbers of a byte, or fractions of one.
+bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  return in_range(sample, usual, first, 0.0, 255.0, true) || in_range(sample, usual, first, 0.0, 1.0, false);
+}
+
+/// Unit vectors, not all of which point one way: as programs write normals behind coordinates.
+bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  std::size_t rows = 0;
+  bool negative = false;
+  for (const TableRow& row : sample) {
+    if (row.count != usual) continue;
+    const Eigen::Vector3d normal(row.values[first], row.values[first + 1], row.values[first + 2]);
+    if (normal.isZero(0.0)) continue;  // of points for which none was found
+    if (!(std::abs(normal.norm() - 1.0) < 0.01)) return false;
+    negative = negative || (normal.array() < 0.0).any();
+    ++rows;
+  }
+  return negative && rows >= 3;
+}
+
+void set_normals(TableColumns& columns, int first) {
+  columns.nx = first;
+  columns.ny = first + 1;
+  columns.nz = first + 2;
+}
+
+void set_colour(TableColumns& columns, int first) {
+  columns.red = first;
+  columns.green = first + 1;
+  columns.blue = first + 2;
+}
+
+/// What stands behind coordinates without names, as scanners' programs write it.
+void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample, bool pts) {
+  const std::size_t usual = columns.usual;
+  if (usual >= 7 && pts && look_like_colours(sample, usual, 4)) {
+    set_colour(columns, 4);
+    columns.intensity = 3;
+  } else if (usual == 6 && look_like_normals(sample, usual, 3)) {
+    set_normals(columns, 3);
+  } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
+    set_colour(columns, 3);
+    if (usual == 7) columns.intensity = 6;
+    if (usual == 9 && look_like_normals(sample, usual, 6)) set_normals(columns, 6);
+  } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
+    set_colour(columns, 4);
+    columns.intensity = 3;
+  } else if (usual == 4) {
+    columns.intensity = 3;
+  }
+}
+
+/// Names for columns that have none.
+void label_fields(TableColumns& columns) {
+  const std::vector<std::string> words = columns.words();
+  for (std::size_t i = columns.fields.size(); i < words.size(); ++i) {
+    columns.fields.push_back(words[i] != "skip" ? words[i] : "column " + std::to_string(i + 1));
+  }
+}
+
+/// What the colours of the sample mean.
+ColourScale scale_of(const TableColumns& columns, const std::vector<TableRow>& sample) {
+  double largest = 0.0;
+  bool fractions = false;
+  for (const TableRow& row : sample) {
+    for (const int column : {columns.red, columns.green, columns.blue}) {
+      if (column < 0 || index(column) >= row.count) continue;
+      const double v = row.values[index(column)];
+      if (v > largest) largest = v;
+      fractions = fractions || v != std::floor(v);
+    }
+  }
+  return colour_scale(largest, fractions);
+}
+
+/// Numbers in every row before the first word of any.
+std::size_t leading_numbers(const std::vector<TableRow>& sample, std::size_t usual) {
+  std::size_t numbers = usual;
+  for (const TableRow& row : sample) {
+    if (row.count != usual) return 0;
+    std::size_t k = 0;
+    while (k < numbers && row.has_number(static_cast<int>(k))) ++k;
+    numbers = k;
+  }
+  return numbers;
+}
+
+/// True when the values of a column rise by one from row to row.
+bool counts_rows(const std::vector<TableRow>& sample, std::size_t column) {
+  if (sample.size() < kFewestNumbered) return false;
+  for (std::size_t k = 0; k < sample.size(); ++k) {
+    if (column >= sample[k].count || !is_whole(sample[k].values[column])) return false;
+    if (k > 0 && sample[k].values[column] != sample[k - 1].values[column] + 1.0) return false;
+  }
+  return true;
+}
+
+/// True when the first column may be the names of rows in a data frame: rising whole numbers, or words.
+bool may_be_row_names(const std::vector<TableRow>& sample) {
+  for (std::size_t k = 0; k < sample.size(); ++k) {
+    if (sample[k].has_word(0)) continue;
+    if (!is_whole(sample[k].values[0]) || (k > 0 && !(sample[k].values[0] > sample[k - 1].values[0]))) return false;
+  }
+  return true;
+}
+
+/// A number, then coordinates and nothing else, or colours or normals at their distance behind them. A surface whose x
+/// counted its points would have one point on each line of its grid.
+bool look_numbered(const std::vector<TableRow>& sample, std::size_t usual) {
+  const std::size_t numbers = leading_numbers(sample, usual);
+  return (numbers == 4 || numbers >= 7) && counts_rows(sample, 0);
+}
+
+/// COLMAP's points3D.txt without its comments: id, x, y, z, r, g, b, error, then pairs of whole numbers, two or more.
+bool look_like_points3d(const std::vector<TableRow>& sample) {
+  if (sample.size() < kFewestNumbered) return false;
+  bool vary = false;
+  bool fractions = false;
+  for (const TableRow& row : sample) {
+    if (row.count < 10 || (row.count % 2 != 0 && row.count < kMostColumns)) return false;
+    for (std::size_t k = 0; k < row.count; ++k) {
+      const double v = row.values[k];
+      const bool counts = k == 0 || k > 7;
+      const bool colour = k >= 4 && k <= 6;
+      if (!std::isfinite(v) || (counts && !(v >= 0.0 && is_whole(v)))) return false;
+      if (colour && !(v >= 0.0 && v <= 255.0 && is_whole(v))) return false;
+    }
+    if (!(row.values[7] >= 0.0)) return false;
+    vary = vary || row.count != sample.front().count;
+    fractions = fractions || !is_whole(row.values[1]) || !is_whole(row.values[2]) || !is_whole(row.values[3]);
+  }
+  return vary && fractions;
+}
+
+/// True when most rows have numbers in the three columns, and no larger share than `damaged` a word.
+bool are_coordinates(const std::vector<TableRow>& sample, const std::array<int, 3>& xyz, double damaged) {
+  std::size_t numbers = 0;
+  std::size_t words = 0;
+  for (const TableRow& row : sample) {
+    words += std::any_of(xyz.begin(), xyz.end(), [&](int column) { return row.has_word(column); }) ? 1 : 0;
+    numbers += std::all_of(xyz.begin(), xyz.end(), [&](int column) { return row.has_number(column); }) ? 1 : 0;
+  }
+  const auto rows = static_cast<double>(sample.size());
+  return 2 * numbers >= sample.size() && static_cast<double>(words) <= damaged * rows;
+}
+
+std::array<int, 3> moved(const std::array<int, 3>& columns, int by) {
+  return {columns[0] + by, columns[1] + by, columns[2] + by};
+}
+
+std::string place_text(const TableColumns& columns) {
+  return "columns " + std::to_string(columns.x + 1) + ", " + std::to_string(columns.y + 1) + " and " +
+         std::to_string(columns.z + 1);
+}
+
+}  // namespace
+
+std::size_t TableColumns::needed() const {
+  const int coordinates = std::max({x, y, z});
+  const int all = std::max({coordinates, red, green, blue, intensity});
+  switch (by) {
+    case TextTable::By::names:
+      return index(coordinates) + 1;
+    case TextTable::By::configuration:
+      return index(std::max({all, nx, ny, nz})) + 1;
+    default:
+      return index(all) + 1;
+  }
+}
+
+std::vector<std::string> TableColumns::words() const {
+  std::vector<std::string> words(
+      std::max(usual, index(std::max({x, y, z, red, green, blue, intensity, nx, ny, nz})) + 1), "skip");
+  const std::pair<int, const char*> named[] = {
+      {x, "x"},   {y, "y"},   {z, "z"},  {red, "red"}, {green, "green"}, {blue, "blue"}, {intensity, "intensity"},
+      {nx, "nx"}, {ny, "ny"}, {nz, "nz"}};
+  for (const auto& [column, word] : named) {
+    if (column >= 0) words[index(column)] = word;
+  }
+  return words;
+}
+
+TableColumns configured_columns(const std::vector<std::string>& words, const std::vector<TableRow>& sample) {
+  TableColumns columns;
+  columns.by = TextTable::By::configuration;
+  columns.rows_vary = true;
+  columns.x = find(words, "x");
+  columns.y = find(words, "y");
+  columns.z = find(words, "z");
+  columns.red = find(words, "red");
+  columns.green = find(words, "green");
+  columns.blue = find(words, "blue");
+  columns.intensity = find(words, "intensity");
+  columns.nx = find(words, "nx");
+  columns.ny = find(words, "ny");
+  columns.nz = find(words, "nz");
+  columns.usual = std::max(usual_count(sample), columns.needed());
+  label_fields(columns);
+  columns.scale = scale_of(columns, sample);
+  return columns;
+}
+
+bool hold_coordinates(const TableColumns& columns, const std::vector<TableRow>& sample) {
+  return are_coordinates(sample, {columns.x, columns.y, columns.z}, 0.0);
+}
+
+std::optional<HeaderPlace> place_header(const TableHeader& header, const std::vector<TableRow>& sample, char separator,
+                                        double damaged) {
+  const std::size_t usual = usual_count(sample);
+  const int more = static_cast<int>(usual) - static_cast<int>(header.names.size());
+  const std::array<int, 3>& xyz = header.columns.xyz;
+  const bool fits = are_coordinates(sample, xyz, damaged);
+  HeaderPlace place;
+  place.exact = more == 0;
+  if (more == 0) return fits ? std::optional(place) : std::nullopt;
+  if (header.prose) return std::nullopt;
+  const bool alike = are_rows_alike(sample, usual);
+  const bool fits_moved = alike && xyz[0] + more >= 0 && xyz[1] + more >= 0 && xyz[2] + more >= 0 &&
+                          are_coordinates(sample, moved(xyz, more), damaged);
+  // Tables of data frames give the column of row names no name.
+  if (more == 1 && fits_moved &&
+      ((header.gap && may_be_row_names(sample)) || counts_rows(sample, static_cast<std::size_t>(xyz[0])))) {
+    place.shift = 1;
+    return place;
+  }
+  // A sign before the first separator opens a comment.
+  if (more == -1 && fits_moved && header.separator == ';' && header.names.front().empty()) {
+    place.shift = -1;
+    place.exact = true;
+    return place;
+  }
+  const bool same_separator = header.separator == separator && separator != 0;
+  if (fits) {
+    const int first = std::min({xyz[0], xyz[1], xyz[2]});
+    const auto names_row = [&](const TableRow& row) {
+      for (int k = 0; k < first; ++k) {
+        if (row.has_word(k)) return true;
+      }
+      return false;
+    };
+    place.ambiguous = more > 0 && !same_separator && fits_moved && std::any_of(sample.begin(), sample.end(), names_row);
+    return place;
+  }
+  if (!fits_moved) return std::nullopt;
+  place.shift = more;
+  return place;
+}
+
+TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, const std::vector<TableRow>& sample) {
+  TableColumns columns;
+  const NamedColumns& named = header.columns;
+  columns.by = TextTable::By::names;
+  columns.usual = usual_count(sample);
+  columns.degrees = named.degrees;
+  const auto at = [&](int column) {
+    const bool there =
+        column >= 0 && column + place.shift >= 0 && column + place.shift < static_cast<int>(kMostColumns);
+    return there ? column + place.shift : -1;
+  };
+  columns.x = at(named.xyz[0]);
+  columns.y = at(named.xyz[1]);
+  columns.z = at(named.xyz[2]);
+  const auto three = [&](const std::array<int, 3>& from, int& a, int& b, int& c) {
+    if (at(from[0]) < 0 || at(from[1]) < 0 || at(from[2]) < 0) return;
+    a = at(from[0]);
+    b = at(from[1]);
+    c = at(from[2]);
+  };
+  three(named.colour, columns.red, columns.green, columns.blue);
+  three(named.normal, columns.nx, columns.ny, columns.nz);
+  columns.intensity = at(named.intensity);
+  for (int k = 0; k < place.shift; ++k) columns.fields.push_back("column " + std::to_string(k + 1));
+  const std::size_t left_out = place.shift < 0 ? index(-place.shift) : 0;
+  for (std::size_t k = left_out; k < header.names.size(); ++k) {
+    std::string name = header.names[k];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string letter(1, "xyz"[axis]);
+      if (index(named.xyz[axis]) == k && name != letter) name += " (" + letter + ")";
+    }
+    columns.fields.push_back(name.empty() ? "column " + std::to_string(columns.fields.size() + 1) : name);
+  }
+  const bool alike = are_rows_alike(sample, columns.usual);
+  columns.rows_vary = !alike;
+  if (!alike) columns.usual = std::min(columns.usual, header.names.size());
+  const bool in_place = columns.x == 0 && columns.y == 1 && columns.z == 2;
+  if (in_place && header.names.size() == 3) guess_attributes(columns, sample, false);
+  label_fields(columns);
+  if (!place.exact && alike && !in_place && !header.gap) {
+    columns.warnings.push_back("the header names " + std::to_string(header.names.size()) + " columns, the rows have " +
+                               std::to_string(columns.usual) + "; x, y and z are taken from " + place_text(columns));
+  } else if (named.by_initials) {
+    const auto name = [&](std::size_t axis) { return "'" + header.names[index(named.xyz[axis])] + "'"; };
+    columns.warnings.push_back("x, y and z are its columns " + name(0) + ", " + name(1) + " and " + name(2));
+  }
+  columns.scale = scale_of(columns, sample);
+  return columns;
+}
+
+TableColumns columns_by_position(const std::vector<TableRow>& sample, bool pts) {
+  TableColumns columns;
+  columns.usual = usual_count(sample);
+  guess_attributes(columns, sample, pts);
+  label_fields(columns);
+  columns.scale = scale_of(columns, sample);
+  return columns;
+}
+
+TableColumns guess_columns(const std::vector<TableRow>& sample, bool pts) {
+  TableColumns columns = columns_by_position(sample, pts);
+  const std::size_t usual = columns.usual;
+  const bool points3d = look_like_points3d(sample);
+  if (!points3d && !look_numbered(sample, usual)) return columns;
+  columns = {};
+  columns.usual = usual;
+  columns.by = TextTable::By::shape;
+  columns.x = 1;
+  columns.y = 2;
+  columns.z = 3;
+  columns.rows_vary = points3d;
+  columns.numbered = !points3d;
+  if (points3d) {
+    columns.usual = 8;
+    set_colour(columns, 4);
+    columns.warnings.emplace_back("without a header it looks like COLMAP's points3D.txt, and is read as that");
+  } else {
+    const std::size_t numbers = leading_numbers(sample, usual);
+    if (numbers >= 7 && (look_like_colours(sample, usual, 4) || !look_like_normals(sample, usual, 4))) {
+      if (look_like_colours(sample, usual, 4)) set_colour(columns, 4);
+      if (numbers == 8 && !columns.has_colour() && look_like_colours(sample, usual, 5)) {
+        set_colour(columns, 5);
+        columns.intensity = 4;
+      }
+    } else if (numbers >= 7) {
+      set_normals(columns, 4);
+    }
+    columns.warnings.emplace_back(
+        "without a header its first column counts the rows; x, y and z are taken from columns 2, 3 and 4; if that is "
+        "wrong, 'columns' of the scan names them");
+  }
+  label_fields(columns);
+  columns.scale = scale_of(columns, sample);
+  return columns;
+}
+
+}  // namespace sparsha::pipeline

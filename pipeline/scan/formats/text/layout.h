@@ -1,0 +1,30 @@
+// What the first lines of a text table say of all of it: how rows are written and which column is what.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/formats/text/columns.h"
+#include "pipeline/scan/formats/text/table.h"
+#include "scene/config.h"
+
+namespace sparsha::pipeline {
+
+inline constexpr std::size_t kSampledRows = 1000;
+
+struct TableLayout {
+  TableStyle style;
+  TableColumns columns;
+  std::optional<LengthUnit> unit;  ///< what the header says
+  int first_row = 0;               ///< its line; text stands before it, with numbers perhaps
+  bool listed_names = false;       ///< the header has a name a line, below their number
+  bool empty = false;              ///< the file declares that it has no rows
+};
+
+/// A line with nothing but one whole number: how many rows follow.
+[[nodiscard]] bool is_count(const TableRow& row);
+
+/// Throws Error{input} on a file without rows, and where what is read would be a matter of luck.
+[[nodiscard]] TableLayout inspect_table(const ScanFile& file);
+
+}  // namespace sparsha::pipeline
