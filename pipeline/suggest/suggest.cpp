@@ -111,6 +111,12 @@ std::string shown_path(const fs::path& file, const fs::path& folder) {
   return (relative.empty() ? fs::absolute(file, code) : relative).generic_string();
 }
 
+// The columns of a text table that names none, where its values tell them.
+std::string columns_text(const RawScan& scan) {
+  if (!scan.table || scan.table->by != TextTable::By::shape) return {};
+  return fmt::format("    columns: [{}]  # no header; told by the values\n", fmt::join(scan.table->columns, ", "));
+}
+
 // Reads the scans into `seen` and `points`; their part of the configuration.
 std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
                     Progress& progress) {
@@ -126,11 +132,12 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
   const std::vector<FoundUnit> units = units_of(scans, all);
   std::string text = "scans:\n";
   for (std::size_t s = 0; s < scans.size(); ++s) {
+    const std::string columns = columns_text(all[s].scan);
     seen.look_at(all[s].scan, units[s].metres);
     points.add(all[s], units[s].metres);
     all[s] = {};
-    text += fmt::format("  - file: {}\n    units: {}  # {}\n", quoted(shown_path(scans[s], folder)), units[s].name,
-                        units[s].reason);
+    text += fmt::format("  - file: {}\n    units: {}  # {}\n{}", quoted(shown_path(scans[s], folder)), units[s].name,
+                        units[s].reason, columns);
   }
   return text;
 }
