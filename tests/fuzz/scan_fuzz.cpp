@@ -26,8 +26,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   std::string bytes(reinterpret_cast<const char*>(data), size);
   if (bytes.rfind("ASTM-E57", 0) == 0) mend_checksums(bytes);
+  // Columns that a configuration names, one time in four.
+  sparsha::pipeline::ReadOptions options;
+  if (data[size - 1] >> 6 == 1) options.columns = {"skip", "x", "y", "z", "skip", "red", "green", "blue"};
   try {
-    const auto scan = sparsha::pipeline::read_scan_bytes(bytes, kNames[data[size - 1] % kNames.size()]);
+    const auto scan = sparsha::pipeline::read_scan_bytes(bytes, kNames[data[size - 1] % kNames.size()], options);
     if (scan.points.size() + scan.invalid != scan.records) __builtin_trap();
     if (!scan.rgba.empty() && scan.rgba.size() != scan.points.size()) __builtin_trap();
     if (!scan.intensity.empty() && scan.intensity.size() != scan.points.size()) __builtin_trap();
