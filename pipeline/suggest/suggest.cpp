@@ -127,6 +127,7 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
     if (all.back().scan.points.empty()) {
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
+    for (const std::string& warning : all.back().scan.warnings) progress.warn(file.string() + ": " + warning);
     require_lengths(all.back().scan, file.string());
   }
   const std::vector<FoundUnit> units = units_of(scans, all);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <string>
 
@@ -98,6 +99,25 @@ TEST_F(Recheck, UsesTheNoiseThatTheConfigurationGives) {
   const BuildResult built = build(kOneObject, ", noise_mm: 1.2");
   const Report again = check();
   expect_same(built.report, again);
+}
+
+TEST_F(Recheck, ReadsTheColumnsThatTheSceneWasBuiltFrom) {
+  std::ofstream table(folder_ / "table.txt");
+  for (int k = 0; k < 10000; ++k) {
+    const double x = 0.005 * (k % 100);
+    const double y = 0.005 * (k / 100);
+    table << 0.25 * k << ' ' << 0.02 * std::sin(20.0 * x) * std::cos(17.0 * y) << ' ' << x << ' ' << y << " 9\n";
+  }
+  table.close();
+  write_file(folder_ / "scene.yaml",
+             "scans:\n  - {file: table.txt, units: m, columns: [skip, z, x, y]}\n"
+             "orientation: {look_from: [0, 0, 1], up: [0, 1, 0]}\ngrid: {spacing_mm: 5}\ncheck: {samples: all}\n");
+  Progress progress;
+  const BuildResult built = build_scene_folder(load_config(folder_ / "scene.yaml"), {}, folder_ / "scene", progress);
+  EXPECT_LT(built.report.check->cloud_to_surface.median_m, kSpacing_m / 10);
+  expect_same(built.report, check());
+  fs::copy_file(folder_ / "table.txt", folder_ / "copy.txt");
+  expect_same(built.report, check({folder_ / "copy.txt"}));
 }
 
 TEST_F(Recheck, AppliesNoFilterToScansThatAreNotTheScenes) {

@@ -188,6 +188,26 @@ TEST_F(Suggested, StraysAllAroundAnObjectDoNotHideIt) {
   EXPECT_GT(share(result, [&](const Eigen::Vector3d& p) { return std::abs(p.norm() - 1.0) < 0.5 * spacing; }), 0.97);
 }
 
+TEST_F(Suggested, NamesTheColumnsThatTheValuesOfATableTell) {
+  std::ofstream file(folder_ / "counted.txt");
+  for (int k = 0; k < 2500; ++k) {
+    const double x = 0.02 * (k % 50);
+    const double y = 0.02 * (k / 50);
+    file << k + 1 << ' ' << x << ' ' << y << ' ' << waves(x, y) << '\n';
+  }
+  file.close();
+  Progress progress;
+  suggestion_ = suggest_config({folder_ / "counted.txt"}, {}, progress);
+  const std::vector<std::string> columns = {"skip", "x", "y", "z"};
+  EXPECT_EQ(suggestion_.config.scans.front().columns, columns);
+  ASSERT_EQ(progress.warnings().size(), 1U);
+  EXPECT_NE(progress.warnings().front().find("its first column counts the rows"), std::string::npos);
+  const BuildResult result = build_suggested();
+  const Lattice& base = result.scene->description().levels.front();
+  EXPECT_LT(base.spacing_m * std::max(base.nx, base.ny), 1.1) << "not 2500 wide";
+  EXPECT_FALSE(warned(result, "counts the rows")) << "said once";
+}
+
 TEST_F(Suggested, ADetailHasTheUnitOfTheScanThatShowsTheWhole) {
   const auto times = [](Points points, double factor) {
     for (Eigen::Vector3d& p : points) p *= factor;

@@ -26,6 +26,9 @@ bool is_title(const TableRow& row, const TableColumns& columns) {
   return row.has_word(0) && std::none_of(xyz.begin(), xyz.end(), has_number);
 }
 
+constexpr const char* kMost = "coordinates among the first 64 columns";
+static_assert(kMostColumns == 64);
+
 class Inspector {
  public:
   explicit Inspector(const ScanFile& file) : file_(file), begin_(byte_order_mark(file.bytes)) {}
@@ -171,6 +174,7 @@ class Inspector {
   }
 
   void take_configured() {
+    if (file_.columns.size() > kMostColumns) throw file_.error("the configuration names too many columns", kMost);
     for (const char separator : separators_) {
       std::vector<TableRow> rows = sample(separator);
       layout_.columns = configured_columns(file_.columns, rows);
@@ -256,6 +260,10 @@ class Inspector {
     }
     if (header.columns.repeated) {
       throw file_.error_at(header.line, "the header names a coordinate twice", "x, y and z once each");
+    }
+    const auto is_beyond = [](int column) { return column >= static_cast<int>(kMostColumns); };
+    if (std::any_of(header.columns.xyz.begin(), header.columns.xyz.end(), is_beyond)) {
+      throw file_.error_at(header.line, "the header names x, y or z behind too many columns", kMost);
     }
     layout_.columns = named_columns(header, place, rows);
     use_unit(header, layout_.columns.degrees);

@@ -293,6 +293,21 @@ TEST(TextTable, SaysWhatItTookForXYAndZ) {
   expect_refused("a.csv", "x,y,z,x\n1,2,3,4\n", "a coordinate twice", 1);
 }
 
+TEST(TextTable, WithCoordinatesBehindMoreColumnsThanARowMayHaveIsRefused) {
+  std::string names;
+  std::string row;
+  for (int k = 0; k < 64; ++k) {
+    names += "f" + std::to_string(k) + ",";
+    row += "1,";
+  }
+  expect_refused("a.csv", names + "x,y,z\n" + row + "1,2,3\n", "behind too many columns", 1);
+  EXPECT_THAT(read(names.substr(0, names.size() - 12) + "x,y,z,f\n" + row + "1\n").points.size(), 1U);
+  ReadOptions options;
+  options.columns.assign(65, "skip");
+  for (std::size_t k = 0; k < 3; ++k) options.columns[62 + k] = std::string(1, "xyz"[k]);
+  EXPECT_THROW((void)read(row + "1,2,3\n", "a.csv", options), Error);
+}
+
 TEST(TextTable, TakesTheColumnsOfTheConfiguration) {
   const ReadOptions options{{"skip", "x", "y", "z", "skip", "red", "green", "blue"}};
   const RawScan scan = read("7 1 2 3 9 10 20 30\n8 4 5 6 9 1 2 3\n", "a.txt", options);
