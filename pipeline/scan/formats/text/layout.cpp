@@ -119,6 +119,7 @@ class Inspector {
     if (!headers_.empty() && add_units_row(line, headers_.back())) return;
     TableHeader header = parse_header(line);
     header.line = number;
+    header.text = line;
     if (!header.columns.complete()) {
       if (header.names.size() >= 3 && !row_behind_word) names_ = header.names.size();
       return;
@@ -169,14 +170,18 @@ class Inspector {
       rows.pop_back();
       sampled_lines_.pop_back();
     }
-    if (separator != 0 && hold_rows_in_values(rows)) rows.clear();
     return rows;
+  }
+
+  static bool is_wrong_separator(char separator, const std::vector<TableRow>& rows) {
+    return rows.empty() || (separator != 0 && hold_rows_in_values(rows));
   }
 
   void take_configured() {
     if (file_.columns.size() > kMostColumns) throw file_.error("the configuration names too many columns", kMost);
     for (const char separator : separators_) {
       std::vector<TableRow> rows = sample(separator);
+      if (is_wrong_separator(separator, rows)) continue;
       layout_.columns = configured_columns(file_.columns, rows);
       const auto is_no_title = [&](const TableRow& row) { return !is_title(row, layout_.columns); };
       const auto first = std::find_if(rows.begin(), rows.end(), is_no_title);
@@ -216,6 +221,7 @@ class Inspector {
   std::optional<HeaderPlace> find_header(const std::vector<TableRow>& rows, char separator, double damaged,
                                          const TableHeader*& header) const {
     std::optional<HeaderPlace> best;
+    if (rows.empty()) return best;
     for (auto each = headers_.rbegin(); each != headers_.rend(); ++each) {
       const std::optional<HeaderPlace> place = place_header(*each, rows, separator, damaged);
       if (!place || (best && (best->exact || !place->exact))) continue;
@@ -229,19 +235,18 @@ class Inspector {
     for (const double damaged : {0.0, kDamaged}) {
       for (const char separator : separators_) {
         const std::vector<TableRow> rows = sample(separator);
-        if (rows.empty()) continue;
         const TableHeader* header = nullptr;
-        if (const std::optional<HeaderPlace> place = find_header(rows, separator, damaged, header)) {
-          take_header(*header, *place, rows);
-          return true;
-        }
+        const std::optional<HeaderPlace> place = find_header(rows, separator, damaged, header);
+        if (!place || (!place->exact && is_wrong_separator(separator, rows))) continue;
+        take_header(*header, *place, rows);
+        return true;
       }
     }
     // A comment may be prose; a line of names right above the rows means them, whatever is wrong below it.
     if (headers_.empty() || headers_.back().comment || headers_.back().prose) return false;
     for (const char separator : separators_) {
       const std::vector<TableRow> rows = sample(separator);
-      if (rows.empty()) continue;
+      if (is_wrong_separator(separator, rows)) continue;
       HeaderPlace place;
       place.exact = true;
       take_header(headers_.back(), place, rows);
@@ -266,6 +271,7 @@ class Inspector {
       throw file_.error_at(header.line, "the header names x, y or z behind too many columns", kMost);
     }
     layout_.columns = named_columns(header, place, rows);
+    layout_.header = header.text;
     use_unit(header, layout_.columns.degrees);
   }
 
@@ -286,7 +292,7 @@ class Inspector {
   void take_unnamed() {
     for (const char separator : separators_) {
       const std::vector<TableRow> rows = sample(separator);
-      if (rows.empty()) continue;
+      if (is_wrong_separator(separator, rows)) continue;
       const bool pts = file_.extension == "pts";
       layout_.columns = guess_columns(rows, pts);
       if (layout_.columns.numbered && !counts_all_rows()) layout_.columns = columns_by_position(rows, pts);

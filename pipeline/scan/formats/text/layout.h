@@ -17,6 +17,7 @@ struct TableLayout {
   TableColumns columns;
   std::optional<LengthUnit> unit;  ///< what the header says
   int first_row = 0;               ///< its line; text stands before it, with numbers perhaps
+  std::string_view header;         ///< the line with the names, which may stand there again where files were joined
   bool listed_names = false;       ///< the header has a name a line, below their number
   bool empty = false;              ///< the file declares that it has no rows
 };

@@ -77,6 +77,7 @@ NamedUnit unit_named(std::string_view text) {
       {"degrees", NamedUnit::degree},
       {"dd", NamedUnit::degree},
       {"\xC2\xB0", NamedUnit::degree},
+      {"\xB0", NamedUnit::degree},
       {"in", NamedUnit::unknown},
       {"inch", NamedUnit::unknown},
       {"inches", NamedUnit::unknown},
@@ -252,6 +253,12 @@ std::array<int, 3> coordinates(const Finder& finder) {
 
 // ---- splitting ----
 
+/// Whether a name is that of a place, of which brackets choose a coordinate.
+bool is_vector(std::string_view name) {
+  const std::string letters = letters_of(name);
+  return letters == "p" || is_one_of(letters, kAxisWords);
+}
+
 /// Adds a name and what it says of its unit.
 void add_name(TableHeader& header, std::string name) {
   trim(name);
@@ -262,7 +269,7 @@ void add_name(TableHeader& header, std::string name) {
     unit = name.substr(open + 1, close - open - 1);
     trim(unit);
     const bool is_axis_number = unit.size() == 1 && std::string_view("xyz012").find(unit) != std::string_view::npos;
-    if (is_axis_number && open > 0) {
+    if (is_axis_number && is_vector(name.substr(0, open))) {
       name.resize(open);  // "P[x]"
       name += unit;
       unit.clear();

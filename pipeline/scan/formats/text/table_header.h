@@ -33,6 +33,7 @@ struct TableHeader {
   bool comment = false;            ///< it began with a comment sign
   bool prose = false;              ///< it holds words of sentences
   int line = 0;
+  std::string_view text;  ///< the line
 };
 
 /// From a line before the first row: with the separator that makes x, y and z names, else the likeliest. A line that is

@@ -41,7 +41,7 @@ class Reader {
         case RowKind::comment:
           break;
         case RowKind::words:
-          if (lines.number() >= layout_.first_row) {
+          if (lines.number() >= layout_.first_row && line != layout_.header) {
             throw file_.error_at(lines.number(), in_quotes(line) + " is not a row of numbers", expected_row());
           }
           break;

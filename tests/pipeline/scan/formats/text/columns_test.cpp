@@ -141,6 +141,10 @@ TEST(TextTable, NamesOfOtherProgramsAreKnown) {
   named("Nr;X-Koordinate;Y-Koordinate;Z-Koordinate\n", rest("17", ";", ""));
   named("Nr;Coord. X;Coord. Y;Coord. Z\n", rest("17", ";", ""));
   named("\xEF\xBB\xBFid,x,y,z\n", rest("17", ",", ""));
+  named("Nr,Code,X,Y,Z\n", rest("17,12 34", ",", ""));
+  named("Nr;Rechtswert (Y);Hochwert (X);H\xC3\xB6he (Z)\n", rest("17", ";", ""));
+  named("Nr;X (East);Y (North);Z (Up)\n", rest("17", ";", ""));
+  named("Nr;East [X];North [Y];Up\n;;;\nNr;X_;Y_;Z_\n", rest("17", ";", ""));
 }
 
 TEST(TextTable, OfDataFramesHaveAColumnOfRowNamesWithoutAName) {
@@ -278,6 +282,14 @@ TEST(TextTable, CommentsInSentencesNameNoColumns) {
   }
   EXPECT_THAT(read("alpha,beta,gamma\n1,2,3\n").warnings, ElementsAre(HasSubstr("does not name x, y and z once each")));
   EXPECT_THAT(read("O.5 1 2\n1 2 3\n").warnings, ElementsAre(HasSubstr("line 1 begins with a word")));
+}
+
+TEST(TextTable, OfJoinedFilesMayHaveItsHeaderAgain) {
+  const Relief relief;
+  const std::string text = relief.numbered("Nr,X,Y,Z\n", ",");
+  const RawScan scan = read(text + text, "a.csv");
+  EXPECT_EQ(scan.points.size(), 2 * relief.points.size());
+  expect_refused("a.csv", text + "Nr,Y,X,Z\n" + text, "is not a row of numbers", 50);
 }
 
 TEST(TextTable, SaysWhatItTookForXYAndZ) {
