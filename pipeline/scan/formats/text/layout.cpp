@@ -116,7 +116,11 @@ class Inspector {
     const bool row_behind_word = kind == RowKind::words && is_row_behind_a_word(line);
     if (row_behind_word && left_out_++ == 0) first_left_out_ = number;
     if (kind == RowKind::words && listed_ > 0 && list_.size() < listed_) list_.push_back(line);
-    if (!headers_.empty() && add_units_row(line, headers_.back())) return;
+    bool units = false;
+    for (TableHeader& header : headers_) {
+      units = (header.line == headers_.back().line && add_units_row(line, header)) || units;
+    }
+    if (units) return;
     TableHeader header = parse_header(line);
     header.line = number;
     header.text = line;
@@ -125,7 +129,13 @@ class Inspector {
       return;
     }
     layout_.style.leading_words = true;
-    if (headers_.size() == kMostHeaders) headers_.erase(headers_.begin());
+    if (headers_.size() > kMostHeaders) headers_.erase(headers_.begin(), headers_.begin() + 2);
+    TableHeader apart = parse_header(line, false);
+    if (apart.columns.complete() && apart.names.size() != header.names.size()) {
+      apart.line = number;
+      apart.text = line;
+      headers_.push_back(std::move(apart));
+    }
     headers_.push_back(std::move(header));
   }
 

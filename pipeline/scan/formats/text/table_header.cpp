@@ -318,9 +318,8 @@ TableHeader split(std::string_view line, char separator) {
 
 /// Words that make one name of two: "point no.", "x coordinate", "x (m)".
 bool belong_together(std::string_view first, std::string_view second) {
-  constexpr std::string_view kThings[] = {"point", "pt",      "pnt",  "pts", "punkt",
-                                          "pkt",   "station", "scan", "row", "target"};
-  constexpr std::string_view kNumbers[] = {"no", "nr", "id", "number", "nummer", "num", "name", "code", "label"};
+  constexpr std::string_view kThings[] = {"point", "pt", "pnt", "pts", "punkt", "pkt"};
+  constexpr std::string_view kNumbers[] = {"no", "nr", "id", "number", "nummer", "num", "name"};
   constexpr std::string_view kAxes[] = {"x", "y", "z", "east", "north", "easting", "northing", "height", "elevation"};
   constexpr std::string_view kBefore[] = {"coord", "coordinate", "koordinate", "pos", "position", "local", "global"};
   const std::string a = letters_of(first);
@@ -329,8 +328,8 @@ bool belong_together(std::string_view first, std::string_view second) {
          (is_one_of(a, kBefore) && is_one_of(b, kAxes));
 }
 
-/// Names between blanks whose words belong together become one.
-void join_words(TableHeader& header) {
+/// Units in brackets go to the name before them; with `join`, names whose words belong together become one.
+void join_words(TableHeader& header, bool join) {
   std::vector<std::string> names;
   std::vector<std::string> units;
   for (std::size_t k = 0; k < header.names.size(); ++k) {
@@ -338,7 +337,7 @@ void join_words(TableHeader& header) {
     const bool bracket = !name.empty() && (name.front() == '(' || name.front() == '[' || name.front() == '{');
     if (bracket && !names.empty()) {
       units.back() = header.units[k];
-    } else if (!names.empty() && belong_together(names.back(), name)) {
+    } else if (join && !names.empty() && belong_together(names.back(), name)) {
       names.back() += " " + name;
       if (!header.units[k].empty()) units.back() = header.units[k];
     } else {
@@ -426,7 +425,7 @@ std::string_view without_comment_signs(std::string_view line, bool& comment) {
 
 }  // namespace
 
-TableHeader parse_header(std::string_view line) {
+TableHeader parse_header(std::string_view line, bool join) {
   if (line.size() > kLongestHeader) return {};
   bool comment = false;
   const std::string_view text = without_label(without_comment_signs(line, comment));
@@ -439,7 +438,7 @@ TableHeader parse_header(std::string_view line) {
     if (separator == 0) {
       header.gap = gap && !comment;
       header.prose = is_prose(header.names);
-      join_words(header);
+      join_words(header, join);
     }
     if (header.names.size() < 3) continue;
     header.columns = name_columns(header.names, header.units);

@@ -37,8 +37,9 @@ struct TableHeader {
 };
 
 /// From a line before the first row: with the separator that makes x, y and z names, else the likeliest. A line that is
-/// too long for a header has no names.
-[[nodiscard]] TableHeader parse_header(std::string_view line);
+/// too long for a header has no names. `join`: between blanks, two words may be one name, as "Point No." and "X
+/// coord.".
+[[nodiscard]] TableHeader parse_header(std::string_view line, bool join = true);
 
 /// From names that stand on lines of their own.
 [[nodiscard]] TableHeader header_of_lines(const std::vector<std::string_view>& lines);

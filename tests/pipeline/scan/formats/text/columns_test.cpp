@@ -138,6 +138,8 @@ TEST(TextTable, NamesOfOtherProgramsAreKnown) {
   named("# Columns: id X Y Z\n", rest("17", " ", ""));
   named("# FIELDS id x y z\n", rest("17", " ", ""));
   named("Point No. X Y Z R G B\n", rest("17", " ", " 1 2 3"));
+  named("Point Name X Y Z\n", rest("17 P1", " ", ""));
+  named("Row Code X Y Z\n", rest("17 P1", " ", ""));
   named("Nr;X-Koordinate;Y-Koordinate;Z-Koordinate\n", rest("17", ";", ""));
   named("Nr;Coord. X;Coord. Y;Coord. Z\n", rest("17", ";", ""));
   named("\xEF\xBB\xBFid,x,y,z\n", rest("17", ",", ""));
