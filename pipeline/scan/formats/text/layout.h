@@ -10,8 +10,6 @@
 
 namespace sparsha::pipeline {
 
-inline constexpr std::size_t kSampledRows = 1000;
-
 struct TableLayout {
   TableStyle style;
   TableColumns columns;
@@ -21,9 +19,6 @@ struct TableLayout {
   bool listed_names = false;       ///< the header has a name a line, below their number
   bool empty = false;              ///< the file declares that it has no rows
 };
-
-/// A line with nothing but one whole number: how many rows follow.
-[[nodiscard]] bool is_count(const TableRow& row);
 
 /// Throws Error{input} on a file without rows, and where what is read would be a matter of luck.
 [[nodiscard]] TableLayout inspect_table(const ScanFile& file);

@@ -1,28 +1,15 @@
-// What the header of a text table says of its columns: their names in several languages, and units.
+// The header of a text table: its line split into names, whatever separates them, and units.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "pipeline/scan/formats/text/column_names.h"
 #include "scene/config.h"
 
 namespace sparsha::pipeline {
-
-/// Columns by their names; -1 where there is none.
-struct NamedColumns {
-  std::array<int, 3> xyz = {-1, -1, -1};
-  std::array<int, 3> colour = {-1, -1, -1};
-  std::array<int, 3> normal = {-1, -1, -1};
-  int intensity = -1;
-  bool degrees = false;      ///< x and y are longitude and latitude
-  bool by_initials = false;  ///< of easting, northing and height, which might be other words'
-  bool repeated = false;     ///< one of the three is there twice
-
-  [[nodiscard]] bool complete() const { return xyz[0] >= 0; }
-};
 
 struct TableHeader {
   std::vector<std::string> names;  ///< lower case, without quotes, comment signs and units in brackets
@@ -43,9 +30,6 @@ struct TableHeader {
 
 /// From names that stand on lines of their own.
 [[nodiscard]] TableHeader header_of_lines(const std::vector<std::string_view>& lines);
-
-/// Columns by names and their units, as many.
-[[nodiscard]] NamedColumns name_columns(const std::vector<std::string>& names, const std::vector<std::string>& units);
 
 /// What x, y and z are given in; several units, or one that no configuration has, are told in words.
 struct HeaderUnit {

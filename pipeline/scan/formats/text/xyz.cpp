@@ -10,6 +10,7 @@
 #include "pipeline/scan/formats/text/layout.h"
 #include "pipeline/scan/formats/text/no_data.h"
 #include "pipeline/scan/formats/text/table.h"
+#include "pipeline/scan/formats/text/table_head.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

@@ -71,7 +71,7 @@ RawScan read(const std::string& text, const std::string& name = "a.txt", const R
 /// Reads a table and compares its points with the relief's.
 RawScan expect_relief(const Relief& relief, const std::string& text, const std::string& name = "a.txt",
                       const ReadOptions& options = {}) {
-  const RawScan scan = read(text, name, options);
+  RawScan scan = read(text, name, options);
   EXPECT_EQ(scan.points, relief.points) << text.substr(0, 200);
   return scan;
 }

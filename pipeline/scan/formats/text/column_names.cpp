@@ -1,0 +1,198 @@
+#include "pipeline/scan/formats/text/column_names.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+// Lists of words, the likeliest first. Names are compared by their letters.
+constexpr std::string_view kEast =
+    " easting eastings east e rechtswert rechts ostwert ost est este utme utmeasting eastcoord ecoord ecoordinate ";
+constexpr std::string_view kNorth =
+    " northing northings north n hochwert hoch nordwert nord norte utmn utmnorthing northcoord ncoord ncoordinate ";
+constexpr std::string_view kHeight =
+    " elevation elev height altitude alt h h\xC3\xB6he h\xC3\x96he h\xF6he h\xD6he hoehe hohe hauteur quota cota cote "
+    "kote altezza altura hoogte hojd h\xC3\xB6jd rl reducedlevel elevaci\xC3\xB3n elevacion elevazione "
+    "ellipsoidalheight "
+    "ellipsoidheight orthometricheight orthoheight ";
+constexpr std::string_view kLongitude = " longitude lon long lng longitud longitudine ";
+constexpr std::string_view kLatitude = " latitude lat latitud latitudine ";
+
+/// Words that go with an axis, in front of it or behind it.
+constexpr std::string_view kAxisWords =
+    " coord coordinate coordinates coords koordinate koord pos position point points wert value val location loc local "
+    "world global utm vertex center centre cartesian xyz ";
+/// Words before the number of a coordinate: ParaView's "Points:0".
+constexpr std::string_view kVectorWords = " points point coordinates coord position pointsmxyz xyz ";
+
+/// Whether a name says that its column is the one along an axis: 'x', 'y' or 'z'.
+bool is_axis(std::string_view letters, char axis) {
+  if (letters.empty()) return false;
+  if (letters == std::string_view(&axis, 1) || letters == std::string{'p', axis}) return true;
+  if (letters.back() == axis && is_one_of(letters.substr(0, letters.size() - 1), kAxisWords)) return true;
+  if (letters.front() == axis && is_one_of(letters.substr(1), kAxisWords)) return true;
+  return letters.back() == static_cast<char>('0' + (axis - 'x')) &&
+         is_one_of(letters.substr(0, letters.size() - 1), kVectorWords);
+}
+
+/// What a name may be read as: "x/easting" is both.
+using Forms = std::vector<std::string>;
+
+Forms forms_of(const std::string& name) {
+  Forms forms{letters_of(name)};
+  for (std::size_t begin = 0; name.find('/') != std::string::npos && begin <= name.size();) {
+    const std::size_t end = std::min(name.find('/', begin), name.size());
+    forms.push_back(letters_of(std::string_view(name).substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return forms;
+}
+
+class Finder {
+ public:
+  explicit Finder(const std::vector<std::string>& names) {
+    for (const std::string& name : names) forms_.push_back(forms_of(name));
+  }
+  /// The first column with a form that passes; -1 without any.
+  template <typename Test>
+  [[nodiscard]] int find_if(const Test& test) const {
+    for (std::size_t k = 0; k < forms_.size(); ++k) {
+      if (std::any_of(forms_[k].begin(), forms_[k].end(), test)) return static_cast<int>(k);
+    }
+    return -1;
+  }
+  /// By the words of a list in their order.
+  [[nodiscard]] int find(std::string_view words) const {
+    for (std::string_view word = take_word(words); !word.empty(); word = take_word(words)) {
+      const int found = find_if([&](const std::string& form) { return form == word; });
+      if (found >= 0) return found;
+    }
+    return -1;
+  }
+  [[nodiscard]] int axis(char axis) const {
+    const int plain = find(std::string_view(&axis, 1));
+    return plain >= 0 ? plain : find_if([&](const std::string& form) { return is_axis(form, axis); });
+  }
+  [[nodiscard]] bool is(int column, std::string_view words) const {
+    const Forms& forms = forms_[static_cast<std::size_t>(column)];
+    return std::any_of(forms.begin(), forms.end(), [&](const std::string& form) { return is_one_of(form, words); });
+  }
+  /// Whether another column has the same name.
+  [[nodiscard]] bool is_repeated(int column) const {
+    return std::count(forms_.begin(), forms_.end(), forms_[static_cast<std::size_t>(column)]) > 1;
+  }
+
+ private:
+  std::vector<Forms> forms_;
+};
+
+bool all_found(const std::array<int, 3>& columns) {
+  return std::all_of(columns.begin(), columns.end(), [](int column) { return column >= 0; });
+}
+
+std::array<int, 3> coordinates(const Finder& finder) {
+  const int height = finder.find(kHeight);
+  const int z = finder.axis('z') >= 0 ? finder.axis('z') : height;
+  const std::array<int, 3> axes = {finder.axis('x'), finder.axis('y'), z};
+  if (all_found(axes) && finder.axis('z') >= 0) return axes;
+  const std::array<int, 3> survey = {finder.find(kEast), finder.find(kNorth), z};
+  if (all_found(survey)) return survey;
+  if (all_found(axes)) return axes;
+  return {finder.find(kLongitude), finder.find(kLatitude), z};
+}
+
+}  // namespace
+
+NamedColumns name_columns(const std::vector<std::string>& names, const std::vector<std::string>& units) {
+  const Finder finder(names);
+  NamedColumns named;
+  const std::array<int, 3> found = coordinates(finder);
+  if (!all_found(found)) return named;
+  named.xyz = found;
+  const auto unit = [&](int column) { return unit_named(units[static_cast<std::size_t>(column)]); };
+  const auto is_degree = [&](int column) {
+    return finder.is(column, kLongitude) || finder.is(column, kLatitude) || unit(column) == NamedUnit::degree;
+  };
+  named.degrees = is_degree(found[0]) && is_degree(found[1]);
+  constexpr std::string_view kInitials = " e n h ";
+  named.by_initials =
+      finder.is(found[0], kInitials) || finder.is(found[1], kInitials) || finder.is(found[2], kInitials);
+  named.repeated = std::any_of(found.begin(), found.end(), [&](int column) { return finder.is_repeated(column); });
+  const std::array<int, 3> colour = {finder.find("red r rf colorr colourr rgbr diffusered"),
+                                     finder.find("green g gf colorg colourg rgbg diffusegreen"),
+                                     finder.find("blue b bf colorb colourb rgbb diffuseblue")};
+  if (all_found(colour)) named.colour = colour;
+  named.intensity = finder.find("intensity scalarintensity i reflectance reflectivity scalarreflectance");
+  const std::array<int, 3> normal = {finder.find("nx normalx xnormal normals0 normal0"),
+                                     finder.find("ny normaly ynormal normals1 normal1"),
+                                     finder.find("nz normalz znormal normals2 normal2")};
+  if (all_found(normal)) named.normal = normal;
+  return named;
+}
+
+NamedUnit unit_named(std::string_view text) {
+  constexpr std::pair<NamedUnit, std::string_view> kSpellings[] = {
+      {NamedUnit::metre, " m meter metre meters metres mtr metri metros "},
+      {NamedUnit::centimetre, " cm centimeter centimetre centimeters centimetres "},
+      {NamedUnit::millimetre, " mm millimeter millimetre millimeters millimetres "},
+      {NamedUnit::foot, " ft feet foot ift intft "},
+      {NamedUnit::us_foot, " usft ftus usfeet usfoot ussurveyfoot ussurveyfeet sft "},
+      {NamedUnit::degree, " deg degree degrees dd \xC2\xB0 \xB0 "},
+      {NamedUnit::unknown, " in inch inches km dm um \xC2\xB5m \xCE\xBCm nm yd px pixel "},
+  };
+  const std::string letters = letters_of(text);
+  for (const auto& [unit, words] : kSpellings) {
+    if (is_one_of(letters, words)) return unit;
+  }
+  return NamedUnit::none;
+}
+
+void split_unit(std::string& name, std::string& unit) {
+  if (!unit.empty() || name.size() < 2) return;
+  const std::size_t at = name.find_last_of(" _/,\t");
+  const std::size_t begin = at == std::string::npos ? 1 : at + 1;
+  if (unit_named(name.substr(begin)) == NamedUnit::none) return;
+  std::string base = name.substr(0, begin);
+  const auto ends_between = [&] { return std::string_view(" _/,\t").find(base.back()) != std::string_view::npos; };
+  while (!base.empty() && ends_between()) base.pop_back();
+  if (base.ends_with(" in")) base.resize(base.size() - 3);
+  if (!names_coordinate(base)) return;
+  unit = name.substr(begin);
+  name = base;
+}
+
+bool names_coordinate(std::string_view name) {
+  const std::string letters = letters_of(name);
+  return is_axis(letters, 'x') || is_axis(letters, 'y') || is_axis(letters, 'z') || is_one_of(letters, kEast) ||
+         is_one_of(letters, kNorth) || is_one_of(letters, kHeight);
+}
+
+bool names_place(std::string_view name) {
+  const std::string letters = letters_of(name);
+  return letters == "p" || is_one_of(letters, kAxisWords);
+}
+
+bool belong_together(std::string_view first, std::string_view second) {
+  constexpr std::string_view kThings = " point pt pnt pts punkt pkt ";
+  constexpr std::string_view kNumbers = " no nr id number nummer num name ";
+  constexpr std::string_view kAxes = " x y z east north easting northing height elevation ";
+  constexpr std::string_view kBefore = " coord coordinate koordinate pos position local global ";
+  const std::string a = letters_of(first);
+  const std::string b = letters_of(second);
+  return (is_one_of(a, kThings) && is_one_of(b, kNumbers)) || (is_one_of(a, kAxes) && is_one_of(b, kAxisWords)) ||
+         (is_one_of(a, kBefore) && is_one_of(b, kAxes));
+}
+
+std::string letters_of(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (letter || (static_cast<unsigned char>(c) & 0x80) != 0) result += c;
+  }
+  return result;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,42 @@
+// What the first rows of a text table look like, whatever its columns are called.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pipeline/scan/formats/text/table.h"
+
+namespace sparsha::pipeline {
+
+/// Columns of most rows; one that is empty in all of them comes from separators at the ends of lines.
+[[nodiscard]] std::size_t usual_count(const std::vector<TableRow>& sample);
+
+/// True when all rows are of one length, but for an empty end.
+[[nodiscard]] bool are_rows_alike(const std::vector<TableRow>& sample, std::size_t usual);
+
+/// Three neighbouring columns that look like colours: whole numbers of a byte, or fractions of one.
+[[nodiscard]] bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
+
+/// Unit vectors, not all of which point one way: as programs write normals behind coordinates.
+[[nodiscard]] bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
+
+/// Numbers in every row before the first word of any.
+[[nodiscard]] std::size_t leading_numbers(const std::vector<TableRow>& sample, std::size_t usual);
+
+/// True when the values of a column rise by one from row to row.
+[[nodiscard]] bool counts_rows(const std::vector<TableRow>& sample, std::size_t column);
+
+/// True when the first column may be the names of rows in a data frame: rising whole numbers, or words.
+[[nodiscard]] bool may_be_row_names(const std::vector<TableRow>& sample);
+
+/// A number, then coordinates and nothing else, or colours or normals at their distance behind them. A surface whose x
+/// counted its points would have one point on each line of its grid.
+[[nodiscard]] bool look_numbered(const std::vector<TableRow>& sample, std::size_t usual);
+
+/// COLMAP's points3D.txt without its comments: id, x, y, z, r, g, b, error, then pairs of whole numbers, two or more.
+[[nodiscard]] bool look_like_points3d(const std::vector<TableRow>& sample);
+
+/// True when most rows have numbers in the three columns, and no larger share than `damaged` a word.
+[[nodiscard]] bool are_coordinates(const std::vector<TableRow>& sample, const std::array<int, 3>& xyz, double damaged);
+
+}  // namespace sparsha::pipeline
