@@ -83,8 +83,9 @@ class Collector {
     if (before >= std::numeric_limits<std::uint32_t>::max()) return;
     view_.points.emplace_back((point + shift_m_).cast<float>());
     if (rgba != nullptr || !view_.rgba.empty()) {
+      const bool coloured = rgba != nullptr && *rgba != pipeline::kNoColour;
       view_.rgba.resize(before, kUncoloured);
-      view_.rgba.push_back(rgba != nullptr ? *rgba | 0xFF000000U : kUncoloured);
+      view_.rgba.push_back(coloured ? *rgba | 0xFF000000U : kUncoloured);
     }
     if (intensity != nullptr || !view_.intensity.empty()) {
       view_.intensity.resize(before, 0.0F);

@@ -53,7 +53,7 @@ struct Layers {
   std::vector<float> curvature_per_m;            ///< k, root-mean-square principal curvature of level 0's texture
   std::vector<float> mean_curvature_per_m;       ///< H of level 0's texture (law: paper)
   std::vector<float> gaussian_curvature_per_m2;  ///< K of level 0's texture (law: paper)
-  std::vector<std::uint32_t> colour_rgba;        ///< 0xAABBGGRR
+  std::vector<std::uint32_t> colour_rgba;        ///< 0xAABBGGRR; 0 where no point with a colour is near
   std::vector<float> intensity;                  ///< as the scan has it, NaN where unknown
 };
 

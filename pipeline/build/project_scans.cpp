@@ -303,8 +303,8 @@ class Builder {
               const Eigen::Vector3f& p = block.points[k];
               if (!streamed.keep(p)) continue;
               ++kept;
-              thinner.add(p.data(), block.rgba.empty() ? 0U : block.rgba[k],
-                          block.intensity.empty() ? 0.0F : block.intensity[k]);
+              thinner.add(p.data(), block.rgba.empty() ? kNoColour : block.rgba[k],
+                          block.intensity.empty() ? kNoIntensity : block.intensity[k]);
             }
           });
           if (thinner.voxels() <= most) return;

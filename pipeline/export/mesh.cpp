@@ -66,6 +66,9 @@ std::string remark(bool nodes_only) {
                     : "measured and filled nodes in the scan frame, metres";
 }
 
+/// White where the scene knows no colour: the formats have no other way to say so.
+constexpr std::uint32_t shown_colour(std::uint32_t rgba) { return rgba == 0 ? 0xFFFFFFFFU : rgba; }
+
 void put_colour(Output& output, std::uint32_t rgba) {
   for (const unsigned shift : {0U, 8U, 16U}) output.put(static_cast<std::uint8_t>(rgba >> shift));
 }
@@ -91,7 +94,7 @@ void export_ply(const Scene& scene, const std::filesystem::path& file, const std
   output.print("end_header\n");
   for_each_vertex(scene, nodes_only, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
     for (int axis = 0; axis < 3; ++axis) output.put(p[axis]);
-    if (colour) put_colour(output, rgba);
+    if (colour) put_colour(output, shown_colour(rgba));
   });
   if (!nodes_only) {
     for_each_triangle(scene, progress, [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
@@ -110,6 +113,7 @@ void export_obj(const Scene& scene, const std::filesystem::path& file, const std
   for_each_vertex(scene, nodes_only, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
     output.print("v {} {} {}", p.x(), p.y(), p.z());
     if (colour) {
+      rgba = shown_colour(rgba);
       output.print(" {:.4f} {:.4f} {:.4f}", (rgba & 0xFFU) / 255.0, (rgba >> 8U & 0xFFU) / 255.0,
                    (rgba >> 16U & 0xFFU) / 255.0);
     }

@@ -34,8 +34,8 @@ struct ColourSum {
     for (unsigned k = 0; k < 4; ++k) channels[k] += rgba >> (8 * k) & 255;
   }
   [[nodiscard]] std::uint32_t mean(std::uint64_t count) const {
-    std::uint32_t rgba = 0;
-    for (unsigned k = 0; k < 4; ++k) {
+    std::uint32_t rgba = kNoColour;
+    for (unsigned k = 0; count > 0 && k < 4; ++k) {
       rgba |= static_cast<std::uint32_t>((channels[k] + count / 2) / count) << (8 * k);
     }
     return rgba;
@@ -147,14 +147,17 @@ class VoxelThinner::Sums final : public Implementation {
     for (std::size_t i = 0; i < all.size(); ++i, xyz += 4) {
       const auto& voxel = all[order[i].second];
       const double n = static_cast<double>(voxel.count);
+      const Without without = without_of(order[i].second);
       for (std::size_t k = 0; k < 3; ++k) {
         const double place = static_cast<double>(voxel.place[k]) / (n * kUnits);
         const double coordinate = (static_cast<double>(voxel.key[k]) + place) * leaf_m_;
         xyz[k] = static_cast<float>(coordinate - origin_m_[static_cast<Eigen::Index>(k)]);
       }
-      if constexpr (kColour) cloud.rgba[i] = voxel.colour.mean(voxel.count);
-      if constexpr (kIntensity)
-        cloud.intensity[i] = static_cast<float>(intensity(order[i].second, voxel.intensity) / n);
+      if constexpr (kColour) cloud.rgba[i] = voxel.colour.mean(voxel.count - without.colour);
+      if constexpr (kIntensity) {
+        const auto known = static_cast<double>(voxel.count - without.intensity);  // 0 / 0 is kNoIntensity
+        cloud.intensity[i] = static_cast<float>(intensity(order[i].second, voxel.intensity) / known);
+      }
     }
     return cloud;
   }
@@ -168,17 +171,32 @@ class VoxelThinner::Sums final : public Implementation {
     float intensity;
   };
   static constexpr std::uint64_t kAhead = 16;
+  /// Points of a voxel that have none.
+  struct Without {
+    std::uint64_t colour = 0;
+    std::uint64_t intensity = 0;
+  };
 
   void use(const Waiting& point) {
     const std::uint32_t number = table_.number(point.cell, point.hash);
     auto& voxel = table_[number];
     for (std::size_t k = 0; k < 3; ++k) voxel.place[k] += point.place[k];
     ++voxel.count;
-    if constexpr (kColour) voxel.colour.add(point.rgba);
+    if constexpr (kColour) {
+      point.rgba == kNoColour ? void(++without_[number].colour) : voxel.colour.add(point.rgba);
+    }
     if constexpr (kIntensity) {
+      if (std::isnan(point.intensity)) {
+        ++without_[number].intensity;
+        return;
+      }
       const double rest = add_and_keep_rest(voxel.intensity, static_cast<double>(point.intensity));
       if (rest != 0.0 && std::isfinite(rest)) rests_[number].add(rest);
     }
+  }
+  [[nodiscard]] Without without_of(std::uint32_t number) const {
+    const auto found = without_.find(number);
+    return found == without_.end() ? Without() : found->second;
   }
   [[nodiscard]] double intensity(std::uint32_t number, double sum) const {
     if (!std::isfinite(sum)) return std::numeric_limits<double>::quiet_NaN();
@@ -189,7 +207,8 @@ class VoxelThinner::Sums final : public Implementation {
     return exact.value();
   }
 
-  float away_ = -1.0F;  ///< farthest coordinate so far, from the origin
+  std::unordered_map<std::uint32_t, Without> without_;  ///< by voxel; scans that differ are few
+  float away_ = -1.0F;                                  ///< farthest coordinate so far, from the origin
   std::array<Waiting, kAhead> waiting_{};
   std::uint64_t next_ = 0;  ///< points that came since all were used
   KeyTable<Voxel<kColour, kIntensity>, CellHash> table_;
@@ -227,8 +246,8 @@ void thin_to_voxels(Cloud& cloud, double leaf_m, Progress& progress) {
   VoxelThinner thinner(cloud.origin_m, leaf_m, !cloud.rgba.empty(), !cloud.intensity.empty());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if ((i & 0xFFFF) == 0) progress.throw_if_cancelled();
-    thinner.add(cloud.xyz1() + 4 * i, cloud.rgba.empty() ? 0U : cloud.rgba[i],
-                cloud.intensity.empty() ? 0.0F : cloud.intensity[i]);
+    thinner.add(cloud.xyz1() + 4 * i, cloud.rgba.empty() ? kNoColour : cloud.rgba[i],
+                cloud.intensity.empty() ? kNoIntensity : cloud.intensity[i]);
   }
   Cloud thinned = thinner.finish();
   cloud.points = std::move(thinned.points);

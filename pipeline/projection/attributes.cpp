@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace sparsha::pipeline {
 namespace {
@@ -25,8 +26,10 @@ std::array<double, 3> barycentric(const OrientedPoints& points, const std::array
   return w;
 }
 
-std::array<std::int64_t, 4> channels(std::uint32_t rgba) {
-  return {rgba & 255U, (rgba >> 8U) & 255U, (rgba >> 16U) & 255U, rgba >> 24U};
+// Of a colour; nothing for a point that has none.
+std::optional<std::array<std::int64_t, 4>> channels(std::uint32_t rgba) {
+  if (rgba == kNoColour) return std::nullopt;
+  return std::array<std::int64_t, 4>{rgba & 255U, (rgba >> 8U) & 255U, (rgba >> 16U) & 255U, rgba >> 24U};
 }
 
 }  // namespace
@@ -47,9 +50,9 @@ AttributeSums::AttributeSums(const Lattice& nodes, const BinLattice& lattice, bo
       colour_(colour ? nodes.count() : 0),
       intensity_(intensity ? nodes.count() : 0) {}
 
-std::array<std::int64_t, 1> AttributeSums::scaled(float intensity) const {
-  const float value = std::isfinite(intensity) ? intensity : 0.0F;
-  return {std::llround(static_cast<double>(value) * intensity_scale_)};
+std::optional<std::array<std::int64_t, 1>> AttributeSums::scaled(float intensity) const {
+  if (!std::isfinite(intensity)) return std::nullopt;
+  return std::array<std::int64_t, 1>{std::llround(static_cast<double>(intensity) * intensity_scale_)};
 }
 
 template <std::size_t Channels, typename Read>
@@ -57,17 +60,18 @@ void AttributeSums::splat(std::vector<Sum<Channels>>& sums, const OrientedPoints
                           const Read& read) const {
   for (std::size_t k = 0; k < points.count; ++k) {
     if (point_class[k] != PointClass::used) continue;
+    const std::optional<std::array<std::int64_t, Channels>> value = read(k);
+    if (!value) continue;
     const double u = (static_cast<double>(points.x[k]) - lattice_.x0_m) / lattice_.spacing_m;
     const double v = (static_cast<double>(points.y[k]) - lattice_.y0_m) / lattice_.spacing_m;
     const int i = static_cast<int>(std::floor(u));
     const int j = static_cast<int>(std::floor(v));
-    const std::array<std::int64_t, Channels> value = read(k);
     for (int b = std::max(0, j); b <= std::min(nodes_.ny - 1, j + 1); ++b) {
       for (int a = std::max(0, i); a <= std::min(nodes_.nx - 1, i + 1); ++a) {
         const double near = std::max(0.0, 1.0 - std::abs(u - a)) * std::max(0.0, 1.0 - std::abs(v - b));
         const auto weight = static_cast<std::int64_t>(std::lround(near * kWeightOne)) + 1;
         Sum<Channels>& sum = sums[nodes_.index(a, b)];
-        for (std::size_t c = 0; c < Channels; ++c) sum.value[c] += weight * value[c];
+        for (std::size_t c = 0; c < Channels; ++c) sum.value[c] += weight * (*value)[c];
         sum.weight += weight;
       }
     }
@@ -143,11 +147,19 @@ void AttributeSums::write(Projection& projection, const Cloud& cloud, const Orie
       const std::array<std::uint32_t, 3>& f = cloud.faces[mesh.face[node]];
       const std::array<double, 3> w =
           barycentric(points, f, lattice_.x0_m + i * lattice_.spacing_m, lattice_.y0_m + j * lattice_.spacing_m);
+      // Corners that have none leave the others their weight.
+      double known = 0.0;
+      bool all = true;
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const auto part = read(f[corner]);
-        for (std::size_t c = 0; c < value.size(); ++c) value[c] += w[corner] * static_cast<double>(part[c]);
+        all = all && part;
+        if (!part) continue;
+        known += w[corner];
+        for (std::size_t c = 0; c < value.size(); ++c) value[c] += w[corner] * static_cast<double>((*part)[c]);
       }
-      return true;
+      if (all) return true;
+      for (double& v : value) v = known > 0.0 ? v / known : 0.0;
+      return known > 0.0;
     };
   };
   write_all(projection, from_corners([&](std::size_t k) { return channels(cloud.rgba[k]); }),

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pipeline/projection/bins.h"
@@ -23,7 +24,7 @@ class AttributeSums {
   void add(const OrientedPoints& points, const PointClass* point_class, const std::uint32_t* rgba,
            const float* intensity);
 
-  /// Fills projection.colour_rgba and intensity. Nodes without a used point near get transparent black and NaN.
+  /// Fills projection.colour_rgba and intensity. Nodes near which no used point has any get kNoColour and kNoIntensity.
   void write(Projection& projection) const;
   /// The same with a mesh: where a node's height is a triangle's, that one's corners count by barycentric weights.
   void write(Projection& projection, const Cloud& cloud, const OrientedPoints& points,
@@ -45,7 +46,7 @@ class AttributeSums {
   template <typename ColourOnMesh, typename IntensityOnMesh>
   void write_all(Projection& projection, const ColourOnMesh& colour_on_mesh,
                  const IntensityOnMesh& intensity_on_mesh) const;
-  [[nodiscard]] std::array<std::int64_t, 1> scaled(float intensity) const;
+  [[nodiscard]] std::optional<std::array<std::int64_t, 1>> scaled(float intensity) const;
 
   Lattice nodes_;
   BinLattice lattice_;

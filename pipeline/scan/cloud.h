@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ struct Station {
   std::vector<Eigen::Vector3f> normals;  ///< as the file states them, one per seen_m; then place_m says nothing
 };
 
+/// Of a point that has none among points that have: scans differ, and blocks of one file.
+inline constexpr std::uint32_t kNoColour = 0;  // transparent black
+inline constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
+
 /// What a file says of its points beside their places, e.g. "confidence"; as the file has it.
 struct PointField {
   static constexpr const char* kClass = "classification";
@@ -45,8 +50,8 @@ struct PointField {
 struct Cloud {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   std::shared_ptr<pcl::PointCloud<pcl::PointXYZ>> points;
-  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one per point
-  std::vector<float> intensity;                     ///< empty or one per point
+  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR or kNoColour; empty or one per point
+  std::vector<float> intensity;                     ///< kNoIntensity where unknown; empty or one per point
   std::vector<Eigen::Vector3f> normals;             ///< as PCL's users give them; empty or one per point
   std::vector<Eigen::Vector3f> measured;            ///< empty, or where each point was before a filter moved it
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points

@@ -44,9 +44,9 @@ struct ReadOptions {
 struct RawScan {
   std::string format;                               ///< "PLY binary little-endian", "LAS 1.2 pf3", ...
   std::vector<Eigen::Vector3d> points;              ///< finite ones only
-  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR, empty or one per point
-  std::vector<float> intensity;                     ///< empty or one per point
-  std::vector<Eigen::Vector3f> normals;             ///< as stated, of any length; empty or one per point
+  std::vector<std::uint32_t> rgba;                  ///< 0xAABBGGRR or kNoColour; empty or one per point
+  std::vector<float> intensity;                     ///< kNoIntensity where unknown; empty or one per point
+  std::vector<Eigen::Vector3f> normals;             ///< as stated, of any length, zero: none; empty or one per point
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles of valid points, indices into `points`
   std::uint64_t records = 0;                        ///< point records (STL: distinct vertices), invalid ones included
   std::uint64_t invalid = 0;                        ///< records not finite or flagged invalid

@@ -18,7 +18,6 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::uint32_t kWhite = 0xFFFFFFFFU;
 constexpr std::size_t kMostStations = 256;  // of a file
 constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 
@@ -339,8 +338,8 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
                 out[2] = q.z();
                 out += 4;
                 ++count;
-                if (colour_) cloud.rgba.push_back(block.rgba.empty() ? kWhite : block.rgba[i]);
-                if (intensity_) cloud.intensity.push_back(block.intensity.empty() ? 0.0F : block.intensity[i]);
+                if (colour_) cloud.rgba.push_back(block.rgba.empty() ? kNoColour : block.rgba[i]);
+                if (intensity_) cloud.intensity.push_back(block.intensity.empty() ? kNoIntensity : block.intensity[i]);
               },
               [&](std::size_t) {
                 if (faces) moved.push_back(kGone);
@@ -376,8 +375,8 @@ std::uint64_t ScanSet::stream(const std::function<void(const CloudBlock&)>& use,
               scan->placement, origin_m_, block.points,
               [&](std::size_t i, const Eigen::Vector3f& q) {
                 points.push_back(q);
-                if (colour_) rgba.push_back(block.rgba.empty() ? kWhite : block.rgba[i]);
-                if (intensity_) intensity.push_back(block.intensity.empty() ? 0.0F : block.intensity[i]);
+                if (colour_) rgba.push_back(block.rgba.empty() ? kNoColour : block.rgba[i]);
+                if (intensity_) intensity.push_back(block.intensity.empty() ? kNoIntensity : block.intensity[i]);
               },
               [&](std::size_t) { ++beyond; });
           use({points, rgba, intensity});

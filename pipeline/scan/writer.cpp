@@ -10,15 +10,23 @@ namespace {
 
 constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 
+/// Adds a block's values to those of the `points` before it; blocks without get `none`, unless none has any.
+template <typename T>
+void append(std::vector<T>& values, std::span<const T> block, std::size_t points, T none) {
+  if (block.empty() && values.empty()) return;
+  values.resize(points, none);
+  values.insert(values.end(), block.begin(), block.end());
+}
+
 }  // namespace
 
 ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink)
-    : scan_(scan), sink_(sink), points_(kBlock), rgba_(kBlock, kWhite), intensity_(kBlock) {}
+    : scan_(scan), sink_(sink), points_(kBlock), rgba_(kBlock, kWhite), intensity_(kBlock), normals_(kBlock) {}
 
 void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity, bool normals) {
   colour_ = colour;
   has_intensity_ = intensity;
-  if (normals) normals_.resize(kBlock);
+  has_normals_ = normals;
   if (sink_) return;
   const auto count = static_cast<std::size_t>(records);
   scan_.points.reserve(count);
@@ -45,6 +53,14 @@ void ScanWriter::set_station(const std::optional<Eigen::Vector3d>& place) {
   if (!sink_) scan_.stations.push_back({scan_.points.size(), station_});
 }
 
+void ScanWriter::set_attributes(bool colour, bool intensity, bool normals) {
+  if (colour == colour_ && intensity == has_intensity_ && normals == has_normals_) return;
+  flush();
+  colour_ = colour;
+  has_intensity_ = intensity;
+  has_normals_ = normals;
+}
+
 void ScanWriter::add_invalid() {
   dropped_.push_back(valid_ + filled_ + dropped_.size());
   ++scan_.invalid;
@@ -65,14 +81,14 @@ void ScanWriter::flush() {
   const std::span points(points_.data(), filled_);
   const std::span rgba(rgba_.data(), colour_ ? filled_ : 0);
   const std::span intensity(intensity_.data(), has_intensity_ ? filled_ : 0);
-  const std::span normals(normals_.data(), normals_.empty() ? 0 : filled_);
+  const std::span normals(normals_.data(), has_normals_ ? filled_ : 0);
   if (sink_) {
     sink_({points, rgba, intensity, station_, normals});
   } else {
+    append<std::uint32_t>(scan_.rgba, rgba, scan_.points.size(), kNoColour);
+    append<float>(scan_.intensity, intensity, scan_.points.size(), kNoIntensity);
+    append<Eigen::Vector3f>(scan_.normals, normals, scan_.points.size(), Eigen::Vector3f::Zero());
     scan_.points.insert(scan_.points.end(), points.begin(), points.end());
-    scan_.rgba.insert(scan_.rgba.end(), rgba.begin(), rgba.end());
-    scan_.intensity.insert(scan_.intensity.end(), intensity.begin(), intensity.end());
-    scan_.normals.insert(scan_.normals.end(), normals.begin(), normals.end());
   }
   valid_ += filled_;
   filled_ = 0;
@@ -80,6 +96,10 @@ void ScanWriter::flush() {
 
 void ScanWriter::finish() {
   flush();
+  // The last blocks may have had none.
+  if (!scan_.rgba.empty()) scan_.rgba.resize(scan_.points.size(), kNoColour);
+  if (!scan_.intensity.empty()) scan_.intensity.resize(scan_.points.size(), kNoIntensity);
+  if (!scan_.normals.empty()) scan_.normals.resize(scan_.points.size(), Eigen::Vector3f::Zero());
   scan_.records = valid_ + dropped_.size();
   renumber_faces();
   triangulate_polygons();

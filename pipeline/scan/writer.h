@@ -25,12 +25,19 @@ class ScanWriter {
   /// Everything about the scan but its points; the reader fills it in.
   [[nodiscard]] RawScan& scan() { return scan_; }
 
-  /// To be called once before the first record, with a number already checked against the file's size.
+  /// To be called once before the first record, with a number already checked against the file's size, and with what
+  /// the records have.
   void begin(std::uint64_t records, bool colour, bool intensity, bool normals = false);
   [[nodiscard]] bool has_colour() const { return colour_; }
   /// What the records from now on have: blocks of one file may differ. The points of the others are white, without
   /// intensity and without a normal.
   void set_attributes(bool colour, bool intensity, bool normals = false);
+
+  /// What the records from now on have: blocks of one file may differ. The points of the others get kNoColour,
+  /// kNoIntensity and a normal of zero.
+  void set_attributes(bool colour, bool intensity, bool normals = false);
+  /// Records so far, valid or not.
+  [[nodiscard]] std::uint64_t records() const { return valid_ + filled_ + dropped_.size(); }
 
   /// Records from now on were seen from here, file units.
   void set_station(const std::optional<Eigen::Vector3d>& place);
@@ -77,12 +84,13 @@ class ScanWriter {
   std::vector<Eigen::Vector3d> points_;
   std::vector<std::uint32_t> rgba_;
   std::vector<float> intensity_;
-  std::vector<Eigen::Vector3f> normals_;  // a block, or nothing
+  std::vector<Eigen::Vector3f> normals_;
   std::size_t filled_ = 0;
   std::optional<Eigen::Vector3d> station_;
   std::uint64_t valid_ = 0;  ///< already handed over
   bool colour_ = false;
   bool has_intensity_ = false;
+  bool has_normals_ = false;
   std::vector<std::uint64_t> dropped_;   ///< numbers of invalid records, ascending
   std::vector<std::uint32_t> polygons_;  ///< corner count, then corners, of faces with more than three
 };

@@ -87,8 +87,7 @@ class Reader {
       scan.warnings.push_back(std::to_string(swapped_) + " numbers like '3.1+e2' were read as '3.1e+2'");
     }
     if (uncoloured_ > 0) {
-      scan.warnings.push_back("only some vertices have colours; " + std::to_string(uncoloured_) +
-                              " are taken as white");
+      scan.warnings.push_back("only some vertices have colours; " + std::to_string(uncoloured_) + " have none");
     }
   }
 
@@ -141,7 +140,7 @@ class Reader {
 
   void vertex(std::string_view statement, int line) {
     const int count = parse_values(statement, line);
-    std::uint32_t rgba = kWhite;
+    std::uint32_t rgba = kNoColour;
     if (count >= 6) {
       rgba = pack_rgba(colour_byte(values_[3], scale_), colour_byte(values_[4], scale_),
                        colour_byte(values_[5], scale_), count == 7 ? colour_byte(values_[6], scale_) : 255);

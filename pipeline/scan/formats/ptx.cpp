@@ -1,7 +1,10 @@
 #include "pipeline/scan/formats/ptx.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <Eigen/LU>
 
@@ -58,7 +61,7 @@ class Reader {
     std::size_t scans = 0;
     while (next_row(lines_, row, line)) {
       read_header(row);
-      if (scans == 0) begin(lines_);
+      if (scans == 0) begin();
       out_.set_station(shift_);  // the scanner is its own origin
       read_points();
       ++scans;
@@ -84,7 +87,7 @@ class Reader {
       throw file_.error_at(lines_.number(), "bad size of a scan's grid", "whole numbers of columns and rows");
     }
     points_ = static_cast<std::uint64_t>(header[0].values[0]) * static_cast<std::uint64_t>(header[1].values[0]);
-    constexpr std::uint64_t kShortest = 8;  // "0 0 0 0" and its end
+    constexpr std::uint64_t kShortest = 6;  // "0 0 0" and its end
     const std::uint64_t left = file_.bytes.size() - lines_.offset();
     if (points_ > (left + 1) / kShortest) {
       throw file_.error_at(
@@ -122,52 +125,63 @@ class Reader {
                                    " its scan; applied as it stands");
   }
 
-  /// Columns of all scans are those of the first point: x y z intensity, perhaps red green blue.
-  void begin(LineReader ahead) {
-    std::string_view line;
-    Row row;
-    const bool any = points_ > 0 && next_row(ahead, row, line) && row.good;
-    columns_ = any ? row.count : 4;
-    if (columns_ != 3 && columns_ != 4 && columns_ != 6 && columns_ != 7) {
-      throw file_.error_at(ahead.number(), "a PTX point of " + std::to_string(columns_) + " values",
-                           "x y z intensity, or x y z intensity red green blue");
-    }
+  void begin() {
     RawScan& scan = out_.scan();
     scan.format = "PTX text";
     scan.fields = {"x", "y", "z"};
-    const bool intensity = columns_ == 4 || columns_ == 7;
-    if (intensity) scan.fields.push_back("intensity");
-    if (columns_ >= 6) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
-    out_.begin(0, columns_ >= 6, intensity);
+    out_.begin(0, false, false);
   }
+
+  void add_field(const char* name) {
+    std::vector<std::string>& fields = out_.scan().fields;
+    if (std::find(fields.begin(), fields.end(), name) == fields.end()) fields.emplace_back(name);
+  }
+
+  /// What a point has is told by the number of its values, since stations of one file differ: x y z, perhaps an
+  /// intensity, perhaps red green blue. Within a station what one point has all have from then on, be it none.
+  void use_columns(std::size_t columns) {
+    if (columns == columns_) return;
+    columns_ = columns;
+    intensity_ = intensity_ || has_intensity();
+    colour_ = colour_ || has_colour();
+    if (intensity_) add_field("intensity");
+    for (const char* name : {"red", "green", "blue"})
+      if (colour_) add_field(name);
+    out_.set_attributes(colour_, intensity_);
+  }
+  [[nodiscard]] bool has_intensity() const { return columns_ == 4 || columns_ >= 7; }
+  [[nodiscard]] bool has_colour() const { return columns_ >= 6; }
 
   void read_points() {
     std::string_view line;
     Row row;
-    const std::size_t colour = columns_ == 7 ? 4 : 3;
+    columns_ = 0;
+    colour_ = intensity_ = false;
     for (std::uint64_t i = 0; i < points_; ++i) {
       if (!next_row(lines_, row, line)) {
         throw file_.error_at(lines_.number(),
                              "the file ends after " + std::to_string(i) + " of " + std::to_string(points_) + " points",
                              "a line for each point");
       }
-      if (!row.good || row.count < columns_) {
+      if (!row.good || row.count < 3 || row.count == 5) {
         throw file_.error_at(lines_.number(), in_quotes(line) + " is no PTX point",
-                             std::to_string(columns_) + " numbers");
+                             "x y z intensity, or x y z intensity red green blue");
       }
       const Eigen::Vector3d p(row.values[0], row.values[1], row.values[2]);
       if (p.isZero(0.0)) {  // the grid's cell got no answer
         out_.add_invalid();
         continue;
       }
+      use_columns(row.count);
       const Eigen::Vector3d q = turn_ * p + shift_;
-      std::uint32_t rgba = kWhite;
-      if (columns_ >= 6) {
-        rgba = pack_rgba(colour_byte(row.values[colour], ColourScale::byte),
-                         colour_byte(row.values[colour + 1], ColourScale::byte),
-                         colour_byte(row.values[colour + 2], ColourScale::byte));
+      std::uint32_t rgba = kNoColour;
+      if (has_colour()) {
+        const std::size_t red = columns_ == 6 ? 3 : 4;
+        rgba = pack_rgba(colour_byte(row.values[red], ColourScale::byte),
+                         colour_byte(row.values[red + 1], ColourScale::byte),
+                         colour_byte(row.values[red + 2], ColourScale::byte));
       }
-      out_.add(q.x(), q.y(), q.z(), rgba, static_cast<float>(columns_ == 4 || columns_ == 7 ? row.values[3] : 0.0));
+      out_.add(q.x(), q.y(), q.z(), rgba, has_intensity() ? static_cast<float>(row.values[3]) : kNoIntensity);
       if ((i & 0xFFFF) == 0xFFFF) file_.done_before(lines_.offset() - 1);
     }
   }
@@ -176,7 +190,8 @@ class Reader {
   ScanWriter& out_;
   LineReader lines_;
   std::uint64_t points_ = 0;
-  std::size_t columns_ = 4;
+  std::size_t columns_ = 0;  ///< of the station's last point
+  bool colour_ = false, intensity_ = false;
   Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d shift_ = Eigen::Vector3d::Zero();
 };

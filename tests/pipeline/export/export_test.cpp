@@ -162,6 +162,22 @@ TEST_F(Export, UnknownNodesAreNaNInTiffAndZeroInPngAndAbsentFromMeshes) {
   EXPECT_TRUE(nodes.faces.empty());
 }
 
+TEST_F(Export, NodesWithoutAColourAreWhiteAmongColouredOnes) {
+  Layers layers = impulse(50, 10, Eigen::Vector3d::Zero());
+  layers.colour_rgba.assign(layers.grid.lattice.count(), 0xFF0000FFU);
+  layers.colour_rgba[123] = 0U;
+  save(*scene_of(std::move(layers)), out("a.obj"));
+  std::ifstream file(out("a.obj"));
+  std::size_t red = 0;
+  std::size_t white = 0;
+  for (std::string line; std::getline(file, line);) {
+    red += line.ends_with(" 1.0000 0.0000 0.0000") ? 1 : 0;
+    white += line.ends_with(" 1.0000 1.0000 1.0000") ? 1 : 0;
+  }
+  EXPECT_EQ(red, 499U);
+  EXPECT_EQ(white, 1U);
+}
+
 /// Sum of the faces' vector areas.
 Eigen::Vector3d vector_area(const Mesh& mesh) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -257,6 +257,19 @@ TEST(VoxelFilter, DoesNotDependOnTheOrderOfPointsAndAveragesAttributes) {
   EXPECT_EQ(two.intensity, std::vector<float>{0.5F});
 }
 
+TEST(VoxelFilter, PointsWithoutColourOrIntensityLeaveTheMeansToTheOthers) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}, {0.3F, 0.3F, 0.3F}, {1.5F, 0.5F, 0.5F}}, true);
+  cloud.rgba = {0xFF0000FEU, kNoColour, 0xFF000000U, kNoColour};
+  cloud.intensity = {kNoIntensity, 3.0F, kNoIntensity, kNoIntensity};
+  apply_filters(cloud, {VoxelConfig{1.0}}, {pool, progress});
+  EXPECT_EQ(cloud.rgba, (std::vector<std::uint32_t>{0xFF00007FU, kNoColour}));
+  ASSERT_EQ(cloud.intensity.size(), 2U);
+  EXPECT_EQ(cloud.intensity[0], 3.0F);
+  EXPECT_TRUE(std::isnan(cloud.intensity[1]));
+}
+
 TEST(VoxelFilter, GivesTheSameBytesInAnyOrderWhateverTheIntensities) {
   ThreadPool pool(1);
   Progress progress;

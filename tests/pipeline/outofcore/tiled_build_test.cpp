@@ -239,6 +239,55 @@ TEST_F(OutOfCore, PlyInTextIsTheSame) {
   expect_same_out_of_core(config, 15'000);
 }
 
+/// One station of the sheet as a PTX file has it, with x beyond `from` and up to `to`.
+std::string ptx_station(double from, double to, bool colour) {
+  std::string rows;
+  std::size_t count = 0;
+  for (const auto& p : whole_steps(1e-5)) {
+    const double x = p[0] * 1e-5;
+    if (x < from || x >= to) continue;
+    rows += fmt::format("{:.5f} {:.5f} {:.5f} 0.5{}\n", x, p[1] * 1e-5, p[2] * 1e-5, colour ? " 200 100 50" : "");
+    ++count;
+  }
+  return fmt::format("{}\n1\n0 0 1\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", count) + rows;
+}
+
+TEST_F(OutOfCore, GreyAndColouredStationsAreTheSameAndGreyIsNoColour) {
+  double low = 1e9;
+  double high = -1e9;
+  for (const auto& p : whole_steps(1e-5)) {
+    low = std::min(low, p[0] * 1e-5);
+    high = std::max(high, p[0] * 1e-5);
+  }
+  const double middle = 0.5 * (low + high);
+  write_file(folder_ / "scan.ptx", ptx_station(low, middle, false) + ptx_station(middle, high, true));
+  Config config = config_of(folder_ / "scan.ptx");
+  config.grid.colour = true;
+  config.grid.intensity = true;
+  expect_same_out_of_core(config, 15'000);
+  const Layers level = open_scene(folder_ / "disk")->read_level(0);
+  const Lattice& lattice = level.grid.lattice;
+  std::size_t grey = 0;
+  std::size_t coloured = 0;
+  std::size_t none = 0;  // nodes that no used point is near
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) {
+      const std::size_t n = lattice.index(i, j);
+      if (level.grid.state[n] != NodeState::measured) continue;
+      const double x = lattice.x_m(i);
+      if (x < middle - lattice.spacing_m) {
+        EXPECT_EQ(level.colour_rgba[n], kNoColour);
+        ++grey;
+      } else if (x > middle + lattice.spacing_m) {
+        EXPECT_TRUE(level.colour_rgba[n] == 0xFF3264C8U || level.colour_rgba[n] == kNoColour) << "mixed";
+        coloured += level.colour_rgba[n] == kNoColour ? 0 : 1;
+        none += level.colour_rgba[n] == kNoColour ? 1 : 0;
+      }
+    }
+  EXPECT_GT(std::min(grey, coloured), 100U);
+  EXPECT_LT(none, coloured / 20);
+}
+
 TEST_F(OutOfCore, LasIsTheSame) {
   // LAS 1.2, point format 0, steps of 10 um.
   const auto points = whole_steps(1e-5);

@@ -139,6 +139,19 @@ TEST(MeshProjection, ColourIsInterpolatedOverATriangle) {
   EXPECT_EQ(p.colour_rgba[p.grid.lattice.index(4, 4)], 0U);
 }
 
+TEST(MeshProjection, CornersWithoutAColourLeaveItToTheOthers) {
+  pipeline::Cloud cloud = make_cloud({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {1.0, 1.0, 0.0}});
+  cloud.faces = {{0, 1, 2}, {1, 3, 2}};
+  cloud.rgba = {0xff0000c8U, pipeline::kNoColour, 0xff00c800U, pipeline::kNoColour};
+  cloud.intensity = {pipeline::kNoIntensity, 2.0F, pipeline::kNoIntensity, pipeline::kNoIntensity};
+  pipeline::GridConfig config = unit_square(0.25);
+  config.colour = config.intensity = true;
+  const pipeline::Projection p = project_cloud(cloud, config);
+  EXPECT_EQ(p.colour_rgba[p.grid.lattice.index(1, 1)], 0xff004385U) << "red at 1/2, green at 1/4, the rest unknown";
+  EXPECT_EQ(p.colour_rgba[p.grid.lattice.index(4, 4)], pipeline::kNoColour);
+  EXPECT_EQ(p.intensity[p.grid.lattice.index(1, 1)], 2.0F);
+}
+
 // A flat mesh of n x n quads, `size_m` wide.
 pipeline::Cloud flat_mesh(int n, double size_m) {
   pipeline::Cloud cloud = lattice_mesh(n, [](double, double) { return 0.0; });

@@ -143,7 +143,7 @@ TEST(LoadScans, JoinColoursFacesAndCountsOfAllFiles) {
   const Cloud cloud = load_scans({config_of(a), config_of(b)}, progress, &sources);
   EXPECT_EQ(cloud.size(), 6U);
   EXPECT_EQ(cloud.invalid, 1U);
-  EXPECT_THAT(cloud.rgba, ElementsAre(0xFF0000FFU, 0xFF0000FFU, 0xFF0000FFU, 0xFFFFFFFFU, 0xFFFFFFFFU, 0xFFFFFFFFU));
+  EXPECT_THAT(cloud.rgba, ElementsAre(0xFF0000FFU, 0xFF0000FFU, 0xFF0000FFU, kNoColour, kNoColour, kNoColour));
   using Face = std::array<std::uint32_t, 3>;
   EXPECT_THAT(cloud.faces, ElementsAre(Face{0, 1, 2}, Face{3, 4, 5}));
   ASSERT_EQ(sources.size(), 2U);

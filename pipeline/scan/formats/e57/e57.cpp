@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Geometry>
 #include <pugixml.hpp>
@@ -26,6 +27,7 @@ struct Roles {
 };
 
 struct Scan {
+  std::string name;
   std::uint64_t section = 0;
   std::uint64_t records = 0;
   std::vector<Field> fields;
@@ -46,6 +48,15 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
+/// A name for messages: what control characters would do to a terminal is nobody's business.
+std::string printable(std::string_view text) {
+  constexpr std::size_t kLongest = 64;
+  std::string result(text.substr(0, kLongest));
+  std::replace_if(
+      result.begin(), result.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, '?');
+  return text.size() > kLongest ? result + "..." : result;
+}
+
 class Reader {
  public:
   Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), pages_(file) {}
@@ -56,32 +67,67 @@ class Reader {
     const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
     if (!parsed) throw file_.error(std::string("the XML section is damaged: ") + parsed.description(), "XML");
     std::vector<Scan> scans;
+    std::size_t count = 0;
     for (const pugi::xml_node& node : document.child("e57Root").child("data3D").children("vectorChild")) {
-      scans.push_back(parse_scan(node));
+      attempt(name_of(node, ++count), [&] {
+        scans.push_back(parse_scan(node));
+        scans.back().name = name_of(node, count);
+      });
     }
-    if (scans.empty()) throw file_.error("the file has no 3D data", "at least one scan");
+    if (count == 0) throw file_.error("the file has no 3D data", "at least one scan");
     RawScan& scan = out_.scan();
     scan.format = "E57";
     scan.unit = LengthUnit::m;
-    scan.scans = scans.size();
-    bool colour = false;
-    bool intensity = false;
-    bool normals = false;
+    scan.scans = count;
     std::uint64_t records = 0;
     for (const Scan& s : scans) {
-      colour = colour || s.roles.red >= 0;
-      intensity = intensity || s.roles.intensity >= 0;
-      normals = normals || s.roles.nx >= 0;
       records += std::min<std::uint64_t>(s.records, file_.bytes.size() * 8);
+      for (const Field& field : s.fields) {
+        if (std::find(scan.fields.begin(), scan.fields.end(), field.name) == scan.fields.end()) {
+          scan.fields.push_back(field.name);
+        }
+      }
     }
-    for (const Field& field : scans.front().fields) scan.fields.push_back(field.name);
     // A record may be as short as a few bits, so only what the bytes surely hold is reserved.
-    out_.begin(std::min<std::uint64_t>(records, file_.bytes.size() / 4), colour, intensity, normals);
-    normals_ = normals;
-    for (const Scan& s : scans) read_scan_points(s);
+    out_.begin(std::min<std::uint64_t>(records, file_.bytes.size() / 4), false, false);
+    for (const Scan& s : scans) {
+      const std::uint64_t before = out_.records();
+      attempt(
+          s.name, [&] { read_scan_points(s); },
+          [&] { return "only " + std::to_string(out_.records() - before) + " of its points are read: "; });
+    }
+    if (unreadable_ == count) throw *first_error_;
   }
 
  private:
+  /// Runs `read` for one of the file's scans. What cannot be read is a warning, since the others can: `lead` says in it
+  /// what is lost.
+  template <typename Read, typename Lead>
+  void attempt(const std::string& name, const Read& read, const Lead& lead) {
+    try {
+      read();
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      if (!first_error_) first_error_ = error;
+      ++unreadable_;
+      out_.scan().warnings.push_back(name + ": " + lead() + error.wrong());
+    }
+  }
+  template <typename Read>
+  void attempt(const std::string& name, const Read& read) {
+    attempt(name, read, [] { return "it cannot be read and is left out: "; });
+  }
+
+  /// As people know a scan of the file: its number, its name and its GUID.
+  static std::string name_of(const pugi::xml_node& node, std::size_t number) {
+    std::string text = "scan " + std::to_string(number) + " of the file";
+    for (const char* key : {"name", "guid"}) {
+      const std::string_view value = trimmed(node.child_value(key));
+      if (!value.empty()) text += ", " + printable(value);
+    }
+    return text;
+  }
+
   /// The finite number that `text` is; `otherwise` when there is none.
   double number_in(std::string_view text, const char* name, double otherwise) const {
     text = trimmed(text);
@@ -226,6 +272,7 @@ class Reader {
     out_.set_station(scan.posed || roles.spherical ? std::optional(scan.shift) : std::nullopt);
     std::vector<double> values(scan.wanted.size());
     const auto value = [&](int role) { return values[static_cast<std::size_t>(role)]; };
+    out_.set_attributes(roles.red >= 0, roles.intensity >= 0, roles.nx >= 0);
     const double colour_factor = 255.0 / (scan.colour_high - scan.colour_low);
     const auto channel = [&](int role) {
       return colour_byte((value(role) - scan.colour_low) * colour_factor, ColourScale::byte);
@@ -244,20 +291,20 @@ class Reader {
           }
           if (posed) p = scan.turn * p + scan.shift;
           const std::uint32_t rgba =
-              roles.red >= 0 ? pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue)) : kWhite;
+              roles.red >= 0 ? pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue)) : kNoColour;
           if (roles.nx >= 0) {
             const Eigen::Vector3d n = scan.turn * Eigen::Vector3d(value(roles.nx), value(roles.ny), value(roles.nz));
             out_.set_normal(n.x(), n.y(), n.z());
-          } else if (normals_) {
-            out_.set_normal(0.0, 0.0, 0.0);  // of another scan of the file
           }
-          out_.add(p.x(), p.y(), p.z(), rgba, roles.intensity >= 0 ? static_cast<float>(value(roles.intensity)) : 0.0F);
+          out_.add(p.x(), p.y(), p.z(), rgba,
+                   roles.intensity >= 0 ? static_cast<float>(value(roles.intensity)) : kNoIntensity);
         });
   }
 
   const ScanFile& file_;
   ScanWriter& out_;
-  bool normals_ = false;  // any of the scans has some
+  std::size_t unreadable_ = 0;
+  std::optional<Error> first_error_;
   Pages pages_;
 };
 

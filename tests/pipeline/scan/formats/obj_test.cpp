@@ -41,7 +41,7 @@ TEST(ObjReader, ReadsColoursOfFractionsAndBytes) {
   EXPECT_THAT(folder.read("b.obj", "v 0 0 0 255 128 0\nv 1 1 1 0 0 1\n").rgba, ElementsAre(0xFF0080FFU, 0xFF010000U));
   EXPECT_THAT(folder.read("a.obj", "v 0 0 0 1 0.5 0 0\n").rgba, ElementsAre(0x000080FFU));
   const RawScan mixed = folder.read("m.obj", "v 0 0 0 1 0.5 0\nv 1 1 1\n");
-  EXPECT_THAT(mixed.rgba, ElementsAre(0xFF0080FFU, 0xFFFFFFFFU));
+  EXPECT_THAT(mixed.rgba, ElementsAre(0xFF0080FFU, kNoColour));
   EXPECT_EQ(mixed.warnings.size(), 1U);
 }
 

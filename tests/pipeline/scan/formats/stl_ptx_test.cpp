@@ -96,9 +96,29 @@ TEST(PtxReader, ReadsColours) {
               ElementsAre(0xFF030201U));
 }
 
+const std::string kNotTurned = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+
+TEST(PtxReader, GreyAndColouredStationsInAnyOrderKeepWhatTheyHave) {
+  const ScanFolder folder;
+  const std::string head = kUnit + kNotTurned;
+  const std::string grey = "2\n1\n" + head + "1 2 3 0.5\n4 5 6 0.25\n";
+  const std::string coloured = "1\n3\n" + head + "7 8 9 0.75 1 2 3\n0 0 0 0.5\n1 1 1 0.5\n";
+  const std::string empty = "0\n0\n" + head;
+  const std::string blind = "1\n1\n" + head + "0 0 0 0.5 0 0 0\n";
+  const RawScan scan = folder.read("a.ptx", empty + coloured + grey + blind + "1\n1\n" + head + "3 3 3\n");
+  EXPECT_EQ(scan.scans, 5U);
+  EXPECT_EQ(scan.invalid, 2U);
+  EXPECT_THAT(scan.rgba, ElementsAre(0xFF030201U, kNoColour, kNoColour, kNoColour, kNoColour));
+  EXPECT_THAT(scan.intensity, ElementsAre(0.75F, 0.5F, 0.5F, 0.25F, ::testing::IsNan()));
+  EXPECT_THAT(scan.fields, ElementsAre("x", "y", "z", "intensity", "red", "green", "blue"));
+  const RawScan other = folder.read("b.ptx", grey + coloured);
+  EXPECT_THAT(other.rgba, ElementsAre(kNoColour, kNoColour, 0xFF030201U, kNoColour));
+  EXPECT_THAT(folder.read("c.ptx", grey).rgba, ::testing::IsEmpty());
+}
+
 TEST(PtxReader, RefusesLies) {
   const ScanFolder folder;
-  const std::string matrix = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  const std::string& matrix = kNotTurned;
   const auto refuse = [](const std::string& text, const char* message) { expect_refused("lie.ptx", text, message); };
   refuse("100000\n100000\n" + kUnit + matrix + "1 2 3 0.5\n", "10000000000 points cannot be");
   refuse("2\n1\n" + kUnit + matrix + "1.000 2.000 3.000 0.5\n", "ends after 1 of 2");

@@ -48,19 +48,22 @@ struct E57File {
   std::string prototype;
   std::string before_points;  ///< XML beside the points: pose, limits
   std::vector<std::string> streams;
+  std::string codecs;  ///< XML
   std::uint64_t records = 0;
   std::size_t per_packet = 1000;  ///< bytes of each stream in a packet
 
-  [[nodiscard]] std::string bytes() const {
-    std::string logical(48, '\0');
+  [[nodiscard]] std::string bytes() const { return bytes_of({*this}); }
+
+  /// The compressed vector that begins at byte `at` of the pages' contents.
+  [[nodiscard]] std::string section(std::size_t at) const {
     std::string packets;
     std::size_t longest = 0;
     for (const std::string& s : streams) longest = std::max(longest, s.size());
-    for (std::size_t at = 0; at < longest; at += per_packet) {
+    for (std::size_t from = 0; from < longest; from += per_packet) {
       std::string body;
       std::string lengths;
       for (const std::string& s : streams) {
-        const std::string piece = at < s.size() ? s.substr(at, per_packet) : "";
+        const std::string piece = from < s.size() ? s.substr(from, per_packet) : "";
         put(lengths, static_cast<std::uint16_t>(piece.size()));
         body += piece;
       }
@@ -72,17 +75,27 @@ struct E57File {
       put(packet, static_cast<std::uint16_t>(streams.size()));
       packets += packet + lengths + body + std::string(padding, '\0');
     }
-    put(logical, std::uint64_t{1});  // section of a compressed vector
-    put(logical, static_cast<std::uint64_t>(32 + packets.size()));
-    put(logical, std::uint64_t{80});  // the packets follow at once
-    put(logical, std::uint64_t{0});
-    logical += packets;
-    const std::string xml =
-        "<?xml version=\"1.0\"?><e57Root type=\"Structure\"><data3D type=\"Vector\"><vectorChild "
-        "type=\"Structure\">" +
-        before_points + "<points type=\"CompressedVector\" fileOffset=\"48\" recordCount=\"" + std::to_string(records) +
-        "\"><prototype type=\"Structure\">" + prototype +
-        "</prototype><codecs type=\"Vector\"/></points></vectorChild></data3D></e57Root>";
+    std::string section;
+    put(section, std::uint64_t{1});  // section of a compressed vector
+    put(section, static_cast<std::uint64_t>(32 + packets.size()));
+    put(section, physical(at + 32));  // the packets follow at once
+    put(section, std::uint64_t{0});
+    return section + packets;
+  }
+  static std::uint64_t physical(std::size_t logical) { return logical / 1020 * 1024 + logical % 1020; }
+
+  /// A file of several scans.
+  static std::string bytes_of(const std::vector<E57File>& scans) {
+    std::string logical(48, '\0');
+    std::string xml = "<?xml version=\"1.0\"?><e57Root type=\"Structure\"><data3D type=\"Vector\">";
+    for (const E57File& scan : scans) {
+      xml += "<vectorChild type=\"Structure\">" + scan.before_points +
+             "<points type=\"CompressedVector\" fileOffset=\"" + std::to_string(physical(logical.size())) +
+             "\" recordCount=\"" + std::to_string(scan.records) + "\"><prototype type=\"Structure\">" + scan.prototype +
+             "</prototype><codecs type=\"Vector\">" + scan.codecs + "</codecs></points></vectorChild>";
+      logical += scan.section(logical.size());
+    }
+    xml += "</data3D></e57Root>";
     const std::size_t xml_at = logical.size();
     logical += xml;
     logical.resize((logical.size() + 1019) / 1020 * 1020, ' ');
@@ -90,7 +103,7 @@ struct E57File {
     put(head, std::uint32_t{1});
     put(head, std::uint32_t{0});
     put(head, static_cast<std::uint64_t>(logical.size() / 1020 * 1024));
-    put(head, static_cast<std::uint64_t>(xml_at / 1020 * 1024 + xml_at % 1020));
+    put(head, physical(xml_at));
     put(head, static_cast<std::uint64_t>(xml.size()));
     put(head, std::uint64_t{1024});
     logical.replace(0, 48, head);
@@ -309,6 +322,62 @@ TEST(E57Reader, RefusesNumbersOfItsXmlThatAreNoneInsteadOfTakingDefaults) {
   refuse(with("minimum=\"zero\"", "0"), "'zero' as 'minimum'");
   refuse(with("minimum=\"0\"", "1,5"), "'1,5' as 'x'");
   refuse(with("minimum=\"0\"", "nan"), "'nan' as 'x'");
+}
+
+constexpr const char* kCartesian =
+    "<cartesianX type=\"Float\"/><cartesianY type=\"Float\"/><cartesianZ type=\"Float\"/>";
+
+E57File station(const std::string& name, const std::vector<double>& x) {
+  E57File scan;
+  scan.before_points = "<guid type=\"String\">{" + name + "}</guid><name type=\"String\">Station " + name + "</name>";
+  scan.prototype = kCartesian;
+  scan.records = x.size();
+  scan.streams = {reals(x, false), reals(x, false), reals(x, false)};
+  return scan;
+}
+
+E57File coloured_station(const std::string& name, const std::vector<double>& x) {
+  E57File scan = station(name, x);
+  for (const char* colour : {"Red", "Green", "Blue"}) {
+    scan.prototype += std::string("<color") + colour + " type=\"Integer\" minimum=\"0\" maximum=\"255\"/>";
+    scan.streams.emplace_back(x.size(), '\x10');
+  }
+  scan.prototype += "<intensity type=\"Float\" precision=\"single\"/>";
+  scan.streams.push_back(reals(std::vector<double>(x.size(), 0.5), true));
+  return scan;
+}
+
+TEST(E57Reader, GreyAndColouredScansOfOneFileKeepWhatTheyHave) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("mixed.e57", E57File::bytes_of({station("a", {1, 2}), coloured_station("b", {3}),
+                                                                   station("empty", {}), station("c", {4})}));
+  EXPECT_EQ(scan.points.size(), 4U);
+  EXPECT_EQ(scan.scans, 4U);
+  EXPECT_THAT(scan.rgba, ::testing::ElementsAre(kNoColour, kNoColour, 0xFF101010U, kNoColour));
+  EXPECT_THAT(scan.intensity, ::testing::ElementsAre(::testing::IsNan(), ::testing::IsNan(), 0.5F, ::testing::IsNan()));
+  EXPECT_THAT(scan.fields, ::testing::Contains("colorRed"));
+  EXPECT_THAT(scan.warnings, ::testing::IsEmpty());
+}
+
+TEST(E57Reader, AScanThatCannotBeReadIsAWarningThatNamesItAndTheOthersAreRead) {
+  const ScanFolder folder;
+  E57File blind = station("blind", {7, 8});
+  blind.prototype = "<intensity type=\"Float\"/>";
+  E57File packed = station("packed", {7, 8});
+  packed.codecs = "<vectorChild type=\"Structure\"><draco type=\"Structure\"/></vectorChild>";
+  E57File cut = station("cut", {5, 6});
+  cut.records = 3;
+  const std::vector<E57File> scans = {station("a", {1, 2}), blind, packed, cut, coloured_station("b", {3})};
+  const RawScan scan = folder.read("mixed.e57", E57File::bytes_of(scans));
+  EXPECT_EQ(scan.points.size(), 5U) << "of the cut one what it has";
+  EXPECT_EQ(scan.rgba.back(), 0xFF101010U);
+  using ::testing::AllOf;
+  EXPECT_THAT(scan.warnings,
+              ::testing::UnorderedElementsAre(
+                  AllOf(HasSubstr("scan 2 of the file, Station blind, {blind}"), HasSubstr("neither Cartesian")),
+                  AllOf(HasSubstr("scan 3 of the file, Station packed"), HasSubstr("left out"), HasSubstr("codec")),
+                  AllOf(HasSubstr("scan 4 of the file, Station cut"), HasSubstr("only 2 of its points"))));
+  expect_refused("none.e57", E57File::bytes_of({blind, packed}), "neither Cartesian");
 }
 
 }  // namespace

@@ -64,6 +64,21 @@ TEST(XyzReader, ReadsSeveralCountedBlocksAsScans) {
   EXPECT_EQ(folder.read("z.pts", "0\n").records, 0U);
 }
 
+TEST(XyzReader, CountedBlocksWithAndWithoutColoursKeepWhatTheyHave) {
+  const ScanFolder folder;
+  const std::string grey = "2\n0 0 0 -900\n1 0 0 -900\n";
+  const std::string coloured = "2\n0 1 0 -800 1 2 3\n1 1 0 -700 200 5 6\n";
+  const RawScan first = folder.read("a.pts", grey + coloured);
+  EXPECT_THAT(first.rgba, ElementsAre(kNoColour, kNoColour, 0xFF030201U, 0xFF0605C8U));
+  EXPECT_THAT(first.intensity, ElementsAre(-900.0F, -900.0F, -800.0F, -700.0F));
+  EXPECT_THAT(first.fields, ElementsAre("x", "y", "z", "intensity", "red", "green", "blue"));
+  EXPECT_THAT(first.warnings, ::testing::IsEmpty());
+  const RawScan last = folder.read("b.pts", coloured + "1\n5 5 5\n" + grey);
+  EXPECT_THAT(last.rgba, ElementsAre(0xFF030201U, 0xFF0605C8U, kNoColour, kNoColour, kNoColour));
+  EXPECT_THAT(last.intensity, ElementsAre(-800.0F, -700.0F, ::testing::IsNan(), -900.0F, -900.0F));
+  EXPECT_EQ(last.scans, 3U);
+}
+
 TEST(XyzReader, TakesAMissingOrWrittenNanAsInvalid) {
   const ScanFolder folder;
   const RawScan scan = folder.read("a.csv", "x,y,z\n1,2,3\n1,,3\nnan,2,3\n1,2,\n");
