@@ -9,6 +9,16 @@
 
 namespace sparsha::app {
 
+namespace {
+
+const char* places_of(pipeline::CheckResult::Against against) {
+  using Against = pipeline::CheckResult::Against;
+  if (against == Against::points) return "points";
+  return against == Against::mesh ? "places on the mesh" : "points and places on the mesh";
+}
+
+}  // namespace
+
 std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& report,
                           const std::filesystem::path& folder) {
   const pipeline::SceneDescription& description = scene.description();
@@ -20,6 +30,7 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
   text += fmt::format("grid      {} x {} nodes, {} apart, {} level{}\n", base.nx, base.ny, length_text(base.spacing_m),
                       description.levels.size(), description.levels.size() == 1 ? "" : "s");
   const auto& points = report.points;
+  if (report.triangles > 0) text += fmt::format("mesh      {} triangles\n", count_text(report.triangles));
   text += fmt::format("points    {} read: {} used, {} occluded, {} outliers, {} outside, {} filtered, {} invalid\n",
                       count_text(points.read), count_text(points.used), count_text(points.occluded),
                       count_text(points.outlier), count_text(points.outside), count_text(points.filtered),
@@ -36,10 +47,11 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
   text += '\n';
   if (report.check) {
     const auto& cloud = report.check->cloud_to_surface;
-    text += cloud.samples == 0 ? std::string("check     nothing to compare\n")
-                               : fmt::format("check     {} points to surface: median {}, RMS {}, 99 % within {}\n",
-                                             count_text(cloud.samples), length_text(cloud.median_m),
-                                             length_text(cloud.rms_m), length_text(cloud.p99_m));
+    text += cloud.samples == 0
+                ? std::string("check     nothing to compare\n")
+                : fmt::format("check     {} {} to surface: median {}, RMS {}, 99 % within {}\n",
+                              count_text(cloud.samples), places_of(report.check->against), length_text(cloud.median_m),
+                              length_text(cloud.rms_m), length_text(cloud.p99_m));
   }
   text += fmt::format("time      {:.2f} s, {} MB at most\n", report.total_seconds, report.peak_rss_bytes / 1000000U);
   text += fmt::format("scene     {}\n", folder.string());

@@ -61,14 +61,16 @@ std::string build_sentences(const pipeline::Scene& scene, const pipeline::Report
       exact_length((base.ny - 1) * base.spacing_m), exact_length(description.height_max_m - description.height_min_m));
   text += fmt::format("Its grid has {} times {} nodes, {} apart, in {}.\n", base.nx, base.ny,
                       exact_length(base.spacing_m), counted(description.levels.size(), "level", "levels"));
+  if (report.triangles > 0) text += fmt::format("A mesh has {}.\n", counted(report.triangles, "triangle", "triangles"));
   text += fmt::format("{} were read, and {} of them were used.\n", counted(report.points.read, "point", "points"),
                       report.points.used);
   text += fmt::format("{} of the nodes were measured, and {} were filled.\n", capital(percent(report.coverage)),
                       percent(report.filled_fraction));
   if (report.check && report.check->cloud_to_surface.samples > 0) {
     const auto& cloud = report.check->cloud_to_surface;
-    text += fmt::format("Half of the points checked lie within {} of the surface, and 99 percent within {}.\n",
-                        exact_length(cloud.median_m), exact_length(cloud.p99_m));
+    text += fmt::format("{} within {} of the surface, and 99 percent within {}.\n",
+                        capital(pipeline::half_of(report.check->against)), exact_length(cloud.median_m),
+                        exact_length(cloud.p99_m));
   }
   text += fmt::format("Building took {:.1f} seconds.\n", report.total_seconds);
   text += fmt::format("The scene is in the folder {} and its report in {}.\n", folder.string(),

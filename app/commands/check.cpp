@@ -16,11 +16,17 @@ namespace sparsha::app {
 
 namespace {
 
-std::string line(const char* name, const pipeline::DistanceStatistics& s) {
-  if (s.samples == 0) return fmt::format("{}  nothing to compare\n", name);
-  return fmt::format("{}  {} samples: mean {}, RMS {}, median {}, 95 % {}, 99 % {}, at most {}\n", name,
+std::string line(const std::string& name, const pipeline::DistanceStatistics& s) {
+  if (s.samples == 0) return fmt::format("{:<16}  nothing to compare\n", name);
+  return fmt::format("{:<16}  {} samples: mean {}, RMS {}, median {}, 95 % {}, 99 % {}, at most {}\n", name,
                      count_text(s.samples), length_text(s.mean_m), length_text(s.rms_m), length_text(s.median_m),
                      length_text(s.p95_m), length_text(s.p99_m), length_text(s.max_m));
+}
+
+std::string thing_of(pipeline::CheckResult::Against against) {
+  using Against = pipeline::CheckResult::Against;
+  if (against == Against::points) return "cloud";
+  return against == Against::mesh ? "mesh" : "mesh and points";
 }
 
 }  // namespace
@@ -48,10 +54,11 @@ void add_check(CLI::App& app, const CommonOptions& common, Run& run) {
       const pipeline::CheckConfig config{arguments->all ? 0 : arguments->samples};
       const pipeline::Report report =
           pipeline::recheck_scene(*scene, scans, config, arguments->threads, terminal.progress(), common.trusted());
+      const std::string against = thing_of(report.check->against);
       print(common.json    ? pipeline::report_json(*scene, report)
             : common.plain ? check_sentences(*report.check)
-                           : line("cloud to surface", report.check->cloud_to_surface) +
-                                 line("surface to cloud", report.check->surface_to_cloud) +
+                           : line(against + " to surface", report.check->cloud_to_surface) +
+                                 line("surface to " + against, report.check->surface_to_cloud) +
                                  (report.check->completeness
                                       ? fmt::format("completeness      {:.2f} %\n", 100.0 * *report.check->completeness)
                                       : std::string()));

@@ -50,8 +50,9 @@ std::string inner(std::string text) {
 }  // namespace
 
 std::string check_sentences(const pipeline::CheckResult& check) {
-  std::string text = distances("points of the cloud", "the surface", check.cloud_to_surface) +
-                     distances("nodes of the surface", "the cloud", check.surface_to_cloud);
+  const char* const against = pipeline::words_of(check.against);
+  std::string text = distances(against, "the surface", check.cloud_to_surface) +
+                     distances("nodes of the surface", against, check.surface_to_cloud);
   if (check.completeness) text += fmt::format("The surface is {} complete.\n", percent(*check.completeness));
   return text;
 }

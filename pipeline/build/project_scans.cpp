@@ -145,7 +145,9 @@ class Builder {
       std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
       // What is counted for a point is enough for windows; discs take more.
       needed += (std::max(bytes_per_point, kWindowBytes) - kWindowBytes) * scans.points();
-      if (checks()) needed += bytes_of_sample(*config_.check, scans.points(), lattice);
+      // Of a mesh as many places may be sampled as there are nodes.
+      const std::uint64_t places = scans.points() + (scans.faces() > 0 ? lattice.count() : 0U);
+      if (checks()) needed += bytes_of_sample(*config_.check, places, lattice);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
       require_room(lattice, node_bytes(scans, lattice));
     });
@@ -171,6 +173,7 @@ class Builder {
     cloud->stations = stations;  // filters make new clouds
     if (!filters_.empty() || finds_pillars() || !oriented_) use_sample(sample_of_kept(*cloud).points(), stations);
     progress_.begin("project");
+    result_.triangles = cloud->faces.size();
     result_.projection =
         project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approve);
     // The noise is that of the points as measured; a mesh has none.
@@ -387,6 +390,7 @@ ProjectedScans project_scans(const Config& config, const BuildOptions& options, 
 Report take_counts(ProjectedScans& scans) {
   Report report;
   report.points = scans.points;
+  report.triangles = scans.triangles;
   report.filters = std::move(scans.filters);
   report.kept_m = std::move(scans.kept_m);
   report.orientation = std::move(scans.orientation);

@@ -20,6 +20,7 @@ struct ProjectedScans {
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();  ///< the configuration's, or what `face` has found
   std::string orientation;                                     ///< what `face` has found, in words; else empty
   Report::Points points;
+  std::uint64_t triangles = 0;  ///< of meshes among the scans, after the filters
   std::vector<Report::Filter> filters;
   std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame; empty without filters
   std::vector<Eigen::Vector3d> sample_m;  ///< the same, when the configuration looks for pillars

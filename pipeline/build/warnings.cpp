@@ -66,9 +66,9 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
   }
   if (doubts.far) {
     warnings.push_back(fmt::format(
-        "half of the points lie farther than {} from the surface, and noise explains {}: look at the picture of the "
+        "{} farther than {} from the surface, and noise explains {}: look at the picture of the "
         "errors in the report; another orientation or a smaller grid.spacing_mm may follow the points better",
-        length_text(check->cloud_to_surface.median_m), length_text(doubts.explained_m)));
+        half_of(check->against), length_text(check->cloud_to_surface.median_m), length_text(doubts.explained_m)));
   }
   if (share(projection.nodes_doubtful) > kDoubtful) {
     warnings.push_back(
@@ -115,11 +115,12 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
 void require_surface_near_points(const Lattice& lattice, const CheckResult& check) {
   const DistanceStatistics& distances = check.cloud_to_surface;
   if (distances.samples == 0 || distances.median_m <= lattice.spacing_m) return;
-  throw input_error({},
-                    fmt::format("the surface lies more than a grid spacing ({}) from half of the points ({} in the "
-                                "median): it is not theirs",
-                                length_text(lattice.spacing_m), length_text(distances.median_m)),
-                    "another orientation, a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
+  throw input_error(
+      {},
+      fmt::format("the surface lies more than a grid spacing ({}) from half of {} ({} in the "
+                  "median): it is not theirs",
+                  length_text(lattice.spacing_m), words_of(check.against), length_text(distances.median_m)),
+      "another orientation, a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
 }
 
 }  // namespace sparsha::pipeline

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "pipeline/check/nearest.h"
 #include "pipeline/check/points.h"
+#include "pipeline/check/seen_mesh.h"
 #include "pipeline/check/statistics.h"
 #include "pipeline/check/surface.h"
 #include "pipeline/layers/closing.h"
@@ -30,14 +31,15 @@ bool counts(const Projection& projection, std::size_t n) {
   return projection.point_class[n] == PointClass::used || projection.point_class[n] == PointClass::outlier;
 }
 
+/// Without those that `left_out` flags, which may be empty.
 BandedPoints counted_points(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
-                            ThreadPool& pool) {
+                            const std::vector<std::uint8_t>& left_out, ThreadPool& pool) {
   const ToLattice to_lattice(scan_to_grid, cloud.origin_m, projection.grid.lattice);
   const float* source = cloud.xyz1();
   const auto write = [&](std::size_t begin, std::size_t end, float* xyz) {
     const float* const start = xyz;
     for (std::size_t n = begin; n < end; ++n) {
-      if (!counts(projection, n)) continue;
+      if (!counts(projection, n) || (!left_out.empty() && left_out[n] != 0)) continue;
       to_lattice(source + 4 * n, xyz);
       xyz += 3;
     }
@@ -48,28 +50,45 @@ BandedPoints counted_points(const Cloud& cloud, const Eigen::Matrix4d& scan_to_g
 
 using Place = std::array<float, 3>;
 
-/// A sample of the points (0 = all), chosen by their own bits, in an order that walks the lattice.
-std::vector<Place> sample_points(const CountedPoints& points, std::uint64_t wanted, const Lattice& lattice) {
+/// The points whose keys are at most `threshold`.
+void draw_points(const CountedPoints& points, std::uint64_t threshold, std::vector<SampledPlace>& sample) {
   const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
-  struct Candidate {
-    std::uint64_t key;
-    Place place;
-  };
-  std::vector<Candidate> sample;
-  if (wanted == 0 || wanted > points.size) wanted = points.size;
-  sample.reserve(sample_room(points.size, wanted));
-  for (std::uint64_t threshold = sample_threshold(points.size, wanted);; threshold = ~std::uint64_t{0}) {
-    sample.clear();
-    points.each([&](std::span<const float> xyz) {
-      for (std::size_t n = 0; n < xyz.size(); n += 3) {
-        const float* p = xyz.data() + n;
-        const std::uint64_t key = hash_word(hash_word(bits(p[0]) | bits(p[1]) << 32) ^ bits(p[2]));
-        if (key <= threshold) sample.push_back({key, {p[0], p[1], p[2]}});
-      }
-    });
-    if (sample.size() >= wanted) break;
+  points.each([&](std::span<const float> xyz) {
+    for (std::size_t n = 0; n < xyz.size(); n += 3) {
+      const float* p = xyz.data() + n;
+      const std::uint64_t key = hash_word(hash_word(bits(p[0]) | bits(p[1]) << 32) ^ bits(p[2]));
+      if (key <= threshold) sample.push_back({key, {p[0], p[1], p[2]}});
+    }
+  });
+}
+
+/// A sample of the points and of the mesh (0 = all), chosen by the points' own bits, in an order that walks the
+/// lattice.
+std::vector<Place> sample_places(const CountedPoints& points, const SeenMesh* mesh, const DepthGrid& grid,
+                                 std::uint64_t wanted, const Context& context) {
+  const Lattice& lattice = grid.lattice;
+  std::uint64_t population = points.size;
+  std::uint64_t expected = population;  // of the mesh, as many places as there are measured nodes
+  if (mesh != nullptr) {
+    population += lattice.count();
+    expected += static_cast<std::uint64_t>(std::count(grid.state.begin(), grid.state.end(), NodeState::measured));
   }
-  const auto before = [](const Candidate& a, const Candidate& b) {
+  if (wanted == 0 || wanted > population) wanted = population;
+  std::vector<SampledPlace> sample;
+  sample.reserve(sample_room(expected, std::min(expected, wanted)));
+  constexpr std::uint64_t kAll = ~std::uint64_t{0};
+  constexpr std::uint64_t kWider = 8;
+  for (std::uint64_t threshold = sample_threshold(expected, std::min(expected, wanted));;) {
+    sample.clear();
+    draw_points(points, threshold, sample);
+    if (mesh != nullptr) {
+      const std::vector<SampledPlace> places = mesh->places(threshold, context);
+      sample.insert(sample.end(), places.begin(), places.end());
+    }
+    if (sample.size() >= wanted || threshold == kAll) break;
+    threshold = mesh == nullptr || threshold > kAll / kWider ? kAll : kWider * threshold;
+  }
+  const auto before = [](const SampledPlace& a, const SampledPlace& b) {
     return a.key != b.key ? a.key < b.key : a.place < b.place;
   };
   if (wanted < sample.size()) {
@@ -77,15 +96,15 @@ std::vector<Place> sample_points(const CountedPoints& points, std::uint64_t want
     sample.resize(static_cast<std::size_t>(wanted));
   }
   const auto per_block = static_cast<float>(1 / (8 * lattice.spacing_m));
-  for (Candidate& c : sample) {
+  for (SampledPlace& c : sample) {
     const auto row = static_cast<std::uint64_t>(std::clamp(c.place[1] * per_block, 0.0F, 1e9F));
     // Non-negative floats sort like their bits.
-    c.key = row << 32 | bits(std::max(c.place[0], 0.0F));
+    c.key = row << 32 | std::uint64_t{std::bit_cast<std::uint32_t>(std::max(c.place[0], 0.0F))};
   }
   std::sort(sample.begin(), sample.end(), before);
   std::vector<Place> places;
   places.reserve(sample.size());
-  for (const Candidate& c : sample) places.push_back(c.place);
+  for (const SampledPlace& c : sample) places.push_back(c.place);
   return places;
 }
 
@@ -150,18 +169,39 @@ std::vector<std::uint32_t> sample_nodes(const DepthGrid& grid, std::uint64_t wan
   });
 }
 
-}  // namespace
+/// Signed distance from each node to the nearest of the points and triangles, positive when that is nearer to the
+/// viewer.
+std::vector<float> distances_from_nodes(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
+                                        const CountedPoints& points, const SeenMesh* mesh, double point_spacing_m,
+                                        ThreadPool& pool) {
+  if (mesh == nullptr && points.size == 0) return {};
+  std::vector<float> distances = nearest_point_distances(grid, nodes, points, point_spacing_m, pool);
+  if (mesh == nullptr) return distances;
+  const auto nx = static_cast<std::uint32_t>(grid.lattice.nx);
+  pool.for_ranges(nodes.size(), kSamplesPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const double x = (nodes[k] % nx) * grid.lattice.spacing_m;
+      const double y = (nodes[k] / nx) * grid.lattice.spacing_m;
+      const auto found = static_cast<float>(mesh->triangles().signed_distance(x, y, grid.height_m[nodes[k]]));
+      if (std::abs(found) <= std::abs(distances[k])) distances[k] = found;
+    }
+  });
+  return distances;
+}
 
-CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m, double point_spacing_m,
-                        const std::optional<FillConfig>& fill, const CheckConfig& config, const Context& context) {
+CheckResult compare(const CountedPoints& points, const SeenMesh* mesh, const DepthGrid& grid, double noise_m,
+                    double point_spacing_m, const std::optional<FillConfig>& fill, const CheckConfig& config,
+                    const Context& context) {
   const Lattice& lattice = grid.lattice;
   const auto wanted = static_cast<std::uint64_t>(std::max<std::int64_t>(0, config.samples));
   CheckResult result;
+  using Against = CheckResult::Against;
+  if (mesh != nullptr) result.against = points.size == 0 ? Against::mesh : Against::mesh_and_points;
   // A noise of more than half the distance between points cannot be right, and must not excuse the surface.
   result.tolerance_m = std::max(lattice.spacing_m, 3 * std::min(noise_m, 0.5 * point_spacing_m));
 
   context.progress.at(0.1);
-  const std::vector<Place> sample = sample_points(points, wanted, lattice);
+  const std::vector<Place> sample = sample_places(points, mesh, grid, wanted, context);
   context.progress.at(0.3);
   std::vector<float> distances = distances_to_surface(grid, sample, result, context.pool);
   // A grid without a single cell has no surface to be distant from.
@@ -170,15 +210,16 @@ CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, doub
   else
     result.node_error_m = error_map(lattice, sample, distances);
   if (result.node_error_m.empty()) result.node_error_m.assign(lattice.count(), kUnknownHeight);
-  result.cloud_to_surface = statistics_of(distances, points.size);
+  // However many places of a mesh are taken, there are more between them.
+  const std::uint64_t population = mesh == nullptr ? points.size : std::numeric_limits<std::uint64_t>::max();
+  result.cloud_to_surface = statistics_of(distances, population);
   result.histogram_bin_m = kHistogramReach * result.cloud_to_surface.p99_m / kBins;
   result.cloud_histogram = histogram_of(distances, result.histogram_bin_m, kBins);
   context.progress.at(0.5);
 
   std::uint64_t measured = 0;
   const std::vector<std::uint32_t> nodes = sample_nodes(grid, wanted, measured);
-  distances = nearest_point_distances(grid, nodes, points, point_spacing_m, context.pool);
-  if (points.size == 0) distances.clear();
+  distances = distances_from_nodes(grid, nodes, points, mesh, point_spacing_m, context.pool);
   result.surface_to_cloud = statistics_of(distances, measured);
   result.surface_histogram_bin_m = kHistogramReach * result.surface_to_cloud.p99_m / kBins;
   result.surface_histogram = histogram_of(distances, result.surface_histogram_bin_m, kBins);
@@ -197,11 +238,37 @@ CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, doub
   return result;
 }
 
+}  // namespace
+
+const char* words_of(CheckResult::Against against) {
+  switch (against) {
+    case CheckResult::Against::mesh:
+      return "the mesh";
+    case CheckResult::Against::mesh_and_points:
+      return "the mesh and the points";
+    case CheckResult::Against::points:
+      break;
+  }
+  return "the points";
+}
+
+std::string half_of(CheckResult::Against against) {
+  return std::string("half of ") + words_of(against) + (against == CheckResult::Against::mesh ? " lies" : " lie");
+}
+
+CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m, double point_spacing_m,
+                        const std::optional<FillConfig>& fill, const CheckConfig& config, const Context& context) {
+  return compare(points, nullptr, grid, noise_m, point_spacing_m, fill, config, context);
+}
+
 CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
                         const std::optional<FillConfig>& fill, const CheckConfig& config, const Context& context) {
-  const BandedPoints points = counted_points(cloud, scan_to_grid, projection, context.pool);
-  return cross_check(points.counted(), projection.grid, projection.noise_m, projection.point_spacing_m, fill, config,
-                     context);
+  std::optional<SeenMesh> mesh;
+  if (!cloud.faces.empty()) mesh.emplace(cloud, scan_to_grid, projection, context.pool);
+  const BandedPoints points = counted_points(cloud, scan_to_grid, projection,
+                                             mesh ? mesh->corners() : std::vector<std::uint8_t>(), context.pool);
+  return compare(points.counted(), mesh ? &*mesh : nullptr, projection.grid, projection.noise_m,
+                 projection.point_spacing_m, fill, config, context);
 }
 
 }  // namespace sparsha::pipeline

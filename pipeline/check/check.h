@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/context.h"
@@ -24,9 +25,13 @@ struct DistanceStatistics {
 };
 
 struct CheckResult {
-  DistanceStatistics
-      cloud_to_surface;  ///< each point that is not occluded, outside or invalid, to the bilinear surface
-  DistanceStatistics surface_to_cloud;  ///< each measured node to its nearest point
+  /// What the surface was held against.
+  enum class Against : std::uint8_t { points, mesh, mesh_and_points };
+  Against against = Against::points;
+  /// Each point that is not occluded, outside or invalid, to the bilinear surface. Of a mesh its corners do not count,
+  /// but places spread evenly over what the view shows of its triangles.
+  DistanceStatistics cloud_to_surface;
+  DistanceStatistics surface_to_cloud;  ///< each measured node to its nearest point, be it one of a triangle
   std::optional<double> completeness;
   double tolerance_m = 0.0;         ///< max(spacing, 3 min(noise, point spacing / 2))
   std::vector<float> node_error_m;  ///< per node, mean distance of its sampled points, NaN where there is none
@@ -39,6 +44,11 @@ struct CheckResult {
   std::uint64_t second_method_samples = 0;
   double second_method_max_difference_m = 0.0;
 };
+
+/// As messages call it: "the points", "the mesh", "the mesh and the points".
+[[nodiscard]] const char* words_of(CheckResult::Against against);
+/// "half of the points lie", "half of the mesh lies", ...
+[[nodiscard]] std::string half_of(CheckResult::Against against);
 
 /// The points that count, wherever they lie: x y z of one after the other, metres relative to the lattice's origin.
 /// Spans are good during the call only; the order of points does not matter.
@@ -56,7 +66,8 @@ struct CountedPoints {
                                       double point_spacing_m, const std::optional<FillConfig>& fill,
                                       const CheckConfig& config, const Context& context);
 
-/// `projection` says which points count. Scene frame: grid = scan_to_grid * scan.
+/// `projection` says which points count; where the cloud has faces they are a mesh, see SeenMesh. Scene frame: grid =
+/// scan_to_grid * scan.
 [[nodiscard]] CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
                                       const Projection& projection, const std::optional<FillConfig>& fill,
                                       const CheckConfig& config, const Context& context);

@@ -43,19 +43,40 @@ std::string size_text(const SceneDescription& scene) {
                      length_text(scene.height_max_m - scene.height_min_m, TextStyle::typeset));
 }
 
+/// The beginning of a sentence.
+std::string half_words(CheckResult::Against against) {
+  std::string text = half_of(against);
+  text.front() = 'H';
+  return text;
+}
+
 /// One sentence in plain words.
 std::string lead(const SceneDescription& scene, const Report& report) {
-  std::string text = fmt::format("A surface {}, from {} points.", size_text(scene),
-                                 count_text(report.points.read, TextStyle::typeset));
+  const std::string points = count_text(report.points.read, TextStyle::typeset);
+  const std::string triangles = count_text(report.triangles, TextStyle::typeset);
+  std::string text = fmt::format("A surface {}, from ", size_text(scene));
+  text += report.triangles == 0
+              ? points + " points."
+              : fmt::format("a mesh of {} triangles; {} corners and points in all.", triangles, points);
   text += fmt::format(" {} of the picture is measured", percent(report.coverage));
   if (report.filled_fraction > 0)
     text += fmt::format(" and {} filled across small gaps", percent(report.filled_fraction));
   text += ".";
   if (report.check && report.check->cloud_to_surface.samples > 0)
-    text += fmt::format(" Half of the scan's points lie within {} of this surface, 95\u202F% within {}.",
+    text += fmt::format(" {} within {} of this surface, 95\u202F% within {}.", half_words(report.check->against),
                         length_text(report.check->cloud_to_surface.median_m, TextStyle::typeset),
                         length_text(report.check->cloud_to_surface.p95_m, TextStyle::typeset));
   return text;
+}
+
+const char* to_surface_title(CheckResult::Against against) {
+  if (against == CheckResult::Against::points) return "Points to surface";
+  return against == CheckResult::Against::mesh ? "Mesh to surface" : "Mesh and points to surface";
+}
+
+const char* nearest_words(CheckResult::Against against) {
+  if (against == CheckResult::Against::points) return "a point";
+  return against == CheckResult::Against::mesh ? "a triangle" : "a triangle or point";
 }
 
 std::string key_figures(const SceneDescription& scene, const Report& report) {
@@ -79,11 +100,12 @@ std::string key_figures(const SceneDescription& scene, const Report& report) {
   if (report.check) {
     const CheckResult& check = *report.check;
     if (check.cloud_to_surface.samples > 0)
-      add("Points to surface", length_text(check.cloud_to_surface.median_m, TextStyle::typeset),
+      add(to_surface_title(check.against), length_text(check.cloud_to_surface.median_m, TextStyle::typeset),
           fmt::format("median; 95\u202F% within {}", length_text(check.cloud_to_surface.p95_m, TextStyle::typeset)));
     if (check.completeness)
       add("Completeness", percent(*check.completeness),
-          fmt::format("of the outline has a point within {}", length_text(check.tolerance_m, TextStyle::typeset)));
+          fmt::format("of the outline has {} within {}", nearest_words(check.against),
+                      length_text(check.tolerance_m, TextStyle::typeset)));
   }
   if (report.friction && report.friction->undecided > 0 && scene.config.friction) {
     const auto& [nodes, undecided] = *report.friction;
@@ -118,9 +140,12 @@ void add_figure(std::string& html, const Picture& picture, const std::string& pn
       escape_html(picture.title), escape_html(picture.caption));
 }
 
-std::string points_table(const Report::Points& p) {
-  std::string html =
-      "<table><caption>What became of the points</caption><thead><tr><th scope='col' class='text'>Points</th>"
+std::string points_table(const Report& report) {
+  const Report::Points& p = report.points;
+  std::string html = fmt::format("<table><caption>What became of the points{}</caption>",
+                                 report.triangles > 0 ? ", corners of triangles among them" : "");
+  html +=
+      "<thead><tr><th scope='col' class='text'>Points</th>"
       "<th scope='col'>Count</th><th scope='col'>Share</th></tr></thead><tbody>";
   const auto row = [&](const char* name, std::uint64_t count) {
     html += fmt::format("<tr><th scope='row'>{}</th><td>{}</td><td>{}</td></tr>", name,
@@ -168,11 +193,12 @@ std::string filters_table(const Report& report) {
 std::string distances_table(const CheckResult& check) {
   const DistanceStatistics& to_surface = check.cloud_to_surface;
   const DistanceStatistics& to_cloud = check.surface_to_cloud;
-  std::string html =
+  std::string html = fmt::format(
       "<div class='scroll' tabindex='0' role='region' aria-label='Table of distances'><table><caption>Unsigned "
       "distances; the signed mean is positive towards the viewer</caption><thead><tr><th scope='col' class='text'>"
-      "Distances</th><th scope='col'>from scan points to surface</th><th scope='col'>from surface nodes to scan "
-      "points</th></tr></thead><tbody>";
+      "Distances</th><th scope='col'>from {0} to the surface</th><th scope='col'>from surface nodes to {0}</th></tr>"
+      "</thead><tbody>",
+      words_of(check.against));
   const auto row = [&](const char* name, const auto& text) {
     const auto cell = [&](const DistanceStatistics& s) { return s.samples == 0 ? "\u2013" : text(s); };
     html +=
@@ -196,7 +222,7 @@ std::string distances_table(const CheckResult& check) {
   return html + "</tbody></table></div>";
 }
 
-std::string histogram(const char* title, const std::vector<std::uint64_t>& counts, double bin_m,
+std::string histogram(const std::string& title, const std::vector<std::uint64_t>& counts, double bin_m,
                       const DistanceStatistics& s) {
   if (s.samples == 0) return {};
   std::uint64_t shown = 0;
@@ -237,17 +263,23 @@ std::string difference_text(double metres) {
 std::string accuracy(const Report& report) {
   if (!report.check) return "<p>No cross-check was asked for (the configuration has no <code>check</code> block).</p>";
   const CheckResult& check = *report.check;
-  std::string html = "<p>The surface was compared with the raw points in both directions, by exact nearest distances.";
+  std::string html = fmt::format("<p>The surface was compared with {} in both directions, by exact nearest distances.",
+                                 words_of(check.against));
+  if (check.against != CheckResult::Against::points)
+    html +=
+        " A mesh is judged by its triangles: places spread evenly over what the view shows of them, and for each node "
+        "the nearest triangle.";
   if (check.second_method_samples > 0)
-    html += fmt::format(" A second method measured {} of the points again and differs by {}.",
+    html += fmt::format(" A second method measured {} of the distances again and differs by {}.",
                         count_text(check.second_method_samples, TextStyle::typeset),
                         difference_text(check.second_method_max_difference_m));
   if (check.cloud_to_surface.mean_ci95_m > 0)
     html += " The figures come from a random sample; \u00B1 is the 95\u202F% confidence interval of the mean.";
   html += "</p>" + distances_table(check) + "<div class='columns'>";
-  html += histogram("From scan points to the surface", check.cloud_histogram, check.histogram_bin_m,
+  const std::string against = words_of(check.against);
+  html += histogram("From " + against + " to the surface", check.cloud_histogram, check.histogram_bin_m,
                     check.cloud_to_surface);
-  html += histogram("From surface nodes to scan points", check.surface_histogram, check.surface_histogram_bin_m,
+  html += histogram("From surface nodes to " + against, check.surface_histogram, check.surface_histogram_bin_m,
                     check.surface_to_cloud);
   return html + "</div>";
 }
@@ -301,8 +333,8 @@ std::string stages(const Report& report) {
 
 constexpr const char* kWords = R"html(<dl class='words'>
 <dt>Coverage</dt><dd>Share of the grid's nodes whose height was measured. Filled heights never count as measured.</dd>
-<dt>Completeness</dt><dd>Share of the nodes inside the object's outline that have a raw point within the tolerance.</dd>
-<dt>Points to surface</dt><dd>Straight distance from each raw point to the modelled surface; outliers are included, points behind the surface are not.</dd>
+<dt>Completeness</dt><dd>Share of the nodes inside the object's outline that have a raw point, or a triangle of a mesh, within the tolerance.</dd>
+<dt>Points to surface, mesh to surface</dt><dd>Straight distance from each raw point to the modelled surface; outliers are included, points behind the surface are not. Of a mesh, from places spread evenly over what the view shows of its triangles.</dd>
 <dt>RMS, MAD</dt><dd>Root of the mean square; median of the deviations from the median, which single outliers do not move.</dd>
 <dt>Outliers, occluded</dt><dd>Points that stand alone before or behind the surface; points of parts that this view hides, such as the back.</dd>
 <dt>Texture and friction</dt><dd>The fine relief on top of the smoothed form, and the resistance that a hand feels when it slides over it.</dd>
@@ -349,7 +381,7 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   }
   html += "</div></section>\n";
   section(1, accuracy(report));
-  section(2, "<div class='columns'><div>" + points_table(report.points) + "</div><div>" + grid_table(description) +
+  section(2, "<div class='columns'><div>" + points_table(report) + "</div><div>" + grid_table(description) +
                  "</div></div>" + filters_table(report));
   section(3, inputs(description) + scan_graph_html(report.pairs));
   section(4, kWords);

@@ -201,11 +201,11 @@ Picture error(const Field& heights, const Lattice& lattice, const CheckResult& c
   picture.high = most * kMillimetres;
   picture.clipped = true;
   picture.caption =
-      "Mean distance between the scan's points and the surface about each place, from pale (small) to dark (large).";
+      fmt::format("Mean distance between {} and the surface about each place, from pale (small) to dark (large).",
+                  words_of(check.against));
   picture.alternative = fmt::format(
-      "Map of the distance between points and surface; half of the points lie within {:.2g} mm, "
-      "95 % within {:.2g} mm.",
-      check.cloud_to_surface.median_m * kMillimetres, picture.high);
+      "Map of the distance between {0} and the surface; {1} within {2:.2g} mm, 95 % within {3:.2g} mm.",
+      words_of(check.against), half_of(check.against), check.cloud_to_surface.median_m * kMillimetres, picture.high);
   paint(picture, field, 0, most);
   return picture;
 }

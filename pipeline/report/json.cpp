@@ -1,4 +1,5 @@
 // report.json: the keys are a contract (docs/formats.md).
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -42,7 +43,9 @@ Json check(const std::optional<CheckResult>& result) {
   Json second = nullptr;
   if (r.second_method_samples > 0)
     second = {{"samples", r.second_method_samples}, {"max_difference_m", number(r.second_method_max_difference_m)}};
-  return {{"cloud_to_surface", statistics(r.cloud_to_surface)},
+  constexpr std::array kAgainst = {"points", "mesh", "mesh and points"};
+  return {{"against", kAgainst.at(static_cast<std::size_t>(r.against))},
+          {"cloud_to_surface", statistics(r.cloud_to_surface)},
           {"surface_to_cloud", statistics(r.surface_to_cloud)},
           {"completeness", r.completeness ? number(*r.completeness) : Json(nullptr)},
           {"tolerance_m", number(r.tolerance_m)},
@@ -62,6 +65,7 @@ std::string report_json(const Scene& scene, const Report& report) {
   json["version"] = SPARSHA_VERSION;
   json["points"] = {{"read", p.read},       {"used", p.used},         {"occluded", p.occluded}, {"outlier", p.outlier},
                     {"outside", p.outside}, {"filtered", p.filtered}, {"invalid", p.invalid}};
+  json["triangles"] = report.triangles;
   json["filters"] = Json::array();
   for (const Report::Filter& filter : report.filters) {
     json["filters"].push_back({{"name", filter.name},

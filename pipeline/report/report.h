@@ -31,6 +31,7 @@ struct Report {
   struct Points {
     std::uint64_t read = 0, used = 0, occluded = 0, outlier = 0, outside = 0, filtered = 0, invalid = 0;
   } points;
+  std::uint64_t triangles = 0;  ///< of meshes among the scans, as they reached the projection
   /// What a filter of the configuration did, in their order.
   struct Filter {
     std::string name;

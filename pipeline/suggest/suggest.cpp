@@ -58,10 +58,9 @@ std::string verdict(const Choice& choice, double share) {
     return text + fmt::format("#   THE CROSS-CHECK FAILS, from here and all other sides that were tried: {}\n",
                               trial.complaint());
   }
-  text +=
-      fmt::format("#   tried{}: half of the points lie within {} of the surface, {:.0f} % of the grid is measured\n",
-                  share < 1.0 ? fmt::format(" with {:.2g} % of the points", 100.0 * share) : "",
-                  length_text(trial.median_m), 100.0 * trial.coverage);
+  text += fmt::format("#   tried{}: {} within {} of the surface, {:.0f} % of the grid is measured\n",
+                      share < 1.0 ? fmt::format(" with {:.2g} % of the points", 100.0 * share) : "",
+                      half_of(trial.against), length_text(trial.median_m), 100.0 * trial.coverage);
   if (!trial.complaint().empty()) text += fmt::format("#   look at the result: {}\n", trial.complaint());
   constexpr double kEmpty = 0.05;
   if (trial.coverage < kEmpty) {

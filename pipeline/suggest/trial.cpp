@@ -94,11 +94,11 @@ std::string Trial::complaint() const {
   if (measured < kFewest) return fmt::format("only {:.0f} nodes of the grid can be measured", measured);
   if (doubts.unproven) return "no four measured nodes lie side by side: there is no surface to compare the points with";
   if (doubts.not_theirs || (!fits && !doubts.fine && !doubts.far)) {
-    return fmt::format("half of the points lie farther than {} from the surface, and the grid spacing is {}",
+    return fmt::format("{} farther than {} from the surface, and the grid spacing is {}", half_of(against),
                        length_text(median_m), length_text(spacing_m));
   }
   if (doubts.far) {
-    return fmt::format("half of the points lie farther than {} from the surface, and noise explains {}",
+    return fmt::format("{} farther than {} from the surface, and noise explains {}", half_of(against),
                        length_text(median_m), length_text(doubts.explained_m));
   }
   if (doubts.fine) {
@@ -159,6 +159,7 @@ Trial Trials::run(const View& view, double spacing_m, const ApproveLattice& appr
     const CheckResult check =
         cross_check(cloud_, scan_to_grid, projection, fill, CheckConfig{kCheckSamples}, {pool_, quiet});
     progress_.throw_if_cancelled();
+    trial.against = check.against;
     trial.doubts = surface_doubts(projection, lattice, check);
     trial.spacing_m = lattice.spacing_m;
     trial.point_spacing_m = projection.point_spacing_m;

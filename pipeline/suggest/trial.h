@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "base/thread_pool.h"
 #include "pipeline/build/warnings.h"
+#include "pipeline/check/check.h"
 #include "pipeline/projection/projector.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/origin.h"
@@ -48,6 +49,7 @@ struct Trial {
   std::string error;                ///< why there is no surface; else the rest is known
   double spacing_m = 0, nodes = 0;  ///< of the grid
   SurfaceDoubts doubts;
+  CheckResult::Against against = CheckResult::Against::points;
   double point_spacing_m = 0, noise_m = 0, median_m = 0;  ///< median: of the points' distances to the surface
   double measured = 0, coverage = 0, area_m2 = 0;         ///< measured nodes, as a share and as an area
   bool fits = false;                                      ///< the cross-check passes, with some room
