@@ -113,6 +113,19 @@ std::vector<std::uint32_t> numbered(const std::vector<std::uint32_t>& root_of_po
   return label;
 }
 
+/// The same clusters, those joined that a triangle has corners in.
+std::vector<std::uint32_t> joined_by_faces(const Cloud& cloud, std::vector<std::uint32_t> label) {
+  if (cloud.faces.empty() || label.empty()) return label;
+  const std::size_t clusters = std::size_t{*std::max_element(label.begin(), label.end())} + 1;
+  Forest forest(clusters);
+  for (const auto& [a, b, c] : cloud.faces) {
+    forest.join(label[a], label[b]);
+    forest.join(label[a], label[c]);
+  }
+  for (std::uint32_t& cluster : label) cluster = forest.root(cluster);
+  return numbered(label, clusters);
+}
+
 bool less(const float* a, const float* b) { return std::lexicographical_compare(a, a + 3, b, b + 3); }
 
 struct Cluster {
@@ -173,9 +186,10 @@ std::vector<std::uint32_t> euclidean_clusters(const Cloud& cloud, double toleran
 }
 
 KeptCluster choose_cluster(const Cloud& cloud, const KeepConfig& config, const Context& context) {
-  const std::vector<std::uint32_t> label = config.method == KeepConfig::Method::pcl
-                                               ? euclidean_clusters_by_pcl(cloud, config.tolerance_m, context.progress)
-                                               : euclidean_clusters(cloud, config.tolerance_m, context);
+  const std::vector<std::uint32_t> label =
+      joined_by_faces(cloud, config.method == KeepConfig::Method::pcl
+                                 ? euclidean_clusters_by_pcl(cloud, config.tolerance_m, context.progress)
+                                 : euclidean_clusters(cloud, config.tolerance_m, context));
   const std::vector<Cluster> clusters = summed(cloud, label);
   KeptCluster kept;
   std::size_t chosen = 0;

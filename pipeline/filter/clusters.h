@@ -30,7 +30,8 @@ struct KeptCluster {
   double away_m = 0.0;         ///< from nearest_to to the nearest point
 };
 
-/// Of equal ones that with the smallest point by x, y, z. The cloud must have points.
+/// Clusters that a triangle joins are one. Of equal ones that with the smallest point by x, y, z. The cloud must have
+/// points.
 [[nodiscard]] KeptCluster choose_cluster(const Cloud& cloud, const KeepConfig& config, const Context& context);
 
 }  // namespace sparsha::pipeline

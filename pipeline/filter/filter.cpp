@@ -34,7 +34,39 @@ void cut(std::vector<T>& values, std::size_t kept) {
   if (!values.empty()) values.resize(kept);
 }
 
-/// Takes the points with keep[i] == 0 away, and then all faces. Returns how many went.
+bool keeps_all(const std::array<std::uint32_t, 3>& face, const Flags& keep) {
+  return std::all_of(face.begin(), face.end(), [&](std::uint32_t v) { return keep[v] != 0; });
+}
+
+/// Corners of which every triangle loses another corner go too: they would be points beside the mesh.
+void drop_stranded_corners(const Cloud& cloud, Flags& keep) {
+  if (cloud.faces.empty()) return;
+  Flags stranded(keep.size(), 0);
+  for (const auto& face : cloud.faces) {
+    for (const std::uint32_t v : face) stranded[v] = 1;
+  }
+  for (const auto& face : cloud.faces) {
+    if (!keeps_all(face, keep)) continue;
+    for (const std::uint32_t v : face) stranded[v] = 0;
+  }
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (stranded[i] != 0) keep[i] = 0;
+  }
+}
+
+/// Faces whose corners all stay, by the corners' new numbers.
+void keep_faces(Cloud& cloud, const Flags& keep) {
+  if (cloud.faces.empty()) return;
+  std::vector<std::uint32_t> place(keep.size());
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) place[i] = keep[i] != 0 ? next++ : 0;
+  std::erase_if(cloud.faces, [&](const auto& face) { return !keeps_all(face, keep); });
+  for (auto& face : cloud.faces) {
+    for (std::uint32_t& v : face) v = place[v];
+  }
+}
+
+/// Takes the points with keep[i] == 0 away, and faces with their corners. Returns how many points went.
 std::uint64_t keep_only(Cloud& cloud, const Flags& keep) {
   float* const xyz = cloud.xyz1();
   std::size_t kept = 0;
@@ -52,13 +84,13 @@ std::uint64_t keep_only(Cloud& cloud, const Flags& keep) {
   }
   const std::size_t gone = keep.size() - kept;
   if (gone == 0) return 0;
+  keep_faces(cloud, keep);
   cloud.resize_points(kept);
   cut(cloud.rgba, kept);
   cut(cloud.intensity, kept);
   cut(cloud.normals, kept);
   cut(cloud.measured, kept);
   for (PointField& field : cloud.fields) cut(field.values, kept);
-  cloud.faces.clear();
   return gone;
 }
 
@@ -128,7 +160,11 @@ class FilterRun {
  private:
   FilterStep& step() { return result_.steps.back(); }
 
-  void take_away(const Flags& keep) {
+  void take_away(Flags keep) {
+    const std::size_t faces = cloud_.faces.size();
+    // Of points that stand for others, few are corners of one triangle.
+    if (step().merges && std::find(keep.begin(), keep.end(), std::uint8_t{0}) != keep.end()) cloud_.faces.clear();
+    drop_stranded_corners(cloud_, keep);
     if (!step().merges) {
       for (std::size_t i = 0; i < keep.size(); ++i) {
         if (keep[i] == 0) step().sample.add(cloud_.origin_m + as_measured(cloud_, i).cast<double>());
@@ -136,6 +172,10 @@ class FilterRun {
     }
     if (step().outliers && needs_.removed_outliers != nullptr) copy_removed(cloud_, keep, *needs_.removed_outliers);
     step().removed = keep_only(cloud_, keep);
+    if (const std::size_t gone = faces - cloud_.faces.size(); gone > 0) {
+      step().found += fmt::format("{}{} of {} triangles go with their corners", step().found.empty() ? "" : "; ",
+                                  count_text(gone), count_text(faces));
+    }
   }
 
   void apply(const CropConfig& crop) { take_away(kept_by(cloud_, crop, context_)); }

@@ -272,5 +272,22 @@ TEST(Thin, KeepsTheMeanHeightOfANoisySurface) {
   EXPECT_LT(cloud.size(), 6U * 4U * 10000U);
 }
 
+TEST(KeepFilter, CornersOfATriangleAreOneClusterHoweverFarApart) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud;
+  cloud.resize_points(7);
+  // Two wide triangles that share an edge, and a small one above them.
+  const std::array<Eigen::Vector3f, 7> corners = {
+      Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(9, 0, 0),    Eigen::Vector3f(0, 9, 0),   Eigen::Vector3f(9, 9, 0),
+      Eigen::Vector3f(4, 4, 1), Eigen::Vector3f(4.2F, 4, 1), Eigen::Vector3f(4, 4.2F, 1)};
+  for (std::size_t k = 0; k < corners.size(); ++k) std::copy_n(corners[k].data(), 3, cloud.xyz1() + 4 * k);
+  cloud.faces = {{0, 1, 2}, {1, 3, 2}, {4, 5, 6}};
+  const FilterSteps steps = apply_filters(cloud, {KeepConfig{{}, 0.5}}, {pool, progress});
+  EXPECT_EQ(cloud.size(), 4U);
+  EXPECT_EQ(cloud.faces.size(), 2U);
+  EXPECT_THAT(steps.steps[0].found, HasSubstr("2 clusters"));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

@@ -171,7 +171,7 @@ TEST(OutlierFilter, TakesAwayThePointsFarFromAllOthersAndTheirAttributes) {
   EXPECT_EQ(cloud.rgba[6], 6U);
   EXPECT_EQ(cloud.rgba[7], 8U);
   EXPECT_EQ(cloud.intensity.back(), 400.0F);
-  EXPECT_TRUE(cloud.faces.empty());
+  EXPECT_EQ(cloud.faces.size(), 1U);
 }
 
 TEST(CropFilter, KeepsWhatLiesInTheBoxOfTheScanFrameBordersIncluded) {
@@ -179,20 +179,30 @@ TEST(CropFilter, KeepsWhatLiesInTheBoxOfTheScanFrameBordersIncluded) {
   Progress progress;
   Cloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}, {1.001F, 0, 0}, {0, -0.5F, 0}}, true);
   cloud.origin_m = {450000, 5412000, 100};
-  cloud.faces.push_back({0, 1, 3});
   const CropConfig crop{{450000, 5412000, 100}, {450001, 5412001, 101}};
   const FilterSteps counts = apply_filters(cloud, {crop}, {pool, progress});
   EXPECT_EQ(counts.filtered(), 2U);
   EXPECT_EQ(points_of(cloud), (Points{{0, 0, 0}, {1, 1, 1}}));
 }
 
-TEST(CropFilter, KeepsFacesWhileNoPointGoes) {
+TEST(CropFilter, OfAMeshKeepsTheTrianglesWhoseCornersStayAndNoCornerWithoutOne) {
   ThreadPool pool(1);
   Progress progress;
-  Cloud cloud = cloud_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
-  cloud.faces.push_back({0, 1, 2});
-  apply_filters(cloud, {CropConfig{{-1, -1, -1}, {2, 2, 2}}}, {pool, progress});
-  EXPECT_EQ(cloud.faces.size(), 1U);
+  // Two squares of two triangles, joined along x = 1; the corner at x = 3 has a triangle that loses the others.
+  Cloud cloud =
+      cloud_of({{-5, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}, {2, 1, 0}, {3, 0, 0}, {9, 9, 9}});
+  cloud.faces = {{1, 3, 2}, {3, 4, 2}, {3, 5, 4}, {5, 6, 4}, {7, 8, 0}};
+  apply_filters(cloud, {CropConfig{{-9, -9, -9}, {4, 4, 4}}}, {pool, progress});
+  EXPECT_EQ(points_of(cloud), (Points{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}, {2, 1, 0}}));
+  using Face = std::array<std::uint32_t, 3>;
+  EXPECT_EQ(cloud.faces, (std::vector<Face>{{0, 2, 1}, {2, 3, 1}, {2, 4, 3}, {4, 5, 3}}));
+  const FilterSteps steps = apply_filters(cloud, {CropConfig{{-1, -1, -1}, {1, 4, 4}}}, {pool, progress});
+  EXPECT_EQ(points_of(cloud).size(), 4U);
+  EXPECT_EQ(cloud.faces, (std::vector<Face>{{0, 2, 1}, {2, 3, 1}}));
+  EXPECT_EQ(steps.steps[0].found, "2 of 4 triangles go with their corners");
+  const FilterSteps none = apply_filters(cloud, {CropConfig{{-1, -1, -1}, {4, 4, 4}}}, {pool, progress});
+  EXPECT_EQ(cloud.faces.size(), 2U);
+  EXPECT_TRUE(none.steps[0].found.empty());
 }
 
 TEST(CropFilter, SaysSoWhenNothingIsLeft) {
