@@ -6,12 +6,15 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
 #include "app/terminal.h"
 #include "base/text.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/units.h"
 #include "scene/scene.h"
 
 namespace sparsha::app {
@@ -100,10 +103,21 @@ std::string scene_text(const fs::path& folder, const pipeline::SceneDescription&
   return text;
 }
 
+/// Of several scans together: each sentence with the index of the scan that it is about.
+std::vector<std::pair<std::size_t, std::string>> doubts_between(const std::vector<pipeline::ScanSize>& sizes) {
+  std::vector<std::pair<std::size_t, std::string>> doubts;
+  for (pipeline::UnitDifference& difference : pipeline::differing_units(sizes)) {
+    doubts.emplace_back(difference.large, std::move(difference.reason));
+  }
+  return doubts;
+}
+
 int run_info(const std::vector<std::string>& files, const CommonOptions& common) {
   Terminal terminal(common);
   Json all = Json::array();
   std::string text;
+  std::vector<pipeline::ScanSize> sizes;
+  std::vector<std::size_t> place;  // of each of them, in `all`
   for (const std::string& file : files) {
     terminal.progress().throw_if_cancelled();
     std::error_code code;
@@ -117,11 +131,17 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
       continue;
     }
     const pipeline::ScanInfo info = pipeline::inspect_scan(file, &terminal.progress());
+    sizes.emplace_back(file, info.sample_m, info.points - info.invalid, info.units != "unknown");
+    place.push_back(all.size());
     if (common.json) {
       all.push_back(scan_json(file, info));
     } else {
       text += common.plain ? scan_sentences(file, info) : scan_text(file, info);
     }
+  }
+  for (const auto& [scan, doubt] : doubts_between(sizes)) {
+    if (common.json) all[place[scan]]["warnings"].push_back(doubt);
+    text += common.plain ? fmt::format("There is a warning: {}.\n", doubt) : fmt::format("warning       {}\n", doubt);
   }
   print(common.json
             ? (files.size() == 1 ? all.front() : all).dump(2, ' ', false, nlohmann::json::error_handler_t::replace)

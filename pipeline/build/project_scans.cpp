@@ -67,6 +67,12 @@ Error no_points(const Config& config) {
                      "a scan with at least one finite point");
 }
 
+// Whether a filter may leave one of several pieces.
+bool takes_places_away(const FilterConfig& filter) {
+  return std::holds_alternative<KeepConfig>(filter) || std::holds_alternative<CropConfig>(filter) ||
+         std::holds_alternative<PassConfig>(filter) || std::holds_alternative<RemovePlaneConfig>(filter);
+}
+
 // Bytes per point that bytes_in_memory() allows for its projection.
 constexpr std::uint64_t kWindowBytes = 56;
 
@@ -91,6 +97,9 @@ class Builder {
     progress_.begin("read");
     ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_);
     z_up_ = scans.z_up();
+    if (std::none_of(filters_.begin(), filters_.end(), takes_places_away)) {
+      for (const std::string& pieces : scans.pieces()) progress_.warn(pieces);
+    }
     try {
       if (!points_fit(scans)) throw DoesNotFit();
       build_in_memory(scans);

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -36,6 +38,89 @@ void keep_others(const std::vector<bool>& gone, std::vector<T>& values) {
   values.resize(to);
 }
 
+void keep_unflagged(const std::vector<bool>& gone, RawScan& scan) {
+  std::size_t before = 0;
+  std::size_t seen = 0;
+  for (RawStation& station : scan.stations) {
+    for (; seen < station.first; ++seen) before += gone[seen] ? 1 : 0;
+    station.first -= before;
+  }
+  keep_others(gone, scan.points);
+  keep_others(gone, scan.rgba);
+  keep_others(gone, scan.intensity);
+  keep_others(gone, scan.normals);
+}
+
+/// Flags the vertices at 0 0 0 when they are many and stand far from those that faces join them to.
+std::vector<bool> flag_spikes(const RawScan& scan) {
+  constexpr std::uint64_t kFewest = 4;
+  constexpr double kFar = 4.0;  // median edges
+  std::vector<bool> at_zero(scan.points.size());
+  for (std::size_t i = 0; i < at_zero.size(); ++i) at_zero[i] = is_at_scanner(scan.points[i], std::nullopt);
+  const auto count = static_cast<std::uint64_t>(std::count(at_zero.begin(), at_zero.end(), true));
+  // Where triangles share no vertices, one place has many.
+  const bool shared = 2 * scan.faces.size() > at_zero.size();
+  if (!shared || count < kFewest || count <= at_zero.size() / kOneIn) return std::vector<bool>(at_zero.size(), false);
+  std::vector<double> to_zero;
+  std::vector<double> others;
+  for (const auto& face : scan.faces) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = face[k];
+      const std::uint32_t b = face[(k + 1) % 3];
+      const double length = (scan.points[a] - scan.points[b]).norm();
+      if (length > 0.0) (at_zero[a] || at_zero[b] ? to_zero : others).push_back(length);
+    }
+  }
+  const bool spikes = to_zero.empty() || (!others.empty() && median(to_zero) > kFar * median(others));
+  return spikes ? at_zero : std::vector<bool>(at_zero.size(), false);
+}
+
+/// Flags the vertices of no face.
+std::vector<bool> flag_unused(const RawScan& scan) {
+  std::vector<bool> unused(scan.points.size(), true);
+  for (const auto& face : scan.faces) {
+    for (const std::uint32_t v : face) unused[v] = false;
+  }
+  return unused;
+}
+
+std::uint64_t count_of(const std::vector<bool>& flags) {
+  return static_cast<std::uint64_t>(std::count(flags.begin(), flags.end(), true));
+}
+
+void drop_from_mesh(RawScan& scan) {
+  std::vector<bool> gone = flag_spikes(scan);
+  if (const std::uint64_t zeros = count_of(gone); zeros > 0) {
+    const std::size_t before = scan.faces.size();
+    std::erase_if(scan.faces, [&](const auto& face) {
+      return std::any_of(face.begin(), face.end(), [&](std::uint32_t v) { return gone[v]; });
+    });
+    scan.warnings.push_back(fmt::format(
+        "{} of {} vertices stand at 0 0 0, far from their neighbours, as depth cameras write them where they saw "
+        "nothing; they and the {} faces on them are left out, which leaves holes",
+        zeros, gone.size(), before - scan.faces.size()));
+  }
+  const std::vector<bool> unused = flag_unused(scan);
+  const std::uint64_t loose = count_of(unused) - count_of(gone);
+  if (loose > 0 && 2 * loose > gone.size()) {
+    scan.warnings.push_back(fmt::format("{} of {} vertices belong to no face; they are taken as points beside the mesh",
+                                        loose, gone.size()));
+  } else if (loose > 0) {
+    scan.warnings.push_back(fmt::format("{} of {} vertices belong to no face; they are left out", loose, gone.size()));
+    gone = unused;
+  }
+  const std::uint64_t all = count_of(gone);
+  if (all == 0) return;
+  std::vector<std::uint32_t> place(gone.size());
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < gone.size(); ++i) place[i] = gone[i] ? 0 : next++;
+  for (auto& face : scan.faces) {
+    for (std::uint32_t& v : face) v = place[v];
+  }
+  scan.invalid += all;
+  keep_unflagged(gone, scan);
+}
+
 }  // namespace
 
 bool are_empty_returns(std::uint64_t at_scanner, std::uint64_t points) {
@@ -48,23 +133,17 @@ std::string empty_returns_warning(std::uint64_t at_scanner, std::uint64_t points
       at_scanner, points);
 }
 
-void drop_empty_returns(RawScan& scan) {
-  if (!scan.faces.empty()) return;
+void drop_what_is_no_surface(RawScan& scan) {
+  if (!scan.faces.empty()) {
+    drop_from_mesh(scan);
+    return;
+  }
   const std::vector<bool> gone = flag_points_at_scanner(scan);
-  const auto count = static_cast<std::uint64_t>(std::count(gone.begin(), gone.end(), true));
+  const std::uint64_t count = count_of(gone);
   if (!are_empty_returns(count, gone.size())) return;
   scan.warnings.push_back(empty_returns_warning(count, gone.size()));
   scan.invalid += count;
-  std::size_t before = 0;
-  std::size_t seen = 0;
-  for (RawStation& station : scan.stations) {
-    for (; seen < station.first; ++seen) before += gone[seen] ? 1 : 0;
-    station.first -= before;
-  }
-  keep_others(gone, scan.points);
-  keep_others(gone, scan.rgba);
-  keep_others(gone, scan.intensity);
-  keep_others(gone, scan.normals);
+  keep_unflagged(gone, scan);
 }
 
 }  // namespace sparsha::pipeline

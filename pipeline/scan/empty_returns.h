@@ -22,8 +22,10 @@ namespace sparsha::pipeline {
 /// What is said of them when they are counted as invalid.
 [[nodiscard]] std::string empty_returns_warning(std::uint64_t at_scanner, std::uint64_t points);
 
-/// Takes them out of a scan that was read into memory, counts them as invalid and says so in its warnings. Scans with
-/// faces stay as they are: their vertices are meant.
-void drop_empty_returns(RawScan& scan);
+/// Takes out of a scan that was read into memory what is no surface, counts it as invalid and says so in its warnings.
+/// Without faces: empty returns. Of a mesh: vertices at 0 0 0 whose edges reach much farther than others, as of a depth
+/// camera's picture that was triangulated with its holes, and the faces on them; and vertices of no face, where most
+/// have one.
+void drop_what_is_no_surface(RawScan& scan);
 
 }  // namespace sparsha::pipeline

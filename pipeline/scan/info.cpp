@@ -3,7 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
+#include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
@@ -26,7 +28,8 @@ std::uint64_t count_duplicates(const std::vector<Eigen::Vector3d>& points) {
 
 ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress) {
   RawScan scan = read_scan(file, progress);
-  drop_empty_returns(scan);
+  drop_what_is_no_surface(scan);
+  add_doubts(scan);
   ScanInfo info;
   info.format = scan.format;
   info.points = scan.records;
@@ -36,6 +39,7 @@ ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progres
   info.scans = scan.scans;
   info.viewpoint = scan.viewpoint;
   info.warnings = scan.warnings;
+  if (!scan.pieces.empty()) info.warnings.push_back(scan.pieces);
   const double scale = metres_in(scan.unit.value_or(LengthUnit::automatic));
   if (scan.points.empty()) return info;
   Eigen::Vector3d low = scan.points.front();
@@ -46,6 +50,9 @@ ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progres
   }
   info.min_m = low * scale;
   info.max_m = high * scale;
+  PointSample sample;
+  for (const Eigen::Vector3d& p : scan.points) sample.add(p * scale);
+  info.sample_m = sample.points();
   info.duplicates = count_duplicates(scan.points);
   info.spacing_m = median_spacing(scan.points) * scale;
   if (const std::optional<UnitGuess> guess = guess_unit(scan)) info.warnings.push_back("unit: " + guess->reason);

@@ -52,6 +52,16 @@ double quantile(const std::vector<Eigen::Vector3d>& points, int axis, double ran
   return value_of_rank(values, static_cast<std::size_t>(std::lround(rank * static_cast<double>(values.size() - 1))));
 }
 
+double distance_by_extent(const std::vector<Eigen::Vector3d>& sample, std::uint64_t points) {
+  constexpr double kThinnest = 1e-3;  // of the longest side
+  std::array<double, 3> side{};
+  for (int axis = 0; axis < 3; ++axis)
+    side[static_cast<std::size_t>(axis)] = quantile(sample, axis, 0.99) - quantile(sample, axis, 0.01);
+  std::sort(side.begin(), side.end());
+  const double area = side[2] * std::max(side[1], kThinnest * side[2]);
+  return std::sqrt(area / static_cast<double>(std::max<std::uint64_t>(1, points)));
+}
+
 Eigen::Vector3d common_origin(const PointSample& sample) {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   const std::vector<Eigen::Vector3d> points = sample.points();

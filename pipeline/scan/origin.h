@@ -61,6 +61,10 @@ class PointSample {
 /// Coordinate of that rank (0 to 1) along an axis. There must be points.
 [[nodiscard]] double quantile(const std::vector<Eigen::Vector3d>& points, int axis, double rank);
 
+/// Distance of `points` points that lie evenly on a surface as large as the sample's box without its outliers. There
+/// must be a sample.
+[[nodiscard]] double distance_by_extent(const std::vector<Eigen::Vector3d>& sample, std::uint64_t points);
+
 /// The median of the sample in whole metres.
 [[nodiscard]] Eigen::Vector3d common_origin(const PointSample& sample);
 

@@ -52,12 +52,14 @@ struct RawScan {
   std::uint64_t invalid = 0;                        ///< records not finite or flagged invalid
   std::vector<std::string> fields;                  ///< "x", "y", "z", "red", ...
   std::optional<LengthUnit> unit;                   ///< what the format says
-  bool degrees = false;   ///< x and y are longitude and latitude: shown by info, refused by load_scan
-  std::size_t scans = 1;  ///< scans within the file
+  bool degrees = false;          ///< x and y are longitude and latitude: shown by info, refused by load_scan
+  bool guessed_degrees = false;  ///< so it seems, though the file does not say so; a configured unit overrules it
+  std::size_t scans = 1;         ///< scans within the file
   std::optional<std::array<double, 7>> viewpoint;  ///< PCD: tx ty tz qw qx qy qz; shown, never applied
   std::vector<RawStation> stations;                ///< in memory only, ascending; streams name them block by block
   std::optional<TextTable> table;                  ///< of text tables of points
   std::vector<std::string> warnings;
+  std::string pieces;  ///< a warning too, of a scan in several pieces: only for those who take none away
 };
 
 /// Of a RawScan's format: whether z is up by its custom, else y.
@@ -110,6 +112,7 @@ struct ScanInfo {
   std::size_t scans = 1;
   std::optional<std::array<double, 7>> viewpoint;
   std::vector<std::string> warnings;
+  std::vector<Eigen::Vector3d> sample_m;  ///< of the valid points, chosen by a hash; units as in min_m
 };
 [[nodiscard]] ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress = nullptr);
 

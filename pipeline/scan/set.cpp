@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/files.h"
+#include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/read_bytes.h"
@@ -195,7 +196,7 @@ struct ScanSet::Scan {
   double scale(const ScanConfig& config, Progress& progress) const {
     const std::string name = config.file.string();
     const Units& units = config.units;
-    require_lengths(raw, name);
+    if (!raw.guessed_degrees || units.unit == LengthUnit::automatic) require_lengths(raw, name);
     if (units.unit == LengthUnit::longest_side) {
       const double side = (looked.high - looked.low).maxCoeff();
       if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
@@ -227,7 +228,7 @@ struct ScanSet::Scan {
           &progress, scan->options);
     } else {
       scan->raw = read_scan(config.file, &progress, scan->options);
-      drop_empty_returns(scan->raw);
+      drop_what_is_no_surface(scan->raw);
       scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals}, bounds);
       const std::vector<RawStation>& stations = scan->raw.stations;
       for (std::size_t s = 0; s < stations.size(); ++s) {
@@ -237,6 +238,19 @@ struct ScanSet::Scan {
       }
     }
     scan->decide_empty_returns();
+    // A stream cannot know where a polygon is hollow, nor which points are corners: a mesh is looked at in memory.
+    if (streamed && !scan->raw.faces.empty()) {
+      scan = look_at(config, false, progress);
+      scan->streamed = true;
+      scan->raw.points = {};
+      scan->raw.rgba = {};
+      scan->raw.intensity = {};
+      scan->raw.normals = {};
+      return scan;
+    }
+    add_doubts(scan->raw, scan->looked.sample, scan->looked.count, [&](const auto& use) {
+      scan->for_each_block([&](const PointBlock& block) { use(block.points); }, progress);
+    });
     const std::string name = config.file.string();
     for (const std::string& warning : scan->raw.warnings) progress.warn(name + ": " + warning);
     if (scan->valid == 0) {
@@ -253,6 +267,7 @@ struct ScanSet::Scan {
 ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress)
     : configs_(scans), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
+  std::vector<ScanSize> sizes;
   try {
     for (const ScanConfig& config : scans) {
       progress.throw_if_cancelled();
@@ -270,8 +285,14 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
       colour_ = colour_ || scan.colour;
       intensity_ = intensity_ || scan.intensity;
       z_up_ = z_up_ || is_z_up(scan.raw.format);
+      if (!scan.raw.pieces.empty()) pieces_.push_back(config.file.string() + ": " + scan.raw.pieces);
       sample.merge(scan.looked.sample, scan.placement);
+      PointSample placed;
+      placed.merge(scan.looked.sample, scan.placement);
+      const bool has_unit = scan.raw.unit || config.units.unit != LengthUnit::automatic;
+      sizes.emplace_back(config.file.string(), placed.points(), scan.valid, has_unit);
     }
+    for (const UnitDifference& difference : differing_units(sizes)) progress.warn(difference.reason);
   } catch (...) {
     *abandoned_ = true;
     throw;
@@ -319,7 +340,6 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
     Scan* scan = scans_[s].get();
     std::unique_ptr<Scan> again;
     if (scan->streamed && !scan->raw.faces.empty()) {
-      // A stream cannot know where a polygon is hollow: faces are read with their points.
       again = Scan::look_at(configs_[s], false, progress);
       scan = again.get();
     }

@@ -47,6 +47,8 @@ class ScanSet {
   [[nodiscard]] bool has_intensity() const { return intensity_; }
   /// By the custom of any of the formats, see is_z_up().
   [[nodiscard]] bool z_up() const { return z_up_; }
+  /// What is to be said of scans in several pieces, unless something takes pieces away.
+  [[nodiscard]] const std::vector<std::string>& pieces() const { return pieces_; }
   /// The median of the points in whole metres: a function of the set of points alone.
   [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
@@ -74,6 +76,7 @@ class ScanSet {
   std::vector<std::future<std::string>> digests_;
   std::uint64_t points_ = 0, invalid_ = 0;
   std::size_t faces_ = 0;
+  std::vector<std::string> pieces_;
   bool colour_ = false, intensity_ = false, z_up_ = false;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
 };

@@ -16,6 +16,7 @@
 
 #include "base/hash.h"
 #include "base/statistics.h"
+#include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
 
@@ -72,16 +73,6 @@ class Neighbourhoods {
   std::vector<float> nearest_;
   std::unordered_map<Cell, std::vector<std::uint32_t>, Hash> near_;
 };
-
-/// Mean distance of points that lie on a surface as large as the sample's box without its outliers.
-double mean_spacing(const std::vector<Eigen::Vector3d>& sample, std::uint64_t points) {
-  std::array<double, 3> side{};
-  for (int axis = 0; axis < 3; ++axis)
-    side[static_cast<std::size_t>(axis)] = quantile(sample, axis, 0.99) - quantile(sample, axis, 0.01);
-  std::sort(side.begin(), side.end());
-  const double area = side[2] * std::max(side[1], side[2] * 1e-6);
-  return std::sqrt(area / static_cast<double>(points));
-}
 
 /// Nothing when a point is repeated so often that the search for another one would take the whole cloud, each time.
 std::optional<double> spacing_by_tree(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud) {
@@ -169,33 +160,42 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
       statistics.scan.invalid += at_scanner;
       count -= at_scanner;
     }
-    if (count > kSample && statistics.scan.faces.empty()) {
-      std::vector<Eigen::Vector3d> places = few.points();
-      const double reach = kReach * mean_spacing(places, count);
-      Neighbourhoods neighbours(std::move(places), std::max(reach, 1e-12));
-      const std::uint64_t every = count / kSample;
-      std::uint64_t next = 0;
-      std::uint64_t seen = 0;
+    const auto each_point = [&](const auto& use) {
+      std::vector<Eigen::Vector3d> seen;
       (void)stream_scan(
           file,
           [&](const PointBlock& block) {
             progress.throw_if_cancelled();
-            for (const Eigen::Vector3d& p : block.points) {
-              if (empty_returns && is_at_scanner(p, block.station)) continue;
-              if (seen++ == next) {
-                statistics.scan.points.push_back(p);
-                next += every;
-              }
-              neighbours.add(p);
-            }
+            seen.assign(block.points.begin(), block.points.end());
+            if (empty_returns) std::erase_if(seen, [&](const auto& p) { return is_at_scanner(p, block.station); });
+            use(std::span<const Eigen::Vector3d>(seen));
           },
           &progress);
+    };
+    if (count > kSample && statistics.scan.faces.empty()) {
+      add_doubts(statistics.scan, few, count, each_point);
+      std::vector<Eigen::Vector3d> places = few.points();
+      const double reach = kReach * distance_by_extent(places, count);
+      Neighbourhoods neighbours(std::move(places), std::max(reach, 1e-12));
+      const std::uint64_t every = count / kSample;
+      std::uint64_t next = 0;
+      std::uint64_t seen = 0;
+      each_point([&](std::span<const Eigen::Vector3d> block) {
+        for (const Eigen::Vector3d& p : block) {
+          if (seen++ == next) {
+            statistics.scan.points.push_back(p);
+            next += every;
+          }
+          neighbours.add(p);
+        }
+      });
       statistics.spacing = neighbours.median();
       return statistics;
     }
   }
   statistics.scan = read_scan(file, &progress);
-  drop_empty_returns(statistics.scan);
+  drop_what_is_no_surface(statistics.scan);
+  add_doubts(statistics.scan);
   statistics.spacing = median_spacing(statistics.scan.points);
   return statistics;
 }

@@ -1,5 +1,9 @@
 #include "pipeline/scan/units.h"
 
+#include <algorithm>
+#include <array>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -11,6 +15,52 @@ namespace {
 constexpr double kLargestObject_m = 60.0;     // beyond, an object that is not georeferenced is rather in mm
 constexpr double kGeoreferenced_m = 10000.0;  // nobody's local coordinates are so far from zero
 constexpr double kSmallestObject_m = 0.002;
+
+// Two units and how many of the smaller one are in the larger one.
+struct UnitPair {
+  double times;
+  LengthUnit smaller, larger;
+  bool side_by_side;  // must be evident from the scans' places
+};
+constexpr std::array kUnitPairs = {UnitPair{1000.0, LengthUnit::mm, LengthUnit::m, false},
+                                   UnitPair{100.0, LengthUnit::cm, LengthUnit::m, true},
+                                   UnitPair{10.0, LengthUnit::mm, LengthUnit::cm, true}};
+
+double longest(const ScanSize& scan) { return (scan.high - scan.low).maxCoeff(); }
+
+// Whether the boxes come as near to each other as a tenth of the longer one.
+bool touch(const ScanSize& a, double scale_a, const ScanSize& b) {
+  const double room = 0.1 * std::max(scale_a * longest(a), longest(b));
+  return ((scale_a * a.low - b.high).array() <= room).all() && ((b.low - scale_a * a.high).array() <= room).all();
+}
+
+std::optional<UnitDifference> difference_of(const ScanSize& large, const ScanSize& small) {
+  // A scan of kilometres as a scan of metres has none.
+  if (large.has_unit || !(large.apart > 0.0 && small.apart > 0.0 && longest(small) > 0.0)) return std::nullopt;
+  for (const UnitPair& pair : kUnitPairs) {
+    const auto is_about = [&](double ratio, double factor) {
+      return ratio > pair.times / factor && ratio < pair.times * factor;
+    };
+    const double alike = pair.side_by_side ? 1.5 : 3.0;
+    if (!is_about(longest(large) / longest(small), alike)) continue;
+    const bool touching = touch(large, 1.0 / pair.times, small);
+    if (pair.side_by_side && !touching) continue;
+    // A mesh and a cloud, or two scanners, differ in density too.
+    const double density = !pair.side_by_side && touching ? 10.0 * alike : alike;
+    if (!is_about(large.apart / small.apart, density)) continue;
+    if (small.has_unit && pair.larger != LengthUnit::m) continue;  // its lengths are metres
+    UnitDifference found;
+    found.of_large = pair.smaller;
+    found.of_small = pair.larger;
+    found.reason = fmt::format(
+        "{} is about {:.0f} times as large as {}, and so much farther apart are its points: one seems to be in "
+        "{}, "
+        "the other in {}; set the 'units' of each",
+        large.name, pair.times, small.name, to_string(pair.smaller), to_string(pair.larger));
+    return found;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -46,10 +96,38 @@ std::optional<UnitGuess> guess_unit(const RawScan& scan) {
   return doubt_metres(sample);
 }
 
+ScanSize::ScanSize(std::string file, const std::vector<Eigen::Vector3d>& sample, std::uint64_t points, bool unit)
+    : name(std::move(file)), has_unit(unit) {
+  if (sample.empty()) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = quantile(sample, axis, 0.01);
+    high[axis] = quantile(sample, axis, 0.99);
+  }
+  apart = distance_by_extent(sample, points);
+}
+
+std::vector<UnitDifference> differing_units(const std::vector<ScanSize>& scans) {
+  std::vector<UnitDifference> found;
+  for (std::size_t large = 0; large < scans.size(); ++large) {
+    for (std::size_t small = 0; small < scans.size(); ++small) {
+      std::optional<UnitDifference> difference = difference_of(scans[large], scans[small]);
+      if (!difference) continue;
+      difference->large = large;
+      difference->small = small;
+      found.push_back(std::move(*difference));
+    }
+  }
+  return found;
+}
+
 void require_lengths(const RawScan& scan, const std::string& file) {
   if (!scan.degrees) return;
-  throw input_error(file, "its x and y are degrees of longitude and latitude, its z is a length",
-                    "projected coordinates in metres or feet; reproject the scan first");
+  throw input_error(file,
+                    scan.guessed_degrees ? "its x and y look like degrees of longitude and latitude, its z is a length"
+                                         : "its x and y are degrees of longitude and latitude, its z is a length",
+                    scan.guessed_degrees
+                        ? "projected coordinates in metres or feet: reproject the scan first, or give its 'units'"
+                        : "projected coordinates in metres or feet; reproject the scan first");
 }
 
 }  // namespace sparsha::pipeline

@@ -1,8 +1,11 @@
 // What a scan's numbers mean in metres, and whether that can be true.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -26,7 +29,31 @@ struct UnitGuess {
 /// The same for a scan in memory whose format names no unit; nothing when it does. For `sparsha new`.
 [[nodiscard]] std::optional<UnitGuess> guess_unit(const RawScan& scan);
 
-/// Throws Error{input} for a scan in degrees, whose numbers no unit makes lengths.
+/// What tells the unit of one of several scans of an object: lengths as they are read, metres where no unit is known.
+struct ScanSize {
+  std::string name;
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();  ///< box without outliers
+  Eigen::Vector3d high = Eigen::Vector3d::Zero();
+  double apart = 0.0;     ///< distance of its points, by the box; 0 when there are none
+  bool has_unit = false;  ///< by its format or by the configuration
+
+  ScanSize() = default;
+  /// `sample` of `points` points.
+  ScanSize(std::string file, const std::vector<Eigen::Vector3d>& sample, std::uint64_t points, bool unit);
+};
+
+/// Two scans that cannot be in one unit: one is about 10, 100 or 1000 times as large as the other and its points are as
+/// many times as far apart; for 10 and 100 more exactly so, and they must lie side by side in their own units, since a
+/// detail may be scanned ten times as finely.
+struct UnitDifference {
+  std::size_t large = 0, small = 0;     ///< indices of the scans
+  LengthUnit of_large = LengthUnit::m;  ///< units that explain it
+  LengthUnit of_small = LengthUnit::m;
+  std::string reason;  ///< one sentence
+};
+[[nodiscard]] std::vector<UnitDifference> differing_units(const std::vector<ScanSize>& scans);
+
+/// Throws Error{input} for a scan in degrees, whose numbers no unit makes lengths; told or guessed.
 void require_lengths(const RawScan& scan, const std::string& file);
 
 }  // namespace sparsha::pipeline

@@ -119,6 +119,7 @@ void ScanWriter::renumber_faces() {
     }
   }
   std::uint64_t missing = 0;
+  std::uint64_t holes = 0;
   const auto renumber = [&](std::span<std::uint32_t> corners) {
     bool exists = true;
     bool valid = true;
@@ -131,6 +132,7 @@ void ScanWriter::renumber_faces() {
       valid = valid && corner != kGone;
     }
     if (!exists) ++missing;
+    if (exists && !valid) ++holes;
     return exists && valid;
   };
   std::erase_if(scan_.faces, [&](std::array<std::uint32_t, 3>& face) { return !renumber(face); });
@@ -145,6 +147,10 @@ void ScanWriter::renumber_faces() {
     read += corners + 1;
   }
   polygons_.resize(write);
+  if (holes > 0) {
+    scan_.warnings.push_back(std::to_string(holes) + (holes == 1 ? " face lies" : " faces lie") +
+                             " on vertices that are not valid; left out, which leaves holes");
+  }
   if (missing > 0) {
     scan_.warnings.push_back(std::to_string(missing) + (missing == 1 ? " face names" : " faces name") +
                              " vertices that the file does not have; left out");

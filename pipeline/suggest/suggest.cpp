@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
@@ -84,18 +85,48 @@ FoundUnit unit_of(const RawScan& scan) {
   return {};
 }
 
+// What is known of each scan's size without its unit.
+std::vector<ScanSize> sizes_of(const std::vector<fs::path>& files, const std::vector<ScanStatistics>& scans) {
+  std::vector<ScanSize> sizes;
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const RawScan& scan = scans[s].scan;
+    const double metres = metres_in(scan.unit.value_or(LengthUnit::automatic));
+    PointSample sample;
+    for (const Eigen::Vector3d& p : scan.points) sample.add(p * metres);
+    sizes.emplace_back(files[s].string(), sample.points(), scan.records - scan.invalid, scan.unit.has_value());
+  }
+  return sizes;
+}
+
 // The units of scans of one object. Files that name none were written by one program, so that one of which metres
-// cannot be true tells the unit of them all: a detail has a plausible size in any unit.
-std::vector<FoundUnit> units_of(const std::vector<fs::path>& files, const std::vector<ScanStatistics>& scans) {
+// cannot be true tells the unit of them all: a detail has a plausible size in any unit. Unless their sizes tell that
+// the units differ.
+std::vector<FoundUnit> units_of(const std::vector<fs::path>& files, const std::vector<ScanStatistics>& scans,
+                                Progress& progress) {
   std::vector<FoundUnit> units;
   for (const ScanStatistics& statistics : scans) units.push_back(unit_of(statistics.scan));
-  const auto tells = [&](std::size_t s) { return !scans[s].scan.unit && units[s].metres != 1.0; };
+  const auto name = [&](std::size_t s) { return quoted(files[s].filename().string()); };
+  std::vector<bool> told(scans.size());
+  for (const UnitDifference& difference : differing_units(sizes_of(files, scans))) {
+    progress.warn(difference.reason);
+    const double times = metres_in(difference.of_small) / metres_in(difference.of_large);
+    const auto tell = [&](std::size_t s, LengthUnit unit, const std::string& reason) {
+      if (!scans[s].scan.unit) units[s] = {to_string(unit), reason, metres_in(unit)};
+      told[s] = true;
+    };
+    tell(difference.large, difference.of_large,
+         fmt::format("about {:.0f} times as large as {}, and its points as far apart", times, name(difference.small)));
+    tell(difference.small, difference.of_small,
+         fmt::format("about {:.0f} times smaller than {}, and its points as much nearer to each other", times,
+                     name(difference.large)));
+  }
+  const auto tells = [&](std::size_t s) { return !told[s] && !scans[s].scan.unit && units[s].metres != 1.0; };
   std::size_t teller = 0;
   while (teller < units.size() && !tells(teller)) ++teller;
   for (std::size_t s = 0; teller < units.size() && s < units.size(); ++s) {
-    if (scans[s].scan.unit || tells(s)) continue;
+    if (scans[s].scan.unit || told[s] || tells(s)) continue;
     units[s] = units[teller];
-    units[s].reason = fmt::format("as {}: {}", quoted(files[teller].filename().string()), units[teller].reason);
+    units[s].reason = fmt::format("as {}: {}", name(teller), units[teller].reason);
   }
   return units;
 }
@@ -116,9 +147,10 @@ std::string columns_text(const RawScan& scan) {
   return fmt::format("    columns: [{}]  # no header; told by the values\n", fmt::join(scan.table->columns, ", "));
 }
 
-// Reads the scans into `seen` and `points`; their part of the configuration.
+// Reads the scans into `seen` and `points`; their part of the configuration. `pieces`: what is to be said of those in
+// several.
 std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
-                    Progress& progress) {
+                    std::vector<std::string>& pieces, Progress& progress) {
   constexpr std::uint64_t kLarge = 256'000'000;  // bytes of all files beyond which a sample of each is kept
   std::vector<ScanStatistics> all;
   for (const fs::path& file : scans) {
@@ -129,15 +161,17 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
     for (const std::string& warning : all.back().scan.warnings) progress.warn(file.string() + ": " + warning);
     require_lengths(all.back().scan, file.string());
   }
-  const std::vector<FoundUnit> units = units_of(scans, all);
+  const std::vector<FoundUnit> units = units_of(scans, all, progress);
   std::string text = "scans:\n";
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::string columns = columns_text(all[s].scan);
     seen.look_at(all[s].scan, units[s].metres);
     points.add(all[s], units[s].metres);
-    all[s] = {};
     text += fmt::format("  - file: {}\n    units: {}  # {}\n{}", quoted(shown_path(scans[s], folder)), units[s].name,
                         units[s].reason, columns);
+    if (!all[s].scan.pieces.empty()) pieces.push_back(scans[s].string() + ": " + all[s].scan.pieces);
+    for (const std::string& warning : all[s].scan.warnings) text += fmt::format("    # {}\n", warning);
+    all[s] = {};
   }
   return text;
 }
@@ -161,7 +195,8 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   progress.begin("look at the scans");
   SeenScans seen;
   TrialCloud points;
-  const std::string scan_block = look_at(scans, folder, seen, points, progress);
+  std::vector<std::string> pieces;
+  const std::string scan_block = look_at(scans, folder, seen, points, pieces, progress);
   const InnerBox box = inner_box(seen.points_m);
   const double longest_m = (box.high - box.low).maxCoeff();
   constexpr double kLongest_m = 1e9;
@@ -169,7 +204,13 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
     throw input_error(scans.front().string(), fmt::format("its points spread over {:.3g} m", longest_m),
                       "a scan of less than 1e9 m; damaged coordinates or another unit");
   }
-  const std::string filter_block = crop_to_group(seen, points, progress);
+  std::string filter_block = crop_to_group(seen, points, progress);
+  if (filter_block.empty()) {
+    for (const std::string& sentence : pieces) {
+      progress.warn(sentence);
+      filter_block += "# " + sentence + "\n";
+    }
+  }
   progress.begin("try views");
   const double share = points.share();
   const Choice choice = find_view_and_spacing(points, seen, progress);

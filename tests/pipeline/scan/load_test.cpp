@@ -311,7 +311,7 @@ TEST(ScanSet, AStationsPlaceIsNoSurfaceEither) {
     const Eigen::Vector3d stood = *scan.stations[i < 50 ? 0 : 1].place;
     scan.points.push_back(i % 2 == 0 ? stood : Eigen::Vector3d(stood + Eigen::Vector3d(0, 0, 1 + i)));
   }
-  drop_empty_returns(scan);
+  drop_what_is_no_surface(scan);
   ASSERT_EQ(scan.points.size(), 50U);
   EXPECT_EQ(scan.invalid, 50U);
   EXPECT_EQ(scan.stations[1].first, 25U);

@@ -40,17 +40,37 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
   return columns;
 }
 
+bool is_face(const Element& element) {
+  for (const std::string_view name :
+       {"face", "faces", "polygon", "polygons", "triangle", "triangles", "facet", "facets"})
+    if (element.name == name) return true;
+  return element.name == "tristrips" || element.name == "tristrip";
+}
+
 Role role_of(const Element& element) {
   if (element.name == "vertex" || element.name == "vertices") return Role::vertex;
-  if (index_list(element) < 0) return Role::other;
-  if (element.name == "face" || element.name == "faces") return Role::face;
-  if (element.name == "tristrips" || element.name == "tristrip") return Role::strips;
-  return Role::other;
+  if (!is_face(element) || index_list(element) < 0) return Role::other;
+  return element.name.starts_with("tristrip") ? Role::strips : Role::face;
 }
 
 int index_list(const Element& element) {
-  const int column = element.find({"vertex_indices", "vertex_index"});
-  return column >= 0 && element.properties[static_cast<std::size_t>(column)].count_type ? column : -1;
+  const auto is_list = [&](int column) {
+    return column >= 0 && element.properties[static_cast<std::size_t>(column)].count_type.has_value();
+  };
+  if (const int column = element.find({"vertex_indices", "vertex_index"}); is_list(column)) return column;
+  // Other names in use, "vertex_index_list" or "indices", where one list alone can be meant.
+  int found = -1;
+  for (std::size_t k = 0; k < element.properties.size(); ++k) {
+    const Property& property = element.properties[k];
+    const auto has = [&](std::string_view part) { return property.name.find(part) != std::string::npos; };
+    const bool whole = property.type != ScalarType::f32 && property.type != ScalarType::f64;
+    if (!property.count_type || !whole || !(has("vert") || has("ind")) || has("texc") || has("texn") || has("textur") ||
+        has("norm") || has("uv"))
+      continue;
+    if (found >= 0) return -1;
+    found = static_cast<int>(k);
+  }
+  return found;
 }
 
 namespace {
@@ -127,6 +147,12 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
                           "a header that fits the file; it may be cut short");
     }
     left -= std::min<std::size_t>(left, static_cast<std::size_t>(element.count) * size);
+  }
+  for (const ply::Element& element : header.elements) {
+    if (element.count == 0 || ply::role_of(element) != ply::Role::other || !ply::is_face(element)) continue;
+    scan.warnings.push_back("the " + std::to_string(element.count) + " records of element " + in_quotes(element.name) +
+                            " are not used, since no list of theirs is known to hold vertices ('vertex_indices'); the "
+                            "vertices are taken as points");
   }
   const ply::VertexColumns columns = ply::vertex_columns(file, *vertex);
   out.begin(vertex->count, columns.has_colour(), columns.intensity >= 0, columns.has_normals());

@@ -63,6 +63,8 @@ struct VertexColumns {
 
 /// What an element is to us.
 enum class Role : std::uint8_t { vertex, face, strips, other };
+/// By its name alone.
+[[nodiscard]] bool is_face(const Element& element);
 [[nodiscard]] Role role_of(const Element& element);
 /// The list of vertex numbers of a face or strip element, -1 without.
 [[nodiscard]] int index_list(const Element& element);
