@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/scan/formats/text/columns.h"
+#include "pipeline/scan/formats/text/first_column.h"
 #include "pipeline/scan/formats/text/layout.h"
 #include "pipeline/scan/formats/text/no_data.h"
 #include "pipeline/scan/formats/text/table.h"
@@ -107,7 +108,7 @@ class Reader {
       z = kNaN;
     }
     const auto has = [&](int column) { return column >= 0 && static_cast<std::size_t>(column) < row.count; };
-    std::uint32_t rgba = kWhite;
+    std::uint32_t rgba = kNoColour;
     if (columns().has_colour() && has(std::max({columns().red, columns().green, columns().blue}))) {
       rgba = pack_rgba(colour_byte(value(columns().red), columns().scale),
                        colour_byte(value(columns().green), columns().scale),
@@ -115,8 +116,9 @@ class Reader {
       ++coloured_;
     }
     if (normals_) set_normal(row);
+    if (columns().by == TextTable::By::position) first_column_.add(value(columns().x), value(columns().y), z);
     out_.add(value(columns().x), value(columns().y), z, rgba,
-             has(columns().intensity) ? static_cast<float>(value(columns().intensity)) : 0.0F);
+             has(columns().intensity) ? static_cast<float>(value(columns().intensity)) : kNoIntensity);
     ++rows_;
     ++rows_of_block_;
   }
@@ -199,12 +201,10 @@ class Reader {
   /// What a reader of the result should know.
   void tell() {
     RawScan& scan = out_.scan();
+    if (const std::string doubt = first_column_.doubt(); !doubt.empty()) scan.warnings.push_back(doubt);
     if (longer_ > 0 && !columns().rows_vary) {
       scan.warnings.push_back(std::to_string(longer_) + (longer_ == 1 ? " row has" : " rows have") +
                               " more values than most; the first " + std::to_string(columns().usual) + " are taken");
-    }
-    if (coloured_ > 0 && coloured_ < rows_) {
-      scan.warnings.push_back(fmt::format("{} of {} points have no colour; they are white", rows_ - coloured_, rows_));
     }
     if (no_data_ > 0) {
       scan.warnings.push_back(
@@ -218,6 +218,7 @@ class Reader {
   ScanWriter& out_;
   std::size_t begin_;
   TableLayout layout_;
+  FirstColumn first_column_;
   std::size_t needed_ = 3;
   bool normals_ = false;  ///< of any block
   std::uint64_t rows_ = 0;

@@ -1,4 +1,8 @@
 // Columns of numbers: every separator, header and meaning of columns.
+#include <algorithm>
+#include <numeric>
+#include <random>
+
 #include <gmock/gmock.h>
 
 #include "tests/support/scan_files.h"
@@ -115,6 +119,69 @@ TEST(XyzReader, RefusesBrokenRowsWithTheirLine) {
   refuse("1 2\n3 4\n", 1, "a row of 2 values");
   refuse("nothing here\n", 1, "no rows of numbers");
   refuse(std::string("\x01\x02\x03\0\x05", 5), 0, "binary data");
+}
+
+/// Rows of `first(k)` and a relief's x, y and z.
+template <typename First>
+std::string rows_with(const First& first) {
+  std::string text;
+  for (int k = 0; k < 400; ++k) {
+    const double x = 0.02 * (k % 20);
+    const double y = 0.02 * (k / 20);
+    text += first(k) + " " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(0.01 * x * y) + "\n";
+  }
+  return text;
+}
+
+std::string doubt_of(const std::string& text) {
+  const RawScan scan = read_scan_bytes(text, "a.xyz");
+  std::string all;
+  for (const std::string& warning : scan.warnings) all += warning + "\n";
+  if (all.find("first column") == std::string::npos) return {};
+  return all;
+}
+
+/// Unless the reader takes the columns behind it for x, y and z by itself.
+bool is_doubted_or_told(const std::string& text, const std::string& words) {
+  const RawScan scan = read_scan_bytes(text, "a.xyz");
+  const bool told = scan.table && scan.table->by != TextTable::By::position;
+  return told || doubt_of(text).find(words) != std::string::npos;
+}
+
+TEST(XyzReader, AFirstColumnThatIsRatherANumberATimeOrAnAngleIsDoubted) {
+  std::mt19937 random(3);
+  std::vector<int> order(400);
+  std::iota(order.begin(), order.end(), 1);
+  std::shuffle(order.begin(), order.end(), random);
+  const auto whole = [](int k) { return std::to_string(k); };
+  const auto at = [&](int k) { return static_cast<std::size_t>(k); };
+  EXPECT_TRUE(
+      is_doubted_or_told(rows_with([&](int k) { return whole(1001 + k); }), "rise from row to row (1001 to 1400)"));
+  EXPECT_TRUE(is_doubted_or_told(rows_with([&](int k) { return whole(3 * k + k % 2); }), "rise from row to row"));
+  EXPECT_TRUE(is_doubted_or_told(rows_with([&](int k) { return whole(order[at(k)]); }), "never repeat"));
+  EXPECT_TRUE(is_doubted_or_told(rows_with([&](int k) { return std::to_string(1e-4 * k); }), "as a time does"));
+  EXPECT_TRUE(is_doubted_or_told(rows_with([&](int k) { return whole(18 * (k % 20) - 180); }), "as an angle does"));
+}
+
+TEST(XyzReader, AFirstColumnThatIsXIsNotDoubted) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::string raster;
+  std::string millimetres;
+  std::string sorted;
+  std::string scattered;
+  for (int k = 0; k < 400; ++k) {
+    const auto row = [](double x, double y, double z) {
+      return std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+    };
+    raster += row(0.02 * (k % 20), 0.02 * (k / 20), 0.001 * (k % 7));
+    millimetres += std::to_string(k % 20) + " " + std::to_string(k / 20) + " " + std::to_string(0.1 * (k % 7)) + "\n";
+    sorted += row(0.01 * k + 0.009 * unit(random), unit(random), 0.1 * unit(random));
+    scattered += row(unit(random), unit(random), 0.1);
+  }
+  for (const std::string& text : {raster, millimetres, scattered}) EXPECT_EQ(doubt_of(text), "");
+  EXPECT_EQ(doubt_of(sorted), "") << "sorted by x, but unevenly";
+  EXPECT_EQ(doubt_of("x y z\n" + rows_with([](int k) { return std::to_string(k); })), "") << "the file says so";
 }
 
 }  // namespace
