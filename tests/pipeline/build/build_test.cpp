@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -205,6 +206,78 @@ TEST_F(Build, ReportJsonSaysWhatTheReportSays) {
                           "peak_rss_bytes", "inputs", "warnings", "version"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
+}
+
+/// A relief of 26 x 21 vertices, 0.02 apart; of its corners a grid of 1 mm has one in four hundred nodes.
+void write_mesh(const fs::path& file) {
+  std::ofstream text(file);
+  for (int j = 0; j < 21; ++j)
+    for (int i = 0; i < 26; ++i)
+      text << "v " << 0.02 * i << ' ' << 0.02 * j << ' ' << 0.02 * std::sin(0.4 * i) * std::cos(0.3 * j) << '\n';
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 25; ++i) {
+      const int n = 26 * j + i + 1;
+      text << "f " << n << ' ' << n + 1 << ' ' << n + 26 << "\nf " << n + 1 << ' ' << n + 27 << ' ' << n + 26 << '\n';
+    }
+}
+
+TEST_F(Build, AMeshIsJudgedByItsTrianglesAndCalledAMesh) {
+  write_mesh(folder_ / "mesh.obj");
+  Config config;
+  ScanConfig scan;
+  scan.file = folder_ / "mesh.obj";
+  scan.units.unit = LengthUnit::m;
+  config.scans = {scan};
+  config.grid.spacing_m = 0.001;
+  config.check = CheckConfig{20000};
+  const auto built = [&](const std::string& name, unsigned threads, std::uint64_t memory_bytes) {
+    BuildOptions options;
+    options.threads = threads;
+    options.memory_bytes = memory_bytes;
+    Progress progress;
+    build_scene_folder(config, options, folder_ / name, progress);
+    return nlohmann::json::parse(read_file(folder_ / name / "report.json", 1U << 24U));
+  };
+  const auto report = built("scene", 1, 0);
+  EXPECT_EQ(report["triangles"], 1000);
+  EXPECT_EQ(report["check"]["against"], "mesh");
+  EXPECT_EQ(report["check"]["completeness"], 1.0);
+  EXPECT_EQ(report["check"]["cloud_to_surface"]["samples"], 20000);
+  // Flat triangles and bilinear cells of 1 mm differ at edges alone; heights are float32.
+  EXPECT_LT(report["check"]["cloud_to_surface"]["median_m"], 1e-8);
+  EXPECT_LT(report["check"]["surface_to_cloud"]["max_m"], 1e-7);
+  EXPECT_TRUE(report["warnings"].empty());
+  EXPECT_EQ(built("again", 3, 1'000'000'000)["check"], report["check"]);
+  expect_same_layers_and_description(folder_ / "scene", folder_ / "again");
+
+  const std::string page = read_file(folder_ / "scene" / "report.html", 1U << 30U);
+  EXPECT_NE(page.find("Half of the mesh lies within"), std::string::npos);
+  EXPECT_EQ(page.find("<dt>Points to surface</dt>"), std::string::npos);
+  Progress progress;
+  const Report checked = recheck_scene(*open_scene(folder_ / "scene"), {}, *config.check, 0, progress);
+  EXPECT_EQ(checked.check->against, CheckResult::Against::mesh);
+  EXPECT_EQ(checked.triangles, 1000U);
+  EXPECT_DOUBLE_EQ(*checked.check->completeness, 1.0);
+}
+
+TEST_F(Build, IslandsBesideAMeshAreSaidUnlessAFilterTakesThemAway) {
+  write_mesh(folder_ / "mesh.obj");
+  std::ofstream(folder_ / "mesh.obj", std::ios::app) << "v 0.1 0.1 0.1\nv 0.13 0.1 0.1\nv 0.1 0.13 0.1\nf -1 -2 -3\n";
+  Config config;
+  ScanConfig scan;
+  scan.file = folder_ / "mesh.obj";
+  scan.units.unit = LengthUnit::m;
+  config.scans = {scan};
+  config.grid.spacing_m = 0.002;
+  const BuildResult islands = build_scene(config, {}, progress_);
+  ASSERT_EQ(islands.report.warnings.size(), 1U);
+  EXPECT_NE(islands.report.warnings[0].find("2 separate pieces"), std::string::npos);
+  config.filters = {KeepConfig{{}, 0.03}};
+  Progress progress;
+  const BuildResult kept = build_scene(config, {}, progress);
+  EXPECT_TRUE(kept.report.warnings.empty());
+  EXPECT_EQ(kept.report.triangles, 1000U);
+  EXPECT_LT(kept.scene->description().height_max_m, 0.03);
 }
 
 TEST_F(Build, ASceneCheckedAgainAgreesWithItsBuild) {
