@@ -349,6 +349,27 @@ TEST(Filters, StopWhenCancelled) {
   EXPECT_THROW(apply_filters(cloud, {OutlierConfig{}}, {pool, progress}), Cancelled);
 }
 
+TEST(Filters, KeepWhatAFieldOrAClassAllowsAndPointsOfScansThatSayNothing) {
+  ThreadPool pool(1);
+  Progress progress;
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const auto left = [&](const FilterConfig& filter) {
+    Cloud cloud = cloud_of(Points(6, Eigen::Vector3d::Zero()));
+    for (std::size_t i = 0; i < cloud.size(); ++i) cloud.xyz1()[4 * i] = static_cast<float>(i);
+    cloud.fields = {{"confidence", {0.0F, 0.5F, 1.0F, 1.5F, kNone, 2.0F}},
+                    {PointField::kClass, {2.0F, 7.0F, 18.0F, 2.0F, kNone, 6.0F}}};
+    apply_filters(cloud, {filter}, {pool, progress});
+    std::string names;
+    for (std::size_t i = 0; i < cloud.size(); ++i) names += std::to_string(std::lround(cloud.xyz1()[4 * i]));
+    for (const PointField& field : cloud.fields) EXPECT_EQ(field.values.size(), cloud.size());
+    return names;
+  };
+  EXPECT_EQ(left(FieldConfig{"confidence", 0.5, 1.5}), "1234");
+  EXPECT_EQ(left(ClassesConfig{{}, {7, 18}}), "0345");
+  EXPECT_EQ(left(ClassesConfig{{2}, {}}), "034");
+  EXPECT_THROW((void)left(FieldConfig{"quality", 0.0, 1.0}), Error);
+}
+
 TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
   const Points points = relief(20000, 2);
   FilterNeeds needs;
@@ -356,6 +377,8 @@ TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
   std::vector<FilterConfig> filters{CropConfig{{0, 0, -1}, {0.5, 0.7, 1}}, PassConfig{0, 0.1, 0.9}, VoxelConfig{0.02},
                                     ThinConfig{2}};
   filters.emplace_back(RemovePlaneConfig{0.01, RemovePlaneConfig::Side::both, {0, 0, 1}, 30.0});
+  filters.emplace_back(FieldConfig{"confidence", 0.25, 1.0});
+  filters.emplace_back(ClassesConfig{{}, {7, 18}});
   for (const int method : {0, 1}) {
     filters.emplace_back(OutlierConfig{8, 2.0, static_cast<OutlierConfig::Method>(method)});
     filters.emplace_back(RadiusOutlierConfig{0.02, 4, static_cast<RadiusOutlierConfig::Method>(method)});
@@ -369,6 +392,12 @@ TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
       ThreadPool pool(threads);
       Progress progress;
       Cloud cloud = cloud_of(points, true);
+      cloud.fields = {{"confidence", std::vector<float>(cloud.size())},
+                      {PointField::kClass, std::vector<float>(cloud.size())}};
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        cloud.fields[0].values[i] = static_cast<float>(i % 100) / 100.0F;
+        cloud.fields[1].values[i] = static_cast<float>(i % 20);
+      }
       apply_filters(cloud, {filter}, {pool, progress}, needs);
       return cloud;
     };

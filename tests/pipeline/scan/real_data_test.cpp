@@ -159,8 +159,12 @@ TEST(RealScans, AreAllInTheTable) {
   std::set<std::string> named;
   for (const Expected& expected : kFiles) named.insert(expected.file);
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::filesystem::path path = std::filesystem::relative(entry.path(), folder);
+    // data/reported has a table of its own (expected.tsv); data/laz and its table serve a reader of LAZ.
+    const std::string part = path.begin()->string();
+    if (part == "reported" || part == "laz" || path == "laz_expected.tsv") continue;
     if (!entry.is_regular_file() || entry.path().extension() == ".md") continue;
-    EXPECT_EQ(named.count(std::filesystem::relative(entry.path(), folder).generic_string()), 1U) << entry.path();
+    EXPECT_EQ(named.count(path.generic_string()), 1U) << entry.path();
   }
 }
 

@@ -113,7 +113,6 @@ class Reader {
       rgba = pack_rgba(colour_byte(value(columns().red), columns().scale),
                        colour_byte(value(columns().green), columns().scale),
                        colour_byte(value(columns().blue), columns().scale));
-      ++coloured_;
     }
     if (normals_) set_normal(row);
     if (columns().by == TextTable::By::position) first_column_.add(value(columns().x), value(columns().y), z);
@@ -224,7 +223,6 @@ class Reader {
   std::uint64_t rows_ = 0;
   std::uint64_t rows_of_block_ = 0;
   std::uint64_t longer_ = 0;
-  std::uint64_t coloured_ = 0;
   std::size_t blocks_ = 0;
   double promised_ = -1.0;
   NoDataValues no_data_values_;
