@@ -35,18 +35,6 @@ void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity, bool 
   if (normals) scan_.normals.reserve(count);
 }
 
-void ScanWriter::set_attributes(bool colour, bool intensity, bool normals) {
-  flush();
-  colour_ = colour_ || colour;
-  has_intensity_ = has_intensity_ || intensity;
-  if (normals) normals_.resize(kBlock, Eigen::Vector3f::Zero());
-  if (sink_) return;
-  const std::size_t before = scan_.points.size();
-  if (colour_) scan_.rgba.resize(before, kWhite);
-  if (has_intensity_) scan_.intensity.resize(before, 0.0F);
-  if (!normals_.empty()) scan_.normals.resize(before, Eigen::Vector3f::Zero());
-}
-
 void ScanWriter::set_station(const std::optional<Eigen::Vector3d>& place) {
   flush();
   station_ = place && place->allFinite() ? place : std::nullopt;

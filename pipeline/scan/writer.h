@@ -29,10 +29,6 @@ class ScanWriter {
   /// the records have.
   void begin(std::uint64_t records, bool colour, bool intensity, bool normals = false);
   [[nodiscard]] bool has_colour() const { return colour_; }
-  /// What the records from now on have: blocks of one file may differ. The points of the others are white, without
-  /// intensity and without a normal.
-  void set_attributes(bool colour, bool intensity, bool normals = false);
-
   /// What the records from now on have: blocks of one file may differ. The points of the others get kNoColour,
   /// kNoIntensity and a normal of zero.
   void set_attributes(bool colour, bool intensity, bool normals = false);

@@ -354,7 +354,7 @@ TEST(Filters, KeepWhatAFieldOrAClassAllowsAndPointsOfScansThatSayNothing) {
   Progress progress;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const auto left = [&](const FilterConfig& filter) {
-    Cloud cloud = cloud_of(Points(6, Eigen::Vector3d::Zero()));
+    Cloud cloud = cloud_of(Points(6, {0.0F, 0.0F, 0.0F}));
     for (std::size_t i = 0; i < cloud.size(); ++i) cloud.xyz1()[4 * i] = static_cast<float>(i);
     cloud.fields = {{"confidence", {0.0F, 0.5F, 1.0F, 1.5F, kNone, 2.0F}},
                     {PointField::kClass, {2.0F, 7.0F, 18.0F, 2.0F, kNone, 6.0F}}};
