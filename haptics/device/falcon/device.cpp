@@ -24,8 +24,8 @@ namespace sparsha::haptics::falcon {
 namespace {
 
 using Steady = std::chrono::steady_clock;
-/// An answer is waited for as long as a hand of a kilohertz is not stale without it. Meanwhile the last force is held and
-/// asked for again: on a link that is late but steady it would come and go otherwise. The watchdog acts at 10 ms.
+/// An answer is waited for as long as a hand of a kilohertz is not stale without it. Meanwhile the last force is held
+/// and asked for again: on a link that is late but steady it would come and go otherwise. The watchdog acts at 10 ms.
 constexpr double kPatience_s = kStale_s;
 /// An answer that has not come by then may be lost: ask again.
 constexpr double kLost_s = 0.5 * kPatience_s;
