@@ -113,6 +113,8 @@ class Reader {
       rgba = pack_rgba(colour_byte(value(columns().red), columns().scale),
                        colour_byte(value(columns().green), columns().scale),
                        colour_byte(value(columns().blue), columns().scale));
+    } else if (columns().has_colour()) {
+      ++colourless_;
     }
     if (normals_) set_normal(row);
     if (columns().by == TextTable::By::position) first_column_.add(value(columns().x), value(columns().y), z);
@@ -205,6 +207,7 @@ class Reader {
       scan.warnings.push_back(std::to_string(longer_) + (longer_ == 1 ? " row has" : " rows have") +
                               " more values than most; the first " + std::to_string(columns().usual) + " are taken");
     }
+    if (colourless_ > 0) scan.warnings.push_back(fmt::format("{} of {} points have no colour", colourless_, rows_));
     if (no_data_ > 0) {
       scan.warnings.push_back(
           fmt::format("{} of {} points have the no-data value {:.10g} as z; they are counted as invalid", no_data_,
@@ -222,6 +225,7 @@ class Reader {
   bool normals_ = false;  ///< of any block
   std::uint64_t rows_ = 0;
   std::uint64_t rows_of_block_ = 0;
+  std::uint64_t colourless_ = 0;  ///< rows that end before the columns of colour
   std::uint64_t longer_ = 0;
   std::size_t blocks_ = 0;
   double promised_ = -1.0;
