@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "pipeline/scan/formats/text/table.h"
+#include "pipeline/scan/formats/text/rows.h"
 
 namespace sparsha::pipeline {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/scan/formats/text/table.h"
-#include "pipeline/scan/formats/text/table_header.h"
+#include "pipeline/scan/formats/text/header.h"
+#include "pipeline/scan/formats/text/rows.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/scalar.h"
 

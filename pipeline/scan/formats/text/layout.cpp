@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/scan/formats/text/table_head.h"
-#include "pipeline/scan/formats/text/table_header.h"
-#include "pipeline/scan/formats/text/table_style.h"
+#include "pipeline/scan/formats/text/first_lines.h"
+#include "pipeline/scan/formats/text/header.h"
+#include "pipeline/scan/formats/text/row_style.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

@@ -5,7 +5,7 @@
 
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/formats/text/columns.h"
-#include "pipeline/scan/formats/text/table.h"
+#include "pipeline/scan/formats/text/rows.h"
 #include "scene/config.h"
 
 namespace sparsha::pipeline {

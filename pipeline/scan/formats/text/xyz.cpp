@@ -8,10 +8,10 @@
 
 #include "pipeline/scan/formats/text/columns.h"
 #include "pipeline/scan/formats/text/first_column.h"
+#include "pipeline/scan/formats/text/first_lines.h"
 #include "pipeline/scan/formats/text/layout.h"
 #include "pipeline/scan/formats/text/no_data.h"
-#include "pipeline/scan/formats/text/table.h"
-#include "pipeline/scan/formats/text/table_head.h"
+#include "pipeline/scan/formats/text/rows.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pipeline/scan/file.h"
-#include "pipeline/scan/formats/text/table.h"
-#include "pipeline/scan/formats/text/table_header.h"
+#include "pipeline/scan/formats/text/header.h"
+#include "pipeline/scan/formats/text/rows.h"
 
 namespace sparsha::pipeline {
 

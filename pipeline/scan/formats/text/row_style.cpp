@@ -1,4 +1,4 @@
-#include "pipeline/scan/formats/text/table_style.h"
+#include "pipeline/scan/formats/text/row_style.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
-#include "pipeline/scan/formats/text/table_head.h"
+#include "pipeline/scan/formats/text/first_lines.h"
 
 #include <array>
 #include <cstdint>
 #include <utility>
 
-#include "pipeline/scan/formats/text/table_style.h"
+#include "pipeline/scan/formats/text/row_style.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

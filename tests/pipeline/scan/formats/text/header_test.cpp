@@ -1,7 +1,7 @@
 // Tables as spreadsheets, surveyors and scanners of several countries write them: never silently another column.
 #include <gmock/gmock.h>
 
-#include "pipeline/scan/formats/text/table_header.h"
+#include "pipeline/scan/formats/text/header.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pipeline/scan/formats/text/table.h"
+#include "pipeline/scan/formats/text/rows.h"
 
 namespace sparsha::pipeline {
 

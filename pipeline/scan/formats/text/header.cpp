@@ -1,4 +1,4 @@
-#include "pipeline/scan/formats/text/table_header.h"
+#include "pipeline/scan/formats/text/header.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "pipeline/scan/formats/text/table.h"
+#include "pipeline/scan/formats/text/rows.h"
 
 #include <algorithm>
 #include <cstring>
