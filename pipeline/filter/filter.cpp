@@ -339,17 +339,27 @@ class FilterRun {
   /// Points of scans that do not say the field (NaN) stay.
   template <typename Test>
   void take_away_by(const std::string& name, const Test& passes) {
-    const auto field = std::find_if(cloud_.fields.begin(), cloud_.fields.end(),
-                                    [&](const PointField& each) { return each.name == name; });
-    if (field == cloud_.fields.end()) {
-      throw Error(ErrorKind::input, {}, "no scan says '" + name + "' of its points",
-                  "a field that `sparsha info` lists");
-    }
+    const std::vector<float>& values = field_values(name);
     Flags keep(cloud_.size());
     for (std::size_t i = 0; i < keep.size(); ++i) {
-      keep[i] = std::isnan(field->values[i]) || passes(field->values[i]) ? 1 : 0;
+      keep[i] = std::isnan(values[i]) || passes(values[i]) ? 1 : 0;
     }
     take_away(keep);
+  }
+
+  [[nodiscard]] const std::vector<float>& field_values(const std::string& name) const {
+    constexpr const char* kIntensity = "intensity";
+    if (name == kIntensity && !cloud_.intensity.empty()) return cloud_.intensity;
+    for (const PointField& field : cloud_.fields) {
+      if (field.name == name) return field.values;
+    }
+    if (name == kIntensity) {
+      throw Error(ErrorKind::input, {}, "no scan has intensities",
+                  "a scan whose fields, as `sparsha info` lists them, name them");
+    }
+    // The readers fill no field of Cloud::fields yet.
+    throw Error(ErrorKind::input, {}, "'" + name + "' of points is not read from scans by this version",
+                "the field intensity; leave the points out with the program that exports the scan");
   }
 
   Cloud& cloud_;

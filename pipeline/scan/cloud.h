@@ -55,7 +55,7 @@ struct Cloud {
   std::vector<Eigen::Vector3f> normals;             ///< as PCL's users give them; empty or one per point
   std::vector<Eigen::Vector3f> measured;            ///< empty, or where each point was before a filter moved it
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points
-  std::vector<PointField> fields;                   ///< those that a filter asks for
+  std::vector<PointField> fields;                   ///< of clouds that a program makes; readers fill none
   std::uint64_t invalid = 0;                        ///< records of the file that were not finite or flagged invalid
   std::vector<Station> stations;                    ///< of the scans that say where they were made from
 

@@ -370,6 +370,26 @@ TEST(Filters, KeepWhatAFieldOrAClassAllowsAndPointsOfScansThatSayNothing) {
   EXPECT_THROW((void)left(FieldConfig{"quality", 0.0, 1.0}), Error);
 }
 
+TEST(Filters, KnowIntensityOfScansAndSayWhichFieldsTheyDoNot) {
+  ThreadPool pool(1);
+  Progress progress;
+  Cloud cloud = cloud_of(Points(4, {0.0F, 0.0F, 0.0F}));
+  const auto error_of = [&](const FilterConfig& filter) -> std::string {
+    try {
+      apply_filters(cloud, {filter}, {pool, progress});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(error_of(FieldConfig{"intensity", 0.0, 1.0}), testing::HasSubstr("no scan has intensities"));
+  EXPECT_THAT(error_of(FieldConfig{"confidence", 0.0, 1.0}), testing::HasSubstr("'confidence' of points is not read"));
+  EXPECT_THAT(error_of(ClassesConfig{{}, {7}}), testing::HasSubstr("'classification' of points is not read"));
+  cloud.intensity = {0.5F, 2.0F, kNoIntensity, 1.0F};
+  EXPECT_EQ(error_of(FieldConfig{"intensity", 0.0, 1.0}), "no error");
+  EXPECT_EQ(cloud.size(), 3U);
+}
+
 TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
   const Points points = relief(20000, 2);
   FilterNeeds needs;
