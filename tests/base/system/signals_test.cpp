@@ -38,7 +38,9 @@ int status_of(const std::function<int(const std::function<void()>& ready)>& work
   return status;
 }
 
+/// As a shell starts a program, however this test was started: nohup ignores SIGHUP.
 int wait_to_be_asked(const std::function<void()>& ready) {
+  std::signal(SIGHUP, SIG_DFL);
   route_ending_signals(count);
   ready();
   for (int k = 0; k < 10'000 && asked == 0; ++k) ::usleep(1'000);
@@ -52,6 +54,20 @@ TEST(EndingSignals, AreHandedOverWhicheverComesFromAnotherProcess) {
     const int status = status_of(wait_to_be_asked, number);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << number;
   }
+}
+
+TEST(EndingSignals, HangUpStaysIgnoredWhereTheProgramWasStartedSo) {
+  const int status = status_of(
+      [](const std::function<void()>& ready) {
+        std::signal(SIGHUP, SIG_IGN);
+        route_ending_signals(count);
+        std::raise(SIGHUP);
+        const bool ignored = asked == 0;
+        ready();
+        return ignored ? 0 : 1;
+      },
+      0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 TEST(EndingSignals, ThatWereHeldAreLetThrough) {
