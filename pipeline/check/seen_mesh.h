@@ -29,7 +29,6 @@ class SeenMesh {
 
   /// One flag per point: whether it is a corner of a face. Corners are no measurements of their own.
   [[nodiscard]] const std::vector<std::uint8_t>& corners() const { return corners_; }
-  [[nodiscard]] bool is_all() const { return only_mesh_; }
   [[nodiscard]] const TriangleTree& triangles() const { return triangles_; }
 
   /// Places spread evenly over the picture: in the square about each node one, chosen at random by the node's number,

@@ -77,7 +77,6 @@ class Reader {
     scan.unit = layout_.unit;
     needed_ = columns().needed();
     out_.begin(0, columns().has_colour(), columns().intensity >= 0, columns().has_normals());
-    normals_ = columns().has_normals();
   }
 
   [[nodiscard]] std::string expected_row() const {
@@ -116,8 +115,10 @@ class Reader {
     } else if (columns().has_colour()) {
       ++colourless_;
     }
-    if (normals_) set_normal(row);
-    if (columns().by == TextTable::By::position) first_column_.add(value(columns().x), value(columns().y), z);
+    if (columns().has_normals()) set_normal(row);
+    if (columns().by == TextTable::By::position) {
+      first_column_.add(value(columns().x), value(columns().y), value(columns().z));
+    }
     out_.add(value(columns().x), value(columns().y), z, rgba,
              has(columns().intensity) ? static_cast<float>(value(columns().intensity)) : kNoIntensity);
     ++rows_;
@@ -176,7 +177,6 @@ class Reader {
     if (found.usual == columns().usual) return;
     layout_.columns = std::move(found);
     needed_ = columns().needed();
-    normals_ = normals_ || columns().has_normals();
     out_.set_attributes(columns().has_colour(), columns().intensity >= 0, columns().has_normals());
     RawScan& scan = out_.scan();
     for (const std::string& field : columns().fields) {
@@ -222,7 +222,6 @@ class Reader {
   TableLayout layout_;
   FirstColumn first_column_;
   std::size_t needed_ = 3;
-  bool normals_ = false;  ///< of any block
   std::uint64_t rows_ = 0;
   std::uint64_t rows_of_block_ = 0;
   std::uint64_t colourless_ = 0;  ///< rows that end before the columns of colour
