@@ -1,10 +1,13 @@
-// The lattice of a window of a level.
+// The lattice of a window of a level, and which lattices can be touched.
 #pragma once
 
 #include "base/error.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
+
+/// Whether there is a cell between the nodes; what has none can be neither touched nor drawn.
+[[nodiscard]] inline bool has_cell(const Lattice& lattice) { return lattice.nx >= 2 && lattice.ny >= 2; }
 
 /// Nodes [i0, i0+nx) x [j0, j0+ny) of `level`; may reach beyond it. Throws Error{failure} for an empty or absurd
 /// window.

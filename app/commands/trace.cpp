@@ -21,6 +21,7 @@
 #include "haptics/replay/trace.h"
 #include "haptics/window/surface.h"
 #include "haptics/window/window.h"
+#include "scene/window_lattice.h"
 
 namespace sparsha::app {
 
@@ -56,6 +57,10 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
   const auto count = static_cast<int>(description.levels.size());
   if (level >= count) {
     throw usage_error(fmt::format("the scene has no level {}", level), fmt::format("0 to {}", count - 1));
+  }
+  if (!pipeline::has_cell(description.levels[static_cast<std::size_t>(level)])) {
+    throw usage_error(fmt::format("level {} is a single row of nodes, which cannot be touched", level),
+                      fmt::format("0 to {}", haptics::overview_level(description)));
   }
   Eigen::Vector2d centre_m = haptics::middle_of(description.levels[static_cast<std::size_t>(level)]);
   if (!arguments.centre.empty()) centre_m = {arguments.centre[0], arguments.centre[1]};

@@ -23,7 +23,7 @@ void check(const pipeline::SceneDescription& scene, const Layers& window, int le
   const auto wrong = [](const char* what) {
     return Error(ErrorKind::failure, {}, what, "a window read from the scene");
   };
-  if (lattice.nx < 2 || lattice.ny < 2 || !(lattice.spacing_m > 0.0)) throw wrong("a haptic window without a cell");
+  if (!pipeline::has_cell(lattice) || !(lattice.spacing_m > 0.0)) throw wrong("a haptic window without a cell");
   if (level < 0 || static_cast<std::size_t>(level) >= scene.levels.size())
     throw wrong("a level that the scene has not");
   if (!(scale > 0.0) || !std::isfinite(scale)) throw wrong("a window's scale that is not positive");

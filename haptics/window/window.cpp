@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scene/window_lattice.h"
 #include "scene/workspace.h"
 
 namespace sparsha::haptics {
@@ -31,9 +32,12 @@ std::pair<int, int> run_around(double centre_nodes, int n, int window) {
 
 int overview_level(const pipeline::SceneDescription& scene) {
   const int window = pipeline::window_nodes(scene.config.levels.window);
-  for (std::size_t level = 0; level < scene.levels.size(); ++level)
-    if (std::max(scene.levels[level].nx, scene.levels[level].ny) <= window) return static_cast<int>(level);
-  return static_cast<int>(scene.levels.size()) - 1;
+  int coarsest = 0;
+  for (std::size_t level = 0; level < scene.levels.size() && pipeline::has_cell(scene.levels[level]); ++level) {
+    coarsest = static_cast<int>(level);
+    if (std::max(scene.levels[level].nx, scene.levels[level].ny) <= window) break;
+  }
+  return coarsest;
 }
 
 Eigen::Vector2d middle_of(const Lattice& lattice) {

@@ -23,7 +23,7 @@ struct WindowPlan {
   bool grain = false;         ///< invented: the texture goes on above what the scan resolves
 };
 
-/// The finest level that fits whole into a window of the configured size; the coarsest when none does.
+/// The finest level that fits whole into a window of the configured size; the coarsest that has a cell when none does.
 [[nodiscard]] int overview_level(const pipeline::SceneDescription& scene);
 
 /// How much of the scene lies under the hand: so many nodes per side of a level.

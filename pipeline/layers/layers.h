@@ -44,7 +44,8 @@ struct CurvatureMap {
 /// Slope c of law: curvature, metres; see ALGORITHMS "Friction map".
 [[nodiscard]] double friction_slope(const CurvatureMap& map, const FrictionConfig& config);
 
-/// Levels 1, 2, ... below `base` until the longer side has at most `window` nodes. NaN-aware low-pass before halving.
+/// Levels 1, 2, ... below `base` until the longer side has at most `window` nodes; fewer where the next would have no
+/// cell with four known nodes, as that of a narrow strip or of scattered nodes. NaN-aware low-pass before halving.
 [[nodiscard]] std::vector<Layers> build_pyramid(const Layers& base, int window, ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

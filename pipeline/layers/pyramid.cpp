@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/layers/layers.h"
+#include "scene/window_lattice.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -227,13 +229,26 @@ Layers halve(const Layers& fine, ThreadPool& pool) {
   return coarse;
 }
 
+/// Whether the heights of all four nodes of some cell are known.
+bool has_known_cell(const DepthGrid& grid) {
+  const Lattice& lattice = grid.lattice;
+  const auto known = [&](int i, int j) { return grid.state[lattice.index(i, j)] != NodeState::unknown; };
+  for (int j = 0; j + 1 < lattice.ny; ++j)
+    for (int i = 0; i + 1 < lattice.nx; ++i)
+      if (known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1)) return true;
+  return false;
+}
+
 }  // namespace
 
 std::vector<Layers> build_pyramid(const Layers& base, int window, ThreadPool& pool) {
   std::vector<Layers> levels;
   const Layers* finest = &base;
   while (std::max(finest->grid.lattice.nx, finest->grid.lattice.ny) > std::max(window, 2)) {
-    levels.push_back(halve(*finest, pool));
+    if (!has_cell(halved(finest->grid.lattice))) break;
+    Layers coarser = halve(*finest, pool);
+    if (!has_known_cell(coarser.grid)) break;
+    levels.push_back(std::move(coarser));
     finest = &levels.back();
   }
   return levels;

@@ -13,6 +13,7 @@
 #include "pipeline/replica/braille.h"
 #include "pipeline/replica/legibility.h"
 #include "pipeline/replica/solid.h"
+#include "scene/window_lattice.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -49,7 +50,10 @@ int level_for(const SceneDescription& scene, double mm_per_m) {
   };
   int level = 0;
   const auto count = static_cast<int>(scene.levels.size());
-  while (level + 1 < count && too_fine(scene.levels[static_cast<std::size_t>(level)])) ++level;
+  while (level + 1 < count && has_cell(scene.levels[static_cast<std::size_t>(level) + 1]) &&
+         too_fine(scene.levels[static_cast<std::size_t>(level)])) {
+    ++level;
+  }
   return level;
 }
 
@@ -197,8 +201,13 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
   const int level = level_for(description, mm_per_m);
   const Relief relief = read_relief(scene, level);
   const Lattice& lattice = relief.layers.grid.lattice;
-  if (lattice.nx < 2 || lattice.ny < 2)
-    throw Error(ErrorKind::input, {}, "the scene has no area", "two nodes and more along both sides");
+  if (!has_cell(lattice)) {
+    const double across_mm = mm_per_m * finest.spacing_m * (std::min(finest.nx, finest.ny) - 1);
+    throw Error(ErrorKind::input, {},
+                fmt::format("the strip is too narrow to print: {:.3g} mm wide where it is {:.0f} mm long", across_mm,
+                            options.longest_mm),
+                fmt::format("a scene whose sides differ less than {} times", kMostNodes));
+  }
 
   const double true_mm = (relief.high_m - relief.low_m) * mm_per_m;
   const double depth_mm = options.depth_mm.value_or(std::clamp(true_mm, kFlattest_mm, kDeepest_mm));

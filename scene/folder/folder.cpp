@@ -243,6 +243,12 @@ SceneDescription parse_scene(const fs::path& folder) {
   parse_sources(reader.required("sources"), scene);
   parse_levels(reader.required("levels"), origin, scene);
   if (scene.levels.empty()) throw yaml::error_at(scene_node, "the scene has no levels", "at least one");
+  if (!has_cell(scene.levels.front())) {
+    throw yaml::error_at(
+        scene_node,
+        fmt::format("a grid of {} x {} nodes has no cell", scene.levels.front().nx, scene.levels.front().ny),
+        "at least 2 x 2 nodes on the first level");
+  }
   parse_layers(reader.required("layers"), scene);
   if (const yaml::Node* check = reader.optional("check")) scene.check_map = parse_check(*check, origin[2], folder);
   reader.read("noise_m", scene.noise_m, 0.0, 1e12);

@@ -61,7 +61,23 @@ TEST(Pyramid, StopsWhereTheWindowHoldsTheLevel) {
   const auto zero = [](double, double) { return 0; };
   EXPECT_TRUE(build_pyramid(layers_of(grid_of(lattice_of(200, 10, 1), zero)), 200, pool).empty());
   EXPECT_EQ(build_pyramid(layers_of(grid_of(lattice_of(10, 201, 1), zero)), 200, pool).size(), 1U);
-  EXPECT_EQ(build_pyramid(layers_of(grid_of(lattice_of(3, 1, 1), zero)), 1, pool).back().grid.lattice.nx, 2);
+  EXPECT_EQ(build_pyramid(layers_of(grid_of(lattice_of(3, 3, 1), zero)), 1, pool).back().grid.lattice.nx, 2);
+}
+
+TEST(Pyramid, StopsAtALevelThatCanStillBeTouched) {
+  ThreadPool pool(1);
+  const auto zero = [](double, double) { return 0; };
+  // 5 x 450, 3 x 225, 2 x 113; half of that would be a single column.
+  const std::vector<Layers> strip = build_pyramid(layers_of(grid_of(lattice_of(5, 450, 1), zero)), 50, pool);
+  ASSERT_EQ(strip.size(), 2U);
+  EXPECT_EQ(strip.back().grid.lattice.nx, 2);
+  EXPECT_EQ(strip.back().grid.lattice.ny, 113);
+  // Scattered nodes are less than half of what a coarser node stands for.
+  DepthGrid scattered = grid_of(lattice_of(300, 300, 1), zero);
+  for (int j = 0; j < 300; ++j)
+    for (int i = 0; i < 300; ++i)
+      if (i % 4 > 1 || j % 4 > 1) forget(scattered, i, j);
+  EXPECT_TRUE(build_pyramid(layers_of(scattered), 50, pool).empty());
 }
 
 TEST(Pyramid, LetsWavesBeyondTheCoarseNyquistVanish) {
