@@ -6,9 +6,13 @@
 
 #include "base/lower_case.h"
 #include "pipeline/scan/file.h"
+#include "pipeline/scan/foreign.h"
 #include "pipeline/scan/formats/e57/e57.h"
+#include "pipeline/scan/formats/grid/esri.h"
+#include "pipeline/scan/formats/grid/surfer.h"
 #include "pipeline/scan/formats/las/las.h"
 #include "pipeline/scan/formats/obj.h"
+#include "pipeline/scan/formats/off.h"
 #include "pipeline/scan/formats/pcd/pcd.h"
 #include "pipeline/scan/formats/ply/ply.h"
 #include "pipeline/scan/formats/ptx.h"
@@ -21,13 +25,6 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr const char* kKnown = "PLY, PCD, OBJ, STL, XYZ, TXT, ASC, CSV, PTS, PTX, LAS, LAZ or E57";
-
-bool is_utf16(std::string_view bytes) {
-  const std::string_view mark = bytes.substr(0, 2);
-  return mark == "\xFE\xFF" || mark == "\xFF\xFE";
-}
-
 /// A file whose ending names a format, but which does not begin with that format's mark.
 void refuse_missing_header(const ScanFile& file) {
   if (file.extension == "ply") throw file.error("no PLY header", "a first line 'ply'");
@@ -35,56 +32,26 @@ void refuse_missing_header(const ScanFile& file) {
     throw file.error("no PCD header", "lines such as 'FIELDS x y z'; plain columns of numbers should end in .xyz");
   }
   if (file.extension == "las" || file.extension == "laz") throw file.error("no LAS header", "the signature 'LASF'");
-  if (file.extension == "gltf") throw file.error("the file is a glTF model", kKnown);
   if (file.extension == "e57") throw file.error("no E57 header", "the signature 'ASTM-E57'");
 }
 
-/// Refuses what is well known and no scan, whatever its ending says.
-void refuse_strangers(const ScanFile& file) {
-  struct Stranger {
-    std::string_view mark;
-    const char* what;
-    const char* remedy;
-  };
-  using namespace std::string_view_literals;
-  static constexpr Stranger kStrangers[] = {
-      {"\x1F\x8B"sv, "a gzip archive", "the scan in it; unpack it first"},
-      {"PK\x03\x04"sv, "a zip archive", "the scan in it; unpack it first"},
-      {"7z\xBC\xAF"sv, "a 7z archive", "the scan in it; unpack it first"},
-      {"\xFD"
-       "7zXZ\0"sv,
-       "an xz archive", "the scan in it; unpack it first"},
-      {"BZh"sv, "a bzip2 archive", "the scan in it; unpack it first"},
-      {"\x28\xB5\x2F\xFD"sv, "a zstd archive", "the scan in it; unpack it first"},
-      {"\x89PNG"sv, "a PNG picture", kKnown},
-      {"\xFF\xD8\xFF"sv, "a JPEG picture", kKnown},
-      {"II*\0"sv, "a TIFF picture", kKnown},
-      {"%PDF"sv, "a PDF document", kKnown},
-      {"glTF"sv, "a binary glTF model", kKnown},
-  };
-  for (const Stranger& stranger : kStrangers) {
-    if (file.bytes.starts_with(stranger.mark)) {
-      throw file.error(std::string("the file is ") + stranger.what, stranger.remedy);
-    }
-  }
-}
-
 void read_any(const ScanFile& file, ScanWriter& out) {
-  const std::string_view bytes = file.bytes;
-  if (bytes.empty()) throw file.error("the file is empty", "a scan");
+  if (file.bytes.empty()) throw file.error("the file is empty", "a scan");
+  if (is_binary_stl(file)) return read_stl(file, out);  // whose first 80 bytes may be anything
+  refuse_foreign(file);
   if (is_ply(file)) return read_ply(file, out);
   if (is_las(file)) return read_las(file, out);
   if (is_e57(file)) return read_e57(file, out);
-  if (is_binary_stl(file)) return read_stl(file, out);
   if (is_ascii_stl(file)) return read_stl(file, out);
   if (is_pcd(file)) return read_pcd(file, out);
-  refuse_strangers(file);
   refuse_missing_header(file);
-  if (is_utf16(bytes)) throw file.error("the text is UTF-16", "ASCII or UTF-8; convert the file first");
-  if (looks_binary(bytes)) {
+  if (looks_binary(file.bytes)) {
     if (file.extension == "stl") return read_stl(file, out);
-    throw file.error("binary data of no known format", kKnown);
+    throw file.error("binary data of no known format", kKnownFormats);
   }
+  if (is_esri_grid(file)) return read_esri_grid(file, out);
+  if (is_surfer_grid(file)) return read_surfer_grid(file, out);
+  if (is_off(file)) return read_off(file, out);
   if (is_obj(file) || file.extension == "obj") return read_obj(file, out);
   if (is_ptx(file) || file.extension == "ptx") return read_ptx(file, out);
   if (file.extension == "stl")
@@ -98,7 +65,7 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
   file.name = name;
   file.extension = ending_of(name);
   if (!file.extension.empty()) file.extension.erase(0, 1);
-  file.bytes = bytes;
+  file.bytes = bytes.substr(byte_order_mark(bytes));  // some editors write it before any text, a PLY header too
   file.map = map;
   file.progress = progress;
   file.columns = options.columns;
@@ -129,7 +96,7 @@ RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, co
 bool is_quick_to_stream(const std::filesystem::path& file) {
   const MappedFile map(file);
   ScanFile scan;
-  scan.bytes = map.text();
+  scan.bytes = map.text().substr(byte_order_mark(map.text()));
   const std::string_view head = scan.bytes.substr(0, 4096);
   const auto says = [&](std::string_view word) { return head.find(word) != std::string_view::npos; };
   if (is_ply(scan)) {
@@ -145,7 +112,7 @@ RawScan read_scan_bytes(std::string_view bytes, const std::string& name, const R
 }
 
 bool is_z_up(const std::string& format) {
-  constexpr std::array kNames = {"LAS", "LAZ", "E57", "PTX", "PTS", "STL"};
+  constexpr std::array kNames = {"LAS", "LAZ", "E57", "PTX", "PTS", "STL", "ESRI", "Surfer"};
   return std::any_of(kNames.begin(), kNames.end(), [&](const char* name) { return format.starts_with(name); });
 }
 

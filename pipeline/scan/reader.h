@@ -58,6 +58,7 @@ struct RawScan {
   std::optional<std::array<double, 7>> viewpoint;  ///< PCD: tx ty tz qw qx qy qz; shown, never applied
   std::vector<RawStation> stations;                ///< in memory only, ascending; streams name them block by block
   std::optional<TextTable> table;                  ///< of text tables of points
+  std::optional<Eigen::Vector2d> cell;  ///< of grids of heights over x and y: their columns' and rows' distance
   std::vector<std::string> warnings;
   std::string pieces;  ///< a warning too, of a scan in several pieces: only for those who take none away
 };

@@ -13,7 +13,7 @@ namespace {
 /// Statements of the text: comments and blank lines left out, continued lines joined.
 class Statements {
  public:
-  explicit Statements(std::string_view text) : lines_(text, byte_order_mark(text)) {}
+  explicit Statements(std::string_view text) : lines_(text) {}
 
   bool next(std::string_view& statement) {
     std::string_view line;

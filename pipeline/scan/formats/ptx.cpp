@@ -53,7 +53,7 @@ bool next_row(LineReader& lines, Row& row, std::string_view& line) {
 class Reader {
  public:
   Reader(const ScanFile& file, ScanWriter& out)
-      : file_(file), out_(out), lines_(file.bytes, byte_order_mark(file.bytes)) {}
+      : file_(file), out_(out), lines_(file.bytes) {}
 
   void read() {
     std::string_view line;
@@ -200,7 +200,7 @@ class Reader {
 
 bool is_ptx(const ScanFile& file) {
   const std::string_view head = file.bytes.substr(0, 1 << 14);
-  LineReader lines(head, byte_order_mark(head));
+  LineReader lines(head);
   std::string_view line;
   Row row;
   for (const std::size_t count : kHeaderShape) {

@@ -105,9 +105,9 @@ const Expected kFiles[] = {
     {"hostile/A_B.e57", 6, 0, {}, 0, true, nullptr},
     {"hostile/tiny_spherical.e57", 360, 180, {1, 1, 1}, 0, false, nullptr},
     {"hostile/cartesian_invalid_state_single.e57", 3, 2, {0, 0, 0}, 0, false, nullptr},
-    {"audio/stone-impact.wav", 0, 0, {}, 0, false, "binary data of no known format"},
-    {"audio/metal-impact.wav", 0, 0, {}, 0, false, "binary data of no known format"},
-    {"audio/perc_bell.flac", 0, 0, {}, 0, false, "binary data of no known format"},
+    {"audio/stone-impact.wav", 0, 0, {}, 0, false, "a recording of sound"},
+    {"audio/metal-impact.wav", 0, 0, {}, 0, false, "a recording of sound"},
+    {"audio/perc_bell.flac", 0, 0, {}, 0, false, "a recording of sound"},
 };
 
 Eigen::Vector3d extent_of(const RawScan& scan) {

@@ -238,7 +238,12 @@ bool is_pcd(const ScanFile& file) {
       if (lower_case(line.substr(0, 64)).find(".pcd") != std::string::npos) return true;
       continue;
     }
-    return word == "version" || word == "fields" || word == "columns";
+    if (word == "version") {
+      const std::string_view number = take_word(rest);
+      double version = 0.0;
+      return parse_number(number.data(), number.data() + number.size(), version) != nullptr;
+    }
+    return word == "fields" || word == "columns";
   }
   return false;
 }

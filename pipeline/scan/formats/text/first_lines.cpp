@@ -15,7 +15,7 @@ constexpr std::size_t kMostHeaders = 64;
 
 class Collector {
  public:
-  explicit Collector(const ScanFile& file) : file_(file), begin_(byte_order_mark(file.bytes)) {}
+  explicit Collector(const ScanFile& file) : file_(file) {}
 
   TableHead read() {
     judge_commas();
@@ -26,7 +26,7 @@ class Collector {
  private:
   /// What commas are, by the vote of the first rows that have some.
   void judge_commas() {
-    LineReader lines(file_.bytes, begin_);
+    LineReader lines(file_.bytes);
     std::string_view line;
     std::array<std::size_t, 3> votes{};
     int thousands_line = 0;
@@ -48,7 +48,7 @@ class Collector {
   void collect() {
     TableStyle& style = head_.style;
     style.leading_words = !file_.columns.empty();
-    LineReader lines(file_.bytes, begin_);
+    LineReader lines(file_.bytes);
     std::string_view line;
     TableRow row;
     bool counted = false;
@@ -119,7 +119,6 @@ class Collector {
   }
 
   const ScanFile& file_;
-  std::size_t begin_;
   TableHead head_;
   std::size_t listed_ = 0;  ///< names that may follow, a line each
   std::vector<std::string_view> list_;

@@ -235,7 +235,7 @@ class Inspector {
 
   /// Whether the whole numbers in front of all rows rise by one.
   [[nodiscard]] bool counts_all_rows() const {
-    LineReader lines(file_.bytes, byte_order_mark(file_.bytes));
+    LineReader lines(file_.bytes);
     std::string_view line;
     TableStyle style = layout_.style;
     TableRow row;

@@ -27,12 +27,11 @@ std::string format_of(const std::string& extension) {
 
 class Reader {
  public:
-  Reader(const ScanFile& file, ScanWriter& out)
-      : file_(file), out_(out), begin_(byte_order_mark(file.bytes)), layout_(inspect_table(file)) {}
+  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), layout_(inspect_table(file)) {}
 
   void read() {
     begin();
-    LineReader lines(file_.bytes, begin_);
+    LineReader lines(file_.bytes);
     std::string_view line;
     TableRow row;
     std::size_t told = 0;
@@ -138,7 +137,7 @@ class Reader {
   bool is_no_data(double z) {
     if (!looked_for_no_data_) {
       looked_for_no_data_ = true;
-      LineReader lines(file_.bytes, begin_);
+      LineReader lines(file_.bytes);
       std::string_view line;
       TableRow row;
       std::size_t seen = 0;
@@ -218,7 +217,6 @@ class Reader {
 
   const ScanFile& file_;
   ScanWriter& out_;
-  std::size_t begin_;
   TableLayout layout_;
   FirstColumn first_column_;
   std::size_t needed_ = 3;

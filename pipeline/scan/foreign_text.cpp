@@ -1,0 +1,158 @@
+#include "pipeline/scan/foreign_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/lower_case.h"
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+/// The whole numbers of a line, at most `most`; nothing when a word is no whole number or there are more.
+std::optional<std::vector<std::int64_t>> whole_numbers(std::string_view line, std::size_t most) {
+  std::vector<std::int64_t> numbers;
+  for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
+    std::int64_t value = 0;
+    const char* const end = word.data() + word.size();
+    if (numbers.size() == most || parse_integer(word.data(), end, value) != end) return std::nullopt;
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+bool next_content(LineReader& lines, std::string_view& line) {
+  while (lines.next(line)) {
+    line = trimmed(line.substr(0, line.find('#')));
+    if (!line.empty()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool is_iges(std::string_view text) {
+  constexpr std::size_t kLetter = 72, kLength = 80;
+  LineReader lines(text);
+  std::string_view line;
+  std::string_view letters;
+  for (int seen = 0; seen < 2; ++seen) {
+    if (!lines.next(line) || line.size() < kLetter + 2 || line.size() > kLength) return false;
+    const std::string_view number = trimmed(line.substr(kLetter + 1));
+    if (number.empty() || !std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; })) {
+      return false;
+    }
+    const char letter = line[kLetter];
+    if (seen == 0 ? letter != 'S' && letter != 'B' && letter != 'C' : letter != 'S' && letter != 'G') return false;
+  }
+  return true;
+}
+
+bool is_dxf(std::string_view text) {
+  LineReader lines(text);
+  std::string_view code, value;
+  for (int pairs = 0; pairs < 64; ++pairs) {
+    if (!lines.next(code) || !lines.next(value)) return false;
+    if (trimmed(code) == "0") return trimmed(value) == "SECTION";
+    if (trimmed(code) != "999") return false;
+  }
+  return false;
+}
+
+bool is_node_list(std::string_view text) {
+  LineReader lines(text);
+  std::string_view line;
+  if (!next_content(lines, line)) return false;
+  const auto counts = whole_numbers(line, 4);
+  if (!counts || counts->size() < 2 || (*counts)[0] < 1 || ((*counts)[1] != 2 && (*counts)[1] != 3)) return false;
+  std::size_t values = 1;
+  for (std::size_t k = 1; k < counts->size(); ++k) {
+    if ((*counts)[k] < 0 || (*counts)[k] > 64) return false;
+    values += static_cast<std::size_t>((*counts)[k]);
+  }
+  std::int64_t before = -1;
+  for (int seen = 0; seen < 2 && (seen == 0 || (*counts)[0] > 1); ++seen) {
+    if (!next_content(lines, line)) return false;
+    std::string_view rest = line;
+    const std::string_view word = take_word(rest);
+    std::int64_t number = 0;
+    const char* const end = word.data() + word.size();
+    if (parse_integer(word.data(), end, number) != end) return false;
+    if (seen == 0 ? number != 0 && number != 1 : number != before + 1) return false;
+    before = number;
+    std::size_t others = 0;
+    while (!take_word(rest).empty()) ++others;
+    if (others + 1 != values) return false;
+  }
+  std::int64_t rows = std::min<std::int64_t>((*counts)[0], 2);
+  while (rows <= (*counts)[0] && next_content(lines, line)) ++rows;
+  return rows == (*counts)[0];
+}
+
+bool is_json(std::string_view text) {
+  text = trimmed(text.substr(0, 4096));
+  if (text.empty() || (text[0] != '{' && text[0] != '[')) return false;
+  const std::size_t second = text.find_first_not_of(" \t\r\n", 1);
+  if (second == std::string_view::npos) return false;
+  const char c = text[second];
+  return text[0] == '{' ? c == '"' || c == '}'
+                        : c == '{' || c == '[' || c == '"' || c == ']' || c == '-' || (c >= '0' && c <= '9');
+}
+
+std::optional<std::string> first_element(std::string_view text) {
+  text = text.substr(0, 4096);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  if (text.empty() || text[0] != '<') return std::nullopt;
+  const auto has = [&](std::string_view part) { return text.find(part) != std::string_view::npos; };
+  if (!has("<?") && !has("<!") && !has("</") && !has("/>")) return std::nullopt;  // '<X> <Y> <Z>' above a table
+  while (!text.empty()) {
+    text.remove_prefix(std::min(text.find('<'), text.size()));
+    const bool remark = text.starts_with("<!--");
+    const std::string start = lower_case(text.substr(0, 14));
+    if (start == "<!doctype html") return "html";
+    if (!remark && text.size() > 1 && text[1] != '?' && text[1] != '!') {
+      std::string name = lower_case(text.substr(1, std::min<std::size_t>(text.find_first_of(" \t\r\n/>", 1), 64) - 1));
+      if (const std::size_t colon = name.find(':'); colon != std::string::npos) name.erase(0, colon + 1);
+      return name;
+    }
+    const std::string_view close = remark ? "-->" : ">";
+    const std::size_t end = text.find(close);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + close.size());
+  }
+  return std::string();
+}
+
+const char* wide_encoding(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  if (bytes.starts_with("\xFF\xFE\0\0"sv) || bytes.starts_with("\0\0\xFE\xFF"sv)) return "UTF-32";
+  if (bytes.starts_with("\xFE\xFF"sv) || bytes.starts_with("\xFF\xFE"sv)) return "UTF-16";
+  constexpr std::size_t kLooked = 256, kLeast = 8;
+  const std::size_t size = std::min(bytes.size(), kLooked) / 4 * 4;
+  if (size < kLeast) return nullptr;
+  std::array<std::size_t, 4> zeros{};
+  std::array<std::size_t, 4> letters{};
+  for (std::size_t n = 0; n < size; ++n) {
+    const auto c = static_cast<unsigned char>(bytes[n]);
+    if (c == 0) ++zeros[n % 4];
+    if ((c >= ' ' && c < 127) || c == '\t' || c == '\r' || c == '\n') ++letters[n % 4];
+  }
+  const std::size_t all = size / 4;
+  const auto is = [&](std::size_t k, bool letter) { return (letter ? letters[k] : zeros[k]) == all; };
+  for (const std::size_t k : {0U, 3U}) {
+    if (is(k, true) && is((k + 1) % 4, false) && is((k + 2) % 4, false) && is((k + 3) % 4, false)) return "UTF-32";
+  }
+  for (const std::size_t k : {0U, 1U}) {
+    if (is(k, true) && is(k + 2, true) && is(1 - k, false) && is(3 - k, false)) return "UTF-16";
+  }
+  return nullptr;
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,28 @@
+// Kinds of text that are told by their form rather than by their first characters.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace sparsha::pipeline {
+
+/// Lines of 80 characters with the section's letter and a number at their end: IGES.
+[[nodiscard]] bool is_iges(std::string_view text);
+/// Pairs of lines, a code and a value, the first pair that is no remark being 0 and SECTION: DXF.
+[[nodiscard]] bool is_dxf(std::string_view text);
+/// A line with the number of points and 2 or 3, then as many rows that begin with their number: Triangle's and TetGen's
+/// .node.
+[[nodiscard]] bool is_node_list(std::string_view text);
+/// A list or an object of JSON, as far as its first characters tell.
+[[nodiscard]] bool is_json(std::string_view text);
+/// The name of the first element of XML or HTML, lower case, without its namespace; "!doctype html" counts as html.
+/// Nothing for other texts; empty when there is none among the first 4096 characters.
+[[nodiscard]] std::optional<std::string> first_element(std::string_view text);
+
+/// What the encoding of a text is called that is neither ASCII nor UTF-8: "UTF-16" or "UTF-32", with a byte order mark
+/// or, where most characters are ASCII, without; null for others.
+[[nodiscard]] const char* wide_encoding(std::string_view bytes);
+
+}  // namespace sparsha::pipeline
