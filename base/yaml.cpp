@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "base/files.h"
+#include "base/yaml_text.h"
 
 namespace sparsha::yaml {
 namespace {
@@ -47,6 +48,10 @@ class TreeBuilder : public YAML::EventHandler {
     Node node = make(mark, Node::Kind::scalar);
     node.scalar = value;
     node.quoted = tag == "!";
+    if (tag == "tag:yaml.org,2002:binary") {
+      if (!from_base64(value, node.scalar)) throw Error(ErrorKind::usage, node.place, "no !!binary value", "base64");
+      node.quoted = true;
+    }
     if (!node.quoted && (value.empty() || value == "~" || value == "null")) node.kind = Node::Kind::null;
     add(std::move(node), anchor, mark);
   }

@@ -1,24 +1,61 @@
-// sparsha new SCAN...: a commented configuration on standard output.
+// sparsha new SCAN...: a commented configuration on standard output or in a file.
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "app/commands/commands.h"
 #include "app/terminal.h"
+#include "base/files.h"
+#include "base/system/terminal.h"
 #include "pipeline/suggest/suggest.h"
 
 namespace sparsha::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::vector<std::string> scans;
+  std::string out;
+  bool force = false;
+};
+
+// Somebody may have worked on the configuration that is there.
+void require_free(const fs::path& target) {
+  std::error_code code;
+  if (fs::is_regular_file(fs::status(target, code))) {
+    throw Error(ErrorKind::usage, {target.string(), 0, 0}, "the file is there already", "another name, or --force");
+  }
+}
+
+int write_first_configuration(const Arguments& arguments, const CommonOptions& common) {
+  Terminal terminal(common);
+  const std::vector<fs::path> files(arguments.scans.begin(), arguments.scans.end());
+  const fs::path target = arguments.out;
+  if (target.empty()) {
+    // Paths are relative to the file that the configuration will be in: where the shell has opened one, to that.
+    const fs::path folder = system::standard_output_file().parent_path();
+    print(pipeline::suggest_config(files, folder, terminal.progress()).yaml);
+    return 0;
+  }
+  if (!arguments.force) require_free(target);
+  std::vector<NamedPath> inputs;
+  for (const fs::path& file : files) inputs.push_back({"scan", file});
+  require_distinct({{"--out", target}}, inputs);
+  require_writable(target);
+  write_file(target, pipeline::suggest_config(files, target.parent_path(), terminal.progress()).yaml);
+  return 0;
+}
+
+}  // namespace
 
 void add_new(CLI::App& app, const CommonOptions& common, Run& run) {
-  auto scans = std::make_shared<std::vector<std::string>>();
+  auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("new", "Write a commented first configuration for scans");
-  command->add_option("scan", *scans, "scan files")->required();
-  command->callback([scans, &common, &run] {
-    run = [scans, &common] {
-      Terminal terminal(common);
-      const std::vector<std::filesystem::path> files(scans->begin(), scans->end());
-      print(pipeline::suggest_config(files, {}, terminal.progress()).yaml);
-      return 0;
-    };
+  command->add_option("scan", arguments->scans, "scan files")->required();
+  command->add_option("--out,-o", arguments->out, "file for it, instead of standard output");
+  command->add_flag("--force", arguments->force, "replace the file");
+  command->callback([arguments, &common, &run] {
+    run = [arguments, &common] { return write_first_configuration(*arguments, common); };
   });
 }
 

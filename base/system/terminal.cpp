@@ -8,6 +8,7 @@ TerminalInput::TerminalInput() = default;
 TerminalInput::~TerminalInput() = default;
 std::string TerminalInput::read() { return {}; }
 void restore_terminal() noexcept {}
+std::filesystem::path standard_output_file() { return {}; }
 
 }  // namespace sparsha::system
 
@@ -20,6 +21,7 @@ void restore_terminal() noexcept {}
 #include <cstdlib>
 
 #include <poll.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -94,6 +96,18 @@ TerminalInput::TerminalInput() {
 
 TerminalInput::~TerminalInput() {
   if (active_) restore_terminal();
+}
+
+std::filesystem::path standard_output_file() {
+  struct stat open {};
+  struct stat named {};
+  if (::fstat(STDOUT_FILENO, &open) != 0 || !S_ISREG(open.st_mode)) return {};
+  std::error_code code;
+  std::filesystem::path file = std::filesystem::read_symlink("/proc/self/fd/1", code);
+  // The name may be of before a move, or of another file since.
+  const bool same =
+      !code && ::stat(file.c_str(), &named) == 0 && named.st_dev == open.st_dev && named.st_ino == open.st_ino;
+  return same && file.is_absolute() ? file : std::filesystem::path();
 }
 
 std::string TerminalInput::read() {

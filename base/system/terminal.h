@@ -1,6 +1,7 @@
 // Keys of a terminal as they are pressed, for programs without a window.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace sparsha::system {
@@ -24,6 +25,9 @@ class TerminalInput {
  private:
   bool active_ = false;
 };
+
+/// The file that standard output was redirected to, absolute; empty when it is none or its name is not to be had.
+[[nodiscard]] std::filesystem::path standard_output_file();
 
 /// Gives the terminal back as it was; safe in a signal handler, harmless when nothing was changed.
 void restore_terminal() noexcept;

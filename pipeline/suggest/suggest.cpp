@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "base/yaml_text.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
@@ -23,22 +24,6 @@ namespace sparsha::pipeline {
 namespace fs = std::filesystem;
 
 namespace {
-
-// A YAML scalar that keeps quotes, backslashes and control characters of file names.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      result += '\\';
-      result += c;
-    } else if (static_cast<unsigned char>(c) < ' ' || c == 127) {
-      result += fmt::format("\\x{:02X}", static_cast<unsigned>(c));
-    } else {
-      result += c;
-    }
-  }
-  return result + "\"";
-}
 
 std::string vector(const Eigen::Vector3d& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x(), v.y(), v.z()); }
 
@@ -105,7 +90,7 @@ std::vector<FoundUnit> units_of(const std::vector<fs::path>& files, const std::v
                                 Progress& progress) {
   std::vector<FoundUnit> units;
   for (const ScanStatistics& statistics : scans) units.push_back(unit_of(statistics.scan));
-  const auto name = [&](std::size_t s) { return quoted(files[s].filename().string()); };
+  const auto name = [&](std::size_t s) { return "\"" + files[s].filename().string() + "\""; };
   std::vector<bool> told(scans.size());
   for (const UnitDifference& difference : differing_units(sizes_of(files, scans))) {
     progress.warn(difference.reason);
@@ -131,14 +116,16 @@ std::vector<FoundUnit> units_of(const std::vector<fs::path>& files, const std::v
   return units;
 }
 
-// Relative to the configuration's folder where there is a way.
+// As the configuration in `folder` finds it: an absolute path stays one, another is relative to the folder, unless
+// that leads elsewhere, as '..' behind a symbolic link may.
 std::string shown_path(const fs::path& file, const fs::path& folder) {
+  if (file.is_absolute()) return file.generic_string();
   std::error_code code;
-  const fs::path relative =
-      fs::absolute(file, code)
-          .lexically_normal()
-          .lexically_relative(fs::absolute(folder.empty() ? fs::path(".") : folder, code).lexically_normal());
-  return (relative.empty() ? fs::absolute(file, code) : relative).generic_string();
+  const fs::path absolute = fs::absolute(file, code);
+  const fs::path base = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, code);
+  const fs::path relative = absolute.lexically_normal().lexically_relative(base.lexically_normal());
+  const bool found = !relative.empty() && fs::equivalent((base / relative).lexically_normal(), file, code);
+  return (found ? relative : absolute).generic_string();
 }
 
 // The columns of a text table that names none, where its values tell them.
@@ -167,10 +154,10 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
     const std::string columns = columns_text(all[s].scan);
     seen.look_at(all[s].scan, units[s].metres);
     points.add(all[s], units[s].metres);
-    text += fmt::format("  - file: {}\n    units: {}  # {}\n{}", quoted(shown_path(scans[s], folder)), units[s].name,
-                        units[s].reason, columns);
+    text += fmt::format("  - file: {}\n    units: {}  # {}\n{}", yaml::quoted(shown_path(scans[s], folder)),
+                        units[s].name, yaml::comment(units[s].reason), columns);
     if (!all[s].scan.pieces.empty()) pieces.push_back(scans[s].string() + ": " + all[s].scan.pieces);
-    for (const std::string& warning : all[s].scan.warnings) text += fmt::format("    # {}\n", warning);
+    for (const std::string& warning : all[s].scan.warnings) text += fmt::format("    # {}\n", yaml::comment(warning));
     all[s] = {};
   }
   return text;
@@ -208,7 +195,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   if (filter_block.empty()) {
     for (const std::string& sentence : pieces) {
       progress.warn(sentence);
-      filter_block += "# " + sentence + "\n";
+      filter_block += "# " + yaml::comment(sentence) + "\n";
     }
   }
   progress.begin("try views");

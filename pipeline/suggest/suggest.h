@@ -15,7 +15,8 @@ struct Suggestion {
   Config config;     ///< the same, parsed
 };
 
-/// Reads the scans and guesses. `folder` is where the configuration will be written. Throws Error{input}.
+/// Reads the scans and guesses. `folder` is where the configuration will be written, empty for the present one: paths
+/// are relative to it, absolute where they are given so. Throws Error{input}.
 [[nodiscard]] Suggestion suggest_config(const std::vector<std::filesystem::path>& scans,
                                         const std::filesystem::path& folder, Progress& progress);
 

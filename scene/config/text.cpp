@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/text.h"
+#include "base/yaml_text.h"
 #include "scene/config.h"
 #include "scene/config/text_editor.h"
 
@@ -22,21 +23,6 @@ std::string millimetres(double metres) {
     if (rounded * 1e-3 == metres) return exact_text(rounded);
   }
   return exact_text(scaled);
-}
-
-std::string quote(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    if (c == '\n') {
-      result += "\\n";
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      result += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    } else {
-      result += c;
-    }
-  }
-  return result + '"';
 }
 
 std::string matrix(const Eigen::Matrix4d& m) {
@@ -109,7 +95,7 @@ std::string filter_keys(const SmoothConfig& smooth) {
 std::string filter_keys(const ThinConfig& thin) { return fmt::format("points_per_node: {}", thin.points_per_node); }
 
 std::string filter_keys(const FieldConfig& field) {
-  std::string text = "name: " + quote(field.name);
+  std::string text = "name: " + yaml::quoted(field.name);
   if (std::isfinite(field.min)) text += ", min: " + exact_text(field.min);
   if (std::isfinite(field.max)) text += ", max: " + exact_text(field.max);
   return text;
@@ -179,7 +165,7 @@ std::string sound_text(const ModalConfig& modal) {
   return text + "]}";
 }
 
-std::string sound_text(const std::filesystem::path& clip) { return "clip: " + quote(clip.generic_string()); }
+std::string sound_text(const std::filesystem::path& clip) { return "clip: " + yaml::quoted(clip.generic_string()); }
 
 std::string sound_text(const MaterialSoundConfig& sound) {
   std::string text = fmt::format("material: {{name: {}", touch_of(sound.material).name);
@@ -206,7 +192,7 @@ std::string outline_text(const Placed& placed) {
 }
 
 std::string region_text(const AudioRegionConfig& region) {
-  std::string text = "    - {name: " + quote(region.name);
+  std::string text = "    - {name: " + yaml::quoted(region.name);
   if (region.box_m) text += ", box_m: " + box(*region.box_m);
   text += outline_text(region);
   text += ", " + std::visit([](const auto& sound) { return sound_text(sound); }, region.sound);
@@ -219,7 +205,7 @@ std::string audio_text(const AudioConfig& audio) {
   if (!audio.regions.empty()) text += "  regions:\n";
   for (const AudioRegionConfig& region : audio.regions) text += region_text(region);
   if (audio.labels) {
-    text += "  labels: {file: " + quote(audio.labels->file.generic_string());
+    text += "  labels: {file: " + yaml::quoted(audio.labels->file.generic_string());
     if (audio.labels->bounds_m) text += ", bounds_m: " + box(*audio.labels->bounds_m);
     text += "}\n";
   }
@@ -274,15 +260,15 @@ std::string to_string(LengthUnit unit) {
 std::string box_text(const std::array<double, 4>& box_m) { return box(box_m); }
 
 std::string part_text(const PartConfig& part) {
-  return "{name: " + quote(part.name) + ", say: " + quote(part.say) +
+  return "{name: " + yaml::quoted(part.name) + ", say: " + yaml::quoted(part.say) +
          (part.is_box() ? ", box_m: " + box(part.box_m) : outline_text(part)) + touch_text(part.touch) +
-         (part.more.empty() ? "" : ", more: " + quote(part.more)) + "}";
+         (part.more.empty() ? "" : ", more: " + yaml::quoted(part.more)) + "}";
 }
 
 std::string to_yaml(const Config& config) {
   std::string text = config.scans.empty() ? "scans: []\n" : "scans:\n";
   for (const ScanConfig& scan : config.scans) {
-    text += "  - file: " + quote(scan.file.generic_string()) + "\n";
+    text += "  - file: " + yaml::quoted(scan.file.generic_string()) + "\n";
     if (const std::string unit = units(scan.units); !unit.empty()) text += "    units: " + unit + "\n";
     if (scan.pose != Eigen::Matrix4d::Identity()) text += "    pose: {matrix: " + matrix(scan.pose) + "}\n";
     if (!scan.columns.empty()) text += fmt::format("    columns: [{}]\n", fmt::join(scan.columns, ", "));
@@ -320,7 +306,7 @@ std::string to_yaml(const Config& config) {
   if (config.speech) {
     text += fmt::format("speech: {{language: {}, words_per_minute: {}{}}}\n", config.speech->language,
                         config.speech->words_per_minute,
-                        config.speech->voice.empty() ? "" : ", voice: " + quote(config.speech->voice));
+                        config.speech->voice.empty() ? "" : ", voice: " + yaml::quoted(config.speech->voice));
   }
   if (config.guide) text += guide_text(*config.guide);
   if (config.cues) text += cues_text(*config.cues);

@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "base/yaml_text.h"
+
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;
 
@@ -59,12 +61,7 @@ bool TextEditor::set_path(const yaml::Node& value, const fs::path& path) {
     end += value.scalar.size();
     if (text_.compare(*begin, value.scalar.size(), value.scalar) != 0) return false;
   }
-  std::string quoted = "\"";
-  for (const char c : path.generic_string()) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  edits_.push_back({*begin, end, quoted + '"'});
+  edits_.push_back({*begin, end, yaml::quoted(path.generic_string())});
   return true;
 }
 
