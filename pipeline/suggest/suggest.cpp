@@ -124,8 +124,11 @@ std::string shown_path(const fs::path& file, const fs::path& folder) {
   const fs::path absolute = fs::absolute(file, code);
   const fs::path base = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, code);
   const fs::path relative = absolute.lexically_normal().lexically_relative(base.lexically_normal());
-  const bool found = !relative.empty() && fs::equivalent((base / relative).lexically_normal(), file, code);
-  return (found ? relative : absolute).generic_string();
+  // However the folder may be called when the configuration is read.
+  const auto leads = [&](const fs::path& from) {
+    return fs::equivalent((from / relative).lexically_normal(), file, code);
+  };
+  return (!relative.empty() && leads(base) && leads(folder) ? relative : absolute).generic_string();
 }
 
 // The columns of a text table that names none, where its values tell them.
