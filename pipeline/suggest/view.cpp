@@ -10,6 +10,7 @@
 
 #include "base/statistics.h"
 #include "pipeline/orient/face.h"
+#include "pipeline/suggest/range_image.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -59,19 +60,36 @@ bool before_a_lens(const InnerBox& box) {
   return box.low.z() > 0.1 * (box.high - box.low).norm() && centre.norm() < kSteepest * centre.z();
 }
 
+// The up of a camera that looks along z: such frames are right-handed with x to the right, so that y goes down.
+constexpr double kFacing = 0.7;
+
+bool is_camera_view(const View& view, const SeenScans& seen, const InnerBox& box) {
+  const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
+  return !seen.z_up_format && view.look_from.normalized().z() < -kFacing && before_a_lens(box) &&
+         origin_is_a_scanner(view.look_from.normalized(), centre, (box.high - box.low).norm());
+}
+
 View guess_view(const SeenScans& seen, const InnerBox& box, const Thinness& thin) {
   const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
   const double size = (box.high - box.low).norm();
   View guess;
   guess.evident = true;
+  if (seen.rasters) {
+    guess.reason = "a grid of heights over x and y is seen from above";
+    return guess;
+  }
   if (seen.area > 0.0 && seen.facing.norm() > 0.3 * seen.area) {
     guess.look_from = snapped(seen.facing);
     guess.reason =
         fmt::format("the triangles face this way ({:.0f} % of the area, net)", 100.0 * seen.facing.norm() / seen.area);
-  } else if (seen.depth_camera_format && before_a_lens(box)) {
+  } else if ((seen.depth_camera_format || seen.range_images) && before_a_lens(box)) {
     guess.look_from = {0, 0, -1};
     guess.up = {0, -1, 0};
-    guess.reason = "all points lie before the origin along z, as depth cameras see them: x right, y down, z away";
+    guess.reason = seen.range_images
+                       ? "an image of a camera in the origin, whose rays are its raster: x right, y down, "
+                         "z away"
+                       : "all points lie before the origin along z, as depth cameras see them: x right, "
+                         "y down, z away";
     return guess;
   } else if (thin.flatness < 0.3) {
     const bool scanner_side = origin_is_a_scanner(thin.direction, centre, size);
@@ -91,6 +109,10 @@ View guess_view(const SeenScans& seen, const InnerBox& box, const Thinness& thin
     guess.reason = "a solid object, y up by custom: its front is a guess, look at it and turn it";
   }
   guess.up = customary_up(guess.look_from, seen.z_up_format);
+  if (is_camera_view(guess, seen, box)) {
+    guess.up = {0, -1, 0};
+    guess.reason += "; all lies before it along z, as cameras have it: x right, y down, z away";
+  }
   return guess;
 }
 
@@ -106,6 +128,9 @@ void SeenScans::look_at(const RawScan& scan, double metres) {
     area += normal.norm();
   }
   if (is_z_up(scan.format)) z_up_format = true;
+  range_images = (range_images || !any_) && is_range_image(scan);
+  rasters = (rasters || !any_) && scan.cell.has_value();
+  any_ = true;
   if (scan.format.starts_with("PCD")) depth_camera_format = true;
 }
 

@@ -17,10 +17,15 @@ struct SeenScans {
   double area = 0.0;                                 ///< sum of triangle areas
   bool z_up_format = false;                          ///< formats whose z is up
   bool depth_camera_format = false;                  ///< formats that depth cameras write in their own frame
+  bool range_images = false;                         ///< all scans are images of a camera in the origin
+  bool rasters = false;                              ///< all scans are grids of heights over x and y
 
   void look_at(const RawScan& scan, double metres);
   /// Keeps the points in the box.
   void crop(const CropConfig& box);
+
+ private:
+  bool any_ = false;
 };
 
 struct View {

@@ -52,8 +52,7 @@ bool next_row(LineReader& lines, Row& row, std::string_view& line) {
 
 class Reader {
  public:
-  Reader(const ScanFile& file, ScanWriter& out)
-      : file_(file), out_(out), lines_(file.bytes) {}
+  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), lines_(file.bytes) {}
 
   void read() {
     std::string_view line;

@@ -1,0 +1,67 @@
+#include "pipeline/suggest/range_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/statistics.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kWindows = 16;
+constexpr std::size_t kLength = 512;  // points of a window
+
+using Steps = std::vector<Eigen::Vector2d>;
+
+/// From each point to the next one, in pixels (perspective) or in x and y.
+Steps steps_of(const std::vector<Eigen::Vector3d>& points, bool perspective) {
+  Steps steps;
+  const std::size_t stride = std::max<std::size_t>(kLength, points.size() / kWindows);
+  const auto place = [&](std::size_t i) -> Eigen::Vector2d {
+    return perspective ? Eigen::Vector2d(points[i].head<2>() / points[i].z()) : Eigen::Vector2d(points[i].head<2>());
+  };
+  for (std::size_t begin = 0; begin + 1 < points.size(); begin += stride) {
+    const std::size_t end = std::min(points.size(), begin + kLength);
+    for (std::size_t i = begin; i + 1 < end; ++i) steps.emplace_back(place(i + 1) - place(i));
+  }
+  return steps;
+}
+
+/// Share of the steps that go by a few whole pixels along a row or column and stay on it, whichever fits more.
+double share_on_raster(const Steps& steps) {
+  constexpr double kMostPixels = 8.5;
+  constexpr double kTolerance = 0.12;  // pixels
+  double best = 0.0;
+  for (const int along : {0, 1}) {
+    std::vector<double> lengths;
+    for (const Eigen::Vector2d& step : steps) {
+      if (std::abs(step[along]) > std::abs(step[1 - along])) lengths.push_back(std::abs(step[along]));
+    }
+    if (2 * lengths.size() < steps.size()) continue;
+    const double pixel = value_of_rank(lengths, lengths.size() / 2);
+    if (!(pixel > 0.0)) continue;
+    const auto fits = [&](const Eigen::Vector2d& step) {
+      const double pixels = std::abs(step[along]) / pixel;
+      return pixels > 0.5 && pixels < kMostPixels && std::abs(pixels - std::round(pixels)) < kTolerance &&
+             std::abs(step[1 - along]) < kTolerance * pixel;
+    };
+    const auto count = std::count_if(steps.begin(), steps.end(), fits);
+    best = std::max(best, static_cast<double>(count) / static_cast<double>(steps.size()));
+  }
+  return best;
+}
+
+}  // namespace
+
+bool is_range_image(const RawScan& scan) {
+  constexpr std::size_t kFewest = 200;
+  constexpr double kMost = 0.8, kClearly = 0.2;
+  if (scan.points.size() < kFewest || is_z_up(scan.format)) return false;
+  const auto before = std::count_if(scan.points.begin(), scan.points.end(), [](const auto& p) { return p.z() > 0.0; });
+  if (static_cast<std::size_t>(before) < scan.points.size()) return false;
+  const double share = share_on_raster(steps_of(scan.points, true));
+  return share > kMost && share > share_on_raster(steps_of(scan.points, false)) + kClearly;
+}
+
+}  // namespace sparsha::pipeline

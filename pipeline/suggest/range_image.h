@@ -1,0 +1,13 @@
+// Clouds that are an image of a depth camera, told by the order of their points.
+#pragma once
+
+#include "pipeline/scan/reader.h"
+
+namespace sparsha::pipeline {
+
+/// True when the points, as they follow each other in the file, are the pixels of a pinhole camera that stands in the
+/// origin and looks along +z: x / z and y / z go on by whole steps of an even raster along its rows or columns, and x
+/// and y do not, as they do in a grid seen from far away. Gaps in the image do no harm.
+[[nodiscard]] bool is_range_image(const RawScan& scan);
+
+}  // namespace sparsha::pipeline
