@@ -1,5 +1,7 @@
 // Building a tree costs more than asking it. Each strip of rows builds its own over the points within a reach of its
 // sampled nodes; nodes whose nearest point lies beyond are asked again with a larger reach, at last of all points.
+// Where many points come to a node, a tree would be large for few questions: each point is then held against the nodes
+// about it, which takes no memory for points.
 #include "pipeline/check/nearest.h"
 
 #include <algorithm>
@@ -20,6 +22,9 @@ constexpr double kTrusted = 0.99;    // of the reach; the rest is for the roundi
 constexpr int kStripRows = 48;       // node rows with a tree of their own
 constexpr int kCellsPerReach = 3;    // resolution of the mask of kept places
 constexpr std::size_t kNodesPerPiece = 1024;
+constexpr std::size_t kMostOfTree = 1U << 18U;  // points of a tree over all points
+constexpr std::uint64_t kManyPerNode = 8;       // points to a node of the lattice, from which no trees are built
+constexpr std::size_t kNotAsked = ~std::size_t{0};
 
 /// Places within `reach` (spacings) of a node of some rows, as cells of reach / kCellsPerReach.
 class Mask {
@@ -72,11 +77,47 @@ class Search {
     const std::uint32_t node = nodes_[k];
     const double x = (node % nx_) * spacing_, y = (node / nx_) * spacing_, z = grid_.height_m[node];
     if (!tree.nearest(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), answer)) return;
-    const float* point = xyz.data() + 3 * static_cast<std::size_t>(answer.index[0]);
+    offer(xyz.data() + 3 * static_cast<std::size_t>(answer.index[0]), k);
+  }
+
+  /// Node k's nearest, if it is this point; of equally near ones one above the node, so that their order means nothing.
+  void offer(const float* point, std::size_t k) {
+    const std::uint32_t node = nodes_[k];
+    const double x = (node % nx_) * spacing_, y = (node / nx_) * spacing_, z = grid_.height_m[node];
     const double dx = point[0] - x, dy = point[1] - y, dz = point[2] - z;
     const auto found = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
     const float known = std::abs(result[k]);
     if (std::abs(found) < known || (std::abs(found) == known && found > result[k])) result[k] = found;
+  }
+
+  /// As strip(), point by point.
+  std::vector<std::size_t> dense_strip(std::size_t strip, std::size_t begin, std::size_t end, double reach) {
+    std::vector<std::size_t> open;
+    for (std::size_t k = begin; k < end; ++k) open.push_back(k);
+    const std::size_t first = strip * kStripRows, row_nodes = nx_;
+    const double last_row =
+        std::min<double>(kStripRows, static_cast<double>(grid_.lattice.ny) - static_cast<double>(first)) - 1;
+    const double per_spacing = 1 / spacing_;
+    std::vector<std::size_t> asked;  // by node of the strip
+    for (; !open.empty() && reach < kStripRows; reach *= kGrowth) {
+      asked.assign(kStripRows * row_nodes, kNotAsked);
+      for (const std::size_t k : open) asked[nodes_[k] - first * row_nodes] = k;
+      const auto from = static_cast<double>(first);
+      points_.in_rows(from - reach, from + last_row + reach, [&](std::span<const float> xyz) {
+        for (std::size_t p = 0; p < xyz.size(); p += 3) {
+          const double i = xyz[p] * per_spacing, j = xyz[p + 1] * per_spacing - from;
+          const double left = std::max(std::ceil(i - reach), 0.0), right = std::min(std::floor(i + reach), nx_ - 1.0);
+          const double low = std::max(std::ceil(j - reach), 0.0), high = std::min(std::floor(j + reach), last_row);
+          for (double b = low; b <= high; ++b)
+            for (double a = left; a <= right; ++a) {
+              const std::size_t k = asked[static_cast<std::size_t>(b) * row_nodes + static_cast<std::size_t>(a)];
+              if (k != kNotAsked) offer(xyz.data() + p, k);
+            }
+        }
+      });
+      std::erase_if(open, [&](std::size_t k) { return std::abs(result[k]) <= kTrusted * reach * spacing_; });
+    }
+    return open;
   }
 
   /// Answers the nodes [begin, end) of one strip; returns those that the points within a strip's height cannot decide.
@@ -124,22 +165,27 @@ std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vec
   if (nodes.empty() || points.size == 0) return std::move(search.result);
   const double reach = std::max(kLeastReach, kFirstReach * point_spacing_m / grid.lattice.spacing_m);
   const std::size_t strip_nodes = kStripRows * static_cast<std::size_t>(grid.lattice.nx);
+  const bool dense = points.size / kManyPerNode >= grid.lattice.count();
   std::vector<std::vector<std::size_t>> undecided((grid.lattice.count() + strip_nodes - 1) / strip_nodes);
   pool.for_ranges(undecided.size(), 1, [&](std::size_t strip, std::size_t) {
     const auto begin = std::lower_bound(nodes.begin(), nodes.end(), strip * strip_nodes);
     const auto end = std::lower_bound(begin, nodes.end(), (strip + 1) * strip_nodes);
-    undecided[strip] = search.strip(strip, static_cast<std::size_t>(begin - nodes.begin()),
-                                    static_cast<std::size_t>(end - nodes.begin()), reach);
+    const auto from = static_cast<std::size_t>(begin - nodes.begin()),
+               to = static_cast<std::size_t>(end - nodes.begin());
+    undecided[strip] = dense ? search.dense_strip(strip, from, to, reach) : search.strip(strip, from, to, reach);
   });
   std::vector<std::size_t> open;
   for (const std::vector<std::size_t>& some : undecided) open.insert(open.end(), some.begin(), some.end());
   if (!open.empty()) {
-    points.each([&](std::span<const float> xyz) {
-      const PointTree tree(xyz);
-      pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
-        PointTree::Answer answer;
-        for (std::size_t n = begin; n < end; ++n) search.ask(tree, xyz, open[n], answer);
-      });
+    points.each([&](std::span<const float> all) {
+      for (std::size_t from = 0; from < all.size(); from += 3 * kMostOfTree) {
+        const std::span<const float> xyz = all.subspan(from, std::min(3 * kMostOfTree, all.size() - from));
+        const PointTree tree(xyz);
+        pool.for_ranges(open.size(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
+          PointTree::Answer answer;
+          for (std::size_t n = begin; n < end; ++n) search.ask(tree, xyz, open[n], answer);
+        });
+      }
     });
   }
   return std::move(search.result);

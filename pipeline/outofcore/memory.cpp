@@ -106,19 +106,24 @@ std::uint64_t most_voxels(const MemoryLimit& limit) {
   return limit.points > 0 ? std::min(voxels, limit.points) : voxels;
 }
 
+std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_point, const Lattice& lattice) {
+  return kProgram + static_cast<std::uint64_t>(kHeights * static_cast<double>(lattice.count())) +
+         points * bytes_per_point;
+}
+
 std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
                                const Lattice& lattice) {
   std::uint64_t points = std::numeric_limits<std::uint32_t>::max();
   if (limit.bytes > 0) {
-    const auto heights = static_cast<std::uint64_t>(kHeights * static_cast<double>(lattice.count()));
-    const std::uint64_t least = std::max(node_bytes, heights + kLeastTilePoints * bytes_per_point);
-    if (kProgram + least > limit.bytes) {
+    const std::uint64_t least =
+        std::max(kProgram + node_bytes, bytes_with_tile(kLeastTilePoints, bytes_per_point, lattice));
+    if (least > limit.bytes) {
       throw Error(ErrorKind::failure, {},
                   fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {} MB",
-                              lattice.nx, lattice.ny, (kProgram + least) / 1'000'000U + 1, limit.bytes / 1'000'000U),
+                              lattice.nx, lattice.ny, least / 1'000'000U + 1, limit.bytes / 1'000'000U),
                   "a smaller grid.size, a larger grid.spacing_mm or a higher --memory");
     }
-    points = std::min(points, (limit.bytes - kProgram - heights) / bytes_per_point);
+    points = std::min(points, (limit.bytes - bytes_with_tile(0, bytes_per_point, lattice)) / bytes_per_point);
   }
   return limit.points > 0 ? std::min(points, limit.points) : points;
 }

@@ -35,6 +35,10 @@ void require_room_for_sample(const MemoryLimit& limit, const CheckConfig& check,
 /// Voxels that a filter may leave. The largest number without a limit.
 [[nodiscard]] std::uint64_t most_voxels(const MemoryLimit& limit);
 
+/// What a build needs whose largest tile has so many points, bytes.
+[[nodiscard]] std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_point,
+                                            const Lattice& lattice);
+
 /// Points that a tile may have beside the grid of heights. Throws Error{failure} when the nodes alone, which need
 /// `node_bytes` at most, exceed the limit.
 [[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,

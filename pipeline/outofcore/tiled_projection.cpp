@@ -6,7 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/error.h"
+#include "pipeline/outofcore/memory.h"
 #include "pipeline/projection/attributes.h"
 #include "pipeline/projection/classification.h"
 #include "pipeline/projection/measure_rows.h"
@@ -114,6 +117,61 @@ std::vector<std::uint64_t> TiledProjection::count_columns(int first_row, int las
   return counts;
 }
 
+/// The most points in the bins that any one node needs.
+std::uint64_t TiledProjection::most_about_a_node(int halo, ThreadPool& pool) const {
+  const auto columns = static_cast<std::size_t>(plan_.bins.bins_x());
+  const auto rows = static_cast<std::size_t>(plan_.bins.bins_y());
+  const BinLocator locator(plan_.bins);
+  // sum[j * (columns + 1) + i]: points in bins of fewer than j rows and i columns.
+  std::vector<std::uint64_t> sum((rows + 1) * (columns + 1), 0);
+  each_piece(0, plan_.bins.bins_y(), pool, [&](const Piece& piece) {
+    for (std::size_t k = 0; k < piece.points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (!locator.locate(piece.points.x[k], piece.points.y[k], column, row)) continue;
+      ++sum[(static_cast<std::size_t>(row) + 1) * (columns + 1) + static_cast<std::size_t>(column) + 1];
+    }
+  });
+  for (std::size_t j = 1; j <= rows; ++j)
+    for (std::size_t i = 1; i <= columns; ++i) {
+      const std::size_t at = j * (columns + 1) + i;
+      sum[at] += sum[at - 1] + sum[at - columns - 1] - sum[at - columns - 2];
+    }
+  const auto ends = [&](int node, std::size_t bins) {
+    const int bin = node + BinLattice::kMargin;
+    return std::pair(static_cast<std::size_t>(std::max(0, bin - halo)),
+                     std::min(bins, static_cast<std::size_t>(bin + 1 + halo)));
+  };
+  std::uint64_t most = 0;
+  for (int j = 0; j < plan_.lattice.ny; ++j)
+    for (int i = 0; i < plan_.lattice.nx; ++i) {
+      const auto [low, high] = ends(j, rows);
+      const auto [left, right] = ends(i, columns);
+      most = std::max(most, sum[high * (columns + 1) + right] + sum[low * (columns + 1) + left] -
+                                sum[low * (columns + 1) + right] - sum[high * (columns + 1) + left]);
+    }
+  return most;
+}
+
+std::vector<Tile> TiledProjection::cut(std::uint64_t tile_points, const Context& context) const {
+  // A neighbour's height decides too, and it may look as far.
+  const int halo = bins_beyond(plan_) + 1;
+  try {
+    return cut_into_tiles(plan_.bins, halo, tile_points, row_points_,
+                          [&](int first, int last) { return count_columns(first, last, context.pool); });
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error&) {
+    const std::uint64_t most = most_about_a_node(halo, context.pool);
+    const std::uint64_t bytes = bytes_with_tile(most, plan_.bytes_per_point(), plan_.lattice);
+    throw Error(
+        ErrorKind::failure, {},
+        fmt::format("{} points lie about a single node of the grid, which need about {} MB, more than the limit", most,
+                    bytes / 1'000'000U + 1),
+        fmt::format("--memory {}MB and more, a finer grid or a voxel filter", bytes / 1'000'000U + 1));
+  }
+}
+
 OrientedPoints TiledProjection::load_tile(const Tile& tile, ThreadPool& pool) const {
   const BinLocator locator(plan_.bins);
   const BinWindow& window = tile.bins;
@@ -198,10 +256,7 @@ Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem
                                 const Context& context) {
   fill_buckets(folder, context);
   Projection projection = plan_.empty_projection();
-  // A neighbour's height decides too, and it may look as far.
-  const std::vector<Tile> tiles =
-      cut_into_tiles(plan_.bins, bins_beyond(plan_) + 1, tile_points, row_points_,
-                     [&](int first, int last) { return count_columns(first, last, context.pool); });
+  const std::vector<Tile> tiles = cut(tile_points, context);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
     fit_tile(tiles[t], context, projection);

@@ -40,8 +40,8 @@ class TiledProjection {
   [[nodiscard]] const ProjectionPlan& plan() const { return plan_; }
 
   /// Sorts the points into buckets on disk, gives the cloud back, and measures tile by tile with at most `tile_points`
-  /// in memory. The projection's `point_class` stays empty. Once only. Throws Error{failure} when one node's points are
-  /// more.
+  /// in memory. The projection's `point_class` stays empty. Once only. Throws Error{failure}, with the memory that
+  /// would do, when one node's points are more.
   [[nodiscard]] Projection run(std::uint64_t tile_points, const std::filesystem::path& folder, const Context& context);
 
   /// What a cross-check needs, after run().
@@ -52,6 +52,8 @@ class TiledProjection {
   void fill_buckets(const std::filesystem::path& folder, const Context& context);
   void each_piece(int first_row, int last_row, ThreadPool& pool, const std::function<void(const Piece&)>& use) const;
   [[nodiscard]] std::vector<std::uint64_t> count_columns(int first_row, int last_row, ThreadPool& pool) const;
+  [[nodiscard]] std::uint64_t most_about_a_node(int halo, ThreadPool& pool) const;
+  [[nodiscard]] std::vector<Tile> cut(std::uint64_t tile_points, const Context& context) const;
   [[nodiscard]] OrientedPoints load_tile(const Tile& tile, ThreadPool& pool) const;
   void fit_tile(const Tile& tile, const Context& context, Projection& projection) const;
   void decide_classes(const Context& context, Projection& projection);

@@ -13,6 +13,9 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kMostNodes = 2147483648.0;
+// What a scene's description can say; a hand's scale over either would be no number of use.
+constexpr double kLeastSpacing_m = 1e-12;
+constexpr double kMostSpacing_m = 1e6;
 constexpr double kNodesPerPoint = 16.0;  // of an automatic grid, or per corner of a triangle
 // Bins, height, state and what the projection keeps beside them.
 constexpr double kBytesPerNode = 16.0;
@@ -91,6 +94,12 @@ Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eig
     lattice.spacing_m = bounded_spacing(cover, extent, lattice.spacing_m);
   }
   if (!(lattice.spacing_m > 0.0) || !std::isfinite(lattice.spacing_m)) lattice.spacing_m = 1e-3;
+  if (!(lattice.spacing_m >= kLeastSpacing_m && lattice.spacing_m <= kMostSpacing_m)) {
+    char size[160];
+    std::snprintf(size, sizeof size, "what the grid should cover is %.3g m x %.3g m: nodes would stand %.3g m apart",
+                  cover.width_m, cover.height_m, lattice.spacing_m);
+    throw input_error({}, size, "points that spread over a surface; the right 'units' of the scan");
+  }
   const double nx = nodes_along(cover.width_m, lattice.spacing_m, cover.slack);
   const double ny = nodes_along(cover.height_m, lattice.spacing_m, cover.slack);
   const std::string grid = "a grid of " + shortly(nx) + " x " + shortly(ny) + " nodes";

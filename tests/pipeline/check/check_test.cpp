@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <numeric>
 
@@ -142,6 +143,42 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
       ASSERT_NEAR(std::abs(found[k]), best, 1e-6) << count << " points, node " << nodes[k];
     }
   }
+}
+
+TEST(NearestPoint, OfManyPointsToANodeAreThoseOfBruteForceInAnyOrder) {
+  constexpr int kNx = 7, kNy = 61;
+  const DepthGrid grid = rough_grid(lattice_of(kNx, kNy, 0.01), 0.1, 7);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(0, 1);
+  // Where there are none, at the far end, the nearest is many rows away.
+  std::vector<std::array<float, 3>> cloud;
+  for (int k = 0; k < 12 * kNx * kNy; ++k)
+    cloud.push_back({static_cast<float>(0.06 * unit(random)), static_cast<float>(0.25 * unit(random) - 0.02),
+                     static_cast<float>(0.05 * unit(random))});
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t n = 0; n < grid.lattice.count(); ++n)
+    if (grid.state[n] == NodeState::measured) nodes.push_back(n);
+  ThreadPool pool(2);
+  const auto distances = [&] {
+    const BandedPoints points(
+        grid.lattice, cloud.size(),
+        [&](std::size_t begin, std::size_t end, float* out) {
+          std::copy_n(cloud[begin].data(), 3 * (end - begin), out);
+          return end - begin;
+        },
+        pool);
+    return nearest_point_distances(grid, nodes, points.counted(), 0.001, pool);
+  };
+  const std::vector<float> found = distances();
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Eigen::Vector3d node((nodes[k] % kNx) * 0.01, (nodes[k] / kNx) * 0.01, grid.height_m[nodes[k]]);
+    double best = std::numeric_limits<double>::infinity();
+    for (const std::array<float, 3>& p : cloud)
+      best = std::min(best, (node - Eigen::Vector3d(p[0], p[1], p[2])).norm());
+    ASSERT_NEAR(std::abs(found[k]), best, 1e-7) << "node " << nodes[k];
+  }
+  std::shuffle(cloud.begin(), cloud.end(), random);
+  EXPECT_EQ(distances(), found);
 }
 
 TEST(Statistics, AreThoseOfAHandCountedSample) {

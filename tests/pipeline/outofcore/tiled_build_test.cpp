@@ -337,6 +337,17 @@ TEST_F(OutOfCore, WhatCannotBeKeptIsRefusedByNameAndLeavesNothing) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "only the scan is left";
 }
 
+TEST_F(OutOfCore, TheMemoryThatARefusalNamesForPointsAboutANodeIsEnough) {
+  const Config coarse = simulated(relief(400, 1), {"grid={size: 6}"});
+  BuildOptions options;
+  options.memory_bytes = 80'000'000;
+  const Error error = refused(coarse, options, folder_ / "scene");
+  ASSERT_NE(error.wrong().find("a single node"), std::string::npos) << error.what();
+  options.memory_bytes = 1'000'000U * std::stoull(error.expected().substr(std::string("--memory ").size()));
+  EXPECT_GT(options.memory_bytes, 80'000'000U);
+  EXPECT_NO_THROW((void)build_scene(coarse, options, progress_));
+}
+
 TEST_F(OutOfCore, ACrossCheckOfMorePointsThanFitIsRefused) {
   // About 400 000 points: 19 MB of sample beside 70 MB for the program.
   Config config = simulated(relief(600, 1), {"check={samples: all}"});
