@@ -19,6 +19,7 @@ std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoar
   }
   for (Announcement& announcement : fresh) {
     if (announcement.text.empty() || announcement.text == hidden_ || !can_show(announcement.text)) continue;
+    if (faults_hidden_ && announcement.priority == Announcement::Priority::fault) continue;
     double length_s = 2.0 + 0.06 * static_cast<double>(announcement.text.size());
     if (announcement.priority == Announcement::Priority::warning) length_s *= 1.5;
     if (announcement.priority == Announcement::Priority::fault) length_s *= 2.0;

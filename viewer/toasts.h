@@ -17,6 +17,8 @@ class Toasts {
   void tell(const std::string& text, haptics::Announcement::Priority priority) { own_.push_back({text, priority, 0}); }
   /// Words that a dialog shows already: they are spoken only.
   void hide(std::string text) { hidden_ = std::move(text); }
+  /// Nobody looks who could do anything about faults: new ones are not shown.
+  void hide_faults(bool on) { faults_hidden_ = on; }
   /// What is shown at `time_s`, oldest first. `board` may be null.
   [[nodiscard]] std::vector<Toast> update(double time_s, const haptics::AnnouncementBoard* board);
 
@@ -28,6 +30,7 @@ class Toasts {
   std::vector<Shown> shown_;
   std::vector<haptics::Announcement> own_;
   std::string hidden_;
+  bool faults_hidden_ = false;
   std::uint64_t seen_ = 0;
 };
 

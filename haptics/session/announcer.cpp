@@ -21,7 +21,7 @@ Announcer::Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene, Phr
 
 void Announcer::set_scene(pipeline::ScenePointer scene) {
   scene_ = std::move(scene);
-  part_.reset();
+  parts_.forget();
   described_.reset();
   unknown_ = false;
   outside_ = false;
@@ -44,21 +44,20 @@ void Announcer::control(Announcement::Control control, Phrase phrase) {
   board_.say(phrases_.text(phrase), Priority::information, control);
 }
 
-std::optional<std::size_t> Announcer::part_at(const State& state) const {
-  const pipeline::PartConfig* const part = pipeline::part_at(scene_->description(), state.place_m);
+std::optional<std::size_t> Announcer::part_at(const std::array<double, 3>& place_m) const {
+  const pipeline::PartConfig* const part = pipeline::part_at(scene_->description(), place_m);
   if (part == nullptr) return std::nullopt;
   return static_cast<std::size_t>(part - scene_->description().config.parts.data());
 }
 
 void Announcer::watch(const State& state) {
   if (state.contact == 0) return;
-  if (const std::optional<std::size_t> here = part_at(state)) {
-    if (here != part_ || state.time_s - part_left_s_ > kSilence_s) {
-      say_as_is(part(*here).say);
-      described_ = here;  // the next press tells more
-    }
-    part_ = here;
-    part_left_s_ = state.time_s;
+  constexpr double kWellInside_m = 0.002;  // from a border, at the hand
+  const auto part_here = [&](const Eigen::Vector2d& at_m) { return part_at({at_m.x(), at_m.y(), state.place_m[2]}); };
+  if (const std::optional<std::size_t> here =
+          parts_.watch({state.place_m[0], state.place_m[1]}, kWellInside_m / state.scale, state.time_s, part_here)) {
+    say_as_is(part(*here).say);
+    described_ = here;  // the next press tells more
   }
   const bool outside = (state.flags & kFlagOutside) != 0;
   if (outside && !outside_ && state.time_s - outside_left_s_ > kSilence_s) say(way_back(state));
@@ -133,7 +132,7 @@ Phrase Announcer::place_on_stone(const State& state) const {
 }
 
 void Announcer::describe(const State& state, const View& view) {
-  const std::optional<std::size_t> here = part_at(state);
+  const std::optional<std::size_t> here = part_at(state.place_m);
   const bool again = here && here == described_ && !part(*here).more.empty();
   described_ = again ? std::nullopt : here;
   if (again) return say_as_is(part(*here).more);

@@ -1,6 +1,7 @@
 // Finds the words: watches State and says what a visitor who cannot see needs to know, in the visitor's language.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "base/phrases.h"
+#include "haptics/session/part_watch.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
 #include "scene/scene.h"
@@ -55,7 +57,7 @@ class Announcer {
 
  private:
   /// Index into the scene's list.
-  [[nodiscard]] std::optional<std::size_t> part_at(const State& state) const;
+  [[nodiscard]] std::optional<std::size_t> part_at(const std::array<double, 3>& place_m) const;
   [[nodiscard]] const pipeline::PartConfig& part(std::size_t index) const {
     return scene_->description().config.parts.at(index);
   }
@@ -66,9 +68,8 @@ class Announcer {
   AnnouncementBoard& board_;
   pipeline::ScenePointer scene_;
   Phrases phrases_;
-  std::string last_;                      // said
-  std::optional<std::size_t> part_;       // last spoken
-  double part_left_s_ = -1e9;             // when the hand was last on it
+  std::string last_;  // said
+  PartWatch parts_;
   std::optional<std::size_t> described_;  // that more can be told about
   bool unknown_ = false;
   double unknown_left_s_ = -1e9;

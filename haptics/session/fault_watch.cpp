@@ -12,7 +12,13 @@ constexpr double kPause_s = 3.0;
 void FaultWatch::watch(const State& now, const Servo& servo, const Device& device, const SceneKeeper& keeper) {
   watch_thread(servo);
   watch_device(now, servo, device);
-  tell(servo.silences(), now.time_s, silences_told_, "went_soft");
+  // Nobody lifts a hand that was not there: an exhibit without visitors has nothing to say of it.
+  constexpr double kTouch_s = 2.0;
+  if (now.contact != 0) touched_s_ = now.time_s;
+  if (now.time_s - touched_s_ < kTouch_s)
+    tell(servo.silences(), now.time_s, silences_told_, "went_soft");
+  else
+    silences_told_.count = servo.silences();
   tell(servo.bad_positions(), now.time_s, bad_positions_told_, "hand_lost");
   watch_records(now, keeper);
 }

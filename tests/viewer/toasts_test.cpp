@@ -21,5 +21,18 @@ TEST(Toasts, OfAScriptThatTheWindowDoesNotWriteAreNotShownAsQuestionMarks) {
   }
 }
 
+TEST(Toasts, OfFaultsAreNotShownWhereNobodyIsThereNorAfterwards) {
+  Toasts toasts;
+  haptics::AnnouncementBoard board;
+  toasts.hide_faults(true);
+  board.say("The stone went soft", haptics::Announcement::Priority::fault);
+  board.say("Whole stone");
+  ASSERT_EQ(toasts.update(0.0, &board).size(), 1U);
+  toasts.hide_faults(false);
+  EXPECT_EQ(toasts.update(0.1, &board).size(), 1U);
+  board.say("The stone went soft", haptics::Announcement::Priority::fault);
+  EXPECT_EQ(toasts.update(0.2, &board).size(), 2U);
+}
+
 }  // namespace
 }  // namespace sparsha::viewer::test

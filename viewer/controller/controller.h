@@ -71,6 +71,8 @@ class Controller {
   [[nodiscard]] bool take_screenshot_wish() { return std::exchange(screenshot_, false); }
   [[nodiscard]] bool wants_screenshot() const { return screenshot_; }
   [[nodiscard]] bool take_full_screen_wish() { return std::exchange(full_screen_, false); }
+  /// While nobody is there, faults are not on the picture.
+  void hide_faults(bool on) { toasts_.hide_faults(on); }
   /// Shows words and has them spoken.
   void tell(const std::string& text,
             haptics::Announcement::Priority priority = haptics::Announcement::Priority::information);

@@ -17,6 +17,7 @@ Attract::Change Attract::update(double time_s, const haptics::State& state) {
     }
   }
   if (!begun_ || touched_) last_s_ = time_s;
+  visited_ = visited_ || touched_;
   const bool ends = touched_ && shows_;
   begun_ = true;
   touched_ = false;

@@ -29,6 +29,7 @@ void attract_visitors(Attract& attract, Controller& controller, const ViewSettin
                       const haptics::State& state) {
   const Attract::Change change = attract.update(time_s, state);
   if (change == Attract::Change::begins) controller.welcome_next(first);
+  controller.hide_faults(attract.alone(time_s));
   if (attract.shows()) controller.frame().settings.light = attract.light(time_s);
   if (change == Attract::Change::ends) controller.frame().settings.light = KeyLight{};
 }

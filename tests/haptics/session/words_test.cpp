@@ -73,8 +73,11 @@ TEST_F(Words, TwoPartsOfOneNameAreSpokenOfEach) {
                                                d.config.parts.push_back(part);
                                              });
   Announcer announcer(board_, twins);
-  announcer.watch(at(0.02, 0.05));
-  announcer.watch(at(0.07, 0.05));
+  State hand = at(0.02, 0.05);
+  announcer.watch(hand);
+  hand = at(0.07, 0.05);
+  hand.time_s += 5.0;
+  announcer.watch(hand);
   const auto all = board_.since(0);
   EXPECT_EQ(std::count_if(all.begin(), all.end(), [](const Announcement& a) { return a.text == "A leaf"; }), 2);
   announcer.describe(at(0.02, 0.05), {});
