@@ -3,9 +3,11 @@
 
 #include "app/tour.h"
 #include "base/error.h"
+#include "base/system/terminal.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/pointer/pointer_device.h"
 #include "haptics/device/simulated/simulated_device.h"
+#include "haptics/device/steered/steered_device.h"
 #include "haptics/replay/path_device.h"
 #include "viewer/viewer.h"
 
@@ -13,7 +15,8 @@ namespace sparsha::app {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;  // of the simulated round: every run feels the same
-const char* const kChoices = "--device falcon, pointer (needs a window), simulated or playback:FILE";
+const char* const kChoices =
+    "--device keys (at a terminal), falcon, pointer (needs a window), simulated or playback:FILE";
 
 ChosenDevice pointer_device() {
   ChosenDevice chosen;
@@ -41,6 +44,13 @@ ChosenDevice choose_device(const std::string& name, bool window, const haptics::
                   "a display and no --headless, or --device simulated");
     }
     return pointer_device();
+  } else if (name == "keys") {
+    if (!system::stdin_is_terminal()) {
+      throw Error(ErrorKind::device, {}, "keys move the hand from a terminal, and standard input is none",
+                  "a terminal in whose foreground the program runs");
+    }
+    chosen.keys = std::make_shared<haptics::Seqlock<haptics::SteeringSample>>();
+    chosen.device = haptics::make_steered_device(chosen.keys);
   } else if (name == "falcon") {
     chosen.device = haptics::falcon::make_falcon_device(falcon);
   } else if (name == "auto") {
@@ -52,7 +62,8 @@ ChosenDevice choose_device(const std::string& name, bool window, const haptics::
       throw Error(ErrorKind::device, {}, "no Falcon is connected and there is no window for the pointer", kChoices);
     }
   } else {
-    throw usage_error("there is no device '" + name + "'", "auto | falcon | pointer | simulated | playback:FILE");
+    throw usage_error("there is no device '" + name + "'",
+                      "auto | falcon | pointer | keys | simulated | playback:FILE");
   }
   return chosen;
 }

@@ -6,6 +6,7 @@
 
 #include "haptics/device/device.h"
 #include "haptics/device/falcon/falcon.h"
+#include "haptics/device/steered/steering_script.h"
 #include "haptics/replay/recording.h"
 #include "haptics/state/seqlock.h"
 #include "haptics/state/state.h"
@@ -18,10 +19,11 @@ struct ChosenDevice {
   bool simulated = false;                                             ///< simulated_hand() once the scene is known
   std::shared_ptr<const haptics::Recording> recording;                ///< null unless it is
   std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< with the pointer device only
+  std::shared_ptr<haptics::Seqlock<haptics::SteeringSample>> keys;    ///< with a hand that keys move
 };
 
-/// `name`: auto | falcon | pointer | simulated | playback:FILE. `window`: a window will be open. `falcon`: what a
-/// Falcon needs. Throws Error{device} that names the choices, Error{usage} for another name.
+/// `name`: auto | falcon | pointer | keys | simulated | playback:FILE. `window`: a window will be open. `falcon`: what
+/// a Falcon needs. Throws Error{device} that names the choices, Error{usage} for another name.
 [[nodiscard]] ChosenDevice choose_device(const std::string& name, bool window,
                                          const haptics::falcon::FalconOptions& falcon = {});
 

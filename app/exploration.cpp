@@ -126,6 +126,7 @@ void Exploration::run(bool window) {
 bool Exploration::over() const {
   const std::chrono::duration<double> elapsed = Clock::now() - began_;
   return interrupted() || (session_ && session_->finished()) ||
+         (chosen_.keys && keys_ && (keys_->gone() || !keys_->active())) ||
          (arguments_.duration_s > 0.0 && elapsed.count() >= arguments_.duration_s);
 }
 
@@ -177,7 +178,28 @@ void Exploration::wait_headless() {
 void Exploration::use_keys() {
   if (!session_ || !keys_ || !keys_->active()) return;
   const std::chrono::duration<double> now = Clock::now() - began_;
-  for (const haptics::Request& request : meanings_.take(keys_->read(), now.count())) session_->requests().post(request);
+  std::vector<TypedKey> keys = typed_.take(keys_->read(), now.count());
+  if (chosen_.keys) move_hand(keys, now.count());
+  for (const haptics::Request& request : meanings_.take(keys, now.count())) session_->requests().post(request);
+}
+
+// Takes the hand's keys from `keys`.
+void Exploration::move_hand(std::vector<TypedKey>& keys, double now_s) {
+  const haptics::State state = session_->state().read();
+  std::erase_if(keys, [&](const TypedKey& key) {
+    const bool taken = hand_keys_.press(key, now_s, state, session_->phrases());
+    if (const auto words = hand_keys_.take_words()) announce(words->phrase, words->values);
+    return taken;
+  });
+  const pipeline::SceneDescription& scene = scene_->description();
+  const std::size_t level = std::min<std::size_t>(state.level, scene.levels.size() - 1);
+  const HandKeys::Wish wish =
+      hand_keys_.update(state, haptics::centre_range(scene, scene.levels[level], state.workspace_m / state.scale));
+  if (const auto words = hand_keys_.take_words()) announce(words->phrase, words->values);
+  chosen_.keys->publish(wish.hand);
+  if (wish.scroll == scroll_) return;
+  scroll_ = wish.scroll;
+  session_->requests().post({haptics::Request::Kind::scroll, scroll_.x(), scroll_.y()});
 }
 
 // A window that loses its display leaves the hand, the sound and the recording alone, and comes back with it.

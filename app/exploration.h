@@ -13,6 +13,7 @@
 #include "app/device_choice.h"
 #include "app/exhibits.h"
 #include "app/explore_arguments.h"
+#include "app/hand_keys.h"
 #include "app/live_sound.h"
 #include "app/open_scans.h"
 #include "app/speaker.h"
@@ -59,6 +60,7 @@ class Exploration {
   // Without a window.
   void wait_headless();
   void use_keys();
+  void move_hand(std::vector<TypedKey>& keys, double now_s);
 
   // With one.
   void run_windows();
@@ -104,7 +106,10 @@ class Exploration {
   std::optional<Speaker> speaker_;
   bool told_of_speech_ = false;
   std::optional<system::TerminalInput> keys_;  ///< without a window
+  TypedKeys typed_;
   TerminalKeys meanings_;
+  HandKeys hand_keys_;                                ///< where keys move the hand
+  Eigen::Vector2d scroll_ = Eigen::Vector2d::Zero();  ///< asked for last
   OpenScans scans_;
   viewer::Connections connections_;
   std::uint64_t notes_ = 0, work_ = 0;

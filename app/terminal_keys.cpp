@@ -13,15 +13,15 @@ constexpr double kAgain_s = 0.6;  // a second press within is the same gesture; 
 constexpr double kLong_s = 2.0, kLongest_s = 5.0;  // as on the grip
 constexpr double kPanWindows = 0.25;
 
-std::optional<Request> arrow(char key) {
+std::optional<Request> arrow(TypedKey::Kind key) {
   switch (key) {
-    case 'A':
+    case TypedKey::Kind::up:
       return Request{Kind::pan, 0.0, kPanWindows};
-    case 'B':
+    case TypedKey::Kind::down:
       return Request{Kind::pan, 0.0, -kPanWindows};
-    case 'C':
+    case TypedKey::Kind::right:
       return Request{Kind::pan, kPanWindows, 0.0};
-    case 'D':
+    case TypedKey::Kind::left:
       return Request{Kind::pan, -kPanWindows, 0.0};
     default:
       return std::nullopt;
@@ -35,13 +35,13 @@ void TerminalKeys::letter(char key, std::vector<Request>& requests) {
     char key;
     Kind kind;
   };
-  constexpr std::array<Meaning, 21> kMeanings{
+  constexpr std::array<Meaning, 22> kMeanings{
       {{'+', Kind::zoom_in},       {'=', Kind::zoom_in},      {'-', Kind::zoom_out},     {'n', Kind::next_part},
        {'p', Kind::previous_part}, {'w', Kind::whole_scene},  {' ', Kind::describe},     {'h', Kind::help_keys},
        {'?', Kind::help_keys},     {'t', Kind::tour},         {'r', Kind::repeat},       {'<', Kind::speak_slower},
        {',', Kind::speak_slower},  {'>', Kind::speak_faster}, {'.', Kind::speak_faster}, {'v', Kind::next_voice},
-       {'s', Kind::toggle_speech}, {'g', Kind::guide},        {'q', Kind::quit},         {'\r', Kind::describe},
-       {'\n', Kind::describe}}};
+       {'s', Kind::toggle_speech}, {'g', Kind::guide},        {'5', Kind::describe},     {'q', Kind::quit},
+       {'\r', Kind::describe},     {'\n', Kind::describe}}};
   const char small = key >= 'A' && key <= 'Z' ? static_cast<char>(key - 'A' + 'a') : key;
   for (const Meaning& meaning : kMeanings)
     if (meaning.key == small) requests.push_back({meaning.kind});
@@ -85,23 +85,18 @@ void TerminalKeys::digit(std::size_t button, double time_s, std::vector<Request>
   }
 }
 
-std::vector<Request> TerminalKeys::take(std::string_view typed, double time_s) {
+std::vector<Request> TerminalKeys::take(const std::vector<TypedKey>& typed, double time_s) {
   std::vector<Request> requests;
   if (time_s - last_s_ >= kAgain_s) end(requests);
-  for (std::size_t at = 0; at < typed.size(); ++at) {
-    const char key = typed[at];
-    if (key == '\x1b') {
-      // An arrow, or a key that means nothing here: up to its final letter.
-      if (at + 1 >= typed.size() || (typed[at + 1] != '[' && typed[at + 1] != 'O')) continue;
-      at += 2;
-      const std::size_t begin = at;
-      while (at < typed.size() && (typed[at] < '@' || typed[at] > '~')) ++at;
-      if (at == begin && at < typed.size())
-        if (const std::optional<Request> pan = arrow(typed[at])) requests.push_back(*pan);
-    } else if (key >= '1' && key <= '4') {
-      digit(static_cast<std::size_t>(key - '1'), time_s, requests);
+  for (const TypedKey& key : typed) {
+    if (key.kind == TypedKey::Kind::middle) {
+      requests.push_back({Kind::describe});
+    } else if (key.kind != TypedKey::Kind::letter) {
+      if (const std::optional<Request> pan = arrow(key.kind)) requests.push_back(*pan);
+    } else if (key.letter >= '1' && key.letter <= '4') {
+      digit(static_cast<std::size_t>(key.letter - '1'), time_s, requests);
     } else {
-      letter(key, requests);
+      letter(key.letter, requests);
     }
   }
   return requests;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <string_view>
 #include <vector>
 
+#include "app/typed_keys.h"
 #include "haptics/state/requests.h"
 
 namespace sparsha::app {
@@ -15,7 +15,7 @@ namespace sparsha::app {
 class TerminalKeys {
  public:
   /// What has been typed by `time_s`; call at least ten times a second, also with nothing.
-  [[nodiscard]] std::vector<haptics::Request> take(std::string_view typed, double time_s);
+  [[nodiscard]] std::vector<haptics::Request> take(const std::vector<TypedKey>& typed, double time_s);
 
  private:
   void letter(char key, std::vector<haptics::Request>& requests);

@@ -84,6 +84,18 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"guide_no_outline", ""},
     {"guide_no_line", ""},
     {"guide_other_side", ""},
+    // The hand that keys move, and the heights that it follows.
+    {"hand_step", "distance"},
+    {"hand_press", "number"},
+    {"hand_lifted", ""},
+    {"hand_down", ""},
+    {"hand_end", ""},
+    {"hand_touches", ""},
+    {"height_up", "distance"},
+    {"height_down", "distance"},
+    {"step_up", "distance"},
+    {"step_down", "distance"},
+    {"help_hand", ""},
     // What was changed.
     {"texture_on", ""},
     {"texture_off", ""},

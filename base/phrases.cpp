@@ -108,6 +108,12 @@ std::string Phrases::distance(double metres) const {
   return round_metres == 1.0 ? text("metre", number(1.0)) : text("metres", number(round_metres));
 }
 
+std::string Phrases::height(double metres) const {
+  const double tenths = std::round(1e4 * std::abs(metres));
+  if (!(tenths < 10.0)) return distance(metres);
+  return text("millimetres", {{"number", value_text(std::max(1.0, tenths) / 10.0, 2)}});
+}
+
 std::vector<std::string> placeholders(std::string_view text) {
   std::vector<std::string> names;
   for (std::size_t open = text.find('{'); open != std::string_view::npos; open = text.find('{', open + 1)) {

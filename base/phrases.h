@@ -58,6 +58,8 @@ class Phrases {
   [[nodiscard]] std::string text_or(std::string_view key) const;
   /// "12 centimetres": whole numbers of the unit that people would use.
   [[nodiscard]] std::string distance(double metres) const;
+  /// The same for what may be less than a millimetre: "0.3 millimetres".
+  [[nodiscard]] std::string height(double metres) const;
 
  private:
   Phrases() = default;

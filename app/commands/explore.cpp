@@ -74,8 +74,9 @@ int run_explore(const ExploreArguments& arguments, const CommonOptions& common) 
   if (arguments.list_audio) return list_audio();
   check_arguments(arguments);
   Terminal terminal(common);
-  const bool window = !arguments.headless && viewer::display_available();
-  if (!arguments.headless && !window && arguments.device != "auto") {
+  const bool keys = arguments.device == "keys";  // of the terminal, not of a window
+  const bool window = !arguments.headless && !keys && viewer::display_available();
+  if (!arguments.headless && !window && !keys && arguments.device != "auto") {
     terminal.message("no display: running without a window");
   }
   Exploration exploration(arguments, common, terminal, window);
@@ -90,7 +91,7 @@ void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<ExploreArguments>();
   CLI::App* command = app.add_subcommand("explore", "Touch, see and hear a scene");
   command->add_option("scene", arguments->scene, "scene folder, configuration or scans")->expected(1, -1);
-  command->add_option("--device", arguments->device, "auto | falcon | pointer | simulated | playback:FILE")
+  command->add_option("--device", arguments->device, "auto | falcon | pointer | keys | simulated | playback:FILE")
       ->capture_default_str();
   command->add_flag("--headless", arguments->headless, "no window");
   command->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")

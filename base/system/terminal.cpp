@@ -7,6 +7,7 @@ namespace sparsha::system {
 TerminalInput::TerminalInput() = default;
 TerminalInput::~TerminalInput() = default;
 std::string TerminalInput::read() { return {}; }
+bool stdin_is_terminal() { return false; }
 void restore_terminal() noexcept {}
 std::filesystem::path standard_output_file() { return {}; }
 
@@ -74,6 +75,8 @@ void handle(int number, void (*handler)(int)) {
 
 }  // namespace
 
+bool stdin_is_terminal() { return in_foreground(); }
+
 void restore_terminal() noexcept {
   if (changed.exchange(false) && in_foreground()) tcsetattr(STDIN_FILENO, TCSANOW, &before);
 }
@@ -112,13 +115,15 @@ std::filesystem::path standard_output_file() {
 
 std::string TerminalInput::read() {
   std::string typed;
-  if (!active_ || !in_foreground()) return typed;
+  if (active_ && tcgetpgrp(STDIN_FILENO) < 0) gone_ = true;
+  if (!active_ || gone_ || !in_foreground()) return typed;
   if (lent.exchange(false)) tcsetattr(STDIN_FILENO, TCSANOW, &keys);
   std::array<char, 256> block{};
   pollfd input{STDIN_FILENO, POLLIN, 0};
   constexpr std::size_t kMost = 4096;
   while (typed.size() < kMost && poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0) {
     const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
+    if (got == 0 || (got < 0 && errno == EIO)) gone_ = true;
     if (got <= 0) break;
     typed.append(block.data(), static_cast<std::size_t>(got));
   }

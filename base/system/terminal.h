@@ -19,15 +19,21 @@ class TerminalInput {
 
   /// False when standard input is no terminal of this program's: then there are no keys.
   [[nodiscard]] bool active() const { return active_; }
+  /// True once the terminal has been closed: nothing will be typed any more.
+  [[nodiscard]] bool gone() const { return gone_; }
   /// What has been typed since the last call; never waits.
   [[nodiscard]] std::string read();
 
  private:
   bool active_ = false;
+  bool gone_ = false;
 };
 
 /// The file that standard output was redirected to, absolute; empty when it is none or its name is not to be had.
 [[nodiscard]] std::filesystem::path standard_output_file();
+
+/// Whether standard input is a terminal in whose foreground this program runs.
+[[nodiscard]] bool stdin_is_terminal();
 
 /// Gives the terminal back as it was; safe in a signal handler, harmless when nothing was changed.
 void restore_terminal() noexcept;

@@ -31,6 +31,12 @@ bool lies_in(const pipeline::SceneDescription& scene, std::size_t part, const pi
 
 }  // namespace
 
+CentreRange centre_range(const pipeline::SceneDescription& scene, const pipeline::Lattice& level, double width_m) {
+  const Eigen::Vector3d half_m(0.5 * width_m, 0.5 * width_m, kBubble * width_m);
+  return {Eigen::Vector3d(level.x_m(0), level.y_m(0), scene.height_min_m) + half_m,
+          Eigen::Vector3d(level.x_m(level.nx - 1), level.y_m(level.ny - 1), scene.height_max_m) - half_m};
+}
+
 Navigator::Navigator(pipeline::ScenePointer scene, double workspace_width_m, const Effects& effects,
                      Announcer& announcer)
     : scene_(std::move(scene)),
@@ -174,6 +180,9 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
     case Request::Kind::move_to:
       if (!finite()) return std::nullopt;
       return move({request.x, request.y});
+    case Request::Kind::scroll:
+      if (finite()) asked_ = {request.x, request.y};
+      return std::nullopt;
     case Request::Kind::set_texture:
     case Request::Kind::set_friction: {
       const bool texture = request.kind == Request::Kind::set_texture;
@@ -217,28 +226,25 @@ std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {
 }
 
 std::optional<Command> Navigator::scroll(const State& state) {
-  const pipeline::Lattice& lattice = level(plan_.level);
-  const pipeline::SceneDescription& scene = scene_->description();
   const double width = workspace_width_m_ / state.scale;  // of the workspace, grid frame
   // The centre goes no further than brings the scene's edges to the workspace's, its highest and lowest points in
   // reach.
-  const Eigen::Vector3d half(0.5 * width, 0.5 * width, kBubble * width);
-  const Eigen::Vector3d low = Eigen::Vector3d(lattice.x_m(0), lattice.y_m(0), scene.height_min_m) + half;
-  const Eigen::Vector3d high =
-      Eigen::Vector3d(lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1), scene.height_max_m) - half;
+  const auto [low, high] = centre_range(scene_->description(), level(plan_.level), width);
   const double fastest = kFastestScroll * width;
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     const double place = state.device_m[static_cast<std::size_t>(axis)] / workspace_width_m_;
     const double depth = std::clamp((std::abs(place) - kBubble) / (0.5 - kBubble), 0.0, 1.0);
-    const double speed = std::copysign(fastest * depth * depth, place);
+    double speed = std::copysign(fastest * depth * depth, place);
+    if (axis < 2 && asked_[axis] != 0.0) speed = asked_[axis] * width;
     const double centre = state.centre_m[static_cast<std::size_t>(axis)];
     if ((speed > 0.0 && centre < high[axis]) || (speed < 0.0 && centre > low[axis])) wanted[axis] = speed;
   }
   if (state.contact != 0) wanted.z() = std::max(0.0, wanted.z());
   const bool stops = wanted.isZero(0.0) && !scroll_.isZero(0.0);
   if (!stops && (wanted - scroll_).norm() <= kScrollStep * fastest) return std::nullopt;
-  if (scroll_.isZero(0.0)) say_direction(wanted);
+  if (scroll_.isZero(0.0)) say_direction(wanted, state.time_s);
+  scrolled_s_ = state.time_s;
   scroll_ = wanted;
   Command command;
   command.kind = Command::Kind::scroll;
@@ -246,12 +252,17 @@ std::optional<Command> Navigator::scroll(const State& state) {
   return command;
 }
 
-void Navigator::say_direction(const Eigen::Vector3d& velocity) {
+// A hand at the rim starts and stops the window time and again.
+void Navigator::say_direction(const Eigen::Vector3d& velocity, double time_s) {
+  constexpr double kSilence_s = 2.0;
   constexpr std::array<std::array<Phrase, 2>, 3> kWords = {
       {{"moving_left", "moving_right"}, {"moving_down", "moving_up"}, {"going_deeper", "coming_nearer"}}};
   Eigen::Index axis = 0;
   velocity.cwiseAbs().maxCoeff(&axis);
-  announcer_.say(kWords[static_cast<std::size_t>(axis)][velocity[axis] > 0.0 ? 1 : 0]);
+  const Phrase words = kWords[static_cast<std::size_t>(axis)][velocity[axis] > 0.0 ? 1 : 0];
+  if (words.index() == direction_.index() && time_s - scrolled_s_ < kSilence_s) return;
+  direction_ = words;
+  announcer_.say(words);
 }
 
 }  // namespace sparsha::haptics

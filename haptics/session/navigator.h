@@ -15,6 +15,15 @@
 
 namespace sparsha::haptics {
 
+/// Where a window's centre can be: there its edges are those of the scene. Grid frame, metres.
+struct CentreRange {
+  Eigen::Vector3d low_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d high_m = Eigen::Vector3d::Zero();
+};
+/// Of a window `width_m` wide on a level.
+[[nodiscard]] CentreRange centre_range(const pipeline::SceneDescription& scene, const pipeline::Lattice& level,
+                                       double width_m);
+
 /// Session's thread only. Turns wishes and the hand's place into windows to load and commands to post.
 class Navigator {
  public:
@@ -60,7 +69,7 @@ class Navigator {
   [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m);
   [[nodiscard]] WindowLoader::Job move(const WindowPlan& plan, const Eigen::Vector2d& centre_m);
   [[nodiscard]] std::optional<WindowLoader::Job> part(int step, const State& state);
-  void say_direction(const Eigen::Vector3d& velocity);
+  void say_direction(const Eigen::Vector3d& velocity, double time_s);
   [[nodiscard]] WindowPlan plan_at(const ZoomStep& step, const Eigen::Vector2d& centre_m) const;
 
   pipeline::ScenePointer scene_;
@@ -71,6 +80,9 @@ class Navigator {
   std::optional<Eigen::Vector2d> goal_m_;             // where the centre goes, until the servo has it there
   std::size_t part_ = 0;                              // one beyond the part that was gone to; 0: none yet
   Eigen::Vector3d scroll_ = Eigen::Vector3d::Zero();  // last one commanded, grid frame, m/s
+  Eigen::Vector2d asked_ = Eigen::Vector2d::Zero();   // by whoever steers, workspace widths per second
+  Phrase direction_ = "moving_left";                  // said last
+  double scrolled_s_ = -1e9;                          // when the window scrolled last
 };
 
 }  // namespace sparsha::haptics

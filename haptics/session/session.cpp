@@ -24,6 +24,7 @@
 #include "haptics/session/gestures.h"
 #include "haptics/session/guide_control.h"
 #include "haptics/session/navigator.h"
+#include "haptics/session/relief_words.h"
 #include "haptics/session/summary.h"
 #include "haptics/session/window_loader.h"
 #include "scene/regions.h"
@@ -156,7 +157,8 @@ struct Session::Implementation {
   }
 
   void help(const Request& request, const State& now) {
-    if (request.kind == Request::Kind::help_keys) return announcer.say("help_keys");
+    if (request.kind == Request::Kind::help_keys)
+      return announcer.say(options.by_keys ? Phrase("help_hand") : Phrase("help_keys"));
     // Asked for once more, help becomes a tour.
     if (request.kind == Request::Kind::tour || now.time_s - helped_s < kHelpAgain_s) {
       helped_s = -kHelpAgain_s;
@@ -312,6 +314,7 @@ struct Session::Implementation {
   Buttons buttons;
   ButtonTour tour{announcer};
   GuideControl guide{announcer};
+  ReliefWords relief{announcer, announcements};
   double helped_s = -kHelpAgain_s;  // when help was given last
   bool hold_ended_guide = false;    // the button that is held, or was held last
   double stiffness_n_per_m = 0.0;
@@ -379,6 +382,7 @@ void Session::poll() {
   if (now.tick > 0) {
     if (self.replay) self.follow_recording(now);
     self.announcer.watch(now);
+    if (self.options.by_keys) self.relief.watch(now);
     self.guide.watch(now);
     self.use_buttons(now);
   }

@@ -28,6 +28,7 @@ struct SessionOptions {
   bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
   double longest_gap_s = 0.010;  ///< lateness that ends the force; longer only where no hand holds the device
   std::string language = "en";   ///< of what is announced; see set_speech()
+  bool by_keys = false;          ///< keys move the hand: help says how, and heights are announced
   bool speaks = false;           ///< announcements are spoken from the start: the first one says how to get help
 };
 

@@ -19,6 +19,7 @@ struct Request {
     zoom_out,         ///< one level coarser
     pan,              ///< x, y: in window widths
     move_to,          ///< x, y: new window centre, grid frame, metres
+    scroll,           ///< x, y: of the window, in window widths per second, until told otherwise
     set_texture,      ///< on
     set_friction,     ///< on
     set_stiffness,    ///< x: N/m
@@ -96,6 +97,11 @@ class AnnouncementBoard {
     for (const Announcement& announcement : announcements_)
       if (announcement.sequence > seen) result.push_back(announcement);
     return result;
+  }
+  /// Sequence number of the last one; 0: none yet.
+  [[nodiscard]] std::uint64_t newest() const {
+    const std::lock_guard lock(mutex_);
+    return sequence_;
   }
 
  private:

@@ -33,7 +33,7 @@ class Keys : public ::testing::Test {
     std::vector<Kind> kinds;
     std::string now = typed;
     for (double t = 0.0; t < then_s; t += 0.01, now.clear(), time_s_ += 0.01)
-      for (const Request& request : keys_.take(now, time_s_)) {
+      for (const Request& request : keys_.take(typed_.take(now, time_s_), time_s_)) {
         kinds.push_back(request.kind);
         last_ = request;
       }
@@ -46,6 +46,7 @@ class Keys : public ::testing::Test {
       for (const Kind kind : type(key, 0.03)) kinds.push_back(kind);
     return kinds;
   }
+  app::TypedKeys typed_;
   app::TerminalKeys keys_;
   double time_s_ = 100.0;
   Request last_;
@@ -125,7 +126,7 @@ class AtATerminal : public Program {
     close(kept_);
     close(master_);
   }
-  void start() {
+  void start(const char* device = "simulated") {
     const std::string scene = (folder_ / "scene").string();
     child_ = fork();
     ASSERT_GE(child_, 0);
@@ -133,10 +134,11 @@ class AtATerminal : public Program {
       setsid();
       const int terminal = open(slave_.c_str(), O_RDWR);  // becomes the controlling one
       for (const int stream : {0, 1, 2}) dup2(terminal, stream);
+      for (const int other : {terminal, master_, kept_}) close(other);
       unsetenv("DISPLAY");
       unsetenv("WAYLAND_DISPLAY");
-      execl(SPARSHA_PROGRAM, SPARSHA_PROGRAM, "explore", scene.c_str(), "--headless", "--device", "simulated",
-            "--duration", "1000", nullptr);
+      execl(SPARSHA_PROGRAM, SPARSHA_PROGRAM, "explore", scene.c_str(), "--headless", "--device", device, "--duration",
+            "1000", nullptr);
       _exit(127);
     }
     ASSERT_TRUE(shows("Whole stone")) << seen_;
@@ -145,9 +147,9 @@ class AtATerminal : public Program {
   void type(const std::string& keys) {
     ASSERT_EQ(::write(master_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
   }
-  /// Waits until the terminal has shown `text`, 20 s at most.
-  bool shows(const std::string& text) {
-    for (int i = 0; i < 2000 && seen_.find(text) == std::string::npos; ++i) {
+  /// Waits until the terminal has shown `text`, 20 s at most, or so many times 10 ms.
+  bool shows(const std::string& text, int looks = 2000) {
+    for (int i = 0; i < looks && seen_.find(text) == std::string::npos; ++i) {
       pollfd input{master_, POLLIN, 0};
       char block[4096];
       if (::poll(&input, 1, 10) > 0)
@@ -209,6 +211,53 @@ TEST_F(AtATerminal, IsAsItWasWhicheverWayTheProgramEnds) {
     EXPECT_TRUE(same_as_before()) << "signal " << number;
     EXPECT_EQ(WIFSIGNALED(status), number == SIGSEGV) << number;
   }
+}
+
+/// A whole visit by keys: down to the stone, along it to its end, up from it, and how it was at the end.
+TEST_F(AtATerminal, KeysMoveAHandOverTheStone) {
+  start("keys");
+  EXPECT_TRUE(shows("Lotus medallion")) << "it came down by itself: " << seen_;
+  type("h");
+  EXPECT_TRUE(shows("move the hand by one step")) << seen_;
+  type("*");
+  EXPECT_TRUE(shows("Steps of 4 centimetres")) << seen_;
+  for (int k = 0; k < 60 && seen_.find("The stone ends here") == std::string::npos; ++k) {
+    type("\x1b[C");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    shows("The stone ends here", 5);
+  }
+  EXPECT_TRUE(shows("The stone ends here")) << seen_;
+  type("5");
+  EXPECT_TRUE(shows("Right, in the middle, touching")) << seen_;
+  type("d");
+  EXPECT_TRUE(shows("Pressing with 1.6 newtons")) << seen_;
+  type("l");
+  EXPECT_TRUE(shows("The hand is lifted")) << seen_;
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  type("l");
+  EXPECT_TRUE(shows("Touching the stone")) << seen_;
+  type("q");
+  EXPECT_EQ(status_of(0), 0);
+  EXPECT_TRUE(same_as_before());
+}
+
+TEST_F(AtATerminal, ThatIsClosedEndsARunOfKeys) {
+  start("keys");
+  close(kept_);
+  close(master_);
+  int status = -1;
+  for (int i = 0; i < 2000 && waitpid(child_, &status, WNOHANG) != child_; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(WIFEXITED(status));
+  child_ = 0;
+  master_ = kept_ = -1;
+}
+
+TEST_F(AtATerminal, WithoutOneThereAreNoKeysToMoveAHand) {
+  const Outcome outcome = run("explore scene --headless --device keys");
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_NE(outcome.err.find("keys move the hand from a terminal"), std::string::npos) << outcome.err;
+  EXPECT_NE(run("explore scene --headless --device auto").err.find("--device keys"), std::string::npos);
 }
 
 TEST_F(AtATerminal, IsLentToTheShellWhileTheProgramIsStopped) {
