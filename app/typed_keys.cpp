@@ -87,7 +87,7 @@ std::vector<TypedKey> TypedKeys::take(std::string_view typed, double time_s) {
     const bool introduced = at + 1 >= all.size() || all[at + 1] == '[' || all[at + 1] == 'O';
     if (!introduced) continue;  // the Escape key alone, or Alt with a key
     if (last >= all.size()) {
-      if (all.size() - begin > kLongest) continue;
+      if (all.size() - begin > kLongest) break;
       begun_ = all.substr(begin);
       begun_s_ = time_s;
       break;
