@@ -96,6 +96,7 @@ class Builder {
   ProjectedScans run() {
     progress_.begin("read");
     ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_);
+    scans.require_surface();
     z_up_ = scans.z_up();
     if (std::none_of(filters_.begin(), filters_.end(), takes_places_away)) {
       for (const std::string& pieces : scans.pieces()) progress_.warn(pieces);

@@ -14,6 +14,17 @@ struct Vertex {
   double x, y, z;
 };
 
+// A node that an outer edge passes by as closely as coordinates are rounded: the mesh was made on the node's own
+// lattice.
+struct NearNode {
+  std::size_t node;
+  float height_m;
+  std::uint32_t face;
+};
+
+// How far rounding to float32, before and after the turn, may have moved a corner.
+double rounding_m(double x, double y) { return 0x1p-22 * std::max(std::abs(x), std::abs(y)); }
+
 // Twice the signed area of (a, b, p). Always computed from the lexicographically lower end, so that the two triangles
 // of an edge get exactly opposite values.
 double edge(const Vertex& a, const Vertex& b, double x, double y) {
@@ -31,15 +42,29 @@ class Rasterizer {
   // Rows [first, last] of triangle `face`.
   void draw(const std::array<Vertex, 3>& t, std::uint32_t face, int first, int last) {
     const double area = edge(t[0], t[1], t[2].x, t[2].y);
+    const double rounding =
+        std::max({rounding_m(t[0].x, t[0].y), rounding_m(t[1].x, t[1].y), rounding_m(t[2].x, t[2].y)});
+    const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
     for (int j = first; j <= last; ++j) {
       const double y = lattice_.y0_m + j * lattice_.spacing_m;
-      const auto [i0, i1] = columns(t, y);
+      const auto [i0, i1] = columns(t, std::clamp(y, low, high));
       for (int i = i0; i <= i1; ++i) {
         const double x = lattice_.x0_m + i * lattice_.spacing_m;
         double z = 0.0;
-        if (area != 0.0 ? inside(t, area, x, y, z) : on_edge(t, x, y, z)) keep(i, j, z, face);
+        if (area != 0.0 ? inside(t, area, x, y, z) : on_edge(t, x, y, z)) {
+          keep(i, j, z, face);
+        } else if (area != 0.0 && passes_by(t, area, rounding, x, y, z)) {
+          near_.push_back({node_of(i, j), static_cast<float>(z), face});
+        }
       }
     }
+  }
+
+  // Nodes that no triangle contains take the highest of those that pass by.
+  void finish() {
+    std::erase_if(near_, [&](const NearNode& n) { return out_.face[n.node] != TriangleHeights::kNone; });
+    for (const NearNode& n : near_) keep(n.node, n.height_m, n.face);
+    near_.clear();
   }
 
  private:
@@ -75,6 +100,26 @@ class Rasterizer {
     return true;
   }
 
+  // As inside(), for a node not farther than `rounding` outside of an edge; its height is within the corners'.
+  static bool passes_by(const std::array<Vertex, 3>& t, double area, double rounding, double x, double y, double& z) {
+    double sum = 0.0, product = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vertex& a = t[(k + 1) % 3];
+      const Vertex& b = t[(k + 2) % 3];
+      double value = edge(a, b, x, y);
+      if (area > 0.0 ? value < 0.0 : value > 0.0) {
+        const double length2 = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+        if (value * value > rounding * rounding * length2) return false;
+        value = 0.0;
+      }
+      sum += value;
+      product += value * t[k].z;
+    }
+    if (sum == 0.0) return false;
+    z = product / sum;
+    return true;
+  }
+
   static bool on_edge(const std::array<Vertex, 3>& t, double x, double y, double& z) {
     bool found = false;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -96,10 +141,11 @@ class Rasterizer {
     return found;
   }
 
-  void keep(int i, int j, double z, std::uint32_t face) {
-    const std::size_t node =
-        static_cast<std::size_t>(j) * static_cast<std::size_t>(lattice_.nx) + static_cast<std::size_t>(i);
-    const auto height = static_cast<float>(z);
+  [[nodiscard]] std::size_t node_of(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(lattice_.nx) + static_cast<std::size_t>(i);
+  }
+  void keep(int i, int j, double z, std::uint32_t face) { keep(node_of(i, j), static_cast<float>(z), face); }
+  void keep(std::size_t node, float height, std::uint32_t face) {
     if (out_.face[node] != TriangleHeights::kNone && height <= out_.height_m[node]) return;
     out_.height_m[node] = height;
     out_.face[node] = face;
@@ -107,6 +153,7 @@ class Rasterizer {
 
   const BinLattice& lattice_;
   TriangleHeights& out_;
+  std::vector<NearNode> near_;
 };
 
 }  // namespace
@@ -122,13 +169,16 @@ TriangleHeights project_triangles(const OrientedPoints& points, const std::vecto
   const auto rows_of = [&](const std::array<std::uint32_t, 3>& f) -> std::pair<int, int> {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
+    double rounding = 0.0;
     for (const std::uint32_t v : f) {
       if (v >= points.count || !(points.x[v] < OrientedPoints::kFarAway)) return {0, -1};
       low = std::min(low, static_cast<double>(points.y[v]));
       high = std::max(high, static_cast<double>(points.y[v]));
+      rounding = std::max(rounding, rounding_m(static_cast<double>(points.x[v]), static_cast<double>(points.y[v])));
     }
-    const double first = std::ceil((low - lattice.y0_m) / lattice.spacing_m - 1e-9);
-    const double last = std::floor((high - lattice.y0_m) / lattice.spacing_m + 1e-9);
+    const double slack = 1e-9 + rounding / lattice.spacing_m;
+    const double first = std::ceil((low - lattice.y0_m) / lattice.spacing_m - slack);
+    const double last = std::floor((high - lattice.y0_m) / lattice.spacing_m + slack);
     const double most = lattice.ny - 1;
     if (first > most || last < 0.0) return {0, -1};
     return {static_cast<int>(std::max(0.0, first)), static_cast<int>(std::min(most, last))};
@@ -154,6 +204,7 @@ TriangleHeights project_triangles(const OrientedPoints& points, const std::vecto
       }
       rasterizer.draw(t, k, std::max(first, row), std::min(last, row + kRowsPerBand - 1));
     }
+    rasterizer.finish();
   });
   return out;
 }

@@ -19,7 +19,9 @@ struct TriangleHeights {
 };
 
 /// A node on an edge belongs to both of its triangles, so that a closed surface has no cracks. Triangles seen edge-on
-/// count where they contain a node. Of equally high triangles the one with the lowest number is named.
+/// count where they contain a node. A node that no triangle contains belongs to those whose edges it misses by no more
+/// than float32 rounds: so the outer row of a mesh made on the lattice keeps its nodes. Of equally high triangles the
+/// one with the lowest number is named.
 [[nodiscard]] TriangleHeights project_triangles(const OrientedPoints& points,
                                                 const std::vector<std::array<std::uint32_t, 3>>& faces,
                                                 const BinLattice& lattice, ThreadPool& pool);

@@ -12,6 +12,7 @@
 
 #include "base/text.h"
 #include "pipeline/scan/pieces.h"
+#include "pipeline/scan/straight.h"
 #include "scene/length_unit.h"
 
 namespace sparsha::pipeline {
@@ -79,6 +80,14 @@ void doubt_lengths(RawScan& scan, const std::vector<Eigen::Vector3d>& sample, st
       wide, spread[2]));
 }
 
+bool doubt_line(RawScan& scan, const std::vector<Eigen::Vector3d>& sample, std::uint64_t points) {
+  const std::optional<StraightLine> line = straight_line(sample, points);
+  if (!line) return false;
+  scan.warnings.push_back(described(*line, [&](double length) { return length_of(scan, length); }) +
+                          ": there is no surface that could be built");
+  return true;
+}
+
 void doubt_pieces(RawScan& scan, const std::vector<Eigen::Vector3d>& sample) {
   const std::optional<Pieces> pieces = scan.faces.empty() ? pieces_of_points(sample) : pieces_of_mesh(scan);
   if (!pieces) return;
@@ -94,6 +103,7 @@ void add_doubts(RawScan& scan, const PointSample& sample, std::uint64_t points, 
   const std::vector<Eigen::Vector3d> some = sample.points();
   doubt_lengths(scan, some, points);
   if (scan.degrees) return;
+  if (doubt_line(scan, some, points)) return;
   // What is rounded to wide steps stands in heaps, which are no pieces.
   if (!doubt_steps(scan, some, points, each)) doubt_pieces(scan, some);
 }

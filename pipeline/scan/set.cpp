@@ -14,6 +14,7 @@
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
 
 namespace sparsha::pipeline {
@@ -298,7 +299,10 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
     throw;
   }
   origin_m_ = common_origin(sample);
+  sample_m_ = sample.points();
 }
+
+void ScanSet::require_surface() const { pipeline::require_surface(configs_.front().file.string(), sample_m_, points_); }
 
 ScanSet::~ScanSet() { *abandoned_ = true; }
 

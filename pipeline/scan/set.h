@@ -52,6 +52,9 @@ class ScanSet {
   /// The median of the points in whole metres: a function of the set of points alone.
   [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
+  /// Throws Error{input} when the points of all scans together lie on a straight line or in one place.
+  void require_surface() const;
+
   /// Where the scanners stood, for scans whose files or poses say so, and normals that files state.
   [[nodiscard]] std::vector<Station> stations() const;
 
@@ -77,6 +80,7 @@ class ScanSet {
   std::uint64_t points_ = 0, invalid_ = 0;
   std::size_t faces_ = 0;
   std::vector<std::string> pieces_;
+  std::vector<Eigen::Vector3d> sample_m_;
   bool colour_ = false, intensity_ = false, z_up_ = false;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
 };

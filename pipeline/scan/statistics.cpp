@@ -196,7 +196,8 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
   statistics.scan = read_scan(file, &progress);
   drop_what_is_no_surface(statistics.scan);
   add_doubts(statistics.scan);
-  statistics.spacing = median_spacing(statistics.scan.points);
+  const std::optional<Eigen::Vector2d>& cell = statistics.scan.cell;
+  statistics.spacing = cell ? cell->minCoeff() : median_spacing(statistics.scan.points);
   return statistics;
 }
 

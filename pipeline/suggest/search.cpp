@@ -23,6 +23,7 @@ class Search {
       : mesh_(points.has_faces()),
         share_(points.share()),
         neighbour_m_(points.neighbour_m()),
+        raster_(points.is_raster()),
         views_(likely_views(seen)),
         trials_(points, progress) {
     const InnerBox box = inner_box(seen.points_m);
@@ -75,6 +76,7 @@ class Search {
     return trials_.run(trial.view, times * spacing_m);
   }
   [[nodiscard]] double mesh_spacing_m() const {
+    if (raster_) return neighbour_m_;
     const double fine_m = std::max(longest_m_ / kMeshNodes, HapticsConfig{}.resolution_m);
     return std::min(std::max(neighbour_m_, floor_m_), fine_m);
   }
@@ -107,6 +109,7 @@ class Search {
       const double least_m = trial.spacing_m * std::sqrt(trial.nodes / kMostUnasked);
       choice.spacing_m = std::max({tried_m * std::sqrt(share_), times * floor_m_, times * trial.noise_m, least_m});
     }
+    choice.exact_spacing = raster_;
     choice.spacing_reason = reason(trial, choice.spacing_m, times);
     return choice;
   }
@@ -115,6 +118,7 @@ class Search {
     if (times > 1)
       return fmt::format("{} times the distance between points: the surface of a finer grid is not theirs", times);
     if (!trial.error.empty()) return kNeighbours;
+    if (raster_) return "the cells of the grid of heights: its values are those of the nodes";
     if (mesh_ && trial.spacing_m > 1.01 * mesh_spacing_m()) {
       return "a third of the distance between the points that belong to no triangle";
     }
@@ -133,6 +137,7 @@ class Search {
   bool mesh_;
   double share_;
   double neighbour_m_;
+  bool raster_;
   double longest_m_ = 0.0;
   double floor_m_ = 0.0;
   std::vector<View> views_;

@@ -13,8 +13,9 @@ struct Choice {
   Trial trial;             ///< the one that was chosen; of the guess where none passes
   double spacing_m = 0.0;  ///< for all points, of which trials may have had a sample
   std::string spacing_reason;
-  bool no_surface = false;  ///< from any side
-  std::string rejected;     ///< the guess and what was wrong with it, when another view was chosen
+  bool exact_spacing = false;  ///< the scan's own: all of its digits count
+  bool no_surface = false;     ///< from any side
+  std::string rejected;        ///< the guess and what was wrong with it, when another view was chosen
 };
 
 /// A spacing as the configuration gives it: in millimetres, of three digits.

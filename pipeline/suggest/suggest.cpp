@@ -14,6 +14,7 @@
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
+#include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/group.h"
 #include "pipeline/suggest/search.h"
@@ -194,6 +195,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
     throw input_error(scans.front().string(), fmt::format("its points spread over {:.3g} m", longest_m),
                       "a scan of less than 1e9 m; damaged coordinates or another unit");
   }
+  require_surface(scans.front().string(), seen.points_m, seen.points_m.size());
   std::string filter_block = crop_to_group(seen, points, progress);
   if (filter_block.empty()) {
     for (const std::string& sentence : pieces) {
@@ -222,7 +224,9 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   yaml += filter_block;
   yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
   yaml += verdict(choice, share);
-  yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n", written_mm(1e-3 * spacing_mm), choice.spacing_reason);
+  yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n",
+                      choice.exact_spacing ? fmt::format("{:.12g}", spacing_mm) : written_mm(1e-3 * spacing_mm),
+                      choice.spacing_reason);
   yaml += fmt::format("fill: {{max_gap_mm: {:.3g}}}  # five spacings: small holes, no invented surface\n",
                       5.0 * spacing_mm);
   yaml += fmt::format(

@@ -29,6 +29,7 @@ void TrialCloud::add(const ScanStatistics& statistics, double metres) {
   all_ += std::max<std::uint64_t>(scan.points.size(), scan.records - std::min(scan.records, scan.invalid));
   kept_ += scan.points.size();
   ++scans_;
+  if (scan.cell) ++rasters_;
   spacing_m_ = std::max(spacing_m_, statistics.spacing * metres);
   if (scan.faces.empty()) {
     for (const Eigen::Vector3d& p : scan.points) loose_m_.add(p * metres);

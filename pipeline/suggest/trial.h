@@ -27,6 +27,8 @@ class TrialCloud {
   /// Points kept over all points, 0 to 1.
   [[nodiscard]] double share() const;
   [[nodiscard]] bool has_faces() const { return !faces_.empty(); }
+  /// All scans are grids of heights, whose neighbours are as far apart as the cells are wide.
+  [[nodiscard]] bool is_raster() const { return scans_ > 0 && rasters_ == scans_; }
   /// Median distance between neighbouring points, metres: of all where there is one scan, which has told it.
   [[nodiscard]] double neighbour_m() const;
   /// Takes what was added.
@@ -41,6 +43,7 @@ class TrialCloud {
   std::uint64_t kept_ = 0;
   std::uint64_t all_ = 0;
   std::size_t scans_ = 0;
+  std::size_t rasters_ = 0;
   double spacing_m_ = 0.0;  // the widest of the scans'
 };
 

@@ -51,6 +51,12 @@ std::vector<Seed> seeds() {
   packed += std::string("\x01zz\xE0\x1B\x01", 6);
   result.push_back({"c.pcd", packed});
   result.push_back({"a.obj", "# x\nv 1 2 3\nv 1 2 4 0.5 0.5 0.5\nv -1 2e1 .4\nf 1//1 2/2 -1\nf 1 2 3 \\\n 1 2\n"});
+  result.push_back(
+      {"a.off", "COFF\n4 2 0\n0 0 0 1 0 0 1\n1 0 0 0 1 0 1\n1 1 0 0 0 1 1\n0 1 nan 0 0 0 1\n3 0 1 2\n3 0 2 3 7\n"});
+  result.push_back({"b.off", "OFF 4 1 0 0 0 0 1 0 0 1 1 0 0 1 0 4 0 1 2 3\n"});
+  result.push_back(
+      {"a.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcenter 5,5\ncellsize 0,5\nNODATA_value -9\n1 2,5 3\n4 -9 6\n"});
+  result.push_back({"a.grd", "DSAA\n3 2\n0 2\n0 1\n1 6\n1 2\n3\n\n4 1.70141e38\n6\n"});
   result.push_back({"a.xyz", "//X Y Z Rf Gf Bf\n3\n1 2 3 .5 .5 .5\n4 5 6 1 1 1\n7, 8; 9 0 0 0\n"});
   result.push_back({"a.csv", "\"x\";\"y\";\"z\"\n1,5;2,5;3,5\n;;\n1;2;3\n"});
   result.push_back(

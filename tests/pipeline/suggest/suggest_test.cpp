@@ -256,6 +256,60 @@ TEST_F(Suggested, PointsAlongALineAreNotSaidToLieOnASurface) {
   EXPECT_TRUE(warned(result, "nothing to compare"));
 }
 
+TEST_F(Suggested, PointsOnALineOrInOnePlaceAreAnError) {
+  for (const double length : {0.0, 1.0}) {
+    Points points;
+    for (int k = 0; k < 300; ++k)
+      points.emplace_back(Eigen::Vector3d(443000, 5512000, 120) + length * k * Eigen::Vector3d(0.01, 0.007, 0.001));
+    const fs::path file = write(points);
+    Progress progress;
+    try {
+      (void)suggest_config({file}, {}, progress);
+      ADD_FAILURE() << length;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      EXPECT_NE(error.wrong().find(length > 0.0 ? "straight line" : "one place"), std::string::npos) << error.what();
+    }
+    Config config;
+    config.scans.emplace_back();
+    config.scans[0].file = file;
+    EXPECT_THROW((void)build_scene(config, {}, progress), Error);
+  }
+}
+
+TEST_F(Suggested, AGridOfHeightsGivesItsOwnHeightsAndKeepsItsHole) {
+  constexpr int kColumns = 61, kRows = 47;
+  const auto is_hole = [](int i, int j) { return i >= 20 && i < 28 && j >= 20 && j < 30; };
+  const auto rough = [](int i, int j) { return 2.0 * std::sin(0.31 * i) + 0.37 * ((7 * i + 13 * j) % 5); };
+  for (const double cell : {0.5, 0.001, 0.03}) {
+    const fs::path file = folder_ / "grid.asc";
+    std::ofstream out(file);
+    out.precision(12);
+    out << "ncols " << kColumns << "\nnrows " << kRows << "\nxllcenter 4000\nyllcenter 0\ncellsize " << cell
+        << "\nNODATA_value -9999\n";
+    for (int j = kRows - 1; j >= 0; --j) {
+      for (int i = 0; i < kColumns; ++i) out << (is_hole(i, j) ? -9999.0 : 0.1 * cell * rough(i, j)) << ' ';
+      out << '\n';
+    }
+    out.close();
+    Progress progress;
+    suggestion_ = suggest_config({file}, {}, progress);
+    EXPECT_NEAR(suggestion_.config.grid.spacing_m, cell, 1e-12 * cell);
+    suggestion_.config.fill.reset();
+    const BuildResult result = build_scene(suggestion_.config, {}, progress);
+    std::size_t measured = 0;
+    const double exact = share(result, [&](const Eigen::Vector3d& p) {
+      const int i = static_cast<int>(std::lround((p.x() - 4000.0) / cell));
+      const int j = static_cast<int>(std::lround(p.y() / cell));
+      ++measured;
+      return !is_hole(i, j) && std::abs(p.x() - 4000.0 - i * cell) < 1e-3 * cell &&
+             std::abs(p.z() - 0.1 * cell * rough(i, j)) < 1e-5 * cell;
+    });
+    EXPECT_EQ(exact, 1.0) << cell;
+    EXPECT_GE(measured, static_cast<std::size_t>(kColumns * kRows - 80 - 2)) << cell;
+  }
+}
+
 TEST_F(Suggested, TheOrderOfThePointsDoesNotMatter) {
   Points points = shell(5000, {0.3, 0.2, 0.1}, 1.0, 0.01);
   Progress progress;
