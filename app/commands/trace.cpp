@@ -104,7 +104,25 @@ nlohmann::ordered_json summary_json(const haptics::TraceSummary& s) {
           {"residual_cells", {{"p99", s.residual_cells_p99}, {"max", s.residual_cells_max}}},
           {"below_surface", s.below_surface},
           {"not_a_number", s.not_a_number},
-          {"unfinished", s.unfinished}};
+          {"unfinished", s.unfinished},
+          {"path",
+           {{"not_a_number", s.path.not_a_number}, {"same_time", s.path.same_time}, {"backwards", s.path.backwards}}}};
+}
+
+/// What the scene itself gives the trace that is no height, though its mask calls it known; empty without such nodes.
+std::string doubt_of_heights(const pipeline::Scene& scene, int level) {
+  const pipeline::DepthGrid grid = scene.read_level(level).grid;
+  std::size_t known = 0;
+  std::size_t wrong = 0;
+  for (std::size_t node = 0; node < grid.state.size(); ++node) {
+    if (grid.state[node] == pipeline::NodeState::unknown) continue;
+    ++known;
+    if (!std::isfinite(grid.height_m[node])) ++wrong;
+  }
+  if (wrong == 0) return {};
+  return fmt::format(
+      "{} of the {} known nodes of level {} have heights that are not numbers; they are touched as unknown",
+      count_text(wrong), count_text(known), level);
 }
 
 haptics::TraceResult trace_path(const pipeline::Scene& scene, const Arguments& arguments,
@@ -135,6 +153,9 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
       recording ? trace_recording(kept.value_or(haptics::RecordedScenes(scene)), *recording, haptics, options)
                 : trace_path(*scene, arguments, haptics, options);
   haptics::write_trace(arguments.out, result);
+  if (const std::string doubt = doubt_of_heights(*scene, std::max(arguments.level, 0)); !doubt.empty())
+    terminal.progress().warn(doubt);
+  for (const std::string& doubt : haptics::sentences(result.summary.path)) terminal.progress().warn(doubt);
   const haptics::TraceSummary& s = result.summary;
   print(common.json    ? summary_json(s).dump(2)
         : common.plain ? trace_sentences(s, arguments.out)

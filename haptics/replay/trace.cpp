@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/csv.h"
@@ -47,7 +48,25 @@ void summarise_times(const std::vector<TraceRow>& rows, TraceSummary& summary) {
   summary.ns_mean = sum / static_cast<double>(times.size());
 }
 
+std::string doubt_of(std::uint64_t count, std::uint64_t first, std::string_view what) {
+  const bool one = count == 1;
+  return std::to_string(count) + (one ? " row" : " rows") + " of the hand's path " + std::string(what) +
+         (one ? " (row " : " (first: row ") + std::to_string(first) + " below the header)";
+}
+
 }  // namespace
+
+std::vector<std::string> sentences(const PathDoubts& doubts) {
+  std::vector<std::string> all;
+  const auto say = [&](std::uint64_t count, std::uint64_t first, const char* of_one, const char* of_many) {
+    if (count > 0) all.push_back(doubt_of(count, first, count == 1 ? of_one : of_many));
+  };
+  say(doubts.not_a_number, doubts.first_not_a_number, "has a time or a position that is not a number",
+      "have times or positions that are not numbers");
+  say(doubts.same_time, doubts.first_same_time, "has the time of the row before", "have the time of the row before");
+  say(doubts.backwards, doubts.first_backwards, "is earlier than a row before", "are earlier than a row before");
+  return all;
+}
 
 TraceRecorder::TraceRecorder(std::size_t rows) {
   result_.summary.timer_overhead_ns = timer_overhead_ns();
@@ -61,6 +80,7 @@ void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUp
   ++summary.updates;
   row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
   result_.rows.push_back(row);
+  doubt(row);
   if (!row.proxy_m.allFinite() || !row.force_n.allFinite()) ++summary.not_a_number;
   if (found.unfinished) ++summary.unfinished;
   if (!row.contact) return;
@@ -68,6 +88,18 @@ void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUp
   const RestResidual residual = rest_residual(surface, found, hip_local_m, shape);
   residuals_.push_back(residual.excess_cells);
   if (residual.below_cells > 0.0) ++summary.below_surface;
+}
+
+void TraceRecorder::doubt(const TraceRow& row) {
+  PathDoubts& path = result_.summary.path;
+  const auto count = [&](std::uint64_t& rows, std::uint64_t& first) {
+    if (rows++ == 0) first = result_.rows.size();
+  };
+  if (!std::isfinite(row.t_s) || !row.hip_m.allFinite()) count(path.not_a_number, path.first_not_a_number);
+  if (!std::isfinite(row.t_s)) return;
+  if (row.t_s == latest_s_) count(path.same_time, path.first_same_time);
+  if (row.t_s < latest_s_) count(path.backwards, path.first_backwards);
+  latest_s_ = std::max(latest_s_, row.t_s);
 }
 
 TraceResult TraceRecorder::finish() && {

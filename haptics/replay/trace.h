@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,11 +33,23 @@ struct TraceRow {
   int level = 0;
 };
 
+/// Rows of a path that say nothing, or nothing new, of where the hand was. All are rendered as they stand.
+struct PathDoubts {
+  std::uint64_t not_a_number = 0;  ///< time or position is NaN or infinite
+  std::uint64_t same_time = 0;     ///< the time of the row before
+  std::uint64_t backwards = 0;     ///< earlier than a row before
+  std::uint64_t first_not_a_number = 0, first_same_time = 0, first_backwards = 0;  ///< row, 1 below the header; 0: none
+};
+
+/// One sentence for each kind of doubtful rows, with their count and the first; empty for a path without them.
+[[nodiscard]] std::vector<std::string> sentences(const PathDoubts& doubts);
+
 /// What `trace --json` prints.
 struct TraceSummary {
   std::uint64_t updates = 0, contacts = 0, below_surface = 0, not_a_number = 0, unfinished = 0;
   double ns_p50 = 0, ns_p99 = 0, ns_p999 = 0, ns_max = 0, ns_mean = 0, timer_overhead_ns = 0;
   double residual_cells_p99 = 0, residual_cells_max = 0;  ///< of rest condition (c), in cells
+  PathDoubts path;
 };
 
 struct TraceResult {
@@ -58,8 +72,11 @@ class TraceRecorder {
   [[nodiscard]] TraceResult finish() &&;
 
  private:
+  void doubt(const TraceRow& row);
+
   TraceResult result_;
   std::vector<double> residuals_;
+  double latest_s_ = -std::numeric_limits<double>::infinity();
 };
 
 /// Writes trace.csv atomically, 17 significant digits, with each row's own level.

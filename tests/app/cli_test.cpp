@@ -214,6 +214,14 @@ TEST_F(Program, TheReliefGoesFromScansToSceneToTouchPictureSoundAndExports) {
   EXPECT_EQ(figures["below_surface"], 0);
   EXPECT_EQ(figures["not_a_number"], 0);
   EXPECT_EQ(figures["updates"], summary["ticks"]);
+  EXPECT_EQ(figures["path"]["not_a_number"], 0);
+  write("broken.csv", "t_s,x_m,y_m,z_m\n0,0,0,0\n0.001,nan,0,0\n0.001,0,0,0\n");
+  const Outcome broken = run("trace scene --hip broken.csv --out trace.csv");
+  EXPECT_EQ(broken.code, 0) << "it is rendered";
+  EXPECT_NE(broken.err.find("1 row of the hand's path has a time or a position that is not a number (row 2"),
+            std::string::npos)
+      << broken.err;
+  EXPECT_NE(broken.err.find("the time of the row before (row 3"), std::string::npos) << broken.err;
   EXPECT_EQ(run("trace scene --hip run.csv --live --out live.csv").code, 0);
   const std::string live = text_of(folder_ / "live.csv");
   EXPECT_EQ(std::count(live.begin(), live.end(), '\n'), std::count(csv.begin(), csv.end(), '\n'));

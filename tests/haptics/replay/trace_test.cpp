@@ -67,6 +67,31 @@ TEST_F(TraceFiles, ReadsPathsAndRunsWhateverTheOrderOfColumnsAndLineEnds) {
   EXPECT_EQ(read_hip_path(run).at(0).position_m, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST_F(TraceFiles, RowsThatAreNoNumbersDoubleOrBackInTimeAreCountedAndNamed) {
+  const MongeSurface surface = make_sinusoid(50);
+  std::vector<HipSample> path = stroke(surface, 20, 1e-3);
+  EXPECT_TRUE(sentences(trace(surface, path, {}, {}).summary.path).empty());
+  path[3].position_m.z() = std::numeric_limits<double>::quiet_NaN();
+  path[7].position_m.x() = std::numeric_limits<double>::infinity();
+  path[9].t_s = path[8].t_s;
+  path[12].t_s = path[5].t_s;
+  path[13].t_s = path[6].t_s;
+  path[19].t_s = std::numeric_limits<double>::quiet_NaN();
+  const PathDoubts doubts = trace(surface, path, {}, {}).summary.path;
+  EXPECT_EQ(doubts.not_a_number, 3U);
+  EXPECT_EQ(doubts.first_not_a_number, 4U);
+  EXPECT_EQ(doubts.same_time, 1U);
+  EXPECT_EQ(doubts.first_same_time, 10U);
+  EXPECT_EQ(doubts.backwards, 2U) << "the rows after a step back go on from there, and are earlier than it was";
+  EXPECT_EQ(doubts.first_backwards, 13U);
+  EXPECT_EQ(sentences(doubts), (std::vector<std::string>{
+                                   "3 rows of the hand's path have times or positions that are not numbers (first: row "
+                                   "4 below the header)",
+                                   "1 row of the hand's path has the time of the row before (row 10 below the header)",
+                                   "2 rows of the hand's path are earlier than a row before (first: row 13 below the "
+                                   "header)"}));
+}
+
 TEST_F(TraceFiles, NamesFileAndLineOfWhatIsWrongInAPath) {
   EXPECT_NE(message_of(write("a.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n0,1,zwei,3\n")).find("a.csv:3"), std::string::npos);
   EXPECT_NE(message_of(write("b.csv", "t_s,x_m,y_m,z_m\n0,1,2\n")).find("b.csv:2"), std::string::npos);
