@@ -1,0 +1,77 @@
+// Scans after public bug reports in formats other than tables of points, as they lie beside the real scans: each has
+// the points that its table of expected values says, or is refused with the true reason.
+#include <gmock/gmock.h>
+
+#include "tests/support/scan_files.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Reported {
+  const char* file;
+  std::uint64_t points;  ///< valid ones
+  bool faces;
+  const char* error;  ///< part of the message; null when the file reads
+};
+
+const Reported kScans[] = {
+    {"mesh_20x20.obj", 400, true, nullptr},
+    {"r01_lower_type.pcd", 546, false, nullptr},
+    {"r02_padding.pcd", 546, false, nullptr},
+    {"r04_bad_matrix.ptx", 0, false, ":291: error:"},
+    {"r06_colour_then_bw.ptx", 546, false, nullptr},
+    {"r08_transposed_matrix.ptx", 0, false, ":7: error:"},
+    {"r22b_bom_in_body.ply", 0, false, ":8: error:"},
+    {"r23_comment_bytes.ply", 546, false, nullptr},
+    {"r25_packed_splats.ply", 0, false, "packed form"},
+    {"r26_zero_vertices_mesh.ply", 530, true, nullptr},
+    {"r28_continued_crlf.obj", 546, true, nullptr},
+    {"r29_count_zero.stl", 0, false, "room for 128"},
+    {"r30_count_ffff.stl", 0, false, "room for 128"},
+    {"r31_magics_colour.stl", 81, true, nullptr},
+    {"r32_bom_ascii.stl", 81, true, nullptr},
+    {"r42_face_name.ply", 81, true, nullptr},
+    {"r43_wedge_texcoord.ply", 81, true, nullptr},
+    {"r44_tristrip_be.ply", 81, true, nullptr},
+    {"r46_cr_blank_lines.ply", 546, false, nullptr},
+    {"r47_vertex_list_colour16.ply", 546, false, nullptr},
+    {"r50_phantom_zero.e57", 546, false, nullptr},
+    {"r51_azimuth_2pi.e57", 546, false, nullptr},
+    {"r52_two_poses.e57", 546, false, nullptr},
+    {"r53_images_only.e57", 0, false, "no 3D data"},
+    {"r55_duplicate_namespace.e57", 546, false, nullptr},
+    {"r60_zero_bbox.las", 546, false, nullptr},
+    {"r61_zero_scale.las", 0, false, "scale of 0"},
+    {"r62_pf7_legacy0_extra.las", 546, false, nullptr},
+    {"r63_scale_1e-9.las", 546, false, nullptr},
+    {"r65_box_swapped.las", 546, false, nullptr},
+    {"r82_points.node", 0, false, "list of nodes"},
+    {"r83_legacy.vtk", 0, false, "VTK"},
+    {"r86_lfs_pointer.ply", 0, false, "Git LFS pointer"},
+    {"r95_crlf_binary.pcd", 513, false, nullptr},
+    {"r115_points.igs", 0, false, "IGES"},
+    {"r116_points.dxf", 0, false, "DXF"},
+};
+
+TEST(ReportedScans, AreReadAsExpectedOrRefusedForTheTrueReason) {
+  SPARSHA_REAL_SCANS_OR_SKIP(folder);
+  for (const Reported& expected : kScans) {
+    SCOPED_TRACE(expected.file);
+    RawScan scan;
+    try {
+      scan = read_scan(folder / "reported" / expected.file);
+    } catch (const Error& error) {
+      ASSERT_NE(expected.error, nullptr) << error.what();
+      EXPECT_THAT(error.what(), HasSubstr(expected.error));
+      continue;
+    }
+    ASSERT_EQ(expected.error, nullptr) << "read";
+    EXPECT_EQ(scan.points.size(), expected.points);
+    EXPECT_EQ(!scan.faces.empty(), expected.faces);
+  }
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline
