@@ -142,6 +142,8 @@ Header parse_header(const ScanFile& file) {
   header.first_point = load<std::uint32_t>(p + 96);
   const int format = load<std::uint8_t>(p + 104);
   header.compressed = (format & 0xC0) != 0;
+  if ((format & 0xC0) == 0xC0)
+    throw file.error("points packed by a trial version of LASzip", "LAZ of LASzip 2 or later");
   header.format = format & 0x3F;
   if (header.format >= static_cast<int>(kPointSize.size())) {
     throw file.error("LAS point format " + std::to_string(header.format), "0 to 10");

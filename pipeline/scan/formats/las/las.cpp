@@ -62,6 +62,12 @@ void PointReader::compare_with_box(const ScanFile& file) {
       fmt::format("{} of {} points lie far outside the box that the header gives", outside_, count_));
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> PointReader::used_bytes() const {
+  std::vector<std::pair<std::size_t, std::size_t>> used = {{0, 14}, {15, 16}};  // place, intensity, flags
+  if (colour_ != 0) used.emplace_back(colour_, colour_ + 6);
+  return used;
+}
+
 void PointReader::look(const char* point) {
   if (colour_ == 0) return;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// LAS 1.0 to 1.4 (ASPRS), all point formats, and LAZ through LASzip where the build has it.
+// LAS 1.0 to 1.4 (ASPRS), all point formats and packings (LAZ).
 #pragma once
 
 #include "pipeline/scan/file.h"

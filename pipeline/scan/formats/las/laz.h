@@ -1,6 +1,9 @@
 // Points of LAS files, packed or not.
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/writer.h"
@@ -15,6 +18,8 @@ class PointReader {
   /// To be called with some points before the first add(): finds the range of the colours.
   void look(const char* point);
   void add(const char* point);
+  /// Begin and end of the parts of a point that it looks at.
+  [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> used_bytes() const;
   /// To be called behind the last point: throws Error{input}, or warns, when points lie far outside the header's box.
   void compare_with_box(const ScanFile& file);
 
@@ -33,7 +38,7 @@ class PointReader {
   std::uint64_t count_ = 0, outside_ = 0;
 };
 
-/// Reads LAZ points through LASzip. Throws Error{input} when the file is damaged, or when this build has no LASzip.
+/// Reads LAZ points, chunks in parallel. Throws Error{input} with byte and chunk when the file is damaged.
 void read_compressed(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out);
 
 }  // namespace sparsha::pipeline::las

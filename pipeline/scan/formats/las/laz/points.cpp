@@ -1,0 +1,231 @@
+#include "pipeline/scan/formats/las/laz/points.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+#include "pipeline/scan/formats/las/laz/chunk_table.h"
+#include "pipeline/scan/formats/las/laz/layered.h"
+#include "pipeline/scan/formats/las/laz/pointwise.h"
+
+namespace sparsha::pipeline::laz {
+namespace {
+
+constexpr std::uint64_t kMostBuffered = 1U << 18U;  // points of a chunk
+constexpr std::size_t kBlock = 4096;                // records
+
+/// Decodes the next `count` records into `out`, in memory that grows with what is there.
+template <class ChunkOfPoints>
+void decode(ChunkOfPoints& chunk, std::uint64_t count, std::vector<std::uint8_t>& record, std::string& out) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    chunk.next(record.data());
+    out.append(reinterpret_cast<const char*>(record.data()), record.size());
+  }
+}
+
+template <class ChunkOfPoints>
+void stream(ChunkOfPoints& chunk, std::uint64_t count, std::size_t record_size, std::size_t place,
+            const RecordSink& sink) {
+  std::vector<std::uint8_t> record(record_size);
+  std::string block;
+  for (std::uint64_t left = count; left > 0;) {
+    const std::uint64_t now = std::min<std::uint64_t>(left, kBlock);
+    block.clear();
+    decode(chunk, now, record, block);
+    sink(block, place);
+    left -= now;
+  }
+}
+
+void check_end(const PointwiseChunk& decoder, const Chunk& chunk) {
+  if (chunk.points == 1) return;  // such a chunk may have a stream, of nothing
+  if (decoder.used() != chunk.size) {
+    throw Damage{"the points end after " + std::to_string(decoder.used()) + " of the chunk's " +
+                     std::to_string(chunk.size) + " bytes",
+                 chunk.begin};
+  }
+}
+
+LayeredChunk layered(const Source& source, std::string_view bytes, const Chunk& chunk, Layers wanted) {
+  LayeredChunk decoder(source.packing, bytes, chunk.begin, wanted);
+  if (decoder.points() != chunk.points) {
+    throw Damage{"the chunk has " + std::to_string(decoder.points()) + " points, the file's header and table give it " +
+                     std::to_string(chunk.points),
+                 chunk.begin + source.packing.record_size};
+  }
+  return decoder;
+}
+
+/// Calls `use` with a decoder of the chunk, then checks that the chunk held just its points.
+template <class Use>
+void with_decoder(const Source& source, const Chunk& chunk, Layers wanted, const Use& use) {
+  const std::string_view bytes = source.file.substr(chunk.begin, chunk.size);
+  if (source.packing.compressor == Compressor::layered) {
+    LayeredChunk decoder = layered(source, bytes, chunk, wanted);
+    if (decoder.size() != chunk.size) {
+      throw Damage{"the layers end after " + std::to_string(decoder.size()) + " of the chunk's " +
+                       std::to_string(chunk.size) + " bytes",
+                   chunk.begin};
+    }
+    use(decoder);
+  } else {
+    PointwiseChunk decoder(source.packing, bytes, chunk.begin);
+    use(decoder);
+    check_end(decoder, chunk);
+  }
+}
+
+/// Runs `work`; damage gets the number of its chunk.
+template <class Work>
+void in_chunk(std::size_t number, std::uint64_t of, const Work& work) {
+  try {
+    work();
+  } catch (const Damage& damage) {
+    throw Damage{
+        "LAZ chunk " + std::to_string(number + 1) + (of != 0 ? " of " + std::to_string(of) : "") + ": " + damage.what,
+        damage.byte};
+  }
+}
+
+struct Buffer {
+  std::string records;
+  std::optional<Damage> damage;
+};
+
+/// Chunks `begin` to `end`, each small enough for memory, side by side.
+void read_side_by_side(const Source& source, const std::vector<Chunk>& chunks, std::size_t begin, std::size_t end,
+                       Layers wanted, ThreadPool& pool, std::vector<Buffer>& buffers, const RecordSink& sink) {
+  buffers.resize(std::max(buffers.size(), end - begin));
+  pool.for_ranges(end - begin, 1, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      const Chunk& chunk = chunks[begin + i];
+      Buffer& buffer = buffers[i];
+      buffer.records.clear();
+      buffer.damage.reset();
+      std::vector<std::uint8_t> record(source.packing.record_size);
+      try {
+        in_chunk(begin + i, chunks.size(), [&] {
+          with_decoder(source, chunk, wanted,
+                       [&](auto& decoder) { decode(decoder, chunk.points, record, buffer.records); });
+        });
+      } catch (const Damage& damage) {
+        buffer.damage = damage;
+      }
+    }
+  });
+  for (std::size_t i = 0; i < end - begin; ++i) {
+    if (buffers[i].damage) throw Damage(*buffers[i].damage);
+    const std::string_view records = buffers[i].records;
+    const std::size_t step = kBlock * source.packing.record_size;
+    for (std::size_t at = 0; at < records.size(); at += step) sink(records.substr(at, step), chunks[begin + i].begin);
+  }
+}
+
+void read_tabled(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
+                 const RecordSink& sink) {
+  std::vector<Buffer> buffers;
+  const std::size_t side_by_side = pool.threads();
+  for (std::size_t i = 0; i < chunks.size();) {
+    if (chunks[i].points > kMostBuffered) {
+      in_chunk(i, chunks.size(), [&] {
+        with_decoder(source, chunks[i], wanted, [&](auto& decoder) {
+          stream(decoder, chunks[i].points, source.packing.record_size, chunks[i].begin, sink);
+        });
+      });
+      ++i;
+      continue;
+    }
+    // A thread's share: several chunks where they are small.
+    constexpr std::uint64_t kShare = 50'000;
+    std::size_t end = i;
+    for (std::uint64_t points = 0; end < chunks.size() && chunks[end].points <= kMostBuffered &&
+                                   (end - i < side_by_side || points < kShare * side_by_side);
+         ++end) {
+      points += chunks[end].points;
+    }
+    read_side_by_side(source, chunks, i, end, wanted, pool, buffers, sink);
+    i = end;
+  }
+}
+
+std::size_t read_untabled(const Source& source, std::size_t begin, Layers wanted, const RecordSink& sink) {
+  const std::size_t record_size = source.packing.record_size;
+  std::size_t number = 0;
+  for (std::uint64_t left = source.points; left > 0; ++number) {
+    const Chunk chunk{begin, source.file.size() - begin, std::min<std::uint64_t>(left, source.packing.chunk_points)};
+    in_chunk(number, 0, [&] {
+      const std::string_view bytes = source.file.substr(begin);
+      if (source.packing.compressor == Compressor::layered) {
+        LayeredChunk decoder = layered(source, bytes, chunk, wanted);
+        stream(decoder, chunk.points, record_size, begin, sink);
+        begin += decoder.size();
+      } else {
+        PointwiseChunk decoder(source.packing, bytes, begin);
+        stream(decoder, chunk.points, record_size, begin, sink);
+        begin += std::min(decoder.used(), bytes.size());
+      }
+    });
+    left -= chunk.points;
+  }
+  return begin;
+}
+
+}  // namespace
+
+Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink) {
+  Outcome outcome;
+  if (source.points == 0) return outcome;
+  if (source.packing.compressor == Compressor::pointwise) {
+    PointwiseChunk decoder(source.packing, source.file.substr(source.first_point), source.first_point);
+    stream(decoder, source.points, source.packing.record_size, source.first_point, sink);
+    outcome.end = source.first_point + decoder.used();
+    return outcome;
+  }
+  const ChunkTable table = read_chunk_table(source.file, source.first_point, source.points, source.packing);
+  if (table.untabled) {
+    outcome.warnings.push_back(table.why + "; the chunks were read one after another");
+    outcome.end = read_untabled(source, *table.untabled, wanted, sink);
+  } else {
+    read_tabled(source, table.chunks, wanted, pool, sink);
+  }
+  return outcome;
+}
+
+Layers layers_at(const Packing& packing, std::size_t begin, std::size_t end) {
+  // The bytes of POINT14 and the layers that tell them; byte 14, the returns, is told with x and y.
+  struct Part {
+    std::size_t begin, end;
+    Layers layers;
+  };
+  constexpr Part kPoint14[] = {{0, 8, kXyLayer},     {8, 12, kZLayer},      {12, 14, kIntensityLayer},
+                               {14, 15, kXyLayer},   {15, 16, kFlagsLayer}, {16, 17, kClassLayer},
+                               {17, 18, kUserLayer}, {18, 20, kAngleLayer}, {20, 22, kSourceLayer},
+                               {22, 30, kTimeLayer}};
+  Layers layers = 0;
+  const auto add = [&](std::size_t offset, const Part& part) {
+    if (begin < offset + part.end && end > offset + part.begin) layers |= part.layers;
+  };
+  for (const Item& item : packing.items) {
+    switch (item.type) {
+      case ItemType::point14:
+        for (const Part& part : kPoint14) add(item.offset, part);
+        break;
+      case ItemType::rgb14:
+      case ItemType::rgb_nir14:
+        add(item.offset, {0, 6, kColourLayer});
+        add(item.offset, {6, item.size, kInfraredLayer});
+        break;
+      case ItemType::wave_packet14:
+        add(item.offset, {0, item.size, kWaveLayer});
+        break;
+      case ItemType::byte14:
+        add(item.offset, {0, item.size, kBytesLayers});
+        break;
+      default:
+        break;  // one stream for all
+    }
+  }
+  return layers;
+}
+
+}  // namespace sparsha::pipeline::laz

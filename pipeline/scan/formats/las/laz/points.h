@@ -1,0 +1,38 @@
+// The points of a LAZ file as records of plain LAS, chunk by chunk.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/thread_pool.h"
+#include "pipeline/scan/formats/las/laz/layers.h"
+#include "pipeline/scan/formats/las/laz/packing.h"
+
+namespace sparsha::pipeline::laz {
+
+struct Source {
+  std::string_view file;
+  std::size_t first_point = 0;  ///< offset of point data
+  std::uint64_t points = 0;     ///< as the header has it
+  Packing packing;
+};
+
+/// Takes whole records, in the file's order and on the caller's thread. `place`: bytes of the file before it are done.
+using RecordSink = std::function<void(std::string_view records, std::size_t place)>;
+
+struct Outcome {
+  std::vector<std::string> warnings;  ///< of what is odd and does no harm
+  std::size_t end = 0;                ///< behind the last byte that was read; 0: unknown
+};
+
+/// Decodes chunks in parallel. Layers that are not wanted keep the values of their chunk's first point (compressor 3;
+/// the others have but one stream). Memory: for each thread one chunk of up to 2^18 points, larger ones in blocks.
+/// Throws Damage with the chunk's number; records before it have been handed over.
+Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink);
+
+/// The layers that hold the bytes `begin` to `end` of a record.
+[[nodiscard]] Layers layers_at(const Packing& packing, std::size_t begin, std::size_t end);
+
+}  // namespace sparsha::pipeline::laz
