@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::vector<std::string> scans;
   std::string out;
+  std::string up;
   bool force = false;
 };
 
@@ -31,10 +32,13 @@ int write_first_configuration(const Arguments& arguments, const CommonOptions& c
   Terminal terminal(common);
   const std::vector<fs::path> files(arguments.scans.begin(), arguments.scans.end());
   const fs::path target = arguments.out;
+  pipeline::SuggestOptions options;
+  if (const std::string& up = arguments.up; !up.empty())
+    options.up = (up.size() > 1 ? -1.0 : 1.0) * Eigen::Vector3d::Unit(up.back() - 'x');
   if (target.empty()) {
     // Paths are relative to the file that the configuration will be in: where the shell has opened one, to that.
     const fs::path folder = system::standard_output_file().parent_path();
-    print(pipeline::suggest_config(files, folder, terminal.progress()).yaml);
+    print(pipeline::suggest_config(files, folder, terminal.progress(), options).yaml);
     return 0;
   }
   if (!arguments.force) require_free(target);
@@ -42,7 +46,7 @@ int write_first_configuration(const Arguments& arguments, const CommonOptions& c
   for (const fs::path& file : files) inputs.push_back({"scan", file});
   require_distinct({{"--out", target}}, inputs);
   require_writable(target);
-  write_file(target, pipeline::suggest_config(files, target.parent_path(), terminal.progress()).yaml);
+  write_file(target, pipeline::suggest_config(files, target.parent_path(), terminal.progress(), options).yaml);
   return 0;
 }
 
@@ -54,6 +58,10 @@ void add_new(CLI::App& app, const CommonOptions& common, Run& run) {
   command->add_option("scan", arguments->scans, "scan files")->required();
   command->add_option("--out,-o", arguments->out, "file for it, instead of standard output");
   command->add_flag("--force", arguments->force, "replace the file");
+  command
+      ->add_option("--up", arguments->up,
+                   "the scans' axis that points up: x, y, z, -x, -y or -z; default: told by the object")
+      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
   command->callback([arguments, &common, &run] {
     run = [arguments, &common] { return write_first_configuration(*arguments, common); };
   });

@@ -19,25 +19,26 @@ constexpr double kMeshNodes = 500.0;
 // Searches views and spacings for a surface that passes its own cross-check.
 class Search {
  public:
-  Search(TrialCloud& points, const SeenScans& seen, Progress& progress)
+  Search(TrialCloud& points, const Sides& sides, const InnerBox& box, Progress& progress)
       : mesh_(points.has_faces()),
         share_(points.share()),
         neighbour_m_(points.neighbour_m()),
         raster_(points.is_raster()),
-        views_(likely_views(seen)),
+        views_(sides.views),
+        open_(sides.open),
         trials_(points, progress) {
-    const InnerBox box = inner_box(seen.points_m);
     longest_m_ = (box.high - box.low).maxCoeff();
     floor_m_ = std::max(longest_m_ / kMostNodes, HapticsConfig{}.resolution_m);
   }
 
   [[nodiscard]] Choice run() {
     std::vector<Trial> tried{first(views_.front())};
-    if (tried[0].flawless() || (views_.front().evident && tried[0].fits)) return chosen(tried[0], tried[0], 1);
+    if (tried[0].flawless() || (views_.front().evident && tried[0].fits && !confused(tried[0])))
+      return chosen(tried[0], tried[0], 1);
     constexpr int kCoarsest = 8;
     const Trial guess = tried[0];
     // What is seen in the points' form is more to go by than a finer grid, custom is not.
-    if (views_.front().evident) {
+    if (views_.front().evident && !confused(guess)) {
       for (int times = 2; times <= kCoarsest; times *= 2) {
         const Trial trial = coarser(guess, times);
         if (trial.fits) return chosen(guess, trial, times);
@@ -80,12 +81,18 @@ class Search {
     const double fine_m = std::max(longest_m_ / kMeshNodes, HapticsConfig{}.resolution_m);
     return std::min(std::max(neighbour_m_, floor_m_), fine_m);
   }
+  // Far more noise than a scan of one surface has: several are taken for one. Or the back is seen for the front.
+  static bool confused(const Trial& trial) {
+    constexpr double kNoise = 4.0;  // point spacings
+    return trial.fits && (trial.noise_m > kNoise * trial.point_spacing_m || trial.doubts.unfacing);
+  }
+  static double worth(const Trial& trial) { return (trial.view.above ? 0.5 : 1.0) * trial.area_m2; }
   // The one that shows the most surface, the first of equal ones.
   template <typename Accept>
   static const Trial* widest(const std::vector<Trial>& trials, const Accept& accept) {
     const Trial* best = nullptr;
     for (const Trial& trial : trials) {
-      if (accept(trial) && (best == nullptr || trial.area_m2 > best->area_m2)) best = &trial;
+      if (accept(trial) && (best == nullptr || worth(trial) > worth(*best))) best = &trial;
     }
     return best;
   }
@@ -100,6 +107,7 @@ class Search {
   [[nodiscard]] Choice chosen(const Trial& guess, const Trial& trial, int times) const {
     Choice choice;
     choice.trial = trial;
+    choice.open = open_;
     if (&trial != &guess && (trial.view.look_from - guess.view.look_from).norm() > 1e-9) {
       choice.rejected = fmt::format("{}; but {}", guess.view.reason, guess.complaint());
     }
@@ -141,6 +149,7 @@ class Search {
   double longest_m_ = 0.0;
   double floor_m_ = 0.0;
   std::vector<View> views_;
+  bool open_;
   Trials trials_;
 };
 
@@ -148,8 +157,8 @@ class Search {
 
 std::string written_mm(double spacing_m) { return fmt::format("{:.3g}", 1e3 * spacing_m); }
 
-Choice find_view_and_spacing(TrialCloud& points, const SeenScans& seen, Progress& progress) {
-  return Search(points, seen, progress).run();
+Choice find_view_and_spacing(TrialCloud& points, const Sides& sides, const InnerBox& box, Progress& progress) {
+  return Search(points, sides, box, progress).run();
 }
 
 }  // namespace sparsha::pipeline

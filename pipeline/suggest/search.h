@@ -16,6 +16,7 @@ struct Choice {
   bool exact_spacing = false;  ///< the scan's own: all of its digits count
   bool no_surface = false;     ///< from any side
   std::string rejected;        ///< the guess and what was wrong with it, when another view was chosen
+  bool open = false;           ///< another side may as well be the front
 };
 
 /// A spacing as the configuration gives it: in millimetres, of three digits.
@@ -23,6 +24,7 @@ struct Choice {
 
 /// Tries the likeliest view first, then coarser grids where the points' form tells that view, then the other views,
 /// then coarser grids for all. Takes the points.
-[[nodiscard]] Choice find_view_and_spacing(TrialCloud& points, const SeenScans& seen, Progress& progress);
+[[nodiscard]] Choice find_view_and_spacing(TrialCloud& points, const Sides& sides, const InnerBox& box,
+                                           Progress& progress);
 
 }  // namespace sparsha::pipeline

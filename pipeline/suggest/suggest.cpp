@@ -57,6 +57,17 @@ std::string verdict(const Choice& choice, double share) {
   return text;
 }
 
+// The other sides, ready to be taken instead.
+std::string other_sides(const View& front) {
+  std::string text = "#   its other sides, in place of that line:\n";
+  for (const NamedView& side : six_sides(front)) {
+    if (side.name == "front") continue;
+    text += fmt::format("# orientation: {{look_from: {}, up: {}}}  # {}\n", vector(side.look_from), vector(side.up),
+                        side.name);
+  }
+  return text;
+}
+
 // A unit of a scan, what it is in metres, and why it is taken.
 struct FoundUnit {
   std::string name = "m";
@@ -182,13 +193,14 @@ std::string crop_to_group(SeenScans& seen, TrialCloud& points, Progress& progres
 
 }  // namespace
 
-Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress) {
+Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress,
+                          const SuggestOptions& options) {
   progress.begin("look at the scans");
   SeenScans seen;
   TrialCloud points;
   std::vector<std::string> pieces;
   const std::string scan_block = look_at(scans, folder, seen, points, pieces, progress);
-  const InnerBox box = inner_box(seen.points_m);
+  InnerBox box = inner_box(seen.points_m);
   const double longest_m = (box.high - box.low).maxCoeff();
   constexpr double kLongest_m = 1e9;
   if (!(longest_m <= kLongest_m)) {
@@ -203,9 +215,11 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
       filter_block += "# " + yaml::comment(sentence) + "\n";
     }
   }
+  box = inner_box(seen.points_m);
   progress.begin("try views");
   const double share = points.share();
-  const Choice choice = find_view_and_spacing(points, seen, progress);
+  const Sides sides = sides_of(seen, options.up);
+  const Choice choice = find_view_and_spacing(points, sides, box, progress);
   const View& view = choice.trial.view;
   const double spacing_mm = (choice.spacing_m > 0.0 ? choice.spacing_m : 0.001) * 1e3;
   if (choice.no_surface) {
@@ -224,6 +238,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   yaml += filter_block;
   yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
   yaml += verdict(choice, share);
+  if (sides.standing) yaml += other_sides(view);
   yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n",
                       choice.exact_spacing ? fmt::format("{:.12g}", spacing_mm) : written_mm(1e-3 * spacing_mm),
                       choice.spacing_reason);

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "base/progress.h"
 #include "scene/config.h"
@@ -15,9 +18,15 @@ struct Suggestion {
   Config config;     ///< the same, parsed
 };
 
+/// What the user knows of the scans.
+struct SuggestOptions {
+  std::optional<Eigen::Vector3d> up{};  ///< scan frame; of any length but zero
+};
+
 /// Reads the scans and guesses. `folder` is where the configuration will be written, empty for the present one: paths
 /// are relative to it, absolute where they are given so. Throws Error{input}.
 [[nodiscard]] Suggestion suggest_config(const std::vector<std::filesystem::path>& scans,
-                                        const std::filesystem::path& folder, Progress& progress);
+                                        const std::filesystem::path& folder, Progress& progress,
+                                        const SuggestOptions& options = {});
 
 }  // namespace sparsha::pipeline

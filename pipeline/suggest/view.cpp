@@ -10,12 +10,15 @@
 
 #include "base/statistics.h"
 #include "pipeline/orient/face.h"
+#include "pipeline/orient/side_picture.h"
 #include "pipeline/suggest/range_image.h"
 
 namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kSample = 200'000;  // points of a scan
+constexpr double kLevel = 0.5;            // cosine between a horizontal view and up, at most
+constexpr double kAlong = 0.95;           // cosine between a view and an up that is none
 
 /// Thinnest direction, and how thin beside the next one.
 struct Thinness {
@@ -38,6 +41,11 @@ Thinness thinness_of(const std::vector<Eigen::Vector3d>& points_m, const InnerBo
   return {axes.eigenvectors().col(0), std::sqrt(thin / std::max(axes.eigenvalues()[1], 1e-300))};
 }
 
+// Rounded to three digits.
+Eigen::Vector3d tidy(const Eigen::Vector3d& direction) {
+  return (direction.normalized() * 1000.0).array().round() / 1000.0 + 0.0;
+}
+
 // The coordinate axis within 25 degrees, else the direction rounded to three digits.
 Eigen::Vector3d snapped(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d unit = direction.normalized();
@@ -49,7 +57,7 @@ Eigen::Vector3d snapped(const Eigen::Vector3d& direction) {
     snap[axis] = unit[axis] > 0 ? 1.0 : -1.0;
     return snap;
   }
-  return (unit * 1000.0).array().round() / 1000.0 + 0.0;
+  return tidy(unit);
 }
 
 // Of a place over its distance along the view, within 60 degrees: survey coordinates lie far aside of their zero.
@@ -69,16 +77,92 @@ bool is_camera_view(const View& view, const SeenScans& seen, const InnerBox& box
          origin_is_a_scanner(view.look_from.normalized(), centre, (box.high - box.low).norm());
 }
 
-View guess_view(const SeenScans& seen, const InnerBox& box, const Thinness& thin) {
+// The sides of what is looked at, found when they are first asked for.
+class Object {
+ public:
+  Object(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) : seen_(seen), up_(up) {}
+
+  /// Share of it that is seen from that direction: of what was scanned from there alone, nearly all.
+  [[nodiscard]] double seen_from(const Eigen::Vector3d& direction) {
+    const Eigen::Vector3d look_from = direction.normalized();
+    const Eigen::Vector3d up = look_from.unitOrthogonal();
+    if (even().points.empty()) return 1.0;
+    return seen_share(even(), picture_from(even(), look_from, up), look_from, up);
+  }
+  [[nodiscard]] bool one_sided(const Eigen::Vector3d& direction) { return seen_from(direction) >= kOneSided; }
+  [[nodiscard]] std::optional<FrontView> front() {
+    standing_ = up_ ? Standing{up_->normalized(), "up is as you say"} : standing_of(even(), seen_.z_up_format);
+    return standing_ ? find_front(even(), *standing_) : std::nullopt;
+  }
+  [[nodiscard]] const std::optional<Standing>& standing() const { return standing_; }
+
+ private:
+  const EvenPoints& even() {
+    if (!even_) even_ = even_points(seen_.triangles_m.empty() ? seen_.points_m : seen_.triangles_m);
+    return *even_;
+  }
+
+  static constexpr double kOneSided = 0.75;
+  const SeenScans& seen_;
+  std::optional<Eigen::Vector3d> up_;
+  std::optional<EvenPoints> even_;
+  std::optional<Standing> standing_;
+};
+
+// A view along `look_from` in which `wish` is up; another direction where that is along it.
+Eigen::Vector3d up_in_view(const Eigen::Vector3d& look_from, const std::optional<Eigen::Vector3d>& wish, bool z_up) {
+  if (wish && std::abs(look_from.normalized().dot(wish->normalized())) < kAlong) return *wish;
+  return customary_up(look_from, z_up);
+}
+
+// The side that custom calls the front where form tells none.
+View customary_view(bool z_up) {
+  View view;
+  view.look_from = z_up ? Eigen::Vector3d(0, -1, 0) : Eigen::Vector3d(0, 0, 1);
+  view.up = customary_up(view.look_from, z_up);
+  view.reason = fmt::format("{}: its front is a guess, look at it and turn it",
+                            z_up ? "a format whose z is up" : "y up by custom");
+  return view;
+}
+
+// The sides of a solid object, by its own form. What was scanned from one side along an axis is seen along it.
+View front_view(Object& object, const std::optional<Eigen::Vector3d>& up, bool z_up, Sides& sides) {
+  View guess = customary_view(z_up);
+  if (!up) {
+    if (object.one_sided(guess.look_from)) return guess;
+    for (const int axis : {2, 0, 1}) {
+      const Eigen::Vector3d direction = Eigen::Vector3d::Unit(axis);
+      if (!object.one_sided(direction) && !object.one_sided(-direction)) continue;
+      guess.look_from = direction;
+      guess.up = customary_up(direction, z_up);
+      guess.reason = "nearly all of the surface is seen along this axis of the scan";
+      return guess;
+    }
+  }
+  const std::optional<FrontView> front = object.front();
+  if (!front) return guess;
+  sides.standing = object.standing();
+  sides.open = front->open();
+  guess.evident = !front->open();
+  guess.look_from = tidy(front->look_from);
+  guess.up = tidy(front->up);
+  guess.reason = front->reason;
+  return guess;
+}
+
+View guess_view(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up, const InnerBox& box,
+                const Thinness& thin, Object& object, Sides& sides) {
   const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
   const double size = (box.high - box.low).norm();
   View guess;
+  guess.up.setZero();
   guess.evident = true;
   if (seen.rasters) {
+    guess.up = Eigen::Vector3d::UnitY();
     guess.reason = "a grid of heights over x and y is seen from above";
     return guess;
   }
-  if (seen.area > 0.0 && seen.facing.norm() > 0.3 * seen.area) {
+  if (seen.area > 0.0 && seen.facing.norm() > 0.3 * seen.area && object.one_sided(seen.facing)) {
     guess.look_from = snapped(seen.facing);
     guess.reason =
         fmt::format("the triangles face this way ({:.0f} % of the area, net)", 100.0 * seen.facing.norm() / seen.area);
@@ -96,19 +180,13 @@ View guess_view(const SeenScans& seen, const InnerBox& box, const Thinness& thin
     guess.look_from = snapped(seen_side(thin.direction, centre, size));
     guess.reason = fmt::format("the points are flat ({:.0f} % as thick as wide) across this direction{}",
                                100.0 * thin.flatness, scanner_side ? ", and the scan's origin lies on this side" : "");
-  } else if (seen.area == 0.0 && centre.norm() > size && centre.norm() < 100.0 * size) {
+  } else if (seen.area == 0.0 && centre.norm() > size && centre.norm() < 100.0 * size && object.one_sided(-centre)) {
     guess.evident = false;  // an origin may be anywhere
     guess.look_from = snapped(-centre);
     guess.reason = "the scan's origin, where scanners stand, lies on this side";
-  } else if (seen.z_up_format) {
-    guess.evident = false;
-    guess.look_from = {0, -1, 0};
-    guess.reason = "a solid object in a format whose z is up: its front is a guess, look at it and turn it";
   } else {
-    guess.evident = false;
-    guess.reason = "a solid object, y up by custom: its front is a guess, look at it and turn it";
+    return front_view(object, up, seen.z_up_format, sides);
   }
-  guess.up = customary_up(guess.look_from, seen.z_up_format);
   if (is_camera_view(guess, seen, box)) {
     guess.up = {0, -1, 0};
     guess.reason += "; all lies before it along z, as cameras have it: x right, y down, z away";
@@ -116,17 +194,47 @@ View guess_view(const SeenScans& seen, const InnerBox& box, const Thinness& thin
   return guess;
 }
 
+// Twice the area of a triangle along its normal.
+Eigen::Vector3d area_vector(const RawScan& scan, const std::array<std::uint32_t, 3>& face) {
+  const Eigen::Vector3d& a = scan.points[face[0]];
+  return (scan.points[face[1]] - a).cross(scan.points[face[2]] - a);
+}
+
+// Adds places, one for each equal part of the area, by a low-discrepancy sequence within the triangles.
+void spread_over_triangles(const RawScan& scan, double metres, double area, std::vector<Eigen::Vector3d>& places_m) {
+  constexpr std::size_t kPlaces = 150'000;
+  constexpr double kFirst = 0.7548776662466927;  // 1 / p and 1 / p^2, p^3 = p + 1 (Roberts 2018)
+  constexpr double kSecond = 0.5698402909980532;
+  if (!(area > 0.0) || !std::isfinite(area)) return;
+  const double part = area / static_cast<double>(kPlaces);
+  double due = 0.5 * part;
+  std::size_t count = 0;
+  for (const auto& face : scan.faces) {
+    due -= area_vector(scan, face).norm();
+    for (; due < 0.0; due += part) {
+      ++count;
+      const double unit = static_cast<double>(count);
+      const double s = std::sqrt(unit * kFirst - std::floor(unit * kFirst));
+      const double t = unit * kSecond - std::floor(unit * kSecond);
+      places_m.emplace_back(metres * ((1.0 - s) * scan.points[face[0]] + s * (1.0 - t) * scan.points[face[1]] +
+                                      s * t * scan.points[face[2]]));
+    }
+  }
+}
+
 }  // namespace
 
 void SeenScans::look_at(const RawScan& scan, double metres) {
   const std::size_t stride = std::max<std::size_t>(1, scan.points.size() / kSample);
   for (std::size_t i = 0; i < scan.points.size(); i += stride) points_m.push_back(scan.points[i] * metres);
+  double scan_area = 0.0;
   for (const auto& face : scan.faces) {
-    const Eigen::Vector3d& a = scan.points[face[0]];
-    const Eigen::Vector3d normal = (scan.points[face[1]] - a).cross(scan.points[face[2]] - a);
+    const Eigen::Vector3d normal = area_vector(scan, face);
     facing += normal;
-    area += normal.norm();
+    scan_area += normal.norm();
   }
+  area += scan_area;
+  spread_over_triangles(scan, metres, scan_area, triangles_m);
   if (is_z_up(scan.format)) z_up_format = true;
   range_images = (range_images || !any_) && is_range_image(scan);
   rasters = (rasters || !any_) && scan.cell.has_value();
@@ -135,9 +243,11 @@ void SeenScans::look_at(const RawScan& scan, double metres) {
 }
 
 void SeenScans::crop(const CropConfig& box) {
-  std::erase_if(points_m, [&](const Eigen::Vector3d& p) {
+  const auto outside = [&](const Eigen::Vector3d& p) {
     return (p.array() < box.min_m.array()).any() || (p.array() > box.max_m.array()).any();
-  });
+  };
+  std::erase_if(points_m, outside);
+  std::erase_if(triangles_m, outside);
 }
 
 InnerBox inner_box(const std::vector<Eigen::Vector3d>& points_m) {
@@ -155,26 +265,60 @@ InnerBox inner_box(const std::vector<Eigen::Vector3d>& points_m) {
   return box;
 }
 
-std::vector<View> likely_views(const SeenScans& seen) {
+Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) {
   const InnerBox box = inner_box(seen.points_m);
   const Thinness thin = thinness_of(seen.points_m, box);
-  std::vector<View> views{guess_view(seen, box, thin)};
-  const auto add = [&](const Eigen::Vector3d& direction, const std::string& reason) {
+  Object object(seen, up);
+  Sides sides;
+  View guess = guess_view(seen, up, box, thin, object, sides);
+  // Up along the view is no up: what is looked at is then seen from beside.
+  if (up && !sides.standing && std::abs(guess.look_from.normalized().dot(up->normalized())) > kAlong)
+    guess = front_view(object, up, seen.z_up_format, sides);
+  if (!sides.standing && (up || guess.up.isZero())) guess.up = up_in_view(guess.look_from, up, seen.z_up_format);
+  sides.views.push_back(guess);
+  const std::optional<Eigen::Vector3d> wish = sides.standing ? std::optional(guess.up) : up;
+  const auto add = [&](const Eigen::Vector3d& direction, const Eigen::Vector3d& above, const std::string& reason) {
     View view;
-    view.look_from = snapped(direction);
-    view.up = customary_up(view.look_from, seen.z_up_format);
+    view.look_from = direction;
+    view.up = above;
     view.reason = reason;
     const auto same = [&](const View& v) {
       return v.look_from.normalized().dot(view.look_from.normalized()) > 1.0 - 1e-9;
     };
-    if (std::none_of(views.begin(), views.end(), same)) views.push_back(view);
+    view.above = sides.standing && view.look_from.normalized().dot(guess.up.normalized()) > kAlong;
+    if (std::none_of(sides.views.begin(), sides.views.end(), same)) sides.views.push_back(view);
+  };
+  if (sides.standing) {
+    // What stands is looked at from around it; from below there is only what it stands on.
+    for (const NamedView& side : six_sides(guess))
+      if (side.name != "bottom") add(side.look_from, side.up, fmt::format("its {}", side.name));
+    for (const double side : {1.0, -1.0}) {
+      for (const int axis : {2, 0, 1}) {
+        const Eigen::Vector3d direction = side * Eigen::Vector3d::Unit(axis);
+        if (std::abs(direction.dot(guess.up.normalized())) < kLevel)
+          add(direction, guess.up, "along an axis of the scan");
+      }
+    }
+    return sides;
+  }
+  const auto add_snapped = [&](const Eigen::Vector3d& direction, const std::string& reason) {
+    const Eigen::Vector3d look_from = snapped(direction);
+    add(look_from, up_in_view(look_from, wish, seen.z_up_format), reason);
   };
   for (const double side : {1.0, -1.0}) {
-    for (const int axis : {2, 0, 1}) add(side * Eigen::Vector3d::Unit(axis), "along an axis of the scan");
+    for (const int axis : {2, 0, 1}) add_snapped(side * Eigen::Vector3d::Unit(axis), "along an axis of the scan");
   }
   for (const double side : {1.0, -1.0})
-    add(side * thin.direction, "along the direction in which the points are thinnest");
-  return views;
+    add_snapped(side * thin.direction, "along the direction in which the points are thinnest");
+  return sides;
+}
+
+std::vector<NamedView> six_sides(const View& front) {
+  const Eigen::Vector3d ahead = front.look_from.normalized();
+  const Eigen::Vector3d up = (front.up - front.up.dot(ahead) * ahead).normalized();
+  const Eigen::Vector3d right = up.cross(ahead);
+  return {{"front", front.look_from, front.up}, {"back", tidy(-ahead), tidy(up)}, {"left", tidy(-right), tidy(up)},
+          {"right", tidy(right), tidy(up)},     {"top", tidy(up), tidy(-ahead)},  {"bottom", tidy(-up), tidy(ahead)}};
 }
 
 }  // namespace sparsha::pipeline

@@ -1,11 +1,13 @@
 // Directions from which a cloud nobody has described may be looked at, the likeliest first.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "pipeline/orient/front.h"
 #include "pipeline/scan/reader.h"
 
 namespace sparsha::pipeline {
@@ -13,6 +15,7 @@ namespace sparsha::pipeline {
 /// What the scans show that tells a front.
 struct SeenScans {
   std::vector<Eigen::Vector3d> points_m;             ///< an even sample of all scans
+  std::vector<Eigen::Vector3d> triangles_m;          ///< places spread evenly over the triangles
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();  ///< sum of triangle area vectors
   double area = 0.0;                                 ///< sum of triangle areas
   bool z_up_format = false;                          ///< formats whose z is up
@@ -33,6 +36,7 @@ struct View {
   Eigen::Vector3d up = Eigen::Vector3d::UnitY();
   std::string reason;
   bool evident = false;  ///< the points' own form tells this side, not custom
+  bool above = false;    ///< of what stands: from above, which is seldom meant
 
   [[nodiscard]] bool oblique() const { return (look_from.array() != 0.0).count() > 1; }
 };
@@ -44,7 +48,21 @@ struct InnerBox {
 };
 [[nodiscard]] InnerBox inner_box(const std::vector<Eigen::Vector3d>& points_m);
 
-/// The guess, then the axes and both sides of the thinnest direction, each once. There must be points.
-[[nodiscard]] std::vector<View> likely_views(const SeenScans& seen);
+/// What is known of the object's sides.
+struct Sides {
+  std::vector<View> views;           ///< the guess, then others to try, each once
+  std::optional<Standing> standing;  ///< of a solid object; else its sides are the scan's axes
+  bool open = false;                 ///< another side may as well be the front
+};
+
+/// The guess, then the axes and both sides of the thinnest direction. `up` is the user's. There must be points.
+[[nodiscard]] Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up);
+
+/// Front, back, left, right, top and bottom of what is seen first from `front`, with their names.
+struct NamedView {
+  std::string name;
+  Eigen::Vector3d look_from, up;
+};
+[[nodiscard]] std::vector<NamedView> six_sides(const View& front);
 
 }  // namespace sparsha::pipeline

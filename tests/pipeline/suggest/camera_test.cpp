@@ -26,7 +26,7 @@ RawScan scan_of(Points points, const char* format = "PLY ascii") {
 View guess(const RawScan& scan) {
   SeenScans seen;
   seen.look_at(scan, 1.0);
-  return likely_views(seen).front();
+  return sides_of(seen, std::nullopt).views.front();
 }
 
 /// What a pinhole camera of 60 degrees sees, row by row from the top; depths of zero are gaps.

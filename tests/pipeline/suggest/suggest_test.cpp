@@ -310,6 +310,21 @@ TEST_F(Suggested, AGridOfHeightsGivesItsOwnHeightsAndKeepsItsHole) {
   }
 }
 
+// Two balls on each other and a smaller one before the lower.
+TEST_F(Suggested, UpAndTheSidesOfASolidObjectCanBeSaid) {
+  Points points = shell(9000, {0, 0, 0}, 1.0);
+  for (const Eigen::Vector3d& p : shell(4000, {1.4, 0, 0}, 0.6)) points.push_back(p);
+  for (const Eigen::Vector3d& p : shell(1000, {0, 0, 1.1}, 0.3)) points.push_back(p);
+  const fs::path file = write(points);
+  Progress progress;
+  SuggestOptions options;
+  options.up = Eigen::Vector3d::UnitX();
+  suggestion_ = suggest_config({file}, {}, progress, options);
+  EXPECT_NEAR(suggestion_.config.orientation.scan_to_grid.row(1).head<3>().normalized().x(), 1.0, 1e-6);
+  for (const char* side : {"# back", "# left", "# right", "# top", "# bottom"})
+    EXPECT_NE(suggestion_.yaml.find(side), std::string::npos) << suggestion_.yaml;
+}
+
 TEST_F(Suggested, TheOrderOfThePointsDoesNotMatter) {
   Points points = shell(5000, {0.3, 0.2, 0.1}, 1.0, 0.01);
   Progress progress;

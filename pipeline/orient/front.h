@@ -1,0 +1,38 @@
+// The side of a statue that a person would call its front, and which way it stands.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "pipeline/orient/side_picture.h"
+
+namespace sparsha::pipeline {
+
+struct FrontView {
+  Eigen::Vector3d look_from;  ///< unit
+  Eigen::Vector3d up;         ///< unit, at right angles to it
+  std::string reason;         ///< for the user: what was found
+  /// Score of the best view elsewhere (45 degrees or more away) over that of this one: near 1 where it stays open.
+  double rival = 1.0;
+
+  [[nodiscard]] bool open() const { return rival > 0.85; }
+};
+
+/// How an object stands: the axis of the scan, or the normal of its flat base, over the largest foot: what the lowest
+/// 3 % of its height would stand on, as a share of its outline from above. Custom (z where `z_up`, else y) is left only
+/// for a foot that is larger by a third of the outline than the one that it would give. Empty when it
+/// has no extent.
+struct Standing {
+  Eigen::Vector3d up;
+  std::string reason;
+};
+[[nodiscard]] std::optional<Standing> standing_of(const EvenPoints& object, bool z_up);
+
+/// Of horizontal views, the one in which carving is most like its own mirror image, changes most along the mirror axis
+/// (as brow, nose, mouth and chin do, backs of heads do not), and shows much. Directions within 12 degrees of an axis
+/// of the scan are that axis. Depends on the set of points alone. Empty when they have no extent.
+[[nodiscard]] std::optional<FrontView> find_front(const EvenPoints& object, const Standing& standing);
+
+}  // namespace sparsha::pipeline
