@@ -222,6 +222,32 @@ TEST(RemovePlane, SaysThatTheDistanceIsTooLargeForTheScan) {
   EXPECT_THAT(error_of(sphere_on_floor(14).cloud(), config), HasSubstr("smaller distance_mm"));
 }
 
+// A relief of +-10 mm whose ground is taken for a floor: what lies below it goes too.
+TEST(RemovePlane, SaysHowMuchGoesAndRefusesToTakeNearlyAll) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> place(-0.5, 0.5);
+  const auto relief = [&](double least, double most, std::size_t count) {
+    Cloud cloud;
+    cloud.resize_points(count);
+    std::uniform_real_distribution<double> height(least, most);
+    for (std::size_t n = 0; n < count; ++n) {
+      // A third of it is ground.
+      const double z = n % 3 == 0 ? 0.0 : height(random);
+      const Eigen::Vector3f p(static_cast<float>(place(random)), static_cast<float>(place(random)),
+                              static_cast<float>(z));
+      std::copy_n(p.data(), 3, cloud.xyz1() + 4 * n);
+    }
+    return cloud;
+  };
+  RemovePlaneConfig config;
+  config.distance_m = 0.001;
+  Cloud carved = relief(-0.01, 0.003, 30000);
+  Work work;
+  apply_filters(carved, {config}, work.context());
+  EXPECT_THAT(work.progress.warnings(), testing::Contains(HasSubstr("of the points away (")));
+  EXPECT_THAT(error_of(relief(-0.01, 0.0012, 30000), config), HasSubstr("'remove_plane' takes 9"));
+}
+
 TEST(RemovePlane, WarnsWhenTheObjectItselfMayBeThePlane) {
   std::mt19937 random(13);
   LabelledCloud relief;
