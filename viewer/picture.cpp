@@ -79,15 +79,26 @@ void Picture::set_scene(pipeline::ScenePointer scene) {
   const int level =
       level_within(description, std::min(software_ ? kSoftwareNodes : kWholeNodes, gl::max_texture_size()));
   ReliefData data = prepare_relief(scene->read_level(level), level, envelope_, description.noise_m, pool_);
+  std::optional<ReliefData> coarse;
+  if (const int next = level + 1; software_ && next < static_cast<int>(description.levels.size()))
+    coarse = prepare_relief(scene->read_level(next), next, envelope_, description.noise_m, pool_);
   scene_ = std::move(scene);
   stage_ = stage_of(description);
   loading_.reset();
   piece_.reset();
   whole_ = std::make_unique<ReliefView>(std::move(data), stage_);
-  whole_->set_light(light_, pool_, true);
+  coarse_ = coarse ? std::make_unique<ReliefView>(std::move(*coarse), stage_) : nullptr;
+  for (ReliefView* view : {whole_.get(), coarse_.get()})
+    if (view != nullptr) view->set_light(light_, pool_, true);
+  paint_whole();
+}
+
+void Picture::paint_whole() {
+  const pipeline::SceneDescription& description = scene_->description();
   const Paint paint = paint_relief(whole_->data(), description, colour_, workspace_m_);
   whole_->set_paint(paint);
   legend_ = paint.legend;
+  if (coarse_) coarse_->set_paint(paint_relief(coarse_->data(), description, colour_, workspace_m_, &legend_));
   stones_lit_ = false;
 }
 
@@ -154,11 +165,8 @@ void Picture::prepare_style(const Frame& frame) {
   workspace_m_ = workspace_m;
   if (wanted != colour_ || other_hand) {
     colour_ = wanted;
-    const Paint paint = paint_relief(whole_->data(), description, colour_, workspace_m_);
-    whole_->set_paint(paint);
-    legend_ = paint.legend;
+    paint_whole();
     if (piece_) piece_->set_paint(paint_relief(piece_->data(), description, colour_, workspace_m_, &legend_));
-    stones_lit_ = false;
   }
 }
 
@@ -166,6 +174,7 @@ void Picture::prepare_style(const Frame& frame) {
 void Picture::set_light(bool fine) {
   light_fine_ = fine;
   whole_->set_light(light_, pool_, fine);
+  if (coarse_) coarse_->set_light(light_, pool_, fine);
   if (piece_) piece_->set_light(light_, pool_, fine);
   stones_lit_ = false;
 }
@@ -244,7 +253,10 @@ void Picture::draw_surface(Surface& surface, const View& view, ReliefStyle style
     piece_->draw(relief_programs_, view, fine);
     style.hole_world = piece_->box_world();
   }
-  whole_->draw(relief_programs_, view, style);
+  // While it moves, of a scene that is finer than the picture: rims and steps are drawn node by node.
+  constexpr double kFiner = 0.75;  // pixels per node
+  const double node_pixels = view.pixels_per_unit(view.focus) * whole_->data().lattice.spacing_m / stage_.unit_m;
+  (coarse_ && style.moving && node_pixels < kFiner ? coarse_ : whole_)->draw(relief_programs_, view, style);
   if (style.section) draw_section(view, style, supersampling);
   // The backdrop fills what stone left free.
   backdrop_program_.use();
@@ -316,6 +328,7 @@ void Picture::refresh(Surface& surface, const View& view, const ReliefStyle& sty
   surface.fine = rests;
   ReliefStyle used = style;
   used.node_pixels = !software_ ? 1.0 : rests ? 2.5 : 7.0;
+  used.moving = software_ && !rests;
   draw_surface(surface, view, used, rests ? 2 : 1, overview, frame);
 }
 
@@ -347,6 +360,7 @@ void Picture::light_stones(bool high_contrast, Look look) {
   look_ = look;
   stones_lit_ = true;
   whole_->light_stone(stone_program_, high_contrast, look);
+  if (coarse_) coarse_->light_stone(stone_program_, high_contrast, look);
   if (piece_) piece_->light_stone(stone_program_, high_contrast, look);
   ++version_;
 }

@@ -61,6 +61,7 @@ class Picture {
   void draw_surface(Surface& surface, const View& view, ReliefStyle style, int supersampling, bool overview,
                     const Frame& frame);
   void set_light(bool fine);
+  void paint_whole();
   void light_stones(bool high_contrast, Look look);
   void resolve(Surface& surface, const View& view, const ReliefStyle& style, int supersampling, bool rests);
   void draw_section(const View& view, const ReliefStyle& style, int supersampling);
@@ -82,6 +83,7 @@ class Picture {
   gl::Name vertex_array_;
   std::unique_ptr<HandPainter> hand_painter_;
   std::unique_ptr<ReliefView> whole_;
+  std::unique_ptr<ReliefView> coarse_;  ///< the same at half its nodes, for pictures that move; or none
   std::unique_ptr<ReliefView> piece_;
   std::unique_ptr<DetailPiece> loading_;
   TouchGround touch_ground_;

@@ -112,6 +112,11 @@ void Texture::make_mipmaps() const {
   glGenerateMipmap(GL_TEXTURE_2D);
 }
 
+void Texture::mix_levels(bool on) const {
+  glBindTexture(GL_TEXTURE_2D, name_.get());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, on ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
+}
+
 void Texture::bind(int unit) const {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   glBindTexture(GL_TEXTURE_2D, name_.get());

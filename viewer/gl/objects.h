@@ -62,6 +62,8 @@ class Texture {
   void upload(const void* texels);
   /// After drawing into a mipmap texture.
   void make_mipmaps() const;
+  /// Of a mipmap texture: colours between two levels are mixed of both, or taken from the nearer one.
+  void mix_levels(bool on) const;
   void bind(int unit) const;
   [[nodiscard]] unsigned name() const { return name_.get(); }
   [[nodiscard]] int width() const { return width_; }

@@ -8,7 +8,7 @@
 namespace sparsha::viewer {
 namespace {
 
-constexpr int kChunk = 32;  // cells of the mesh's level along a chunk's side
+constexpr int kChunk = 16;  // cells of the mesh's level along a chunk's side
 constexpr int kMostLevels = 7;
 
 }  // namespace

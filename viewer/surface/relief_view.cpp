@@ -41,6 +41,14 @@ bool outside(const View& view, const Eigen::Vector3d& low, const Eigen::Vector3d
   return std::ranges::any_of(out, [](int count) { return count == 8; });
 }
 
+/// What of a rectangle lies outside a hole in it, as at most four rectangles: left and right of it, below and above it.
+std::array<Box, 4> around_hole(const Box& box, const Box& hole) {
+  const double x0 = std::clamp(hole[0], box[0], box[2]), x1 = std::clamp(hole[2], box[0], box[2]);
+  const double y0 = std::clamp(hole[1], box[1], box[3]), y1 = std::clamp(hole[3], box[1], box[3]);
+  return {Box(box[0], box[1], x0, box[3]), Box(x1, box[1], box[2], box[3]), Box(x0, box[1], x1, y0),
+          Box(x0, y1, x1, box[3])};
+}
+
 }  // namespace
 
 const gl::Program& ReliefPrograms::with(unsigned features) {
@@ -171,9 +179,13 @@ void ReliefView::draw_chunks(const Triangles& mesh, const View& view, const Reli
   for (const Mesh::Chunk& chunk : mesh.chunks) {
     const double x0 = box_[0] + chunk.nodes[0] * spacing, y0 = box_[1] + chunk.nodes[1] * spacing;
     const double x1 = box_[0] + chunk.nodes[2] * spacing, y1 = box_[1] + chunk.nodes[3] * spacing;
-    const auto& hole = style.hole_world;
-    const bool covered = hole && x0 > (*hole)[0] && y0 > (*hole)[1] && x1 < (*hole)[2] && y1 < (*hole)[3];
-    if (covered || outside(view, {x0, y0, reach_low_}, {x1, y1, reach_high_})) {
+    // What is left out inside the hole would be discarded pixel by pixel.
+    const auto unseen = [&](const Box& box) {
+      return outside(view, {box[0], box[1], reach_low_}, {box[2], box[3], reach_high_});
+    };
+    const auto nothing = [&](const Box& box) { return !(box[0] < box[2] && box[1] < box[3]) || unseen(box); };
+    const Box box(x0, y0, x1, y1);
+    if (unseen(box) || (style.hole_world && std::ranges::all_of(around_hole(box, *style.hole_world), nothing))) {
       flush();
       continue;
     }
@@ -188,6 +200,7 @@ void ReliefView::set_up(const gl::Program& program, const View& view, const Reli
   const double spacing = lattice.spacing_m / stage_.unit_m;
   const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
   program.use();
+  stone_.colour().mix_levels(!style.moving);
   heights_.bind(0);
   stone_.colour().bind(1);
   tones_.bind(2);

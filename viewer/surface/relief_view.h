@@ -34,6 +34,7 @@ struct ReliefStyle {
   double datum_z = 0.0;             ///< world: where contour lines count from
   int supersampling = 1;            ///< framebuffer pixels per pixel of the picture
   double node_pixels = 3.0;         ///< least framebuffer pixels between mesh vertices
+  bool moving = false;              ///< colours from one level of detail, not from two: quicker without a graphics card
 };
 
 /// The relief's program in the variants that pictures have needed so far.
