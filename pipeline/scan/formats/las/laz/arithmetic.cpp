@@ -92,7 +92,7 @@ std::uint32_t Decoder::raw(std::uint32_t bits) {
 
 std::uint32_t Decoder::past_end() {
   // Packing may leave out the zeros at a stream's end, of which reading is at most a few bytes ahead.
-  constexpr std::uint32_t kMostPast = 8;
+  constexpr std::uint32_t kMostPast = 4;
   if (++past_ > kMostPast) fail("the stream ends before its points do");
   return 0;
 }

@@ -109,6 +109,8 @@ class Decoder {
 
   /// Bytes that were read, those past the end included.
   [[nodiscard]] std::size_t used() const { return static_cast<std::size_t>(at_ - begin_) + past_; }
+  /// Of them, those past the end.
+  [[nodiscard]] std::uint32_t past() const { return past_; }
   [[noreturn]] void fail(const char* what) const;
 
  private:

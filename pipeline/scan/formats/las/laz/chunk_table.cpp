@@ -92,6 +92,7 @@ ChunkTable read_chunk_table(std::string_view file, std::size_t first_point, std:
     next += bytes;
     left -= held;
   }
+  if (in.past() > 0) return without_table("the table of LAZ chunks is cut off", first_point, packing);
   if (left != 0) {
     throw Damage{"the chunks of the table have " + std::to_string(left) + " points fewer than the header", place};
   }

@@ -39,7 +39,7 @@ void stream(ChunkOfPoints& chunk, std::uint64_t count, std::size_t record_size, 
 
 void check_end(const PointwiseChunk& decoder, const Chunk& chunk) {
   if (chunk.points == 1) return;  // such a chunk may have a stream, of nothing
-  if (decoder.used() != chunk.size) {
+  if (decoder.used() < chunk.size) {
     throw Damage{"the points end after " + std::to_string(decoder.used()) + " of the chunk's " +
                      std::to_string(chunk.size) + " bytes",
                  chunk.begin};
@@ -162,7 +162,8 @@ std::size_t read_untabled(const Source& source, std::size_t begin, Layers wanted
       } else {
         PointwiseChunk decoder(source.packing, bytes, begin);
         stream(decoder, chunk.points, record_size, begin, sink);
-        begin += std::min(decoder.used(), bytes.size());
+        decoder.check_not_cut();
+        begin += decoder.used();
       }
     });
     left -= chunk.points;
@@ -178,6 +179,7 @@ Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const
   if (source.packing.compressor == Compressor::pointwise) {
     PointwiseChunk decoder(source.packing, source.file.substr(source.first_point), source.first_point);
     stream(decoder, source.points, source.packing.record_size, source.first_point, sink);
+    decoder.check_not_cut();
     outcome.end = source.first_point + decoder.used();
     return outcome;
   }

@@ -24,6 +24,10 @@ class PointwiseChunk {
 
   /// Bytes of the chunk that were read; of all of its points, those of the chunk.
   [[nodiscard]] std::size_t used() const { return packing_.record_size + (stream_ ? stream_->used() : 0); }
+  /// Throws Damage when bytes were read that are not there, as a cut file allows for the last points.
+  void check_not_cut() const {
+    if (stream_ && stream_->past() > 0) stream_->fail("the stream ends before its points do");
+  }
 
  private:
   using Codec =

@@ -7,6 +7,7 @@
 
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/formats/las/laz/points.h"
+#include "tests/pipeline/scan/formats/las/laz/encoder.h"
 #include "tests/pipeline/scan/formats/las_files.h"
 #include "tests/support/scan_files.h"
 
@@ -250,6 +251,87 @@ TEST(Laz, PointsThatAreWithheldAreCountedAsInvalid) {
   EXPECT_DOUBLE_EQ(scan.points[1].x(), 1000003 * 0.01 + 100.0);
   EXPECT_EQ(scan.intensity[2], 2.0F);
   EXPECT_EQ(scan.format, "LAZ 1.2 pf0");
+}
+
+/// Single returns on a wavy surface, with extremes now and then.
+std::vector<std::string> some_points(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<std::string> points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto n = static_cast<std::int32_t>(i);
+    const bool extreme = random() % 50 == 0;
+    std::string point =
+        testing::las_point(0, extreme ? static_cast<std::int32_t>(random()) : n * 13, extreme ? INT32_MIN : n % 100 * 7,
+                           static_cast<std::int32_t>(random() % 500), static_cast<std::uint16_t>(random() % 3000));
+    point[14] = 1 | 1 << 3;
+    point[17] = static_cast<char>(random() % 4 == 0 ? random() : 7);
+    points.push_back(point);
+  }
+  return points;
+}
+
+TEST(Laz, ChunksOfOneNumberOfPointsAndOfAnyGiveThePointsThatWerePacked) {
+  for (const std::uint32_t each : {0U, 700U}) {
+    std::vector<std::vector<std::string>> chunks;
+    const std::vector<std::size_t> sizes =
+        each == 0 ? std::vector<std::size_t>{5000, 1, 2, 12'000} : std::vector<std::size_t>{700, 700, 700, 33};
+    std::string expected;
+    for (const std::size_t size : sizes) {
+      chunks.push_back(some_points(size, static_cast<unsigned>(size)));
+      for (const std::string& point : chunks.back()) expected += point;
+    }
+    const std::string packed = testing::pack_las(chunks, each);
+    EXPECT_LT(packed.size(), expected.size());
+    for (const unsigned threads : {1U, 2U, 5U}) {
+      EXPECT_EQ(difference(records_of(packed, laz::kAllLayers, threads), expected, 20), "") << each;
+    }
+  }
+}
+
+TEST(Laz, AFileThatWasCutShortAtAnyByteIsRefusedOrGivesAllItsPoints) {
+  const std::string bytes = testing::pack_las({some_points(40, 1), some_points(40, 2), some_points(9, 3)}, 40);
+  const RawScan whole = read_scan_bytes(bytes, "scan.laz");
+  ASSERT_EQ(whole.records, 89U);
+  std::size_t refused = 0;
+  for (std::size_t size = 4; size < bytes.size(); ++size) {
+    try {
+      const RawScan cut = read_scan_bytes(bytes.substr(0, size), "scan.laz");
+      ASSERT_EQ(cut.points, whole.points) << "cut at " << size;
+    } catch (const Error& error) {
+      ++refused;
+      ASSERT_EQ(error.kind(), ErrorKind::input);
+    }
+  }
+  EXPECT_GT(refused, bytes.size() - 40);
+}
+
+TEST(Laz, ATableThatDisagreesWithHeaderOrFileIsRefused) {
+  const std::string bytes = testing::pack_las({some_points(40, 1), some_points(17, 2)}, 0);
+  std::string more = bytes;
+  set(more, 107, std::uint32_t{58});
+  expect_refused("scan.laz", more, "1 points fewer than the header");
+  std::string fewer = bytes;
+  set(fewer, 107, std::uint32_t{56});
+  expect_refused("scan.laz", fewer, "LAZ chunk 2 of 2 17 points where the header leaves 16");
+  const std::size_t first = header_of(bytes).first_point;
+  const auto table = static_cast<std::size_t>(load<std::int64_t>(bytes.data() + first));
+  std::string many = bytes;
+  set(many, table + 4, 0xFFFFFFFFU);
+  expect_refused("scan.laz", many, "4294967295 LAZ chunks cannot be in");
+  std::string zeros = bytes;
+  std::fill(zeros.begin() + static_cast<std::ptrdiff_t>(table) + 8, zeros.end(), '\0');
+  expect_refused("scan.laz", zeros, "points fewer than the header");
+  std::string negative = bytes;
+  set(negative, first, std::int64_t{-5});
+  expect_refused("scan.laz", negative, "should be at byte -5");
+}
+
+TEST(Laz, AChunkThatEndsBeforeOrBehindItsPointsIsRefusedWithItsNumber) {
+  std::string bytes = testing::pack_las({some_points(40, 1), some_points(17, 2)}, 40);
+  set(bytes, 107, std::uint32_t{50});
+  expect_refused("scan.laz", bytes, "LAZ chunk 2 of 2: the points end after");
+  set(bytes, 107, std::uint32_t{80});
+  expect_refused("scan.laz", bytes, "LAZ chunk 2 of 2: the stream ends before its points do");
 }
 
 TEST(Laz, APackingThatNobodyKnowsIsRefusedByName) {
