@@ -33,7 +33,7 @@ class Mask {
       : reach_(reach),
         y0_(static_cast<float>(first_row - reach)),
         per_cell_(static_cast<float>(kCellsPerReach / reach)),
-        marked_(cells(nx - 1), cells(last_row - first_row)) {}
+        marked_(column(nx - 1 + reach) + 1, row(last_row + reach) + 1) {}
 
   void mark(double x, double y) {
     const int i0 = column(x - reach_), i1 = column(x + reach_), j0 = row(y - reach_), j1 = row(y + reach_);
@@ -47,9 +47,7 @@ class Mask {
   }
 
  private:
-  [[nodiscard]] int cells(double extent) const {
-    return static_cast<int>((extent + 2 * reach_) * kCellsPerReach / reach_) + 2;
-  }
+  // The mask's size is that of the last place's cell, by the same roundings: none lies beyond.
   [[nodiscard]] int column(double x) const {
     return static_cast<int>((static_cast<float>(x) + static_cast<float>(reach_)) * per_cell_);
   }

@@ -62,6 +62,10 @@ TEST_F(StrangeScans, OfImpossibleSizeAreNamedAsInput) {
   }
   const std::string message = error_of(write("huge.xyz", text));
   EXPECT_NE(message.find("spread over"), std::string::npos) << message;
+  text.clear();
+  for (int i = 0; i < 20; ++i)
+    for (int k = 0; k < 20; ++k) text += std::to_string(i) + "e-30 " + std::to_string(k) + "e-30 0\n";
+  EXPECT_NE(error_of(write("tiny.xyz", text)), "");  // its scene could not be opened again
 }
 
 TEST_F(StrangeScans, KeepTheirNamesInASuggestedConfiguration) {
