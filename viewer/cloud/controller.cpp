@@ -68,17 +68,25 @@ void CloudController::turn(const Eigen::Matrix4d& scan_to_grid, bool keep_fit) {
   if (!keep_fit) fits_ = true;
 }
 
+UpAxis CloudController::up() const {
+  return frame_.up.value_or(UpAxis(frame_.status.points && frame_.status.points->z_up));
+}
+
+void CloudController::set_up(UpAxis up) {
+  frame_.up = up;
+  turn(seen_from(Face::front, up, frame_.setup.scan_to_grid), false);
+  words_.push_back(fmt::format("Up axis: {}", up.name()));
+}
+
 void CloudController::turn_by(double about_x, double about_y, double about_z) {
   const Eigen::Matrix4d& now = frame_.setup.scan_to_grid;
-  const bool z_up = frame_.status.points && frame_.status.points->z_up;
-  Eigen::Matrix4d next = frame_.free_ball ? rolled(now, about_x, about_y, 0.0) : turned(now, z_up, about_y, about_x);
+  Eigen::Matrix4d next = frame_.free_ball ? rolled(now, about_x, about_y, 0.0) : turned(now, up(), about_y, about_x);
   if (about_z != 0.0) next = rolled(next, 0.0, 0.0, about_z);
   // The middle of the picture stays: the target is a place on the object.
   turn(next, true);
 }
 
 bool CloudController::set_side(CloudAction action) {
-  const bool z_up = frame_.status.points && frame_.status.points->z_up;
   const Eigen::Matrix4d& now = frame_.setup.scan_to_grid;
   switch (action) {
     case CloudAction::front:
@@ -88,7 +96,7 @@ bool CloudController::set_side(CloudAction action) {
     case CloudAction::top:
     case CloudAction::bottom: {
       const auto face = static_cast<Face>(static_cast<int>(action) - static_cast<int>(CloudAction::front));
-      turn(seen_from(face, z_up, now), false);
+      turn(seen_from(face, up(), now), false);
       words_.emplace_back(info_of(action).label);
       return true;
     }
@@ -104,9 +112,15 @@ bool CloudController::set_side(CloudAction action) {
       words_.emplace_back("As scanned");
       return true;
     case CloudAction::upright:
-      turn(sparsha::viewer::upright(now, z_up), false);
+      turn(sparsha::viewer::upright(now, up()), false);
       words_.emplace_back("Upright");
       return true;
+    case CloudAction::up_axis: {
+      const std::span<const UpAxis> axes = all_up_axes();
+      const auto next = std::ranges::find(axes, up()) + 1;
+      set_up(next == axes.end() ? axes.front() : *next);
+      return true;
+    }
     case CloudAction::undo:
       if (before_.empty()) return true;
       frame_.setup.scan_to_grid = before_.back();

@@ -35,6 +35,7 @@ enum class CloudAction {
   broad_side,
   as_scanned,
   upright,
+  up_axis,
   undo,
   turn_left,
   turn_right,
@@ -84,6 +85,7 @@ struct CloudFrame {
   bool help = false;
   bool can_go_back = false;  ///< there is a scene to go back to
   int held = -1;             ///< the handle of the crop box that the mouse holds: 2 * axis + (0 low, 1 high)
+  std::optional<UpAxis> up;  ///< that was chosen; else by the custom of the scans' format
   std::string unit;          ///< of the scans, for its field
   double time_s = 0.0;
   bool finished = true;  ///< draw every point, whatever it costs
@@ -105,6 +107,8 @@ class CloudController {
   void set_euler(const Eigen::Vector3d& angles_deg);
   void set_crop(const std::optional<pipeline::CropConfig>& crop);
   void set_unit(pipeline::LengthUnit unit);
+  /// The object stands on the other end from now on, its front to the viewer.
+  void set_up(UpAxis up);
   void cancel();
 
   /// One step of time; `width` and `height` of the rectangle that the cloud is drawn in.
@@ -125,6 +129,7 @@ class CloudController {
   [[nodiscard]] std::optional<Eigen::Vector2d> crop_handle(int handle) const;
 
  private:
+  [[nodiscard]] UpAxis up() const;
   void take_status();
   void take_proposal();
   void turn(const Eigen::Matrix4d& scan_to_grid, bool keep_fit);

@@ -27,8 +27,6 @@ Eigen::Matrix4d about(double angle, const Eigen::Vector3d& axis) {
   return affine(Eigen::AngleAxisd(angle, axis).toRotationMatrix());
 }
 
-Eigen::Vector3d up_axis(bool z_up) { return z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY(); }
-
 Eigen::Matrix3d rotation_of(const Eigen::Matrix4d& m) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(Eigen::Matrix3d(m.topLeftCorner<3, 3>()),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -39,6 +37,21 @@ Eigen::Matrix3d rotation_of(const Eigen::Matrix4d& m) {
 
 }  // namespace
 
+Eigen::Vector3d UpAxis::front() const {
+  return axis_ == 2 ? Eigen::Vector3d(-Eigen::Vector3d::UnitY()) : Eigen::Vector3d::UnitZ();
+}
+
+const char* UpAxis::name() const {
+  constexpr std::array<const char*, 6> kNames{"x", "-x", "y", "-y", "z", "-z"};
+  return kNames[static_cast<std::size_t>(2 * axis_ + (down_ ? 1 : 0))];
+}
+
+std::span<const UpAxis> all_up_axes() {
+  static const std::array<UpAxis, 6> kAxes{UpAxis(1, false), UpAxis(2, false), UpAxis(0, false),
+                                           UpAxis(1, true),  UpAxis(2, true),  UpAxis(0, true)};
+  return kAxes;
+}
+
 const char* name_of(Face face) {
   constexpr std::array<const char*, kFaces> kNames{"Front", "Back", "Left", "Right", "Top", "Bottom"};
   return kNames[static_cast<std::size_t>(face)];
@@ -48,9 +61,9 @@ double scale_of(const Eigen::Matrix4d& scan_to_grid) {
   return std::cbrt(std::abs(scan_to_grid.topLeftCorner<3, 3>().determinant()));
 }
 
-Eigen::Matrix4d seen_from(Face face, bool z_up, const Eigen::Matrix4d& present) {
-  const Eigen::Vector3d up = up_axis(z_up);
-  const Eigen::Vector3d front = z_up ? Eigen::Vector3d(-Eigen::Vector3d::UnitY()) : Eigen::Vector3d::UnitZ();
+Eigen::Matrix4d seen_from(Face face, UpAxis axis, const Eigen::Matrix4d& present) {
+  const Eigen::Vector3d up = axis.direction();
+  const Eigen::Vector3d front = axis.front();
   const Eigen::Vector3d right = up.cross(front);
   const double scale = scale_of(present);
   switch (face) {
@@ -74,8 +87,8 @@ Eigen::Matrix4d as_scanned(const Eigen::Matrix4d& present) {
   return affine(scale_of(present) * Eigen::Matrix3d::Identity());
 }
 
-Eigen::Matrix4d turned(const Eigen::Matrix4d& scan_to_grid, bool z_up, double turn, double tilt) {
-  return about(tilt, Eigen::Vector3d::UnitX()) * scan_to_grid * about(turn, up_axis(z_up));
+Eigen::Matrix4d turned(const Eigen::Matrix4d& scan_to_grid, UpAxis up, double turn, double tilt) {
+  return about(tilt, Eigen::Vector3d::UnitX()) * scan_to_grid * about(turn, up.direction());
 }
 
 Eigen::Matrix4d rolled(const Eigen::Matrix4d& scan_to_grid, double about_x, double about_y, double about_z) {
@@ -83,9 +96,9 @@ Eigen::Matrix4d rolled(const Eigen::Matrix4d& scan_to_grid, double about_x, doub
          about(about_x, Eigen::Vector3d::UnitX()) * scan_to_grid;
 }
 
-Eigen::Matrix4d upright(const Eigen::Matrix4d& scan_to_grid, bool z_up) {
+Eigen::Matrix4d upright(const Eigen::Matrix4d& scan_to_grid, UpAxis up) {
   const Eigen::Matrix3d rotation = rotation_of(scan_to_grid);
-  Eigen::Vector3d axis = rotation * up_axis(z_up);
+  Eigen::Vector3d axis = rotation * up.direction();
   constexpr double kAlongTheView = 0.1;
   if (axis.head<2>().norm() < kAlongTheView) {
     double best = -1.0;

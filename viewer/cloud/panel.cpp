@@ -139,6 +139,17 @@ void orientation_part(const Brush& brush, CloudController& controller) {
   buttons(brush, controller, {right, top, bottom}, ready);
   buttons(brush, controller, {flat_face, broad_side}, ready && !frame.status.busy);
   buttons(brush, controller, {as_scanned, upright, undo}, ready);
+  line(brush, "Up axis");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(0.35F * ImGui::GetContentRegionAvail().x);
+  ImGui::BeginDisabled(!ready);
+  const UpAxis up = frame.up.value_or(UpAxis(ready && frame.status.points->z_up));
+  if (ImGui::BeginCombo("##up", up.name())) {
+    for (const UpAxis& choice : all_up_axes())
+      if (ImGui::Selectable(choice.name(), choice == up)) controller.set_up(choice);
+    ImGui::EndCombo();
+  }
+  ImGui::EndDisabled();
   const Eigen::Vector3d angles = euler_deg(frame.setup.scan_to_grid);
   std::array<double, 3> edited{angles.x(), angles.y(), angles.z()};
   line(brush, "Angles about x, y, z (euler_deg)");

@@ -44,6 +44,22 @@ TEST(CloudController, EnterScansWhatIsSeen) {
   EXPECT_TRUE(bench.workshop.scans[0].scan_to_grid.isApprox(truth, 1e-12));
 }
 
+TEST(CloudController, AnyAxisOfTheScanCanPointUpByKeyAndByList) {
+  Bench bench;
+  EXPECT_EQ(all_up_axes().size(), 6U);
+  (void)bench.controller.take_words();
+  bench.controller.press({'Y'});  // y by custom; z is the next
+  const Eigen::Matrix4d z_up = bench.frame().setup.scan_to_grid;
+  EXPECT_TRUE(z_up.row(1).head<3>().transpose().isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
+  EXPECT_TRUE(z_up.row(2).head<3>().transpose().isApprox(-Eigen::Vector3d::UnitY(), 1e-12));
+  EXPECT_EQ(bench.controller.take_words(), std::vector<std::string>{"Up axis: z"});
+  bench.controller.set_up(UpAxis(0, true));
+  bench.controller.press({key::kLeft});  // a turntable about that axis
+  const Eigen::Vector3d up = bench.frame().setup.scan_to_grid.row(1).head<3>();
+  EXPECT_TRUE(up.isApprox(-Eigen::Vector3d::UnitX(), 1e-12));
+  EXPECT_EQ(bench.controller.take_words().front(), "Up axis: -x");
+}
+
 TEST(CloudController, WorkIsNotStartedTwiceAndEscapeStopsIt) {
   Bench bench;
   bench.workshop.status.busy = true;
