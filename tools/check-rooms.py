@@ -72,7 +72,7 @@ PCL_API = "sparsha/pcl"
 ROOMS = {name.split("/")[0] for name in ALLOWED}
 # Folders below tests/ that mirror no room: helpers, tests of tools, and parts of one folder's test.
 NO_ROOM = {"support", "tools", "fuzz", "guard", "falcon", "haptics/device/falcon/usb", "haptics/proxy/soak",
-           "pipeline/scan/formats/laz", "viewer/pictures", "viewer/reference"}
+           "viewer/pictures", "viewer/reference"}
 THIRD_PARTY = re.compile(
     r"(pcl|opencv2|libusb|portaudio|epoxy|imgui|GLFW|GL|EGL|CLI|yaml-cpp|nlohmann|tiffio|png|sndfile|spdlog|fmt|pugixml)"
     r"([./-]|$|\.h)"
