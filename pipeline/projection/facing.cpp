@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -28,12 +27,35 @@ constexpr double kAgreement = 0.9;  // of a connected surface's votes, by weight
 constexpr double kOtherSide = 0.15;
 constexpr std::size_t kPiece = 1U << 14U;
 
-std::uint64_t hash_of(float x, float y, float z) {
-  return hash_words(std::array<std::uint64_t, 3>{std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y),
-                                                 std::bit_cast<std::uint32_t>(z)});
-}
+/// Names the cells, a part of a point spacing wide, that points lie in. They begin where the points do, so that the
+/// cells of a cloud that is moved by less than its points are apart hold the same points: a hash of the coordinates
+/// themselves would choose other points and, where votes are close, another side.
+class SampleCells {
+ public:
+  SampleCells(const PointTotals& totals, const Extent& extent, double spacing_m)
+      : x0_m_(extent.xmin_m),
+        y0_m_(extent.ymin_m),
+        z0_m_(static_cast<double>(totals.min_m.z())),
+        per_m_(1.0 / (kSide * spacing_m)) {}
 
-OrientedPoints draw_sample(const OrientedPieces& pieces, double wanted, std::uint64_t count, ThreadPool& pool) {
+  [[nodiscard]] std::uint64_t hash_of(float x, float y, float z) const {
+    return hash_words(std::array<std::uint64_t, 3>{cell(x, x0_m_), cell(y, y0_m_), cell(z, z0_m_)});
+  }
+
+ private:
+  static constexpr double kSide = 0.25;  // spacings
+  static constexpr double kMost = 1e15;  // cells; a point so far away is no part of the surface
+
+  [[nodiscard]] std::uint64_t cell(float value, double from) const {
+    const double cells = std::floor((static_cast<double>(value) - from) * per_m_);
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::clamp(cells, -kMost, kMost)));
+  }
+
+  double x0_m_, y0_m_, z0_m_, per_m_;
+};
+
+OrientedPoints draw_sample(const OrientedPieces& pieces, const SampleCells& cells, double wanted, std::uint64_t count,
+                           ThreadPool& pool) {
   const double share = std::min(1.0, wanted / std::max(1.0, static_cast<double>(count)));
   const auto limit = static_cast<std::uint32_t>(share * 4294967295.0);
   std::vector<std::array<float, 3>> drawn;
@@ -42,8 +64,10 @@ OrientedPoints draw_sample(const OrientedPieces& pieces, double wanted, std::uin
     pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
       std::vector<std::array<float, 3>> mine;
       for (std::size_t k = begin; k < end; ++k) {
-        if (static_cast<std::uint32_t>(mix_bits(hash_of(points.x[k], points.y[k], points.z[k]))) > limit) continue;
-        if (points.x[k] < OrientedPoints::kFarAway) mine.push_back({points.x[k], points.y[k], points.z[k]});
+        if (!(points.x[k] < OrientedPoints::kFarAway)) continue;
+        const std::uint64_t hash = cells.hash_of(points.x[k], points.y[k], points.z[k]);
+        if (static_cast<std::uint32_t>(mix_bits(hash)) > limit) continue;
+        mine.push_back({points.x[k], points.y[k], points.z[k]});
       }
       const std::lock_guard lock(mutex);
       drawn.insert(drawn.end(), mine.begin(), mine.end());
@@ -159,7 +183,8 @@ struct DepthMap {
 FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
                          double spacing_m, double samples, const std::vector<StationView>& stations,
                          SideEvidence evidence, ThreadPool& pool) {
-  const OrientedPoints sample = draw_sample(pieces, samples, totals.count, pool);
+  const OrientedPoints sample =
+      draw_sample(pieces, SampleCells(totals, extent, spacing_m), samples, totals.count, pool);
   const double thinned = static_cast<double>(totals.count) / std::max<double>(1.0, static_cast<double>(sample.count));
   spacing_m_ = spacing_m * std::sqrt(std::max(1.0, thinned));
   DiscRule rule;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -14,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/hash.h"
 #include "base/statistics.h"
 #include "pipeline/projection/simd/kernels.h"
 #include "pipeline/projection/surface_plane.h"
@@ -64,11 +62,6 @@ struct Block {
     points.resize(std::min(points.size(), kMostOfBlock));
   }
 };
-
-std::uint64_t hash_point(const SpacePoint& p) {
-  return hash_words(std::array<std::uint64_t, 3>{std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
-                                                 std::bit_cast<std::uint32_t>(p.z)});
-}
 
 // The points of each block, in any order; the blocks by their number.
 class Blocks {
@@ -166,19 +159,23 @@ Patch widen(Neighbourhood& near, std::size_t seed, std::size_t wanted, double ma
 Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, std::size_t per_neighbour,
                        bool on_lines) {
   std::vector<SpacePoint> points;
-  std::vector<std::pair<std::uint64_t, std::size_t>> seeds;
+  std::vector<std::size_t> inner;
   for (const BlockPoint& point : block) {
-    if (point.inner) seeds.emplace_back(hash_point(point.place), points.size());
+    if (point.inner) inner.push_back(points.size());
     points.push_back(point.place);
   }
-  std::sort(seeds.begin(), seeds.end());
-  seeds.resize(std::min(seeds.size(), kSeeds));
+  // Evenly among them as they are ordered, by height: a cloud that is moved a little keeps its seeds.
+  std::vector<std::size_t> seeds;
+  const std::size_t wanted_seeds = std::min(inner.size(), kSeeds);
+  for (std::size_t s = 0; s < wanted_seeds; ++s) {
+    seeds.push_back(inner[(2 * s + 1) * inner.size() / (2 * wanted_seeds)]);
+  }
   Measured measured;
   measured.seeds = seeds.size();
   const std::size_t wanted = kForNoise * per_neighbour;
   if (points.size() < wanted) return measured;
   Neighbourhood near(points);
-  for (const auto& [hash, seed] : seeds) {
+  for (const std::size_t seed : seeds) {
     const std::size_t taken = near.take(seed, wanted, margin_m);
     std::size_t count = kForSpacing * per_neighbour;
     if (taken < count) continue;
