@@ -397,15 +397,9 @@ Error nothing_left(const std::string& filter, const std::string& found) {
 }
 
 void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progress) {
-  constexpr std::uint64_t kNearlyAll = 50;  // one point of so many is left
   if (step.removed == before || 3 * std::max(step.in_plane, step.removed) <= 2 * before) return;
   const std::string what = fmt::format("'remove_plane' takes {} of the points away ({} lie in its plane): {}",
                                        share_text(step.removed, before), share_text(step.in_plane, before), step.found);
-  if (kNearlyAll * (before - step.removed) <= before) {
-    throw Error(ErrorKind::input, {}, what,
-                "a plane beside the object: another normal or 'side', a smaller max_angle_deg or distance_mm, or no "
-                "'remove_plane'");
-  }
   progress.warn(what +
                 "; if that is the object itself, as the picture of the filters in the report shows, give another "
                 "normal, a smaller max_angle_deg or no 'remove_plane'");

@@ -99,7 +99,10 @@ TEST(RealScanMug, StandsAloneAfterTwoFilters) {
   }
   const Report::Points& points = result.report.points;
   EXPECT_NEAR(static_cast<double>(points.used + points.occluded + points.outlier), 14719.0, 0.05 * 14719.0);
-  EXPECT_TRUE(result.report.warnings.empty()) << result.report.warnings.front();
+  // The table is most of what was scanned.
+  ASSERT_EQ(result.report.warnings.size(), 1U);
+  EXPECT_NE(result.report.warnings.front().find("'remove_plane' takes 92.6 %"), std::string::npos)
+      << result.report.warnings.front();
 }
 
 class RealScan : public ::testing::TestWithParam<Expected> {};

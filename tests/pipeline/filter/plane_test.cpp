@@ -223,7 +223,7 @@ TEST(RemovePlane, SaysThatTheDistanceIsTooLargeForTheScan) {
 }
 
 // A relief of +-10 mm whose ground is taken for a floor: what lies below it goes too.
-TEST(RemovePlane, SaysHowMuchGoesAndRefusesToTakeNearlyAll) {
+TEST(RemovePlane, SaysHowMuchGoes) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> place(-0.5, 0.5);
   const auto relief = [&](double least, double most, std::size_t count) {
@@ -245,7 +245,12 @@ TEST(RemovePlane, SaysHowMuchGoesAndRefusesToTakeNearlyAll) {
   Work work;
   apply_filters(carved, {config}, work.context());
   EXPECT_THAT(work.progress.warnings(), testing::Contains(HasSubstr("of the points away (")));
-  EXPECT_THAT(error_of(relief(-0.01, 0.0012, 30000), config), HasSubstr("'remove_plane' takes 9"));
+  // A coin on a floor may be one point in a hundred: said, and taken away all the same.
+  Cloud floor = relief(-0.01, 0.0012, 30000);
+  Work again;
+  apply_filters(floor, {config}, again.context());
+  EXPECT_GT(floor.size(), 0U);
+  EXPECT_THAT(again.progress.warnings(), testing::Contains(HasSubstr("'remove_plane' takes 9")));
 }
 
 TEST(RemovePlane, WarnsWhenTheObjectItselfMayBeThePlane) {
