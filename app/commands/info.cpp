@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "app/commands/commands.h"
+#include "app/commands/point_fields.h"
 #include "app/commands/sentences.h"
 #include "app/terminal.h"
 #include "base/text.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/units.h"
+#include "pipeline/scan/worth.h"
 #include "scene/scene.h"
 
 namespace sparsha::app {
@@ -24,6 +26,31 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json field_json(const pipeline::FieldTally& tally) {
+  Json json;
+  json["name"] = tally.name();
+  json["points"] = tally.values();
+  json["without"] = tally.missing();
+  const bool any = tally.values() > 0;
+  json["min"] = any ? Json(tally.least()) : Json(nullptr);
+  json["median"] = any ? Json(tally.quantile(0.5)) : Json(nullptr);
+  json["max"] = any ? Json(tally.most()) : Json(nullptr);
+  Json counts = Json::object();
+  for (const pipeline::ValueCount& value : pipeline::few_values(tally))
+    counts[std::to_string(value.value)] = value.count;
+  if (!counts.empty()) json["counts"] = counts;
+  return json;
+}
+
+Json worth_json(const pipeline::Worth& worth) {
+  Json json;
+  json["field"] = worth.field;
+  json["reason"] = worth.reason;
+  json["filter"] = worth.filter ? Json(worth.text()) : Json(nullptr);
+  json["share_kept"] = worth.filter ? Json(worth.share()) : Json(nullptr);
+  return json;
+}
 
 Json scan_json(const fs::path& file, const pipeline::ScanInfo& info) {
   Json json;
@@ -35,6 +62,14 @@ Json scan_json(const fs::path& file, const pipeline::ScanInfo& info) {
   json["extent_m"] = any ? Json{{"min", vector_json(info.min_m)}, {"max", vector_json(info.max_m)}} : Json(nullptr);
   json["spacing_m"] = info.spacing_m > 0.0 ? Json(info.spacing_m) : Json(nullptr);
   json["fields"] = info.fields;
+  Json values = Json::array();
+  for (const pipeline::FieldTally& tally : info.tallies) {
+    if (is_worth_showing(tally)) values.push_back(field_json(tally));
+  }
+  if (!values.empty()) json["values"] = values;
+  Json worth = Json::array();
+  for (const pipeline::Worth& w : pipeline::worth_of(info.tallies)) worth.push_back(worth_json(w));
+  if (!worth.empty()) json["worth"] = worth;
   json["units"] = info.units;
   json["duplicates"] = info.duplicates;
   json["scans"] = info.scans;
@@ -58,6 +93,14 @@ std::string scan_text(const fs::path& file, const pipeline::ScanInfo& info) {
     if (info.spacing_m > 0.0) text += fmt::format("  spacing     {:.4g}, median\n", info.spacing_m);
   }
   text += fmt::format("  fields      {}\n", fmt::join(info.fields, " "));
+  for (const pipeline::FieldTally& tally : info.tallies) {
+    if (is_worth_showing(tally)) text += fmt::format("  {:<11} {}\n", tally.name(), field_words(tally));
+  }
+  for (const pipeline::Worth& worth : pipeline::worth_of(info.tallies)) {
+    text += "  worth       " + worth.reason;
+    text += worth.filter ? fmt::format("; the filter '{}' keeps {:.3g} %\n", worth.text(), 100.0 * worth.share())
+                         : "; which values are good is not known\n";
+  }
   if (info.viewpoint) text += fmt::format("  viewpoint   {} (shown, not applied)\n", fmt::join(*info.viewpoint, " "));
   for (const std::string& warning : info.warnings) text += "  warning     " + warning + "\n";
   return text;

@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "app/commands/point_fields.h"
 #include "app/sentences.h"
 #include "base/text.h"
+#include "pipeline/scan/worth.h"
 
 namespace sparsha::app {
 namespace {
@@ -134,6 +136,14 @@ std::string scan_sentences(const std::filesystem::path& file, const pipeline::Sc
       text += fmt::format("Neighbouring points are {} apart in the median.\n", length(info.spacing_m));
   }
   text += fmt::format("Each point has the fields {}.\n", fmt::join(info.fields, ", "));
+  for (const pipeline::FieldTally& tally : info.tallies) {
+    if (is_worth_showing(tally))
+      text += fmt::format("The field {} is {}.\n", tally.name(), field_words(tally, " percent"));
+  }
+  for (const pipeline::Worth& worth : pipeline::worth_of(info.tallies)) {
+    text += fmt::format("The scan says this of its points: {}.\n", worth.reason);
+    if (worth.filter) text += fmt::format("The filter {} leaves them out.\n", worth.text());
+  }
   if (info.viewpoint)
     text += fmt::format("The file has a viewpoint, {}, which is not applied.\n", fmt::join(*info.viewpoint, ", "));
   for (const std::string& warning : info.warnings) text += fmt::format("There is a warning: {}.\n", inner(warning));

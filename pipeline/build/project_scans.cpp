@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "pipeline/build/point_worth.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
 #include "pipeline/filter/voxel.h"
@@ -95,7 +96,10 @@ class Builder {
 
   ProjectedScans run() {
     progress_.begin("read");
-    ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_);
+    ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_,
+                  fields_of(filters_));
+    require_fields(config_.scans, scans, filters_, progress_);
+    if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
     scans.require_surface();
     z_up_ = scans.z_up();
     if (std::none_of(filters_.begin(), filters_.end(), takes_places_away)) {
@@ -177,6 +181,7 @@ class Builder {
       needs.spacing_m = [this](const Cloud& present) { return planned_spacing_m(present); };
       needs.removed_outliers = config_.check ? removed.get() : nullptr;
       FilterSteps steps = apply_filters(*cloud, filters, {pool_, progress_}, needs);
+      cloud->fields = {};
       moved_rms_m = steps.moved_rms_m;
       add_steps(std::move(steps));
     }
@@ -314,7 +319,7 @@ class Builder {
           at_key_of(filters_[leading], [&] {
             for (std::size_t k = 0; k < block.points.size(); ++k) {
               const Eigen::Vector3f& p = block.points[k];
-              if (!streamed.keep(p)) continue;
+              if (!streamed.keep(block, k)) continue;
               ++kept;
               thinner.add(p.data(), block.rgba.empty() ? kNoColour : block.rgba[k],
                           block.intensity.empty() ? kNoIntensity : block.intensity[k]);

@@ -18,6 +18,7 @@
 #include "pipeline/filter/smooth.h"
 #include "pipeline/filter/thin.h"
 #include "pipeline/filter/voxel.h"
+#include "pipeline/scan/value_test.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -321,45 +322,29 @@ class FilterRun {
                                config.points_per_node == 1 ? "" : "s", length_text(spacing));
   }
 
-  void apply(const FieldConfig& field) {
-    take_away_by(field.name, [&](float value) {
-      return static_cast<double>(value) >= field.min && static_cast<double>(value) <= field.max;
-    });
-  }
+  void apply(const FieldConfig& field) { take_away_by(field); }
+  void apply(const ClassesConfig& classes) { take_away_by(classes); }
 
-  void apply(const ClassesConfig& classes) {
-    take_away_by(PointField::kClass, [&](float value) {
-      const std::vector<int>& listed = classes.keep.empty() ? classes.drop : classes.keep;
-      const bool is_listed =
-          std::any_of(listed.begin(), listed.end(), [&](int c) { return static_cast<float>(c) == value; });
-      return is_listed != classes.keep.empty();
-    });
-  }
-
-  /// Points of scans that do not say the field (NaN) stay.
   template <typename Test>
-  void take_away_by(const std::string& name, const Test& passes) {
-    const std::vector<float>& values = field_values(name);
+  void take_away_by(const Test& test) {
+    const std::vector<float>& values = field_values(field_of(test));
     Flags keep(cloud_.size());
+    std::uint64_t unknown = 0;
     for (std::size_t i = 0; i < keep.size(); ++i) {
-      keep[i] = std::isnan(values[i]) || passes(values[i]) ? 1 : 0;
+      keep[i] = keeps(test, values[i]) ? 1 : 0;
+      unknown += std::isnan(values[i]) ? 1 : 0;
     }
+    step().found = unknown_text(unknown);
     take_away(keep);
   }
 
   [[nodiscard]] const std::vector<float>& field_values(const std::string& name) const {
-    constexpr const char* kIntensity = "intensity";
-    if (name == kIntensity && !cloud_.intensity.empty()) return cloud_.intensity;
+    if (name == kIntensityField && !cloud_.intensity.empty()) return cloud_.intensity;
     for (const PointField& field : cloud_.fields) {
       if (field.name == name) return field.values;
     }
-    if (name == kIntensity) {
-      throw Error(ErrorKind::input, {}, "no scan has intensities",
-                  "a scan whose fields, as `sparsha info` lists them, name them");
-    }
-    // The readers fill no field of Cloud::fields yet.
-    throw Error(ErrorKind::input, {}, "'" + name + "' of points is not read from scans by this version",
-                "the field intensity; leave the points out with the program that exports the scan");
+    throw Error(ErrorKind::input, {}, "no scan has the field '" + name + "'",
+                "a field of the scans, as `sparsha info` lists them");
   }
 
   Cloud& cloud_;
@@ -403,6 +388,28 @@ void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progr
   progress.warn(what +
                 "; if that is the object itself, as the picture of the filters in the report shows, give another "
                 "normal, a smaller max_angle_deg or no 'remove_plane'");
+}
+
+std::string field_of(const FilterConfig& filter) {
+  if (const auto* field = std::get_if<FieldConfig>(&filter)) return field_of(*field);
+  if (const auto* classes = std::get_if<ClassesConfig>(&filter)) return field_of(*classes);
+  return {};
+}
+
+std::vector<std::string> fields_of(const std::vector<FilterConfig>& filters) {
+  std::vector<std::string> fields;
+  for (const FilterConfig& filter : filters) {
+    const std::string field = field_of(filter);
+    if (field.empty() || field == kIntensityField) continue;
+    if (std::find(fields.begin(), fields.end(), field) == fields.end()) fields.push_back(field);
+  }
+  return fields;
+}
+
+std::string unknown_text(std::uint64_t points) {
+  if (points == 0) return {};
+  return fmt::format("{} point{} without a value stay{}", count_text(points), points == 1 ? "" : "s",
+                     points == 1 ? "s" : "");
 }
 
 FilterSteps apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,

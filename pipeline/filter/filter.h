@@ -66,6 +66,14 @@ void at_key_of(const FilterConfig& filter, const Work& work) {
 /// What a filter throws that takes all points away.
 [[nodiscard]] Error nothing_left(const std::string& filter, const std::string& found = {});
 
+/// The fields beside the intensity that filters look at, each once, as field_key() gives them.
+[[nodiscard]] std::vector<std::string> fields_of(const std::vector<FilterConfig>& filters);
+/// The field that a filter looks at; empty when it looks at none.
+[[nodiscard]] std::string field_of(const FilterConfig& filter);
+
+/// What is said of points that stay since the scans say no value of them; empty when there are none.
+[[nodiscard]] std::string unknown_text(std::uint64_t points);
+
 /// A warning when most of the points lay in the plane: then it may be the object itself.
 void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progress);
 

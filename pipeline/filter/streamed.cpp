@@ -3,14 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "pipeline/filter/plane.h"
+#include "pipeline/scan/value_test.h"
 
 namespace sparsha::pipeline {
 
 bool can_be_streamed(const FilterConfig& filter) {
   return std::holds_alternative<CropConfig>(filter) || std::holds_alternative<PassConfig>(filter) ||
-         std::holds_alternative<RemovePlaneConfig>(filter);
+         std::holds_alternative<RemovePlaneConfig>(filter) || !field_of(filter).empty();
 }
 
 StreamedFilters::StreamedFilters(const ScanSet& scans, const std::vector<FilterConfig>& filters, const Context& context)
@@ -21,13 +25,28 @@ StreamedFilters::StreamedFilters(const ScanSet& scans, const std::vector<FilterC
   }
   for (const FilterConfig& filter : filters_) {
     steps_.steps.emplace_back().name = filter_name(filter);
-    if (const auto* crop = std::get_if<CropConfig>(&filter)) tests_.emplace_back(*crop);
-    if (const auto* pass = std::get_if<PassConfig>(&filter)) tests_.emplace_back(*pass);
+    if (const auto* crop = std::get_if<CropConfig>(&filter)) tests_.emplace_back(PointTest(*crop));
+    if (const auto* pass = std::get_if<PassConfig>(&filter)) tests_.emplace_back(PointTest(*pass));
+    if (const auto* field = std::get_if<FieldConfig>(&filter)) add_value_test(scans, *field);
+    if (const auto* classes = std::get_if<ClassesConfig>(&filter)) add_value_test(scans, *classes);
     if (const auto* plane = std::get_if<RemovePlaneConfig>(&filter)) {
       at_key_of(filter, [&] { add_plane(scans, *plane, context); });
     }
   }
+  unknown_.resize(tests_.size());
   samples_ = !tests_.empty();
+}
+
+template <typename Config>
+void StreamedFilters::add_value_test(const ScanSet& scans, const Config& config) {
+  const std::string name = field_of(config);
+  ValueTest test{config, {}};
+  if (name != kIntensityField) {
+    const auto found = std::find(scans.fields().begin(), scans.fields().end(), name);
+    if (found == scans.fields().end()) throw std::logic_error("the scans were not asked for the field " + name);
+    test.field = static_cast<std::size_t>(found - scans.fields().begin());
+  }
+  tests_.emplace_back(std::move(test));
 }
 
 void StreamedFilters::add_plane(const ScanSet& scans, const RemovePlaneConfig& config, const Context& context) {
@@ -35,10 +54,10 @@ void StreamedFilters::add_plane(const ScanSet& scans, const RemovePlaneConfig& c
   std::uint64_t passed = 0;
   (void)scans.stream(
       [&](const CloudBlock& block) {
-        for (const Eigen::Vector3f& p : block.points) {
-          if (!passes(p)) continue;
+        for (std::size_t k = 0; k < block.points.size(); ++k) {
+          if (!passes_all(block, k)) continue;
           ++passed;
-          sample.add(p);
+          sample.add(block.points[k]);
         }
       },
       context.progress);
@@ -47,25 +66,41 @@ void StreamedFilters::add_plane(const ScanSet& scans, const RemovePlaneConfig& c
   }
   const FoundPlane plane = find_plane(sample, config, context);
   steps_.steps.back().found = to_string(plane);
-  tests_.emplace_back(plane.cut);
+  tests_.emplace_back(PointTest(plane.cut));
 }
 
-bool StreamedFilters::passes(const Eigen::Vector3f& point) const {
-  return std::all_of(tests_.begin(), tests_.end(),
-                     [&](const PointTest& test) { return keeps(test, origin_m_, point); });
+float StreamedFilters::ValueTest::value(const CloudBlock& block, std::size_t point) const {
+  const std::span<const float> values = field ? block.fields[*field] : block.intensity;
+  return values.empty() ? kNoValue : values[point];
 }
 
-bool StreamedFilters::keep(const Eigen::Vector3f& point) {
+bool StreamedFilters::passes(const Test& test, const CloudBlock& block, std::size_t point) const {
+  if (const auto* place = std::get_if<PointTest>(&test)) return keeps(*place, origin_m_, block.points[point]);
+  const auto& value = std::get<ValueTest>(test);
+  return std::visit([&](const auto& t) { return keeps(t, value.value(block, point)); }, value.test);
+}
+
+bool StreamedFilters::passes_all(const CloudBlock& block, std::size_t point) const {
+  return std::all_of(tests_.begin(), tests_.end(), [&](const Test& test) { return passes(test, block, point); });
+}
+
+bool StreamedFilters::keep(const CloudBlock& block, std::size_t point) {
   ++points_;
+  const Eigen::Vector3f& p = block.points[point];
   for (std::size_t k = 0; k < tests_.size(); ++k) {
-    if (keeps(tests_[k], origin_m_, point)) continue;
+    if (passes(tests_[k], block, point)) {
+      const auto* value = std::get_if<ValueTest>(&tests_[k]);
+      if (value != nullptr && std::isnan(value->value(block, point))) ++unknown_[k];
+      continue;
+    }
     ++steps_.steps[k].removed;
-    const auto* cut = std::get_if<PlaneCut>(&tests_[k]);
-    if (cut != nullptr && std::abs(height_m(*cut, point)) <= cut->distance_m) ++steps_.steps[k].in_plane;
-    steps_.steps[k].sample.add(origin_m_ + point.cast<double>());
+    const auto* place = std::get_if<PointTest>(&tests_[k]);
+    const auto* cut = place != nullptr ? std::get_if<PlaneCut>(place) : nullptr;
+    if (cut != nullptr && std::abs(height_m(*cut, p)) <= cut->distance_m) ++steps_.steps[k].in_plane;
+    steps_.steps[k].sample.add(origin_m_ + p.cast<double>());
     return false;
   }
-  if (samples_) steps_.kept.add(origin_m_ + point.cast<double>());
+  if (samples_) steps_.kept.add(origin_m_ + p.cast<double>());
   return true;
 }
 
@@ -73,10 +108,12 @@ FilterSteps StreamedFilters::finish(Progress& progress) {
   std::uint64_t left = points_;
   for (std::size_t k = 0; k < tests_.size(); ++k) {
     FilterStep& step = steps_.steps[k];
+    if (std::holds_alternative<ValueTest>(tests_[k])) step.found = unknown_text(unknown_[k]);
     at_key_of(filters_[k], [&] {
       if (left > 0 && step.removed == left) throw nothing_left(step.name, step.found);
     });
-    if (std::holds_alternative<PlaneCut>(tests_[k])) warn_of_plane(step, left, progress);
+    const auto* place = std::get_if<PointTest>(&tests_[k]);
+    if (place != nullptr && std::holds_alternative<PlaneCut>(*place)) warn_of_plane(step, left, progress);
     left -= step.removed;
   }
   return std::move(steps_);

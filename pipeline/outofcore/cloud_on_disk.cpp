@@ -23,7 +23,7 @@ CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool co
         std::array<float, 5> record{};
         for (std::size_t k = 0; k < block.points.size(); ++k) {
           const Eigen::Vector3f& p = block.points[k];
-          if (!filters.keep(p)) continue;
+          if (!filters.keep(block, k)) continue;
           std::copy_n(p.data(), 3, record.begin());
           if (layout.colour) record[3] = std::bit_cast<float>(block.rgba[k]);
           if (layout.intensity) {

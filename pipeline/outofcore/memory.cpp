@@ -50,7 +50,8 @@ bool sorts_into_cells(const FilterConfig& filter) {
 
 std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<FilterConfig>& filters) {
   const auto any = [&](const auto& test) { return std::any_of(filters.begin(), filters.end(), test); };
-  std::uint64_t a_point = kPoint + (scans.has_colour() ? kAttribute : 0) + (scans.has_intensity() ? kAttribute : 0);
+  std::uint64_t a_point = kPoint + scans.fields().size() * kAttribute + (scans.has_colour() ? kAttribute : 0) +
+                          (scans.has_intensity() ? kAttribute : 0);
   const bool smooths = any([](const FilterConfig& f) { return std::holds_alternative<SmoothConfig>(f); });
   if (any([](const FilterConfig& f) { return std::holds_alternative<VoxelConfig>(f); })) {
     a_point += kVoxel;

@@ -42,7 +42,7 @@ inline constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
 struct PointField {
   static constexpr const char* kClass = "classification";
   std::string name;
-  std::vector<float> values;  ///< one per point; NaN where a scan of several has no such field
+  std::vector<float> values;  ///< one per point; NaN where the file says none, or a scan of several has no such field
 };
 
 /// Points are float32, relative to a double origin, so that a georeferenced scan keeps 0.1 mm. Points are finite;
@@ -55,7 +55,7 @@ struct Cloud {
   std::vector<Eigen::Vector3f> normals;             ///< as PCL's users give them; empty or one per point
   std::vector<Eigen::Vector3f> measured;            ///< empty, or where each point was before a filter moved it
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, indices into points
-  std::vector<PointField> fields;                   ///< of clouds that a program makes; readers fill none
+  std::vector<PointField> fields;                   ///< those that were asked for, see pipeline/scan/fields.h
   std::uint64_t invalid = 0;                        ///< records of the file that were not finite or flagged invalid
   std::vector<Station> stations;                    ///< of the scans that say where they were made from
 

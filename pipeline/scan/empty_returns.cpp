@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/statistics.h"
+#include "pipeline/scan/drop.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -26,29 +27,6 @@ std::vector<bool> flag_points_at_scanner(const RawScan& scan) {
     at_scanner[i] = is_at_scanner(scan.points[i], *station);
   }
   return at_scanner;
-}
-
-template <typename T>
-void keep_others(const std::vector<bool>& gone, std::vector<T>& values) {
-  if (values.empty()) return;
-  std::size_t to = 0;
-  for (std::size_t i = 0; i < gone.size(); ++i) {
-    if (!gone[i]) values[to++] = values[i];
-  }
-  values.resize(to);
-}
-
-void keep_unflagged(const std::vector<bool>& gone, RawScan& scan) {
-  std::size_t before = 0;
-  std::size_t seen = 0;
-  for (RawStation& station : scan.stations) {
-    for (; seen < station.first; ++seen) before += gone[seen] ? 1 : 0;
-    station.first -= before;
-  }
-  keep_others(gone, scan.points);
-  keep_others(gone, scan.rgba);
-  keep_others(gone, scan.intensity);
-  keep_others(gone, scan.normals);
 }
 
 /// Flags the vertices at 0 0 0 when they are many and stand far from those that faces join them to.
@@ -111,14 +89,8 @@ void drop_from_mesh(RawScan& scan) {
   }
   const std::uint64_t all = count_of(gone);
   if (all == 0) return;
-  std::vector<std::uint32_t> place(gone.size());
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < gone.size(); ++i) place[i] = gone[i] ? 0 : next++;
-  for (auto& face : scan.faces) {
-    for (std::uint32_t& v : face) v = place[v];
-  }
   scan.invalid += all;
-  keep_unflagged(gone, scan);
+  drop_points(scan, gone);
 }
 
 }  // namespace
@@ -143,7 +115,7 @@ void drop_what_is_no_surface(RawScan& scan) {
   if (!are_empty_returns(count, gone.size())) return;
   scan.warnings.push_back(empty_returns_warning(count, gone.size()));
   scan.invalid += count;
-  keep_unflagged(gone, scan);
+  drop_points(scan, gone);
 }
 
 }  // namespace sparsha::pipeline

@@ -27,7 +27,9 @@ std::uint64_t count_duplicates(const std::vector<Eigen::Vector3d>& points) {
 }  // namespace
 
 ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress) {
-  RawScan scan = read_scan(file, progress);
+  ReadOptions options;
+  options.tally = ReadOptions::Tally::all;
+  RawScan scan = read_scan(file, progress, options);
   drop_what_is_no_surface(scan);
   add_doubts(scan);
   ScanInfo info;
@@ -35,6 +37,7 @@ ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progres
   info.points = scan.records;
   info.invalid = scan.invalid;
   info.fields = scan.fields;
+  info.tallies = std::move(scan.tallies);
   info.units = scan.degrees ? "degrees" : scan.unit ? to_string(*scan.unit) : "unknown";
   info.scans = scan.scans;
   info.viewpoint = scan.viewpoint;

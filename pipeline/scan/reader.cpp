@@ -70,7 +70,7 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
   file.progress = progress;
   file.columns = options.columns;
   RawScan scan;
-  ScanWriter out(scan, sink);
+  ScanWriter out(scan, sink, options);
   read_any(file, out);
   out.finish();
   if (!file.columns.empty() && !scan.table) {

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "pipeline/scan/cloud.h"
+#include "pipeline/scan/fields.h"
 #include "scene/config.h"
 
 namespace sparsha::pipeline {
@@ -37,7 +38,14 @@ struct TextTable {
 
 /// What is known of a file besides its bytes.
 struct ReadOptions {
+  enum class Tally : std::uint8_t {
+    none,
+    worth,  ///< of what tells the worth of a point, see tells_worth()
+    all,    ///< of every number but coordinates, colours and normals
+  };
   std::vector<std::string> columns{};  ///< ScanConfig::columns
+  std::vector<std::string> fields{};   ///< whose values are wanted point by point, as field_key() gives them
+  Tally tally = Tally::worth;          ///< what is counted in RawScan::tallies
 };
 
 /// One scan as the file has it: file units, double, before any pose but with the file's own.
@@ -48,11 +56,13 @@ struct RawScan {
   std::vector<float> intensity;                     ///< kNoIntensity where unknown; empty or one per point
   std::vector<Eigen::Vector3f> normals;             ///< as stated, of any length, zero: none; empty or one per point
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles of valid points, indices into `points`
-  std::uint64_t records = 0;                        ///< point records (STL: distinct vertices), invalid ones included
-  std::uint64_t invalid = 0;                        ///< records not finite or flagged invalid
-  std::vector<std::string> fields;                  ///< "x", "y", "z", "red", ...
-  std::optional<LengthUnit> unit;                   ///< what the format says
-  bool degrees = false;          ///< x and y are longitude and latitude: shown by info, refused by load_scan
+  std::vector<std::vector<float>> values;  ///< of each of ReadOptions::fields: empty or one per point, NaN: none
+  std::uint64_t records = 0;               ///< point records (STL: distinct vertices), invalid ones included
+  std::uint64_t invalid = 0;               ///< records not finite or flagged invalid
+  std::vector<std::string> fields;         ///< "x", "y", "z", "red", ...
+  std::vector<FieldTally> tallies;         ///< of valid points
+  std::optional<LengthUnit> unit;          ///< what the format says
+  bool degrees = false;                    ///< x and y are longitude and latitude: shown by info, refused by load_scan
   bool guessed_degrees = false;  ///< so it seems, though the file does not say so; a configured unit overrules it
   std::size_t scans = 1;         ///< scans within the file
   std::optional<std::array<double, 7>> viewpoint;  ///< PCD: tx ty tz qw qx qy qz; shown, never applied
@@ -75,11 +85,12 @@ struct RawScan {
 
 /// Some consecutive valid points of a scan; spans are good during the call only.
 struct PointBlock {
-  std::span<const Eigen::Vector3d> points;     ///< file units, the file's own pose applied
-  std::span<const std::uint32_t> rgba;         ///< empty or one per point
-  std::span<const float> intensity;            ///< empty or one per point
-  std::optional<Eigen::Vector3d> station{};    ///< where the scanner stood, when the file says so
-  std::span<const Eigen::Vector3f> normals{};  ///< empty or one per point
+  std::span<const Eigen::Vector3d> points;           ///< file units, the file's own pose applied
+  std::span<const std::uint32_t> rgba;               ///< empty or one per point
+  std::span<const float> intensity;                  ///< empty or one per point
+  std::optional<Eigen::Vector3d> station{};          ///< where the scanner stood, when the file says so
+  std::span<const Eigen::Vector3f> normals{};        ///< empty or one per point
+  std::span<const std::span<const float>> fields{};  ///< of each of ReadOptions::fields: empty or one per point
 };
 using PointSink = std::function<void(const PointBlock&)>;
 
@@ -108,8 +119,9 @@ struct ScanInfo {
   Eigen::Vector3d max_m = Eigen::Vector3d::Zero();
   double spacing_m = 0.0;  ///< median nearest-neighbour distance of a sample, duplicates left out; 0 when unknown
   std::vector<std::string> fields;
-  std::string units;             ///< "m", "ft", "unknown", ...
-  std::uint64_t duplicates = 0;  ///< valid points that repeat another one exactly
+  std::vector<FieldTally> tallies;  ///< of the fields that are numbers: all but coordinates, colours and normals
+  std::string units;                ///< "m", "ft", "unknown", ...
+  std::uint64_t duplicates = 0;     ///< valid points that repeat another one exactly
   std::size_t scans = 1;
   std::optional<std::array<double, 7>> viewpoint;
   std::vector<std::string> warnings;

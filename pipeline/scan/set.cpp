@@ -57,6 +57,29 @@ void round_points(const Placement& placement, const Eigen::Vector3d& origin_m, s
   }
 }
 
+/// The fields of some points of a block.
+class FieldBuffer {
+ public:
+  void begin(std::span<const std::span<const float>> fields) {
+    values_.resize(fields.size());
+    for (std::vector<float>& values : values_) values.clear();
+  }
+  void add(std::span<const std::span<const float>> fields, std::size_t point) {
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      if (!fields[k].empty()) values_[k].push_back(fields[k][point]);
+    }
+  }
+  /// Good until the next begin().
+  [[nodiscard]] std::span<const std::span<const float>> spans() {
+    spans_.assign(values_.begin(), values_.end());
+    return spans_;
+  }
+
+ private:
+  std::vector<std::vector<float>> values_;
+  std::vector<std::span<const float>> spans_;
+};
+
 /// Read piece by piece: a mapped file would count as memory of this process.
 std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>& abandoned) {
   // Opening a named pipe would wait for somebody who writes to it.
@@ -161,17 +184,19 @@ struct ScanSet::Scan {
   [[nodiscard]] PointSink without_empty_returns(const PointSink& sink) const {
     if (valid == delivered) return sink;
     return [&sink, points = std::vector<Eigen::Vector3d>(), rgba = std::vector<std::uint32_t>(),
-            intensity = std::vector<float>()](const PointBlock& block) mutable {
+            intensity = std::vector<float>(), fields = FieldBuffer()](const PointBlock& block) mutable {
       points.clear();
       rgba.clear();
       intensity.clear();
+      fields.begin(block.fields);
       for (std::size_t i = 0; i < block.points.size(); ++i) {
         if (is_at_scanner(block.points[i], block.station)) continue;
         points.push_back(block.points[i]);
         if (!block.rgba.empty()) rgba.push_back(block.rgba[i]);
         if (!block.intensity.empty()) intensity.push_back(block.intensity[i]);
+        fields.add(block.fields, i);
       }
-      sink({points, rgba, intensity});
+      sink({points, rgba, intensity, {}, {}, fields.spans()});
     };
   }
   /// Throws Error{input} when the file has not the points any more that were looked at.
@@ -188,9 +213,12 @@ struct ScanSet::Scan {
       use(block);
     };
     if (streamed) {
-      (void)stream_scan(file, counted, &progress, options);
+      ReadOptions again = options;
+      again.tally = ReadOptions::Tally::none;
+      (void)stream_scan(file, counted, &progress, again);
     } else {
-      counted({raw.points, raw.rgba, raw.intensity});
+      const std::vector<std::span<const float>> fields(raw.values.begin(), raw.values.end());
+      counted({raw.points, raw.rgba, raw.intensity, {}, {}, fields});
     }
     if (seen != delivered) throw changed();
   }
@@ -213,10 +241,12 @@ struct ScanSet::Scan {
     }
     return 1.0;
   }
-  static std::unique_ptr<Scan> look_at(const ScanConfig& config, bool streamed, Progress& progress) {
+  static std::unique_ptr<Scan> look_at(const ScanConfig& config, const std::vector<std::string>& fields, bool streamed,
+                                       Progress& progress) {
     auto scan = std::make_unique<Scan>();
     scan->file = config.file;
     scan->options.columns = config.columns;
+    scan->options.fields = fields;
     scan->streamed = streamed;
     const bool bounds = config.units.unit == LengthUnit::longest_side;
     if (streamed) {
@@ -241,12 +271,13 @@ struct ScanSet::Scan {
     scan->decide_empty_returns();
     // A stream cannot know where a polygon is hollow, nor which points are corners: a mesh is looked at in memory.
     if (streamed && !scan->raw.faces.empty()) {
-      scan = look_at(config, false, progress);
+      scan = look_at(config, fields, false, progress);
       scan->streamed = true;
       scan->raw.points = {};
       scan->raw.rgba = {};
       scan->raw.intensity = {};
       scan->raw.normals = {};
+      scan->raw.values = {};
       return scan;
     }
     add_doubts(scan->raw, scan->looked.sample, scan->looked.count, [&](const auto& use) {
@@ -265,8 +296,9 @@ struct ScanSet::Scan {
   }
 };
 
-ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress)
-    : configs_(scans), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
+ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
+                 const std::vector<std::string>& fields)
+    : configs_(scans), fields_(fields), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
   std::vector<ScanSize> sizes;
   try {
@@ -277,7 +309,7 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
             std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
       }
       const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
-      scans_.push_back(Scan::look_at(config, streamed, progress));
+      scans_.push_back(Scan::look_at(config, fields_, streamed, progress));
       const Scan& scan = *scans_.back();
       records_.push_back(scan.raw.records);
       points_ += scan.valid;
@@ -305,6 +337,10 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
 void ScanSet::require_surface() const { pipeline::require_surface(configs_.front().file.string(), sample_m_, points_); }
 
 ScanSet::~ScanSet() { *abandoned_ = true; }
+
+const std::vector<std::string>& ScanSet::fields_of(std::size_t scan) const { return scans_[scan]->raw.fields; }
+
+const std::vector<FieldTally>& ScanSet::tallies_of(std::size_t scan) const { return scans_[scan]->raw.tallies; }
 
 std::vector<Station> ScanSet::stations() const {
   std::vector<Station> stations;
@@ -339,12 +375,16 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
   cloud.faces.reserve(faces_);
   if (colour_) cloud.rgba.reserve(cloud.size());
   if (intensity_) cloud.intensity.reserve(cloud.size());
+  for (const std::string& name : fields_) {
+    cloud.fields.push_back({name, {}});
+    cloud.fields.back().values.reserve(cloud.size());
+  }
   std::size_t count = 0;
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     Scan* scan = scans_[s].get();
     std::unique_ptr<Scan> again;
     if (scan->streamed && !scan->raw.faces.empty()) {
-      again = Scan::look_at(configs_[s], false, progress);
+      again = Scan::look_at(configs_[s], fields_, false, progress);
       scan = again.get();
     }
     std::vector<std::uint32_t> moved;
@@ -364,6 +404,9 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
                 ++count;
                 if (colour_) cloud.rgba.push_back(block.rgba.empty() ? kNoColour : block.rgba[i]);
                 if (intensity_) cloud.intensity.push_back(block.intensity.empty() ? kNoIntensity : block.intensity[i]);
+                for (std::size_t k = 0; k < fields_.size(); ++k) {
+                  cloud.fields[k].values.push_back(block.fields[k].empty() ? kNoValue : block.fields[k][i]);
+                }
               },
               [&](std::size_t) {
                 if (faces) moved.push_back(kGone);
@@ -389,21 +432,24 @@ std::uint64_t ScanSet::stream(const std::function<void(const CloudBlock&)>& use,
   std::vector<Eigen::Vector3f> points;
   std::vector<std::uint32_t> rgba;
   std::vector<float> intensity;
+  FieldBuffer fields;
   for (const std::unique_ptr<Scan>& scan : scans_) {
     scan->for_each_block(
         [&](const PointBlock& block) {
           points.clear();
           rgba.clear();
           intensity.clear();
+          fields.begin(block.fields);
           round_points(
               scan->placement, origin_m_, block.points,
               [&](std::size_t i, const Eigen::Vector3f& q) {
                 points.push_back(q);
                 if (colour_) rgba.push_back(block.rgba.empty() ? kNoColour : block.rgba[i]);
                 if (intensity_) intensity.push_back(block.intensity.empty() ? kNoIntensity : block.intensity[i]);
+                fields.add(block.fields, i);
               },
               [&](std::size_t) { ++beyond; });
-          use({points, rgba, intensity});
+          use({points, rgba, intensity, fields.spans()});
           done += block.points.size();
           progress.at(static_cast<double>(done) / static_cast<double>(points_));
         },

@@ -14,6 +14,7 @@
 
 #include "base/progress.h"
 #include "pipeline/scan/cloud.h"
+#include "pipeline/scan/fields.h"
 #include "scene/config.h"
 #include "scene/scene.h"
 
@@ -25,6 +26,8 @@ struct CloudBlock {
   std::span<const Eigen::Vector3f> points;
   std::span<const std::uint32_t> rgba;  ///< empty or one per point
   std::span<const float> intensity;     ///< empty or one per point
+  /// Of each of ScanSet::fields(): empty or one per point.
+  std::span<const std::span<const float>> fields{};
 };
 
 class ScanSet {
@@ -34,8 +37,10 @@ class ScanSet {
   enum class Keep { quickest, disk };
 
   /// Reads every scan. Throws Error{input}, also on a scan without a point; warns of implausible units. `digests`: the
-  /// files' SHA-256 are taken meanwhile, for sources().
-  ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress);
+  /// files' SHA-256 are taken meanwhile, for sources(). `fields`: what the points shall keep beside colour and
+  /// intensity, as field_key() gives it.
+  ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
+          const std::vector<std::string>& fields = {});
   ~ScanSet();
   ScanSet(const ScanSet&) = delete;
   ScanSet& operator=(const ScanSet&) = delete;
@@ -45,6 +50,11 @@ class ScanSet {
   [[nodiscard]] std::uint64_t faces() const { return faces_; }
   [[nodiscard]] bool has_colour() const { return colour_; }
   [[nodiscard]] bool has_intensity() const { return intensity_; }
+  [[nodiscard]] const std::vector<std::string>& fields() const { return fields_; }
+  /// Of a scan, in the configuration's order: its fields as the file names them, and what is counted of those that tell
+  /// a point's worth.
+  [[nodiscard]] const std::vector<std::string>& fields_of(std::size_t scan) const;
+  [[nodiscard]] const std::vector<FieldTally>& tallies_of(std::size_t scan) const;
   /// By the custom of any of the formats, see is_z_up().
   [[nodiscard]] bool z_up() const { return z_up_; }
   /// What is to be said of scans in several pieces, unless something takes pieces away.
@@ -73,6 +83,7 @@ class ScanSet {
   struct Scan;
 
   std::vector<ScanConfig> configs_;
+  std::vector<std::string> fields_;
   std::vector<std::unique_ptr<Scan>> scans_;
   std::vector<std::uint64_t> records_;
   std::shared_ptr<std::atomic<bool>> abandoned_;  ///< the digests look at it

@@ -136,6 +136,14 @@ double median_spacing(const std::vector<Eigen::Vector3d>& points) {
 
 ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress, std::uint64_t large_bytes) {
   ScanStatistics statistics;
+  ReadOptions options;
+  options.fields = {PointField::kClass, "confidence", "opacity"};  // of which worth_of() knows what is worth little
+  const auto judge = [&] {
+    statistics.worth = worth_of(statistics.scan.tallies);
+    for (Worth& worth : statistics.worth) {
+      if (worth.filter && !leaves_enough(worth)) worth.filter.reset();
+    }
+  };
   std::error_code code;
   if (std::filesystem::file_size(file, code) > large_bytes && !code) {
     // First how many there are and a few of them, then an even sample and the neighbours of the few.
@@ -153,7 +161,8 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
             if (!empty) few.add(p);
           }
         },
-        &progress);
+        &progress, options);
+    judge();
     const bool empty_returns = are_empty_returns(at_scanner, count);
     if (empty_returns) {
       statistics.scan.warnings.push_back(empty_returns_warning(at_scanner, count));
@@ -166,12 +175,24 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
           file,
           [&](const PointBlock& block) {
             progress.throw_if_cancelled();
-            seen.assign(block.points.begin(), block.points.end());
-            if (empty_returns) std::erase_if(seen, [&](const auto& p) { return is_at_scanner(p, block.station); });
+            seen.clear();
+            for (std::size_t k = 0; k < block.points.size(); ++k) {
+              if (empty_returns && is_at_scanner(block.points[k], block.station)) continue;
+              if (!is_worthless(block.fields, k, options.fields, statistics.worth)) seen.push_back(block.points[k]);
+            }
             use(std::span<const Eigen::Vector3d>(seen));
           },
-          &progress);
+          &progress, options);
     };
+    if (std::any_of(statistics.worth.begin(), statistics.worth.end(), [](const Worth& w) { return w.filter; })) {
+      few = PointSample();
+      count = 0;
+      each_point([&](std::span<const Eigen::Vector3d> block) {
+        count += block.size();
+        for (const Eigen::Vector3d& p : block) few.add(p);
+      });
+      statistics.scan.records = count + statistics.scan.invalid;
+    }
     if (count > kSample && statistics.scan.faces.empty()) {
       add_doubts(statistics.scan, few, count, each_point);
       std::vector<Eigen::Vector3d> places = few.points();
@@ -193,8 +214,12 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
       return statistics;
     }
   }
-  statistics.scan = read_scan(file, &progress);
+  statistics.scan = read_scan(file, &progress, options);
   drop_what_is_no_surface(statistics.scan);
+  judge();
+  const std::size_t points = statistics.scan.points.size();
+  leave_out_worthless(statistics.scan, options.fields, statistics.worth);
+  statistics.scan.records -= points - statistics.scan.points.size();
   add_doubts(statistics.scan);
   const std::optional<Eigen::Vector2d>& cell = statistics.scan.cell;
   statistics.spacing = cell ? cell->minCoeff() : median_spacing(statistics.scan.points);

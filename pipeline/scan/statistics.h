@@ -8,12 +8,15 @@
 
 #include "base/progress.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/worth.h"
 
 namespace sparsha::pipeline {
 
 struct ScanStatistics {
   /// The scan without attributes. Of a large scan without faces `points` is an even sample of some 100 000.
   RawScan scan;
+  /// What the scan says of its points' worth. Those that its filters refuse are not in `scan`, nor in its records.
+  std::vector<Worth> worth;
   double spacing = 0.0;  ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
 };
 

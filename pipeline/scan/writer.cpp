@@ -20,8 +20,17 @@ void append(std::vector<T>& values, std::span<const T> block, std::size_t points
 
 }  // namespace
 
-ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink)
-    : scan_(scan), sink_(sink), points_(kBlock), rgba_(kBlock, kWhite), intensity_(kBlock), normals_(kBlock) {}
+ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink, const ReadOptions& options)
+    : scan_(scan),
+      sink_(sink),
+      points_(kBlock),
+      rgba_(kBlock, kWhite),
+      intensity_(kBlock),
+      normals_(kBlock),
+      kept_names_(options.fields),
+      tally_(options.tally) {
+  scan_.values.resize(kept_names_.size());
+}
 
 void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity, bool normals) {
   colour_ = colour;
@@ -49,6 +58,27 @@ void ScanWriter::set_attributes(bool colour, bool intensity, bool normals) {
   has_normals_ = normals;
 }
 
+int ScanWriter::want(std::string_view name, bool counted) {
+  constexpr std::size_t kMost = 64;
+  const std::string key = field_key(name);
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    if (fields_[k].key == key) return static_cast<int>(k);
+  }
+  WantedField field{key};
+  const auto kept = std::find(kept_names_.begin(), kept_names_.end(), key);
+  if (kept != kept_names_.end()) field.kept = static_cast<std::size_t>(kept - kept_names_.begin());
+  const bool shown = tally_ == ReadOptions::Tally::all     ? !is_known_otherwise(key)
+                     : tally_ == ReadOptions::Tally::worth ? tells_worth(key)
+                                                           : false;
+  if (counted && shown && scan_.tallies.size() < kMost) {
+    field.tally = scan_.tallies.size();
+    scan_.tallies.emplace_back(key);
+  }
+  if (!field.kept && !field.tally) return kUnwanted;
+  fields_.push_back(std::move(field));
+  return static_cast<int>(fields_.size()) - 1;
+}
+
 void ScanWriter::add_invalid() {
   dropped_.push_back(valid_ + filled_ + dropped_.size());
   ++scan_.invalid;
@@ -64,22 +94,47 @@ void ScanWriter::add_polygon(std::span<const std::uint32_t> corners) {
   polygons_.insert(polygons_.end(), corners.begin(), corners.end());
 }
 
+FieldTally& ScanWriter::tally_of(const std::string& key) {
+  for (FieldTally& tally : scan_.tallies) {
+    if (tally.name() == key) return tally;
+  }
+  return scan_.tallies.emplace_back(key);
+}
+
 void ScanWriter::flush() {
   if (filled_ == 0) return;
+  for (const WantedField& field : fields_) {
+    if (field.tally) scan_.tallies[*field.tally].add(std::span(field.values).first(filled_));
+  }
+  if (has_intensity_ && tally_ == ReadOptions::Tally::all) {
+    tally_of(kIntensityField).add(std::span(intensity_).first(filled_));
+  }
+  hand_over();
+  for (WantedField& field : fields_) std::fill_n(field.values.begin(), filled_, kNoValue);
+  valid_ += filled_;
+  filled_ = 0;
+}
+
+void ScanWriter::hand_over() {
   const std::span points(points_.data(), filled_);
   const std::span rgba(rgba_.data(), colour_ ? filled_ : 0);
   const std::span intensity(intensity_.data(), has_intensity_ ? filled_ : 0);
   const std::span normals(normals_.data(), has_normals_ ? filled_ : 0);
+  std::vector<std::span<const float>> values(kept_names_.size());
+  for (const WantedField& field : fields_) {
+    if (field.kept) values[*field.kept] = std::span(field.values).first(filled_);
+  }
   if (sink_) {
-    sink_({points, rgba, intensity, station_, normals});
+    sink_({points, rgba, intensity, station_, normals, values});
   } else {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      append<float>(scan_.values[k], values[k], scan_.points.size(), kNoValue);
+    }
     append<std::uint32_t>(scan_.rgba, rgba, scan_.points.size(), kNoColour);
     append<float>(scan_.intensity, intensity, scan_.points.size(), kNoIntensity);
     append<Eigen::Vector3f>(scan_.normals, normals, scan_.points.size(), Eigen::Vector3f::Zero());
     scan_.points.insert(scan_.points.end(), points.begin(), points.end());
   }
-  valid_ += filled_;
-  filled_ = 0;
 }
 
 void ScanWriter::finish() {
@@ -88,6 +143,9 @@ void ScanWriter::finish() {
   if (!scan_.rgba.empty()) scan_.rgba.resize(scan_.points.size(), kNoColour);
   if (!scan_.intensity.empty()) scan_.intensity.resize(scan_.points.size(), kNoIntensity);
   if (!scan_.normals.empty()) scan_.normals.resize(scan_.points.size(), Eigen::Vector3f::Zero());
+  for (std::vector<float>& values : scan_.values) {
+    if (!values.empty()) values.resize(scan_.points.size(), kNoValue);
+  }
   scan_.records = valid_ + dropped_.size();
   renumber_faces();
   triangulate_polygons();

@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "pipeline/scan/reader.h"
@@ -20,7 +23,7 @@ inline constexpr std::uint32_t kWhite = 0xFFFFFFFFu;
 class ScanWriter {
  public:
   /// Points go to `sink`, or into `scan` when it is empty.
-  ScanWriter(RawScan& scan, const PointSink& sink);
+  ScanWriter(RawScan& scan, const PointSink& sink, const ReadOptions& options = {});
 
   /// Everything about the scan but its points; the reader fills it in.
   [[nodiscard]] RawScan& scan() { return scan_; }
@@ -37,6 +40,15 @@ class ScanWriter {
 
   /// Records from now on were seen from here, file units.
   void set_station(const std::optional<Eigen::Vector3d>& place);
+
+  /// Tells that records have a number of this name, as the file has it. Returns where set_field() puts it, kUnwanted
+  /// when nobody asks for it. `counted`: it may be counted for people to see.
+  [[nodiscard]] int want(std::string_view name, bool counted = true);
+  static constexpr int kUnwanted = -1;
+  /// Of the next record; those for which it is not called have none.
+  void set_field(int slot, double value) {
+    fields_[static_cast<std::size_t>(slot)].values[filled_] = static_cast<float>(value);
+  }
 
   /// Of the next record, when there are normals: of any length, turned as the file's own pose turns points.
   void set_normal(double x, double y, double z) { normals_[filled_] = Eigen::Vector3d(x, y, z).cast<float>(); }
@@ -71,7 +83,16 @@ class ScanWriter {
  private:
   static constexpr std::size_t kBlock = 4096;
   static bool are_finite(double x, double y, double z) { return ((x - x) + (y - y) + (z - z)) == 0.0; }
+  /// A field that somebody asks for.
+  struct WantedField {
+    std::string key;
+    std::optional<std::size_t> kept{};   ///< place among ReadOptions::fields
+    std::optional<std::size_t> tally{};  ///< place among RawScan::tallies
+    std::vector<float> values = std::vector<float>(kBlock, std::numeric_limits<float>::quiet_NaN());
+  };
   void flush();
+  void hand_over();
+  FieldTally& tally_of(const std::string& key);
   void triangulate_polygons();
   void renumber_faces();
 
@@ -81,6 +102,9 @@ class ScanWriter {
   std::vector<std::uint32_t> rgba_;
   std::vector<float> intensity_;
   std::vector<Eigen::Vector3f> normals_;
+  std::vector<std::string> kept_names_;
+  ReadOptions::Tally tally_;
+  std::vector<WantedField> fields_;
   std::size_t filled_ = 0;
   std::optional<Eigen::Vector3d> station_;
   std::uint64_t valid_ = 0;  ///< already handed over

@@ -20,6 +20,7 @@
 #include "pipeline/suggest/search.h"
 #include "pipeline/suggest/trial.h"
 #include "pipeline/suggest/view.h"
+#include "pipeline/suggest/worth_block.h"
 
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;
@@ -149,10 +150,10 @@ std::string columns_text(const RawScan& scan) {
   return fmt::format("    columns: [{}]  # no header; told by the values\n", fmt::join(scan.table->columns, ", "));
 }
 
-// Reads the scans into `seen` and `points`; their part of the configuration. `pieces`: what is to be said of those in
-// several.
+// Reads the scans into `seen`, `points` and `worth`; their part of the configuration. `pieces`: what is to be said of
+// those in several.
 std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
-                    std::vector<std::string>& pieces, Progress& progress) {
+                    std::vector<std::string>& pieces, WorthBlock& worth, Progress& progress) {
   constexpr std::uint64_t kLarge = 256'000'000;  // bytes of all files beyond which a sample of each is kept
   std::vector<ScanStatistics> all;
   for (const fs::path& file : scans) {
@@ -173,6 +174,7 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
                         units[s].name, yaml::comment(units[s].reason), columns);
     if (!all[s].scan.pieces.empty()) pieces.push_back(scans[s].string() + ": " + all[s].scan.pieces);
     for (const std::string& warning : all[s].scan.warnings) text += fmt::format("    # {}\n", yaml::comment(warning));
+    worth.add(scans[s].filename().string(), all[s].worth, progress);
     all[s] = {};
   }
   return text;
@@ -187,7 +189,7 @@ std::string crop_to_group(SeenScans& seen, TrialCloud& points, Progress& progres
   progress.warn(what + ", and are cropped: a grid over all of them would show none; name another 'crop' to see them");
   seen.crop(group->crop);
   points.crop(group->crop);
-  return fmt::format("filters:\n  - crop: {{min_m: {}, max_m: {}}}  # {}\n", precise(group->crop.min_m),
+  return fmt::format("  - crop: {{min_m: {}, max_m: {}}}  # {}\n", precise(group->crop.min_m),
                      precise(group->crop.max_m), what);
 }
 
@@ -199,7 +201,8 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   SeenScans seen;
   TrialCloud points;
   std::vector<std::string> pieces;
-  const std::string scan_block = look_at(scans, folder, seen, points, pieces, progress);
+  WorthBlock worth;
+  const std::string scan_block = look_at(scans, folder, seen, points, pieces, worth, progress);
   InnerBox box = inner_box(seen.points_m);
   const double longest_m = (box.high - box.low).maxCoeff();
   constexpr double kLongest_m = 1e9;
@@ -208,13 +211,15 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
                       "a scan of less than 1e9 m; damaged coordinates or another unit");
   }
   require_surface(scans.front().string(), seen.points_m, seen.points_m.size());
-  std::string filter_block = crop_to_group(seen, points, progress);
-  if (filter_block.empty()) {
+  const std::string crop = crop_to_group(seen, points, progress);
+  std::string filter_block = worth.comments();
+  if (crop.empty()) {
     for (const std::string& sentence : pieces) {
       progress.warn(sentence);
       filter_block += "# " + yaml::comment(sentence) + "\n";
     }
   }
+  if (const std::string filters = worth.filters() + crop; !filters.empty()) filter_block += "filters:\n" + filters;
   box = inner_box(seen.points_m);
   progress.begin("try views");
   const double share = points.share();

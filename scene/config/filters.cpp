@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/lower_case.h"
 #include "scene/config/reader.h"
 
 namespace sparsha::pipeline {
@@ -224,6 +225,7 @@ std::vector<FilterConfig> parse_filters(const Node& node) {
   if (!node.is_sequence()) throw yaml::error_at(node, "filters is not a list", "a list of filters");
   std::vector<FilterConfig> filters;
   bool smoothed = false;
+  bool merged = false;
   for (const Node& item : node.items) {
     filters.push_back(parse_filter(item));
     if (std::holds_alternative<SmoothConfig>(filters.back())) smoothed = true;
@@ -231,6 +233,14 @@ std::vector<FilterConfig> parse_filters(const Node& node) {
       throw yaml::error_at(item, "'voxel' after 'smooth' mixes moved points with others",
                            "'voxel' before 'smooth', or 'thin' after it");
     }
+    const auto* field = std::get_if<FieldConfig>(&filters.back());
+    const bool by_value = std::holds_alternative<ClassesConfig>(filters.back()) ||
+                          (field != nullptr && lower_case(field->name) != "intensity");
+    if (merged && by_value) {
+      throw yaml::error_at(item, "'" + filter_name(filters.back()) + "' after 'voxel', whose means have no such value",
+                           "'" + filter_name(filters.back()) + "' before 'voxel'");
+    }
+    if (std::holds_alternative<VoxelConfig>(filters.back())) merged = true;
   }
   return filters;
 }

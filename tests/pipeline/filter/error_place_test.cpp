@@ -82,7 +82,7 @@ TEST(FilterErrors, NameTheLineAlsoWhereThePointsStayOnDisk) {
       StreamedFilters streamed(scans, config.filters, work.context());
       (void)scans.stream(
           [&](const CloudBlock& block) {
-            for (const Eigen::Vector3f& p : block.points) (void)streamed.keep(p);
+            for (std::size_t k = 0; k < block.points.size(); ++k) (void)streamed.keep(block, k);
           },
           work.progress);
       (void)streamed.finish(work.progress);

@@ -370,7 +370,7 @@ TEST(Filters, KeepWhatAFieldOrAClassAllowsAndPointsOfScansThatSayNothing) {
   EXPECT_THROW((void)left(FieldConfig{"quality", 0.0, 1.0}), Error);
 }
 
-TEST(Filters, KnowIntensityOfScansAndSayWhichFieldsTheyDoNot) {
+TEST(Filters, KnowIntensityOfScansAndSayWhichFieldsTheyLack) {
   ThreadPool pool(1);
   Progress progress;
   Cloud cloud = cloud_of(Points(4, {0.0F, 0.0F, 0.0F}));
@@ -382,9 +382,9 @@ TEST(Filters, KnowIntensityOfScansAndSayWhichFieldsTheyDoNot) {
     }
     return "no error";
   };
-  EXPECT_THAT(error_of(FieldConfig{"intensity", 0.0, 1.0}), testing::HasSubstr("no scan has intensities"));
-  EXPECT_THAT(error_of(FieldConfig{"confidence", 0.0, 1.0}), testing::HasSubstr("'confidence' of points is not read"));
-  EXPECT_THAT(error_of(ClassesConfig{{}, {7}}), testing::HasSubstr("'classification' of points is not read"));
+  EXPECT_THAT(error_of(FieldConfig{"intensity", 0.0, 1.0}), testing::HasSubstr("no scan has the field 'intensity'"));
+  EXPECT_THAT(error_of(FieldConfig{"confidence", 0.0, 1.0}), testing::HasSubstr("no scan has the field 'confidence'"));
+  EXPECT_THAT(error_of(ClassesConfig{{}, {7}}), testing::HasSubstr("no scan has the field 'classification'"));
   cloud.intensity = {0.5F, 2.0F, kNoIntensity, 1.0F};
   EXPECT_EQ(error_of(FieldConfig{"intensity", 0.0, 1.0}), "no error");
   EXPECT_EQ(cloud.size(), 3U);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <pugixml.hpp>
@@ -23,7 +24,9 @@ struct Roles {
   int invalid = -1;
   int red = -1, green = -1, blue = -1;
   int intensity = -1;
-  int nx = -1, ny = -1, nz = -1;  // of the extension for normals
+  int no_intensity = -1, no_colour = -1;    // flags of points that have none
+  std::vector<std::pair<int, int>> others;  // that somebody asks for, and their slots
+  int nx = -1, ny = -1, nz = -1;            // of the extension for normals
 };
 
 struct Scan {
@@ -199,6 +202,17 @@ class Reader {
     return -1;
   }
 
+  void choose_others(Scan& scan) const {
+    for (std::size_t i = 0; i < scan.fields.size(); ++i) {
+      if (scan.fields[i].kind == Field::Kind::other) continue;
+      const int slot = out_.want(scan.fields[i].name);
+      if (slot == ScanWriter::kUnwanted) continue;
+      const auto known = std::find(scan.wanted.begin(), scan.wanted.end(), i);
+      scan.roles.others.emplace_back(static_cast<int>(known - scan.wanted.begin()), slot);
+      if (known == scan.wanted.end()) scan.wanted.push_back(i);
+    }
+  }
+
   void choose_fields(const pugi::xml_node& node, Scan& scan) const {
     const auto has = [&](std::string_view name) {
       return std::any_of(scan.fields.begin(), scan.fields.end(), [&](const Field& f) { return f.name == name; });
@@ -214,6 +228,7 @@ class Reader {
     }
     roles.invalid = want(scan, roles.spherical ? "sphericalInvalidState" : "cartesianInvalidState");
     roles.intensity = want(scan, "intensity");
+    if (roles.intensity >= 0) roles.no_intensity = want(scan, "isIntensityInvalid");
     if (has("nor:normalX") && has("nor:normalY") && has("nor:normalZ")) {
       roles.nx = want(scan, "nor:normalX");
       roles.ny = want(scan, "nor:normalY");
@@ -226,6 +241,8 @@ class Reader {
       roles.blue = want(scan, "colorBlue");
       if (roles.green < 0 || roles.blue < 0) roles.red = -1;
     }
+    if (roles.red >= 0) roles.no_colour = want(scan, "isColorInvalid");
+    choose_others(scan);
     if (roles.red >= 0) {
       const pugi::xml_node limits = node.child("colorLimits");
       const Field& red = scan.fields[scan.wanted[static_cast<std::size_t>(roles.red)]];
@@ -290,14 +307,18 @@ class Reader {
             p = {flat * std::cos(p.y()), flat * std::sin(p.y()), p.x() * std::sin(p.z())};
           }
           if (posed) p = scan.turn * p + scan.shift;
-          const std::uint32_t rgba =
-              roles.red >= 0 ? pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue)) : kNoColour;
+          for (const auto& [role, slot] : roles.others) out_.set_field(slot, value(role));
+          const auto is_flagged = [&](int role) { return role >= 0 && value(role) != 0.0; };
+          const std::uint32_t rgba = roles.red >= 0 && !is_flagged(roles.no_colour)
+                                         ? pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue))
+                                         : kNoColour;
           if (roles.nx >= 0) {
             const Eigen::Vector3d n = scan.turn * Eigen::Vector3d(value(roles.nx), value(roles.ny), value(roles.nz));
             out_.set_normal(n.x(), n.y(), n.z());
           }
           out_.add(p.x(), p.y(), p.z(), rgba,
-                   roles.intensity >= 0 ? static_cast<float>(value(roles.intensity)) : kNoIntensity);
+                   roles.intensity >= 0 && !is_flagged(roles.no_intensity) ? static_cast<float>(value(roles.intensity))
+                                                                           : kNoIntensity);
         });
   }
 

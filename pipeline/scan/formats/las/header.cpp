@@ -124,6 +124,8 @@ std::size_t Header::colour_offset() const {
   }
 }
 
+std::size_t Header::extra_offset() const { return kPointSize[static_cast<std::size_t>(format)]; }
+
 Header parse_header(const ScanFile& file) {
   const std::string_view bytes = file.bytes;
   if (bytes.size() < kLeastHeader) throw file.error("the LAS header breaks off", "227 bytes and more");

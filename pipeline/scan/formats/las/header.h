@@ -36,6 +36,8 @@ struct Header {
 
   /// Offset of red, green and blue within a point; 0 when the format has none.
   [[nodiscard]] std::size_t colour_offset() const;
+  /// Offset of what a program added to the points of the format.
+  [[nodiscard]] std::size_t extra_offset() const;
 };
 
 /// Throws Error{input} when anything but the number of records does not fit the file.

@@ -27,6 +27,12 @@ namespace las {
 
 PointReader::PointReader(const Header& header, const Units& units, ScanWriter& out)
     : header_(header), out_(out), colour_(header.colour_offset()), z_factor_(units.z_factor) {
+  for (PointField& field : point_fields(header)) {
+    out.scan().fields.push_back(field.name);
+    const int slot = out.want(field.name);
+    if (slot == ScanWriter::kUnwanted) continue;
+    fields_.push_back({std::move(field), slot});
+  }
   for (std::size_t k = 0; k < 3; ++k) {
     const std::int32_t a = stored(header.box_low[k] - header.box_side, k);
     const std::int32_t b = stored(header.box_high[k] + header.box_side, k);
@@ -43,6 +49,15 @@ std::int32_t PointReader::stored(double coordinate, std::size_t axis) const {
   const double number = (coordinate - header_.offset[axis]) / header_.scale[axis];
   if (!(number > kLow)) return std::numeric_limits<std::int32_t>::min();  // also of a box that is not a number
   return static_cast<std::int32_t>(std::min(number, kHigh));
+}
+
+void PointReader::finish(const ScanFile& file) {
+  if (withheld_ > 0) {
+    out_.scan().warnings.push_back(
+        fmt::format("{} of {} points are withheld, as the file flags what was deleted; they are counted as invalid",
+                    withheld_, withheld_ + count_));
+  }
+  compare_with_box(file);
 }
 
 void PointReader::compare_with_box(const ScanFile& file) {
@@ -65,6 +80,7 @@ void PointReader::compare_with_box(const ScanFile& file) {
 std::vector<std::pair<std::size_t, std::size_t>> PointReader::used_bytes() const {
   std::vector<std::pair<std::size_t, std::size_t>> used = {{0, 14}, {15, 16}};  // place, intensity, flags
   if (colour_ != 0) used.emplace_back(colour_, colour_ + 6);
+  for (const WantedField& wanted : fields_) used.emplace_back(wanted.field.offset, wanted.field.end());
   return used;
 }
 
@@ -79,8 +95,10 @@ void PointReader::look(const char* point) {
 void PointReader::add(const char* point) {
   if (is_withheld(header_, point)) {
     out_.add_invalid();
+    ++withheld_;
     return;
   }
+  for (const WantedField& wanted : fields_) out_.set_field(wanted.slot, wanted.field.value(point));
   std::array<std::int32_t, 3> xyz;
   bool outside = false;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -123,7 +141,7 @@ void read_las(const ScanFile& file, ScanWriter& out) {
   las::PointReader reader(header, units, out);
   if (header.compressed) {
     las::read_compressed(file, header, reader, out);
-    reader.compare_with_box(file);
+    reader.finish(file);
     return;
   }
   out.begin(header.points, colour, true);
@@ -135,7 +153,7 @@ void read_las(const ScanFile& file, ScanWriter& out) {
     reader.add(p);
     if ((i & 0xFFFF) == 0xFFFF) file.done_before(static_cast<std::size_t>(p - file.bytes.data()));
   }
-  reader.compare_with_box(file);
+  reader.finish(file);
 }
 
 }  // namespace sparsha::pipeline

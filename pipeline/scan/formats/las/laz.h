@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/scan/formats/las/fields.h"
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/writer.h"
@@ -20,15 +21,23 @@ class PointReader {
   void add(const char* point);
   /// Begin and end of the parts of a point that it looks at.
   [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> used_bytes() const;
-  /// To be called behind the last point: throws Error{input}, or warns, when points lie far outside the header's box.
-  void compare_with_box(const ScanFile& file);
+  /// To be called behind the last point: tells of points that are left out; throws Error{input}, or warns, when points
+  /// lie far outside the header's box.
+  void finish(const ScanFile& file);
 
  private:
+  struct WantedField {
+    PointField field;
+    int slot = 0;
+  };
+  void compare_with_box(const ScanFile& file);
   [[nodiscard]] std::int32_t stored(double coordinate, std::size_t axis) const;
 
   const Header& header_;
   ScanWriter& out_;
   std::size_t colour_;
+  std::vector<WantedField> fields_;
+  std::uint64_t withheld_ = 0;
   double z_factor_;
   double largest_ = 0.0;
   ColourScale scale_ = ColourScale::byte;

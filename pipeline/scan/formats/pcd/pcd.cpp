@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "base/lower_case.h"
 #include "pipeline/scan/formats/pcd/header.h"
@@ -21,12 +23,13 @@ struct Wanted {
   const Field* intensity;
   const Field *normal_x, *normal_y, *normal_z;  ///< all or none
   ColourScale scale = ColourScale::byte;
+  std::vector<std::pair<const Field*, int>> others;  ///< that somebody asks for, and their slots
 
   [[nodiscard]] bool has_colour() const { return packed != nullptr || red != nullptr; }
   [[nodiscard]] bool opaque() const { return packed != nullptr && packed->name == "rgb"; }
 };
 
-Wanted wanted_fields(const ScanFile& file, const Header& header) {
+Wanted wanted_fields(const ScanFile& file, const Header& header, ScanWriter& out) {
   Wanted wanted{};
   wanted.x = header.find("x");
   wanted.y = header.find("y");
@@ -47,6 +50,12 @@ Wanted wanted_fields(const ScanFile& file, const Header& header) {
   wanted.normal_y = header.find("normal_y");
   wanted.normal_z = header.find("normal_z");
   if (wanted.normal_y == nullptr || wanted.normal_z == nullptr) wanted.normal_x = nullptr;
+  for (const Field& field : header.fields) {
+    if (field.count != 1 || field.name == "_" || &field == wanted.x || &field == wanted.y || &field == wanted.z) {
+      continue;
+    }
+    if (const int slot = out.want(field.name); slot != ScanWriter::kUnwanted) wanted.others.emplace_back(&field, slot);
+  }
   return wanted;
 }
 
@@ -117,6 +126,7 @@ void read_records(const ScanFile& file, const Header& header, Wanted wanted, con
     if (wanted.normal_x != nullptr) {
       out.set_normal(body.value(*wanted.normal_x, i), body.value(*wanted.normal_y, i), body.value(*wanted.normal_z, i));
     }
+    for (const auto& [field, slot] : wanted.others) out.set_field(slot, body.value(*field, i));
     const float intensity = wanted.intensity != nullptr ? static_cast<float>(body.value(*wanted.intensity, i)) : 0.0F;
     if (floats) {
       out.add(static_cast<double>(load<float>(x + i * sx)), static_cast<double>(load<float>(y + i * sy)),
@@ -218,6 +228,7 @@ void read_ascii(const ScanFile& file, const Header& header, Wanted wanted, ScanW
     if (wanted.normal_x != nullptr) {
       out.set_normal(row[wanted.normal_x->column], row[wanted.normal_y->column], row[wanted.normal_z->column]);
     }
+    for (const auto& [field, slot] : wanted.others) out.set_field(slot, row[field->column]);
     out.add(row[wanted.x->column], row[wanted.y->column], row[wanted.z->column], rgba,
             wanted.intensity != nullptr ? static_cast<float>(row[wanted.intensity->column]) : 0.0F);
   }
@@ -268,7 +279,7 @@ void read_pcd(const ScanFile& file, ScanWriter& out) {
       throw file.error("the points have " + in_quotes(name) + " twice", "each field once");
     }
   }
-  const pcd::Wanted wanted = pcd::wanted_fields(file, header);
+  const pcd::Wanted wanted = pcd::wanted_fields(file, header, out);
   const std::uint64_t body = file.bytes.size() - header.body;
   const std::uint64_t most = header.encoding == pcd::Encoding::ascii    ? (body + 1) / (2 * header.columns)
                              : header.encoding == pcd::Encoding::binary ? body / header.record_size

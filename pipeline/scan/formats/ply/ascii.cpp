@@ -95,6 +95,7 @@ void next_record(const ScanFile& file, LineReader& lines, const Element& element
 /// Range of colours stored as fractions, from the first records.
 ColourScale sampled_scale(const ScanFile& file, LineReader lines, const Element& vertex, const VertexColumns& columns) {
   constexpr std::uint64_t kSample = 1000;
+  if (columns.splat_colour) return ColourScale::unit;
   RecordParser record(file, vertex, -1);
   std::string_view line;
   double largest = 0.0;
@@ -111,6 +112,10 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
   const bool colour = columns.has_colour();
   const bool intensity = columns.intensity >= 0;
   const ColourScale scale = colour ? sampled_scale(file, lines, vertex, columns) : ColourScale::byte;
+  const std::vector<VertexField> fields = vertex_fields(vertex, columns, out);
+  const auto channel = [&](double value) {
+    return colour_byte(columns.splat_colour ? colour_of_splat(value) : value, scale);
+  };
   RecordParser record(file, vertex, -1);
   std::string_view line;
   for (std::uint64_t i = 0; i < vertex.count; ++i) {
@@ -118,9 +123,11 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
     record.parse(line, lines.number());
     std::uint32_t rgba = kWhite;
     if (colour) {
-      rgba = pack_rgba(colour_byte(record[columns.red], scale), colour_byte(record[columns.green], scale),
-                       colour_byte(record[columns.blue], scale),
+      rgba = pack_rgba(channel(record[columns.red]), channel(record[columns.green]), channel(record[columns.blue]),
                        columns.alpha >= 0 ? colour_byte(record[columns.alpha], scale) : 255);
+    }
+    for (const VertexField& field : fields) {
+      out.set_field(field.slot, field.value(record[static_cast<int>(field.column)]));
     }
     if (columns.has_normals()) out.set_normal(record[columns.nx], record[columns.ny], record[columns.nz]);
     out.add(record[columns.x], record[columns.y], record[columns.z], rgba,

@@ -20,6 +20,8 @@ struct VertexLayout {
   Slot x, y, z, red, green, blue, alpha, intensity;
   Slot nx, ny, nz;  // all or none
   ColourScale scale = ColourScale::byte;
+  bool splat_colour = false;
+  std::vector<Slot> fields;  // in the order of Body::fields_
 };
 
 template <bool big>
@@ -31,6 +33,7 @@ class Body {
   void read_vertices(const Element& vertex) {
     if (vertex.count == 0) return;  // there may be no record to look at
     const VertexColumns columns = vertex_columns(file_, vertex);
+    fields_ = vertex_fields(vertex, columns, out_);
     if (vertex.has_lists()) {
       read_vertices_with_lists(vertex, columns);
       return;
@@ -43,8 +46,8 @@ class Body {
     if (columns.has_colour()) layout.scale = sampled_scale(vertex, layout, stride);
     const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
                             layout.blue.type == ScalarType::u8 && !layout.alpha.present() &&
-                            !layout.intensity.present();
-    const bool plain = !columns.has_colour() && !layout.intensity.present();
+                            !layout.intensity.present() && fields_.empty();
+    const bool plain = !columns.has_colour() && !layout.intensity.present() && fields_.empty();
     const bool same = layout.x.type == layout.y.type && layout.x.type == layout.z.type;
     constexpr std::size_t kChunk = 1 << 16;
     for (std::uint64_t left = vertex.count; left > 0;) {
@@ -160,8 +163,8 @@ class Body {
     return record + at;
   }
 
-  static VertexLayout make_layout(const Element& vertex, const VertexColumns& columns,
-                                  const std::vector<std::size_t>& offsets) {
+  VertexLayout make_layout(const Element& vertex, const VertexColumns& columns,
+                           const std::vector<std::size_t>& offsets) const {
     const auto slot = [&](int column) {
       if (column < 0) return Slot{};
       const auto i = static_cast<std::size_t>(column);
@@ -183,10 +186,13 @@ class Body {
       layout.ny = slot(columns.ny);
       layout.nz = slot(columns.nz);
     }
+    layout.splat_colour = columns.splat_colour;
+    for (const VertexField& field : fields_) layout.fields.push_back(slot(static_cast<int>(field.column)));
     return layout;
   }
 
   ColourScale sampled_scale(const Element& vertex, const VertexLayout& layout, std::size_t stride) const {
+    if (layout.splat_colour) return ColourScale::unit;
     constexpr std::uint64_t kSample = 1000;
     double largest = 0.0;
     const char* q = p_;
@@ -234,10 +240,15 @@ class Body {
   void add_any(const VertexLayout& layout, const char* q) {
     set_normal(layout, q);
     const auto value = [&](const Slot& slot) { return load_scalar<big>(q + slot.offset, slot.type); };
+    const auto channel = [&](const Slot& slot) {
+      return colour_byte(layout.splat_colour ? colour_of_splat(value(slot)) : value(slot), layout.scale);
+    };
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      out_.set_field(fields_[k].slot, fields_[k].value(value(layout.fields[k])));
+    }
     std::uint32_t rgba = kWhite;
     if (layout.red.present()) {
-      rgba = pack_rgba(colour_byte(value(layout.red), layout.scale), colour_byte(value(layout.green), layout.scale),
-                       colour_byte(value(layout.blue), layout.scale),
+      rgba = pack_rgba(channel(layout.red), channel(layout.green), channel(layout.blue),
                        layout.alpha.present() ? colour_byte(value(layout.alpha), layout.scale) : 255);
     }
     out_.add(value(layout.x), value(layout.y), value(layout.z), rgba,
@@ -246,6 +257,7 @@ class Body {
 
   const ScanFile& file_;
   ScanWriter& out_;
+  std::vector<VertexField> fields_;
   const char* p_;
   const char* end_;
 };

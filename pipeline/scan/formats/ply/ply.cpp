@@ -30,6 +30,14 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
   columns.blue = vertex.find({"blue", "diffuse_blue", "b"});
   columns.alpha = vertex.find({"alpha", "diffuse_alpha"});
   columns.intensity = vertex.find({"intensity", "scalar_intensity", "reflectance"});
+  columns.splats = vertex.find({"f_dc_0"}) >= 0 && vertex.find({"f_dc_1"}) >= 0 && vertex.find({"f_dc_2"}) >= 0;
+  if (columns.splats && !columns.has_colour()) {
+    columns.red = vertex.find({"f_dc_0"});
+    columns.green = vertex.find({"f_dc_1"});
+    columns.blue = vertex.find({"f_dc_2"});
+    columns.alpha = -1;
+    columns.splat_colour = true;
+  }
   columns.nx = vertex.find({"nx", "normal_x"});
   columns.ny = vertex.find({"ny", "normal_y"});
   columns.nz = vertex.find({"nz", "normal_z"});
@@ -38,6 +46,19 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
     if (*column >= 0 && vertex.properties[static_cast<std::size_t>(*column)].count_type) *column = -1;
   }
   return columns;
+}
+
+std::vector<VertexField> vertex_fields(const Element& vertex, const VertexColumns& columns, ScanWriter& out) {
+  std::vector<VertexField> fields;
+  for (std::size_t k = 0; k < vertex.properties.size(); ++k) {
+    const Property& property = vertex.properties[k];
+    const int column = static_cast<int>(k);
+    if (property.count_type || column == columns.x || column == columns.y || column == columns.z) continue;
+    const int slot = out.want(property.name, column != columns.intensity);
+    if (slot == ScanWriter::kUnwanted) continue;
+    fields.push_back({k, slot, columns.splats && property.name == "opacity"});
+  }
+  return fields;
 }
 
 bool is_face(const Element& element) {

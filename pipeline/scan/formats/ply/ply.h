@@ -2,6 +2,7 @@
 // it.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -55,11 +56,27 @@ struct VertexColumns {
   int red = -1, green = -1, blue = -1, alpha = -1;
   int intensity = -1;
   int nx = -1, ny = -1, nz = -1;
+  bool splats = false;        ///< Gaussian splats, see VertexField::logit
+  bool splat_colour = false;  ///< red, green and blue are as colour_of_splat() takes them
 
   [[nodiscard]] bool has_colour() const { return red >= 0 && green >= 0 && blue >= 0; }
   [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
 };
 [[nodiscard]] VertexColumns vertex_columns(const ScanFile& file, const Element& vertex);
+
+/// A splat's colour is the constant term of spherical harmonics (Kerbl et al. 2023); 0 to 1 and beyond.
+[[nodiscard]] inline double colour_of_splat(double constant_term) { return 0.5 + 0.28209479177387814 * constant_term; }
+
+/// A property that somebody asks for.
+struct VertexField {
+  std::size_t column = 0;
+  int slot = 0;
+  bool logit = false;  ///< a splat's opacity: 1 / (1 + exp(-value)) is the one that people mean, 0 to 1
+
+  [[nodiscard]] double value(double stored) const { return logit ? 1.0 / (1.0 + std::exp(-stored)) : stored; }
+};
+[[nodiscard]] std::vector<VertexField> vertex_fields(const Element& vertex, const VertexColumns& columns,
+                                                     ScanWriter& out);
 
 /// What an element is to us.
 enum class Role : std::uint8_t { vertex, face, strips, other };

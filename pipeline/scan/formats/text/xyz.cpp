@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -75,7 +77,19 @@ class Reader {
     scan.degrees = columns().degrees;
     scan.unit = layout_.unit;
     needed_ = columns().needed();
+    ask_for_fields();
     out_.begin(0, columns().has_colour(), columns().intensity >= 0, columns().has_normals());
+  }
+
+  /// Of the columns that are no coordinates those that somebody asks for.
+  void ask_for_fields() {
+    fields_.clear();
+    for (std::size_t k = 0; k < std::min(columns().fields.size(), kMostColumns); ++k) {
+      const int column = static_cast<int>(k);
+      if (column == columns().x || column == columns().y || column == columns().z) continue;
+      const int slot = out_.want(columns().fields[k], column != columns().intensity);
+      if (slot != ScanWriter::kUnwanted) fields_.emplace_back(column, slot);
+    }
   }
 
   [[nodiscard]] std::string expected_row() const {
@@ -114,6 +128,7 @@ class Reader {
     } else if (columns().has_colour()) {
       ++colourless_;
     }
+    for (const auto& [column, slot] : fields_) out_.set_field(slot, has(column) ? value(column) : kNaN);
     if (columns().has_normals()) set_normal(row);
     if (columns().by == TextTable::By::position) {
       first_column_.add(value(columns().x), value(columns().y), value(columns().z));
@@ -176,6 +191,7 @@ class Reader {
     if (found.usual == columns().usual) return;
     layout_.columns = std::move(found);
     needed_ = columns().needed();
+    ask_for_fields();
     out_.set_attributes(columns().has_colour(), columns().intensity >= 0, columns().has_normals());
     RawScan& scan = out_.scan();
     for (const std::string& field : columns().fields) {
@@ -220,6 +236,7 @@ class Reader {
   TableLayout layout_;
   FirstColumn first_column_;
   std::size_t needed_ = 3;
+  std::vector<std::pair<int, int>> fields_;  ///< columns that somebody asks for, and their slots
   std::uint64_t rows_ = 0;
   std::uint64_t rows_of_block_ = 0;
   std::uint64_t colourless_ = 0;  ///< rows that end before the columns of colour
