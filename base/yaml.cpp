@@ -275,7 +275,7 @@ MapReader::MapReader(const Node& node, std::string what) : node_(node), what_(st
 }
 
 const Node* MapReader::optional(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   return node_.find(key);
 }
 

@@ -83,6 +83,8 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
   const std::vector<Refusal> cases = {
       {"no scans", "grid: {}\n", {"has no 'scans'"}},
       {"empty scans", "scans: []\n", {"c.yaml:1:8", "scans is empty"}},
+      {"no block", kScan + "surface: c1\n", {"has no key 'surface'; did you mean 'haptics.surface'?"}},
+      {"no block, near another key", kScan + "size: 800\n", {"did you mean 'grid.size'?"}},
       {"misspelt scans", "scan: [{file: a.ply}]\n", {"has no key 'scan'; did you mean 'scans'?"}},
       {"unknown key", kScan + "grid: {sizes: 3}\n", {"c.yaml:2:8", "grid has no key 'sizes'", "'size'"}},
       {"unknown unit", "scans: [{file: a.ply, units: inches}]\n", {"c.yaml:1:30", "units is 'inches'", "m | cm | mm"}},
