@@ -313,7 +313,10 @@ void DepthScans::build(const viewer::ScanSetup& setup, bool proposes) {
     note(fmt::format("Depth scan done: {:.0f} % measured{}", 100.0 * result.report.coverage,
                      count == 0 ? "" : fmt::format(", {} warning{} on the terminal", count, count == 1 ? "" : "s")));
     const std::lock_guard lock(mutex_);
-    scene_ = std::move(result.scene);
+    scene_ = result.scene;
+    built_ = std::move(result);
+    kept_.clear();
+    status_.can_save_scene = true;
     scanned_ = setup;
     if (proposes) {
       status_.proposal = setup;
@@ -333,6 +336,7 @@ viewer::Orienting orienting_of(const std::function<DepthScans&()>& scans) {
   orienting.scan = [scans](const viewer::ScanSetup& setup) { scans().scan(setup); };
   orienting.cancel = [scans] { scans().cancel(); };
   orienting.save = [scans](const viewer::ScanSetup& setup) { scans().save(setup); };
+  orienting.save_scene = [scans] { scans().save_scene(); };
   return orienting;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "pipeline/build/build.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config.h"
 #include "scene/scene.h"
@@ -41,6 +42,10 @@ class DepthScans {
   void scan_from(const Eigen::Matrix4d& scan_to_grid);
   void cancel();
   void save(const viewer::ScanSetup& setup);
+  /// Keeps the last depth scan as a scene folder, as `sparsha build` writes it: beside the configuration, or in the
+  /// working folder, with a name that is not taken; once more, with its present parts, in the same. The note says
+  /// where.
+  void save_scene();
   /// Parts that were edited on the scene, and the frame that they are written in; the next depth scan and the next
   /// saving have them.
   void set_parts(const std::vector<pipeline::PartConfig>& parts, const Eigen::Matrix4d& scan_to_grid);
@@ -62,7 +67,9 @@ class DepthScans {
   void build(const viewer::ScanSetup& setup, bool proposes);
   [[nodiscard]] viewer::ScanSetup setup_from(const Eigen::Matrix4d& scan_to_grid) const;
   DepthScans();
+  [[nodiscard]] std::filesystem::path name_to_save() const;
   [[nodiscard]] std::filesystem::path file_to_save() const;
+  void write_scene(Progress& progress);
 
   pipeline::Trust trust_ = pipeline::Trust::own_folder;
   pipeline::ScenePointer origin_;  ///< the scene that was opened; null for scans
@@ -79,6 +86,8 @@ class DepthScans {
   std::vector<pipeline::Station> stations_;
   std::vector<std::string> warnings_;
   pipeline::ScenePointer scene_;
+  std::optional<pipeline::BuildResult> built_;  ///< of the last depth scan
+  std::filesystem::path kept_;                  ///< the folder that it was saved in, or empty
   std::unique_ptr<Progress> progress_;
   std::future<void> work_;
 };

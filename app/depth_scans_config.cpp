@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "scene/config/setup_text.h"
+#include "scene/folder/folder.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
@@ -16,15 +17,16 @@ namespace {
 
 constexpr std::size_t kMostText = 1U << 20U;
 
-/// The name with the ending of a configuration, and a number where there is one already.
-fs::path unused_name(const fs::path& name) {
+/// The name with an ending, and a number where there is one already.
+fs::path unused_name(const fs::path& name, const char* ending = ".yaml") {
   std::error_code code;
   for (int k = 1; k < 1000; ++k) {
     fs::path file = name;
-    file += k == 1 ? ".yaml" : fmt::format("-{}.yaml", k);
-    if (!fs::exists(file, code)) return file;
+    file += k == 1 ? std::string(ending) : fmt::format("-{}{}", k, ending);
+    if (!fs::exists(fs::symlink_status(file, code))) return file;
   }
-  throw Error(ErrorKind::failure, {}, "there are too many configurations of that name here", "another folder");
+  throw Error(ErrorKind::failure, {}, fmt::format("there are too many files called {} here", name.filename().string()),
+              "another folder");
 }
 
 void set_crop(pipeline::Config& config, const std::optional<pipeline::CropConfig>& crop) {
@@ -84,14 +86,49 @@ pipeline::Config DepthScans::config_of(const viewer::ScanSetup& setup) const {
   return config;
 }
 
-fs::path DepthScans::file_to_save() const {
-  if (!file_.empty()) return file_;
-  fs::path name = config_.scans.front().file.stem();
-  if (origin_ && !origin_->folder().empty()) {
-    const fs::path folder = origin_->folder().lexically_normal();
-    name = folder.filename().empty() ? folder.parent_path().filename() : folder.filename();
+// After the scene that was opened, else the first scan.
+fs::path DepthScans::name_to_save() const {
+  if (!origin_ || origin_->folder().empty()) return config_.scans.front().file.stem();
+  const fs::path folder = origin_->folder().lexically_normal();
+  return folder.filename().empty() ? folder.parent_path().filename() : folder.filename();
+}
+
+fs::path DepthScans::file_to_save() const { return file_.empty() ? unused_name(name_to_save()) : file_; }
+
+void DepthScans::save_scene() {
+  start("Saving the scene", [this](Progress& progress) { write_scene(progress); });
+}
+
+void DepthScans::write_scene(Progress& progress) {
+  std::optional<pipeline::BuildResult> built;
+  fs::path folder;
+  bool again = false;
+  {
+    const std::lock_guard lock(mutex_);
+    built = built_;
+    again = !kept_.empty();
+    folder = kept_;
+    if (built && !again)
+      folder = unused_name(file_.empty() ? name_to_save() : file_.parent_path() / file_.stem(), ".scene");
+    if (built && parts_to_grid_) {
+      pipeline::SceneDescription description = built->scene->description();
+      description.config.parts = config_.parts;
+      built->scene = pipeline::with_description(built->scene, std::move(description));
+    }
   }
-  return unused_name(name);
+  if (!built) {
+    const bool kept = origin_ && !origin_->folder().empty();
+    return note(kept ? fmt::format("This scene is kept in {}", origin_->folder().string())
+                     : "There is no depth scan to keep yet",
+                !kept);
+  }
+  if (again)
+    pipeline::write_description(*built->scene, folder);
+  else
+    pipeline::write_scene_folder(*built, folder, progress);
+  note(fmt::format("Saved the scene as {}", folder.string()));
+  const std::lock_guard lock(mutex_);
+  kept_ = folder;
 }
 
 void DepthScans::save(const viewer::ScanSetup& setup) {

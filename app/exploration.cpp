@@ -231,6 +231,7 @@ viewer::WindowEnd Exploration::run_window(bool again) {
     connections_.orienting.unavailable = [] { return std::string("a recording is played"); };
   if (!arguments_.kiosk && !(session_ && session_->plays_recording()))
     connections_.save_parts = [this](const std::vector<pipeline::PartConfig>& parts) { return edit_parts(parts); };
+  if (!arguments_.kiosk) connections_.save_scene = [this] { save_scene(); };
   viewer::ViewerOptions options;
   options.kiosk = arguments_.kiosk;
   options.opens_again = again;

@@ -89,6 +89,7 @@ class Exploration {
   void next_scene(int step);
   void drop(const std::vector<std::filesystem::path>& files);
   void drop_scene(const std::filesystem::path& folder);
+  void save_scene();
   void rescan(const Eigen::Matrix4d& scan_to_grid);
   bool edit_parts(const std::vector<pipeline::PartConfig>& parts);
 

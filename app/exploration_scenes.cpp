@@ -197,6 +197,15 @@ void Exploration::drop_scene(const fs::path& folder) {
   begin_with(scene);
 }
 
+// The depth scan under the hand; scans of another object that are open have no part in it.
+void Exploration::save_scene() {
+  using Priority = haptics::Announcement::Priority;
+  if (session_->plays_recording()) return announce("not_while_played");
+  if (scans_.shown().status().busy) return announce("scan_running");
+  if (!scans_.touched()) return announce("not_written", {{"reason", "other scans are open"}}, Priority::warning);
+  scans_.shown().save_scene();
+}
+
 // A new depth scan from the side that is looked at.
 void Exploration::rescan(const Eigen::Matrix4d& scan_to_grid) {
   using Priority = haptics::Announcement::Priority;

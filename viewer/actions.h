@@ -77,6 +77,7 @@ enum class Action {
   next_scene,
   previous_scene,
   screenshot,
+  save_scene,
   full_screen,
   figures,
   strip_pause,

@@ -50,8 +50,9 @@ struct Connections {
   /// The scene's parts were edited: they are to be felt, spoken and kept. False when they stay as they were, which was
   /// said. Empty: parts cannot be edited.
   std::function<bool(const std::vector<pipeline::PartConfig>& parts)> save_parts;
-  std::function<bool()> to_scans;  ///< true once when other scans have been opened and are to be shown
-  Orienting orienting;             ///< the raw cloud behind the scene; without functions there is none
+  std::function<void()> save_scene;  ///< keeps the depth scan under the hand as a scene folder, and says where
+  std::function<bool()> to_scans;    ///< true once when other scans have been opened and are to be shown
+  Orienting orienting;               ///< the raw cloud behind the scene; without functions there is none
 };
 
 /// True when a window could be opened.

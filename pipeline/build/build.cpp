@@ -310,6 +310,22 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   return result;
 }
 
+void write_scene_folder(const BuildResult& result, const std::filesystem::path& folder, Progress& progress) {
+  const Config& config = result.scene->description().config;
+  require_replaceable(folder, config);
+  AtomicPath target(folder, AtomicPath::Kind::folder);
+  progress.begin("write");
+  target.naming_target([&] {
+    write_scene(*result.scene, target.temporary());
+    ThreadPool pool(0);
+    write_report(*result.scene, result.report, target.temporary(), pool);
+  });
+  progress.finish();
+  progress.throw_if_cancelled();
+  require_replaceable(folder, config);
+  target.commit();
+}
+
 BuildResult build_scene_folder(const Config& config, const BuildOptions& options, const std::filesystem::path& folder,
                                Progress& progress) {
   const auto began = std::chrono::steady_clock::now();

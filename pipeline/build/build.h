@@ -38,4 +38,8 @@ struct BuildResult {
 BuildResult build_scene_folder(const Config& config, const BuildOptions& options, const std::filesystem::path& folder,
                                Progress& progress);
 
+/// Writes what build_scene() has made as build_scene_folder() does: the same files, beside the target and then renamed.
+/// Throws Error{usage} unless `folder` is new, empty, or holds what a build wrote; Error{failure}; Cancelled.
+void write_scene_folder(const BuildResult& result, const std::filesystem::path& folder, Progress& progress);
+
 }  // namespace sparsha::pipeline

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "app/edited_parts.h"
 #include "base/files.h"
 #include "pipeline/build/build.h"
+#include "scene/folder/folder.h"
 #include "scene/regions.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
@@ -383,6 +385,71 @@ TEST(DepthScans, AScanIsStoppedAndTheNextOneWorks) {
   scans.scan(setup);
   finish(scans);
   EXPECT_TRUE(scans.take_scene()) << scans.status().note;
+}
+
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+TEST(DepthScans, ADepthScanIsKeptAsTheFolderThatABuildWritesAndNeverOverAnother) {
+  const Plate plate;
+  DepthScans scans(plate.config);
+  scans.save_scene();
+  finish(scans);
+  EXPECT_TRUE(scans.status().problem) << "there is none yet";
+  EXPECT_FALSE(scans.status().can_save_scene);
+  scans.open();
+  finish(scans);
+  const pipeline::ScenePointer scene = scanned(scans, scans.status().proposal);
+  ASSERT_TRUE(scene);
+  EXPECT_TRUE(scans.status().can_save_scene);
+  scans.save_scene();
+  finish(scans);
+  const fs::path folder = plate.folder.path() / "plate.scene";
+  EXPECT_EQ(scans.status().note, "Saved the scene as " + folder.string());
+  // What a build writes, byte for byte but for its times.
+  Progress progress;
+  const fs::path built = plate.folder.path() / "built.scene";
+  pipeline::build_scene_folder(scans.config_of(scans.status().proposal), {}, built, progress);
+  ASSERT_EQ(names_in(folder), names_in(built));
+  for (const std::string& name : names_in(folder)) {
+    if (!fs::is_regular_file(folder / name) || name.starts_with("report.")) continue;
+    EXPECT_EQ(read_file(folder / name, 1U << 26U), read_file(built / name, 1U << 26U)) << name;
+  }
+  EXPECT_TRUE(pipeline::open_scene(folder, pipeline::Trust::own_folder));
+  // Once more, with a part that was drawn since: in the same folder.
+  scans.set_parts(box_at_summit(*scene), parts_frame(scene->description()));
+  scans.save_scene();
+  finish(scans);
+  EXPECT_EQ(pipeline::open_scene(folder, pipeline::Trust::own_folder)->description().config.parts.size(),
+            box_at_summit(*scene).size());
+  // Another depth scan takes another name.
+  ASSERT_TRUE(scanned(scans, scans.status().proposal));
+  scans.save_scene();
+  finish(scans);
+  EXPECT_EQ(names_in(plate.folder.path()),
+            (std::vector<std::string>{"built.scene", "plate-2.scene", "plate.scene", "plate.xyz", "plate.yaml"}));
+}
+
+TEST(DepthScans, ASceneThatCannotBeWrittenIsSaidAndLeavesNothing) {
+  const Plate plate;
+  DepthScans scans(plate.config);
+  scans.open();
+  finish(scans);
+  ASSERT_TRUE(scanned(scans, scans.status().proposal));
+  fs::create_symlink("nowhere", plate.folder.path() / "plate.scene");  // taken, too
+  scans.save_scene();
+  finish(scans);
+  EXPECT_TRUE(fs::is_directory(plate.folder.path() / "plate-2.scene")) << scans.status().note;
+  DepthScans of_scene(pipeline::open_scene(plate.folder.path() / "plate-2.scene", pipeline::Trust::own_folder), {},
+                      pipeline::Trust::own_folder);
+  of_scene.save_scene();
+  finish(of_scene);
+  EXPECT_FALSE(of_scene.status().problem);
+  EXPECT_EQ(of_scene.status().note.rfind("This scene is kept in ", 0), 0U) << of_scene.status().note;
 }
 
 }  // namespace

@@ -191,6 +191,13 @@ void CloudController::act(CloudAction action) {
     case CloudAction::save:
       if (orienting_.save && frame_.status.points && !frame_.status.busy) orienting_.save(frame_.setup);
       return;
+    case CloudAction::save_scene:
+      if (frame_.status.busy) {
+        words_.emplace_back("Work on the scans is still running; Escape stops it");
+      } else if (orienting_.save_scene) {
+        orienting_.save_scene();
+      }
+      return;
     case CloudAction::back:
       if (frame_.help) {
         frame_.help = false;

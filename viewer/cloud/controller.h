@@ -24,6 +24,7 @@ enum class CloudColour { scan, intensity, height, stations };
 enum class CloudAction {
   scan,
   save,
+  save_scene,
   back,
   front,
   rear,

@@ -253,8 +253,11 @@ void work_part(const Brush& brush, CloudController& controller) {
   if (button(brush, "Save (Ctrl S)", half)) controller.act(CloudAction::save);
   ImGui::EndDisabled();
   ImGui::SameLine();
+  ImGui::BeginDisabled(!status.can_save_scene);
+  if (button(brush, "Save scene", half)) controller.act(CloudAction::save_scene);
+  ImGui::EndDisabled();
   const char* leave = frame.can_go_back ? "Back (Esc)" : "Leave (Esc)";
-  if (button(brush, leave, half)) controller.act(CloudAction::back);
+  if (button(brush, leave)) controller.act(CloudAction::back);
 }
 
 }  // namespace

@@ -63,11 +63,12 @@ struct OrientingStatus {
   std::uint64_t proposals = 0;
   double spacing_m = 0.0;  ///< of the grid to come; 0: automatic
   bool busy = false;
-  bool scanning = false;  ///< it is a depth scan that is being made
-  std::string stage;      ///< of the work
-  double fraction = 0.0;  ///< of the stage, 0 to 1
-  std::string note;       ///< for the visitor: what was found, or why something failed
-  bool problem = false;   ///< the note says why something failed
+  bool scanning = false;        ///< it is a depth scan that is being made
+  bool can_save_scene = false;  ///< a depth scan has been made
+  std::string stage;            ///< of the work
+  double fraction = 0.0;        ///< of the stage, 0 to 1
+  std::string note;             ///< for the visitor: what was found, or why something failed
+  bool problem = false;         ///< the note says why something failed
   std::uint64_t notes = 0;
 };
 
@@ -81,6 +82,7 @@ struct Orienting {
   std::function<void(const ScanSetup&)> scan;          ///< the scene comes to Connections::scene
   std::function<void()> cancel;                        ///< what is being done
   std::function<void(const ScanSetup&)> save;          ///< writes a configuration; the note says where
+  std::function<void()> save_scene;                    ///< keeps the last depth scan as a scene; the note says where
 };
 
 }  // namespace sparsha::viewer

@@ -102,6 +102,12 @@ void Controller::act(Action action) {
       return move_focus(1);
     case Action::previous_item:
       return move_focus(-1);
+    case Action::save_scene:
+      if (connections_.save_scene)
+        connections_.save_scene();
+      else
+        tell("This scene was opened without its scans");
+      return;
     case Action::screenshot:
       screenshot_ = true;
       return;

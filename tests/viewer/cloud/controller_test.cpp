@@ -25,7 +25,7 @@ struct Bench {
 
 TEST(CloudController, EveryActionHasAKeyAndNoKeyHasTwo) {
   std::set<CloudAction> reached;
-  for (const int modifiers : {0, kShift, kControl})
+  for (const int modifiers : {0, kShift, kControl, kControl | kShift})
     for (int key = 0; key < 300; ++key)
       if (const auto action = cloud_action_of({key, modifiers, false})) reached.insert(*action);
   for (const CloudActionInfo& info : all_cloud_actions()) EXPECT_TRUE(reached.contains(info.action)) << info.label;
