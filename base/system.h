@@ -1,14 +1,10 @@
-// What differs between operating systems, behind one header: memory maps, peak memory, durable renames, terminals,
-// child processes.
+// What differs between operating systems, behind one header: memory maps, peak memory, durable renames, terminals.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <span>
-#include <string>
 #include <string_view>
 
 namespace sparsha::system {
@@ -86,36 +82,5 @@ void append_line(const std::filesystem::path& file, std::string_view first, std:
 [[nodiscard]] bool stderr_is_terminal() noexcept;
 /// Returns freed heap memory to the system.
 void trim_heap() noexcept;
-
-/// What work in a child process is given to hand over its results.
-struct ChildOutput {
-  std::function<void(std::span<const std::byte>)> send;  ///< kLargestPiece bytes at most
-  std::atomic<std::uint64_t>& step;  ///< how far the work has come: the parent knows it however the child ends
-};
-using ChildWork = std::function<void(const ChildOutput&)>;
-using ChildReceiver = std::function<void(std::span<const std::byte>)>;
-constexpr std::size_t kLargestPiece = std::size_t{1} << 20U;
-
-struct ChildLimits {
-  std::uint64_t memory_bytes = std::uint64_t{512} << 20U;  ///< beyond what this process has
-  unsigned seconds = 60;                                   ///< of processor time between two pieces
-};
-
-struct ChildEnd {
-  std::string failure;  ///< empty when the work returned; else "was ended by signal 11 (Segmentation fault)", ...
-  std::uint64_t step = 0;
-};
-
-/// Runs `work` where its crashes, endless loops and greed for memory do no harm; `receive` gets in this process the
-/// pieces that it sends, in their order. `while_waiting` is called at least ten times a second and may throw: what it
-/// or `receive` throws ends the child and passes through. The child ends with this process.
-///
-/// The child is a copy of this process (fork) with the calling thread alone. `work` must need no lock that another
-/// thread may hold: the heap is safe, for the C library resets it (a sanitizer's is not); the program's own mutexes are
-/// not. Its exceptions are lost, its standard streams lead nowhere. Systems without fork run `work` in this process.
-///
-/// Throws Error{failure} when the system gives no process.
-[[nodiscard]] ChildEnd run_in_child(const ChildWork& work, const ChildReceiver& receive,
-                                    const std::function<void()>& while_waiting, const ChildLimits& limits = {});
 
 }  // namespace sparsha::system

@@ -1,5 +1,6 @@
 // Reads every block of the configuration and refuses what it does not know.
 #include "scene/config.h"
+#include "scene/config/block_hint.h"
 #include "scene/config/override.h"
 #include "scene/config/reader.h"
 
@@ -427,51 +428,6 @@ Eigen::Matrix4d look_from(const Eigen::Vector3d& direction, const Eigen::Vector3
   return m;
 }
 
-// Keys that are in one block alone, for whoever leaves the block out.
-constexpr auto kInBlocks = std::to_array<std::string_view>({"grid.size",
-                                                            "grid.spacing_mm",
-                                                            "grid.bounds_m",
-                                                            "grid.noise_mm",
-                                                            "fill.max_gap_mm",
-                                                            "texture.sigma_space_mm",
-                                                            "texture.sigma_range_mm",
-                                                            "friction.law",
-                                                            "friction.mu_static",
-                                                            "friction.mu_0",
-                                                            "friction.mu_max",
-                                                            "friction.scale_mm",
-                                                            "levels.window",
-                                                            "check.samples",
-                                                            "haptics.stiffness_n_per_m",
-                                                            "haptics.solver",
-                                                            "haptics.surface",
-                                                            "haptics.creases",
-                                                            "haptics.rate_hz",
-                                                            "haptics.resolution_mm",
-                                                            "haptics.tip_radius_mm",
-                                                            "haptics.impact",
-                                                            "haptics.grain",
-                                                            "orientation.look_from",
-                                                            "orientation.up",
-                                                            "orientation.euler_deg",
-                                                            "orientation.quaternion",
-                                                            "orientation.matrix",
-                                                            "orientation.face",
-                                                            "speech.language",
-                                                            "speech.voice",
-                                                            "speech.words_per_minute",
-                                                            "guide.path",
-                                                            "viewer.colour",
-                                                            "viewer.stereo"});
-
-void require_blocks(const Node& root) {
-  for (const yaml::Entry& entry : root.entries)
-    for (const std::string_view path : kInBlocks)
-      if (path.substr(path.rfind('.') + 1) == entry.key)
-        throw Error(ErrorKind::usage, entry.place, "the configuration has no key '" + entry.key + "'",
-                    "did you mean '" + std::string(path) + "'?");
-}
-
 Config parse_config(const Node& root, const std::filesystem::path& folder) {
   Config config;
   MapReader reader(root, "the configuration");
@@ -511,7 +467,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   if (const Node* node = reader.optional("guide")) config.guide = parse_guide(*node);
   if (const Node* node = reader.optional("cues")) config.cues = parse_cues(*node);
   if (const Node* node = reader.optional("viewer")) config.viewer = parse_viewer(*node);
-  require_blocks(root);
+  refuse_keys_without_block(root);
   reader.finish();
   return config;
 }
