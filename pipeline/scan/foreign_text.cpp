@@ -43,7 +43,6 @@ bool is_iges(std::string_view text) {
   constexpr std::size_t kLetter = 72, kLength = 80;
   LineReader lines(text);
   std::string_view line;
-  std::string_view letters;
   for (int seen = 0; seen < 2; ++seen) {
     if (!lines.next(line) || line.size() < kLetter + 2 || line.size() > kLength) return false;
     const std::string_view number = trimmed(line.substr(kLetter + 1));
