@@ -98,7 +98,7 @@ std::string empty_las() {
   set(94, std::uint16_t{227});
   set(96, std::uint32_t{227});
   set(105, std::uint16_t{20});
-  for (const std::size_t axis : {0, 1, 2}) set(131 + 8 * axis, 0.01);
+  for (std::size_t axis = 0; axis < 3; ++axis) set(131 + 8 * axis, 0.01);
   return bytes;
 }
 
