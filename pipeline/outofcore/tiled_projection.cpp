@@ -199,7 +199,8 @@ OrientedPoints TiledProjection::load_tile(const Tile& tile, ThreadPool& pool) co
   return all;
 }
 
-void TiledProjection::fit_tile(const Tile& tile, const Context& context, Projection& projection) const {
+void TiledProjection::fit_tile(const Tile& tile, const Context& context, Projection& projection,
+                               std::vector<std::uint8_t>& of_nodes) const {
   DepthGrid& grid = projection.grid;
   // One row more to each side: nodes are compared with their neighbours.
   const int first = std::max(0, tile.first_row - 1);
@@ -215,7 +216,7 @@ void TiledProjection::fit_tile(const Tile& tile, const Context& context, Project
     const auto count = static_cast<std::size_t>(tile.last_column - tile.first_column);
     std::copy_n(rows.height_m.data() + from, count, grid.height_m.data() + to);
     std::copy_n(rows.state.data() + from, count, grid.state.data() + to);
-    if (!verdicts.empty()) add_verdicts(verdicts.data() + from, verdicts.data() + from + count, projection);
+    if (!verdicts.empty()) std::copy_n(verdicts.data() + from, count, of_nodes.data() + to);
   }
 }
 
@@ -257,11 +258,13 @@ Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem
   fill_buckets(folder, context);
   Projection projection = plan_.empty_projection();
   const std::vector<Tile> tiles = cut(tile_points, context);
+  std::vector<std::uint8_t> verdicts(plan_.discs ? plan_.lattice.count() : 0);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
-    fit_tile(tiles[t], context, projection);
+    fit_tile(tiles[t], context, projection, verdicts);
   }
-  leave_out_turned_away(plan_, context.pool, projection);
+  add_verdicts(verdicts, projection);
+  leave_out_turned_away(plan_, verdicts, context.pool, projection);
   require_a_measured_node(projection.grid);
   decide_classes(context, projection);
   return projection;

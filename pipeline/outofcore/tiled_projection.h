@@ -55,7 +55,8 @@ class TiledProjection {
   [[nodiscard]] std::uint64_t most_about_a_node(int halo, ThreadPool& pool) const;
   [[nodiscard]] std::vector<Tile> cut(std::uint64_t tile_points, const Context& context) const;
   [[nodiscard]] OrientedPoints load_tile(const Tile& tile, ThreadPool& pool) const;
-  void fit_tile(const Tile& tile, const Context& context, Projection& projection) const;
+  void fit_tile(const Tile& tile, const Context& context, Projection& projection,
+                std::vector<std::uint8_t>& of_nodes) const;
   void decide_classes(const Context& context, Projection& projection);
   [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;
 

@@ -223,6 +223,12 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
   told_.assign(votes_.size(), 0);
   if (!stations.empty()) ask_stations(stations);
   if (evidence == SideEvidence::certain) forget_views();
+  told_votes_.assign(votes_.size(), 0.0F);
+  closed_votes_.assign(votes_.size(), 0.0F);
+  for (const std::uint32_t d : of_slot_) {
+    if (told_[d] != 0) told_votes_[d] = votes_[d];
+    if (closed_[d] != 0) closed_votes_[d] = votes_[d];
+  }
   near_.clear();
   near_counts_.clear();
 
@@ -360,6 +366,7 @@ void FacingField::overrule_by_surface(SideEvidence evidence) {
     for (const Edge& edge : bucket) parts.join(edge.a, edge.b, edge.opposed);
   }
   outside_.assign(votes_.size(), 0.0F);
+  closed_.assign(votes_.size(), 0);
   std::vector<double> sum(votes_.size(), 0.0);
   std::vector<double> size(votes_.size(), 0.0);
   std::vector<std::array<double, 2>> area(votes_.size());  // of either side, across the view
@@ -373,7 +380,8 @@ void FacingField::overrule_by_surface(SideEvidence evidence) {
     const SurfaceParts::Place place = parts.find(d);
     if (!(std::abs(sum[place.root]) >= kAgreement * size[place.root])) continue;
     const auto [one, other] = area[place.root];
-    if (evidence == SideEvidence::certain && !(std::min(one, other) >= kOtherSide * (one + other))) continue;
+    closed_[d] = std::min(one, other) >= kOtherSide * (one + other) ? 1 : 0;
+    if (evidence == SideEvidence::certain && closed_[d] == 0) continue;
     const bool outwards = (sum[place.root] > 0.0) != place.opposed;
     outside_[d] = outwards ? 1.0F : -1.0F;
     votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * outside_[d];

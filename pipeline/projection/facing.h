@@ -46,12 +46,15 @@ class FacingField {
 
   /// Sets the facing of each disc: 1 towards the viewer, -1 away, 0 where neither is sure.
   void set_facing(TangentDiscs& discs, ThreadPool& pool) const;
+  /// Whose word is taken: of everything that tells a side, of surfaces alone that are seen to be closed, or of
+  /// stations.
+  enum class Word { of_all, of_closed_surfaces, of_stations };
   /// The same for places [0, count): of their records (kDiscRecord values) z and slopes are read, and facing is set
   /// where samples can be near.
-  void set_facing(const float* x, const float* y, float* records, std::size_t count) const;
+  void set_facing(Word word, const float* x, const float* y, float* records, std::size_t count) const;
 
-  /// False when the side of no sample is known.
-  [[nodiscard]] bool knows_any_side() const;
+  /// Whether it tells the side of any sample.
+  [[nodiscard]] bool has(Word word) const;
 
  private:
   struct Neighbour {
@@ -85,9 +88,11 @@ class FacingField {
   std::vector<float> votes_;                           // positive: the normal points outwards
   std::vector<std::vector<Neighbour>> near_;           // of the samples of each row, in order, while votes are counted
   std::vector<std::uint32_t> near_counts_;
-  std::vector<std::uint8_t> seen_;  // by the viewer
-  std::vector<std::uint8_t> told_;  // by stations
-  std::vector<float> outside_;      // where a surface's votes agree: 1 the normal's side, -1 the other; else 0
+  std::vector<std::uint8_t> seen_;                // by the viewer
+  std::vector<std::uint8_t> told_;                // by stations
+  std::vector<std::uint8_t> closed_;              // on a surface that is seen to be closed
+  std::vector<float> told_votes_, closed_votes_;  // votes_ of these alone, else 0
+  std::vector<float> outside_;  // where a surface's votes agree: 1 the normal's side, -1 the other; else 0
   std::vector<std::size_t> lying_stations_;
   std::vector<float> away_top_m_;  // of each column: above it nothing near faces away
 };

@@ -44,12 +44,17 @@ FacingKernel FacingField::kernel() const {
   return kernel;
 }
 
-bool FacingField::knows_any_side() const {
-  return std::any_of(of_slot_.begin(), of_slot_.end(), [&](std::uint32_t d) { return votes_[d] != 0.0F; });
+bool FacingField::has(Word word) const {
+  const std::vector<float>& votes = word == Word::of_all        ? votes_
+                                    : word == Word::of_stations ? told_votes_
+                                                                : closed_votes_;
+  return std::any_of(of_slot_.begin(), of_slot_.end(), [&](std::uint32_t d) { return votes[d] != 0.0F; });
 }
 
-void FacingField::set_facing(const float* x, const float* y, float* records, std::size_t count) const {
-  fastest_kernels().find_facing(kernel(), x, y, records, 0, count);
+void FacingField::set_facing(Word word, const float* x, const float* y, float* records, std::size_t count) const {
+  FacingKernel asked = kernel();
+  if (word != Word::of_all) asked.votes = (word == Word::of_stations ? told_votes_ : closed_votes_).data();
+  fastest_kernels().find_facing(asked, x, y, records, 0, count);
 }
 
 void FacingField::set_facing(TangentDiscs& discs, ThreadPool& pool) const {

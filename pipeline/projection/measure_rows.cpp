@@ -65,7 +65,12 @@ std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const Project
       fastest_kernels().fit_disc_nodes(kernel, static_cast<std::size_t>(first_row) + j, rows.height_m.data() + at,
                                        verdicts.data() + at);
       for (std::size_t node = at; node < at + kernel.nx; ++node) {
-        if ((verdicts[node] & DiscNodeKernel::kMeasured) != 0) rows.state[node] = NodeState::measured;
+        constexpr unsigned kHeight = DiscNodeKernel::kMeasured | DiscNodeKernel::kAway;
+        if ((verdicts[node] & kHeight) != 0) {
+          rows.state[node] = NodeState::measured;
+        } else {
+          rows.height_m[node] = kUnknownHeight;
+        }
       }
     }
   });
@@ -96,11 +101,10 @@ int bins_beyond(const ProjectionPlan& plan) {
   return static_cast<int>(std::ceil(disc_reach_m(*plan.discs) / plan.lattice.spacing_m)) + 2;
 }
 
-void add_verdicts(const std::uint8_t* first, const std::uint8_t* last, Projection& projection) {
-  for (; first != last; ++first) {
-    projection.nodes_turned_away += (*first & DiscNodeKernel::kAway) != 0 ? 1 : 0;
-    projection.nodes_doubtful += (*first & DiscNodeKernel::kDoubtful) != 0 ? 1 : 0;
-    projection.nodes_unsure += projection.closed && (*first & DiscNodeKernel::kUnsure) != 0 ? 1 : 0;
+void add_verdicts(const std::vector<std::uint8_t>& verdicts, Projection& projection) {
+  for (const std::uint8_t verdict : verdicts) {
+    projection.nodes_doubtful += (verdict & DiscNodeKernel::kDoubtful) != 0 ? 1 : 0;
+    projection.nodes_unsure += projection.closed && (verdict & DiscNodeKernel::kUnsure) != 0 ? 1 : 0;
   }
 }
 

@@ -24,7 +24,7 @@ namespace sparsha::pipeline {
 /// How many bins to each side of a node hold points that decide about it.
 [[nodiscard]] int bins_beyond(const ProjectionPlan& plan);
 
-/// Counts the verdicts of nodes [first, last).
-void add_verdicts(const std::uint8_t* first, const std::uint8_t* last, Projection& projection);
+/// Counts the verdicts of all nodes.
+void add_verdicts(const std::vector<std::uint8_t>& verdicts, Projection& projection);
 
 }  // namespace sparsha::pipeline

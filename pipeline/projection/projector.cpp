@@ -88,8 +88,8 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   if (!only_mesh_) {
     const std::vector<std::uint8_t> verdicts =
         measure_rows(points, vertices_, plan, BinWindow::all(plan.bins), 0, context, projection.grid, store);
-    add_verdicts(verdicts.data(), verdicts.data() + verdicts.size(), projection);
-    leave_out_turned_away(plan, context.pool, projection);
+    add_verdicts(verdicts, projection);
+    leave_out_turned_away(plan, verdicts, context.pool, projection);
   }
   TriangleHeights mesh;
   if (!cloud_.faces.empty()) {

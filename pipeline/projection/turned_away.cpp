@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "pipeline/projection/simd/kernels.h"
@@ -28,7 +29,8 @@ float slope_of(float before, float here, float after, float most_m) {
 }
 
 // Which way the nodes of row j face.
-void ask_row(const ProjectionPlan& plan, const DepthGrid& grid, std::size_t j, float most_m, Facing* facing) {
+void ask_row(const ProjectionPlan& plan, FacingField::Word word, const DepthGrid& grid, std::size_t j, float most_m,
+             Facing* facing) {
   const auto nx = static_cast<std::size_t>(grid.lattice.nx);
   const auto ny = static_cast<std::size_t>(grid.lattice.ny);
   const auto per_m = static_cast<float>(1.0 / plan.bins.spacing_m);
@@ -48,7 +50,7 @@ void ask_row(const ProjectionPlan& plan, const DepthGrid& grid, std::size_t j, f
     record[3] = slope_of(left, row[i], right, most_m) * per_m;
     record[4] = slope_of(below, row[i], above, most_m) * per_m;
   }
-  plan.facing->set_facing(x.data(), y.data(), records.data(), nx);
+  plan.facing->set_facing(word, x.data(), y.data(), records.data(), nx);
   for (std::size_t i = 0; i < nx; ++i) {
     const float faces = records[kDiscRecord * i + 7];
     facing[i] = grid.state[j * nx + i] != NodeState::measured ? kNothing
@@ -56,6 +58,10 @@ void ask_row(const ProjectionPlan& plan, const DepthGrid& grid, std::size_t j, f
                 : faces < 0.0F                                ? kAway
                                                               : kUnsure;
   }
+}
+
+Facing side_of(std::uint8_t verdict) {
+  return (verdict & DiscNodeKernel::kAway) != 0 ? kAway : (verdict & DiscNodeKernel::kUnsure) != 0 ? kUnsure : kTowards;
 }
 
 using Labels = std::vector<std::uint32_t>;  // of each node; 0 where there is nothing
@@ -127,7 +133,53 @@ std::vector<bool> pieces_behind(const Labels& pieces, const std::vector<std::int
   return result;
 }
 
-void leave_out_regions(float gap_m, const std::vector<Facing>& facing, Projection& projection) {
+// Of each region, along rows and columns, whether most of its rim lies below what is next to it: the first known node
+// beyond, a few unknown ones between them. A front that is taken for a back goes on into what faces the viewer.
+std::vector<bool> regions_with_steps(const DepthGrid& grid, const Labels& regions, const Labels& sides, float step_m) {
+  constexpr std::ptrdiff_t kBetween = 4;     // nodes
+  constexpr std::size_t kOf = 3, kMost = 2;  // two thirds
+  struct Rim {
+    std::size_t nodes = 0, below = 0;
+  };
+  std::vector<Rim> rims(*std::max_element(regions.begin(), regions.end()) + std::size_t{1});
+  const auto nx = static_cast<std::ptrdiff_t>(grid.lattice.nx);
+  const auto ny = static_cast<std::ptrdiff_t>(grid.lattice.ny);
+  const auto walk = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t di, std::ptrdiff_t dj) {
+    const auto node = static_cast<std::size_t>(j * nx + i);
+    for (std::ptrdiff_t m = 1; m <= kBetween; ++m) {
+      const std::ptrdiff_t a = i + m * di;
+      const std::ptrdiff_t b = j + m * dj;
+      if (a < 0 || b < 0 || a >= nx || b >= ny) return;
+      const auto beside = static_cast<std::size_t>(b * nx + a);
+      if (sides[beside] == 0) continue;
+      if (sides[beside] == sides[node]) return;
+      Rim& rim = rims[regions[node]];
+      ++rim.nodes;
+      rim.below += grid.height_m[beside] - grid.height_m[node] > step_m ? 1 : 0;
+      return;
+    }
+  };
+  for (std::ptrdiff_t j = 0; j < ny; ++j) {
+    for (std::ptrdiff_t i = 0; i < nx; ++i) {
+      if (sides[static_cast<std::size_t>(j * nx + i)] != 1) continue;
+      walk(i, j, 1, 0);
+      walk(i, j, -1, 0);
+      walk(i, j, 0, 1);
+      walk(i, j, 0, -1);
+    }
+  }
+  std::vector<bool> result;
+  for (const Rim& rim : rims) result.push_back(kOf * rim.below >= kMost * rim.nodes);
+  return result;
+}
+
+// Who says that a node faces away, the surest last.
+enum class Proof : std::uint8_t { views, closed_surface, stations };
+
+// A region has to lie behind what is around it, unless stations know it; if nothing but views say so, its rim must show
+// steps.
+void leave_out_regions(float gap_m, const std::vector<Facing>& facing, const std::vector<Proof>& proofs,
+                       Projection& projection) {
   DepthGrid& grid = projection.grid;
   Labels sides(facing.size());
   for (std::size_t node = 0; node < facing.size(); ++node) {
@@ -136,8 +188,12 @@ void leave_out_regions(float gap_m, const std::vector<Facing>& facing, Projectio
   const Labels regions = label_pieces(facing, static_cast<std::size_t>(grid.lattice.nx),
                                       [&](std::size_t a, std::size_t b) { return sides[a] == sides[b]; });
   const std::vector<bool> behind = pieces_behind(regions, look_around(grid, sides, gap_m, 0));
+  const std::vector<bool> steps = regions_with_steps(grid, regions, sides, gap_m);
   for (std::size_t node = 0; node < facing.size(); ++node) {
-    if (facing[node] != kAway || !behind[regions[node]]) continue;
+    if (facing[node] != kAway) continue;
+    const std::uint32_t region = regions[node];
+    const bool from_behind = behind[region] && (proofs[node] == Proof::closed_surface || steps[region]);
+    if (!from_behind && proofs[node] != Proof::stations) continue;
     grid.height_m[node] = kUnknownHeight;
     grid.state[node] = NodeState::unknown;
     ++projection.nodes_turned_away;
@@ -162,25 +218,48 @@ std::uint64_t count_unsure(const ProjectionPlan& plan, const std::vector<Facing>
 
 }  // namespace
 
-void leave_out_turned_away(const ProjectionPlan& plan, ThreadPool& pool, Projection& projection) {
-  if (plan.discs || !plan.facing) return;
+void leave_out_turned_away(const ProjectionPlan& plan, const std::vector<std::uint8_t>& verdicts, ThreadPool& pool,
+                           Projection& projection) {
+  if (!plan.facing) return;
   const DepthGrid& grid = projection.grid;
   const auto nx = static_cast<std::size_t>(grid.lattice.nx);
+  const auto ny = static_cast<std::size_t>(grid.lattice.ny);
   const auto gap_m = static_cast<float>(plan.gap_m);
+  const float most_m = std::max(gap_m, static_cast<float>(2.0 * plan.bins.spacing_m));
   std::vector<Facing> facing(grid.height_m.size(), kNothing);
-  if (plan.facing->knows_any_side()) {
-    const float most_m = std::max(gap_m, static_cast<float>(2.0 * plan.bins.spacing_m));
-    pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t j = begin; j < end; ++j) ask_row(plan, grid, j, most_m, facing.data() + j * nx);
+  const auto any = [&](Facing which) { return std::find(facing.begin(), facing.end(), which) != facing.end(); };
+  const auto ask = [&](FacingField::Word word, std::vector<Facing>& answers) {
+    pool.for_ranges(ny, 4, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t j = begin; j < end; ++j) ask_row(plan, word, grid, j, most_m, answers.data() + j * nx);
     });
+  };
+  if (plan.discs) {
+    for (std::size_t node = 0; node < facing.size(); ++node) {
+      if (grid.state[node] == NodeState::measured) facing[node] = side_of(verdicts[node]);
+    }
+    if (!any(kAway)) return;
+    std::vector<Proof> proofs(facing.size(), Proof::views);
+    std::vector<Facing> told(facing.size());
+    for (const auto& [word, proof] : {std::pair{FacingField::Word::of_closed_surfaces, Proof::closed_surface},
+                                      std::pair{FacingField::Word::of_stations, Proof::stations}}) {
+      if (!plan.facing->has(word)) continue;
+      ask(word, told);
+      for (std::size_t node = 0; node < told.size(); ++node) {
+        if (told[node] == kAway) proofs[node] = proof;
+      }
+    }
+    leave_out_regions(gap_m, facing, proofs, projection);
+    return;
+  }
+  if (plan.facing->has(FacingField::Word::of_all)) {
+    ask(FacingField::Word::of_all, facing);
   } else {
     for (std::size_t node = 0; node < facing.size(); ++node) {
       if (grid.state[node] == NodeState::measured) facing[node] = kUnsure;
     }
   }
-  const auto any = [&](Facing which) { return std::find(facing.begin(), facing.end(), which) != facing.end(); };
   if (any(kUnsure)) projection.nodes_unsure = count_unsure(plan, facing, grid);
-  if (any(kAway)) leave_out_regions(gap_m, facing, projection);
+  if (any(kAway)) leave_out_regions(gap_m, facing, std::vector(facing.size(), Proof::closed_surface), projection);
 }
 
 }  // namespace sparsha::pipeline

@@ -1,5 +1,8 @@
-// Holes of the front where windows decide about nodes: what is seen through them faces away and is no front.
+// Holes of the front: what is seen through them faces away and is no front.
 #pragma once
+
+#include <cstdint>
+#include <vector>
 
 #include "base/thread_pool.h"
 #include "pipeline/projection/plan.h"
@@ -7,9 +10,10 @@
 
 namespace sparsha::pipeline {
 
-/// Makes nodes unknown that surely face away and lie behind what is around them, and counts them and those that lie so
-/// and of which nothing tells which way they face. Of a whole grid that windows measured; does nothing where discs
-/// decide, which know facing, or where nobody asked.
-void leave_out_turned_away(const ProjectionPlan& plan, ThreadPool& pool, Projection& projection);
+/// Makes nodes unknown that surely face away and lie behind what is around them, or of which stations say so, and
+/// counts them. Of a whole grid; `verdicts` of its nodes where discs decided, else empty. Where windows decided, counts
+/// the nodes, too, that lie so and of which nothing tells which way they face.
+void leave_out_turned_away(const ProjectionPlan& plan, const std::vector<std::uint8_t>& verdicts, ThreadPool& pool,
+                           Projection& projection);
 
 }  // namespace sparsha::pipeline

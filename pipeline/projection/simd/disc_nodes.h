@@ -314,12 +314,12 @@ SPARSHA_INLINE float away(const Cover& c, std::size_t begin, std::size_t end) {
   return sum / weight;
 }
 
-// Of a layer that surrounds the node: no front if it faces away. `low` and `high` are its discs' heights.
+// Of a layer that surrounds the node: hardly a front if it faces away. `low` and `high` are its discs' heights.
 SPARSHA_INLINE std::uint8_t decide_group(const DiscNodeKernel& k, const Cover& c, std::size_t begin, std::size_t end,
                                          float low, float high, float& height) {
   const float share = c.all_towards ? -1.0F : away(c, begin, end);
-  if (share > k.most_away) return DiscNodeKernel::kAway;
   height = height_of_group(c, begin, end, low, high);
+  if (share > k.most_away) return DiscNodeKernel::kAway;
   std::uint8_t verdict = DiscNodeKernel::kMeasured;
   if (share > -k.most_away) verdict |= DiscNodeKernel::kUnsure;
   return verdict;
