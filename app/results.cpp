@@ -31,8 +31,10 @@ std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& 
                       description.levels.size(), description.levels.size() == 1 ? "" : "s");
   const auto& points = report.points;
   if (report.triangles > 0) text += fmt::format("mesh      {} triangles\n", count_text(report.triangles));
-  text += fmt::format("points    {} read: {} used, {} occluded, {} outliers, {} outside, {} filtered, {} invalid\n",
-                      count_text(points.read), count_text(points.used), count_text(points.occluded),
+  const std::string edge_on =
+      points.edge_on > 0 ? fmt::format(" ({} of them seen edge-on)", count_text(points.edge_on)) : "";
+  text += fmt::format("points    {} read: {} used, {} occluded{}, {} outliers, {} outside, {} filtered, {} invalid\n",
+                      count_text(points.read), count_text(points.used), count_text(points.occluded), edge_on,
                       count_text(points.outlier), count_text(points.outside), count_text(points.filtered),
                       count_text(points.invalid));
   for (const pipeline::Report::Filter& filter : report.filters) {

@@ -29,7 +29,14 @@ class KeyTable {
     }
     return slots_[slot];
   }
+  /// The number of the key's record, or size() when there is none.
+  [[nodiscard]] std::uint32_t find(const Key& key) const {
+    std::size_t slot = place(Hash{}(key));
+    while (slots_[slot] != kFree && records_[slots_[slot]].key != key) slot = (slot + 1) & (slots_.size() - 1);
+    return slots_[slot] == kFree ? static_cast<std::uint32_t>(records_.size()) : slots_[slot];
+  }
   [[nodiscard]] Record& operator[](std::uint32_t number) { return records_[number]; }
+  [[nodiscard]] const Record& operator[](std::uint32_t number) const { return records_[number]; }
   [[nodiscard]] std::size_t size() const { return records_.size(); }
   /// Ask for the memory that number() will look at, some keys before; the slot first, which tells where the record is.
   void prefetch_slot(std::uint64_t hash) const { prefetch(&slots_[place(hash)]); }

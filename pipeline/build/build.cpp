@@ -235,7 +235,7 @@ void fill_and_check(const Config& config, const BuildOptions& options, const Con
     progress.begin("cross-check");
     report.check = scans.check(base.grid);
     scans.check = nullptr;
-    if (!options.force) require_surface_near_points(base.grid.lattice, *report.check);
+    if (!options.force) require_surface_near_points(projection, base.grid.lattice, *report.check);
     scene.check_map = check_map_of(base.grid, *report.check);
   }
   for (std::string& text : surface_warnings(projection, base.grid.lattice, measured, report.check)) {

@@ -2,6 +2,7 @@
 #include "pipeline/build/warnings.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,23 @@ constexpr double kFarSpacings = 0.2;  // and what form between nodes and points 
 constexpr double kDoubtful = 0.01;    // shares of measured nodes
 constexpr double kTurnedAway = 0.001;
 constexpr double kUnsure = 0.2;
+constexpr double kEdgeOn = 0.02;       // share of the points that the view could show or shows edge-on
+constexpr double kMostlyEdgeOn = 0.9;  // of the same: nothing is left that speaks for the surface
+
+double edge_on_share(const Projection& projection) {
+  const std::uint64_t all = projection.used + projection.outlier + projection.edge_on;
+  return all > 0 ? static_cast<double>(projection.edge_on) / static_cast<double>(all) : 0.0;
+}
+
+// The filter that takes away what is seen edge-on.
+std::string plane_filter(const Projection& projection) {
+  const Eigen::Vector3d& n = projection.edge_on_normal;
+  // Two digits, and no minus before a zero.
+  const auto tidy = [](double value) { return std::round(100.0 * value) / 100.0 + 0.0; };
+  const double distance_m = std::max(3.0 * projection.noise_m, projection.point_spacing_m);
+  return fmt::format("remove_plane: {{normal: [{:.2f}, {:.2f}, {:.2f}], distance_mm: {:.2g}}}", n.x() + 0.0,
+                     n.y() + 0.0, tidy(n.z()), 1e3 * distance_m);
+}
 
 }  // namespace
 
@@ -70,6 +88,13 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
         "errors in the report; another orientation or a smaller grid.spacing_mm may follow the points better",
         half_of(check->against), length_text(check->cloud_to_surface.median_m), length_text(doubts.explained_m)));
   }
+  if (edge_on_share(projection) > kEdgeOn) {
+    warnings.push_back(
+        fmt::format("{} points ({:.0f} % of those before the surface's back) lie on surfaces that this view shows "
+                    "edge-on, as a floor: they are not visible from here and not judged; the filter '{}' takes the "
+                    "largest away",
+                    count_text(projection.edge_on), 100.0 * edge_on_share(projection), plane_filter(projection)));
+  }
   if (share(projection.nodes_doubtful) > kDoubtful) {
     warnings.push_back(
         fmt::format("two layers were hard to tell apart at {:.1f} % of the nodes: they are closer than the noise and "
@@ -112,15 +137,24 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
   return warnings;
 }
 
-void require_surface_near_points(const Lattice& lattice, const CheckResult& check) {
+void require_surface_near_points(const Projection& projection, const Lattice& lattice, const CheckResult& check) {
   const DistanceStatistics& distances = check.cloud_to_surface;
+  const std::string filter = projection.edge_on > 0 ? fmt::format(", the filter '{}'", plane_filter(projection)) : "";
+  if (edge_on_share(projection) > kMostlyEdgeOn) {
+    throw input_error(
+        {},
+        fmt::format("{:.0f} % of the points lie on surfaces that this view shows edge-on: it shows hardly "
+                    "anything of the scan",
+                    100.0 * edge_on_share(projection)),
+        "another orientation" + filter + "; --force builds it all the same");
+  }
   if (distances.samples == 0 || distances.median_m <= lattice.spacing_m) return;
   throw input_error(
       {},
       fmt::format("the surface lies more than a grid spacing ({}) from half of {} ({} in the "
                   "median): it is not theirs",
                   length_text(lattice.spacing_m), words_of(check.against), length_text(distances.median_m)),
-      "another orientation, a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
+      "another orientation" + filter + ", a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
 }
 
 }  // namespace sparsha::pipeline

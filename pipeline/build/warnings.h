@@ -29,7 +29,8 @@ struct SurfaceDoubts {
                                                         std::uint64_t measured,
                                                         const std::optional<CheckResult>& check);
 
-/// Throws Error{input} when the surface lies farther from half of the points than a grid spacing: it is not theirs.
-void require_surface_near_points(const Lattice& lattice, const CheckResult& check);
+/// Throws Error{input} when the surface lies farther from half of the points than a grid spacing: it is not theirs; and
+/// when nearly all points lie on surfaces that the view shows edge-on. Names the filter that would help.
+void require_surface_near_points(const Projection& projection, const Lattice& lattice, const CheckResult& check);
 
 }  // namespace sparsha::pipeline

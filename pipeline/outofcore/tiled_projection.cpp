@@ -12,6 +12,7 @@
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/projection/attributes.h"
 #include "pipeline/projection/classification.h"
+#include "pipeline/projection/edge_on.h"
 #include "pipeline/projection/measure_rows.h"
 #include "pipeline/projection/turned_away.h"
 
@@ -220,6 +221,63 @@ void TiledProjection::fit_tile(const Tile& tile, const Context& context, Project
   }
 }
 
+/// Takes outliers on surfaces seen edge-on out of what counts, some buckets behind the one that is classified: those of
+/// the buckets around decide.
+class TiledProjection::OutliersOfBuckets {
+ public:
+  OutliersOfBuckets(TiledProjection& whole, const Context& context, Projection& projection)
+      : whole_(whole),
+        context_(context),
+        projection_(projection),
+        surfaces_(whole.plan_.bins, whole.plan_.point_spacing_m),
+        outliers_(whole.points_.file->buckets()) {}
+
+  /// Of one bucket after the other.
+  void add(const Piece& piece, const PointClass* point_class) {
+    decide_up_to(static_cast<int>(piece.bucket) * whole_.points_.rows_per_bucket - surfaces_.rows_needed());
+    outliers_[piece.bucket] +=
+        static_cast<std::uint64_t>(std::count(point_class, point_class + piece.points.count, PointClass::outlier));
+    surfaces_.add(piece.points, point_class);
+  }
+  /// After the last.
+  void finish() { decide_up_to(whole_.plan_.bins.bins_y() + whole_.points_.rows_per_bucket); }
+
+ private:
+  // The buckets that end at that row of bins or before.
+  void decide_up_to(int bin_row) {
+    const int rows = whole_.points_.rows_per_bucket;
+    for (; next_ < outliers_.size() && (static_cast<int>(next_) + 1) * rows <= bin_row; ++next_) {
+      surfaces_.forget_before(static_cast<int>(next_) * rows - surfaces_.rows_needed());
+      if (outliers_[next_] > 0) decide(next_);
+    }
+  }
+  void decide(std::size_t bucket) {
+    std::vector<PointClass> before(PointFile::kPiece);
+    std::vector<PointClass> after;
+    const int row = static_cast<int>(bucket) * whole_.points_.rows_per_bucket;
+    whole_.each_piece(row, row + 1, context_.pool, [&](const Piece& piece) {
+      context_.progress.throw_if_cancelled();
+      (void)classify_points(piece.points, whole_.plan_.bins, projection_.grid, whole_.plan_.gap_m, context_.pool,
+                            before.data());
+      after = before;
+      const std::uint64_t count = surfaces_.take_out(piece.points, after.data(), context_.pool);
+      add_edge_on(count, surfaces_.main_normal(), whole_.scan_to_grid_, projection_);
+      std::vector<std::uint64_t>& bits = whole_.points_.counts_bits[bucket];
+      for (std::size_t k = 0; k < piece.points.count; ++k) {
+        const std::uint64_t record = piece.records.first + k;
+        if (after[k] != before[k]) bits[record / 64] &= ~(std::uint64_t{1} << (record % 64));
+      }
+    });
+  }
+
+  TiledProjection& whole_;
+  const Context& context_;
+  Projection& projection_;
+  EdgeOnSurfaces surfaces_;
+  std::vector<std::uint64_t> outliers_;  // in each bucket
+  std::size_t next_ = 0;                 // bucket to be decided
+};
+
 void TiledProjection::decide_classes(const Context& context, Projection& projection) {
   const PointLayout layout = points_.file->layout();
   AttributeSums sums(plan_.lattice, plan_.bins, layout.colour, layout.intensity, cloud_.largest_intensity);
@@ -228,6 +286,7 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
   std::vector<float> intensity;
   points_.counts_bits.resize(points_.file->buckets());
   projection.outside = beyond_;
+  OutliersOfBuckets outliers(*this, context, projection);
   each_piece(0, plan_.bins.bins_y(), context.pool, [&](const Piece& piece) {
     const double done = static_cast<double>(piece.bucket) / static_cast<double>(points_.file->buckets());
     context.progress.at(kFitted + (1.0 - kFitted) * done);
@@ -242,6 +301,7 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
       const std::uint64_t record = piece.records.first + k;
       if (counts) bits[static_cast<std::size_t>(record / 64)] |= std::uint64_t{1} << (record % 64);
     }
+    outliers.add(piece, point_class.data());
     if (layout.words() == 3) return;
     rgba.resize(layout.colour ? count : 0);
     intensity.resize(layout.intensity ? count : 0);
@@ -249,6 +309,7 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
     for (std::size_t k = 0; k < intensity.size(); ++k) intensity[k] = piece.records.intensity(k);
     sums.add(piece.points, point_class.data(), rgba.data(), intensity.data());
   });
+  outliers.finish();
   points_.counted = projection.used + projection.outlier;
   sums.write(projection);
 }

@@ -58,6 +58,7 @@ class TiledProjection {
   void fit_tile(const Tile& tile, const Context& context, Projection& projection,
                 std::vector<std::uint8_t>& of_nodes) const;
   void decide_classes(const Context& context, Projection& projection);
+  class OutliersOfBuckets;
   [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;
 
   CloudOnDisk cloud_;

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "pipeline/projection/attributes.h"
 #include "pipeline/projection/classification.h"
+#include "pipeline/projection/edge_on.h"
 #include "pipeline/projection/measure_rows.h"
 #include "pipeline/projection/plan.h"
 #include "pipeline/projection/triangles.h"
@@ -41,6 +42,14 @@ void merge_mesh(const TriangleHeights& mesh, double gap_m, DepthGrid& grid) {
     grid.height_m[node] = mesh.height_m[node];
     grid.state[node] = NodeState::measured;
   }
+}
+
+void leave_out_edge_on(const OrientedPoints& points, const ProjectionPlan& plan, const Eigen::Matrix4d& scan_to_grid,
+                       ThreadPool& pool, Projection& projection) {
+  EdgeOnSurfaces surfaces(plan.bins, plan.point_spacing_m);
+  surfaces.add(points, projection.point_class.data());
+  const std::uint64_t count = surfaces.take_out(points, projection.point_class.data(), pool);
+  add_edge_on(count, surfaces.main_normal(), scan_to_grid, projection);
 }
 
 }  // namespace
@@ -101,6 +110,7 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridCon
   add_classes(
       classify_points(points, plan.bins, projection.grid, plan.gap_m, context.pool, projection.point_class.data()),
       projection);
+  leave_out_edge_on(points, plan, scan_to_grid, context.pool, projection);
   const bool colour = config.colour && cloud_.rgba.size() == points.count;
   const bool intensity = config.intensity && cloud_.intensity.size() == points.count;
   if (colour || intensity) {

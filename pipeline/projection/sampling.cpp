@@ -56,7 +56,21 @@ struct Block {
   std::size_t begin = 0, end = 0;
   std::size_t front_begin = 0, front_size = 0;
   double noise_m = -1.0;
+  bool deep = false;  // filled with points far deeper than it is wide: a floor or a wall that the view shows edge-on
 };
+
+// `sorted`: the highest first.
+bool is_deep(std::span<const NodePoint> sorted, double side) {
+  constexpr double kDeep = 6.0;    // sides: a slope of that holds no height field
+  constexpr double kBreak = 0.25;  // of the depth: front and back with nothing between are no such thing
+  if (sorted.size() < 10) return false;
+  const std::span<const NodePoint> inner = sorted.subspan(sorted.size() / 10, sorted.size() - sorted.size() / 5);
+  const auto depth = static_cast<double>(inner.front().z - inner.back().z);
+  if (!(depth > kDeep * side)) return false;
+  for (std::size_t k = 1; k < inner.size(); ++k)
+    if (static_cast<double>(inner[k - 1].z - inner[k].z) > kBreak * depth) return false;
+  return true;
+}
 
 // Gathers the samples of each block; the order of the blocks and of their points is that of the samples.
 std::vector<Block> gather_blocks(const std::vector<Sample>& samples, std::vector<NodePoint>& points) {
@@ -245,13 +259,13 @@ std::vector<Sample> draw_samples(const OrientedPieces& pieces, const BlockKernel
 class Blocks {
  public:
   Blocks(const std::vector<Sample>& samples, double side, ThreadPool& pool)
-      : side_(side), pool_(pool), found_(gather_blocks(samples, points_)) {
+      : side_(side), pool_(&pool), found_(gather_blocks(samples, points_)) {
     sort_points();
   }
 
   [[nodiscard]] Steepness steepness(const Look& look) const {
     std::vector<Steepness> parts(found_.size());
-    pool_.for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    pool_->for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) parts[b] = steepness_of_block(all_of(found_[b]), side_, look);
     });
     Steepness sum;
@@ -270,9 +284,23 @@ class Blocks {
     return sum;
   }
 
+  // Where blocks that are deep hold most of the points, the side of those that hold about 36 points of the others; else
+  // the side that there is.
+  [[nodiscard]] double side_of_others() const {
+    std::size_t deep = 0;
+    std::size_t others = 0;
+    std::size_t blocks = 0;
+    for (const Block& block : found_) {
+      (block.deep ? deep : others) += block.end - block.begin;
+      blocks += block.deep ? 0 : 1;
+    }
+    if (deep <= others || others == 0) return side_;
+    return kBlockSpacings * side_ * std::sqrt(static_cast<double>(blocks) / static_cast<double>(others));
+  }
+
   // Takes the points of each block that lie in front where the noise is `noise_m`, and measures theirs.
   void find_fronts(double noise_m) {
-    pool_.for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    pool_->for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
       std::vector<double> scratch;
       for (std::size_t b = begin; b < end; ++b) {
         Block& block = found_[b];
@@ -293,7 +321,7 @@ class Blocks {
     std::vector<Weighted> noises;
     std::vector<Weighted> spacings;
     for (const Block& block : found_) {
-      if (block.front_size == 0) continue;
+      if (block.front_size == 0 || (block.deep && !all_deep_)) continue;
       const auto weight = static_cast<double>(block.front_size);
       spacings.push_back({side_ / std::sqrt(weight), weight});
       if (block.noise_m >= 0.0) noises.push_back({block.noise_m, weight});
@@ -309,7 +337,7 @@ class Blocks {
   }
 
   void sort_points() {
-    pool_.for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+    pool_->for_ranges(found_.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) {
         const auto first = points_.begin() + static_cast<std::ptrdiff_t>(found_[b].begin);
         const auto last = points_.begin() + static_cast<std::ptrdiff_t>(found_[b].end);
@@ -317,12 +345,15 @@ class Blocks {
         // Scanners and merges deliver points twice; a point makes the surface no denser by being told again.
         const auto same = [](const NodePoint& p, const NodePoint& q) { return !before(p, q) && !before(q, p); };
         found_[b].end = found_[b].begin + static_cast<std::size_t>(std::unique(first, last, same) - first);
+        found_[b].deep = is_deep(all_of(found_[b]), side_);
       }
     });
+    all_deep_ = std::all_of(found_.begin(), found_.end(), [](const Block& block) { return block.deep; });
   }
 
   double side_;
-  ThreadPool& pool_;
+  ThreadPool* pool_;
+  bool all_deep_ = false;
   std::vector<NodePoint> points_;
   std::vector<Block> found_;
 };
@@ -349,8 +380,12 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
     drawn.limit = static_cast<std::uint32_t>(share * 4294967295.0);
     return Blocks(draw_samples(pieces, drawn, pool), side, pool);
   };
-  const double side = kBlockSpacings * mean_spacing;
+  double side = kBlockSpacings * mean_spacing;
   Blocks blocks = blocks_of({}, side);
+  if (const double wider = blocks.side_of_others(); wider > side) {
+    side = wider;
+    blocks = blocks_of({}, side);
+  }
 
   Steepness near = blocks.steepness({});
   result.in_space = near.statistics();
@@ -363,7 +398,7 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.
   for (int round = 0; round < 5; ++round) {
     blocks.find_fronts(result.noise_m);
-    blocks.measure_fronts(mean_spacing, result);
+    blocks.measure_fronts(side / kBlockSpacings, result);
   }
   return result;
 }

@@ -154,7 +154,8 @@ std::string points_table(const Report& report) {
   };
   row("read", p.read);
   row("used for the surface", p.used);
-  row("occluded, behind the surface", p.occluded);
+  row("not visible from here: behind the surface", p.occluded - p.edge_on);
+  if (p.edge_on > 0) row("not visible from here: on surfaces seen edge-on", p.edge_on);
   row("outliers", p.outlier);
   row("outside the grid", p.outside);
   row("taken away by filters", p.filtered);
@@ -334,9 +335,10 @@ std::string stages(const Report& report) {
 constexpr const char* kWords = R"html(<dl class='words'>
 <dt>Coverage</dt><dd>Share of the grid's nodes whose height was measured. Filled heights never count as measured.</dd>
 <dt>Completeness</dt><dd>Share of the nodes inside the object's outline that have a raw point, or a triangle of a mesh, within the tolerance.</dd>
-<dt>Points to surface, mesh to surface</dt><dd>Straight distance from each raw point to the modelled surface; outliers are included, points behind the surface are not. Of a mesh, from places spread evenly over what the view shows of its triangles.</dd>
+<dt>Points to surface, mesh to surface</dt><dd>Straight distance from each raw point to the modelled surface; outliers are included, points that are not visible from here are not. Of a mesh, from places spread evenly over what the view shows of its triangles.</dd>
 <dt>RMS, MAD</dt><dd>Root of the mean square; median of the deviations from the median, which single outliers do not move.</dd>
-<dt>Outliers, occluded</dt><dd>Points that stand alone before or behind the surface; points of parts that this view hides, such as the back.</dd>
+<dt>Outliers</dt><dd>Points that stand alone before or behind the surface.</dd>
+<dt>Not visible from here</dt><dd>Points of parts that this view hides, such as the back, and of surfaces that lie along the line of sight, such as the floor under a statue. They say nothing about the surface and are not judged.</dd>
 <dt>Texture and friction</dt><dd>The fine relief on top of the smoothed form, and the resistance that a hand feels when it slides over it.</dd>
 <dt>Invented</dt><dd>What a hand feels and no scan has measured: the ring of a strike, by the material named in the configuration, and grain finer than the scan resolves, which continues the statistics of the measured heights. No height and no figure of this report contains it.</dd>
 </dl>)html";

@@ -65,6 +65,10 @@ std::string report_json(const Scene& scene, const Report& report) {
   json["version"] = SPARSHA_VERSION;
   json["points"] = {{"read", p.read},       {"used", p.used},         {"occluded", p.occluded}, {"outlier", p.outlier},
                     {"outside", p.outside}, {"filtered", p.filtered}, {"invalid", p.invalid}};
+  // Of those read; the others are what the cross-check judges, and what is no part of the object.
+  json["not_visible"] = {{"share", p.read > 0 ? static_cast<double>(p.occluded) / static_cast<double>(p.read) : 0.0},
+                         {"behind", p.occluded - p.edge_on},
+                         {"edge_on", p.edge_on}};
   json["triangles"] = report.triangles;
   json["filters"] = Json::array();
   for (const Report::Filter& filter : report.filters) {

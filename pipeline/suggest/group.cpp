@@ -52,9 +52,8 @@ Box take_group(std::map<Cell, Box>& cells, std::map<Cell, Box>::iterator first) 
   return group;
 }
 
-// The largest group of those points.
-Box largest_group(const std::vector<Eigen::Vector3d>& points_m, const Box& all) {
-  const double cell_m = all.longest() / kCells;
+// The largest group of those points, connected by cells of that width.
+Box largest_group(const std::vector<Eigen::Vector3d>& points_m, const Box& all, double cell_m) {
   std::map<Cell, Box> cells;
   for (const Eigen::Vector3d& p : points_m) {
     const Eigen::Vector3d place = ((p - all.low) / cell_m).array().floor();
@@ -70,7 +69,23 @@ Box largest_group(const std::vector<Eigen::Vector3d>& points_m, const Box& all) 
   return largest;
 }
 
+// With a margin.
+PointGroup group_of(const Box& box, double all) {
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kMargin * box.longest());
+  PointGroup group;
+  group.crop.min_m = ((box.low - margin) * 1e3).array().floor() / 1e3 + 0.0;
+  group.crop.max_m = ((box.high + margin) * 1e3).array().ceil() / 1e3 + 0.0;
+  group.share = static_cast<double>(box.points) / all;
+  return group;
+}
+
 }  // namespace
+
+PointGroup largest_piece(const std::vector<Eigen::Vector3d>& points_m, double apart_m) {
+  Box box;
+  for (const Eigen::Vector3d& p : points_m) box.add({p, p, 1});
+  return group_of(largest_group(points_m, box, apart_m), static_cast<double>(points_m.size()));
+}
 
 std::optional<PointGroup> main_group(const std::vector<Eigen::Vector3d>& points_m) {
   constexpr double kFar_m = 1e9;
@@ -82,17 +97,13 @@ std::optional<PointGroup> main_group(const std::vector<Eigen::Vector3d>& points_
     Box box;
     for (const Eigen::Vector3d& p : points) box.add({p, p, 1});
     if (!(box.longest() > 0.0)) break;
-    const Box group = largest_group(points, box);
+    const Box group = largest_group(points, box, box.longest() / kCells);
     const double elsewhere = static_cast<double>(points.size() - group.points);
     if (!(group.longest() > 0.0 && group.longest() < kSmall * box.longest()) || elsewhere < kOthers * all ||
         static_cast<double>(group.points) < kLeast * all) {
       break;
     }
-    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kMargin * group.longest());
-    PointGroup result;
-    result.crop.min_m = ((group.low - margin) * 1e3).array().floor() / 1e3 + 0.0;
-    result.crop.max_m = ((group.high + margin) * 1e3).array().ceil() / 1e3 + 0.0;
-    result.share = static_cast<double>(group.points) / all;
+    const PointGroup result = group_of(group, all);
     found = result;
     std::erase_if(points, [&](const Eigen::Vector3d& p) {
       return (p.array() < result.crop.min_m.array()).any() || (p.array() > result.crop.max_m.array()).any();

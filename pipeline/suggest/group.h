@@ -20,4 +20,7 @@ struct PointGroup {
 /// length. Depends on the points alone, not on their order.
 [[nodiscard]] std::optional<PointGroup> main_group(const std::vector<Eigen::Vector3d>& points_m);
 
+/// The largest of the pieces that lie farther than about `apart_m` from each other; its share of the points.
+[[nodiscard]] PointGroup largest_piece(const std::vector<Eigen::Vector3d>& points_m, double apart_m);
+
 }  // namespace sparsha::pipeline

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/progress.h"
+#include "pipeline/suggest/inner_box.h"
 #include "pipeline/suggest/trial.h"
 #include "pipeline/suggest/view.h"
 

@@ -10,12 +10,14 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "base/thread_pool.h"
 #include "base/yaml_text.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
+#include "pipeline/suggest/floors.h"
 #include "pipeline/suggest/group.h"
 #include "pipeline/suggest/search.h"
 #include "pipeline/suggest/trial.h"
@@ -193,6 +195,49 @@ std::string crop_to_group(SeenScans& seen, TrialCloud& points, Progress& progres
                      precise(group->crop.max_m), what);
 }
 
+// With what is around the object, and without it.
+struct Ways {
+  Choice choice;
+  Sides sides;
+  bool planes_go = false;
+  std::string filters;  // their lines; as comments where the planes stay
+};
+
+std::string outcome(const Choice& choice) {
+  const Trial& trial = choice.trial;
+  if (!trial.fits) return "fails the cross-check: " + trial.complaint();
+  return fmt::format("{} within {} of the surface, {:.0f} % of the grid is measured, from {}", half_of(trial.against),
+                     length_text(trial.median_m), 100.0 * trial.coverage, vector(trial.view.look_from));
+}
+
+Ways try_ways(const SeenScans& seen, TrialCloud& points, const std::optional<Eigen::Vector3d>& up, Progress& progress) {
+  ThreadPool pool(0);
+  const FloorsAndWalls around =
+      points.has_faces() ? FloorsAndWalls() : find_floors_and_walls(seen.points_m, {pool, progress});
+  Ways whole;
+  TrialCloud object = points;
+  whole.sides = sides_of(seen, up);
+  whole.choice = find_view_and_spacing(points, whole.sides, inner_box(seen.points_m), progress);
+  if (around.planes.empty()) return whole;
+  Ways alone;
+  SeenScans left = seen;
+  left.take_away(around);
+  object.take_away(around);
+  alone.sides = sides_of(left, up);
+  alone.choice = find_view_and_spacing(object, alone.sides, inner_box(left.points_m), progress);
+  const bool go = alone.choice.trial.fits;
+  std::string lines = to_text(around, go ? "  - " : "#  - ");
+  for (const FloorsAndWalls::Plane& plane : around.planes) {
+    if (go) progress.warn(plane.reason + "; a filter 'remove_plane' takes it away");
+  }
+  lines += fmt::format("#   without what is around it: {}\n#   with it: {}\n", yaml::comment(outcome(alone.choice)),
+                       yaml::comment(outcome(whole.choice)));
+  Ways& taken = go ? alone : whole;
+  taken.planes_go = go;
+  taken.filters = std::move(lines);
+  return std::move(taken);
+}
+
 }  // namespace
 
 Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress,
@@ -219,12 +264,14 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
       filter_block += "# " + yaml::comment(sentence) + "\n";
     }
   }
-  if (const std::string filters = worth.filters() + crop; !filters.empty()) filter_block += "filters:\n" + filters;
-  box = inner_box(seen.points_m);
+  const bool filtered = !worth.filters().empty() || !crop.empty();
+  if (filtered) filter_block += "filters:\n" + worth.filters() + crop;
   progress.begin("try views");
   const double share = points.share();
-  const Sides sides = sides_of(seen, options.up);
-  const Choice choice = find_view_and_spacing(points, sides, box, progress);
+  const Ways ways = try_ways(seen, points, options.up, progress);
+  const Choice& choice = ways.choice;
+  if (!filtered && ways.planes_go) filter_block += "filters:\n";
+  filter_block += ways.filters;
   const View& view = choice.trial.view;
   const double spacing_mm = (choice.spacing_m > 0.0 ? choice.spacing_m : 0.001) * 1e3;
   if (choice.no_surface) {
@@ -243,7 +290,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   yaml += filter_block;
   yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
   yaml += verdict(choice, share);
-  if (sides.standing) yaml += other_sides(view);
+  if (ways.sides.standing) yaml += other_sides(view);
   yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n",
                       choice.exact_spacing ? fmt::format("{:.12g}", spacing_mm) : written_mm(1e-3 * spacing_mm),
                       choice.spacing_reason);

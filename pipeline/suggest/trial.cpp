@@ -48,6 +48,14 @@ void TrialCloud::crop(const CropConfig& box) {
   loose_m_ = std::move(kept);
 }
 
+void TrialCloud::take_away(const FloorsAndWalls& around) {
+  PointSample kept(kMostPoints);
+  for (const Eigen::Vector3d& p : loose_m_.points()) {
+    if (around.keeps(p)) kept.add(p);
+  }
+  loose_m_ = std::move(kept);
+}
+
 double TrialCloud::share() const {
   const auto most = static_cast<double>(corners_m_.size() + kMostPoints);
   return std::min(static_cast<double>(kept_), most) / std::max(1.0, static_cast<double>(all_));

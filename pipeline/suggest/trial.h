@@ -24,6 +24,8 @@ class TrialCloud {
   void add(const ScanStatistics& statistics, double metres);
   /// Keeps what lies in the box; for clouds without faces.
   void crop(const CropConfig& box);
+  /// Takes away what is around the object; for clouds without faces.
+  void take_away(const FloorsAndWalls& around);
   /// Points kept over all points, 0 to 1.
   [[nodiscard]] double share() const;
   [[nodiscard]] bool has_faces() const { return !faces_.empty(); }

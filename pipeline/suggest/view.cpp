@@ -250,19 +250,8 @@ void SeenScans::crop(const CropConfig& box) {
   std::erase_if(triangles_m, outside);
 }
 
-InnerBox inner_box(const std::vector<Eigen::Vector3d>& points_m) {
-  InnerBox box;
-  std::vector<double> values(points_m.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::transform(points_m.begin(), points_m.end(), values.begin(), [axis](const auto& p) { return p[axis]; });
-    const auto at = [&](double share) {
-      const double place = share * static_cast<double>(values.size() - 1);
-      return value_of_rank(values, static_cast<std::size_t>(share < 0.5 ? std::floor(place) : std::ceil(place)));
-    };
-    box.low[axis] = at(0.01);
-    box.high[axis] = at(0.99);
-  }
-  return box;
+void SeenScans::take_away(const FloorsAndWalls& around) {
+  std::erase_if(points_m, [&](const Eigen::Vector3d& p) { return !around.keeps(p); });
 }
 
 Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) {

@@ -9,6 +9,8 @@
 
 #include "pipeline/orient/front.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/suggest/floors.h"
+#include "pipeline/suggest/inner_box.h"
 
 namespace sparsha::pipeline {
 
@@ -26,6 +28,8 @@ struct SeenScans {
   void look_at(const RawScan& scan, double metres);
   /// Keeps the points in the box.
   void crop(const CropConfig& box);
+  /// Takes away what is around the object.
+  void take_away(const FloorsAndWalls& around);
 
  private:
   bool any_ = false;
@@ -40,13 +44,6 @@ struct View {
 
   [[nodiscard]] bool oblique() const { return (look_from.array() != 0.0).count() > 1; }
 };
-
-/// Corners of the 1st to 99th percentile box, metres: a far outlier says nothing about the object.
-struct InnerBox {
-  Eigen::Vector3d low = Eigen::Vector3d::Zero();
-  Eigen::Vector3d high = Eigen::Vector3d::Zero();
-};
-[[nodiscard]] InnerBox inner_box(const std::vector<Eigen::Vector3d>& points_m);
 
 /// What is known of the object's sides.
 struct Sides {

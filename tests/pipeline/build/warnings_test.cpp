@@ -133,8 +133,8 @@ TEST(SurfaceWarnings, AreGivenForPointsWhoseNoiseIsZeroAndNotForAMesh) {
 }
 
 TEST(SurfaceWarnings, ASurfaceFartherThanASpacingFromHalfOfItsPointsIsAnError) {
-  EXPECT_NO_THROW(require_surface_near_points(millimetre_grid(), checked(0.001)));
-  EXPECT_THROW(require_surface_near_points(millimetre_grid(), checked(0.00101)), Error);
+  EXPECT_NO_THROW(require_surface_near_points(sound(), millimetre_grid(), checked(0.001)));
+  EXPECT_THROW(require_surface_near_points(sound(), millimetre_grid(), checked(0.00101)), Error);
 }
 
 TEST(GridNoise, IsReadAndWrittenAndMayNotBeNegative) {
@@ -145,6 +145,31 @@ TEST(GridNoise, IsReadAndWrittenAndMayNotBeNegative) {
   EXPECT_DOUBLE_EQ(*parsed("0.25").grid.noise_m, 0.00025);
   EXPECT_NE(to_yaml(parsed("0.25")).find("noise_mm: 0.25"), std::string::npos);
   EXPECT_THROW((void)parsed("-1"), Error);
+}
+
+TEST(SurfaceWarnings, WhatIsSeenEdgeOnIsSaidWithTheFilterThatTakesItAway) {
+  Projection projection = sound();
+  projection.used = 10'000;
+  projection.edge_on = 100;
+  projection.edge_on_normal = {0.0, 1.0, 0.0};
+  EXPECT_TRUE(warnings_of(projection).empty());
+  EXPECT_NO_THROW(require_surface_near_points(projection, millimetre_grid(), checked(0.0001)));
+  projection.edge_on = 5'000;
+  expect_one(warnings_of(projection), "remove_plane: {normal: [0.00, 1.00, 0.00], distance_mm: 1}");
+  EXPECT_NO_THROW(require_surface_near_points(projection, millimetre_grid(), checked(0.0001)));
+  const auto message = [&](double median_m) {
+    try {
+      require_surface_near_points(projection, millimetre_grid(), checked(median_m));
+    } catch (const Error& error) {
+      return error.wrong() + "; " + error.expected();
+    }
+    return std::string();
+  };
+  EXPECT_NE(message(0.002).find("remove_plane"), std::string::npos) << message(0.002);
+  // Nearly nothing but what cannot be judged.
+  projection.edge_on = 100'000;
+  EXPECT_NE(message(0.0001).find("edge-on"), std::string::npos) << message(0.0001);
+  EXPECT_NE(message(0.0001).find("remove_plane"), std::string::npos) << message(0.0001);
 }
 
 }  // namespace

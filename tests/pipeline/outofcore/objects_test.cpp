@@ -59,6 +59,28 @@ TEST_F(ObjectsOutOfCore, ClosedObjectsScannedInLinesGiveTheSameBytesAsInMemory) 
   expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
 }
 
+// On a floor, between walls that the view shows edge-on, with scattered points.
+TEST_F(ObjectsOutOfCore, WhatIsSeenEdgeOnIsTheSameAsInMemory) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> place(-0.4, 0.4);
+  std::string text = two_balls();
+  for (int k = 0; k < 24'000; ++k) text += fmt::format("{:.7f} {:.7f} {:.7f}\n", place(random), -0.2, place(random));
+  for (int k = 0; k < 16'000; ++k) {
+    const double side = k % 2 == 0 ? -0.4 : 0.4;
+    text += fmt::format("{:.7f} {:.7f} {:.7f}\n", side, 0.5 * place(random), place(random));
+  }
+  for (int k = 0; k < 3'000; ++k) {
+    text += fmt::format("{:.7f} {:.7f} {:.7f}\n", place(random), place(random), place(random));
+  }
+  write_file(folder_ / "room.xyz", text);
+  for (const char* size : {"60", "200"}) {
+    const std::string yaml =
+        fmt::format("scans: [{{file: room.xyz, units: m}}]\ngrid: {{size: {}}}\ncheck: {{samples: 4000}}\n", size);
+    expect_same_out_of_core(parse_config(yaml::parse_text(yaml, "room"), folder_.path()), 60'000);
+    EXPECT_GT(report(folder_ / "disk")["not_visible"]["edge_on"], 2'000) << size;
+  }
+}
+
 // The balls as two scanners before and behind them would write them, each what faces it.
 std::string two_stations() {
   std::array<std::string, 2> rows;
