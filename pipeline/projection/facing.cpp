@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "base/hash.h"
+#include "pipeline/projection/steady.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -36,7 +37,7 @@ class SampleCells {
       : x0_m_(extent.xmin_m),
         y0_m_(extent.ymin_m),
         z0_m_(static_cast<double>(totals.min_m.z())),
-        per_m_(1.0 / (kSide * spacing_m)) {}
+        per_m_(1.0 / (kSide * steady(spacing_m))) {}
 
   [[nodiscard]] std::uint64_t hash_of(float x, float y, float z) const {
     return hash_words(std::array<std::uint64_t, 3>{cell(x, x0_m_), cell(y, y0_m_), cell(z, z0_m_)});

@@ -65,7 +65,7 @@ std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const Project
       fastest_kernels().fit_disc_nodes(kernel, static_cast<std::size_t>(first_row) + j, rows.height_m.data() + at,
                                        verdicts.data() + at);
       for (std::size_t node = at; node < at + kernel.nx; ++node) {
-        constexpr unsigned kHeight = DiscNodeKernel::kMeasured | DiscNodeKernel::kAway;
+        constexpr unsigned kHeight = DiscNodeKernel::kMeasured | DiscNodeKernel::kAway | DiscNodeKernel::kEdge;
         if ((verdicts[node] & kHeight) != 0) {
           rows.state[node] = NodeState::measured;
         } else {

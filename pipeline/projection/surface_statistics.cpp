@@ -15,6 +15,7 @@
 
 #include "base/statistics.h"
 #include "pipeline/projection/simd/kernels.h"
+#include "pipeline/projection/steady.h"
 #include "pipeline/projection/surface_plane.h"
 
 namespace sparsha::pipeline {
@@ -88,12 +89,12 @@ class Blocks {
 
 // The points of blocks of `side_m` that a hash of their number chooses.
 std::vector<Block> draw_blocks(const OrientedPieces& pieces, const Extent& extent, double side_m, ThreadPool& pool) {
-  const double blocks = extent.covered_area_m2 / (side_m * side_m);
+  const double blocks = std::max(1.0, extent.covered_area_m2 / (side_m * side_m));
   BlockKernel kernel;
   kernel.x0_m = static_cast<float>(extent.xmin_m);
   kernel.y0_m = static_cast<float>(extent.ymin_m);
   kernel.per_m = static_cast<float>(1.0 / side_m);
-  kernel.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / std::max(1.0, blocks)) * 4294967295.0);
+  kernel.limit = static_cast<std::uint32_t>(std::min(1.0, kBlocks / steady(blocks)) * 4294967295.0);
   Blocks drawn;
   pieces([&](const OrientedPoints& points) {
     std::vector<std::vector<Drawn>> parts((points.count + kPiece - 1) / kPiece);
@@ -201,7 +202,7 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
                                      bool on_lines, ThreadPool& pool) {
   SurfaceStatistics result;
   for (std::size_t scale = 1;; scale *= 2) {
-    const double side_m = (on_lines ? kOfLines : kBlockSpacings) * spacing_m * static_cast<double>(scale);
+    const double side_m = (on_lines ? kOfLines : kBlockSpacings) * steady(spacing_m) * static_cast<double>(scale);
     std::vector<Block> blocks = draw_blocks(pieces, extent, side_m, pool);
     std::vector<Measured> parts(blocks.size());
     pool.for_ranges(blocks.size(), 4, [&](std::size_t begin, std::size_t end) {

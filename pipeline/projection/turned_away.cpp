@@ -61,7 +61,9 @@ void ask_row(const ProjectionPlan& plan, FacingField::Word word, const DepthGrid
 }
 
 Facing side_of(std::uint8_t verdict) {
-  return (verdict & DiscNodeKernel::kAway) != 0 ? kAway : (verdict & DiscNodeKernel::kUnsure) != 0 ? kUnsure : kTowards;
+  constexpr unsigned kTurned = DiscNodeKernel::kAway | DiscNodeKernel::kEdge;
+  if ((verdict & kTurned) != 0) return kAway;
+  return (verdict & DiscNodeKernel::kUnsure) != 0 ? kUnsure : kTowards;
 }
 
 using Labels = std::vector<std::uint32_t>;  // of each node; 0 where there is nothing
@@ -176,10 +178,22 @@ std::vector<bool> regions_with_steps(const DepthGrid& grid, const Labels& region
 // Who says that a node faces away, the surest last.
 enum class Proof : std::uint8_t { views, closed_surface, stations };
 
-// A region has to lie behind what is around it, unless stations know it; if nothing but views say so, its rim must show
-// steps.
-void leave_out_regions(float gap_m, const std::vector<Facing>& facing, const std::vector<Proof>& proofs,
-                       Projection& projection) {
+// The regions of nodes that face away most of whose nodes pass a test.
+template <typename Test>
+std::vector<bool> regions_of_most(const Labels& regions, const std::vector<Facing>& facing, const Test& test) {
+  std::vector<std::int64_t> sum(*std::max_element(regions.begin(), regions.end()) + std::size_t{1}, 0);
+  for (std::size_t node = 0; node < facing.size(); ++node) {
+    if (facing[node] == kAway) sum[regions[node]] += test(node) ? 1 : -1;
+  }
+  std::vector<bool> result;
+  for (const std::int64_t votes : sum) result.push_back(votes > 0);
+  return result;
+}
+
+// A region has to lie behind what is around it, unless stations know its side; if nothing but views say so, its rim
+// must show steps. What is no more than an edge is left out in any case.
+void leave_out_regions(float gap_m, const std::vector<Facing>& facing, const std::vector<std::uint8_t>& verdicts,
+                       const std::vector<Proof>& proofs, Projection& projection) {
   DepthGrid& grid = projection.grid;
   Labels sides(facing.size());
   for (std::size_t node = 0; node < facing.size(); ++node) {
@@ -188,15 +202,24 @@ void leave_out_regions(float gap_m, const std::vector<Facing>& facing, const std
   const Labels regions = label_pieces(facing, static_cast<std::size_t>(grid.lattice.nx),
                                       [&](std::size_t a, std::size_t b) { return sides[a] == sides[b]; });
   const std::vector<bool> behind = pieces_behind(regions, look_around(grid, sides, gap_m, 0));
+  const auto is_edge = [&](std::size_t node) {
+    return !verdicts.empty() && (verdicts[node] & DiscNodeKernel::kEdge) != 0;
+  };
+  const std::vector<bool> edges = regions_of_most(regions, facing, is_edge);
+  const auto of_proof = [&](Proof least) {
+    return regions_of_most(regions, facing, [&](std::size_t node) { return proofs[node] >= least; });
+  };
+  const std::vector<bool> closed = of_proof(Proof::closed_surface);
+  const std::vector<bool> told = of_proof(Proof::stations);
   const std::vector<bool> steps = regions_with_steps(grid, regions, sides, gap_m);
   for (std::size_t node = 0; node < facing.size(); ++node) {
     if (facing[node] != kAway) continue;
     const std::uint32_t region = regions[node];
-    const bool from_behind = behind[region] && (proofs[node] == Proof::closed_surface || steps[region]);
-    if (!from_behind && proofs[node] != Proof::stations) continue;
+    const bool from_behind = behind[region] && (closed[region] || steps[region]);
+    if (!from_behind && !told[region] && !(edges[region] && is_edge(node))) continue;
     grid.height_m[node] = kUnknownHeight;
     grid.state[node] = NodeState::unknown;
-    ++projection.nodes_turned_away;
+    projection.nodes_turned_away += is_edge(node) ? 0 : 1;
   }
 }
 
@@ -248,7 +271,7 @@ void leave_out_turned_away(const ProjectionPlan& plan, const std::vector<std::ui
         if (told[node] == kAway) proofs[node] = proof;
       }
     }
-    leave_out_regions(gap_m, facing, proofs, projection);
+    leave_out_regions(gap_m, facing, verdicts, proofs, projection);
     return;
   }
   if (plan.facing->has(FacingField::Word::of_all)) {
@@ -259,7 +282,7 @@ void leave_out_turned_away(const ProjectionPlan& plan, const std::vector<std::ui
     }
   }
   if (any(kUnsure)) projection.nodes_unsure = count_unsure(plan, facing, grid);
-  if (any(kAway)) leave_out_regions(gap_m, facing, std::vector(facing.size(), Proof::closed_surface), projection);
+  if (any(kAway)) leave_out_regions(gap_m, facing, {}, std::vector(facing.size(), Proof::closed_surface), projection);
 }
 
 }  // namespace sparsha::pipeline

@@ -403,7 +403,7 @@ SPARSHA_APART std::uint8_t tell_hole_from_edge(const DiscNodeKernel& k, const st
     }
   }
   const bool edge = towards >= away - (k.link_noise_m + k.link_spacings * spacing);
-  return edge ? DiscNodeKernel::kUnknown : DiscNodeKernel::kAway;
+  return edge ? DiscNodeKernel::kEdge : DiscNodeKernel::kAway;
 }
 
 SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {

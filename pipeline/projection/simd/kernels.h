@@ -168,6 +168,7 @@ struct DiscNodeKernel {
     kAway = 2,      ///< the highest layer faces away, and nothing near faces the viewer: its front was not scanned
     kDoubtful = 4,  ///< another layer follows so closely that the two were hard to tell apart
     kUnsure = 8,    ///< nothing tells which way the layer faces
+    kEdge = 16,     ///< the highest layer faces away, and one that faces the viewer comes near: below a silhouette
   };
 
   const std::uint32_t* start = nullptr;  ///< first disc of each column, bins_x + 1 values per row

@@ -64,7 +64,7 @@ TEST(OpenFronts, KeepWhatTwoStationsSaw) {
     ASSERT_TRUE(p.closed) << named.name << ": discs decide";
     EXPECT_TRUE(p.facing_known) << named.name;
     // A warning is given from one node in a thousand on.
-    EXPECT_LE(p.nodes_turned_away, p.used / 2000) << named.name;
+    EXPECT_LE(p.nodes_turned_away, p.used / 1000) << named.name;
     const Judgement f = judge_object(p.grid, *named.object, front);
     EXPECT_GE(f.covered, 0.905) << named.name;
     EXPECT_EQ(f.wrong_smooth, 0.0) << named.name;
