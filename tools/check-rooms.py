@@ -114,6 +114,8 @@ def problems(path):
         if kind == '"':
             if "/" not in name:
                 yield f'{where}: include "{name}" by its path from the root'
+            elif path.endswith(".h") and name.endswith(".hpp") and room != PCL_API:
+                yield f"{where}: {name} shows a library, it belongs in a .cpp file"
             elif name.split("/")[0] in {*ROOMS, "tests"} and not may_include(path, room, name):
                 yield f"{where}: {room} must not include {name}"
             elif in_core(path) and not in_core(name) and name not in CORE_SHARED:

@@ -1,9 +1,10 @@
 // Wraps pcl::KdTreeFLANN so that PCL's headers are compiled once.
 #include "pipeline/check/tree.h"
 
-#include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 

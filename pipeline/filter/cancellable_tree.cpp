@@ -4,7 +4,8 @@
 #include <vector>
 
 #include <pcl/point_types.h>
-#include <pcl/search/kdtree.h>
+
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "pipeline/filter/cancellable_tree.h"
 #include "pipeline/filter/clusters.h"
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 

@@ -7,6 +7,7 @@
 
 #include "pipeline/filter/cancellable_tree.h"
 #include "pipeline/filter/outliers.h"
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 namespace {

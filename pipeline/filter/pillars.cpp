@@ -2,7 +2,6 @@
 
 #include <pcl/common/common.h>
 #include <pcl/point_types.h>
-#include <pcl/search/kdtree.h>
 #include <pcl/segmentation/extract_clusters.h>
 #include <pcl/sample_consensus/impl/ransac.hpp>
 #include <pcl/sample_consensus/impl/sac_model_cylinder.hpp>
@@ -17,6 +16,7 @@
 #include <utility>
 
 #include "base/statistics.h"
+#include "pipeline/scan/pcl_trees.hpp"
 #include "pipeline/scan/quiet_pcl.h"
 
 namespace sparsha::pipeline {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pipeline/filter/plane.h"
+#include "pipeline/scan/pcl_trees.hpp"
 #include "pipeline/scan/quiet_pcl.h"
 
 namespace sparsha::pipeline {

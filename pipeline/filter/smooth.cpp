@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "pipeline/filter/cancellable_tree.h"
 #include "pipeline/filter/cells.h"
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 namespace {

@@ -7,10 +7,11 @@
 #include <cmath>
 
 #include <pcl/features/normal_3d.h>
-#include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_types.h>
 #include <pcl/sample_consensus/impl/ransac.hpp>
 #include <pcl/sample_consensus/impl/sac_model_normal_plane.hpp>
+
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 namespace {

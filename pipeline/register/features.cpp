@@ -8,11 +8,11 @@
 #include <tuple>
 
 #include <pcl/features/fpfh.h>
-#include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
-#include <pcl/search/kdtree.h>
 #include <pcl/features/impl/fpfh.hpp>
+
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace {
 using Point = pcl::PointNormal;

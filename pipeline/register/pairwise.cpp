@@ -14,6 +14,7 @@
 #include <pcl/registration/transformation_estimation_point_to_plane_lls.h>
 
 #include "pipeline/register/match.h"
+#include "pipeline/scan/pcl_trees.hpp"
 #include "pipeline/scan/quiet_pcl.h"
 
 namespace sparsha::pipeline {

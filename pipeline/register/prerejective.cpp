@@ -8,10 +8,11 @@
 #include <memory>
 #include <random>
 
-#include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/sample_consensus_prerejective.h>
+
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 namespace {

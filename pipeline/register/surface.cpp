@@ -8,11 +8,11 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
 #include "base/statistics.h"
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 namespace {

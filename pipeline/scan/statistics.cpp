@@ -10,7 +10,6 @@
 #include <tuple>
 #include <unordered_map>
 
-#include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
@@ -19,6 +18,7 @@
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
+#include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {
 namespace {

@@ -19,6 +19,7 @@ FAULTS = [
     ("bench/open/score.cpp", '#include "app/main.h"', "bench/open/score.cpp:1: bench/open must not include app/main.h"),
     ("bench/open/score.cpp", '#include "judge.h"', 'bench/open/score.cpp:1: include "judge.h" by its path'),
     ("bench/open/score.h", "#include <fmt/format.h>", "bench/open/score.h:1: <fmt/format.h> belongs in a .cpp file"),
+    ("bench/open/score.h", '#include "base/trees.hpp"', "bench/open/score.h:1: base/trees.hpp shows a library"),
     ("bench/new/main.cpp", "", "bench/new/main.cpp: no rule for this folder"),
     ("app/commands/race.cpp", '#include "bench/race/measure.h"', "app/commands/race.cpp:1: app must not include bench/race/measure.h"),
     ("base/yaml.cpp", '#include "bench/open/judge.h"', "base/yaml.cpp:1: base must not include bench/open/judge.h"),
