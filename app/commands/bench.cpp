@@ -1,7 +1,6 @@
 // sparsha bench export DIR | judge DIR RESULTS.csv: a benchmark for other renderers of force, and their score.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -96,17 +95,17 @@ int run_judge(const Arguments& arguments, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, const CommonOptions& common, Run& run) {
-  CLI::App* command = app.add_subcommand("bench", "A benchmark for renderers of force: its files, and their score");
-  command->require_subcommand(1);
+void add_bench(Command app, const CommonOptions& common, Run& run) {
+  Command command = app.add_subcommand("bench", "A benchmark for renderers of force: its files, and their score");
+  command.requires_subcommand();
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* out = command->add_subcommand("export", "Write surfaces, paths, true forces, metrics and the protocol");
-  out->add_option("folder", arguments->folder, "new or empty folder, or an older export")->required();
-  out->callback([arguments, &common, &run] { run = [arguments, &common] { return run_export(*arguments, common); }; });
-  CLI::App* score = command->add_subcommand("judge", "Judge the forces of any renderer (protocol.md)");
-  score->add_option("folder", arguments->folder, "as `bench export` wrote it")->required();
-  score->add_option("results", arguments->results, "results.csv: case,t_s,force_x_n,force_y_n,force_z_n")->required();
-  score->callback([arguments, &common, &run] { run = [arguments, &common] { return run_judge(*arguments, common); }; });
+  Command out = command.add_subcommand("export", "Write surfaces, paths, true forces, metrics and the protocol");
+  out.add_option("folder", arguments->folder, "new or empty folder, or an older export").required();
+  out.callback([arguments, &common, &run] { run = [arguments, &common] { return run_export(*arguments, common); }; });
+  Command score = command.add_subcommand("judge", "Judge the forces of any renderer (protocol.md)");
+  score.add_option("folder", arguments->folder, "as `bench export` wrote it").required();
+  score.add_option("results", arguments->results, "results.csv: case,t_s,force_x_n,force_y_n,force_z_n").required();
+  score.callback([arguments, &common, &run] { run = [arguments, &common] { return run_judge(*arguments, common); }; });
 }
 
 }  // namespace sparsha::app

@@ -1,7 +1,6 @@
 // sparsha build CONFIG|SCAN...: scans in, scene folder out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
@@ -97,21 +96,19 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
 
 }  // namespace
 
-void add_build(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_build(Command app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("build", "Turn scans into a scene that can be touched, seen and heard");
-  command->add_option("input", arguments->inputs, "one CONFIG.yaml, or SCANs")->required();
-  command->add_option("--out,-o", arguments->out, "scene folder; default: beside the input, NAME.scene");
-  command->add_option("--set", arguments->settings, "override a key, e.g. grid.size=800")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--threads", arguments->threads, "threads; 0 = one a core")->check(CLI::Range(0U, 1024U));
-  command->add_option("--memory", arguments->memory, "memory limit, e.g. 1GB");
-  command->add_flag("--validate", arguments->validate, "check the configuration and print it resolved; build nothing");
-  command->add_flag("--force", arguments->force, "build although the surface lies far from the points");
-  command->add_option("--only", arguments->only, "grid: read, project and write heights, nothing else")
-      ->check(CLI::IsMember({"grid"}));
-  command->callback(
+  Command command = app.add_subcommand("build", "Turn scans into a scene that can be touched, seen and heard");
+  command.add_option("input", arguments->inputs, "one CONFIG.yaml, or SCANs").required();
+  command.add_option("--out,-o", arguments->out, "scene folder; default: beside the input, NAME.scene");
+  command.add_option("--set", arguments->settings, "override a key, e.g. grid.size=800").collects().takes_one();
+  command.add_option("--threads", arguments->threads, "threads; 0 = one a core").check(whole_between(0U, 1024U));
+  command.add_option("--memory", arguments->memory, "memory limit, e.g. 1GB");
+  command.add_flag("--validate", arguments->validate, "check the configuration and print it resolved; build nothing");
+  command.add_flag("--force", arguments->force, "build although the surface lies far from the points");
+  command.add_option("--only", arguments->only, "grid: read, project and write heights, nothing else")
+      .check(one_of({"grid"}));
+  command.callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_build(*arguments, common); }; });
 }
 

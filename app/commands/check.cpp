@@ -1,7 +1,6 @@
 // sparsha check SCENE [SCAN...]: cross-check a scene against scans, its own or others.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/LU>
 #include <memory>
 
@@ -31,7 +30,7 @@ std::string thing_of(pipeline::CheckResult::Against against) {
 
 }  // namespace
 
-void add_check(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_check(Command app, const CommonOptions& common, Run& run) {
   struct Arguments {
     std::string scene;
     std::vector<std::string> scans;
@@ -40,13 +39,13 @@ void add_check(CLI::App& app, const CommonOptions& common, Run& run) {
     unsigned threads = 0;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("check", "Measure how far a scene's surface is from scans");
-  command->add_option("scene", arguments->scene, "scene folder")->required();
-  command->add_option("scan", arguments->scans, "scans to compare with; default: the scene's own");
-  command->add_option("--samples", arguments->samples, "points to sample")->check(CLI::PositiveNumber);
-  command->add_flag("--all", arguments->all, "every point");
-  command->add_option("--threads", arguments->threads, "threads; 0 = one a core")->check(CLI::Range(0U, 1024U));
-  command->callback([arguments, &common, &run] {
+  Command command = app.add_subcommand("check", "Measure how far a scene's surface is from scans");
+  command.add_option("scene", arguments->scene, "scene folder").required();
+  command.add_option("scan", arguments->scans, "scans to compare with; default: the scene's own");
+  command.add_option("--samples", arguments->samples, "points to sample").check(positive());
+  command.add_flag("--all", arguments->all, "every point");
+  command.add_option("--threads", arguments->threads, "threads; 0 = one a core").check(whole_between(0U, 1024U));
+  command.callback([arguments, &common, &run] {
     run = [arguments, &common] {
       Terminal terminal(common);
       const pipeline::ScenePointer scene = pipeline::open_scene(arguments->scene, common.trusted());

@@ -1,15 +1,11 @@
 // The subcommands: each adds itself to the command line and returns what to run.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "app/command_line.h"
 #include "scene/scene.h"
-
-namespace CLI {
-class App;
-}
 
 namespace sparsha::app {
 
@@ -26,20 +22,17 @@ struct CommonOptions {
   }
 };
 
-/// Runs a subcommand after parsing; throws Error. Returns the exit code.
-using Run = std::function<int()>;
-
-void add_new(CLI::App& app, const CommonOptions& common, Run& run);
-void add_build(CLI::App& app, const CommonOptions& common, Run& run);
-void add_check(CLI::App& app, const CommonOptions& common, Run& run);
-void add_explore(CLI::App& app, const CommonOptions& common, Run& run);
-void add_trace(CLI::App& app, const CommonOptions& common, Run& run);
-void add_export(CLI::App& app, const CommonOptions& common, Run& run);
-void add_simulate(CLI::App& app, const CommonOptions& common, Run& run);
-void add_register(CLI::App& app, const CommonOptions& common, Run& run);
-void add_info(CLI::App& app, const CommonOptions& common, Run& run);
-void add_device(CLI::App& app, const CommonOptions& common, Run& run);
-void add_sound(CLI::App& app, const CommonOptions& common, Run& run);
-void add_bench(CLI::App& app, const CommonOptions& common, Run& run);
+void add_new(Command app, const CommonOptions& common, Run& run);
+void add_build(Command app, const CommonOptions& common, Run& run);
+void add_check(Command app, const CommonOptions& common, Run& run);
+void add_explore(Command app, const CommonOptions& common, Run& run);
+void add_trace(Command app, const CommonOptions& common, Run& run);
+void add_export(Command app, const CommonOptions& common, Run& run);
+void add_simulate(Command app, const CommonOptions& common, Run& run);
+void add_register(Command app, const CommonOptions& common, Run& run);
+void add_info(Command app, const CommonOptions& common, Run& run);
+void add_device(Command app, const CommonOptions& common, Run& run);
+void add_sound(Command app, const CommonOptions& common, Run& run);
+void add_bench(Command app, const CommonOptions& common, Run& run);
 
 }  // namespace sparsha::app

@@ -1,12 +1,10 @@
 // sparsha device list|check|monitor|home|calibrate|emulate.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/between.h"
 #include "app/commands/commands.h"
 #include "app/commands/emulate.h"
 #include "app/commands/sentences.h"
@@ -271,7 +269,7 @@ int home_device(const CommonOptions& common, const falcon::FalconOptions& option
 
 }  // namespace
 
-void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_device(Command app, const CommonOptions& common, Run& run) {
   struct Arguments {
     falcon::FalconOptions device;
     double duration_s = 0.0;
@@ -281,21 +279,21 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
     std::string language = "en";
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("device", "The haptic device: what is there and what state it is in");
-  command->require_subcommand(1);
+  Command command = app.add_subcommand("device", "The haptic device: what is there and what state it is in");
+  command.requires_subcommand();
   const auto add = [&](const char* name, const char* what, auto job) {
-    CLI::App* added = command->add_subcommand(name, what);
-    added->callback([job, &run] { run = job; });
+    Command added = command.add_subcommand(name, what);
+    added.callback([job, &run] { run = job; });
     return added;
   };
   arguments->device.stop = interrupted;
   const auto add_on_falcon = [&](const char* name, const char* what, auto job) {
-    CLI::App* added = add(name, what, [arguments, &common, job] {
+    Command added = add(name, what, [arguments, &common, job] {
       const Terminal terminal(common);
       arguments->device.say = [&terminal](const std::string& words) { terminal.message(words); };
       return job();
     });
-    added->add_option("--firmware", arguments->device.firmware, "firmware image for a Falcon that runs none");
+    added.add_option("--firmware", arguments->device.firmware, "firmware image for a Falcon that runs none");
     return added;
   };
   add("list", "devices that explore can use now", [&common] { return list_devices(common); });
@@ -305,27 +303,27 @@ void add_device(CLI::App& app, const CommonOptions& common, Run& run) {
                   static_cast<void>(haptics::request_real_time(haptics::kServoPriority));
                   return report_check(falcon::check_falcon(arguments->device, arguments->link_s), common);
                 })
-      ->add_option("--duration", arguments->link_s, "seconds for which the link is measured")
-      ->check(between(0.1, 3600.0))
-      ->capture_default_str();
+      .add_option("--duration", arguments->link_s, "seconds for which the link is measured")
+      .check(between(0.1, 3600.0))
+      .shows_default();
   add_on_falcon("monitor", "print position, buttons and rate as they come; forces stay zero",
                 [arguments, &common] { return monitor_device(common, arguments->device, arguments->duration_s); })
-      ->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
-      ->check(between(0.001, 1e7));
-  CLI::App* home = add_on_falcon("home", "home the encoders; words say how", [arguments, &common] {
+      .add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
+      .check(between(0.001, 1e7));
+  Command home = add_on_falcon("home", "home the encoders; words say how", [arguments, &common] {
     Guide guide(common, arguments->speech, arguments->language);
     return home_device(common, arguments->device, guide);
   });
-  home->add_flag("--speech", arguments->speech, "speak the words");
-  home->add_option("--language", arguments->language, "of the words")
-      ->check(CLI::IsMember(Phrases::languages()))
-      ->capture_default_str();
+  home.add_flag("--speech", arguments->speech, "speak the words");
+  home.add_option("--language", arguments->language, "of the words")
+      .check(one_of(Phrases::languages()))
+      .shows_default();
   add_on_falcon("calibrate", "find the motors' scale with a known weight, and keep it",
                 [arguments, &common] { return calibrate_device(common, arguments->device, arguments->weight_g); })
-      ->add_option("--weight-g", arguments->weight_g, "grams that will hang from the grip")
-      ->check(between(20.0, 1000.0))
-      ->capture_default_str();
-  add_emulate(*command, common, run);
+      .add_option("--weight-g", arguments->weight_g, "grams that will hang from the grip")
+      .check(between(20.0, 1000.0))
+      .shows_default();
+  add_emulate(command, common, run);
 }
 
 }  // namespace sparsha::app

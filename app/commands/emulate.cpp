@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -12,7 +11,6 @@
 #include <optional>
 #include <thread>
 
-#include "app/commands/between.h"
 #include "app/inputs.h"
 #include "app/results.h"
 #include "app/terminal.h"
@@ -219,19 +217,19 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
 
 }  // namespace
 
-void add_emulate(CLI::App& device, const CommonOptions& common, Run& run) {
+void add_emulate(Command device, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
+  Command command =
       device.add_subcommand("emulate", "run a program with an emulated Falcon on an emulated USB bus (umockdev)");
   std::string faults = "what is wrong with it; may be given more than once:";
   for (const Fault& fault : kFaults) faults += fmt::format("\n{}: {}", fault.name, fault.what);
-  command->add_option("--fault", arguments->faults, faults)->expected(1)->take_all();
-  command->add_option("--scene", arguments->scene, "what the person at the grip tours");
-  command->add_option("--weight-g", arguments->weight_g, "grams that the person hangs from the grip, for calibrate")
-      ->check(between(0.0, 1000.0));
-  command->add_option("--log", arguments->log, "all bytes on the wire, as CSV");
-  command->footer("sparsha device emulate [OPTIONS] -- COMMAND...; without one: device check");
-  command->callback(
+  command.add_option("--fault", arguments->faults, faults).expects(1).collects();
+  command.add_option("--scene", arguments->scene, "what the person at the grip tours");
+  command.add_option("--weight-g", arguments->weight_g, "grams that the person hangs from the grip, for calibrate")
+      .check(between(0.0, 1000.0));
+  command.add_option("--log", arguments->log, "all bytes on the wire, as CSV");
+  command.footer("sparsha device emulate [OPTIONS] -- COMMAND...; without one: device check");
+  command.callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_emulate(*arguments, common); }; });
 }
 

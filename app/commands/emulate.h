@@ -5,6 +5,6 @@
 
 namespace sparsha::app {
 
-void add_emulate(CLI::App& device, const CommonOptions& common, Run& run);
+void add_emulate(Command device, const CommonOptions& common, Run& run);
 
 }  // namespace sparsha::app

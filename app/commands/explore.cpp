@@ -1,12 +1,10 @@
 // sparsha explore SCENE|CONFIG|SCAN: touch, see and hear.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 
-#include "app/commands/between.h"
 #include "app/commands/commands.h"
 #include "app/exploration.h"
 #include "app/explore_arguments.h"
@@ -87,34 +85,33 @@ int run_explore(const ExploreArguments& arguments, const CommonOptions& common) 
 
 }  // namespace
 
-void add_explore(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_explore(Command app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<ExploreArguments>();
-  CLI::App* command = app.add_subcommand("explore", "Touch, see and hear a scene");
-  command->add_option("scene", arguments->scene, "scene folder, configuration or scans")->expected(1, -1);
-  command->add_option("--device", arguments->device, "auto | falcon | pointer | keys | simulated | playback:FILE")
-      ->capture_default_str();
-  command->add_flag("--headless", arguments->headless, "no window");
-  command->add_option("--duration", arguments->duration_s, "seconds; default: until stopped")
-      ->check(between(0.001, 1e7));
-  command->add_option("--firmware", arguments->firmware,
-                      "firmware image for a Falcon that runs none; default: SPARSHA_FALCON_FIRMWARE, "
-                      "~/.config/sparsha/falcon.bin");
-  command->add_option("--record", arguments->record, "run.csv, one row per tick");
-  command->add_option("--screenshot", arguments->screenshot, "view.png, 1280x720, the last touch of the run");
-  command->add_option("--audio-out", arguments->audio_out, "run.wav, its start is t_s = 0");
-  command->add_option("--audio-device", arguments->audio_device,
-                      "what plays the sound: a number or a part of a name; default: JACK, else the system's");
-  command->add_flag("--list-audio", arguments->list_audio, "list what can play, and end");
-  command->add_flag("--no-texture", arguments->no_texture, "render the envelope, without surface effects");
-  command->add_flag("--no-friction", arguments->no_friction, "render without friction");
-  command->add_flag("--speech", arguments->speech, "speak announcements");
-  command->add_option("--language", arguments->language, "of announcements and speech; default: the scene's, else en")
-      ->check(CLI::IsMember(Phrases::languages()));
-  command->add_flag("--kiosk", arguments->kiosk, "full screen, for exhibitions");
-  command->add_option("--scenes", arguments->scenes, "with --kiosk: a folder of scenes that visitors choose from");
-  command->add_flag("--direct", arguments->direct, "build scans at once, without turning the object first");
-  command->add_option("--study", arguments->study, "append the session and the visitor's rating to NAME.csv");
-  command->callback(
+  Command command = app.add_subcommand("explore", "Touch, see and hear a scene");
+  command.add_option("scene", arguments->scene, "scene folder, configuration or scans").expects(1, -1);
+  command.add_option("--device", arguments->device, "auto | falcon | pointer | keys | simulated | playback:FILE")
+      .shows_default();
+  command.add_flag("--headless", arguments->headless, "no window");
+  command.add_option("--duration", arguments->duration_s, "seconds; default: until stopped").check(between(0.001, 1e7));
+  command.add_option("--firmware", arguments->firmware,
+                     "firmware image for a Falcon that runs none; default: SPARSHA_FALCON_FIRMWARE, "
+                     "~/.config/sparsha/falcon.bin");
+  command.add_option("--record", arguments->record, "run.csv, one row per tick");
+  command.add_option("--screenshot", arguments->screenshot, "view.png, 1280x720, the last touch of the run");
+  command.add_option("--audio-out", arguments->audio_out, "run.wav, its start is t_s = 0");
+  command.add_option("--audio-device", arguments->audio_device,
+                     "what plays the sound: a number or a part of a name; default: JACK, else the system's");
+  command.add_flag("--list-audio", arguments->list_audio, "list what can play, and end");
+  command.add_flag("--no-texture", arguments->no_texture, "render the envelope, without surface effects");
+  command.add_flag("--no-friction", arguments->no_friction, "render without friction");
+  command.add_flag("--speech", arguments->speech, "speak announcements");
+  command.add_option("--language", arguments->language, "of announcements and speech; default: the scene's, else en")
+      .check(one_of(Phrases::languages()));
+  command.add_flag("--kiosk", arguments->kiosk, "full screen, for exhibitions");
+  command.add_option("--scenes", arguments->scenes, "with --kiosk: a folder of scenes that visitors choose from");
+  command.add_flag("--direct", arguments->direct, "build scans at once, without turning the object first");
+  command.add_option("--study", arguments->study, "append the session and the visitor's rating to NAME.csv");
+  command.callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_explore(*arguments, common); }; });
 }
 

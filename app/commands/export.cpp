@@ -1,7 +1,6 @@
 // sparsha export SCENE --to FILE: mesh, points or heights, back in the scan frame; or a replica to be printed.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -55,7 +54,7 @@ int make_replica(const std::string& folder, const std::string& file, const pipel
 
 }  // namespace
 
-void add_export(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_export(Command app, const CommonOptions& common, Run& run) {
   struct Arguments {
     std::string scene;
     std::string file;
@@ -64,32 +63,29 @@ void add_export(CLI::App& app, const CommonOptions& common, Run& run) {
     bool no_braille = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("export", "Write a scene as mesh, points or heights in the scan's own frame");
-  command->add_option("scene", arguments->scene, "scene folder")->required();
-  command->add_option("--to", arguments->file, "FILE.ply, .obj, .xyz, .tif or .png; .stl or .3mf: a replica")
-      ->required();
-  command->add_flag("--nodes", arguments->nodes, "points of measured nodes only (ply, obj, xyz)");
+  Command command = app.add_subcommand("export", "Write a scene as mesh, points or heights in the scan's own frame");
+  command.add_option("scene", arguments->scene, "scene folder").required();
+  command.add_option("--to", arguments->file, "FILE.ply, .obj, .xyz, .tif or .png; .stl or .3mf: a replica").required();
+  command.add_flag("--nodes", arguments->nodes, "points of measured nodes only (ply, obj, xyz)");
   const char* const group = "Replica (.stl, .3mf)";
-  std::vector<CLI::Option*> of_replica = {
-      command->add_option("--size-mm", arguments->replica.longest_mm, "longer side of the relief")
-          ->capture_default_str(),
-      command->add_option("--depth-mm", arguments->replica.depth_mm, "from lowest to highest; default: true, 3 to 15"),
-      command->add_option("--curve", arguments->replica.curve, "below 1 raises low relief, above 1 flattens it")
-          ->capture_default_str(),
-      command->add_option("--base-mm", arguments->replica.base_mm, "plate under the lowest place")
-          ->capture_default_str(),
-      command->add_flag("--no-braille", arguments->no_braille, "leave out the parts' names")};
-  for (CLI::Option* option : of_replica) option->group(group);
-  command->callback([arguments, of_replica, &common, &run] {
+  std::vector<Option> of_replica = {
+      command.add_option("--size-mm", arguments->replica.longest_mm, "longer side of the relief").shows_default(),
+      command.add_option("--depth-mm", arguments->replica.depth_mm, "from lowest to highest; default: true, 3 to 15"),
+      command.add_option("--curve", arguments->replica.curve, "below 1 raises low relief, above 1 flattens it")
+          .shows_default(),
+      command.add_option("--base-mm", arguments->replica.base_mm, "plate under the lowest place").shows_default(),
+      command.add_flag("--no-braille", arguments->no_braille, "leave out the parts' names")};
+  for (Option option : of_replica) option.group(group);
+  command.callback([arguments, of_replica, &common, &run] {
     run = [arguments, of_replica, &common] {
       if (pipeline::is_replica(arguments->file)) {
         if (arguments->nodes) throw usage_error("a replica has no separate nodes", ".ply, .obj or .xyz with --nodes");
         arguments->replica.braille = !arguments->no_braille;
         return make_replica(arguments->scene, arguments->file, arguments->replica, common);
       }
-      for (const CLI::Option* option : of_replica)
-        if (option->count() > 0)
-          throw usage_error(option->get_name() + " means nothing here", "--to FILE.stl or FILE.3mf with it");
+      for (const Option& option : of_replica)
+        if (option.given())
+          throw usage_error(option.name() + " means nothing here", "--to FILE.stl or FILE.3mf with it");
       Terminal terminal(common);
       pipeline::check_export(arguments->file, arguments->nodes);
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},

@@ -1,7 +1,6 @@
 // sparsha info FILE...: what is in a scan or a scene.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -194,11 +193,11 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
 
 }  // namespace
 
-void add_info(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_info(Command app, const CommonOptions& common, Run& run) {
   auto files = std::make_shared<std::vector<std::string>>();
-  CLI::App* command = app.add_subcommand("info", "Say what is in scans or scenes");
-  command->add_option("file", *files, "scan files or scene folders")->required();
-  command->callback([files, &common, &run] { run = [files, &common] { return run_info(*files, common); }; });
+  Command command = app.add_subcommand("info", "Say what is in scans or scenes");
+  command.add_option("file", *files, "scan files or scene folders").required();
+  command.callback([files, &common, &run] { run = [files, &common] { return run_info(*files, common); }; });
 }
 
 }  // namespace sparsha::app

@@ -1,5 +1,4 @@
 // sparsha new SCAN...: a commented configuration on standard output or in a file.
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "app/commands/commands.h"
@@ -52,17 +51,17 @@ int write_first_configuration(const Arguments& arguments, const CommonOptions& c
 
 }  // namespace
 
-void add_new(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_new(Command app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("new", "Write a commented first configuration for scans");
-  command->add_option("scan", arguments->scans, "scan files")->required();
-  command->add_option("--out,-o", arguments->out, "file for it, instead of standard output");
-  command->add_flag("--force", arguments->force, "replace the file");
+  Command command = app.add_subcommand("new", "Write a commented first configuration for scans");
+  command.add_option("scan", arguments->scans, "scan files").required();
+  command.add_option("--out,-o", arguments->out, "file for it, instead of standard output");
+  command.add_flag("--force", arguments->force, "replace the file");
   command
-      ->add_option("--up", arguments->up,
-                   "the scans' axis that points up: x, y, z, -x, -y or -z; default: told by the object")
-      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
-  command->callback([arguments, &common, &run] {
+      .add_option("--up", arguments->up,
+                  "the scans' axis that points up: x, y, z, -x, -y or -z; default: told by the object")
+      .check(one_of({"x", "y", "z", "-x", "-y", "-z"}));
+  command.callback([arguments, &common, &run] {
     run = [arguments, &common] { return write_first_configuration(*arguments, common); };
   });
 }

@@ -1,7 +1,6 @@
 // sparsha register CONFIG: poses that make the scans one cloud, in a copy of the configuration.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -135,17 +134,15 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
 
 }  // namespace
 
-void add_register(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_register(Command app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("register", "Align scans; writes the configuration with the found poses");
-  command->add_option("config", arguments->config, "configuration with two or more scans")->required();
-  command->add_option("--out,-o", arguments->out, "file for the configuration; default: standard output");
-  command->add_option("--report", arguments->report, "page of the scans' graph, overlap and residual before and after");
-  command->add_option("--set", arguments->settings, "override a key, e.g. register.voxel_mm=1")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--threads", arguments->threads, "threads; 0 = one a core")->check(CLI::Range(0U, 1024U));
-  command->callback(
+  Command command = app.add_subcommand("register", "Align scans; writes the configuration with the found poses");
+  command.add_option("config", arguments->config, "configuration with two or more scans").required();
+  command.add_option("--out,-o", arguments->out, "file for the configuration; default: standard output");
+  command.add_option("--report", arguments->report, "page of the scans' graph, overlap and residual before and after");
+  command.add_option("--set", arguments->settings, "override a key, e.g. register.voxel_mm=1").collects().takes_one();
+  command.add_option("--threads", arguments->threads, "threads; 0 = one a core").check(whole_between(0U, 1024U));
+  command.callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_register(*arguments, common); }; });
 }
 

@@ -1,5 +1,4 @@
 // sparsha simulate CONFIG --out DIR: a scan of a known surface, with the ground truth.
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,16 +11,16 @@
 
 namespace sparsha::app {
 
-void add_simulate(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_simulate(Command app, const CommonOptions& common, Run& run) {
   struct Arguments {
     std::string config;
     std::string out;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("simulate", "Scan a known surface; writes scans, truth and a configuration");
-  command->add_option("config", arguments->config, "simulation (docs/simulation.md)")->required();
-  command->add_option("--out,-o", arguments->out, "folder for the scans")->required();
-  command->callback([arguments, &common, &run] {
+  Command command = app.add_subcommand("simulate", "Scan a known surface; writes scans, truth and a configuration");
+  command.add_option("config", arguments->config, "simulation (docs/simulation.md)").required();
+  command.add_option("--out,-o", arguments->out, "folder for the scans").required();
+  command.callback([arguments, &common, &run] {
     run = [arguments, &common] {
       Terminal terminal(common);
       pipeline::simulate(arguments->config, arguments->out, terminal.progress());

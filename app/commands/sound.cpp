@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -79,16 +78,16 @@ int run_fit(const Arguments& arguments, const CommonOptions& common) {
 
 }  // namespace
 
-void add_sound(CLI::App& app, const CommonOptions& common, Run& run) {
-  CLI::App* command = app.add_subcommand("sound", "Sounds for a scene's regions");
-  command->require_subcommand(1);
+void add_sound(Command app, const CommonOptions& common, Run& run) {
+  Command command = app.add_subcommand("sound", "Sounds for a scene's regions");
+  command.requires_subcommand();
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* fit = command->add_subcommand("fit", "The modes of a recorded strike, as a `modal:` block");
-  fit->add_option("strike", arguments->file, "a recording of one strike: WAV, FLAC, Ogg")->required();
-  fit->add_option("--modes", arguments->modes, "how many at most")
-      ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, std::size_t{32}));
-  fit->callback([arguments, &common, &run] { run = [arguments, &common] { return run_fit(*arguments, common); }; });
+  Command fit = command.add_subcommand("fit", "The modes of a recorded strike, as a `modal:` block");
+  fit.add_option("strike", arguments->file, "a recording of one strike: WAV, FLAC, Ogg").required();
+  fit.add_option("--modes", arguments->modes, "how many at most")
+      .shows_default()
+      .check(whole_between(std::size_t{1}, std::size_t{32}));
+  fit.callback([arguments, &common, &run] { run = [arguments, &common] { return run_fit(*arguments, common); }; });
 }
 
 }  // namespace sparsha::app

@@ -1,7 +1,6 @@
 // sparsha trace SCENE --hip path.csv --out trace.csv: a path of the hand in, proxy and force out, offline.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
@@ -9,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "app/commands/between.h"
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
 #include "app/inputs.h"
@@ -172,35 +170,35 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
 
 }  // namespace
 
-void add_trace(CLI::App& app, const CommonOptions& common, Run& run) {
+void add_trace(Command app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("trace", "Render a recorded path of the hand offline: proxy and force");
-  command->add_option("scene", arguments->scene, "scene folder, configuration or scan")->required();
-  command->add_option("--hip", arguments->hip, "path.csv (t_s,x_m,y_m,z_m) or a run.csv")->required();
-  command->add_option("--out,-o", arguments->out, "trace.csv")->required();
-  command->add_option("--solver", arguments->solver, "default: the scene's")->check(CLI::IsMember({"exact", "paper"}));
-  command->add_option("--frame", arguments->frame, "frame of the path")
-      ->check(CLI::IsMember({"grid", "scan", "device"}))
-      ->capture_default_str();
-  command->add_option("--level", arguments->level, "trace a window of this level")->check(CLI::Range(0, 64));
-  command->add_option("--centre", arguments->centre, "X Y: centre of the window, grid frame, metres")->expected(2);
-  command->add_flag("--no-texture", arguments->no_texture, "render the envelope");
-  command->add_flag("--no-friction", arguments->no_friction, "render without friction");
-  command->add_option("--tip-radius-mm", arguments->tip_radius_mm, "touch with a ball, device frame; default: a point")
-      ->check(between(0.0, 2.0));
+  Command command = app.add_subcommand("trace", "Render a recorded path of the hand offline: proxy and force");
+  command.add_option("scene", arguments->scene, "scene folder, configuration or scan").required();
+  command.add_option("--hip", arguments->hip, "path.csv (t_s,x_m,y_m,z_m) or a run.csv").required();
+  command.add_option("--out,-o", arguments->out, "trace.csv").required();
+  command.add_option("--solver", arguments->solver, "default: the scene's").check(one_of({"exact", "paper"}));
+  command.add_option("--frame", arguments->frame, "frame of the path")
+      .check(one_of({"grid", "scan", "device"}))
+      .shows_default();
+  command.add_option("--level", arguments->level, "trace a window of this level").check(whole_between(0, 64));
+  command.add_option("--centre", arguments->centre, "X Y: centre of the window, grid frame, metres").expects(2);
+  command.add_flag("--no-texture", arguments->no_texture, "render the envelope");
+  command.add_flag("--no-friction", arguments->no_friction, "render without friction");
+  command.add_option("--tip-radius-mm", arguments->tip_radius_mm, "touch with a ball, device frame; default: a point")
+      .check(between(0.0, 2.0));
   command
-      ->add_option("--creases", arguments->creases,
-                   "of the bilinear surface; sharp: the reference, rounded: as a hand feels them")
-      ->check(CLI::IsMember({"sharp", "rounded"}))
-      ->capture_default_str();
+      .add_option("--creases", arguments->creases,
+                  "of the bilinear surface; sharp: the reference, rounded: as a hand feels them")
+      .check(one_of({"sharp", "rounded"}))
+      .shows_default();
   command
-      ->add_flag("--live", arguments->live,
-                 "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
-      ->excludes("--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm", "--creases");
-  command->add_option("--rho", arguments->rho, "step factor of the paper's solver")->check(between(0.01, 1.0));
-  command->add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
-      ->check(CLI::Range(1, 1000000));
-  command->callback(
+      .add_flag("--live", arguments->live,
+                "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
+      .excludes({"--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm", "--creases"});
+  command.add_option("--rho", arguments->rho, "step factor of the paper's solver").check(between(0.01, 1.0));
+  command.add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
+      .check(whole_between(1, 1000000));
+  command.callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_trace(*arguments, common); }; });
 }
 
