@@ -29,6 +29,8 @@ constexpr std::size_t kSeeds = 16;     // neighbourhoods of a block
 constexpr std::size_t kForNoise = 24;  // points of a neighbourhood
 constexpr std::size_t kForSpacing = 14;
 constexpr std::size_t kWidest = 4;  // times as many where these lie on one line
+// So few points, itself among them, within 4.8 spacings of a point: it belongs to no surface, not to a sparse one.
+constexpr std::size_t kScattered = 3;
 constexpr std::size_t kMostOfBlock = 20000;
 // Form and second layers only ever add to a residual, so a low quantile is nearest to the noise. It is divided by that
 // quantile of sqrt(chi^2 / 18), 18 = 24 points less 6 coefficients.
@@ -179,6 +181,7 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
   for (const std::size_t seed : seeds) {
     const std::size_t taken = near.take(seed, wanted, margin_m);
     std::size_t count = kForSpacing * per_neighbour;
+    if (taken < kScattered) --measured.seeds;
     if (taken < count) continue;
     double radius_m = near.radius_m(count);
     std::optional<double> noise_m;
