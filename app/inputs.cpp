@@ -23,7 +23,7 @@ fs::path scene_described_by(const fs::path& config) {
 }
 
 pipeline::Config config_from(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
-                             pipeline::Trust trust, Progress& progress) {
+                             pipeline::Trust trust, Progress& progress, std::uint64_t memory_bytes) {
   const bool any = std::any_of(arguments.begin(), arguments.end(), [](const std::string& a) { return is_config(a); });
   if (any) {
     if (arguments.size() > 1) throw usage_error("a configuration and something else", "one CONFIG, or SCANs only");
@@ -34,8 +34,10 @@ pipeline::Config config_from(const std::vector<std::string>& arguments, const st
     return pipeline::load_config(arguments.front(), settings);
   }
   const std::vector<fs::path> scans(arguments.begin(), arguments.end());
+  pipeline::SuggestOptions options;
+  options.memory_bytes = memory_bytes;
   pipeline::Suggestion suggestion =
-      blaming_scans(arguments, {}, [&] { return pipeline::suggest_config(scans, {}, progress); });
+      blaming_scans(arguments, {}, [&] { return pipeline::suggest_config(scans, {}, progress, options); });
   if (settings.empty()) return std::move(suggestion.config);
   yaml::Node root = yaml::parse_text(suggestion.yaml, "the suggested configuration");
   pipeline::override_keys(root, settings);

@@ -1,6 +1,7 @@
 // What SCENE, CONFIG and SCAN arguments mean.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,10 +18,11 @@ namespace sparsha::app {
 /// True for a file whose ending says YAML.
 [[nodiscard]] bool is_config(const std::filesystem::path& path);
 
-/// One configuration file (also a scene's own scene.yaml), or scans to guess one from. Throws Error.
+/// One configuration file (also a scene's own scene.yaml), or scans to guess one from, in so much memory (0 = no
+/// limit). Throws Error.
 [[nodiscard]] pipeline::Config config_from(const std::vector<std::string>& arguments,
                                            const std::vector<std::string>& settings, pipeline::Trust trust,
-                                           Progress& progress);
+                                           Progress& progress, std::uint64_t memory_bytes = 0);
 /// Runs work on `arguments`. Where these are scans and nothing was set, nobody asked for what does not fit:
 /// Error{usage} becomes Error{input} of the first scan.
 template <typename Work>

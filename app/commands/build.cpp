@@ -70,7 +70,7 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
   const fs::path folder = scene_folder(arguments);
   if (!arguments.validate) require_place(folder);
   const pipeline::Config config =
-      config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress());
+      config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress(), options.memory_bytes);
   audio::require_clips(config);  // before a long build, not when somebody wants to hear them
   if (arguments.validate) {
     for (const pipeline::ScanConfig& scan : config.scans) {

@@ -343,7 +343,7 @@ class Builder {
     cloud->stations = scans.stations();
     const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1, filters_.end());
     build_cloud(cloud, rest, points, std::move(steps), [&](const Lattice& lattice, std::uint64_t bytes_per_point) {
-      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_per_point, lattice);
+      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_per_point, 0, lattice);
     });
   }
 
@@ -365,8 +365,9 @@ class Builder {
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m,
                           {pool_, progress_});
     const Lattice& lattice = tiled.plan().lattice;
+    const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, result_.points.read, lattice) : 0;
     const std::uint64_t tile_points =
-        points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_per_point(), lattice);
+        points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_per_point(), sample_bytes, lattice);
     if (checks()) {
       require_room_for_sample(limit_, *config_.check, result_.points.read, node_bytes(scans, lattice), lattice);
     }

@@ -22,7 +22,7 @@ constexpr std::uint64_t kAttribute = 4;
 constexpr std::uint64_t kVoxel = 140;
 constexpr std::uint64_t kCells = 48;
 constexpr std::uint64_t kMoved = 12;
-constexpr std::uint64_t kFace = 40;
+constexpr std::uint64_t kFace = 56;
 
 // Bytes an item of a cross-check's sample, while it is drawn or measured.
 constexpr std::uint64_t kSampledPoint = 48;
@@ -113,15 +113,16 @@ std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_poin
 }
 
 std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
-                               const Lattice& lattice) {
+                               std::uint64_t sample_bytes, const Lattice& lattice) {
   std::uint64_t points = std::numeric_limits<std::uint32_t>::max();
   if (limit.bytes > 0) {
     const std::uint64_t least =
         std::max(kProgram + node_bytes, bytes_with_tile(kLeastTilePoints, bytes_per_point, lattice));
     if (least > limit.bytes) {
+      const std::uint64_t enough = std::max(least, kProgram + node_bytes + sample_bytes);
       throw Error(ErrorKind::failure, {},
                   fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {} MB",
-                              lattice.nx, lattice.ny, least / 1'000'000U + 1, limit.bytes / 1'000'000U),
+                              lattice.nx, lattice.ny, enough / 1'000'000U + 1, limit.bytes / 1'000'000U),
                   "a smaller grid.size, a larger grid.spacing_mm or a higher --memory");
     }
     points = std::min(points, (limit.bytes - bytes_with_tile(0, bytes_per_point, lattice)) / bytes_per_point);

@@ -40,8 +40,9 @@ void require_room_for_sample(const MemoryLimit& limit, const CheckConfig& check,
                                             const Lattice& lattice);
 
 /// Points that a tile may have beside the grid of heights. Throws Error{failure} when the nodes alone, which need
-/// `node_bytes` at most, exceed the limit.
+/// `node_bytes` at most, exceed the limit; it names what is enough for the cross-check's sample as well.
 [[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,
-                                             std::uint64_t bytes_per_point, const Lattice& lattice);
+                                             std::uint64_t bytes_per_point, std::uint64_t sample_bytes,
+                                             const Lattice& lattice);
 
 }  // namespace sparsha::pipeline

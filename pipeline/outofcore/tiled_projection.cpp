@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +15,7 @@
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/projection/attributes.h"
 #include "pipeline/projection/classification.h"
+#include "pipeline/projection/crowded.h"
 #include "pipeline/projection/edge_on.h"
 #include "pipeline/projection/measure_rows.h"
 #include "pipeline/projection/turned_away.h"
@@ -118,53 +122,98 @@ std::vector<std::uint64_t> TiledProjection::count_columns(int first_row, int las
   return counts;
 }
 
-/// The most points in the bins that any one node needs.
-std::uint64_t TiledProjection::most_about_a_node(int halo, ThreadPool& pool) const {
-  const auto columns = static_cast<std::size_t>(plan_.bins.bins_x());
-  const auto rows = static_cast<std::size_t>(plan_.bins.bins_y());
+/// Counts the points of each bin. From then on tiles have no more of a bin than decide its nodes.
+void TiledProjection::count_bins(ThreadPool& pool) {
   const BinLocator locator(plan_.bins);
-  // sum[j * (columns + 1) + i]: points in bins of fewer than j rows and i columns.
-  std::vector<std::uint64_t> sum((rows + 1) * (columns + 1), 0);
+  const auto columns = static_cast<std::size_t>(plan_.bins.bins_x());
+  bin_points_.assign(plan_.bins.bin_count(), 0);
   each_piece(0, plan_.bins.bins_y(), pool, [&](const Piece& piece) {
     for (std::size_t k = 0; k < piece.points.count; ++k) {
       int column = 0;
       int row = 0;
       if (!locator.locate(piece.points.x[k], piece.points.y[k], column, row)) continue;
-      ++sum[(static_cast<std::size_t>(row) + 1) * (columns + 1) + static_cast<std::size_t>(column) + 1];
+      ++bin_points_[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
     }
   });
-  for (std::size_t j = 1; j <= rows; ++j)
-    for (std::size_t i = 1; i <= columns; ++i) {
-      const std::size_t at = j * (columns + 1) + i;
-      sum[at] += sum[at - 1] + sum[at - columns - 1] - sum[at - columns - 2];
+  for (std::size_t row = 0; row < row_points_.size(); ++row) {
+    const auto at = static_cast<int>(row);
+    row_points_[row] = taken_of({at, at + 1, 0, plan_.bins.bins_x()});
+  }
+}
+
+/// Points that a tile takes of these bins.
+std::uint64_t TiledProjection::taken_of(const BinWindow& bins) const {
+  const auto columns = static_cast<std::size_t>(plan_.bins.bins_x());
+  const std::uint64_t most = plan_.discs ? std::numeric_limits<std::uint32_t>::max() : kMostInBin;
+  std::uint64_t sum = 0;
+  for (int row = bins.first_row; row < bins.last_row; ++row)
+    for (int column = bins.first_column; column < bins.last_column; ++column) {
+      const std::size_t bin = static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column);
+      sum += std::min<std::uint64_t>(bin_points_[bin], most);
     }
-  const auto ends = [&](int node, std::size_t bins) {
-    const int bin = node + BinLattice::kMargin;
-    return std::pair(static_cast<std::size_t>(std::max(0, bin - halo)),
-                     std::min(bins, static_cast<std::size_t>(bin + 1 + halo)));
-  };
+  return sum;
+}
+
+/// Points that a tile takes of each column of the bin rows [first, last).
+std::vector<std::uint64_t> TiledProjection::taken_of_columns(int first, int last) const {
+  std::vector<std::uint64_t> counts;
+  for (int column = 0; column < plan_.bins.bins_x(); ++column)
+    counts.push_back(taken_of({first, last, column, column + 1}));
+  return counts;
+}
+
+/// The most points in the bins that any one node needs.
+std::uint64_t TiledProjection::most_about_a_node(int halo) const {
+  const auto low = [&](int node) { return std::max(0, node + BinLattice::kMargin - halo); };
+  const auto high = [&](int node, int bins) { return std::min(bins, node + BinLattice::kMargin + 1 + halo); };
   std::uint64_t most = 0;
-  for (int j = 0; j < plan_.lattice.ny; ++j)
+  for (int j = 0; j < plan_.lattice.ny; ++j) {
+    const std::vector<std::uint64_t> columns = taken_of_columns(low(j), high(j, plan_.bins.bins_y()));
     for (int i = 0; i < plan_.lattice.nx; ++i) {
-      const auto [low, high] = ends(j, rows);
-      const auto [left, right] = ends(i, columns);
-      most = std::max(most, sum[high * (columns + 1) + right] + sum[low * (columns + 1) + left] -
-                                sum[low * (columns + 1) + right] - sum[high * (columns + 1) + left]);
+      const auto first = columns.begin() + low(i);
+      const auto last = columns.begin() + high(i, plan_.bins.bins_x());
+      most = std::max(most, std::accumulate(first, last, std::uint64_t{0}));
     }
+  }
   return most;
 }
 
-std::vector<Tile> TiledProjection::cut(std::uint64_t tile_points, const Context& context) const {
+std::vector<Tile> TiledProjection::cut_rows(std::uint64_t tile_points, int halo, const Context& context) const {
+  return cut_into_tiles(plan_.bins, halo, tile_points, row_points_, [&](int first, int last) {
+    return bin_points_.empty() ? count_columns(first, last, context.pool) : taken_of_columns(first, last);
+  });
+}
+
+std::vector<Tile> TiledProjection::cut(std::uint64_t tile_points, const Context& context) {
   // A neighbour's height decides too, and it may look as far.
   const int halo = bins_beyond(plan_) + 1;
+  const std::uint64_t points = std::accumulate(row_points_.begin(), row_points_.end(), std::uint64_t{0});
+  // So many to a bin on average: the bins are few beside the points, and many of them crowded.
+  constexpr std::size_t kManyPerBin = 64;
+  if (!plan_.discs && points / kManyPerBin > plan_.bins.bin_count()) {
+    count_bins(context.pool);
+    return cut_counted(tile_points, halo, context);
+  }
   try {
-    return cut_into_tiles(plan_.bins, halo, tile_points, row_points_,
-                          [&](int first, int last) { return count_columns(first, last, context.pool); });
+    return cut_rows(tile_points, halo, context);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error&) {
-    const std::uint64_t most = most_about_a_node(halo, context.pool);
-    const std::uint64_t bytes = bytes_with_tile(most, plan_.bytes_per_point(), plan_.lattice);
+    count_bins(context.pool);
+    const std::uint64_t counters = bin_points_.size() * sizeof(bin_points_[0]) / plan_.bytes_per_point();
+    return cut_counted(tile_points - std::min(tile_points, counters), halo, context);
+  }
+}
+
+std::vector<Tile> TiledProjection::cut_counted(std::uint64_t tile_points, int halo, const Context& context) const {
+  try {
+    return cut_rows(tile_points, halo, context);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error&) {
+    const std::uint64_t most = most_about_a_node(halo);
+    const std::uint64_t bytes =
+        bytes_with_tile(most, plan_.bytes_per_point(), plan_.lattice) + bin_points_.size() * sizeof(bin_points_[0]);
     throw Error(
         ErrorKind::failure, {},
         fmt::format("{} points lie about a single node of the grid, which need about {} MB, more than the limit", most,
@@ -182,6 +231,15 @@ OrientedPoints TiledProjection::load_tile(const Tile& tile, ThreadPool& pool) co
   all.x = make_buffer<float>(room);
   all.y = make_buffer<float>(room);
   all.z = make_buffer<float>(room);
+  const auto put = [&](float x, float y, float z) {
+    all.x[all.count] = x;
+    all.y[all.count] = y;
+    all.z[all.count] = z;
+    ++all.count;
+  };
+  const auto columns = static_cast<std::size_t>(plan_.bins.bins_x());
+  const bool thins = !bin_points_.empty() && !plan_.discs;
+  std::map<std::size_t, CrowdedBin> crowded;
   each_piece(window.first_row, window.last_row, pool, [&](const Piece& piece) {
     for (std::size_t k = 0; k < piece.points.count; ++k) {
       int column = 0;
@@ -191,12 +249,17 @@ OrientedPoints TiledProjection::load_tile(const Tile& tile, ThreadPool& pool) co
           column >= window.last_column) {
         continue;
       }
-      all.x[all.count] = piece.points.x[k];
-      all.y[all.count] = piece.points.y[k];
-      all.z[all.count] = piece.points.z[k];
-      ++all.count;
+      const std::size_t bin = static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column);
+      if (thins && bin_points_[bin] > kMostInBin) {
+        crowded[bin].add(piece.points.x[k], piece.points.y[k], piece.points.z[k]);
+      } else {
+        put(piece.points.x[k], piece.points.y[k], piece.points.z[k]);
+      }
     }
   });
+  for (auto& [bin, some] : crowded) {
+    for (const auto& [x, y, z] : some.take()) put(x, y, z);
+  }
   return all;
 }
 

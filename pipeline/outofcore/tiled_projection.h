@@ -52,8 +52,13 @@ class TiledProjection {
   void fill_buckets(const std::filesystem::path& folder, const Context& context);
   void each_piece(int first_row, int last_row, ThreadPool& pool, const std::function<void(const Piece&)>& use) const;
   [[nodiscard]] std::vector<std::uint64_t> count_columns(int first_row, int last_row, ThreadPool& pool) const;
-  [[nodiscard]] std::uint64_t most_about_a_node(int halo, ThreadPool& pool) const;
-  [[nodiscard]] std::vector<Tile> cut(std::uint64_t tile_points, const Context& context) const;
+  void count_bins(ThreadPool& pool);
+  [[nodiscard]] std::uint64_t taken_of(const BinWindow& bins) const;
+  [[nodiscard]] std::vector<std::uint64_t> taken_of_columns(int first, int last) const;
+  [[nodiscard]] std::uint64_t most_about_a_node(int halo) const;
+  [[nodiscard]] std::vector<Tile> cut_rows(std::uint64_t tile_points, int halo, const Context& context) const;
+  [[nodiscard]] std::vector<Tile> cut_counted(std::uint64_t tile_points, int halo, const Context& context) const;
+  [[nodiscard]] std::vector<Tile> cut(std::uint64_t tile_points, const Context& context);
   [[nodiscard]] OrientedPoints load_tile(const Tile& tile, ThreadPool& pool) const;
   void fit_tile(const Tile& tile, const Context& context, Projection& projection,
                 std::vector<std::uint8_t>& of_nodes) const;
@@ -66,6 +71,8 @@ class TiledProjection {
   ProjectionPlan plan_;
   std::uint64_t beyond_ = 0;               ///< points outside all bins
   std::vector<std::uint64_t> row_points_;  ///< in each row of bins
+  /// Of each bin, where a tile takes no more of a bin than decide its nodes; else empty.
+  std::vector<std::uint32_t> bin_points_;
   BucketedPoints points_;
 };
 

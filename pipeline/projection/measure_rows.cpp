@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/projection/crowded.h"
 #include "pipeline/projection/fit_rows.h"
 #include "pipeline/projection/simd/kernels.h"
 
@@ -85,6 +86,7 @@ std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::
   if (!plan.discs) {
     Bins bins = sort_into_bins(points, skip, plan.bins, window, context.pool, store);
     leave_out_repeats(bins, window, context.pool);
+    leave_out_crowd(bins, window, context.pool);
     fit_rows(bins, plan.rule, plan.gap_m, first_row, context, rows);
     return {};
   }

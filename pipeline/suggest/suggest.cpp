@@ -155,11 +155,15 @@ std::string columns_text(const RawScan& scan) {
 // Reads the scans into `seen`, `points` and `worth`; their part of the configuration. `pieces`: what is to be said of
 // those in several.
 std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
-                    std::vector<std::string>& pieces, WorthBlock& worth, Progress& progress) {
-  constexpr std::uint64_t kLarge = 256'000'000;  // bytes of all files beyond which a sample of each is kept
+                    std::vector<std::string>& pieces, WorthBlock& worth, std::uint64_t memory_bytes,
+                    Progress& progress) {
+  std::uint64_t large = 256'000'000;  // bytes of all files beyond which a sample of each is kept
+  // A point takes 3 bytes of a compressed file at least, and some 90 of memory while its neighbours are sought.
+  constexpr std::uint64_t kMemoryOfFile = 30;
+  if (memory_bytes > 0) large = std::min(large, memory_bytes / kMemoryOfFile);
   std::vector<ScanStatistics> all;
   for (const fs::path& file : scans) {
-    all.push_back(scan_statistics(file, progress, kLarge / scans.size()));
+    all.push_back(scan_statistics(file, progress, large / scans.size()));
     if (all.back().scan.points.empty()) {
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
@@ -247,7 +251,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   TrialCloud points;
   std::vector<std::string> pieces;
   WorthBlock worth;
-  const std::string scan_block = look_at(scans, folder, seen, points, pieces, worth, progress);
+  const std::string scan_block = look_at(scans, folder, seen, points, pieces, worth, options.memory_bytes, progress);
   InnerBox box = inner_box(seen.points_m);
   const double longest_m = (box.high - box.low).maxCoeff();
   constexpr double kLongest_m = 1e9;

@@ -1,6 +1,7 @@
 // A configuration for scans nobody has described yet: guessed units, orientation and spacing, each with its reason.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -21,6 +22,9 @@ struct Suggestion {
 /// What the user knows of the scans.
 struct SuggestOptions {
   std::optional<Eigen::Vector3d> up{};  ///< scan frame; of any length but zero
+  /// Of what the first look may take, bytes; 0 = no limit. Files without faces that may need more are looked at by a
+  /// sample.
+  std::uint64_t memory_bytes = 0;
 };
 
 /// Reads the scans and guesses. `folder` is where the configuration will be written, empty for the present one: paths

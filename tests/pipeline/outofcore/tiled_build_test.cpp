@@ -17,6 +17,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/yaml.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/simulate.h"
 #include "tests/pipeline/outofcore/two_builds.h"
@@ -337,15 +338,23 @@ TEST_F(OutOfCore, WhatCannotBeKeptIsRefusedByNameAndLeavesNothing) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "only the scan is left";
 }
 
-TEST_F(OutOfCore, TheMemoryThatARefusalNamesForPointsAboutANodeIsEnough) {
-  const Config coarse = simulated(relief(400, 1), {"grid={size: 6}"});
-  BuildOptions options;
-  options.memory_bytes = 80'000'000;
-  const Error error = refused(coarse, options, folder_ / "scene");
-  ASSERT_NE(error.wrong().find("a single node"), std::string::npos) << error.what();
-  options.memory_bytes = 1'000'000U * std::stoull(error.expected().substr(std::string("--memory ").size()));
-  EXPECT_GT(options.memory_bytes, 80'000'000U);
-  EXPECT_NO_THROW((void)build_scene(coarse, options, progress_));
+TEST_F(OutOfCore, ManyPointsToANodeNeedNoMemoryForAllOfThem) {
+  // 160 000 points on 6 x 5 nodes: some 4000 to a node, of which 1024 decide.
+  const Config coarse = simulated(relief(400, 1), {"grid={size: 6}", "check={samples: 5000}"});
+  expect_same_out_of_core(coarse, 150'000);
+}
+
+TEST_F(OutOfCore, OneNodeWithMostOfThePointsNeedsNoMemoryForAllOfThem) {
+  std::string text;
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto add = [&](double x, double y) { text += fmt::format("{:.7f} {:.7f} {:.7f}\n", x, y, 0.05 * x * y); };
+  for (int k = 0; k < 10'000; ++k) add(unit(random), unit(random));
+  for (int k = 0; k < 20'000; ++k) add(0.51 + 0.004 * unit(random), 0.51 + 0.004 * unit(random));
+  write_file(folder_ / "crowd.xyz", text);
+  const std::string yaml =
+      "scans: [{file: crowd.xyz, units: m}]\ngrid: {spacing_mm: 25, bounds_m: [0, 0, 1, 1]}\ncheck: {samples: 2000}\n";
+  expect_same_out_of_core(parse_config(yaml::parse_text(yaml, "crowd"), folder_.path()), 9'000);
 }
 
 TEST_F(OutOfCore, ACrossCheckOfMorePointsThanFitIsRefused) {

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""memory_limit_test.py SPARSHA: builds of many sizes under many limits of --memory keep to them within 5 %, by the peak
+that the system counts for the process; or they end with an error that names the memory that is needed, and that is
+enough."""
+import array
+import os
+import random
+import re
+import subprocess
+import sys
+import tempfile
+
+SPARSHA = os.path.abspath(sys.argv[1])
+POINTS = 400_000
+LIMITS_MB = (76, 90, 160)
+# Nodes along the longer side: many points to a node, a few, many nodes to a point.
+SIZES = (6, 21, 300, 1600)
+
+
+def write_ply(path, points):
+    with open(path, "wb") as file:
+        count = len(points) // 3
+        file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % count)
+        file.write(b"property float x\nproperty float y\nproperty float z\nend_header\n")
+        points.tofile(file)
+
+
+def wavy(random_):
+    points = array.array("f")
+    for _ in range(POINTS):
+        x, y = random_.random(), random_.random()
+        points.extend((x, y, 0.02 * abs((7 * x) % 2 - 1) + 0.01 * ((5 * y) % 1) + random_.gauss(0, 1e-4)))
+    return points
+
+
+def ball(random_):
+    points = array.array("f")
+    for _ in range(POINTS // 2):
+        p = [random_.gauss(0, 1) for _ in range(3)]
+        length = 5 * sum(c * c for c in p) ** 0.5
+        points.extend(c / length for c in p)
+    return points
+
+
+def peak_of(arguments, folder):
+    with open(os.path.join(folder, "err"), "w+") as err:
+        process = subprocess.Popen([SPARSHA, *arguments], cwd=folder, stdout=subprocess.DEVNULL, stderr=err)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        err.seek(0)
+        return process.returncode, usage.ru_maxrss * 1024, err.read()
+
+
+def main():
+    failures = []
+    random_ = random.Random(7)
+    with tempfile.TemporaryDirectory() as folder:
+        write_ply(os.path.join(folder, "wavy.ply"), wavy(random_))
+        write_ply(os.path.join(folder, "ball.ply"), ball(random_))
+
+        def build(name, size, limit_mb):
+            with open(os.path.join(folder, "c.yaml"), "w") as config:
+                config.write(f"scans: [{{file: {name}.ply, units: m}}]\ngrid: {{size: {size}}}\nfill: {{max_gap_mm: 5}}\n"
+                             "texture: {}\nfriction: {law: curvature}\ncheck: {samples: 20000}\n")
+            arguments = ["build", "c.yaml", "--out", "scene", "--force", "--memory", f"{limit_mb}MB"]
+            code, peak, text = peak_of(arguments, folder)
+            if peak > 1.05e6 * limit_mb:
+                failures.append(f"{name}, {size} nodes, limit {limit_mb} MB: peak {peak / 1e6:.0f} MB, exit {code}")
+            return code, text
+
+        built = refused = 0
+        for name in ("wavy", "ball"):
+            for size in SIZES if name == "wavy" else SIZES[1:3]:
+                for limit_mb in LIMITS_MB:
+                    code, text = build(name, size, limit_mb)
+                    if code == 0:
+                        built += 1
+                        continue
+                    refused += 1
+                    needed = re.findall(r"need(?:s)? about (\d+) MB", text)
+                    if code != 1 or not needed:
+                        failures.append(f"{name}, {size} nodes, limit {limit_mb} MB: exit {code}, {text}")
+                        continue
+                    code, text = build(name, size, int(needed[-1]))
+                    if code != 0:
+                        failures.append(f"{name}, {size} nodes: {needed[-1]} MB were said to be enough; {text}")
+    print(f"{built} builds within their limit, {refused} refused")
+    for failure in failures:
+        print("FAILED:", failure)
+    return 1 if failures or not built or not refused else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
