@@ -21,10 +21,15 @@ inline constexpr double kDeskWorkspace_m = 0.1;
   return std::max(1, std::max(nx, ny) - 1) * spacing_m;
 }
 
+/// The same of a window of a level that may reach beyond it: what lies there is not counted.
+[[nodiscard]] inline double window_width_m(int nx, int ny, const Lattice& level) {
+  return window_width_m(std::min(nx, level.nx), std::min(ny, level.ny), level.spacing_m);
+}
+
 /// Device metres a grid metre where a window of `levels.window` nodes of a level fills a workspace of `workspace_m`.
 [[nodiscard]] inline double level_scale(int wanted, const Lattice& level, double workspace_m) {
   const int most = window_nodes(wanted);
-  return workspace_m / window_width_m(std::min(level.nx, most), std::min(level.ny, most), level.spacing_m);
+  return workspace_m / window_width_m(most, most, level);
 }
 
 }  // namespace sparsha::pipeline

@@ -64,7 +64,7 @@ NOT_INSIDE = {"pipeline/scan": ["pipeline/scan/formats"], "pipeline/build": ["pi
 # The embeddable core, for other programs: Eigen alone, so no header of it may reach YAML, files or scenes.
 CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/effects",
         "haptics/guide", "haptics/servo",        "haptics/device/device.h", "haptics/device/simulated"]
-CORE_SHARED = ["base/error.h", "base/smooth_step.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/fingertip.h", "scene/depth_grid.h", "scene/workspace.h",
+CORE_SHARED = ["base/error.h", "scene/beyond.h", "base/smooth_step.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/fingertip.h", "scene/depth_grid.h", "scene/workspace.h",
                "scene/region_frame.h", "scene/cues_config.h", "scene/haptics_config.h", "scene/materials.h", "scene/grain_field.h",
                "scene/height_spectrum.h", "scene/area.h", "scene/polygon.h", "scene/label_area.h"]
 # Templates over PCL's point types, for programs that include PCL anyway.

@@ -38,7 +38,7 @@ Window window_of(const haptics::State& state, const pipeline::SceneDescription& 
   window.centre_m = centre;
   const pipeline::Lattice& lattice = description.levels[level];
   window.width_m =
-      pipeline::window_width_m(static_cast<int>(state.window[2]), static_cast<int>(state.window[3]), lattice.spacing_m);
+      pipeline::window_width_m(static_cast<int>(state.window[2]), static_cast<int>(state.window[3]), lattice);
   window.meant = true;
   return window;
 }

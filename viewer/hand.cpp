@@ -102,7 +102,7 @@ void PointerHand::follow_aim(const haptics::State& state, const pipeline::SceneD
   const auto known_at = [&](double x_m, double y_m) {
     const double height_m = height_at(x_m, y_m);
     known = known && std::isfinite(height_m);
-    return height_m;
+    return std::isfinite(height_m) ? std::max(height_m, low_m) : height_m;  // beyond outlines it falls below all stone
   };
   const auto place =
       meet_surface(stage.to_grid_m(aim_->origin), aim_->direction, known_at, pressed_ ? 0.0 : hover_m_ / state.scale,

@@ -64,7 +64,9 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
   if (!arguments.centre.empty()) centre_m = {arguments.centre[0], arguments.centre[1]};
   const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
   haptics::WindowPlan plan;
-  if (centre_m.allFinite()) plan = haptics::plan_window(description, level, centre_m, pipeline::kDeskWorkspace_m);
+  pipeline::SceneDescription record = description;  // what a hand falls off is continued
+  record.config.haptics.beyond = pipeline::HapticsConfig::Beyond::continued;
+  if (centre_m.allFinite()) plan = haptics::plan_window(record, level, centre_m, pipeline::kDeskWorkspace_m);
   if (plan.nx == 0 || plan.i0 >= lattice.nx || plan.j0 >= lattice.ny || plan.i0 + plan.nx <= 0 ||
       plan.j0 + plan.ny <= 0) {
     throw usage_error("the window around --centre holds nothing of the scene",

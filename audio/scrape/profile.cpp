@@ -7,7 +7,6 @@
 
 #include <Eigen/LU>
 
-#include "scene/continuation.h"
 #include "scene/measured_spectrum.h"
 
 namespace sparsha::audio {
@@ -37,7 +36,9 @@ Profile::Window Profile::window_of(const pipeline::SceneDescription& scene, cons
   window.j0 = node(state.window[1]);
   window.nx = std::clamp(node(state.window[2]), 0, kWidest);
   window.ny = std::clamp(node(state.window[3]), 0, kWidest);
+  window.scale = state.scale;
   window.texture = (state.flags & haptics::kFlagTexture) != 0;
+  window.beyond = pipeline::beyond_of((state.flags & haptics::kFlagFalls) != 0, (state.flags & haptics::kFlagRim) != 0);
   while (window.level > 0 && 2 * std::max(window.nx, window.ny) <= kMostNodes) {
     --window.level;
     window.i0 *= 2;
@@ -50,12 +51,11 @@ Profile::Window Profile::window_of(const pipeline::SceneDescription& scene, cons
 
 Profile::Profile(const pipeline::Scene& scene, const Window& window, std::shared_ptr<const pipeline::GrainField> grain)
     : grain_(std::move(grain)) {
-  const pipeline::Layers layers = scene.read(window.level, window.i0, window.j0, window.nx, window.ny);
-  lattice_ = layers.grid.lattice;
-  height_m_ = window.texture || layers.envelope_m.empty() ? layers.grid.height_m : layers.envelope_m;
-  for (std::size_t n = 0; n < height_m_.size(); ++n)
-    if (layers.grid.state[n] == pipeline::NodeState::unknown) height_m_[n] = pipeline::kUnknownHeight;
-  pipeline::continue_heights(height_m_, lattice_.nx, lattice_.ny);
+  pipeline::TouchedHeights touched = pipeline::read_touched(scene, window);
+  lattice_ = touched.lattice;
+  margin_ = touched.margin;
+  origin_m_ = lattice_.origin_m + margin_ * lattice_.spacing_m * Eigen::Vector3d(1.0, 1.0, 0.0);
+  height_m_ = std::move(touched.height_m);
   if (const auto& matrix = scene.description().region_from_grid) {
     region_from_grid_ = matrix->topRows<3>();
     enlarged_ = std::cbrt(std::abs(matrix->topLeftCorner<3, 3>().determinant()));
@@ -66,8 +66,8 @@ double Profile::height_m(double x_m, double y_m) const noexcept {
   const double x = x_m / lattice_.spacing_m;
   const double y = y_m / lattice_.spacing_m;
   if (!std::isfinite(x) || !std::isfinite(y)) return 0.0;
-  const double across = std::clamp(x, 0.0, static_cast<double>(lattice_.nx - 1));
-  const double along = std::clamp(y, 0.0, static_cast<double>(lattice_.ny - 1));
+  const double across = margin_ + std::clamp(x, 0.0, lattice_.nx - 1.0 - 2.0 * margin_);
+  const double along = margin_ + std::clamp(y, 0.0, lattice_.ny - 1.0 - 2.0 * margin_);
   const int i = static_cast<int>(across);
   const int j = static_cast<int>(along);
   const auto in_x = catmull_rom(across - i);
@@ -86,7 +86,7 @@ double Profile::height_m(double x_m, double y_m) const noexcept {
 
 double Profile::grain_m(const Eigen::Vector3d& place_m, double per_sample_m, double shortest_m) const noexcept {
   if (!grain_ || grain_->silent()) return 0.0;
-  const Eigen::Vector3d grid_m = place_m + lattice_.origin_m;
+  const Eigen::Vector3d grid_m = place_m + origin_m_;
   Eigen::Vector2d place = grid_m.head<2>();
   if (region_from_grid_)
     place = region_from_grid_->topLeftCorner<2, 3>() * grid_m + region_from_grid_->col(3).head<2>();

@@ -12,6 +12,7 @@
 #include "scene/grain_field.h"
 #include "scene/region_frame.h"
 #include "scene/scene.h"
+#include "scene/touched_view.h"
 
 namespace sparsha::audio {
 
@@ -19,12 +20,7 @@ namespace sparsha::audio {
 class Profile {
  public:
   /// Which nodes of which level: the finest one of which the window has at most kMostNodes per side.
-  struct Window {
-    int level = 0;
-    int i0 = 0, j0 = 0, nx = 0, ny = 0;
-    bool texture = true;  ///< the heights, else their envelope
-    bool operator==(const Window&) const = default;
-  };
+  using Window = pipeline::TouchedView;  ///< of a point: the tip's place lies on the stone
   static constexpr int kMostNodes = 1024;
   /// The window that the servo renders.
   [[nodiscard]] static Window window_of(const pipeline::SceneDescription& scene, const haptics::State& state);
@@ -39,10 +35,12 @@ class Profile {
   /// `per_sample_m` apart can tell.
   [[nodiscard]] double grain_m(const Eigen::Vector3d& place_m, double per_sample_m, double shortest_m) const noexcept;
   /// The window's node (0, 0) and zero of its heights.
-  [[nodiscard]] const Eigen::Vector3d& origin_m() const noexcept { return lattice_.origin_m; }
+  [[nodiscard]] const Eigen::Vector3d& origin_m() const noexcept { return origin_m_; }
 
  private:
-  pipeline::Lattice lattice_;
+  pipeline::Lattice lattice_;  ///< of the window with its margin
+  int margin_ = 0;             ///< nodes on every side
+  Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
   std::vector<float> height_m_;
   std::shared_ptr<const pipeline::GrainField> grain_;
   std::optional<pipeline::RegionFrame> region_from_grid_;

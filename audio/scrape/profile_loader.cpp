@@ -23,7 +23,8 @@ void ProfileLoader::set_scene(pipeline::ScenePointer scene) {
 }
 
 void ProfileLoader::wish(const haptics::State& state) {
-  const Key key{state.window, state.level, (state.flags & haptics::kFlagTexture) != 0};
+  constexpr std::uint64_t kHeights = haptics::kFlagTexture | haptics::kFlagFalls | haptics::kFlagRim;
+  const Key key{state.window, state.level, state.flags & kHeights, state.scale};
   {
     const std::lock_guard lock(mutex_);
     if (!std::exchange(again_, false) && wished_ == key) return;

@@ -42,7 +42,8 @@ class ProfileLoader {
   struct Key {
     std::array<std::int64_t, 4> window{};
     std::uint64_t level = 0;
-    bool texture = false;
+    std::uint64_t flags = 0;  ///< of those that change heights
+    double scale = 0.0;
     bool operator==(const Key&) const = default;
   };
   void run();

@@ -15,7 +15,9 @@
 
 #include "base/statistics.h"
 #include "bench/haptics/drag.h"
+#include "bench/haptics/edges.h"
 #include "bench/haptics/figures.h"
+#include "bench/haptics/loops.h"
 #include "bench/haptics/plot.h"
 #include "bench/haptics/scanned.h"
 #include "bench/haptics/scenes.h"
@@ -205,21 +207,26 @@ bool write_speed(bool quick, const std::filesystem::path& out) {
   return table.good() && write_plot(out / "haptics_speed.svg", table.points());
 }
 
-constexpr std::array<const char*, 5> kParts{"speed", "figures", "scanned", "drag", "stability"};
+constexpr std::array<const char*, 7> kParts{"speed", "figures", "scanned", "drag", "stability", "edges", "loops"};
 
-bool run(bool quick, const std::string& only, const std::filesystem::path& out) {
+bool run(bool quick, const std::string& only, const std::filesystem::path& out,
+         const std::vector<std::filesystem::path>& scenes) {
   std::filesystem::create_directories(out);
   const auto asked = [&](const char* part) { return only.empty() || only == part; };
   // The quick mode leaves out what takes longest; --only has it.
   const auto slow = [&](const char* part) { return only == part || (only.empty() && !quick); };
   return (!asked("speed") || write_speed(quick, out)) && (!asked("figures") || write_figures(out)) &&
          (!asked("scanned") || write_scanned(out, quick)) && (!slow("drag") || write_drag(out)) &&
-         (!slow("stability") || write_stability(out, quick));
+         (!slow("stability") || write_stability(out, quick)) &&
+         (!slow("edges") || write_edges(scenes, quick ? 10 : 40)) &&
+         (!slow("loops") || write_loops(scenes, quick ? 300 : 5000));
 }
 
 int usage() {
-  std::fputs("usage: bench_haptics [--mode quick|full] [--only speed|figures|scanned|drag|stability] [--out DIR]\n",
-             stderr);
+  std::fputs(
+      "usage: bench_haptics [--mode quick|full] [--only speed|figures|scanned|drag|stability|edges|loops] [--out DIR]\n"
+      "                     [--scene FOLDER]...   of edges and loops\n",
+      stderr);
   return 2;
 }
 
@@ -231,6 +238,7 @@ int main(int argc, char** argv) {
   bool quick = true;
   std::string only;
   std::filesystem::path out = ".";
+  std::vector<std::filesystem::path> scenes;
   for (int k = 1; k < argc; k += 2) {
     const std::string word = argv[k], value = k + 1 < argc ? argv[k + 1] : "";
     if (word == "--mode" && (value == "quick" || value == "full")) {
@@ -239,12 +247,14 @@ int main(int argc, char** argv) {
       only = value;
     } else if (word == "--out" && !value.empty()) {
       out = value;
+    } else if (word == "--scene" && !value.empty()) {
+      scenes.emplace_back(value);
     } else {
       return usage();
     }
   }
   try {
-    return run(quick, only, out) ? 0 : 1;
+    return run(quick, only, out, scenes) ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

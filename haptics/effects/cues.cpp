@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace sparsha::haptics {
 namespace {
@@ -39,27 +40,28 @@ void Cues::tell(Cue cue, const SurfaceEffects& effects) noexcept {
   tick_hz_ = kFrequencies_hz[index];
 }
 
-// As words are said of parts: in contact, and again after a second elsewhere.
+// As words are said of parts, and with the same patience at their borders.
 void Cues::watch_parts(const Input& input, const SurfaceEffects& effects) noexcept {
-  const std::size_t part = effects.part_at(input.place_m.x(), input.place_m.y());
-  const bool known = part == part_ && (part == SurfaceEffects::kNoPart || input.time_s - part_left_s_ <= kSilence_s);
-  if (!known) {
-    const bool was_there = part_ != SurfaceEffects::kNoPart && input.time_s - part_left_s_ <= kSilence_s;
-    if (part != SurfaceEffects::kNoPart)
-      tell(Cue::part_entered, effects);
-    else if (was_there)
-      tell(Cue::part_left, effects);
-  }
-  part_ = part;
-  if (part != SurfaceEffects::kNoPart) part_left_s_ = input.time_s;
+  constexpr double kWellInside_m = 0.002;  // from a border, at the hand
+  const Eigen::Vector2d place_m = input.place_m.head<2>();
+  const double margin_m = kWellInside_m / input.scale;
+  const auto part_at = [&](const Eigen::Vector2d& at_m) -> std::optional<std::size_t> {
+    const std::size_t part = effects.part_at(at_m.x(), at_m.y());
+    return part == SurfaceEffects::kNoPart ? std::nullopt : std::optional<std::size_t>(part);
+  };
+  if (parts_.watch(place_m, margin_m, input.time_s, part_at))
+    tell(Cue::part_entered, effects);
+  else if (parts_.left(place_m, margin_m, input.time_s, part_at))
+    tell(Cue::part_left, effects);
 }
 
 void Cues::watch(const Input& input, const SurfaceEffects& effects) noexcept {
   const bool other_view = scale_ > 0.0 && std::abs(input.scale - scale_) > kSameScale * scale_;
   scale_ = input.scale;
   if (other_view) tell(Cue::level, effects);
-  if (!input.contact) return;
-  watch_parts(input, effects);
+  const bool fallen = !input.contact && unknown_.now;  // off the stone, and has not come back since
+  if (!input.contact && !fallen) return;
+  if (input.contact) watch_parts(input, effects);
   if (begins(outside_, input.outside, input.time_s)) tell(Cue::edge, effects);
   if (begins(unknown_, input.unknown && !input.outside, input.time_s)) tell(Cue::unmeasured, effects);
 }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "haptics/effects/part_watch.h"
 #include "haptics/effects/surface_effects.h"
 #include "scene/cues_config.h"
 
@@ -52,8 +53,7 @@ class Cues {
 
   std::array<std::uint64_t, pipeline::kCues> counts_{};
   Watched outside_, unknown_;
-  std::size_t part_ = SurfaceEffects::kNoPart;
-  double part_left_s_ = -1e9;
+  PartWatch parts_;
   double scale_ = 0.0;    // of the last tick; 0 before the first
   double tick_s_ = -1.0;  // since it began; negative: none
   double tick_hz_ = 0.0;

@@ -38,15 +38,33 @@ std::size_t SurfaceEffects::part_at(double x_m, double y_m) const noexcept {
   return kNoPart;
 }
 
+namespace {
+
+/// The node of a lattice that is nearest to a place, and how far beyond the lattice's edge the place lies, in spacings.
+struct NearestNode {
+  std::size_t node = 0;
+  double beyond = 0.0;
+};
+
+NearestNode nearest_node(const pipeline::Lattice& lattice, double x_m, double y_m) noexcept {
+  const double u = (x_m - lattice.origin_m.x()) / lattice.spacing_m;
+  const double v = (y_m - lattice.origin_m.y()) / lattice.spacing_m;
+  const double inside_u = std::clamp(u, 0.0, static_cast<double>(lattice.nx - 1));
+  const double inside_v = std::clamp(v, 0.0, static_cast<double>(lattice.ny - 1));
+  return {lattice.index(static_cast<int>(std::lround(inside_u)), static_cast<int>(std::lround(inside_v))),
+          std::hypot(u - inside_u, v - inside_v)};
+}
+
+}  // namespace
+
 double SurfaceEffects::to_stone_m(double x_m, double y_m) const noexcept {
   if (stone_m.empty()) return 0.0;
-  const double u = (x_m - stone_lattice.origin_m.x()) / stone_lattice.spacing_m;
-  const double v = (y_m - stone_lattice.origin_m.y()) / stone_lattice.spacing_m;
-  const double inside_u = std::clamp(u, 0.0, static_cast<double>(stone_lattice.nx - 1));
-  const double inside_v = std::clamp(v, 0.0, static_cast<double>(stone_lattice.ny - 1));
-  const std::size_t node =
-      stone_lattice.index(static_cast<int>(std::lround(inside_u)), static_cast<int>(std::lround(inside_v)));
-  return static_cast<double>(stone_m[node]) + stone_lattice.spacing_m * std::hypot(u - inside_u, v - inside_v);
+  const NearestNode nearest = nearest_node(stone_lattice, x_m, y_m);
+  return static_cast<double>(stone_m[nearest.node]) + stone_lattice.spacing_m * nearest.beyond;
+}
+
+double SurfaceEffects::stone_z_m(double x_m, double y_m) const noexcept {
+  return stone_lattice.origin_m.z() + static_cast<double>(stone_height_m[nearest_node(stone_lattice, x_m, y_m).node]);
 }
 
 // Two sweeps, each with the neighbours that it has passed (Rosenfeld & Pfaltz 1966).

@@ -36,6 +36,8 @@ struct SurfaceEffects {
   std::vector<pipeline::Area> part_areas{};  ///< with cues: of all parts, in their order
   pipeline::Lattice stone_lattice{};         ///< of stone_m: the window
   std::vector<float> stone_m{};  ///< from each node to the nearest one that is known, grid frame; empty: not measured
+  std::vector<float> stone_height_m{};  ///< with stone_m: of the stone as it is continued over unknown ground, above
+                                        ///< stone_lattice's origin
 
   [[nodiscard]] bool has_stiffness() const noexcept;
   /// `base_n_per_m` outside of the parts, a smooth step across their borders.
@@ -45,6 +47,9 @@ struct SurfaceEffects {
   [[nodiscard]] std::size_t part_at(double x_m, double y_m) const noexcept;
   /// Across, from a place (grid frame) to the stone, grid metres; 0 where there is stone or nothing is known of it.
   [[nodiscard]] double to_stone_m(double x_m, double y_m) const noexcept;
+  /// z (grid frame) of the stone where the nearest node of the window has it, or of the stone around it. Requires
+  /// stone_m.
+  [[nodiscard]] double stone_z_m(double x_m, double y_m) const noexcept;
   /// Of the grain's heights; likewise smooth.
   [[nodiscard]] double grain_gain_at(double x_m, double y_m) const noexcept;
 };

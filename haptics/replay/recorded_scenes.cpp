@@ -15,8 +15,9 @@ namespace {
 
 bool fits(const WindowPlan& plan, const pipeline::SceneDescription& scene) {
   const auto level = static_cast<std::size_t>(plan.level);
-  return plan.level >= 0 && level < scene.levels.size() && plan.nx >= 2 && plan.ny >= 2 &&
-         plan.nx <= scene.levels[level].nx && plan.ny <= scene.levels[level].ny;
+  if (plan.level < 0 || level >= scene.levels.size() || plan.nx < 2 || plan.ny < 2) return false;
+  const int beyond = 2 * pipeline::fall_nodes(pipeline::beyond_of(scene, view_of(plan)));
+  return plan.nx <= scene.levels[level].nx + beyond && plan.ny <= scene.levels[level].ny + beyond;
 }
 
 bool names(const KeptList& list, const Recording& recording) {

@@ -248,6 +248,7 @@ RecordedWindow window_of(const Fields& fields, std::uint64_t flags) {
   window.plan.impact = (flags & kFlagImpact) != 0;
   window.plan.grain = (flags & kFlagGrain) != 0;
   window.plan.cues = (flags & kFlagCues) != 0;
+  window.plan.beyond = pipeline::beyond_of((flags & kFlagFalls) != 0, (flags & kFlagRim) != 0);
   return window;
 }
 

@@ -14,7 +14,11 @@ double HapticRenderer::height_above_m(const Eigen::Vector3d& hip_m) const noexce
 double HapticRenderer::away_m(const Eigen::Vector3d& hip_m) const noexcept {
   const SurfaceEffects* effects = surface_->effects.get();
   if (effects == nullptr || effects->stone_m.empty()) return 0.0;
-  return std::hypot(surface_->scale * effects->to_stone_m(hip_m.x(), hip_m.y()), std::max(0.0, height_above_m(hip_m)));
+  const double across_m = effects->to_stone_m(hip_m.x(), hip_m.y());
+  // Beyond an outline the ground that is touched falls away; the stone does not.
+  const double above_m =
+      across_m > 0.0 ? surface_->scale * (hip_m.z() - effects->stone_z_m(hip_m.x(), hip_m.y())) : height_above_m(hip_m);
+  return std::hypot(surface_->scale * across_m, std::max(0.0, above_m));
 }
 
 Guidance::Output HapticRenderer::guide(const Eigen::Vector3d& hip_m) noexcept {

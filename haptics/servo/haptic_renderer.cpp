@@ -435,6 +435,8 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (window_.effects.texture) state.flags |= kFlagTexture;
   if (window_.effects.friction) state.flags |= kFlagFriction;
   if (shape() == CellShape::rounded) state.flags |= kFlagRounded;
+  if (surface_->beyond != pipeline::HapticsConfig::Beyond::continued) state.flags |= kFlagFalls;
+  if (surface_->beyond == pipeline::HapticsConfig::Beyond::rim) state.flags |= kFlagRim;
   if (dragging_) state.flags |= kFlagDragged;
   if (surface_->effects && surface_->effects->impact) state.flags |= kFlagImpact;
   if (surface_->effects && surface_->effects->grain) state.flags |= kFlagGrain;

@@ -51,7 +51,16 @@ std::optional<std::size_t> Announcer::part_at(const std::array<double, 3>& place
 }
 
 void Announcer::watch(const State& state) {
-  if (state.contact == 0) return;
+  constexpr double kOffTheStone_s = 1.0;  // since the last touch; a hand that flies across says nothing
+  const bool touching = state.contact != 0;
+  if (touching) touched_s_ = state.time_s;
+  const bool fallen =
+      !touching && (state.flags & (kFlagUnknownArea | kFlagOutside)) != 0 && state.time_s - touched_s_ < kOffTheStone_s;
+  if (touching) watch_parts(state);
+  if (touching || fallen) watch_ground(state);
+}
+
+void Announcer::watch_parts(const State& state) {
   constexpr double kWellInside_m = 0.002;  // from a border, at the hand
   const auto part_here = [&](const Eigen::Vector2d& at_m) { return part_at({at_m.x(), at_m.y(), state.place_m[2]}); };
   if (const std::optional<std::size_t> here =
@@ -59,6 +68,10 @@ void Announcer::watch(const State& state) {
     say_as_is(part(*here).say);
     described_ = here;  // the next press tells more
   }
+}
+
+// A hand that has fallen off the stone is told of it, too.
+void Announcer::watch_ground(const State& state) {
   const bool outside = (state.flags & kFlagOutside) != 0;
   if (outside && !outside_ && state.time_s - outside_left_s_ > kSilence_s) say(way_back(state));
   if (outside) outside_left_s_ = state.time_s;

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/phrases.h"
-#include "haptics/session/part_watch.h"
+#include "haptics/effects/part_watch.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
 #include "scene/scene.h"
@@ -56,6 +56,8 @@ class Announcer {
   [[nodiscard]] const Phrases& phrases() const { return phrases_; }
 
  private:
+  void watch_parts(const State& state);
+  void watch_ground(const State& state);
   /// Index into the scene's list.
   [[nodiscard]] std::optional<std::size_t> part_at(const std::array<double, 3>& place_m) const;
   [[nodiscard]] const pipeline::PartConfig& part(std::size_t index) const {
@@ -73,6 +75,7 @@ class Announcer {
   std::optional<std::size_t> described_;  // that more can be told about
   bool unknown_ = false;
   double unknown_left_s_ = -1e9;
+  double touched_s_ = -1e9;  // when the hand was last on the stone
   bool outside_ = false;
   double outside_left_s_ = -1e9;
 };

@@ -30,6 +30,8 @@ enum StateFlag : std::uint64_t {
   kFlagDragged = 1U << 17,      ///< the hand drags the window; nothing is touched meanwhile
   kFlagGuided = 1U << 18,       ///< a guide acts on the hand
   kFlagCues = 1U << 19,         ///< ticks tell what the hand has come to
+  kFlagFalls = 1U << 20,        ///< beyond an outline the surface falls away; else it is continued
+  kFlagRim = 1U << 21,          ///< with kFlagFalls: after a felt rim
 };
 
 /// What the guide does with the hand.

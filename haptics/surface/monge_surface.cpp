@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "haptics/surface/large_pages.h"
-#include "scene/continuation.h"
+#include "scene/beyond.h"
 #include "scene/fingertip.h"
 
 namespace sparsha::haptics {
@@ -106,7 +106,9 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
   surface->cell_flags = std::move(parts.cell_flags);
   const int nx = parts.lattice.nx + 2 * parts.margin;
   const int ny = parts.lattice.ny + 2 * parts.margin;
-  pipeline::continue_heights(surface->height_m, nx, ny);
+  surface->beyond = parts.beyond;
+  pipeline::continue_beyond(surface->height_m, nx, ny,
+                            {parts.lattice.spacing_m, parts.scale, parts.hole_m, parts.beyond});
   pipeline::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale,
                             parts.progress);
   if (parts.margin > 0) surface->height_m = cropped(surface->height_m, parts.lattice, parts.margin);

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "scene/depth_grid.h"
+#include "scene/haptics_config.h"
 
 namespace sparsha {
 class Progress;
@@ -32,8 +33,9 @@ struct MongeSurface {
   std::vector<std::uint8_t> cell_flags;  ///< (nx-1)*(ny-1) CellFlag bits; empty: none set
   std::uint64_t id = 0;
   int level = 0;
-  double scale = 1.0;                                          ///< device metres per grid metre
-  double tip_radius_m = 0.0;                                   ///< device frame; heights are a ball's, lowered by it
+  double scale = 1.0;         ///< device metres per grid metre
+  double tip_radius_m = 0.0;  ///< device frame; heights are a ball's, lowered by it
+  pipeline::HapticsConfig::Beyond beyond = pipeline::HapticsConfig::Beyond::continued;  ///< outlines
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();          ///< grid point at the device frame's origin
   double highest_m = std::numeric_limits<double>::infinity();  ///< no node is higher; above it nothing is searched
   std::shared_ptr<const SurfaceEffects> effects;               ///< haptics/effects; null: none
@@ -58,7 +60,9 @@ struct SurfaceParts {
   std::vector<std::uint8_t> cell_flags;  ///< (nx-1)*(ny-1) CellFlag bits; empty: kCellUnknown where a node is unknown
   double scale = 1.0;                    ///< device metres per grid metre
   double tip_radius_m = 0.0;             ///< of the ball that touches, device frame; 0: a point
-  int margin = 0;  ///< height_m reaches so many nodes beyond the lattice on every side, for the ball to touch
+  pipeline::HapticsConfig::Beyond beyond = pipeline::HapticsConfig::Beyond::continued;  ///< outlines
+  double hole_m = 0.0;  ///< grid frame; what is narrower is continued in any case (scene/beyond.h)
+  int margin = 0;       ///< height_m reaches so many nodes beyond the lattice on every side, for the ball to touch
   int level = 0;
   std::uint64_t id = 0;
   std::optional<Eigen::Vector3d> centre_m;        ///< grid frame; absent: the surface in the window's middle
@@ -69,8 +73,8 @@ struct SurfaceParts {
 /// Nodes beyond a window that a ball over its border can touch.
 [[nodiscard]] int margin_of(double tip_radius_m, double scale, double spacing_m);
 
-/// Makes the surface; unknown heights are continued. Off the servo thread. Throws Error{failure} when sizes do not
-/// match the lattice, or lattice and scale are not positive and finite, and Cancelled.
+/// Makes the surface; unknown heights are continued, or fall away beyond outlines. Off the servo thread. Throws
+/// Error{failure} when sizes do not match the lattice, or lattice and scale are not positive and finite, and Cancelled.
 [[nodiscard]] std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts);
 
 }  // namespace sparsha::haptics

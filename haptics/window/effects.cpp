@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include "scene/config.h"
+#include "scene/continuation.h"
 #include "scene/measured_spectrum.h"
 #include "scene/regions.h"
 
@@ -27,6 +28,8 @@ std::shared_ptr<const SurfaceEffects> make_effects(const pipeline::Scene& scene,
     if (effects->cues->lost) {
       effects->stone_m = distance_to_stone(heights);
       effects->stone_lattice = heights.lattice;
+      effects->stone_height_m = heights.height_m;
+      pipeline::continue_heights(effects->stone_height_m, heights.lattice.nx, heights.lattice.ny);
     }
   }
   if (!plan.impact && !plan.grain && !plan.cues && !effects->has_stiffness()) return nullptr;

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "haptics/surface/large_pages.h"
 #include "scene/friction_law.h"
+#include "scene/touched_view.h"
 #include "scene/window_lattice.h"
 #include "scene/workspace.h"
 
@@ -78,17 +79,6 @@ std::vector<std::uint8_t> flag_cells(const Layers& window, const Inside& inside)
   return cells;
 }
 
-/// Nodes that are unknown in the mask are unknown in height, whatever a layer holds there.
-std::vector<float> known_heights(const Layers& window, bool texture) {
-  const bool envelope = !texture && !window.envelope_m.empty();
-  const std::vector<float>& layer = envelope ? window.envelope_m : window.grid.height_m;
-  std::vector<float> heights = reserve_large(layer.size());
-  heights.assign(layer.begin(), layer.end());
-  for (std::size_t node = 0; node < heights.size(); ++node)
-    if (window.grid.state[node] == NodeState::unknown) heights[node] = pipeline::kUnknownHeight;
-  return heights;
-}
-
 template <typename Value>
 void crop(std::vector<Value>& values, int nx, int ny, int margin) {
   if (values.empty()) return;
@@ -121,11 +111,13 @@ Layers without_margin(const Layers& wide, int margin) {
 
 }  // namespace
 
-FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const pipeline::Layers& window, double scale) {
+FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const pipeline::Layers& window, int level,
+                              double scale) {
   FrictionMap map;
   if (!scene.config.friction) return map;
   const pipeline::Lattice& lattice = window.grid.lattice;
-  const double width_m = pipeline::window_width_m(lattice.nx, lattice.ny, lattice.spacing_m);
+  const double width_m =
+      pipeline::window_width_m(lattice.nx, lattice.ny, scene.levels[static_cast<std::size_t>(level)]);
   const pipeline::FrictionLaw law(scene, scale, scale * width_m);
   for (std::vector<float>* values : {&map.mu_dynamic, &map.mu_static}) {
     *values = reserve_large(lattice.count());
@@ -149,10 +141,13 @@ std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescriptio
   SurfaceParts parts;
   parts.lattice = lattice;
   parts.cell_flags = flag_cells(window, Inside(scene.levels[static_cast<std::size_t>(level)], lattice));
-  parts.height_m = known_heights(layers, options.effects.texture);
+  parts.height_m = reserve_large(layers.grid.height_m.size());
+  pipeline::known_heights(layers, options.effects.texture, parts.height_m);
+  parts.beyond = options.beyond;
+  if (scene.config.fill) parts.hole_m = scene.config.fill->max_gap_m;
   parts.tip_radius_m = options.tip_radius_m;
   parts.margin = options.margin;
-  if (options.effects.friction) parts.friction = evaluate_friction(scene, window, scale);
+  if (options.effects.friction) parts.friction = evaluate_friction(scene, window, level, scale);
   parts.scale = scale;
   parts.level = level;
   parts.id = options.id;

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scene/touched_view.h"
 #include "scene/window_lattice.h"
 #include "scene/workspace.h"
 
@@ -29,6 +30,11 @@ std::pair<int, int> run_around(double centre_nodes, int n, int window) {
 }
 
 }  // namespace
+
+pipeline::TouchedView view_of(const WindowPlan& plan) {
+  return {plan.level,           plan.i0,    plan.j0, plan.nx, plan.ny, plan.scale, plan.tip_radius_m,
+          plan.effects.texture, plan.beyond};
+}
 
 int overview_level(const pipeline::SceneDescription& scene) {
   const int window = pipeline::window_nodes(scene.config.levels.window);
@@ -83,6 +89,10 @@ WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& 
   plan.impact = scene.config.haptics.impact;
   plan.grain = scene.config.haptics.grain;
   plan.cues = scene.config.cues.has_value();
+  plan.beyond = scene.config.haptics.beyond;
+  const int fall = pipeline::fall_nodes(pipeline::beyond_of(scene, view_of(plan)));
+  if (plan.nx == lattice.nx) plan.i0 -= fall, plan.nx += 2 * fall;
+  if (plan.ny == lattice.ny) plan.j0 -= fall, plan.ny += 2 * fall;
   return plan;
 }
 
@@ -93,7 +103,8 @@ HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, s
   SurfaceOptions options;
   options.progress = progress;
   options.tip_radius_m = plan.tip_radius_m;
-  options.margin = margin_of(plan.tip_radius_m, plan.scale, level.spacing_m);
+  options.beyond = plan.beyond;
+  options.margin = pipeline::margin_of(description, view_of(plan));
   const int more = 2 * options.margin;
   const pipeline::Layers layers =
       scene.read(plan.level, plan.i0 - options.margin, plan.j0 - options.margin, plan.nx + more, plan.ny + more);

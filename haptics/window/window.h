@@ -7,6 +7,7 @@
 
 #include "haptics/servo/command.h"
 #include "scene/scene.h"
+#include "scene/touched_view.h"
 
 namespace sparsha::haptics {
 
@@ -21,7 +22,11 @@ struct WindowPlan {
   bool impact = false;        ///< invented: strikes ring
   bool cues = false;          ///< ticks tell what the hand has come to
   bool grain = false;         ///< invented: the texture goes on above what the scan resolves
+  pipeline::HapticsConfig::Beyond beyond = pipeline::HapticsConfig::Beyond::continued;  ///< outlines
 };
+
+/// The heights that the plan is touched on.
+[[nodiscard]] pipeline::TouchedView view_of(const WindowPlan& plan);
 
 /// The finest level that fits whole into a window of the configured size; the coarsest that has a cell when none does.
 [[nodiscard]] int overview_level(const pipeline::SceneDescription& scene);
@@ -38,8 +43,9 @@ struct ZoomStep {
 [[nodiscard]] std::vector<ZoomStep> zoom_steps(const pipeline::SceneDescription& scene, double workspace_width_m);
 
 /// The window of a step around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
-/// the level is the same computation), else the step's nodes per side. Scale = workspace width / window width. The
-/// fingertip, impact and grain are the configuration's.
+/// the level is the same computation), else the step's nodes per side. Scale = workspace width / window width. Where
+/// the level ends within the window and is an outline, the window reaches beyond it until the surface is level again.
+/// The fingertip, impact, grain and what lies beyond outlines are the configuration's.
 [[nodiscard]] WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& step,
                                      const Eigen::Vector2d& centre_m, double workspace_width_m);
 /// The same with levels.window nodes per side.

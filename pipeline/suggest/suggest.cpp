@@ -304,6 +304,9 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
       "texture: {{sigma_space_mm: {:.3g}, sigma_range_mm: {:.3g}}}  # three spacings, and a height of one\n",
       3.0 * spacing_mm, spacing_mm);
   yaml += "friction: {law: curvature}\ncheck: {samples: 50000}\n";
+  yaml +=
+      "cues: {level: off, edge: both, unmeasured: both, part_entered: off, part_left: off}  # a hand that leaves the "
+      "stone is told so\n";
 
   Suggestion suggestion;
   suggestion.config = parse_config(yaml::parse_text(yaml, "the suggested configuration"), folder);

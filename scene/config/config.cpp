@@ -303,6 +303,9 @@ HapticsConfig parse_haptics(const Node& node) {
   int creases = static_cast<int>(haptics.creases);
   reader.read_choice("creases", creases, {"sharp", "rounded"});
   haptics.creases = static_cast<HapticsConfig::Creases>(creases);
+  int beyond = static_cast<int>(haptics.beyond);
+  reader.read_choice("beyond", beyond, {"continued", "falls", "rim"});
+  haptics.beyond = static_cast<HapticsConfig::Beyond>(beyond);
   reader.read("rate_hz", haptics.rate_hz, 100.0, 10000.0);
   read_mm(reader, "resolution_mm", haptics.resolution_m, 1e-6, 1000.0);
   read_mm(reader, "tip_radius_mm", haptics.tip_radius_m, 0.0, 2.0);

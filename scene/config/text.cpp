@@ -292,11 +292,12 @@ std::string to_yaml(const Config& config) {
   }
   const HapticsConfig& haptics = config.haptics;
   text += fmt::format(
-      "haptics: {{stiffness_n_per_m: {}, solver: {}, surface: {}, creases: {}, rate_hz: {}, resolution_mm: {}, "
-      "tip_radius_mm: {}{}}}\n",
+      "haptics: {{stiffness_n_per_m: {}, solver: {}, surface: {}, creases: {}, beyond: {}, rate_hz: {}, "
+      "resolution_mm: {}, tip_radius_mm: {}{}}}\n",
       exact_text(haptics.stiffness_n_per_m), haptics.solver == HapticsConfig::Solver::exact ? "exact" : "paper",
       haptics.surface == HapticsConfig::Surface::bilinear ? "bilinear" : "c1",
-      haptics.creases == HapticsConfig::Creases::sharp ? "sharp" : "rounded", exact_text(haptics.rate_hz),
+      haptics.creases == HapticsConfig::Creases::sharp ? "sharp" : "rounded",
+      std::array{"continued", "falls", "rim"}[static_cast<std::size_t>(haptics.beyond)], exact_text(haptics.rate_hz),
       millimetres(haptics.resolution_m), millimetres(haptics.tip_radius_m), invented_text(haptics));
   if (!config.parts.empty()) text += "parts:\n";
   for (const PartConfig& part : config.parts) {

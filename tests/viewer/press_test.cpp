@@ -44,6 +44,7 @@ TEST(Press, LandsWhereTheMousePointsAndStaysGentleOnDeepForms) {
   state.scale = plan.scale;
   state.tip_radius_m = plan.tip_radius_m;
   state.stiffness_n_per_m = 800.0;
+  state.flags |= haptics::kFlagFalls;
   state.centre_m = {surface.centre_m.x(), surface.centre_m.y(), surface.centre_m.z()};
   TouchGround ground;
   ground.follow(scene, state, true);
@@ -87,7 +88,7 @@ TEST(Press, LandsWhereTheMousePointsAndStaysGentleOnDeepForms) {
                         std::abs(sample.device_m[2]) > 0.0499;
     if (!at_rim) {
       ++inside;
-      const auto seen = view.to_pixel(stage.to_world({x, y, height_at(x, y)}));
+      const auto seen = view.to_pixel(stage.to_world({x, y, std::max(height_at(x, y), description.height_min_m)}));
       ASSERT_TRUE(seen);
       EXPECT_LT((*seen - mouse).norm(), 3.0) << press << " at " << mouse.transpose();
     }

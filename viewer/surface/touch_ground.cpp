@@ -6,26 +6,7 @@
 #include <cmath>
 #include <exception>
 
-#include "scene/continuation.h"
-#include "scene/fingertip.h"
-
 namespace sparsha::viewer {
-
-TouchGround::Heights TouchGround::load(const pipeline::Scene& scene, const Window& window) {
-  const pipeline::Lattice& level = scene.description().levels.at(static_cast<std::size_t>(window.level));
-  const int margin = static_cast<int>(std::clamp(std::ceil(window.tip_m / level.spacing_m), 0.0, 1e3));
-  const auto at = [&](std::size_t k) { return static_cast<int>(window.nodes.at(k)); };
-  const pipeline::Layers layers = scene.read(static_cast<int>(window.level), at(0) - margin, at(1) - margin,
-                                             at(2) + 2 * margin, at(3) + 2 * margin);
-  Heights heights{layers.grid.lattice,
-                  !window.texture && !layers.envelope_m.empty() ? layers.envelope_m : layers.grid.height_m, margin};
-  for (std::size_t node = 0; node < heights.height_m.size(); ++node)
-    if (layers.grid.state[node] == pipeline::NodeState::unknown) heights.height_m[node] = pipeline::kUnknownHeight;
-  const int nx = heights.lattice.nx, ny = heights.lattice.ny;
-  pipeline::continue_heights(heights.height_m, nx, ny);
-  pipeline::touch_with_ball(heights.height_m, nx, ny, heights.lattice.spacing_m, window.tip_m);
-  return heights;
-}
 
 void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::State& state, bool wait) {
   if (loading_.valid() && (wait || loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)) {
@@ -41,13 +22,19 @@ void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::Sta
                       state.window[2] >= 2 && state.window[3] >= 2 && state.window[2] <= kMostNodes &&
                       state.window[3] <= kMostNodes;
   if (!usable) return;
-  const Window window{scene.get(), state.level, state.window, (state.flags & haptics::kFlagTexture) != 0,
-                      state.tip_radius_m / state.scale};
+  const auto node = [](std::int64_t value) {
+    return static_cast<int>(std::clamp<std::int64_t>(value, -(1 << 29), 1 << 29));
+  };
+  const Window window{
+      scene.get(),
+      {static_cast<int>(state.level), node(state.window[0]), node(state.window[1]), node(state.window[2]),
+       node(state.window[3]), state.scale, state.tip_radius_m, (state.flags & haptics::kFlagTexture) != 0,
+       pipeline::beyond_of((state.flags & haptics::kFlagFalls) != 0, (state.flags & haptics::kFlagRim) != 0)}};
   asked_ = window;
   if (loading_.valid() || window == wanted_) return;
   if (window.scene != wanted_.scene) heights_.reset();
   wanted_ = window;
-  loading_ = std::async(std::launch::async, [scene, window] { return load(*scene, window); });
+  loading_ = std::async(std::launch::async, [scene, window] { return pipeline::read_touched(*scene, window.view); });
   if (wait) follow(scene, state, true);
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/touched_view.h"
 
 namespace sparsha::viewer {
 
@@ -26,27 +26,21 @@ class TouchGround {
  private:
   struct Window {
     const pipeline::Scene* scene = nullptr;
-    std::uint64_t level = 0;
-    std::array<std::int64_t, 4> nodes{};
-    bool texture = true;
-    double tip_m = 0.0;  ///< grid frame
+    pipeline::TouchedView view;
     bool operator==(const Window&) const = default;
+    /// But for which nodes.
     [[nodiscard]] bool same_view(const Window& other) const {
-      return scene == other.scene && level == other.level && texture == other.texture && tip_m == other.tip_m;
+      pipeline::TouchedView there = other.view;
+      there.i0 = view.i0, there.j0 = view.j0, there.nx = view.nx, there.ny = view.ny;
+      return scene == other.scene && view == there;
     }
   };
-  struct Heights {
-    pipeline::Lattice lattice;
-    std::vector<float> height_m;
-    int margin = 0;  ///< nodes on every side that are not the window's: the ball touches them from over its border
-  };
-  static Heights load(const pipeline::Scene& scene, const Window& window);
 
   Window asked_;   // of the last state
   Window wanted_;  // read last, or read now
   Window held_;    // of the heights
-  std::optional<Heights> heights_;
-  std::future<Heights> loading_;
+  std::optional<pipeline::TouchedHeights> heights_;
+  std::future<pipeline::TouchedHeights> loading_;
 };
 
 }  // namespace sparsha::viewer

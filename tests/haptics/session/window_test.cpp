@@ -45,7 +45,14 @@ TEST(Window, TheOverviewIsTheFinestLevelThatFits) {
 }
 
 TEST(Window, AWholeLevelKeepsItsOwnLatticeAndFillsTheWorkspace) {
-  const auto description = description_of(800, 600, 4, 200);
+  auto description = description_of(800, 600, 4, 200);
+  // Beyond its rectangle, an outline, the window goes on until the surface has fallen 15 mm; the scale is the level's.
+  const WindowPlan falls = plan_window(description, 2, {0.0, 0.0}, 0.1);
+  EXPECT_GE(-falls.i0 * 0.0005, 0.008);
+  EXPECT_EQ(falls.nx, 200 - 2 * falls.i0);
+  EXPECT_EQ(falls.ny, 150 - 2 * falls.j0);
+  EXPECT_NEAR(falls.scale, 0.1 / (199 * 0.004), 1e-12);
+  description.config.haptics.beyond = pipeline::HapticsConfig::Beyond::continued;
   const WindowPlan plan = plan_window(description, 2, {0.0, 0.0}, 0.1);
   EXPECT_EQ(plan.i0, 0);
   EXPECT_EQ(plan.j0, 0);

@@ -209,7 +209,7 @@ texture: {sigma_space_mm: 0.3, sigma_range_mm: 0.07}
 friction: {law: paper, scale_mm: 1.1, c_m: 0.02}
 levels: {window: 100}
 check: {samples: all}
-haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, creases: sharp, rate_hz: 2000, resolution_mm: 0.03, tip_radius_mm: 0.3, impact: on,
+haptics: {stiffness_n_per_m: 700, solver: paper, surface: c1, creases: sharp, beyond: rim, rate_hz: 2000, resolution_mm: 0.03, tip_radius_mm: 0.3, impact: on,
   grain: on, material: bronze}
 speech: {language: hi, voice: "hi+f3", words_per_minute: 210}
 parts: [{name: a, say: "A, b: c", more: "All \"about\" it: {x}", box_m: [0, 0, 1, 1]},

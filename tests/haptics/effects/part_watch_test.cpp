@@ -1,5 +1,5 @@
 // Parts in parts under a hand that goes over their borders: what is said of them, and what is not.
-#include "haptics/session/part_watch.h"
+#include "haptics/effects/part_watch.h"
 
 #include <gtest/gtest.h>
 
