@@ -45,12 +45,6 @@ std::string beginning(const ScanFile& file) {
 
 bool element_is(const ScanFile& file, std::string_view name) { return first_element(file.bytes) == name; }
 
-bool is_object_of_json(const ScanFile& file, std::initializer_list<std::string_view> keys) {
-  if (!is_json(file.bytes)) return false;
-  const std::string_view head = file.bytes.substr(0, 1 << 16);
-  return std::all_of(keys.begin(), keys.end(), [&](std::string_view key) { return contains(head, key); });
-}
-
 using Test = bool (*)(const ScanFile&);
 
 /// One kind, told by its bytes at a place, by the beginning of its text in any case, or by a test.
@@ -105,20 +99,15 @@ constexpr Kind kKinds[] = {
            kKnownFormats),
     tested(
         [](const ScanFile& f) {
-          return is_object_of_json(f, {"\"asset\"", "\"version\""});
-        },
-        "a glTF model", kExportMesh),
-    tested(
-        [](const ScanFile& f) {
-          return is_object_of_json(f, {"\"means\"", "\"scales\"", "\"quats\""});
+          return is_object_of_json(f.bytes, {"\"means\"", "\"scales\"", "\"quats\""});
         },
         "the description of compressed Gaussian splats (SOG)", kSplatRemedy),
     tested(
         [](const ScanFile& f) {
-          return is_object_of_json(f, {"\"type\"", "Feature"});
+          return is_object_of_json(f.bytes, {"\"type\"", "Feature"});
         },
         "GeoJSON", kExportPoints),
-    tested([](const ScanFile& f) { return is_object_of_json(f, {"CityJSON"}); }, "a CityJSON model", kExportMesh),
+    tested([](const ScanFile& f) { return is_object_of_json(f.bytes, {"CityJSON"}); }, "a CityJSON model", kExportMesh),
     tested([](const ScanFile& f) { return is_json(f.bytes); }, "text in JSON, but no scan", kKnownFormats),
     // Models and meshes.
     text("# vtk datafile", "a legacy VTK file", "export it from ParaView as PLY or STL, or its points as CSV"),
@@ -140,7 +129,6 @@ constexpr Kind kKinds[] = {
     text("meshversionformatted", "a Medit mesh", kExportMesh),
     text("#usda", "a USD scene", kExportMesh),
     marked("PXR-USDC"sv, "a USD scene", kExportMesh),
-    marked("glTF"sv, "a binary glTF model", kExportMesh),
     marked("Kaydara FBX Binary"sv, "an FBX model", kExportMesh),
     text("; fbx", "an FBX model", kExportMesh),
     marked("BLENDER"sv, "a Blender file", kExportMesh),

@@ -106,6 +106,13 @@ bool is_json(std::string_view text) {
                         : c == '{' || c == '[' || c == '"' || c == ']' || c == '-' || (c >= '0' && c <= '9');
 }
 
+bool is_object_of_json(std::string_view text, std::initializer_list<std::string_view> words) {
+  if (!is_json(text)) return false;
+  const std::string_view head = text.substr(0, 1 << 16);
+  return std::all_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return head.find(word) != std::string_view::npos; });
+}
+
 std::optional<std::string> first_element(std::string_view text) {
   text = text.substr(0, 4096);
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));

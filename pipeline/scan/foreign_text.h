@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,8 @@ namespace sparsha::pipeline {
 [[nodiscard]] bool is_node_list(std::string_view text);
 /// A list or an object of JSON, as far as its first characters tell.
 [[nodiscard]] bool is_json(std::string_view text);
+/// The same, where the first 64 kB hold all of those words.
+[[nodiscard]] bool is_object_of_json(std::string_view text, std::initializer_list<std::string_view> words);
 /// The name of the first element of XML or HTML, lower case, without its namespace; "!doctype html" counts as html.
 /// Nothing for other texts; empty when there is none among the first 4096 characters.
 [[nodiscard]] std::optional<std::string> first_element(std::string_view text);

@@ -8,6 +8,7 @@
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/foreign.h"
 #include "pipeline/scan/formats/e57/e57.h"
+#include "pipeline/scan/formats/gltf/gltf.h"
 #include "pipeline/scan/formats/grid/esri.h"
 #include "pipeline/scan/formats/grid/surfer.h"
 #include "pipeline/scan/formats/las/las.h"
@@ -32,12 +33,14 @@ void refuse_missing_header(const ScanFile& file) {
     throw file.error("no PCD header", "lines such as 'FIELDS x y z'; plain columns of numbers should end in .xyz");
   }
   if (file.extension == "las" || file.extension == "laz") throw file.error("no LAS header", "the signature 'LASF'");
+  if (file.extension == "glb") throw file.error("no GLB header", "the signature 'glTF'");
   if (file.extension == "e57") throw file.error("no E57 header", "the signature 'ASTM-E57'");
 }
 
 void read_any(const ScanFile& file, ScanWriter& out) {
   if (file.bytes.empty()) throw file.error("the file is empty", "a scan");
   if (is_binary_stl(file)) return read_stl(file, out);  // whose first 80 bytes may be anything
+  if (is_gltf(file)) return read_gltf(file, out);
   refuse_foreign(file);
   if (is_ply(file)) return read_ply(file, out);
   if (is_las(file)) return read_las(file, out);

@@ -53,6 +53,23 @@ std::vector<Seed> seeds() {
   result.push_back({"a.obj", "# x\nv 1 2 3\nv 1 2 4 0.5 0.5 0.5\nv -1 2e1 .4\nf 1//1 2/2 -1\nf 1 2 3 \\\n 1 2\n"});
   result.push_back(
       {"a.off", "COFF\n4 2 0\n0 0 0 1 0 0 1\n1 0 0 0 1 0 1\n1 1 0 0 0 1 1\n0 1 nan 0 0 0 1\n3 0 1 2\n3 0 2 3 7\n"});
+  const std::string json =
+      "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"scale\":[1,2,1]}],"
+      "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],\"accessors\":[{\"bufferView\":"
+      "0,"
+      "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5121,\"count\":3,"
+      "\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"
+      "\"byteLength\":3}],\"buffers\":[{\"byteLength\":39}]} ";
+  std::string glb = "glTF";
+  put(glb, std::uint32_t{2});
+  put(glb, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + 40));
+  put(glb, static_cast<std::uint32_t>(json.size()));
+  glb += "JSON" + json;
+  put(glb, std::uint32_t{40});
+  glb += std::string("BIN\0", 4);
+  for (const float value : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.5F}) put(glb, value);
+  glb += std::string("\0\1\2\0", 4);
+  result.push_back({"a.glb", glb});
   result.push_back({"b.off", "OFF 4 1 0 0 0 0 1 0 0 1 1 0 0 1 0 4 0 1 2 3\n"});
   result.push_back(
       {"a.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcenter 5,5\ncellsize 0,5\nNODATA_value -9\n1 2,5 3\n4 -9 6\n"});

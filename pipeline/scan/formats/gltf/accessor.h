@@ -1,0 +1,46 @@
+// Numbers of a glTF file: any component type, normalised or not, interleaved, sparse.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "pipeline/scan/formats/gltf/document.h"
+#include "pipeline/scan/scalar.h"
+
+namespace sparsha::pipeline::gltf {
+
+class Accessor {
+ public:
+  /// Throws Error{input} when any element lies beyond its bytes.
+  Accessor(const Document& document, std::uint64_t index, const Place& asked_by);
+
+  [[nodiscard]] std::uint64_t size() const { return count_; }
+  /// Numbers of an element: 1 to 4.
+  [[nodiscard]] std::size_t components() const { return components_; }
+  [[nodiscard]] ScalarType type() const { return type_; }
+  [[nodiscard]] bool normalised() const { return normalised_; }
+  [[nodiscard]] const Place& place() const { return place_; }
+
+  /// Element n < size(): whole types that are normalised are from -1 or 0 to 1.
+  [[nodiscard]] std::array<double, 4> operator()(std::uint64_t n) const;
+  /// The first number of element n as it is stored, for indices.
+  [[nodiscard]] std::uint32_t index(std::uint64_t n) const;
+
+ private:
+  void read_sparse(const Document& document, const Json& sparse);
+  [[nodiscard]] const char* element(std::uint64_t n) const;
+
+  Place place_;
+  std::uint64_t count_ = 0;
+  std::size_t components_ = 1;
+  ScalarType type_ = ScalarType::f32;
+  bool normalised_ = false;
+  std::string_view bytes_;  ///< from the first element on; empty: all are zero but the sparse ones
+  std::uint64_t stride_ = 0;
+  std::vector<std::pair<std::uint64_t, const char*>> sparse_;  ///< ascending
+};
+
+}  // namespace sparsha::pipeline::gltf

@@ -1,0 +1,338 @@
+// Khronos glTF 2.0 specification (ISO/IEC 12113), section 3.7 (meshes).
+#include "pipeline/scan/formats/gltf/gltf.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <Eigen/LU>
+
+#include "pipeline/scan/foreign_text.h"
+#include "pipeline/scan/formats/gltf/accessor.h"
+#include "pipeline/scan/formats/gltf/scene.h"
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using gltf::Accessor;
+using gltf::Document;
+using gltf::Json;
+using gltf::Place;
+
+/// Extensions that may be required and change neither form nor colour of vertices.
+constexpr std::array<std::string_view, 5> kHarmless{"KHR_mesh_quantization", "KHR_texture_transform",
+                                                    "KHR_texture_basisu", "EXT_texture_webp", "KHR_lights_punctual"};
+struct Refused {
+  std::string_view name, what, remedy;
+};
+constexpr std::array<Refused, 4> kRefused{
+    Refused{"KHR_draco_mesh_compression", "its meshes are compressed by Draco",
+            "a file without compression: export again, or 'gltf-transform copy'"},
+    Refused{"EXT_meshopt_compression", "its buffers are compressed by meshoptimizer",
+            "a file without compression: 'gltfpack' without -c, or export again"},
+    Refused{"KHR_gaussian_splatting_compression_spz", "its Gaussian splats are compressed (SPZ)",
+            "the splats as an uncompressed PLY"},
+    Refused{"KHR_gaussian_splatting_compression_spz_2", "its Gaussian splats are compressed (SPZ)",
+            "the splats as an uncompressed PLY"}};
+
+void refuse_extensions(const Document& document) {
+  const auto required = document.root().find("extensionsRequired");
+  if (required == document.root().end() || !required->is_array()) return;
+  for (const Json& entry : *required) {
+    if (!entry.is_string()) continue;
+    const std::string name = entry.get<std::string>();
+    for (const Refused& refused : kRefused) {
+      if (name == refused.name)
+        throw document.file().error(std::string(refused.what) + " (" + name + ")", std::string(refused.remedy));
+    }
+    const bool harmless = name.starts_with("KHR_materials_") || name.starts_with("KHR_gaussian_splatting") ||
+                          std::find(kHarmless.begin(), kHarmless.end(), name) != kHarmless.end();
+    if (!harmless) {
+      throw document.file().error("the file needs the extension " + in_quotes(name) + ", which is not known here",
+                                  "a file without it");
+    }
+  }
+}
+
+/// Linear light to sRGB (IEC 61966-2-1), both 0 to 1.
+double srgb(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+std::uint32_t colour_of(double r, double g, double b, double a) {
+  const auto byte = [](double value) { return colour_byte(std::clamp(value, 0.0, 1.0), ColourScale::unit); };
+  return pack_rgba(byte(r), byte(g), byte(b), byte(a));
+}
+
+enum class Mode : std::uint8_t { points = 0, triangles = 4, strip = 5, fan = 6 };
+
+/// One primitive of a mesh.
+struct Primitive {
+  Place place;
+  Mode mode = Mode::triangles;
+  Accessor positions;
+  std::optional<Accessor> normals, colours, indices;
+  std::optional<std::uint32_t> material;                  ///< one colour for all
+  std::vector<std::pair<std::string, Accessor>> numbers;  ///< attributes of its own with one number each
+};
+
+class Reader {
+ public:
+  Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), document_(file) {}
+
+  void read() {
+    refuse_extensions(document_);
+    RawScan& scan = out_.scan();
+    scan.format = document_.is_binary() ? "glTF 2.0 binary" : "glTF 2.0 text";
+    scan.unit = LengthUnit::m;
+    const gltf::Shown shown = gltf::shown_meshes(document_);
+    if (shown.instances.empty())
+      throw file_.error("no node of its scene shows a mesh", "a scene with a mesh or with points");
+    std::vector<std::vector<Primitive>> meshes(static_cast<std::size_t>(document_.size_of("meshes")));
+    std::uint64_t total = 0;
+    for (const gltf::Instance& instance : shown.instances) {
+      (void)document_.item("meshes", instance.mesh, "nodes");
+      std::vector<Primitive>& mesh = meshes[static_cast<std::size_t>(instance.mesh)];
+      if (mesh.empty()) mesh = primitives_of(instance.mesh);
+      for (const Primitive& primitive : mesh) total += primitive.positions.size();
+      refuse_many(total);
+    }
+    name_fields(shown, meshes);
+    out_.begin(total, colour_, false, normals_);
+    for (const gltf::Instance& instance : shown.instances) {
+      for (const Primitive& primitive : meshes[static_cast<std::size_t>(instance.mesh)]) add(primitive, instance.place);
+    }
+    warn(shown);
+  }
+
+ private:
+  /// A mesh that many nodes show is read as often: a file must not become thousands of times as large.
+  void refuse_many(std::uint64_t total) const {
+    constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+    constexpr std::uint64_t kTimes = 256;
+    if (total >= kMost || total > kTimes * file_.bytes.size() + kTimes * 1024 * 1024) {
+      throw file_.error(fmt::format("its nodes show meshes of {} vertices together", total),
+                        "a model of one object, not one that repeats a mesh thousands of times");
+    }
+  }
+
+  std::vector<Primitive> primitives_of(std::uint64_t number) {
+    const Place place = fmt::format("meshes[{}]", number);
+    const Json& mesh = document_.item("meshes", number, place);
+    std::vector<Primitive> result;
+    const auto list = mesh.find("primitives");
+    if (list == mesh.end() || !list->is_array()) throw document_.error(place, "has no list 'primitives'");
+    for (std::size_t k = 0; k < list->size(); ++k) {
+      const Place here = fmt::format("{}.primitives[{}]", place, k);
+      if (!(*list)[k].is_object()) throw document_.error(here, "no object", "{...}");
+      if (auto primitive = primitive_of((*list)[k], here)) result.push_back(std::move(*primitive));
+    }
+    if (mesh.contains("weights")) ++morphed_;
+    return result;
+  }
+
+  std::optional<Primitive> primitive_of(const Json& json, const Place& place) {
+    const std::uint64_t mode = document_.whole(json, "mode", 4, place);
+    if (mode > 6) throw document_.error(place, fmt::format("mode {}", mode), "0 to 6");
+    if (mode >= 1 && mode <= 3) {
+      ++lines_;
+      return std::nullopt;
+    }
+    const auto attributes = json.find("attributes");
+    if (attributes == json.end() || !attributes->is_object()) throw document_.error(place, "has no 'attributes'");
+    if (!attributes->contains("POSITION")) {
+      ++without_places_;
+      return std::nullopt;
+    }
+    const auto accessor = [&](const char* name) -> std::optional<Accessor> {
+      const std::optional<std::uint64_t> index = document_.whole(*attributes, name, place + ".attributes");
+      if (!index) return std::nullopt;
+      return Accessor(document_, *index, place + "." + name);
+    };
+    Primitive primitive{place,
+                        static_cast<Mode>(mode),
+                        *accessor("POSITION"),
+                        accessor("NORMAL"),
+                        accessor("COLOR_0"),
+                        std::nullopt,
+                        std::nullopt,
+                        {}};
+    const auto size = primitive.positions.size();
+    require(primitive.positions, 3, 3, size);
+    if (primitive.normals) require(*primitive.normals, 3, 3, size);
+    if (primitive.colours) require(*primitive.colours, 3, 4, size);
+    if (const std::optional<std::uint64_t> indices = document_.whole(json, "indices", place)) {
+      primitive.indices.emplace(document_, *indices, place + ".indices");
+      require(*primitive.indices, 1, 1, primitive.indices->size());
+      const ScalarType type = primitive.indices->type();
+      if (type != ScalarType::u8 && type != ScalarType::u16 && type != ScalarType::u32)
+        throw document_.error(primitive.indices->place(), "indices that are no unsigned numbers",
+                              "componentType 5121, 5123 or 5125");
+    }
+    if (!primitive.colours) primitive.material = material_colour(json, place);
+    for (const auto& [name, value] : attributes->items()) {
+      if (!name.starts_with('_') || !value.is_number_unsigned()) continue;
+      Accessor numbers(document_, value.get<std::uint64_t>(), place + "." + name);
+      if (numbers.components() == 1 && numbers.size() == size)
+        primitive.numbers.emplace_back(name.substr(1), std::move(numbers));
+    }
+    return primitive;
+  }
+
+  void require(const Accessor& accessor, std::size_t least, std::size_t most, std::uint64_t size) const {
+    if (accessor.components() < least || accessor.components() > most)
+      throw document_.error(accessor.place(), fmt::format("{} numbers an element", accessor.components()),
+                            fmt::format("{}", least));
+    if (accessor.size() != size)
+      throw document_.error(accessor.place(), fmt::format("{} elements", accessor.size()),
+                            fmt::format("{}, as there are positions", size));
+  }
+
+  /// Of a material without a texture; white is no colour.
+  std::optional<std::uint32_t> material_colour(const Json& primitive, const Place& place) {
+    const std::optional<std::uint64_t> index = document_.whole(primitive, "material", place);
+    if (!index) return std::nullopt;
+    const Json& material = document_.item("materials", *index, place);
+    const auto look = material.find("pbrMetallicRoughness");
+    if (look == material.end() || !look->is_object()) return std::nullopt;
+    if (look->contains("baseColorTexture")) {
+      ++textured_;
+      return std::nullopt;
+    }
+    const auto factor = look->find("baseColorFactor");
+    if (factor == look->end() || !factor->is_array() || factor->size() != 4) return std::nullopt;
+    std::array<double, 4> rgba{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!(*factor)[k].is_number()) return std::nullopt;
+      rgba[k] = (*factor)[k].get<double>();
+    }
+    return colour_of(srgb(rgba[0]), srgb(rgba[1]), srgb(rgba[2]), rgba[3]);
+  }
+
+  void name_fields(const gltf::Shown& shown, const std::vector<std::vector<Primitive>>& meshes) {
+    for (const gltf::Instance& instance : shown.instances) {
+      for (const Primitive& primitive : meshes[static_cast<std::size_t>(instance.mesh)]) {
+        colour_ = colour_ || primitive.colours || (primitive.material && *primitive.material != kWhite);
+        normals_ = normals_ || primitive.normals;
+        for (const auto& [name, numbers] : primitive.numbers) slots_.try_emplace(name, ScanWriter::kUnwanted);
+      }
+    }
+    RawScan& scan = out_.scan();
+    scan.fields = {"x", "y", "z"};
+    if (normals_) scan.fields.insert(scan.fields.end(), {"nx", "ny", "nz"});
+    if (colour_) scan.fields.insert(scan.fields.end(), {"red", "green", "blue", "alpha"});
+    for (auto& [name, slot] : slots_) {
+      scan.fields.push_back(name);
+      slot = out_.want(name);
+    }
+  }
+
+  std::uint32_t colour(const Primitive& primitive, std::uint64_t n) const {
+    if (!primitive.colours) return primitive.material.value_or(kNoColour);
+    const std::array<double, 4> c = (*primitive.colours)(n);
+    const double alpha = primitive.colours->components() == 4 ? c[3] : 1.0;
+    // Bytes are written as they are in pictures by nearly all programs; finer numbers are light, as the standard says.
+    if (primitive.colours->type() == ScalarType::u8) return colour_of(c[0], c[1], c[2], alpha);
+    return colour_of(srgb(c[0]), srgb(c[1]), srgb(c[2]), alpha);
+  }
+
+  void add(const Primitive& primitive, const Eigen::Matrix4d& place) {
+    const auto first = static_cast<std::uint32_t>(out_.records());
+    const Eigen::Matrix3d linear = place.topLeftCorner<3, 3>();
+    const double turns = linear.determinant();
+    const Eigen::Matrix3d of_normals = linear.inverse().transpose();
+    const bool coloured = primitive.colours || (colour_ && primitive.material);
+    out_.set_attributes(coloured, false, primitive.normals.has_value());
+    for (std::uint64_t n = 0; n < primitive.positions.size(); ++n) {
+      const std::array<double, 4> p = primitive.positions(n);
+      const Eigen::Vector3d at = (place * Eigen::Vector4d(p[0], p[1], p[2], 1.0)).head<3>();
+      if (primitive.normals) {
+        const std::array<double, 4> v = (*primitive.normals)(n);
+        const Eigen::Vector3d normal = of_normals * Eigen::Vector3d(v[0], v[1], v[2]);
+        out_.set_normal(normal.x(), normal.y(), normal.z());
+      }
+      for (const auto& [name, numbers] : primitive.numbers) {
+        const int slot = slots_.at(name);
+        if (slot != ScanWriter::kUnwanted) out_.set_field(slot, numbers(n)[0]);
+      }
+      if (coloured) {
+        out_.add(at.x(), at.y(), at.z(), colour(primitive, n));
+      } else {
+        out_.add(at.x(), at.y(), at.z());
+      }
+      if ((n & 0xFFFF) == 0xFFFF) file_.throw_if_cancelled();
+    }
+    if (primitive.mode != Mode::points) add_faces(primitive, first, turns < 0.0);
+  }
+
+  /// `mirrored`: the node's transform turns triangles inside out, which the standard undoes.
+  void add_faces(const Primitive& primitive, std::uint32_t first, bool mirrored) {
+    const std::uint64_t vertices = primitive.positions.size();
+    const std::uint64_t count = primitive.indices ? primitive.indices->size() : vertices;
+    const auto corner = [&](std::uint64_t k) -> std::uint32_t {
+      const std::uint64_t index = primitive.indices ? primitive.indices->index(k) : k;
+      // One that does not exist is counted by finish().
+      return index < vertices ? first + static_cast<std::uint32_t>(index) : std::numeric_limits<std::uint32_t>::max();
+    };
+    const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      if (mirrored) std::swap(b, c);
+      out_.add_triangle(a, b, c);
+    };
+    const std::uint64_t step = primitive.mode == Mode::triangles ? 3 : 1;
+    for (std::uint64_t k = 0; k + 2 < count; k += step) {
+      const bool odd = primitive.mode == Mode::strip && k % 2 == 1;
+      const std::uint64_t a = primitive.mode == Mode::fan ? 0 : odd ? k + 1 : k;
+      const std::uint64_t b = odd ? k : k + 1;
+      triangle(corner(a), corner(b), corner(k + 2));
+      if ((k & 0xFFFF) == 0xFFFF) file_.throw_if_cancelled();
+    }
+    if (primitive.mode == Mode::triangles && count % 3 != 0) ++broken_;
+  }
+
+  void warn(const gltf::Shown& shown) {
+    std::vector<std::string>& warnings = out_.scan().warnings;
+    const auto say = [&](std::uint64_t count, const char* one, const char* many) {
+      if (count > 0) warnings.push_back(count == 1 ? one : fmt::format("{} {}", count, many));
+    };
+    say(shown.other_scenes, "another scene of the file is not read, only its default one",
+        "other scenes of the file are not read, only its default one");
+    say(shown.skinned, "a node's skin is not applied: the mesh stands as it was modelled",
+        "nodes' skins are not applied: the meshes stand as they were modelled");
+    say(shown.many, "a node repeats its mesh (EXT_mesh_gpu_instancing): it is read once",
+        "nodes repeat their meshes (EXT_mesh_gpu_instancing): each is read once");
+    say(morphed_, "a mesh's morph targets are not applied", "meshes' morph targets are not applied");
+    say(lines_, "a primitive of lines is not used: it is no surface",
+        "primitives of lines are not used: they are no surface");
+    say(without_places_, "a primitive without positions is not used", "primitives without positions are not used");
+    say(textured_, "the colours of a material's texture are not read",
+        "materials' textures are not read: their colours are missing");
+    say(broken_, "a primitive's last triangle is not whole", "primitives' last triangles are not whole");
+  }
+
+  const ScanFile& file_;
+  ScanWriter& out_;
+  Document document_;
+  bool colour_ = false;
+  bool normals_ = false;
+  std::map<std::string, int> slots_;  ///< of attributes of the file's own
+  std::uint64_t lines_ = 0, without_places_ = 0, textured_ = 0, morphed_ = 0, broken_ = 0;
+};
+
+}  // namespace
+
+bool is_gltf(const ScanFile& file) {
+  return gltf::is_binary(file.bytes) || is_object_of_json(file.bytes, {"\"asset\"", "\"version\""}) ||
+         (file.extension == "gltf" && is_json(file.bytes));
+}
+
+void read_gltf(const ScanFile& file, ScanWriter& out) { Reader(file, out).read(); }
+
+}  // namespace sparsha::pipeline

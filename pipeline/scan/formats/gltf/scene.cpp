@@ -1,0 +1,115 @@
+// Section 3.5 of the specification. Without recursion: a chain of nodes may be as long as the file.
+#include "pipeline/scan/formats/gltf/scene.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <Eigen/Geometry>
+
+namespace sparsha::pipeline::gltf {
+namespace {
+
+template <std::size_t Size>
+bool read_numbers(const Document& document, const Json& node, const char* key, const Place& place,
+                  std::array<double, Size>& values) {
+  const auto found = node.find(key);
+  if (found == node.end()) return false;
+  const bool fits = found->is_array() && found->size() == Size &&
+                    std::all_of(found->begin(), found->end(), [](const Json& value) { return value.is_number(); });
+  if (!fits) throw document.error(place, fmt::format("'{}' is not {} numbers", key, Size));
+  for (std::size_t k = 0; k < Size; ++k) values[k] = (*found)[k].template get<double>();
+  return true;
+}
+
+Eigen::Matrix4d local_place(const Document& document, const Json& node, const Place& place) {
+  std::array<double, 16> matrix{};
+  if (read_numbers(document, node, "matrix", place, matrix)) return Eigen::Map<Eigen::Matrix4d>(matrix.data());
+  std::array<double, 3> move{0.0, 0.0, 0.0};
+  std::array<double, 4> turn{0.0, 0.0, 0.0, 1.0};
+  std::array<double, 3> scale{1.0, 1.0, 1.0};
+  (void)read_numbers(document, node, "translation", place, move);
+  (void)read_numbers(document, node, "rotation", place, turn);
+  (void)read_numbers(document, node, "scale", place, scale);
+  const Eigen::Quaterniond rotation(turn[3], turn[0], turn[1], turn[2]);
+  if (!(rotation.norm() > 1e-6)) throw document.error(place, "'rotation' is no quaternion", "[x, y, z, w] of length 1");
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  result.topLeftCorner<3, 3>() =
+      rotation.normalized().toRotationMatrix() * Eigen::Map<Eigen::Vector3d>(scale.data()).asDiagonal();
+  result.topRightCorner<3, 1>() = Eigen::Map<Eigen::Vector3d>(move.data());
+  return result;
+}
+
+std::vector<std::uint64_t> indices(const Document& document, const Json& object, const char* key, const Place& place) {
+  std::vector<std::uint64_t> result;
+  const auto found = object.find(key);
+  if (found == object.end()) return result;
+  if (!found->is_array()) throw document.error(place, fmt::format("'{}' is no list", key));
+  const std::uint64_t nodes = document.size_of("nodes");
+  for (const Json& value : *found) {
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= nodes)
+      throw document.error(place, fmt::format("'{}' names a node that is not there", key),
+                           fmt::format("below {}", nodes));
+    result.push_back(value.get<std::uint64_t>());
+  }
+  return result;
+}
+
+std::vector<std::uint64_t> root_nodes(const Document& document, Shown& shown) {
+  const std::uint64_t scenes = document.size_of("scenes");
+  if (scenes > 0) {
+    const std::uint64_t scene = document.whole(document.root(), "scene", 0, "scene");
+    const Json& object = document.item("scenes", scene, "scene");
+    shown.other_scenes = scenes - 1;
+    return indices(document, object, "nodes", fmt::format("scenes[{}]", scene));
+  }
+  const std::uint64_t nodes = document.size_of("nodes");
+  std::vector<bool> child(static_cast<std::size_t>(nodes));
+  for (std::uint64_t n = 0; n < nodes; ++n) {
+    const Place place = fmt::format("nodes[{}]", n);
+    for (const std::uint64_t c : indices(document, document.item("nodes", n, place), "children", place))
+      child[static_cast<std::size_t>(c)] = true;
+  }
+  std::vector<std::uint64_t> roots;
+  for (std::uint64_t n = 0; n < nodes; ++n)
+    if (!child[static_cast<std::size_t>(n)]) roots.push_back(n);
+  return roots;
+}
+
+}  // namespace
+
+Shown shown_meshes(const Document& document) {
+  struct Open {
+    std::uint64_t node;
+    Eigen::Matrix4d parent;
+  };
+  Shown shown;
+  std::vector<Open> open;
+  const std::vector<std::uint64_t> roots = root_nodes(document, shown);
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, Eigen::Matrix4d::Identity()});
+  std::vector<bool> seen(static_cast<std::size_t>(document.size_of("nodes")));
+  while (!open.empty()) {
+    const Open next = open.back();
+    open.pop_back();
+    const Place place = fmt::format("nodes[{}]", next.node);
+    if (seen[static_cast<std::size_t>(next.node)])
+      throw document.error(place, "is there twice in the tree of nodes", "one parent for each node");
+    seen[static_cast<std::size_t>(next.node)] = true;
+    const Json& node = document.item("nodes", next.node, place);
+    const Eigen::Matrix4d here = next.parent * local_place(document, node, place);
+    if (const std::optional<std::uint64_t> mesh = document.whole(node, "mesh", place)) {
+      shown.instances.push_back({*mesh, here});
+      shown.skinned += node.contains("skin") ? 1 : 0;
+      const auto extensions = node.find("extensions");
+      const bool many =
+          extensions != node.end() && extensions->is_object() && extensions->contains("EXT_mesh_gpu_instancing");
+      shown.many += many ? 1 : 0;
+    }
+    const std::vector<std::uint64_t> children = indices(document, node, "children", place);
+    for (auto child = children.rbegin(); child != children.rend(); ++child) open.push_back({*child, here});
+  }
+  return shown;
+}
+
+}  // namespace sparsha::pipeline::gltf

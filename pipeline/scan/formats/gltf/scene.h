@@ -1,0 +1,29 @@
+// Which meshes a glTF scene shows, and where.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pipeline/scan/formats/gltf/document.h"
+
+namespace sparsha::pipeline::gltf {
+
+struct Instance {
+  std::uint64_t mesh = 0;
+  Eigen::Matrix4d place = Eigen::Matrix4d::Identity();  ///< scene = place * mesh
+};
+
+struct Shown {
+  std::vector<Instance> instances;  ///< in the order of the nodes
+  std::uint64_t other_scenes = 0;   ///< that are not shown
+  std::uint64_t skinned = 0;        ///< nodes whose skin is not applied
+  std::uint64_t many = 0;           ///< nodes with EXT_mesh_gpu_instancing, shown once
+};
+
+/// Of the default scene, or of the first, or where there is none of all nodes that are nobody's child. Throws
+/// Error{input} for nodes that are their own descendants, and for trees that show a node twice.
+[[nodiscard]] Shown shown_meshes(const Document& document);
+
+}  // namespace sparsha::pipeline::gltf
