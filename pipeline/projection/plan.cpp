@@ -132,6 +132,7 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
     if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) return false;
     statistics.noise_m = surface.noise_m;
     statistics.point_spacing_m = surface.spacing_m;
+    plan.front_spacing_m = surface.front_spacing_m;
     plan.discs = disc_rule(surface, on_lines);
     plan.closed = several;
     if (several || may_show_back(space, oriented.stations)) {
@@ -163,7 +164,8 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   plan.layers_apart_m = (plan.discs && plan.discs->lines ? *statistics.on_lines : in_space).layers_apart_m;
   plan.point_spacing_m = statistics.point_spacing_m;
   plan.gap_m = layer_gap_m(statistics.noise_m, statistics.point_spacing_m);
-  plan.lattice = choose_lattice(config, extent, origin_m, statistics.point_spacing_m, resolution_m);
+  if (!(plan.front_spacing_m > 0.0)) plan.front_spacing_m = statistics.point_spacing_m;
+  plan.lattice = choose_lattice(config, extent, origin_m, plan.front_spacing_m, resolution_m);
   plan.bins = {plan.lattice.nx, plan.lattice.ny, plan.lattice.spacing_m, plan.lattice.origin_m.x() - origin_m.x(),
                plan.lattice.origin_m.y() - origin_m.y()};
   const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
@@ -174,7 +176,7 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
 Projection ProjectionPlan::empty_projection() const {
   Projection projection;
   projection.noise_m = rule.noise_m;
-  projection.point_spacing_m = point_spacing_m;
+  projection.point_spacing_m = front_spacing_m;
   projection.gap_m = gap_m;
   projection.closed = closed;
   projection.facing_asked = facing_asked;

@@ -28,7 +28,8 @@ struct ProjectionPlan {
   Lattice lattice;
   BinLattice bins;
   NodeFitParameters rule;
-  double point_spacing_m = 0.0;
+  double point_spacing_m = 0.0;  ///< of the whole surface; front_spacing_m: of what the viewer sees
+  double front_spacing_m = 0.0;
   double gap_m = 0.0;
   std::optional<DiscRule> discs;              ///< closed objects and scans in lines: tangent discs decide the nodes
   bool closed = false;                        ///< discs, of an object that has several sides

@@ -125,13 +125,14 @@ std::vector<Block> draw_blocks(const OrientedPieces& pieces, const Extent& exten
 }
 
 struct Measured {
-  std::vector<double> noise_m, spacing_m;
+  std::vector<double> noise_m, spacing_m, front_spacing_m;
   std::size_t seeds = 0;
 
   void add(const Measured& other) {
     seeds += other.seeds;
     noise_m.insert(noise_m.end(), other.noise_m.begin(), other.noise_m.end());
     spacing_m.insert(spacing_m.end(), other.spacing_m.begin(), other.spacing_m.end());
+    front_spacing_m.insert(front_spacing_m.end(), other.front_spacing_m.begin(), other.front_spacing_m.end());
   }
 };
 
@@ -156,6 +157,15 @@ Patch widen(Neighbourhood& near, std::size_t seed, std::size_t wanted, double ma
   if (std::abs(cosine) < kTurned) return {wide, kWidest * wanted};
   near.take(seed, before, margin_m);
   return patch;
+}
+
+// Whether another surface lies before the place.
+bool is_hidden(const std::vector<SpacePoint>& points, const SpacePoint& place, double margin_m) {
+  const auto beside = static_cast<float>(0.6 * margin_m);  // three spacings
+  const auto before = static_cast<float>(2.0 * margin_m);  // ten
+  return std::any_of(points.begin(), points.end(), [&](const SpacePoint& p) {
+    return p.z > place.z + before && std::abs(p.x - place.x) < beside && std::abs(p.y - place.y) < beside;
+  });
 }
 
 // Neighbourhoods of one block's points. Those that reach beyond the block are not used.
@@ -194,6 +204,7 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
       if (patch.plane.planar() && !(on_lines && patch.plane.narrow())) noise_m = near.residual_m(patch.plane);
     }
     measured.spacing_m.push_back(radius_m * std::sqrt(std::numbers::pi / static_cast<double>(count)));
+    if (!is_hidden(points, points[seed], margin_m)) measured.front_spacing_m.push_back(measured.spacing_m.back());
     if (noise_m) measured.noise_m.push_back(*noise_m);
   }
   return measured;
@@ -221,6 +232,8 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
     // The first scale says how dense the points are, the last how far they scatter.
     if (scale == 1) {
       result.spacing_m = quantile(all.spacing_m, 0.5);
+      const bool enough = all.front_spacing_m.size() >= kFew;
+      result.front_spacing_m = enough ? quantile(all.front_spacing_m, 0.5) : result.spacing_m;
       result.sparse_share = 1.0 - static_cast<double>(all.spacing_m.size()) / static_cast<double>(all.seeds);
     }
     if (2 * all.noise_m.size() >= all.spacing_m.size() && all.noise_m.size() >= kFew) {

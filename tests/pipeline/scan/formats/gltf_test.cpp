@@ -195,7 +195,7 @@ TEST(GltfReader, FineColoursAreLightAndMaterialsColourWhatHasNone) {
   EXPECT_EQ(scan.rgba[1], pack_rgba(188, 0, 0));  // 0.5 of the light
   EXPECT_EQ(scan.rgba[2], pack_rgba(0, 128, 0));
   Maker plain = square();
-  plain.root["materials"] = json::array({{{"pbrMetallicRoughness", {{"baseColorFactor", {0.21404114, 0, 1, 1}}}}}});
+  plain.root["materials"] = json::array({{{"pbrMetallicRoughness", {{"baseColorFactor", {0.2159, 0, 1, 1}}}}}});
   plain.root["meshes"][0]["primitives"][0]["material"] = 0;
   scan = read_scan_bytes(plain.glb(), "a.glb");
   ASSERT_EQ(scan.rgba.size(), 4U);
