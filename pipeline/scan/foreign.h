@@ -7,7 +7,8 @@ namespace sparsha::pipeline {
 
 /// The formats that can be read, for messages.
 inline constexpr const char* kKnownFormats =
-    "PLY, PCD, OBJ, OFF, STL, XYZ, TXT, ASC, CSV, PTS, PTX, LAS, LAZ, E57, glTF, GLB, or an ESRI or Surfer grid in text";
+    "PLY, PCD, OBJ, OFF, STL, XYZ, TXT, ASC, CSV, PTS, PTX, LAS, LAZ, E57, glTF, GLB, or an ESRI or Surfer grid in "
+    "text";
 
 /// Throws Error{input} that names the kind of file and says what to do, when it is a known one that cannot be read: an
 /// archive, a picture, a document, a page of a server, another program's model, or a stand-in for a file that was not
