@@ -36,6 +36,7 @@ pipeline::Config config_from(const std::vector<std::string>& arguments, const st
   const std::vector<fs::path> scans(arguments.begin(), arguments.end());
   pipeline::SuggestOptions options;
   options.memory_bytes = memory_bytes;
+  options.settings_follow = !settings.empty();
   pipeline::Suggestion suggestion =
       blaming_scans(arguments, {}, [&] { return pipeline::suggest_config(scans, {}, progress, options); });
   if (settings.empty()) return std::move(suggestion.config);

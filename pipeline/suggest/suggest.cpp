@@ -278,7 +278,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   filter_block += ways.filters;
   const View& view = choice.trial.view;
   const double spacing_mm = (choice.spacing_m > 0.0 ? choice.spacing_m : 0.001) * 1e3;
-  if (choice.no_surface) {
+  if (choice.no_surface && !options.settings_follow) {
     throw input_error(scans.front().string(), choice.trial.error, "points that spread over a surface");
   }
   if (!choice.trial.fits) {

@@ -25,6 +25,9 @@ struct SuggestOptions {
   /// Of what the first look may take, bytes; 0 = no limit. Files without faces that may need more are looked at by a
   /// sample.
   std::uint64_t memory_bytes = 0;
+  /// The user has settings of their own, which may succeed where no view and spacing that is tried shows a surface:
+  /// then that is a warning, no error.
+  bool settings_follow = false;
 };
 
 /// Reads the scans and guesses. `folder` is where the configuration will be written, empty for the present one: paths

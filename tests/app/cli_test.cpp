@@ -1,6 +1,8 @@
 // The program as a user meets it: exit codes, messages with places, JSON, files whole or not there.
 #include <gmock/gmock.h>
+
 #include <gtest/gtest.h>
+#include <cstdlib>
 
 #include <algorithm>
 #include <array>
@@ -155,6 +157,53 @@ TEST_F(Program, AFileWithNothingThatCouldBeAPointIsNoScan) {
     }
     EXPECT_FALSE(fs::exists(folder_ / "scene"));
   }
+}
+
+std::string wavy_rows(int nx, int ny) {
+  std::string rows;
+  for (int i = 0; i < nx; ++i) {
+    for (int j = 0; j < ny; ++j) {
+      rows += std::to_string(0.001 * i) + " " + std::to_string(0.001 * j) + " " +
+              std::to_string(1e-4 * (i * 7919 % 13)) + "\n";
+    }
+  }
+  return rows;
+}
+
+TEST_F(Program, AConfigurationIsFoundWhereNewWritesItAndFindsItsScan) {
+  fs::create_directories(folder_ / "in/scans");
+  fs::create_directories(folder_ / "out");
+  const std::string scan = "in/scans/st\xE9le.xyz";  // Latin-1: no UTF-8
+  write(scan, wavy_rows(30, 30));
+  EXPECT_EQ(run("new " + scan + " -o out/c.yaml").code, 0);
+  // The shell opens the file; what is written is relative to its folder too.
+  const std::string command =
+      "cd \"" + folder_.path().string() + "\" && \"" SPARSHA_PROGRAM "\" new " + scan + " > out/d.yaml 2> /dev/null";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+  EXPECT_EQ(run("new \"" + (folder_ / scan).string() + "\" -o out/e.yaml").code, 0);
+  for (const std::string name : {"c", "d", "e"}) {
+    const Outcome build = run("build out/" + name + ".yaml --out scene-" + name);
+    EXPECT_EQ(build.code, 0) << name << build.err;
+    EXPECT_TRUE(fs::exists(folder_ / ("scene-" + name) / "scene.yaml")) << name;
+  }
+  const Outcome again = run("new " + scan + " -o out/c.yaml");
+  EXPECT_EQ(again.code, 2) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("--force"));
+  EXPECT_EQ(run("new " + scan + " -o out/c.yaml --force").code, 0);
+}
+
+TEST_F(Program, ASettingMaySucceedWhereNothingThatIsTriedDoes) {
+  write("strip.xyz", wavy_rows(4000, 2));
+  const Outcome guessed = run("build strip.xyz --out a");
+  EXPECT_EQ(guessed.code, 3);
+  EXPECT_THAT(guessed.err, HasSubstr("strip.xyz"));
+  for (const char* spacing : {"0.5", "1"}) {
+    const Outcome told = run(std::string("build strip.xyz --force --out a --set grid.spacing_mm=") + spacing);
+    EXPECT_EQ(told.code, 0) << told.err;
+    EXPECT_THAT(told.out, HasSubstr(std::string(spacing) + " mm apart"));
+  }
+  const Outcome wide = run("build strip.xyz --force --out a --set grid.spacing_mm=5");
+  EXPECT_EQ(wide.code, 3);
 }
 
 TEST_F(Program, InfoGivesOneObjectForOneFileAndAnArrayForSeveral) {
