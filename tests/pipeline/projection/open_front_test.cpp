@@ -57,7 +57,7 @@ ObjectScan seen_by_two(const ObjectScan& all) {
 }
 
 TEST(OpenFronts, KeepWhatTwoStationsSaw) {
-  for (const std::size_t k : {0, 2, 4}) {
+  for (const std::size_t k : {0U, 2U, 4U}) {
     const NamedObject& named = objects()[k];
     const ObjectScan front = seen_by_two(scan_object(*named.object, cloud_of(60'000)));
     const pipeline::Projection p = project_scan(front);

@@ -10,7 +10,7 @@ namespace sparsha::test {
 namespace {
 
 TEST(ScatteredPoints, GrowNoSurfaceBesideAnObject) {
-  for (const std::size_t k : {0, 4}) {
+  for (const std::size_t k : {0U, 4U}) {
     const NamedObject& named = objects()[k];
     const ObjectScan scan = scan_object(*named.object, cloud_of(60'000));
     ObjectScan both = scan;

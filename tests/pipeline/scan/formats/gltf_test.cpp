@@ -23,8 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::put;
 
-constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
-              kFloat = 5126;
+constexpr int kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 
 std::string message_of(const std::string& bytes, const char* name) {
   const auto error = testing::error_of_bytes(name, bytes);
