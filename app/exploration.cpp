@@ -193,8 +193,11 @@ void Exploration::move_hand(std::vector<TypedKey>& keys, double now_s) {
   });
   const pipeline::SceneDescription& scene = scene_->description();
   const std::size_t level = std::min<std::size_t>(state.level, scene.levels.size() - 1);
+  const pipeline::Lattice& lattice = scene.levels[level];
+  const HandKeys::Stone stone{{lattice.x_m(0), lattice.y_m(0)},
+                              {lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1)}};
   const HandKeys::Wish wish =
-      hand_keys_.update(state, haptics::centre_range(scene, scene.levels[level], state.workspace_m / state.scale));
+      hand_keys_.update(state, haptics::centre_range(scene, lattice, state.workspace_m / state.scale), stone);
   if (const auto words = hand_keys_.take_words()) announce(words->phrase, words->values);
   chosen_.keys->publish(wish.hand);
   if (wish.scroll == scroll_) return;

@@ -16,13 +16,14 @@ constexpr std::array kSteps_m = {0.001, 0.002, 0.005, 0.01, 0.02};  // at the ha
 constexpr std::array kPresses_n = {0.3, 0.6, 1.0, 1.6, 2.4, 3.5};
 constexpr double kStepsPerSecond = 8.0;  // as fast as people press a key
 constexpr double kSlowest_m_per_s = 0.02, kFastest_m_per_s = 0.12;
-constexpr double kRepeat_s = 0.075;     // the same key again within is held; people are not so fast
-constexpr double kLead_s = 0.15;        // of the goal before the hand, of a key that is held
-constexpr double kMostAhead = 8.0;      // steps that are kept
-constexpr double kInner = 0.40;         // workspace widths to each side; beyond, the window goes instead
-constexpr double kOuter = 0.485;        // at the ends of the stone
-constexpr double kJump_m = 0.004;       // at the hand: the window was moved, it does not scroll
-constexpr double kFastestScroll = 1.5;  // workspace widths per second
+constexpr double kRepeat_s = 0.075;      // the same key again within is held; people are not so fast
+constexpr double kLead_s = 0.15;         // of the goal before the hand, of a key that is held
+constexpr double kMostAhead = 8.0;       // steps that are kept
+constexpr double kInner = 0.40;          // workspace widths to each side; beyond, the window goes instead
+constexpr double kOuter = 0.485;         // at the ends of the stone
+constexpr double kBeforeEdge_m = 0.001;  // at the hand, that stops so far before the stone's end
+constexpr double kJump_m = 0.004;        // at the hand: the window was moved, it does not scroll
+constexpr double kFastestScroll = 1.5;   // workspace widths per second
 
 /// Unit direction of a key that moves the hand, or zero.
 Eigen::Vector2d direction_of(const TypedKey& key) {
@@ -135,7 +136,7 @@ void HandKeys::follow_window(const haptics::State& state) {
   scale_ = state.scale;
 }
 
-HandKeys::Wish HandKeys::update(const haptics::State& state, const haptics::CentreRange& range) {
+HandKeys::Wish HandKeys::update(const haptics::State& state, const haptics::CentreRange& range, const Stone& stone) {
   Wish wish;
   wish.hand.press_n = lifted_ ? 0.0 : kPresses_n.at(press_);
   wish.hand.speed_m_per_s = speed_m_per_s();
@@ -148,11 +149,14 @@ HandKeys::Wish HandKeys::update(const haptics::State& state, const haptics::Cent
     const auto k = static_cast<std::size_t>(axis);
     const double side = goal_m_[axis] < 0.0 ? -1.0 : 1.0;
     const bool follows = side > 0.0 ? state.centre_m[k] < range.high_m[axis] : state.centre_m[k] > range.low_m[axis];
-    const double limit_m = follows ? inner_m : outer_m;
+    // Beyond the stone the surface falls away.
+    const double edge_m =
+        state.scale * (side > 0.0 ? stone.high_m[axis] - state.centre_m[k] : state.centre_m[k] - stone.low_m[axis]);
+    const double limit_m = follows ? inner_m : std::clamp(edge_m - kBeforeEdge_m, 0.0, outer_m);
     const double beyond_m = std::max(0.0, std::abs(goal_m_[axis]) - limit_m);
     wish.hand.wanted_m[k] = goal_m_[axis] - side * beyond_m;
     if (!(beyond_m > 0.0)) {
-      if (end_[axis] * side > 0.0 && std::abs(goal_m_[axis]) <= inner_m) end_[axis] = 0.0;
+      if (end_[axis] * side > 0.0 && std::abs(goal_m_[axis]) <= std::min(inner_m, limit_m - 0.004)) end_[axis] = 0.0;
       continue;
     }
     if (!follows) {

@@ -34,8 +34,13 @@ class HandKeys {
     haptics::SteeringSample hand;
     Eigen::Vector2d scroll = Eigen::Vector2d::Zero();  ///< of the window, workspace widths per second
   };
+  /// Where the stone ends, grid frame: the hand stops a little before it.
+  struct Stone {
+    Eigen::Vector2d low_m = Eigen::Vector2d::Constant(-1e9);
+    Eigen::Vector2d high_m = Eigen::Vector2d::Constant(1e9);
+  };
   /// Call some hundred times a second. `range`: where the window's centre can go.
-  [[nodiscard]] Wish update(const haptics::State& state, const haptics::CentreRange& range);
+  [[nodiscard]] Wish update(const haptics::State& state, const haptics::CentreRange& range, const Stone& stone);
 
  private:
   void step(const Eigen::Vector2d& direction, bool repeats, const haptics::State& state);

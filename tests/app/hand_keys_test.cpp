@@ -67,7 +67,7 @@ class Hand : public ::testing::Test {
   void look(double seconds) {
     for (int k = 0; k < static_cast<int>(std::lround(seconds / 0.005)); ++k) {
       time_s_ += 0.005;
-      wish_ = keys_.update(state_, range_);
+      wish_ = keys_.update(state_, range_, stone_);
       if (const auto words = keys_.take_words()) said_.emplace_back(words->phrase.key());
       for (int axis = 0; axis < 2; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
@@ -96,12 +96,24 @@ class Hand : public ::testing::Test {
   HandKeys::Wish wish_;
   haptics::State state_;
   haptics::CentreRange range_;  // the whole stone
+  HandKeys::Stone stone_;       // without an end
   Phrases phrases_ = Phrases::of("en");
   std::vector<std::string> said_;
   double time_s_ = 10.0, fastest_scroll_ = 0.0;
 };
 
 constexpr TypedKey kRight{Kind::right, 0}, kUp{Kind::up, 0}, kLeft{Kind::left, 0};
+
+TEST_F(Hand, StopsBeforeTheStoneEndsWhereTheWindowReachesBeyondIt) {
+  stone_.low_m = {-0.06, -0.08};
+  stone_.high_m = {0.05, 0.08};  // 25 mm at the hand
+  hold(kRight, 3.0);
+  EXPECT_NEAR(x_m(), 0.024, 1e-9);
+  EXPECT_EQ(said_, std::vector<std::string>{"hand_end"});
+  hold(kLeft, 4.0);
+  EXPECT_NEAR(x_m(), -0.029, 1e-9);
+  EXPECT_EQ(said_.size(), 2U);
+}
 
 TEST_F(Hand, EachKeyPressedIsOneStep) {
   for (int k = 0; k < 4; ++k) {

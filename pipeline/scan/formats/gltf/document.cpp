@@ -108,6 +108,8 @@ void Document::parse(std::string_view text, std::size_t at) {
   }
   try {
     *root_ = Json::parse(text.begin(), text.end());
+  } catch (const Json::out_of_range&) {
+    throw file_.error("the JSON of the glTF file has a number that is too large", "numbers below 1e308");
   } catch (const Json::parse_error& error) {
     throw file_.error(fmt::format("the JSON of the glTF file is damaged at byte {}", at + error.byte),
                       "a whole JSON text");

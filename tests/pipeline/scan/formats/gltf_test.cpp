@@ -316,6 +316,7 @@ TEST(GltfReader, DamageIsToldWithItsPlace) {
   EXPECT_THAT(broken([](json& root) { root["asset"]["version"] = "1.0"; }), HasSubstr("1.0"));
   EXPECT_THAT(broken([](json& root) { root["meshes"][0]["primitives"][0]["mode"] = 7; }), HasSubstr("mode 7"));
   EXPECT_THAT(message_of(square().glb(1), "a.glb"), HasSubstr("version 1"));
+  EXPECT_THAT(message_of("{\"asset\": {\"version\": \"2.0\"}, \"n\": 1e99999}", "a.gltf"), HasSubstr("too large"));
   std::string file = square().glb();
   for (std::size_t size = 8; size < file.size(); ++size)
     EXPECT_FALSE(message_of(file.substr(0, size), "a.glb").empty()) << size;
