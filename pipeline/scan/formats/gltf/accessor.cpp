@@ -1,5 +1,5 @@
 // Section 3.6.2 of the specification.
-#include "pipeline/scan/formats/gltf/accessor.h"
+#include "pipeline/scan/formats/gltf/accessor.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // Khronos glTF 2.0 specification (ISO/IEC 12113), sections 3.6 (buffers) and 4 (GLB).
-#include "pipeline/scan/formats/gltf/document.h"
+#include "pipeline/scan/formats/gltf/document.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -15,8 +15,8 @@
 #include <Eigen/LU>
 
 #include "pipeline/scan/foreign_text.h"
-#include "pipeline/scan/formats/gltf/accessor.h"
-#include "pipeline/scan/formats/gltf/scene.h"
+#include "pipeline/scan/formats/gltf/accessor.hpp"
+#include "pipeline/scan/formats/gltf/scene.hpp"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

@@ -1,5 +1,5 @@
 // Section 3.5 of the specification. Without recursion: a chain of nodes may be as long as the file.
-#include "pipeline/scan/formats/gltf/scene.h"
+#include "pipeline/scan/formats/gltf/scene.hpp"
 
 #include <algorithm>
 

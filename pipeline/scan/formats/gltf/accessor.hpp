@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/scan/formats/gltf/document.h"
+#include "pipeline/scan/formats/gltf/document.hpp"
 #include "pipeline/scan/scalar.h"
 
 namespace sparsha::pipeline::gltf {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "pipeline/scan/formats/gltf/document.h"
+#include "pipeline/scan/formats/gltf/document.hpp"
 
 namespace sparsha::pipeline::gltf {
 
