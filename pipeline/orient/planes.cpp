@@ -12,6 +12,7 @@
 #include <pcl/sample_consensus/impl/sac_model_normal_plane.hpp>
 
 #include "pipeline/scan/pcl_trees.hpp"
+#include "pipeline/scan/quiet_pcl.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -64,6 +65,7 @@ FacePlane fitted(const Points& points, const pcl::Indices& inliers) {
 
 std::optional<FacePlane> largest_plane(const std::vector<Eigen::Vector3f>& points, double distance) {
   if (points.size() < 4) return std::nullopt;
+  const QuietPcl quiet;  // points without a plane, and samples of three on a line, are no errors here
   Points::Ptr cloud(new Points);
   cloud->reserve(points.size());
   for (const Eigen::Vector3f& p : points) cloud->push_back({p.x(), p.y(), p.z()});
