@@ -25,18 +25,24 @@ struct Nodes {
   pipeline::Layers layers;
 };
 
-int cell_of(double along_m, double origin_m, double spacing_m, int nodes) {
-  return std::clamp(static_cast<int>(std::floor((along_m - origin_m) / spacing_m)), 0, std::max(nodes - 2, 0));
+/// In spacings from the first node.
+Eigen::Vector2d nodes_along(const pipeline::Lattice& lattice, const Eigen::Vector2d& place) {
+  return (place - lattice.origin_m.head<2>()) / lattice.spacing_m;
+}
+
+/// The cell of a place, counted in spacings from the first node: of one beyond the lattice, however far, the outermost.
+int cell_of(double nodes_along, int nodes) {
+  return static_cast<int>(std::clamp(std::floor(nodes_along), 0.0, std::max(nodes - 2.0, 0.0)));
 }
 
 Nodes read_nodes(const pipeline::Scene& scene, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const pipeline::Lattice& lattice = scene.description().levels.front();
-  const Eigen::Vector2d low = a.cwiseMin(b), high = a.cwiseMax(b);
+  const Eigen::Vector2d low = nodes_along(lattice, a.cwiseMin(b)), high = nodes_along(lattice, a.cwiseMax(b));
   Nodes nodes;
-  nodes.i0 = cell_of(low.x(), lattice.origin_m.x(), lattice.spacing_m, lattice.nx);
-  nodes.j0 = cell_of(low.y(), lattice.origin_m.y(), lattice.spacing_m, lattice.ny);
-  const int i1 = cell_of(high.x(), lattice.origin_m.x(), lattice.spacing_m, lattice.nx) + 1;
-  const int j1 = cell_of(high.y(), lattice.origin_m.y(), lattice.spacing_m, lattice.ny) + 1;
+  nodes.i0 = cell_of(low.x(), lattice.nx);
+  nodes.j0 = cell_of(low.y(), lattice.ny);
+  const int i1 = cell_of(high.x(), lattice.nx) + 1;
+  const int j1 = cell_of(high.y(), lattice.ny) + 1;
   nodes.layers = scene.read(0, nodes.i0, nodes.j0, i1 - nodes.i0 + 1, j1 - nodes.j0 + 1);
   return nodes;
 }
@@ -44,12 +50,11 @@ Nodes read_nodes(const pipeline::Scene& scene, const Eigen::Vector2d& a, const E
 /// Height and state of the bilinear surface at a place.
 void sample(const pipeline::Lattice& whole, const Nodes& nodes, ProfileSample& result) {
   result.at_m.z() = kNaN;
-  const double u = (result.at_m.x() - whole.origin_m.x()) / whole.spacing_m;
-  const double v = (result.at_m.y() - whole.origin_m.y()) / whole.spacing_m;
+  const Eigen::Vector2d place = nodes_along(whole, result.at_m.head<2>());
+  const double u = place.x(), v = place.y();
   constexpr double kRounding = 1e-9;
   if (u < -kRounding || v < -kRounding || u > whole.nx - 1 + kRounding || v > whole.ny - 1 + kRounding) return;
-  const int i = std::clamp(static_cast<int>(std::floor(u)), 0, std::max(whole.nx - 2, 0));
-  const int j = std::clamp(static_cast<int>(std::floor(v)), 0, std::max(whole.ny - 2, 0));
+  const int i = cell_of(u, whole.nx), j = cell_of(v, whole.ny);
   const pipeline::DepthGrid& grid = nodes.layers.grid;
   const double s = std::clamp(u - i, 0.0, 1.0), t = std::clamp(v - j, 0.0, 1.0);
   const std::array<double, 4> weights{(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t};
