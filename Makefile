@@ -2,18 +2,20 @@
 BUILD ?= build
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 CTEST_FLAGS ?=
+# The standard library's checks of indices in our objects (docs/architecture.md, Portability): .ci/run turns them on.
+ASSERTIONS ?= OFF
 
 .PHONY: run test build setup nightly bench bench-quick soak format clean
 
 run: setup
-	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release > $(BUILD)-configure.log 2>&1 \
+	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) > $(BUILD)-configure.log 2>&1 \
 	  || { cat $(BUILD)-configure.log; exit 1; }
 	@rm -f $(BUILD)-configure.log
 	cmake --build $(BUILD) -j$(JOBS) --target sparsha
 	@tools/main-job.sh $(BUILD)
 
 test: setup
-	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_TESTS=ON
+	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_TESTS=ON -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS)
 	cmake --build $(BUILD) -j$(JOBS)
 	ctest --test-dir $(BUILD) -j$(JOBS) --output-on-failure --no-tests=error $(CTEST_FLAGS)
 
@@ -24,7 +26,7 @@ nightly: setup
 	@tools/nightly.sh
 
 soak: setup
-	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release
+	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS)
 	cmake --build $(BUILD) -j$(JOBS) --target haptics_soak
 	$(BUILD)/bin/haptics_soak 100000000
 

@@ -34,10 +34,12 @@ if(SPARSHA_SANITIZE)
     -fsanitize=${SPARSHA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   # Eigen allocates in another way under AddressSanitizer; memory that PCL's library frees must come from malloc.
   target_compile_definitions(sparsha_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  target_link_options(sparsha_options INTERFACE -fsanitize=${SPARSHA_SANITIZE})
+endif()
+if(SPARSHA_LIBRARY_ASSERTIONS OR SPARSHA_SANITIZE)
   # Indices of vectors, spans and the like that are beyond the end but still within the memory, which no sanitizer sees;
   # changes no layout.
   target_compile_definitions(sparsha_options INTERFACE _GLIBCXX_ASSERTIONS=1)
-  target_link_options(sparsha_options INTERFACE -fsanitize=${SPARSHA_SANITIZE})
 endif()
 # What makes a fault in a reader of strangers' files an end of the program and not a way in: checked copies, guarded
 # stacks, marked branch targets, tables that are read-only once the program is loaded. The price is in docs/architecture.md.

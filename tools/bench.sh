@@ -11,7 +11,7 @@ if [ -z "${SPARSHA_SCANS_DIR:-}" ] && [ -d ../shared/data ]; then
   SPARSHA_SCANS_DIR=$(cd ../shared/data && pwd)
   export SPARSHA_SCANS_DIR
 fi
-cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_BENCH=ON
+cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_BENCH=ON -DSPARSHA_LIBRARY_ASSERTIONS=OFF
 cmake --build "$build" -j"$jobs" --target sparsha "${programs[@]}" bench_report
 out=$build/bench
 mkdir -p "$out"
