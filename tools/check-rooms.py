@@ -18,6 +18,7 @@ ALLOWED = {
     "pipeline/filter": ["pipeline/scan", *SHARED],
     "pipeline/orient": ["pipeline/scan", *SHARED],
     "pipeline/projection": ["pipeline/scan", *SHARED],
+    "pipeline/charts": ["pipeline/projection", "pipeline/scan", *SHARED],
     "pipeline/images": SHARED,
     "pipeline/layers": ["pipeline/images", *SHARED],
     "pipeline/check": ["pipeline/projection", "pipeline/layers", "pipeline/scan", *SHARED],

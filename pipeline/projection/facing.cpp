@@ -23,7 +23,8 @@ constexpr double kCellSpacings = 3.0;  // of a depth map: an empty cell is one i
 constexpr double kMostCells = 4e6;     // of a depth map; an object alone needs thousands
 constexpr float kOblique = 0.25F;      // cosine under which a direction says nothing about a point
 constexpr float kLowest = -std::numeric_limits<float>::infinity();
-constexpr double kAgreement = 0.9;  // of a connected surface's votes, by weight
+constexpr double kAgreement = 0.9;        // of a connected surface's votes, by weight,
+constexpr double kWholeAgreement = 0.55;  // and where a surface is known to have one outer side
 // Of a closed surface's area as the viewer sees it a half faces away; of one whose foot was not scanned, less.
 constexpr double kOtherSide = 0.15;
 constexpr std::size_t kPiece = 1U << 14U;
@@ -377,9 +378,10 @@ void FacingField::overrule_by_surface(SideEvidence evidence) {
     sum[place.root] += static_cast<double>(place.opposed ? -votes_[d] : votes_[d]);
     size[place.root] += static_cast<double>(std::abs(votes_[d]));
   }
+  const double least = evidence == SideEvidence::whole ? kWholeAgreement : kAgreement;
   for (const std::uint32_t d : of_slot_) {
     const SurfaceParts::Place place = parts.find(d);
-    if (!(std::abs(sum[place.root]) >= kAgreement * size[place.root])) continue;
+    if (!(std::abs(sum[place.root]) >= least * size[place.root])) continue;
     const auto [one, other] = area[place.root];
     closed_[d] = std::min(one, other) >= kOtherSide * (one + other) ? 1 : 0;
     if (evidence == SideEvidence::certain && closed_[d] == 0) continue;

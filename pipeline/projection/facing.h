@@ -26,8 +26,9 @@ struct StationView {
 
 /// What tells the sides of a surface. `views`: what is seen of it from 26 directions. `certain`: only surfaces that
 /// are seen to be closed, which both face the viewer and face away, and stations. From the views alone a front before a
-/// back and a canopy before the ground look the same.
-enum class SideEvidence { views, certain };
+/// back and a canopy before the ground look the same. `whole`: as views, and what is connected has one outer side, on
+/// which most of its votes are: an object that is touched from all sides, although its foot may be open.
+enum class SideEvidence { views, certain, whole };
 
 /// A sample of the cloud with outward normals, in columns.
 class FacingField {

@@ -59,8 +59,34 @@ double facing_samples(const SpaceStatistics& statistics, double spacing_m, std::
 // A pose does not promise that its scan's origin is the scanner, and estimated normals are turned over in places.
 bool is_certain(const Station& station) { return station.declared && station.normals.empty(); }
 
-// One view per station; of those that are not to be asked an empty one.
-std::vector<StationView> views_of(const OrientedStations& oriented, SideEvidence evidence) {
+void name_lying_stations(const FacingField& facing, const OrientedStations& oriented, ProjectionPlan& plan) {
+  for (const std::size_t station : facing.lying_stations()) {
+    const Station& lying = oriented.stations[station];
+    if (!lying.declared) continue;  // a pose says where points are, not where from
+    std::vector<std::string>& scans = lying.normals.empty() ? plan.lying_stations : plan.lying_normals;
+    if (scans.empty() || scans.back() != lying.scan) scans.push_back(lying.scan);
+  }
+}
+
+// Whether a hole in the front may show a back where windows decide.
+bool may_show_back(const SpaceStatistics& statistics, const std::vector<Station>& stations) {
+  if (!(statistics.surface_spacing_m > 0.0)) return false;
+  return statistics.layered_share > kSomeLayered || std::any_of(stations.begin(), stations.end(), is_certain);
+}
+
+void find_sides(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
+                const OrientedStations& oriented, double spacing_m, double samples, SideEvidence evidence,
+                ThreadPool& pool, ProjectionPlan& plan) {
+  auto facing = std::make_shared<FacingField>(pieces, totals, extent, spacing_m, samples,
+                                              station_views(oriented, evidence), evidence, pool);
+  name_lying_stations(*facing, oriented, plan);
+  plan.facing_asked = true;
+  if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
+}
+
+}  // namespace
+
+std::vector<StationView> station_views(const OrientedStations& oriented, SideEvidence evidence) {
   const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector3f {
     return ((oriented.scan_to_grid * p.homogeneous()).head<3>() - oriented.origin_m).cast<float>();
   };
@@ -90,33 +116,6 @@ DiscRule disc_rule(const SurfaceStatistics& surface, bool on_lines) {
   rule.neighbours *= static_cast<int>(surface.scale * surface.scale);
   return rule;
 }
-
-void name_lying_stations(const FacingField& facing, const OrientedStations& oriented, ProjectionPlan& plan) {
-  for (const std::size_t station : facing.lying_stations()) {
-    const Station& lying = oriented.stations[station];
-    if (!lying.declared) continue;  // a pose says where points are, not where from
-    std::vector<std::string>& scans = lying.normals.empty() ? plan.lying_stations : plan.lying_normals;
-    if (scans.empty() || scans.back() != lying.scan) scans.push_back(lying.scan);
-  }
-}
-
-// Whether a hole in the front may show a back where windows decide.
-bool may_show_back(const SpaceStatistics& statistics, const std::vector<Station>& stations) {
-  if (!(statistics.surface_spacing_m > 0.0)) return false;
-  return statistics.layered_share > kSomeLayered || std::any_of(stations.begin(), stations.end(), is_certain);
-}
-
-void find_sides(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
-                const OrientedStations& oriented, double spacing_m, double samples, SideEvidence evidence,
-                ThreadPool& pool, ProjectionPlan& plan) {
-  auto facing = std::make_shared<FacingField>(pieces, totals, extent, spacing_m, samples, views_of(oriented, evidence),
-                                              evidence, pool);
-  name_lying_stations(*facing, oriented, plan);
-  plan.facing_asked = true;
-  if (facing->share_turned_away() <= kMostTurnedAway) plan.facing = std::move(facing);
-}
-
-}  // namespace
 
 ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
                                const OrientedStations& oriented, bool only_mesh, const GridConfig& config,

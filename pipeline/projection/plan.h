@@ -16,6 +16,7 @@
 #include "pipeline/projection/node_fitter.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/projection.h"
+#include "pipeline/projection/surface_statistics.h"
 #include "pipeline/projection/tangent_discs.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config.h"
@@ -52,6 +53,13 @@ struct OrientedStations {
   Eigen::Matrix4d scan_to_grid;
   Eigen::Vector3d origin_m;  ///< of the oriented points
 };
+
+/// What the stations saw, in the frame of the oriented points: one view per station; of those that are not to be asked
+/// an empty one.
+[[nodiscard]] std::vector<StationView> station_views(const OrientedStations& oriented, SideEvidence evidence);
+
+/// How discs are drawn on a surface with these statistics.
+[[nodiscard]] DiscRule disc_rule(const SurfaceStatistics& surface, bool on_lines);
 
 /// `totals` are of the pieces, `oriented` says how they were made. Vertices of faces carry no noise: `only_mesh` says
 /// there is nothing else. Throws as choose_lattice does.

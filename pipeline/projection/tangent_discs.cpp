@@ -187,4 +187,46 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   return discs;
 }
 
+TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& columns) {
+  const std::size_t count = records.size() / kDiscRecord;
+  const auto nx = static_cast<std::size_t>(columns.bins_x());
+  const auto ny = static_cast<std::size_t>(columns.bins_y());
+  const BinLocator locator(columns);
+  TangentDiscs discs;
+  discs.columns = columns;
+  discs.window = BinWindow::all(columns);
+  discs.start = make_buffer<std::uint32_t>(ny * (nx + 1));
+  // Each row of columns has a start more than columns: places of a bin's end and the next row's begin.
+  std::vector<std::uint32_t> place(count, 0xffffffffU);
+  std::vector<std::uint32_t> sizes(ny * (nx + 1) + 1, 0);
+  for (std::size_t d = 0; d < count; ++d) {
+    int column = 0;
+    int row = 0;
+    if (!locator.locate(records[kDiscRecord * d], records[kDiscRecord * d + 1], column, row)) continue;
+    place[d] = static_cast<std::uint32_t>(static_cast<std::size_t>(row) * (nx + 1) + static_cast<std::size_t>(column));
+    ++sizes[place[d] + 1];
+  }
+  for (std::size_t c = 1; c < sizes.size(); ++c) sizes[c] += sizes[c - 1];
+  std::copy_n(sizes.begin(), ny * (nx + 1), discs.start.get());
+  const std::size_t room = count + DiscKernel::kReadAhead;
+  for (Buffer<float>* array : {&discs.x, &discs.y, &discs.slope_x, &discs.slope_y, &discs.radius2}) {
+    *array = make_buffer<float>(room);
+    std::fill_n(array->get(), room, 0.0F);
+  }
+  discs.records = make_buffer<float>(kDiscRecord * room);
+  for (std::size_t d = 0; d < count; ++d) {
+    if (place[d] == 0xffffffffU) continue;
+    const std::uint32_t to = sizes[place[d]]++;
+    const float* record = records.data() + kDiscRecord * d;
+    std::copy_n(record, kDiscRecord, discs.records.get() + kDiscRecord * to);
+    discs.x[to] = record[0];
+    discs.y[to] = record[1];
+    discs.slope_x[to] = record[3];
+    discs.slope_y[to] = record[4];
+    discs.radius2[to] = record[6];
+  }
+  discs.rings = rings_of_columns(discs, {nx, 0, ny}, columns.spacing_m);
+  return discs;
+}
+
 }  // namespace sparsha::pipeline

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/thread_pool.h"
@@ -56,5 +57,9 @@ struct TangentDiscs {
 [[nodiscard]] TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uint8_t>& skip,
                                       const BinLattice& columns, const BinWindow& window, const DiscRule& rule,
                                       bool all, ThreadPool& pool, MemoryStore* store = nullptr);
+
+/// Discs that are given as records (kDiscRecord values each) in columns, in the order in which they are given. Those
+/// beyond the columns are left out.
+[[nodiscard]] TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& columns);
 
 }  // namespace sparsha::pipeline

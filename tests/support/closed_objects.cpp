@@ -331,6 +331,26 @@ ObjectPtr make_coin(const Eigen::Matrix3d& view) {
   return std::make_shared<AnalyticObject>(std::move(patches), distance, 1.1, view);
 }
 
+ObjectPtr make_box(const Eigen::Vector3d& half_m, const Eigen::Matrix3d& view) {
+  std::vector<PatchFunction> patches;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      patches.emplace_back([=](double u, double v) -> Vector3d {
+        Vector3d p;
+        p[axis] = side * half_m[axis];
+        p[(axis + 1) % 3] = half_m[(axis + 1) % 3] * (2.0 * u - 1.0);
+        p[(axis + 2) % 3] = half_m[(axis + 2) % 3] * (2.0 * v - 1.0);
+        return p;
+      });
+    }
+  }
+  const DistanceFunction distance = [=](const Vector3d& p) {
+    const Vector3d beyond = p.cwiseAbs() - half_m;
+    return beyond.cwiseMax(0.0).norm() + std::min(0.0, beyond.maxCoeff());
+  };
+  return std::make_shared<AnalyticObject>(std::move(patches), distance, half_m.norm(), view);
+}
+
 std::vector<NamedObject> analytic_objects() {
   return {{"torus", make_torus()},
           {"two spheres", make_two_spheres()},

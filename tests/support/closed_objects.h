@@ -53,6 +53,9 @@ using ObjectPtr = std::shared_ptr<const ClosedObject>;
 /// flank between them.
 [[nodiscard]] ObjectPtr make_coin(const Eigen::Matrix3d& view = turned(20.0, 25.0));
 
+/// A box with sharp edges and these half sides, metres; about zero.
+[[nodiscard]] ObjectPtr make_box(const Eigen::Vector3d& half_m, const Eigen::Matrix3d& view);
+
 /// A mesh as it lies in a file, seen along its own -z; its front is the highest triangle over (x, y). Nothing when
 /// there is no such file. Throws Error when it cannot be read or has no faces.
 [[nodiscard]] ObjectPtr load_mesh_object(const std::filesystem::path& file);

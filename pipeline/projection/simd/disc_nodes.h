@@ -8,6 +8,7 @@
 
 namespace {
 
+using sparsha::pipeline::DiscLayer;
 using sparsha::pipeline::DiscNodeKernel;
 
 // A foot this near to a node, in spacings of its points, is beneath it.
@@ -230,9 +231,9 @@ SPARSHA_INLINE bool reaches(const Cover& c, std::size_t begin, std::size_t end) 
   return false;
 }
 
-// Height at the node by discs [begin, end): the mean of their points, each brought to the node along a surface whose
-// slope and bending are those of the discs' normals.
-SPARSHA_INLINE float height_of_group(const Cover& c, std::size_t begin, std::size_t end, float low, float high) {
+// The surface at the node by discs [begin, end): the mean of their points, each brought to the node along a surface
+// whose slope and bending are those of the discs' normals.
+SPARSHA_INLINE DiscLayer surface_of_group(const Cover& c, std::size_t begin, std::size_t end, float low, float high) {
   Floats sw{}, sx{}, sy{}, sa{}, sb{}, ss{}, xx{}, xy{}, yy{}, ax{}, ay{}, bx{}, by{};
   const auto lane_number = Ints{0, 1, 2, 3, 4, 5, 6, 7};
   const auto weights = [&](std::size_t p) __attribute__((always_inline)) {
@@ -249,7 +250,7 @@ SPARSHA_INLINE float height_of_group(const Cover& c, std::size_t begin, std::siz
     ss += w * load(c.spacing + p);
   }
   Eight sums = totals(sw, sx, sy, sa, sb, ss, Floats{}, Floats{});
-  if (!(sums.at[0] > 1e-12F)) return 0.5F * (low + high);
+  if (!(sums.at[0] > 1e-12F)) return {0.5F * (low + high), c.slope_x[begin], c.slope_y[begin], c.spacing[begin]};
   const float weight = sums.at[0];
   const float per_weight = 1.0F / weight;
   const float mean_x = sums.at[1] * per_weight;
@@ -299,7 +300,7 @@ SPARSHA_INLINE float height_of_group(const Cover& c, std::size_t begin, std::siz
   const float margin = spacing * __builtin_sqrtf(1.0F + slope_x * slope_x + slope_y * slope_y);
   low -= margin;
   high += margin;
-  return height < low ? low : height > high ? high : height;
+  return {height < low ? low : height > high ? high : height, slope_x, slope_y, spacing};
 }
 
 // What faces away of discs [begin, end), as a share of their weight: 1 all of it, -1 none.
@@ -318,7 +319,7 @@ SPARSHA_INLINE float away(const Cover& c, std::size_t begin, std::size_t end) {
 SPARSHA_INLINE std::uint8_t decide_group(const DiscNodeKernel& k, const Cover& c, std::size_t begin, std::size_t end,
                                          float low, float high, float& height) {
   const float share = c.all_towards ? -1.0F : away(c, begin, end);
-  height = height_of_group(c, begin, end, low, high);
+  height = surface_of_group(c, begin, end, low, high).height;
   if (share > k.most_away) return DiscNodeKernel::kAway;
   std::uint8_t verdict = DiscNodeKernel::kMeasured;
   if (share > -k.most_away) verdict |= DiscNodeKernel::kUnsure;
@@ -406,23 +407,26 @@ SPARSHA_APART std::uint8_t tell_hole_from_edge(const DiscNodeKernel& k, const st
   return edge ? DiscNodeKernel::kEdge : DiscNodeKernel::kAway;
 }
 
-SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {
+// Finds all discs that cover a node.
+SPARSHA_INLINE void cover_node(const DiscNodeKernel& k, float x, float y, Cover& c) {
+  c.count = 0;
   const auto column = static_cast<std::ptrdiff_t>((x - k.columns_x0_m) * k.per_side);
   const auto row = static_cast<std::ptrdiff_t>((y - k.columns_y0_m) * k.per_side);
   const auto first_row = static_cast<std::ptrdiff_t>(k.first_row);
   const std::ptrdiff_t last_row = static_cast<std::ptrdiff_t>(k.last_row) - 1;
-  if (column < 0 || row < first_row || column >= static_cast<std::ptrdiff_t>(k.bins_x) || row > last_row) {
-    return DiscNodeKernel::kUnknown;
-  }
+  if (column < 0 || row < first_row || column >= static_cast<std::ptrdiff_t>(k.bins_x) || row > last_row) return;
   const std::ptrdiff_t rings = k.rings[row * static_cast<std::ptrdiff_t>(k.bins_x) + column];
   const std::ptrdiff_t last_column = static_cast<std::ptrdiff_t>(k.bins_x) - 1;
   const std::ptrdiff_t column0 = column > rings ? column - rings : 0;
   const std::ptrdiff_t column1 = column + rings < last_column ? column + rings : last_column;
-  c.count = 0;
   for (std::ptrdiff_t j = row > first_row + rings ? row - rings : first_row; j <= row + rings && j <= last_row; ++j) {
     const std::uint32_t* start = k.start + j * (last_column + 2);
     find_discs(k, start[column0], start[column1 + 1], x, y, c);
   }
+}
+
+SPARSHA_INLINE std::uint8_t decide_by_discs(const DiscNodeKernel& k, float x, float y, Cover& c, float& height) {
+  cover_node(k, x, y, c);
   const std::size_t found = c.count;
   if (found < DiscNodeKernel::kLeastDiscs) return DiscNodeKernel::kUnknown;
   read_discs(k, c.found, x, y, 0, c);
@@ -439,6 +443,36 @@ SPARSHA_APART void fit_disc_nodes(const DiscNodeKernel& k, std::size_t j, float*
     const auto x = static_cast<float>(k.x0_m + static_cast<double>(i) * k.spacing_m);
     verdict[i] = decide_by_discs(k, x, y, cover, height[i]);
   }
+}
+
+// Every layer that surrounds node (i, j), the highest first.
+SPARSHA_APART std::size_t find_disc_layers(const DiscNodeKernel& k, std::size_t i, std::size_t j, DiscLayer* layers) {
+  Cover c = cover_in(k);
+  const auto x = static_cast<float>(k.x0_m + static_cast<double>(i) * k.spacing_m);
+  const auto y = static_cast<float>(k.y0_m + static_cast<double>(j) * k.spacing_m);
+  cover_node(k, x, y, c);
+  if (c.count < DiscNodeKernel::kLeastDiscs) return 0;
+  read_discs(k, c.found, x, y, 0, c);
+  if (c.high - c.low <= k.link_noise_m + k.link_spacings * c.least_spacing) {
+    if (!c.all_quadrants && !surround(c, 0, c.count)) return 0;
+    layers[0] = surface_of_group(c, 0, c.count, c.low, c.high);
+    return 1;
+  }
+  sort_discs(c);
+  read_discs(k, c.sorted, x, y, c.count - 1, c);
+  std::size_t found = 0;
+  std::size_t begin = 0;
+  for (std::size_t d = 1; d <= c.count && found < DiscNodeKernel::kMostLayers; ++d) {
+    if (d < c.count) {
+      const float spacing = c.spacing[d - 1] < c.spacing[d] ? c.spacing[d - 1] : c.spacing[d];
+      if (c.height[d - 1] - c.height[d] <= k.link_noise_m + k.link_spacings * spacing) continue;
+    }
+    if (d - begin >= DiscNodeKernel::kLeastDiscs && surround(c, begin, d)) {
+      layers[found++] = surface_of_group(c, begin, d, c.height[d - 1], c.height[begin]);
+    }
+    begin = d;
+  }
+  return found;
 }
 
 }  // namespace

@@ -159,6 +159,7 @@ struct DiscNodeKernel {
   static constexpr std::size_t kReadAhead = 24;
   static constexpr std::size_t kMostDiscs = 2048;  ///< over a node; others are not looked at
   static constexpr std::size_t kLeastDiscs = 3;
+  static constexpr std::size_t kMostLayers = 64;  ///< of a node, where all are wanted
   static constexpr std::size_t kScratch = 13 * (kMostDiscs + kReadAhead);
 
   /// What was found at a node, one bit each.
@@ -191,6 +192,13 @@ struct DiscNodeKernel {
   float most_away = 0.3F;      ///< a layer of which more faces away is no front
   bool lines = false;          ///< what surrounds a node hides what is below, even if it is no layer
   float* scratch = nullptr;    ///< kScratch floats of the calling thread
+};
+
+/// A layer of discs that surrounds a node.
+struct DiscLayer {
+  float height = 0.0F;                   ///< at the node, metres
+  float slope_x = 0.0F, slope_y = 0.0F;  ///< of the surface there
+  float spacing = 0.0F;                  ///< of the points about it, metres
 };
 
 /// A sample of the cloud in columns, with votes on the side of the surface that is outside. Arrays may be read up to
@@ -257,6 +265,9 @@ struct ProjectionKernels {
   /// Heights of row j of nodes, and DiscNodeKernel::Verdict of each; heights of nodes that are not measured are not
   /// set.
   void (*fit_disc_nodes)(const DiscNodeKernel& kernel, std::size_t j, float* height, std::uint8_t* verdict);
+  /// Every layer of node (i, j) that surrounds it, the highest first; returns how many, at most
+  /// DiscNodeKernel::kMostLayers. Facing is not looked at.
+  std::size_t (*find_disc_layers)(const DiscNodeKernel& kernel, std::size_t i, std::size_t j, DiscLayer* layers);
   /// The samples on the same surface as one of a column, itself among them, and the cosines of their normals with its
   /// own; returns how many. There is room for kReadAhead more than the columns around hold.
   std::size_t (*list_aligned)(const FacingKernel& kernel, std::size_t row, std::size_t column, std::size_t sample,

@@ -53,6 +53,10 @@ void fit_row_of_disc_nodes(const sparsha::pipeline::DiscNodeKernel& kernel, std:
                            std::uint8_t* verdict) {
   fit_disc_nodes(kernel, j, height, verdict);
 }
+std::size_t find_layers_of_discs(const sparsha::pipeline::DiscNodeKernel& kernel, std::size_t i, std::size_t j,
+                                 sparsha::pipeline::DiscLayer* layers) {
+  return find_disc_layers(kernel, i, j, layers);
+}
 
 std::size_t list_aligned_samples(const sparsha::pipeline::FacingKernel& kernel, std::size_t row, std::size_t column,
                                  std::size_t sample, std::uint32_t* aligned, float* cosine) {
@@ -64,9 +68,9 @@ void find_facing_of_discs(const sparsha::pipeline::FacingKernel& kernel, const f
 }
 
 constexpr sparsha::pipeline::ProjectionKernels kKernels{
-    orient_points,         draw_points,          draw_block_points,   draw_border_points,
-    index_band_points,     send_points,          sort_few_bins,       fit_nodes,
-    fit_one_layer,         rank_values,          classify_points,     fit_row_of_discs,
-    fit_row_of_disc_nodes, list_aligned_samples, find_facing_of_discs};
+    orient_points,         draw_points,          draw_block_points,    draw_border_points,
+    index_band_points,     send_points,          sort_few_bins,        fit_nodes,
+    fit_one_layer,         rank_values,          classify_points,      fit_row_of_discs,
+    fit_row_of_disc_nodes, find_layers_of_discs, list_aligned_samples, find_facing_of_discs};
 
 }  // namespace

@@ -47,6 +47,8 @@ struct Discs {
   std::vector<float> values[7];
   std::vector<float> heights;
   std::vector<std::uint8_t> verdicts;
+  std::vector<std::size_t> layer_counts;
+  std::vector<pipeline::DiscLayer> layers;  // of each node, the highest first
 };
 
 Discs discs_of(const pipeline::Bins& bins, const pipeline::ProjectionKernels& kernels) {
@@ -114,6 +116,12 @@ Discs discs_of(const pipeline::Bins& bins, const pipeline::ProjectionKernels& ke
   discs.verdicts.assign(kNodes * kNodes, 0);
   for (std::size_t j = 0; j < kNodes; ++j) {
     kernels.fit_disc_nodes(nodes, j, discs.heights.data() + j * kNodes, discs.verdicts.data() + j * kNodes);
+    for (std::size_t i = 0; i < kNodes; ++i) {
+      std::vector<pipeline::DiscLayer> layers(pipeline::DiscNodeKernel::kMostLayers);
+      layers.resize(kernels.find_disc_layers(nodes, i, j, layers.data()));
+      discs.layer_counts.push_back(layers.size());
+      discs.layers.insert(discs.layers.end(), layers.begin(), layers.end());
+    }
   }
   return discs;
 }
@@ -130,10 +138,42 @@ TEST(DiscKernels, AgreeBitForBitWithEveryInstructionSet) {
     const Discs b = discs_of(bins, *kernels);
     EXPECT_EQ(a.verdicts, b.verdicts);
     EXPECT_EQ(0, std::memcmp(a.heights.data(), b.heights.data(), a.heights.size() * sizeof(float)));
+    EXPECT_EQ(a.layer_counts, b.layer_counts);
+    ASSERT_EQ(a.layers.size(), b.layers.size());
+    EXPECT_EQ(0, std::memcmp(a.layers.data(), b.layers.data(), a.layers.size() * sizeof(pipeline::DiscLayer)));
     for (std::size_t v = 0; v < 7; ++v) {
       EXPECT_EQ(0, std::memcmp(a.values[v].data(), b.values[v].data(), bins.points * sizeof(float))) << v;
     }
   }
+}
+
+TEST(DiscKernels, LayersAreTheFrontAndTheBackOfABallAndTheFirstIsTheFront) {
+  const Discs found = discs_of(ball(), pipeline::fastest_kernels());
+  std::size_t first = 0, both = 0;
+  for (std::size_t node = 0; node < found.layer_counts.size(); ++node) {
+    const std::size_t count = found.layer_counts[node];
+    const pipeline::DiscLayer* layers = found.layers.data() + first;
+    first += count;
+    for (std::size_t k = 1; k < count; ++k) EXPECT_LT(layers[k].height, layers[k - 1].height);
+    if (found.verdicts[node] == pipeline::DiscNodeKernel::kMeasured) {
+      ASSERT_GE(count, 1U);
+      EXPECT_EQ(layers[0].height, found.heights[node]);
+    }
+    const auto i = static_cast<double>(node % 90U), j = static_cast<double>(node / 90U);
+    const Eigen::Vector2d at(-1.05 * kRadius_m + i * 2.1 * kRadius_m / 90.0,
+                             -1.05 * kRadius_m + j * 2.1 * kRadius_m / 90.0);
+    if (at.norm() > 0.8 * kRadius_m) continue;
+    ASSERT_EQ(count, 2U) << at.transpose();
+    ++both;
+    const double height = std::sqrt(kRadius_m * kRadius_m - at.squaredNorm());
+    for (const std::size_t k : {0U, 1U}) {
+      const double sign = k == 0 ? 1.0 : -1.0;
+      EXPECT_NEAR(static_cast<double>(layers[k].height), sign * height, 6.0 * kNoise_m);
+      EXPECT_NEAR(static_cast<double>(layers[k].slope_x), -sign * at.x() / height, 0.3);
+      EXPECT_NEAR(static_cast<double>(layers[k].slope_y), -sign * at.y() / height, 0.3);
+    }
+  }
+  EXPECT_GT(both, 2000U);
 }
 
 TEST(DiscKernels, PlanesAreThoseOfTheNeighboursWithinTheirRadius) {

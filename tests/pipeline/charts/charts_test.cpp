@@ -1,0 +1,209 @@
+// Charts of whole objects whose surface is known: all of it, on the right side, and nothing that is not there. Spacings
+// are mean point spacings.
+#include "pipeline/charts/charts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <string>
+
+#include "base/error.h"
+#include "tests/support/clouds.h"
+#include "tests/support/whole_surface.h"
+
+namespace sparsha::test {
+namespace {
+
+constexpr std::size_t kFew = 20'000, kMany = 100'000;
+
+ScanOptions cloud_of(std::size_t points, double noise = 0.1) {
+  ScanOptions options;
+  options.points = points;
+  options.noise_spacings = noise;
+  options.seed = 11;
+  return options;
+}
+
+pipeline::ChartResult charts_of(const Points& points, double spacing_m, unsigned threads = 2) {
+  ThreadPool pool(threads);
+  Progress progress;
+  pipeline::GridConfig grid;
+  grid.spacing_m = spacing_m;
+  return pipeline::make_charts(make_cloud(points), Eigen::Matrix4d::Identity(), grid, 0.0, {pool, progress});
+}
+
+/// Exact points, several of them per point of the scan.
+WholeSurface truth_of(const ClosedObject& object, const ObjectScan& scan) {
+  return WholeSurface(object, 15 * scan.points.size(), scan.spacing_m);
+}
+
+void expect_whole(const NamedObject& named, const ScanOptions& options) {
+  const ObjectScan scan = scan_object(*named.object, options);
+  const pipeline::ChartResult result = charts_of(scan.points, scan.spacing_m);
+  const ChartJudgement found = judge_charts(result.charts, truth_of(*named.object, scan), scan.spacing_m, 8'000);
+  EXPECT_GT(found.reachable, 2'000U) << named.name;
+  EXPECT_GE(found.covered, options.points < kMany ? 0.98 : 0.995) << named.name;
+  EXPECT_LE(found.wrong, 0.0005) << named.name;
+  EXPECT_LE(found.turned, 0.0005) << named.name;
+  EXPECT_LE(found.median, 0.06) << named.name;
+}
+
+/// A plate of so many spacings between 2 m wide faces.
+NamedObject plate(double spacings, std::size_t points, const Eigen::Matrix3d& view) {
+  const double spacing = std::sqrt(8.0 / static_cast<double>(points));  // edges hardly count
+  return {"plate of " + std::to_string(spacings), make_box({1.0, 1.0, 0.5 * spacings * spacing}, view)};
+}
+
+TEST(WholeObjects, HaveAllTheirSurfaceOnItsOuterSide) {
+  const Eigen::Matrix3d straight = Eigen::Matrix3d::Identity();
+  const std::vector<NamedObject> objects{{"torus", make_torus()},
+                                         {"two spheres", make_two_spheres()},
+                                         {"vase", make_vase(turned(48.0, 0.0))},
+                                         {"knot", make_knot()},
+                                         {"coin", make_coin()},
+                                         {"cube", make_box({0.6, 0.6, 0.6}, straight)},
+                                         {"cube on a corner", make_box({0.6, 0.6, 0.6}, turned(35.3, 45.0))},
+                                         plate(5.0, kFew, straight),
+                                         plate(5.0, kFew, turned(30.0, 20.0)),
+                                         plate(3.5, kFew, turned(30.0, 20.0))};
+  for (const NamedObject& named : objects) expect_whole(named, cloud_of(kFew));
+}
+
+TEST(WholeObjects, HaveThemUnderHardlyAnyNoiseAndMuch) {
+  expect_whole({"cube without noise", make_box({0.6, 0.6, 0.6}, Eigen::Matrix3d::Identity())}, cloud_of(kFew, 0.0));
+  const NamedObject vase{"vase", make_vase(turned(48.0, 0.0))};
+  const ObjectScan scan = scan_object(*vase.object, cloud_of(kFew, 0.4));
+  const ChartJudgement found =
+      judge_charts(charts_of(scan.points, scan.spacing_m).charts, truth_of(*vase.object, scan), scan.spacing_m, 8'000);
+  EXPECT_GE(found.covered, 0.98);
+  EXPECT_LE(found.wrong, 0.0005);
+  EXPECT_LE(found.turned, 0.0005);
+  EXPECT_LE(found.median, 0.5 * 0.4);
+}
+
+TEST(WholeObjects, WhoseFootWasNotScannedKeepTheirOuterSide) {
+  // The larger ball without its lowest fifth: its inside is seen from below.
+  const ObjectScan scan = scan_object(*make_two_spheres(), cloud_of(kFew));
+  Points open;
+  const Eigen::Vector3d centre(0.0, 0.0, -0.6);
+  for (const auto& p : scan.points) {
+    const Eigen::Vector3d q(p[0], p[1], p[2]);
+    if ((q - centre).norm() < 1.1 && q.y() > -0.6) open.push_back(p);
+  }
+  const pipeline::ChartResult result = charts_of(open, scan.spacing_m);
+  std::size_t nodes = 0, inwards = 0;
+  for (const scene::Sheet& sheet : result.charts.sheets) {
+    for (int j = 0; j < sheet.ny; ++j) {
+      for (int i = 0; i < sheet.nx; ++i) {
+        if (!sheet.measured(sheet.index(i, j))) continue;
+        const Eigen::Vector3d from_centre = result.charts.place_m(sheet, i, j) + result.charts.origin_m - centre;
+        ++nodes;
+        inwards += scene::Charts::normal(sheet, i, j).dot(from_centre) < 0.0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(nodes, open.size());
+  EXPECT_EQ(inwards, 0U);
+}
+
+TEST(WholeObjects, ThatAreWallsOfTwoSpacingsAreUndecided) {
+  const NamedObject named = plate(2.0, kFew, turned(30.0, 20.0));
+  const ObjectScan scan = scan_object(*named.object, cloud_of(kFew));
+  try {
+    (void)charts_of(scan.points, scan.spacing_m);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_NE(std::string(error.what()).find("undecided"), std::string::npos) << error.what();
+  }
+}
+
+TEST(WholeObjects, NeedASurfaceWithAnOuterSide) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::normal_distribution<double> normal;
+  Points sheet, line, few{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
+  for (int k = 0; k < 10'000; ++k) {
+    sheet.push_back({unit(random), unit(random), 0.001 * normal(random)});
+    line.push_back({unit(random), 0.0, 0.0});
+  }
+  EXPECT_THROW((void)charts_of(sheet, 0.01), Error);
+  EXPECT_THROW((void)charts_of(line, 0.01), Error);
+  EXPECT_THROW((void)charts_of(few, 0.01), Error);
+  EXPECT_THROW((void)charts_of({}, 0.01), Error);
+}
+
+bool same_bytes(const scene::Charts& a, const scene::Charts& b) {
+  if (a.spacing_m != b.spacing_m || a.origin_m != b.origin_m || a.sheets.size() != b.sheets.size()) return false;
+  const auto same = [](const std::vector<float>& x, const std::vector<float>& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) == 0;
+  };
+  for (std::size_t s = 0; s < a.sheets.size(); ++s) {
+    const scene::Sheet& x = a.sheets[s];
+    const scene::Sheet& y = b.sheets[s];
+    if (x.side != y.side || x.first_u != y.first_u || x.first_v != y.first_v || x.nx != y.nx || x.mask != y.mask ||
+        !same(x.height_m, y.height_m) || !same(x.slope_u, y.slope_u) || !same(x.slope_v, y.slope_v)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+TEST(WholeObjects, AreTheSameForAnyNumberOfThreadsAndAnyOrderOfPoints) {
+  const ObjectScan scan = scan_object(*make_knot(), cloud_of(kFew));
+  const pipeline::ChartResult one = charts_of(scan.points, scan.spacing_m, 1);
+  EXPECT_TRUE(same_bytes(one.charts, charts_of(scan.points, scan.spacing_m, 3).charts));
+  Points shuffled = scan.points;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937_64(3));
+  EXPECT_TRUE(same_bytes(one.charts, charts_of(shuffled, scan.spacing_m, 2).charts));
+}
+
+TEST(WholeObjects, HaveSheetsThatKeepTheRules) {
+  const ObjectScan scan = scan_object(*make_vase(turned(48.0, 0.0)), cloud_of(kFew));
+  const pipeline::ChartResult result = charts_of(scan.points, scan.spacing_m);
+  const pipeline::ChartRule rule;
+  std::uint64_t nodes = 0;
+  std::size_t cells = 0;
+  for (const scene::Sheet& sheet : result.charts.sheets) {
+    const scene::SideAxes axes = scene::SideAxes::of(sheet.side);
+    std::size_t mine = 0;
+    for (int j = 0; j < sheet.ny; ++j) {
+      for (int i = 0; i < sheet.nx; ++i) {
+        const std::size_t node = sheet.index(i, j);
+        EXPECT_EQ(sheet.measured(node), std::isfinite(sheet.height_m[node]));
+        if (sheet.measured(node)) {
+          ++mine;
+          EXPECT_GE(axes.to_chart(scene::Charts::normal(sheet, i, j)).z(), rule.least_facing - 1e-6);
+        }
+        if ((sheet.mask[node] & scene::Sheet::kCell) == 0) continue;
+        ++cells;
+        ASSERT_LT(i + 1, sheet.nx);
+        ASSERT_LT(j + 1, sheet.ny);
+        EXPECT_TRUE(sheet.measured(node) && sheet.measured(node + 1) && sheet.measured(sheet.index(i, j + 1)) &&
+                    sheet.measured(sheet.index(i + 1, j + 1)));
+      }
+    }
+    EXPECT_GE(mine, rule.least_nodes);
+    nodes += mine;
+  }
+  EXPECT_EQ(nodes + result.small_sheet_nodes, result.layers);
+  EXPECT_GT(cells, nodes * 9 / 10);
+}
+
+TEST(RealScanWholeObjects, HaveAllTheirSurfaceOnItsOuterSide) {
+  const char* folder = std::getenv("SPARSHA_SCANS_DIR");
+  const std::vector<NamedObject> objects = mesh_objects(folder == nullptr ? "" : folder);
+  if (objects.empty()) GTEST_SKIP() << "SPARSHA_SCANS_DIR has no meshes";
+  for (const NamedObject& named : objects) {
+    expect_whole(named, cloud_of(kFew));
+    if (std::getenv("SPARSHA_NIGHTLY") != nullptr) expect_whole(named, cloud_of(kMany));
+  }
+}
+
+}  // namespace
+}  // namespace sparsha::test
