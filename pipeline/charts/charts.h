@@ -26,7 +26,7 @@ struct ChartResult {
   double noise_m = 0.0;               ///< standard deviation across the surface
   std::uint64_t discs = 0;            ///< points with a tangent plane
   std::uint64_t discs_undecided = 0;  ///< of them, those of which nothing tells the outer side; they are left out
-  std::uint64_t discs_thin = 0;     ///< of them, those of walls thinner than two and a half spacings; they are left out
+  std::uint64_t discs_thin = 0;  ///< of them, those of walls thinner than SidedDiscs::kThinSpacings; they are left out
   std::uint64_t discs_outside = 0;  ///< of them, those outside the object's box, which supported points span
   std::uint64_t layers = 0;         ///< nodes of all sheets and of those that were left out
   std::uint64_t small_sheets = 0;   ///< left out

@@ -215,9 +215,8 @@ SidedDiscs find_sided_discs(const Cloud& cloud, const Eigen::Matrix4d& scan_to_g
   keep_sided(found, turn.transpose(), pool, result);
   if (static_cast<double>(result.undecided + result.thin) > kMostUndecided * static_cast<double>(result.found) &&
       result.thin > result.undecided) {
-    throw input_error(
-        {}, "most of the object is a wall thinner than two and a half point spacings: its sides are undecided",
-        "points nearer to each other than a third of the wall's thickness");
+    throw input_error({}, "most of the object is a wall thinner than 2.3 point spacings: its sides are undecided",
+                      "points nearer to each other than a third of the wall's thickness");
   }
   if (static_cast<double>(result.undecided) > kMostUndecided * static_cast<double>(result.found)) {
     throw input_error({}, "nothing tells which side of the surface is outside",

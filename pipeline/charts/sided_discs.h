@@ -24,7 +24,7 @@ struct SidedDisc {
 };
 
 struct SidedDiscs {
-  static constexpr double kThinSpacings = 2.5;  ///< walls that are thinner are undecided: points of both faces mix
+  static constexpr double kThinSpacings = 2.3;  ///< walls that are thinner are undecided: points of both faces mix
 
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   DiscRule rule;
