@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t kFaceSample = 20000;
 
-std::string title_of(const std::vector<pipeline::ScanConfig>& scans) {
+std::string title_of(const std::vector<scene::ScanConfig>& scans) {
   if (scans.empty()) return {};
   const std::string first = scans.front().file.filename().string();
   return scans.size() == 1 ? first : fmt::format("{} and {} more", first, scans.size() - 1);
@@ -50,11 +50,11 @@ std::vector<Eigen::Vector3d> sample_of(const viewer::PointView& points, const vi
   return sample;
 }
 
-viewer::ScanSetup setup_of(const pipeline::Config& config, const Eigen::Matrix4d& scan_to_grid) {
+viewer::ScanSetup setup_of(const scene::Config& config, const Eigen::Matrix4d& scan_to_grid) {
   viewer::ScanSetup setup;
   setup.scan_to_grid = scan_to_grid;
-  for (const pipeline::FilterConfig& filter : config.filters) {
-    const auto* crop = std::get_if<pipeline::CropConfig>(&filter);
+  for (const scene::FilterConfig& filter : config.filters) {
+    const auto* crop = std::get_if<scene::CropConfig>(&filter);
     if (crop == nullptr) continue;
     setup.crop = *crop;
     break;
@@ -72,7 +72,7 @@ DepthScans::DepthScans() {
 DepthScans::DepthScans(std::vector<fs::path> scans) : DepthScans() {
   guessed_ = true;
   for (fs::path& scan : scans) {
-    pipeline::ScanConfig config;
+    scene::ScanConfig config;
     config.file = std::move(scan);
     config_.scans.push_back(std::move(config));
   }
@@ -81,19 +81,19 @@ DepthScans::DepthScans(std::vector<fs::path> scans) : DepthScans() {
 
 DepthScans::DepthScans(fs::path config) : DepthScans() {
   file_ = std::move(config);
-  config_ = pipeline::load_config(file_);
+  config_ = scene::load_config(file_);
   base_to_grid_ = config_.orientation.scan_to_grid;
   title_ = title_of(config_.scans);
 }
 
-DepthScans::DepthScans(pipeline::ScenePointer scene, fs::path file, pipeline::Trust trust) : DepthScans() {
+DepthScans::DepthScans(scene::ScenePointer scene, fs::path file, scene::Trust trust) : DepthScans() {
   trust_ = trust;
   origin_ = std::move(scene);
   config_ = origin_->description().config;
   file_ = std::move(file);
   base_to_grid_ = config_.orientation.scan_to_grid;
   // As it is written: what is automatic is found anew from another side, and stays automatic when it is saved.
-  if (!file_.empty()) config_ = pipeline::load_config(file_);
+  if (!file_.empty()) config_ = scene::load_config(file_);
   title_ = title_of(config_.scans);
 }
 
@@ -106,7 +106,7 @@ std::string DepthScans::unavailable() const {
   const std::lock_guard lock(mutex_);
   if (config_.scans.empty()) return "this scene names no scans";
   std::error_code code;
-  for (const pipeline::ScanConfig& scan : config_.scans)
+  for (const scene::ScanConfig& scan : config_.scans)
     if (!fs::is_regular_file(scan.file, code)) return scan.file.filename().string() + " is not there any more";
   return {};
 }
@@ -160,7 +160,7 @@ viewer::OrientingStatus DepthScans::status() const {
   return status_;
 }
 
-pipeline::ScenePointer DepthScans::take_scene() {
+scene::ScenePointer DepthScans::take_scene() {
   const std::lock_guard lock(mutex_);
   return std::exchange(scene_, nullptr);
 }
@@ -171,7 +171,7 @@ std::vector<std::string> DepthScans::take_warnings() {
 }
 
 void DepthScans::read(Progress& progress) {
-  std::vector<pipeline::ScanConfig> scans;
+  std::vector<scene::ScanConfig> scans;
   {
     const std::lock_guard lock(mutex_);
     scans = config_.scans;
@@ -185,10 +185,10 @@ void DepthScans::read(Progress& progress) {
 // The configuration that `sparsha new` would write; its units may differ from those that the points were read with.
 void DepthScans::suggest(Progress& progress) {
   std::vector<fs::path> files;
-  std::vector<pipeline::LengthUnit> units;
+  std::vector<scene::LengthUnit> units;
   {
     const std::lock_guard lock(mutex_);
-    for (const pipeline::ScanConfig& scan : config_.scans) files.push_back(scan.file);
+    for (const scene::ScanConfig& scan : config_.scans) files.push_back(scan.file);
   }
   std::size_t outdated = progress.warnings().size();
   pipeline::Suggestion suggestion = pipeline::suggest_config(files, {}, progress);
@@ -199,8 +199,8 @@ void DepthScans::suggest(Progress& progress) {
     config_ = suggestion.config;
     yaml_ = suggestion.yaml;
   }
-  const auto differs = [&](const pipeline::ScanConfig& scan) {
-    return std::abs(pipeline::metres_in(scan.units.unit) - before) > 1e-9;
+  const auto differs = [&](const scene::ScanConfig& scan) {
+    return std::abs(scene::metres_in(scan.units.unit) - before) > 1e-9;
   };
   // The same numbers in metres need no second reading.
   if (std::ranges::any_of(suggestion.config.scans, differs)) {
@@ -221,8 +221,8 @@ void DepthScans::suggest(Progress& progress) {
 }
 
 void DepthScans::require_trust() const {
-  if (origin_ && trust_ == pipeline::Trust::own_folder && !origin_->folder().empty())
-    pipeline::require_own_scans(origin_->description(), origin_->folder());
+  if (origin_ && trust_ == scene::Trust::own_folder && !origin_->folder().empty())
+    scene::require_own_scans(origin_->description(), origin_->folder());
 }
 
 void DepthScans::open() {
@@ -243,7 +243,7 @@ void DepthScans::open() {
   });
 }
 
-void DepthScans::find_face(pipeline::OrientationConfig::Face face, const viewer::ScanSetup& setup) {
+void DepthScans::find_face(scene::OrientationConfig::Face face, const viewer::ScanSetup& setup) {
   start("Looking for the face", [this, face, setup](Progress&) {
     pipeline::FacePoints points;
     {
@@ -262,15 +262,15 @@ void DepthScans::find_face(pipeline::OrientationConfig::Face face, const viewer:
   });
 }
 
-void DepthScans::set_unit(pipeline::LengthUnit unit) {
+void DepthScans::set_unit(scene::LengthUnit unit) {
   start("Reading the scans", [this, unit](Progress& progress) {
-    pipeline::Config before;
+    scene::Config before;
     double factor = 1.0;
     {
       const std::lock_guard lock(mutex_);
       before = config_;
-      if (status_.points->metres_per_unit > 0.0) factor = pipeline::metres_in(unit) / status_.points->metres_per_unit;
-      for (pipeline::ScanConfig& scan : config_.scans) scan.units = {unit, 0.0};
+      if (status_.points->metres_per_unit > 0.0) factor = scene::metres_in(unit) / status_.points->metres_per_unit;
+      for (scene::ScanConfig& scan : config_.scans) scan.units = {unit, 0.0};
     }
     try {
       read(progress);
@@ -279,7 +279,7 @@ void DepthScans::set_unit(pipeline::LengthUnit unit) {
       config_.scans = before.scans;
       throw;
     }
-    note("The scans are read in " + pipeline::to_string(unit));
+    note("The scans are read in " + scene::to_string(unit));
     const std::lock_guard lock(mutex_);
     scale_by(factor);
     status_.spacing_m = config_.grid.spacing_m;
@@ -300,7 +300,7 @@ void DepthScans::scan_from(const Eigen::Matrix4d& scan_to_grid) { build(setup_fr
 
 // `proposes`: where the cloud is shown, it is turned to this setup.
 void DepthScans::build(const viewer::ScanSetup& setup, bool proposes) {
-  const pipeline::Config config = config_of(setup);
+  const scene::Config config = config_of(setup);
   start("Depth scan", [this, config, setup, proposes](Progress& progress) {
     {
       const std::lock_guard lock(mutex_);
@@ -332,7 +332,7 @@ viewer::Orienting orienting_of(const std::function<DepthScans&()>& scans) {
   orienting.open = [scans] { scans().open(); };
   orienting.status = [scans] { return scans().status(); };
   orienting.find_face = [scans](auto face, const viewer::ScanSetup& setup) { scans().find_face(face, setup); };
-  orienting.set_unit = [scans](pipeline::LengthUnit unit) { scans().set_unit(unit); };
+  orienting.set_unit = [scans](scene::LengthUnit unit) { scans().set_unit(unit); };
   orienting.scan = [scans](const viewer::ScanSetup& setup) { scans().scan(setup); };
   orienting.cancel = [scans] { scans().cancel(); };
   orienting.save = [scans](const viewer::ScanSetup& setup) { scans().save(setup); };

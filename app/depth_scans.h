@@ -14,8 +14,8 @@
 #include "base/progress.h"
 #include "pipeline/build/build.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
-#include "scene/scene.h"
+#include "scene/config/config.h"
+#include "scene/scene_fwd.h"
 #include "viewer/cloud/point_view.h"
 
 namespace sparsha::app {
@@ -27,7 +27,7 @@ class DepthScans {
   /// Of a configuration that nothing has been built from yet. Throws Error{usage}.
   explicit DepthScans(std::filesystem::path config);
   /// Of a scene; `file` is the configuration it was built from, if any. Its scans are opened when they are asked for.
-  DepthScans(pipeline::ScenePointer scene, std::filesystem::path file, pipeline::Trust trust);
+  DepthScans(scene::ScenePointer scene, std::filesystem::path file, scene::Trust trust);
   ~DepthScans();
   DepthScans(const DepthScans&) = delete;
   DepthScans& operator=(const DepthScans&) = delete;
@@ -35,8 +35,8 @@ class DepthScans {
   /// Empty, or why the scans cannot be looked at; looks at the files.
   [[nodiscard]] std::string unavailable() const;
   void open();
-  void find_face(pipeline::OrientationConfig::Face face, const viewer::ScanSetup& setup);
-  void set_unit(pipeline::LengthUnit unit);
+  void find_face(scene::OrientationConfig::Face face, const viewer::ScanSetup& setup);
+  void set_unit(scene::LengthUnit unit);
   void scan(const viewer::ScanSetup& setup);
   /// With the crop box of the last depth scan, else the configuration's, from another side.
   void scan_from(const Eigen::Matrix4d& scan_to_grid);
@@ -48,14 +48,14 @@ class DepthScans {
   void save_scene();
   /// Parts that were edited on the scene, and the frame that they are written in; the next depth scan and the next
   /// saving have them.
-  void set_parts(const std::vector<pipeline::PartConfig>& parts, const Eigen::Matrix4d& scan_to_grid);
+  void set_parts(const std::vector<scene::PartConfig>& parts, const Eigen::Matrix4d& scan_to_grid);
   [[nodiscard]] viewer::OrientingStatus status() const;
   /// A depth scan that has been made, once.
-  [[nodiscard]] pipeline::ScenePointer take_scene();
+  [[nodiscard]] scene::ScenePointer take_scene();
   /// What builds warned of, once each; for the terminal.
   [[nodiscard]] std::vector<std::string> take_warnings();
   /// What a depth scan with that setup is built from. Parts and sounds stay on the object.
-  [[nodiscard]] pipeline::Config config_of(const viewer::ScanSetup& setup) const;
+  [[nodiscard]] scene::Config config_of(const viewer::ScanSetup& setup) const;
 
  private:
   void start(const std::string& stage, std::function<void(Progress&)> work);
@@ -71,13 +71,13 @@ class DepthScans {
   [[nodiscard]] std::filesystem::path file_to_save() const;
   void write_scene(Progress& progress);
 
-  pipeline::Trust trust_ = pipeline::Trust::own_folder;
-  pipeline::ScenePointer origin_;  ///< the scene that was opened; null for scans
+  scene::Trust trust_ = scene::Trust::own_folder;
+  scene::ScenePointer origin_;  ///< the scene that was opened; null for scans
   bool guessed_ = false;
   Eigen::Matrix4d base_to_grid_ = Eigen::Matrix4d::Identity();  ///< the orientation that the configuration means
   std::string title_;
   mutable std::mutex mutex_;  ///< of all below
-  pipeline::Config config_;
+  scene::Config config_;
   std::optional<Eigen::Matrix4d> parts_to_grid_;  ///< the frame of config_.parts once they were edited
   std::optional<viewer::ScanSetup> scanned_;      ///< that the last depth scan was made with
   std::string yaml_;                              ///< its text, or empty
@@ -85,7 +85,7 @@ class DepthScans {
   viewer::OrientingStatus status_;
   std::vector<pipeline::Station> stations_;
   std::vector<std::string> warnings_;
-  pipeline::ScenePointer scene_;
+  scene::ScenePointer scene_;
   std::optional<pipeline::BuildResult> built_;  ///< of the last depth scan
   std::filesystem::path kept_;                  ///< the folder that it was saved in, or empty
   std::unique_ptr<Progress> progress_;

@@ -29,9 +29,9 @@ fs::path unused_name(const fs::path& name, const char* ending = ".yaml") {
               "another folder");
 }
 
-void set_crop(pipeline::Config& config, const std::optional<pipeline::CropConfig>& crop) {
+void set_crop(scene::Config& config, const std::optional<scene::CropConfig>& crop) {
   const auto old = std::ranges::find_if(
-      config.filters, [](const auto& filter) { return std::holds_alternative<pipeline::CropConfig>(filter); });
+      config.filters, [](const auto& filter) { return std::holds_alternative<scene::CropConfig>(filter); });
   if (old != config.filters.end()) {
     if (crop)
       *old = *crop;
@@ -44,7 +44,7 @@ void set_crop(pipeline::Config& config, const std::optional<pipeline::CropConfig
 
 }  // namespace
 
-void DepthScans::set_parts(const std::vector<pipeline::PartConfig>& parts, const Eigen::Matrix4d& scan_to_grid) {
+void DepthScans::set_parts(const std::vector<scene::PartConfig>& parts, const Eigen::Matrix4d& scan_to_grid) {
   const std::lock_guard lock(mutex_);
   config_.parts = parts;
   parts_to_grid_ = scan_to_grid;
@@ -53,9 +53,9 @@ void DepthScans::set_parts(const std::vector<pipeline::PartConfig>& parts, const
 // What was guessed and drawn in the old unit stays on the object.
 void DepthScans::scale_by(double factor) {
   if (guessed_) {
-    pipeline::scale_lengths(config_, factor);
+    scene::scale_lengths(config_, factor);
   } else if (parts_to_grid_) {
-    pipeline::scale_parts(config_, factor);
+    scene::scale_parts(config_, factor);
   }
   if (parts_to_grid_) parts_to_grid_->topRightCorner<3, 1>() *= factor;
   if (!scanned_ || !scanned_->crop) return;
@@ -63,10 +63,10 @@ void DepthScans::scale_by(double factor) {
   scanned_->crop->max_m *= factor;
 }
 
-pipeline::Config DepthScans::config_of(const viewer::ScanSetup& setup) const {
+scene::Config DepthScans::config_of(const viewer::ScanSetup& setup) const {
   const std::lock_guard lock(mutex_);
-  pipeline::Config config = config_;
-  pipeline::OrientationConfig& orientation = config.orientation;
+  scene::Config config = config_;
+  scene::OrientationConfig& orientation = config.orientation;
   set_crop(config, setup.crop);
   // What is written of places on the object stays there, in the frame that it was written in.
   const bool places = !config.parts.empty() || config.audio;
@@ -111,9 +111,9 @@ void DepthScans::write_scene(Progress& progress) {
     if (built && !again)
       folder = unused_name(file_.empty() ? name_to_save() : file_.parent_path() / file_.stem(), ".scene");
     if (built && parts_to_grid_) {
-      pipeline::SceneDescription description = built->scene->description();
+      scene::SceneDescription description = built->scene->description();
       description.config.parts = config_.parts;
-      built->scene = pipeline::with_description(built->scene, std::move(description));
+      built->scene = scene::with_description(built->scene, std::move(description));
     }
   }
   if (!built) {
@@ -123,7 +123,7 @@ void DepthScans::write_scene(Progress& progress) {
                 !kept);
   }
   if (again)
-    pipeline::write_description(*built->scene, folder);
+    scene::write_description(*built->scene, folder);
   else
     pipeline::write_scene_folder(*built, folder, progress);
   note(fmt::format("Saved the scene as {}", folder.string()));
@@ -132,7 +132,7 @@ void DepthScans::write_scene(Progress& progress) {
 }
 
 void DepthScans::save(const viewer::ScanSetup& setup) {
-  const pipeline::Config wanted = config_of(setup);
+  const scene::Config wanted = config_of(setup);
   start("Saving", [this, wanted](Progress&) {
     fs::path file;
     std::string text;
@@ -144,7 +144,7 @@ void DepthScans::save(const viewer::ScanSetup& setup) {
     std::error_code code;
     if (text.empty() && fs::is_regular_file(file, code)) text = read_file(file, kMostText);
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path();
-    const pipeline::SetupText result = pipeline::text_with_setup(text, wanted, folder);
+    const scene::SetupText result = scene::text_with_setup(text, wanted, folder);
     // Comments that cannot be kept are not written over.
     const fs::path commented = file;
     const bool beside = !result.kept && fs::is_regular_file(file, code) && text.find('#') != std::string::npos;

@@ -9,6 +9,7 @@
 #include "haptics/device/simulated/simulated_device.h"
 #include "haptics/device/steered/steered_device.h"
 #include "haptics/replay/path_device.h"
+#include "scene/scene.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
@@ -68,7 +69,7 @@ ChosenDevice choose_device(const std::string& name, bool window, const haptics::
   return chosen;
 }
 
-std::unique_ptr<haptics::Device> simulated_hand(const pipeline::SceneDescription& scene, double duration_s) {
+std::unique_ptr<haptics::Device> simulated_hand(const scene::SceneDescription& scene, double duration_s) {
   return haptics::make_simulated_device(kSeed, duration_s, tour_of(scene));
 }
 

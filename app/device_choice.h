@@ -10,7 +10,7 @@
 #include "haptics/replay/recording.h"
 #include "haptics/state/seqlock.h"
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::app {
 
@@ -29,7 +29,6 @@ struct ChosenDevice {
 
 /// The simulated hand, every time with the same seed: a tour of the scene, then rounds by chance. `duration_s` 0 = for
 /// ever.
-[[nodiscard]] std::unique_ptr<haptics::Device> simulated_hand(const pipeline::SceneDescription& scene,
-                                                              double duration_s);
+[[nodiscard]] std::unique_ptr<haptics::Device> simulated_hand(const scene::SceneDescription& scene, double duration_s);
 
 }  // namespace sparsha::app

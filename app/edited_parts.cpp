@@ -6,16 +6,16 @@
 
 namespace sparsha::app {
 
-pipeline::ScenePointer with_parts(const pipeline::ScenePointer& scene, const std::vector<pipeline::PartConfig>& parts) {
-  pipeline::SceneDescription description = scene->description();
+scene::ScenePointer with_parts(const scene::ScenePointer& scene, const std::vector<scene::PartConfig>& parts) {
+  scene::SceneDescription description = scene->description();
   description.config.parts = parts;
-  pipeline::ScenePointer edited = pipeline::with_description(scene, std::move(description));
-  if (!edited->folder().empty()) pipeline::write_description(*edited, edited->folder());
+  scene::ScenePointer edited = scene::with_description(scene, std::move(description));
+  if (!edited->folder().empty()) scene::write_description(*edited, edited->folder());
   return edited;
 }
 
-const Eigen::Matrix4d& parts_frame(const pipeline::SceneDescription& scene) {
-  const pipeline::OrientationConfig& orientation = scene.config.orientation;
+const Eigen::Matrix4d& parts_frame(const scene::SceneDescription& scene) {
+  const scene::OrientationConfig& orientation = scene.config.orientation;
   return orientation.regions_scan_to_grid ? *orientation.regions_scan_to_grid : orientation.scan_to_grid;
 }
 

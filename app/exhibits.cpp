@@ -9,12 +9,12 @@
 namespace sparsha::app {
 namespace fs = std::filesystem;
 
-Exhibits::Exhibits(const std::string& folder, pipeline::Trust trust, const Terminal& terminal) {
+Exhibits::Exhibits(const std::string& folder, scene::Trust trust, const Terminal& terminal) {
   std::error_code code;
   for (fs::directory_iterator entry(folder, code); !code && entry != fs::directory_iterator(); entry.increment(code)) {
     if (!fs::is_regular_file(entry->path() / "scene.yaml", code)) continue;
     try {
-      static_cast<void>(pipeline::open_scene(entry->path(), trust));
+      static_cast<void>(scene::open_scene(entry->path(), trust));
       folders_.push_back(entry->path());
     } catch (const Error& error) {
       terminal.message(std::string("warning: left out of the exhibition: ") + error.what());

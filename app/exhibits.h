@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/terminal.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::app {
 
@@ -17,7 +17,7 @@ class Exhibits {
   Exhibits() = default;
   /// The folders in `folder` that hold scenes, by name; one that cannot be opened is left out with a warning. Throws
   /// Error{input} when there is none.
-  Exhibits(const std::string& folder, pipeline::Trust trust, const Terminal& terminal);
+  Exhibits(const std::string& folder, scene::Trust trust, const Terminal& terminal);
 
   [[nodiscard]] bool empty() const { return folders_.empty(); }
   [[nodiscard]] std::size_t size() const { return folders_.size(); }

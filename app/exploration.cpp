@@ -84,11 +84,11 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
     scans_.show(std::make_unique<DepthScans>(kept_->first(), fs::path(), trust_));
     make_session_of(kept_->first());
   } else if (!exhibits_.empty()) {
-    pipeline::ScenePointer scene = pipeline::open_scene(exhibits_.current(), trust_);
+    scene::ScenePointer scene = scene::open_scene(exhibits_.current(), trust_);
     scans_.show(std::make_unique<DepthScans>(scene, fs::path(), trust_));
     make_session_of(std::move(scene));
   } else {
-    pipeline::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
+    scene::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
     const std::string& first = arguments.scene.front();
     const bool config = is_config(first) && scene->folder().empty();
     scans_.show(std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted()));
@@ -100,8 +100,8 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
 }
 
 // The scene's, or what the command line says instead.
-pipeline::SpeechConfig Exploration::speech() const {
-  pipeline::SpeechConfig speech;
+scene::SpeechConfig Exploration::speech() const {
+  scene::SpeechConfig speech;
   if (scene_ && scene_->description().config.speech) speech = *scene_->description().config.speech;
   if (!arguments_.language.empty() && arguments_.language != speech.language) {
     speech.language = arguments_.language;
@@ -110,7 +110,7 @@ pipeline::SpeechConfig Exploration::speech() const {
   return speech;
 }
 
-bool Exploration::speaks(const pipeline::ScenePointer& scene) const {
+bool Exploration::speaks(const scene::ScenePointer& scene) const {
   return arguments_.speech || (scene && scene->description().config.speech);
 }
 
@@ -191,9 +191,9 @@ void Exploration::move_hand(std::vector<TypedKey>& keys, double now_s) {
     if (const auto words = hand_keys_.take_words()) announce(words->phrase, words->values);
     return taken;
   });
-  const pipeline::SceneDescription& scene = scene_->description();
+  const scene::SceneDescription& scene = scene_->description();
   const std::size_t level = std::min<std::size_t>(state.level, scene.levels.size() - 1);
-  const pipeline::Lattice& lattice = scene.levels[level];
+  const scene::Lattice& lattice = scene.levels[level];
   const HandKeys::Stone stone{{lattice.x_m(0), lattice.y_m(0)},
                               {lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1)}};
   const HandKeys::Wish wish =
@@ -233,7 +233,7 @@ viewer::WindowEnd Exploration::run_window(bool again) {
   if (session_ && session_->plays_recording())
     connections_.orienting.unavailable = [] { return std::string("a recording is played"); };
   if (!arguments_.kiosk && !(session_ && session_->plays_recording()))
-    connections_.save_parts = [this](const std::vector<pipeline::PartConfig>& parts) { return edit_parts(parts); };
+    connections_.save_parts = [this](const std::vector<scene::PartConfig>& parts) { return edit_parts(parts); };
   if (!arguments_.kiosk) connections_.save_scene = [this] { save_scene(); };
   viewer::ViewerOptions options;
   options.kiosk = arguments_.kiosk;

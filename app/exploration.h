@@ -23,7 +23,7 @@
 #include "base/system/terminal.h"
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/session/session.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
@@ -51,8 +51,8 @@ class Exploration {
  private:
   using Clock = std::chrono::steady_clock;
 
-  [[nodiscard]] pipeline::SpeechConfig speech() const;
-  [[nodiscard]] bool speaks(const pipeline::ScenePointer& scene) const;
+  [[nodiscard]] scene::SpeechConfig speech() const;
+  [[nodiscard]] bool speaks(const scene::ScenePointer& scene) const;
   [[nodiscard]] bool over() const;
   void start();
   void deliver_nothing() const;
@@ -77,13 +77,13 @@ class Exploration {
                 haptics::Announcement::Priority priority = haptics::Announcement::Priority::information);
 
   // Another scene or other scans (exploration_scenes.cpp).
-  [[nodiscard]] std::unique_ptr<haptics::Session> session_of(const pipeline::ScenePointer& scene);
-  void make_session_of(pipeline::ScenePointer scene, bool needs_sound = true);
-  void begin_with(const pipeline::ScenePointer& scene);
-  [[nodiscard]] std::unique_ptr<audio::Engine> sound_of(const pipeline::ScenePointer& scene);
-  void change_scene(const pipeline::ScenePointer& scene);
+  [[nodiscard]] std::unique_ptr<haptics::Session> session_of(const scene::ScenePointer& scene);
+  void make_session_of(scene::ScenePointer scene, bool needs_sound = true);
+  void begin_with(const scene::ScenePointer& scene);
+  [[nodiscard]] std::unique_ptr<audio::Engine> sound_of(const scene::ScenePointer& scene);
+  void change_scene(const scene::ScenePointer& scene);
   void change_sound(std::unique_ptr<audio::Engine> sound);
-  void change_speech(const pipeline::ScenePointer& before);
+  void change_speech(const scene::ScenePointer& before);
   void follow_recording();
   void refuse(const std::string& why);
   void next_scene(int step);
@@ -91,16 +91,16 @@ class Exploration {
   void drop_scene(const std::filesystem::path& folder);
   void save_scene();
   void rescan(const Eigen::Matrix4d& scan_to_grid);
-  bool edit_parts(const std::vector<pipeline::PartConfig>& parts);
+  bool edit_parts(const std::vector<scene::PartConfig>& parts);
 
   const ExploreArguments& arguments_;
   Terminal& terminal_;
-  pipeline::Trust trust_;
+  scene::Trust trust_;
   Exhibits exhibits_;  ///< of a kiosk with several scenes
   ChosenDevice chosen_;
   std::optional<haptics::RecordedScenes> kept_;  ///< with a recording of several scenes
-  pipeline::ScenePointer scene_;
-  pipeline::ScenePointer before_;  ///< the scene that was touched before
+  scene::ScenePointer scene_;
+  scene::ScenePointer before_;  ///< the scene that was touched before
   std::unique_ptr<haptics::Session> session_;
   std::shared_ptr<haptics::ContactQueue> contacts_;
   LiveSound sound_;

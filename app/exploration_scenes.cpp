@@ -14,20 +14,20 @@ namespace fs = std::filesystem;
 namespace {
 
 // Whether a live stream is asked for at all.
-bool sounds(const pipeline::Config& config) { return config.audio.has_value() || config.cues.has_value(); }
+bool sounds(const scene::Config& config) { return config.audio.has_value() || config.cues.has_value(); }
 
 // Whether places of parts are places of sounds.
-bool has_sounding_parts(const pipeline::Scene& scene) {
-  const pipeline::Config& config = scene.description().config;
-  return config.audio && config.audio->material &&
-         std::ranges::any_of(config.parts,
-                             [](const pipeline::PartConfig& part) { return part.touch.material.has_value(); });
+bool has_sounding_parts(const scene::Scene& scene) {
+  const scene::Config& config = scene.description().config;
+  return config.audio && config.audio->material && std::ranges::any_of(config.parts, [](const scene::PartConfig& part) {
+           return part.touch.material.has_value();
+         });
 }
 
 }  // namespace
 
-std::unique_ptr<haptics::Session> Exploration::session_of(const pipeline::ScenePointer& scene) {
-  const pipeline::Config& config = scene->description().config;
+std::unique_ptr<haptics::Session> Exploration::session_of(const scene::ScenePointer& scene) {
+  const scene::Config& config = scene->description().config;
   haptics::SessionOptions options;
   options.language = speech().language;
   options.speaks = speaks(scene);
@@ -43,7 +43,7 @@ std::unique_ptr<haptics::Session> Exploration::session_of(const pipeline::SceneP
 }
 
 // `needs_sound`: a scene whose sounds cannot be read is an error; else it is touched without them.
-void Exploration::make_session_of(pipeline::ScenePointer scene, bool needs_sound) {
+void Exploration::make_session_of(scene::ScenePointer scene, bool needs_sound) {
   scene_ = std::move(scene);
   scans_.touch();
   session_ = session_of(scene_);
@@ -57,7 +57,7 @@ void Exploration::make_session_of(pipeline::ScenePointer scene, bool needs_sound
   }
 }
 
-std::unique_ptr<audio::Engine> Exploration::sound_of(const pipeline::ScenePointer& scene) {
+std::unique_ptr<audio::Engine> Exploration::sound_of(const scene::ScenePointer& scene) {
   audio::EngineOptions options;
   options.wav = arguments_.audio_out;
   options.live = sounds(scene->description().config);
@@ -66,7 +66,7 @@ std::unique_ptr<audio::Engine> Exploration::sound_of(const pipeline::ScenePointe
 }
 
 // The first scene, while the window is open.
-void Exploration::begin_with(const pipeline::ScenePointer& scene) {
+void Exploration::begin_with(const scene::ScenePointer& scene) {
   make_session_of(scene, false);
   speaker_->use(speech(), speaks(scene_));
   start();
@@ -75,7 +75,7 @@ void Exploration::begin_with(const pipeline::ScenePointer& scene) {
 
 // Another scene under the same hand. Its sounds take the place of the present ones; a sound file goes on with those
 // that it began with.
-void Exploration::change_scene(const pipeline::ScenePointer& scene) {
+void Exploration::change_scene(const scene::ScenePointer& scene) {
   const bool changes_sound = arguments_.audio_out.empty();
   std::unique_ptr<audio::Engine> sound;
   if (changes_sound && sounds(scene->description().config)) sound = sound_of(scene);  // or nothing changes
@@ -99,7 +99,7 @@ void Exploration::change_sound(std::unique_ptr<audio::Engine> sound) {
 }
 
 // Speech that a visitor has turned on or off stays so between scenes that ask for the same.
-void Exploration::change_speech(const pipeline::ScenePointer& before) {
+void Exploration::change_speech(const scene::ScenePointer& before) {
   const bool on = speaks(before) == speaks(scene_) ? speaker_->on() : speaks(scene_);
   session_->set_speech(speech().language, on, speaks(scene_));
   speaker_->use(speech(), on, speaks(scene_));
@@ -109,9 +109,9 @@ void Exploration::change_speech(const pipeline::ScenePointer& before) {
 // seen asks the session.
 void Exploration::follow_recording() {
   if (!session_->plays_recording() || session_->scene() == scene_) return;
-  const pipeline::ScenePointer before = std::exchange(scene_, session_->scene());
+  const scene::ScenePointer before = std::exchange(scene_, session_->scene());
   change_speech(before);
-  if (pipeline::same_scans(before->description(), scene_->description())) return sound_.set_scene(scene_);
+  if (scene::same_scans(before->description(), scene_->description())) return sound_.set_scene(scene_);
   if (!arguments_.audio_out.empty()) return;
   try {
     change_sound(sounds(scene_->description().config) ? sound_of(scene_) : nullptr);
@@ -124,7 +124,7 @@ void Exploration::follow_recording() {
 // The window cannot show the new scene: the one before comes back, unless a recording is played, which goes on.
 void Exploration::refuse(const std::string& why) {
   try {
-    if (const pipeline::ScenePointer before = std::exchange(before_, nullptr)) {
+    if (const scene::ScenePointer before = std::exchange(before_, nullptr)) {
       change_scene(before);
       scans_.go_back();
     }
@@ -138,7 +138,7 @@ void Exploration::refuse(const std::string& why) {
 void Exploration::next_scene(int step) {
   const fs::path& folder = exhibits_.go(step);
   try {
-    change_scene(pipeline::open_scene(folder, trust_));
+    change_scene(scene::open_scene(folder, trust_));
     session_->announcements().say(folder.filename().string());
   } catch (const Error& error) {
     announce("cannot_open", {{"reason", error.wrong()}}, haptics::Announcement::Priority::warning);
@@ -147,7 +147,7 @@ void Exploration::next_scene(int step) {
 
 // A finished depth scan goes to the session, the first one begins it.
 void Exploration::take_scan() {
-  const pipeline::ScenePointer scene = scans_.shown().take_scene();
+  const scene::ScenePointer scene = scans_.shown().take_scene();
   if (!scene) return;
   try {
     if (!session_) {
@@ -186,7 +186,7 @@ void Exploration::drop(const std::vector<fs::path>& files) {
 }
 
 void Exploration::drop_scene(const fs::path& folder) {
-  pipeline::ScenePointer scene = pipeline::open_scene(folder, trust_);
+  scene::ScenePointer scene = scene::open_scene(folder, trust_);
   auto scans = std::make_unique<DepthScans>(scene, fs::path(), trust_);
   if (session_) {
     change_scene(scene);  // or nothing changes
@@ -220,9 +220,9 @@ void Exploration::rescan(const Eigen::Matrix4d& scan_to_grid) {
 
 // Parts drawn or moved on the stone: felt and spoken at once, and kept in the scene's folder. Scans of another object
 // that are open have no part in it.
-bool Exploration::edit_parts(const std::vector<pipeline::PartConfig>& parts) {
+bool Exploration::edit_parts(const std::vector<scene::PartConfig>& parts) {
   try {
-    pipeline::ScenePointer edited = with_parts(scene_, parts);
+    scene::ScenePointer edited = with_parts(scene_, parts);
     const bool other_sound =
         arguments_.audio_out.empty() && (has_sounding_parts(*scene_) || has_sounding_parts(*edited));
     std::unique_ptr<audio::Engine> sound = other_sound ? sound_of(edited) : nullptr;

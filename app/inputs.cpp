@@ -18,20 +18,20 @@ bool is_config(const fs::path& path) { return path.extension() == ".yaml" || pat
 
 fs::path scene_described_by(const fs::path& config) {
   std::error_code code;
-  if (config.filename() != "scene.yaml" || !pipeline::describes_scene(yaml::parse_file(config))) return {};
+  if (config.filename() != "scene.yaml" || !scene::describes_scene(yaml::parse_file(config))) return {};
   return fs::canonical(config.has_parent_path() ? config.parent_path() : fs::path("."), code);
 }
 
-pipeline::Config config_from(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
-                             pipeline::Trust trust, Progress& progress, std::uint64_t memory_bytes) {
+scene::Config config_from(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
+                          scene::Trust trust, Progress& progress, std::uint64_t memory_bytes) {
   const bool any = std::any_of(arguments.begin(), arguments.end(), [](const std::string& a) { return is_config(a); });
   if (any) {
     if (arguments.size() > 1) throw usage_error("a configuration and something else", "one CONFIG, or SCANs only");
     if (const fs::path folder = scene_described_by(arguments.front()); !folder.empty()) {
-      const pipeline::ScenePointer scene = pipeline::open_scene(folder, trust);
-      if (trust == pipeline::Trust::own_folder) pipeline::require_own_scans(scene->description(), folder);
+      const scene::ScenePointer scene = scene::open_scene(folder, trust);
+      if (trust == scene::Trust::own_folder) scene::require_own_scans(scene->description(), folder);
     }
-    return pipeline::load_config(arguments.front(), settings);
+    return scene::load_config(arguments.front(), settings);
   }
   const std::vector<fs::path> scans(arguments.begin(), arguments.end());
   pipeline::SuggestOptions options;
@@ -41,25 +41,24 @@ pipeline::Config config_from(const std::vector<std::string>& arguments, const st
       blaming_scans(arguments, {}, [&] { return pipeline::suggest_config(scans, {}, progress, options); });
   if (settings.empty()) return std::move(suggestion.config);
   yaml::Node root = yaml::parse_text(suggestion.yaml, "the suggested configuration");
-  pipeline::override_keys(root, settings);
-  return pipeline::parse_config(root, {});
+  scene::override_keys(root, settings);
+  return scene::parse_config(root, {});
 }
 
-pipeline::ScenePointer scene_from(const std::vector<std::string>& arguments, pipeline::Trust trust,
-                                  Progress& progress) {
+scene::ScenePointer scene_from(const std::vector<std::string>& arguments, scene::Trust trust, Progress& progress) {
   std::error_code code;
   for (const std::string& argument : arguments) {
     const bool folder = fs::is_directory(argument, code);
     if (folder && arguments.size() > 1) throw usage_error("a scene and something else", "one SCENE, or SCANs only");
-    if (folder) return pipeline::open_scene(argument, trust);
+    if (folder) return scene::open_scene(argument, trust);
     if (!fs::exists(argument, code)) {
       throw input_error(argument, "no such file or folder", "a scene folder, a configuration or scans");
     }
   }
   if (arguments.size() == 1 && fs::path(arguments.front()).filename() == "scene.yaml") {
-    return pipeline::open_scene(fs::path(arguments.front()).parent_path(), trust);
+    return scene::open_scene(fs::path(arguments.front()).parent_path(), trust);
   }
-  const pipeline::Config config = config_from(arguments, {}, trust, progress);
+  const scene::Config config = config_from(arguments, {}, trust, progress);
   return blaming_scans(arguments, {}, [&] { return pipeline::build_scene(config, {}, progress).scene; });
 }
 
@@ -72,13 +71,13 @@ void check_outputs(const std::vector<NamedPath>& outputs, const std::string& arg
                           : fs::is_regular_file(argument, code) && is_config(argument) ? scene_described_by(argument)
                                                                                        : fs::path();
   if (!folder.empty()) {
-    for (const NamedPath& output : outputs) pipeline::require_no_scene_file(folder, output);
+    for (const NamedPath& output : outputs) scene::require_no_scene_file(folder, output);
   } else {
     if (is_config(argument)) {
-      const pipeline::Config config = pipeline::load_config(argument);
-      for (const pipeline::ScanConfig& scan : config.scans) known.push_back({"a scan", scan.file});
+      const scene::Config config = scene::load_config(argument);
+      for (const scene::ScanConfig& scan : config.scans) known.push_back({"a scan", scan.file});
       if (config.audio) {
-        for (const pipeline::AudioRegionConfig& region : config.audio->regions) {
+        for (const scene::AudioRegionConfig& region : config.audio->regions) {
           if (const auto* clip = std::get_if<fs::path>(&region.sound)) known.push_back({"a clip", *clip});
         }
         if (config.audio->labels) known.push_back({"the label image", config.audio->labels->file});

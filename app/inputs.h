@@ -10,8 +10,8 @@
 #include "base/files.h"
 #include "base/progress.h"
 #include "pipeline/build/build.h"
-#include "scene/config.h"
-#include "scene/scene.h"
+#include "scene/config/config.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::app {
 
@@ -20,9 +20,9 @@ namespace sparsha::app {
 
 /// One configuration file (also a scene's own scene.yaml), or scans to guess one from, in so much memory (0 = no
 /// limit). Throws Error.
-[[nodiscard]] pipeline::Config config_from(const std::vector<std::string>& arguments,
-                                           const std::vector<std::string>& settings, pipeline::Trust trust,
-                                           Progress& progress, std::uint64_t memory_bytes = 0);
+[[nodiscard]] scene::Config config_from(const std::vector<std::string>& arguments,
+                                        const std::vector<std::string>& settings, scene::Trust trust,
+                                        Progress& progress, std::uint64_t memory_bytes = 0);
 /// Runs work on `arguments`. Where these are scans and nothing was set, nobody asked for what does not fit:
 /// Error{usage} becomes Error{input} of the first scan.
 template <typename Work>
@@ -41,8 +41,8 @@ auto blaming_scans(const std::vector<std::string>& arguments, const std::vector<
 
 /// A scene folder is opened; a configuration or scans are built in memory. Throws Error{usage} for several arguments
 /// that are not scans.
-[[nodiscard]] pipeline::ScenePointer scene_from(const std::vector<std::string>& arguments, pipeline::Trust trust,
-                                                Progress& progress);
+[[nodiscard]] scene::ScenePointer scene_from(const std::vector<std::string>& arguments, scene::Trust trust,
+                                             Progress& progress);
 
 /// Before the work: throws Error{usage} when outputs are the same file, or are the scene, configuration, scans or clips
 /// that `argument` means, or one of the other `inputs`; Error{failure} when one cannot be written.

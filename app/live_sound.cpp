@@ -17,7 +17,7 @@ void LiveSound::stop() {
   if (engine_) engine_->stop();
 }
 
-void LiveSound::set_scene(const pipeline::ScenePointer& scene) {
+void LiveSound::set_scene(const scene::ScenePointer& scene) {
   if (engine_) engine_->set_scene(scene);
 }
 

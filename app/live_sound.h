@@ -21,7 +21,7 @@ class LiveSound {
   void start();
   /// See audio::Engine::stop().
   void stop();
-  void set_scene(const pipeline::ScenePointer& scene);
+  void set_scene(const scene::ScenePointer& scene);
   [[nodiscard]] std::uint64_t strikes() const { return engine_ ? engine_->strikes() : 0; }
   /// False when no stream plays.
   bool speak(const std::vector<float>& words, double rate_hz);

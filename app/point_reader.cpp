@@ -101,16 +101,16 @@ class Collector {
   std::uint64_t number_ = 0;
 };
 
-void set_unit(viewer::PointView& view, const std::vector<pipeline::ScanConfig>& scans) {
+void set_unit(viewer::PointView& view, const std::vector<scene::ScanConfig>& scans) {
   view.unit = scans.front().units.unit;
   const bool common = std::ranges::all_of(scans, [&](const auto& scan) { return scan.units.unit == view.unit; });
-  const bool plain = view.unit != pipeline::LengthUnit::longest_side;
-  view.metres_per_unit = common && plain ? pipeline::metres_in(view.unit) : 0.0;
+  const bool plain = view.unit != scene::LengthUnit::longest_side;
+  view.metres_per_unit = common && plain ? scene::metres_in(view.unit) : 0.0;
 }
 
 }  // namespace
 
-ReadPoints read_points(const std::vector<pipeline::ScanConfig>& scans, const std::string& title, Progress& progress,
+ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::string& title, Progress& progress,
                        std::uint64_t at_most) {
   ReadPoints result;
   auto view = std::make_shared<viewer::PointView>();
@@ -119,7 +119,7 @@ ReadPoints read_points(const std::vector<pipeline::ScanConfig>& scans, const std
   progress.begin("Reading the scans");
   std::vector<std::unique_ptr<ScanSet>> sets;
   std::uint64_t meshes = 0;
-  for (const pipeline::ScanConfig& scan : scans) {
+  for (const scene::ScanConfig& scan : scans) {
     sets.push_back(std::make_unique<ScanSet>(std::vector{scan}, ScanSet::Keep::disk, false, progress));
     view->total += sets.back()->points();
     view->z_up = view->z_up || sets.back()->z_up();

@@ -8,7 +8,7 @@
 
 #include "base/progress.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/scans.h"
 #include "viewer/cloud/point_view.h"
 
 namespace sparsha::app {
@@ -22,7 +22,7 @@ struct ReadPoints {
 };
 
 /// Reads all scans; triangles of meshes are covered with points. Throws Error{input}; Cancelled.
-[[nodiscard]] ReadPoints read_points(const std::vector<pipeline::ScanConfig>& scans, const std::string& title,
+[[nodiscard]] ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::string& title,
                                      Progress& progress, std::uint64_t at_most = kMostPointsShown);
 
 }  // namespace sparsha::app

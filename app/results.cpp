@@ -1,6 +1,7 @@
 // Lengths, counts and the build's summary.
 #include "app/results.h"
 #include "base/text.h"
+#include "scene/scene.h"
 
 #include <fmt/format.h>
 
@@ -19,10 +20,10 @@ const char* places_of(pipeline::CheckResult::Against against) {
 
 }  // namespace
 
-std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& report,
+std::string build_summary(const scene::Scene& scene, const pipeline::Report& report,
                           const std::filesystem::path& folder) {
-  const pipeline::SceneDescription& description = scene.description();
-  const pipeline::Lattice& base = description.levels.front();
+  const scene::SceneDescription& description = scene.description();
+  const scene::Lattice& base = description.levels.front();
   std::string text;
   text += fmt::format("size      {} x {} x {}\n", length_text((base.nx - 1) * base.spacing_m),
                       length_text((base.ny - 1) * base.spacing_m),

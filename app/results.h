@@ -5,12 +5,12 @@
 #include <string>
 
 #include "pipeline/report/report.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::app {
 
 /// The few lines `sparsha build` ends with: size, grid, points, coverage, cross-check, time, place.
-[[nodiscard]] std::string build_summary(const pipeline::Scene& scene, const pipeline::Report& report,
+[[nodiscard]] std::string build_summary(const scene::Scene& scene, const pipeline::Report& report,
                                         const std::filesystem::path& folder);
 
 }  // namespace sparsha::app

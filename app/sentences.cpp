@@ -52,10 +52,10 @@ std::string summary_sentences(const haptics::SessionSummary& s, std::uint64_t st
   return text;
 }
 
-std::string build_sentences(const pipeline::Scene& scene, const pipeline::Report& report,
+std::string build_sentences(const scene::Scene& scene, const pipeline::Report& report,
                             const std::filesystem::path& folder) {
-  const pipeline::SceneDescription& description = scene.description();
-  const pipeline::Lattice& base = description.levels.front();
+  const scene::SceneDescription& description = scene.description();
+  const scene::Lattice& base = description.levels.front();
   std::string text = fmt::format(
       "The scene is {} wide, {} high and {} deep.\n", exact_length((base.nx - 1) * base.spacing_m),
       exact_length((base.ny - 1) * base.spacing_m), exact_length(description.height_max_m - description.height_min_m));

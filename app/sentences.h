@@ -20,7 +20,7 @@ namespace sparsha::app {
 /// What a run of `explore` amounted to.
 [[nodiscard]] std::string summary_sentences(const haptics::SessionSummary& summary, std::uint64_t strikes);
 /// What a scene was built of and how good it is.
-[[nodiscard]] std::string build_sentences(const pipeline::Scene& scene, const pipeline::Report& report,
+[[nodiscard]] std::string build_sentences(const scene::Scene& scene, const pipeline::Report& report,
                                           const std::filesystem::path& folder);
 /// "The step read is 40 percent done, and about 3 seconds are left."
 [[nodiscard]] std::string progress_sentence(const std::string& stage, double fraction, double left_s);

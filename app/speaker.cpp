@@ -13,12 +13,12 @@ constexpr int kFastest = 450;
 
 }  // namespace
 
-Speaker::Speaker(const pipeline::SpeechConfig& config, bool on, Play play) : play_(std::move(play)) {
+Speaker::Speaker(const scene::SpeechConfig& config, bool on, Play play) : play_(std::move(play)) {
   take(config);
   use(config, on);
 }
 
-void Speaker::take(const pipeline::SpeechConfig& config) {
+void Speaker::take(const scene::SpeechConfig& config) {
   config_ = config;
   words_per_minute_ = config.words_per_minute;
   const std::string voice = config.voice.empty() ? config.language : config.voice;
@@ -27,7 +27,7 @@ void Speaker::take(const pipeline::SpeechConfig& config) {
   voice_ = 0;
 }
 
-void Speaker::use(const pipeline::SpeechConfig& config, bool on, std::optional<bool> first_on) {
+void Speaker::use(const scene::SpeechConfig& config, bool on, std::optional<bool> first_on) {
   const bool same = config.language == config_.language && config.voice == config_.voice &&
                     config.words_per_minute == config_.words_per_minute;
   if (!same) {

@@ -8,7 +8,7 @@
 
 #include "audio/speech/speech.h"
 #include "haptics/state/requests.h"
-#include "scene/config.h"
+#include "scene/config/speech.h"
 
 namespace sparsha::app {
 
@@ -17,11 +17,11 @@ class Speaker {
  public:
   /// Where spoken words are played; see audio::SpeechOptions.
   using Play = std::function<bool(std::vector<float>, double)>;
-  Speaker(const pipeline::SpeechConfig& config, bool on, Play play);
+  Speaker(const scene::SpeechConfig& config, bool on, Play play);
 
   /// Another scene's: its language, voice and rate, where they differ from the present ones, from the next words on.
   /// `first_on`: whether the next visitor finds it on, where that is not `on`.
-  void use(const pipeline::SpeechConfig& config, bool on, std::optional<bool> first_on = {});
+  void use(const scene::SpeechConfig& config, bool on, std::optional<bool> first_on = {});
   /// Does what the announcement asks of speech, and says it while speech is on. "Speech off" is the last that is said.
   void hear(const haptics::Announcement& announcement);
   /// False when speech is on and no speech program is installed.
@@ -34,10 +34,10 @@ class Speaker {
 
  private:
   void start();
-  void take(const pipeline::SpeechConfig& config);
+  void take(const scene::SpeechConfig& config);
 
   Play play_;
-  pipeline::SpeechConfig config_;
+  scene::SpeechConfig config_;
   int words_per_minute_ = 0;
   std::vector<std::string> voices_;
   std::size_t voice_ = 0;

@@ -9,6 +9,7 @@
 
 #include "haptics/window/window.h"
 #include "scene/regions.h"
+#include "scene/scene.h"
 #include "scene/workspace.h"
 
 namespace sparsha::app {
@@ -22,14 +23,14 @@ constexpr std::uint64_t kZoomIn = 1;  // the first button of a grip
 /// From the grid frame of a whole level to the device frame of its window.
 class Overview {
  public:
-  explicit Overview(const pipeline::SceneDescription& scene) {
-    const pipeline::Lattice& level = scene.levels.at(static_cast<std::size_t>(haptics::overview_level(scene)));
+  explicit Overview(const scene::SceneDescription& scene) {
+    const scene::Lattice& level = scene.levels.at(static_cast<std::size_t>(haptics::overview_level(scene)));
     middle_m_ = haptics::middle_of(level);
-    scale_ = pipeline::level_scale(scene.config.levels.window, level, pipeline::kDeskWorkspace_m);
+    scale_ = scene::level_scale(scene.config.levels.window, level, scene::kDeskWorkspace_m);
   }
   [[nodiscard]] Eigen::Vector2d device_m(double x_m, double y_m) const {
     // Whoever wrote the boxes may have placed some beyond the scene; the hand stays in its workspace.
-    constexpr double kReach_m = 0.5 * pipeline::kDeskWorkspace_m;
+    constexpr double kReach_m = 0.5 * scene::kDeskWorkspace_m;
     const Eigen::Vector2d place = scale_ * (Eigen::Vector2d(x_m, y_m) - middle_m_);
     return place.cwiseMax(-kReach_m).cwiseMin(kReach_m);
   }
@@ -44,7 +45,7 @@ class Overview {
 
 /// From left to right across a part, a little inside its edges: of a box along its middle, else along the run of places
 /// inside that goes through its middle. Empty for a part that is nowhere.
-std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> way_across(const pipeline::Area& area) {
+std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> way_across(const scene::Area& area) {
   const std::optional<Eigen::Vector2d> middle_m = area.middle_m();
   const std::optional<Box> bounds_m = area.bounds_m();
   if (!middle_m || !bounds_m) return std::nullopt;
@@ -69,14 +70,14 @@ haptics::TourStop strike(const Eigen::Vector2d& at_m) { return {haptics::TourSto
 
 }  // namespace
 
-std::vector<haptics::TourStop> tour_of(const pipeline::SceneDescription& scene) {
+std::vector<haptics::TourStop> tour_of(const scene::SceneDescription& scene) {
   // Boxes of a scene that was turned lie elsewhere in its grid.
   if (scene.levels.empty() || scene.region_from_grid) return {};
   const Overview overview(scene);
   std::vector<haptics::TourStop> tour;
   std::vector<haptics::TourStop> notes;
   if (scene.config.audio) {
-    for (const pipeline::AudioRegionConfig& region : scene.config.audio->regions) {
+    for (const scene::AudioRegionConfig& region : scene.config.audio->regions) {
       if (!region.box_m) continue;
       const haptics::TourStop stop = strike(overview.middle_of(*region.box_m));
       if (std::holds_alternative<std::filesystem::path>(region.sound)) {
@@ -87,10 +88,9 @@ std::vector<haptics::TourStop> tour_of(const pipeline::SceneDescription& scene) 
     }
   }
   tour.insert(tour.end(), notes.begin(), notes.end());
-  pipeline::Area largest;
+  scene::Area largest;
   for (std::size_t part = 0; part < scene.config.parts.size(); ++part)
-    if (pipeline::Area area = pipeline::area_of(scene, part); area.area_m2() > largest.area_m2())
-      largest = std::move(area);
+    if (scene::Area area = scene::area_of(scene, part); area.area_m2() > largest.area_m2()) largest = std::move(area);
   if (const auto way = way_across(largest)) {
     const auto& [left_m, right_m] = *way;
     tour.push_back({haptics::TourStop::Kind::stroke, overview.device_m(left_m.x(), left_m.y()),

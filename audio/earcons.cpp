@@ -9,7 +9,7 @@
 namespace sparsha::audio {
 namespace {
 
-using pipeline::Cue;
+using scene::Cue;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kAttack_s = 0.006;
@@ -66,14 +66,14 @@ double near(double away_m) { return 1.0 - std::clamp(away_m / kFar_m, 0.0, 1.0);
 
 }  // namespace
 
-Earcons::Earcons(const std::optional<pipeline::CuesConfig>& config, int sample_rate_hz)
+Earcons::Earcons(const std::optional<scene::CuesConfig>& config, int sample_rate_hz)
     : config_(config), step_s_(1.0 / sample_rate_hz) {}
 
 /// What has been counted since the last state, as bits of Kind.
 std::uint32_t Earcons::told(const haptics::State& state) noexcept {
   std::uint32_t begins = 0;
   const auto begin = [&](Kind kind) { begins |= 1U << static_cast<unsigned>(kind); };
-  for (std::size_t cue = 0; cue < pipeline::kCues; ++cue) {
+  for (std::size_t cue = 0; cue < scene::kCues; ++cue) {
     if (state.cues[cue] <= counts_[cue] || !config_->sound[cue]) continue;
     switch (static_cast<Cue>(cue)) {
       case Cue::level:

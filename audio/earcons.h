@@ -7,20 +7,20 @@
 #include <optional>
 
 #include "haptics/state/state.h"
-#include "scene/cues_config.h"
+#include "scene/config/cues.h"
 
 namespace sparsha::audio {
 
 /// One channel. After construction nothing allocates, locks or throws. One thread.
 ///
-/// Each of pipeline::Cue has a figure of its own: a view that comes closer glides up, one that goes away glides down; a
+/// Each of scene::Cue has a figure of its own: a view that comes closer glides up, one that goes away glides down; a
 /// part that is entered is two notes up, one that is left two notes down; the stone's edge is two low knocks; what was
 /// never measured flutters. A hand more than kLost_m from the stone for kLostFor_s hears a beep that comes the sooner
 /// and the higher the nearer the stone is, until it is within kFound_m; while it rests there is none.
 class Earcons {
  public:
   /// Absent: silence, at no cost. `sample_rate_hz` 8000 or more.
-  Earcons(const std::optional<pipeline::CuesConfig>& config, int sample_rate_hz);
+  Earcons(const std::optional<scene::CuesConfig>& config, int sample_rate_hz);
 
   /// States in order of frames; of one whose frame has passed the sounds begin now. What the first one counts is past.
   void state(const haptics::State& state, std::uint64_t frame) noexcept;
@@ -62,12 +62,12 @@ class Earcons {
   void take(const Event& event) noexcept;
   void begin(Kind kind, double pitch_hz = 0.0) noexcept;
 
-  std::optional<pipeline::CuesConfig> config_;
+  std::optional<scene::CuesConfig> config_;
   double step_s_;
 
   // What states have told, at their times.
   bool seen_ = false;
-  std::array<std::uint64_t, pipeline::kCues> counts_{};
+  std::array<std::uint64_t, scene::kCues> counts_{};
   double scale_ = 1.0;
   bool away_ = false;
   double away_since_s_ = 0.0;

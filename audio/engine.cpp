@@ -15,6 +15,7 @@
 #include "audio/scrape/profile_loader.h"
 #include "audio/wav/sink.h"
 #include "base/error.h"
+#include "scene/scene.h"
 
 namespace sparsha::audio {
 namespace {
@@ -27,7 +28,7 @@ constexpr std::size_t kKeptProfiles = 64;
 }  // namespace
 
 struct Engine::Implementation {
-  pipeline::ScenePointer scene;
+  scene::ScenePointer scene;
   std::shared_ptr<haptics::ContactQueue> contacts;
   const haptics::Seqlock<haptics::State>& state;
   std::shared_ptr<const SoundBank> bank;
@@ -48,7 +49,7 @@ struct Engine::Implementation {
   std::exception_ptr failure;
   std::thread worker;
 
-  Implementation(pipeline::ScenePointer the_scene, std::shared_ptr<haptics::ContactQueue> queue,
+  Implementation(scene::ScenePointer the_scene, std::shared_ptr<haptics::ContactQueue> queue,
                  const haptics::Seqlock<haptics::State>& the_state)
       : scene(std::move(the_scene)), contacts(std::move(queue)), state(the_state) {}
 
@@ -130,7 +131,7 @@ struct Engine::Implementation {
   }
 };
 
-Engine::Engine(pipeline::ScenePointer scene, std::shared_ptr<haptics::ContactQueue> contacts,
+Engine::Engine(scene::ScenePointer scene, std::shared_ptr<haptics::ContactQueue> contacts,
                const haptics::Seqlock<haptics::State>& state, const EngineOptions& options)
     : implementation_(std::make_unique<Implementation>(std::move(scene), std::move(contacts), state)) {
   Implementation& self = *implementation_;
@@ -167,7 +168,7 @@ bool Engine::speak(const std::vector<float>& words, double rate_hz) {
   return implementation_->live && implementation_->live->speak(words, rate_hz);
 }
 
-void Engine::set_scene(pipeline::ScenePointer scene) {
+void Engine::set_scene(scene::ScenePointer scene) {
   const std::lock_guard lock(implementation_->mutex);
   if (implementation_->profiles) implementation_->profiles->set_scene(std::move(scene));
 }

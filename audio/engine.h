@@ -12,7 +12,7 @@
 #include "haptics/state/seqlock.h"
 #include "haptics/state/spsc_queue.h"
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::audio {
 
@@ -29,7 +29,7 @@ struct EngineOptions {
 class Engine {
  public:
   /// `state` must outlive the engine; the engine is the one consumer of `contacts`.
-  Engine(pipeline::ScenePointer scene, std::shared_ptr<haptics::ContactQueue> contacts,
+  Engine(scene::ScenePointer scene, std::shared_ptr<haptics::ContactQueue> contacts,
          const haptics::Seqlock<haptics::State>& state, const EngineOptions& options);
   /// Without stop() nothing is left of the WAV file.
   ~Engine();
@@ -47,7 +47,7 @@ class Engine {
   /// ends. False when no stream plays. One thread at a time.
   bool speak(const std::vector<float>& words, double rate_hz);
   /// After a new depth scan of the same object; its sounds stay what they are.
-  void set_scene(pipeline::ScenePointer scene);
+  void set_scene(scene::ScenePointer scene);
   /// Strikes so far that made a sound.
   [[nodiscard]] std::uint64_t strikes() const;
   /// True once a sound device plays.

@@ -12,15 +12,16 @@
 #include "audio/clip/clip.h"
 #include "audio/modal/modal.h"
 #include "scene/area.h"
-#include "scene/cues_config.h"
-#include "scene/scene.h"
+#include "scene/config/config.h"
+#include "scene/config/cues.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::audio {
 
 /// One region, in the regions' frame (scene/regions.h): an area, or everywhere; nowhere it is never struck.
 struct SoundRegion {
   std::string name;
-  pipeline::Area area;
+  scene::Area area;
   std::variant<Modes, std::shared_ptr<const Clip>> sound;  ///< regions may share a clip
   bool everywhere = false;  ///< where no other region is; not played by a hand that slides onto it
   std::size_t scrape = 0;   ///< what is heard when it is stroked, index into SoundBank::scrapes
@@ -36,11 +37,11 @@ struct ScrapeSound {
 struct SoundBank {
   int sample_rate_hz = 48000;
   std::vector<SoundRegion> regions;
-  std::vector<ScrapeSound> scrapes;          ///< the first is that of places without a region; never empty
-  double scrape_gain = 0.0;                  ///< 0 = no friction sound
-  bool scrape_grain = true;                  ///< the friction sound goes on below the nodes' distance
-  std::optional<pipeline::CuesConfig> cues;  ///< which things that the hand comes to are told of
-  std::vector<std::string> warnings;         ///< what was asked for and cannot sound
+  std::vector<ScrapeSound> scrapes;       ///< the first is that of places without a region; never empty
+  double scrape_gain = 0.0;               ///< 0 = no friction sound
+  bool scrape_grain = true;               ///< the friction sound goes on below the nodes' distance
+  std::optional<scene::CuesConfig> cues;  ///< which things that the hand comes to are told of
+  std::vector<std::string> warnings;      ///< what was asked for and cannot sound
 
   /// False when nothing ever sounds.
   [[nodiscard]] bool sounds() const noexcept { return !regions.empty() || scrape_gain > 0.0 || cues.has_value(); }
@@ -49,10 +50,10 @@ struct SoundBank {
 };
 
 /// Throws Error{input} for the first clip of a configuration that a scene made of it could not play.
-void require_clips(const pipeline::Config& config);
+void require_clips(const scene::Config& config);
 
 /// Loads clips and label image and works out modes. A scene without `audio:` gives a bank without regions. Throws
 /// Error{input} for files that cannot be read, Error{usage} for impossible notes.
-[[nodiscard]] std::shared_ptr<const SoundBank> make_sound_bank(const pipeline::Scene& scene, int sample_rate_hz);
+[[nodiscard]] std::shared_ptr<const SoundBank> make_sound_bank(const scene::Scene& scene, int sample_rate_hz);
 
 }  // namespace sparsha::audio

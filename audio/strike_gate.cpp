@@ -20,7 +20,7 @@ constexpr double kHalf_m_per_s = 0.05;
 
 double position_along(const SoundRegion& region, double x, double y) {
   if (region.area.box() == nullptr) return 0.5;
-  const pipeline::Area::Box& box = *region.area.box();
+  const scene::Area::Box& box = *region.area.box();
   const double width = box[2] - box[0], height = box[3] - box[1];
   if (!(width > 0.0) || !(height > 0.0)) return 0.5;
   return height >= width ? (y - box[1]) / height : (x - box[0]) / width;

@@ -39,8 +39,9 @@ sparsha_headers(haptics haptics/surface monge_surface.h)
 sparsha_headers(haptics haptics/proxy proxy.h)
 sparsha_headers(haptics haptics/device device.h)
 sparsha_headers(haptics haptics/device/simulated exploration_script.h simulated_device.h)
-sparsha_headers(haptics scene beyond.h workspace.h region_frame.h cues_config.h haptics_config.h materials.h grain_field.h height_spectrum.h
-  area.h polygon.h label_area.h)
+sparsha_headers(haptics scene beyond.h workspace.h region_frame.h materials.h grain_field.h height_spectrum.h area.h polygon.h
+  label_area.h)
+sparsha_headers(haptics scene/config cues.h haptics.h)
 
 # Templates over PCL's point types, and what they are built on.
 sparsha_package(pcl SparshaPclTargets scan sparsha_scan_core filter sparsha_filter_core projection sparsha_projection

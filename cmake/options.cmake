@@ -9,6 +9,9 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 find_program(SPARSHA_CCACHE ccache)
 if(SPARSHA_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${SPARSHA_CCACHE})
+  if(SPARSHA_PRECOMPILE)  # what ccache asks for to take precompiled headers: no macro of time stands in them
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${SPARSHA_CCACHE})
+  endif()
 endif()
 
 # Headers keep their paths from the root: `#include "haptics/proxy/proxy.h"` in the tree and against the package.
@@ -69,6 +72,7 @@ function(sparsha_library name)
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:sparsha_options> ${ARG_PRIVATE})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${SPARSHA_INSTALL_INCLUDE}>)
+  sparsha_precompiled(${name} sparsha_precompiled)
 endfunction()
 
 # sparsha_test(name SOURCES ... LIBS ...): a GoogleTest program whose cases CTest sees one by one.

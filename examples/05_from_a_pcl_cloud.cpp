@@ -36,7 +36,7 @@ int main() {
   projection.setInputCloud(clean);
   projection.setOrientation(orientation);
   projection.setSpacing(0.0005);
-  sparsha::pipeline::DepthGrid grid;
+  sparsha::scene::DepthGrid grid;
   projection.compute(grid);
 
   double squares = 0.0;
@@ -45,7 +45,7 @@ int main() {
     for (int i = 0; i < grid.lattice.nx; ++i) {
       const double r = std::hypot(grid.lattice.x_m(i), grid.lattice.y_m(j));
       const double z = grid.lattice.origin_m.z() + static_cast<double>(grid.height_m[grid.lattice.index(i, j)]);
-      if (grid.state[grid.lattice.index(i, j)] != sparsha::pipeline::NodeState::measured || r > 0.04) continue;
+      if (grid.state[grid.lattice.index(i, j)] != sparsha::scene::NodeState::measured || r > 0.04) continue;
       squares += std::pow(z - std::sqrt(0.0025 - r * r), 2);
       ++nodes;
     }

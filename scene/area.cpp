@@ -6,7 +6,7 @@
 
 #include "scene/region_frame.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -40,7 +40,7 @@ bool Area::holds(double x_m, double y_m) const noexcept {
 }
 
 double Area::share_inside(double x_m, double y_m, double width_m) const noexcept {
-  if (const Box* own = box()) return pipeline::share_inside(*own, x_m, y_m, width_m);
+  if (const Box* own = box()) return scene::share_inside(*own, x_m, y_m, width_m);
   if (!(width_m > 0.0)) return holds(x_m, y_m) ? 1.0 : 0.0;
   const double reach_m = 0.5 * width_m;
   if (const auto* polygon = std::get_if<PolygonPointer>(&shape_)) {
@@ -123,4 +123,4 @@ std::vector<Area::Loop> Area::borders_m() const {
   return {loop};
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

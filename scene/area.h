@@ -14,7 +14,7 @@
 #include "scene/label_area.h"
 #include "scene/polygon.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// `box_m`: xmin ymin xmax ymax, borders included.
 [[nodiscard]] inline bool in_box(const std::array<double, 4>& box_m, double x_m, double y_m) {
@@ -70,4 +70,4 @@ class Area {
   std::variant<std::monostate, Box, PolygonPointer, LabelPointer> shape_;
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

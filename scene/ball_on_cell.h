@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace sparsha::pipeline::ball {
+namespace sparsha::scene::ball {
 
 inline constexpr double kRounding = 1e-9;
 inline constexpr double kFar = 1e300;
@@ -134,4 +134,4 @@ class Climb {
   double y_;
 };
 
-}  // namespace sparsha::pipeline::ball
+}  // namespace sparsha::scene::ball

@@ -10,7 +10,7 @@
 
 #include "scene/continuation.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -176,4 +176,4 @@ void continue_beyond(std::vector<float>& height_m, int nx, int ny, const BeyondO
   }
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "scene/haptics_config.h"
+#include "scene/config/haptics.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 struct BeyondOptions {
   double spacing_m = 0.0;  ///< of the nodes, grid frame
@@ -33,4 +33,4 @@ inline constexpr double kRimWidth_m = 0.0024;  ///< device frame
 /// by row; everything unknown gives 0.
 void continue_beyond(std::vector<float>& height_m, int nx, int ny, const BeyondOptions& options);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,7 +7,7 @@
 
 #include "scene/depth_grid.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 struct CheckMap {
   static constexpr int kMostNodes = 512;  ///< of a side
@@ -26,4 +26,4 @@ struct CheckMap {
   }
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

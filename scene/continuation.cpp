@@ -9,7 +9,7 @@
 
 #include "scene/continuation.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr int kSweeps = 8;  // relaxations a level; errors longer than that are the coarser level's
@@ -123,4 +123,4 @@ void continue_heights(std::vector<float>& height_m, int nx, int ny) {
   height_m = std::move(levels.front().value);
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -157,4 +157,4 @@ void simplify(Contour& contour, double tolerance) {
   points = std::move(left);
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

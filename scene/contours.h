@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// In node units: node (i, j) lies at (i, j).
 struct Contour {
@@ -31,4 +31,4 @@ void smooth(Contour& contour, int passes);
 /// Leaves out points whose absence moves the line by at most `tolerance` nodes (Douglas & Peucker 1973).
 void simplify(Contour& contour, double tolerance);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -13,7 +13,7 @@
 
 #include <Eigen/Core>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// What a node's height is worth. Filled is never called measured.
 enum class NodeState : std::uint8_t { unknown = 0, measured = 1, filled = 2 };
@@ -57,4 +57,4 @@ struct Layers {
   std::vector<float> intensity;                  ///< as the scan has it, NaN where unknown
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 Eigen::Vector3d euler_deg(const Eigen::Matrix3d& r) {
   const double degree = std::numbers::pi / 180.0, across = std::hypot(r(0, 0), r(1, 0));
@@ -18,4 +18,4 @@ Eigen::Vector3d euler_deg(const Eigen::Matrix3d& r) {
   return Eigen::Vector3d(x, y, z) / degree + Eigen::Vector3d::Zero();
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -10,7 +10,7 @@
 #include "base/progress.h"
 #include "scene/ball_on_cell.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 using ball::Cell;
@@ -292,4 +292,4 @@ void touch_with_ball(std::vector<float>& height, int nx, int ny, double spacing,
   Dilation(height, nx, ny, spacing, radius, progress).run();
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

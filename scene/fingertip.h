@@ -7,7 +7,7 @@ namespace sparsha {
 class Progress;
 }
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// The dilation of a bilinear surface by a ball, at its nodes and lowered by the radius, so that level stone stays
 /// where it is: z(x, y) = max over |d| <= radius of f(x + d_x, y + d_y) + sqrt(radius^2 - |d|^2) - radius. All heights
@@ -16,4 +16,4 @@ namespace sparsha::pipeline {
 void touch_with_ball(std::vector<float>& height, int nx, int ny, double spacing, double radius,
                      const Progress* progress = nullptr);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "scene/regions.h"
+#include "scene/scene.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 /// One value of an optional layer; NaN where the scene has none.
@@ -64,4 +65,4 @@ float FrictionLaw::at_rest(const Layers& layers, std::size_t node, float dynamic
   return std::max(static_cast<float>(mu), dynamic);
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

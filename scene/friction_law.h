@@ -4,9 +4,12 @@
 #include <cstddef>
 #include <vector>
 
-#include "scene/scene.h"
+#include "scene/area.h"
+#include "scene/config/layers.h"
+#include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// Friction coefficients of nodes from the scene's curvature layers.
 /// law curvature: mu_d = clamp(mu_0 + c k, 0, mu_max), k in scene units, so that zoom does not change the stone.
@@ -40,4 +43,4 @@ class FrictionLaw {
   std::vector<Part> parts_;  // that have friction of their own
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,7 +7,7 @@
 
 #include "base/hash.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr unsigned kNodes = 256;              // per side of the tile, a power of two
@@ -130,4 +130,4 @@ double GrainField::height_m(int b, double x_m, double y_m) const noexcept {
   return band.deviation_m * height;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

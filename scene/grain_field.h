@@ -9,7 +9,7 @@
 
 #include "scene/height_spectrum.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// Third-octave bands of one tile of waves, each turned and shifted in a way of its own, so that no path repeats.
 /// Immutable; not made on real-time threads (the first one takes some 40 ms, for the tile that all share).
@@ -59,4 +59,4 @@ class GrainField {
   const float* tile_ = nullptr;  // of static storage
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

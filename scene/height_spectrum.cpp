@@ -7,7 +7,7 @@
 
 #include "base/statistics.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr double kLeastExponent = 1.0;
@@ -93,4 +93,4 @@ HeightSpectrum HeightSpectrumFit::fit() const {
   return spectrum;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// Power spectral density of heights along a straight line, two-sided: level_m3 * (q / from_per_m)^-exponent at q
 /// cycles per metre. Beyond `from_per_m` the scan resolves nothing. Lengths in metres of the stone.
@@ -39,4 +39,4 @@ class HeightSpectrumFit {
   std::vector<std::vector<double>> densities_m3_;  // per frequency, one value per profile
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -8,7 +8,7 @@
 
 #include "scene/contours.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr std::size_t kMostSamples = std::size_t{1} << 22U;
@@ -220,4 +220,4 @@ std::vector<std::vector<Eigen::Vector2d>> LabelArea::borders_m() const {
   return borders;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

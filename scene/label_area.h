@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// A picture of labels that lies over `bounds_m`. Immutable once made; any thread.
 struct LabelMap {
@@ -71,4 +71,4 @@ class LabelArea {
   std::vector<float> inside_m_;
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -1,6 +1,6 @@
 #include "scene/length_unit.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 double metres_in(LengthUnit unit) {
   switch (unit) {
@@ -17,4 +17,4 @@ double metres_in(LengthUnit unit) {
   }
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 enum class Material : std::uint8_t { granite, sandstone, marble, wood, bronze, terracotta };
 
@@ -51,4 +51,4 @@ inline constexpr double kLightestHand_kg = 0.05;
   return kMaterials[static_cast<std::size_t>(material)];
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <vector>
 
-namespace sparsha::pipeline {
+#include "scene/scene.h"
+
+namespace sparsha::scene {
 namespace {
 
 constexpr int kPatches = 4;      // along the longer side
@@ -52,4 +54,4 @@ HeightSpectrum measure_spectrum(const Scene& scene) {
   return fit.fit();
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

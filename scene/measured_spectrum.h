@@ -2,12 +2,12 @@
 #pragma once
 
 #include "scene/height_spectrum.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// Of the measured heights of level 0: the same for every window of the scene. Rows and columns of patches spread over
 /// the level; a patch without a measured profile gives nothing. Throws Error{input} when tiles cannot be read.
 [[nodiscard]] HeightSpectrum measure_spectrum(const Scene& scene);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

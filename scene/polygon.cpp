@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr std::uint32_t kFew = 8;       // edges that are looked through one by one
@@ -272,4 +272,4 @@ double Polygon::to_border_m(double x_m, double y_m, double farthest_m) const noe
   return nearest_m2 < limit_m2 ? std::sqrt(nearest_m2) : farthest_m;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// The area that corners enclose, positive when they run against the clock; of a line that crosses itself the areas to
 /// its left less those to its right.
@@ -82,4 +82,4 @@ class Polygon {
   std::optional<std::array<double, 2>> deepest_m_;
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

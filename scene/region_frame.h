@@ -8,7 +8,7 @@
 
 #include "base/smooth_step.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// From the grid frame to the one that the scene's parts and sounds are written in: places on the object stay what they
 /// are when it is scanned from another side.
@@ -24,4 +24,4 @@ inline constexpr double kBorder_m = 0.002;
   return smooth_step(0.5 + inside_m / width_m);
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "base/png_reader.h"
+#include "scene/scene.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 /// What was made before of a part that lies there too.
@@ -123,4 +124,4 @@ std::optional<std::array<double, 4>> part_box(const Scene& scene, std::size_t pa
   return place ? std::optional(place->box_m) : std::nullopt;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

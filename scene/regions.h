@@ -9,10 +9,11 @@
 #include <Eigen/Core>
 
 #include "scene/area.h"
+#include "scene/config/parts.h"
 #include "scene/region_frame.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// The scene's label image, read when nobody did before; null without one. Without `bounds_m` it lies over level 0.
 /// Throws Error{input} for a file that cannot be read.
@@ -41,4 +42,4 @@ struct PartPlace {
 /// Of it the box alone.
 [[nodiscard]] std::optional<std::array<double, 4>> part_box(const Scene& scene, std::size_t part);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

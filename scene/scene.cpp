@@ -10,7 +10,7 @@
 #include "scene/regions.h"
 #include "scene/window_lattice.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 template <typename Value>
@@ -134,4 +134,4 @@ ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels
   return std::make_shared<MemoryScene>(std::move(description), std::move(levels));
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

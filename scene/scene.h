@@ -12,10 +12,11 @@
 
 #include "scene/area.h"
 #include "scene/check_map.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// A scan the scene was made from, told by its bytes.
 struct ScanSource {
@@ -66,8 +67,6 @@ class Scene {
   [[nodiscard]] Layers read_level(int level) const;
 };
 
-using ScenePointer = std::shared_ptr<const Scene>;
-
 /// A scene held in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not, and
 /// Error{input} when parts have labels and the label image cannot be read.
 [[nodiscard]] ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels);
@@ -82,9 +81,6 @@ using ScenePointer = std::shared_ptr<const Scene>;
 /// True when both are of the same scans and the same levels: at most their labels differ.
 [[nodiscard]] bool same_ground(const SceneDescription& a, const SceneDescription& b);
 
-/// Which files a scene folder may name as its clips and layers.
-enum class Trust { own_folder, any_file };
-
 /// Opens a scene folder. Throws Error{input} with the file and what was expected; for Trust::own_folder also when a
 /// clip or a layer lies outside the folder (absolute paths, "..", symbolic links). Scans are looked at when they are
 /// read: require_own_scans().
@@ -94,4 +90,4 @@ enum class Trust { own_folder, any_file };
 /// The same scene gives the same bytes.
 void write_scene(const Scene& scene, const std::filesystem::path& folder);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -5,8 +5,9 @@
 #include <cstddef>
 
 #include "scene/fingertip.h"
+#include "scene/scene.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 BeyondOptions beyond_of(const SceneDescription& scene, const TouchedView& view) {
   const double spacing_m = scene.levels.at(static_cast<std::size_t>(view.level)).spacing_m;
@@ -42,4 +43,4 @@ TouchedHeights read_touched(const Scene& scene, const TouchedView& view) {
   return touched;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -4,9 +4,10 @@
 #include <vector>
 
 #include "scene/beyond.h"
-#include "scene/scene.h"
+#include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// Which heights.
 struct TouchedView {
@@ -42,4 +43,4 @@ struct TouchedHeights {
 /// read, Error{failure} for an empty or absurd view.
 [[nodiscard]] TouchedHeights read_touched(const Scene& scene, const TouchedView& view);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

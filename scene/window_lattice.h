@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "scene/depth_grid.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// Whether there is a cell between the nodes; what has none can be neither touched nor drawn.
 [[nodiscard]] inline bool has_cell(const Lattice& lattice) { return lattice.nx >= 2 && lattice.ny >= 2; }
@@ -24,4 +24,4 @@ namespace sparsha::pipeline {
   return window;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

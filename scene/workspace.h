@@ -5,7 +5,7 @@
 
 #include "scene/depth_grid.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// Width of a desktop device's workspace, metres: what pictures and offline paths assume where no device is known.
 inline constexpr double kDeskWorkspace_m = 0.1;
@@ -32,4 +32,4 @@ inline constexpr double kDeskWorkspace_m = 0.1;
   return workspace_m / window_width_m(most, most, level);
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Fails on an include that the rooms' rules forbid, on third-party headers in public headers, and on a folder of tests
-without a room."""
+"""Fails on an include that the rooms' rules forbid, on names outside the room's own namespace, on third-party headers in
+public headers, and on a folder of tests without a room."""
 import os
 import re
 import subprocess
@@ -66,7 +66,7 @@ NOT_INSIDE = {"pipeline/scan": ["pipeline/scan/formats"], "pipeline/build": ["pi
 CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/effects",
         "haptics/guide", "haptics/servo",        "haptics/device/device.h", "haptics/device/simulated"]
 CORE_SHARED = ["base/error.h", "scene/beyond.h", "base/smooth_step.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/fingertip.h", "scene/depth_grid.h", "scene/workspace.h",
-               "scene/region_frame.h", "scene/cues_config.h", "scene/haptics_config.h", "scene/materials.h", "scene/grain_field.h",
+               "scene/region_frame.h", "scene/config/cues.h", "scene/config/haptics.h", "scene/materials.h", "scene/grain_field.h",
                "scene/height_spectrum.h", "scene/area.h", "scene/polygon.h", "scene/label_area.h"]
 # Templates over PCL's point types, for programs that include PCL anyway.
 PCL_API = "sparsha/pcl"
@@ -125,6 +125,22 @@ def problems(path):
             yield f"{where}: <{name}> belongs in a .cpp file"
 
 
+NAMESPACE = re.compile(r"^namespace (sparsha[\w:]*) {\n((?:[^}\n].*\n|\n)*)}", re.M)
+DECLARATION = re.compile(r"(?:struct|class|enum class) [\w:]+(?: : [\w:]+)?;|//.*|using \w+ = [^;]*;|")
+
+
+def foreign_namespaces(path):
+    """A room's names are in the namespace of its name; names of other rooms are at most declared."""
+    room = path.split("/")[0]
+    own = ["sparsha"] if room in ("base", "sparsha") else [f"sparsha::{room}"]
+    for match in NAMESPACE.finditer(open(path, encoding="utf-8").read()):
+        name, body = match.groups()
+        if any(name == space or name.startswith(space + "::") for space in own):
+            continue
+        if not all(DECLARATION.fullmatch(line.strip()) for line in body.split("\n")):
+            yield f"{path}: namespace {name} is another room's; {own[0]} is this one's"
+
+
 def types_of(path):
     """Qualified names of the types that a file defines outside anonymous namespaces."""
     spaces = []
@@ -166,6 +182,7 @@ def main():
     names = subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=True).stdout.split("\n")
     files = [name for name in names if name.endswith((".h", ".cpp", ".hpp"))]
     found = [p for path in files if path.split("/")[0] in ROOMS for p in problems(path)]
+    found += [p for path in files if path.split("/")[0] in ROOMS for p in foreign_namespaces(path)]
     found += types_defined_twice([path for path in files if path.split("/")[0] in ROOMS])
     found += tests_without_room(names)
     print("\n".join(found) if found else f"{len(files)} files keep the rules")

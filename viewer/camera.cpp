@@ -7,10 +7,12 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "scene/scene.h"
+
 namespace sparsha::viewer {
 
-Stage stage_of(const pipeline::SceneDescription& description) {
-  const pipeline::Lattice& lattice = description.levels.front();
+Stage stage_of(const scene::SceneDescription& description) {
+  const scene::Lattice& lattice = description.levels.front();
   const double width_m = (lattice.nx - 1) * lattice.spacing_m;
   const double height_m = (lattice.ny - 1) * lattice.spacing_m;
   Stage stage;

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::viewer {
 
@@ -19,7 +19,7 @@ struct Stage {
   [[nodiscard]] Eigen::Vector3d to_grid_m(const Eigen::Vector3d& world) const { return world * unit_m + anchor_m; }
 };
 /// The middle of level 0; one world unit is its longer side.
-[[nodiscard]] Stage stage_of(const pipeline::SceneDescription& description);
+[[nodiscard]] Stage stage_of(const scene::SceneDescription& description);
 
 /// A rectangle of the window in pixels, origin at the TOP left.
 struct Rect {

@@ -11,21 +11,22 @@
 #include <fmt/chrono.h>
 
 #include "base/text.h"
+#include "scene/scene.h"
 #include "scene/workspace.h"
 
 namespace sparsha::viewer {
 
-ViewSettings settings_of(const pipeline::ViewerConfig& config) {
+ViewSettings settings_of(const scene::ViewerConfig& config) {
   ViewSettings settings;
   settings.colour = config.colour;
   settings.stereo.mode = config.stereo;
-  settings.overview_left = config.overview == pipeline::ViewerConfig::Side::left;
+  settings.overview_left = config.overview == scene::ViewerConfig::Side::left;
   return settings;
 }
 
-Window window_of(const haptics::State& state, const pipeline::SceneDescription& description) {
+Window window_of(const haptics::State& state, const scene::SceneDescription& description) {
   Window window;
-  const pipeline::Lattice& whole = description.levels.front();
+  const scene::Lattice& whole = description.levels.front();
   const Stage stage = stage_of(description);
   const Eigen::Vector3d centre(state.centre_m[0], state.centre_m[1], state.centre_m[2]);
   if (state.tick == 0 || !centre.allFinite()) {
@@ -36,9 +37,8 @@ Window window_of(const haptics::State& state, const pipeline::SceneDescription& 
   }
   const std::size_t level = std::min<std::size_t>(state.level, description.levels.size() - 1);
   window.centre_m = centre;
-  const pipeline::Lattice& lattice = description.levels[level];
-  window.width_m =
-      pipeline::window_width_m(static_cast<int>(state.window[2]), static_cast<int>(state.window[3]), lattice);
+  const scene::Lattice& lattice = description.levels[level];
+  window.width_m = scene::window_width_m(static_cast<int>(state.window[2]), static_cast<int>(state.window[3]), lattice);
   window.meant = true;
   return window;
 }
@@ -182,8 +182,8 @@ std::string dated_name(const std::string& stem, const std::string& extension) {
   return name;
 }
 
-Camera overview_camera(const pipeline::SceneDescription& description, const Rect& rect) {
-  const pipeline::Lattice& whole = description.levels.front();
+Camera overview_camera(const scene::SceneDescription& description, const Rect& rect) {
+  const scene::Lattice& whole = description.levels.front();
   const double longer = std::max({whole.nx - 1, whole.ny - 1, 1});
   const double half_x = 0.5 * (whole.nx - 1) / longer, half_y = 0.5 * (whole.ny - 1) / longer;
   const double aspect = static_cast<double>(std::max(rect.width, 1)) / std::max(rect.height, 1);

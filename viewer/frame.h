@@ -7,6 +7,7 @@
 
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
+#include "scene/config/viewer.h"
 #include "viewer/actions.h"
 #include "viewer/camera.h"
 #include "viewer/marks/marks.h"
@@ -16,7 +17,7 @@
 
 namespace sparsha::viewer {
 
-using StereoMode = pipeline::ViewerConfig::Stereo;
+using StereoMode = scene::ViewerConfig::Stereo;
 
 /// Two eyes. The disparity of a point at distance d along the line of sight is f e (1 / c - 1 / d) pixels to the right
 /// in the right eye's picture: f the focal length in pixels, e the eyes' separation, c the distance of zero parallax.
@@ -47,7 +48,7 @@ struct ViewSettings {
   KeyLight light;
 };
 /// As a scene's configuration asks for.
-[[nodiscard]] ViewSettings settings_of(const pipeline::ViewerConfig& config);
+[[nodiscard]] ViewSettings settings_of(const scene::ViewerConfig& config);
 
 /// The square of the scene that the hand can reach, grid frame.
 struct Window {
@@ -56,7 +57,7 @@ struct Window {
   bool meant = false;  ///< false: no servo has chosen one, it is the whole scene
 };
 /// `state.tick` 0 means that there is no state yet.
-[[nodiscard]] Window window_of(const haptics::State& state, const pipeline::SceneDescription& description);
+[[nodiscard]] Window window_of(const haptics::State& state, const scene::SceneDescription& description);
 
 /// Words on the picture and how much of their time is left, 0 to 1.
 struct Toast {
@@ -121,6 +122,6 @@ struct Layout {
 [[nodiscard]] std::string dated_name(const std::string& stem, const std::string& extension);
 
 /// Parallel camera straight at the whole scene, as it fits a square of the overview.
-[[nodiscard]] Camera overview_camera(const pipeline::SceneDescription& description, const Rect& rect);
+[[nodiscard]] Camera overview_camera(const scene::SceneDescription& description, const Rect& rect);
 
 }  // namespace sparsha::viewer

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/scene.h"
 #include "viewer/frame.h"
 
 namespace sparsha::viewer {
@@ -90,7 +91,7 @@ double PointerHand::most_force_n(const haptics::State& state) const {
 }
 
 // The hand is where the mouse's ray meets the stone, or the height at which the hand hovers.
-void PointerHand::follow_aim(const haptics::State& state, const pipeline::SceneDescription& scene, const Stage& stage,
+void PointerHand::follow_aim(const haptics::State& state, const scene::SceneDescription& scene, const Stage& stage,
                              const HeightAt& height_at) {
   if (!aim_ || fresh_s_ > kAimFresh_s || !(state.scale > 0.0)) return;
   const Eigen::Vector3d centre_m(state.centre_m[0], state.centre_m[1], state.centre_m[2]);
@@ -154,7 +155,7 @@ void PointerHand::approach(double seconds, double reach_m, double depth_m, doubl
 }
 
 haptics::PointerSample PointerHand::update(double seconds, const haptics::State& state,
-                                           const pipeline::SceneDescription& scene, const Stage& stage, double reach_m,
+                                           const scene::SceneDescription& scene, const Stage& stage, double reach_m,
                                            const HeightAt& height_at) {
   follow_aim(state, scene, stage, height_at);
   fresh_s_ += seconds;

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 #include "viewer/camera.h"
 
 namespace sparsha::viewer {
@@ -42,8 +42,8 @@ class PointerHand {
 
   /// One step of time. `reach_m`: of the hand to each side, device frame.
   [[nodiscard]] haptics::PointerSample update(double seconds, const haptics::State& state,
-                                              const pipeline::SceneDescription& scene, const Stage& stage,
-                                              double reach_m, const HeightAt& height_at);
+                                              const scene::SceneDescription& scene, const Stage& stage, double reach_m,
+                                              const HeightAt& height_at);
 
  private:
   [[nodiscard]] double press_depth_m(const haptics::State& state) const;
@@ -51,7 +51,7 @@ class PointerHand {
   void moves() {
     if (pressed_ || hover_m_ < 0.0) moved_s_ = 0.0;
   }
-  void follow_aim(const haptics::State& state, const pipeline::SceneDescription& scene, const Stage& stage,
+  void follow_aim(const haptics::State& state, const scene::SceneDescription& scene, const Stage& stage,
                   const HeightAt& height_at);
   void approach(double seconds, double reach_m, double depth_m, double against_m,
                 const std::function<double(const Eigen::Vector2d&)>& surface_m);

@@ -14,6 +14,7 @@
 #include <epoxy/gl.h>
 
 #include "base/error.h"
+#include "scene/scene.h"
 #include "viewer/gl/shaders.h"
 
 namespace sparsha::viewer {
@@ -74,8 +75,8 @@ Picture::Picture()
 
 Picture::~Picture() = default;
 
-void Picture::set_scene(pipeline::ScenePointer scene) {
-  const pipeline::SceneDescription& description = scene->description();
+void Picture::set_scene(scene::ScenePointer scene) {
+  const scene::SceneDescription& description = scene->description();
   const int level =
       level_within(description, std::min(software_ ? kSoftwareNodes : kWholeNodes, gl::max_texture_size()));
   ReliefData data = prepare_relief(scene->read_level(level), level, envelope_, description.noise_m, pool_);
@@ -94,7 +95,7 @@ void Picture::set_scene(pipeline::ScenePointer scene) {
 }
 
 void Picture::paint_whole() {
-  const pipeline::SceneDescription& description = scene_->description();
+  const scene::SceneDescription& description = scene_->description();
   const Paint paint = paint_relief(whole_->data(), description, colour_, workspace_m_);
   whole_->set_paint(paint);
   legend_ = paint.legend;
@@ -121,7 +122,7 @@ double Picture::height_at(double x_m, double y_m) const {
 bool Picture::known_at(double x_m, double y_m) const {
   if (!whole_) return false;
   const auto known = [&](const ReliefData& data) {
-    const pipeline::Lattice& lattice = data.lattice;
+    const scene::Lattice& lattice = data.lattice;
     const double i = std::round((x_m - lattice.origin_m.x()) / lattice.spacing_m);
     const double j = std::round((y_m - lattice.origin_m.y()) / lattice.spacing_m);
     if (!(i >= 0.0 && j >= 0.0 && i < lattice.nx && j < lattice.ny)) return false;
@@ -143,7 +144,7 @@ bool Picture::waits(double time_s) const {
 bool Picture::any_filled() const { return whole_ && whole_->data().any_filled; }
 
 void Picture::prepare_style(const Frame& frame) {
-  const pipeline::SceneDescription& description = scene_->description();
+  const scene::SceneDescription& description = scene_->description();
   // The hand feels the envelope when texture is off: show what it feels.
   const bool envelope =
       frame.state.tick != 0 && (frame.state.flags & haptics::kFlagTexture) == 0 && description.has_envelope;
@@ -180,7 +181,7 @@ void Picture::set_light(bool fine) {
 }
 
 void Picture::follow_window(const Frame& frame, const Window& window) {
-  const pipeline::SceneDescription& description = scene_->description();
+  const scene::SceneDescription& description = scene_->description();
   if (loading_ && loading_->data.valid()) {
     const bool ready = frame.finished || loading_->data.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     try {
@@ -208,7 +209,7 @@ void Picture::follow_window(const Frame& frame, const Window& window) {
     loading_.reset();
     return;
   }
-  const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
+  const scene::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
   const auto first = [&](double centre_m, double origin_m) {
     // Snapped to 64 nodes, so that a hand that drifts does not load for ever.
     return 64 * static_cast<int>(std::floor((centre_m - 0.5 * width_m - origin_m) / lattice.spacing_m / 64.0));

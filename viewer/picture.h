@@ -24,8 +24,8 @@ class Picture {
   Picture& operator=(const Picture&) = delete;
 
   /// Reads and prepares the scene. Throws Error{input} when its layers cannot be read.
-  void set_scene(pipeline::ScenePointer scene);
-  [[nodiscard]] const pipeline::ScenePointer& scene() const { return scene_; }
+  void set_scene(scene::ScenePointer scene);
+  [[nodiscard]] const scene::ScenePointer& scene() const { return scene_; }
 
   /// Draws detail view and overview into `framebuffer`, `width` x `height` pixels. Surfaces are drawn again only when
   /// camera or data changed since the last call.
@@ -71,7 +71,7 @@ class Picture {
   void draw_overview(const Frame& frame, const Layout& layout, ReliefStyle style, unsigned framebuffer, int height);
   [[nodiscard]] std::optional<Hand> hand_of(const haptics::State& state, const Window& window) const;
 
-  pipeline::ScenePointer scene_;
+  scene::ScenePointer scene_;
   Stage stage_;
   ThreadPool pool_;
   bool software_ = false;
@@ -91,7 +91,7 @@ class Picture {
   bool light_fine_ = true;
   double light_changed_s_ = 0.0;
   ColourMode colour_ = ColourMode::relief;
-  double workspace_m_ = pipeline::kDeskWorkspace_m;  ///< of the hand
+  double workspace_m_ = scene::kDeskWorkspace_m;  ///< of the hand
   bool envelope_ = false;
   bool high_contrast_ = false;
   Look look_ = Look::stone;

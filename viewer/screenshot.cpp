@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/png.h"
+#include "scene/scene.h"
 #include "viewer/controller/controller.h"
 #include "viewer/gl/offscreen.h"
 #include "viewer/gui/gui.h"
@@ -29,8 +30,8 @@ void write_framebuffer(int width, int height, const std::filesystem::path& file)
   write_rgba(file, width, height, gl::read_pixels(0, width, height));
 }
 
-void write_screenshot(const pipeline::ScenePointer& scene, const haptics::State& state,
-                      const pipeline::ViewerConfig& config, const std::filesystem::path& file) {
+void write_screenshot(const scene::ScenePointer& scene, const haptics::State& state, const scene::ViewerConfig& config,
+                      const std::filesystem::path& file) {
   constexpr int kWidth = 1280, kHeight = 720;
   const gl::OffscreenContext context;
   Picture picture;

@@ -13,7 +13,9 @@
 #include "haptics/state/requests.h"
 #include "haptics/state/seqlock.h"
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/config/parts.h"
+#include "scene/config/viewer.h"
+#include "scene/scene_fwd.h"
 #include "viewer/cloud/point_view.h"
 
 namespace sparsha::viewer {
@@ -40,7 +42,7 @@ struct Connections {
   std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< null unless the pointer device is used
   std::function<void()> poll;                                         ///< called once a frame (the session's)
   std::function<bool()> finished;                                     ///< the session's
-  std::function<pipeline::ScenePointer()> scene;  ///< the session's present scene; null before the first depth scan
+  std::function<scene::ScenePointer()> scene;  ///< the session's present scene; null before the first depth scan
   std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;  ///< empty without scans
   std::function<void(const std::string& text)> speak;               ///< says what the keyboard is on; empty: silent
   std::function<void(int step)> next_scene;  ///< of an exhibition, 1 or -1; empty: there is but one
@@ -49,7 +51,7 @@ struct Connections {
       refuse;  ///< the new scene cannot be read whole: the one before comes back
   /// The scene's parts were edited: they are to be felt, spoken and kept. False when they stay as they were, which was
   /// said. Empty: parts cannot be edited.
-  std::function<bool(const std::vector<pipeline::PartConfig>& parts)> save_parts;
+  std::function<bool(const std::vector<scene::PartConfig>& parts)> save_parts;
   std::function<void()> save_scene;  ///< keeps the depth scan under the hand as a scene folder, and says where
   std::function<bool()> to_scans;    ///< true once when other scans have been opened and are to be shown
   Orienting orienting;               ///< the raw cloud behind the scene; without functions there is none
@@ -64,7 +66,7 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
 
 /// Draws one 1280x720 picture of scene and state without a display and writes it as PNG, atomically.
 /// Throws Error{failure} when no off-screen context can be made.
-void write_screenshot(const pipeline::ScenePointer& scene, const haptics::State& state,
-                      const pipeline::ViewerConfig& config, const std::filesystem::path& file);
+void write_screenshot(const scene::ScenePointer& scene, const haptics::State& state, const scene::ViewerConfig& config,
+                      const std::filesystem::path& file);
 
 }  // namespace sparsha::viewer

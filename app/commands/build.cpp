@@ -69,20 +69,20 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
 
   const fs::path folder = scene_folder(arguments);
   if (!arguments.validate) require_place(folder);
-  const pipeline::Config config =
+  const scene::Config config =
       config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress(), options.memory_bytes);
   audio::require_clips(config);  // before a long build, not when somebody wants to hear them
   if (arguments.validate) {
-    for (const pipeline::ScanConfig& scan : config.scans) {
+    for (const scene::ScanConfig& scan : config.scans) {
       std::error_code code;
       if (!fs::is_regular_file(scan.file, code)) {
         throw input_error(scan.file.string(), "the scan does not exist", "a readable file");
       }
     }
-    print(common.json ? std::string("{\"valid\": true}") : pipeline::to_yaml(config));
+    print(common.json ? std::string("{\"valid\": true}") : scene::to_yaml(config));
     return 0;
   }
-  pipeline::require_replaceable(folder, config);
+  scene::require_replaceable(folder, config);
   std::error_code code;
   fs::create_directories(fs::absolute(folder, code).lexically_normal().parent_path(), code);
   const pipeline::BuildResult result = blaming_scans(arguments.inputs, arguments.settings, [&] {

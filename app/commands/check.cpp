@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "pipeline/build/recheck.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 
@@ -48,9 +49,9 @@ void add_check(Command app, const CommonOptions& common, Run& run) {
   command.callback([arguments, &common, &run] {
     run = [arguments, &common] {
       Terminal terminal(common);
-      const pipeline::ScenePointer scene = pipeline::open_scene(arguments->scene, common.trusted());
+      const scene::ScenePointer scene = scene::open_scene(arguments->scene, common.trusted());
       const std::vector<std::filesystem::path> scans(arguments->scans.begin(), arguments->scans.end());
-      const pipeline::CheckConfig config{arguments->all ? 0 : arguments->samples};
+      const scene::CheckConfig config{arguments->all ? 0 : arguments->samples};
       const pipeline::Report report =
           pipeline::recheck_scene(*scene, scans, config, arguments->threads, terminal.progress(), common.trusted());
       const std::string against = thing_of(report.check->against);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/command_line.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::app {
 
@@ -17,9 +17,7 @@ struct CommonOptions {
   bool trust = false;                ///< scenes may name files outside their folders
   std::vector<std::string> command;  ///< `device emulate`: what stands behind --
 
-  [[nodiscard]] pipeline::Trust trusted() const {
-    return trust ? pipeline::Trust::any_file : pipeline::Trust::own_folder;
-  }
+  [[nodiscard]] scene::Trust trusted() const { return trust ? scene::Trust::any_file : scene::Trust::own_folder; }
 };
 
 void add_new(Command app, const CommonOptions& common, Run& run);

@@ -233,8 +233,8 @@ class Guide {
   }
 
  private:
-  static pipeline::SpeechConfig config_of(const std::string& language) {
-    pipeline::SpeechConfig config;
+  static scene::SpeechConfig config_of(const std::string& language) {
+    scene::SpeechConfig config;
     config.language = language;
     return config;
   }

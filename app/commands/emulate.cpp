@@ -24,6 +24,7 @@
 #include "haptics/emulator/person.h"
 #include "haptics/emulator/usb_bus.h"
 #include "haptics/servo/real_time.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
@@ -105,7 +106,7 @@ Setting setting_of(const std::vector<std::string>& names) {
 }
 
 // The person of --scene knows where things are: a tour of its sounds and parts, then rounds by chance.
-emulator::Explore tour_through(const pipeline::SceneDescription& scene) {
+emulator::Explore tour_through(const scene::SceneDescription& scene) {
   constexpr std::uint64_t kSeed = 1;
   const Eigen::Vector3d centre = haptics::falcon::FalconOptions{}.centre_m;
   auto script = std::make_shared<haptics::ExplorationScript>(kSeed, haptics::falcon::falcon_info().workspace_width_m,

@@ -10,6 +10,7 @@
 #include "app/terminal.h"
 #include "pipeline/export/export.h"
 #include "pipeline/replica/replica.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 
@@ -19,7 +20,7 @@ int make_replica(const std::string& folder, const std::string& file, const pipel
                  const CommonOptions& common) {
   Terminal terminal(common);
   check_outputs({{"--to", file}, {"the legibility map of --to", pipeline::legibility_file_of(file)}}, folder);
-  const pipeline::ScenePointer scene = scene_from({folder}, common.trusted(), terminal.progress());
+  const scene::ScenePointer scene = scene_from({folder}, common.trusted(), terminal.progress());
   const pipeline::ReplicaReport report = pipeline::export_replica(*scene, file, options, terminal.progress());
   for (const std::string& warning : report.warnings) terminal.progress().warn(warning);
   if (common.json) {
@@ -90,7 +91,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       pipeline::check_export(arguments->file, arguments->nodes);
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
                     arguments->scene);
-      const pipeline::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
+      const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
       pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress());
       if (common.plain)
         print(written_sentences({arguments->file}));

@@ -105,12 +105,12 @@ std::string scan_text(const fs::path& file, const pipeline::ScanInfo& info) {
   return text;
 }
 
-Json scene_json(const fs::path& folder, const pipeline::SceneDescription& scene) {
+Json scene_json(const fs::path& folder, const scene::SceneDescription& scene) {
   Json json;
   json["file"] = folder.generic_string();
   json["format"] = "Sparsha scene";
   Json levels = Json::array();
-  for (const pipeline::Lattice& level : scene.levels) {
+  for (const scene::Lattice& level : scene.levels) {
     levels.push_back({{"nx", level.nx}, {"ny", level.ny}, {"spacing_m", level.spacing_m}});
   }
   json["levels"] = levels;
@@ -130,14 +130,14 @@ Json scene_json(const fs::path& folder, const pipeline::SceneDescription& scene)
   return json;
 }
 
-std::string scene_text(const fs::path& folder, const pipeline::SceneDescription& scene) {
-  const pipeline::Lattice& base = scene.levels.front();
+std::string scene_text(const fs::path& folder, const scene::SceneDescription& scene) {
+  const scene::Lattice& base = scene.levels.front();
   std::string text =
       fmt::format("{}\n  format      Sparsha scene\n  size        {} x {} x {}\n", folder.string(),
                   length_text((base.nx - 1) * base.spacing_m), length_text((base.ny - 1) * base.spacing_m),
                   length_text(scene.height_max_m - scene.height_min_m));
   for (std::size_t level = 0; level < scene.levels.size(); ++level) {
-    const pipeline::Lattice& lattice = scene.levels[level];
+    const scene::Lattice& lattice = scene.levels[level];
     text += fmt::format("  level {}     {} x {} nodes, {} apart\n", level, lattice.nx, lattice.ny,
                         length_text(lattice.spacing_m));
   }
@@ -164,7 +164,7 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
     terminal.progress().throw_if_cancelled();
     std::error_code code;
     if (fs::is_directory(file, code)) {
-      const pipeline::ScenePointer scene = pipeline::open_scene(file, common.trusted());
+      const scene::ScenePointer scene = scene::open_scene(file, common.trusted());
       if (common.json) {
         all.push_back(scene_json(file, scene->description()));
       } else {

@@ -31,13 +31,13 @@ struct Arguments {
   unsigned threads = 0;
 };
 
-std::string sentence(const pipeline::Config& config, const pipeline::FirstGuess& guess) {
+std::string sentence(const scene::Config& config, const pipeline::FirstGuess& guess) {
   return fmt::format("first guess from features: {} on {}, {:.0f} % of it",
                      config.scans[guess.scan].file.filename().string(), config.scans[guess.on].file.filename().string(),
                      100.0 * guess.overlap);
 }
 
-std::string table(const pipeline::Config& config, const pipeline::Registration& found) {
+std::string table(const scene::Config& config, const pipeline::Registration& found) {
   const auto fit = [](const pipeline::PairFit::Fit& f) {
     return fmt::format("{:>5.1f} %  {:>9}", 100.0 * f.overlap, f.matches > 0 ? length_text(f.residual_m) : "-");
   };
@@ -57,7 +57,7 @@ std::string table(const pipeline::Config& config, const pipeline::Registration& 
   return text;
 }
 
-std::string json(const pipeline::Config& config, const pipeline::Registration& found) {
+std::string json(const scene::Config& config, const pipeline::Registration& found) {
   using Json = nlohmann::ordered_json;
   Json result;
   result["scans"] = Json::array();
@@ -87,7 +87,7 @@ std::string json(const pipeline::Config& config, const pipeline::Registration& f
 }
 
 // The pairs as the report has them; residual and overlap before and after.
-std::string page(const Arguments& arguments, const pipeline::Config& config, const pipeline::Registration& found) {
+std::string page(const Arguments& arguments, const scene::Config& config, const pipeline::Registration& found) {
   const auto name = [&](std::size_t scan) { return config.scans[scan].file.generic_string(); };
   const auto fit = [](const pipeline::PairFit::Fit& f) {
     return pipeline::ScanPair::Fit{f.within_m, f.overlap, f.residual_m};
@@ -109,11 +109,11 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
                       "a CONFIG.yaml with two or more scans; `sparsha new SCAN...` writes a first one");
   }
   check_outputs({{"--out", arguments.out}, {"--report", arguments.report}}, arguments.config);
-  const pipeline::Config config =
+  const scene::Config config =
       config_from({arguments.config}, arguments.settings, common.trusted(), terminal.progress());
   ThreadPool pool(arguments.threads);
   const pipeline::Registration found = pipeline::register_scans(
-      config.scans, config.registration.value_or(pipeline::RegisterConfig{}), {pool, terminal.progress()});
+      config.scans, config.registration.value_or(scene::RegisterConfig{}), {pool, terminal.progress()});
   terminal.progress().finish();
   end_progress_line();
   std::istringstream lines(common.plain ? registration_sentences(config, found) : table(config, found));
@@ -121,7 +121,7 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
   const fs::path folder = arguments.out.empty() ? fs::path() : fs::path(arguments.out).parent_path();
   std::string yaml;
   if (!arguments.out.empty() || !common.json)
-    yaml = pipeline::text_with_poses(arguments.config, config, found.poses, folder);
+    yaml = scene::text_with_poses(arguments.config, config, found.poses, folder);
   if (!arguments.out.empty()) write_file(arguments.out, yaml);
   if (!arguments.report.empty()) write_file(arguments.report, page(arguments, config, found));
   if (common.json) {

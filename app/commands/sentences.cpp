@@ -71,10 +71,10 @@ std::string device_check_sentences(const haptics::falcon::CheckReport& report) {
   return text;
 }
 
-std::string modes_sentences(const std::vector<pipeline::ModeConfig>& modes) {
+std::string modes_sentences(const std::vector<scene::ModeConfig>& modes) {
   std::string text = fmt::format("The strike has {}.\n", counted(modes.size(), "mode", "modes"));
   for (std::size_t k = 0; k < modes.size(); ++k) {
-    const pipeline::ModeConfig& mode = modes[k];
+    const scene::ModeConfig& mode = modes[k];
     text += fmt::format("Mode {} is at {:.3f} hertz, falls by 60 decibels in {:.4f} seconds", k + 1, mode.frequency_hz,
                         mode.decay_s);
     text += k == 0 ? " and is the loudest.\n"
@@ -83,7 +83,7 @@ std::string modes_sentences(const std::vector<pipeline::ModeConfig>& modes) {
   return text;
 }
 
-std::string registration_sentences(const pipeline::Config& config, const pipeline::Registration& found) {
+std::string registration_sentences(const scene::Config& config, const pipeline::Registration& found) {
   const auto name = [&](std::size_t scan) { return config.scans.at(scan).file.filename().string(); };
   std::string text;
   for (const pipeline::FirstGuess& guess : found.guesses)
@@ -150,15 +150,15 @@ std::string scan_sentences(const std::filesystem::path& file, const pipeline::Sc
   return text;
 }
 
-std::string scene_sentences(const std::filesystem::path& folder, const pipeline::SceneDescription& scene) {
-  const pipeline::Lattice& base = scene.levels.front();
+std::string scene_sentences(const std::filesystem::path& folder, const scene::SceneDescription& scene) {
+  const scene::Lattice& base = scene.levels.front();
   std::string text = fmt::format("The folder {} is a Sparsha scene, made from {}.\n", folder.string(),
                                  counted(scene.sources.size(), "scan", "scans"));
   text +=
       fmt::format("The scene is {} wide, {} high and {} deep.\n", exact_length((base.nx - 1) * base.spacing_m),
                   exact_length((base.ny - 1) * base.spacing_m), exact_length(scene.height_max_m - scene.height_min_m));
   for (std::size_t level = 0; level < scene.levels.size(); ++level) {
-    const pipeline::Lattice& lattice = scene.levels[level];
+    const scene::Lattice& lattice = scene.levels[level];
     text += fmt::format("Level {} has {} times {} nodes, {} apart.\n", level, lattice.nx, lattice.ny,
                         exact_length(lattice.spacing_m));
   }

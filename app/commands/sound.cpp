@@ -25,18 +25,18 @@ struct Arguments {
   std::size_t modes = 16;
 };
 
-std::string yaml_of(const std::vector<pipeline::ModeConfig>& modes) {
+std::string yaml_of(const std::vector<scene::ModeConfig>& modes) {
   std::string text = "modal:\n  modes:\n";
-  for (const pipeline::ModeConfig& mode : modes) {
+  for (const scene::ModeConfig& mode : modes) {
     text += fmt::format("    - {{frequency_hz: {:.3f}, decay_s: {:.4f}, level_db: {:.2f}}}\n", mode.frequency_hz,
                         mode.decay_s, mode.level_db);
   }
   return text;
 }
 
-std::string json_of(const std::vector<pipeline::ModeConfig>& modes) {
+std::string json_of(const std::vector<scene::ModeConfig>& modes) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const pipeline::ModeConfig& mode : modes)
+  for (const scene::ModeConfig& mode : modes)
     list.push_back({{"frequency_hz", mode.frequency_hz}, {"decay_s", mode.decay_s}, {"level_db", mode.level_db}});
   return nlohmann::ordered_json{{"modal", {{"modes", list}}}}.dump(2) + "\n";
 }
@@ -60,7 +60,7 @@ std::vector<float> louder_channel(const audio::Clip& clip) {
 int run_fit(const Arguments& arguments, const CommonOptions& common) {
   const audio::Clip clip = audio::load_clip(arguments.file, kRate_hz);
   std::vector<double> uneven_hz;
-  const std::vector<pipeline::ModeConfig> modes =
+  const std::vector<scene::ModeConfig> modes =
       audio::fit_modes(louder_channel(clip), kRate_hz, arguments.modes, &uneven_hz);
   if (modes.empty() && uneven_hz.empty())
     throw input_error(arguments.file, "nothing in it rings", "one strike of something that rings for 0.03 s or more");

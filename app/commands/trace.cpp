@@ -42,8 +42,8 @@ struct Arguments {
   std::string creases = "sharp";
 };
 
-std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scene& scene, const Arguments& arguments) {
-  const pipeline::SceneDescription& description = scene.description();
+std::shared_ptr<const haptics::MongeSurface> traced_surface(const scene::Scene& scene, const Arguments& arguments) {
+  const scene::SceneDescription& description = scene.description();
   haptics::SurfaceOptions options;
   options.effects.texture = !arguments.no_texture;
   options.effects.friction = !arguments.no_friction;
@@ -56,17 +56,17 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
   if (level >= count) {
     throw usage_error(fmt::format("the scene has no level {}", level), fmt::format("0 to {}", count - 1));
   }
-  if (!pipeline::has_cell(description.levels[static_cast<std::size_t>(level)])) {
+  if (!scene::has_cell(description.levels[static_cast<std::size_t>(level)])) {
     throw usage_error(fmt::format("level {} is a single row of nodes, which cannot be touched", level),
                       fmt::format("0 to {}", haptics::overview_level(description)));
   }
   Eigen::Vector2d centre_m = haptics::middle_of(description.levels[static_cast<std::size_t>(level)]);
   if (!arguments.centre.empty()) centre_m = {arguments.centre[0], arguments.centre[1]};
-  const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
+  const scene::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
   haptics::WindowPlan plan;
-  pipeline::SceneDescription record = description;  // what a hand falls off is continued
-  record.config.haptics.beyond = pipeline::HapticsConfig::Beyond::continued;
-  if (centre_m.allFinite()) plan = haptics::plan_window(record, level, centre_m, pipeline::kDeskWorkspace_m);
+  scene::SceneDescription record = description;  // what a hand falls off is continued
+  record.config.haptics.beyond = scene::HapticsConfig::Beyond::continued;
+  if (centre_m.allFinite()) plan = haptics::plan_window(record, level, centre_m, scene::kDeskWorkspace_m);
   if (plan.nx == 0 || plan.i0 >= lattice.nx || plan.j0 >= lattice.ny || plan.i0 + plan.nx <= 0 ||
       plan.j0 + plan.ny <= 0) {
     throw usage_error("the window around --centre holds nothing of the scene",
@@ -79,7 +79,7 @@ std::shared_ptr<const haptics::MongeSurface> traced_surface(const pipeline::Scen
 }
 
 void to_grid_frame(std::vector<haptics::HipSample>& path, const Arguments& arguments,
-                   const pipeline::SceneDescription& scene, const haptics::MongeSurface& surface) {
+                   const scene::SceneDescription& scene, const haptics::MongeSurface& surface) {
   if (arguments.frame == "grid") return;
   const Eigen::Matrix4d grid_from_scan = scene.scan_from_grid.inverse();
   for (haptics::HipSample& sample : path) {
@@ -110,12 +110,12 @@ nlohmann::ordered_json summary_json(const haptics::TraceSummary& s) {
 }
 
 /// What the scene itself gives the trace that is no height, though its mask calls it known; empty without such nodes.
-std::string doubt_of_heights(const pipeline::Scene& scene, int level) {
-  const pipeline::DepthGrid grid = scene.read_level(level).grid;
+std::string doubt_of_heights(const scene::Scene& scene, int level) {
+  const scene::DepthGrid grid = scene.read_level(level).grid;
   std::size_t known = 0;
   std::size_t wrong = 0;
   for (std::size_t node = 0; node < grid.state.size(); ++node) {
-    if (grid.state[node] == pipeline::NodeState::unknown) continue;
+    if (grid.state[node] == scene::NodeState::unknown) continue;
     ++known;
     if (!std::isfinite(grid.height_m[node])) ++wrong;
   }
@@ -125,8 +125,8 @@ std::string doubt_of_heights(const pipeline::Scene& scene, int level) {
       count_text(wrong), count_text(known), level);
 }
 
-haptics::TraceResult trace_path(const pipeline::Scene& scene, const Arguments& arguments,
-                                const pipeline::HapticsConfig& haptics, const haptics::SolverOptions& options) {
+haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& arguments,
+                                const scene::HapticsConfig& haptics, const haptics::SolverOptions& options) {
   const auto surface = traced_surface(scene, arguments);
   std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
   to_grid_frame(path, arguments, scene.description(), *surface);
@@ -140,11 +140,11 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   std::optional<haptics::Recording> recording;
   std::optional<haptics::RecordedScenes> kept;
   if (arguments.live) kept = kept_scenes_of(recording.emplace(arguments.hip), common, terminal);
-  const pipeline::ScenePointer scene =
+  const scene::ScenePointer scene =
       kept ? kept->first() : scene_from({arguments.scene}, common.trusted(), terminal.progress());
-  pipeline::HapticsConfig haptics = scene->description().config.haptics;
-  if (arguments.solver == "exact") haptics.solver = pipeline::HapticsConfig::Solver::exact;
-  if (arguments.solver == "paper") haptics.solver = pipeline::HapticsConfig::Solver::paper;
+  scene::HapticsConfig haptics = scene->description().config.haptics;
+  if (arguments.solver == "exact") haptics.solver = scene::HapticsConfig::Solver::exact;
+  if (arguments.solver == "paper") haptics.solver = scene::HapticsConfig::Solver::paper;
   haptics::SolverOptions options;
   options.paper_rho = arguments.rho;
   options.paper_iterations = arguments.iterations;

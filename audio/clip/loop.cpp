@@ -90,8 +90,8 @@ double followed_period(const std::vector<double>& zeros, double first, double pe
 
 /// Of the loudest mode near a period's pitch: partials that are no multiples of it move zero crossings by a semitone
 /// and more. Without such a mode the period as it is.
-double tuned_period(const std::vector<pipeline::ModeConfig>& modes, double period, double rate_hz) {
-  for (const pipeline::ModeConfig& mode : modes) {
+double tuned_period(const std::vector<scene::ModeConfig>& modes, double period, double rate_hz) {
+  for (const scene::ModeConfig& mode : modes) {
     const double of_mode = rate_hz / mode.frequency_hz;
     if (mode.level_db > kSoftest_db && std::abs(std::log2(of_mode / period)) < kNear_octaves) return of_mode;
   }
@@ -100,11 +100,11 @@ double tuned_period(const std::vector<pipeline::ModeConfig>& modes, double perio
 
 /// A sound whose partials are no multiples of a pitch may be most like itself after several periods of the lowest: that
 /// one's period, in samples. 0 where the lag is one period.
-double period_of_lowest(const std::vector<pipeline::ModeConfig>& modes, std::size_t lag, double rate_hz) {
+double period_of_lowest(const std::vector<scene::ModeConfig>& modes, std::size_t lag, double rate_hz) {
   const double pitch_hz = rate_hz / static_cast<double>(lag);
   double lowest_hz = HUGE_VAL;
   bool multiples = true;
-  for (const pipeline::ModeConfig& mode : modes) {
+  for (const scene::ModeConfig& mode : modes) {
     if (mode.level_db <= kSoftest_db) continue;
     lowest_hz = std::min(lowest_hz, mode.frequency_hz);
     const double multiple = mode.frequency_hz / pitch_hz;
@@ -153,7 +153,7 @@ Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& na
   const std::size_t begin = loudest + static_cast<std::size_t>(kAttack_s * rate_hz);
   if (begin + static_cast<std::size_t>(0.06 * rate_hz) > x.size()) throw refuse("it is too short");
   const std::size_t length = std::min(x.size() - begin, static_cast<std::size_t>(kJudged_s * rate_hz));
-  const std::vector<pipeline::ModeConfig> modes = fit_modes(std::vector<float>(x.begin(), x.end()), rate_hz);
+  const std::vector<scene::ModeConfig> modes = fit_modes(std::vector<float>(x.begin(), x.end()), rate_hz);
   const std::size_t lag = rough_period(x, begin, length, rate_hz);
   const std::vector<double> zeros = rising_zeros(x, begin, begin + length);
   if (lag == 0 || zeros.size() < 3) throw refuse("it has no pitch");
@@ -179,8 +179,8 @@ Clip loop_one_period(const Clip& clip, int sample_rate_hz, const std::string& na
   if (static_cast<double>(quarter) < period) throw refuse("it ends within four periods");
   const double early = rms(x, begin, quarter), late = rms(x, begin + 3 * quarter, quarter);
   double decay = late > 0.0 && early > late ? std::log(early / late) / static_cast<double>(3 * quarter) : 0.0;
-  decay = std::clamp(decay, std::log(1000.0) / (pipeline::kMostDecay_s * rate_hz),
-                     std::log(1000.0) / (pipeline::kLeastDecay_s * rate_hz));
+  decay = std::clamp(decay, std::log(1000.0) / (scene::kMostDecay_s * rate_hz),
+                     std::log(1000.0) / (scene::kLeastDecay_s * rate_hz));
   const double frames = std::min(kLongest_s * rate_hz, kQuietest_db / 20.0 * std::log(10.0) / decay);
   const double gain = std::exp(decay * (first - static_cast<double>(loudest)));
   Clip looped;

@@ -126,7 +126,7 @@ void add_peaks(std::span<const float> sound, double rate_hz, std::size_t length,
   const std::size_t known = peaks.size();
   for (std::size_t k = reach; k + reach < level.size(); ++k) {
     const double frequency = static_cast<double>(k) * bin_hz;
-    if (frequency < 2.0 * pipeline::kLeastFrequency_hz || frequency > pipeline::kMostFrequency_hz) continue;
+    if (frequency < 2.0 * scene::kLeastFrequency_hz || frequency > scene::kMostFrequency_hz) continue;
     const auto first = level.begin() + static_cast<std::ptrdiff_t>(k - reach);
     const auto last = level.begin() + static_cast<std::ptrdiff_t>(k + reach + 1);
     if (!(level[k] > faintest) || *std::max_element(first, last) != level[k]) continue;
@@ -188,7 +188,7 @@ double seen_share(double decay_per_sample, std::size_t length) {
 }
 
 struct Mode {
-  pipeline::ModeConfig config;
+  scene::ModeConfig config;
   double amplitude = 0.0;
 };
 
@@ -231,15 +231,15 @@ std::optional<Mode> follow(std::span<const float> sound, double frequency_hz, do
   }
   mode.config.frequency_hz = frequency_hz;
   mode.config.decay_s = kLn1000 / (slope * rate_hz);
-  const bool possible = frequency_hz >= pipeline::kLeastFrequency_hz && frequency_hz <= pipeline::kMostFrequency_hz &&
-                        mode.config.decay_s >= pipeline::kLeastDecay_s && mode.config.decay_s <= pipeline::kMostDecay_s;
+  const bool possible = frequency_hz >= scene::kLeastFrequency_hz && frequency_hz <= scene::kMostFrequency_hz &&
+                        mode.config.decay_s >= scene::kLeastDecay_s && mode.config.decay_s <= scene::kMostDecay_s;
   return possible ? std::optional(mode) : std::nullopt;
 }
 
 }  // namespace
 
-std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, double sample_rate_hz, std::size_t most,
-                                            std::vector<double>* left_out_hz) {
+std::vector<scene::ModeConfig> fit_modes(std::span<const float> recorded, double sample_rate_hz, std::size_t most,
+                                         std::vector<double>* left_out_hz) {
   if (recorded.empty()) return {};
   const std::vector<float> sound = without_offset(recorded);
   const Begin begin = begin_of(sound, sample_rate_hz);
@@ -262,9 +262,9 @@ std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, dou
     }
   }
   std::sort(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) { return a.amplitude > b.amplitude; });
-  std::vector<pipeline::ModeConfig> result;
+  std::vector<scene::ModeConfig> result;
   for (const Mode& mode : modes) {
-    const bool known = std::any_of(result.begin(), result.end(), [&](const pipeline::ModeConfig& other) {
+    const bool known = std::any_of(result.begin(), result.end(), [&](const scene::ModeConfig& other) {
       return std::abs(other.frequency_hz - mode.config.frequency_hz) < 0.5 * kClosest_hz;
     });
     if (known || result.size() == most) continue;
@@ -273,7 +273,7 @@ std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, dou
   }
   if (left_out_hz == nullptr) return result;
   for (const double lost : lost_hz) {
-    const bool found = std::any_of(result.begin(), result.end(), [&](const pipeline::ModeConfig& mode) {
+    const bool found = std::any_of(result.begin(), result.end(), [&](const scene::ModeConfig& mode) {
       return std::abs(mode.frequency_hz - lost) < kClosest_hz;
     });
     if (!found) left_out_hz->push_back(lost);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scene/config.h"
+#include "scene/config/audio.h"
 
 namespace sparsha::audio {
 
@@ -17,8 +17,8 @@ namespace sparsha::audio {
 /// what does not ring. Two modes that beat with each other, less than 7 Hz or some 9 decays apart (9 / the seconds in
 /// which they fall by 60 dB), do not fall evenly and are not found; `left_out_hz` gets the frequencies of such peaks
 /// that are within 20 dB of the loudest, by rising frequency.
-[[nodiscard]] std::vector<pipeline::ModeConfig> fit_modes(std::span<const float> recorded, double sample_rate_hz,
-                                                          std::size_t most = 16,
-                                                          std::vector<double>* left_out_hz = nullptr);
+[[nodiscard]] std::vector<scene::ModeConfig> fit_modes(std::span<const float> recorded, double sample_rate_hz,
+                                                       std::size_t most = 16,
+                                                       std::vector<double>* left_out_hz = nullptr);
 
 }  // namespace sparsha::audio

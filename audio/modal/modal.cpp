@@ -66,13 +66,13 @@ void equalise(Modes& modes) {
 
 }  // namespace
 
-Modes pillar_modes(const pipeline::ModalConfig& config, double limit_hz) {
+Modes pillar_modes(const scene::ModalConfig& config, double limit_hz) {
   Modes modes;
   if (!config.modes.empty()) {
     const auto loudest =
         std::max_element(config.modes.begin(), config.modes.end(),
                          [](const auto& one, const auto& other) { return one.level_db < other.level_db; });
-    for (const pipeline::ModeConfig& mode : config.modes)
+    for (const scene::ModeConfig& mode : config.modes)
       if (modes.count < kMaxPartials && mode.frequency_hz < limit_hz)
         modes.partials[modes.count++] = {mode.frequency_hz, mode.decay_s,
                                          from_decibel(mode.level_db - loudest->level_db)};
@@ -90,15 +90,15 @@ Modes pillar_modes(const pipeline::ModalConfig& config, double limit_hz) {
   return modes;
 }
 
-pipeline::MaterialSound sound_of(const pipeline::MaterialSoundConfig& config) {
-  pipeline::MaterialSound sound = pipeline::touch_of(config.material).sound;
+scene::MaterialSound sound_of(const scene::MaterialSoundConfig& config) {
+  scene::MaterialSound sound = scene::touch_of(config.material).sound;
   sound.frequency_hz = config.frequency_hz.value_or(sound.frequency_hz);
   sound.damping = config.damping.value_or(sound.damping);
   sound.brightness = config.brightness.value_or(sound.brightness);
   return sound;
 }
 
-Modes plate_modes(const pipeline::MaterialSound& sound, double limit_hz) {
+Modes plate_modes(const scene::MaterialSound& sound, double limit_hz) {
   Modes modes;
   double gain = 1.0;
   for (const double ratio : kPlateRatios) {
@@ -106,8 +106,7 @@ Modes plate_modes(const pipeline::MaterialSound& sound, double limit_hz) {
     const double frequency = std::min(sound.frequency_hz * ratio, limit_hz);
     // exp(-pi damping f t) falls by 60 dB in ln(1000) / (pi damping f).
     const double t60_s = std::log(1000.0) / (kPi * sound.damping * frequency);
-    modes.partials[modes.count++] = {frequency, std::clamp(t60_s, pipeline::kLeastDecay_s, pipeline::kMostDecay_s),
-                                     gain};
+    modes.partials[modes.count++] = {frequency, std::clamp(t60_s, scene::kLeastDecay_s, scene::kMostDecay_s), gain};
     gain *= sound.brightness;
   }
   equalise(modes);

@@ -11,12 +11,12 @@
 #include <array>
 #include <cstddef>
 
-#include "scene/config.h"
+#include "scene/config/audio.h"
 #include "scene/sound_limits.h"
 
 namespace sparsha::audio {
 
-inline constexpr std::size_t kMaxPartials = pipeline::kMostModes;
+inline constexpr std::size_t kMaxPartials = scene::kMostModes;
 
 /// One damped sinusoid. `t60_s` is the time to fall by 60 dB.
 struct Partial {
@@ -32,12 +32,12 @@ struct Modes {
   bool is_bar = false;  ///< the place that is struck shapes the partials
 };
 /// Of a pillar (at most eight), whose fundamental has the configured frequency and T60; or those that are listed.
-[[nodiscard]] Modes pillar_modes(const pipeline::ModalConfig& config, double limit_hz);
+[[nodiscard]] Modes pillar_modes(const scene::ModalConfig& config, double limit_hz);
 /// Of a free round plate (Fletcher & Rossing 1998, table 3.2) with the material's loss factor for all modes. Together
 /// they are as loud as one mode of gain 1.
-[[nodiscard]] Modes plate_modes(const pipeline::MaterialSound& sound, double limit_hz);
+[[nodiscard]] Modes plate_modes(const scene::MaterialSound& sound, double limit_hz);
 /// The table's, with what the configuration changes.
-[[nodiscard]] pipeline::MaterialSound sound_of(const pipeline::MaterialSoundConfig& config);
+[[nodiscard]] scene::MaterialSound sound_of(const scene::MaterialSoundConfig& config);
 
 /// Deflection of mode n (from 0) of a clamped-clamped bar at `position` (0 to 1 along it), relative to the
 /// fundamental's there. `position` is kept within 0.2 to 0.8, where the fundamental speaks.

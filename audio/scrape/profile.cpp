@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "scene/measured_spectrum.h"
+#include "scene/scene.h"
 
 namespace sparsha::audio {
 namespace {
@@ -25,7 +26,7 @@ std::array<double, 4> catmull_rom(double t) {
 
 }  // namespace
 
-Profile::Window Profile::window_of(const pipeline::SceneDescription& scene, const haptics::State& state) {
+Profile::Window Profile::window_of(const scene::SceneDescription& scene, const haptics::State& state) {
   const auto last = static_cast<std::uint64_t>(scene.levels.size()) - 1;
   Window window;
   window.level = static_cast<int>(std::min(state.level, last));
@@ -38,7 +39,7 @@ Profile::Window Profile::window_of(const pipeline::SceneDescription& scene, cons
   window.ny = std::clamp(node(state.window[3]), 0, kWidest);
   window.scale = state.scale;
   window.texture = (state.flags & haptics::kFlagTexture) != 0;
-  window.beyond = pipeline::beyond_of((state.flags & haptics::kFlagFalls) != 0, (state.flags & haptics::kFlagRim) != 0);
+  window.beyond = scene::beyond_of((state.flags & haptics::kFlagFalls) != 0, (state.flags & haptics::kFlagRim) != 0);
   while (window.level > 0 && 2 * std::max(window.nx, window.ny) <= kMostNodes) {
     --window.level;
     window.i0 *= 2;
@@ -49,9 +50,9 @@ Profile::Window Profile::window_of(const pipeline::SceneDescription& scene, cons
   return window;
 }
 
-Profile::Profile(const pipeline::Scene& scene, const Window& window, std::shared_ptr<const pipeline::GrainField> grain)
+Profile::Profile(const scene::Scene& scene, const Window& window, std::shared_ptr<const scene::GrainField> grain)
     : grain_(std::move(grain)) {
-  pipeline::TouchedHeights touched = pipeline::read_touched(scene, window);
+  scene::TouchedHeights touched = scene::read_touched(scene, window);
   lattice_ = touched.lattice;
   margin_ = touched.margin;
   origin_m_ = lattice_.origin_m + margin_ * lattice_.spacing_m * Eigen::Vector3d(1.0, 1.0, 0.0);
@@ -101,7 +102,7 @@ double Profile::grain_m(const Eigen::Vector3d& place_m, double per_sample_m, dou
   return height / enlarged_;
 }
 
-void ProfileReader::set_scene(pipeline::ScenePointer scene) {
+void ProfileReader::set_scene(scene::ScenePointer scene) {
   scene_ = std::move(scene);
   grain_.reset();
   window_.reset();
@@ -112,8 +113,7 @@ std::shared_ptr<const Profile> ProfileReader::update(const haptics::State& state
   const Profile::Window window = Profile::window_of(scene_->description(), state);
   if (window_ == window) return nullptr;
   window_ = window;
-  if (with_grain_ && !grain_)
-    grain_ = std::make_shared<const pipeline::GrainField>(pipeline::measure_spectrum(*scene_));
+  if (with_grain_ && !grain_) grain_ = std::make_shared<const scene::GrainField>(scene::measure_spectrum(*scene_));
   return std::make_shared<const Profile>(*scene_, window, grain_);
 }
 

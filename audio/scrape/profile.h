@@ -9,9 +9,10 @@
 #include <Eigen/Core>
 
 #include "haptics/state/state.h"
+#include "scene/depth_grid.h"
 #include "scene/grain_field.h"
 #include "scene/region_frame.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 #include "scene/touched_view.h"
 
 namespace sparsha::audio {
@@ -20,13 +21,13 @@ namespace sparsha::audio {
 class Profile {
  public:
   /// Which nodes of which level: the finest one of which the window has at most kMostNodes per side.
-  using Window = pipeline::TouchedView;  ///< of a point: the tip's place lies on the stone
+  using Window = scene::TouchedView;  ///< of a point: the tip's place lies on the stone
   static constexpr int kMostNodes = 1024;
   /// The window that the servo renders.
-  [[nodiscard]] static Window window_of(const pipeline::SceneDescription& scene, const haptics::State& state);
+  [[nodiscard]] static Window window_of(const scene::SceneDescription& scene, const haptics::State& state);
 
   /// `grain` may be null. Throws Error{input} when tiles cannot be read.
-  Profile(const pipeline::Scene& scene, const Window& window, std::shared_ptr<const pipeline::GrainField> grain);
+  Profile(const scene::Scene& scene, const Window& window, std::shared_ptr<const scene::GrainField> grain);
 
   /// Cubic between the nodes (Catmull-Rom: through them, without creases), level beyond the window. Metres of the grid
   /// frame, relative to origin_m().
@@ -38,12 +39,12 @@ class Profile {
   [[nodiscard]] const Eigen::Vector3d& origin_m() const noexcept { return origin_m_; }
 
  private:
-  pipeline::Lattice lattice_;  ///< of the window with its margin
-  int margin_ = 0;             ///< nodes on every side
+  scene::Lattice lattice_;  ///< of the window with its margin
+  int margin_ = 0;          ///< nodes on every side
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
   std::vector<float> height_m_;
-  std::shared_ptr<const pipeline::GrainField> grain_;
-  std::optional<pipeline::RegionFrame> region_from_grid_;
+  std::shared_ptr<const scene::GrainField> grain_;
+  std::optional<scene::RegionFrame> region_from_grid_;
   double enlarged_ = 1.0;  ///< metres of the grid frame in the regions' frame
 };
 
@@ -51,17 +52,17 @@ class Profile {
 class ProfileReader {
  public:
   /// `grain`: whether what lies between the nodes is continued.
-  ProfileReader(pipeline::ScenePointer scene, bool grain) : scene_(std::move(scene)), with_grain_(grain) {}
+  ProfileReader(scene::ScenePointer scene, bool grain) : scene_(std::move(scene)), with_grain_(grain) {}
 
   /// After a new depth scan.
-  void set_scene(pipeline::ScenePointer scene);
+  void set_scene(scene::ScenePointer scene);
   /// Null while the last one given still holds. Throws Error{input} when tiles cannot be read, once for a window.
   [[nodiscard]] std::shared_ptr<const Profile> update(const haptics::State& state);
 
  private:
-  pipeline::ScenePointer scene_;
+  scene::ScenePointer scene_;
   bool with_grain_;
-  std::shared_ptr<const pipeline::GrainField> grain_;
+  std::shared_ptr<const scene::GrainField> grain_;
   std::optional<Profile::Window> window_;
 };
 

@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "scene/scene.h"
+
 namespace sparsha::audio {
 
-ProfileLoader::ProfileLoader(pipeline::ScenePointer scene, bool grain)
+ProfileLoader::ProfileLoader(scene::ScenePointer scene, bool grain)
     : reader_(std::move(scene), grain), thread_([this] { run(); }) {}
 
 ProfileLoader::~ProfileLoader() {
@@ -16,7 +18,7 @@ ProfileLoader::~ProfileLoader() {
   thread_.join();
 }
 
-void ProfileLoader::set_scene(pipeline::ScenePointer scene) {
+void ProfileLoader::set_scene(scene::ScenePointer scene) {
   const std::lock_guard lock(mutex_);
   new_scene_ = std::move(scene);
   again_ = true;

@@ -19,14 +19,14 @@ namespace sparsha::audio {
 class ProfileLoader {
  public:
   /// `grain`: whether what lies between the nodes is continued.
-  ProfileLoader(pipeline::ScenePointer scene, bool grain);
+  ProfileLoader(scene::ScenePointer scene, bool grain);
   /// Waits for the window that is being read.
   ~ProfileLoader();
   ProfileLoader(const ProfileLoader&) = delete;
   ProfileLoader& operator=(const ProfileLoader&) = delete;
 
   /// After a new depth scan of the same object.
-  void set_scene(pipeline::ScenePointer scene);
+  void set_scene(scene::ScenePointer scene);
   /// What the hand touches now; of several windows that wait only the newest is read. Never waits for the disk.
   void wish(const haptics::State& state);
 
@@ -53,7 +53,7 @@ class ProfileLoader {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  pipeline::ScenePointer new_scene_;
+  scene::ScenePointer new_scene_;
   bool again_ = false;  ///< the scene is another one: the same window is read again
   std::optional<haptics::State> waits_;
   Loaded loaded_;

@@ -24,37 +24,37 @@ constexpr std::size_t kBlock = 128;  // frames
 constexpr double kRate = 48000.0;
 
 /// Stone of 0.2 m whose heights follow no straight line, with that many regions side by side.
-pipeline::ScenePointer rough_stone(int voices) {
-  pipeline::Layers layers;
-  layers.grid = pipeline::DepthGrid({401, 401, 0.0005, Eigen::Vector3d::Zero()});
-  const pipeline::Lattice& lattice = layers.grid.lattice;
+scene::ScenePointer rough_stone(int voices) {
+  scene::Layers layers;
+  layers.grid = scene::DepthGrid({401, 401, 0.0005, Eigen::Vector3d::Zero()});
+  const scene::Lattice& lattice = layers.grid.lattice;
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
       double height = 0.0;
       for (int k = 1; k < 40; ++k)
         height += 2e-4 / k * std::sin(70.0 * k * lattice.x_m(i) + 53.0 * k * lattice.y_m(j) + k * k);
       layers.grid.height_m[lattice.index(i, j)] = static_cast<float>(height);
-      layers.grid.state[lattice.index(i, j)] = pipeline::NodeState::measured;
+      layers.grid.state[lattice.index(i, j)] = scene::NodeState::measured;
     }
-  pipeline::SceneDescription description;
+  scene::SceneDescription description;
   description.levels = {lattice};
-  description.config.audio = pipeline::AudioConfig{};
+  description.config.audio = scene::AudioConfig{};
   description.config.audio->friction_sound_gain = 0.5;
   for (int v = 0; v < voices; ++v) {
-    pipeline::ModalConfig modal;
+    scene::ModalConfig modal;
     for (int m = 0; m < kModes; ++m) modal.modes.push_back({100.0 + 7.0 * v + 180.0 * m, 30.0, -0.5 * m});
-    pipeline::AudioRegionConfig region;
+    scene::AudioRegionConfig region;
     region.name = "voice";
     region.box_m = {0.2 * v / voices, 0.0, 0.2 * (v + 1) / voices, 0.2};
     region.sound = modal;
     description.config.audio->regions.push_back(region);
   }
-  return pipeline::make_scene(std::move(description), {layers});
+  return scene::make_scene(std::move(description), {layers});
 }
 
 /// Share of a core (processor time) that a second of sound takes, over `seconds` of it: the median of whole seconds.
 double load(int voices, bool strokes, int seconds) {
-  const pipeline::ScenePointer scene = rough_stone(std::max(voices, 1));
+  const scene::ScenePointer scene = rough_stone(std::max(voices, 1));
   audio::Synth synth(audio::make_sound_bank(*scene, static_cast<int>(kRate)));
   audio::ProfileReader reader(scene, true);
   std::shared_ptr<const audio::Profile> profile;

@@ -19,7 +19,7 @@
 namespace sparsha::bench {
 namespace {
 
-using Beyond = pipeline::HapticsConfig::Beyond;
+using Beyond = scene::HapticsConfig::Beyond;
 constexpr double kInside_m = 0.010;  // device frame
 constexpr double kBeyond_m = 0.014;
 constexpr double kPress_n = 1.5;
@@ -33,11 +33,11 @@ struct Edge {
 
 class Ground {
  public:
-  Ground(const pipeline::Scene& scene, int level) : layers_(scene.read_level(level)) {}
-  [[nodiscard]] const pipeline::Lattice& lattice() const { return layers_.grid.lattice; }
+  Ground(const scene::Scene& scene, int level) : layers_(scene.read_level(level)) {}
+  [[nodiscard]] const scene::Lattice& lattice() const { return layers_.grid.lattice; }
   [[nodiscard]] bool known(int i, int j) const {
     return i >= 0 && j >= 0 && i < lattice().nx && j < lattice().ny &&
-           layers_.grid.state[lattice().index(i, j)] != pipeline::NodeState::unknown;
+           layers_.grid.state[lattice().index(i, j)] != scene::NodeState::unknown;
   }
   [[nodiscard]] bool known(const Eigen::Vector2d& place_m) const {
     const Eigen::Vector2d node = (place_m - lattice().origin_m.head<2>()) / lattice().spacing_m;
@@ -83,7 +83,7 @@ class Ground {
   }
 
  private:
-  pipeline::Layers layers_;
+  scene::Layers layers_;
 };
 
 struct Stroke {
@@ -91,8 +91,7 @@ struct Stroke {
   bool on_measured = false;  // what the hand pressed on last
 };
 
-Stroke stroke_over(const pipeline::Scene& scene, const Ground& ground, const haptics::WindowPlan& plan,
-                   const Edge& edge) {
+Stroke stroke_over(const scene::Scene& scene, const Ground& ground, const haptics::WindowPlan& plan, const Edge& edge) {
   haptics::HapticRenderer renderer(haptics::DeviceInfo{}, haptics::RendererOptions{},
                                    haptics::load_window(scene, plan, 1));
   const Eigen::Vector3d centre_m = renderer.window().surface->centre_m;
@@ -164,21 +163,21 @@ void print(const char* scene, const char* kind, const Sum& s) {
   std::fflush(stdout);
 }
 
-void strokes_on(const char* name, const pipeline::Scene& scene, int per_zoom) {
+void strokes_on(const char* name, const scene::Scene& scene, int per_zoom) {
   for (const auto& [kind, word] :
        {std::pair{Beyond::continued, "continued"}, {Beyond::falls, "falls"}, {Beyond::rim, "rim"}}) {
     std::mt19937_64 random(16);
     Sum sum;
-    for (const haptics::ZoomStep& step : haptics::zoom_steps(scene.description(), pipeline::kDeskWorkspace_m)) {
+    for (const haptics::ZoomStep& step : haptics::zoom_steps(scene.description(), scene::kDeskWorkspace_m)) {
       const Ground ground(scene, step.level);
       for (int k = 0; k < per_zoom; ++k) {
         haptics::WindowPlan plan = haptics::plan_window(scene.description(), step, haptics::middle_of(ground.lattice()),
-                                                        pipeline::kDeskWorkspace_m);
+                                                        scene::kDeskWorkspace_m);
         const std::optional<Edge> edge = ground.edge(plan.scale, random);
         if (!edge) break;
-        pipeline::SceneDescription described = scene.description();
+        scene::SceneDescription described = scene.description();
         described.config.haptics.beyond = kind;
-        plan = haptics::plan_window(described, step, edge->place_m, pipeline::kDeskWorkspace_m);
+        plan = haptics::plan_window(described, step, edge->place_m, scene::kDeskWorkspace_m);
         const Stroke stroke = stroke_over(scene, ground, plan, *edge);
         if (kind == Beyond::falls &&
             (stroke.beyond_n > 0.1 * stroke.edge_n || stroke.reached_m < kFelt_m || stroke.drop_n > 1.0) &&
@@ -218,7 +217,7 @@ bool write_edges(const std::vector<std::filesystem::path>& scenes, int per_zoom)
     strokes_on("slab", *test::scene_of(slab_m, 401, 0.2), per_zoom);
   }
   for (const std::filesystem::path& folder : scenes)
-    strokes_on(folder.filename().c_str(), *pipeline::open_scene(folder), per_zoom);
+    strokes_on(folder.filename().c_str(), *scene::open_scene(folder), per_zoom);
   return true;
 }
 

@@ -159,20 +159,20 @@ Outcome run(const Loop& loop, const Window& at) {
   return outcome;
 }
 
-void add(std::vector<Window>& windows, const std::string& name, const pipeline::Scene& scene, int places) {
+void add(std::vector<Window>& windows, const std::string& name, const scene::Scene& scene, int places) {
   Chance chance(windows.size() + 7);
-  for (const haptics::ZoomStep& step : haptics::zoom_steps(scene.description(), pipeline::kDeskWorkspace_m)) {
-    const pipeline::Layers layers = scene.read_level(step.level);
-    const pipeline::Lattice& lattice = layers.grid.lattice;
+  for (const haptics::ZoomStep& step : haptics::zoom_steps(scene.description(), scene::kDeskWorkspace_m)) {
+    const scene::Layers layers = scene.read_level(step.level);
+    const scene::Lattice& lattice = layers.grid.lattice;
     for (int k = 0; k < places; ++k) {
       std::size_t node = 0;
       for (int trial = 0; trial < 10000; ++trial) {
         node = chance.index(lattice.count());
-        if (layers.grid.state[node] != pipeline::NodeState::unknown) break;
+        if (layers.grid.state[node] != scene::NodeState::unknown) break;
       }
       const auto nx = static_cast<std::size_t>(lattice.nx);
       const Eigen::Vector2d at(lattice.x_m(static_cast<int>(node % nx)), lattice.y_m(static_cast<int>(node / nx)));
-      haptics::WindowPlan plan = haptics::plan_window(scene.description(), step, at, pipeline::kDeskWorkspace_m);
+      haptics::WindowPlan plan = haptics::plan_window(scene.description(), step, at, scene::kDeskWorkspace_m);
       Window window;
       window.name = name + " level " + std::to_string(step.level) + ", " + std::to_string(step.nodes) + " nodes";
       window.rough = haptics::load_window(scene, plan, 1);
@@ -195,9 +195,9 @@ void add_formulas(std::vector<Window>& windows) {
       {"grating", [w](double x, double) { return 0.00015 * std::sin(w * x / 0.004); }},
       {"waves", [w](double x, double y) { return 0.0008 * std::sin(w * x / 0.009) * std::sin(w * y / 0.007); }},
       {"steps", [](double x, double y) { return 0.002 * std::floor(x / 0.012) + 0.001 * std::floor(y / 0.017); }}};
-  const auto rough = [](pipeline::SceneDescription& description) {
-    description.config.friction = pipeline::FrictionConfig{};
-    description.config.friction->law = pipeline::FrictionConfig::Law::constant;
+  const auto rough = [](scene::SceneDescription& description) {
+    description.config.friction = scene::FrictionConfig{};
+    description.config.friction->law = scene::FrictionConfig::Law::constant;
   };
   for (const auto& [name, height] : formulas)
     add(windows, name, *test::scene_of(height, 401, 0.1, 401, Vector3d::Zero(), rough), 1);
@@ -214,7 +214,7 @@ double quantile(std::vector<double> values, double share) {
 bool write_loops(const std::vector<std::filesystem::path>& scenes, int loops) {
   std::vector<Window> windows;
   for (const std::filesystem::path& folder : scenes)
-    add(windows, folder.filename().string(), *pipeline::open_scene(folder), 4);
+    add(windows, folder.filename().string(), *scene::open_scene(folder), 4);
   add_formulas(windows);
   std::vector<Outcome> outcomes(static_cast<std::size_t>(loops));
   ThreadPool().for_ranges(outcomes.size(), 1, [&](std::size_t k, std::size_t) {

@@ -16,6 +16,7 @@
 #include "haptics/window/window.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/ply_stream.h"
+#include "scene/scene.h"
 
 namespace sparsha::bench {
 namespace {
@@ -46,7 +47,7 @@ void write_scan(const fs::path& file, std::size_t count) {
   stream.close();
 }
 
-pipeline::Config config_of(const fs::path& folder, int nodes, const std::string& friction) {
+scene::Config config_of(const fs::path& folder, int nodes, const std::string& friction) {
   const fs::path file = folder / "scanned.yaml";
   {
     std::ofstream yaml(file);
@@ -55,10 +56,10 @@ pipeline::Config config_of(const fs::path& folder, int nodes, const std::string&
          << "friction: {" << friction << "}\nlevels: {window: " << nodes
          << "}\nhaptics: {tip_radius_mm: 0}\ncheck: {samples: 50000}\n";
   }
-  return pipeline::load_config(file);
+  return scene::load_config(file);
 }
 
-haptics::SurfacePointer window_of(const pipeline::Scene& scene, bool texture, bool friction) {
+haptics::SurfacePointer window_of(const scene::Scene& scene, bool texture, bool friction) {
   haptics::WindowPlan plan =
       haptics::plan_window(scene.description(), 0, haptics::middle_of(scene.description().levels[0]), kWorkspace_m);
   plan.effects = {texture, friction};
@@ -76,15 +77,15 @@ struct TextureFidelity {
   double correlation = 0.0;
   double gain = 0.0;  ///< regression on the true texture
 };
-TextureFidelity texture_fidelity(const pipeline::Scene& scene) {
-  const pipeline::Layers layers = scene.read_level(0);
-  const pipeline::Lattice& lattice = layers.grid.lattice;
+TextureFidelity texture_fidelity(const scene::Scene& scene) {
+  const scene::Layers layers = scene.read_level(0);
+  const scene::Lattice& lattice = layers.grid.lattice;
   double tt = 0.0, ft = 0.0, ff = 0.0;
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
       const std::size_t k = lattice.index(i, j);
       const double x = lattice.x_m(i), y = lattice.y_m(j);
-      if (std::min({x, y, 1.0 - x, 1.0 - y}) < 0.05 || layers.grid.state[k] != pipeline::NodeState::measured) continue;
+      if (std::min({x, y, 1.0 - x, 1.0 - y}) < 0.05 || layers.grid.state[k] != scene::NodeState::measured) continue;
       const double found = static_cast<double>(layers.grid.height_m[k]) - static_cast<double>(layers.envelope_m[k]);
       const double truth = stroke_texture(x, y);
       tt += truth * truth;
@@ -159,26 +160,26 @@ bool write_tables(const fs::path& work, const fs::path& folder) {
               "truth mm", "proxy ns");
   for (const int nodes : {200, 400, 800}) {
     Progress progress;  // its stages add up
-    const pipeline::Config config = config_of(work, nodes, "law: curvature");
+    const scene::Config config = config_of(work, nodes, "law: curvature");
     const auto built = pipeline::build_scene_folder(config, {}, work / "scene", progress);
     double generate_s = 0.0;
     for (const StageTime& stage : built.report.stages)
       if (stage.name == "project") generate_s = stage.seconds;
     Clock::time_point began = Clock::now();
-    const auto near = pipeline::open_scene(work / "scene");
+    const auto near = scene::open_scene(work / "scene");
     haptics::WindowPlan plan = haptics::plan_window(near->description(), haptics::ZoomStep{0, 200}, {0.5, 0.5}, 0.1);
     static_cast<void>(haptics::load_window(*near, plan, 1));
     const double window_s = seconds_since(began);
     began = Clock::now();
-    const haptics::SurfacePointer surface = window_of(*pipeline::open_scene(work / "scene"), true, true);
+    const haptics::SurfacePointer surface = window_of(*scene::open_scene(work / "scene"), true, true);
     const double level_s = seconds_since(began);
-    const pipeline::Layers layers = near->read_level(0);
+    const scene::Layers layers = near->read_level(0);
     double squares = 0.0;
     std::size_t count = 0;
     for (int j = 0; j < layers.grid.lattice.ny; ++j)
       for (int i = 0; i < layers.grid.lattice.nx; ++i) {
         const std::size_t k = layers.grid.lattice.index(i, j);
-        if (layers.grid.state[k] != pipeline::NodeState::measured) continue;
+        if (layers.grid.state[k] != scene::NodeState::measured) continue;
         const double x = layers.grid.lattice.x_m(i), y = layers.grid.lattice.y_m(j);
         const double z = static_cast<double>(layers.grid.height_m[k]) + layers.grid.lattice.origin_m.z();
         squares += std::pow(z - stroke_envelope(x, y) - stroke_texture(x, y), 2);

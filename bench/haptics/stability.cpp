@@ -80,7 +80,7 @@ struct Run {
 
 /// With and without the governor, on all processors: nothing is timed here, and each run has its own seed.
 std::vector<Run> run_all(const Loops& loops, bool quick) {
-  std::map<Ground, pipeline::ScenePointer> scenes;
+  std::map<Ground, scene::ScenePointer> scenes;
   for (const Ground ground : test::kGrounds) scenes[ground] = test::make_ground(ground);
   std::vector<Run> runs;
   for (const TouchCase& loop : loops)

@@ -12,6 +12,7 @@
 #include "bench/pipeline/scenes.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/reader.h"
+#include "scene/config/config.h"
 
 namespace sparsha::bench {
 namespace {
@@ -87,7 +88,7 @@ bool run_accuracy(const RunOptions& options) {
     simulation.write_truth = false;
     pipeline::write_simulation(simulation, folder, progress);
     const pipeline::Truth truth(simulation);
-    const pipeline::Config config = pipeline::load_config(folder / "sparsha.yaml");
+    const scene::Config config = scene::load_config(folder / "sparsha.yaml");
     const pipeline::Cloud cloud = pipeline::load_scans(config.scans, progress);
     ThreadPool pool(1);
     const auto began = std::chrono::steady_clock::now();

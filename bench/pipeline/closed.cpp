@@ -126,8 +126,8 @@ class Table {
   std::ofstream csv_;
 };
 
-pipeline::GridConfig grid_of(const Case& c, double spacing_m) {
-  pipeline::GridConfig grid;
+scene::GridConfig grid_of(const Case& c, double spacing_m) {
+  scene::GridConfig grid;
   if (c.nodes > 0) {
     grid.size = c.nodes;
   } else {
@@ -138,7 +138,7 @@ pipeline::GridConfig grid_of(const Case& c, double spacing_m) {
 
 /// The best of three runs, milliseconds, after one that fetches its memory: what a view of the same scan costs. The
 /// benchmark of whole programs has what the first one costs.
-double timed(const pipeline::Cloud& cloud, const pipeline::GridConfig& grid, unsigned threads,
+double timed(const pipeline::Cloud& cloud, const scene::GridConfig& grid, unsigned threads,
              pipeline::Projection& projection) {
   ThreadPool pool(threads);
   Progress progress;
@@ -174,7 +174,7 @@ bool run_case(const RunOptions& options, const test::NamedObject& named, const C
   const ObjectScan scan = scan_object(*named.object, c.scan);
   if (c.scan.hole_spacings > 0.0 && !scan.hole) return true;
   const pipeline::Cloud cloud = test::make_cloud(scan.points);
-  const pipeline::GridConfig grid = grid_of(c, scan.spacing_m);
+  const scene::GridConfig grid = grid_of(c, scan.spacing_m);
   Row row;
   row.object = named.name;
   row.what = c;
@@ -198,7 +198,7 @@ bool run_case(const RunOptions& options, const test::NamedObject& named, const C
 bool run_directions(const test::NamedObject& named, double noise_spacings) {
   const ObjectScan scan = scan_object(*named.object, {100'000, noise_spacings, 3});
   const pipeline::Cloud cloud = test::make_cloud(scan.points);
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = scan.spacing_m;
   std::string cells;
   double least = std::numeric_limits<double>::infinity(), most = 0.0;

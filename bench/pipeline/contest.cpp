@@ -13,7 +13,7 @@ std::vector<ContestRow> contest(const std::vector<Contestant>& contestants, int 
   std::vector<Turn> methods;
   for (std::size_t n = 0; n < rows.size(); ++n)
     methods.push_back({[&own = contestants[n], &grid = rows[n].grid] {
-                         pipeline::DepthGrid heights;
+                         scene::DepthGrid heights;
                          const double seconds = seconds_of([&] { heights = own.run(); });
                          grid = std::move(heights);
                          return seconds;
@@ -32,8 +32,8 @@ std::vector<ContestRow> contest(const std::vector<Contestant>& contestants, int 
 }
 
 std::vector<Contestant> contestants_of(const pipeline::Cloud& cloud, const std::vector<std::array<double, 3>>& points,
-                                       const pipeline::GridConfig& config, double resolution_m,
-                                       const pipeline::Lattice& lattice, double point_spacing_m) {
+                                       const scene::GridConfig& config, double resolution_m,
+                                       const scene::Lattice& lattice, double point_spacing_m) {
   std::vector<Contestant> all;
   const auto pool = std::make_shared<ThreadPool>(1);
   all.push_back(

@@ -15,12 +15,12 @@ namespace sparsha::bench {
 struct Contestant {
   std::string method;
   bool slow = false;  ///< takes part in few rounds
-  std::function<pipeline::DepthGrid()> run;
+  std::function<scene::DepthGrid()> run;
 };
 
 struct ContestRow {
   std::string method;
-  pipeline::DepthGrid grid;
+  scene::DepthGrid grid;
   double seconds = 0.0;  ///< best round
   double ratio = 1.0;    ///< median over the rounds of this method's time over the first one's in the same round
   double ratio_low = 1.0, ratio_high = 1.0;  ///< least and greatest of these
@@ -36,7 +36,7 @@ struct ContestRow {
 /// result, `points` are those of the cloud.
 [[nodiscard]] std::vector<Contestant> contestants_of(const pipeline::Cloud& cloud,
                                                      const std::vector<std::array<double, 3>>& points,
-                                                     const pipeline::GridConfig& config, double resolution_m,
-                                                     const pipeline::Lattice& lattice, double point_spacing_m);
+                                                     const scene::GridConfig& config, double resolution_m,
+                                                     const scene::Lattice& lattice, double point_spacing_m);
 
 }  // namespace sparsha::bench

@@ -23,8 +23,8 @@ bool run_cross_check(const RunOptions& options) {
   const std::filesystem::path folder = options.work / "c2m";
   Progress progress;
   pipeline::write_simulation(simulation, folder, progress);
-  pipeline::Config config = pipeline::load_config(folder / "sparsha.yaml");
-  config.check = pipeline::CheckConfig{0};
+  scene::Config config = scene::load_config(folder / "sparsha.yaml");
+  config.check = scene::CheckConfig{0};
   const pipeline::BuildResult built = pipeline::build_scene(config, {}, progress);
   pipeline::export_scene(*built.scene, folder / "mesh.ply", false, progress);
   const auto theirs = cloudcompare_distances(folder / "scan.ply", folder / "mesh.ply");

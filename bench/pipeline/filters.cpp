@@ -24,7 +24,7 @@ namespace sparsha::bench {
 namespace {
 
 using pipeline::Cloud;
-using pipeline::FilterConfig;
+using scene::FilterConfig;
 
 /// A relief of 1 m with 0.2 mm of noise and 0.5 % of strays, and a second group of points beside it.
 Cloud scanned(std::size_t count) {
@@ -137,10 +137,10 @@ class Comparison {
 }  // namespace
 
 void run_filters(const RunOptions& options) {
-  using pipeline::KeepConfig;
-  using pipeline::OutlierConfig;
-  using pipeline::RadiusOutlierConfig;
-  using pipeline::SmoothConfig;
+  using scene::KeepConfig;
+  using scene::OutlierConfig;
+  using scene::RadiusOutlierConfig;
+  using scene::SmoothConfig;
   // Small enough for five rounds in the time that a mode has.
   const Cloud cloud = scanned(options.quick ? 60'000 : options.every ? 1'000'000 : 150'000);
   const double spacing_m = 1.14 / std::sqrt(static_cast<double>(cloud.size()));
@@ -161,7 +161,7 @@ void run_filters(const RunOptions& options) {
           KeepConfig{{}, radius_m, KeepConfig::Method::pcl});
   compare("`smooth`, 4 spacings, order 2", SmoothConfig{radius_m, 2, SmoothConfig::Method::fast},
           SmoothConfig{radius_m, 2, SmoothConfig::Method::pcl});
-  const pipeline::VoxelConfig voxel{4.0 * spacing_m};
+  const scene::VoxelConfig voxel{4.0 * spacing_m};
   table.add("`voxel`, 4 spacings", voxel, voxels_by_pcl(cloud, voxel.leaf_m),
             [](const Cloud& ours, const Cloud& theirs) {
               return fmt::format("{} and {} points, {:.4f} % within 1 um", ours.size(), theirs.size(),

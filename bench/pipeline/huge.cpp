@@ -61,7 +61,7 @@ bool build_under(double points, const std::string& limit, double limit_bytes, co
     return false;
   }
   const Figures error =
-      judge(samples_of(pipeline::open_scene(folder / "disk")->read_level(0).grid, pipeline::Truth(simulation)),
+      judge(samples_of(scene::open_scene(folder / "disk")->read_level(0).grid, pipeline::Truth(simulation)),
             pipeline::Truth(simulation));
   const auto peak = static_cast<double>(limited.peak_rss_bytes);
   constexpr double kBytesInMemory = 80.0;  // a point, generously

@@ -31,9 +31,9 @@ double percent_above(const std::vector<double>& errors, double limit) {
 
 }  // namespace
 
-std::vector<Sample> samples_of(const pipeline::DepthGrid& grid, const pipeline::Truth& truth) {
-  const pipeline::Lattice& lattice = grid.lattice;
-  const pipeline::Lattice& expected = truth.lattice();
+std::vector<Sample> samples_of(const scene::DepthGrid& grid, const pipeline::Truth& truth) {
+  const scene::Lattice& lattice = grid.lattice;
+  const scene::Lattice& expected = truth.lattice();
   const double slack = 1e-6 * expected.spacing_m;
   if (lattice.nx != expected.nx || lattice.ny != expected.ny || std::fabs(lattice.x_m(0) - expected.x_m(0)) > slack ||
       std::fabs(lattice.y_m(0) - expected.y_m(0)) > slack) {
@@ -43,7 +43,7 @@ std::vector<Sample> samples_of(const pipeline::DepthGrid& grid, const pipeline::
   for (int j = 0; j < lattice.ny; ++j) {
     for (int i = 0; i < lattice.nx; ++i) {
       const std::size_t k = lattice.index(i, j);
-      if (grid.state[k] != pipeline::NodeState::measured) continue;
+      if (grid.state[k] != scene::NodeState::measured) continue;
       samples.push_back({lattice.x_m(i), lattice.y_m(j), lattice.origin_m.z() + static_cast<double>(grid.height_m[k])});
     }
   }

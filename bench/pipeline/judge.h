@@ -25,7 +25,7 @@ struct Figures {
 };
 
 /// Measured nodes only. Throws Error{failure} when the lattice is not the truth's.
-[[nodiscard]] std::vector<Sample> samples_of(const pipeline::DepthGrid& grid, const pipeline::Truth& truth);
+[[nodiscard]] std::vector<Sample> samples_of(const scene::DepthGrid& grid, const pipeline::Truth& truth);
 [[nodiscard]] Figures judge(std::span<const Sample> samples, const pipeline::Truth& truth);
 
 }  // namespace sparsha::bench

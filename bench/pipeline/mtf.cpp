@@ -18,6 +18,7 @@
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/simulate/simulate.h"
+#include "scene/config/config.h"
 #include "tests/support/clouds.h"
 
 namespace sparsha::bench {
@@ -133,8 +134,8 @@ struct Pair {
 };
 
 /// An unmeasured node takes the error of its measured neighbours, which hides neither form nor noise.
-Pair compare(const pipeline::DepthGrid& grid, const std::function<double(double, double)>& height_m) {
-  const pipeline::Lattice& lattice = grid.lattice;
+Pair compare(const scene::DepthGrid& grid, const std::function<double(double, double)>& height_m) {
+  const scene::Lattice& lattice = grid.lattice;
   Pair pair;
   pair.truth.nx = pair.found.nx = static_cast<std::size_t>(lattice.nx);
   pair.truth.ny = pair.found.ny = static_cast<std::size_t>(lattice.ny);
@@ -148,7 +149,7 @@ Pair compare(const pipeline::DepthGrid& grid, const std::function<double(double,
   const auto error_at = [&](int i, int j, double& sum, int& count) {
     if (i < 0 || j < 0 || i >= lattice.nx || j >= lattice.ny) return;
     const std::size_t k = lattice.index(i, j);
-    if (grid.state[k] != pipeline::NodeState::measured) return;
+    if (grid.state[k] != scene::NodeState::measured) return;
     sum += lattice.origin_m.z() + static_cast<double>(grid.height_m[k]) - pair.truth.z[k];
     ++count;
   };
@@ -250,7 +251,7 @@ void run_gratings(double per_node, double noise_spacings, double slope, Table& t
     const double x = side * unit(random), y = side * unit(random);
     points.push_back({x, y, height_m(x, y) + normal(random)});
   }
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = kSpacing_m;
   grid.bounds_m = {0.0, 0.0, side + 0.25 * kSpacing_m, side + 0.25 * kSpacing_m};
   const pipeline::Projection projection = test::project_cloud(test::make_cloud(points), grid);
@@ -264,7 +265,7 @@ void run_sample(Table& table) {
   const pipeline::SimulationConfig simulation =
       pipeline::parse_simulation(yaml::parse_file(source / "configs/simulate-relief.yaml"));
   const pipeline::Truth truth(simulation);
-  const pipeline::Config config = pipeline::load_config(source / "data/relief/sparsha.yaml");
+  const scene::Config config = scene::load_config(source / "data/relief/sparsha.yaml");
   Progress progress;
   ThreadPool pool(2);
   const pipeline::Cloud cloud = pipeline::load_scans(config.scans, progress);

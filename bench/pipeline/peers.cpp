@@ -15,6 +15,7 @@
 #include "pipeline/scan/reader.h"
 #include "pipeline/simulate/ply_stream.h"
 #include "pipeline/simulate/simulate.h"
+#include "scene/config/config.h"
 #include "tests/support/closed_scan.h"
 #include "tests/support/clouds.h"
 
@@ -65,7 +66,7 @@ void run_open(const RunOptions& options, const OpenCase& c, std::ofstream& csv) 
   Progress progress;
   pipeline::write_simulation(simulation, folder, progress);
   const pipeline::Truth truth(simulation);
-  const pipeline::Config config = pipeline::load_config(folder / "sparsha.yaml");
+  const scene::Config config = scene::load_config(folder / "sparsha.yaml");
   const pipeline::Cloud cloud = pipeline::load_scans(config.scans, progress);
   const auto points = points_in_metres(cloud);
   const double point_spacing_m = truth.lattice().spacing_m / std::sqrt(c.per_node);
@@ -125,12 +126,12 @@ ClosedFigures judge_nodes(const std::vector<Eigen::Vector3d>& nodes, const test:
   return f;
 }
 
-std::vector<Eigen::Vector3d> nodes_of(const pipeline::DepthGrid& grid) {
+std::vector<Eigen::Vector3d> nodes_of(const scene::DepthGrid& grid) {
   std::vector<Eigen::Vector3d> nodes;
   for (int j = 0; j < grid.lattice.ny; ++j)
     for (int i = 0; i < grid.lattice.nx; ++i) {
       const std::size_t k = grid.lattice.index(i, j);
-      if (grid.state[k] == pipeline::NodeState::measured)
+      if (grid.state[k] == scene::NodeState::measured)
         nodes.emplace_back(grid.lattice.x_m(i), grid.lattice.y_m(j),
                            grid.lattice.origin_m.z() + static_cast<double>(grid.height_m[k]));
     }
@@ -142,12 +143,12 @@ void run_closed_case(const RunOptions& options, const test::NamedObject& named, 
   const test::ObjectScan scan = test::scan_object(*named.object, {c.points, c.noise_spacings, 5});
   const pipeline::Cloud cloud = test::make_cloud(scan.points);
   const auto points = points_in_metres(cloud);
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = c.grid_spacings * scan.spacing_m;
   constexpr double kResolution_m = 0.00005;  // the configuration's default
   ThreadPool pool(2);
   Progress progress;
-  const pipeline::Lattice lattice =
+  const scene::Lattice lattice =
       pipeline::project(cloud, Eigen::Matrix4d::Identity(), grid, kResolution_m, {pool, progress}).grid.lattice;
   const std::vector<ContestRow> rows =
       contest(contestants_of(cloud, points, grid, kResolution_m, lattice, scan.spacing_m), options.quick ? 3 : 5,

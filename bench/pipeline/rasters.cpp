@@ -9,8 +9,8 @@
 namespace sparsha::bench {
 namespace {
 
-using pipeline::DepthGrid;
-using pipeline::Lattice;
+using scene::DepthGrid;
+using scene::Lattice;
 using Point = std::array<double, 3>;
 
 /// Cell of a coordinate; may lie outside.
@@ -20,7 +20,7 @@ int cell_of(double value, double first, double spacing) {
 
 void set(DepthGrid& grid, std::size_t node, double z) {
   grid.height_m[node] = static_cast<float>(z - grid.lattice.origin_m.z());
-  grid.state[node] = pipeline::NodeState::measured;
+  grid.state[node] = scene::NodeState::measured;
 }
 
 /// Heights of each cell, one after the other.

@@ -19,7 +19,7 @@ enum class RasterRule {
 
 /// Points in metres, in the frame of the lattice; a cell is the square of one spacing about its node. Nodes without a
 /// point are unknown. One thread.
-[[nodiscard]] pipeline::DepthGrid raster(std::span<const std::array<double, 3>> points,
-                                         const pipeline::Lattice& lattice, RasterRule rule);
+[[nodiscard]] scene::DepthGrid raster(std::span<const std::array<double, 3>> points, const scene::Lattice& lattice,
+                                      RasterRule rule);
 
 }  // namespace sparsha::bench

@@ -14,6 +14,7 @@
 #include "bench/pipeline/run.h"
 #include "bench/report/turns.h"
 #include "pipeline/register/posed_scan.h"
+#include "scene/config/config.h"
 #include "tests/support/stations.h"
 
 namespace sparsha::bench {
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using pipeline::PosedScan;
-using pipeline::ScanConfig;
+using scene::ScanConfig;
 using Poses = std::vector<Eigen::Matrix4d>;
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
 
@@ -71,8 +72,8 @@ Poses by_plain_icp(const std::vector<ScanConfig>& rough) {
   return poses;
 }
 
-Poses by_sparsha(const std::vector<ScanConfig>& rough, pipeline::RegisterConfig::Method method) {
-  pipeline::RegisterConfig config;
+Poses by_sparsha(const std::vector<ScanConfig>& rough, scene::RegisterConfig::Method method) {
+  scene::RegisterConfig config;
   config.method = method;
   return pipeline::testing::registered(rough, config).poses;
 }
@@ -85,7 +86,7 @@ struct Object {
 std::vector<Object> objects(const RunOptions& options) {
   std::vector<Object> result;
   result.push_back({"sample relief, 3 stations",
-                    pipeline::load_config(fs::path(SPARSHA_SOURCE_DIR) / "configs" / "relief.yaml").scans});
+                    scene::load_config(fs::path(SPARSHA_SOURCE_DIR) / "configs" / "relief.yaml").scans});
   const fs::path folder = options.work / "ring";
   fs::create_directories(folder);
   result.push_back({"vessel, 8 stations in a circle", pipeline::testing::ring(
@@ -100,7 +101,7 @@ std::vector<Object> objects(const RunOptions& options) {
 }  // namespace
 
 void run_registration(const RunOptions& options) {
-  using Method = pipeline::RegisterConfig::Method;
+  using Method = scene::RegisterConfig::Method;
   constexpr int kRounds = 3;
   std::ofstream csv(options.out / "pipeline_registration.csv");
   csv << "scans,method,seed,rounds,median_s,longest_s,ratio,ratio_low,ratio_high,rms_mm\n";

@@ -38,7 +38,7 @@ std::map<std::string, double> stages_of(const fs::path& folder, double points, i
     build.threads = 1;
     build.force = true;
     const pipeline::BuildResult built =
-        pipeline::build_scene_folder(pipeline::load_config(folder / "sparsha.yaml"), build, folder / "scene", progress);
+        pipeline::build_scene_folder(scene::load_config(folder / "sparsha.yaml"), build, folder / "scene", progress);
     std::map<std::string, double> seconds{{"whole build", built.report.total_seconds}};
     for (const StageTime& stage : built.report.stages) seconds[stage.name] += stage.seconds;
     for (const auto& [name, time] : seconds) {

@@ -82,7 +82,7 @@ void time_projection(const RunOptions& options, int nodes, Table& table) {
   const pipeline::SimulationConfig simulation = million(nodes);
   pipeline::write_simulation(simulation, folder, progress);
   const pipeline::Truth truth(simulation);
-  const pipeline::Config config = pipeline::load_config(folder / "sparsha.yaml");
+  const scene::Config config = scene::load_config(folder / "sparsha.yaml");
   const pipeline::Cloud cloud = pipeline::load_scans(config.scans, progress);
   for (const unsigned threads : {1U, 2U}) {
     ThreadPool pool(threads);
@@ -122,7 +122,7 @@ void time_projection(const RunOptions& options, int nodes, Table& table) {
 
 /// Level 0 of a scene that a build left, against the truth.
 double scene_error(const fs::path& folder, const pipeline::Truth& truth) {
-  const pipeline::Layers layers = pipeline::open_scene(folder)->read_level(0);
+  const scene::Layers layers = scene::open_scene(folder)->read_level(0);
   return judge(samples_of(layers.grid, truth), truth).rms_away_mm;
 }
 

@@ -26,7 +26,7 @@ struct DeviceSample {
 
 struct DeviceInfo {
   std::string name;  ///< "simulated", "Novint Falcon", ...
-  double workspace_width_m = pipeline::kDeskWorkspace_m;
+  double workspace_width_m = scene::kDeskWorkspace_m;
   DeviceLimits limits;
   bool paced = false;  ///< true: wait() paces the loop by the device's answers, else the servo's clock does
   /// true, and not paced: read() is told the planned time of its tick instead of that at which the servo woke. For

@@ -8,7 +8,7 @@
 namespace sparsha::haptics {
 namespace {
 
-using pipeline::Cue;
+using scene::Cue;
 
 constexpr double kSilence_s = 1.0;  // the same thing is told of again only after so long an absence, as words are
 constexpr double kDecay_per_s = 120.0;
@@ -16,7 +16,7 @@ constexpr double kTick_s = 0.040;  // then nothing is left of it
 constexpr double kMostCyclesPerTick = 0.3;
 constexpr double kSameScale = 0.01;  // views that differ less are the same one
 // One for each cue, between what a hand tells apart and what slow loops render.
-constexpr std::array<double, pipeline::kCues> kFrequencies_hz{120.0, 90.0, 70.0, 160.0, 110.0};
+constexpr std::array<double, scene::kCues> kFrequencies_hz{120.0, 90.0, 70.0, 160.0, 110.0};
 
 }  // namespace
 

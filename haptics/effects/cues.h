@@ -9,7 +9,7 @@
 
 #include "haptics/effects/part_watch.h"
 #include "haptics/effects/surface_effects.h"
-#include "scene/cues_config.h"
+#include "scene/config/cues.h"
 
 namespace sparsha::haptics {
 
@@ -33,15 +33,15 @@ class Cues {
   [[nodiscard]] Eigen::Vector3d update(const Input& input, const SurfaceEffects* effects) noexcept;
   /// Ends the tick; the present view counts as known. After faults and homing.
   void reset() noexcept;
-  /// So far, in the order of pipeline::Cue.
-  [[nodiscard]] const std::array<std::uint64_t, pipeline::kCues>& counts() const noexcept { return counts_; }
+  /// So far, in the order of scene::Cue.
+  [[nodiscard]] const std::array<std::uint64_t, scene::kCues>& counts() const noexcept { return counts_; }
 
   static constexpr double kTick_n = 0.3;
 
  private:
   void watch(const Input& input, const SurfaceEffects& effects) noexcept;
   void watch_parts(const Input& input, const SurfaceEffects& effects) noexcept;
-  void tell(pipeline::Cue cue, const SurfaceEffects& effects) noexcept;
+  void tell(scene::Cue cue, const SurfaceEffects& effects) noexcept;
   [[nodiscard]] double tick(const Input& input) noexcept;
 
   /// Something that is so in contact, and is told of once.
@@ -51,7 +51,7 @@ class Cues {
   };
   [[nodiscard]] static bool begins(Watched& watched, bool now, double time_s) noexcept;
 
-  std::array<std::uint64_t, pipeline::kCues> counts_{};
+  std::array<std::uint64_t, scene::kCues> counts_{};
   Watched outside_, unknown_;
   PartWatch parts_;
   double scale_ = 0.0;    // of the last tick; 0 before the first

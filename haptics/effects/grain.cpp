@@ -20,7 +20,7 @@ constexpr double kSteepest = 0.5;
 
 }  // namespace
 
-Grain::Output Grain::update(const Input& input, const pipeline::GrainField& field) noexcept {
+Grain::Output Grain::update(const Input& input, const scene::GrainField& field) noexcept {
   Output output;
   const double period_s = std::max(input.period_s, 0.1 * input.pace_s);
   period_s_ = period_s_ > 0.0 ? period_s_ + kPeriodShare * (period_s - period_s_) : input.pace_s;
@@ -38,7 +38,7 @@ Grain::Output Grain::update(const Input& input, const pipeline::GrainField& fiel
     const double waves = highest_per_m * per_tick_m;
     if (waves >= kNyquist || highest_per_m * kShortest_m > input.scale) break;
     const double weight = share * std::clamp((kNyquist - waves) / (kNyquist - kWhole), 0.0, 1.0);
-    const pipeline::GrainField::Value value = field.at(band, input.place_m.x(), input.place_m.y());
+    const scene::GrainField::Value value = field.at(band, input.place_m.x(), input.place_m.y());
     output.slope += weight * value.slope;
     variance_m2 += std::pow(weight * field.deviation_m(band), 2);
   }

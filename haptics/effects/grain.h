@@ -24,7 +24,7 @@ class Grain {
     double deviation_m = 0.0;                         ///< standard deviation of its heights, metres of the stone
   };
   /// Servo thread only; no allocation.
-  [[nodiscard]] Output update(const Input& input, const pipeline::GrainField& field) noexcept;
+  [[nodiscard]] Output update(const Input& input, const scene::GrainField& field) noexcept;
   void reset() noexcept { *this = Grain(); }
 
  private:

@@ -48,7 +48,7 @@ void Impact::begin(const Input& input) noexcept {
   decay_per_s_ = input.material->decay_per_s;
   const double slower = frequency_hz / input.material->frequency_hz;
   amplitude_n_ = input.material->force_per_speed_n_s_per_m * speed * slower * slower;
-  budget_j_ = 0.5 * pipeline::kLightestHand_kg * speed * speed;
+  budget_j_ = 0.5 * scene::kLightestHand_kg * speed * speed;
   time_s_ = 0.0;
   left_j_ = budget_j_;
   mean_n_ = 0.0;

@@ -17,10 +17,10 @@ class Impact {
     Eigen::Vector3d hand_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the touched surface, unit; zero when free
     bool contact = false;
-    bool touch = false;             ///< the contact begins with this tick
-    double approach_m_per_s = 0.0;  ///< then: of the hand towards the surface
-    double pressed_n = 0.0;         ///< of the surface's spring along the normal: the ring never pulls
-    const pipeline::MaterialTouch* material = nullptr;  ///< at the place touched
+    bool touch = false;                              ///< the contact begins with this tick
+    double approach_m_per_s = 0.0;                   ///< then: of the hand towards the surface
+    double pressed_n = 0.0;                          ///< of the surface's spring along the normal: the ring never pulls
+    const scene::MaterialTouch* material = nullptr;  ///< at the place touched
   };
 
   /// Newtons along the normal, to be added to the surface's force. Zero but for the time after a first contact.

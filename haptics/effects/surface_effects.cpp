@@ -18,17 +18,17 @@ double SurfaceEffects::stiffness_at(double x_m, double y_m, double base_n_per_m)
   return stiffness;
 }
 
-const pipeline::MaterialTouch& SurfaceEffects::material_at(double x_m, double y_m) const noexcept {
+const scene::MaterialTouch& SurfaceEffects::material_at(double x_m, double y_m) const noexcept {
   for (const Part& part : parts)
-    if (part.material && part.area.decides(x_m, y_m, border_m)) return pipeline::touch_of(*part.material);
-  return pipeline::touch_of(material);
+    if (part.material && part.area.decides(x_m, y_m, border_m)) return scene::touch_of(*part.material);
+  return scene::touch_of(material);
 }
 
 double SurfaceEffects::grain_gain_at(double x_m, double y_m) const noexcept {
-  double gain = pipeline::touch_of(material).grain_gain;
+  double gain = scene::touch_of(material).grain_gain;
   for (auto part = parts.rbegin(); part != parts.rend(); ++part)
     if (part->material)
-      gain += (pipeline::touch_of(*part->material).grain_gain - gain) * part->area.share_inside(x_m, y_m, border_m);
+      gain += (scene::touch_of(*part->material).grain_gain - gain) * part->area.share_inside(x_m, y_m, border_m);
   return gain;
 }
 
@@ -46,7 +46,7 @@ struct NearestNode {
   double beyond = 0.0;
 };
 
-NearestNode nearest_node(const pipeline::Lattice& lattice, double x_m, double y_m) noexcept {
+NearestNode nearest_node(const scene::Lattice& lattice, double x_m, double y_m) noexcept {
   const double u = (x_m - lattice.origin_m.x()) / lattice.spacing_m;
   const double v = (y_m - lattice.origin_m.y()) / lattice.spacing_m;
   const double inside_u = std::clamp(u, 0.0, static_cast<double>(lattice.nx - 1));
@@ -68,14 +68,14 @@ double SurfaceEffects::stone_z_m(double x_m, double y_m) const noexcept {
 }
 
 // Two sweeps, each with the neighbours that it has passed (Rosenfeld & Pfaltz 1966).
-std::vector<float> distance_to_stone(const pipeline::DepthGrid& grid) {
-  const pipeline::Lattice& lattice = grid.lattice;
+std::vector<float> distance_to_stone(const scene::DepthGrid& grid) {
+  const scene::Lattice& lattice = grid.lattice;
   const auto straight = static_cast<float>(lattice.spacing_m);
   const auto oblique = static_cast<float>(std::numbers::sqrt2 * lattice.spacing_m);
   const auto most = static_cast<float>(std::max(lattice.nx, lattice.ny)) * straight;
   std::vector<float> distance_m(lattice.count(), most);
   for (std::size_t node = 0; node < distance_m.size(); ++node)
-    if (grid.state[node] != pipeline::NodeState::unknown) distance_m[node] = 0.0F;
+    if (grid.state[node] != scene::NodeState::unknown) distance_m[node] = 0.0F;
   const auto sweep = [&](int i, int j, int back) {
     float& here = distance_m[lattice.index(i, j)];
     const auto from = [&](int di, int dj, float step) {

@@ -9,7 +9,7 @@
 
 #include "haptics/effects/grain.h"
 #include "scene/area.h"
-#include "scene/cues_config.h"
+#include "scene/config/cues.h"
 #include "scene/depth_grid.h"
 #include "scene/materials.h"
 #include "scene/region_frame.h"
@@ -20,21 +20,21 @@ namespace sparsha::haptics {
 struct SurfaceEffects {
   static constexpr std::size_t kNoPart = static_cast<std::size_t>(-1);
   struct Part {
-    pipeline::Area area;
+    scene::Area area;
     std::optional<double> stiffness_n_per_m;
-    std::optional<pipeline::Material> material;
+    std::optional<scene::Material> material;
   };
   bool impact = false;
   bool grain = false;
-  pipeline::Material material = pipeline::Material::granite;       ///< where no part has its own
+  scene::Material material = scene::Material::granite;             ///< where no part has its own
   std::vector<Part> parts;                                         ///< the first that has a value gives it
   double border_m = 0.0;                                           ///< over which a part's values fade in
   double scale = 1.0;                                              ///< device metres per metre of this frame
   Eigen::Matrix3d region_from_grid = Eigen::Matrix3d::Identity();  ///< rotation
-  pipeline::GrainField field;
-  std::optional<pipeline::CuesConfig> cues;  ///< absent: none
-  std::vector<pipeline::Area> part_areas{};  ///< with cues: of all parts, in their order
-  pipeline::Lattice stone_lattice{};         ///< of stone_m: the window
+  scene::GrainField field;
+  std::optional<scene::CuesConfig> cues;  ///< absent: none
+  std::vector<scene::Area> part_areas{};  ///< with cues: of all parts, in their order
+  scene::Lattice stone_lattice{};         ///< of stone_m: the window
   std::vector<float> stone_m{};  ///< from each node to the nearest one that is known, grid frame; empty: not measured
   std::vector<float> stone_height_m{};  ///< with stone_m: of the stone as it is continued over unknown ground, above
                                         ///< stone_lattice's origin
@@ -42,7 +42,7 @@ struct SurfaceEffects {
   [[nodiscard]] bool has_stiffness() const noexcept;
   /// `base_n_per_m` outside of the parts, a smooth step across their borders.
   [[nodiscard]] double stiffness_at(double x_m, double y_m, double base_n_per_m) const noexcept;
-  [[nodiscard]] const pipeline::MaterialTouch& material_at(double x_m, double y_m) const noexcept;
+  [[nodiscard]] const scene::MaterialTouch& material_at(double x_m, double y_m) const noexcept;
   /// Of part_areas, the first that holds the place; else kNoPart.
   [[nodiscard]] std::size_t part_at(double x_m, double y_m) const noexcept;
   /// Across, from a place (grid frame) to the stone, grid metres; 0 where there is stone or nothing is known of it.
@@ -56,6 +56,6 @@ struct SurfaceEffects {
 
 /// From each node to the nearest known one, in metres, along the lattice's eight directions: at most 8 % too far. Where
 /// no node is known, the window's longer side.
-[[nodiscard]] std::vector<float> distance_to_stone(const pipeline::DepthGrid& grid);
+[[nodiscard]] std::vector<float> distance_to_stone(const scene::DepthGrid& grid);
 
 }  // namespace sparsha::haptics

@@ -10,16 +10,17 @@
 
 #include "scene/continuation.h"
 #include "scene/contours.h"
+#include "scene/depth_grid.h"
 
 namespace sparsha::haptics {
 namespace {
 
 using Eigen::Vector2d;
-using pipeline::Contour;
-using pipeline::DepthGrid;
-using pipeline::Lattice;
-using pipeline::NodeState;
-using pipeline::trace_contours;
+using scene::Contour;
+using scene::DepthGrid;
+using scene::Lattice;
+using scene::NodeState;
+using scene::trace_contours;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSigma = 1.5;        // nodes, of the smoothing
@@ -93,8 +94,8 @@ class Relief {
   explicit Relief(const DepthGrid& grid) : heights_(grid.lattice.nx, grid.lattice.ny) {
     std::vector<float> known = grid.height_m;
     for (std::size_t node = 0; node < known.size(); ++node)
-      if (grid.state[node] == NodeState::unknown) known[node] = pipeline::kUnknownHeight;
-    pipeline::continue_heights(known, grid.lattice.nx, grid.lattice.ny);
+      if (grid.state[node] == NodeState::unknown) known[node] = scene::kUnknownHeight;
+    scene::continue_heights(known, grid.lattice.nx, grid.lattice.ny);
     const auto least = known.empty() ? 0.0F : *std::min_element(known.begin(), known.end());
     const double per_m = 1.0 / grid.lattice.spacing_m;
     for (std::size_t node = 0; node < known.size(); ++node)

@@ -8,7 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "scene/scene.h"
+#include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
@@ -23,10 +24,10 @@ using Line = std::vector<Eigen::Vector2d>;
 /// * ridges and grooves: where the slope across a line turns by more than 0.5 within some nodes (Eberly 1996).
 /// Lines run along the nodes within half a node of where the heights say, and corners are rounded by a node or two.
 /// `noise_m`: standard deviation of the heights. Any thread; some 0.3 us per node.
-[[nodiscard]] std::vector<Line> find_outlines(const pipeline::DepthGrid& grid, double noise_m);
+[[nodiscard]] std::vector<Line> find_outlines(const scene::DepthGrid& grid, double noise_m);
 
 /// The borders of the nodes for which `inside` holds, longest first; the grid's rim counts as border.
-[[nodiscard]] std::vector<Line> find_borders(const pipeline::Lattice& lattice,
+[[nodiscard]] std::vector<Line> find_borders(const scene::Lattice& lattice,
                                              const std::function<bool(int i, int j)>& inside);
 
 }  // namespace sparsha::haptics

@@ -133,8 +133,8 @@ SPARSHA_HOT inline ProxyUpdate update_bilinear(const MongeSurface& monge, const 
 
 }  // namespace
 
-CellShape shape_of(pipeline::HapticsConfig::Surface surface, pipeline::HapticsConfig::Creases creases) noexcept {
-  using Config = pipeline::HapticsConfig;
+CellShape shape_of(scene::HapticsConfig::Surface surface, scene::HapticsConfig::Creases creases) noexcept {
+  using Config = scene::HapticsConfig;
   if (surface == Config::Surface::c1) return CellShape::c1;
   return creases == Config::Creases::rounded ? CellShape::rounded : CellShape::bilinear;
 }

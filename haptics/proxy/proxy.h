@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "haptics/surface/monge_surface.h"
-#include "scene/haptics_config.h"
+#include "scene/config/haptics.h"
 
 namespace sparsha::haptics {
 
@@ -61,8 +61,7 @@ struct ProxyUpdate {
 enum class CellShape { bilinear, c1, rounded };
 
 /// What the configuration asks for; a path without a hand is traced on sharp creases unless its caller says otherwise.
-[[nodiscard]] CellShape shape_of(pipeline::HapticsConfig::Surface surface,
-                                 pipeline::HapticsConfig::Creases creases) noexcept;
+[[nodiscard]] CellShape shape_of(scene::HapticsConfig::Surface surface, scene::HapticsConfig::Creases creases) noexcept;
 
 /// Moves a proxy to another place, maybe of another surface, and the hand that it knows of with it; lengths become
 /// `share` times as long.

@@ -31,7 +31,7 @@ bool is_as_written(const fs::path& scene, const std::string& sha256) {
     const std::string name = entry.path().filename().string();
     if (!entry.is_directory() && name != "scene.yaml" && name != "error.tif") return false;  // notes, reports
   }
-  pipeline::require_replaceable(scene, {});
+  scene::require_replaceable(scene, {});
   return sha256_of_file(scene / "scene.yaml") == sha256;
 }
 

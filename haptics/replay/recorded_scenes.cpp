@@ -13,10 +13,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool fits(const WindowPlan& plan, const pipeline::SceneDescription& scene) {
+bool fits(const WindowPlan& plan, const scene::SceneDescription& scene) {
   const auto level = static_cast<std::size_t>(plan.level);
   if (plan.level < 0 || level >= scene.levels.size() || plan.nx < 2 || plan.ny < 2) return false;
-  const int beyond = 2 * pipeline::fall_nodes(pipeline::beyond_of(scene, view_of(plan)));
+  const int beyond = 2 * scene::fall_nodes(scene::beyond_of(scene, view_of(plan)));
   return plan.nx <= scene.levels[level].nx + beyond && plan.ny <= scene.levels[level].ny + beyond;
 }
 
@@ -40,15 +40,14 @@ void require_within(const fs::path& path, const fs::path& folder) {
                     "scenes that lie beside it; --trust, if you know where it comes from");
 }
 
-pipeline::ScenePointer open_kept(const fs::path& folder, std::uint64_t number, const KeptList& list,
-                                 pipeline::Trust trust) {
+scene::ScenePointer open_kept(const fs::path& folder, std::uint64_t number, const KeptList& list, scene::Trust trust) {
   std::error_code code;
   if (!fs::is_directory(folder, code))
     throw input_error(folder.string(), "the scene that the recording was made on is not there",
                       "the folder " + folder.parent_path().filename().string() +
                           " beside the recording, as `explore "
                           "--record` left it");
-  pipeline::ScenePointer scene = pipeline::open_scene(folder, trust);
+  scene::ScenePointer scene = scene::open_scene(folder, trust);
   const auto listed = list.scenes.find(number);
   if (listed != list.scenes.end() && sha256_of_file(folder / "scene.yaml") != listed->second)
     throw input_error((folder / "scene.yaml").string(), "the scene was changed after the recording was made",
@@ -71,7 +70,7 @@ void RecordedScenes::require(const Recording& recording) const {
   }
 }
 
-std::optional<RecordedScenes> open_kept_scenes(const Recording& recording, pipeline::Trust trust) {
+std::optional<RecordedScenes> open_kept_scenes(const Recording& recording, scene::Trust trust) {
   std::set<std::uint64_t> numbers;
   for (const RecordedWindow& window : recording.windows()) numbers.insert(window.scene);
   if (numbers.empty()) return std::nullopt;
@@ -79,13 +78,13 @@ std::optional<RecordedScenes> open_kept_scenes(const Recording& recording, pipel
   // The run may have ended before the first row on its second scene.
   if (numbers == std::set<std::uint64_t>{1} && !belongs_to(kept, recording)) return std::nullopt;
   numbers.insert(1);  // whose configuration was the run's
-  const bool own = trust == pipeline::Trust::own_folder;
+  const bool own = trust == scene::Trust::own_folder;
   const fs::path beside = recording.file().has_parent_path() ? recording.file().parent_path() : fs::path(".");
   if (own) require_within(kept, beside);
   if (own) require_within(kept_list_of(kept), beside);
   const std::optional<KeptList> found = read_kept_list(kept);  // none: the run was killed
   const KeptList list = found.value_or(KeptList{});
-  std::map<std::uint64_t, pipeline::ScenePointer> scenes;
+  std::map<std::uint64_t, scene::ScenePointer> scenes;
   for (const std::uint64_t number : numbers) {
     const fs::path folder = kept_scene_folder(kept, number);
     if (own) require_within(folder, beside);

@@ -12,6 +12,7 @@
 #include "base/files.h"
 #include "base/statistics.h"
 #include "haptics/state/state.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -248,7 +249,7 @@ RecordedWindow window_of(const Fields& fields, std::uint64_t flags) {
   window.plan.impact = (flags & kFlagImpact) != 0;
   window.plan.grain = (flags & kFlagGrain) != 0;
   window.plan.cues = (flags & kFlagCues) != 0;
-  window.plan.beyond = pipeline::beyond_of((flags & kFlagFalls) != 0, (flags & kFlagRim) != 0);
+  window.plan.beyond = scene::beyond_of((flags & kFlagFalls) != 0, (flags & kFlagRim) != 0);
   return window;
 }
 
@@ -333,7 +334,7 @@ Recording::Recording(const std::filesystem::path& file) : file_(file) {
   }
 }
 
-HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded) {
+HapticWindow load_recorded(const scene::Scene& scene, const RecordedWindow& recorded) {
   HapticWindow window = load_window(scene, recorded.plan, recorded.surface_id);
   window.scene = recorded.scene;
   return window;

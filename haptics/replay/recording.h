@@ -9,7 +9,7 @@
 #include "haptics/device/device.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/window.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
@@ -22,7 +22,7 @@ struct RecordedWindow {
 };
 
 /// Makes the surface of a recorded window. Throws Error{input} when tiles cannot be read.
-[[nodiscard]] HapticWindow load_recorded(const pipeline::Scene& scene, const RecordedWindow& recorded);
+[[nodiscard]] HapticWindow load_recorded(const scene::Scene& scene, const RecordedWindow& recorded);
 
 struct RecordedRow {
   double time_s = 0.0;

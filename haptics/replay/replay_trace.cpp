@@ -9,11 +9,11 @@
 namespace sparsha::haptics {
 
 TraceResult trace_recording(const RecordedScenes& scenes, const Recording& recording,
-                            const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
+                            const scene::HapticsConfig& haptics, const SolverOptions& solver) {
   RendererOptions options;
   options.solver = haptics.solver;
   options.solver_options = solver;
-  if (haptics.surface == pipeline::HapticsConfig::Surface::c1) options.solver_options.shape = CellShape::c1;
+  if (haptics.surface == scene::HapticsConfig::Surface::c1) options.solver_options.shape = CellShape::c1;
 
   RecordedRun run(scenes, recording, options);
   TraceRecorder recorder(recording.rows().size());

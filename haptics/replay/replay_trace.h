@@ -5,7 +5,6 @@
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/replay/recording.h"
 #include "haptics/replay/trace.h"
-#include "scene/config.h"
 
 namespace sparsha::haptics {
 
@@ -13,6 +12,6 @@ namespace sparsha::haptics {
 /// last bit, tick_ns is a whole tick's. Solver and surface are `haptics`'s. Throws Error{input} when the recording has
 /// no windows or was made with other scenes.
 [[nodiscard]] TraceResult trace_recording(const RecordedScenes& scenes, const Recording& recording,
-                                          const pipeline::HapticsConfig& haptics, const SolverOptions& solver);
+                                          const scene::HapticsConfig& haptics, const SolverOptions& solver);
 
 }  // namespace sparsha::haptics

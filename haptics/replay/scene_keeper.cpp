@@ -26,7 +26,7 @@ void share(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-SceneKeeper::SceneKeeper(const fs::path& recording, pipeline::ScenePointer first) : target_(target_of(recording)) {
+SceneKeeper::SceneKeeper(const fs::path& recording, scene::ScenePointer first) : target_(target_of(recording)) {
   if (target_.empty()) return;
   if (lies_in_target(*first))
     throw usage_error(
@@ -53,11 +53,11 @@ void SceneKeeper::end_thread() {
   if (thread_.joinable()) thread_.join();
 }
 
-bool SceneKeeper::lies_in_target(const pipeline::Scene& scene) const {
+bool SceneKeeper::lies_in_target(const scene::Scene& scene) const {
   return !scene.folder().empty() && lies_within(scene.folder(), target_);
 }
 
-void SceneKeeper::keep(std::uint64_t number, pipeline::ScenePointer scene) {
+void SceneKeeper::keep(std::uint64_t number, scene::ScenePointer scene) {
   if (target_.empty()) return;
   Stamps stamps = stamps_of(*scene);
   Job job{number, std::move(scene), std::move(stamps)};
@@ -69,10 +69,10 @@ void SceneKeeper::keep(std::uint64_t number, pipeline::ScenePointer scene) {
   add(std::move(job));
 }
 
-SceneKeeper::Stamps SceneKeeper::stamps_of(const pipeline::Scene& scene) {
+SceneKeeper::Stamps SceneKeeper::stamps_of(const scene::Scene& scene) {
   Stamps stamps;
   if (scene.folder().empty()) return stamps;
-  for (const fs::path& layer : pipeline::layer_files(scene.description())) {
+  for (const fs::path& layer : scene::layer_files(scene.description())) {
     std::error_code code;
     const auto time = fs::last_write_time(scene.folder() / layer, code);
     const auto size = fs::file_size(scene.folder() / layer, code);
@@ -122,18 +122,18 @@ void SceneKeeper::run() {
 }
 
 // The scene whose layers `fresh` has too: the same ones in memory, or files that nobody has written since.
-const SceneKeeper::Written* SceneKeeper::twin_of(const Written& fresh, const pipeline::Scene& scene) const {
+const SceneKeeper::Written* SceneKeeper::twin_of(const Written& fresh, const scene::Scene& scene) const {
   for (const Written& written : written_) {
     if (written.layers != fresh.layers || written.folder != fresh.folder || written.stamps != fresh.stamps) continue;
     if (!fresh.folder.empty()) return &written;
-    const pipeline::ScenePointer other = written.scene.lock();
+    const scene::ScenePointer other = written.scene.lock();
     if (other && scene.in_memory(0) != nullptr && scene.in_memory(0) == other->in_memory(0)) return &written;
   }
   return nullptr;
 }
 
 void SceneKeeper::write(const Job& job) {
-  const pipeline::Scene& scene = *job.scene;
+  const scene::Scene& scene = *job.scene;
   if (lies_in_target(scene))
     throw Error(ErrorKind::failure, {target_.string()},
                 "the scenes of the recording cannot be kept: one of them lies in this folder",
@@ -164,15 +164,15 @@ void SceneKeeper::write(const Job& job) {
 }
 
 void SceneKeeper::write_into(const fs::path& folder, const Job& job) {
-  const pipeline::Scene& scene = *job.scene;
-  Written fresh{job.number, job.scene, scene.folder(), job.stamps, pipeline::layer_files(scene.description())};
+  const scene::Scene& scene = *job.scene;
+  Written fresh{job.number, job.scene, scene.folder(), job.stamps, scene::layer_files(scene.description())};
   if (const Written* const twin = twin_of(fresh, scene)) {
     for (const fs::path& layer : fresh.layers)
       share(kept_scene_folder(folder_->temporary(), twin->number) / layer, folder / layer);
-    pipeline::write_description(scene, folder);
+    scene::write_description(scene, folder);
     return;
   }
-  pipeline::write_scene(scene, folder);
+  scene::write_scene(scene, folder);
   written_.push_back(std::move(fresh));
 }
 

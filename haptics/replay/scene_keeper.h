@@ -16,7 +16,7 @@
 
 #include "base/files.h"
 #include "haptics/replay/kept_folder.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
@@ -26,13 +26,13 @@ class SceneKeeper {
   /// `recording` empty or no regular file (a device): nothing is kept. `first` has the number 1 and is written when
   /// another one follows. Throws Error{usage} when it lies where this recording's scenes are kept: they would take its
   /// place.
-  SceneKeeper(const std::filesystem::path& recording, pipeline::ScenePointer first);
+  SceneKeeper(const std::filesystem::path& recording, scene::ScenePointer first);
   ~SceneKeeper();
   SceneKeeper(const SceneKeeper&) = delete;
   SceneKeeper& operator=(const SceneKeeper&) = delete;
 
   /// From now on rows may be of `scene`; returns at once. Number 1: another first scene, before any row.
-  void keep(std::uint64_t number, pipeline::ScenePointer scene);
+  void keep(std::uint64_t number, scene::ScenePointer scene);
   /// Empty, or why the first scene that cannot be kept cannot be.
   [[nodiscard]] std::string failure() const;
   /// After the recording, whose bytes have this SHA-256 and whose rows are of the scenes `touched`, is in its place:
@@ -46,26 +46,26 @@ class SceneKeeper {
   using Stamps = std::vector<std::pair<std::filesystem::file_time_type, std::uintmax_t>>;
   struct Job {
     std::uint64_t number = 0;
-    pipeline::ScenePointer scene;
+    scene::ScenePointer scene;
     Stamps stamps;  ///< when it was given
   };
   struct Written {
     std::uint64_t number = 0;
-    std::weak_ptr<const pipeline::Scene> scene;
+    std::weak_ptr<const scene::Scene> scene;
     std::filesystem::path folder;  ///< that its layers came from; empty: memory
     Stamps stamps;
     std::vector<std::filesystem::path> layers;
   };
 
-  [[nodiscard]] static Stamps stamps_of(const pipeline::Scene& scene);
+  [[nodiscard]] static Stamps stamps_of(const scene::Scene& scene);
   void add(Job job);
   void run();
   void end_thread();
   void write(const Job& job);
   void write_into(const std::filesystem::path& folder, const Job& job);
   void require_kept(const std::vector<std::uint64_t>& touched) const;
-  [[nodiscard]] const Written* twin_of(const Written& fresh, const pipeline::Scene& scene) const;
-  [[nodiscard]] bool lies_in_target(const pipeline::Scene& scene) const;
+  [[nodiscard]] const Written* twin_of(const Written& fresh, const scene::Scene& scene) const;
+  [[nodiscard]] bool lies_in_target(const scene::Scene& scene) const;
 
   std::filesystem::path target_;  ///< empty: nothing is kept
   Job first_;                     ///< until another one follows
@@ -78,7 +78,7 @@ class SceneKeeper {
   std::unique_ptr<AtomicPath> folder_;
   KeptList list_;
   std::vector<Written> written_;
-  pipeline::ScenePointer last_;  ///< so that an edited scene still knows the one it shares layers with
+  scene::ScenePointer last_;  ///< so that an edited scene still knows the one it shares layers with
   std::thread thread_;
 };
 

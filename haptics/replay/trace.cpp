@@ -112,14 +112,14 @@ TraceResult TraceRecorder::finish() && {
   return std::move(result_);
 }
 
-TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
-                  const pipeline::HapticsConfig& haptics, const SolverOptions& solver) {
+TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path, const scene::HapticsConfig& haptics,
+                  const SolverOptions& solver) {
   SolverOptions options = solver;
-  if (haptics.surface == pipeline::HapticsConfig::Surface::c1) options.shape = CellShape::c1;
+  if (haptics.surface == scene::HapticsConfig::Surface::c1) options.shape = CellShape::c1;
   TraceRecorder recorder(path.size());
 
   const Eigen::Vector3d& origin = surface.lattice.origin_m;
-  const bool paper = haptics.solver == pipeline::HapticsConfig::Solver::paper;
+  const bool paper = haptics.solver == scene::HapticsConfig::Solver::paper;
   const double newtons_per_m = haptics.stiffness_n_per_m * surface.scale;
   ProxyState state;
   bool started = false;

@@ -12,7 +12,6 @@
 
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/monge_surface.h"
-#include "scene/config.h"
 
 namespace sparsha::haptics {
 
@@ -59,7 +58,7 @@ struct TraceResult {
 
 /// Renders `path` (grid frame) on `surface`. At the first sample the proxy starts above or at the HIP.
 [[nodiscard]] TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
-                                const pipeline::HapticsConfig& haptics, const SolverOptions& options);
+                                const scene::HapticsConfig& haptics, const SolverOptions& options);
 
 /// Gathers rows and judges every rest, for trace() and others that render offline.
 class TraceRecorder {

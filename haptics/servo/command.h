@@ -32,7 +32,7 @@ struct HapticWindow {
   std::uint64_t scene = 1;  ///< counts the scenes that the session was given
   Effects effects;
   bool turned = false;  ///< the scene's parts and sounds are written in another frame:
-  pipeline::RegionFrame region_from_grid = pipeline::RegionFrame::Identity();
+  scene::RegionFrame region_from_grid = scene::RegionFrame::Identity();
 };
 
 struct Command {

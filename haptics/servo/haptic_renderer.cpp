@@ -15,7 +15,7 @@ constexpr double kFarthestHand_m = 10.0;  // no hand is so far from its device
 constexpr double kSamePlace_m = 1e-9;
 
 Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& centre_m) noexcept {
-  const pipeline::Lattice& lattice = surface.lattice;
+  const scene::Lattice& lattice = surface.lattice;
   const double z = surface.height(centre_m.x() - lattice.origin_m.x(), centre_m.y() - lattice.origin_m.y());
   return {centre_m.x(), centre_m.y(), lattice.origin_m.z() + z};
 }
@@ -42,19 +42,18 @@ HapticRenderer::HapticRenderer(const DeviceInfo& device, const RendererOptions& 
 }
 
 ProxyUpdate HapticRenderer::solve(const Eigen::Vector3d& hip_local, ProxyState& proxy) const noexcept {
-  return options_.solver == pipeline::HapticsConfig::Solver::paper
+  return options_.solver == scene::HapticsConfig::Solver::paper
              ? update_paper(*surface_, hip_local, proxy, options_.solver_options)
              : update_exact(*surface_, hip_local, proxy, options_.solver_options);
 }
 
 CellShape HapticRenderer::shape() const noexcept {
-  return options_.solver == pipeline::HapticsConfig::Solver::paper ? CellShape::bilinear
-                                                                   : options_.solver_options.shape;
+  return options_.solver == scene::HapticsConfig::Solver::paper ? CellShape::bilinear : options_.solver_options.shape;
 }
 
 // Cell flags at the proxy and nearness to the window's border; the cell goes into the record.
 std::uint64_t HapticRenderer::find_place(const Eigen::Vector3d& local) noexcept {
-  const pipeline::Lattice& lattice = surface_->lattice;
+  const scene::Lattice& lattice = surface_->lattice;
   const double u = local.x() / lattice.spacing_m;
   const double v = local.y() / lattice.spacing_m;
   const double last_u = lattice.nx - 1;
@@ -178,7 +177,7 @@ void HapticRenderer::set_dragging(bool on) noexcept {
 // The place of the scene under the hand stays under it, as far as the level reaches.
 void HapticRenderer::drag(const Eigen::Vector3d& hand_m) noexcept {
   centre_m_.head<2>() -= (hand_m - hand_m_).head<2>() / surface_->scale;
-  const pipeline::Lattice& lattice = surface_->lattice;
+  const scene::Lattice& lattice = surface_->lattice;
   const Eigen::Vector2d low = lattice.origin_m.head<2>() - Eigen::Vector2d(window_.i0, window_.j0) * lattice.spacing_m;
   const Eigen::Vector2d nodes(window_.level_nx > 0 ? window_.level_nx : lattice.nx,
                               window_.level_ny > 0 ? window_.level_ny : lattice.ny);
@@ -214,7 +213,7 @@ void HapticRenderer::render_invalid_sample(const DeviceSample& sample) noexcept 
 
 std::array<double, 3> HapticRenderer::place_of(const Eigen::Vector3d& grid_m) const noexcept {
   if (!window_.turned) return to_array(grid_m);
-  const pipeline::RegionFrame& frame = window_.region_from_grid;
+  const scene::RegionFrame& frame = window_.region_from_grid;
   return to_array(frame.leftCols<3>() * grid_m + frame.col(3));
 }
 
@@ -306,7 +305,7 @@ double HapticRenderer::wished_stiffness() noexcept {
 
 void HapticRenderer::render(const DeviceSample& sample) noexcept {
   State& state = record_.state;
-  const pipeline::Lattice& lattice = surface_->lattice;
+  const scene::Lattice& lattice = surface_->lattice;
   // In the grid frame first: `trace` starts from the same number.
   const Eigen::Vector3d hip_m = centre_m_ + hand_m_ / surface_->scale;
   const Eigen::Vector3d hip_local = hip_m - lattice.origin_m;
@@ -435,8 +434,8 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   if (window_.effects.texture) state.flags |= kFlagTexture;
   if (window_.effects.friction) state.flags |= kFlagFriction;
   if (shape() == CellShape::rounded) state.flags |= kFlagRounded;
-  if (surface_->beyond != pipeline::HapticsConfig::Beyond::continued) state.flags |= kFlagFalls;
-  if (surface_->beyond == pipeline::HapticsConfig::Beyond::rim) state.flags |= kFlagRim;
+  if (surface_->beyond != scene::HapticsConfig::Beyond::continued) state.flags |= kFlagFalls;
+  if (surface_->beyond == scene::HapticsConfig::Beyond::rim) state.flags |= kFlagRim;
   if (dragging_) state.flags |= kFlagDragged;
   if (surface_->effects && surface_->effects->impact) state.flags |= kFlagImpact;
   if (surface_->effects && surface_->effects->grain) state.flags |= kFlagGrain;

@@ -19,14 +19,14 @@
 #include "haptics/servo/record.h"
 #include "haptics/servo/swap_fade.h"
 #include "haptics/state/state.h"
-#include "scene/haptics_config.h"
+#include "scene/config/haptics.h"
 
 namespace sparsha::haptics {
 
 struct RendererOptions {
   double rate_hz = 1000.0;
   double stiffness_n_per_m = 800.0;  ///< the wish; rendered is what the device can bear
-  pipeline::HapticsConfig::Solver solver = pipeline::HapticsConfig::Solver::exact;
+  scene::HapticsConfig::Solver solver = scene::HapticsConfig::Solver::exact;
   SolverOptions solver_options{.shape = CellShape::rounded};
   /// Later than planned by more is a fault, and so is longer without news of the hand and kLongestGapTicks of its
   /// samples: forces need free space again.

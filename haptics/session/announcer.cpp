@@ -16,10 +16,10 @@ constexpr double kSilence_s = 1.0;  // the same thing is said again only after s
 
 }  // namespace
 
-Announcer::Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene, Phrases phrases)
+Announcer::Announcer(AnnouncementBoard& board, scene::ScenePointer scene, Phrases phrases)
     : board_(board), scene_(std::move(scene)), phrases_(std::move(phrases)) {}
 
-void Announcer::set_scene(pipeline::ScenePointer scene) {
+void Announcer::set_scene(scene::ScenePointer scene) {
   scene_ = std::move(scene);
   parts_.forget();
   described_.reset();
@@ -45,7 +45,7 @@ void Announcer::control(Announcement::Control control, Phrase phrase) {
 }
 
 std::optional<std::size_t> Announcer::part_at(const std::array<double, 3>& place_m) const {
-  const pipeline::PartConfig* const part = pipeline::part_at(scene_->description(), place_m);
+  const scene::PartConfig* const part = scene::part_at(scene_->description(), place_m);
   if (part == nullptr) return std::nullopt;
   return static_cast<std::size_t>(part - scene_->description().config.parts.data());
 }
@@ -84,7 +84,7 @@ void Announcer::watch_ground(const State& state) {
 
 // From the edge that the hand has passed the farthest; from a rim inside the grid, towards the grid's middle.
 Phrase Announcer::way_back(const State& state) const {
-  const pipeline::Lattice& lattice = scene_->description().levels.front();
+  const scene::Lattice& lattice = scene_->description().levels.front();
   const double left_m = lattice.x_m(0) - state.proxy_m[0];
   const double right_m = state.proxy_m[0] - lattice.x_m(lattice.nx - 1);
   const double below_m = lattice.y_m(0) - state.proxy_m[1];
@@ -135,7 +135,7 @@ Phrase Announcer::place_on_stone(const State& state) const {
   constexpr std::array<std::array<Phrase, 3>, 3> kPlaces{{{"place_lower_left", "place_lower", "place_lower_right"},
                                                           {"place_left", "place_middle", "place_right"},
                                                           {"place_upper_left", "place_upper", "place_upper_right"}}};
-  const pipeline::Lattice& lattice = scene_->description().levels.front();
+  const scene::Lattice& lattice = scene_->description().levels.front();
   const auto third = [](double at, double from, double to) -> std::size_t {
     const double share = (at - from) / (to - from);
     return share < 1.0 / 3.0 ? 0 : share <= 2.0 / 3.0 ? 1 : 2;

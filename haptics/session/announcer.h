@@ -28,9 +28,9 @@ struct View {
 class Announcer {
  public:
   using Priority = Announcement::Priority;
-  Announcer(AnnouncementBoard& board, pipeline::ScenePointer scene, Phrases phrases = Phrases::of("en"));
+  Announcer(AnnouncementBoard& board, scene::ScenePointer scene, Phrases phrases = Phrases::of("en"));
 
-  void set_scene(pipeline::ScenePointer scene);
+  void set_scene(scene::ScenePointer scene);
   /// Another language, from the next words on.
   void set_phrases(Phrases phrases) { phrases_ = std::move(phrases); }
   /// Compares with what was said last: parts, unknown areas, edges of the scene.
@@ -60,7 +60,7 @@ class Announcer {
   void watch_ground(const State& state);
   /// Index into the scene's list.
   [[nodiscard]] std::optional<std::size_t> part_at(const std::array<double, 3>& place_m) const;
-  [[nodiscard]] const pipeline::PartConfig& part(std::size_t index) const {
+  [[nodiscard]] const scene::PartConfig& part(std::size_t index) const {
     return scene_->description().config.parts.at(index);
   }
   [[nodiscard]] std::string view_text(const View& view) const;
@@ -68,7 +68,7 @@ class Announcer {
   [[nodiscard]] Phrase way_back(const State& state) const;
 
   AnnouncementBoard& board_;
-  pipeline::ScenePointer scene_;
+  scene::ScenePointer scene_;
   Phrases phrases_;
   std::string last_;  // said
   PartWatch parts_;

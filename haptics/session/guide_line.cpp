@@ -10,6 +10,7 @@
 
 #include "haptics/outline/outline.h"
 #include "scene/regions.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -22,7 +23,7 @@ constexpr double kRoom = 0.1;    // of a part's size, around it
 constexpr double kInside = 0.8;  // of a line's points, in the box
 
 /// The finest level that is not finer than the one touched nor too large.
-int searched_level(const pipeline::SceneDescription& scene, int touched) {
+int searched_level(const scene::SceneDescription& scene, int touched) {
   int level = std::clamp(touched, 0, static_cast<int>(scene.levels.size()) - 1);
   while (level + 1 < static_cast<int>(scene.levels.size()) &&
          scene.levels[static_cast<std::size_t>(level)].count() > kMostNodes)
@@ -34,15 +35,15 @@ int searched_level(const pipeline::SceneDescription& scene, int touched) {
 using Near = std::function<bool(const Vector2d& place_m)>;
 
 /// Empty where the part is nowhere. Of an object that was turned the box of the places that belong to the part.
-Near near_part(const pipeline::Scene& scene, std::size_t part) {
-  const std::optional<Box> box = pipeline::part_box(scene, part);
+Near near_part(const scene::Scene& scene, std::size_t part) {
+  const std::optional<Box> box = scene::part_box(scene, part);
   if (!box) return {};
   const double room_m = kRoom * std::max((*box)[2] - (*box)[0], (*box)[3] - (*box)[1]);
   const Box grown{(*box)[0] - room_m, (*box)[1] - room_m, (*box)[2] + room_m, (*box)[3] + room_m};
-  const pipeline::Area area = pipeline::area_of(scene.description(), part);
+  const scene::Area area = scene::area_of(scene.description(), part);
   const bool boxed = area.box() != nullptr || scene.description().region_from_grid.has_value();
   return [=](const Vector2d& p) {
-    return pipeline::in_box(grown, p.x(), p.y()) && (boxed || area.inside_m(p.x(), p.y()) >= -room_m);
+    return scene::in_box(grown, p.x(), p.y()) && (boxed || area.inside_m(p.x(), p.y()) >= -room_m);
   };
 }
 
@@ -73,13 +74,13 @@ Line choose(std::vector<Line> lines, const Near& near, const Vector2d& hand_m) {
 /// Index of the part that was asked for, else of the nearest one that is on this side.
 std::optional<std::size_t> chosen_part(const GuideWish& wish) {
   if (wish.part) return wish.part;
-  const pipeline::SceneDescription& scene = wish.scene->description();
+  const scene::SceneDescription& scene = wish.scene->description();
   std::optional<std::size_t> nearest;
   double least_m = std::numeric_limits<double>::infinity();
   for (std::size_t part = 0; part < scene.config.parts.size(); ++part) {
-    const std::optional<Box> box = pipeline::part_box(*wish.scene, part);
+    const std::optional<Box> box = scene::part_box(*wish.scene, part);
     if (!box) continue;
-    const pipeline::Area area = scene.region_from_grid ? pipeline::Area(*box) : pipeline::area_of(scene, part);
+    const scene::Area area = scene.region_from_grid ? scene::Area(*box) : scene::area_of(scene, part);
     const double way_m = area.distance_m(wish.hand_m.x(), wish.hand_m.y());
     if (way_m >= least_m) continue;
     least_m = way_m;
@@ -116,7 +117,7 @@ double length_m(const Line& line) {
 }
 
 /// The longest of an area's borders, as far as the scene reaches.
-Line border_on(const pipeline::Area& area, const pipeline::Lattice& lattice) {
+Line border_on(const scene::Area& area, const scene::Lattice& lattice) {
   Line longest;
   for (Line border : area.borders_m()) {
     border = clipped(border, 0, lattice.x_m(0), false);
@@ -130,10 +131,10 @@ Line border_on(const pipeline::Area& area, const pipeline::Lattice& lattice) {
 
 /// The part's own border, as far as the scene reaches; of an object that was turned, the border of the places that
 /// belong to the part.
-Line border_of(const pipeline::Scene& scene, std::size_t part, int level) {
-  const pipeline::SceneDescription& description = scene.description();
-  const pipeline::Area area = pipeline::area_of(description, part);
-  const pipeline::Lattice& lattice = description.levels.at(static_cast<std::size_t>(level));
+Line border_of(const scene::Scene& scene, std::size_t part, int level) {
+  const scene::SceneDescription& description = scene.description();
+  const scene::Area area = scene::area_of(description, part);
+  const scene::Lattice& lattice = description.levels.at(static_cast<std::size_t>(level));
   if (!description.region_from_grid) {
     if (area.box() == nullptr) return border_on(area, lattice);
     const Box& box = *area.box();
@@ -144,7 +145,7 @@ Line border_of(const pipeline::Scene& scene, std::size_t part, int level) {
     if (!(left < right && low < high)) return {};
     return {{left, low}, {right, low}, {right, high}, {left, high}, {left, low}};
   }
-  const pipeline::DepthGrid grid = scene.read_level(level).grid;
+  const scene::DepthGrid grid = scene.read_level(level).grid;
   const Eigen::Matrix4d& region_from_grid = *description.region_from_grid;
   std::vector<Line> borders = find_borders(lattice, [&](int i, int j) {
     const auto height_m = static_cast<double>(grid.height_m[lattice.index(i, j)]);
@@ -199,8 +200,8 @@ std::vector<Line> runs_in(const Box& box, const Line& line) {
 }
 
 /// The longest run of the drawn line that lies on the scene.
-Line drawn_line(const pipeline::SceneDescription& scene, const pipeline::GuideConfig& config) {
-  const pipeline::Lattice& lattice = scene.levels.front();
+Line drawn_line(const scene::SceneDescription& scene, const scene::GuideConfig& config) {
+  const scene::Lattice& lattice = scene.levels.front();
   const Box box{lattice.x_m(0), lattice.y_m(0), lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1)};
   Line line;
   for (const auto& point : config.line_m) line.emplace_back(point[0], point[1]);
@@ -213,9 +214,9 @@ Line drawn_line(const pipeline::SceneDescription& scene, const pipeline::GuideCo
 }  // namespace
 
 GuideAnswer find_guide(const GuideWish& wish) {
-  using Path = pipeline::GuideConfig::Path;
-  const pipeline::SceneDescription& scene = wish.scene->description();
-  const pipeline::GuideConfig config = scene.config.guide.value_or(pipeline::GuideConfig{});
+  using Path = scene::GuideConfig::Path;
+  const scene::SceneDescription& scene = wish.scene->description();
+  const scene::GuideConfig config = scene.config.guide.value_or(scene::GuideConfig{});
   const int level = searched_level(scene, wish.level);
   GuideAnswer answer;
   Line line;

@@ -10,12 +10,12 @@
 
 #include "base/phrases.h"
 #include "haptics/guide/guide_path.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
 struct GuideWish {
-  pipeline::ScenePointer scene;
+  scene::ScenePointer scene;
   int level = 0;                                     ///< that is touched; a level of too many nodes is not searched
   Eigen::Vector2d hand_m = Eigen::Vector2d::Zero();  ///< grid frame
   std::optional<std::size_t> part;                   ///< that was gone to or is under the hand, index into its list

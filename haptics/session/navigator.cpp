@@ -22,30 +22,29 @@ constexpr double kScrollStep = 0.05;    // changes smaller than this share of th
 Eigen::Vector2d across(const std::array<double, 3>& v) { return {v[0], v[1]}; }
 
 /// Whether a part is surely at a place of the grid: of an object that was turned, the middle of the part is.
-bool lies_in(const pipeline::SceneDescription& scene, std::size_t part, const pipeline::PartPlace& place,
+bool lies_in(const scene::SceneDescription& scene, std::size_t part, const scene::PartPlace& place,
              const Eigen::Vector2d& at_m) {
-  if (!scene.region_from_grid) return pipeline::area_of(scene, part).holds(at_m.x(), at_m.y());
+  if (!scene.region_from_grid) return scene::area_of(scene, part).holds(at_m.x(), at_m.y());
   const double width_m = std::min(place.box_m[2] - place.box_m[0], place.box_m[3] - place.box_m[1]);
   return (at_m - place.middle_m).norm() <= 0.25 * width_m;
 }
 
 }  // namespace
 
-CentreRange centre_range(const pipeline::SceneDescription& scene, const pipeline::Lattice& level, double width_m) {
+CentreRange centre_range(const scene::SceneDescription& scene, const scene::Lattice& level, double width_m) {
   const Eigen::Vector3d half_m(0.5 * width_m, 0.5 * width_m, kBubble * width_m);
   return {Eigen::Vector3d(level.x_m(0), level.y_m(0), scene.height_min_m) + half_m,
           Eigen::Vector3d(level.x_m(level.nx - 1), level.y_m(level.ny - 1), scene.height_max_m) - half_m};
 }
 
-Navigator::Navigator(pipeline::ScenePointer scene, double workspace_width_m, const Effects& effects,
-                     Announcer& announcer)
+Navigator::Navigator(scene::ScenePointer scene, double workspace_width_m, const Effects& effects, Announcer& announcer)
     : scene_(std::move(scene)),
       workspace_width_m_(workspace_width_m),
       effects_(effects),
       announcer_(announcer),
       plan_(first_plan()) {}
 
-const pipeline::Lattice& Navigator::level(int index) const {
+const scene::Lattice& Navigator::level(int index) const {
   return scene_->description().levels.at(static_cast<std::size_t>(index));
 }
 
@@ -93,7 +92,7 @@ std::optional<WindowLoader::Job> Navigator::zoom(Zoom direction, const State& st
 }
 
 WindowLoader::Job Navigator::move(Eigen::Vector2d centre_m) {
-  const pipeline::Lattice& lattice = level(plan_.level);
+  const scene::Lattice& lattice = level(plan_.level);
   centre_m.x() = std::clamp(centre_m.x(), lattice.x_m(0), lattice.x_m(lattice.nx - 1));
   centre_m.y() = std::clamp(centre_m.y(), lattice.y_m(0), lattice.y_m(lattice.ny - 1));
   return move(plan_at({plan_.level, plan_.nodes}, centre_m), centre_m);
@@ -134,8 +133,8 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   }
   const std::size_t count = parts.size();
   part_ = step > 0 ? part_ % count + 1 : (part_ + count - 2) % count + 1;
-  const pipeline::PartConfig& part = parts[part_ - 1];
-  const std::optional<pipeline::PartPlace> place = pipeline::part_place(*scene_, part_ - 1);
+  const scene::PartConfig& part = parts[part_ - 1];
+  const std::optional<scene::PartPlace> place = scene::part_place(*scene_, part_ - 1);
   if (!place) {
     announcer_.say("part_other_side", {{"part", part.say}});
     return std::nullopt;
@@ -202,8 +201,8 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
   }
 }
 
-WindowLoader::Job Navigator::change_scene(pipeline::ScenePointer scene) {
-  const bool only_labels = pipeline::same_ground(scene_->description(), scene->description());
+WindowLoader::Job Navigator::change_scene(scene::ScenePointer scene) {
+  const bool only_labels = scene::same_ground(scene_->description(), scene->description());
   scene_ = std::move(scene);
   announcer_.set_scene(scene_);
   part_ = 0;
@@ -211,7 +210,7 @@ WindowLoader::Job Navigator::change_scene(pipeline::ScenePointer scene) {
 }
 
 std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {
-  const pipeline::Lattice& lattice = level(plan_.level);
+  const scene::Lattice& lattice = level(plan_.level);
   const Eigen::Vector2d node = (across(state.proxy_m) - lattice.origin_m.head<2>()) / lattice.spacing_m;
   // A border counts only when the level goes on beyond it.
   const auto near_border = [](double at, int first, int count, int level_count) {

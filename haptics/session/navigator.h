@@ -11,7 +11,7 @@
 #include "haptics/session/window_loader.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
@@ -21,13 +21,13 @@ struct CentreRange {
   Eigen::Vector3d high_m = Eigen::Vector3d::Zero();
 };
 /// Of a window `width_m` wide on a level.
-[[nodiscard]] CentreRange centre_range(const pipeline::SceneDescription& scene, const pipeline::Lattice& level,
+[[nodiscard]] CentreRange centre_range(const scene::SceneDescription& scene, const scene::Lattice& level,
                                        double width_m);
 
 /// Session's thread only. Turns wishes and the hand's place into windows to load and commands to post.
 class Navigator {
  public:
-  Navigator(pipeline::ScenePointer scene, double workspace_width_m, const Effects& effects, Announcer& announcer);
+  Navigator(scene::ScenePointer scene, double workspace_width_m, const Effects& effects, Announcer& announcer);
 
   /// The overview.
   [[nodiscard]] WindowPlan first_plan() const;
@@ -55,7 +55,7 @@ class Navigator {
   /// The overview of the same scene.
   [[nodiscard]] WindowLoader::Job whole_scene();
   /// A change of scene.
-  [[nodiscard]] WindowLoader::Job change_scene(pipeline::ScenePointer scene);
+  [[nodiscard]] WindowLoader::Job change_scene(scene::ScenePointer scene);
   /// Fresh tiles when the proxy is near the border of those loaded; empty when it is not or there are none beyond.
   [[nodiscard]] std::optional<WindowLoader::Job> follow(const State& state) const;
   /// Scrolling speed that the hand's place at the workspace's rim asks for; a command when it has changed.
@@ -63,7 +63,7 @@ class Navigator {
 
  private:
   enum class Zoom { in, out };
-  [[nodiscard]] const pipeline::Lattice& level(int index) const;
+  [[nodiscard]] const scene::Lattice& level(int index) const;
   [[nodiscard]] WindowLoader::Job job(const WindowPlan& plan) const;
   [[nodiscard]] std::optional<WindowLoader::Job> zoom(Zoom direction, const State& state);
   [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m);
@@ -72,7 +72,7 @@ class Navigator {
   void say_direction(const Eigen::Vector3d& velocity, double time_s);
   [[nodiscard]] WindowPlan plan_at(const ZoomStep& step, const Eigen::Vector2d& centre_m) const;
 
-  pipeline::ScenePointer scene_;
+  scene::ScenePointer scene_;
   double workspace_width_m_;
   Effects effects_;
   Announcer& announcer_;

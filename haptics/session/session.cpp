@@ -48,7 +48,7 @@ double checked_rate(double rate_hz, double own_rate_hz) {
   throw usage_error(fmt::format("a servo rate of {} Hz", rate_hz), "rate_hz from 100 to 10000");
 }
 
-pipeline::ScenePointer first_recorded(const RecordedScenes& scenes, const Recording& recording) {
+scene::ScenePointer first_recorded(const RecordedScenes& scenes, const Recording& recording) {
   scenes.require(recording);
   return scenes.of(recording.windows().front());
 }
@@ -56,9 +56,8 @@ pipeline::ScenePointer first_recorded(const RecordedScenes& scenes, const Record
 }  // namespace
 
 struct Session::Implementation {
-  Implementation(pipeline::ScenePointer first_scene, std::unique_ptr<Device> hand,
-                 std::shared_ptr<const Recording> played, std::optional<RecordedScenes> played_scenes,
-                 SessionOptions session_options)
+  Implementation(scene::ScenePointer first_scene, std::unique_ptr<Device> hand, std::shared_ptr<const Recording> played,
+                 std::optional<RecordedScenes> played_scenes, SessionOptions session_options)
       : scene(std::move(first_scene)),
         device(std::move(hand)),
         recording(std::move(played)),
@@ -259,7 +258,7 @@ struct Session::Implementation {
     wish.scale = navigator.plan().scale;
     wish.part = navigator.part();
     const auto& parts = scene->description().config.parts;
-    const pipeline::PartConfig* touched = pipeline::part_at(scene->description(), now.place_m);
+    const scene::PartConfig* touched = scene::part_at(scene->description(), now.place_m);
     if (touched_first && now.contact != 0 && touched != nullptr)
       wish.part = static_cast<std::size_t>(touched - parts.data());
     return wish;
@@ -286,7 +285,7 @@ struct Session::Implementation {
     navigator.settle(navigator.change_scene(scene).plan);
   }
 
-  pipeline::ScenePointer scene;
+  scene::ScenePointer scene;
   std::unique_ptr<Device> device;
   std::shared_ptr<const Recording> recording;  // played instead of a device
   std::optional<RecordedScenes> recorded;      // with a recording
@@ -325,12 +324,12 @@ struct Session::Implementation {
   FaultWatch faults{announcer, options.real_time};
 };
 
-Session::Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options)
+Session::Session(scene::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options)
     : implementation_(std::make_unique<Implementation>(std::move(scene), std::move(device), nullptr, std::nullopt,
                                                        std::move(options))) {}
 
 Session::Session(RecordedScenes scenes, std::shared_ptr<const Recording> recording, SessionOptions options) {
-  pipeline::ScenePointer first = first_recorded(scenes, *recording);
+  scene::ScenePointer first = first_recorded(scenes, *recording);
   implementation_ = std::make_unique<Implementation>(std::move(first), nullptr, std::move(recording), std::move(scenes),
                                                      std::move(options));
 }
@@ -450,7 +449,7 @@ std::shared_ptr<ContactQueue> Session::add_contact_consumer() {
   return queue;
 }
 
-pipeline::ScenePointer Session::scene() const { return implementation_->scene; }
+scene::ScenePointer Session::scene() const { return implementation_->scene; }
 
 bool Session::plays_recording() const { return implementation_->recording != nullptr; }
 
@@ -462,7 +461,7 @@ void Session::set_speech(const std::string& language, bool speaks, std::optional
   self.options.speaks = first_speaks.value_or(speaks);
 }
 
-void Session::set_scene(pipeline::ScenePointer scene) {
+void Session::set_scene(scene::ScenePointer scene) {
   Implementation& self = *implementation_;
   if (self.recording) throw Error(ErrorKind::usage, {}, "a recording is played on the scene it was made with");
   self.scene = std::move(scene);

@@ -17,12 +17,12 @@
 #include "haptics/state/seqlock.h"
 #include "haptics/state/spsc_queue.h"
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
 struct SessionOptions {
-  pipeline::HapticsConfig haptics;  ///< wishes; the device limits them
+  scene::HapticsConfig haptics;  ///< wishes; the device limits them
   Effects effects;
   std::filesystem::path record;  ///< run.csv; empty = none. Beside it the scenes are kept when there are several
   bool real_time = true;         ///< ask for SCHED_FIFO and locked memory
@@ -66,7 +66,7 @@ struct SessionSummary {
 class Session {
  public:
   /// Loads the first window. Throws Error.
-  Session(pipeline::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options);
+  Session(scene::ScenePointer scene, std::unique_ptr<Device> device, SessionOptions options);
   /// Shows a recording that has windows instead of serving a hand, on the scenes that it was made on; requests but
   /// `describe` and `quit` are not served. Throws Error{input} when it was made on others.
   Session(RecordedScenes scenes, std::shared_ptr<const Recording> recording, SessionOptions options);
@@ -92,11 +92,11 @@ class Session {
   [[nodiscard]] std::shared_ptr<ContactQueue> add_contact_consumer();
   /// The scene that is touched, or shall be as soon as its window is loaded; of a recording that of the last poll()'s
   /// tick.
-  [[nodiscard]] pipeline::ScenePointer scene() const;
+  [[nodiscard]] scene::ScenePointer scene() const;
   [[nodiscard]] bool plays_recording() const;
   /// A new scene, e.g. after a new depth scan; the hand keeps its place. A run that is recorded keeps it and the ones
   /// before. Throws Error{usage} when a recording is played.
-  void set_scene(pipeline::ScenePointer scene);
+  void set_scene(scene::ScenePointer scene);
   /// What is announced from now on is in this language; `speaks`: announcements are spoken, which is said where it is
   /// new. `first_speaks`: whether it is so for the next visitor, where that is not `speaks`. Throws Error{usage} for a
   /// language without texts.

@@ -13,7 +13,7 @@
 #include "base/progress.h"
 #include "haptics/servo/command.h"
 #include "haptics/window/window.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
@@ -21,7 +21,7 @@ namespace sparsha::haptics {
 class WindowLoader {
  public:
   struct Job {
-    pipeline::ScenePointer scene;
+    scene::ScenePointer scene;
     std::uint64_t scene_number = 1;  ///< becomes HapticWindow::scene
     WindowPlan plan;
     Command command;  ///< gets the window when it is loaded

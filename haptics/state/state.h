@@ -80,7 +80,7 @@ struct State {
   std::array<double, 2> guide_n{};      ///< of the guide, x and y of the device frame, before the governor
   double guide_stored_j = 0.0;          ///< in the guide's springs
   double guide_supplied_j = 0.0;        ///< put into them in this tick by what leads; taken out where negative
-  std::array<std::uint64_t, 5> cues{};  ///< so far, in the order of pipeline::Cue
+  std::array<std::uint64_t, 5> cues{};  ///< so far, in the order of scene::Cue
   double away_m = 0.0;                  ///< of the hand from the stone, device frame; 0 also where it is not measured
   std::uint64_t missed_ticks = 0;       ///< skipped since the start
   std::uint64_t dropped_records = 0;    ///< rows the recorder could not take

@@ -14,7 +14,7 @@
 namespace sparsha::haptics {
 namespace {
 
-using pipeline::Lattice;
+using scene::Lattice;
 
 void check(const SurfaceParts& parts) {
   const Lattice& lattice = parts.lattice;
@@ -107,10 +107,9 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
   const int nx = parts.lattice.nx + 2 * parts.margin;
   const int ny = parts.lattice.ny + 2 * parts.margin;
   surface->beyond = parts.beyond;
-  pipeline::continue_beyond(surface->height_m, nx, ny,
-                            {parts.lattice.spacing_m, parts.scale, parts.hole_m, parts.beyond});
-  pipeline::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale,
-                            parts.progress);
+  scene::continue_beyond(surface->height_m, nx, ny, {parts.lattice.spacing_m, parts.scale, parts.hole_m, parts.beyond});
+  scene::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale,
+                         parts.progress);
   if (parts.margin > 0) surface->height_m = cropped(surface->height_m, parts.lattice, parts.margin);
   surface->mu_dynamic = std::move(parts.friction.mu_dynamic);
   surface->mu_static = std::move(parts.friction.mu_static);

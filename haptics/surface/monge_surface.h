@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "scene/config/haptics.h"
 #include "scene/depth_grid.h"
-#include "scene/haptics_config.h"
 
 namespace sparsha {
 class Progress;
@@ -26,7 +26,7 @@ struct SurfaceEffects;
 
 /// Immutable; made off the servo thread, read by it. Beyond its border the surface goes on level and frictionless.
 struct MongeSurface {
-  pipeline::Lattice lattice;             ///< of the window, grid frame
+  scene::Lattice lattice;                ///< of the window, grid frame
   std::vector<float> height_m;           ///< every node known: holes and the outside continue the nearest edge smoothly
   std::vector<float> mu_dynamic;         ///< per node, 0 on unknown nodes; empty: frictionless
   std::vector<float> mu_static;          ///< per node, >= mu_dynamic; empty when mu_dynamic is
@@ -35,7 +35,7 @@ struct MongeSurface {
   int level = 0;
   double scale = 1.0;         ///< device metres per grid metre
   double tip_radius_m = 0.0;  ///< device frame; heights are a ball's, lowered by it
-  pipeline::HapticsConfig::Beyond beyond = pipeline::HapticsConfig::Beyond::continued;  ///< outlines
+  scene::HapticsConfig::Beyond beyond = scene::HapticsConfig::Beyond::continued;  ///< outlines
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();          ///< grid point at the device frame's origin
   double highest_m = std::numeric_limits<double>::infinity();  ///< no node is higher; above it nothing is searched
   std::shared_ptr<const SurfaceEffects> effects;               ///< haptics/effects; null: none
@@ -54,13 +54,13 @@ struct FrictionMap {
 
 /// What a surface is made of.
 struct SurfaceParts {
-  pipeline::Lattice lattice;    ///< at least 2 x 2 nodes
+  scene::Lattice lattice;       ///< at least 2 x 2 nodes
   std::vector<float> height_m;  ///< per node, row 0 at the bottom, relative to lattice.origin_m.z; NaN: unknown
   FrictionMap friction;         ///< per node or empty
   std::vector<std::uint8_t> cell_flags;  ///< (nx-1)*(ny-1) CellFlag bits; empty: kCellUnknown where a node is unknown
   double scale = 1.0;                    ///< device metres per grid metre
   double tip_radius_m = 0.0;             ///< of the ball that touches, device frame; 0: a point
-  pipeline::HapticsConfig::Beyond beyond = pipeline::HapticsConfig::Beyond::continued;  ///< outlines
+  scene::HapticsConfig::Beyond beyond = scene::HapticsConfig::Beyond::continued;  ///< outlines
   double hole_m = 0.0;  ///< grid frame; what is narrower is continued in any case (scene/beyond.h)
   int margin = 0;       ///< height_m reaches so many nodes beyond the lattice on every side, for the ball to touch
   int level = 0;

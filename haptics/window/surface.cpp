@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "haptics/surface/large_pages.h"
 #include "scene/friction_law.h"
+#include "scene/scene.h"
 #include "scene/touched_view.h"
 #include "scene/window_lattice.h"
 #include "scene/workspace.h"
@@ -15,16 +16,16 @@
 namespace sparsha::haptics {
 namespace {
 
-using pipeline::Lattice;
-using pipeline::Layers;
-using pipeline::NodeState;
+using scene::Lattice;
+using scene::Layers;
+using scene::NodeState;
 
-void check(const pipeline::SceneDescription& scene, const Layers& window, int level, double scale) {
+void check(const scene::SceneDescription& scene, const Layers& window, int level, double scale) {
   const Lattice& lattice = window.grid.lattice;
   const auto wrong = [](const char* what) {
     return Error(ErrorKind::failure, {}, what, "a window read from the scene");
   };
-  if (!pipeline::has_cell(lattice) || !(lattice.spacing_m > 0.0)) throw wrong("a haptic window without a cell");
+  if (!scene::has_cell(lattice) || !(lattice.spacing_m > 0.0)) throw wrong("a haptic window without a cell");
   if (level < 0 || static_cast<std::size_t>(level) >= scene.levels.size())
     throw wrong("a level that the scene has not");
   if (!(scale > 0.0) || !std::isfinite(scale)) throw wrong("a window's scale that is not positive");
@@ -97,7 +98,7 @@ Layers without_margin(const Layers& wide, int margin) {
   const int nx = wide.grid.lattice.nx;
   const int ny = wide.grid.lattice.ny;
   window.grid = wide.grid;
-  window.grid.lattice = pipeline::window_lattice(wide.grid.lattice, margin, margin, nx - 2 * margin, ny - 2 * margin);
+  window.grid.lattice = scene::window_lattice(wide.grid.lattice, margin, margin, nx - 2 * margin, ny - 2 * margin);
   window.envelope_m = wide.envelope_m;
   window.curvature_per_m = wide.curvature_per_m;
   window.mean_curvature_per_m = wide.mean_curvature_per_m;
@@ -111,28 +112,27 @@ Layers without_margin(const Layers& wide, int margin) {
 
 }  // namespace
 
-FrictionMap evaluate_friction(const pipeline::SceneDescription& scene, const pipeline::Layers& window, int level,
+FrictionMap evaluate_friction(const scene::SceneDescription& scene, const scene::Layers& window, int level,
                               double scale) {
   FrictionMap map;
   if (!scene.config.friction) return map;
-  const pipeline::Lattice& lattice = window.grid.lattice;
-  const double width_m =
-      pipeline::window_width_m(lattice.nx, lattice.ny, scene.levels[static_cast<std::size_t>(level)]);
-  const pipeline::FrictionLaw law(scene, scale, scale * width_m);
+  const scene::Lattice& lattice = window.grid.lattice;
+  const double width_m = scene::window_width_m(lattice.nx, lattice.ny, scene.levels[static_cast<std::size_t>(level)]);
+  const scene::FrictionLaw law(scene, scale, scale * width_m);
   for (std::vector<float>* values : {&map.mu_dynamic, &map.mu_static}) {
     *values = reserve_large(lattice.count());
     values->resize(lattice.count());
   }
   for (std::size_t node = 0; node < lattice.count(); ++node) {
-    if (window.grid.state[node] == pipeline::NodeState::unknown) continue;
+    if (window.grid.state[node] == scene::NodeState::unknown) continue;
     map.mu_dynamic[node] = law.dynamic(window, node);
     map.mu_static[node] = law.at_rest(window, node, map.mu_dynamic[node]);
   }
   return map;
 }
 
-std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescription& scene, const Layers& layers,
-                                                 int level, double scale, const SurfaceOptions& options) {
+std::shared_ptr<const MongeSurface> make_surface(const scene::SceneDescription& scene, const Layers& layers, int level,
+                                                 double scale, const SurfaceOptions& options) {
   check(scene, layers, level, scale);
   const bool wide = options.margin > 0;
   const Layers inner = wide ? without_margin(layers, options.margin) : Layers{};
@@ -142,7 +142,7 @@ std::shared_ptr<const MongeSurface> make_surface(const pipeline::SceneDescriptio
   parts.lattice = lattice;
   parts.cell_flags = flag_cells(window, Inside(scene.levels[static_cast<std::size_t>(level)], lattice));
   parts.height_m = reserve_large(layers.grid.height_m.size());
-  pipeline::known_heights(layers, options.effects.texture, parts.height_m);
+  scene::known_heights(layers, options.effects.texture, parts.height_m);
   parts.beyond = options.beyond;
   if (scene.config.fill) parts.hole_m = scene.config.fill->max_gap_m;
   parts.tip_radius_m = options.tip_radius_m;

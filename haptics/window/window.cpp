@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scene/scene.h"
 #include "scene/touched_view.h"
 #include "scene/window_lattice.h"
 #include "scene/workspace.h"
@@ -15,7 +16,7 @@
 namespace sparsha::haptics {
 namespace {
 
-using pipeline::Lattice;
+using scene::Lattice;
 
 constexpr double kNearestScale = 8.0;  // device metres per grid metre
 constexpr double kFarthestNodes_m =
@@ -31,15 +32,15 @@ std::pair<int, int> run_around(double centre_nodes, int n, int window) {
 
 }  // namespace
 
-pipeline::TouchedView view_of(const WindowPlan& plan) {
+scene::TouchedView view_of(const WindowPlan& plan) {
   return {plan.level,           plan.i0,    plan.j0, plan.nx, plan.ny, plan.scale, plan.tip_radius_m,
           plan.effects.texture, plan.beyond};
 }
 
-int overview_level(const pipeline::SceneDescription& scene) {
-  const int window = pipeline::window_nodes(scene.config.levels.window);
+int overview_level(const scene::SceneDescription& scene) {
+  const int window = scene::window_nodes(scene.config.levels.window);
   int coarsest = 0;
-  for (std::size_t level = 0; level < scene.levels.size() && pipeline::has_cell(scene.levels[level]); ++level) {
+  for (std::size_t level = 0; level < scene.levels.size() && scene::has_cell(scene.levels[level]); ++level) {
     coarsest = static_cast<int>(level);
     if (std::max(scene.levels[level].nx, scene.levels[level].ny) <= window) break;
   }
@@ -51,30 +52,30 @@ Eigen::Vector2d middle_of(const Lattice& lattice) {
           lattice.origin_m.y() + 0.5 * (lattice.ny - 1) * lattice.spacing_m};
 }
 
-std::vector<ZoomStep> zoom_steps(const pipeline::SceneDescription& scene, double workspace_width_m) {
-  const int window = pipeline::window_nodes(scene.config.levels.window);
+std::vector<ZoomStep> zoom_steps(const scene::SceneDescription& scene, double workspace_width_m) {
+  const int window = scene::window_nodes(scene.config.levels.window);
   std::vector<ZoomStep> steps;
   for (int level = overview_level(scene); level >= 0; --level) steps.push_back({level, window});
   const Lattice& finest = scene.levels.front();
   const double nearest = std::min(kNearestScale, kFarthestNodes_m / finest.spacing_m);
-  double scale = pipeline::level_scale(window, finest, workspace_width_m);
+  double scale = scene::level_scale(window, finest, workspace_width_m);
   for (double next = std::exp2(std::ceil(std::log2(kWorthAStep * scale))); scale * kWorthAStep < nearest; next *= 2.0) {
     scale = next * kWorthAStep < nearest ? next : nearest;
     const double cells = workspace_width_m / (scale * finest.spacing_m);
-    const int nodes = pipeline::window_nodes(1 + static_cast<int>(std::lround(cells)));
+    const int nodes = scene::window_nodes(1 + static_cast<int>(std::lround(cells)));
     if (nodes >= steps.back().nodes) break;  // no smaller window is worth touching
     steps.push_back({0, nodes});
   }
   return steps;
 }
 
-WindowPlan plan_window(const pipeline::SceneDescription& scene, int level, const Eigen::Vector2d& centre_m,
+WindowPlan plan_window(const scene::SceneDescription& scene, int level, const Eigen::Vector2d& centre_m,
                        double workspace_width_m) {
-  return plan_window(scene, ZoomStep{level, pipeline::window_nodes(scene.config.levels.window)}, centre_m,
+  return plan_window(scene, ZoomStep{level, scene::window_nodes(scene.config.levels.window)}, centre_m,
                      workspace_width_m);
 }
 
-WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& step, const Eigen::Vector2d& centre_m,
+WindowPlan plan_window(const scene::SceneDescription& scene, const ZoomStep& step, const Eigen::Vector2d& centre_m,
                        double workspace_width_m) {
   const Lattice& lattice = scene.levels.at(static_cast<std::size_t>(step.level));
   const int window = step.nodes;
@@ -84,29 +85,29 @@ WindowPlan plan_window(const pipeline::SceneDescription& scene, const ZoomStep& 
   const Eigen::Vector2d nodes = (centre_m - lattice.origin_m.head<2>()) / lattice.spacing_m;
   std::tie(plan.i0, plan.nx) = run_around(nodes.x(), lattice.nx, window);
   std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);
-  plan.scale = workspace_width_m / pipeline::window_width_m(plan.nx, plan.ny, lattice.spacing_m);
+  plan.scale = workspace_width_m / scene::window_width_m(plan.nx, plan.ny, lattice.spacing_m);
   plan.tip_radius_m = scene.config.haptics.tip_radius_m;
   plan.impact = scene.config.haptics.impact;
   plan.grain = scene.config.haptics.grain;
   plan.cues = scene.config.cues.has_value();
   plan.beyond = scene.config.haptics.beyond;
-  const int fall = pipeline::fall_nodes(pipeline::beyond_of(scene, view_of(plan)));
+  const int fall = scene::fall_nodes(scene::beyond_of(scene, view_of(plan)));
   if (plan.nx == lattice.nx) plan.i0 -= fall, plan.nx += 2 * fall;
   if (plan.ny == lattice.ny) plan.j0 -= fall, plan.ny += 2 * fall;
   return plan;
 }
 
-HapticWindow load_window(const pipeline::Scene& scene, const WindowPlan& plan, std::uint64_t id,
+HapticWindow load_window(const scene::Scene& scene, const WindowPlan& plan, std::uint64_t id,
                          const Progress* progress) {
-  const pipeline::SceneDescription& description = scene.description();
+  const scene::SceneDescription& description = scene.description();
   const Lattice& level = description.levels.at(static_cast<std::size_t>(plan.level));
   SurfaceOptions options;
   options.progress = progress;
   options.tip_radius_m = plan.tip_radius_m;
   options.beyond = plan.beyond;
-  options.margin = pipeline::margin_of(description, view_of(plan));
+  options.margin = scene::margin_of(description, view_of(plan));
   const int more = 2 * options.margin;
-  const pipeline::Layers layers =
+  const scene::Layers layers =
       scene.read(plan.level, plan.i0 - options.margin, plan.j0 - options.margin, plan.nx + more, plan.ny + more);
   options.effects = plan.effects;
   options.id = id;

@@ -39,14 +39,14 @@ constexpr std::size_t kMostNotes = 16U << 20U;  // bytes
 // A jump between neighbouring nodes that is a step of the object and not its slope or noise.
 double step_height(const Projection& projection) { return projection.gap_m; }
 
-void count_nodes(const DepthGrid& grid, Report& report, SceneDescription& scene) {
+void count_nodes(const scene::DepthGrid& grid, Report& report, scene::SceneDescription& scene) {
   std::size_t measured = 0;
   std::size_t filled = 0;
   float low = std::numeric_limits<float>::infinity();
   float high = -low;
   for (std::size_t n = 0; n < grid.height_m.size(); ++n) {
-    if (grid.state[n] == NodeState::unknown) continue;
-    (grid.state[n] == NodeState::measured ? measured : filled) += 1;
+    if (grid.state[n] == scene::NodeState::unknown) continue;
+    (grid.state[n] == scene::NodeState::measured ? measured : filled) += 1;
     low = std::min(low, grid.height_m[n]);
     high = std::max(high, grid.height_m[n]);
   }
@@ -59,7 +59,7 @@ void count_nodes(const DepthGrid& grid, Report& report, SceneDescription& scene)
   }
 }
 
-void warn_of_size(const Lattice& lattice, Progress& progress) {
+void warn_of_size(const scene::Lattice& lattice, Progress& progress) {
   constexpr double kSmall_m = 0.005;  // smaller and larger objects are rare in a heritage lab
   constexpr double kLarge_m = 200.0;
   const double longest = lattice.spacing_m * (std::max(lattice.nx, lattice.ny) - 1);
@@ -69,16 +69,16 @@ void warn_of_size(const Lattice& lattice, Progress& progress) {
 }
 
 // White noise of the heights, a node: the points' own, averaged over as many as fall to a measured node.
-double node_noise(const Projection& projection, const DepthGrid& grid) {
-  const auto measured = std::count(grid.state.begin(), grid.state.end(), NodeState::measured);
+double node_noise(const Projection& projection, const scene::DepthGrid& grid) {
+  const auto measured = std::count(grid.state.begin(), grid.state.end(), scene::NodeState::measured);
   const double points = static_cast<double>(projection.used) / std::max(1.0, static_cast<double>(measured));
   return projection.noise_m / std::sqrt(std::max(1.0, points));
 }
 
-Report::Friction count_friction(const DepthGrid& grid, const CurvatureMap& map) {
+Report::Friction count_friction(const scene::DepthGrid& grid, const CurvatureMap& map) {
   Report::Friction count;
   for (std::size_t n = 0; n < grid.state.size(); ++n) {
-    if (grid.state[n] == NodeState::unknown) continue;
+    if (grid.state[n] == scene::NodeState::unknown) continue;
     ++count.nodes;
     count.undecided += std::isnan(map.rms_per_m[n]) ? 1 : 0;
   }
@@ -86,15 +86,15 @@ Report::Friction count_friction(const DepthGrid& grid, const CurvatureMap& map) 
 }
 
 // Texture and friction layers of level 0.
-void add_texture(const Config& config, const Projection& projection, const Context& context, Layers& base,
-                 SceneDescription& scene, Report& report) {
+void add_texture(const scene::Config& config, const Projection& projection, const Context& context, scene::Layers& base,
+                 scene::SceneDescription& scene, Report& report) {
   if (!config.texture) return;
   context.progress.begin("texture");
   base.envelope_m = bilateral_envelope(base.grid, *config.texture, context.pool);
   scene.has_envelope = true;
-  if (!config.friction || config.friction->law == FrictionConfig::Law::constant) return;
+  if (!config.friction || config.friction->law == scene::FrictionConfig::Law::constant) return;
   context.progress.begin("friction map");
-  FrictionConfig& friction = *scene.config.friction;
+  scene::FrictionConfig& friction = *scene.config.friction;
   if (!(friction.scale_m > 0.0)) {
     friction.scale_m = std::max(3.0 * base.grid.lattice.spacing_m, config.texture->sigma_space_m);
   }
@@ -107,14 +107,14 @@ void add_texture(const Config& config, const Projection& projection, const Conte
   report.friction = count_friction(base.grid, map);
   base.curvature_per_m = std::move(map.rms_per_m);
   scene.has_curvature = true;
-  if (friction.law != FrictionConfig::Law::paper) return;
+  if (friction.law != scene::FrictionConfig::Law::paper) return;
   base.mean_curvature_per_m = std::move(map.mean_per_m);
   base.gaussian_curvature_per_m2 = std::move(map.gaussian_per_m2);
   scene.has_paper_curvatures = true;
 }
 
 // How the scans fit each other, for the report; poses stay as they are.
-std::vector<ScanPair> pairs_of(const Config& config, const BuildOptions& options, const Context& context) {
+std::vector<ScanPair> pairs_of(const scene::Config& config, const BuildOptions& options, const Context& context) {
   std::vector<ScanPair> pairs;
   if (!config.registration || config.scans.size() < 2 || options.grid_only) return pairs;
   if (options.memory_bytes > 0) {
@@ -154,7 +154,7 @@ std::vector<ScanPair> pairs_of(const Config& config, const BuildOptions& options
 }
 
 /// The label image lies over the grid that it was drawn for, also after the object has been turned.
-void place_labels(Config& config, const Lattice& grid) {
+void place_labels(scene::Config& config, const scene::Lattice& grid) {
   if (!config.audio || !config.audio->labels || config.audio->labels->bounds_m) return;
   if (config.orientation.regions_scan_to_grid)
     throw usage_error("audio.labels: the object was turned, and where the picture lies is not written", "bounds_m");
@@ -162,7 +162,7 @@ void place_labels(Config& config, const Lattice& grid) {
 }
 
 // Before a long build, not after it.
-void require_label_image(const Config& config) {
+void require_label_image(const scene::Config& config) {
   if (!config.audio || !config.audio->labels) return;
   const auto has_label = [](const auto& place) { return place.label.has_value(); };
   if (std::any_of(config.parts.begin(), config.parts.end(), has_label) ||
@@ -171,15 +171,15 @@ void require_label_image(const Config& config) {
 }
 
 // What was drawn for another grid, in another unit or on another label image. `what`: "part 'lotus'".
-void warn_if_nowhere(const SceneDescription& scene, const std::string& what, const Area& area,
+void warn_if_nowhere(const scene::SceneDescription& scene, const std::string& what, const scene::Area& area,
                      const std::optional<int>& label, Progress& progress) {
-  const std::optional<Area::Box> box_m = area.bounds_m();
+  const std::optional<scene::Area::Box> box_m = area.bounds_m();
   if (!box_m) {
     progress.warn(label ? fmt::format("{} is nowhere: no pixel of the label image has the value {}", what, *label)
                         : fmt::format("{} is nowhere: its polygon encloses nothing", what));
     return;
   }
-  const Lattice& grid = scene.levels.front();
+  const scene::Lattice& grid = scene.levels.front();
   const double xmax_m = grid.x_m(grid.nx - 1), ymax_m = grid.y_m(grid.ny - 1);
   const bool beside =
       box_m->at(2) < grid.x_m(0) || box_m->at(0) > xmax_m || box_m->at(3) < grid.y_m(0) || box_m->at(1) > ymax_m;
@@ -188,30 +188,31 @@ void warn_if_nowhere(const SceneDescription& scene, const std::string& what, con
                             grid.x_m(0), grid.y_m(0), xmax_m, ymax_m));
 }
 
-void warn_of_empty_places(const SceneDescription& scene, Progress& progress) {
+void warn_of_empty_places(const scene::SceneDescription& scene, Progress& progress) {
   for (std::size_t part = 0; part < scene.config.parts.size(); ++part) {
-    const PartConfig& config = scene.config.parts[part];
-    warn_if_nowhere(scene, fmt::format("part '{}'", config.name), area_of(scene, part), config.label, progress);
+    const scene::PartConfig& config = scene.config.parts[part];
+    warn_if_nowhere(scene, fmt::format("part '{}'", config.name), scene::area_of(scene, part), config.label, progress);
   }
   if (!scene.config.audio) return;
-  std::shared_ptr<const LabelMap> labels;
-  for (const AudioRegionConfig& region : scene.config.audio->regions) {
+  std::shared_ptr<const scene::LabelMap> labels;
+  for (const scene::AudioRegionConfig& region : scene.config.audio->regions) {
     if (!region.has_place() || (region.label && !scene.config.audio->labels)) continue;  // is warned of where it sounds
-    Area area;
+    scene::Area area;
     if (region.box_m) {
-      area = Area(*region.box_m);
+      area = scene::Area(*region.box_m);
     } else if (!region.polygon_m.empty()) {
-      area = Area(std::make_shared<const Polygon>(region.polygon_m));
+      area = scene::Area(std::make_shared<const scene::Polygon>(region.polygon_m));
     } else {
-      if (!labels) labels = label_map_of(scene);
-      area = Area(std::make_shared<const LabelArea>(labels, *region.label, LabelArea::Border::none));
+      if (!labels) labels = scene::label_map_of(scene);
+      area =
+          scene::Area(std::make_shared<const scene::LabelArea>(labels, *region.label, scene::LabelArea::Border::none));
     }
     warn_if_nowhere(scene, fmt::format("audio region '{}'", region.name), area, region.label, progress);
   }
 }
 
-Layers base_of(Projection& projection) {
-  Layers base;
+scene::Layers base_of(Projection& projection) {
+  scene::Layers base;
   base.grid = std::move(projection.grid);
   base.colour_rgba = std::move(projection.colour_rgba);
   base.intensity = std::move(projection.intensity);
@@ -220,16 +221,16 @@ Layers base_of(Projection& projection) {
 
 // Fills gaps, holds the points against the surface, and warns of what is odd. Throws Error{input} when the surface is
 // not where the points are.
-void fill_and_check(const Config& config, const BuildOptions& options, const Context& context, ProjectedScans& scans,
-                    Layers& base, SceneDescription& scene, Report& report) {
+void fill_and_check(const scene::Config& config, const BuildOptions& options, const Context& context,
+                    ProjectedScans& scans, scene::Layers& base, scene::SceneDescription& scene, Report& report) {
   Progress& progress = context.progress;
   const Projection& projection = scans.projection;
   if (config.fill) {
     progress.begin("fill");
     fill_gaps(base.grid, *config.fill, step_height(projection), context.pool);
   }
-  const auto measured =
-      static_cast<std::uint64_t>(std::count(base.grid.state.begin(), base.grid.state.end(), NodeState::measured));
+  const auto measured = static_cast<std::uint64_t>(
+      std::count(base.grid.state.begin(), base.grid.state.end(), scene::NodeState::measured));
   // Before the other layers, so that points and layers are not in memory together.
   if (scans.check) {
     progress.begin("cross-check");
@@ -245,9 +246,9 @@ void fill_and_check(const Config& config, const BuildOptions& options, const Con
 
 }  // namespace
 
-BuildResult build_scene(const Config& given, const BuildOptions& options, Progress& progress) {
+BuildResult build_scene(const scene::Config& given, const BuildOptions& options, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
-  Config config = given;
+  scene::Config config = given;
   require_label_image(config);
   config.scans = without_repeats(given.scans, progress);
   ThreadPool pool(options.threads);
@@ -256,7 +257,7 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
 
   Report report = take_counts(scans);
   report.pairs = pairs_of(config, options, {pool, progress});
-  SceneDescription scene;
+  scene::SceneDescription scene;
   if (config.orientation.face) {
     config.orientation.face.reset();
     config.orientation.face_up.reset();
@@ -278,12 +279,12 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
   scene.noise_m = projection.noise_m;
   warn_of_size(projection.grid.lattice, progress);
 
-  Layers base = base_of(projection);
+  scene::Layers base = base_of(projection);
   scene.has_colour = !base.colour_rgba.empty();
   scene.has_intensity = !base.intensity.empty();
   if (scene.config.grid.size == 0) scene.config.grid.spacing_m = base.grid.lattice.spacing_m;
 
-  std::vector<Layers> levels;
+  std::vector<scene::Layers> levels;
   if (!options.grid_only) {
     fill_and_check(config, options, {pool, progress}, scans, base, scene, report);
     add_texture(config, projection, {pool, progress}, base, scene, report);
@@ -297,10 +298,10 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
 
   count_nodes(base.grid, report, scene);
   levels.insert(levels.begin(), std::move(base));
-  for (const Layers& level : levels) scene.levels.push_back(level.grid.lattice);
+  for (const scene::Layers& level : levels) scene.levels.push_back(level.grid.lattice);
 
   BuildResult result;
-  result.scene = make_scene(std::move(scene), std::move(levels));
+  result.scene = scene::make_scene(std::move(scene), std::move(levels));
   warn_of_empty_places(result.scene->description(), progress);
   report.stages = progress.stages();
   report.warnings = progress.warnings();
@@ -311,25 +312,25 @@ BuildResult build_scene(const Config& given, const BuildOptions& options, Progre
 }
 
 void write_scene_folder(const BuildResult& result, const std::filesystem::path& folder, Progress& progress) {
-  const Config& config = result.scene->description().config;
-  require_replaceable(folder, config);
+  const scene::Config& config = result.scene->description().config;
+  scene::require_replaceable(folder, config);
   AtomicPath target(folder, AtomicPath::Kind::folder);
   progress.begin("write");
   target.naming_target([&] {
-    write_scene(*result.scene, target.temporary());
+    scene::write_scene(*result.scene, target.temporary());
     ThreadPool pool(0);
     write_report(*result.scene, result.report, target.temporary(), pool);
   });
   progress.finish();
   progress.throw_if_cancelled();
-  require_replaceable(folder, config);
+  scene::require_replaceable(folder, config);
   target.commit();
 }
 
-BuildResult build_scene_folder(const Config& config, const BuildOptions& options, const std::filesystem::path& folder,
-                               Progress& progress) {
+BuildResult build_scene_folder(const scene::Config& config, const BuildOptions& options,
+                               const std::filesystem::path& folder, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
-  require_replaceable(folder, config);
+  scene::require_replaceable(folder, config);
   AtomicPath target(folder, AtomicPath::Kind::folder);
   BuildOptions building = options;
   if (building.scratch_folder.empty()) {
@@ -337,7 +338,7 @@ BuildResult build_scene_folder(const Config& config, const BuildOptions& options
   }
   BuildResult result = build_scene(config, building, progress);
   progress.begin("write");
-  target.naming_target([&] { write_scene(*result.scene, target.temporary()); });
+  target.naming_target([&] { scene::write_scene(*result.scene, target.temporary()); });
   progress.finish();
   result.report.stages = progress.stages();
   result.report.warnings = progress.warnings();
@@ -352,11 +353,11 @@ BuildResult build_scene_folder(const Config& config, const BuildOptions& options
     }
   });
   progress.throw_if_cancelled();
-  require_replaceable(folder, config);  // once more: a build takes its time
+  scene::require_replaceable(folder, config);  // once more: a build takes its time
   // Notes are people's work, and in the frame of the scans: they go on with the object.
   std::error_code code;
-  if (const std::filesystem::path notes = folder / kNotesFile; std::filesystem::is_regular_file(notes, code))
-    write_file(target.temporary() / kNotesFile, read_file(notes, kMostNotes));
+  if (const std::filesystem::path notes = folder / scene::kNotesFile; std::filesystem::is_regular_file(notes, code))
+    write_file(target.temporary() / scene::kNotesFile, read_file(notes, kMostNotes));
   target.commit();
   return result;
 }

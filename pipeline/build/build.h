@@ -6,8 +6,8 @@
 
 #include "base/progress.h"
 #include "pipeline/report/report.h"
-#include "scene/config.h"
-#include "scene/scene.h"
+#include "scene/config/config.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 
@@ -25,18 +25,18 @@ struct BuildOptions {
 };
 
 struct BuildResult {
-  ScenePointer scene;
+  scene::ScenePointer scene;
   Report report;
 };
 
 /// Builds a scene held in memory. Throws Error{usage, input}, Error{failure} when a limit cannot be kept;
 /// Cancelled.
-[[nodiscard]] BuildResult build_scene(const Config& config, const BuildOptions& options, Progress& progress);
+[[nodiscard]] BuildResult build_scene(const scene::Config& config, const BuildOptions& options, Progress& progress);
 
 /// Builds and writes the scene folder as a whole: beside the target, then renamed, so that an old scene survives
 /// failure.
-BuildResult build_scene_folder(const Config& config, const BuildOptions& options, const std::filesystem::path& folder,
-                               Progress& progress);
+BuildResult build_scene_folder(const scene::Config& config, const BuildOptions& options,
+                               const std::filesystem::path& folder, Progress& progress);
 
 /// Writes what build_scene() has made as build_scene_folder() does: the same files, beside the target and then renamed.
 /// Throws Error{usage} unless `folder` is new, empty, or holds what a build wrote; Error{failure}; Cancelled.

@@ -68,16 +68,17 @@ std::vector<Seen> in_order(const std::vector<Pillar>& pillars, const Eigen::Matr
   return seen;
 }
 
-std::vector<AudioRegionConfig> scale_for(std::size_t count, bool has_major) {
-  std::vector<AudioRegionConfig> notes;
+std::vector<scene::AudioRegionConfig> scale_for(std::size_t count, bool has_major) {
+  std::vector<scene::AudioRegionConfig> notes;
   for (std::size_t k = 0; k < count; ++k) {
-    AudioRegionConfig region;
+    scene::AudioRegionConfig region;
     const bool major = has_major && k == 0;
     const std::size_t step = k - (has_major ? 1 : 0);
     const Note& note = kScale[major ? 0 : step % kScale.size()];
     const double octave = major ? 0.5 : std::exp2(static_cast<double>(step / kScale.size()));
     region.name = major ? "major" : note.name;
-    region.sound = ModalConfig{std::min(octave * kSa_hz * note.ratio, 4000.0), major ? 2.0 * kDecay_s : kDecay_s, {}};
+    region.sound =
+        scene::ModalConfig{std::min(octave * kSa_hz * note.ratio, 4000.0), major ? 2.0 * kDecay_s : kDecay_s, {}};
     notes.push_back(region);
   }
   return notes;
@@ -85,21 +86,21 @@ std::vector<AudioRegionConfig> scale_for(std::size_t count, bool has_major) {
 
 }  // namespace
 
-void place_on_pillars(AudioConfig& audio, const std::vector<Pillar>& pillars, const Eigen::Matrix4d& scan_to_grid,
-                      Progress& progress) {
+void place_on_pillars(scene::AudioConfig& audio, const std::vector<Pillar>& pillars,
+                      const Eigen::Matrix4d& scan_to_grid, Progress& progress) {
   audio.find_pillars = false;
   bool has_major = false;
   const std::vector<Seen> seen = in_order(pillars, scan_to_grid, has_major);
-  const auto homeless = [](const AudioRegionConfig& region) { return !region.has_place(); };
+  const auto homeless = [](const scene::AudioRegionConfig& region) { return !region.has_place(); };
   const auto wanted = static_cast<std::size_t>(std::count_if(audio.regions.begin(), audio.regions.end(), homeless));
   if (wanted == 0) {
-    const std::vector<AudioRegionConfig> notes = scale_for(seen.size(), has_major);
+    const std::vector<scene::AudioRegionConfig> notes = scale_for(seen.size(), has_major);
     audio.regions.insert(audio.regions.end(), notes.begin(), notes.end());
   }
   std::size_t next = 0;
-  for (AudioRegionConfig& region : audio.regions)
+  for (scene::AudioRegionConfig& region : audio.regions)
     if (homeless(region) && next < seen.size()) region.polygon_m = outline(seen[next++]);
-  for (const AudioRegionConfig& region : audio.regions)
+  for (const scene::AudioRegionConfig& region : audio.regions)
     if (homeless(region))
       progress.warn(fmt::format("audio region '{}' has no pillar: {} were found", region.name, seen.size()));
   std::erase_if(audio.regions, homeless);

@@ -7,7 +7,7 @@
 
 #include "base/progress.h"
 #include "pipeline/filter/pillars.h"
-#include "scene/config.h"
+#include "scene/config/audio.h"
 
 namespace sparsha::pipeline {
 
@@ -15,7 +15,7 @@ namespace sparsha::pipeline {
 /// a third thicker than the middle one of the others, then from left to right. Without such regions every pillar gets a
 /// note: the thickest sa an octave below, the others sa re ga ma pa dha ni. Regions for which no pillar is left are
 /// taken out, with a warning. Afterwards nothing is to be found any more.
-void place_on_pillars(AudioConfig& audio, const std::vector<Pillar>& pillars, const Eigen::Matrix4d& scan_to_grid,
-                      Progress& progress);
+void place_on_pillars(scene::AudioConfig& audio, const std::vector<Pillar>& pillars,
+                      const Eigen::Matrix4d& scan_to_grid, Progress& progress);
 
 }  // namespace sparsha::pipeline

@@ -19,9 +19,9 @@ bool has_field(const std::vector<std::string>& names, const std::string& key) {
 
 }  // namespace
 
-void require_fields(const std::vector<ScanConfig>& configs, const ScanSet& scans,
-                    const std::vector<FilterConfig>& filters, Progress& progress) {
-  for (const FilterConfig& filter : filters) {
+void require_fields(const std::vector<scene::ScanConfig>& configs, const ScanSet& scans,
+                    const std::vector<scene::FilterConfig>& filters, Progress& progress) {
+  for (const scene::FilterConfig& filter : filters) {
     const std::string key = field_of(filter);
     if (key.empty() || (key == kIntensityField && scans.has_intensity())) continue;
     std::vector<std::string> names;
@@ -45,15 +45,16 @@ void require_fields(const std::vector<ScanConfig>& configs, const ScanSet& scans
     }
     if (!without.empty()) {
       progress.warn(fmt::format("{}: has no field '{}'; the filter '{}' keeps all points of it", without, key,
-                                filter_name(filter)));
+                                scene::filter_name(filter)));
     }
   }
 }
 
-void warn_of_unused_worth(const std::vector<ScanConfig>& configs, const ScanSet& scans,
-                          const std::vector<FilterConfig>& filters, Progress& progress) {
+void warn_of_unused_worth(const std::vector<scene::ScanConfig>& configs, const ScanSet& scans,
+                          const std::vector<scene::FilterConfig>& filters, Progress& progress) {
   const auto is_used = [&](const std::string& key) {
-    return std::any_of(filters.begin(), filters.end(), [&](const FilterConfig& f) { return field_of(f) == key; });
+    return std::any_of(filters.begin(), filters.end(),
+                       [&](const scene::FilterConfig& f) { return field_of(f) == key; });
   };
   for (std::size_t s = 0; s < configs.size(); ++s) {
     for (const Worth& worth : worth_of(scans.tallies_of(s))) {

@@ -29,8 +29,8 @@ namespace sparsha::pipeline {
 namespace {
 
 // What became of a point that an outlier filter took away: the cross-check counts it unless the view does not see it.
-PointClass class_of(const Eigen::Vector3d& grid_point_m, const DepthGrid& grid, double gap_m) {
-  const Lattice& lattice = grid.lattice;
+PointClass class_of(const Eigen::Vector3d& grid_point_m, const scene::DepthGrid& grid, double gap_m) {
+  const scene::Lattice& lattice = grid.lattice;
   const double u = (grid_point_m.x() - lattice.origin_m.x()) / lattice.spacing_m;
   const double v = (grid_point_m.y() - lattice.origin_m.y()) / lattice.spacing_m;
   if (!(u >= -0.5 && v >= -0.5 && u <= lattice.nx - 0.5 && v <= lattice.ny - 0.5)) return PointClass::outside;
@@ -63,15 +63,15 @@ void add_outliers(Cloud& cloud, const Cloud& removed, const Eigen::Matrix4d& sca
   }
 }
 
-Error no_points(const Config& config) {
+Error no_points(const scene::Config& config) {
   return input_error(config.scans.front().file.string(), "there are no points to build from",
                      "a scan with at least one finite point");
 }
 
 // Whether a filter may leave one of several pieces.
-bool takes_places_away(const FilterConfig& filter) {
-  return std::holds_alternative<KeepConfig>(filter) || std::holds_alternative<CropConfig>(filter) ||
-         std::holds_alternative<PassConfig>(filter) || std::holds_alternative<RemovePlaneConfig>(filter);
+bool takes_places_away(const scene::FilterConfig& filter) {
+  return std::holds_alternative<scene::KeepConfig>(filter) || std::holds_alternative<scene::CropConfig>(filter) ||
+         std::holds_alternative<scene::PassConfig>(filter) || std::holds_alternative<scene::RemovePlaneConfig>(filter);
 }
 
 // Bytes per point that bytes_in_memory() allows for its projection.
@@ -82,7 +82,7 @@ struct DoesNotFit {};
 
 class Builder {
  public:
-  Builder(const Config& config, const BuildOptions& options, const Context& context)
+  Builder(const scene::Config& config, const BuildOptions& options, const Context& context)
       : config_(config),
         options_(options),
         pool_(context.pool),
@@ -144,7 +144,7 @@ class Builder {
     return limit_.bytes == 0 || bytes_in_memory(scans, filters_) <= limit_.bytes;
   }
 
-  [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const Lattice& lattice) const {
+  [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const scene::Lattice& lattice) const {
     return bytes_of_nodes(config_, options_.grid_only, config_.grid.colour && scans.has_colour(),
                           config_.grid.intensity && scans.has_intensity(), lattice);
   }
@@ -155,7 +155,7 @@ class Builder {
     Report::Points points;
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
-    build_cloud(cloud, filters_, points, {}, [&](const Lattice& lattice, std::uint64_t bytes_per_point) {
+    build_cloud(cloud, filters_, points, {}, [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
       std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
       // What is counted for a point is enough for windows; discs take more.
       needed += (std::max(bytes_per_point, kWindowBytes) - kWindowBytes) * scans.points();
@@ -168,7 +168,7 @@ class Builder {
   }
 
   // Filters and projects a cloud of which `points` and `before` say what has become so far.
-  void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<FilterConfig>& filters,
+  void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<scene::FilterConfig>& filters,
                    const Report::Points& points, FilterSteps&& before, const ApproveLattice& approve) {
     result_.points = points;
     add_steps(std::move(before));
@@ -201,7 +201,7 @@ class Builder {
     classes->point_spacing_m = result_.projection.point_spacing_m;
     classes->gap_m = result_.projection.gap_m;
     result_.check = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_, cloud,
-                     removed, classes](DepthGrid& grid) {
+                     removed, classes](scene::DepthGrid& grid) {
       classes->grid = std::move(grid);
       restore_measured(*cloud);
       add_outliers(*cloud, *removed, scan_to_grid, *classes);
@@ -237,7 +237,7 @@ class Builder {
   // What `face` asks for, found once: by the filter that needs it first, or by what is left of the points.
   void find_orientation(const std::vector<Eigen::Vector3d>& points_m, const std::vector<Station>& stations) {
     progress_.begin("orient");
-    const OrientationConfig& orientation = config_.orientation;
+    const scene::OrientationConfig& orientation = config_.orientation;
     FoundFace found = find_face({some_of(points_m, 20000), stations, z_up_}, *orientation.face, orientation.face_up,
                                 orientation.face_scale);
     scan_to_grid_ = found.scan_to_grid;
@@ -261,7 +261,7 @@ class Builder {
   [[nodiscard]] double scale() const { return std::cbrt(std::abs(scan_to_grid_.topLeftCorner<3, 3>().determinant())); }
 
   // Before memory is taken for what cannot be there: a system that grants more than it has kills the program later.
-  static void require_room(const Lattice& lattice, std::uint64_t bytes) {
+  static void require_room(const scene::Lattice& lattice, std::uint64_t bytes) {
     const std::uint64_t memory = system::physical_memory_bytes();
     if (memory == 0 || bytes <= memory / 10 * 9) return;
     throw usage_error(fmt::format("a grid of {} x {} nodes needs about {} MB for its layers, this machine has {} MB",
@@ -279,26 +279,28 @@ class Builder {
                   remedy);
     };
     if (scans.faces() > 0) refuse("scans with faces are built in memory only", "a higher --memory");
-    for (const FilterConfig& filter : filters_) {
-      if (std::holds_alternative<VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
+    for (const scene::FilterConfig& filter : filters_) {
+      if (std::holds_alternative<scene::VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
       if (can_be_streamed(filter)) continue;
-      const std::string name = filter_name(filter);
+      const std::string name = scene::filter_name(filter);
       refuse("the filter '" + name + "' works in memory only",
              "a higher --memory, a voxel filter before it" + without(filter, name), filter.place);
     }
   }
 
   // What the projection does by itself.
-  static std::string without(const FilterConfig& filter, const std::string& name) {
-    if (std::holds_alternative<OutlierConfig>(filter) || std::holds_alternative<RadiusOutlierConfig>(filter)) {
+  static std::string without(const scene::FilterConfig& filter, const std::string& name) {
+    if (std::holds_alternative<scene::OutlierConfig>(filter) ||
+        std::holds_alternative<scene::RadiusOutlierConfig>(filter)) {
       return ", or no '" + name + "': the projection leaves them out by itself";
     }
-    return std::holds_alternative<ThinConfig>(filter) ? ", or no 'thin': the projection does not need it" : "";
+    return std::holds_alternative<scene::ThinConfig>(filter) ? ", or no 'thin': the projection does not need it" : "";
   }
 
   [[nodiscard]] bool thins() const {
-    return std::any_of(filters_.begin(), filters_.end(),
-                       [](const FilterConfig& filter) { return std::holds_alternative<VoxelConfig>(filter); });
+    return std::any_of(filters_.begin(), filters_.end(), [](const scene::FilterConfig& filter) {
+      return std::holds_alternative<scene::VoxelConfig>(filter);
+    });
   }
 
   // Streams the scans through a voxel filter, whose voxels must fit into memory.
@@ -306,7 +308,7 @@ class Builder {
     progress_.begin("filter");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
     const std::size_t leading = streamed.count();
-    const auto& voxel = std::get<VoxelConfig>(filters_[leading]);
+    const auto& voxel = std::get<scene::VoxelConfig>(filters_[leading]);
     const std::uint64_t most = most_voxels(limit_);
     const Eigen::Vector3d& origin_m = scans.origin_m();
     VoxelThinner thinner(origin_m, voxel.leaf_m, scans.has_colour(), scans.has_intensity());
@@ -335,16 +337,18 @@ class Builder {
     if (points.read == 0) throw no_points(config_);
     FilterSteps steps = streamed.finish(progress_);
     FilterStep& voxels = steps.steps.emplace_back();
-    voxels.name = filter_name(filters_[leading]);
+    voxels.name = scene::filter_name(filters_[leading]);
     voxels.merges = true;
     voxels.removed = kept - thinner.voxels();
     points.read += points.invalid;
     const auto cloud = std::make_shared<Cloud>(thinner.finish());
     cloud->stations = scans.stations();
-    const std::vector<FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1, filters_.end());
-    build_cloud(cloud, rest, points, std::move(steps), [&](const Lattice& lattice, std::uint64_t bytes_per_point) {
-      (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_per_point, 0, lattice);
-    });
+    const std::vector<scene::FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1,
+                                                filters_.end());
+    build_cloud(cloud, rest, points, std::move(steps),
+                [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
+                  (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_per_point, 0, lattice);
+                });
   }
 
   void build_out_of_core(const ScanSet& scans) {
@@ -364,7 +368,7 @@ class Builder {
     progress_.begin("project");
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m,
                           {pool_, progress_});
-    const Lattice& lattice = tiled.plan().lattice;
+    const scene::Lattice& lattice = tiled.plan().lattice;
     const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, result_.points.read, lattice) : 0;
     const std::uint64_t tile_points =
         points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_per_point(), sample_bytes, lattice);
@@ -378,28 +382,28 @@ class Builder {
     const double noise_m = result_.projection.noise_m;
     const double point_spacing_m = result_.projection.point_spacing_m;
     result_.check = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_, points,
-                     noise_m, point_spacing_m](DepthGrid& grid) {
+                     noise_m, point_spacing_m](scene::DepthGrid& grid) {
       const CountedPoints counted = counted_points(*points, scan_to_grid, grid.lattice, progress);
       return cross_check(counted, grid, noise_m, point_spacing_m, config.fill, *config.check, {pool, progress});
     };
   }
 
-  const Config& config_;
+  const scene::Config& config_;
   const BuildOptions& options_;
   ThreadPool& pool_;
   Progress& progress_;
   Eigen::Matrix4d scan_to_grid_;
   bool oriented_ = true;
   bool z_up_ = false;
-  GridConfig grid_;
+  scene::GridConfig grid_;
   MemoryLimit limit_;
-  std::vector<FilterConfig> filters_;
+  std::vector<scene::FilterConfig> filters_;
   ProjectedScans result_;
 };
 
 }  // namespace
 
-ProjectedScans project_scans(const Config& config, const BuildOptions& options, const Context& context) {
+ProjectedScans project_scans(const scene::Config& config, const BuildOptions& options, const Context& context) {
   return Builder(config, options, context).run();
 }
 

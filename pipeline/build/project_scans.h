@@ -9,14 +9,14 @@
 #include "pipeline/check/check.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/report/report.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
 
 struct ProjectedScans {
   Projection projection;
-  std::vector<ScanSource> sources;
+  std::vector<scene::ScanSource> sources;
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();  ///< the configuration's, or what `face` has found
   std::string orientation;                                     ///< what `face` has found, in words; else empty
   Report::Points points;
@@ -25,13 +25,14 @@ struct ProjectedScans {
   std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame; empty without filters
   std::vector<Eigen::Vector3d> sample_m;  ///< the same, when the configuration looks for pillars
   /// Checks the finished grid (which it may hold meanwhile) against the points; null when nothing asks for it.
-  std::function<CheckResult(DepthGrid& grid)> check;
+  std::function<CheckResult(scene::DepthGrid& grid)> check;
 };
 
 /// Reads, filters and projects. The same result whether out of core or not. Throws Error{usage, input}; Error{failure}
 /// when a limit cannot be kept, naming the filter or the grid that is in the way, or the disk is full; Cancelled. The
 /// arguments must outlive `check`.
-[[nodiscard]] ProjectedScans project_scans(const Config& config, const BuildOptions& options, const Context& context);
+[[nodiscard]] ProjectedScans project_scans(const scene::Config& config, const BuildOptions& options,
+                                           const Context& context);
 
 /// A report of what became of the points; takes the filters' findings.
 [[nodiscard]] Report take_counts(ProjectedScans& scans);

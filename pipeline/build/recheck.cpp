@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ScansToCheck {
-  std::vector<ScanConfig> scans;
+  std::vector<scene::ScanConfig> scans;
   bool own = true;  ///< the scene was made from all of them
 };
 
-ScansToCheck scans_to_check(const SceneDescription& scene, const std::vector<fs::path>& files) {
+ScansToCheck scans_to_check(const scene::SceneDescription& scene, const std::vector<fs::path>& files) {
   if (files.empty()) {
     std::error_code code;
-    for (const ScanConfig& scan : scene.config.scans) {
+    for (const scene::ScanConfig& scan : scene.config.scans) {
       if (!fs::is_regular_file(scan.file, code)) {
         throw input_error(scan.file.string(), "the scan this scene was made from is not there any more",
                           "name the scans to check against");
@@ -34,7 +34,7 @@ ScansToCheck scans_to_check(const SceneDescription& scene, const std::vector<fs:
   }
   ScansToCheck result;
   for (const fs::path& file : files) {
-    ScanConfig scan;
+    scene::ScanConfig scan;
     scan.file = file;
     const MappedFile mapped(file);
     const std::string digest = mapped.whole([&] { return sha256(mapped.bytes()); });
@@ -67,7 +67,7 @@ std::string without_quotes(const std::string& message) {
 
 // What is said of a scan quotes nothing of it; what is said of the scene's filters stays. The grid is the scene's, and
 // no setting of it helps.
-ProjectedScans project_quietly(Config& config, const Context& context) {
+ProjectedScans project_quietly(scene::Config& config, const Context& context) {
   try {
     config.scans = without_repeats(config.scans, context.progress);
     return project_scans(config, {}, context);
@@ -78,22 +78,23 @@ ProjectedScans project_quietly(Config& config, const Context& context) {
       throw input_error(config.scans.front().file.string(), without_quotes(error.wrong()),
                         "scans of the surface that the scene shows, in the scene's coordinates");
     }
-    const auto is_place = [&](const ScanConfig& scan) { return scan.file.string() == error.place().file; };
+    const auto is_place = [&](const scene::ScanConfig& scan) { return scan.file.string() == error.place().file; };
     if (!error.place().file.empty() && std::ranges::none_of(config.scans, is_place)) throw;
     throw Error(error.kind(), error.place(), without_quotes(error.wrong()), error.expected());
   }
 }
 
 // The build of the scene up to its cross-check, on the lattice that it has; `scans` in place of its own.
-Config config_of_check(const SceneDescription& scene, ScansToCheck&& scans, const CheckConfig& check) {
-  Config config;
+scene::Config config_of_check(const scene::SceneDescription& scene, ScansToCheck&& scans,
+                              const scene::CheckConfig& check) {
+  scene::Config config;
   config.scans = std::move(scans.scans);
   if (scans.own) {
     config.filters = scene.config.filters;
     config.grid.noise_m = scene.config.grid.noise_m;
   }
   config.orientation.scan_to_grid = scene.config.orientation.scan_to_grid;
-  const Lattice& base = scene.levels.front();
+  const scene::Lattice& base = scene.levels.front();
   config.grid.spacing_m = base.spacing_m;
   config.grid.bounds_m = {base.x_m(0), base.y_m(0), base.x_m(base.nx - 1), base.y_m(base.ny - 1)};
   config.grid.colour = config.grid.intensity = false;
@@ -105,27 +106,27 @@ Config config_of_check(const SceneDescription& scene, ScansToCheck&& scans, cons
 
 }  // namespace
 
-Report recheck_scene(const Scene& scene, const std::vector<fs::path>& scans, const CheckConfig& check, unsigned threads,
-                     Progress& progress, Trust trust) {
-  const SceneDescription& description = scene.description();
-  if (scans.empty() && !scene.folder().empty() && trust == Trust::own_folder) {
-    require_own_scans(description, scene.folder());
+Report recheck_scene(const scene::Scene& scene, const std::vector<fs::path>& scans, const scene::CheckConfig& check,
+                     unsigned threads, Progress& progress, scene::Trust trust) {
+  const scene::SceneDescription& description = scene.description();
+  if (scans.empty() && !scene.folder().empty() && trust == scene::Trust::own_folder) {
+    scene::require_own_scans(description, scene.folder());
   }
   ThreadPool pool(threads);
-  Config config = config_of_check(description, scans_to_check(description, scans), check);
+  scene::Config config = config_of_check(description, scans_to_check(description, scans), check);
   ProjectedScans projected = project_quietly(config, {pool, progress});
   Report report = take_counts(projected);
 
   progress.begin("cross-check");
-  DepthGrid grid = scene.read_level(0).grid;
+  scene::DepthGrid grid = scene.read_level(0).grid;
   report.check = projected.check(grid);
   progress.finish();
-  const auto count = [&](NodeState state) {
+  const auto count = [&](scene::NodeState state) {
     return static_cast<double>(std::count(grid.state.begin(), grid.state.end(), state)) /
            static_cast<double>(grid.state.size());
   };
-  report.coverage = count(NodeState::measured);
-  report.filled_fraction = count(NodeState::filled);
+  report.coverage = count(scene::NodeState::measured);
+  report.filled_fraction = count(scene::NodeState::filled);
   report.stages = progress.stages();
   report.warnings = progress.warnings();
   return report;

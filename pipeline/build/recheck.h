@@ -6,7 +6,7 @@
 
 #include "base/progress.h"
 #include "pipeline/report/report.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 
@@ -14,8 +14,8 @@ namespace sparsha::pipeline {
 /// units and pose, told by SHA-256; others are taken as they are. The scene's filters and `grid.noise_mm` apply where
 /// all scans are its own, so that the figures are those of its build. The report's `check` is always present.
 /// Throws Error{input} when scans are missing, with the reason, and for Trust::own_folder as require_own_scans().
-[[nodiscard]] Report recheck_scene(const Scene& scene, const std::vector<std::filesystem::path>& scans,
-                                   const CheckConfig& check, unsigned threads, Progress& progress,
-                                   Trust trust = Trust::own_folder);
+[[nodiscard]] Report recheck_scene(const scene::Scene& scene, const std::vector<std::filesystem::path>& scans,
+                                   const scene::CheckConfig& check, unsigned threads, Progress& progress,
+                                   scene::Trust trust = scene::Trust::own_folder);
 
 }  // namespace sparsha::pipeline

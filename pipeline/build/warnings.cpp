@@ -39,7 +39,7 @@ std::string plane_filter(const Projection& projection) {
 
 }  // namespace
 
-SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice,
+SurfaceDoubts surface_doubts(const Projection& projection, const scene::Lattice& lattice,
                              const std::optional<CheckResult>& check) {
   const bool has_points = !projection.only_mesh;
   const double apart = projection.point_spacing_m;
@@ -56,8 +56,8 @@ SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattic
   return doubts;
 }
 
-std::vector<std::string> surface_warnings(const Projection& projection, const Lattice& lattice, std::uint64_t measured,
-                                          const std::optional<CheckResult>& check) {
+std::vector<std::string> surface_warnings(const Projection& projection, const scene::Lattice& lattice,
+                                          std::uint64_t measured, const std::optional<CheckResult>& check) {
   std::vector<std::string> warnings;
   if (projection.only_mesh || measured == 0) return warnings;
   const double noise = projection.noise_m;
@@ -137,7 +137,8 @@ std::vector<std::string> surface_warnings(const Projection& projection, const La
   return warnings;
 }
 
-void require_surface_near_points(const Projection& projection, const Lattice& lattice, const CheckResult& check) {
+void require_surface_near_points(const Projection& projection, const scene::Lattice& lattice,
+                                 const CheckResult& check) {
   const DistanceStatistics& distances = check.cloud_to_surface;
   const std::string filter = projection.edge_on > 0 ? fmt::format(", the filter '{}'", plane_filter(projection)) : "";
   if (edge_on_share(projection) > kMostlyEdgeOn) {

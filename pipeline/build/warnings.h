@@ -20,17 +20,17 @@ struct SurfaceDoubts {
   bool unproven = false;     ///< the cross-check found nothing to compare
   double explained_m = 0.0;  ///< median distance that noise, and form between nodes and points, explain
 };
-[[nodiscard]] SurfaceDoubts surface_doubts(const Projection& projection, const Lattice& lattice,
+[[nodiscard]] SurfaceDoubts surface_doubts(const Projection& projection, const scene::Lattice& lattice,
                                            const std::optional<CheckResult>& check);
 
 /// About a projection, whose grid is `lattice` with `measured` measured nodes, and its cross-check where there is one;
 /// nothing about one that has only a mesh.
-[[nodiscard]] std::vector<std::string> surface_warnings(const Projection& projection, const Lattice& lattice,
+[[nodiscard]] std::vector<std::string> surface_warnings(const Projection& projection, const scene::Lattice& lattice,
                                                         std::uint64_t measured,
                                                         const std::optional<CheckResult>& check);
 
 /// Throws Error{input} when the surface lies farther from half of the points than a grid spacing: it is not theirs; and
 /// when nearly all points lie on surfaces that the view shows edge-on. Names the filter that would help.
-void require_surface_near_points(const Projection& projection, const Lattice& lattice, const CheckResult& check);
+void require_surface_near_points(const Projection& projection, const scene::Lattice& lattice, const CheckResult& check);
 
 }  // namespace sparsha::pipeline

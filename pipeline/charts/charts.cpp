@@ -12,7 +12,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-double node_spacing_m(const GridConfig& config, const SidedDiscs& discs, double resolution_m) {
+double node_spacing_m(const scene::GridConfig& config, const SidedDiscs& discs, double resolution_m) {
   if (config.spacing_m > 0.0) return config.spacing_m;
   if (config.size > 1) return (discs.max_m - discs.min_m).maxCoeff() / (config.size - 1);
   return std::max(discs.point_spacing_m, resolution_m);
@@ -20,7 +20,7 @@ double node_spacing_m(const GridConfig& config, const SidedDiscs& discs, double 
 
 }  // namespace
 
-ChartResult make_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& config,
+ChartResult make_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& config,
                         double resolution_m, const Context& context, const ChartRule& rule) {
   SidedDiscs discs = find_sided_discs(cloud, scan_to_grid, context);
   if (config.noise_m) discs.rule.noise_m = *config.noise_m;

@@ -64,14 +64,15 @@ void draw_points(const CountedPoints& points, std::uint64_t threshold, std::vect
 
 /// A sample of the points and of the mesh (0 = all), chosen by the points' own bits, in an order that walks the
 /// lattice.
-std::vector<Place> sample_places(const CountedPoints& points, const SeenMesh* mesh, const DepthGrid& grid,
+std::vector<Place> sample_places(const CountedPoints& points, const SeenMesh* mesh, const scene::DepthGrid& grid,
                                  std::uint64_t wanted, const Context& context) {
-  const Lattice& lattice = grid.lattice;
+  const scene::Lattice& lattice = grid.lattice;
   std::uint64_t population = points.size;
   std::uint64_t expected = population;  // of the mesh, as many places as there are measured nodes
   if (mesh != nullptr) {
     population += lattice.count();
-    expected += static_cast<std::uint64_t>(std::count(grid.state.begin(), grid.state.end(), NodeState::measured));
+    expected +=
+        static_cast<std::uint64_t>(std::count(grid.state.begin(), grid.state.end(), scene::NodeState::measured));
   }
   if (wanted == 0 || wanted > population) wanted = population;
   std::vector<SampledPlace> sample;
@@ -108,8 +109,8 @@ std::vector<Place> sample_places(const CountedPoints& points, const SeenMesh* me
   return places;
 }
 
-std::vector<float> distances_to_surface(const DepthGrid& grid, const std::vector<Place>& sample, CheckResult& result,
-                                        ThreadPool& pool) {
+std::vector<float> distances_to_surface(const scene::DepthGrid& grid, const std::vector<Place>& sample,
+                                        CheckResult& result, ThreadPool& pool) {
   const SurfaceIndex surface(grid);
   std::vector<float> signed_m(sample.size());
   const std::size_t stride = std::max<std::size_t>(1, sample.size() / kSecondMethodSamples);
@@ -138,7 +139,7 @@ std::vector<float> distances_to_surface(const DepthGrid& grid, const std::vector
 }
 
 /// Mean distance of the sampled points that lie nearest to each node.
-std::vector<float> error_map(const Lattice& lattice, const std::vector<Place>& sample,
+std::vector<float> error_map(const scene::Lattice& lattice, const std::vector<Place>& sample,
                              const std::vector<float>& signed_m) {
   std::vector<std::pair<std::size_t, std::size_t>> hits;  // node and place in the sample
   hits.reserve(sample.size());
@@ -149,7 +150,7 @@ std::vector<float> error_map(const Lattice& lattice, const std::vector<Place>& s
     hits.emplace_back(lattice.index(static_cast<int>(i), static_cast<int>(j)), k);
   }
   std::sort(hits.begin(), hits.end());
-  std::vector<float> error(lattice.count(), kUnknownHeight);
+  std::vector<float> error(lattice.count(), scene::kUnknownHeight);
   std::size_t here = 0;
   for (std::size_t h = 0; h < hits.size(); ++h) {
     const auto [n, k] = hits[h];
@@ -161,17 +162,17 @@ std::vector<float> error_map(const Lattice& lattice, const std::vector<Place>& s
 }
 
 /// A sample of the measured nodes (0 = all), ascending, and how many there are.
-std::vector<std::uint32_t> sample_nodes(const DepthGrid& grid, std::uint64_t wanted, std::uint64_t& measured) {
-  measured = static_cast<std::uint64_t>(std::count(grid.state.begin(), grid.state.end(), NodeState::measured));
+std::vector<std::uint32_t> sample_nodes(const scene::DepthGrid& grid, std::uint64_t wanted, std::uint64_t& measured) {
+  measured = static_cast<std::uint64_t>(std::count(grid.state.begin(), grid.state.end(), scene::NodeState::measured));
   return choose_sample(measured, wanted, [&](const auto& offer) {
     for (std::size_t n = 0; n < grid.state.size(); ++n)
-      if (grid.state[n] == NodeState::measured) offer(hash_word(n), n);
+      if (grid.state[n] == scene::NodeState::measured) offer(hash_word(n), n);
   });
 }
 
 /// Signed distance from each node to the nearest of the points and triangles, positive when that is nearer to the
 /// viewer.
-std::vector<float> distances_from_nodes(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
+std::vector<float> distances_from_nodes(const scene::DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
                                         const CountedPoints& points, const SeenMesh* mesh, double point_spacing_m,
                                         ThreadPool& pool) {
   if (mesh == nullptr && points.size == 0) return {};
@@ -189,10 +190,10 @@ std::vector<float> distances_from_nodes(const DepthGrid& grid, const std::vector
   return distances;
 }
 
-CheckResult compare(const CountedPoints& points, const SeenMesh* mesh, const DepthGrid& grid, double noise_m,
-                    double point_spacing_m, const std::optional<FillConfig>& fill, const CheckConfig& config,
-                    const Context& context) {
-  const Lattice& lattice = grid.lattice;
+CheckResult compare(const CountedPoints& points, const SeenMesh* mesh, const scene::DepthGrid& grid, double noise_m,
+                    double point_spacing_m, const std::optional<scene::FillConfig>& fill,
+                    const scene::CheckConfig& config, const Context& context) {
+  const scene::Lattice& lattice = grid.lattice;
   const auto wanted = static_cast<std::uint64_t>(std::max<std::int64_t>(0, config.samples));
   CheckResult result;
   using Against = CheckResult::Against;
@@ -209,7 +210,7 @@ CheckResult compare(const CountedPoints& points, const SeenMesh* mesh, const Dep
     distances.clear();
   else
     result.node_error_m = error_map(lattice, sample, distances);
-  if (result.node_error_m.empty()) result.node_error_m.assign(lattice.count(), kUnknownHeight);
+  if (result.node_error_m.empty()) result.node_error_m.assign(lattice.count(), scene::kUnknownHeight);
   // However many places of a mesh are taken, there are more between them.
   const std::uint64_t population = mesh == nullptr ? points.size : std::numeric_limits<std::uint64_t>::max();
   result.cloud_to_surface = statistics_of(distances, population);
@@ -256,13 +257,15 @@ std::string half_of(CheckResult::Against against) {
   return std::string("half of ") + words_of(against) + (against == CheckResult::Against::mesh ? " lies" : " lie");
 }
 
-CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m, double point_spacing_m,
-                        const std::optional<FillConfig>& fill, const CheckConfig& config, const Context& context) {
+CheckResult cross_check(const CountedPoints& points, const scene::DepthGrid& grid, double noise_m,
+                        double point_spacing_m, const std::optional<scene::FillConfig>& fill,
+                        const scene::CheckConfig& config, const Context& context) {
   return compare(points, nullptr, grid, noise_m, point_spacing_m, fill, config, context);
 }
 
 CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Projection& projection,
-                        const std::optional<FillConfig>& fill, const CheckConfig& config, const Context& context) {
+                        const std::optional<scene::FillConfig>& fill, const scene::CheckConfig& config,
+                        const Context& context) {
   std::optional<SeenMesh> mesh;
   if (!cloud.faces.empty()) mesh.emplace(cloud, scan_to_grid, projection, context.pool);
   const BandedPoints points = counted_points(cloud, scan_to_grid, projection,

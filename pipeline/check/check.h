@@ -11,7 +11,7 @@
 #include "base/context.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/layers.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
@@ -62,14 +62,14 @@ struct CountedPoints {
 };
 
 /// `noise_m` and `point_spacing_m` are the projection's.
-[[nodiscard]] CheckResult cross_check(const CountedPoints& points, const DepthGrid& grid, double noise_m,
-                                      double point_spacing_m, const std::optional<FillConfig>& fill,
-                                      const CheckConfig& config, const Context& context);
+[[nodiscard]] CheckResult cross_check(const CountedPoints& points, const scene::DepthGrid& grid, double noise_m,
+                                      double point_spacing_m, const std::optional<scene::FillConfig>& fill,
+                                      const scene::CheckConfig& config, const Context& context);
 
 /// `projection` says which points count; where the cloud has faces they are a mesh, see SeenMesh. Scene frame: grid =
 /// scan_to_grid * scan.
 [[nodiscard]] CheckResult cross_check(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
-                                      const Projection& projection, const std::optional<FillConfig>& fill,
-                                      const CheckConfig& config, const Context& context);
+                                      const Projection& projection, const std::optional<scene::FillConfig>& fill,
+                                      const scene::CheckConfig& config, const Context& context);
 
 }  // namespace sparsha::pipeline

@@ -39,12 +39,13 @@ class Prefix {
 
 }  // namespace
 
-std::shared_ptr<const CheckMap> check_map_of(const DepthGrid& grid, const CheckResult& check) {
-  const Lattice& fine = grid.lattice;
+std::shared_ptr<const scene::CheckMap> check_map_of(const scene::DepthGrid& grid, const CheckResult& check) {
+  const scene::Lattice& fine = grid.lattice;
   if (check.cloud_to_surface.samples == 0 || check.node_error_m.size() != fine.count()) return nullptr;
-  const int factor = std::max(1, (std::max(fine.nx, fine.ny) + CheckMap::kMostNodes - 1) / CheckMap::kMostNodes);
-  auto map = std::make_shared<CheckMap>();
-  Lattice& lattice = map->lattice;
+  const int factor =
+      std::max(1, (std::max(fine.nx, fine.ny) + scene::CheckMap::kMostNodes - 1) / scene::CheckMap::kMostNodes);
+  auto map = std::make_shared<scene::CheckMap>();
+  scene::Lattice& lattice = map->lattice;
   lattice = fine;
   lattice.nx = (fine.nx + factor - 1) / factor;
   lattice.ny = (fine.ny + factor - 1) / factor;
@@ -58,7 +59,7 @@ std::shared_ptr<const CheckMap> check_map_of(const DepthGrid& grid, const CheckR
   for (int j = 0; j < fine.ny; ++j)
     for (int i = 0; i < fine.nx; ++i) {
       const std::size_t n = fine.index(i, j);
-      if (grid.state[n] != NodeState::unknown) known[lattice.index(i / factor, j / factor)] = 1;
+      if (grid.state[n] != scene::NodeState::unknown) known[lattice.index(i / factor, j / factor)] = 1;
       if (std::isnan(check.node_error_m[n])) continue;
       sums.value(i / factor, j / factor) += static_cast<double>(check.node_error_m[n]);
       counts.value(i / factor, j / factor) += 1.0;
@@ -70,7 +71,7 @@ std::shared_ptr<const CheckMap> check_map_of(const DepthGrid& grid, const CheckR
   const int reach =
       std::clamp(static_cast<int>(std::ceil((std::sqrt(kSamplesPerSpot * places / std::max(judged, 1.0)) - 1.0) / 2.0)),
                  0, kWidestSpot);
-  map->error_m.assign(lattice.count(), kUnknownHeight);
+  map->error_m.assign(lattice.count(), scene::kUnknownHeight);
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
       const double count = counts.over(i - reach, j - reach, i + reach, j + reach);

@@ -60,7 +60,7 @@ class Mask {
 
 class Search {
  public:
-  Search(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes, const CountedPoints& points)
+  Search(const scene::DepthGrid& grid, const std::vector<std::uint32_t>& nodes, const CountedPoints& points)
       : result(nodes.size(), std::numeric_limits<float>::infinity()),
         grid_(grid),
         nodes_(nodes),
@@ -148,7 +148,7 @@ class Search {
   }
 
  private:
-  const DepthGrid& grid_;
+  const scene::DepthGrid& grid_;
   const std::vector<std::uint32_t>& nodes_;
   const CountedPoints& points_;
   std::uint32_t nx_;
@@ -157,7 +157,7 @@ class Search {
 
 }  // namespace
 
-std::vector<float> nearest_point_distances(const DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
+std::vector<float> nearest_point_distances(const scene::DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
                                            const CountedPoints& points, double point_spacing_m, ThreadPool& pool) {
   Search search(grid, nodes, points);
   if (nodes.empty() || points.size == 0) return std::move(search.result);

@@ -12,7 +12,7 @@ constexpr std::size_t kMostPieces = 512;  // each has a counter a band
 
 }  // namespace
 
-BandedPoints::BandedPoints(const Lattice& lattice, std::size_t items, const Source& source, ThreadPool& pool)
+BandedPoints::BandedPoints(const scene::Lattice& lattice, std::size_t items, const Source& source, ThreadPool& pool)
     : start_(static_cast<std::size_t>(std::max(1, (lattice.ny + kRows - 1) / kRows)) + 1) {
   const std::size_t items_per_piece = std::max(kLeastItemsPerPiece, (items + kMostPieces - 1) / kMostPieces);
   const std::size_t bands = start_.size() - 1, pieces = (items + items_per_piece - 1) / items_per_piece;

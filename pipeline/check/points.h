@@ -19,7 +19,7 @@ namespace sparsha::pipeline {
 /// more.
 class ToLattice {
  public:
-  ToLattice(const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& cloud_origin_m, const Lattice& lattice)
+  ToLattice(const Eigen::Matrix4d& scan_to_grid, const Eigen::Vector3d& cloud_origin_m, const scene::Lattice& lattice)
       : linear_(scan_to_grid.topLeftCorner<3, 3>()),
         offset_(linear_ * cloud_origin_m + scan_to_grid.topRightCorner<3, 1>() - lattice.origin_m) {}
 
@@ -47,7 +47,7 @@ class BandedPoints {
   using Source = std::function<std::size_t(std::size_t begin, std::size_t end, float* xyz)>;
 
   /// Asks `source` twice for every item, from several threads. The order within a band is the items'.
-  BandedPoints(const Lattice& lattice, std::size_t items, const Source& source, ThreadPool& pool);
+  BandedPoints(const scene::Lattice& lattice, std::size_t items, const Source& source, ThreadPool& pool);
 
   [[nodiscard]] std::size_t size() const { return start_.back(); }
   [[nodiscard]] std::size_t bands() const { return start_.size() - 1; }

@@ -30,7 +30,7 @@ std::vector<std::uint8_t> flag_corners(const Cloud& cloud) {
   return flags;
 }
 
-std::vector<float> in_lattice(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const Lattice& lattice,
+std::vector<float> in_lattice(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const scene::Lattice& lattice,
                               ThreadPool& pool) {
   const ToLattice to_lattice(scan_to_grid, cloud.origin_m, lattice);
   std::vector<float> xyz(3 * cloud.size());
@@ -69,7 +69,7 @@ bool SeenMesh::is_behind_points(double column, double row, double z_m) const {
 }
 
 std::vector<SampledPlace> SeenMesh::places(std::uint64_t threshold, const Context& context) const {
-  const Lattice& lattice = grid_.lattice;
+  const scene::Lattice& lattice = grid_.lattice;
   std::vector<std::vector<SampledPlace>> parts((lattice.count() + kNodesPerPiece - 1) / kNodesPerPiece);
   context.pool.for_ranges(lattice.count(), kNodesPerPiece, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();

@@ -39,7 +39,7 @@ class SeenMesh {
  private:
   [[nodiscard]] bool is_behind_points(double column, double row, double z_m) const;
 
-  const DepthGrid& grid_;
+  const scene::DepthGrid& grid_;
   double gap_m_;
   std::vector<std::uint8_t> corners_;
   bool only_mesh_;

@@ -19,7 +19,7 @@ double outside(double value, double low, double high) { return std::max(std::max
 
 }  // namespace
 
-SurfaceIndex::SurfaceIndex(const DepthGrid& grid)
+SurfaceIndex::SurfaceIndex(const scene::DepthGrid& grid)
     : grid_(grid), spacing_(grid.lattice.spacing_m), per_spacing_(1 / spacing_) {
   const int nx = grid.lattice.nx, ny = grid.lattice.ny;
   for (int j0 = 0; j0 + 1 < ny; j0 += kBlock)

@@ -19,7 +19,7 @@ struct SurfaceDistance {
 /// Immutable; queries are thread-safe. Points are relative to the lattice's origin, metres. The grid must outlive it.
 class SurfaceIndex {
  public:
-  explicit SurfaceIndex(const DepthGrid& grid);
+  explicit SurfaceIndex(const scene::DepthGrid& grid);
 
   /// Memory of one caller's queries. Blocks found for one point serve its neighbours too.
   struct Scratch {
@@ -50,7 +50,7 @@ class SurfaceIndex {
   bool cut_into_slices(double slice, std::size_t limit);
   [[nodiscard]] SurfaceDistance result(const Best& best) const;
 
-  const DepthGrid& grid_;
+  const scene::DepthGrid& grid_;
   double spacing_, per_spacing_;
   double bound_ = 0;  ///< radius about a slice's centre that holds the slice, spacings
   std::vector<Block> blocks_;

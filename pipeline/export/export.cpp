@@ -8,6 +8,7 @@
 #include "base/lower_case.h"
 #include "pipeline/export/formats.h"
 #include "scene/folder/layer_file.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -35,7 +36,7 @@ std::filesystem::path world_file_of(const std::filesystem::path& file) {
   return beside.replace_extension(ending == ".png" ? ".pgw" : ".tfw");
 }
 
-void export_scene(const Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress) {
+void export_scene(const scene::Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress) {
   check_export(file, nodes_only);
   const std::string ending = ending_of(file);
   const std::string shown = file.string();
@@ -54,9 +55,9 @@ void export_scene(const Scene& scene, const std::filesystem::path& file, bool no
     export_tif(scene, to, shown, progress);
   }
   if (is_raster(ending)) {
-    const SceneDescription& description = scene.description();
-    write_file(world_file_of(file), world_file(description.levels.at(0), description.scan_from_grid));
-    if (!keeps_scan_axes(description.scan_from_grid)) {
+    const scene::SceneDescription& description = scene.description();
+    write_file(world_file_of(file), scene::world_file(description.levels.at(0), description.scan_from_grid));
+    if (!scene::keeps_scan_axes(description.scan_from_grid)) {
       progress.warn(shown + ": x and y are not the scan's axes, so the raster is in the scene's grid frame");
     }
   }

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/progress.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 
@@ -15,6 +15,6 @@ void check_export(const std::filesystem::path& file, bool nodes_only);
 /// Writes level 0 as .ply, .obj (mesh of cells whose four nodes are known; points only with `nodes_only`, measured
 /// nodes), .xyz (points), .tif (heights) or .png (16-bit heights), told by the ending. Atomic. Throws Error{usage} for
 /// another ending or `nodes_only` with tif or png.
-void export_scene(const Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress);
+void export_scene(const scene::Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress);
 
 }  // namespace sparsha::pipeline

@@ -5,21 +5,23 @@
 #include <string>
 
 #include "base/progress.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 
-void export_ply(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+void export_ply(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress);
-void export_obj(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+void export_obj(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress);
-void export_xyz(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+void export_xyz(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress);
-void export_tif(const Scene& scene, const std::filesystem::path& file, const std::string& shown, Progress& progress);
-void export_png(const Scene& scene, const std::filesystem::path& file, const std::string& shown, Progress& progress);
+void export_tif(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
+                Progress& progress);
+void export_png(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
+                Progress& progress);
 
 /// Height that a raster stores for a node, metres: z of the scan frame when x and y stay the scan's axes, else of the
 /// grid frame.
-[[nodiscard]] double raster_height(const Scene& scene, const Eigen::Vector3d& grid_m);
+[[nodiscard]] double raster_height(const scene::Scene& scene, const Eigen::Vector3d& grid_m);
 
 }  // namespace sparsha::pipeline

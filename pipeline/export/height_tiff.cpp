@@ -13,8 +13,8 @@
 namespace sparsha::pipeline {
 namespace {
 
-TiffLayout layout_of(int nx, int ny, bool double_precision) {
-  TiffLayout layout;
+scene::TiffLayout layout_of(int nx, int ny, bool double_precision) {
+  scene::TiffLayout layout;
   layout.width = static_cast<std::uint32_t>(nx);
   layout.height = static_cast<std::uint32_t>(ny);
   layout.tile = HeightTiff::kBand;
@@ -28,7 +28,7 @@ struct HeightTiff::Implementation {
   std::string shown;
   int nx = 0;
   bool double_precision = false;
-  std::optional<TiffFile> tiff;
+  std::optional<scene::TiffFile> tiff;
 
   void require(bool done) const {
     if (done) return;
@@ -51,7 +51,7 @@ HeightTiff::HeightTiff(const std::filesystem::path& file, std::string shown, int
   self.shown = std::move(shown);
   self.nx = nx;
   self.double_precision = double_precision;
-  self.tiff = TiffFile::create(file, layout_of(nx, ny, double_precision));
+  self.tiff = scene::TiffFile::create(file, layout_of(nx, ny, double_precision));
   self.require(self.tiff->is_open());
 }
 

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/node_rows.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -75,7 +76,7 @@ void put_colour(Output& output, std::uint32_t rgba) {
 
 }  // namespace
 
-void export_ply(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+void export_ply(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress) {
   const MeshCounts counts = count_mesh(scene, nodes_only, progress);
   if (counts.vertices > std::numeric_limits<std::uint32_t>::max()) {
@@ -105,7 +106,7 @@ void export_ply(const Scene& scene, const std::filesystem::path& file, const std
   output.close();
 }
 
-void export_obj(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+void export_obj(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress) {
   const bool colour = scene.description().has_colour;
   Output output(file, shown);
@@ -127,7 +128,7 @@ void export_obj(const Scene& scene, const std::filesystem::path& file, const std
   output.close();
 }
 
-void export_xyz(const Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
+void export_xyz(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress) {
   Output output(file, shown);
   for_each_vertex(scene, nodes_only, progress,

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 
+#include "scene/scene.h"
+
 namespace sparsha::pipeline {
 
-NodeRows::NodeRows(const Scene& scene, bool measured_only)
+NodeRows::NodeRows(const scene::Scene& scene, bool measured_only)
     : scene_(scene), measured_only_(measured_only), lattice_(scene.description().levels.at(0)) {}
 
 std::size_t NodeRows::locate(int i, int j) {
@@ -18,8 +20,8 @@ std::size_t NodeRows::locate(int i, int j) {
 }
 
 bool NodeRows::known(int i, int j) {
-  const NodeState state = band_.grid.state[locate(i, j)];
-  return measured_only_ ? state == NodeState::measured : state != NodeState::unknown;
+  const scene::NodeState state = band_.grid.state[locate(i, j)];
+  return measured_only_ ? state == scene::NodeState::measured : state != scene::NodeState::unknown;
 }
 
 Eigen::Vector3d NodeRows::grid_m(int i, int j) {
@@ -29,7 +31,7 @@ Eigen::Vector3d NodeRows::grid_m(int i, int j) {
 
 std::uint32_t NodeRows::rgba(int i, int j) { return band_.colour_rgba[locate(i, j)]; }
 
-MeshCounts count_mesh(const Scene& scene, bool nodes_only, Progress& progress) {
+MeshCounts count_mesh(const scene::Scene& scene, bool nodes_only, Progress& progress) {
   MeshCounts counts;
   for_each_vertex(scene, nodes_only, progress, [&](const Eigen::Vector3d&, std::uint32_t) { ++counts.vertices; });
   if (!nodes_only) {

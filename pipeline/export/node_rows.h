@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "base/progress.h"
+#include "scene/depth_grid.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
@@ -17,9 +18,9 @@ namespace sparsha::pipeline {
 /// Reads bands of rows; asked for rows in order it touches each once.
 class NodeRows {
  public:
-  NodeRows(const Scene& scene, bool measured_only);
+  NodeRows(const scene::Scene& scene, bool measured_only);
 
-  [[nodiscard]] const Lattice& lattice() const { return lattice_; }
+  [[nodiscard]] const scene::Lattice& lattice() const { return lattice_; }
   /// Whether node (i, j) is exported; j may not go back by more than a band.
   [[nodiscard]] bool known(int i, int j);
   /// Node (i, j) in the grid frame, metres.
@@ -31,11 +32,11 @@ class NodeRows {
   static constexpr int kBand = 256;  // rows
   std::size_t locate(int i, int j);
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   bool measured_only_;
-  Lattice lattice_;
+  scene::Lattice lattice_;
   int first_ = 0, rows_ = 0;  // of the band in memory
-  Layers band_;
+  scene::Layers band_;
 };
 
 /// Exported vertices and triangles in the order in which all mesh formats write them: by rows from below, and in a row
@@ -44,13 +45,13 @@ struct MeshCounts {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
 };
-[[nodiscard]] MeshCounts count_mesh(const Scene& scene, bool nodes_only, Progress& progress);
+[[nodiscard]] MeshCounts count_mesh(const scene::Scene& scene, bool nodes_only, Progress& progress);
 
 /// Calls vertex(scan position, rgba) for each.
 template <typename Vertex>
-void for_each_vertex(const Scene& scene, bool nodes_only, Progress& progress, Vertex&& vertex) {
+void for_each_vertex(const scene::Scene& scene, bool nodes_only, Progress& progress, Vertex&& vertex) {
   NodeRows rows(scene, nodes_only);
-  const Lattice& lattice = rows.lattice();
+  const scene::Lattice& lattice = rows.lattice();
   const Eigen::Matrix4d& m = scene.description().scan_from_grid;
   const bool colour = scene.description().has_colour;
   for (int j = 0; j < lattice.ny; ++j) {
@@ -67,9 +68,9 @@ void for_each_vertex(const Scene& scene, bool nodes_only, Progress& progress, Ve
 /// Calls triangle(a, b, c) with numbers of vertices from 0. A cell whose four nodes are known has two, cut along its
 /// shorter diagonal; a cell with three known nodes has none: the grid does not say what lies there.
 template <typename Triangle>
-void for_each_triangle(const Scene& scene, Progress& progress, Triangle&& triangle) {
+void for_each_triangle(const scene::Scene& scene, Progress& progress, Triangle&& triangle) {
   NodeRows rows(scene, false);
-  const Lattice& lattice = rows.lattice();
+  const scene::Lattice& lattice = rows.lattice();
   const bool mirrored = scene.description().scan_from_grid.topLeftCorner<3, 3>().determinant() < 0.0;
   constexpr std::uint64_t kNone = ~std::uint64_t{0};
   const auto nx = static_cast<std::size_t>(lattice.nx);

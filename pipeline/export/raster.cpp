@@ -15,6 +15,7 @@
 #include "pipeline/export/height_tiff.h"
 #include "pipeline/export/node_rows.h"
 #include "scene/folder/layer_file.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -27,7 +28,7 @@ struct Range {
   double high = -std::numeric_limits<double>::infinity();
 };
 
-Range height_range(const Scene& scene, Progress& progress) {
+Range height_range(const scene::Scene& scene, Progress& progress) {
   NodeRows rows(scene, false);
   Range range;
   for (int j = 0; j < rows.lattice().ny; ++j) {
@@ -46,7 +47,7 @@ Range height_range(const Scene& scene, Progress& progress) {
   throw Error(ErrorKind::failure, {shown, 0, 0}, "cannot be written: " + why, "expected a folder with room for it");
 }
 
-PngFormat format_of(const Lattice& lattice, double low, double step) {
+PngFormat format_of(const scene::Lattice& lattice, double low, double step) {
   PngFormat format;
   format.width = lattice.nx;
   format.height = lattice.ny;
@@ -63,17 +64,18 @@ PngFormat format_of(const Lattice& lattice, double low, double step) {
 
 }  // namespace
 
-double raster_height(const Scene& scene, const Eigen::Vector3d& grid_m) {
+double raster_height(const scene::Scene& scene, const Eigen::Vector3d& grid_m) {
   const Eigen::Matrix4d& m = scene.description().scan_from_grid;
-  if (!keeps_scan_axes(m)) return grid_m.z();
+  if (!scene::keeps_scan_axes(m)) return grid_m.z();
   return m(2, 0) * grid_m.x() + m(2, 1) * grid_m.y() + m(2, 2) * grid_m.z() + m(2, 3);
 }
 
-void export_tif(const Scene& scene, const std::filesystem::path& file, const std::string& shown, Progress& progress) {
+void export_tif(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
+                Progress& progress) {
   const Range range = height_range(scene, progress);
   const bool wide = std::max(std::fabs(range.low), std::fabs(range.high)) > kFloatReach_m && range.low <= range.high;
   NodeRows rows(scene, false);
-  const Lattice& lattice = rows.lattice();
+  const scene::Lattice& lattice = rows.lattice();
   HeightTiff tiff(file, shown, lattice.nx, lattice.ny, wide);
   std::vector<double> band;
   for (int top = 0; top < lattice.ny; top += HeightTiff::kBand) {
@@ -91,12 +93,13 @@ void export_tif(const Scene& scene, const std::filesystem::path& file, const std
   tiff.close();
 }
 
-void export_png(const Scene& scene, const std::filesystem::path& file, const std::string& shown, Progress& progress) {
+void export_png(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
+                Progress& progress) {
   const Range range = height_range(scene, progress);
   const double low = range.low <= range.high ? range.low : 0.0;
   const double step = range.low < range.high ? (range.high - range.low) / kPngSteps : 1.0;
   NodeRows rows(scene, false);
-  const Lattice& lattice = rows.lattice();
+  const scene::Lattice& lattice = rows.lattice();
   std::vector<std::uint8_t> line(2 * static_cast<std::size_t>(lattice.nx));
 
   std::ofstream stream(file, std::ios::binary);

@@ -185,9 +185,9 @@ std::vector<std::uint32_t> euclidean_clusters(const Cloud& cloud, double toleran
   return numbered(root, order.cells());
 }
 
-KeptCluster choose_cluster(const Cloud& cloud, const KeepConfig& config, const Context& context) {
+KeptCluster choose_cluster(const Cloud& cloud, const scene::KeepConfig& config, const Context& context) {
   const std::vector<std::uint32_t> label =
-      joined_by_faces(cloud, config.method == KeepConfig::Method::pcl
+      joined_by_faces(cloud, config.method == scene::KeepConfig::Method::pcl
                                  ? euclidean_clusters_by_pcl(cloud, config.tolerance_m, context.progress)
                                  : euclidean_clusters(cloud, config.tolerance_m, context));
   const std::vector<Cluster> clusters = summed(cloud, label);

@@ -7,7 +7,7 @@
 
 #include "base/context.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
@@ -32,6 +32,6 @@ struct KeptCluster {
 
 /// Clusters that a triangle joins are one. Of equal ones that with the smallest point by x, y, z. The cloud must have
 /// points.
-[[nodiscard]] KeptCluster choose_cluster(const Cloud& cloud, const KeepConfig& config, const Context& context);
+[[nodiscard]] KeptCluster choose_cluster(const Cloud& cloud, const scene::KeepConfig& config, const Context& context);
 
 }  // namespace sparsha::pipeline

@@ -144,12 +144,12 @@ class FilterRun {
   FilterRun(Cloud& cloud, const Context& context, const FilterNeeds& needs)
       : cloud_(cloud), context_(context), needs_(needs) {}
 
-  FilterSteps run(const std::vector<FilterConfig>& filters) {
+  FilterSteps run(const std::vector<scene::FilterConfig>& filters) {
     for (std::size_t k = 0; k < filters.size(); ++k) {
       done_ = static_cast<double>(k) / static_cast<double>(filters.size());
       each_ = 1.0 / static_cast<double>(filters.size());
       context_.progress.at(done_);
-      result_.steps.emplace_back().name = filter_name(filters[k]);
+      result_.steps.emplace_back().name = scene::filter_name(filters[k]);
       at_key_of(filters[k], [&] {
         std::visit([&](const auto& filter) { apply(filter); }, filters[k]);
         if (cloud_.size() == 0) throw nothing_left(step().name, step().found);
@@ -179,10 +179,10 @@ class FilterRun {
     }
   }
 
-  void apply(const CropConfig& crop) { take_away(kept_by(cloud_, crop, context_)); }
-  void apply(const PassConfig& pass) { take_away(kept_by(cloud_, pass, context_)); }
+  void apply(const scene::CropConfig& crop) { take_away(kept_by(cloud_, crop, context_)); }
+  void apply(const scene::PassConfig& pass) { take_away(kept_by(cloud_, pass, context_)); }
 
-  void apply(const VoxelConfig& voxel) {
+  void apply(const scene::VoxelConfig& voxel) {
     step().merges = true;
     const std::size_t before = cloud_.size();
     thin_to_voxels(cloud_, voxel.leaf_m, context_.progress);
@@ -190,16 +190,16 @@ class FilterRun {
     cloud_.faces.clear();
   }
 
-  void apply(const OutlierConfig& outliers) {
+  void apply(const scene::OutlierConfig& outliers) {
     step().outliers = true;
-    take_away(outliers.method == OutlierConfig::Method::pcl
+    take_away(outliers.method == scene::OutlierConfig::Method::pcl
                   ? statistical_inliers_by_pcl(cloud_, outliers, context_.progress)
                   : statistical_inliers(cloud_, outliers, context_));
   }
 
-  void apply(const RadiusOutlierConfig& outliers) {
+  void apply(const scene::RadiusOutlierConfig& outliers) {
     step().outliers = true;
-    const Flags keep = outliers.method == RadiusOutlierConfig::Method::pcl
+    const Flags keep = outliers.method == scene::RadiusOutlierConfig::Method::pcl
                            ? radius_inliers_by_pcl(cloud_, outliers, context_.progress)
                            : radius_inliers(cloud_, outliers, context_);
     const auto gone = static_cast<std::size_t>(std::count(keep.begin(), keep.end(), std::uint8_t{0}));
@@ -217,7 +217,7 @@ class FilterRun {
     take_away(keep);
   }
 
-  void apply(const RemovePlaneConfig& config) {
+  void apply(const scene::RemovePlaneConfig& config) {
     PlaneSample sample(config.distance_m);
     const float* const xyz = cloud_.xyz1();
     for (std::size_t i = 0; i < cloud_.size(); ++i) {
@@ -235,7 +235,7 @@ class FilterRun {
     warn_of_plane(step(), before, context_.progress);
   }
 
-  void apply(const KeepConfig& config) {
+  void apply(const scene::KeepConfig& config) {
     const KeptCluster kept = choose_cluster(cloud_, config, context_);
     const std::uint64_t before = cloud_.size();
     step().found = fmt::format("{} cluster{}; the one kept has {} points", count_text(kept.clusters),
@@ -259,7 +259,7 @@ class FilterRun {
   }
 
   /// Throws when what would be kept cannot be meant.
-  void require_cluster(const KeepConfig& config, const KeptCluster& kept) {
+  void require_cluster(const scene::KeepConfig& config, const KeptCluster& kept) {
     const auto refuse = [&](const std::string& wrong, const std::string& expected) {
       throw Error(ErrorKind::input, {}, "the filter 'keep' finds no cluster: " + wrong, expected);
     };
@@ -289,7 +289,7 @@ class FilterRun {
     return (high - low).cast<double>().norm();
   }
 
-  void apply(const SmoothConfig& config) {
+  void apply(const scene::SmoothConfig& config) {
     const Smoothing smoothing =
         smooth_points(cloud_, config, context_, [&](double share) { context_.progress.at(done_ + each_ * share); });
     const std::uint64_t all = cloud_.size();
@@ -313,7 +313,7 @@ class FilterRun {
     }
   }
 
-  void apply(const ThinConfig& config) {
+  void apply(const scene::ThinConfig& config) {
     step().merges = true;
     const double spacing = needs_.spacing_m ? needs_.spacing_m(cloud_) : spacing_of(cloud_, context_);
     if (!(spacing > 0.0)) throw nothing_left("thin", "all points are in one place");
@@ -322,8 +322,8 @@ class FilterRun {
                                config.points_per_node == 1 ? "" : "s", length_text(spacing));
   }
 
-  void apply(const FieldConfig& field) { take_away_by(field); }
-  void apply(const ClassesConfig& classes) { take_away_by(classes); }
+  void apply(const scene::FieldConfig& field) { take_away_by(field); }
+  void apply(const scene::ClassesConfig& classes) { take_away_by(classes); }
 
   template <typename Test>
   void take_away_by(const Test& test) {
@@ -390,15 +390,15 @@ void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progr
                 "normal, a smaller max_angle_deg or no 'remove_plane'");
 }
 
-std::string field_of(const FilterConfig& filter) {
-  if (const auto* field = std::get_if<FieldConfig>(&filter)) return field_of(*field);
-  if (const auto* classes = std::get_if<ClassesConfig>(&filter)) return field_of(*classes);
+std::string field_of(const scene::FilterConfig& filter) {
+  if (const auto* field = std::get_if<scene::FieldConfig>(&filter)) return field_of(*field);
+  if (const auto* classes = std::get_if<scene::ClassesConfig>(&filter)) return field_of(*classes);
   return {};
 }
 
-std::vector<std::string> fields_of(const std::vector<FilterConfig>& filters) {
+std::vector<std::string> fields_of(const std::vector<scene::FilterConfig>& filters) {
   std::vector<std::string> fields;
-  for (const FilterConfig& filter : filters) {
+  for (const scene::FilterConfig& filter : filters) {
     const std::string field = field_of(filter);
     if (field.empty() || field == kIntensityField) continue;
     if (std::find(fields.begin(), fields.end(), field) == fields.end()) fields.push_back(field);
@@ -412,7 +412,7 @@ std::string unknown_text(std::uint64_t points) {
                      points == 1 ? "s" : "");
 }
 
-FilterSteps apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
+FilterSteps apply_filters(Cloud& cloud, const std::vector<scene::FilterConfig>& filters, const Context& context,
                           const FilterNeeds& needs) {
   return FilterRun(cloud, context, needs).run(filters);
 }

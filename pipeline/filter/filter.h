@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/origin.h"
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
@@ -52,7 +52,7 @@ struct FilterNeeds {
 
 /// Does what a filter asks for; an error that has no place gets that of the filter's key in the configuration.
 template <typename Work>
-void at_key_of(const FilterConfig& filter, const Work& work) {
+void at_key_of(const scene::FilterConfig& filter, const Work& work) {
   try {
     work();
   } catch (const Cancelled&) {
@@ -67,9 +67,9 @@ void at_key_of(const FilterConfig& filter, const Work& work) {
 [[nodiscard]] Error nothing_left(const std::string& filter, const std::string& found = {});
 
 /// The fields beside the intensity that filters look at, each once, as field_key() gives them.
-[[nodiscard]] std::vector<std::string> fields_of(const std::vector<FilterConfig>& filters);
+[[nodiscard]] std::vector<std::string> fields_of(const std::vector<scene::FilterConfig>& filters);
 /// The field that a filter looks at; empty when it looks at none.
-[[nodiscard]] std::string field_of(const FilterConfig& filter);
+[[nodiscard]] std::string field_of(const scene::FilterConfig& filter);
 
 /// What is said of points that stay since the scans say no value of them; empty when there are none.
 [[nodiscard]] std::string unknown_text(std::uint64_t points);
@@ -81,7 +81,7 @@ void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progr
 /// places as measured in cloud.measured. The result does not depend on the number of threads. Warns of what looks like
 /// a mistake. Throws Error{usage} when a voxel leaf is too small for the extent, Error{input} when nothing is left or
 /// what a filter looks for is not there; Cancelled.
-FilterSteps apply_filters(Cloud& cloud, const std::vector<FilterConfig>& filters, const Context& context,
+FilterSteps apply_filters(Cloud& cloud, const std::vector<scene::FilterConfig>& filters, const Context& context,
                           const FilterNeeds& needs = {});
 
 }  // namespace sparsha::pipeline

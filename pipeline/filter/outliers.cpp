@@ -35,7 +35,8 @@ double threshold(const std::vector<float>& distances, double sigma) {
 
 }  // namespace
 
-std::vector<std::uint8_t> statistical_inliers(const Cloud& cloud, const OutlierConfig& config, const Context& context) {
+std::vector<std::uint8_t> statistical_inliers(const Cloud& cloud, const scene::OutlierConfig& config,
+                                              const Context& context) {
   std::vector<std::uint8_t> keep(cloud.size(), 1);
   if (cloud.size() < 2) return keep;
   const NeighbourTree tree(cloud.xyz1(), cloud.size(), context.pool);

@@ -35,7 +35,7 @@ template struct SearchAccess<Radius, &Radius::searcher_>;
 
 }  // namespace
 
-std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const OutlierConfig& config,
+std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const scene::OutlierConfig& config,
                                                      const Progress& progress) {
   std::vector<std::uint8_t> keep(cloud.size(), 1);
   if (cloud.size() < 2) return keep;
@@ -50,7 +50,7 @@ std::vector<std::uint8_t> statistical_inliers_by_pcl(const Cloud& cloud, const O
   return flags(inliers, cloud.size());
 }
 
-std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const RadiusOutlierConfig& config,
+std::vector<std::uint8_t> radius_inliers_by_pcl(const Cloud& cloud, const scene::RadiusOutlierConfig& config,
                                                 const Progress& progress) {
   if (cloud.size() == 0) return {};
   Radius filter;

@@ -90,7 +90,7 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-Error no_plane(const RemovePlaneConfig& config, const std::string& found, const std::string& expected) {
+Error no_plane(const scene::RemovePlaneConfig& config, const std::string& found, const std::string& expected) {
   return {ErrorKind::input,
           {},
           fmt::format("the filter 'remove_plane' finds no plane within {:.3g} degrees of the normal [{:.4g}, {:.4g}, "
@@ -151,7 +151,7 @@ std::string to_string(const FoundPlane& plane) {
       length_text(plane.rms_m));
 }
 
-FoundPlane find_plane(PlaneSample& sample, const RemovePlaneConfig& config, const Context& context) {
+FoundPlane find_plane(PlaneSample& sample, const scene::RemovePlaneConfig& config, const Context& context) {
   context.progress.throw_if_cancelled();
   std::vector<Eigen::Vector3f> points = sample.take();
   const Eigen::Vector3d direction = config.normal.normalized();

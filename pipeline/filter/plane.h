@@ -12,7 +12,7 @@
 #include "base/hash.h"
 #include "base/key_table.h"
 #include "pipeline/filter/point_test.h"
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
@@ -57,7 +57,8 @@ struct FoundPlane {
 
 /// The largest plane within the angle, fitted again in double precision to what lies within the distance. Seeded: the
 /// same sample gives the same plane. Throws Error{input} with what was found when no plane stands out.
-[[nodiscard]] FoundPlane find_plane(PlaneSample& sample, const RemovePlaneConfig& config, const Context& context);
+[[nodiscard]] FoundPlane find_plane(PlaneSample& sample, const scene::RemovePlaneConfig& config,
+                                    const Context& context);
 
 /// By PCL's RANSAC and model of a plane: normal and offset of the plane with the most of `points` within `distance`,
 /// its normal within `max_angle_deg` of `direction` (length 1); zeros when there is none.

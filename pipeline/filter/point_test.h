@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
@@ -14,17 +14,19 @@ struct PlaneCut {
   Eigen::Vector3d normal{0, 0, 1};  ///< length 1, from below to above
   double offset_m = 0.0;            ///< height above the plane = normal * p + offset, p relative to the cloud's origin
   double distance_m = 0.0;
-  RemovePlaneConfig::Side side = RemovePlaneConfig::Side::below;
+  scene::RemovePlaneConfig::Side side = scene::RemovePlaneConfig::Side::below;
 };
 
-using PointTest = std::variant<CropConfig, PassConfig, PlaneCut>;
+using PointTest = std::variant<scene::CropConfig, scene::PassConfig, PlaneCut>;
 
-[[nodiscard]] inline bool keeps(const CropConfig& crop, const Eigen::Vector3d& origin_m, const Eigen::Vector3f& point) {
+[[nodiscard]] inline bool keeps(const scene::CropConfig& crop, const Eigen::Vector3d& origin_m,
+                                const Eigen::Vector3f& point) {
   const Eigen::Vector3d p = origin_m + point.cast<double>();
   return (p.array() >= crop.min_m.array()).all() && (p.array() <= crop.max_m.array()).all();
 }
 
-[[nodiscard]] inline bool keeps(const PassConfig& pass, const Eigen::Vector3d& origin_m, const Eigen::Vector3f& point) {
+[[nodiscard]] inline bool keeps(const scene::PassConfig& pass, const Eigen::Vector3d& origin_m,
+                                const Eigen::Vector3f& point) {
   const double coordinate = origin_m[pass.axis] + static_cast<double>(point[pass.axis]);
   return coordinate >= pass.min_m && coordinate <= pass.max_m;
 }
@@ -37,8 +39,8 @@ using PointTest = std::variant<CropConfig, PassConfig, PlaneCut>;
 [[nodiscard]] inline bool keeps(const PlaneCut& cut, const Eigen::Vector3d& /*origin_m*/,
                                 const Eigen::Vector3f& point) {
   const double height = height_m(cut, point);
-  if (cut.side == RemovePlaneConfig::Side::below) return height > cut.distance_m;
-  if (cut.side == RemovePlaneConfig::Side::above) return height < -cut.distance_m;
+  if (cut.side == scene::RemovePlaneConfig::Side::below) return height > cut.distance_m;
+  if (cut.side == scene::RemovePlaneConfig::Side::above) return height < -cut.distance_m;
   return height > cut.distance_m || height < -cut.distance_m;
 }
 

@@ -24,7 +24,7 @@ bool has_neighbours(const CellOrder& order, const CellOrder::Point& point,
 
 }  // namespace
 
-std::vector<std::uint8_t> radius_inliers(const Cloud& cloud, const RadiusOutlierConfig& config,
+std::vector<std::uint8_t> radius_inliers(const Cloud& cloud, const scene::RadiusOutlierConfig& config,
                                          const Context& context) {
   std::vector<std::uint8_t> keep(cloud.size(), 1);
   const auto most = static_cast<std::size_t>(config.neighbours);

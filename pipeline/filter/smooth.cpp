@@ -29,7 +29,7 @@ int coefficients(int order) { return (order + 1) * (order + 2) / 2; }
 /// Fits of a cell's points, whose neighbours are searched together.
 class CellFitter {
  public:
-  CellFitter(const Cloud& cloud, const SmoothConfig& config)
+  CellFitter(const Cloud& cloud, const scene::SmoothConfig& config)
       : cloud_(cloud), config_(config), limit_(static_cast<float>(config.radius_m * config.radius_m)) {}
 
   void fit(const CellOrder& order, std::size_t cell, const std::array<CellOrder::Range, 25>& ranges,
@@ -51,14 +51,14 @@ class CellFitter {
 
  private:
   const Cloud& cloud_;
-  const SmoothConfig& config_;
+  const scene::SmoothConfig& config_;
   float limit_;
   pcl::Indices near_;
   pcl::MLSResult result_;
 };
 
 /// Throws when neighbourhoods are so large that the fits would take hours.
-void require_few_neighbours(const CellOrder& order, const SmoothConfig& config) {
+void require_few_neighbours(const CellOrder& order, const scene::SmoothConfig& config) {
   constexpr double kMost = 20000.0;
   double sum = 0.0;
   CellOrder::Sweep sweep(order);
@@ -75,7 +75,7 @@ void require_few_neighbours(const CellOrder& order, const SmoothConfig& config) 
                     "a smaller radius_mm (four to five point distances), or a voxel filter before it");
 }
 
-void fit_by_cells(const Cloud& cloud, const SmoothConfig& config, const Context& context,
+void fit_by_cells(const Cloud& cloud, const scene::SmoothConfig& config, const Context& context,
                   const std::function<void(double)>& at, std::vector<Eigen::Vector3f>& moved) {
   const CellOrder order(cloud, config.radius_m, context);
   require_few_neighbours(order, config);
@@ -95,7 +95,7 @@ void fit_by_cells(const Cloud& cloud, const SmoothConfig& config, const Context&
   });
 }
 
-void fit_by_pcl(const Cloud& cloud, const SmoothConfig& config, const Progress& progress,
+void fit_by_pcl(const Cloud& cloud, const scene::SmoothConfig& config, const Progress& progress,
                 std::vector<Eigen::Vector3f>& moved) {
   pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointXYZ> fitter;
   fitter.setInputCloud(cloud.points);
@@ -115,11 +115,11 @@ void fit_by_pcl(const Cloud& cloud, const SmoothConfig& config, const Progress& 
 
 }  // namespace
 
-Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context& context,
+Smoothing smooth_points(Cloud& cloud, const scene::SmoothConfig& config, const Context& context,
                         const std::function<void(double)>& at) {
   const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   std::vector<Eigen::Vector3f> moved(cloud.size(), none);
-  if (config.method == SmoothConfig::Method::pcl) {
+  if (config.method == scene::SmoothConfig::Method::pcl) {
     fit_by_pcl(cloud, config, context.progress, moved);
   } else {
     fit_by_cells(cloud, config, context, at, moved);

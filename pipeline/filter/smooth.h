@@ -6,7 +6,7 @@
 
 #include "base/context.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
@@ -23,7 +23,7 @@ struct Smoothing {
 /// order of the points.
 /// Throws Error{usage} when neighbourhoods have thousands of points. `at` is told which share of the points is done, by
 /// one thread at a time.
-Smoothing smooth_points(Cloud& cloud, const SmoothConfig& config, const Context& context,
+Smoothing smooth_points(Cloud& cloud, const scene::SmoothConfig& config, const Context& context,
                         const std::function<void(double)>& at = {});
 
 }  // namespace sparsha::pipeline

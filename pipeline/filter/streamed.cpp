@@ -12,24 +12,25 @@
 
 namespace sparsha::pipeline {
 
-bool can_be_streamed(const FilterConfig& filter) {
-  return std::holds_alternative<CropConfig>(filter) || std::holds_alternative<PassConfig>(filter) ||
-         std::holds_alternative<RemovePlaneConfig>(filter) || !field_of(filter).empty();
+bool can_be_streamed(const scene::FilterConfig& filter) {
+  return std::holds_alternative<scene::CropConfig>(filter) || std::holds_alternative<scene::PassConfig>(filter) ||
+         std::holds_alternative<scene::RemovePlaneConfig>(filter) || !field_of(filter).empty();
 }
 
-StreamedFilters::StreamedFilters(const ScanSet& scans, const std::vector<FilterConfig>& filters, const Context& context)
+StreamedFilters::StreamedFilters(const ScanSet& scans, const std::vector<scene::FilterConfig>& filters,
+                                 const Context& context)
     : origin_m_(scans.origin_m()) {
-  for (const FilterConfig& filter : filters) {
+  for (const scene::FilterConfig& filter : filters) {
     if (!can_be_streamed(filter)) break;
     filters_.push_back(filter);
   }
-  for (const FilterConfig& filter : filters_) {
-    steps_.steps.emplace_back().name = filter_name(filter);
-    if (const auto* crop = std::get_if<CropConfig>(&filter)) tests_.emplace_back(PointTest(*crop));
-    if (const auto* pass = std::get_if<PassConfig>(&filter)) tests_.emplace_back(PointTest(*pass));
-    if (const auto* field = std::get_if<FieldConfig>(&filter)) add_value_test(scans, *field);
-    if (const auto* classes = std::get_if<ClassesConfig>(&filter)) add_value_test(scans, *classes);
-    if (const auto* plane = std::get_if<RemovePlaneConfig>(&filter)) {
+  for (const scene::FilterConfig& filter : filters_) {
+    steps_.steps.emplace_back().name = scene::filter_name(filter);
+    if (const auto* crop = std::get_if<scene::CropConfig>(&filter)) tests_.emplace_back(PointTest(*crop));
+    if (const auto* pass = std::get_if<scene::PassConfig>(&filter)) tests_.emplace_back(PointTest(*pass));
+    if (const auto* field = std::get_if<scene::FieldConfig>(&filter)) add_value_test(scans, *field);
+    if (const auto* classes = std::get_if<scene::ClassesConfig>(&filter)) add_value_test(scans, *classes);
+    if (const auto* plane = std::get_if<scene::RemovePlaneConfig>(&filter)) {
       at_key_of(filter, [&] { add_plane(scans, *plane, context); });
     }
   }
@@ -49,7 +50,7 @@ void StreamedFilters::add_value_test(const ScanSet& scans, const Config& config)
   tests_.emplace_back(std::move(test));
 }
 
-void StreamedFilters::add_plane(const ScanSet& scans, const RemovePlaneConfig& config, const Context& context) {
+void StreamedFilters::add_plane(const ScanSet& scans, const scene::RemovePlaneConfig& config, const Context& context) {
   PlaneSample sample(config.distance_m);
   std::uint64_t passed = 0;
   (void)scans.stream(

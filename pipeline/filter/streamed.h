@@ -16,13 +16,13 @@
 namespace sparsha::pipeline {
 
 /// True for crop, pass, remove_plane, field and classes.
-[[nodiscard]] bool can_be_streamed(const FilterConfig& filter);
+[[nodiscard]] bool can_be_streamed(const scene::FilterConfig& filter);
 
 /// Gives each point the same verdict, and the same counts, as apply_filters() does.
 class StreamedFilters {
  public:
   /// Goes through the scans once for every plane. Throws as apply_filters() does.
-  StreamedFilters(const ScanSet& scans, const std::vector<FilterConfig>& filters, const Context& context);
+  StreamedFilters(const ScanSet& scans, const std::vector<scene::FilterConfig>& filters, const Context& context);
 
   /// How many filters at the start of the list these are.
   [[nodiscard]] std::size_t count() const { return tests_.size(); }
@@ -36,7 +36,7 @@ class StreamedFilters {
  private:
   /// What looks at a value of the point and not at its place.
   struct ValueTest {
-    std::variant<FieldConfig, ClassesConfig> test;
+    std::variant<scene::FieldConfig, scene::ClassesConfig> test;
     std::optional<std::size_t> field;  ///< place among the scans' fields; absent: the intensity
 
     [[nodiscard]] float value(const CloudBlock& block, std::size_t point) const;
@@ -47,10 +47,10 @@ class StreamedFilters {
   void add_value_test(const ScanSet& scans, const Config& config);
   [[nodiscard]] bool passes(const Test& test, const CloudBlock& block, std::size_t point) const;
   [[nodiscard]] bool passes_all(const CloudBlock& block, std::size_t point) const;
-  void add_plane(const ScanSet& scans, const RemovePlaneConfig& config, const Context& context);
+  void add_plane(const ScanSet& scans, const scene::RemovePlaneConfig& config, const Context& context);
 
   Eigen::Vector3d origin_m_;
-  std::vector<FilterConfig> filters_;
+  std::vector<scene::FilterConfig> filters_;
   std::vector<Test> tests_;
   std::vector<std::uint64_t> unknown_;  ///< of each test: points that stay since the scans say no value of them
   FilterSteps steps_;

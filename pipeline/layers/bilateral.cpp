@@ -25,9 +25,9 @@ struct Padded {
   std::size_t stride = 0;
   int margin = 0;
 
-  Padded(const DepthGrid& grid, int border)
+  Padded(const scene::DepthGrid& grid, int border)
       : stride(static_cast<std::size_t>(grid.lattice.nx + 2 * border)), margin(border) {
-    values.assign(stride * static_cast<std::size_t>(grid.lattice.ny + 2 * border), kUnknownHeight);
+    values.assign(stride * static_cast<std::size_t>(grid.lattice.ny + 2 * border), scene::kUnknownHeight);
     for (int j = 0; j < grid.lattice.ny; ++j) {
       const auto row = grid.height_m.begin() + static_cast<std::ptrdiff_t>(grid.lattice.index(0, j));
       std::copy_n(row, grid.lattice.nx, values.begin() + (at(0, j) - values.data()));
@@ -72,7 +72,7 @@ std::vector<kernel::BilateralTap> make_taps(double sigma, double reach, std::siz
   return taps;
 }
 
-std::vector<float> direct(const DepthGrid& grid, double sigma_space, double sigma_range_m, ThreadPool& pool) {
+std::vector<float> direct(const scene::DepthGrid& grid, double sigma_space, double sigma_range_m, ThreadPool& pool) {
   const double reach = kReach * sigma_space;
   const Padded padded(grid, static_cast<int>(reach));
   const std::vector<kernel::BilateralTap> taps = make_taps(sigma_space, reach, padded.stride);
@@ -91,11 +91,11 @@ std::vector<float> direct(const DepthGrid& grid, double sigma_space, double sigm
 
 /// OpenCV's filter. Its range table spans the image, and it knows no NaN: unknown nodes take a height so far below that
 /// they weigh nothing.
-std::vector<float> opencv(const DepthGrid& grid, double sigma_space, double sigma_range_m) {
+std::vector<float> opencv(const scene::DepthGrid& grid, double sigma_space, double sigma_range_m) {
   float low = std::numeric_limits<float>::infinity();
   for (const float z : grid.height_m)
     if (z < low) low = z;
-  std::vector<float> envelope(grid.lattice.count(), kUnknownHeight);
+  std::vector<float> envelope(grid.lattice.count(), scene::kUnknownHeight);
   if (!std::isfinite(low)) return envelope;
   const auto beyond = static_cast<float>(low - 20 * sigma_range_m);
   Image source{grid.lattice.ny, grid.lattice.nx, grid.height_m};
@@ -110,12 +110,13 @@ std::vector<float> opencv(const DepthGrid& grid, double sigma_space, double sigm
 
 }  // namespace
 
-std::vector<float> bilateral_envelope(const DepthGrid& grid, const TextureConfig& config, ThreadPool& pool) {
+std::vector<float> bilateral_envelope(const scene::DepthGrid& grid, const scene::TextureConfig& config,
+                                      ThreadPool& pool) {
   // Beyond the lattice's own size a wider Gaussian changes nothing that could be seen.
   const double sigma_space =
       std::min(config.sigma_space_m / grid.lattice.spacing_m, static_cast<double>(grid.lattice.nx + grid.lattice.ny));
   if (kReach * sigma_space < 1) return grid.height_m;
-  if (config.method == TextureConfig::Method::opencv) return opencv(grid, sigma_space, config.sigma_range_m);
+  if (config.method == scene::TextureConfig::Method::opencv) return opencv(grid, sigma_space, config.sigma_range_m);
   return direct(grid, sigma_space, config.sigma_range_m, pool);
 }
 

@@ -96,10 +96,10 @@ std::size_t NodeSet::count() const {
   return total;
 }
 
-NodeSet nodes_of(const DepthGrid& grid, NodeState state) {
+NodeSet nodes_of(const scene::DepthGrid& grid, scene::NodeState state) {
   NodeSet result(grid.lattice.nx, grid.lattice.ny);
   for (int j = 0; j < result.ny(); ++j) {
-    const NodeState* states = grid.state.data() + grid.lattice.index(0, j);
+    const scene::NodeState* states = grid.state.data() + grid.lattice.index(0, j);
     std::uint64_t* words = result.row(j);
     for (int i = 0; i < result.nx(); ++i)
       words[i >> 6] |= static_cast<std::uint64_t>(states[i] == state ? 1 : 0) << (i & 63);
@@ -180,9 +180,9 @@ NodeSet fill_holes(const NodeSet& set) {
   return outside;
 }
 
-NodeSet outline_nodes(const DepthGrid& grid, double max_gap_m, ThreadPool& pool) {
+NodeSet outline_nodes(const scene::DepthGrid& grid, double max_gap_m, ThreadPool& pool) {
   const double diameter = std::max(max_gap_m / grid.lattice.spacing_m, 3.0);
-  return fill_holes(close_by_disc(nodes_of(grid, NodeState::measured), diameter, pool));
+  return fill_holes(close_by_disc(nodes_of(grid, scene::NodeState::measured), diameter, pool));
 }
 
 }  // namespace sparsha::pipeline

@@ -32,7 +32,7 @@ class NodeSet {
 };
 
 /// Nodes whose state is `state`.
-[[nodiscard]] NodeSet nodes_of(const DepthGrid& grid, NodeState state);
+[[nodiscard]] NodeSet nodes_of(const scene::DepthGrid& grid, scene::NodeState state);
 
 /// Nodes within `radius` (in spacings, inclusive) of a node of `set`. Time grows with nodes * radius / 64.
 [[nodiscard]] NodeSet dilate_by_disc(const NodeSet& set, double radius, ThreadPool& pool);
@@ -45,6 +45,6 @@ class NodeSet {
 [[nodiscard]] NodeSet fill_holes(const NodeSet& set);
 
 /// Nodes inside the outline: outer border of the measured nodes closed by a disc of max(max_gap_m, 3 spacings).
-[[nodiscard]] NodeSet outline_nodes(const DepthGrid& grid, double max_gap_m, ThreadPool& pool);
+[[nodiscard]] NodeSet outline_nodes(const scene::DepthGrid& grid, double max_gap_m, ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

@@ -60,9 +60,10 @@ class NearLoose {
 
 }  // namespace
 
-std::vector<float> continued_envelope(const DepthGrid& grid, const std::vector<float>& envelope_m,
-                                      const TextureConfig& config, double noise_m, double step_m, ThreadPool& pool) {
-  const Lattice& lattice = grid.lattice;
+std::vector<float> continued_envelope(const scene::DepthGrid& grid, const std::vector<float>& envelope_m,
+                                      const scene::TextureConfig& config, double noise_m, double step_m,
+                                      ThreadPool& pool) {
+  const scene::Lattice& lattice = grid.lattice;
   const double sigma = std::min(config.sigma_space_m / lattice.spacing_m, static_cast<double>(lattice.nx + lattice.ny));
   std::vector<float> result = envelope_m;
   if (kReach * sigma < 1) return result;

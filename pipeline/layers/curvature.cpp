@@ -102,7 +102,7 @@ NoiseGain noise_gain(const Filter& filter, double sigma) {
 /// touches one yields NaN.
 class WholeTexture {
  public:
-  WholeTexture(const DepthGrid& grid, const TextureView& texture, const SurfaceLinks& links,
+  WholeTexture(const scene::DepthGrid& grid, const TextureView& texture, const SurfaceLinks& links,
                const BorderExtension& border, int margin)
       : lattice_(grid.lattice), texture_(texture), links_(links), border_(border), margin_(margin) {}
 
@@ -111,7 +111,7 @@ class WholeTexture {
     const int ny = lattice_.ny;
     if (j >= 0 && j < ny) return read_inside(j, row);
     const std::size_t width = static_cast<std::size_t>(lattice_.nx + 2 * margin_);
-    if (ny < border_.nodes()) return static_cast<void>(std::fill_n(row, width, kUnknownHeight));
+    if (ny < border_.nodes()) return static_cast<void>(std::fill_n(row, width, scene::kUnknownHeight));
     const float* weights = border_.weights(j < 0 ? -j : j - ny + 1);
     std::fill_n(row, width, 0.0F);
     inner_.resize(width);
@@ -130,9 +130,9 @@ class WholeTexture {
     links_.loose_nodes(j, loose_);
     for (std::size_t w = 0; w < loose_.size(); ++w)
       for (std::uint64_t nodes = loose_[w]; nodes != 0; nodes &= nodes - 1)
-        out[64 * w + static_cast<std::size_t>(std::countr_zero(nodes))] = kUnknownHeight;
+        out[64 * w + static_cast<std::size_t>(std::countr_zero(nodes))] = scene::kUnknownHeight;
     for (int k = 1; k <= margin_; ++k) {
-      float low = nx < border_.nodes() ? kUnknownHeight : 0.0F, high = low;
+      float low = nx < border_.nodes() ? scene::kUnknownHeight : 0.0F, high = low;
       for (int m = 0; m < std::min(nx, border_.nodes()); ++m) {
         low += border_.weights(k)[m] * out[m];
         high += border_.weights(k)[m] * out[nx - 1 - m];
@@ -142,7 +142,7 @@ class WholeTexture {
     }
   }
 
-  const Lattice& lattice_;
+  const scene::Lattice& lattice_;
   const TextureView& texture_;
   const SurfaceLinks& links_;
   const BorderExtension& border_;
@@ -200,7 +200,7 @@ Curvature curvature_of(const Derivatives& d, const Noise& noise) {
 }
 
 /// Heights as float32 are rounded by that much.
-double rounding_m(const DepthGrid& grid) {
+double rounding_m(const scene::DepthGrid& grid) {
   float most_m = 0;
   for (const float z : grid.height_m)
     if (std::abs(z) > most_m) most_m = std::abs(z);
@@ -209,7 +209,7 @@ double rounding_m(const DepthGrid& grid) {
 
 }  // namespace
 
-CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m, double scale_m,
+CurvatureMap texture_curvature(const scene::DepthGrid& grid, const std::vector<float>& envelope_m, double scale_m,
                                double noise_m, double step_m, ThreadPool& pool, double sigma_space_m) {
   const int nx = grid.lattice.nx, ny = grid.lattice.ny;
   const double h = grid.lattice.spacing_m;
@@ -284,7 +284,7 @@ CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& 
         } else if (!std::isnan(grid.height_m[n]) && fit.fit(texture, thinned, x, y, texture_noise_m, d, own)) {
           keep(n, d, expected(own));
         } else {
-          map.rms_per_m[n] = map.mean_per_m[n] = map.gaussian_per_m2[n] = kUnknownHeight;
+          map.rms_per_m[n] = map.mean_per_m[n] = map.gaussian_per_m2[n] = scene::kUnknownHeight;
         }
       }
     }

@@ -84,7 +84,7 @@ struct Side {
 
 class Filler {
  public:
-  Filler(const DepthGrid& grid, double radius, double step_m)
+  Filler(const scene::DepthGrid& grid, double radius, double step_m)
       : grid_(grid), step_m_(step_m), reach_(static_cast<int>(2 * radius) + kRimWidth), rim_(0, 0) {
     for (int k = 0; k < kRays; ++k) {
       const double angle = 2 * std::numbers::pi * k / kRays;
@@ -121,7 +121,7 @@ class Filler {
         const int di = static_cast<int>(std::lround(t * cosine)), dj = static_cast<int>(std::lround(t * sine));
         if (!inside(i + di, j + dj)) break;
         const std::size_t n = grid_.lattice.index(i + di, j + dj);
-        if (grid_.state[n] != NodeState::measured) continue;
+        if (grid_.state[n] != scene::NodeState::measured) continue;
         hits.push_back({di, dj, grid_.height_m[n], {}});
         break;
       }
@@ -136,7 +136,7 @@ class Filler {
         const int x = i + hit.dx + dx, y = j + hit.dy + dy;
         if (!inside(x, y)) continue;
         const std::size_t n = grid_.lattice.index(x, y);
-        if (grid_.state[n] != NodeState::measured) continue;
+        if (grid_.state[n] != scene::NodeState::measured) continue;
         const double z = grid_.height_m[n], far = std::max(1.0, std::hypot(dx, dy));
         if (std::abs(z - hit.z) > step_m_ * far) continue;  // beyond a step of the measured surface itself
         support.push_back({static_cast<double>(hit.dx + dx), static_cast<double>(hit.dy + dy), z, 1});
@@ -190,7 +190,7 @@ class Filler {
     }
   }
 
-  const DepthGrid& grid_;
+  const scene::DepthGrid& grid_;
   double step_m_;
   int reach_;
   NodeSet rim_;
@@ -206,14 +206,14 @@ NodeSet intersection(const NodeSet& a, const NodeSet& b) {
 
 }  // namespace
 
-void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadPool& pool) {
+void fill_gaps(scene::DepthGrid& grid, const scene::FillConfig& config, double step_m, ThreadPool& pool) {
   const double diameter =
       std::min(config.max_gap_m / grid.lattice.spacing_m, 2.0 * (grid.lattice.nx + grid.lattice.ny));
-  const NodeSet measured = nodes_of(grid, NodeState::measured);
+  const NodeSet measured = nodes_of(grid, scene::NodeState::measured);
   // A small disc closes what a larger one may not (its own pixels differ), hence the explicit intersection.
   const NodeSet closed = close_by_disc(measured, diameter, pool);
   const NodeSet inside = intersection(closed, outline_nodes(grid, config.max_gap_m, pool));
-  NodeSet gaps = intersection(inside, nodes_of(grid, NodeState::unknown));
+  NodeSet gaps = intersection(inside, nodes_of(grid, scene::NodeState::unknown));
   if (gaps.count() == 0) return;
 
   Filler filler(grid, diameter / 2, step_m);
@@ -228,7 +228,7 @@ void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadP
   for (int j = 0; j < grid.lattice.ny; ++j)
     for (int i = 0; i < grid.lattice.nx; ++i) {
       const std::size_t n = grid.lattice.index(i, j);
-      if (gaps.contains(i, j) && !std::isnan(height[n])) grid.state[n] = NodeState::filled;
+      if (gaps.contains(i, j) && !std::isnan(height[n])) grid.state[n] = scene::NodeState::filled;
     }
   grid.height_m = std::move(height);
 }

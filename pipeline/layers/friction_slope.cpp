@@ -31,7 +31,7 @@ void gentle_nodes(const float* z, std::size_t row_nodes, std::size_t begin, std:
 }
 
 /// The same for a node with links that are cut: its neighbours are those on its layer.
-bool gentle_on_layer(const DepthGrid& grid, const SurfaceLinks& links, int i, int j, float steep_m) {
+bool gentle_on_layer(const scene::DepthGrid& grid, const SurfaceLinks& links, int i, int j, float steep_m) {
   const std::vector<float>& z = grid.height_m;
   const std::size_t n = grid.lattice.index(i, j), row_nodes = static_cast<std::size_t>(grid.lattice.nx);
   const auto gentle = [&](std::uint64_t link, std::size_t other) {
@@ -43,9 +43,9 @@ bool gentle_on_layer(const DepthGrid& grid, const SurfaceLinks& links, int i, in
 
 }  // namespace
 
-double curvature_percentile(const DepthGrid& grid, const std::vector<float>& k, const SurfaceLinks& links, int radius,
-                            double steep_m) {
-  const Lattice& lattice = grid.lattice;
+double curvature_percentile(const scene::DepthGrid& grid, const std::vector<float>& k, const SurfaceLinks& links,
+                            int radius, double steep_m) {
+  const scene::Lattice& lattice = grid.lattice;
   const auto steep = static_cast<float>(steep_m);
   std::vector<float> values;
   values.reserve(lattice.count());
@@ -69,7 +69,7 @@ double curvature_percentile(const DepthGrid& grid, const std::vector<float>& k, 
           gentle[static_cast<std::size_t>(i)] = gentle_on_layer(grid, links, i, j, steep) ? 1 : 0;
       }
       for (std::size_t i = first; i < end; ++i)
-        if (gentle[i] != 0 && grid.state[row + i] == NodeState::measured && !std::isnan(k[row + i]))
+        if (gentle[i] != 0 && grid.state[row + i] == scene::NodeState::measured && !std::isnan(k[row + i]))
           values.push_back(k[row + i]);
     }
     if (!values.empty()) return static_cast<double>(quantile(values, 0.95));
@@ -77,7 +77,7 @@ double curvature_percentile(const DepthGrid& grid, const std::vector<float>& k, 
   return 0;
 }
 
-double friction_slope(const CurvatureMap& map, const FrictionConfig& config) {
+double friction_slope(const CurvatureMap& map, const scene::FrictionConfig& config) {
   if (config.c_m) return *config.c_m;
   const double percentile = map.percentile_95_per_m;
   if (!(percentile > 0)) return 0;

@@ -5,24 +5,24 @@
 
 #include "base/progress.h"
 #include "base/thread_pool.h"
-#include "scene/config.h"
+#include "scene/config/layers.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
 
 /// Fills unknown nodes inside the morphological closing of the measured ones by a disc of `max_gap_m`, never outside
 /// the outline, not across a step higher than `step_m` (the lower side wins). Filled nodes are marked.
-void fill_gaps(DepthGrid& grid, const FillConfig& config, double step_m, ThreadPool& pool);
+void fill_gaps(scene::DepthGrid& grid, const scene::FillConfig& config, double step_m, ThreadPool& pool);
 
 /// Bilateral-filtered heights f_b (Tomasi & Manduchi 1998), NaN where unknown; texture is h = f - f_b.
-[[nodiscard]] std::vector<float> bilateral_envelope(const DepthGrid& grid, const TextureConfig& config,
+[[nodiscard]] std::vector<float> bilateral_envelope(const scene::DepthGrid& grid, const scene::TextureConfig& config,
                                                     ThreadPool& pool);
 
 /// The envelope that friction takes: that of bilateral_envelope(), and where unknown nodes or a step are within reach
 /// the one that it would be if the node's own layer went on as the quadratic through it. `noise_m` and `step_m` as
 /// below.
-[[nodiscard]] std::vector<float> continued_envelope(const DepthGrid& grid, const std::vector<float>& envelope_m,
-                                                    const TextureConfig& config, double noise_m, double step_m,
+[[nodiscard]] std::vector<float> continued_envelope(const scene::DepthGrid& grid, const std::vector<float>& envelope_m,
+                                                    const scene::TextureConfig& config, double noise_m, double step_m,
                                                     ThreadPool& pool);
 
 /// Curvatures of the texture f - f_b by a Gaussian-weighted fit at `scale_m` over the nodes of a node's own layer, less
@@ -37,15 +37,15 @@ struct CurvatureMap {
   double percentile_95_per_m = 0.0;    ///< of k over measured nodes
   double noise_floor_per_m = 0.0;      ///< k that noise alone would give
 };
-[[nodiscard]] CurvatureMap texture_curvature(const DepthGrid& grid, const std::vector<float>& envelope_m,
+[[nodiscard]] CurvatureMap texture_curvature(const scene::DepthGrid& grid, const std::vector<float>& envelope_m,
                                              double scale_m, double noise_m, double step_m, ThreadPool& pool,
                                              double sigma_space_m = 0.0);
 
 /// Slope c of law: curvature, metres; see ALGORITHMS "Friction map".
-[[nodiscard]] double friction_slope(const CurvatureMap& map, const FrictionConfig& config);
+[[nodiscard]] double friction_slope(const CurvatureMap& map, const scene::FrictionConfig& config);
 
 /// Levels 1, 2, ... below `base` until the longer side has at most `window` nodes; fewer where the next would have no
 /// cell with four known nodes, as that of a narrow strip or of scattered nodes. NaN-aware low-pass before halving.
-[[nodiscard]] std::vector<Layers> build_pyramid(const Layers& base, int window, ThreadPool& pool);
+[[nodiscard]] std::vector<scene::Layers> build_pyramid(const scene::Layers& base, int window, ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

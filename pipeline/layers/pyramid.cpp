@@ -19,8 +19,8 @@ constexpr std::size_t kRowsPerPiece = 16;
 constexpr double kDegenerate = 1e-6;  // determinant of the support's spread below which it carries no slope
 
 /// The lattice of the next level: node (i, j) is node (2i, 2j) of the finer one.
-Lattice halved(const Lattice& fine) {
-  Lattice coarse = fine;
+scene::Lattice halved(const scene::Lattice& fine) {
+  scene::Lattice coarse = fine;
   coarse.nx = (fine.nx + 1) / 2;
   coarse.ny = (fine.ny + 1) / 2;
   coarse.spacing_m = 2 * fine.spacing_m;
@@ -36,23 +36,23 @@ class Supports {
         known_(static_cast<std::size_t>(nx)) {}
 
   /// Sums the columns of the window rows about row cj.
-  void read(const DepthGrid& grid, int cj) {
+  void read(const scene::DepthGrid& grid, int cj) {
     std::fill(total_.begin(), total_.end(), 0);
     std::fill(measured_.begin(), measured_.end(), 0);
     std::fill(known_.begin(), known_.end(), 0);
     for (int k = -kReach; k <= kReach; ++k) {
       if (cj + k < 0 || cj + k >= grid.lattice.ny) continue;
       const int weight = kBinomial64[static_cast<std::size_t>(k + kReach)];
-      const NodeState* states = grid.state.data() + grid.lattice.index(0, cj + k);
+      const scene::NodeState* states = grid.state.data() + grid.lattice.index(0, cj + k);
       for (std::size_t i = 0; i < total_.size(); ++i) {
         total_[i] += weight;
-        measured_[i] += states[i] == NodeState::measured ? weight : 0;
-        known_[i] += states[i] != NodeState::unknown ? weight : 0;
+        measured_[i] += states[i] == scene::NodeState::measured ? weight : 0;
+        known_[i] += states[i] != scene::NodeState::unknown ? weight : 0;
       }
     }
   }
   /// State of the coarse node on column ci: known when half its support is, measured when half of it is.
-  [[nodiscard]] NodeState state(int ci) const {
+  [[nodiscard]] scene::NodeState state(int ci) const {
     int total = 0, measured = 0, known = 0;
     for (int k = -kReach; k <= kReach; ++k) {
       if (ci + k < 0 || ci + k >= static_cast<int>(total_.size())) continue;
@@ -62,8 +62,8 @@ class Supports {
       measured += weight * measured_[n];
       known += weight * known_[n];
     }
-    if (2 * known < total) return NodeState::unknown;
-    return 2 * measured >= total ? NodeState::measured : NodeState::filled;
+    if (2 * known < total) return scene::NodeState::unknown;
+    return 2 * measured >= total ? scene::NodeState::measured : scene::NodeState::filled;
   }
 
  private:
@@ -82,8 +82,8 @@ struct Window {
   std::size_t count = 0;
   double known = 0;  ///< weight on measured or filled nodes
 
-  Window(const DepthGrid& grid, int ci, int cj) {
-    const Lattice& lattice = grid.lattice;
+  Window(const scene::DepthGrid& grid, int ci, int cj) {
+    const scene::Lattice& lattice = grid.lattice;
     for (int dy = -kReach; dy <= kReach; ++dy)
       for (int dx = -kReach; dx <= kReach; ++dx) {
         const int i = ci + dx, j = cj + dy;
@@ -91,7 +91,7 @@ struct Window {
         const double weight =
             kBinomial[static_cast<std::size_t>(dx + kReach)] * kBinomial[static_cast<std::size_t>(dy + kReach)];
         const std::size_t n = lattice.index(i, j);
-        if (grid.state[n] == NodeState::unknown) continue;
+        if (grid.state[n] == scene::NodeState::unknown) continue;
         known += weight;
         members[count++] = {n, static_cast<double>(dx), static_cast<double>(dy), weight};
       }
@@ -107,13 +107,13 @@ struct Window {
       sum += members[k].weight * v;
       weight += members[k].weight;
     }
-    return weight > 0 ? sum / weight : kUnknownHeight;
+    return weight > 0 ? sum / weight : scene::kUnknownHeight;
   }
 
   /// Value of the weighted plane at the window's centre: where nodes are missing on one side, a slope stays a slope.
   [[nodiscard]] double plane(const std::vector<float>& layer) const {
     const double z = mean([&](std::size_t n) { return layer[n]; });
-    if (!(known > 0)) return kUnknownHeight;
+    if (!(known > 0)) return scene::kUnknownHeight;
     double x = 0, y = 0;
     for (std::size_t k = 0; k < count; ++k) {
       x += members[k].weight * members[k].dx;
@@ -138,10 +138,10 @@ struct Window {
 };
 
 /// Low-pass and halving of a layer where the window is complete; NaN elsewhere (NaN spreads through the sums).
-void low_pass_row(const Lattice& fine, const std::vector<float>& layer, int cj, std::vector<double>& column, float* out,
-                  int out_count) {
+void low_pass_row(const scene::Lattice& fine, const std::vector<float>& layer, int cj, std::vector<double>& column,
+                  float* out, int out_count) {
   const int nx = fine.nx;
-  column.assign(static_cast<std::size_t>(nx), kUnknownHeight);
+  column.assign(static_cast<std::size_t>(nx), scene::kUnknownHeight);
   if (cj >= kReach && cj + kReach < fine.ny) {
     std::fill(column.begin(), column.end(), 0.0);
     for (int k = -kReach; k <= kReach; ++k) {
@@ -152,7 +152,7 @@ void low_pass_row(const Lattice& fine, const std::vector<float>& layer, int cj, 
   }
   for (int i = 0; i < out_count; ++i) {
     const int c = 2 * i;
-    out[i] = kUnknownHeight;
+    out[i] = scene::kUnknownHeight;
     if (c < kReach || c + kReach >= nx) continue;
     double sum = 0;
     for (int k = -kReach; k <= kReach; ++k)
@@ -167,7 +167,7 @@ std::uint32_t mean_colour(const Window& window, const std::vector<std::uint32_t>
     // A transparent node has no colour to give.
     const double mean = window.mean([&](std::size_t n) {
       const std::uint32_t c = colours[n];
-      return (c >> 24) == 0 ? static_cast<double>(kUnknownHeight) : static_cast<double>((c >> shift) & 0xFFU);
+      return (c >> 24) == 0 ? static_cast<double>(scene::kUnknownHeight) : static_cast<double>((c >> shift) & 0xFFU);
     });
     if (!std::isnan(mean)) result |= static_cast<std::uint32_t>(std::lround(mean)) << shift;
   }
@@ -175,8 +175,8 @@ std::uint32_t mean_colour(const Window& window, const std::vector<std::uint32_t>
 }
 
 /// Halves one optional layer; `unknown` is what it holds where the coarse node is unknown.
-std::vector<float> halve_layer(const Layers& fine, const DepthGrid& coarse, const std::vector<float>& layer,
-                               bool heights, float unknown, ThreadPool& pool) {
+std::vector<float> halve_layer(const scene::Layers& fine, const scene::DepthGrid& coarse,
+                               const std::vector<float>& layer, bool heights, float unknown, ThreadPool& pool) {
   if (layer.empty()) return {};
   std::vector<float> result(coarse.lattice.count());
   const int nx = coarse.lattice.nx;
@@ -186,7 +186,7 @@ std::vector<float> halve_layer(const Layers& fine, const DepthGrid& coarse, cons
       float* out = result.data() + coarse.lattice.index(0, j);
       low_pass_row(fine.grid.lattice, layer, 2 * j, column, out, nx);
       for (int i = 0; i < nx; ++i) {
-        if (coarse.state[coarse.lattice.index(i, j)] == NodeState::unknown) {
+        if (coarse.state[coarse.lattice.index(i, j)] == scene::NodeState::unknown) {
           out[i] = unknown;
         } else if (std::isnan(out[i])) {
           const Window window(fine.grid, 2 * i, 2 * j);
@@ -199,10 +199,10 @@ std::vector<float> halve_layer(const Layers& fine, const DepthGrid& coarse, cons
   return result;
 }
 
-Layers halve(const Layers& fine, ThreadPool& pool) {
-  Layers coarse;
-  coarse.grid = DepthGrid(halved(fine.grid.lattice));
-  DepthGrid& grid = coarse.grid;
+scene::Layers halve(const scene::Layers& fine, ThreadPool& pool) {
+  scene::Layers coarse;
+  coarse.grid = scene::DepthGrid(halved(fine.grid.lattice));
+  scene::DepthGrid& grid = coarse.grid;
   const int nx = grid.lattice.nx;
   pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     Supports supports(fine.grid.lattice.nx);
@@ -211,13 +211,13 @@ Layers halve(const Layers& fine, ThreadPool& pool) {
       for (int i = 0; i < nx; ++i) grid.state[grid.lattice.index(i, j)] = supports.state(2 * i);
     }
   });
-  grid.height_m = halve_layer(fine, grid, fine.grid.height_m, true, kUnknownHeight, pool);
-  coarse.envelope_m = halve_layer(fine, grid, fine.envelope_m, true, kUnknownHeight, pool);
-  coarse.curvature_per_m = halve_layer(fine, grid, fine.curvature_per_m, false, kUnknownHeight, pool);
-  coarse.mean_curvature_per_m = halve_layer(fine, grid, fine.mean_curvature_per_m, false, kUnknownHeight, pool);
+  grid.height_m = halve_layer(fine, grid, fine.grid.height_m, true, scene::kUnknownHeight, pool);
+  coarse.envelope_m = halve_layer(fine, grid, fine.envelope_m, true, scene::kUnknownHeight, pool);
+  coarse.curvature_per_m = halve_layer(fine, grid, fine.curvature_per_m, false, scene::kUnknownHeight, pool);
+  coarse.mean_curvature_per_m = halve_layer(fine, grid, fine.mean_curvature_per_m, false, scene::kUnknownHeight, pool);
   coarse.gaussian_curvature_per_m2 =
-      halve_layer(fine, grid, fine.gaussian_curvature_per_m2, false, kUnknownHeight, pool);
-  coarse.intensity = halve_layer(fine, grid, fine.intensity, false, kUnknownHeight, pool);
+      halve_layer(fine, grid, fine.gaussian_curvature_per_m2, false, scene::kUnknownHeight, pool);
+  coarse.intensity = halve_layer(fine, grid, fine.intensity, false, scene::kUnknownHeight, pool);
   if (!fine.colour_rgba.empty()) {
     coarse.colour_rgba.resize(grid.lattice.count());
     pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
@@ -230,9 +230,9 @@ Layers halve(const Layers& fine, ThreadPool& pool) {
 }
 
 /// Whether the heights of all four nodes of some cell are known.
-bool has_known_cell(const DepthGrid& grid) {
-  const Lattice& lattice = grid.lattice;
-  const auto known = [&](int i, int j) { return grid.state[lattice.index(i, j)] != NodeState::unknown; };
+bool has_known_cell(const scene::DepthGrid& grid) {
+  const scene::Lattice& lattice = grid.lattice;
+  const auto known = [&](int i, int j) { return grid.state[lattice.index(i, j)] != scene::NodeState::unknown; };
   for (int j = 0; j + 1 < lattice.ny; ++j)
     for (int i = 0; i + 1 < lattice.nx; ++i)
       if (known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1)) return true;
@@ -241,12 +241,12 @@ bool has_known_cell(const DepthGrid& grid) {
 
 }  // namespace
 
-std::vector<Layers> build_pyramid(const Layers& base, int window, ThreadPool& pool) {
-  std::vector<Layers> levels;
-  const Layers* finest = &base;
+std::vector<scene::Layers> build_pyramid(const scene::Layers& base, int window, ThreadPool& pool) {
+  std::vector<scene::Layers> levels;
+  const scene::Layers* finest = &base;
   while (std::max(finest->grid.lattice.nx, finest->grid.lattice.ny) > std::max(window, 2)) {
-    if (!has_cell(halved(finest->grid.lattice))) break;
-    Layers coarser = halve(*finest, pool);
+    if (!scene::has_cell(halved(finest->grid.lattice))) break;
+    scene::Layers coarser = halve(*finest, pool);
     if (!has_known_cell(coarser.grid)) break;
     levels.push_back(std::move(coarser));
     finest = &levels.back();

@@ -96,14 +96,14 @@ void doubt(const float* a, const float* b, const float* c, const float* d, std::
 /// Links that are cut, a word of zeros before and after each row.
 class Cuts {
  public:
-  Cuts(const DepthGrid& grid, const StepRule& rule, std::size_t row_words)
+  Cuts(const scene::DepthGrid& grid, const StepRule& rule, std::size_t row_words)
       : grid_(grid), test_(grid.lattice.spacing_m, rule), row_words_(row_words) {
     right.resize(row_words * static_cast<std::size_t>(grid.lattice.ny));
     up.resize(right.size());
   }
 
   void find_row(int j, std::vector<std::uint8_t>& bytes) {
-    const Lattice& lattice = grid_.lattice;
+    const scene::Lattice& lattice = grid_.lattice;
     const auto nx = static_cast<std::size_t>(lattice.nx);
     const std::size_t words = row_words_ - 2, first = row_words_ * static_cast<std::size_t>(j) + 1;
     const auto harmless = static_cast<float>(test_.harmless() * lattice.spacing_m);
@@ -133,19 +133,19 @@ class Cuts {
     }
   }
   [[nodiscard]] double at(int i, int j) const {
-    const Lattice& lattice = grid_.lattice;
-    if (i < 0 || j < 0 || i >= lattice.nx || j >= lattice.ny) return static_cast<double>(kUnknownHeight);
+    const scene::Lattice& lattice = grid_.lattice;
+    if (i < 0 || j < 0 || i >= lattice.nx || j >= lattice.ny) return static_cast<double>(scene::kUnknownHeight);
     return test_.scale() * static_cast<double>(grid_.height_m[lattice.index(i, j)]);
   }
 
-  const DepthGrid& grid_;
+  const scene::DepthGrid& grid_;
   StepTest test_;
   std::size_t row_words_;
 };
 
 }  // namespace
 
-SurfaceLinks::SurfaceLinks(const DepthGrid& grid, const StepRule& rule, ThreadPool& pool)
+SurfaceLinks::SurfaceLinks(const scene::DepthGrid& grid, const StepRule& rule, ThreadPool& pool)
     : nx_(grid.lattice.nx), ny_(grid.lattice.ny), phase_words_((static_cast<std::size_t>(nx_) + 63) / 64 + 2) {
   if (grid.lattice.count() == 0) return;
   Cuts cuts(grid, rule, phase_words_);

@@ -26,7 +26,7 @@ struct StepRule {
 /// between are.
 class SurfaceLinks {
  public:
-  SurfaceLinks(const DepthGrid& grid, const StepRule& rule, ThreadPool& pool);
+  SurfaceLinks(const scene::DepthGrid& grid, const StepRule& rule, ThreadPool& pool);
   /// Of every `stride`-th node, for each of the stride * stride lattices that this gives.
   [[nodiscard]] SurfaceLinks thinned(int stride) const;
 

@@ -19,7 +19,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-using Face = OrientationConfig::Face;
+using Face = scene::OrientationConfig::Face;
 
 constexpr double kFaceThickness = 0.02;  // of the object's size
 constexpr double kLeastShare = 0.05;     // of the points, on a plane that is a face

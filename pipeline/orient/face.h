@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/orientation.h"
 
 namespace sparsha::pipeline {
 
@@ -29,7 +29,7 @@ struct FoundFace {
 /// it is absent; where both are as long, that direction itself. Depends on the set of points alone, not on their order.
 /// Throws Error{input} when no plane holds a twentieth of the points, or the points have no extent; Error{usage} when
 /// `up` is parallel to the view.
-[[nodiscard]] FoundFace find_face(const FacePoints& points, OrientationConfig::Face face,
+[[nodiscard]] FoundFace find_face(const FacePoints& points, scene::OrientationConfig::Face face,
                                   const std::optional<Eigen::Vector3d>& up, double scale);
 
 /// The side of a flat thing that is seen: towards the scan's origin where that is near enough to be a scanner's place,

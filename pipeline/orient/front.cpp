@@ -13,6 +13,7 @@
 
 #include "base/statistics.h"
 #include "pipeline/orient/side_picture.h"
+#include "scene/config/orientation.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "pipeline/orient/side_picture.h"
+#include "scene/config/orientation.h"
 
 namespace sparsha::pipeline {
 

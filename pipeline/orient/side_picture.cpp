@@ -11,6 +11,7 @@
 
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/statistics.h"
+#include "scene/config/orientation.h"
 
 namespace sparsha::pipeline {
 namespace {

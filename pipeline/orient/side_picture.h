@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "scene/config/orientation.h"
+
 namespace sparsha::pipeline {
 
 /// Points thinned evenly, about the middle of their box, in pixels: lengths of 1/150 of the object, or the distance

@@ -14,7 +14,6 @@
 #include "pipeline/outofcore/point_file.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/scan/set.h"
-#include "scene/config.h"
 
 namespace sparsha::pipeline {
 

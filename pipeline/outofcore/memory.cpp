@@ -41,19 +41,20 @@ constexpr double kFrictionScratch = 20.0;
 constexpr double kAllLevels = 4.0 / 3.0;
 constexpr double kPictures = 1.0;
 
-bool sorts_into_cells(const FilterConfig& filter) {
-  return std::holds_alternative<RadiusOutlierConfig>(filter) || std::holds_alternative<KeepConfig>(filter) ||
-         std::holds_alternative<SmoothConfig>(filter) || std::holds_alternative<ThinConfig>(filter);
+bool sorts_into_cells(const scene::FilterConfig& filter) {
+  return std::holds_alternative<scene::RadiusOutlierConfig>(filter) ||
+         std::holds_alternative<scene::KeepConfig>(filter) || std::holds_alternative<scene::SmoothConfig>(filter) ||
+         std::holds_alternative<scene::ThinConfig>(filter);
 }
 
 }  // namespace
 
-std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<FilterConfig>& filters) {
+std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<scene::FilterConfig>& filters) {
   const auto any = [&](const auto& test) { return std::any_of(filters.begin(), filters.end(), test); };
   std::uint64_t a_point = kPoint + scans.fields().size() * kAttribute + (scans.has_colour() ? kAttribute : 0) +
                           (scans.has_intensity() ? kAttribute : 0);
-  const bool smooths = any([](const FilterConfig& f) { return std::holds_alternative<SmoothConfig>(f); });
-  if (any([](const FilterConfig& f) { return std::holds_alternative<VoxelConfig>(f); })) {
+  const bool smooths = any([](const scene::FilterConfig& f) { return std::holds_alternative<scene::SmoothConfig>(f); });
+  if (any([](const scene::FilterConfig& f) { return std::holds_alternative<scene::VoxelConfig>(f); })) {
     a_point += kVoxel;
   } else if (any(sorts_into_cells)) {
     a_point += kCells;
@@ -62,8 +63,8 @@ std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<FilterConf
   return kProgram + a_point * scans.points() + kFace * scans.faces();
 }
 
-std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, bool intensity,
-                             const Lattice& lattice) {
+std::uint64_t bytes_of_nodes(const scene::Config& config, bool grid_only, bool colour, bool intensity,
+                             const scene::Lattice& lattice) {
   double held = kHeights + (colour ? kLayer : 0.0) + (intensity ? kLayer : 0.0);
   double most = held + (colour ? kColourSums : 0.0) + (intensity ? kIntensitySums : 0.0);
   if (!grid_only) {
@@ -73,9 +74,9 @@ std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, 
     if (config.texture) {
       held += kLayer;
       most = std::max(most, held + errors + kTextureScratch);
-      if (config.friction && config.friction->law != FrictionConfig::Law::constant) {
+      if (config.friction && config.friction->law != scene::FrictionConfig::Law::constant) {
         most = std::max(most, held + errors + kFrictionScratch);
-        held += config.friction->law == FrictionConfig::Law::paper ? 3 * kLayer : kLayer;
+        held += config.friction->law == scene::FrictionConfig::Law::paper ? 3 * kLayer : kLayer;
       }
     }
     most = std::max(most, kAllLevels * held + errors + kPictures);
@@ -83,15 +84,15 @@ std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, 
   return static_cast<std::uint64_t>(most * static_cast<double>(lattice.count()));
 }
 
-std::uint64_t bytes_of_sample(const CheckConfig& check, std::uint64_t points, const Lattice& lattice) {
+std::uint64_t bytes_of_sample(const scene::CheckConfig& check, std::uint64_t points, const scene::Lattice& lattice) {
   const std::uint64_t most =
       check.samples > 0 ? static_cast<std::uint64_t>(check.samples) : std::numeric_limits<std::uint64_t>::max();
   const auto nodes = static_cast<std::uint64_t>(lattice.count());
   return std::max(kSampledPoint * std::min(points, most), kSampledNode * std::min(nodes, most));
 }
 
-void require_room_for_sample(const MemoryLimit& limit, const CheckConfig& check, std::uint64_t points,
-                             std::uint64_t node_bytes, const Lattice& lattice) {
+void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig& check, std::uint64_t points,
+                             std::uint64_t node_bytes, const scene::Lattice& lattice) {
   const std::uint64_t needed = kProgram + node_bytes + bytes_of_sample(check, points, lattice);
   if (limit.bytes == 0 || needed <= limit.bytes) return;
   throw Error(ErrorKind::failure, {},
@@ -107,13 +108,13 @@ std::uint64_t most_voxels(const MemoryLimit& limit) {
   return limit.points > 0 ? std::min(voxels, limit.points) : voxels;
 }
 
-std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_point, const Lattice& lattice) {
+std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_point, const scene::Lattice& lattice) {
   return kProgram + static_cast<std::uint64_t>(kHeights * static_cast<double>(lattice.count())) +
          points * bytes_per_point;
 }
 
 std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
-                               std::uint64_t sample_bytes, const Lattice& lattice) {
+                               std::uint64_t sample_bytes, const scene::Lattice& lattice) {
   std::uint64_t points = std::numeric_limits<std::uint32_t>::max();
   if (limit.bytes > 0) {
     const std::uint64_t least =

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "pipeline/scan/set.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
@@ -18,31 +18,32 @@ struct MemoryLimit {
 };
 
 /// The most that a build in memory needs at once beside its nodes, bytes.
-[[nodiscard]] std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<FilterConfig>& filters);
+[[nodiscard]] std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<scene::FilterConfig>& filters);
 
 /// The most that nodes need at once in any stage of a build, bytes. `colour` and `intensity`: there are such layers.
-[[nodiscard]] std::uint64_t bytes_of_nodes(const Config& config, bool grid_only, bool colour, bool intensity,
-                                           const Lattice& lattice);
+[[nodiscard]] std::uint64_t bytes_of_nodes(const scene::Config& config, bool grid_only, bool colour, bool intensity,
+                                           const scene::Lattice& lattice);
 
 /// The most that the sample of a cross-check needs at once, bytes. `points`: at most so many are counted.
-[[nodiscard]] std::uint64_t bytes_of_sample(const CheckConfig& check, std::uint64_t points, const Lattice& lattice);
+[[nodiscard]] std::uint64_t bytes_of_sample(const scene::CheckConfig& check, std::uint64_t points,
+                                            const scene::Lattice& lattice);
 
 /// Throws Error{failure} when the sample of the cross-check does not fit beside the nodes, which need `node_bytes` at
 /// most.
-void require_room_for_sample(const MemoryLimit& limit, const CheckConfig& check, std::uint64_t points,
-                             std::uint64_t node_bytes, const Lattice& lattice);
+void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig& check, std::uint64_t points,
+                             std::uint64_t node_bytes, const scene::Lattice& lattice);
 
 /// Voxels that a filter may leave. The largest number without a limit.
 [[nodiscard]] std::uint64_t most_voxels(const MemoryLimit& limit);
 
 /// What a build needs whose largest tile has so many points, bytes.
 [[nodiscard]] std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_point,
-                                            const Lattice& lattice);
+                                            const scene::Lattice& lattice);
 
 /// Points that a tile may have beside the grid of heights. Throws Error{failure} when the nodes alone, which need
 /// `node_bytes` at most, exceed the limit; it names what is enough for the cross-check's sample as well.
 [[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,
                                              std::uint64_t bytes_per_point, std::uint64_t sample_bytes,
-                                             const Lattice& lattice);
+                                             const scene::Lattice& lattice);
 
 }  // namespace sparsha::pipeline

@@ -30,8 +30,8 @@ void read_counted(const BucketedPoints& points, std::size_t bucket, std::size_t 
 
 }  // namespace
 
-CountedPoints counted_points(const BucketedPoints& points, const Eigen::Matrix4d& scan_to_grid, const Lattice& lattice,
-                             const Progress& progress) {
+CountedPoints counted_points(const BucketedPoints& points, const Eigen::Matrix4d& scan_to_grid,
+                             const scene::Lattice& lattice, const Progress& progress) {
   const ToLattice to_lattice(scan_to_grid, points.origin_m, lattice);
   CountedPoints counted;
   counted.size = points.counted;

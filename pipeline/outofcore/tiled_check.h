@@ -12,6 +12,6 @@ namespace sparsha::pipeline {
 
 /// The counted ones of `points`, relative to the lattice's origin; refers to `points` and `progress`. Throws Cancelled.
 [[nodiscard]] CountedPoints counted_points(const BucketedPoints& points, const Eigen::Matrix4d& scan_to_grid,
-                                           const Lattice& lattice, const Progress& progress);
+                                           const scene::Lattice& lattice, const Progress& progress);
 
 }  // namespace sparsha::pipeline

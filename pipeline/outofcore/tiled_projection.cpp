@@ -41,7 +41,7 @@ OrientedPoints TiledProjection::orient(const PointRecords& records, ThreadPool& 
   return orient_points(raw_points(records), cloud_.origin_m, scan_to_grid_, plan_.origin_m, pool);
 }
 
-TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
+TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
                                  double resolution_m, const Context& context)
     : cloud_(std::move(cloud)), scan_to_grid_(scan_to_grid) {
   // How often the points are gone through depends on them: each pass is worth half of what is left.
@@ -265,13 +265,13 @@ OrientedPoints TiledProjection::load_tile(const Tile& tile, ThreadPool& pool) co
 
 void TiledProjection::fit_tile(const Tile& tile, const Context& context, Projection& projection,
                                std::vector<std::uint8_t>& of_nodes) const {
-  DepthGrid& grid = projection.grid;
+  scene::DepthGrid& grid = projection.grid;
   // One row more to each side: nodes are compared with their neighbours.
   const int first = std::max(0, tile.first_row - 1);
   const int last = std::min(plan_.lattice.ny, tile.last_row + 1);
-  Lattice lattice = plan_.lattice;
+  scene::Lattice lattice = plan_.lattice;
   lattice.ny = last - first;
-  DepthGrid rows(lattice);
+  scene::DepthGrid rows(lattice);
   const std::vector<std::uint8_t> verdicts =
       measure_rows(load_tile(tile, context.pool), {}, plan_, tile.bins, first, context, rows);
   for (int j = tile.first_row; j < tile.last_row; ++j) {

@@ -14,7 +14,7 @@
 #include "pipeline/outofcore/tiles.h"
 #include "pipeline/projection/plan.h"
 #include "pipeline/projection/projection.h"
-#include "scene/config.h"
+#include "scene/config/grid.h"
 
 namespace sparsha::pipeline {
 
@@ -34,8 +34,8 @@ struct BucketedPoints {
 class TiledProjection {
  public:
   /// Goes through the cloud a few times for everything that is decided before a node is fitted. Throws as project().
-  TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid, double resolution_m,
-                  const Context& context);
+  TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
+                  double resolution_m, const Context& context);
 
   [[nodiscard]] const ProjectionPlan& plan() const { return plan_; }
 

@@ -42,7 +42,7 @@ float largest_magnitude(const float* values, std::size_t count) {
   return largest;
 }
 
-AttributeSums::AttributeSums(const Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity,
+AttributeSums::AttributeSums(const scene::Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity,
                              float largest_intensity)
     : nodes_(nodes),
       lattice_(lattice),
@@ -91,7 +91,7 @@ void AttributeSums::each_node(const std::vector<Sum<Channels>>& sums, const Proj
   for (int j = 0; j < nodes_.ny; ++j) {
     for (int i = 0; i < nodes_.nx; ++i) {
       const std::size_t node = nodes_.index(i, j);
-      if (projection.grid.state[node] != NodeState::measured) continue;
+      if (projection.grid.state[node] != scene::NodeState::measured) continue;
       std::array<double, Channels> value{};
       if (!on_mesh(i, j, value)) {
         if (sums[node].weight == 0) continue;

@@ -18,7 +18,8 @@ namespace sparsha::pipeline {
 class AttributeSums {
  public:
   /// Which attributes are summed. `largest_intensity` is the largest magnitude of a finite one.
-  AttributeSums(const Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity, float largest_intensity);
+  AttributeSums(const scene::Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity,
+                float largest_intensity);
 
   /// `rgba` and `intensity` hold one value per point where they are summed.
   void add(const OrientedPoints& points, const PointClass* point_class, const std::uint32_t* rgba,
@@ -48,7 +49,7 @@ class AttributeSums {
                  const IntensityOnMesh& intensity_on_mesh) const;
   [[nodiscard]] std::optional<std::array<std::int64_t, 1>> scaled(float intensity) const;
 
-  Lattice nodes_;
+  scene::Lattice nodes_;
   BinLattice lattice_;
   double intensity_scale_;
   std::vector<Sum<4>> colour_;

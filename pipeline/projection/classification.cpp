@@ -26,7 +26,7 @@ void include(Range& range, float height) {
   range.high = height > range.high ? height : range.high;
 }
 
-Range range_of_nodes(const DepthGrid& grid, int i0, int j0, int i1, int j1) {
+Range range_of_nodes(const scene::DepthGrid& grid, int i0, int j0, int i1, int j1) {
   Range range;
   for (int j = std::max(0, j0); j <= std::min(grid.lattice.ny - 1, j1); ++j) {
     for (int i = std::max(0, i0); i <= std::min(grid.lattice.nx - 1, i1); ++i) {
@@ -37,7 +37,7 @@ Range range_of_nodes(const DepthGrid& grid, int i0, int j0, int i1, int j1) {
 }
 
 // Of a point in a border cell, beyond the lattice, or in a cell without a measured node.
-PointClass class_at_border(const DepthGrid& grid, const ClassifyKernel& kernel, float x, float y, float z) {
+PointClass class_at_border(const scene::DepthGrid& grid, const ClassifyKernel& kernel, float x, float y, float z) {
   const float u = (x - kernel.x0_m) * kernel.per_m;
   const float v = (y - kernel.y0_m) * kernel.per_m;
   if (!(u >= -0.5F && v >= -0.5F && u <= kernel.last_u + 0.5F && v <= kernel.last_v + 0.5F)) return PointClass::outside;
@@ -52,7 +52,7 @@ PointClass class_at_border(const DepthGrid& grid, const ClassifyKernel& kernel, 
 }  // namespace
 
 std::array<std::uint64_t, 4> classify_points(const OrientedPoints& points, const BinLattice& lattice,
-                                             const DepthGrid& grid, double gap_m, ThreadPool& pool,
+                                             const scene::DepthGrid& grid, double gap_m, ThreadPool& pool,
                                              PointClass* point_class) {
   ClassifyKernel kernel;
   kernel.height = grid.height_m.data();

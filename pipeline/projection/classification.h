@@ -15,7 +15,7 @@ namespace sparsha::pipeline {
 /// measured nodes around it is occluded, more than the gap above them an outlier, as is one with no measured node
 /// within two spacings; beyond the outer nodes' cells it is outside.
 [[nodiscard]] std::array<std::uint64_t, 4> classify_points(const OrientedPoints& points, const BinLattice& lattice,
-                                                           const DepthGrid& grid, double gap_m, ThreadPool& pool,
+                                                           const scene::DepthGrid& grid, double gap_m, ThreadPool& pool,
                                                            PointClass* point_class);
 
 /// Adds such counts to the projection's.

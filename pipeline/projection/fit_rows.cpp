@@ -60,7 +60,7 @@ NodeKernel node_kernel(const Bins& bins, double noise_m) {
 
 // Simple nodes by the kernel, a few rows at a time; the others by NodeFitter.
 void fit_nodes(const Bins& bins, const NodeFitParameters& rule, int first_row, const Context& context,
-               DepthGrid& grid) {
+               scene::DepthGrid& grid) {
   const auto first = static_cast<std::size_t>(first_row);
   const NodeKernel shared = node_kernel(bins, rule.noise_m);
   context.pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRows, [&](std::size_t begin, std::size_t end) {
@@ -81,14 +81,14 @@ void fit_nodes(const Bins& bins, const NodeFitParameters& rule, int first_row, c
         if (!fit.measured) continue;
         grid.height_m[at + node] = static_cast<float>(fit.height_m);
       }
-      grid.state[at + node] = NodeState::measured;
+      grid.state[at + node] = scene::NodeState::measured;
     }
   });
 }
 
 // True when a node stands alone below `above_m` among its eight neighbours. Windows of 3x3 or 5x5 nodes see the back
 // there when chance has put their front points to one side: about once in 200 000 nodes where the back is as dense.
-bool is_lone_pit(const DepthGrid& grid, std::size_t i, std::size_t j, float above_m) {
+bool is_lone_pit(const scene::DepthGrid& grid, std::size_t i, std::size_t j, float above_m) {
   const auto nx = static_cast<std::size_t>(grid.lattice.nx);
   const auto ny = static_cast<std::size_t>(grid.lattice.ny);
   int higher = 0;
@@ -107,8 +107,8 @@ bool is_lone_pit(const DepthGrid& grid, std::size_t i, std::size_t j, float abov
 // A node far below a neighbour, with a point or two at the neighbour's height in its window, may have missed a front
 // that chance has thinned there: wider windows decide again.
 void look_again(const Bins& bins, const NodeFitParameters& rule, double gap_m, int first_row, const Context& context,
-                DepthGrid& grid) {
-  const Lattice& lattice = grid.lattice;
+                scene::DepthGrid& grid) {
+  const scene::Lattice& lattice = grid.lattice;
   const auto nx = static_cast<std::size_t>(lattice.nx);
   const auto ny = static_cast<std::size_t>(lattice.ny);
   const auto gap = static_cast<float>(gap_m);
@@ -151,8 +151,8 @@ void look_again(const Bins& bins, const NodeFitParameters& rule, double gap_m, i
     for (const Change& change : of_rows) {
       if (!change.fit.measured) {
         if (!change.forget) continue;
-        grid.height_m[change.node] = kUnknownHeight;
-        grid.state[change.node] = NodeState::unknown;
+        grid.height_m[change.node] = scene::kUnknownHeight;
+        grid.state[change.node] = scene::NodeState::unknown;
         continue;
       }
       grid.height_m[change.node] = static_cast<float>(change.fit.height_m);
@@ -163,7 +163,7 @@ void look_again(const Bins& bins, const NodeFitParameters& rule, double gap_m, i
 }  // namespace
 
 void fit_rows(const Bins& bins, const NodeFitParameters& rule, double gap_m, int first_row, const Context& context,
-              DepthGrid& rows) {
+              scene::DepthGrid& rows) {
   fit_nodes(bins, rule, first_row, context, rows);
   look_again(bins, rule, gap_m, first_row, context, rows);
 }

@@ -56,7 +56,7 @@ double bounded_spacing(const Cover& cover, const Extent& extent, double spacing_
 }
 
 // Error for a grid without a cell: the scan's fault when its own spacing gives none either.
-Error no_cell(const GridConfig& config, const Cover& cover, double spacing_m, double own_spacing_m) {
+Error no_cell(const scene::GridConfig& config, const Cover& cover, double spacing_m, double own_spacing_m) {
   char size[160];
   std::snprintf(size, sizeof size, "seen from here, what the grid should cover is %.3g m x %.3g m: no cell of %.3g m",
                 cover.width_m, cover.height_m, spacing_m);
@@ -69,9 +69,9 @@ Error no_cell(const GridConfig& config, const Cover& cover, double spacing_m, do
 
 }  // namespace
 
-Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eigen::Vector3d& origin_m,
-                       double point_spacing_m, double resolution_m) {
-  Lattice lattice;
+scene::Lattice choose_lattice(const scene::GridConfig& config, const Extent& extent, const Eigen::Vector3d& origin_m,
+                              double point_spacing_m, double resolution_m) {
+  scene::Lattice lattice;
   lattice.origin_m = {origin_m.x() + extent.xmin_m, origin_m.y() + extent.ymin_m, origin_m.z()};
   const bool kept = config.bounds_m || (config.size > 1 && !(config.spacing_m > 0.0));
   Cover cover{extent.width_m(), extent.height_m(), kept ? kKept : kRegular};

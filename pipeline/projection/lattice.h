@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "pipeline/projection/extent.h"
-#include "scene/config.h"
+#include "scene/config/grid.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
@@ -17,7 +17,8 @@ inline constexpr double kMostUnasked = 64.0 * 1024.0 * 1024.0;
 /// Automatic spacing is max(point_spacing_m, resolution_m), and more where the grid would exceed 64 M nodes or 16 nodes
 /// per point or corner of a triangle. Throws Error{input} when the points carry no cell; throws Error{usage} when the
 /// grid would exceed 2^31 nodes or the machine's memory.
-[[nodiscard]] Lattice choose_lattice(const GridConfig& config, const Extent& extent, const Eigen::Vector3d& origin_m,
-                                     double point_spacing_m, double resolution_m);
+[[nodiscard]] scene::Lattice choose_lattice(const scene::GridConfig& config, const Extent& extent,
+                                            const Eigen::Vector3d& origin_m, double point_spacing_m,
+                                            double resolution_m);
 
 }  // namespace sparsha::pipeline

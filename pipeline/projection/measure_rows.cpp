@@ -31,7 +31,7 @@ BinWindow columns_of(const BinLattice& nodes, const BinWindow& window, const Bin
 }
 
 std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const ProjectionPlan& plan, int first_row,
-                                        const Context& context, DepthGrid& rows) {
+                                        const Context& context, scene::DepthGrid& rows) {
   const BinLocator locator(discs.columns);
   DiscNodeKernel shared;
   shared.start = discs.start.get();
@@ -68,9 +68,9 @@ std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const Project
       for (std::size_t node = at; node < at + kernel.nx; ++node) {
         constexpr unsigned kHeight = DiscNodeKernel::kMeasured | DiscNodeKernel::kAway | DiscNodeKernel::kEdge;
         if ((verdicts[node] & kHeight) != 0) {
-          rows.state[node] = NodeState::measured;
+          rows.state[node] = scene::NodeState::measured;
         } else {
-          rows.height_m[node] = kUnknownHeight;
+          rows.height_m[node] = scene::kUnknownHeight;
         }
       }
     }
@@ -82,7 +82,7 @@ std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const Project
 
 std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::vector<std::uint8_t>& skip,
                                        const ProjectionPlan& plan, const BinWindow& window, int first_row,
-                                       const Context& context, DepthGrid& rows, MemoryStore* store) {
+                                       const Context& context, scene::DepthGrid& rows, MemoryStore* store) {
   if (!plan.discs) {
     Bins bins = sort_into_bins(points, skip, plan.bins, window, context.pool, store);
     leave_out_repeats(bins, window, context.pool);

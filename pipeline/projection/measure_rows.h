@@ -19,7 +19,7 @@ namespace sparsha::pipeline {
 [[nodiscard]] std::vector<std::uint8_t> measure_rows(const OrientedPoints& points,
                                                      const std::vector<std::uint8_t>& skip, const ProjectionPlan& plan,
                                                      const BinWindow& window, int first_row, const Context& context,
-                                                     DepthGrid& rows, MemoryStore* store = nullptr);
+                                                     scene::DepthGrid& rows, MemoryStore* store = nullptr);
 
 /// How many bins to each side of a node hold points that decide about it.
 [[nodiscard]] int bins_beyond(const ProjectionPlan& plan);

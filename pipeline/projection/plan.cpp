@@ -32,7 +32,7 @@ constexpr double kMostTurnedAway = 0.2;
 
 // Whether windows in x and y could take one side of the object for another. A window over many points tells two layers
 // apart where it looks straight at them, and reliefs with steps are better seen by windows.
-bool has_several_sides(const SpaceStatistics& statistics, const GridConfig& config, const Extent& extent) {
+bool has_several_sides(const SpaceStatistics& statistics, const scene::GridConfig& config, const Extent& extent) {
   if (!(statistics.surface_spacing_m > 0.0)) return false;
   if (statistics.steep_share > kSteepShare) return true;
   const double apart_m = statistics.layers_apart_m;
@@ -118,7 +118,7 @@ DiscRule disc_rule(const SurfaceStatistics& surface, bool on_lines) {
 }
 
 ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
-                               const OrientedStations& oriented, bool only_mesh, const GridConfig& config,
+                               const OrientedStations& oriented, bool only_mesh, const scene::GridConfig& config,
                                double resolution_m, ThreadPool& pool) {
   const Eigen::Vector3d& origin_m = oriented.origin_m;
   CloudStatistics statistics = sample_cloud(pieces, extent, pool);
@@ -182,12 +182,12 @@ Projection ProjectionPlan::empty_projection() const {
   projection.facing_known = facing != nullptr;
   projection.lying_stations = lying_stations;
   projection.lying_normals = lying_normals;
-  projection.grid = DepthGrid(lattice);
+  projection.grid = scene::DepthGrid(lattice);
   return projection;
 }
 
-void require_a_measured_node(const DepthGrid& grid) {
-  if (std::find(grid.state.begin(), grid.state.end(), NodeState::measured) != grid.state.end()) return;
+void require_a_measured_node(const scene::DepthGrid& grid) {
+  if (std::find(grid.state.begin(), grid.state.end(), scene::NodeState::measured) != grid.state.end()) return;
   throw input_error({}, "no node of the depth grid can be measured: too few points near each other",
                     "four points around a node; a larger grid.spacing_mm, other bounds or another orientation");
 }

@@ -19,14 +19,14 @@
 #include "pipeline/projection/surface_statistics.h"
 #include "pipeline/projection/tangent_discs.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/grid.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
 
 struct ProjectionPlan {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of oriented points
-  Lattice lattice;
+  scene::Lattice lattice;
   BinLattice bins;
   NodeFitParameters rule;
   double point_spacing_m = 0.0;  ///< of the whole surface; front_spacing_m: of what the viewer sees
@@ -65,9 +65,9 @@ struct OrientedStations {
 /// there is nothing else. Throws as choose_lattice does.
 [[nodiscard]] ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals,
                                              const Extent& extent, const OrientedStations& oriented, bool only_mesh,
-                                             const GridConfig& config, double resolution_m, ThreadPool& pool);
+                                             const scene::GridConfig& config, double resolution_m, ThreadPool& pool);
 
 /// Throws Error{input} when no node is measured.
-void require_a_measured_node(const DepthGrid& grid);
+void require_a_measured_node(const scene::DepthGrid& grid);
 
 }  // namespace sparsha::pipeline

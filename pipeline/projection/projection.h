@@ -11,7 +11,7 @@
 
 #include "base/context.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/grid.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
@@ -20,7 +20,7 @@ namespace sparsha::pipeline {
 enum class PointClass : std::uint8_t { used, occluded, outlier, outside };
 
 struct Projection {
-  DepthGrid grid;
+  scene::DepthGrid grid;
   double noise_m = 0.0;                 ///< standard deviation of the points about the fits, from samples
   bool only_mesh = false;               ///< every point is a corner of a face: there is no noise to find
   double point_spacing_m = 0.0;         ///< median spacing of front points
@@ -45,14 +45,14 @@ struct Projection {
 };
 
 /// May refuse a lattice by throwing.
-using ApproveLattice = std::function<void(const Lattice& lattice, std::uint64_t bytes_per_point)>;
+using ApproveLattice = std::function<void(const scene::Lattice& lattice, std::uint64_t bytes_per_point)>;
 
 /// Projects `cloud` as seen along -z of the grid frame, grid = scan_to_grid * scan. `resolution_m` bounds the automatic
 /// spacing from below. Looking at a cloud from one side after another is faster by a Projector. The result depends
 /// neither on the pool's threads nor on the order of the points. Throws Error{input} when no node can be measured,
 /// Error{usage} when the grid would exceed 2^31 nodes or memory. `approve`, when given, sees the lattice, and how many
 /// bytes a point takes while nodes are measured, before memory is taken for it; it may throw.
-[[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid,
+[[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
                                  double resolution_m, const Context& context, const ApproveLattice& approve = {});
 
 }  // namespace sparsha::pipeline

@@ -33,14 +33,14 @@ std::vector<std::uint8_t> flag_vertices(const Cloud& cloud, std::size_t points) 
 
 // Where both a mesh and points give a height, the mesh counts unless the points lie in front of it by more than the
 // gap.
-void merge_mesh(const TriangleHeights& mesh, double gap_m, DepthGrid& grid) {
+void merge_mesh(const TriangleHeights& mesh, double gap_m, scene::DepthGrid& grid) {
   for (std::size_t node = 0; node < mesh.height_m.size(); ++node) {
     if (mesh.face[node] == TriangleHeights::kNone) continue;
-    const bool points_in_front = grid.state[node] == NodeState::measured &&
+    const bool points_in_front = grid.state[node] == scene::NodeState::measured &&
                                  static_cast<double>(grid.height_m[node] - mesh.height_m[node]) > gap_m;
     if (points_in_front) continue;
     grid.height_m[node] = mesh.height_m[node];
-    grid.state[node] = NodeState::measured;
+    grid.state[node] = scene::NodeState::measured;
   }
 }
 
@@ -64,7 +64,7 @@ Projector::Projector(const Cloud& cloud, ThreadPool& pool, bool keep_memory)
 }
 
 ProjectionPlan Projector::plan(const OrientedPoints& points, const Eigen::Matrix4d& scan_to_grid,
-                               const Eigen::Vector3d& origin_m, const GridConfig& config, double resolution_m,
+                               const Eigen::Vector3d& origin_m, const scene::GridConfig& config, double resolution_m,
                                ThreadPool& pool) const {
   const OrientedPieces whole = [&](const auto& use) { use(points); };
   PointTotals totals;
@@ -75,15 +75,15 @@ ProjectionPlan Projector::plan(const OrientedPoints& points, const Eigen::Matrix
                          resolution_m, pool);
 }
 
-Lattice Projector::lattice(const Eigen::Matrix4d& scan_to_grid, const GridConfig& config, double resolution_m,
-                           const Context& context) {
+scene::Lattice Projector::lattice(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& config,
+                                  double resolution_m, const Context& context) {
   context.progress.throw_if_cancelled();
   const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);
   const OrientedPoints points = orient_points(raw_, cloud_.origin_m, scan_to_grid, origin_m, context.pool, nullptr);
   return plan(points, scan_to_grid, origin_m, config, resolution_m, context.pool).lattice;
 }
 
-Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const GridConfig& config, double resolution_m,
+Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& config, double resolution_m,
                               const Context& context, const ApproveLattice& approve) try {
   MemoryStore* const store = keep_memory_ ? &memory_ : nullptr;
   const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);

@@ -14,7 +14,7 @@
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"
-#include "scene/config.h"
+#include "scene/config/grid.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
@@ -28,16 +28,16 @@ class Projector {
   Projector(const Cloud& cloud, ThreadPool& pool, bool keep_memory = true);
 
   /// What project() gives, bit for bit, and with the same errors.
-  [[nodiscard]] Projection project(const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid, double resolution_m,
-                                   const Context& context, const ApproveLattice& approve = {});
+  [[nodiscard]] Projection project(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
+                                   double resolution_m, const Context& context, const ApproveLattice& approve = {});
 
   /// The lattice that project() would choose, without anything being measured. The same errors.
-  [[nodiscard]] Lattice lattice(const Eigen::Matrix4d& scan_to_grid, const GridConfig& grid, double resolution_m,
-                                const Context& context);
+  [[nodiscard]] scene::Lattice lattice(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
+                                       double resolution_m, const Context& context);
 
  private:
   [[nodiscard]] ProjectionPlan plan(const OrientedPoints& points, const Eigen::Matrix4d& scan_to_grid,
-                                    const Eigen::Vector3d& origin_m, const GridConfig& grid, double resolution_m,
+                                    const Eigen::Vector3d& origin_m, const scene::GridConfig& grid, double resolution_m,
                                     ThreadPool& pool) const;
 
   const Cloud& cloud_;

@@ -29,8 +29,8 @@ float slope_of(float before, float here, float after, float most_m) {
 }
 
 // Which way the nodes of row j face.
-void ask_row(const ProjectionPlan& plan, FacingField::Word word, const DepthGrid& grid, std::size_t j, float most_m,
-             Facing* facing) {
+void ask_row(const ProjectionPlan& plan, FacingField::Word word, const scene::DepthGrid& grid, std::size_t j,
+             float most_m, Facing* facing) {
   const auto nx = static_cast<std::size_t>(grid.lattice.nx);
   const auto ny = static_cast<std::size_t>(grid.lattice.ny);
   const auto per_m = static_cast<float>(1.0 / plan.bins.spacing_m);
@@ -43,20 +43,20 @@ void ask_row(const ProjectionPlan& plan, FacingField::Word word, const DepthGrid
     y[i] = static_cast<float>(plan.bins.y0_m + static_cast<double>(j) * plan.bins.spacing_m);
     float* record = records.data() + kDiscRecord * i;
     record[2] = row[i];
-    const float left = i > 0 ? row[i - 1] : kUnknownHeight;
-    const float right = i + 1 < nx ? row[i + 1] : kUnknownHeight;
-    const float below = row_below != nullptr ? row_below[i] : kUnknownHeight;
-    const float above = row_above != nullptr ? row_above[i] : kUnknownHeight;
+    const float left = i > 0 ? row[i - 1] : scene::kUnknownHeight;
+    const float right = i + 1 < nx ? row[i + 1] : scene::kUnknownHeight;
+    const float below = row_below != nullptr ? row_below[i] : scene::kUnknownHeight;
+    const float above = row_above != nullptr ? row_above[i] : scene::kUnknownHeight;
     record[3] = slope_of(left, row[i], right, most_m) * per_m;
     record[4] = slope_of(below, row[i], above, most_m) * per_m;
   }
   plan.facing->set_facing(word, x.data(), y.data(), records.data(), nx);
   for (std::size_t i = 0; i < nx; ++i) {
     const float faces = records[kDiscRecord * i + 7];
-    facing[i] = grid.state[j * nx + i] != NodeState::measured ? kNothing
-                : faces > 0.0F                                ? kTowards
-                : faces < 0.0F                                ? kAway
-                                                              : kUnsure;
+    facing[i] = grid.state[j * nx + i] != scene::NodeState::measured ? kNothing
+                : faces > 0.0F                                       ? kTowards
+                : faces < 0.0F                                       ? kAway
+                                                                     : kUnsure;
   }
 }
 
@@ -97,10 +97,11 @@ Labels label_pieces(const std::vector<Facing>& facing, std::size_t nx, const Lin
 
 // Of each node: in how many of the four directions the nearest node of another label is higher by more than a step,
 // less in how many it is not. Where there is none, `none` is added.
-std::vector<std::int8_t> look_around(const DepthGrid& grid, const Labels& labels, float step_m, int none) {
+std::vector<std::int8_t> look_around(const scene::DepthGrid& grid, const Labels& labels, float step_m, int none) {
   struct Line {
     std::uint32_t label = 0;
-    float last_m = kUnknownHeight, other_m = kUnknownHeight;  // heights of the last node and of the last other label's
+    float last_m = scene::kUnknownHeight,
+          other_m = scene::kUnknownHeight;  // heights of the last node and of the last other label's
     void step(std::uint32_t to, float height_m) {
       if (to != label) other_m = last_m;
       label = to;
@@ -137,7 +138,8 @@ std::vector<bool> pieces_behind(const Labels& pieces, const std::vector<std::int
 
 // Of each region, along rows and columns, whether most of its rim lies below what is next to it: the first known node
 // beyond, a few unknown ones between them. A front that is taken for a back goes on into what faces the viewer.
-std::vector<bool> regions_with_steps(const DepthGrid& grid, const Labels& regions, const Labels& sides, float step_m) {
+std::vector<bool> regions_with_steps(const scene::DepthGrid& grid, const Labels& regions, const Labels& sides,
+                                     float step_m) {
   constexpr std::ptrdiff_t kBetween = 4;     // nodes
   constexpr std::size_t kOf = 3, kMost = 2;  // two thirds
   struct Rim {
@@ -194,7 +196,7 @@ std::vector<bool> regions_of_most(const Labels& regions, const std::vector<Facin
 // must show steps. What is no more than an edge is left out in any case.
 void leave_out_regions(float gap_m, const std::vector<Facing>& facing, const std::vector<std::uint8_t>& verdicts,
                        const std::vector<Proof>& proofs, Projection& projection) {
-  DepthGrid& grid = projection.grid;
+  scene::DepthGrid& grid = projection.grid;
   Labels sides(facing.size());
   for (std::size_t node = 0; node < facing.size(); ++node) {
     sides[node] = facing[node] == kNothing ? 0 : facing[node] == kAway ? 1 : 2;
@@ -217,15 +219,16 @@ void leave_out_regions(float gap_m, const std::vector<Facing>& facing, const std
     const std::uint32_t region = regions[node];
     const bool from_behind = behind[region] && (closed[region] || steps[region]);
     if (!from_behind && !told[region] && !(edges[region] && is_edge(node))) continue;
-    grid.height_m[node] = kUnknownHeight;
-    grid.state[node] = NodeState::unknown;
+    grid.height_m[node] = scene::kUnknownHeight;
+    grid.state[node] = scene::NodeState::unknown;
     projection.nodes_turned_away += is_edge(node) ? 0 : 1;
   }
 }
 
 // Nodes of unknown side on smooth pieces of the surface that lie behind what surrounds them, as a back seen through a
 // hole does.
-std::uint64_t count_unsure(const ProjectionPlan& plan, const std::vector<Facing>& facing, const DepthGrid& grid) {
+std::uint64_t count_unsure(const ProjectionPlan& plan, const std::vector<Facing>& facing,
+                           const scene::DepthGrid& grid) {
   const auto gap_m = static_cast<float>(plan.gap_m);
   const Labels pieces = label_pieces(
       facing, static_cast<std::size_t>(grid.lattice.nx),
@@ -244,7 +247,7 @@ std::uint64_t count_unsure(const ProjectionPlan& plan, const std::vector<Facing>
 void leave_out_turned_away(const ProjectionPlan& plan, const std::vector<std::uint8_t>& verdicts, ThreadPool& pool,
                            Projection& projection) {
   if (!plan.facing) return;
-  const DepthGrid& grid = projection.grid;
+  const scene::DepthGrid& grid = projection.grid;
   const auto nx = static_cast<std::size_t>(grid.lattice.nx);
   const auto ny = static_cast<std::size_t>(grid.lattice.ny);
   const auto gap_m = static_cast<float>(plan.gap_m);
@@ -258,7 +261,7 @@ void leave_out_turned_away(const ProjectionPlan& plan, const std::vector<std::ui
   };
   if (plan.discs) {
     for (std::size_t node = 0; node < facing.size(); ++node) {
-      if (grid.state[node] == NodeState::measured) facing[node] = side_of(verdicts[node]);
+      if (grid.state[node] == scene::NodeState::measured) facing[node] = side_of(verdicts[node]);
     }
     if (!any(kAway)) return;
     std::vector<Proof> proofs(facing.size(), Proof::views);
@@ -278,7 +281,7 @@ void leave_out_turned_away(const ProjectionPlan& plan, const std::vector<std::ui
     ask(FacingField::Word::of_all, facing);
   } else {
     for (std::size_t node = 0; node < facing.size(); ++node) {
-      if (grid.state[node] == NodeState::measured) facing[node] = kUnsure;
+      if (grid.state[node] == scene::NodeState::measured) facing[node] = kUnsure;
     }
   }
   if (any(kUnsure)) projection.nodes_unsure = count_unsure(plan, facing, grid);

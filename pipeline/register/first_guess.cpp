@@ -67,7 +67,7 @@ struct Place {
 
 class Guesser {
  public:
-  Guesser(PosedScans& scans, const RegisterConfig& config, const Context& context)
+  Guesser(PosedScans& scans, const scene::RegisterConfig& config, const Context& context)
       : posed_(scans), scans_(scans.scans), config_(config), context_(context) {
     longest_m_ = posed_.longest_m();
     spacing_m_ = posed_.spacing_m(&PosedScan::medium);
@@ -357,7 +357,7 @@ class Guesser {
 
   PosedScans& posed_;
   std::vector<PosedScan>& scans_;
-  const RegisterConfig& config_;
+  const scene::RegisterConfig& config_;
   const Context& context_;
   double longest_m_ = 0.0;
   double spacing_m_ = 0.0;
@@ -371,7 +371,7 @@ class Guesser {
 
 }  // namespace
 
-std::vector<FirstGuess> guess_poses(PosedScans& scans, const RegisterConfig& config, const Context& context) {
+std::vector<FirstGuess> guess_poses(PosedScans& scans, const scene::RegisterConfig& config, const Context& context) {
   return Guesser(scans, config, context).run();
 }
 

@@ -6,13 +6,13 @@
 #include "base/context.h"
 #include "pipeline/register/posed_scan.h"
 #include "pipeline/register/register.h"
-#include "scene/config.h"
+#include "scene/config/registration.h"
 
 namespace sparsha::pipeline {
 
 /// Sets the poses of all scans but the first. Throws Error{input} naming a scan whose place is not found, or not for
 /// sure; Cancelled. The result does not depend on the number of threads.
-[[nodiscard]] std::vector<FirstGuess> guess_poses(PosedScans& scans, const RegisterConfig& config,
+[[nodiscard]] std::vector<FirstGuess> guess_poses(PosedScans& scans, const scene::RegisterConfig& config,
                                                   const Context& context);
 
 }  // namespace sparsha::pipeline

@@ -118,7 +118,7 @@ Eigen::Isometry3d run_icp(const PclSurface& source, const PclSurface& target, do
 }  // namespace
 
 Eigen::Isometry3d align_pair(const StationSurface& source, const StationSurface& target, const Eigen::Isometry3d& guess,
-                             RegisterConfig::Method method, double distance_m, int iterations, bool any_sign) {
+                             scene::RegisterConfig::Method method, double distance_m, int iterations, bool any_sign) {
   const double unit = target.spacing_m();
   if (!(unit > 0.0)) return guess;
   MatchLimits limits;
@@ -139,10 +139,11 @@ Eigen::Isometry3d align_pair(const StationSurface& source, const StationSurface&
   const QuietPcl quiet;
   Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
   try {
-    moved = method == RegisterConfig::Method::gicp
-                ? run_gicp(from, to, distance_m / unit, iterations)
-                : run_icp(from, to, distance_m / unit, iterations, method == RegisterConfig::Method::point_to_plane,
-                          !any_sign && source.signed_normals() && target.signed_normals());
+    moved =
+        method == scene::RegisterConfig::Method::gicp
+            ? run_gicp(from, to, distance_m / unit, iterations)
+            : run_icp(from, to, distance_m / unit, iterations, method == scene::RegisterConfig::Method::point_to_plane,
+                      !any_sign && source.signed_normals() && target.signed_normals());
   } catch (const pcl::PCLException&) {
     return guess;  // too few correspondences, or a search that did not converge
   }

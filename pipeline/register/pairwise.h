@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "pipeline/register/surface.h"
-#include "scene/config.h"
+#include "scene/config/registration.h"
 
 namespace sparsha::pipeline {
 
@@ -13,7 +13,7 @@ namespace sparsha::pipeline {
 /// Correspondences reach `distance_m`. Elements of the source that meet the border of the target, or nothing, are left
 /// out: PCL would let them pull. One thread; the same result every time. The guess when nothing can be aligned.
 [[nodiscard]] Eigen::Isometry3d align_pair(const StationSurface& source, const StationSurface& target,
-                                           const Eigen::Isometry3d& guess, RegisterConfig::Method method,
+                                           const Eigen::Isometry3d& guess, scene::RegisterConfig::Method method,
                                            double distance_m, int iterations, bool any_sign);
 
 }  // namespace sparsha::pipeline

@@ -51,7 +51,7 @@ Extent extent_of(const ScanSet& set, Progress& progress) {
 
 // Where the scanner stood, in the scan's coordinates relative to its origin: as the file says, else the origin of
 // coordinates that a pose moves, when it lies outside of the scan. Several places in one file are none.
-std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const ScanConfig& config, const Extent& extent,
+std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const scene::ScanConfig& config, const Extent& extent,
                                         bool trusted) {
   const std::vector<Station> stations = set.stations();
   if (stations.size() > 1) return std::nullopt;
@@ -107,10 +107,10 @@ std::optional<Eigen::Vector3d> guessed_place(const StationSurface& surface, cons
   return extent.middle_m + (bulge < 0.0 ? -1e3 : 1e3) * extent.longest_m * view;
 }
 
-PosedScan read_one(const ScanConfig& config, double voxel_m, bool trusted, const Context& context) {
+PosedScan read_one(const scene::ScanConfig& config, double voxel_m, bool trusted, const Context& context) {
   PosedScan scan;
   scan.name = config.file.string();
-  ScanConfig unposed = config;
+  scene::ScanConfig unposed = config;
   unposed.pose.setIdentity();
   const ScanSet set({unposed}, ScanSet::Keep::quickest, false, context.progress);
   scan.origin_m = set.origin_m();
@@ -194,7 +194,7 @@ Eigen::Matrix4d PosedScans::pose_of(std::size_t scan, const Eigen::Isometry3d& p
   return result;
 }
 
-PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, bool trusted,
+PosedScans read_posed_scans(const std::vector<scene::ScanConfig>& scans, double voxel_m, bool trusted,
                             const Context& context) {
   PosedScans result;
   for (std::size_t s = 0; s < scans.size(); ++s) {

@@ -10,7 +10,7 @@
 
 #include "base/context.h"
 #include "pipeline/register/surface.h"
-#include "scene/config.h"
+#include "scene/config/scans.h"
 
 namespace sparsha::pipeline {
 
@@ -41,7 +41,7 @@ struct PosedScans {
 
 /// Reads and thins. `voxel_m` 0: at most kFinePoints a scan. Where the poses are not `trusted`, they say nothing of the
 /// scanners' places. Throws Error{input}, also on a scan that has no surface; Cancelled.
-[[nodiscard]] PosedScans read_posed_scans(const std::vector<ScanConfig>& scans, double voxel_m, bool trusted,
+[[nodiscard]] PosedScans read_posed_scans(const std::vector<scene::ScanConfig>& scans, double voxel_m, bool trusted,
                                           const Context& context);
 
 /// Where the side from which a scan was made was guessed, and the others lie in front of it, it was the other side.

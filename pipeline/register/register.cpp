@@ -60,15 +60,15 @@ PairFit::Fit fit_of(const Agreement& agreement, double within_m) {
 
 class Registrar {
  public:
-  Registrar(const std::vector<ScanConfig>& scans, const RegisterConfig& config, RegisterConfig::Guess guess,
-            const Context& context)
+  Registrar(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config,
+            scene::RegisterConfig::Guess guess, const Context& context)
       : configs_(scans), config_(config), context_(context) {
     if (scans.size() < 2) {
       throw usage_error("one scan alone cannot be registered", "a configuration with two or more scans");
     }
     context.progress.begin("read");
-    posed_ = read_posed_scans(scans, config.voxel_m, guess == RegisterConfig::Guess::poses, context);
-    if (guess == RegisterConfig::Guess::features) {
+    posed_ = read_posed_scans(scans, config.voxel_m, guess == scene::RegisterConfig::Guess::poses, context);
+    if (guess == scene::RegisterConfig::Guess::features) {
       guesses_ = guess_poses(posed_, config, context);
       turn_views(posed_.scans);
     }
@@ -276,7 +276,7 @@ class Registrar {
       return fmt::format("; it is {} long and {} is {}: check 'units'", length_text(lost.longest_m), other.name,
                          length_text(other.longest_m));
     }
-    const auto unplaced = [](const ScanConfig& scan) { return scan.pose.isIdentity(0.0); };
+    const auto unplaced = [](const scene::ScanConfig& scan) { return scan.pose.isIdentity(0.0); };
     if (!guesses_.empty() || !std::ranges::all_of(configs_, unplaced)) return {};
     return "; no scan has a pose: `register: {guess: features}` finds them from the surfaces";
   }
@@ -365,8 +365,8 @@ class Registrar {
     return result;
   }
 
-  const std::vector<ScanConfig>& configs_;
-  const RegisterConfig& config_;
+  const std::vector<scene::ScanConfig>& configs_;
+  const scene::RegisterConfig& config_;
   const Context& context_;
   PosedScans posed_;
   std::vector<FirstGuess> guesses_;
@@ -392,14 +392,14 @@ std::string to_string(PairFit::Use use) {
   return {};
 }
 
-Registration register_scans(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
+Registration register_scans(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config,
                             const Context& context) {
   return Registrar(scans, config, config.guess, context).run();
 }
 
-std::vector<PairFit> measure_pairs(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
+std::vector<PairFit> measure_pairs(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config,
                                    const Context& context) {
-  return Registrar(scans, config, RegisterConfig::Guess::poses, context).measure();
+  return Registrar(scans, config, scene::RegisterConfig::Guess::poses, context).measure();
 }
 
 }  // namespace sparsha::pipeline

@@ -8,7 +8,8 @@
 #include <Eigen/Core>
 
 #include "base/context.h"
-#include "scene/config.h"
+#include "scene/config/registration.h"
+#include "scene/config/scans.h"
 
 namespace sparsha::pipeline {
 
@@ -54,11 +55,11 @@ struct Registration {
 /// Finds poses, from those given or from features alone (RegisterConfig::guess). Throws Error{usage} on a single scan;
 /// Error{input} naming the scans when one cannot be linked to the first: too little overlap, surfaces that slide, or
 /// features that do not tell for sure; Cancelled. The result does not depend on the number of threads.
-[[nodiscard]] Registration register_scans(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
-                                          const Context& context);
+[[nodiscard]] Registration register_scans(const std::vector<scene::ScanConfig>& scans,
+                                          const scene::RegisterConfig& config, const Context& context);
 
 /// Measures pairs with the poses as given and moves nothing: `before` and `after` are the same.
-[[nodiscard]] std::vector<PairFit> measure_pairs(const std::vector<ScanConfig>& scans, const RegisterConfig& config,
-                                                 const Context& context);
+[[nodiscard]] std::vector<PairFit> measure_pairs(const std::vector<scene::ScanConfig>& scans,
+                                                 const scene::RegisterConfig& config, const Context& context);
 
 }  // namespace sparsha::pipeline

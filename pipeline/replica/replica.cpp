@@ -13,6 +13,7 @@
 #include "pipeline/replica/braille.h"
 #include "pipeline/replica/legibility.h"
 #include "pipeline/replica/solid.h"
+#include "scene/scene.h"
 #include "scene/window_lattice.h"
 
 namespace sparsha::pipeline {
@@ -41,16 +42,16 @@ void check(const ReplicaOptions& options) {
           "1.5 to 50: thinner plates bend and break");
 }
 
-int longer_side(const Lattice& lattice) { return std::max(lattice.nx, lattice.ny); }
+int longer_side(const scene::Lattice& lattice) { return std::max(lattice.nx, lattice.ny); }
 
 /// The finest level that a printer can still show and a file can bear, or the coarsest.
-int level_for(const SceneDescription& scene, double mm_per_m) {
-  const auto too_fine = [&](const Lattice& lattice) {
+int level_for(const scene::SceneDescription& scene, double mm_per_m) {
+  const auto too_fine = [&](const scene::Lattice& lattice) {
     return lattice.spacing_m * mm_per_m < kFinest_mm || longer_side(lattice) > kMostNodes;
   };
   int level = 0;
   const auto count = static_cast<int>(scene.levels.size());
-  while (level + 1 < count && has_cell(scene.levels[static_cast<std::size_t>(level) + 1]) &&
+  while (level + 1 < count && scene::has_cell(scene.levels[static_cast<std::size_t>(level) + 1]) &&
          too_fine(scene.levels[static_cast<std::size_t>(level)])) {
     ++level;
   }
@@ -58,11 +59,12 @@ int level_for(const SceneDescription& scene, double mm_per_m) {
 }
 
 /// Every n-th node of both directions, so that a side has kMostNodes at most.
-void thin(DepthGrid& grid) {
-  const Lattice from = grid.lattice;
+void thin(scene::DepthGrid& grid) {
+  const scene::Lattice from = grid.lattice;
   const int step = (longer_side(from) - 2) / (kMostNodes - 1) + 1;
   if (step == 1) return;
-  DepthGrid thinned(Lattice{(from.nx - 1) / step + 1, (from.ny - 1) / step + 1, from.spacing_m * step, from.origin_m});
+  scene::DepthGrid thinned(
+      scene::Lattice{(from.nx - 1) / step + 1, (from.ny - 1) / step + 1, from.spacing_m * step, from.origin_m});
   for (int j = 0; j < thinned.lattice.ny; ++j)
     for (int i = 0; i < thinned.lattice.nx; ++i) {
       const std::size_t to = thinned.lattice.index(i, j), at = from.index(i * step, j * step);
@@ -73,20 +75,20 @@ void thin(DepthGrid& grid) {
 }
 
 struct Relief {
-  Layers layers;
+  scene::Layers layers;
   double low_m = std::numeric_limits<double>::infinity();
   double high_m = -std::numeric_limits<double>::infinity();
   double unknown = 0.0;
 };
 
-Relief read_relief(const Scene& scene, int level) {
+Relief read_relief(const scene::Scene& scene, int level) {
   Relief relief;
   relief.layers = scene.read_level(level);
   thin(relief.layers.grid);
-  const DepthGrid& grid = relief.layers.grid;
+  const scene::DepthGrid& grid = relief.layers.grid;
   std::size_t unknown = 0;
   for (std::size_t n = 0; n < grid.height_m.size(); ++n) {
-    if (grid.state[n] == NodeState::unknown) {
+    if (grid.state[n] == scene::NodeState::unknown) {
       ++unknown;
       continue;
     }
@@ -117,13 +119,13 @@ void raise_dot(ReplicaPlate& plate, double x_mm, double y_mm, double base_mm) {
 }
 
 /// Lines of cells for the parts' names, as wide as the plate.
-std::vector<std::vector<BrailleCell>> braille_lines(const SceneDescription& scene, double width_mm,
+std::vector<std::vector<BrailleCell>> braille_lines(const scene::SceneDescription& scene, double width_mm,
                                                     ReplicaReport& report) {
   std::vector<std::vector<BrailleCell>> lines;
   const double room_mm = width_mm - 2.0 * kMargin_mm;
   const auto most = room_mm < kCellGap_mm ? std::size_t{0} : static_cast<std::size_t>(room_mm / kCellGap_mm);
   bool incomplete = false;
-  for (const PartConfig& part : scene.config.parts) {
+  for (const scene::PartConfig& part : scene.config.parts) {
     const std::string& text = part.say.empty() ? part.name : part.say;
     const Braille braille = to_braille(text);
     incomplete = incomplete || !braille.complete;
@@ -164,7 +166,7 @@ double volume_of(const ReplicaPlate& plate) {
 }
 
 /// Bilinear heights between nodes, `fine` steps a cell, above the Braille.
-void lay_relief(ReplicaPlate& plate, const Lattice& lattice, int fine, const std::vector<float>& node_mm) {
+void lay_relief(ReplicaPlate& plate, const scene::Lattice& lattice, int fine, const std::vector<float>& node_mm) {
   const auto node = [&](int i, int j) { return static_cast<double>(node_mm[lattice.index(i, j)]); };
   for (int y = 0; y < (lattice.ny - 1) * fine + 1; ++y) {
     const int j = std::min(y / fine, lattice.ny - 2);
@@ -192,16 +194,16 @@ std::filesystem::path legibility_file_of(const std::filesystem::path& file) {
   return beside.replace_extension(".legibility.png");
 }
 
-ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, ReplicaReport& report) {
+ReplicaPlate make_replica(const scene::Scene& scene, const ReplicaOptions& options, ReplicaReport& report) {
   check(options);
-  const SceneDescription& description = scene.description();
-  const Lattice& finest = description.levels.at(0);
+  const scene::SceneDescription& description = scene.description();
+  const scene::Lattice& finest = description.levels.at(0);
   const double longest_m = finest.spacing_m * (std::max(finest.nx, finest.ny) - 1);
   const double mm_per_m = options.longest_mm / longest_m;
   const int level = level_for(description, mm_per_m);
   const Relief relief = read_relief(scene, level);
-  const Lattice& lattice = relief.layers.grid.lattice;
-  if (!has_cell(lattice)) {
+  const scene::Lattice& lattice = relief.layers.grid.lattice;
+  if (!scene::has_cell(lattice)) {
     const double across_mm = mm_per_m * finest.spacing_m * (std::min(finest.nx, finest.ny) - 1);
     throw Error(ErrorKind::input, {},
                 fmt::format("the strip is too narrow to print: {:.3g} mm wide where it is {:.0f} mm long", across_mm,
@@ -214,7 +216,7 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
   const double span_m = relief.high_m - relief.low_m;
   std::vector<float> node_mm(relief.layers.grid.height_m.size());
   for (std::size_t n = 0; n < node_mm.size(); ++n) {
-    const bool known = relief.layers.grid.state[n] != NodeState::unknown;
+    const bool known = relief.layers.grid.state[n] != scene::NodeState::unknown;
     const double share =
         known && span_m > 0.0 ? (static_cast<double>(relief.layers.grid.height_m[n]) - relief.low_m) / span_m : 0.0;
     node_mm[n] = static_cast<float>(options.base_mm + depth_mm * std::pow(std::clamp(share, 0.0, 1.0), options.curve));
@@ -264,8 +266,8 @@ ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, Rep
   return plate;
 }
 
-ReplicaReport export_replica(const Scene& scene, const std::filesystem::path& file, const ReplicaOptions& options,
-                             Progress& progress) {
+ReplicaReport export_replica(const scene::Scene& scene, const std::filesystem::path& file,
+                             const ReplicaOptions& options, Progress& progress) {
   ReplicaReport report;
   progress.begin("replica");
   const ReplicaPlate plate = make_replica(scene, options, report);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 
@@ -52,12 +52,13 @@ struct ReplicaReport {
 inline constexpr double kLeastFeature_mm = 0.5, kLeastGap_mm = 5.0, kLeastBase_mm = 1.5;
 
 /// Throws Error{usage} for options out of range, Error{input} for a scene without a known node.
-[[nodiscard]] ReplicaPlate make_replica(const Scene& scene, const ReplicaOptions& options, ReplicaReport& report);
+[[nodiscard]] ReplicaPlate make_replica(const scene::Scene& scene, const ReplicaOptions& options,
+                                        ReplicaReport& report);
 
 /// Writes plate and report's map: FILE.stl (binary) or FILE.3mf, and beside it FILE with .legibility.png. Atomic;
 /// millimetres. Closed: each edge belongs to two triangles.
-ReplicaReport export_replica(const Scene& scene, const std::filesystem::path& file, const ReplicaOptions& options,
-                             Progress& progress);
+ReplicaReport export_replica(const scene::Scene& scene, const std::filesystem::path& file,
+                             const ReplicaOptions& options, Progress& progress);
 /// The picture beside a replica.
 [[nodiscard]] std::filesystem::path legibility_file_of(const std::filesystem::path& file);
 /// Whether a name's ending is a replica's.

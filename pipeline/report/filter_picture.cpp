@@ -13,6 +13,7 @@
 
 #include "base/statistics.h"
 #include "base/text.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -43,7 +44,7 @@ struct Layer {
   std::vector<Eigen::Vector3d> points;
 };
 
-Eigen::Matrix4d view_from_scan(const SceneDescription& scene) {
+Eigen::Matrix4d view_from_scan(const scene::SceneDescription& scene) {
   constexpr double kYaw = -28 * kDegree;
   constexpr double kPitch = 24 * kDegree;
   const Eigen::Matrix3d turn =
@@ -54,7 +55,7 @@ Eigen::Matrix4d view_from_scan(const SceneDescription& scene) {
   return view * scene.scan_from_grid.inverse();
 }
 
-std::vector<Layer> layers_of(const SceneDescription& scene, const Report& report) {
+std::vector<Layer> layers_of(const scene::SceneDescription& scene, const Report& report) {
   const Eigen::Matrix4d view = view_from_scan(scene);
   const auto seen = [&](const std::vector<Eigen::Vector3d>& points) {
     std::vector<Eigen::Vector3d> result;
@@ -214,7 +215,7 @@ bool has_filter_picture(const Report& report) {
                                                [](const Report::Filter& f) { return !f.sample_m.empty(); });
 }
 
-Picture filter_picture(const SceneDescription& scene, const Report& report) {
+Picture filter_picture(const scene::SceneDescription& scene, const Report& report) {
   Picture picture;
   picture.name = "filters";
   picture.title = "What the filters took away";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/report/images.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 
@@ -10,6 +11,6 @@ namespace sparsha::pipeline {
 
 /// The points that were left in grey, those taken away in one colour a filter, seen from above to the right of the
 /// grid's viewer; edges are darkened by depth (Boucheny 2009, eye-dome lighting).
-[[nodiscard]] Picture filter_picture(const SceneDescription& scene, const Report& report);
+[[nodiscard]] Picture filter_picture(const scene::SceneDescription& scene, const Report& report);
 
 }  // namespace sparsha::pipeline

@@ -15,6 +15,7 @@
 #include "pipeline/report/scan_graph.h"
 #include "pipeline/report/svg.h"
 #include "scene/folder/layer_file.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -28,16 +29,16 @@ std::string percent(double fraction) {
   return fmt::format("{:.{}f}\u202F%", near_all ? std::floor(value * 100) / 100 : value, near_all || near_none ? 2 : 1);
 }
 
-std::string title_of(const SceneDescription& scene) {
+std::string title_of(const scene::SceneDescription& scene) {
   if (scene.sources.empty()) return "Untitled scan";
   std::string title = scene.sources.front().file.stem().string();
   if (scene.sources.size() > 1) title += fmt::format(" and {} more", scene.sources.size() - 1);
   return title;
 }
 
-std::string size_text(const SceneDescription& scene) {
+std::string size_text(const scene::SceneDescription& scene) {
   if (scene.levels.empty()) return "unknown";
-  const Lattice& l = scene.levels.front();
+  const scene::Lattice& l = scene.levels.front();
   return fmt::format("{} wide, {} tall, {} deep", length_text((l.nx - 1) * l.spacing_m, TextStyle::typeset),
                      length_text((l.ny - 1) * l.spacing_m, TextStyle::typeset),
                      length_text(scene.height_max_m - scene.height_min_m, TextStyle::typeset));
@@ -51,7 +52,7 @@ std::string half_words(CheckResult::Against against) {
 }
 
 /// One sentence in plain words.
-std::string lead(const SceneDescription& scene, const Report& report) {
+std::string lead(const scene::SceneDescription& scene, const Report& report) {
   const std::string points = count_text(report.points.read, TextStyle::typeset);
   const std::string triangles = count_text(report.triangles, TextStyle::typeset);
   std::string text = fmt::format("A surface {}, from ", size_text(scene));
@@ -79,14 +80,14 @@ const char* nearest_words(CheckResult::Against against) {
   return against == CheckResult::Against::mesh ? "a triangle" : "a triangle or point";
 }
 
-std::string key_figures(const SceneDescription& scene, const Report& report) {
+std::string key_figures(const scene::SceneDescription& scene, const Report& report) {
   std::string html = "<dl class='figures'>";
   const auto add = [&](const char* name, const std::string& value, const std::string& note) {
     html += fmt::format("<div><dt>{}</dt><dd>{}{}</dd></div>", name, value,
                         note.empty() ? "" : fmt::format(" <small>{}</small>", note));
   };
   if (!scene.levels.empty()) {
-    const Lattice& l = scene.levels.front();
+    const scene::Lattice& l = scene.levels.front();
     add("Size",
         fmt::format("{} \u00D7 {}", length_text((l.nx - 1) * l.spacing_m, TextStyle::typeset),
                     length_text((l.ny - 1) * l.spacing_m, TextStyle::typeset)),
@@ -113,7 +114,7 @@ std::string key_figures(const SceneDescription& scene, const Report& report) {
         fmt::format("{} nodes with too little of their own surface around them take the coefficient {:.2g}",
                     count_text(undecided, TextStyle::typeset), scene.config.friction->mu_0));
   }
-  const HapticsConfig& haptics = scene.config.haptics;
+  const scene::HapticsConfig& haptics = scene.config.haptics;
   if (haptics.impact || haptics.grain)
     add("Invented",
         haptics.impact && haptics.grain ? "ring of strikes, fine grain"
@@ -285,20 +286,20 @@ std::string accuracy(const Report& report) {
   return html + "</div>";
 }
 
-std::string inputs(const SceneDescription& scene) {
+std::string inputs(const scene::SceneDescription& scene) {
   std::string html =
       "<div class='scroll' tabindex='0' role='region' aria-label='Table of input files'><table><caption>Scan files and "
       "their "
       "fingerprints</caption><thead><tr><th scope='col' class='text'>File</th><th scope='col'>Points</th>"
       "<th scope='col' class='text'>SHA-256</th></tr></thead><tbody>";
-  for (const ScanSource& source : scene.sources)
+  for (const scene::ScanSource& source : scene.sources)
     html += fmt::format("<tr><th scope='row'>{}</th><td>{}</td><td class='text'><code class='hash'>{}</code></td></tr>",
                         escape_html(source.file.generic_string()), count_text(source.points, TextStyle::typeset),
                         escape_html(source.sha256));
   return html + "</tbody></table></div>";
 }
 
-std::string grid_table(const SceneDescription& scene) {
+std::string grid_table(const scene::SceneDescription& scene) {
   std::string html =
       "<table><caption>Levels of detail</caption><thead><tr><th scope='col'>Level</th><th scope='col'>Nodes</th>"
       "<th scope='col'>Spacing</th></tr></thead><tbody>";
@@ -309,7 +310,7 @@ std::string grid_table(const SceneDescription& scene) {
   if (!scene.levels.empty()) {
     const Eigen::Vector3d& o = scene.levels.front().origin_m;
     html += fmt::format("<p>{} Origin of the grid: x {:.4f}\u202Fm, y {:.4f}\u202Fm, z {:.4f}\u202Fm.</p>",
-                        keeps_scan_axes(scene.scan_from_grid)
+                        scene::keeps_scan_axes(scene.scan_from_grid)
                             ? "The grid keeps the scan's own axes, so the layers' world files place them on its map."
                             : "The object is looked at from a direction of its own: the layers' world files hold local "
                               "coordinates, not the scan's.",
@@ -345,9 +346,9 @@ constexpr const char* kWords = R"html(<dl class='words'>
 
 }  // namespace
 
-std::string report_html(const Scene& scene, const Report& report, const std::vector<Picture>& pictures,
+std::string report_html(const scene::Scene& scene, const Report& report, const std::vector<Picture>& pictures,
                         const std::vector<std::string>& encoded) {
-  const SceneDescription& description = scene.description();
+  const scene::SceneDescription& description = scene.description();
   std::size_t size = 1U << 16;
   for (const std::string& png : encoded) size += png.size() * 4 / 3;
   const std::string title = escape_html(title_of(description));
@@ -377,7 +378,7 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   open(0);
   html += "<div class='gallery'>\n";
   for (std::size_t k = 0; k < pictures.size(); ++k) {
-    const Lattice& lattice = description.levels.front();
+    const scene::Lattice& lattice = description.levels.front();
     const double grid_m = pictures[k].width * nodes_per_pixel(lattice) * lattice.spacing_m;
     add_figure(html, pictures[k], encoded[k], pictures[k].width_m > 0 ? pictures[k].width_m : grid_m, k == 0);
   }
@@ -390,7 +391,7 @@ std::string report_html(const Scene& scene, const Report& report, const std::vec
   section(5,
           "<p>Everything needed to build this scene again from its scans.</p><pre tabindex='0' role='region' "
           "aria-label='Configuration in YAML'><code>" +
-              escape_html(to_yaml(description.config)) + "</code></pre>");
+              escape_html(scene::to_yaml(description.config)) + "</code></pre>");
   section(6, stages(report));
   html += page_end();
   return html;

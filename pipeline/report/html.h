@@ -10,7 +10,7 @@
 namespace sparsha::pipeline {
 
 /// `encoded` holds the pictures' PNG bytes. The page loads nothing from anywhere and runs no script.
-[[nodiscard]] std::string report_html(const Scene& scene, const Report& report, const std::vector<Picture>& pictures,
-                                      const std::vector<std::string>& encoded);
+[[nodiscard]] std::string report_html(const scene::Scene& scene, const Report& report,
+                                      const std::vector<Picture>& pictures, const std::vector<std::string>& encoded);
 
 }  // namespace sparsha::pipeline

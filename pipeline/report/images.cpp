@@ -14,6 +14,7 @@
 #include "pipeline/report/filter_picture.h"
 #include "pipeline/report/shading.h"
 #include "scene/friction_law.h"
+#include "scene/scene.h"
 #include "scene/workspace.h"
 
 namespace sparsha::pipeline {
@@ -27,7 +28,7 @@ constexpr double kSamplesPerSpot = 4;  // of the error map: samples that one spo
 
 /// Means of a layer over the nodes of each pixel; value(n) is NaN where node n has none.
 template <typename Value>
-Field reduce(const Lattice& lattice, const Value& value) {
+Field reduce(const scene::Lattice& lattice, const Value& value) {
   const int factor = nodes_per_pixel(lattice);
   Field field((lattice.nx + factor - 1) / factor, (lattice.ny + factor - 1) / factor);
   for (int row = 0; row < field.height; ++row) {
@@ -112,7 +113,7 @@ Picture height(const Field& heights) {
   return picture;
 }
 
-Picture texture(const Layers& base) {
+Picture texture(const scene::Layers& base) {
   Picture picture;
   picture.name = "texture";
   picture.title = "Surface texture";
@@ -133,25 +134,25 @@ Picture texture(const Layers& base) {
   return picture;
 }
 
-Picture friction(const Layers& base, const SceneDescription& scene) {
+Picture friction(const scene::Layers& base, const scene::SceneDescription& scene) {
   Picture picture;
   picture.name = "friction";
   picture.title = "Friction";
   picture.map = ColourMap::friction;
-  const FrictionConfig& config = *scene.config.friction;
-  const double scale = level_scale(scene.config.levels.window, base.grid.lattice, kDeskWorkspace_m);
-  const FrictionLaw law(scene, scale, kDeskWorkspace_m);
+  const scene::FrictionConfig& config = *scene.config.friction;
+  const double scale = scene::level_scale(scene.config.levels.window, base.grid.lattice, scene::kDeskWorkspace_m);
+  const scene::FrictionLaw law(scene, scale, scene::kDeskWorkspace_m);
   const Field field = reduce(base.grid.lattice, [&](std::size_t n) {
-    return std::isnan(base.grid.height_m[n]) ? kUnknownHeight : law.dynamic(base, n);
+    return std::isnan(base.grid.height_m[n]) ? scene::kUnknownHeight : law.dynamic(base, n);
   });
   picture.high = config.mu_max;
   picture.caption =
-      config.law == FrictionConfig::Law::paper
+      config.law == scene::FrictionConfig::Law::paper
           ? fmt::format(
                 "Coefficient of sliding friction that the hand feels with a device whose "
                 "workspace is {} wide, from pale (smooth) to dark (rough); under the paper's law "
                 "other devices feel other coefficients.",
-                length_text(kDeskWorkspace_m, TextStyle::typeset))
+                length_text(scene::kDeskWorkspace_m, TextStyle::typeset))
           : std::string("Coefficient of sliding friction that the hand feels, from pale (smooth) to dark (rough).");
   picture.alternative =
       fmt::format("Map of the friction coefficient; its median is {:.2f}, its 95th percentile {:.2f}.",
@@ -160,7 +161,7 @@ Picture friction(const Layers& base, const SceneDescription& scene) {
   return picture;
 }
 
-Picture coverage(const DepthGrid& grid, const Report& report) {
+Picture coverage(const scene::DepthGrid& grid, const Report& report) {
   Picture picture;
   picture.name = "coverage";
   picture.title = "Coverage";
@@ -171,8 +172,8 @@ Picture coverage(const DepthGrid& grid, const Report& report) {
       "Map of coverage: {:.1f} % of the nodes are measured, {:.1f} % filled, {:.1f} % unknown.", 100 * report.coverage,
       100 * report.filled_fraction, 100 * (1 - report.coverage - report.filled_fraction));
   const Field field = reduce(grid.lattice, [&](std::size_t n) {
-    if (grid.state[n] == NodeState::unknown) return kUnknownHeight;
-    return grid.state[n] == NodeState::measured ? 0.0F : 1.0F;
+    if (grid.state[n] == scene::NodeState::unknown) return scene::kUnknownHeight;
+    return grid.state[n] == scene::NodeState::measured ? 0.0F : 1.0F;
   });
   paint(picture, field, 0, 1);
   for (std::size_t k = 1; k < 255; ++k) picture.palette[k] = k < 128 ? kMeasuredColour : kFilledColour;
@@ -181,7 +182,7 @@ Picture coverage(const DepthGrid& grid, const Report& report) {
   return picture;
 }
 
-Picture error(const Field& heights, const Lattice& lattice, const CheckResult& check) {
+Picture error(const Field& heights, const scene::Lattice& lattice, const CheckResult& check) {
   Picture picture;
   picture.name = "error";
   picture.title = "Error";
@@ -195,7 +196,7 @@ Picture error(const Field& heights, const Lattice& lattice, const CheckResult& c
     const int radius = static_cast<int>(std::ceil(std::sqrt(kSamplesPerSpot * pixels / sampled) / 2)) - 1;
     field = average_about(field, std::clamp(radius, 0, 64));
     for (std::size_t n = 0; n < field.values.size(); ++n)
-      if (std::isnan(heights.values[n])) field.values[n] = kUnknownHeight;
+      if (std::isnan(heights.values[n])) field.values[n] = scene::kUnknownHeight;
   }
   const double most = std::max(check.cloud_to_surface.p95_m, 1e-9);
   picture.high = most * kMillimetres;
@@ -212,13 +213,13 @@ Picture error(const Field& heights, const Lattice& lattice, const CheckResult& c
 
 }  // namespace
 
-int nodes_per_pixel(const Lattice& lattice) {
+int nodes_per_pixel(const scene::Lattice& lattice) {
   return std::max(1, (std::max(lattice.nx, lattice.ny) + kMaxSide - 1) / kMaxSide);
 }
 
-std::vector<Picture> make_pictures(const Layers& base, const SceneDescription& scene, const Report& report,
-                                   ThreadPool& pool) {
-  const Lattice& lattice = base.grid.lattice;
+std::vector<Picture> make_pictures(const scene::Layers& base, const scene::SceneDescription& scene,
+                                   const Report& report, ThreadPool& pool) {
+  const scene::Lattice& lattice = base.grid.lattice;
   const Field heights = reduce(lattice, [&](std::size_t n) { return base.grid.height_m[n]; });
   std::vector<std::function<Picture()>> makers;
   makers.emplace_back([&] { return relief(heights, nodes_per_pixel(lattice) * lattice.spacing_m); });

@@ -8,6 +8,7 @@
 #include "base/thread_pool.h"
 #include "pipeline/report/colour.h"
 #include "pipeline/report/report.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 
@@ -34,10 +35,10 @@ struct Picture {
 };
 
 /// The pictures that the scene and the report have data for, in the order of the page. At most 1024 pixels a side.
-[[nodiscard]] std::vector<Picture> make_pictures(const Layers& base, const SceneDescription& scene,
+[[nodiscard]] std::vector<Picture> make_pictures(const scene::Layers& base, const scene::SceneDescription& scene,
                                                  const Report& report, ThreadPool& pool);
 
 /// Nodes that one pixel stands for, along each side.
-[[nodiscard]] int nodes_per_pixel(const Lattice& lattice);
+[[nodiscard]] int nodes_per_pixel(const scene::Lattice& lattice);
 
 }  // namespace sparsha::pipeline

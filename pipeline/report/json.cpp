@@ -5,6 +5,7 @@
 
 #include "pipeline/report/report.h"
 #include "scene/folder/layer_file.h"
+#include "scene/scene.h"
 
 #ifndef SPARSHA_VERSION
 #define SPARSHA_VERSION "unknown"
@@ -56,9 +57,9 @@ Json check(const std::optional<CheckResult>& result) {
 
 }  // namespace
 
-std::string report_json(const Scene& scene, const Report& report) {
-  const SceneDescription& description = scene.description();
-  const Lattice lattice = description.levels.empty() ? Lattice{} : description.levels.front();
+std::string report_json(const scene::Scene& scene, const Report& report) {
+  const scene::SceneDescription& description = scene.description();
+  const scene::Lattice lattice = description.levels.empty() ? scene::Lattice{} : description.levels.front();
   const Report::Points& p = report.points;
 
   Json json;
@@ -84,7 +85,7 @@ std::string report_json(const Scene& scene, const Report& report) {
       {"spacing_m", number(lattice.spacing_m)},
       {"levels", description.levels.size()},
       {"origin_m", {number(lattice.origin_m.x()), number(lattice.origin_m.y()), number(lattice.origin_m.z())}},
-      {"axes", keeps_scan_axes(description.scan_from_grid) ? "scan" : "local"}};
+      {"axes", scene::keeps_scan_axes(description.scan_from_grid) ? "scan" : "local"}};
   json["size_m"] = {number((lattice.nx - 1) * lattice.spacing_m), number((lattice.ny - 1) * lattice.spacing_m),
                     number(description.height_max_m - description.height_min_m)};
   json["coverage"] = number(report.coverage);
@@ -98,7 +99,7 @@ std::string report_json(const Scene& scene, const Report& report) {
     json["friction"] = {{"nodes", report.friction->nodes}, {"undecided", report.friction->undecided}};
   json["check"] = check(report.check);
   json["inputs"] = Json::array();
-  for (const ScanSource& source : description.sources)
+  for (const scene::ScanSource& source : description.sources)
     json["inputs"].push_back(
         {{"file", source.file.generic_string()}, {"sha256", source.sha256}, {"points", source.points}});
   if (!report.pairs.empty()) {

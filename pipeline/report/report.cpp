@@ -5,6 +5,7 @@
 #include "base/png.h"
 #include "pipeline/report/html.h"
 #include "pipeline/report/images.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -22,12 +23,13 @@ std::string encode(const Picture& picture, double pixel_m) {
 
 }  // namespace
 
-void write_report(const Scene& scene, const Report& report, const std::filesystem::path& folder, ThreadPool& pool) {
+void write_report(const scene::Scene& scene, const Report& report, const std::filesystem::path& folder,
+                  ThreadPool& pool) {
   write_file(folder / "report.json", report_json(scene, report));
-  const SceneDescription& description = scene.description();
-  const Layers* in_memory = scene.in_memory(0);
-  const Layers read = in_memory != nullptr ? Layers() : scene.read_level(0);
-  const Layers& base = in_memory != nullptr ? *in_memory : read;
+  const scene::SceneDescription& description = scene.description();
+  const scene::Layers* in_memory = scene.in_memory(0);
+  const scene::Layers read = in_memory != nullptr ? scene::Layers() : scene.read_level(0);
+  const scene::Layers& base = in_memory != nullptr ? *in_memory : read;
   const std::vector<Picture> pictures = make_pictures(base, description, report, pool);
   const double pixel_m = nodes_per_pixel(base.grid.lattice) * base.grid.lattice.spacing_m;
   std::vector<std::string> encoded(pictures.size());

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "pipeline/check/check.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 
@@ -60,9 +60,10 @@ struct Report {
   std::vector<std::string> warnings;
 };
 
-[[nodiscard]] std::string report_json(const Scene& scene, const Report& report);
+[[nodiscard]] std::string report_json(const scene::Scene& scene, const Report& report);
 /// Writes report.json, report.html and the previews (relief.png, height.png, texture.png, friction.png, coverage.png,
 /// error.png, filters.png; those that the scene has) into an existing folder.
-void write_report(const Scene& scene, const Report& report, const std::filesystem::path& folder, ThreadPool& pool);
+void write_report(const scene::Scene& scene, const Report& report, const std::filesystem::path& folder,
+                  ThreadPool& pool);
 
 }  // namespace sparsha::pipeline

@@ -19,7 +19,7 @@ namespace sparsha::pipeline {
 namespace {
 
 std::string length_of(const RawScan& scan, double length) {
-  return scan.unit ? length_text(length * metres_in(*scan.unit)) : fmt::format("{:.3g} units", length);
+  return scan.unit ? length_text(length * scene::metres_in(*scan.unit)) : fmt::format("{:.3g} units", length);
 }
 
 bool doubt_steps(RawScan& scan, const std::vector<Eigen::Vector3d>& sample, std::uint64_t points,

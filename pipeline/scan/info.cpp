@@ -43,7 +43,7 @@ ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progres
   info.viewpoint = scan.viewpoint;
   info.warnings = scan.warnings;
   if (!scan.pieces.empty()) info.warnings.push_back(scan.pieces);
-  const double scale = metres_in(scan.unit.value_or(LengthUnit::automatic));
+  const double scale = scene::metres_in(scan.unit.value_or(scene::LengthUnit::automatic));
   if (scan.points.empty()) return info;
   Eigen::Vector3d low = scan.points.front();
   Eigen::Vector3d high = low;

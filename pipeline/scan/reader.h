@@ -14,7 +14,11 @@
 
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
-#include "scene/config.h"
+#include "scene/config/scans.h"
+
+namespace sparsha::scene {
+struct ScanSource;
+}
 
 namespace sparsha::pipeline {
 
@@ -61,7 +65,7 @@ struct RawScan {
   std::uint64_t invalid = 0;               ///< records not finite or flagged invalid
   std::vector<std::string> fields;         ///< "x", "y", "z", "red", ...
   std::vector<FieldTally> tallies;         ///< of valid points
-  std::optional<LengthUnit> unit;          ///< what the format says
+  std::optional<scene::LengthUnit> unit;   ///< what the format says
   bool degrees = false;                    ///< x and y are longitude and latitude: shown by info, refused by load_scan
   bool guessed_degrees = false;  ///< so it seems, though the file does not say so; a configured unit overrules it
   std::size_t scans = 1;         ///< scans within the file
@@ -101,14 +105,14 @@ RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, co
 
 /// Reads, scales and poses one configured scan: scan = pose * units * p. The origin is `origin_m` when given, else
 /// common_origin's choice. Throws Error{input}, also on an empty scan; warns of implausible units through `progress`.
-[[nodiscard]] Cloud load_scan(const ScanConfig& scan, Progress& progress,
+[[nodiscard]] Cloud load_scan(const scene::ScanConfig& scan, Progress& progress,
                               const std::optional<Eigen::Vector3d>& origin_m = std::nullopt);
 
 /// Reads all scans of a configuration into one cloud with one origin, in the configuration's order. The origin depends
 /// on the set of points only, neither on the order of files nor on that of points, and no outlier moves it far: the
 /// median of the points in whole metres, so that a scan near its own zero keeps its float32 coordinates bit for bit.
-[[nodiscard]] Cloud load_scans(const std::vector<ScanConfig>& scans, Progress& progress,
-                               std::vector<struct ScanSource>* sources = nullptr);
+[[nodiscard]] Cloud load_scans(const std::vector<scene::ScanConfig>& scans, Progress& progress,
+                               std::vector<scene::ScanSource>* sources = nullptr);
 
 /// What `sparsha info` prints of a scan.
 struct ScanInfo {

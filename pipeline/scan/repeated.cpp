@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Whatever must agree besides the bytes, as text.
-std::string placement_of(const ScanConfig& scan) {
+std::string placement_of(const scene::ScanConfig& scan) {
   std::string text = fmt::format("{} {}", static_cast<int>(scan.units.unit), scan.units.longest_side_m);
   for (const double value : scan.pose.reshaped()) text += fmt::format(" {}", value);
   for (const std::string& column : scan.columns) text += " " + column;
@@ -54,7 +54,7 @@ std::vector<std::vector<std::size_t>> groups_of(const std::vector<std::size_t>& 
 
 }  // namespace
 
-std::vector<ScanConfig> without_repeats(const std::vector<ScanConfig>& scans, Progress& progress) {
+std::vector<scene::ScanConfig> without_repeats(const std::vector<scene::ScanConfig>& scans, Progress& progress) {
   std::vector<std::size_t> all;
   std::error_code code;
   for (std::size_t i = 0; i < scans.size(); ++i) {
@@ -74,7 +74,7 @@ std::vector<ScanConfig> without_repeats(const std::vector<ScanConfig>& scans, Pr
       }
     }
   }
-  std::vector<ScanConfig> kept;
+  std::vector<scene::ScanConfig> kept;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (!repeated[i]) kept.push_back(scans[i]);
   }

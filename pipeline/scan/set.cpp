@@ -34,7 +34,7 @@ struct Placement {
   }
 };
 
-Placement place(const ScanConfig& config, double scale) {
+Placement place(const scene::ScanConfig& config, double scale) {
   Placement placement;
   placement.turn_and_scale = config.pose.topLeftCorner<3, 3>() * scale;
   placement.shift_m = config.pose.topRightCorner<3, 1>();
@@ -222,33 +222,33 @@ struct ScanSet::Scan {
     }
     if (seen != delivered) throw changed();
   }
-  double scale(const ScanConfig& config, Progress& progress) const {
+  double scale(const scene::ScanConfig& config, Progress& progress) const {
     const std::string name = config.file.string();
-    const Units& units = config.units;
-    if (!raw.guessed_degrees || units.unit == LengthUnit::automatic) require_lengths(raw, name);
-    if (units.unit == LengthUnit::longest_side) {
+    const scene::Units& units = config.units;
+    if (!raw.guessed_degrees || units.unit == scene::LengthUnit::automatic) require_lengths(raw, name);
+    if (units.unit == scene::LengthUnit::longest_side) {
       const double side = (looked.high - looked.low).maxCoeff();
       if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
       return units.longest_side_m / side;
     }
-    if (units.unit != LengthUnit::automatic) return metres_in(units.unit);
-    if (raw.unit) return metres_in(*raw.unit);
+    if (units.unit != scene::LengthUnit::automatic) return scene::metres_in(units.unit);
+    if (raw.unit) return scene::metres_in(*raw.unit);
     if (const std::optional<UnitGuess> guess = doubt_metres(looked.sample)) {
       progress.warn(fmt::format("{}: no unit is known, metres are taken; {}{}", name, guess->reason,
-                                guess->unit == LengthUnit::m
+                                guess->unit == scene::LengthUnit::m
                                     ? "; set 'units' if that is wrong"
                                     : fmt::format("; set 'units: {}' if that is right", to_string(guess->unit))));
     }
     return 1.0;
   }
-  static std::unique_ptr<Scan> look_at(const ScanConfig& config, const std::vector<std::string>& fields, bool streamed,
-                                       Progress& progress) {
+  static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
+                                       bool streamed, Progress& progress) {
     auto scan = std::make_unique<Scan>();
     scan->file = config.file;
     scan->options.columns = config.columns;
     scan->options.fields = fields;
     scan->streamed = streamed;
-    const bool bounds = config.units.unit == LengthUnit::longest_side;
+    const bool bounds = config.units.unit == scene::LengthUnit::longest_side;
     if (streamed) {
       scan->raw = stream_scan(
           config.file,
@@ -296,13 +296,13 @@ struct ScanSet::Scan {
   }
 };
 
-ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
+ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
                  const std::vector<std::string>& fields)
     : configs_(scans), fields_(fields), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
   std::vector<ScanSize> sizes;
   try {
-    for (const ScanConfig& config : scans) {
+    for (const scene::ScanConfig& config : scans) {
       progress.throw_if_cancelled();
       if (digests) {
         digests_.push_back(std::async(
@@ -322,7 +322,7 @@ ScanSet::ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, 
       sample.merge(scan.looked.sample, scan.placement);
       PointSample placed;
       placed.merge(scan.looked.sample, scan.placement);
-      const bool has_unit = scan.raw.unit || config.units.unit != LengthUnit::automatic;
+      const bool has_unit = scan.raw.unit || config.units.unit != scene::LengthUnit::automatic;
       sizes.emplace_back(config.file.string(), placed.points(), scan.valid, has_unit);
     }
     for (const UnitDifference& difference : differing_units(sizes)) progress.warn(difference.reason);
@@ -458,8 +458,8 @@ std::uint64_t ScanSet::stream(const std::function<void(const CloudBlock&)>& use,
   return beyond;
 }
 
-std::vector<ScanSource> ScanSet::sources() {
-  std::vector<ScanSource> sources;
+std::vector<scene::ScanSource> ScanSet::sources() {
+  std::vector<scene::ScanSource> sources;
   for (std::size_t i = 0; i < digests_.size(); ++i) {
     sources.push_back({configs_[i].file, digests_[i].get(), records_[i]});
   }

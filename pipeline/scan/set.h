@@ -15,7 +15,7 @@
 #include "base/progress.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
-#include "scene/config.h"
+#include "scene/config/scans.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
@@ -39,7 +39,7 @@ class ScanSet {
   /// Reads every scan. Throws Error{input}, also on a scan without a point; warns of implausible units. `digests`: the
   /// files' SHA-256 are taken meanwhile, for sources(). `fields`: what the points shall keep beside colour and
   /// intensity, as field_key() gives it.
-  ScanSet(const std::vector<ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
+  ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
           const std::vector<std::string>& fields = {});
   ~ScanSet();
   ScanSet(const ScanSet&) = delete;
@@ -77,12 +77,12 @@ class ScanSet {
   std::uint64_t stream(const std::function<void(const CloudBlock&)>& use, Progress& progress) const;
 
   /// Waits for the digests.
-  [[nodiscard]] std::vector<ScanSource> sources();
+  [[nodiscard]] std::vector<scene::ScanSource> sources();
 
  private:
   struct Scan;
 
-  std::vector<ScanConfig> configs_;
+  std::vector<scene::ScanConfig> configs_;
   std::vector<std::string> fields_;
   std::vector<std::unique_ptr<Scan>> scans_;
   std::vector<std::uint64_t> records_;

@@ -19,12 +19,12 @@ constexpr double kSmallestObject_m = 0.002;
 // Two units and how many of the smaller one are in the larger one.
 struct UnitPair {
   double times;
-  LengthUnit smaller, larger;
+  scene::LengthUnit smaller, larger;
   bool side_by_side;  // must be evident from the scans' places
 };
-constexpr std::array kUnitPairs = {UnitPair{1000.0, LengthUnit::mm, LengthUnit::m, false},
-                                   UnitPair{100.0, LengthUnit::cm, LengthUnit::m, true},
-                                   UnitPair{10.0, LengthUnit::mm, LengthUnit::cm, true}};
+constexpr std::array kUnitPairs = {UnitPair{1000.0, scene::LengthUnit::mm, scene::LengthUnit::m, false},
+                                   UnitPair{100.0, scene::LengthUnit::cm, scene::LengthUnit::m, true},
+                                   UnitPair{10.0, scene::LengthUnit::mm, scene::LengthUnit::cm, true}};
 
 double longest(const ScanSize& scan) { return (scan.high - scan.low).maxCoeff(); }
 
@@ -48,7 +48,7 @@ std::optional<UnitDifference> difference_of(const ScanSize& large, const ScanSiz
     // A mesh and a cloud, or two scanners, differ in density too.
     const double density = !pair.side_by_side && touching ? 10.0 * alike : alike;
     if (!is_about(large.apart / small.apart, density)) continue;
-    if (small.has_unit && pair.larger != LengthUnit::m) continue;  // its lengths are metres
+    if (small.has_unit && pair.larger != scene::LengthUnit::m) continue;  // its lengths are metres
     UnitDifference found;
     found.of_large = pair.smaller;
     found.of_small = pair.larger;
@@ -68,11 +68,11 @@ std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::V
   const double side = (high - low).maxCoeff();
   const double away = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
   if (side > kLargestObject_m && away < kGeoreferenced_m) {
-    return UnitGuess{LengthUnit::mm, fmt::format("it would be {} long in metres, {} in mm", length_text(side),
-                                                 length_text(side * 0.001))};
+    return UnitGuess{scene::LengthUnit::mm, fmt::format("it would be {} long in metres, {} in mm", length_text(side),
+                                                        length_text(side * 0.001))};
   }
   if (side > 0.0 && side < kSmallestObject_m) {
-    return UnitGuess{LengthUnit::m, fmt::format("it would be only {} long in metres", length_text(side))};
+    return UnitGuess{scene::LengthUnit::m, fmt::format("it would be only {} long in metres", length_text(side))};
   }
   return std::nullopt;
 }

@@ -18,7 +18,7 @@ namespace sparsha::pipeline {
 /// A unit that fits better than metres, and why; nothing when metres are plausible. `low` and `high` bound the scan
 /// without its outliers, in file units.
 struct UnitGuess {
-  LengthUnit unit = LengthUnit::m;
+  scene::LengthUnit unit = scene::LengthUnit::m;
   std::string reason;
 };
 [[nodiscard]] std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
@@ -46,9 +46,9 @@ struct ScanSize {
 /// many times as far apart; for 10 and 100 more exactly so, and they must lie side by side in their own units, since a
 /// detail may be scanned ten times as finely.
 struct UnitDifference {
-  std::size_t large = 0, small = 0;     ///< indices of the scans
-  LengthUnit of_large = LengthUnit::m;  ///< units that explain it
-  LengthUnit of_small = LengthUnit::m;
+  std::size_t large = 0, small = 0;                   ///< indices of the scans
+  scene::LengthUnit of_large = scene::LengthUnit::m;  ///< units that explain it
+  scene::LengthUnit of_small = scene::LengthUnit::m;
   std::string reason;  ///< one sentence
 };
 [[nodiscard]] std::vector<UnitDifference> differing_units(const std::vector<ScanSize>& scans);

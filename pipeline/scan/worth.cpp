@@ -27,7 +27,7 @@ std::string number(float value) { return value_text(static_cast<double>(value), 
 void propose_minimum(const FieldTally& tally, float border, const std::string& what, Worth& worth) {
   const std::uint64_t below = tally.below(border);
   if (below == 0 || below == tally.values()) return;
-  FieldConfig field;
+  scene::FieldConfig field;
   field.name = tally.name();
   field.min = static_cast<double>(border);
   worth.filter = field;
@@ -38,7 +38,7 @@ void propose_minimum(const FieldTally& tally, float border, const std::string& w
 void judge_classes(const FieldTally& tally, Worth& worth) {
   constexpr std::array<int, 2> kNoise = {7, 18};
   if (!tally.is_whole() || tally.least() < 0.0F || tally.most() > 255.0F) return;
-  ClassesConfig classes;
+  scene::ClassesConfig classes;
   std::uint64_t noise = 0;
   std::string names;
   for (const int number : kNoise) {
@@ -78,10 +78,10 @@ void judge_opacity(const FieldTally& tally, Worth& worth) {
 }  // namespace
 
 std::string Worth::text() const {
-  if (const auto* classes = std::get_if<ClassesConfig>(&*filter)) {
+  if (const auto* classes = std::get_if<scene::ClassesConfig>(&*filter)) {
     return fmt::format("classes: {{drop: [{}]}}", fmt::join(classes->drop, ", "));
   }
-  const auto& limits = std::get<FieldConfig>(*filter);
+  const auto& limits = std::get<scene::FieldConfig>(*filter);
   return fmt::format("field: {{name: {}, min: {}}}", limits.name, exact_text(limits.min));
 }
 
@@ -97,8 +97,9 @@ bool is_worthless(std::span<const std::span<const float>> values, std::size_t po
     const auto place = static_cast<std::size_t>(std::find(fields.begin(), fields.end(), w.field) - fields.begin());
     if (!w.filter || place >= values.size() || values[place].empty()) continue;
     const float value = values[place][point];
-    const auto* field = std::get_if<FieldConfig>(&*w.filter);
-    const bool stays = field != nullptr ? keeps(*field, value) : keeps(std::get<ClassesConfig>(*w.filter), value);
+    const auto* field = std::get_if<scene::FieldConfig>(&*w.filter);
+    const bool stays =
+        field != nullptr ? keeps(*field, value) : keeps(std::get<scene::ClassesConfig>(*w.filter), value);
     if (!stays) return true;
   }
   return false;

@@ -10,16 +10,16 @@
 
 #include "pipeline/scan/fields.h"
 #include "pipeline/scan/reader.h"
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
 /// Of one field that tells_worth() and differs between points.
 struct Worth {
-  std::string field;                   ///< as field_key() gives it
-  std::optional<FilterConfig> filter;  ///< absent where nobody can know which values are good ones
-  std::uint64_t kept = 0;              ///< points that the filter keeps
-  std::uint64_t points = 0;            ///< of the scan
+  std::string field;                          ///< as field_key() gives it
+  std::optional<scene::FilterConfig> filter;  ///< absent where nobody can know which values are good ones
+  std::uint64_t kept = 0;                     ///< points that the filter keeps
+  std::uint64_t points = 0;                   ///< of the scan
   std::string reason;  ///< "240 of 786 points (30.5 %) have a confidence of 0, where others have up to 2"
 
   /// As a configuration has it: "field: {name: confidence, min: 1}". Needs a filter.

@@ -32,7 +32,7 @@ const char* form_name(const Form& form) {
 
 void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, const std::string& shown,
                       const Context& context) {
-  const Lattice& lattice = truth.lattice();
+  const scene::Lattice& lattice = truth.lattice();
   const auto nx = static_cast<std::size_t>(lattice.nx);
   HeightTiff tiff(file, shown, lattice.nx, lattice.ny, true);
   std::vector<double> band;
@@ -53,12 +53,12 @@ void write_truth_tiff(const Truth& truth, const std::filesystem::path& file, con
 }
 
 std::string truth_world_file(const Truth& truth) {
-  const Lattice& l = truth.lattice();
+  const scene::Lattice& l = truth.lattice();
   return fmt::format("{}\n0\n0\n{}\n{}\n{}\n", l.spacing_m, -l.spacing_m, l.x_m(0), l.y_m(l.ny - 1));
 }
 
 std::string truth_json(const SimulationConfig& config, const Truth& truth, const std::vector<SimulatedFile>& files) {
-  const Lattice& l = truth.lattice();
+  const scene::Lattice& l = truth.lattice();
   const Eigen::Matrix4d inverse = [&] {
     Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
     m.topLeftCorner<3, 3>() = truth.scan_to_grid().topLeftCorner<3, 3>().transpose();

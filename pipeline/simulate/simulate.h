@@ -17,6 +17,7 @@
 #include "base/thread_pool.h"
 #include "base/yaml.h"
 #include "pipeline/simulate/surface.h"
+#include "scene/config/orientation.h"
 #include "scene/depth_grid.h"
 
 namespace sparsha::pipeline {
@@ -87,7 +88,7 @@ class Truth {
   /// The orientation block's matrix: rotation only.
   [[nodiscard]] const Eigen::Matrix4d& scan_to_grid() const { return scan_to_grid_; }
   /// Lattice of the truth, grid frame; what `grid: {spacing_mm, bounds_m: bounds_m()}` gives.
-  [[nodiscard]] const Lattice& lattice() const { return lattice_; }
+  [[nodiscard]] const scene::Lattice& lattice() const { return lattice_; }
   [[nodiscard]] std::array<double, 4> bounds_m() const;
   /// True height at (x, y), grid frame, metres.
   [[nodiscard]] double height_m(double x, double y) const;
@@ -99,7 +100,7 @@ class Truth {
   Surface surface_;
   Eigen::Matrix4d scan_to_grid_;
   Eigen::Vector3d grid_origin_m_;
-  Lattice lattice_;
+  scene::Lattice lattice_;
 };
 
 /// Calls `sink` with the points of file `index` in the file's order, block by block; memory stays below some MB.

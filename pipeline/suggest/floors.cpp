@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/statistics.h"
 #include "base/text.h"
+#include "base/yaml.h"
 #include "base/yaml_text.h"
 #include "pipeline/filter/plane.h"
 #include "pipeline/orient/planes.h"
@@ -153,8 +154,8 @@ std::vector<Candidate> bounding_planes(const Points& even, double size_m, Points
   }
 }
 
-RemovePlaneConfig filter_of(const Candidate& plane, double size_m) {
-  RemovePlaneConfig filter;
+scene::RemovePlaneConfig filter_of(const Candidate& plane, double size_m) {
+  scene::RemovePlaneConfig filter;
   filter.normal = (100.0 * plane.normal).array().round() / 100.0 + 0.0;
   filter.max_angle_deg = kNormalAngle_deg;
   // In whole tenths of a millimetre, or of three digits where that is more.
@@ -219,7 +220,7 @@ std::string reason_of(const Candidate& plane, const Points& points, double share
 
 bool FloorsAndWalls::keeps(const Eigen::Vector3d& point_m) const {
   const auto before = [&](const Plane& plane) { return plane.normal.dot(point_m) > plane.offset_m; };
-  const auto in_box = [&](const CropConfig& box) {
+  const auto in_box = [&](const scene::CropConfig& box) {
     return (point_m.array() >= box.min_m.array()).all() && (point_m.array() <= box.max_m.array()).all();
   };
   return std::all_of(planes.begin(), planes.end(), before) && (!piece || in_box(piece->box));

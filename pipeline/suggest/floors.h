@@ -8,14 +8,14 @@
 #include <Eigen/Core>
 
 #include "base/context.h"
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
 struct FloorsAndWalls {
   struct Plane {
-    RemovePlaneConfig filter;  ///< with the normal towards the object
-    double share = 0.0;        ///< of the points, those that it takes away
+    scene::RemovePlaneConfig filter;  ///< with the normal towards the object
+    double share = 0.0;               ///< of the points, those that it takes away
     std::string reason;
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< as the filter finds it: what stays has
     double offset_m = 0.0;                              ///< normal . p > offset
@@ -23,8 +23,8 @@ struct FloorsAndWalls {
   std::vector<Plane> planes;  ///< in the order in which filters take them away; empty when there are none
   /// Of what they leave, the largest piece, where others lie apart from it; it is in the box.
   struct Piece {
-    KeepConfig filter;
-    CropConfig box;
+    scene::KeepConfig filter;
+    scene::CropConfig box;
     double share = 0.0;  ///< of what the planes leave
   };
   std::optional<Piece> piece;

@@ -6,13 +6,13 @@
 
 #include <Eigen/Core>
 
-#include "scene/config.h"
+#include "scene/config/filters.h"
 
 namespace sparsha::pipeline {
 
 struct PointGroup {
-  CropConfig crop;     ///< its box and a little more, whole millimetres
-  double share = 0.0;  ///< of the points
+  scene::CropConfig crop;  ///< its box and a little more, whole millimetres
+  double share = 0.0;      ///< of the points
 };
 
 /// The group with the most points, when it has a third of them or nearly, is less than a twentieth as long as all

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/projection/lattice.h"
+#include "scene/config/haptics.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -28,7 +29,7 @@ class Search {
         open_(sides.open),
         trials_(points, progress) {
     longest_m_ = (box.high - box.low).maxCoeff();
-    floor_m_ = std::max(longest_m_ / kMostNodes, HapticsConfig{}.resolution_m);
+    floor_m_ = std::max(longest_m_ / kMostNodes, scene::HapticsConfig{}.resolution_m);
   }
 
   [[nodiscard]] Choice run() {
@@ -78,7 +79,7 @@ class Search {
   }
   [[nodiscard]] double mesh_spacing_m() const {
     if (raster_) return neighbour_m_;
-    const double fine_m = std::max(longest_m_ / kMeshNodes, HapticsConfig{}.resolution_m);
+    const double fine_m = std::max(longest_m_ / kMeshNodes, scene::HapticsConfig{}.resolution_m);
     return std::min(std::max(neighbour_m_, floor_m_), fine_m);
   }
   // Far more noise than a scan of one surface has: several are taken for one. Or the back is seen for the front.

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "base/thread_pool.h"
+#include "base/yaml.h"
 #include "base/yaml_text.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
@@ -78,9 +79,9 @@ struct FoundUnit {
   double metres = 1.0;
 };
 FoundUnit unit_of(const RawScan& scan) {
-  if (scan.unit) return {to_string(*scan.unit), "the format says so", metres_in(*scan.unit)};
+  if (scan.unit) return {to_string(*scan.unit), "the format says so", scene::metres_in(*scan.unit)};
   if (const auto guess = guess_unit(scan); guess && !plausible_metres(scan)) {
-    return {to_string(guess->unit), guess->reason, metres_in(guess->unit)};
+    return {to_string(guess->unit), guess->reason, scene::metres_in(guess->unit)};
   }
   return {};
 }
@@ -90,7 +91,7 @@ std::vector<ScanSize> sizes_of(const std::vector<fs::path>& files, const std::ve
   std::vector<ScanSize> sizes;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const RawScan& scan = scans[s].scan;
-    const double metres = metres_in(scan.unit.value_or(LengthUnit::automatic));
+    const double metres = scene::metres_in(scan.unit.value_or(scene::LengthUnit::automatic));
     PointSample sample;
     for (const Eigen::Vector3d& p : scan.points) sample.add(p * metres);
     sizes.emplace_back(files[s].string(), sample.points(), scan.records - scan.invalid, scan.unit.has_value());
@@ -109,9 +110,9 @@ std::vector<FoundUnit> units_of(const std::vector<fs::path>& files, const std::v
   std::vector<bool> told(scans.size());
   for (const UnitDifference& difference : differing_units(sizes_of(files, scans))) {
     progress.warn(difference.reason);
-    const double times = metres_in(difference.of_small) / metres_in(difference.of_large);
-    const auto tell = [&](std::size_t s, LengthUnit unit, const std::string& reason) {
-      if (!scans[s].scan.unit) units[s] = {to_string(unit), reason, metres_in(unit)};
+    const double times = scene::metres_in(difference.of_small) / scene::metres_in(difference.of_large);
+    const auto tell = [&](std::size_t s, scene::LengthUnit unit, const std::string& reason) {
+      if (!scans[s].scan.unit) units[s] = {to_string(unit), reason, scene::metres_in(unit)};
       told[s] = true;
     };
     tell(difference.large, difference.of_large,
@@ -309,7 +310,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
       "stone is told so\n";
 
   Suggestion suggestion;
-  suggestion.config = parse_config(yaml::parse_text(yaml, "the suggested configuration"), folder);
+  suggestion.config = scene::parse_config(yaml::parse_text(yaml, "the suggested configuration"), folder);
   suggestion.yaml = std::move(yaml);
   progress.finish();
   return suggestion;

@@ -10,13 +10,13 @@
 #include <Eigen/Core>
 
 #include "base/progress.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 
 namespace sparsha::pipeline {
 
 struct Suggestion {
-  std::string yaml;  ///< commented; paths relative to `folder`
-  Config config;     ///< the same, parsed
+  std::string yaml;      ///< commented; paths relative to `folder`
+  scene::Config config;  ///< the same, parsed
 };
 
 /// What the user knows of the scans.

@@ -12,7 +12,11 @@
 #include "base/text.h"
 #include "pipeline/check/check.h"
 #include "pipeline/layers/layers.h"
-#include "scene/config.h"
+#include "scene/config/filters.h"
+#include "scene/config/grid.h"
+#include "scene/config/haptics.h"
+#include "scene/config/layers.h"
+#include "scene/config/orientation.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -40,7 +44,7 @@ void TrialCloud::add(const ScanStatistics& statistics, double metres) {
   for (const auto& [a, b, c] : scan.faces) faces_.push_back({a + first, b + first, c + first});
 }
 
-void TrialCloud::crop(const CropConfig& box) {
+void TrialCloud::crop(const scene::CropConfig& box) {
   PointSample kept(kMostPoints);
   for (const Eigen::Vector3d& p : loose_m_.points()) {
     if ((p.array() >= box.min_m.array()).all() && (p.array() <= box.max_m.array()).all()) kept.add(p);
@@ -132,7 +136,7 @@ Trial Trials::run_at_own_spacing(const View& view, double least_m) {
   struct TooFine {};
   constexpr double kClearly = 1.2;
   try {
-    return run(view, 0.0, [&](const Lattice& lattice, std::uint64_t) {
+    return run(view, 0.0, [&](const scene::Lattice& lattice, std::uint64_t) {
       if (kClearly * lattice.spacing_m < least_m) throw TooFine();
     });
   } catch (const TooFine&) {
@@ -149,24 +153,24 @@ Trial Trials::run(const View& view, double spacing_m, const ApproveLattice& appr
     return trial;
   }
   try {
-    GridConfig grid;
+    scene::GridConfig grid;
     grid.spacing_m = spacing_m;
-    const Eigen::Matrix4d scan_to_grid = look_from(view.look_from, view.up, 1.0);
+    const Eigen::Matrix4d scan_to_grid = scene::look_from(view.look_from, view.up, 1.0);
     Projection projection = projector_->project(
-        scan_to_grid, grid, HapticsConfig{}.resolution_m, {pool_, progress_},
-        [&](const Lattice& lattice, std::uint64_t bytes) {
+        scan_to_grid, grid, scene::HapticsConfig{}.resolution_m, {pool_, progress_},
+        [&](const scene::Lattice& lattice, std::uint64_t bytes) {
           if (approve) approve(lattice, bytes);
           if (static_cast<double>(lattice.count()) <= kMostNodes) return;
           throw usage_error(fmt::format("the grid would have {} x {} nodes", lattice.nx, lattice.ny));
         });
-    const Lattice lattice = projection.grid.lattice;
+    const scene::Lattice lattice = projection.grid.lattice;
     trial.measured = static_cast<double>(
-        std::count(projection.grid.state.begin(), projection.grid.state.end(), NodeState::measured));
-    const FillConfig fill{5.0 * lattice.spacing_m};
+        std::count(projection.grid.state.begin(), projection.grid.state.end(), scene::NodeState::measured));
+    const scene::FillConfig fill{5.0 * lattice.spacing_m};
     fill_gaps(projection.grid, fill, projection.gap_m, pool_);
     Progress quiet;  // its fractions are not those of the trials
     const CheckResult check =
-        cross_check(cloud_, scan_to_grid, projection, fill, CheckConfig{kCheckSamples}, {pool_, quiet});
+        cross_check(cloud_, scan_to_grid, projection, fill, scene::CheckConfig{kCheckSamples}, {pool_, quiet});
     progress_.throw_if_cancelled();
     trial.against = check.against;
     trial.doubts = surface_doubts(projection, lattice, check);

@@ -23,7 +23,7 @@ class TrialCloud {
  public:
   void add(const ScanStatistics& statistics, double metres);
   /// Keeps what lies in the box; for clouds without faces.
-  void crop(const CropConfig& box);
+  void crop(const scene::CropConfig& box);
   /// Takes away what is around the object; for clouds without faces.
   void take_away(const FloorsAndWalls& around);
   /// Points kept over all points, 0 to 1.

@@ -242,7 +242,7 @@ void SeenScans::look_at(const RawScan& scan, double metres) {
   if (scan.format.starts_with("PCD")) depth_camera_format = true;
 }
 
-void SeenScans::crop(const CropConfig& box) {
+void SeenScans::crop(const scene::CropConfig& box) {
   const auto outside = [&](const Eigen::Vector3d& p) {
     return (p.array() < box.min_m.array()).any() || (p.array() > box.max_m.array()).any();
   };

@@ -27,7 +27,7 @@ struct SeenScans {
 
   void look_at(const RawScan& scan, double metres);
   /// Keeps the points in the box.
-  void crop(const CropConfig& box);
+  void crop(const scene::CropConfig& box);
   /// Takes away what is around the object.
   void take_away(const FloorsAndWalls& around);
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
+#include "base/yaml.h"
 #include "base/yaml_text.h"
 
 namespace sparsha::pipeline {
@@ -39,12 +40,12 @@ void WorthBlock::add_filter(const Worth& worth, const std::string& reason) {
     return;
   }
   known->reason += "; " + reason;
-  if (auto* field = std::get_if<FieldConfig>(&*known->worth.filter)) {
-    field->min = std::min(field->min, std::get<FieldConfig>(*worth.filter).min);
+  if (auto* field = std::get_if<scene::FieldConfig>(&*known->worth.filter)) {
+    field->min = std::min(field->min, std::get<scene::FieldConfig>(*worth.filter).min);
     return;
   }
-  std::vector<int>& drop = std::get<ClassesConfig>(*known->worth.filter).drop;
-  for (const int number : std::get<ClassesConfig>(*worth.filter).drop) {
+  std::vector<int>& drop = std::get<scene::ClassesConfig>(*known->worth.filter).drop;
+  for (const int number : std::get<scene::ClassesConfig>(*worth.filter).drop) {
     if (std::find(drop.begin(), drop.end(), number) == drop.end()) drop.push_back(number);
   }
 }

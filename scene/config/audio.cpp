@@ -2,7 +2,7 @@
 #include "scene/config/reader.h"
 #include "scene/sound_limits.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 using yaml::MapReader;
@@ -134,4 +134,4 @@ AudioConfig parse_audio(const Node& node, const std::filesystem::path& folder) {
   return audio;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr auto kPaths = std::to_array<std::string_view>({"grid.size",
@@ -57,4 +57,4 @@ void refuse_keys_without_block(const yaml::Node& root) {
                     "did you mean '" + std::string(path) + "'?");
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

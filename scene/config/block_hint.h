@@ -6,7 +6,7 @@
 
 #include "base/yaml.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// "block.key" of keys whose name is in one block alone.
 [[nodiscard]] std::span<const std::string_view> keys_of_one_block() noexcept;
@@ -14,4 +14,4 @@ namespace sparsha::pipeline {
 /// Throws Error{usage} with the place and the path of the first key of `root` that is one of these without its block.
 void refuse_keys_without_block(const yaml::Node& root);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -1,5 +1,4 @@
 // Reads every block of the configuration and refuses what it does not know.
-#include "scene/config.h"
 #include "scene/config/block_hint.h"
 #include "scene/config/override.h"
 #include "scene/config/reader.h"
@@ -17,8 +16,9 @@
 #include <fmt/ranges.h>
 
 #include "base/phrases.h"
+#include "scene/config/config.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 using yaml::MapReader;
@@ -491,4 +491,4 @@ Config load_config(const std::filesystem::path& file, const std::vector<std::str
   return parse_config(root, file.parent_path());
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -6,7 +6,7 @@
 #include "base/lower_case.h"
 #include "scene/config/reader.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 using yaml::MapReader;
@@ -245,4 +245,4 @@ std::vector<FilterConfig> parse_filters(const Node& node) {
   return filters;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

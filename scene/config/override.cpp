@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 struct Rivals {
@@ -73,4 +73,4 @@ void override_keys(yaml::Node& root, const std::vector<std::string>& settings) {
   }
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -12,7 +12,7 @@
 #include "base/yaml.h"
 #include "scene/config/text_editor.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 namespace fs = std::filesystem;
@@ -92,4 +92,4 @@ std::string text_with_poses(const fs::path& file, const Config& config, const st
   return to_yaml(wanted);
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "scene/config.h"
+#include "scene/config/config.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// The text of `file` with `poses` of its scans (those that did not change stay as they are written) and with its paths
 /// relative to `folder`. `config` is what was read from the file. Where the text cannot be edited (anchors, settings
@@ -18,4 +18,4 @@ namespace sparsha::pipeline {
                                           const std::vector<Eigen::Matrix4d>& poses,
                                           const std::filesystem::path& folder);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -5,7 +5,7 @@
 
 #include "scene/polygon.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 void read_mm(yaml::MapReader& reader, std::string_view key, double& value_m, double low_mm, double high_mm) {
   constexpr double kMm = 1e-3;
@@ -92,4 +92,4 @@ int exclusive(yaml::MapReader& reader, const std::vector<std::string>& keys) {
   return found;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

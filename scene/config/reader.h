@@ -11,9 +11,12 @@
 #include <Eigen/Core>
 
 #include "base/yaml.h"
-#include "scene/config.h"
+#include "scene/config/audio.h"
+#include "scene/config/cues.h"
+#include "scene/config/filters.h"
+#include "scene/config/guide.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 constexpr double kAny = 1e12;        // widest coordinate that is accepted, metres
 constexpr double kSmallest = 1e-12;  // smallest length that is accepted, in the key's unit
@@ -56,4 +59,4 @@ int exclusive(yaml::MapReader& reader, const std::vector<std::string>& keys);
 /// The block `cues`; empty where it says off.
 [[nodiscard]] std::optional<CuesConfig> parse_cues(const yaml::Node& node);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -16,7 +16,7 @@
 #include "scene/config/text_editor.h"
 #include "scene/euler.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 namespace fs = std::filesystem;
@@ -215,4 +215,4 @@ void scale_lengths(Config& config, double factor) {
   }
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include "scene/config.h"
+#include "scene/config/config.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 struct SetupText {
   std::string text;
@@ -26,4 +26,4 @@ void scale_lengths(Config& config, double factor);
 /// Changes the boxes and polygons of parts alone.
 void scale_parts(Config& config, double factor);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -8,10 +8,10 @@
 
 #include "base/text.h"
 #include "base/yaml_text.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "scene/config/text_editor.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 // Shortest text that reads back to the same double.
@@ -318,4 +318,4 @@ std::string to_yaml(const Config& config) {
   return text;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

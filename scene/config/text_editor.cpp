@@ -7,7 +7,7 @@
 
 #include "base/yaml_text.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace fs = std::filesystem;
 
 fs::path relative_to(const fs::path& path, const fs::path& folder) {
@@ -220,4 +220,4 @@ std::size_t TextEditor::after_braces(std::size_t at) const {
   return text_.size();
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/yaml.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 class TextEditor {
  public:
@@ -67,4 +67,4 @@ class TextEditor {
 /// The paths of a configuration relative to a folder.
 void relocate(Config& config, const std::filesystem::path& folder);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

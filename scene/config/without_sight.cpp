@@ -4,7 +4,7 @@
 
 #include "scene/config/reader.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 using yaml::MapReader;
 using yaml::Node;
@@ -61,4 +61,4 @@ std::optional<CuesConfig> parse_cues(const Node& node) {
   return cues;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

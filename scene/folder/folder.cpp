@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/text.h"
+#include "base/yaml.h"
 #include "scene/folder/folder.h"
 #include "scene/folder/layer_file.h"
 #include "scene/folder/layers.h"
@@ -17,7 +18,7 @@
 #include "scene/scene.h"
 #include "scene/window_lattice.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace fs = std::filesystem;
 
 namespace {
@@ -401,4 +402,4 @@ void write_description(const Scene& scene, const fs::path& folder) {
   write_file(folder / "scene.yaml", scene_yaml(scene.description(), folder));
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -7,7 +7,7 @@
 #include "base/files.h"
 #include "scene/scene.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// What people have written on the object, in the frame of its scans (viewer/marks): kept when the scene is built
 /// again.
@@ -31,4 +31,4 @@ void require_no_scene_file(const std::filesystem::path& folder, const NamedPath&
 /// was made from. A scene may come from a stranger, who must not choose which files of this machine are read.
 void require_own_scans(const SceneDescription& scene, const std::filesystem::path& folder);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

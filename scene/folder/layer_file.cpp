@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "scene/folder/tiff_file.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 Error write_error(const std::filesystem::path& file, const std::string& message) {
@@ -211,4 +211,4 @@ std::string world_file(const Lattice& lattice, const Eigen::Matrix4d& scan_from_
   return fmt::format("{:.12g}\n0\n0\n{:.12g}\n{:.17g}\n{:.17g}\n", step, -step, x, y);
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -10,7 +10,7 @@
 
 #include "scene/depth_grid.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 inline constexpr std::uint32_t kTileSize = 256;  ///< nodes per side of a tile
 
@@ -42,4 +42,4 @@ void read_layer(const std::filesystem::path& file, const LayerRegion& region, st
 /// True when grid x and y point along scan x and y with one positive scale.
 [[nodiscard]] bool keeps_scan_axes(const Eigen::Matrix4d& scan_from_grid);
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -4,9 +4,10 @@
 #include <array>
 #include <vector>
 
-#include "scene/scene.h"
+#include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// One value per node; `name` as scene.yaml lists it, and of its file in a level's folder.
 struct OptionalLayer {
@@ -22,4 +23,4 @@ inline constexpr std::array<OptionalLayer, 5> kFloatLayers{{
     {"intensity", &SceneDescription::has_intensity, &Layers::intensity},
 }};
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -10,10 +10,11 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/yaml.h"
 #include "scene/folder/folder.h"
 #include "scene/folder/layers.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace fs = std::filesystem;
 
 namespace {
@@ -138,4 +139,4 @@ void require_replaceable(const fs::path& folder, const Config& config) {
       "another output folder, or these files elsewhere");
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <utility>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr std::uint32_t kGdalNodata = 42113;
@@ -129,4 +129,4 @@ bool TiffFile::flush() { return TIFFFlush(implementation_->tiff) == 1; }
 
 const std::string& TiffFile::message() const { return implementation_->message; }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

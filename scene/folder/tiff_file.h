@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// What a file is made of. Tiles are square; rows are stored from the top down.
 struct TiffLayout {
@@ -48,4 +48,4 @@ class TiffFile {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -3,7 +3,7 @@
 #include "base/files.h"
 #include "scene/folder/folder.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace fs = std::filesystem;
 
 void require_own_scans(const SceneDescription& scene, const fs::path& folder) {
@@ -22,4 +22,4 @@ void require_own_scans(const SceneDescription& scene, const fs::path& folder) {
   }
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -6,7 +6,7 @@
 #include "base/context.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/origin.h"
-#include "scene/haptics_config.h"
+#include "scene/config/haptics.h"
 #include "sparsha/pcl/impl/monge_projection.hpp"
 
 namespace sparsha {
@@ -17,14 +17,14 @@ void require(bool right, const char* wrong, const char* expected) {
   if (!right) throw usage_error(wrong, expected);
 }
 
-pipeline::GridConfig grid_of(const MongeSettings& settings) {
+scene::GridConfig grid_of(const MongeSettings& settings) {
   require(settings.scan_to_grid.allFinite() && std::abs(settings.scan_to_grid.block<3, 3>(0, 0).determinant()) > 0.0,
           "an orientation that is singular", "an invertible transform of finite numbers");
   require(settings.spacing_m >= 0.0 && std::isfinite(settings.spacing_m), "a spacing that is no length", "metres");
   require(settings.noise_m >= 0.0 && std::isfinite(settings.noise_m), "a noise that is no length", "metres");
   require(settings.size == 0 || settings.size >= 2, "a grid of that size", "two nodes or more along the longer side");
   require(settings.size == 0 || settings.spacing_m == 0.0, "a size and a spacing", "one of the two");
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = settings.spacing_m;
   grid.size = settings.size;
   if (settings.noise_m > 0.0) grid.noise_m = settings.noise_m;
@@ -76,11 +76,11 @@ void add_stations(pipeline::Cloud& cloud, const Eigen::Vector4f& sensor_origin) 
 
 MongeResult project(const pipeline::Cloud& cloud, const MongeSettings& settings) {
   if (cloud.size() == 0) throw Error(ErrorKind::input, {}, "the cloud has no finite point", "at least one");
-  const pipeline::GridConfig grid = grid_of(settings);
+  const scene::GridConfig grid = grid_of(settings);
   ThreadPool pool(settings.threads);
   Progress progress;
   pipeline::Projection projection =
-      pipeline::project(cloud, settings.scan_to_grid, grid, pipeline::HapticsConfig().resolution_m, {pool, progress});
+      pipeline::project(cloud, settings.scan_to_grid, grid, scene::HapticsConfig().resolution_m, {pool, progress});
   MongeResult result{std::move(projection.grid), projection.noise_m, projection.point_spacing_m, {}};
   result.points.reserve(cloud.size());
   for (const pipeline::PointClass point : projection.point_class) result.points.push_back(shown(point));

@@ -48,7 +48,7 @@ class MongeProjection : public ::pcl::PCLBase<PointT> {
 
   /// Throws sparsha::Error: of kind usage on impossible settings, of kind input without a cloud, without a finite point
   /// or where no node can be measured. `output` is then unchanged.
-  void compute(pipeline::DepthGrid& output);
+  void compute(scene::DepthGrid& output);
 
   // Of the last compute().
   [[nodiscard]] double getEstimatedNoise() const { return found_noise_m_; }  ///< standard deviation about the fits

@@ -56,34 +56,34 @@ struct Plate {
     write_plate(folder.path() / "plate.xyz");
     write_file(config, kConfig);
   }
-  [[nodiscard]] pipeline::ScenePointer build() const {
+  [[nodiscard]] scene::ScenePointer build() const {
     Progress progress;
-    return pipeline::build_scene(pipeline::load_config(config), {}, progress).scene;
+    return pipeline::build_scene(scene::load_config(config), {}, progress).scene;
   }
 };
 
 /// The name of the part at the highest node of the scene.
-std::string part_at_summit(const pipeline::Scene& scene) {
-  const pipeline::Layers layers = scene.read_level(0);
+std::string part_at_summit(const scene::Scene& scene) {
+  const scene::Layers layers = scene.read_level(0);
   std::size_t best = 0;
   for (std::size_t n = 0; n < layers.grid.height_m.size(); ++n)
     if (layers.grid.height_m[n] > layers.grid.height_m[best] || std::isnan(layers.grid.height_m[best])) best = n;
-  const pipeline::Lattice& lattice = layers.grid.lattice;
+  const scene::Lattice& lattice = layers.grid.lattice;
   const auto nx = static_cast<std::size_t>(lattice.nx);
   const std::array<double, 3> place{lattice.origin_m.x() + lattice.spacing_m * static_cast<double>(best % nx),
                                     lattice.origin_m.y() + lattice.spacing_m * static_cast<double>(best / nx),
                                     lattice.origin_m.z() + static_cast<double>(layers.grid.height_m[best])};
   Eigen::Vector4d at(place[0], place[1], place[2], 1.0);
   if (scene.description().region_from_grid) at = *scene.description().region_from_grid * at;
-  const pipeline::PartConfig* part = pipeline::part_at(scene.description(), {at.x(), at.y(), at.z()});
+  const scene::PartConfig* part = scene::part_at(scene.description(), {at.x(), at.y(), at.z()});
   return part != nullptr ? part->name : "";
 }
 
 TEST(DepthScans, AScanFromAnotherSideKeepsTheLabelsOnTheObject) {
   const Plate plate;
-  const pipeline::ScenePointer first = plate.build();
+  const scene::ScenePointer first = plate.build();
   ASSERT_EQ(part_at_summit(*first), "bump");
-  DepthScans scans(first, plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(first, plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   ASSERT_TRUE(scans.status().points) << scans.status().note;
@@ -94,39 +94,39 @@ TEST(DepthScans, AScanFromAnotherSideKeepsTheLabelsOnTheObject) {
   const viewer::DepthPreview preview = viewer::preview_of(*scans.status().points, setup, 1U << 20U);
   scans.scan(setup);
   finish(scans);
-  const pipeline::ScenePointer second = scans.take_scene();
+  const scene::ScenePointer second = scans.take_scene();
   ASSERT_TRUE(second) << scans.status().note;
   EXPECT_FALSE(scans.take_scene()) << "once";
   EXPECT_EQ(part_at_summit(*second), "bump");
-  const pipeline::Lattice& lattice = second->description().levels.front();
+  const scene::Lattice& lattice = second->description().levels.front();
   EXPECT_NEAR(preview.size_m().x(), lattice.spacing_m * (lattice.nx - 1), 2.0 * preview.cell_m);
   EXPECT_NEAR(preview.size_m().y(), lattice.spacing_m * (lattice.ny - 1), 2.0 * preview.cell_m);
   // A second turn, from the second scene's orientation, is about the same object.
   setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.0, 0.01, 1.5);
   scans.scan(setup);
   finish(scans);
-  const pipeline::ScenePointer third = scans.take_scene();
+  const scene::ScenePointer third = scans.take_scene();
   ASSERT_TRUE(third);
   EXPECT_EQ(part_at_summit(*third), "bump");
 }
 
-pipeline::ScenePointer scanned(DepthScans& scans, const viewer::ScanSetup& setup) {
+scene::ScenePointer scanned(DepthScans& scans, const viewer::ScanSetup& setup) {
   scans.scan(setup);
   finish(scans);
-  pipeline::ScenePointer scene = scans.take_scene();
+  scene::ScenePointer scene = scans.take_scene();
   EXPECT_TRUE(scene) << scans.status().note;
   return scene;
 }
 
 /// A box of 60 mm around the highest node of a scene, in its own grid.
-std::vector<pipeline::PartConfig> box_at_summit(const pipeline::Scene& scene) {
-  const pipeline::DepthGrid grid = scene.read_level(0).grid;
+std::vector<scene::PartConfig> box_at_summit(const scene::Scene& scene) {
+  const scene::DepthGrid grid = scene.read_level(0).grid;
   std::size_t best = 0;
   for (std::size_t n = 0; n < grid.height_m.size(); ++n)
     if (grid.height_m[n] > grid.height_m[best] || std::isnan(grid.height_m[best])) best = n;
   const int nx = grid.lattice.nx, at = static_cast<int>(best);
   const double x = grid.lattice.x_m(at % nx), y = grid.lattice.y_m(at / nx), half = 0.03;
-  pipeline::PartConfig part;
+  scene::PartConfig part;
   part.name = part.say = "drawn";
   part.box_m = {x - half, y - half, x + half, y + half};
   return {part};
@@ -137,16 +137,16 @@ TEST(DepthScans, APartDrawnAfterATurnStaysOnTheObjectThroughTurnsAndSaving) {
   std::string text = kConfig;
   text.erase(text.find("parts:"));  // the first turn has nothing to keep in its place
   write_file(plate.config, text);
-  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(plate.build(), plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   viewer::ScanSetup setup = scans.status().proposal;
   const viewer::ScanSetup straight = setup;
   setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
-  const pipeline::ScenePointer turned = scanned(scans, setup);
+  const scene::ScenePointer turned = scanned(scans, setup);
   ASSERT_TRUE(turned);
-  const std::vector<pipeline::PartConfig> drawn = box_at_summit(*turned);
-  const pipeline::ScenePointer edited = with_parts(turned, drawn);
+  const std::vector<scene::PartConfig> drawn = box_at_summit(*turned);
+  const scene::ScenePointer edited = with_parts(turned, drawn);
   ASSERT_EQ(part_at_summit(*edited), "drawn");
   scans.set_parts(drawn, parts_frame(edited->description()));
   EXPECT_EQ(part_at_summit(*scanned(scans, setup)), "drawn") << "the same side once more";
@@ -156,19 +156,19 @@ TEST(DepthScans, APartDrawnAfterATurnStaysOnTheObjectThroughTurnsAndSaving) {
   scans.save(setup);
   finish(scans);
   Progress progress;
-  EXPECT_EQ(part_at_summit(*pipeline::build_scene(pipeline::load_config(plate.config), {}, progress).scene), "drawn");
+  EXPECT_EQ(part_at_summit(*pipeline::build_scene(scene::load_config(plate.config), {}, progress).scene), "drawn");
 }
 
 TEST(DepthScans, APartDrawnBeforeTheUnitIsCorrectedStaysOnTheObject) {
   const Plate plate;
-  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(plate.build(), plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   const viewer::ScanSetup setup = scans.status().proposal;
-  const pipeline::ScenePointer first = scanned(scans, setup);
-  const std::vector<pipeline::PartConfig> drawn = box_at_summit(*first);
+  const scene::ScenePointer first = scanned(scans, setup);
+  const std::vector<scene::PartConfig> drawn = box_at_summit(*first);
   scans.set_parts(drawn, parts_frame(first->description()));
-  scans.set_unit(pipeline::LengthUnit::ft);
+  scans.set_unit(scene::LengthUnit::ft);
   finish(scans);
   ASSERT_FALSE(scans.status().problem) << scans.status().note;
   EXPECT_EQ(part_at_summit(*scanned(scans, setup)), "drawn");
@@ -176,22 +176,22 @@ TEST(DepthScans, APartDrawnBeforeTheUnitIsCorrectedStaysOnTheObject) {
 
 TEST(DepthScans, AScanFromTheSideThatIsLookedAtKeepsTheCropBoxAndIsWhatIsShownAndSaved) {
   const Plate plate;
-  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(plate.build(), plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   viewer::ScanSetup setup = scans.status().proposal;
-  setup.crop = pipeline::CropConfig{{0.15, -1.0, -1.0}, {1.0, 1.0, 1.0}};
-  const pipeline::ScenePointer cropped = scanned(scans, setup);
+  setup.crop = scene::CropConfig{{0.15, -1.0, -1.0}, {1.0, 1.0, 1.0}};
+  const scene::ScenePointer cropped = scanned(scans, setup);
   ASSERT_TRUE(cropped);
   const std::uint64_t proposals = scans.status().proposals;
   const Eigen::Matrix4d side = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
   scans.scan_from(side);
   finish(scans);
-  const pipeline::ScenePointer second = scans.take_scene();
+  const scene::ScenePointer second = scans.take_scene();
   ASSERT_TRUE(second) << scans.status().note;
   const auto& filters = second->description().config.filters;
   ASSERT_EQ(filters.size(), 1U);
-  EXPECT_EQ(std::get<pipeline::CropConfig>(filters[0]).min_m, setup.crop->min_m);
+  EXPECT_EQ(std::get<scene::CropConfig>(filters[0]).min_m, setup.crop->min_m);
   const viewer::OrientingStatus status = scans.status();
   EXPECT_EQ(status.proposals, proposals + 1);
   EXPECT_EQ(status.proposal.scan_to_grid, side);
@@ -201,8 +201,8 @@ TEST(DepthScans, AScanFromTheSideThatIsLookedAtKeepsTheCropBoxAndIsWhatIsShownAn
 
 TEST(DepthScans, AScanFromASideBeforeTheCloudWasOpenedIsTheFirstViewOfTheCloud) {
   const Plate plate;
-  const pipeline::ScenePointer first = plate.build();
-  DepthScans scans(first, plate.config, pipeline::Trust::own_folder);
+  const scene::ScenePointer first = plate.build();
+  DepthScans scans(first, plate.config, scene::Trust::own_folder);
   const Eigen::Matrix4d side = viewer::rolled(first->description().config.orientation.scan_to_grid, 0.0, 0.0, 0.5);
   scans.scan_from(side);
   finish(scans);
@@ -221,55 +221,55 @@ TEST(DepthScans, ALabelImageStaysOnTheObjectAlsoWhereItsBoundsAreNotWritten) {
   std::string text = kConfig;
   text.replace(text.find("box_m: [0.2, 0.08, 0.28, 0.16]"), 30, "label: 4");
   write_file(plate.config, text + "audio: {labels: labels.png}\n");
-  const pipeline::ScenePointer first = plate.build();
+  const scene::ScenePointer first = plate.build();
   ASSERT_EQ(part_at_summit(*first), "bump");
-  DepthScans scans(first, plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(first, plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   viewer::ScanSetup setup = scans.status().proposal;
   setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
   scans.scan(setup);
   finish(scans);
-  const pipeline::ScenePointer second = scans.take_scene();
+  const scene::ScenePointer second = scans.take_scene();
   ASSERT_TRUE(second) << scans.status().note;
   EXPECT_EQ(part_at_summit(*second), "bump");
   // What is saved can be built alone.
   scans.save(setup);
   finish(scans);
   Progress progress;
-  EXPECT_EQ(part_at_summit(*pipeline::build_scene(pipeline::load_config(plate.config), {}, progress).scene), "bump");
+  EXPECT_EQ(part_at_summit(*pipeline::build_scene(scene::load_config(plate.config), {}, progress).scene), "bump");
 }
 
 TEST(DepthScans, SavingKeepsCommentsAndBuildsTheSameScene) {
   const Plate plate;
-  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(plate.build(), plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   viewer::ScanSetup setup = scans.status().proposal;
   setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.02, -0.01, 3.0);
-  setup.crop = pipeline::CropConfig{{-1.0, -1.0, 0.02}, {1.0, 1.0, 1.0}};
+  setup.crop = scene::CropConfig{{-1.0, -1.0, 0.02}, {1.0, 1.0, 1.0}};
   scans.save(setup);
   finish(scans);
   EXPECT_FALSE(scans.status().problem) << scans.status().note;
   const std::string text = read_file(plate.config, 1U << 20U);
   for (const char* comment : {"# The plate of the test.", "# one station", "# from the front", "# right"})
     EXPECT_NE(text.find(comment), std::string::npos) << text;
-  const pipeline::Config saved = pipeline::load_config(plate.config);
+  const scene::Config saved = scene::load_config(plate.config);
   EXPECT_TRUE(saved.orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
   ASSERT_EQ(saved.filters.size(), 1U);
-  EXPECT_EQ(std::get<pipeline::CropConfig>(saved.filters[0]).min_m.z(), 0.02);
+  EXPECT_EQ(std::get<scene::CropConfig>(saved.filters[0]).min_m.z(), 0.02);
   // The labels are still where they were, in a scene built from the file alone, and in one that was written to disk.
   Progress progress;
   const fs::path folder = plate.folder.path() / "scene";
   static_cast<void>(pipeline::build_scene_folder(saved, {}, folder, progress));
-  EXPECT_EQ(part_at_summit(*pipeline::open_scene(folder, pipeline::Trust::any_file)), "bump");
+  EXPECT_EQ(part_at_summit(*scene::open_scene(folder, scene::Trust::any_file)), "bump");
   // Saved once more in another orientation, it is the same file.
   setup.scan_to_grid = viewer::rolled(setup.scan_to_grid, 0.0, 0.0, 0.5);
   setup.crop->max_m.z() = 0.2;
   scans.save(setup);
   finish(scans);
   EXPECT_FALSE(scans.status().problem) << scans.status().note;
-  EXPECT_TRUE(pipeline::load_config(plate.config).orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
+  EXPECT_TRUE(scene::load_config(plate.config).orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
   EXPECT_NE(read_file(plate.config, 1U << 20U).find("# right"), std::string::npos);
 }
 
@@ -277,14 +277,14 @@ TEST(DepthScans, SavingADrawnPartAndNoCropBoxKeepsComments) {
   const Plate plate;
   write_file(plate.config,
              std::string(kConfig) + "filters:  # why\n  - crop: {min_m: [0.1, -1, -1], max_m: [1, 1, 1]}\n");
-  const pipeline::ScenePointer scene = plate.build();
-  DepthScans scans(scene, plate.config, pipeline::Trust::own_folder);
+  const scene::ScenePointer scene = plate.build();
+  DepthScans scans(scene, plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   viewer::ScanSetup setup = scans.status().proposal;
   ASSERT_TRUE(setup.crop);
   setup.crop.reset();
-  std::vector<pipeline::PartConfig> parts = scene->description().config.parts;
+  std::vector<scene::PartConfig> parts = scene->description().config.parts;
   parts.push_back(box_at_summit(*scene).front());
   scans.set_parts(parts, parts_frame(scene->description()));
   scans.save(setup);
@@ -293,14 +293,14 @@ TEST(DepthScans, SavingADrawnPartAndNoCropBoxKeepsComments) {
   const std::string text = read_file(plate.config, 1U << 20U);
   for (const char* comment : {"# The plate of the test.", "# one station", "# right", "# why"})
     EXPECT_NE(text.find(comment), std::string::npos) << text;
-  const pipeline::Config saved = pipeline::load_config(plate.config);
+  const scene::Config saved = scene::load_config(plate.config);
   EXPECT_EQ(saved.parts.size(), 2U);
   EXPECT_TRUE(saved.filters.empty());
 }
 
 TEST(DepthScans, CommentsThatCannotBeKeptAreNotWrittenOver) {
   const Plate plate;
-  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(plate.build(), plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   // Edited by hand meanwhile: the window knows nothing of it.
@@ -315,7 +315,7 @@ TEST(DepthScans, CommentsThatCannotBeKeptAreNotWrittenOver) {
   EXPECT_TRUE(scans.status().problem);
   const fs::path beside = plate.folder.path() / "plate-2.yaml";
   EXPECT_NE(scans.status().note.find(beside.string()), std::string::npos) << scans.status().note;
-  EXPECT_TRUE(pipeline::load_config(beside).orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
+  EXPECT_TRUE(scene::load_config(beside).orientation.scan_to_grid.isApprox(setup.scan_to_grid, 1e-12));
 }
 
 TEST(DepthScans, ScansAloneAreGuessedShownTurnedAndBuilt) {
@@ -331,7 +331,7 @@ TEST(DepthScans, ScansAloneAreGuessedShownTurnedAndBuilt) {
   EXPECT_EQ(status.points->points.size(), 160U * 120U);
   EXPECT_EQ(status.proposals, 1U);
   EXPECT_GT(status.spacing_m, 0.0);
-  scans.find_face(pipeline::OrientationConfig::Face::plane, status.proposal);
+  scans.find_face(scene::OrientationConfig::Face::plane, status.proposal);
   finish(scans);
   EXPECT_EQ(scans.status().proposals, 2U) << scans.status().note;
   const Eigen::Matrix3d face = scans.status().proposal.scan_to_grid.topLeftCorner<3, 3>();
@@ -351,7 +351,7 @@ TEST(DepthScans, AnotherUnitScalesWhatWasGuessed) {
   finish(scans);
   const double spacing_m = scans.status().spacing_m;
   const double unit = scans.status().points->metres_per_unit;
-  scans.set_unit(pipeline::LengthUnit::cm);
+  scans.set_unit(scene::LengthUnit::cm);
   finish(scans);
   const viewer::OrientingStatus status = scans.status();
   ASSERT_TRUE(status.points) << status.note;
@@ -374,7 +374,7 @@ TEST(DepthScans, WhatIsMissingOrNoScanIsSaid) {
 
 TEST(DepthScans, AScanIsStoppedAndTheNextOneWorks) {
   const Plate plate;
-  DepthScans scans(plate.build(), plate.config, pipeline::Trust::own_folder);
+  DepthScans scans(plate.build(), plate.config, scene::Trust::own_folder);
   scans.open();
   finish(scans);
   const viewer::ScanSetup setup = scans.status().proposal;
@@ -403,7 +403,7 @@ TEST(DepthScans, ADepthScanIsKeptAsTheFolderThatABuildWritesAndNeverOverAnother)
   EXPECT_FALSE(scans.status().can_save_scene);
   scans.open();
   finish(scans);
-  const pipeline::ScenePointer scene = scanned(scans, scans.status().proposal);
+  const scene::ScenePointer scene = scanned(scans, scans.status().proposal);
   ASSERT_TRUE(scene);
   EXPECT_TRUE(scans.status().can_save_scene);
   scans.save_scene();
@@ -419,12 +419,12 @@ TEST(DepthScans, ADepthScanIsKeptAsTheFolderThatABuildWritesAndNeverOverAnother)
     if (!fs::is_regular_file(folder / name) || name.starts_with("report.")) continue;
     EXPECT_EQ(read_file(folder / name, 1U << 26U), read_file(built / name, 1U << 26U)) << name;
   }
-  EXPECT_TRUE(pipeline::open_scene(folder, pipeline::Trust::own_folder));
+  EXPECT_TRUE(scene::open_scene(folder, scene::Trust::own_folder));
   // Once more, with a part that was drawn since: in the same folder.
   scans.set_parts(box_at_summit(*scene), parts_frame(scene->description()));
   scans.save_scene();
   finish(scans);
-  EXPECT_EQ(pipeline::open_scene(folder, pipeline::Trust::own_folder)->description().config.parts.size(),
+  EXPECT_EQ(scene::open_scene(folder, scene::Trust::own_folder)->description().config.parts.size(),
             box_at_summit(*scene).size());
   // Another depth scan takes another name.
   ASSERT_TRUE(scanned(scans, scans.status().proposal));
@@ -444,8 +444,8 @@ TEST(DepthScans, ASceneThatCannotBeWrittenIsSaidAndLeavesNothing) {
   scans.save_scene();
   finish(scans);
   EXPECT_TRUE(fs::is_directory(plate.folder.path() / "plate-2.scene")) << scans.status().note;
-  DepthScans of_scene(pipeline::open_scene(plate.folder.path() / "plate-2.scene", pipeline::Trust::own_folder), {},
-                      pipeline::Trust::own_folder);
+  DepthScans of_scene(scene::open_scene(plate.folder.path() / "plate-2.scene", scene::Trust::own_folder), {},
+                      scene::Trust::own_folder);
   of_scene.save_scene();
   finish(of_scene);
   EXPECT_FALSE(of_scene.status().problem);

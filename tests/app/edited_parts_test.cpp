@@ -19,12 +19,12 @@ namespace sparsha::app {
 namespace {
 
 namespace fs = std::filesystem;
-using pipeline::ScenePointer;
+using scene::ScenePointer;
 
 constexpr std::size_t kMost = 1U << 20U;
 
-std::vector<pipeline::PartConfig> nose() {
-  pipeline::PartConfig part;
+std::vector<scene::PartConfig> nose() {
+  scene::PartConfig part;
   part.name = "nose";
   part.say = "The nose";
   part.box_m = {2.0, -3.0, 2.1, -2.9};
@@ -68,7 +68,7 @@ TEST_F(EditedParts, AreFeltSpokenAndWritten) {
   };
   EXPECT_TRUE(until([&](const haptics::State&) { return said(); })) << "spoken";
   session.stop();
-  const ScenePointer again = pipeline::open_scene(folder_ / "statue");
+  const ScenePointer again = scene::open_scene(folder_ / "statue");
   ASSERT_EQ(again->description().config.parts.size(), 1U);
   EXPECT_EQ(again->description().config.parts[0].say, "The nose");
   EXPECT_EQ(again->description().config.parts[0].touch.stiffness_n_per_m, 320.0);

@@ -19,7 +19,7 @@
 namespace sparsha {
 namespace {
 
-using pipeline::ScenePointer;
+using scene::ScenePointer;
 using test::Table;
 
 const char* const kConfig = R"(scans: [{file: stone.xyz, units: m}]
@@ -65,9 +65,9 @@ class RecordedByTheSession : public Program {
   }
 
   void record() const {
-    const ScenePointer first = pipeline::open_scene(folder_ / "statue");
-    app::DepthScans scans(first, {}, pipeline::Trust::own_folder);
-    std::vector<pipeline::PartConfig> parts = first->description().config.parts;
+    const ScenePointer first = scene::open_scene(folder_ / "statue");
+    app::DepthScans scans(first, {}, scene::Trust::own_folder);
+    std::vector<scene::PartConfig> parts = first->description().config.parts;
     parts.front().box_m = {0.0, 0.0, 0.06, 0.08};
     parts.front().touch.mu_dynamic = 0.05;
     const ScenePointer edited = app::with_parts(first, parts);  // statue/scene.yaml is another one now

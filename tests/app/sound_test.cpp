@@ -14,6 +14,7 @@
 #include "app/device_choice.h"
 #include "audio/sound_bank.h"
 #include "audio/wav/sink.h"
+#include "base/yaml.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/window.h"
 #include "program.h"
@@ -63,7 +64,7 @@ class Sound : public Program {};
 
 /// The demo's hand as if every tick came on time and every zoom took none: a busy machine loses ticks, and what a hand
 /// does after a pause is another run.
-std::vector<float> ten_seconds_of(const pipeline::ScenePointer& scene, const fs::path& wav) {
+std::vector<float> ten_seconds_of(const scene::ScenePointer& scene, const fs::path& wav) {
   const auto hand = app::simulated_hand(scene->description(), 0.0);
   const double width_m = hand->info().workspace_width_m;
   const auto steps = haptics::zoom_steps(scene->description(), width_m);
@@ -102,7 +103,7 @@ std::vector<float> ten_seconds_of(const pipeline::ScenePointer& scene, const fs:
 TEST_F(Sound, TenSecondsOfTheDemoAreMinus16LufsWithin2AndNothingClips) {
   const std::string relief = (fs::path(SPARSHA_SOURCE_DIR) / "configs" / "relief.yaml").string();
   ASSERT_EQ(run("build \"" + relief + "\" --out scene").code, 0);
-  const std::vector<float> sound = ten_seconds_of(pipeline::open_scene(folder_ / "scene"), folder_ / "run.wav");
+  const std::vector<float> sound = ten_seconds_of(scene::open_scene(folder_ / "scene"), folder_ / "run.wav");
   ASSERT_GE(sound.size(), 2U * 48000U * 10U);
   const double loudness = listening::integrated_lufs(sound);
   EXPECT_NEAR(loudness, -16.0, 2.0);
@@ -167,7 +168,7 @@ TEST_F(Sound, ThePillarsOfTheHallAreFoundWhereTheyStandAndEachGetsItsRecording) 
             0);
   const Outcome build = run("build configs/pillars.yaml --out hall");
   ASSERT_EQ(build.code, 0) << build.err;
-  const pipeline::ScenePointer scene = pipeline::open_scene(folder_ / "hall");
+  const scene::ScenePointer scene = scene::open_scene(folder_ / "hall");
   const auto& audio = scene->description().config.audio;
   ASSERT_TRUE(audio);
   EXPECT_FALSE(audio->find_pillars) << "a scene says where they are";
@@ -182,7 +183,7 @@ TEST_F(Sound, ThePillarsOfTheHallAreFoundWhereTheyStandAndEachGetsItsRecording) 
                                                                 {"dha", 3.25},
                                                                 {"ni", 3.75}}};
   for (std::size_t k = 0; k < truth.size(); ++k) {
-    const pipeline::AudioRegionConfig& region = audio->regions[k];
+    const scene::AudioRegionConfig& region = audio->regions[k];
     EXPECT_EQ(region.name, truth[k].first);
     ASSERT_EQ(region.polygon_m.size(), 4U) << region.name;
     double low_x = 1e9, high_x = -1e9, low_y = 1e9, high_y = -1e9;
@@ -216,9 +217,9 @@ TEST_F(Sound, AFittedStrikeIsABlockThatAConfigurationReads) {
   std::string block = "audio:\n  regions:\n    - name: own\n      box_m: [0, 0, 1, 1]\n";
   std::istringstream lines(fit.out);
   for (std::string line; std::getline(lines, line);) block += "      " + line + "\n";
-  const pipeline::Config config =
-      pipeline::parse_config(yaml::parse_text("scans: [{file: a.ply}]\n" + block, "own.yaml"), {});
-  const auto& modes = std::get<pipeline::ModalConfig>(config.audio->regions[0].sound).modes;
+  const scene::Config config =
+      scene::parse_config(yaml::parse_text("scans: [{file: a.ply}]\n" + block, "own.yaml"), {});
+  const auto& modes = std::get<scene::ModalConfig>(config.audio->regions[0].sound).modes;
   ASSERT_EQ(modes.size(), 2U);
   EXPECT_NEAR(modes[0].frequency_hz, 328.5, 0.1);
   EXPECT_NEAR(modes[1].decay_s, 0.4, 0.02);

@@ -53,7 +53,7 @@ class SpeakerTest : public ::testing::Test {
 };
 
 TEST_F(SpeakerTest, SpeaksInTheVoiceOfItsLanguageSlowerFasterAndInAnotherVoice) {
-  pipeline::SpeechConfig config;
+  scene::SpeechConfig config;
   config.language = "hi";
   config.words_per_minute = 200;
   Speaker speaker(config, true, {});
@@ -93,7 +93,7 @@ TEST_F(SpeakerTest, SpeaksInTheLanguageOfTheSceneThatIsTouchedNow) {
   speaker.use({}, true);
   speaker.hear(words("two"));
   EXPECT_EQ(call_of("two"), "--stdin -b 1 -s 204 -v en") << "the visitor's rate stays where nothing else is asked for";
-  pipeline::SpeechConfig hindi;
+  scene::SpeechConfig hindi;
   hindi.language = "hi";
   hindi.words_per_minute = 150;
   speaker.use(hindi, true);
@@ -110,7 +110,7 @@ TEST_F(SpeakerTest, SpeaksInTheLanguageOfTheSceneThatIsTouchedNow) {
 }
 
 TEST_F(SpeakerTest, IsForTheNextVisitorAsItWasForTheFirst) {
-  pipeline::SpeechConfig config;
+  scene::SpeechConfig config;
   config.words_per_minute = 200;
   Speaker speaker(config, false, {});
   const std::string voice = speaker.voice();

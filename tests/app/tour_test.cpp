@@ -9,28 +9,28 @@ namespace {
 
 using Kind = haptics::TourStop::Kind;
 
-pipeline::AudioRegionConfig note(const std::array<double, 4>& box_m) {
-  pipeline::AudioRegionConfig region;
+scene::AudioRegionConfig note(const std::array<double, 4>& box_m) {
+  scene::AudioRegionConfig region;
   region.box_m = box_m;
-  region.sound = pipeline::ModalConfig{};
+  region.sound = scene::ModalConfig{};
   return region;
 }
 
 /// 0.2 m wide, its corner at (2, -3); level 0 is the overview of a workspace of 0.1 m, so the scale is one half.
-pipeline::ScenePointer scene(const test::EditDescription& edit) {
+scene::ScenePointer scene(const test::EditDescription& edit) {
   return test::scene_of([](double, double) { return 0.0; }, {101, 101, 0.002, 1, {2.0, -3.0, 0.0}},
-                        [&](pipeline::SceneDescription& description) {
+                        [&](scene::SceneDescription& description) {
                           description.config.levels.window = 101;
                           edit(description);
                         });
 }
 
 TEST(Tour, StrikesAClipAndThreeNotesAndStrokesTheLargestPartWithOneZoom) {
-  const auto tour = tour_of(scene([](pipeline::SceneDescription& d) {
+  const auto tour = tour_of(scene([](scene::SceneDescription& d) {
                               d.config.audio.emplace();
                               for (int k = 0; k < 5; ++k)
                                 d.config.audio->regions.push_back(note({2.0 + 0.02 * k, -3.0, 2.02 + 0.02 * k, -2.98}));
-                              pipeline::AudioRegionConfig bell = note({2.09, -2.91, 2.11, -2.89});
+                              scene::AudioRegionConfig bell = note({2.09, -2.91, 2.11, -2.89});
                               bell.sound = std::filesystem::path("bell.wav");
                               d.config.audio->regions.push_back(bell);
                               d.config.parts.push_back({"small", "", {2.0, -3.0, 2.01, -2.99}});
@@ -51,9 +51,9 @@ TEST(Tour, StrikesAClipAndThreeNotesAndStrokesTheLargestPartWithOneZoom) {
 }
 
 TEST(Tour, StrokesAPolygonWhereItIsInside) {
-  const auto tour = tour_of(scene([](pipeline::SceneDescription& d) {
+  const auto tour = tour_of(scene([](scene::SceneDescription& d) {
                               // Its box's middle lies in its notch; the box of the other part is smaller.
-                              pipeline::PartConfig notched;
+                              scene::PartConfig notched;
                               notched.polygon_m = {{2.02, -2.98}, {2.18, -2.98}, {2.18, -2.82}, {2.14, -2.82},
                                                    {2.14, -2.96}, {2.06, -2.96}, {2.06, -2.82}, {2.02, -2.82}};
                               d.config.parts = {{"small", "", {2.0, -3.0, 2.01, -2.99}}, notched};
@@ -72,8 +72,8 @@ TEST(Tour, StrokesAPolygonWhereItIsInside) {
 }
 
 TEST(Tour, StaysInTheWorkspaceWhateverIsWrittenAndIsEmptyWhereNothingIs) {
-  EXPECT_TRUE(tour_of(scene([](pipeline::SceneDescription&) {})->description()).empty());
-  const auto tour = tour_of(scene([](pipeline::SceneDescription& d) {
+  EXPECT_TRUE(tour_of(scene([](scene::SceneDescription&) {})->description()).empty());
+  const auto tour = tour_of(scene([](scene::SceneDescription& d) {
                               d.config.audio.emplace();
                               d.config.audio->regions.push_back(note({1e6, 1e6, 2e6, 2e6}));
                               d.config.parts.push_back({"elsewhere", "", {-1e9, -1e9, 1e9, 1e9}});

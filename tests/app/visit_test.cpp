@@ -131,8 +131,8 @@ TEST_F(Visit, FindsThreePartsByButtonsFollowsAnOutlineAndReadsTheReport) {
   write_scan();
   const Outcome built = run("build stone.yaml --out scene --quiet");
   ASSERT_EQ(built.code, 0) << built.err;
-  const pipeline::ScenePointer scene = pipeline::open_scene(folder_ / "scene");
-  pipeline::SpeechConfig speech;
+  const scene::ScenePointer scene = scene::open_scene(folder_ / "scene");
+  scene::SpeechConfig speech;
   app::Speaker speaker(speech, true, {});
   haptics::SessionSummary summary;
   std::vector<haptics::ContactEvent> contacts;

@@ -7,7 +7,7 @@
 
 #include "audio/sound_bank.h"
 #include "audio/synth.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 #include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 
@@ -17,18 +17,18 @@ using namespace sparsha;
 
 using Folder = test::TestFolder;
 
-inline pipeline::AudioRegionConfig note(const std::string& name, std::array<double, 4> box, double frequency_hz,
-                                        double decay_s) {
-  pipeline::AudioRegionConfig region;
+inline scene::AudioRegionConfig note(const std::string& name, std::array<double, 4> box, double frequency_hz,
+                                     double decay_s) {
+  scene::AudioRegionConfig region;
   region.name = name;
   region.box_m = box;
-  region.sound = pipeline::ModalConfig{frequency_hz, decay_s, {}};
+  region.sound = scene::ModalConfig{frequency_hz, decay_s, {}};
   return region;
 }
 
-inline pipeline::AudioRegionConfig clip(const std::string& name, std::array<double, 4> box,
-                                        const std::filesystem::path& file) {
-  pipeline::AudioRegionConfig region;
+inline scene::AudioRegionConfig clip(const std::string& name, std::array<double, 4> box,
+                                     const std::filesystem::path& file) {
+  scene::AudioRegionConfig region;
   region.name = name;
   region.box_m = box;
   region.sound = file;
@@ -36,16 +36,16 @@ inline pipeline::AudioRegionConfig clip(const std::string& name, std::array<doub
 }
 
 /// A 2x2 flat scene with these sounds.
-inline pipeline::ScenePointer scene(std::vector<pipeline::AudioRegionConfig> regions,
-                                    std::optional<double> friction_gain = std::nullopt) {
-  pipeline::AudioConfig audio;
+inline scene::ScenePointer scene(std::vector<scene::AudioRegionConfig> regions,
+                                 std::optional<double> friction_gain = std::nullopt) {
+  scene::AudioConfig audio;
   audio.regions = std::move(regions);
   audio.friction_sound_gain = friction_gain;
   return sparsha::test::scene_of([](double, double) { return 0.0; }, {2, 2, 1.0},
-                                 [&](pipeline::SceneDescription& description) { description.config.audio = audio; });
+                                 [&](scene::SceneDescription& description) { description.config.audio = audio; });
 }
 
-inline std::shared_ptr<const audio::SoundBank> bank(std::vector<pipeline::AudioRegionConfig> regions,
+inline std::shared_ptr<const audio::SoundBank> bank(std::vector<scene::AudioRegionConfig> regions,
                                                     std::optional<double> friction_gain = std::nullopt) {
   return audio::make_sound_bank(*scene(std::move(regions), friction_gain), 48000);
 }

@@ -19,11 +19,11 @@ namespace {
 using namespace sparsha;
 using namespace sparsha::audio;
 using listening::Samples;
-using pipeline::Cue;
+using scene::Cue;
 
 constexpr double kRate = 48000.0;
 
-std::shared_ptr<const SoundBank> bank_with(const std::optional<pipeline::CuesConfig>& cues, int rate = 48000) {
+std::shared_ptr<const SoundBank> bank_with(const std::optional<scene::CuesConfig>& cues, int rate = 48000) {
   auto bank = std::make_shared<SoundBank>(*make_sound_bank(*audio_scene::scene({}), rate));
   bank->cues = cues;
   return bank;
@@ -37,13 +37,13 @@ haptics::State hand(double time_s) {
 }
 
 /// What is heard of a hand that `live` makes of each millisecond.
-Samples hear(double seconds, const std::optional<pipeline::CuesConfig>& cues,
+Samples hear(double seconds, const std::optional<scene::CuesConfig>& cues,
              const std::function<void(haptics::State&)>& live, int rate = 48000, std::size_t block = 256) {
   Synth synth(bank_with(cues, rate));
   std::vector<float> sound;
   haptics::State state = hand(0.0);
   for (int k = 0; k < static_cast<int>(std::lround(1000.0 * seconds)); ++k) {
-    const std::array<std::uint64_t, pipeline::kCues> counts = state.cues;
+    const std::array<std::uint64_t, scene::kCues> counts = state.cues;
     state = hand(1e-3 * k);
     state.cues = counts;
     live(state);
@@ -64,8 +64,7 @@ std::function<void(haptics::State&)> once(Cue cue, double at_s = 0.1, double sca
   };
 }
 
-constexpr std::array<Cue, pipeline::kCues> kAll{Cue::level, Cue::edge, Cue::unmeasured, Cue::part_entered,
-                                                Cue::part_left};
+constexpr std::array<Cue, scene::kCues> kAll{Cue::level, Cue::edge, Cue::unmeasured, Cue::part_entered, Cue::part_left};
 
 double pitch(const Samples& sound, double from_s, double to_s) {
   return listening::strongest_frequency(sound, 100.0, 3000.0, kRate, static_cast<std::size_t>(from_s * kRate),
@@ -80,7 +79,7 @@ std::size_t last_sound(const Samples& sound) {
 
 TEST(Earcons, EachBeginsAtItsTickIsShortAndEndsInSilence) {
   for (const Cue cue : kAll) {
-    const Samples sound = hear(0.6, pipeline::CuesConfig{}, once(cue));
+    const Samples sound = hear(0.6, scene::CuesConfig{}, once(cue));
     const std::size_t begin = listening::onset(sound) - Synth::latency_frames();
     EXPECT_GE(begin, 4800U) << static_cast<int>(cue);
     EXPECT_LE(begin, 4802U) << "the first sample of an envelope is zero";
@@ -92,9 +91,7 @@ TEST(Earcons, EachBeginsAtItsTickIsShortAndEndsInSilence) {
 }
 
 TEST(Earcons, AreToldApartByPitchAndHowItGoes) {
-  const auto heard = [](Cue cue, double scale = 2.0) {
-    return hear(0.6, pipeline::CuesConfig{}, once(cue, 0.1, scale));
-  };
+  const auto heard = [](Cue cue, double scale = 2.0) { return hear(0.6, scene::CuesConfig{}, once(cue, 0.1, scale)); };
   const double d = static_cast<double>(Synth::latency_frames()) / kRate;
   // The first half and the second: a glide, two notes, or the same note.
   const auto way = [&](const Samples& sound, double length_s) {
@@ -126,7 +123,7 @@ TEST(Earcons, AreToldApartByPitchAndHowItGoes) {
 
 TEST(Earcons, AreTurnedOffOneByOneToExactSilence) {
   for (const Cue off : kAll) {
-    pipeline::CuesConfig config;
+    scene::CuesConfig config;
     config.sound[static_cast<std::size_t>(off)] = false;
     for (const Cue cue : kAll) {
       const Samples sound = hear(0.5, config, once(cue));
@@ -137,13 +134,13 @@ TEST(Earcons, AreTurnedOffOneByOneToExactSilence) {
 }
 
 TEST(Earcons, WhatTheFirstStateCountsIsPastAndMakesNoSound) {
-  const Samples sound = hear(0.5, pipeline::CuesConfig{}, [](haptics::State& state) { state.cues = {3, 1, 4, 1, 5}; });
+  const Samples sound = hear(0.5, scene::CuesConfig{}, [](haptics::State& state) { state.cues = {3, 1, 4, 1, 5}; });
   EXPECT_EQ(last_sound(sound), 0U);
 }
 
 TEST(Earcons, HaveNoClicksAndTheSameLevelAndPitchAtEverySampleRate) {
   for (const Cue cue : kAll) {
-    const Samples reference = hear(0.6, pipeline::CuesConfig{}, once(cue));
+    const Samples reference = hear(0.6, scene::CuesConfig{}, once(cue));
     const auto line = listening::spectrum(reference, 0, 24000);
     const double bin = kRate / (2.0 * static_cast<double>(line.size()));
     double below = 0.0, above = 0.0;
@@ -154,7 +151,7 @@ TEST(Earcons, HaveNoClicksAndTheSameLevelAndPitchAtEverySampleRate) {
     }
     EXPECT_LT(10.0 * std::log10(above / below), -70.0) << static_cast<int>(cue);
     for (const int rate : {44100, 96000}) {
-      const Samples other = hear(0.6, pipeline::CuesConfig{}, once(cue), rate);
+      const Samples other = hear(0.6, scene::CuesConfig{}, once(cue), rate);
       const auto at = [&](double seconds) { return static_cast<std::size_t>(seconds * rate); };
       EXPECT_NEAR(listening::decibel(listening::rms(other, at(0.1), at(0.4)) / listening::rms(reference, 4800, 19200)),
                   0.0, 0.1)
@@ -175,8 +172,8 @@ TEST(Earcons, SameStatesGiveTheSameSamplesHoweverTimeIsCutIntoBlocks) {
     state.away_m = state.time_s > 1.0 ? 0.06 : 0.0;
     state.device_m = {0.01 * std::sin(state.time_s), 0.01 * std::cos(state.time_s), 0.0};
   };
-  const Samples whole = hear(4.0, pipeline::CuesConfig{}, live, 48000, 4800);
-  EXPECT_EQ(hear(4.0, pipeline::CuesConfig{}, live, 48000, 37), whole);
+  const Samples whole = hear(4.0, scene::CuesConfig{}, live, 48000, 4800);
+  EXPECT_EQ(hear(4.0, scene::CuesConfig{}, live, 48000, 37), whole);
   EXPECT_GT(last_sound(whole), 180000U);
 }
 
@@ -186,7 +183,7 @@ struct Beeps {
   double pitch_hz = 0.0;
 };
 Beeps beeps(double away_m, double seconds = 6.0) {
-  const Samples sound = hear(seconds, pipeline::CuesConfig{}, [&](haptics::State& state) {
+  const Samples sound = hear(seconds, scene::CuesConfig{}, [&](haptics::State& state) {
     // From afar first: a hand that is near is not lost.
     state.away_m = state.time_s < 2.0 ? std::max(away_m, 0.05) : away_m;
     state.device_m = {0.01 * std::sin(6.0 * state.time_s), 0.0, 0.0};
@@ -224,7 +221,7 @@ TEST(Lost, AHandFarFromTheStoneHearsATheSoonerAndHigherToneTheNearerItComes) {
 
 TEST(Lost, TheToneEndsAtTheStoneAndIsNeverHeardWhereAHandIsNotLost) {
   const auto heard_after = [](double from_s, const std::function<void(haptics::State&)>& live,
-                              pipeline::CuesConfig config = {}) {
+                              scene::CuesConfig config = {}) {
     const Samples sound = hear(6.0, config, [&](haptics::State& state) {
       state.away_m = 0.06;
       state.device_m = {0.01 * std::sin(6.0 * state.time_s), 0.0, 0.0};
@@ -244,7 +241,7 @@ TEST(Lost, TheToneEndsAtTheStoneAndIsNeverHeardWhereAHandIsNotLost) {
   EXPECT_FALSE(heard_after(0.0, [](haptics::State& s) { s.flags |= haptics::kFlagFault; }));
   EXPECT_FALSE(heard_after(0.0, [](haptics::State& s) { s.flags &= ~std::uint64_t{haptics::kFlagArmed}; }));
   EXPECT_FALSE(heard_after(0.0, [](haptics::State& s) { s.away_m = std::nan(""); }));
-  pipeline::CuesConfig off;
+  scene::CuesConfig off;
   off.lost = false;
   EXPECT_FALSE(heard_after(
       0.0, [](haptics::State&) {}, off))
@@ -252,7 +249,7 @@ TEST(Lost, TheToneEndsAtTheStoneAndIsNeverHeardWhereAHandIsNotLost) {
 }
 
 TEST(Lost, AHandThatIsLaidDownIsLeftInPeaceAndHearsTheToneAgainWhenItIsTakenUp) {
-  const Samples sound = hear(14.0, pipeline::CuesConfig{}, [&](haptics::State& state) {
+  const Samples sound = hear(14.0, scene::CuesConfig{}, [&](haptics::State& state) {
     state.away_m = 0.06;
     if (state.time_s > 12.0) state.device_m = {0.03, 0.0, 0.0};
   });
@@ -269,9 +266,9 @@ TEST(Earcons, AHandThatTravelsOverAStoneHearsWhatItComesTo) {
   // A level stone of 0.1 m, a part from 40 to 60 mm, from 80 mm on nothing measured.
   const auto scene = sparsha::test::scene_of([](double x, double) { return x < 0.0801 ? 0.0 : std::nan(""); }, 201, 0.1,
                                              201, Eigen::Vector3d::Zero(),
-                                             [](pipeline::SceneDescription& d) {
+                                             [](scene::SceneDescription& d) {
                                                d.config.haptics.tip_radius_m = 0.0;
-                                               d.config.cues = pipeline::CuesConfig{};
+                                               d.config.cues = scene::CuesConfig{};
                                                d.config.parts.push_back({"middle", "", {0.04, -1.0, 0.06, 1.0}});
                                              });
   haptics::HapticRenderer renderer(

@@ -10,17 +10,17 @@ using namespace sparsha;
 
 TEST(Materials, OfPolygonsAndLabelsSoundInsideThemAndNotInTheirNotches) {
   const audio_scene::Folder folder;
-  pipeline::PartTouch touch;
-  touch.material = pipeline::Material::wood;
-  const auto scene = sparsha::test::els(folder / "labels.png", touch, [](pipeline::SceneDescription& d) {
-    d.config.audio->material = pipeline::MaterialSoundConfig{};
-    pipeline::AudioRegionConfig own;
+  scene::PartTouch touch;
+  touch.material = scene::Material::wood;
+  const auto scene = sparsha::test::els(folder / "labels.png", touch, [](scene::SceneDescription& d) {
+    d.config.audio->material = scene::MaterialSoundConfig{};
+    scene::AudioRegionConfig own;
     own.name = "own";
     own.label = 5;
-    own.sound = pipeline::ModalConfig{};
+    own.sound = scene::ModalConfig{};
     d.config.audio->regions = {own};
-    d.config.parts[1].touch.material = pipeline::Material::bronze;
-    pipeline::PartConfig box = d.config.parts[0];
+    d.config.parts[1].touch.material = scene::Material::bronze;
+    scene::PartConfig box = d.config.parts[0];
     box.name = "box";
     box.polygon_m.clear();
     box.box_m = {0.06, 0.06, 0.09, 0.09};

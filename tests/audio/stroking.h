@@ -20,15 +20,15 @@ inline constexpr double kRate = 48000.0;
 
 using Height = std::function<double(double, double)>;
 
-inline pipeline::ScenePointer stone(const Height& height, const test::SceneOptions& options,
-                                    std::optional<pipeline::Material> material = std::nullopt, double gain = 0.5,
-                                    bool grain = true) {
-  return test::scene_of(height, options, [&](pipeline::SceneDescription& scene) {
-    scene.config.audio = pipeline::AudioConfig{};
+inline scene::ScenePointer stone(const Height& height, const test::SceneOptions& options,
+                                 std::optional<scene::Material> material = std::nullopt, double gain = 0.5,
+                                 bool grain = true) {
+  return test::scene_of(height, options, [&](scene::SceneDescription& scene) {
+    scene.config.audio = scene::AudioConfig{};
     scene.config.audio->friction_sound_gain = gain;
     scene.config.audio->friction_sound_grain = grain;
     if (!material) return;
-    scene.config.audio->material = pipeline::MaterialSoundConfig{};
+    scene.config.audio->material = scene::MaterialSoundConfig{};
     scene.config.audio->material->material = *material;
   });
 }
@@ -48,7 +48,7 @@ inline haptics::State hand(double time_s, double x, double y, const test::SceneO
 }
 
 /// Hears `states` from their first one's time on.
-inline listening::Samples hear(const pipeline::ScenePointer& scene, const std::vector<haptics::State>& states,
+inline listening::Samples hear(const scene::ScenePointer& scene, const std::vector<haptics::State>& states,
                                double tail_s = 0.0) {
   Synth synth(make_sound_bank(*scene, 48000));
   ProfileReader reader(scene, scene->description().config.audio->friction_sound_grain);

@@ -10,7 +10,7 @@
 #include "base/png.h"
 #include "base/yaml.h"
 #include "haptics/state/state.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "tests/audio/audio_scene.h"
 #include "tests/audio/listening.h"
 #include "tests/support/allocations.h"
@@ -62,7 +62,7 @@ TEST(Synth, SoundsOnceAContactAndOnlyOnTouch) {
 
 /// A busy second: 300 strikes of 20 pillars and strokes across them, seeded.
 std::vector<float> busy(std::size_t block) {
-  std::vector<pipeline::AudioRegionConfig> regions;
+  std::vector<scene::AudioRegionConfig> regions;
   for (int i = 0; i < 20; ++i)
     regions.push_back(note("n", {i / 20.0, 0, (i + 1) / 20.0, 1}, 150.0 + 37.0 * i, 0.1 + 0.1 * i));
   Synth synth(bank(regions, 0.5));
@@ -99,7 +99,7 @@ TEST(Synth, LoudnessIsProportionalToTheForceOfTheStrike) {
 }
 
 TEST(Synth, TruePeakStaysUnderMinusOneDecibelWhateverIsStruck) {
-  std::vector<pipeline::AudioRegionConfig> regions;
+  std::vector<scene::AudioRegionConfig> regions;
   for (int i = 0; i < 12; ++i) regions.push_back(note("n", {0, 0, 1, 1}, 200.0 * std::pow(1.37, i), 2.0));
   Synth synth(bank(regions, 1.0));
   for (std::size_t i = 0; i < 12; ++i)
@@ -119,7 +119,7 @@ TEST(Synth, StealingPillarsMakesNoClick) {
   // 100 very low pillars (whose own waves bend little) in 100 ms, 48 may ring: 52 are cut. A strike bends the wave by
   // its pulse, a cut bends it by its fade (half a cosine of 240 frames); one without fade would step by up to the
   // pillar's amplitude.
-  std::vector<pipeline::AudioRegionConfig> regions;
+  std::vector<scene::AudioRegionConfig> regions;
   for (int i = 0; i < 100; ++i) regions.push_back(note("n", {0, 0, 1, 1}, 20.0 + 0.1 * i, 3.0));
   Synth crowded(bank(regions)), alone(bank(regions));
   for (std::size_t i = 0; i < 100; ++i) crowded.strike({i, 0.02, 0.5}, 48 * i);
@@ -135,7 +135,7 @@ TEST(Synth, StealingPillarsMakesNoClick) {
 TEST(Synth, RenderingAllocatesNothing) {
   const auto notes = bank({note("sa", {0, 0, 0.5, 1}, 240.0, 1.2), note("re", {0.5, 0, 1, 1}, 270.0, 1.2)}, 0.5);
   const auto with_cues = std::make_shared<SoundBank>(*notes);
-  with_cues->cues = pipeline::CuesConfig{};
+  with_cues->cues = scene::CuesConfig{};
   Synth synth(with_cues);
   std::vector<float> block(512);
   const auto profile = audio_scene::rough_profile();
@@ -212,7 +212,7 @@ TEST(Synth, AHandThatRestsOrTremblesOnABorderPlaysNothing) {
 
 TEST(Synth, OfAThousandStrikesNoneIsLostAndNoneIsDoubled) {
   // Strikes of 20 ms at the pace of a fast hand, each seen as an event and by the states of the contact.
-  std::vector<pipeline::AudioRegionConfig> regions;
+  std::vector<scene::AudioRegionConfig> regions;
   for (int i = 0; i < 8; ++i) regions.push_back(note("n", {i / 8.0, 0, (i + 1) / 8.0, 1}, 200.0 + 30.0 * i, 0.4));
   Synth synth(bank(regions));
   int heard = 0;
@@ -231,8 +231,8 @@ TEST(Synth, OfAThousandStrikesNoneIsLostAndNoneIsDoubled) {
 
 TEST(Synth, NoDenormalNumberLeaves) {
   // Beside a mode that rings for a minute, one that is over in 5 ms would fall to 1e-320.
-  pipeline::AudioRegionConfig region = note("sa", {0, 0, 1, 1}, 240.0, 1.0);
-  pipeline::ModalConfig modal;
+  scene::AudioRegionConfig region = note("sa", {0, 0, 1, 1}, 240.0, 1.0);
+  scene::ModalConfig modal;
   modal.modes = {{60.0, 60.0, 0.0}, {3000.0, 0.005, 0.0}};
   region.sound = modal;
   Synth synth(bank({region}));
@@ -277,7 +277,7 @@ TEST(Regions, APolygonOfMoreThanAThousandCornersIsAnErrorWithItsPlace) {
       const double turn = 2.0 * std::numbers::pi * i / corners;
       text += (i > 0 ? ", [" : "[") + std::to_string(std::cos(turn)) + ", " + std::to_string(std::sin(turn)) + "]";
     }
-    return pipeline::parse_config(yaml::parse_text(text + "]\n", "own.yaml"), {});
+    return scene::parse_config(yaml::parse_text(text + "]\n", "own.yaml"), {});
   };
   EXPECT_EQ(parse(1000).audio->regions[0].polygon_m.size(), 1000U);
   try {
@@ -291,34 +291,34 @@ TEST(Regions, APolygonOfMoreThanAThousandCornersIsAnErrorWithItsPlace) {
 }
 
 TEST(Materials, EachSoundsWithItsModesAndDecays) {
-  for (std::size_t m = 0; m < pipeline::kMaterials.size(); ++m) {
-    pipeline::AudioRegionConfig region = note("x", {0, 0, 1, 1}, 1.0, 1.0);
-    pipeline::MaterialSoundConfig material;
-    material.material = static_cast<pipeline::Material>(m);
+  for (std::size_t m = 0; m < scene::kMaterials.size(); ++m) {
+    scene::AudioRegionConfig region = note("x", {0, 0, 1, 1}, 1.0, 1.0);
+    scene::MaterialSoundConfig material;
+    material.material = static_cast<scene::Material>(m);
     region.sound = material;
     Synth synth(bank({region}));
     synth.strike({0, 1.0, 0.5}, 0);
     const auto sound = listening::channel(audio_scene::render(synth, 2.0), 0);
-    const pipeline::MaterialSound& table = pipeline::kMaterials[m].sound;
+    const scene::MaterialSound& table = scene::kMaterials[m].sound;
     const double t60 = 2.2 / (table.damping * table.frequency_hz);
     const auto end = static_cast<std::size_t>(48000.0 * std::min(1.9, 0.05 + 0.7 * t60));
     const double heard =
         listening::strongest_frequency(sound, 0.9 * table.frequency_hz, 1.1 * table.frequency_hz, 48000.0, 1200, end);
-    EXPECT_NEAR(heard / table.frequency_hz, 1.0, 0.002) << pipeline::kMaterials[m].name;
+    EXPECT_NEAR(heard / table.frequency_hz, 1.0, 0.002) << scene::kMaterials[m].name;
     // Two windows of 50 ms at least; the next mode leaks into them, the more the shorter the piece is.
     const double from = 0.1 * t60, to = std::max(from + 0.08, std::min(1.9, 0.6 * t60));
     EXPECT_NEAR(listening::t60_s(sound, table.frequency_hz, 48000.0, from, to) / t60, 1.0, 0.005 + 0.005 / (to - from))
-        << pipeline::kMaterials[m].name;
+        << scene::kMaterials[m].name;
   }
 }
 
 TEST(Materials, FrequencyDampingAndBrightnessOfARegionReplaceTheTables) {
-  pipeline::MaterialSoundConfig material;
-  material.material = pipeline::Material::bronze;
+  scene::MaterialSoundConfig material;
+  material.material = scene::Material::bronze;
   material.frequency_hz = 400.0;
   material.damping = 0.005;
   material.brightness = 0.0;
-  pipeline::AudioRegionConfig region = note("x", {0, 0, 1, 1}, 1.0, 1.0);
+  scene::AudioRegionConfig region = note("x", {0, 0, 1, 1}, 1.0, 1.0);
   region.sound = material;
   Synth synth(bank({region}));
   synth.strike({0, 1.0, 0.5}, 0);
@@ -330,16 +330,16 @@ TEST(Materials, FrequencyDampingAndBrightnessOfARegionReplaceTheTables) {
 }
 
 TEST(Materials, OfTheWholeSceneAnswerATapEverywhereButRegionsAndPartsComeFirst) {
-  pipeline::AudioConfig audio;
+  scene::AudioConfig audio;
   audio.regions = {note("sa", {0, 0, 0.2, 1}, 240.0, 1.0)};
-  audio.material = pipeline::MaterialSoundConfig{};
+  audio.material = scene::MaterialSoundConfig{};
   const auto scene = sparsha::test::scene_of([](double, double) { return 0.0; }, {2, 2, 1.0},
-                                             [&](pipeline::SceneDescription& made) {
+                                             [&](scene::SceneDescription& made) {
                                                made.config.audio = audio;
-                                               pipeline::PartConfig part;
+                                               scene::PartConfig part;
                                                part.name = "door";
                                                part.box_m = {0.1, 0, 0.5, 1};
-                                               part.touch.material = pipeline::Material::wood;
+                                               part.touch.material = scene::Material::wood;
                                                made.config.parts = {part};
                                              });
   const auto sounds = make_sound_bank(*scene, 48000);
@@ -367,11 +367,11 @@ TEST(Regions, PolygonsAndLabelImagesHoldTheirPlaces) {
   auto label = note("sa", {0, 0, 0, 0}, 240.0, 1.0);
   label.box_m.reset();
   label.label = 7;
-  pipeline::AudioConfig audio;
+  scene::AudioConfig audio;
   audio.regions = {polygon, label};
-  audio.labels = pipeline::LabelImageConfig{folder / "labels.png", std::array<double, 4>{0, 0, 3, 2}};
+  audio.labels = scene::LabelImageConfig{folder / "labels.png", std::array<double, 4>{0, 0, 3, 2}};
   const auto scene = sparsha::test::scene_of([](double, double) { return 0.0; }, {2, 2, 1.0},
-                                             [&](pipeline::SceneDescription& made) { made.config.audio = audio; });
+                                             [&](scene::SceneDescription& made) { made.config.audio = audio; });
   const auto sounds = make_sound_bank(*scene, 48000);
   EXPECT_TRUE(sounds->warnings.empty());
   EXPECT_EQ(sounds->region_at(2.5, 2.5), 0U);

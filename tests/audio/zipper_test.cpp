@@ -46,7 +46,7 @@ double band_db(const Samples& sound, double from_hz, double to_hz) {
   return 10.0 * std::log10(band / all);
 }
 
-pipeline::ScenePointer grating(const test::SceneOptions& options, double wave_m) {
+scene::ScenePointer grating(const test::SceneOptions& options, double wave_m) {
   return stone([wave_m](double x, double) { return 3e-5 * std::sin(kTurn * x / wave_m); }, options, std::nullopt, 0.5,
                false);
 }

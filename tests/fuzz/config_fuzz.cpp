@@ -2,16 +2,17 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "scene/config.h"
+#include "base/yaml.h"
+#include "scene/config/config.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace sparsha;
   try {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
-    const pipeline::Config config = pipeline::parse_config(yaml::parse_text(text, "fuzz.yaml"), {});
-    const std::string written = pipeline::to_yaml(config);
-    const pipeline::Config again = pipeline::parse_config(yaml::parse_text(written, "again.yaml"), {});
-    if (pipeline::to_yaml(again) != written) __builtin_trap();
+    const scene::Config config = scene::parse_config(yaml::parse_text(text, "fuzz.yaml"), {});
+    const std::string written = scene::to_yaml(config);
+    const scene::Config again = scene::parse_config(yaml::parse_text(written, "again.yaml"), {});
+    if (scene::to_yaml(again) != written) __builtin_trap();
   } catch (const Error& error) {
     if (error.place().file == "again.yaml") __builtin_trap();  // what we write we must read
   }

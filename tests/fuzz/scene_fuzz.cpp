@@ -14,13 +14,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::filesystem::create_directories(level);
     const std::vector<float> heights(16, 0.5F);
     const std::vector<std::uint8_t> mask(16, 1);
-    write_layer(level / "height.tif", 4, 4, std::span<const float>(heights));
-    write_layer(level / "mask.tif", 4, 4, std::span<const std::uint8_t>(mask));
+    scene::write_layer(level / "height.tif", 4, 4, std::span<const float>(heights));
+    scene::write_layer(level / "mask.tif", 4, 4, std::span<const std::uint8_t>(mask));
     return true;
   }();
   static_cast<void>(prepared);
   try {
-    (void)open_scene(file.parent_path())->read(0, -1, -1, 8, 8);
+    (void)scene::open_scene(file.parent_path())->read(0, -1, -1, 8, 8);
   } catch (const sparsha::Error&) {
   }
   return 0;

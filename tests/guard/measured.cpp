@@ -57,12 +57,12 @@ extern "C" __attribute__((noinline)) void measured_c1(const haptics::MongeSurfac
 }
 
 extern "C" __attribute__((noinline)) void measured_projection(const pipeline::Cloud& cloud) {
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = 0.004;
   sink = test::project_cloud(cloud, grid, Eigen::Matrix4d::Identity(), 1).noise_m;
 }
 
-extern "C" __attribute__((noinline)) void measured_window(const pipeline::Scene& scene) {
+extern "C" __attribute__((noinline)) void measured_window(const scene::Scene& scene) {
   const auto plan = haptics::plan_window(scene.description(), 0, {0.2, 0.2}, 0.1);
   sink = haptics::load_window(scene, plan, 1).surface->highest_m;
 }

@@ -20,7 +20,7 @@
 #include "scene/region_frame.h"
 #include "tests/support/sanitized.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 using Corners = std::vector<std::array<double, 2>>;
@@ -442,4 +442,4 @@ TEST(Area, AnswersTheServoFastWhateverItsShape) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

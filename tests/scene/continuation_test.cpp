@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -74,4 +74,4 @@ TEST(Continuation, KeepsKnownNodesAndStaysWithinTheirRange) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -10,7 +10,7 @@
 #include "scene/measured_spectrum.h"
 #include "tests/support/scenes.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -80,4 +80,4 @@ TEST(HeightSpectrum, OfNoiseAndOfALevelPlaneContinuesNothing) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -10,7 +10,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr std::size_t kMost = 1U << 20U;
@@ -110,4 +110,4 @@ TEST(CheckMapFile, OutsideTheFolderIsRefusedUnlessTrusted) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -11,12 +11,13 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/png.h"
+#include "base/yaml.h"
 #include "scene/friction_law.h"
 #include "scene/regions.h"
 #include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 using ::testing::HasSubstr;
@@ -252,4 +253,4 @@ TEST(PartPlaces, GoWithTheSceneFolderWhereverItIsMoved) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -13,7 +13,7 @@
 #include "scene/folder/layer_file.h"
 #include "tests/support/test_folder.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 namespace fs = std::filesystem;
 
@@ -200,4 +200,4 @@ TEST(LayerFile, HeightsBeyondAKilometreAreKeptInDoublePrecision) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

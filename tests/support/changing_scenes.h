@@ -24,28 +24,28 @@
 namespace sparsha::test {
 
 /// Hills with texture, friction, invented touch and cues, one part that is touched otherwise; a scan of known bytes.
-inline pipeline::ScenePointer stone(int nodes = 401, const EditDescription& adjust = {},
-                                    const Eigen::Vector3d& origin_m = {2.0, -3.0, 0.5}) {
+inline scene::ScenePointer stone(int nodes = 401, const EditDescription& adjust = {},
+                                 const Eigen::Vector3d& origin_m = {2.0, -3.0, 0.5}) {
   const auto height_m = [origin_m](double x, double y) {
     const double across_m = x - origin_m.x();
     const double along_m = y - origin_m.y();
     return origin_m.z() + hills_m(across_m, along_m) + 0.0003 * std::sin(900.0 * across_m) * std::sin(700.0 * along_m);
   };
-  return scene_of(height_m, nodes, 0.1, 101, origin_m, [&](pipeline::SceneDescription& d) {
+  return scene_of(height_m, nodes, 0.1, 101, origin_m, [&](scene::SceneDescription& d) {
     d.config.scans.resize(1);
     d.config.scans[0].file = "scan.ply";
     d.sources = {{"scan.ply", std::string(64, 'a'), 77}};
-    d.config.friction = pipeline::FrictionConfig{};
-    d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+    d.config.friction = scene::FrictionConfig{};
+    d.config.friction->law = scene::FrictionConfig::Law::constant;
     d.config.haptics.impact = true;
     d.config.haptics.grain = true;
     d.config.haptics.tip_radius_m = 0.00037;
-    d.config.cues = pipeline::CuesConfig{};
-    pipeline::PartConfig part;
+    d.config.cues = scene::CuesConfig{};
+    scene::PartConfig part;
     part.name = "middle";
     part.say = "The middle of it";
     part.box_m = {2.03, -2.97, 2.07, -2.93};
-    part.touch.material = pipeline::Material::wood;
+    part.touch.material = scene::Material::wood;
     part.touch.mu_dynamic = 0.3;
     d.config.parts = {part};
     if (adjust) adjust(d);
@@ -53,11 +53,11 @@ inline pipeline::ScenePointer stone(int nodes = 401, const EditDescription& adju
 }
 
 /// The same stone from another side: other nodes in another frame, its parts where they were on the object.
-inline pipeline::ScenePointer scanned_anew(int nodes, double turned_rad) {
+inline scene::ScenePointer scanned_anew(int nodes, double turned_rad) {
   const Eigen::Vector3d origin_m(5.1, -7.3, 2.2);
   return stone(
       nodes,
-      [&](pipeline::SceneDescription& d) {
+      [&](scene::SceneDescription& d) {
         Eigen::Isometry3d regions = Eigen::Isometry3d::Identity();
         regions.translate(Eigen::Vector3d(2.05, -2.95, 0.5));
         regions.rotate(Eigen::AngleAxisd(turned_rad, Eigen::Vector3d(0.1, -0.2, 1.0).normalized()));
@@ -72,28 +72,28 @@ inline pipeline::ScenePointer scanned_anew(int nodes, double turned_rad) {
 }
 
 /// The same layers with one part more, the left half and a little of the first part, which is soft and smooth.
-inline pipeline::ScenePointer with_a_soft_part(const pipeline::ScenePointer& scene) {
-  pipeline::SceneDescription description = scene->description();
-  pipeline::PartConfig part;
+inline scene::ScenePointer with_a_soft_part(const scene::ScenePointer& scene) {
+  scene::SceneDescription description = scene->description();
+  scene::PartConfig part;
   part.name = "soft";
   part.say = "The soft side";
   part.box_m = {2.0, -3.0, 2.053, -2.9};
   part.touch.stiffness_n_per_m = 350.0;
   part.touch.mu_dynamic = 0.05;
-  part.touch.material = pipeline::Material::marble;
+  part.touch.material = scene::Material::marble;
   description.config.parts.insert(description.config.parts.begin(), part);
-  return pipeline::with_description(scene, std::move(description));
+  return scene::with_description(scene, std::move(description));
 }
 
 /// Written and opened again.
-inline pipeline::ScenePointer in_folder(const pipeline::ScenePointer& scene, const std::filesystem::path& folder) {
+inline scene::ScenePointer in_folder(const scene::ScenePointer& scene, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  pipeline::write_scene(*scene, folder);
-  return pipeline::open_scene(folder);
+  scene::write_scene(*scene, folder);
+  return scene::open_scene(folder);
 }
 
 /// What `explore` makes of a scene's configuration.
-inline haptics::SessionOptions options_of(const pipeline::ScenePointer& scene, const std::filesystem::path& record) {
+inline haptics::SessionOptions options_of(const scene::ScenePointer& scene, const std::filesystem::path& record) {
   haptics::SessionOptions options;
   options.haptics = scene->description().config.haptics;
   options.record = record;
@@ -103,8 +103,8 @@ inline haptics::SessionOptions options_of(const pipeline::ScenePointer& scene, c
 
 /// A simulated hand on `first`, and every 0.8 s another scene under it, with a zoom in between. The run ends 0.8 s
 /// after the last.
-inline haptics::SessionSummary record_on(const pipeline::ScenePointer& first,
-                                         const std::vector<pipeline::ScenePointer>& others,
+inline haptics::SessionSummary record_on(const scene::ScenePointer& first,
+                                         const std::vector<scene::ScenePointer>& others,
                                          const std::filesystem::path& file, std::uint64_t seed = 4) {
   constexpr double kEach_s = 0.8;
   const double duration_s = 2.0 + kEach_s * static_cast<double>(others.size() + 1);

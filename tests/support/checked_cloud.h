@@ -21,7 +21,7 @@ inline Cloud cloud_of(const std::vector<Eigen::Vector3d>& points,
   return cloud;
 }
 
-inline Projection projection_of(DepthGrid grid, std::size_t points) {
+inline Projection projection_of(scene::DepthGrid grid, std::size_t points) {
   Projection projection;
   projection.grid = std::move(grid);
   projection.point_class.assign(points, PointClass::used);

@@ -164,15 +164,15 @@ Judgement judge_object(std::span<const Vector3d> nodes, double step_m, const Clo
   return result;
 }
 
-Judgement judge_object(const pipeline::DepthGrid& grid, const ClosedObject& object, const ObjectScan& scan) {
-  const pipeline::Lattice& lattice = grid.lattice;
+Judgement judge_object(const scene::DepthGrid& grid, const ClosedObject& object, const ObjectScan& scan) {
+  const scene::Lattice& lattice = grid.lattice;
   std::vector<Vector3d> nodes;
   std::size_t in_silhouette = 0, measured = 0;
   for (int j = 0; j < lattice.ny; ++j) {
     for (int i = 0; i < lattice.nx; ++i) {
       const std::size_t k = lattice.index(i, j);
       const double x = lattice.x_m(i), y = lattice.y_m(j);
-      const bool is_measured = grid.state[k] == pipeline::NodeState::measured;
+      const bool is_measured = grid.state[k] == scene::NodeState::measured;
       if (is_measured) nodes.emplace_back(x, y, lattice.origin_m.z() + static_cast<double>(grid.height_m[k]));
       const bool in_hole =
           scan.hole && distance_to(*scan.hole, x, y) < scan.hole->radius_m + kHoleMargin * scan.spacing_m;

@@ -62,8 +62,7 @@ struct Judgement {
 
 /// Measured nodes, and the rest of the lattice for coverage. Nodes in the hole and within two spacings of it count as
 /// hole_through only.
-[[nodiscard]] Judgement judge_object(const pipeline::DepthGrid& grid, const ClosedObject& object,
-                                     const ObjectScan& scan);
+[[nodiscard]] Judgement judge_object(const scene::DepthGrid& grid, const ClosedObject& object, const ObjectScan& scan);
 /// The same for the nodes of another program, `step_m` apart; without coverage.
 [[nodiscard]] Judgement judge_object(std::span<const Eigen::Vector3d> nodes, double step_m, const ClosedObject& object,
                                      const ObjectScan& scan);

@@ -20,14 +20,14 @@ pipeline::Cloud make_cloud(const Points& points, const Eigen::Vector3d& origin_m
   return cloud;
 }
 
-pipeline::Projection project_cloud(const pipeline::Cloud& cloud, const pipeline::GridConfig& config,
+pipeline::Projection project_cloud(const pipeline::Cloud& cloud, const scene::GridConfig& config,
                                    const Eigen::Matrix4d& scan_to_grid, unsigned threads) {
   ThreadPool pool(threads);
   Progress progress;
   return pipeline::project(cloud, scan_to_grid, config, 0.00005, {pool, progress});
 }
 
-Errors judge(const pipeline::DepthGrid& grid, const HeightFunction& truth,
+Errors judge(const scene::DepthGrid& grid, const HeightFunction& truth,
              const std::function<bool(double, double)>& counts) {
   Errors errors;
   std::vector<double> found;
@@ -40,7 +40,7 @@ Errors judge(const pipeline::DepthGrid& grid, const HeightFunction& truth,
       if (!counts(x, y)) continue;
       ++judged;
       const std::size_t node = grid.lattice.index(i, j);
-      if (grid.state[node] != pipeline::NodeState::measured) continue;
+      if (grid.state[node] != scene::NodeState::measured) continue;
       const double height = static_cast<double>(grid.height_m[node]) + grid.lattice.origin_m.z();
       const double error = std::abs(height - truth(x, y));
       found.push_back(error);

@@ -16,7 +16,7 @@ namespace sparsha::test {
                                          const Eigen::Vector3d& origin_m = Eigen::Vector3d::Zero());
 
 /// Projects as seen from +z unless told otherwise, with `threads` threads.
-[[nodiscard]] pipeline::Projection project_cloud(const pipeline::Cloud& cloud, const pipeline::GridConfig& config,
+[[nodiscard]] pipeline::Projection project_cloud(const pipeline::Cloud& cloud, const scene::GridConfig& config,
                                                  const Eigen::Matrix4d& scan_to_grid = Eigen::Matrix4d::Identity(),
                                                  unsigned threads = 2);
 
@@ -26,7 +26,7 @@ struct Errors {
   double rms_m = 0.0, p99_m = 0.0, worst_m = 0.0;
   double over_2mm = 0.0, over_5mm = 0.0;  ///< shares of the judged nodes
 };
-[[nodiscard]] Errors judge(const pipeline::DepthGrid& grid, const HeightFunction& truth,
+[[nodiscard]] Errors judge(const scene::DepthGrid& grid, const HeightFunction& truth,
                            const std::function<bool(double, double)>& counts);
 
 }  // namespace sparsha::test

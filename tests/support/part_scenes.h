@@ -37,22 +37,22 @@ inline std::vector<std::array<double, 2>> el_m(double size_m, const Eigen::Vecto
 
 /// 0.1 m wide and level. "Polygon", an L of 30 mm at (60, 10) mm; "Label", value 5, one of 30 mm at (10, 10) mm, in a
 /// picture of 0.1 m; both with `touch`.
-inline pipeline::ScenePointer els(const std::filesystem::path& labels, const pipeline::PartTouch& touch = {},
-                                  const EditDescription& edit = {}) {
+inline scene::ScenePointer els(const std::filesystem::path& labels, const scene::PartTouch& touch = {},
+                               const EditDescription& edit = {}) {
   constexpr double kMm = 0.001;
   write_labels(labels, 200, 200, [](int column, int row) {
     const double x = column / 2.0 - 10.0, y = (199 - row) / 2.0 - 10.0;  // of the pixel's corner, mm
     return x >= 0 && y >= 0 && x < 30 && y < 30 && (x < 12 || y < 12) ? 5 : 0;
   });
   return scene_of([](double, double) { return 0.0; }, 201, 0.1, 201, Eigen::Vector3d::Zero(),
-                  [&](pipeline::SceneDescription& d) {
+                  [&](scene::SceneDescription& d) {
                     d.config.audio.emplace();
-                    d.config.audio->labels = pipeline::LabelImageConfig{labels, std::array<double, 4>{0, 0, 0.1, 0.1}};
-                    pipeline::PartConfig polygon;
+                    d.config.audio->labels = scene::LabelImageConfig{labels, std::array<double, 4>{0, 0, 0.1, 0.1}};
+                    scene::PartConfig polygon;
                     polygon.name = polygon.say = "Polygon";
                     polygon.polygon_m = el_m(30.0 * kMm, {60.0 * kMm, 10.0 * kMm});
                     polygon.touch = touch;
-                    pipeline::PartConfig label;
+                    scene::PartConfig label;
                     label.name = label.say = "Label";
                     label.label = 5;
                     label.touch = touch;

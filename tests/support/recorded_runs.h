@@ -16,14 +16,14 @@
 namespace sparsha::haptics {
 
 /// Hills with grain on a square of 0.1 m, constant friction, one part.
-inline pipeline::ScenePointer textured_scene(int nodes = 401) {
+inline scene::ScenePointer textured_scene(int nodes = 401) {
   const auto stone = [](double x, double y) {
     return sparsha::test::hills_m(x, y) + 0.0003 * std::sin(900.0 * x) * std::sin(700.0 * y);
   };
   return sparsha::test::scene_of(stone, nodes, 0.1, 101, Eigen::Vector3d(2.0, -3.0, 0.5),
-                                 [](pipeline::SceneDescription& d) {
-                                   d.config.friction = pipeline::FrictionConfig{};
-                                   d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+                                 [](scene::SceneDescription& d) {
+                                   d.config.friction = scene::FrictionConfig{};
+                                   d.config.friction->law = scene::FrictionConfig::Law::constant;
                                    d.config.parts.push_back({"middle", "The middle of it", {2.0, -3.0, 2.1, -2.9}});
                                  });
 }
@@ -43,11 +43,11 @@ inline SessionSummary run_to_the_end(Session& session, const std::vector<Request
 
 /// What `explore --device playback:FILE` makes of a recording: shown again on `scene` or on those that were kept with
 /// it, or rendered anew when it has no windows.
-inline std::unique_ptr<Session> session_of(const pipeline::ScenePointer& scene, const std::filesystem::path& file,
+inline std::unique_ptr<Session> session_of(const scene::ScenePointer& scene, const std::filesystem::path& file,
                                            const SessionOptions& options) {
   auto recording = std::make_shared<const Recording>(file);
   if (recording->windows().empty()) return std::make_unique<Session>(scene, make_path_device(recording), options);
-  auto kept = open_kept_scenes(*recording, pipeline::Trust::own_folder);
+  auto kept = open_kept_scenes(*recording, scene::Trust::own_folder);
   return std::make_unique<Session>(kept.value_or(RecordedScenes(scene)), recording, options);
 }
 

@@ -18,9 +18,9 @@
 namespace sparsha::haptics {
 
 /// A window on a whole level of a scene, workspace 0.1 m.
-inline HapticWindow window_on(const pipeline::ScenePointer& scene, int level = 0, std::uint64_t id = 1,
+inline HapticWindow window_on(const scene::ScenePointer& scene, int level = 0, std::uint64_t id = 1,
                               bool friction = true) {
-  const pipeline::Lattice& lattice = scene->description().levels.at(static_cast<std::size_t>(level));
+  const scene::Lattice& lattice = scene->description().levels.at(static_cast<std::size_t>(level));
   SurfaceOptions options;
   options.id = id;
   options.effects.friction = friction;

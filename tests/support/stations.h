@@ -37,7 +37,7 @@ inline Eigen::Vector3d direction(std::mt19937_64& random) {
 }
 
 /// The middle of a scan's points, in the scan frame.
-inline Eigen::Vector3d middle_of(const ScanConfig& scan) {
+inline Eigen::Vector3d middle_of(const scene::ScanConfig& scan) {
   const RawScan raw = read_scan(scan.file);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : raw.points) sum += p;
@@ -46,11 +46,11 @@ inline Eigen::Vector3d middle_of(const ScanConfig& scan) {
 }
 
 /// Turns every scan about its own middle by `degrees` and shifts it by `shift_m`, each in a direction of the seed.
-inline std::vector<ScanConfig> disturbed(const std::vector<ScanConfig>& scans, std::uint64_t seed, double degrees,
-                                         double shift_m) {
+inline std::vector<scene::ScanConfig> disturbed(const std::vector<scene::ScanConfig>& scans, std::uint64_t seed,
+                                                double degrees, double shift_m) {
   std::mt19937_64 random(seed);
-  std::vector<ScanConfig> result = scans;
-  for (ScanConfig& scan : result) {
+  std::vector<scene::ScanConfig> result = scans;
+  for (scene::ScanConfig& scan : result) {
     const Eigen::Vector3d middle = middle_of(scan);
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(degrees * std::acos(-1.0) / 180.0, direction(random)).toRotationMatrix();
@@ -61,8 +61,8 @@ inline std::vector<ScanConfig> disturbed(const std::vector<ScanConfig>& scans, s
 
 /// Stations in a circle about an object without repeats (a vessel of 0.25 m), each of which sees 110 degrees of it, as
 /// PLY files of `folder` in the stations' own coordinates; the poses are the true ones. `points` of station k.
-inline std::vector<ScanConfig> ring(const std::filesystem::path& folder, int stations,
-                                    const std::function<int(int)>& points, double noise_m, std::uint64_t seed) {
+inline std::vector<scene::ScanConfig> ring(const std::filesystem::path& folder, int stations,
+                                           const std::function<int(int)>& points, double noise_m, std::uint64_t seed) {
   const double pi = std::acos(-1.0);
   std::mt19937_64 random(seed);
   const auto uniform = [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; };
@@ -70,12 +70,12 @@ inline std::vector<ScanConfig> ring(const std::filesystem::path& folder, int sta
     return 0.1 + 0.012 * std::sin(3.0 * a + 9.0 * z) + 0.008 * std::sin(5.0 * a + 40.0 * z + 1.0) +
            0.005 * std::cos(7.0 * a - 60.0 * z) + 0.003 * std::cos(13.0 * a + 75.0 * z + 2.0);
   };
-  std::vector<ScanConfig> scans;
+  std::vector<scene::ScanConfig> scans;
   for (int k = 0; k < stations; ++k) {
     const double facing = 2.0 * pi * k / stations;
-    ScanConfig scan;
+    scene::ScanConfig scan;
     scan.file = folder / ("station-" + std::to_string(k) + ".ply");
-    scan.units.unit = LengthUnit::m;
+    scan.units.unit = scene::LengthUnit::m;
     // The scanner stands 1 m from the middle and looks at it along its own -z.
     Eigen::Matrix3d turn;
     turn.col(2) = Eigen::Vector3d(std::cos(facing), std::sin(facing), 0.0);
@@ -102,7 +102,7 @@ inline std::vector<ScanConfig> ring(const std::filesystem::path& folder, int sta
 
 /// RMS over all points of all scans of the distance between where found and true poses put them, after one rigid motion
 /// of the whole set that puts the first scan where it truly is (`by_first`) or that fits best (Horn's method).
-inline double rms_error(const std::vector<ScanConfig>& truth, const std::vector<Eigen::Matrix4d>& found,
+inline double rms_error(const std::vector<scene::ScanConfig>& truth, const std::vector<Eigen::Matrix4d>& found,
                         bool by_first = false) {
   std::vector<Eigen::Vector3d> is;
   std::vector<Eigen::Vector3d> ought;
@@ -128,7 +128,7 @@ inline double rms_error(const std::vector<ScanConfig>& truth, const std::vector<
   return std::sqrt(sum / static_cast<double>(is.size()));
 }
 
-inline Registration registered(const std::vector<ScanConfig>& scans, const RegisterConfig& config = {},
+inline Registration registered(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config = {},
                                unsigned threads = 2) {
   Progress progress;
   ThreadPool pool(threads);
@@ -136,8 +136,8 @@ inline Registration registered(const std::vector<ScanConfig>& scans, const Regis
 }
 
 /// The Stanford bunny's range scans with the poses of bun.conf, whose quaternions turn the other way.
-inline std::vector<ScanConfig> bunny(const std::filesystem::path& folder) {
-  std::vector<ScanConfig> scans;
+inline std::vector<scene::ScanConfig> bunny(const std::filesystem::path& folder) {
+  std::vector<scene::ScanConfig> scans;
   std::ifstream file(folder / "bun.conf");
   std::string line;
   while (std::getline(file, line)) {
@@ -148,9 +148,9 @@ inline std::vector<ScanConfig> bunny(const std::filesystem::path& folder) {
     words >> kind >> name;
     if (kind != "bmesh" || !std::filesystem::exists(folder / name)) continue;
     for (double& value : v) words >> value;
-    ScanConfig scan;
+    scene::ScanConfig scan;
     scan.file = folder / name;
-    scan.units.unit = LengthUnit::m;
+    scan.units.unit = scene::LengthUnit::m;
     scan.pose = rigid(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).conjugate().normalized().toRotationMatrix(),
                       {v[0], v[1], v[2]});
     scans.push_back(scan);

@@ -236,11 +236,11 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
 }
 
 /// `scene`: of make_ground().
-inline TouchResult touch(const TouchCase& c, const pipeline::ScenePointer& scene, const TickWatcher& watch = {}) {
+inline TouchResult touch(const TouchCase& c, const scene::ScenePointer& scene, const TickWatcher& watch = {}) {
   return touch(c, haptics::window_on(scene, 0, 1, false), watch);
 }
 
-inline pipeline::ScenePointer make_ground(Ground ground) {
+inline scene::ScenePointer make_ground(Ground ground) {
   return scene_of([ground](double x, double y) { return height_of(ground, x, y); }, 401, 0.1, 401);
 }
 

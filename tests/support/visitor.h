@@ -69,7 +69,7 @@ class RelaxedHand final : public Device {
 class Visitor {
  public:
   /// `record`: the motors' log, run.csv; empty: none.
-  explicit Visitor(const pipeline::ScenePointer& scene, const std::string& record = {}) {
+  explicit Visitor(const scene::ScenePointer& scene, const std::string& record = {}) {
     auto hand = std::make_unique<RelaxedHand>();
     hand_ = hand.get();
     SessionOptions options;

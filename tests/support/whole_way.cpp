@@ -22,15 +22,16 @@
 #include "pipeline/report/report.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/scene.h"
 #include "scene/window_lattice.h"
 
 namespace sparsha::test {
 namespace {
 namespace fs = std::filesystem;
 
-using pipeline::DepthGrid;
-using pipeline::Layers;
-using pipeline::NodeState;
+using scene::DepthGrid;
+using scene::Layers;
+using scene::NodeState;
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw Broken(what);
@@ -58,10 +59,10 @@ bool same(const std::vector<float>& a, const std::vector<float>& b) {
   });
 }
 
-void check_level(const pipeline::SceneDescription& scene, const Layers& level, std::size_t number) {
+void check_level(const scene::SceneDescription& scene, const Layers& level, std::size_t number) {
   const std::string where = fmt::format("level {}: ", number);
   const DepthGrid& grid = level.grid;
-  require(pipeline::has_cell(grid.lattice), where + "no cell");
+  require(scene::has_cell(grid.lattice), where + "no cell");
   const double room = 1e-5 * (1.0 + scene.height_max_m - scene.height_min_m);
   bool any_cell = false;
   for (int j = 0; j < grid.lattice.ny; ++j)
@@ -108,23 +109,22 @@ void touch(const haptics::HapticWindow& window) {
   }
 }
 
-void touch_all(const pipeline::Scene& scene) {
-  const pipeline::SceneDescription& description = scene.description();
-  for (const haptics::ZoomStep& step : haptics::zoom_steps(description, pipeline::kDeskWorkspace_m)) {
-    const pipeline::Lattice& lattice = description.levels.at(static_cast<std::size_t>(step.level));
+void touch_all(const scene::Scene& scene) {
+  const scene::SceneDescription& description = scene.description();
+  for (const haptics::ZoomStep& step : haptics::zoom_steps(description, scene::kDeskWorkspace_m)) {
+    const scene::Lattice& lattice = description.levels.at(static_cast<std::size_t>(step.level));
     const Eigen::Vector2d low(lattice.x_m(0), lattice.y_m(0));
     const Eigen::Vector2d high(lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1));
     for (const Eigen::Vector2d& centre : {haptics::middle_of(lattice), low, high}) {
       must(fmt::format("touching level {}", step.level), [&] {
-        touch(haptics::load_window(scene, haptics::plan_window(description, step, centre, pipeline::kDeskWorkspace_m),
-                                   1));
+        touch(haptics::load_window(scene, haptics::plan_window(description, step, centre, scene::kDeskWorkspace_m), 1));
       });
     }
   }
 }
 
-void trace_all(const pipeline::Scene& scene) {
-  const pipeline::SceneDescription& description = scene.description();
+void trace_all(const scene::Scene& scene) {
+  const scene::SceneDescription& description = scene.description();
   for (std::size_t level = 0; level < description.levels.size(); ++level) {
     const auto number = static_cast<int>(level);
     const auto surface = must(fmt::format("tracing level {}", level), [&] {
@@ -145,7 +145,7 @@ void trace_all(const pipeline::Scene& scene) {
   }
 }
 
-void export_all(const pipeline::Scene& scene, const fs::path& folder, Progress& progress) {
+void export_all(const scene::Scene& scene, const fs::path& folder, Progress& progress) {
   for (const char* name : {"s.ply", "s.obj", "s.xyz", "s.tif", "s.png"})
     must(name, [&] { pipeline::export_scene(scene, folder / name, false, progress); });
   must("nodes.ply", [&] { pipeline::export_scene(scene, folder / "nodes.ply", true, progress); });
@@ -175,7 +175,7 @@ void check_report(const pipeline::Report& report) {
 }
 
 // Points on disk and in memory give the same scene.
-void compare(const pipeline::Scene& a, const pipeline::Scene& b) {
+void compare(const scene::Scene& a, const scene::Scene& b) {
   require(a.description().levels.size() == b.description().levels.size(), "out of core: another number of levels");
   for (std::size_t level = 0; level < a.description().levels.size(); ++level) {
     const Layers x = a.read_level(static_cast<int>(level)), y = b.read_level(static_cast<int>(level));
@@ -187,17 +187,17 @@ void compare(const pipeline::Scene& a, const pipeline::Scene& b) {
 
 }  // namespace
 
-void use_scene(const pipeline::ScenePointer& scene, const fs::path& folder) {
+void use_scene(const scene::ScenePointer& scene, const fs::path& folder) {
   empty(folder);
   Progress progress;
-  const pipeline::SceneDescription& description = scene->description();
+  const scene::SceneDescription& description = scene->description();
   for (std::size_t level = 0; level < description.levels.size(); ++level)
     check_level(description, scene->read_level(static_cast<int>(level)), level);
   const fs::path written = folder / "scene";
   fs::create_directories(written);
-  must("writing", [&] { pipeline::write_scene(*scene, written); });
-  const pipeline::ScenePointer opened =
-      must("opening", [&] { return pipeline::open_scene(written, pipeline::Trust::any_file); });
+  must("writing", [&] { scene::write_scene(*scene, written); });
+  const scene::ScenePointer opened =
+      must("opening", [&] { return scene::open_scene(written, scene::Trust::any_file); });
   for (std::size_t level = 0; level < description.levels.size(); ++level) {
     const auto number = static_cast<int>(level);
     require(same(scene->read_level(number).grid.height_m, opened->read_level(number).grid.height_m),
@@ -215,10 +215,10 @@ bool go_whole_way(std::span<const std::uint8_t> bytes, const fs::path& folder) {
   std::ofstream(file, std::ios::binary) << recipe.scan;
   try {
     Progress progress;
-    pipeline::Config config = recipe.config;
+    scene::Config config = recipe.config;
     config.scans.resize(1);
     config.scans.front().file = file;
-    config.scans.front().units.unit = pipeline::LengthUnit::m;
+    config.scans.front().units.unit = scene::LengthUnit::m;
     pipeline::BuildOptions options;
     options.threads = 1;
     options.force = true;
@@ -227,7 +227,7 @@ bool go_whole_way(std::span<const std::uint8_t> bytes, const fs::path& folder) {
     try {
       static_cast<void>(pipeline::inspect_scan(file));
       if (recipe.suggested) {
-        pipeline::Config suggested = pipeline::suggest_config({file}, folder, progress).config;
+        scene::Config suggested = pipeline::suggest_config({file}, folder, progress).config;
         suggested.levels = config.levels;
         config = suggested;
       }
@@ -244,7 +244,7 @@ bool go_whole_way(std::span<const std::uint8_t> bytes, const fs::path& folder) {
     must("the report", [&] { pipeline::write_report(*built.scene, built.report, folder / "use", pool); });
     if (config.check) {
       const pipeline::Report again = must("check", [&] {
-        return pipeline::recheck_scene(*built.scene, {}, *config.check, 1, progress, pipeline::Trust::any_file);
+        return pipeline::recheck_scene(*built.scene, {}, *config.check, 1, progress, scene::Trust::any_file);
       });
       check_report(again);
     }

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "scene/config.h"
-#include "scene/scene.h"
+#include "scene/config/config.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::test {
 
@@ -21,7 +21,7 @@ class Broken : public std::logic_error {
 /// Takes a scene of scans that are still there through all that the commands do with it: its folder written and opened
 /// again, every level traced, every zoom step touched in the middle and at two corners, exported in every format, held
 /// against its scans. `folder` is emptied. Throws Broken, also for an Error of what must not fail.
-void use_scene(const pipeline::ScenePointer& scene, const std::filesystem::path& folder);
+void use_scene(const scene::ScenePointer& scene, const std::filesystem::path& folder);
 
 /// What bytes describe: a scan of a regular or an unlikely shape, and a configuration for it. Any bytes do; few changed
 /// bytes are a small change.
@@ -29,7 +29,7 @@ struct Recipe {
   std::string name;              ///< of the scan's file
   std::string scan;              ///< its content
   bool suggested = false;        ///< the configuration is the one that `new` proposes, changed by `config`
-  pipeline::Config config;       ///< its scan is to be set
+  scene::Config config;          ///< its scan is to be set
   std::uint64_t points_at_once;  ///< > 0: it is built with so many points in memory as well
   std::string words;             ///< what it is, for reports
 };

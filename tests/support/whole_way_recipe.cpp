@@ -235,35 +235,35 @@ void write_scan(const Shape& shape, Bytes& bytes, Recipe& recipe) {
                              mesh ? fmt::format(", {} faces", faces.size()) : std::string());
 }
 
-void choose_filters(Bytes& bytes, double spacing_m, pipeline::Config& config) {
+void choose_filters(Bytes& bytes, double spacing_m, scene::Config& config) {
   if (!bytes.one_in(3)) return;
   switch (bytes.pick(7)) {
     case 0:
-      config.filters.push_back({pipeline::VoxelConfig{2.0 * spacing_m}});
+      config.filters.push_back({scene::VoxelConfig{2.0 * spacing_m}});
       break;
     case 1:
-      config.filters.push_back({pipeline::OutlierConfig{}});
+      config.filters.push_back({scene::OutlierConfig{}});
       break;
     case 2:
-      config.filters.push_back({pipeline::RadiusOutlierConfig{}});
+      config.filters.push_back({scene::RadiusOutlierConfig{}});
       break;
     case 3:
-      config.filters.push_back({pipeline::RemovePlaneConfig{}});
+      config.filters.push_back({scene::RemovePlaneConfig{}});
       break;
     case 4:
-      config.filters.push_back({pipeline::KeepConfig{std::nullopt, 1.5 * spacing_m, {}}});
+      config.filters.push_back({scene::KeepConfig{std::nullopt, 1.5 * spacing_m, {}}});
       break;
     case 5:
-      config.filters.push_back({pipeline::SmoothConfig{3.0 * spacing_m, 2, {}}});
+      config.filters.push_back({scene::SmoothConfig{3.0 * spacing_m, 2, {}}});
       break;
     default:
-      config.filters.push_back({pipeline::ThinConfig{1}});
+      config.filters.push_back({scene::ThinConfig{1}});
       break;
   }
 }
 
-pipeline::Config config_of(Bytes& bytes, double spacing_m) {
-  pipeline::Config config;
+scene::Config config_of(Bytes& bytes, double spacing_m) {
+  scene::Config config;
   config.levels.window = bytes.one_of(std::array{16, 32, 200});
   switch (bytes.pick(4)) {
     case 0:
@@ -279,21 +279,21 @@ pipeline::Config config_of(Bytes& bytes, double spacing_m) {
       break;
   }
   config.grid.colour = bytes.one_in(2);
-  if (bytes.one_in(2)) config.fill = pipeline::FillConfig{3.0 * spacing_m};
+  if (bytes.one_in(2)) config.fill = scene::FillConfig{3.0 * spacing_m};
   if (bytes.one_in(2)) {
-    config.texture = pipeline::TextureConfig{2.0 * spacing_m, 0.5 * spacing_m, {}};
+    config.texture = scene::TextureConfig{2.0 * spacing_m, 0.5 * spacing_m, {}};
     if (bytes.one_in(2)) {
-      config.friction = pipeline::FrictionConfig{};
+      config.friction = scene::FrictionConfig{};
       config.friction->law =
-          bytes.one_of(std::array{pipeline::FrictionConfig::Law::curvature, pipeline::FrictionConfig::Law::paper,
-                                  pipeline::FrictionConfig::Law::constant});
+          bytes.one_of(std::array{scene::FrictionConfig::Law::curvature, scene::FrictionConfig::Law::paper,
+                                  scene::FrictionConfig::Law::constant});
     }
   }
-  if (!bytes.one_in(4)) config.check = pipeline::CheckConfig{bytes.one_of(std::array<std::int64_t, 3>{0, 50, 5000})};
+  if (!bytes.one_in(4)) config.check = scene::CheckConfig{bytes.one_of(std::array<std::int64_t, 3>{0, 50, 5000})};
   if (bytes.one_in(4)) {
     config.orientation.face =
-        bytes.one_of(std::array{pipeline::OrientationConfig::Face::automatic, pipeline::OrientationConfig::Face::plane,
-                                pipeline::OrientationConfig::Face::principal});
+        bytes.one_of(std::array{scene::OrientationConfig::Face::automatic, scene::OrientationConfig::Face::plane,
+                                scene::OrientationConfig::Face::principal});
   }
   config.haptics.grain = bytes.one_in(4);
   choose_filters(bytes, spacing_m, config);
@@ -314,7 +314,7 @@ Recipe recipe_of(std::span<const std::uint8_t> bytes) {
   recipe.words +=
       fmt::format("; grid {} of {} m, {}{}{}", recipe.config.grid.size, recipe.config.grid.spacing_m,
                   recipe.suggested ? "suggested, " : "",
-                  recipe.config.filters.empty() ? "no filter" : pipeline::filter_name(recipe.config.filters.front()),
+                  recipe.config.filters.empty() ? "no filter" : scene::filter_name(recipe.config.filters.front()),
                   recipe.config.check ? ", checked" : "");
   return recipe;
 }

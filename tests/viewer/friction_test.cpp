@@ -10,12 +10,13 @@
 #include "haptics/window/surface.h"
 #include "pipeline/report/images.h"
 #include "relief_scene.h"
+#include "scene/scene.h"
 #include "viewer/surface/paint.h"
 
 namespace sparsha::viewer::test {
 namespace {
 
-using pipeline::FrictionConfig;
+using scene::FrictionConfig;
 
 constexpr int kNodes = 120;
 constexpr double kSpacing_m = 0.0005;
@@ -30,7 +31,7 @@ struct Case {
 };
 
 /// The law as the papers and docs/configuration.md write it, one node.
-double written_law(const FrictionConfig& config, const pipeline::Layers& layers, std::size_t k, double scale,
+double written_law(const FrictionConfig& config, const scene::Layers& layers, std::size_t k, double scale,
                    double workspace_m) {
   const double radius_m = 0.5 * workspace_m;
   double mu = config.mu_0;
@@ -61,14 +62,14 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
     options.spacing_m = kSpacing_m;
     const auto scene =
         scene_of([](double x, double y) { return 0.0005 * std::sin(300.0 * x) * std::cos(200.0 * y); }, options,
-                 [&](pipeline::SceneDescription& description) {
+                 [&](scene::SceneDescription& description) {
                    description.config.friction = FrictionConfig{};
                    description.config.friction->law = c.law;
                    description.config.levels.window = c.window;
                    description.friction_c_m = kFrictionCM;
                    description.has_curvature = description.has_paper_curvatures = c.layers;
                  },
-                 [&](pipeline::Layers& layers) {
+                 [&](scene::Layers& layers) {
                    if (!c.layers) return;
                    const std::size_t count = layers.grid.lattice.count();
                    for (std::size_t k = 0; k < count; ++k) {
@@ -78,14 +79,14 @@ TEST(Friction, IsTheSameFeltShownAndReportedUnderEveryLaw) {
                      layers.gaussian_curvature_per_m2.push_back(k % 17 == 0 ? std::nanf("") : 300.0F * wave * wave);
                    }
                  });
-    const pipeline::SceneDescription& description = scene->description();
+    const scene::SceneDescription& description = scene->description();
     const FrictionConfig& config = *description.config.friction;
-    const pipeline::Layers layers = scene->read_level(0);
+    const scene::Layers layers = scene->read_level(0);
     // The workspace on the window's longer side.
     const double scale = c.workspace_m / ((std::min(c.window, kNodes) - 1) * kSpacing_m);
 
     const int nodes = std::min(c.window, kNodes);
-    const pipeline::Layers window = scene->read(0, 0, 0, nodes, std::min(c.window, options.ny));
+    const scene::Layers window = scene->read(0, 0, 0, nodes, std::min(c.window, options.ny));
     const auto felt = haptics::make_surface(description, window, 0, scale, {});
     ThreadPool pool(2);
     const ReliefData relief = prepare_relief(layers, 0, false, 0.0, pool);

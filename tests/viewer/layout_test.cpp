@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "relief_scene.h"
+#include "scene/scene.h"
 #include "studio.h"
 #include "tests/viewer/cloud/points.h"
 #include "viewer/cloud/mode.h"
@@ -44,8 +45,8 @@ TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
   Connections connections;
   connections.announcements = &board;
   connections.rescan = [](const Eigen::Matrix4d&) {};
-  const auto edit = [](pipeline::SceneDescription& description) {
-    pipeline::PartConfig part;
+  const auto edit = [](scene::SceneDescription& description) {
+    scene::PartConfig part;
     part.name = "lotus medallion of the second gallery";
     part.box_m = {0.0, 0.0, 1.0, 1.0};
     description.config.parts.push_back(part);
@@ -74,7 +75,7 @@ TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
         for (std::size_t k = 0; k < frame.marks.profile.size(); ++k)
           frame.marks.profile[k] = {0.004 * static_cast<double>(k),
                                     {0.004 * static_cast<double>(k), 0.2, 1e-4 * static_cast<double>(k % 17)},
-                                    pipeline::NodeState::measured};
+                                    scene::NodeState::measured};
         frame.marks.tool = page == 4 ? Tool::profile : Tool::none;
         if (page == 0) board.say("A part of the scene cannot be read: the tile at the upper left of the second level");
         studio.shoot(state, width, height);

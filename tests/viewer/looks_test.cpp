@@ -147,8 +147,8 @@ TEST(Looks, AKioskShowsTheWholeObjectWhateverSectionWasLeft) {
 }
 
 TEST(Looks, EveryOneDrawsInEveryStereoModeWithoutErrorsAndFreesWhatItTook) {
-  const auto edit = [](pipeline::SceneDescription& description) {
-    auto map = std::make_shared<pipeline::CheckMap>();
+  const auto edit = [](scene::SceneDescription& description) {
+    auto map = std::make_shared<scene::CheckMap>();
     map->lattice = {2, 2, 0.2, {0.1, 0.1, 0.0}};
     map->error_m = {0.0F, 1e-4F, 2e-4F, std::nanf("")};
     map->high_m = 2e-4;

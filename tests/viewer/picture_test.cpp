@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "relief_scene.h"
+#include "scene/scene.h"
 #include "studio.h"
 #include "tests/support/test_folder.h"
 #include "viewer/viewer.h"
@@ -28,7 +29,7 @@ SceneOptions plate() {
 bool is_stone(const Pixel& p) { return p.r > 60 && p.r > p.b + 12; }
 bool is_ball(const Pixel& p) { return p.b > p.r + 40; }
 
-haptics::State in_air(const pipeline::Scene& scene, double x_m, double y_m, double z_m, double cx_m, double cy_m) {
+haptics::State in_air(const scene::Scene& scene, double x_m, double y_m, double z_m, double cx_m, double cy_m) {
   haptics::State state = touching(scene, x_m, y_m, z_m, cx_m, cy_m);
   state.hip_m = state.proxy_m;
   state.contact = 0;
@@ -223,9 +224,9 @@ TEST(Picture, TheFirstViewLooksStraightOnAndHomeRestoresIt) {
 }
 
 TEST(Picture, FilledAreasAreMarkedOnlyWhenAsked) {
-  const auto filled = [](pipeline::Layers& layers) {
+  const auto filled = [](scene::Layers& layers) {
     for (int j = 80; j < 120; ++j)
-      for (int i = 80; i < 120; ++i) layers.grid.state[layers.grid.lattice.index(i, j)] = pipeline::NodeState::filled;
+      for (int i = 80; i < 120; ++i) layers.grid.state[layers.grid.lattice.index(i, j)] = scene::NodeState::filled;
   };
   Studio studio(scene_of([](double, double) { return 0.0; }, plate(), {}, filled));
   const int middle = layout_of(1280, 720, {}).detail.width / 2;
@@ -299,12 +300,12 @@ TEST(Picture, TheDisparityOfAKnownPointIsTheFormulasToAPixel) {
 }
 
 TEST(Picture, EveryModeDrawsWithoutGlErrorsAndFreesWhatItTook) {
-  const auto edit = [](pipeline::SceneDescription& description) {
+  const auto edit = [](scene::SceneDescription& description) {
     description.has_envelope = description.has_curvature = description.has_colour = true;
     description.config.friction.emplace();
     description.friction_c_m = 0.01;
   };
-  const auto layers = [](pipeline::Layers& l) {
+  const auto layers = [](scene::Layers& l) {
     l.envelope_m = l.grid.height_m;
     l.curvature_per_m.assign(l.grid.lattice.count(), 20.0F);
     l.colour_rgba.assign(l.grid.lattice.count(), 0xFF3050A0U);
@@ -336,7 +337,7 @@ TEST(Picture, EveryVariantOfTheReliefsProgramCompiles) {
 }
 
 TEST(Picture, SurvivesScenesAtTheLimits) {
-  const auto state_of = [](const pipeline::Scene& scene) { return touching(scene, 0.0, 0.0, 0.0, 0.0, 0.0); };
+  const auto state_of = [](const scene::Scene& scene) { return touching(scene, 0.0, 0.0, 0.0, 0.0, 0.0); };
   const auto flat = [](double, double) { return 0.0; };
   const auto unknown = [](double, double) { return kNaN; };
   const auto needle = [](double x_m, double) { return x_m > 0.02 && x_m < 0.022 ? 1e4 : 0.0; };

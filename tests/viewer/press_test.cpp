@@ -9,6 +9,7 @@
 #include "haptics/device/pointer/pointer_device.h"
 #include "haptics/window/window.h"
 #include "relief_scene.h"
+#include "scene/scene.h"
 #include "scene/workspace.h"
 #include "viewer/hand.h"
 #include "viewer/surface/touch_ground.h"
@@ -32,10 +33,10 @@ double figure(double x_m, double y_m) {
 
 TEST(Press, LandsWhereTheMousePointsAndStaysGentleOnDeepForms) {
   const auto scene = scene_of(figure, 401, 0.4, 200);
-  const pipeline::SceneDescription& description = scene->description();
+  const scene::SceneDescription& description = scene->description();
   const Stage stage = stage_of(description);
   const haptics::WindowPlan plan = haptics::plan_window(description, static_cast<int>(description.levels.size()) - 1,
-                                                        {0.2, 0.2}, pipeline::kDeskWorkspace_m);
+                                                        {0.2, 0.2}, scene::kDeskWorkspace_m);
   const haptics::HapticWindow window = haptics::load_window(*scene, plan, 1);
   const haptics::MongeSurface& surface = *window.surface;
   haptics::State state = touching(*scene, 0.2, 0.2, 0.1, 0.2, 0.2);
@@ -106,7 +107,7 @@ double hill(double x_m, double y_m) {
 haptics::State told_of(const haptics::WindowPlan& plan, double stiffness_n_per_m) {
   haptics::State state;
   state.tick = 1000;
-  state.workspace_m = pipeline::kDeskWorkspace_m;
+  state.workspace_m = scene::kDeskWorkspace_m;
   state.level = static_cast<std::uint64_t>(plan.level);
   state.window = {plan.i0, plan.j0, plan.nx, plan.ny};
   state.scale = plan.scale;
@@ -120,17 +121,17 @@ haptics::State told_of(const haptics::WindowPlan& plan, double stiffness_n_per_m
 // centre jumps. Until the viewer has read that window too, its old ground says nothing about the place.
 TEST(Press, NeverGoesDeeperWhileTheWindowUnderItChanges) {
   const auto scene = scene_of(hill, 401, 0.4, 60);
-  const pipeline::SceneDescription& description = scene->description();
+  const scene::SceneDescription& description = scene->description();
   const Stage stage = stage_of(description);
-  const auto steps = haptics::zoom_steps(description, pipeline::kDeskWorkspace_m);
+  const auto steps = haptics::zoom_steps(description, scene::kDeskWorkspace_m);
   ASSERT_GE(steps.size(), 2U);
-  const double reach_m = 0.5 * pipeline::kDeskWorkspace_m;
+  const double reach_m = 0.5 * scene::kDeskWorkspace_m;
   for (const Eigen::Vector2d& from_m : {Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(0.3, 0.2)}) {
     const Eigen::Vector2d to_m(0.4 - from_m.x(), 0.2);
     for (const bool zooms : {false, true}) {
       const haptics::ZoomStep& near = steps.back();
       const auto plan = [&](const haptics::ZoomStep& step, const Eigen::Vector2d& at_m) {
-        return haptics::plan_window(description, step, at_m, pipeline::kDeskWorkspace_m);
+        return haptics::plan_window(description, step, at_m, scene::kDeskWorkspace_m);
       };
       haptics::State state = told_of(plan(zooms ? steps.front() : near, from_m), 800.0);
       state.centre_m = {from_m.x(), from_m.y(), hill(from_m.x(), from_m.y())};

@@ -47,12 +47,12 @@ double lotus(double x_m, double y_m) {
   return h;
 }
 
-haptics::State touching(const pipeline::Scene& scene, double x_m, double y_m, double z_m, double cx_m, double cy_m) {
-  const pipeline::SceneDescription& description = scene.description();
+haptics::State touching(const scene::Scene& scene, double x_m, double y_m, double z_m, double cx_m, double cy_m) {
+  const scene::SceneDescription& description = scene.description();
   haptics::State state;
   state.tick = 1000;
   state.time_s = 1.0;
-  const pipeline::Lattice& level = description.levels.front();
+  const scene::Lattice& level = description.levels.front();
   const int nodes = std::min(description.config.levels.window, std::max(level.nx, level.ny));
   state.window = {0, 0, nodes, nodes};
   state.workspace_m = 0.1;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 #include "tests/support/scenes.h"
 
 namespace sparsha::viewer::test {
@@ -14,7 +14,7 @@ using sparsha::test::SceneOptions;
 [[nodiscard]] double lotus(double x_m, double y_m);
 
 /// A hand that presses on (x, y) of the grid frame, window of level 0 centred on (cx, cy).
-[[nodiscard]] haptics::State touching(const pipeline::Scene& scene, double x_m, double y_m, double z_m, double cx_m,
+[[nodiscard]] haptics::State touching(const scene::Scene& scene, double x_m, double y_m, double z_m, double cx_m,
                                       double cy_m);
 
 }  // namespace sparsha::viewer::test

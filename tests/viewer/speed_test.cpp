@@ -10,6 +10,7 @@
 #include <iostream>
 
 #include "relief_scene.h"
+#include "scene/scene.h"
 #include "studio.h"
 #include "tests/viewer/cloud/points.h"
 #include "viewer/cloud/mode.h"
@@ -40,7 +41,7 @@ Cost best_of(int rounds, Work work) {
 TEST(Speed, FramesAt1280x720) {
   if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "figures only with SPARSHA_NIGHTLY=1";
   const auto scene =
-      scene_of(lotus, {800, 800, 0.0005, 3}, [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
+      scene_of(lotus, {800, 800, 0.0005, 3}, [](scene::SceneDescription& d) { d.config.levels.window = 200; });
   const gl::OffscreenContext context;
   Picture picture;
   Gui gui;
@@ -142,8 +143,8 @@ TEST(Speed, EverySizeOfSceneAt1280x720) {
   std::printf("milliseconds of a picture: hand moves | camera moves | light key\n");
   for (const int nodes : {800, 4096, 8192}) {
     const double spacing_m = 0.4 / nodes;
-    const auto scene = scene_of(lotus, {nodes, nodes, spacing_m, 6},
-                                [](pipeline::SceneDescription& d) { d.config.levels.window = 200; });
+    const auto scene =
+        scene_of(lotus, {nodes, nodes, spacing_m, 6}, [](scene::SceneDescription& d) { d.config.levels.window = 200; });
     for (const bool stereo : {false, true})
       for (const bool whole : {false, true}) {
         ViewSettings settings;

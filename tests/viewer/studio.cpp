@@ -1,5 +1,6 @@
 // A picture without a display.
 #include "studio.h"
+#include "scene/scene.h"
 
 #include <algorithm>
 
@@ -38,7 +39,7 @@ Image::Spot Image::find(const Rect& rect, const std::function<bool(const Pixel&)
   return spot;
 }
 
-Studio::Studio(pipeline::ScenePointer scene, ViewSettings settings, Connections connections)
+Studio::Studio(scene::ScenePointer scene, ViewSettings settings, Connections connections)
     : context_(std::make_unique<gl::OffscreenContext>(true)) {
   gl::watch_errors(errors_);
   picture_ = std::make_unique<Picture>();

@@ -37,7 +37,7 @@ struct Image {
 /// Context, picture, controller and interface of one test; collects OpenGL errors.
 class Studio {
  public:
-  explicit Studio(pipeline::ScenePointer scene, ViewSettings settings = {}, Connections connections = {});
+  explicit Studio(scene::ScenePointer scene, ViewSettings settings = {}, Connections connections = {});
   ~Studio();
 
   /// One finished frame.

@@ -43,17 +43,17 @@ std::vector<NamedView> all_views() {
   views[18].actions.insert(views[18].actions.end(), tilt.begin(), tilt.end());
   for (int preset = 1; preset <= 5; ++preset)
     views.push_back({"light " + std::to_string(preset), times(Action::light_preset, preset)});
-  for (int map = 1; map < static_cast<int>(pipeline::ViewerConfig::kColourNames.size()); ++map)
-    views.push_back({pipeline::ViewerConfig::kColourNames[static_cast<std::size_t>(map)], times(Action::colour, map)});
+  for (int map = 1; map < static_cast<int>(scene::ViewerConfig::kColourNames.size()); ++map)
+    views.push_back({scene::ViewerConfig::kColourNames[static_cast<std::size_t>(map)], times(Action::colour, map)});
   return views;
 }
 
-pipeline::ScenePointer exhibit() {
-  const auto edit = [](pipeline::SceneDescription& description) {
+scene::ScenePointer exhibit() {
+  const auto edit = [](scene::SceneDescription& description) {
     description.has_envelope = description.has_colour = description.has_curvature = true;
     description.config.friction.emplace();
     description.friction_c_m = 0.01;
-    auto map = std::make_shared<pipeline::CheckMap>();
+    auto map = std::make_shared<scene::CheckMap>();
     map->lattice = {40, 40, 0.01, {0.005, 0.005, 0.0}};
     for (int j = 0; j < 40; ++j)
       for (int i = 0; i < 40; ++i)
@@ -61,8 +61,8 @@ pipeline::ScenePointer exhibit() {
     map->high_m = 2e-4;
     description.check_map = map;
   };
-  const auto layers = [](pipeline::Layers& l) {
-    const pipeline::Lattice& lattice = l.grid.lattice;
+  const auto layers = [](scene::Layers& l) {
+    const scene::Lattice& lattice = l.grid.lattice;
     l.envelope_m.resize(lattice.count());
     l.curvature_per_m.resize(lattice.count());
     l.colour_rgba.resize(lattice.count());
@@ -75,8 +75,8 @@ pipeline::ScenePointer exhibit() {
         const auto byte = [](double share) { return static_cast<std::uint32_t>(60.0 + 180.0 * share); };
         l.colour_rgba[k] =
             0xFF000000U | byte(0.5 + 0.5 * std::sin(40.0 * x)) | byte(x / 0.4) << 8U | byte(y / 0.4) << 16U;
-        if (std::hypot(x - 0.30, y - 0.31) < 0.025 && l.grid.state[k] != pipeline::NodeState::unknown)
-          l.grid.state[k] = pipeline::NodeState::filled;
+        if (std::hypot(x - 0.30, y - 0.31) < 0.025 && l.grid.state[k] != scene::NodeState::unknown)
+          l.grid.state[k] = scene::NodeState::filled;
       }
   };
   const auto height = [](double x_m, double y_m) {
@@ -85,7 +85,7 @@ pipeline::ScenePointer exhibit() {
   return scene_of(height, {401, 401, 0.001, 2}, edit, layers);
 }
 
-Image draw_small(const pipeline::ScenePointer& scene, const NamedView& view) {
+Image draw_small(const scene::ScenePointer& scene, const NamedView& view) {
   constexpr int kFactor = 4, kWidth = kFactor * kSmallWidth, kHeight = kFactor * kSmallHeight;
   Studio studio(scene);
   haptics::State state = touching(*scene, 0.24, 0.22, studio.picture().height_at(0.24, 0.22), 0.2, 0.2);

@@ -16,9 +16,9 @@ struct NamedView {
 /// Each differs from the first by what its name says.
 [[nodiscard]] std::vector<NamedView> all_views();
 /// A carved plate with colour, texture, friction, a cross-check, a hole that was filled and one that was not.
-[[nodiscard]] pipeline::ScenePointer exhibit();
+[[nodiscard]] scene::ScenePointer exhibit();
 /// Stone and hand of a view, 160 x 90 pixels, each the mean of 4 x 4: small differences of drivers vanish.
-[[nodiscard]] Image draw_small(const pipeline::ScenePointer& scene, const NamedView& view);
+[[nodiscard]] Image draw_small(const scene::ScenePointer& scene, const NamedView& view);
 
 /// Views of a sheet from left to right, row after row.
 inline constexpr int kSheetColumns = 6, kSmallWidth = 160, kSmallHeight = 90;

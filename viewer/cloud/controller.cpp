@@ -103,8 +103,8 @@ bool CloudController::set_side(CloudAction action) {
     case CloudAction::flat_face:
     case CloudAction::broad_side:
       if (orienting_.find_face && !frame_.status.busy)
-        orienting_.find_face(action == CloudAction::flat_face ? pipeline::OrientationConfig::Face::plane
-                                                              : pipeline::OrientationConfig::Face::principal,
+        orienting_.find_face(action == CloudAction::flat_face ? scene::OrientationConfig::Face::plane
+                                                              : scene::OrientationConfig::Face::principal,
                              frame_.setup);
       return true;
     case CloudAction::as_scanned:
@@ -232,8 +232,8 @@ void CloudController::act(CloudAction action) {
       if (!frame_.status.points) return;
       frame_.edits_crop = !frame_.edits_crop;
       if (!frame_.edits_crop || frame_.setup.crop) return;
-      set_crop(pipeline::CropConfig{frame_.status.points->origin_m + frame_.status.points->low.cast<double>(),
-                                    frame_.status.points->origin_m + frame_.status.points->high.cast<double>()});
+      set_crop(scene::CropConfig{frame_.status.points->origin_m + frame_.status.points->low.cast<double>(),
+                                 frame_.status.points->origin_m + frame_.status.points->high.cast<double>()});
       return;
     case CloudAction::help:
       frame_.help = !frame_.help;
@@ -260,12 +260,12 @@ void CloudController::set_euler(const Eigen::Vector3d& angles_deg) {
   if (angles_deg.allFinite()) turn(with_euler(angles_deg, frame_.setup.scan_to_grid), true);
 }
 
-void CloudController::set_crop(const std::optional<pipeline::CropConfig>& crop) {
+void CloudController::set_crop(const std::optional<scene::CropConfig>& crop) {
   if (crop && (!crop->min_m.allFinite() || !crop->max_m.allFinite())) return;
   frame_.setup.crop = crop;
   if (frame_.setup.crop) {
     const Eigen::Vector3d low = crop->min_m.cwiseMin(crop->max_m), high = crop->min_m.cwiseMax(crop->max_m);
-    frame_.setup.crop = pipeline::CropConfig{low, high};
+    frame_.setup.crop = scene::CropConfig{low, high};
   } else {
     frame_.edits_crop = false;
   }
@@ -274,13 +274,13 @@ void CloudController::set_crop(const std::optional<pipeline::CropConfig>& crop) 
   turned_s_ = frame_.time_s;
 }
 
-void CloudController::set_unit(pipeline::LengthUnit unit) {
+void CloudController::set_unit(scene::LengthUnit unit) {
   if (orienting_.set_unit && !frame_.status.busy) orienting_.set_unit(unit);
 }
 
 std::optional<Eigen::Vector2d> CloudController::crop_handle(int handle) const {
   if (!frame_.status.points || !frame_.setup.crop) return std::nullopt;
-  const pipeline::CropConfig& crop = *frame_.setup.crop;
+  const scene::CropConfig& crop = *frame_.setup.crop;
   Eigen::Vector3d place = 0.5 * (crop.min_m + crop.max_m);
   const int axis = handle / 2;
   place[axis] = handle % 2 == 0 ? crop.min_m[axis] : crop.max_m[axis];
@@ -296,7 +296,7 @@ void CloudController::drag_crop(const Eigen::Vector2d& moved) {
   const Eigen::Vector2d along(column.x() * frame_.view.pixels_per_m, -column.y() * frame_.view.pixels_per_m);
   if (!(along.squaredNorm() > 0.0)) return;
   const double by_m = moved.dot(along) / along.squaredNorm();
-  pipeline::CropConfig crop = *frame_.setup.crop;
+  scene::CropConfig crop = *frame_.setup.crop;
   const double thinnest_m = 1e-6;
   if (frame_.held % 2 == 0) {
     crop.min_m[axis] = std::min(crop.min_m[axis] + by_m, crop.max_m[axis] - thinnest_m);

@@ -106,8 +106,8 @@ class CloudController {
 
   // What fields and lists of the panel set.
   void set_euler(const Eigen::Vector3d& angles_deg);
-  void set_crop(const std::optional<pipeline::CropConfig>& crop);
-  void set_unit(pipeline::LengthUnit unit);
+  void set_crop(const std::optional<scene::CropConfig>& crop);
+  void set_unit(scene::LengthUnit unit);
   /// The object stands on the other end from now on, its front to the viewer.
   void set_up(UpAxis up);
   void cancel();

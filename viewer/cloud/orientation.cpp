@@ -9,7 +9,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "scene/config.h"
+#include "scene/config/orientation.h"
 #include "scene/euler.h"
 
 namespace sparsha::viewer {
@@ -68,19 +68,19 @@ Eigen::Matrix4d seen_from(Face face, UpAxis axis, const Eigen::Matrix4d& present
   const double scale = scale_of(present);
   switch (face) {
     case Face::front:
-      return pipeline::look_from(front, up, scale);
+      return scene::look_from(front, up, scale);
     case Face::back:
-      return pipeline::look_from(-front, up, scale);
+      return scene::look_from(-front, up, scale);
     case Face::left:
-      return pipeline::look_from(-right, up, scale);
+      return scene::look_from(-right, up, scale);
     case Face::right:
-      return pipeline::look_from(right, up, scale);
+      return scene::look_from(right, up, scale);
     case Face::top:
-      return pipeline::look_from(up, -front, scale);
+      return scene::look_from(up, -front, scale);
     case Face::bottom:
       break;
   }
-  return pipeline::look_from(-up, front, scale);
+  return scene::look_from(-up, front, scale);
 }
 
 Eigen::Matrix4d as_scanned(const Eigen::Matrix4d& present) {
@@ -112,9 +112,7 @@ Eigen::Matrix4d upright(const Eigen::Matrix4d& scan_to_grid, UpAxis up) {
   return rolled(scan_to_grid, 0.0, 0.0, std::atan2(axis.x(), axis.y()));
 }
 
-Eigen::Vector3d euler_deg(const Eigen::Matrix4d& scan_to_grid) {
-  return pipeline::euler_deg(rotation_of(scan_to_grid));
-}
+Eigen::Vector3d euler_deg(const Eigen::Matrix4d& scan_to_grid) { return scene::euler_deg(rotation_of(scan_to_grid)); }
 
 Eigen::Matrix4d with_euler(const Eigen::Vector3d& angles_deg, const Eigen::Matrix4d& present) {
   return about(angles_deg.z() * kDegree, Eigen::Vector3d::UnitZ()) *

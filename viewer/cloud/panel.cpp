@@ -17,7 +17,7 @@
 namespace sparsha::viewer {
 namespace {
 
-using pipeline::LengthUnit;
+using scene::LengthUnit;
 
 constexpr std::array kUnits{LengthUnit::m, LengthUnit::cm, LengthUnit::mm, LengthUnit::ft, LengthUnit::us_ft};
 
@@ -176,10 +176,10 @@ void scans_part(const Brush& brush, CloudController& controller) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(0.35F * ImGui::GetContentRegionAvail().x);
   ImGui::BeginDisabled(frame.status.busy || !(points->metres_per_unit > 0.0));
-  const std::string unit = points->metres_per_unit > 0.0 ? pipeline::to_string(points->unit) : "several";
+  const std::string unit = points->metres_per_unit > 0.0 ? scene::to_string(points->unit) : "several";
   if (ImGui::BeginCombo("##unit", unit == "unknown" ? "m" : unit.c_str())) {
     for (const LengthUnit choice : kUnits)
-      if (ImGui::Selectable(pipeline::to_string(choice).c_str(), choice == points->unit)) controller.set_unit(choice);
+      if (ImGui::Selectable(scene::to_string(choice).c_str(), choice == points->unit)) controller.set_unit(choice);
     ImGui::EndCombo();
   }
   ImGui::EndDisabled();
@@ -197,7 +197,7 @@ void scans_part(const Brush& brush, CloudController& controller) {
   ImGui::SameLine();
   bool handles = frame.edits_crop;
   if (check(brush, "handles", handles)) controller.act(CloudAction::crop);
-  pipeline::CropConfig crop = *frame.setup.crop;
+  scene::CropConfig crop = *frame.setup.crop;
   bool edited = false;
   for (const auto& [label, corner] : {std::pair{"from, m", &crop.min_m}, std::pair{"to, m", &crop.max_m}}) {
     ImGui::SetNextItemWidth(0.82F * ImGui::GetContentRegionAvail().x);
@@ -317,7 +317,7 @@ void draw_cloud_marks(const Brush& brush, const CloudController& controller, con
   }
   if (frame.setup.crop) {
     const auto corner = [&](int k) {
-      const pipeline::CropConfig& crop = *frame.setup.crop;
+      const scene::CropConfig& crop = *frame.setup.crop;
       const Eigen::Vector3d place((k & 1) != 0 ? crop.max_m.x() : crop.min_m.x(),
                                   (k & 2) != 0 ? crop.max_m.y() : crop.min_m.y(),
                                   (k & 4) != 0 ? crop.max_m.z() : crop.min_m.z());

@@ -102,7 +102,7 @@ std::vector<std::uint32_t> paint_stations(const std::vector<std::uint8_t>& stati
   return paint;
 }
 
-bool same(const std::optional<pipeline::CropConfig>& a, const std::optional<pipeline::CropConfig>& b) {
+bool same(const std::optional<scene::CropConfig>& a, const std::optional<scene::CropConfig>& b) {
   return a.has_value() == b.has_value() && (!a || (a->min_m == b->min_m && a->max_m == b->max_m));
 }
 

@@ -46,7 +46,7 @@ class CloudPicture {
   std::vector<std::uint32_t> paint_;  ///< one colour per point; empty: the cloud's own or by height
   SplatView view_;
   bool dark_ = false;
-  std::optional<pipeline::CropConfig> crop_;
+  std::optional<scene::CropConfig> crop_;
   std::uint64_t previews_ = 0;
   double share_ = 0.0, refined_ = 0.0, changed_s_ = 0.0;
   double points_per_s_ = 3e7;

@@ -11,7 +11,9 @@
 
 #include <Eigen/Core>
 
-#include "scene/config.h"
+#include "scene/config/filters.h"
+#include "scene/config/orientation.h"
+#include "scene/config/scans.h"
 
 namespace sparsha::viewer {
 
@@ -28,13 +30,13 @@ struct PointView {
   std::string title;
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3f> points;
-  std::vector<std::uint32_t> rgba;    ///< 0xAABBGGRR, empty or one per point
-  std::vector<float> intensity;       ///< empty or one per point
-  std::vector<std::uint8_t> station;  ///< number of the scan; empty or one per point
-  std::uint64_t total = 0;            ///< in the scans; more than are here when a sample is shown
-  bool z_up = false;                  ///< by the custom of the scans' format; else y
-  pipeline::LengthUnit unit = pipeline::LengthUnit::automatic;  ///< of all scans, when they have one in common
-  double metres_per_unit = 1.0;                                 ///< 0 when the scans' units differ
+  std::vector<std::uint32_t> rgba;                        ///< 0xAABBGGRR, empty or one per point
+  std::vector<float> intensity;                           ///< empty or one per point
+  std::vector<std::uint8_t> station;                      ///< number of the scan; empty or one per point
+  std::uint64_t total = 0;                                ///< in the scans; more than are here when a sample is shown
+  bool z_up = false;                                      ///< by the custom of the scans' format; else y
+  scene::LengthUnit unit = scene::LengthUnit::automatic;  ///< of all scans, when they have one in common
+  double metres_per_unit = 1.0;                           ///< 0 when the scans' units differ
 
   // Filled in by arrange().
   std::vector<PointBlock> blocks;
@@ -49,7 +51,7 @@ void arrange(PointView& view);
 /// What the next depth scan is made with.
 struct ScanSetup {
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
-  std::optional<pipeline::CropConfig> crop;
+  std::optional<scene::CropConfig> crop;
 };
 
 /// An Escape that was to stop work on the scans may come so long after its end; it does not leave the program then.
@@ -77,12 +79,12 @@ struct Orienting {
   std::function<std::string()> unavailable;  ///< empty, or why the scans cannot be looked at
   std::function<void()> open;                ///< reads the scans; once more does nothing
   std::function<OrientingStatus()> status;
-  std::function<void(pipeline::OrientationConfig::Face, const ScanSetup&)> find_face;
-  std::function<void(pipeline::LengthUnit)> set_unit;  ///< of all scans; reads them again
-  std::function<void(const ScanSetup&)> scan;          ///< the scene comes to Connections::scene
-  std::function<void()> cancel;                        ///< what is being done
-  std::function<void(const ScanSetup&)> save;          ///< writes a configuration; the note says where
-  std::function<void()> save_scene;                    ///< keeps the last depth scan as a scene; the note says where
+  std::function<void(scene::OrientationConfig::Face, const ScanSetup&)> find_face;
+  std::function<void(scene::LengthUnit)> set_unit;  ///< of all scans; reads them again
+  std::function<void(const ScanSetup&)> scan;       ///< the scene comes to Connections::scene
+  std::function<void()> cancel;                     ///< what is being done
+  std::function<void(const ScanSetup&)> save;       ///< writes a configuration; the note says where
+  std::function<void()> save_scene;                 ///< keeps the last depth scan as a scene; the note says where
 };
 
 }  // namespace sparsha::viewer

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "scene/scene.h"
 #include "viewer/controller/controller.h"
 
 namespace sparsha::viewer {

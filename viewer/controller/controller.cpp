@@ -10,12 +10,13 @@
 #include <fmt/format.h>
 
 #include "scene/regions.h"
+#include "scene/scene.h"
 #include "scene/workspace.h"
 
 namespace sparsha::viewer {
 namespace {
 
-std::string title_of(const pipeline::Scene& scene) {
+std::string title_of(const scene::Scene& scene) {
   std::filesystem::path folder = scene.folder();
   if (folder.filename().empty()) folder = folder.parent_path();
   std::string name = folder.filename().string();
@@ -50,7 +51,7 @@ Controller::Controller(const Connections& connections, const ViewSettings& setti
 
 Controller::~Controller() { release(drag_key_); }
 
-void Controller::set_scene(pipeline::ScenePointer scene) {
+void Controller::set_scene(scene::ScenePointer scene) {
   scene_ = std::move(scene);
   came_ = true;
   stage_ = stage_of(scene_->description());
@@ -71,7 +72,7 @@ void Controller::tell(const std::string& text, haptics::Announcement::Priority p
 
 double Controller::reach_m() const {
   const haptics::State& state = frame_.state;
-  return 0.5 * (state.tick != 0 ? state.workspace_m : pipeline::kDeskWorkspace_m);
+  return 0.5 * (state.tick != 0 ? state.workspace_m : scene::kDeskWorkspace_m);
 }
 
 // Never wider than the scene: a window that reaches beyond it is drawn as the whole of it.
@@ -117,7 +118,7 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
   if (!scene_) return;
   frame_.part.clear();
   if (state.tick != 0 && state.contact != 0) {
-    const pipeline::PartConfig* part = pipeline::part_at(scene_->description(), state.place_m);
+    const scene::PartConfig* part = scene::part_at(scene_->description(), state.place_m);
     if (part != nullptr) frame_.part = part->say.empty() ? part->name : part->say;
   }
   frame_.toasts = toasts_.update(time_s, connections_.announcements);

@@ -29,7 +29,7 @@ class Controller {
 
   using HeightAt = viewer::HeightAt;
 
-  void set_scene(pipeline::ScenePointer scene);
+  void set_scene(scene::ScenePointer scene);
   void press(const KeyPress& press);
   void release(int key);
   /// A character that was typed, where words are written.
@@ -111,7 +111,7 @@ class Controller {
   [[nodiscard]] double reach_m() const;  ///< of the hand to each side, device frame
 
   Connections connections_;
-  pipeline::ScenePointer scene_;
+  scene::ScenePointer scene_;
   Stage stage_;
   Frame frame_;
   bool leave_ = false, to_scans_ = false, screenshot_ = false, full_screen_ = false;

@@ -1,6 +1,7 @@
 // The mouse: the hand over the stone, the camera, the light, the overview and what can be clicked.
 #include <cmath>
 
+#include "scene/scene.h"
 #include "viewer/controller/controller.h"
 
 namespace sparsha::viewer {
@@ -29,7 +30,7 @@ Marking::Aim Controller::aim() const {
   aim.view = view_;
   aim.pixel = {std::fmod(mouse_.x() - layout_.detail.x, view_->width), mouse_.y() - layout_.detail.y};
   const View::Ray ray = view_->ray(aim.pixel.x(), aim.pixel.y());
-  const pipeline::SceneDescription& description = scene_->description();
+  const scene::SceneDescription& description = scene_->description();
   aim.at_m = meet_surface(stage_.to_grid_m(ray.origin), ray.direction, drawn_at_, 0.0, description.height_min_m,
                           description.height_max_m, window().width_m / 200.0);
   return aim;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "scene/scene.h"
 #include "viewer/controller/controller.h"
 
 namespace sparsha::viewer {
@@ -69,7 +70,7 @@ bool Controller::set_view(Action action) {
 
 void Controller::set_contours(bool finer) {
   if (!scene_) return;
-  const pipeline::SceneDescription& scene = scene_->description();
+  const scene::SceneDescription& scene = scene_->description();
   double& step_m = frame_.settings.contour_m;
   step_m = next_contour_m(step_m, scene.height_max_m - scene.height_min_m, finer);
   tell(step_m > 0.0 ? fmt::format("Contour lines every {}", length_text(step_m, TextStyle::screen))

@@ -192,7 +192,7 @@ void draw_profile(const Brush& brush, const Layout& layout, const std::vector<Pr
   const std::size_t stride = std::max<std::size_t>(1, profile.size() / 1024);
   for (std::size_t k = 0; k < profile.size(); k += stride) {
     const ProfileSample& sample = profile[k];
-    const bool is_filled = sample.state == pipeline::NodeState::filled;
+    const bool is_filled = sample.state == scene::NodeState::filled;
     if (!std::isfinite(sample.at_m.z())) {
       flush(points, filled);
       continue;

@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include "base/text.h"
+#include "scene/scene.h"
 #include "viewer/gui/gui.h"
 #include "viewer/gui/parts.h"
 #include "viewer/picture.h"
@@ -103,7 +104,7 @@ void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout
   brush.text(brush.fonts.small, x, y + tick + brush.px(2.0F), light, lines);
 }
 
-void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const pipeline::Scene& scene) {
+void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const scene::Scene& scene) {
   const Rect& rect = layout.overview;
   const Stage stage = stage_of(scene.description());
   const View view = make_view(overview_camera(scene.description(), rect), rect.width, rect.height);
@@ -147,7 +148,7 @@ struct FigureBox {
   float x, width, y, end;
 };
 
-void draw_figures(const Brush& brush, const Frame& frame, const pipeline::SceneDescription& description,
+void draw_figures(const Brush& brush, const Frame& frame, const scene::SceneDescription& description,
                   const Window& window, const FigureBox& box) {
   const Fonts& fonts = brush.fonts;
   const Theme& theme = brush.theme;

@@ -16,7 +16,7 @@ void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout
 /// Measures, pins and the parts' boxes over the detail view.
 void draw_marks(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture);
 /// The window's frame and the hand on the overview.
-void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const pipeline::Scene& scene);
+void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const scene::Scene& scene);
 /// Name, legend and what the hand feels.
 void draw_panel(const Brush& brush, const Frame& frame, const Layout& layout, const Picture& picture);
 /// Force, depth and speed of the last seconds.

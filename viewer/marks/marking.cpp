@@ -55,18 +55,18 @@ const char* name_of(Tool tool) {
 }
 
 // Metres of a scene for each metre of the same scans as `other` reads them.
-double unit_ratio(const pipeline::SceneDescription& scene, const pipeline::SceneDescription& other) {
-  const auto metres = [](const pipeline::SceneDescription& description) {
+double unit_ratio(const scene::SceneDescription& scene, const scene::SceneDescription& other) {
+  const auto metres = [](const scene::SceneDescription& description) {
     const auto& scans = description.config.scans;
-    const bool known = !scans.empty() && scans.front().units.unit != pipeline::LengthUnit::longest_side;
-    return known ? pipeline::metres_in(scans.front().units.unit) : 0.0;
+    const bool known = !scans.empty() && scans.front().units.unit != scene::LengthUnit::longest_side;
+    return known ? scene::metres_in(scans.front().units.unit) : 0.0;
   };
   const double own = metres(scene), others = metres(other);
   return own > 0.0 && others > 0.0 ? own / others : 1.0;
 }
 
 // From the grid of a scene to the scans' frame of `home`, which may read them in another unit.
-Eigen::Matrix4d home_from_grid(const pipeline::SceneDescription& scene, const pipeline::SceneDescription& home) {
+Eigen::Matrix4d home_from_grid(const scene::SceneDescription& scene, const scene::SceneDescription& home) {
   Eigen::Matrix4d matrix = scene.scan_from_grid;
   matrix.topRows<3>() *= unit_ratio(home, scene);
   return matrix;
@@ -74,10 +74,10 @@ Eigen::Matrix4d home_from_grid(const pipeline::SceneDescription& scene, const pi
 
 }  // namespace
 
-void Marking::set_scene(pipeline::ScenePointer scene) {
-  const pipeline::ScenePointer before = std::exchange(scene_, std::move(scene));
-  const pipeline::SceneDescription& now = scene_->description();
-  const bool same = before && (before == scene_ || pipeline::same_scans(before->description(), now));
+void Marking::set_scene(scene::ScenePointer scene) {
+  const scene::ScenePointer before = std::exchange(scene_, std::move(scene));
+  const scene::SceneDescription& now = scene_->description();
+  const bool same = before && (before == scene_ || scene::same_scans(before->description(), now));
   // In the scans' frame, to come back in the new grid's.
   Notes kept = same ? moved(marks_.notes, before->description().scan_from_grid) : Notes{};
   Eigen::Matrix4d scan_from_grid = same ? home_from_grid(now, before->description()) : now.scan_from_grid;
@@ -93,7 +93,7 @@ void Marking::set_scene(pipeline::ScenePointer scene) {
   if (!scene_->folder().empty()) {
     scan_from_grid = now.scan_from_grid;
     try {
-      kept = read_notes(scene_->folder() / pipeline::kNotesFile);
+      kept = read_notes(scene_->folder() / scene::kNotesFile);
     } catch (const Error& error) {
       unreadable_ = true;
       kept = {};
@@ -172,7 +172,7 @@ void Marking::finish_words(bool keep) {
     marks_.parts.pop_back();
     return;
   }
-  pipeline::PartConfig part;
+  scene::PartConfig part;
   part.name = part.say = words;
   part.box_m = marks_.parts.back().box_m;
   marks_.parts.back().name = words;
@@ -283,7 +283,7 @@ void Marking::save() {
   }
   try {
     write_notes(moved(marks_.notes, home_from_grid(scene_->description(), home_->description())),
-                home_->folder() / pipeline::kNotesFile);
+                home_->folder() / scene::kNotesFile);
   } catch (const Error& error) {
     if (!std::exchange(told_, true)) tell_("The notes are not kept: " + error.wrong(), Priority::warning);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptics/state/requests.h"
+#include "scene/config/parts.h"
 #include "viewer/actions.h"
 #include "viewer/camera.h"
 #include "viewer/hand.h"
@@ -20,13 +21,13 @@ class Marking {
  public:
   using Tell = std::function<void(const std::string& words, haptics::Announcement::Priority priority)>;
   /// Parts that were edited, for the scene; false: they stay as they were. Empty: parts are drawn and not edited.
-  using SaveParts = std::function<bool(const std::vector<pipeline::PartConfig>& parts)>;
+  using SaveParts = std::function<bool(const std::vector<scene::PartConfig>& parts)>;
 
   Marking(Tell tell, SaveParts save_parts) : tell_(std::move(tell)), save_parts_(std::move(save_parts)) {}
 
   /// Reads the scene's notes. A scene without a folder, such as a new depth scan, keeps those of the same scans that
   /// are there already; they are written to the folder that they came from.
-  void set_scene(pipeline::ScenePointer scene);
+  void set_scene(scene::ScenePointer scene);
 
   /// What the mouse points at, for the actions and clicks that follow. `height_at`: of the drawn surface.
   struct Aim {
@@ -83,9 +84,9 @@ class Marking {
 
   Tell tell_;
   SaveParts save_parts_;
-  pipeline::ScenePointer scene_;
-  pipeline::ScenePointer home_;  ///< the last scene of these scans with a folder, where notes are kept; null: none
-  std::vector<pipeline::PartConfig> parts_;
+  scene::ScenePointer scene_;
+  scene::ScenePointer home_;  ///< the last scene of these scans with a folder, where notes are kept; null: none
+  std::vector<scene::PartConfig> parts_;
   Marks marks_;
   Writing writing_ = Writing::pin;
   std::optional<Held> held_;

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "scene/regions.h"
+#include "scene/scene.h"
 #include "viewer/marks/marking.h"
 
 namespace sparsha::viewer {
@@ -16,11 +17,11 @@ constexpr double kNearPixels = 14.0;   // of a corner that is gripped
 constexpr double kErasePixels = 40.0;  // of a mark that is removed
 
 /// A part of a scene that was not turned.
-PartBox drawn(const pipeline::Scene& scene, std::size_t part) {
-  const pipeline::PartConfig& config = scene.description().config.parts[part];
+PartBox drawn(const scene::Scene& scene, std::size_t part) {
+  const scene::PartConfig& config = scene.description().config.parts[part];
   if (config.is_box()) return {config.name, config.box_m};
-  const pipeline::Area area = pipeline::area_of(scene.description(), part);
-  return {config.name, area.bounds_m().value_or(pipeline::Area::Box{}), area.borders_m(), false};
+  const scene::Area area = scene::area_of(scene.description(), part);
+  return {config.name, area.bounds_m().value_or(scene::Area::Box{}), area.borders_m(), false};
 }
 
 /// What of a part can be pointed at: of a box its corners and its middle, of others the corners of their borders.
@@ -47,7 +48,7 @@ void Marking::read_parts() {
   }
   try {
     for (std::size_t part = 0; part < parts_.size(); ++part)
-      if (const auto box = pipeline::part_box(*scene_, part)) marks_.parts.push_back({parts_[part].name, *box});
+      if (const auto box = scene::part_box(*scene_, part)) marks_.parts.push_back({parts_[part].name, *box});
   } catch (const Error&) {
     // The picture says what cannot be read of the scene.
   }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/files.h"
+#include "scene/scene.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -22,11 +23,11 @@ constexpr std::size_t kPiece = 64;  // samples whose nodes are read at once
 /// Nodes about a stretch of the line.
 struct Nodes {
   int i0 = 0, j0 = 0;
-  pipeline::Layers layers;
+  scene::Layers layers;
 };
 
 /// In spacings from the first node.
-Eigen::Vector2d nodes_along(const pipeline::Lattice& lattice, const Eigen::Vector2d& place) {
+Eigen::Vector2d nodes_along(const scene::Lattice& lattice, const Eigen::Vector2d& place) {
   return (place - lattice.origin_m.head<2>()) / lattice.spacing_m;
 }
 
@@ -35,9 +36,9 @@ int cell_of(double nodes_along, int nodes) {
   return static_cast<int>(std::clamp(std::floor(nodes_along), 0.0, std::max(nodes - 2.0, 0.0)));
 }
 
-Nodes read_nodes(const pipeline::Scene& scene, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const pipeline::Lattice& lattice = scene.description().levels.front();
-  const Eigen::Vector2d low = nodes_along(lattice, a.cwiseMin(b)), high = nodes_along(lattice, a.cwiseMax(b));
+Nodes read_nodes(const scene::Scene& scene, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const scene::Lattice& lattice = scene.description().levels.front();
+  const Eigen::Vector2d low = a.cwiseMin(b), high = a.cwiseMax(b);
   Nodes nodes;
   nodes.i0 = cell_of(low.x(), lattice.nx);
   nodes.j0 = cell_of(low.y(), lattice.ny);
@@ -48,14 +49,15 @@ Nodes read_nodes(const pipeline::Scene& scene, const Eigen::Vector2d& a, const E
 }
 
 /// Height and state of the bilinear surface at a place.
-void sample(const pipeline::Lattice& whole, const Nodes& nodes, ProfileSample& result) {
+void sample(const scene::Lattice& whole, const Nodes& nodes, ProfileSample& result) {
   result.at_m.z() = kNaN;
   const Eigen::Vector2d place = nodes_along(whole, result.at_m.head<2>());
   const double u = place.x(), v = place.y();
   constexpr double kRounding = 1e-9;
   if (u < -kRounding || v < -kRounding || u > whole.nx - 1 + kRounding || v > whole.ny - 1 + kRounding) return;
-  const int i = cell_of(u, whole.nx), j = cell_of(v, whole.ny);
-  const pipeline::DepthGrid& grid = nodes.layers.grid;
+  const int i = std::clamp(static_cast<int>(std::floor(u)), 0, std::max(whole.nx - 2, 0));
+  const int j = std::clamp(static_cast<int>(std::floor(v)), 0, std::max(whole.ny - 2, 0));
+  const scene::DepthGrid& grid = nodes.layers.grid;
   const double s = std::clamp(u - i, 0.0, 1.0), t = std::clamp(v - j, 0.0, 1.0);
   const std::array<double, 4> weights{(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t};
   double height_m = 0.0;
@@ -64,22 +66,22 @@ void sample(const pipeline::Lattice& whole, const Nodes& nodes, ProfileSample& r
     const double weight = weights[static_cast<std::size_t>(corner)];
     if (weight <= 0.0) continue;
     const std::size_t k = grid.lattice.index(i + (corner & 1) - nodes.i0, j + (corner >> 1) - nodes.j0);
-    if (grid.state[k] == pipeline::NodeState::unknown) return;
-    filled = filled || grid.state[k] == pipeline::NodeState::filled;
+    if (grid.state[k] == scene::NodeState::unknown) return;
+    filled = filled || grid.state[k] == scene::NodeState::filled;
     height_m += weight * static_cast<double>(grid.height_m[k]);
   }
   result.at_m.z() = whole.origin_m.z() + height_m;
-  result.state = filled ? pipeline::NodeState::filled : pipeline::NodeState::measured;
+  result.state = filled ? scene::NodeState::filled : scene::NodeState::measured;
 }
 
-const char* name_of(pipeline::NodeState state) {
+const char* name_of(scene::NodeState state) {
   constexpr std::array kNames{"unknown", "measured", "filled"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
 }  // namespace
 
-double surface_height_m(const pipeline::Scene& scene, double x_m, double y_m) {
+double surface_height_m(const scene::Scene& scene, double x_m, double y_m) {
   const Eigen::Vector2d place(x_m, y_m);
   if (!place.allFinite()) return kNaN;
   ProfileSample result;
@@ -88,9 +90,9 @@ double surface_height_m(const pipeline::Scene& scene, double x_m, double y_m) {
   return result.at_m.z();
 }
 
-std::vector<ProfileSample> profile_along(const pipeline::Scene& scene, const Eigen::Vector3d& from_m,
+std::vector<ProfileSample> profile_along(const scene::Scene& scene, const Eigen::Vector3d& from_m,
                                          const Eigen::Vector3d& to_m) {
-  const pipeline::Lattice& lattice = scene.description().levels.front();
+  const scene::Lattice& lattice = scene.description().levels.front();
   const Eigen::Vector2d from = from_m.head<2>(), to = to_m.head<2>();
   const double length_m = (to - from).norm();
   if (!std::isfinite(length_m)) return {};

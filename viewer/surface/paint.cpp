@@ -12,6 +12,7 @@
 
 #include "base/statistics.h"
 #include "scene/friction_law.h"
+#include "scene/scene.h"
 #include "scene/workspace.h"
 #include "viewer/surface/height_light.h"
 
@@ -61,10 +62,10 @@ Paint coverage(const ReliefData& relief) {
   paint.rgba.assign(4 * count, 255);
   std::size_t measured = 0, filled = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const pipeline::NodeState state = relief.layers.grid.state[k];
-    const bool is_filled = state == pipeline::NodeState::filled;
+    const scene::NodeState state = relief.layers.grid.state[k];
+    const bool is_filled = state == scene::NodeState::filled;
     filled += is_filled ? 1 : 0;
-    measured += state != pipeline::NodeState::unknown && !is_filled ? 1 : 0;
+    measured += state != scene::NodeState::unknown && !is_filled ? 1 : 0;
     const auto& colour = is_filled ? kFilled : kMeasured;
     std::copy(colour.begin(), colour.end(), paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * k));
   }
@@ -80,7 +81,7 @@ Paint coverage(const ReliefData& relief) {
 /// What the maps are computed from.
 struct Source {
   const ReliefData& relief;
-  const pipeline::SceneDescription& description;
+  const scene::SceneDescription& description;
   double workspace_m;
 };
 
@@ -172,9 +173,9 @@ std::vector<double> sky_seen(const Source& source, Legend& own) {
 
 std::vector<double> errors(const Source& source, Legend& own) {
   own.unit = "mm";
-  const pipeline::CheckMap& map = *source.description.check_map;
+  const scene::CheckMap& map = *source.description.check_map;
   own.high = std::max(1e3 * map.high_m, 1e-6);
-  const pipeline::Lattice& lattice = source.relief.lattice;
+  const scene::Lattice& lattice = source.relief.lattice;
   const auto columns = static_cast<std::size_t>(lattice.nx);
   return each(source.relief, [&](std::size_t k) {
     const int i = static_cast<int>(k % columns), j = static_cast<int>(k / columns);
@@ -188,13 +189,13 @@ std::vector<double> friction(const Source& source, Legend& own) {
   own.unit = "\xC2\xB5";
   own.high = std::max(description.config.friction->mu_max, 1e-6);
   const double scale = level_scale(description.config.levels.window, description.levels.front(), workspace_m);
-  const pipeline::FrictionLaw law(description, scale, workspace_m);
-  const pipeline::Layers& layers = relief.layers;
+  const scene::FrictionLaw law(description, scale, workspace_m);
+  const scene::Layers& layers = relief.layers;
   return each(relief, [&](std::size_t k) { return static_cast<double>(law.dynamic(layers, k)); });
 }
 
 std::vector<double> texture(const Source& source, Legend& own) {
-  const pipeline::Layers& layers = source.relief.layers;
+  const scene::Layers& layers = source.relief.layers;
   own.unit = "mm";
   std::vector<double> values = each(source.relief, [&](std::size_t k) {
     return 1e3 * (static_cast<double>(layers.grid.height_m[k]) - layers.envelope_m[k]);
@@ -235,11 +236,11 @@ constexpr std::array kTitles{"Stone",
                              "Local relief",
                              "Sky seen",
                              "Distance to the scan"};
-static_assert(kTitles.size() == pipeline::ViewerConfig::kColourNames.size());
+static_assert(kTitles.size() == scene::ViewerConfig::kColourNames.size());
 
 }  // namespace
 
-bool has_mode(const pipeline::SceneDescription& description, ColourMode mode) {
+bool has_mode(const scene::SceneDescription& description, ColourMode mode) {
   switch (mode) {
     case ColourMode::scan:
       return description.has_colour || description.has_intensity;
@@ -256,7 +257,7 @@ bool has_mode(const pipeline::SceneDescription& description, ColourMode mode) {
 
 const char* name_of(ColourMode mode) { return kTitles[static_cast<std::size_t>(mode)]; }
 
-ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode, int step) {
+ColourMode next_mode(const scene::SceneDescription& description, ColourMode mode, int step) {
   constexpr int kCount = static_cast<int>(kTitles.size());
   for (int tries = 1; tries <= kCount; ++tries) {
     const auto next = static_cast<ColourMode>((static_cast<int>(mode) + step * tries + kCount * kCount) % kCount);
@@ -265,7 +266,7 @@ ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode m
   return ColourMode::relief;
 }
 
-Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& description, ColourMode mode,
+Paint paint_relief(const ReliefData& relief, const scene::SceneDescription& description, ColourMode mode,
                    double workspace_m, const Legend* legend) {
   if (mode == ColourMode::relief || !has_mode(description, mode)) return {};
   if (mode == ColourMode::scan) return scan_colours(relief);

@@ -6,12 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "scene/config/viewer.h"
+#include "scene/scene.h"
 #include "viewer/surface/colour_maps.h"
 #include "viewer/surface/relief_data.h"
 
 namespace sparsha::viewer {
 
-using ColourMode = pipeline::ViewerConfig::Colour;
+using ColourMode = scene::ViewerConfig::Colour;
 
 /// What the colours mean; `unit` is the symbol after the numbers.
 struct Legend {
@@ -36,14 +38,14 @@ struct Paint {
 };
 
 /// True when the scene has what the mode shows.
-[[nodiscard]] bool has_mode(const pipeline::SceneDescription& description, ColourMode mode);
+[[nodiscard]] bool has_mode(const scene::SceneDescription& description, ColourMode mode);
 /// `title` of a mode in the interface, e.g. "Height".
 [[nodiscard]] const char* name_of(ColourMode mode);
 /// The next mode after `mode` that the scene has; `step` -1: the one before.
-[[nodiscard]] ColourMode next_mode(const pipeline::SceneDescription& description, ColourMode mode, int step = 1);
+[[nodiscard]] ColourMode next_mode(const scene::SceneDescription& description, ColourMode mode, int step = 1);
 /// `workspace_m`: width of the hand's workspace, which the paper's law of friction depends on. `legend`: the range to
 /// use instead of the piece's own, so that pieces of one scene agree.
-[[nodiscard]] Paint paint_relief(const ReliefData& relief, const pipeline::SceneDescription& description,
-                                 ColourMode mode, double workspace_m, const Legend* legend = nullptr);
+[[nodiscard]] Paint paint_relief(const ReliefData& relief, const scene::SceneDescription& description, ColourMode mode,
+                                 double workspace_m, const Legend* legend = nullptr);
 
 }  // namespace sparsha::viewer

@@ -9,6 +9,7 @@
 
 #include "base/statistics.h"
 #include "scene/continuation.h"
+#include "scene/scene.h"
 #include "viewer/surface/height_light.h"
 
 namespace sparsha::viewer {
@@ -91,7 +92,7 @@ float slope_of(const ReliefData& relief, std::size_t node, std::size_t stride, b
 
 /// Unknown nodes take the slope of a known neighbour, so that the rim is lit as the stone is.
 void spread_slopes(ReliefData& relief, int i, int j) {
-  const pipeline::Lattice& lattice = relief.lattice;
+  const scene::Lattice& lattice = relief.lattice;
   const std::size_t node = lattice.index(i, j);
   float dx = 0.0F, dy = 0.0F;
   int count = 0;
@@ -109,7 +110,7 @@ void spread_slopes(ReliefData& relief, int i, int j) {
 }
 
 void compute_slopes(ReliefData& relief, ThreadPool& pool) {
-  const pipeline::Lattice& lattice = relief.lattice;
+  const scene::Lattice& lattice = relief.lattice;
   relief.slope.resize(2 * lattice.count());
   const auto rows = static_cast<std::size_t>(lattice.ny), columns = static_cast<std::size_t>(lattice.nx);
   std::vector<double> squares(rows, 0.0);
@@ -142,7 +143,7 @@ void compute_slopes(ReliefData& relief, ThreadPool& pool) {
 
 /// Share of the border's nodes that are known.
 double known_border(const ReliefData& relief) {
-  const pipeline::Lattice& lattice = relief.lattice;
+  const scene::Lattice& lattice = relief.lattice;
   std::size_t known = 0, all = 0;
   const auto look = [&](int i, int j) {
     ++all;
@@ -202,7 +203,7 @@ double ReliefData::height_at(double x_m, double y_m) const {
          v * ((1 - u) * at(i, j1) + u * at(i1, j1));
 }
 
-ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, double noise_m, ThreadPool& pool) {
+ReliefData prepare_relief(scene::Layers layers, int level, bool envelope, double noise_m, ThreadPool& pool) {
   ReliefData relief;
   relief.lattice = layers.grid.lattice;
   relief.level = level;
@@ -215,7 +216,7 @@ ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, dou
   relief.known.resize(source.size());
   for (std::size_t k = 0; k < source.size(); ++k) {
     const float h = source[k];
-    relief.known[k] = std::isfinite(h) && relief.layers.grid.state[k] != pipeline::NodeState::unknown ? 1 : 0;
+    relief.known[k] = std::isfinite(h) && relief.layers.grid.state[k] != scene::NodeState::unknown ? 1 : 0;
     relief.any_unknown = relief.any_unknown || relief.known[k] == 0;
     if (relief.known[k] == 0) continue;
     low = known_any ? std::min(low, static_cast<double>(h)) : h;
@@ -226,7 +227,7 @@ ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, dou
   relief.height_max_m = relief.lattice.origin_m.z() + high;
 
   relief.height_m = source;
-  pipeline::continue_heights(relief.height_m, relief.lattice.nx, relief.lattice.ny);
+  scene::continue_heights(relief.height_m, relief.lattice.nx, relief.lattice.ny);
   relief.joints =
       find_joints(relief.height_m, relief.known, relief.lattice.nx, relief.lattice.ny, relief.lattice.spacing_m);
   relief.border_known = known_border(relief);
@@ -245,7 +246,7 @@ ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, dou
     for (int i = 0; i < heights.nx; ++i) {
       const std::size_t k = relief.lattice.index(i, j);
       const bool known = relief.known[k] != 0;
-      const bool is_filled = known && relief.layers.grid.state[k] == pipeline::NodeState::filled;
+      const bool is_filled = known && relief.layers.grid.state[k] == scene::NodeState::filled;
       relief.any_filled = relief.any_filled || is_filled;
       relief.tone[4 * k] = to_byte(factor == 1 ? sky[k] : sample(sky, coarse.nx, coarse.ny, factor, i, j));
       relief.tone[4 * k + 1] = to_byte(0.5 + 0.5 * curvature[k]);
@@ -266,10 +267,10 @@ std::vector<std::uint8_t> bake_shadow(const ReliefData& relief, const KeyLight& 
   return bytes;
 }
 
-int level_within(const pipeline::SceneDescription& description, int limit) {
+int level_within(const scene::SceneDescription& description, int limit) {
   const int last = static_cast<int>(description.levels.size()) - 1;
   for (int level = 0; level < last; ++level) {
-    const pipeline::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
+    const scene::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
     if (std::max(lattice.nx, lattice.ny) <= limit) return level;
   }
   return std::max(last, 0);

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "base/thread_pool.h"
-#include "scene/scene.h"
+#include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 #include "viewer/surface/joints.h"
 
 namespace sparsha::viewer {
@@ -18,9 +19,9 @@ struct KeyLight {
 
 /// A piece of one level, ready to draw. Vectors hold lattice.count() nodes, row 0 at the bottom.
 struct ReliefData {
-  pipeline::Lattice lattice;
+  scene::Lattice lattice;
   int level = 0;
-  pipeline::Layers layers;          ///< as read
+  scene::Layers layers;             ///< as read
   bool envelope = false;            ///< heights are the envelope's (texture switched off)
   std::vector<float> height_m;      ///< relative to lattice.origin_m.z; unknown nodes continued
   std::vector<std::uint8_t> known;  ///< 1 where a height is measured or filled
@@ -40,7 +41,7 @@ struct ReliefData {
 
 /// Reads nothing; all work is on `layers`. `noise_m` keeps noise from being drawn as form. Cost: about 0.2 us per node
 /// and thread.
-[[nodiscard]] ReliefData prepare_relief(pipeline::Layers layers, int level, bool envelope, double noise_m,
+[[nodiscard]] ReliefData prepare_relief(scene::Layers layers, int level, bool envelope, double noise_m,
                                         ThreadPool& pool);
 
 /// The key light's share at each node, 0 to 255; not `soft`: of a light without extent, at a fifth of the cost.
@@ -48,6 +49,6 @@ struct ReliefData {
                                                     bool soft = true);
 
 /// The finest level of which no side exceeds `limit` nodes, or the coarsest.
-[[nodiscard]] int level_within(const pipeline::SceneDescription& description, int limit);
+[[nodiscard]] int level_within(const scene::SceneDescription& description, int limit);
 
 }  // namespace sparsha::viewer

@@ -66,7 +66,7 @@ const gl::Program& ReliefPrograms::with(unsigned features) {
 
 ReliefView::ReliefView(ReliefData data, const Stage& stage)
     : data_(std::move(data)), stage_(stage), cells_(data_.joints) {
-  const pipeline::Lattice& lattice = data_.lattice;
+  const scene::Lattice& lattice = data_.lattice;
   const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
   const double spacing = lattice.spacing_m / stage_.unit_m;
   box_ = Box(low.x(), low.y(), low.x() + (lattice.nx - 1) * spacing, low.y() + (lattice.ny - 1) * spacing);
@@ -119,7 +119,7 @@ void ReliefView::set_paint(const Paint& paint) {
 }
 
 void ReliefView::light_stone(const gl::Program& program, bool high_contrast, Look look) {
-  const pipeline::Lattice& lattice = data_.lattice;
+  const scene::Lattice& lattice = data_.lattice;
   if (!stone_) {
     // Small pieces are magnified: between nodes, light follows the interpolated slope.
     const int factor = lattice.count() <= (std::size_t{1} << 19) || !gl::is_software() ? 2 : 1;
@@ -196,7 +196,7 @@ void ReliefView::draw_chunks(const Triangles& mesh, const View& view, const Reli
 }
 
 void ReliefView::set_up(const gl::Program& program, const View& view, const ReliefStyle& style, int stride) const {
-  const pipeline::Lattice& lattice = data_.lattice;
+  const scene::Lattice& lattice = data_.lattice;
   const double spacing = lattice.spacing_m / stage_.unit_m;
   const Eigen::Vector3d low = stage_.to_world(lattice.origin_m);
   program.use();
@@ -244,7 +244,7 @@ void ReliefView::set_up(const gl::Program& program, const View& view, const Reli
 }
 
 void ReliefView::draw(ReliefPrograms& programs, const View& view, const ReliefStyle& style) const {
-  const pipeline::Lattice& lattice = data_.lattice;
+  const scene::Lattice& lattice = data_.lattice;
   // A vertex every few pixels at the middle of the picture is enough: forms between them are in the stone's colour.
   const double pixels = std::max(view.pixels_per_unit(view.focus) * lattice.spacing_m / stage_.unit_m, 1e-9);
   const int level = std::clamp(static_cast<int>(std::lround(std::log2(std::max(style.node_pixels / pixels, 1e-9)))), 0,

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <exception>
 
+#include "scene/scene.h"
+
 namespace sparsha::viewer {
 
-void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::State& state, bool wait) {
+void TouchGround::follow(const scene::ScenePointer& scene, const haptics::State& state, bool wait) {
   if (loading_.valid() && (wait || loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)) {
     try {
       heights_ = loading_.get();
@@ -29,18 +31,18 @@ void TouchGround::follow(const pipeline::ScenePointer& scene, const haptics::Sta
       scene.get(),
       {static_cast<int>(state.level), node(state.window[0]), node(state.window[1]), node(state.window[2]),
        node(state.window[3]), state.scale, state.tip_radius_m, (state.flags & haptics::kFlagTexture) != 0,
-       pipeline::beyond_of((state.flags & haptics::kFlagFalls) != 0, (state.flags & haptics::kFlagRim) != 0)}};
+       scene::beyond_of((state.flags & haptics::kFlagFalls) != 0, (state.flags & haptics::kFlagRim) != 0)}};
   asked_ = window;
   if (loading_.valid() || window == wanted_) return;
   if (window.scene != wanted_.scene) heights_.reset();
   wanted_ = window;
-  loading_ = std::async(std::launch::async, [scene, window] { return pipeline::read_touched(*scene, window.view); });
+  loading_ = std::async(std::launch::async, [scene, window] { return scene::read_touched(*scene, window.view); });
   if (wait) follow(scene, state, true);
 }
 
 std::optional<double> TouchGround::height_at(double x_m, double y_m) const {
   if (!heights_ || (waits() && !held_.same_view(asked_))) return std::nullopt;
-  const pipeline::Lattice& lattice = heights_->lattice;
+  const scene::Lattice& lattice = heights_->lattice;
   // Beyond the window the servo continues its border, and not what lies in the margin.
   const double first = heights_->margin;
   const double place_x = (x_m - lattice.origin_m.x()) / lattice.spacing_m;

@@ -16,7 +16,7 @@ class TouchGround {
  public:
   /// Reads the window that `state` tells of when it is another; on a worker unless `wait`. Until it has come the last
   /// one serves where it lies. Never throws: unreadable layers leave the last window.
-  void follow(const pipeline::ScenePointer& scene, const haptics::State& state, bool wait);
+  void follow(const scene::ScenePointer& scene, const haptics::State& state, bool wait);
   /// Height of the rendered surface, grid frame, clamped to the window; nothing where it is not known: before the first
   /// window, and while another is read, outside the last one or at another scale.
   [[nodiscard]] std::optional<double> height_at(double x_m, double y_m) const;
@@ -25,12 +25,12 @@ class TouchGround {
 
  private:
   struct Window {
-    const pipeline::Scene* scene = nullptr;
-    pipeline::TouchedView view;
+    const scene::Scene* scene = nullptr;
+    scene::TouchedView view;
     bool operator==(const Window&) const = default;
     /// But for which nodes.
     [[nodiscard]] bool same_view(const Window& other) const {
-      pipeline::TouchedView there = other.view;
+      scene::TouchedView there = other.view;
       there.i0 = view.i0, there.j0 = view.j0, there.nx = view.nx, there.ny = view.ny;
       return scene == other.scene && view == there;
     }
@@ -39,8 +39,8 @@ class TouchGround {
   Window asked_;   // of the last state
   Window wanted_;  // read last, or read now
   Window held_;    // of the heights
-  std::optional<pipeline::TouchedHeights> heights_;
-  std::future<pipeline::TouchedHeights> loading_;
+  std::optional<scene::TouchedHeights> heights_;
+  std::future<scene::TouchedHeights> loading_;
 };
 
 }  // namespace sparsha::viewer

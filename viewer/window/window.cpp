@@ -11,6 +11,7 @@
 #include <GLFW/glfw3.h>
 
 #include "base/error.h"
+#include "scene/scene.h"
 #include "viewer/cloud/mode.h"
 #include "viewer/controller/controller.h"
 #include "viewer/gui/gui.h"
@@ -135,7 +136,7 @@ class Screen {
 
   /// The session's new scene, if there is one; false when it cannot be shown.
   bool take_scene() {
-    pipeline::ScenePointer scene = connections_.scene();
+    scene::ScenePointer scene = connections_.scene();
     if (!scene || scene == picture_.scene() || scene == refused_) return true;
     try {
       picture_.set_scene(scene);
@@ -268,7 +269,7 @@ class Screen {
   std::uint64_t drawn_ = 0;  // look of the last picture
   int drawn_width_ = 0, drawn_height_ = 0;
   PictureCount count_;
-  pipeline::ScenePointer refused_;  // that cannot be shown
+  scene::ScenePointer refused_;  // that cannot be shown
 };
 
 WindowEnd run(const Connections& connections, const ViewerOptions& options) {

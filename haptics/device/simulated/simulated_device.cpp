@@ -13,7 +13,7 @@ namespace {
 class SimulatedDevice final : public Device {
  public:
   SimulatedDevice(std::uint64_t seed, double duration_s, std::vector<TourStop> tour)
-      : script_(seed, pipeline::kDeskWorkspace_m, std::move(tour)),
+      : script_(seed, scene::kDeskWorkspace_m, std::move(tour)),
         hand_({}, script_.target_m()),
         duration_s_(duration_s) {}
 

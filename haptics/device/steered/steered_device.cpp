@@ -13,7 +13,7 @@ constexpr HandParameters kHand{.stiffness_n_per_m = 600.0, .damping_n_s_per_m = 
 class SteeredDevice final : public Device {
  public:
   explicit SteeredDevice(std::shared_ptr<const Seqlock<SteeringSample>> wish)
-      : wish_(std::move(wish)), script_(pipeline::kDeskWorkspace_m), hand_(kHand, script_.target_m()) {}
+      : wish_(std::move(wish)), script_(scene::kDeskWorkspace_m), hand_(kHand, script_.target_m()) {}
 
   [[nodiscard]] DeviceInfo info() const override { return hand_.info("keys"); }
 

@@ -19,7 +19,7 @@ struct MongeSettings {
   unsigned threads;
 };
 struct MongeResult {
-  pipeline::DepthGrid grid;
+  scene::DepthGrid grid;
   double noise_m = 0.0;
   double point_spacing_m = 0.0;
   std::vector<ProjectedPoint> points;  ///< one per point of the cloud
@@ -29,7 +29,7 @@ struct MongeResult {
 }  // namespace detail
 
 template <typename PointT>
-void MongeProjection<PointT>::compute(pipeline::DepthGrid& output) {
+void MongeProjection<PointT>::compute(scene::DepthGrid& output) {
   if (!this->input_) throw Error(ErrorKind::input, {}, "a projection without a cloud", "setInputCloud before compute");
   ::pcl::Indices kept;
   const pipeline::Cloud cloud = this->use_indices_ && this->indices_ && !this->fake_indices_

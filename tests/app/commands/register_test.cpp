@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "tests/app/program.h"
 
 namespace sparsha {
@@ -39,7 +39,7 @@ TEST_F(Program, RegisterWritesTheConfigurationWithPosesThatPutTheStationsTogethe
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("# not yet registered"), HasSubstr("# moved by hand")));
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("before"), HasSubstr("after"), HasSubstr("station-1.ply - station-2.ply")));
   write("registered.yaml", outcome.out);
-  const pipeline::Config config = pipeline::load_config(folder_ / "registered.yaml");
+  const scene::Config config = scene::load_config(folder_ / "registered.yaml");
   ASSERT_EQ(config.scans.size(), 2U);
   EXPECT_EQ(config.scans[0].pose(0, 3), -0.55);
   // What is right for the sample: its noise is 0.06 mm and the stations stand a metre from the slab.
@@ -71,9 +71,9 @@ TEST_F(Program, ABuildMovesNoScanButReportsHowTheyFit) {
   write("statue.yaml", misplaced());
   const Outcome outcome = run("build statue.yaml --out scene");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const pipeline::Config built = pipeline::load_config(folder_ / "scene" / "scene.yaml");
+  const scene::Config built = scene::load_config(folder_ / "scene" / "scene.yaml");
   bool as_given = false;
-  for (const pipeline::ScanConfig& scan : built.scans) as_given = as_given || scan.pose(1, 3) == -1.052;
+  for (const scene::ScanConfig& scan : built.scans) as_given = as_given || scan.pose(1, 3) == -1.052;
   EXPECT_TRUE(as_given);
   const auto report = nlohmann::json::parse(text_of(folder_ / "scene" / "report.json"));
   ASSERT_EQ(report["pairs"].size(), 1U);

@@ -190,7 +190,7 @@ TEST(Clip, ImpossibleNotesAreUsageErrors) {
 TEST(Clip, RegionsThatNameOneFileShareOneDecodedSound) {
   const audio_scene::Folder folder;
   write_sound(folder / "re.wav", noise(2 * 48000, 0.5F), 2, 48000);
-  std::vector<pipeline::AudioRegionConfig> regions;
+  std::vector<scene::AudioRegionConfig> regions;
   for (int k = 0; k < 5000; ++k) regions.push_back(audio_scene::clip("re", {0, 0, 1, 1}, folder / "re.wav"));
   regions.push_back(audio_scene::clip("re", {0, 0, 1, 1}, folder / "." / "re.wav"));
   const auto bank = audio_scene::bank(regions);

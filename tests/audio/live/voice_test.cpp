@@ -63,12 +63,12 @@ TEST(LiveVoice, AllWordsAreHeardAlthoughTheyWaitForTheOtherSounds) {
 
 TEST(LiveVoice, NotesAboveWhatTheRateCanCarryStayBounded) {
   for (const int rate : {8000, 11025, 16000}) {
-    pipeline::AudioRegionConfig bronze = audio_scene::note("bronze", {0, 0, 0.5, 1}, 240.0, 1.0);
-    pipeline::MaterialSoundConfig material;
-    material.frequency_hz = pipeline::kMostFrequency_hz;
+    scene::AudioRegionConfig bronze = audio_scene::note("bronze", {0, 0, 0.5, 1}, 240.0, 1.0);
+    scene::MaterialSoundConfig material;
+    material.frequency_hz = scene::kMostFrequency_hz;
     bronze.sound = material;
     const auto scene =
-        audio_scene::scene({bronze, audio_scene::note("high", {0.5, 0, 1, 1}, pipeline::kMostFrequency_hz, 1.0)}, 1.0);
+        audio_scene::scene({bronze, audio_scene::note("high", {0.5, 0, 1, 1}, scene::kMostFrequency_hz, 1.0)}, 1.0);
     const auto bank = make_sound_bank(*scene, rate);
     Synth synth(bank);
     const auto profile = audio_scene::rough_profile();

@@ -21,7 +21,7 @@ using namespace sparsha::audio;
 constexpr double kRate = 48000.0;
 
 /// Decaying sinusoids after 50 ms of silence, with a floor of noise 70 dB below the first.
-std::vector<float> recording(const std::vector<pipeline::ModeConfig>& modes, double seconds, double noise = 3e-4) {
+std::vector<float> recording(const std::vector<scene::ModeConfig>& modes, double seconds, double noise = 3e-4) {
   std::mt19937 random(11);
   std::normal_distribution<double> floor(0.0, noise);
   std::vector<float> sound(static_cast<std::size_t>(seconds * kRate));
@@ -36,10 +36,10 @@ std::vector<float> recording(const std::vector<pipeline::ModeConfig>& modes, dou
   return sound;
 }
 
-void expect_modes(const std::vector<pipeline::ModeConfig>& truth, const std::vector<pipeline::ModeConfig>& found) {
-  for (const pipeline::ModeConfig& mode : truth) {
-    const pipeline::ModeConfig* nearest = nullptr;
-    for (const pipeline::ModeConfig& other : found)
+void expect_modes(const std::vector<scene::ModeConfig>& truth, const std::vector<scene::ModeConfig>& found) {
+  for (const scene::ModeConfig& mode : truth) {
+    const scene::ModeConfig* nearest = nullptr;
+    for (const scene::ModeConfig& other : found)
       if (nearest == nullptr ||
           std::abs(other.frequency_hz - mode.frequency_hz) < std::abs(nearest->frequency_hz - mode.frequency_hz))
         nearest = &other;
@@ -51,7 +51,7 @@ void expect_modes(const std::vector<pipeline::ModeConfig>& truth, const std::vec
 }
 
 TEST(Fit, FindsTheModesOfAPillarWithin2CentsAnd5PercentOfItsDecays) {
-  const std::vector<pipeline::ModeConfig> truth = {
+  const std::vector<scene::ModeConfig> truth = {
       {240.0, 1.2, 0.0}, {630.3, 0.46, -4.0}, {1170.9, 0.25, -9.0}, {1820.4, 0.16, -12.0}, {2550.0, 0.115, -16.0}};
   const auto found = fit_modes(recording(truth, 2.0), kRate);
   expect_modes(truth, found);
@@ -62,7 +62,7 @@ TEST(Fit, FindsModesAtRandom) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0.0, 1.0);
-    std::vector<pipeline::ModeConfig> truth;
+    std::vector<scene::ModeConfig> truth;
     double frequency = 90.0 + 200.0 * unit(random);
     for (int k = 0; k < 6; ++k) {
       truth.push_back({frequency, 0.3 + 1.2 * unit(random), k == 0 ? 0.0 : -15.0 * unit(random)});
@@ -75,7 +75,7 @@ TEST(Fit, FindsModesAtRandom) {
 
 /// What a microphone hears before the strike at 0.55 s: `add` gives a value per second of the recording.
 void expect_same_modes_after(const char* what, const std::function<double(double)>& add) {
-  const std::vector<pipeline::ModeConfig> truth = {
+  const std::vector<scene::ModeConfig> truth = {
       {240.0, 1.2, 0.0}, {630.3, 0.46, -4.0}, {1170.9, 0.25, -9.0}, {1820.4, 0.16, -12.0}};
   const std::vector<float> strike = recording(truth, 2.0);
   std::vector<float> sound(strike.size() + 24000);
@@ -121,14 +121,14 @@ TEST(Fit, NoiseHasNoModesSteadyOrDyingAway) {
 
 TEST(Fit, FindsAModeThatIsAloneAndHigh) {
   for (const double frequency_hz : {8000.0, 9500.0, 14000.0}) {
-    const std::vector<pipeline::ModeConfig> truth = {{frequency_hz, 0.3, 0.0}};
+    const std::vector<scene::ModeConfig> truth = {{frequency_hz, 0.3, 0.0}};
     expect_modes(truth, fit_modes(recording(truth, 1.0), kRate));
   }
 }
 
 TEST(Fit, ModesThatBeatAreLeftOutByName) {
   std::vector<double> left_out;
-  const std::vector<pipeline::ModeConfig> truth = {{240.0, 1.2, 0.0}, {440.0, 1.2, -3.0}, {443.0, 1.2, -4.0}};
+  const std::vector<scene::ModeConfig> truth = {{240.0, 1.2, 0.0}, {440.0, 1.2, -3.0}, {443.0, 1.2, -4.0}};
   const auto found = fit_modes(recording(truth, 2.0), kRate, 16, &left_out);
   expect_modes({truth.front()}, found);
   ASSERT_GE(left_out.size(), 1U);
@@ -139,15 +139,15 @@ TEST(Fit, ModesThatBeatAreLeftOutByName) {
 }
 
 TEST(Fit, WhatWasFittedSoundsLikeWhatWasRecorded) {
-  const std::vector<pipeline::ModeConfig> truth = {{311.0, 0.8, 0.0}, {702.0, 0.5, -6.0}};
-  pipeline::ModalConfig modal;
+  const std::vector<scene::ModeConfig> truth = {{311.0, 0.8, 0.0}, {702.0, 0.5, -6.0}};
+  scene::ModalConfig modal;
   modal.modes = fit_modes(recording(truth, 2.0), kRate);
   auto region = audio_scene::note("x", {0, 0, 1, 1}, 1.0, 1.0);
   region.sound = modal;
   Synth synth(audio_scene::bank({region}));
   synth.strike({0, 1.0, 0.5}, 0);
   const auto sound = listening::channel(audio_scene::render(synth, 1.0), 0);
-  for (const pipeline::ModeConfig& mode : truth) {
+  for (const scene::ModeConfig& mode : truth) {
     const double heard =
         listening::strongest_frequency(sound, 0.95 * mode.frequency_hz, 1.05 * mode.frequency_hz, kRate, 2400, 24000);
     EXPECT_LT(std::abs(1200.0 * std::log2(heard / mode.frequency_hz)), 3.0);

@@ -13,7 +13,7 @@ using audio_scene::note;
 
 constexpr double kRate = 48000.0;
 
-listening::Samples strike(const std::vector<pipeline::AudioRegionConfig>& regions, double force_n, double seconds,
+listening::Samples strike(const std::vector<scene::AudioRegionConfig>& regions, double force_n, double seconds,
                           double position = 0.5) {
   Synth synth(bank(regions));
   synth.strike({0, force_n, position}, 0);

@@ -181,15 +181,15 @@ TEST(Needle, FasterAndHarderStrokesAreLouder) {
 
 TEST(Needle, AStrikeIsSixDecibelsLouderThanTheRoughestStrokeOfTheSameForceOnEveryMaterial) {
   const test::SceneOptions options{3000, 60, 0.0001};
-  for (std::size_t m = 0; m < pipeline::kMaterials.size(); ++m) {
-    const auto material = static_cast<pipeline::Material>(m);
+  for (std::size_t m = 0; m < scene::kMaterials.size(); ++m) {
+    const auto material = static_cast<scene::Material>(m);
     const auto scene = stone(random_stone(0.0006, 1.0, 1.5, 6), options, material, 1.0);
     for (const double force : {0.3, 1.0, 3.0}) {
       Synth synth(make_sound_bank(*scene, 48000));
       ASSERT_TRUE(synth.contact(audio_scene::touch(0.0, 0.01, 0.002, force), 0));
       const double struck = loudest_rms(listening::channel(audio_scene::render(synth, 0.5), 0));
       const double stroked = loudest_rms(hear(scene, stroke(0.25, 0.9, options, force)));
-      EXPECT_GE(listening::decibel(struck / stroked), 6.0) << pipeline::kMaterials[m].name << " " << force << " N";
+      EXPECT_GE(listening::decibel(struck / stroked), 6.0) << scene::kMaterials[m].name << " " << force << " N";
     }
   }
 }

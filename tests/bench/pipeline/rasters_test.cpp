@@ -17,11 +17,11 @@ using Points = std::vector<std::array<double, 3>>;
 
 constexpr RasterRule kRules[] = {RasterRule::max, RasterRule::mean, RasterRule::median, RasterRule::inverse_distance};
 
-pipeline::Lattice lattice(int nx, int ny, double spacing = 1.0, Eigen::Vector3d origin = Eigen::Vector3d::Zero()) {
+scene::Lattice lattice(int nx, int ny, double spacing = 1.0, Eigen::Vector3d origin = Eigen::Vector3d::Zero()) {
   return {nx, ny, spacing, origin};
 }
 
-double height(const pipeline::DepthGrid& grid, int i, int j) {
+double height(const scene::DepthGrid& grid, int i, int j) {
   return static_cast<double>(grid.height_m[grid.lattice.index(i, j)]) + grid.lattice.origin_m.z();
 }
 
@@ -41,10 +41,10 @@ TEST(Rasters, InverseDistanceWeighsByTheSquareAndReachesOneAndAHalfCells) {
 TEST(Rasters, APointBelongsToTheNodeThatItIsNearestToAndCellsWithoutPointsAreUnknown) {
   const Points points{{0.49, 0.0, 1.0}, {0.51, 0.0, 2.0}, {-0.51, 0.0, 50.0}, {3.0, 3.0, 60.0}};
   for (const RasterRule rule : {RasterRule::max, RasterRule::mean, RasterRule::median}) {
-    const pipeline::DepthGrid grid = raster(points, lattice(3, 2), rule);
+    const scene::DepthGrid grid = raster(points, lattice(3, 2), rule);
     EXPECT_EQ(height(grid, 0, 0), 1.0);
     EXPECT_EQ(height(grid, 1, 0), 2.0);
-    EXPECT_EQ(grid.state[grid.lattice.index(2, 1)], pipeline::NodeState::unknown);
+    EXPECT_EQ(grid.state[grid.lattice.index(2, 1)], scene::NodeState::unknown);
     EXPECT_TRUE(std::isnan(grid.height_m[grid.lattice.index(2, 1)]));
   }
 }
@@ -55,7 +55,7 @@ TEST(Rasters, EveryRuleGivesALevelPlaneBackWhereverItLies) {
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   for (int k = 0; k < 20000; ++k) points.push_back({450000.0 + uniform(), 5412000.0 + uniform(), 312.25});
   for (const RasterRule rule : kRules) {
-    const pipeline::DepthGrid grid = raster(points, lattice(11, 11, 0.1, {450000.0, 5412000.0, 312.0}), rule);
+    const scene::DepthGrid grid = raster(points, lattice(11, 11, 0.1, {450000.0, 5412000.0, 312.0}), rule);
     for (int j = 0; j < 11; ++j)
       for (int i = 0; i < 11; ++i) EXPECT_NEAR(height(grid, i, j), 312.25, 1e-6) << name_of(rule);
   }
@@ -63,7 +63,7 @@ TEST(Rasters, EveryRuleGivesALevelPlaneBackWhereverItLies) {
 
 TEST(Contest, EveryContestantRunsEveryRoundButSlowOnesAndRatiosReferToTheFirst) {
   int fast = 0, slow = 0;
-  const auto grid = [] { return pipeline::DepthGrid(lattice(2, 2)); };
+  const auto grid = [] { return scene::DepthGrid(lattice(2, 2)); };
   const std::vector<ContestRow> rows =
       contest({{"a", false, [&] { return ++fast, grid(); }}, {"b", true, [&] { return ++slow, grid(); }}}, 5, 2);
   EXPECT_EQ(fast, 5);
@@ -82,11 +82,11 @@ TEST(Contest, MovingLeastSquaresOfPclTakesNoiseAwayAndKeepsAPlaneInItsPlace) {
     for (int i = 0; i < 60; ++i)
       points.push_back({0.01 * i, 0.01 * j, 0.3 * 0.01 * i + 0.0005 * std::sin(91.0 * i + 37.0 * j * j)});
   const pipeline::Cloud cloud = test::make_cloud(points);
-  pipeline::GridConfig config;
+  scene::GridConfig config;
   config.spacing_m = 0.01;
   const std::vector<Contestant> all = contestants_of(cloud, points, config, 0.0001, lattice(60, 60, 0.01), 0.01);
   ASSERT_EQ(all.size(), 7U);
-  const auto rms = [](const pipeline::DepthGrid& grid) {
+  const auto rms = [](const scene::DepthGrid& grid) {
     double squares = 0.0;
     int count = 0;
     for (int j = 5; j < 55; ++j)

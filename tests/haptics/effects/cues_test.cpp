@@ -19,22 +19,22 @@
 namespace sparsha::haptics {
 namespace {
 
-using pipeline::Cue;
+using scene::Cue;
 
 constexpr double kWidth_m = 0.1;
 
 /// A level stone of 0.1 m, a part from x = 40 to 60 mm, and from 80 mm on nothing measured.
-pipeline::ScenePointer stone(const std::optional<pipeline::CuesConfig>& cues) {
+scene::ScenePointer stone(const std::optional<scene::CuesConfig>& cues) {
   return sparsha::test::scene_of([](double x, double) { return x < 0.0801 ? 0.0 : std::nan(""); }, 201, kWidth_m, 201,
                                  Eigen::Vector3d::Zero(),
-                                 [&](pipeline::SceneDescription& d) {
+                                 [&](scene::SceneDescription& d) {
                                    d.config.haptics.tip_radius_m = 0.0;
                                    d.config.cues = cues;
                                    d.config.parts.push_back({"middle", "", {0.04, -1.0, 0.06, 1.0}});
                                  });
 }
 
-HapticWindow window_of(const pipeline::ScenePointer& scene, double scale = 1.0) {
+HapticWindow window_of(const scene::ScenePointer& scene, double scale = 1.0) {
   WindowPlan plan = plan_window(scene->description(), 0, {0.05, 0.05}, kWidth_m * scale);
   return load_window(*scene, plan, 1);
 }
@@ -42,19 +42,19 @@ HapticWindow window_of(const pipeline::ScenePointer& scene, double scale = 1.0) 
 /// What the motors were told along one way over the stone: down, to the right across all of it, beyond its rim.
 struct Told {
   std::vector<Eigen::Vector3d> force_n;
-  std::array<std::uint64_t, pipeline::kCues> counts{};
-  std::array<std::vector<std::size_t>, pipeline::kCues> ticks;  // when
+  std::array<std::uint64_t, scene::kCues> counts{};
+  std::array<std::vector<std::size_t>, scene::kCues> ticks;  // when
 };
 
-Told travel(const std::optional<pipeline::CuesConfig>& cues, bool zoom = false) {
-  const pipeline::ScenePointer scene = stone(cues);
+Told travel(const std::optional<scene::CuesConfig>& cues, bool zoom = false) {
+  const scene::ScenePointer scene = stone(cues);
   HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, window_of(scene));
   Told told;
   const auto go = [&](double x_m, double z_m) {
     const double time_s = 0.001 * static_cast<double>(told.force_n.size());
     renderer.update(sample_at({x_m - 0.05, 0.0, z_m}, time_s), 0.001);
     const State& state = renderer.state();
-    for (std::size_t cue = 0; cue < pipeline::kCues; ++cue)
+    for (std::size_t cue = 0; cue < scene::kCues; ++cue)
       if (state.cues[cue] > told.counts[cue]) told.ticks[cue].push_back(told.force_n.size());
     told.counts = state.cues;
     const auto& f = state.commanded_force_n;
@@ -83,8 +83,8 @@ double most(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vect
 }
 
 TEST(Cues, EachIsToldOnceWhereTheHandComesToIt) {
-  const Told told = travel(pipeline::CuesConfig{}, true);
-  EXPECT_EQ(told.counts, (std::array<std::uint64_t, pipeline::kCues>{1, 1, 1, 1, 1}));
+  const Told told = travel(scene::CuesConfig{}, true);
+  EXPECT_EQ(told.counts, (std::array<std::uint64_t, scene::kCues>{1, 1, 1, 1, 1}));
   // x = 20 mm at tick 400, 0.1 mm per tick; what is known of a place is known one tick later.
   const auto at = [&](Cue cue) { return static_cast<double>(told.ticks[static_cast<std::size_t>(cue)].front()); };
   EXPECT_NEAR(at(Cue::part_entered), 600.0, 3.0);
@@ -95,9 +95,9 @@ TEST(Cues, EachIsToldOnceWhereTheHandComesToIt) {
 }
 
 TEST(Cues, TickLightlyAndShortly) {
-  const Told with = travel(pipeline::CuesConfig{}, true);
+  const Told with = travel(scene::CuesConfig{}, true);
   const Told without = travel(std::nullopt, true);
-  for (std::size_t cue = 0; cue < pipeline::kCues; ++cue) {
+  for (std::size_t cue = 0; cue < scene::kCues; ++cue) {
     const std::size_t at = with.ticks[cue].front();
     const double felt_n = most(with.force_n, without.force_n, at, at + 45);
     EXPECT_LE(felt_n, Cues::kTick_n + 1e-9) << cue;
@@ -114,13 +114,13 @@ TEST(Cues, TickLightlyAndShortly) {
 
 TEST(Cues, AreTurnedOffOneByOne) {
   const Told none = travel(std::nullopt, true);
-  const Told all = travel(pipeline::CuesConfig{}, true);
-  for (std::size_t off = 0; off < pipeline::kCues; ++off) {
-    pipeline::CuesConfig config;
+  const Told all = travel(scene::CuesConfig{}, true);
+  for (std::size_t off = 0; off < scene::kCues; ++off) {
+    scene::CuesConfig config;
     config.tick[off] = false;
     const Told told = travel(config, true);
     EXPECT_EQ(told.counts, all.counts) << "sounds are made of them all the same";
-    for (std::size_t cue = 0; cue < pipeline::kCues; ++cue) {
+    for (std::size_t cue = 0; cue < scene::kCues; ++cue) {
       const std::size_t at = told.ticks[cue].front();
       if (cue == off) {
         EXPECT_EQ(most(told.force_n, none.force_n, at, at + 45), 0.0) << off;
@@ -129,11 +129,11 @@ TEST(Cues, AreTurnedOffOneByOne) {
       }
     }
   }
-  EXPECT_EQ(none.counts, (std::array<std::uint64_t, pipeline::kCues>{}));
+  EXPECT_EQ(none.counts, (std::array<std::uint64_t, scene::kCues>{}));
 }
 
 TEST(Cues, AreNotRepeatedByAHandThatTremblesOnABorder) {
-  HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, window_of(stone(pipeline::CuesConfig{})));
+  HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, window_of(stone(scene::CuesConfig{})));
   for (int k = 0; k < 800; ++k) {
     const double z_m = k < 300 ? 0.01 : -0.001;
     renderer.update(sample_at({0.0301 + 0.0004 * (k / 5 % 2), 0.0, z_m}, 0.001 * k), 0.001);
@@ -142,10 +142,10 @@ TEST(Cues, AreNotRepeatedByAHandThatTremblesOnABorder) {
 }
 
 TEST(Cues, AHandThatCirclesOverTheBordersOfPartsInPartsIsToldRarely) {
-  const pipeline::ScenePointer scene =
+  const scene::ScenePointer scene =
       sparsha::test::scene_of([](double, double) { return 0.0; }, 201, kWidth_m, 201, Eigen::Vector3d::Zero(),
-                              [](pipeline::SceneDescription& d) {
-                                d.config.cues = pipeline::CuesConfig{};
+                              [](scene::SceneDescription& d) {
+                                d.config.cues = scene::CuesConfig{};
                                 d.config.parts.push_back({"eye", "", {0.045, 0.05, 0.055, 0.06}});
                                 d.config.parts.push_back({"head", "", {0.035, 0.04, 0.065, 0.07}});
                               });
@@ -171,7 +171,7 @@ TEST(Cues, AHandThatCirclesOverTheBordersOfPartsInPartsIsToldRarely) {
 }
 
 TEST(Cues, TheDistanceFromTheStoneIsThatOfTheNearestKnownNodeAndOfTheHeight) {
-  HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, window_of(stone(pipeline::CuesConfig{})));
+  HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, window_of(stone(scene::CuesConfig{})));
   const auto away_m = [&](double x_m, double z_m) {
     static double time_s = 0.0;
     renderer.update(sample_at({x_m - 0.05, 0.0, z_m}, time_s += 0.001), 0.001);
@@ -184,9 +184,9 @@ TEST(Cues, TheDistanceFromTheStoneIsThatOfTheNearestKnownNodeAndOfTheHeight) {
 }
 
 TEST(Cues, DistancesOnALatticeAreAtMostEightPercentTooFar) {
-  pipeline::DepthGrid grid(pipeline::Lattice{60, 50, 0.002, Eigen::Vector3d::Zero()});
+  scene::DepthGrid grid(scene::Lattice{60, 50, 0.002, Eigen::Vector3d::Zero()});
   const std::vector<std::array<int, 2>> known = {{3, 4}, {40, 20}, {10, 45}};
-  for (const auto& [i, j] : known) grid.state[grid.lattice.index(i, j)] = pipeline::NodeState::measured;
+  for (const auto& [i, j] : known) grid.state[grid.lattice.index(i, j)] = scene::NodeState::measured;
   const std::vector<float> found = distance_to_stone(grid);
   for (int j = 0; j < 50; ++j)
     for (int i = 0; i < 60; ++i) {

@@ -25,14 +25,14 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kStone_m = 0.2;
 
 /// A level stone of 0.2 m with grain of a known law, felt at `scale`.
-HapticWindow grained(const pipeline::HeightSpectrum& law, double scale = 1.0,
-                     pipeline::Material material = pipeline::Material::granite) {
+HapticWindow grained(const scene::HeightSpectrum& law, double scale = 1.0,
+                     scene::Material material = scene::Material::granite) {
   auto effects = std::make_shared<SurfaceEffects>();
   effects->grain = true;
   effects->material = material;
   effects->scale = scale;
-  effects->border_m = pipeline::kBorder_m / scale;
-  effects->field = pipeline::GrainField(law);
+  effects->border_m = scene::kBorder_m / scale;
+  effects->field = scene::GrainField(law);
   SurfaceParts parts;
   parts.lattice = {101, 101, kStone_m / 100, Eigen::Vector3d(-0.5 * kStone_m, -0.5 * kStone_m, 0.0)};
   parts.height_m.assign(parts.lattice.count(), 0.0F);
@@ -115,7 +115,7 @@ double power_between(const std::vector<double>& signal, double rate_hz, double l
 }
 
 /// Power of press * slope between two frequencies at a speed, of heights with the law's spectrum along a line.
-double extrapolated(const pipeline::HeightSpectrum& law, double press_n, double speed_m_per_s, double low_hz,
+double extrapolated(const scene::HeightSpectrum& law, double press_n, double speed_m_per_s, double low_hz,
                     double high_hz) {
   double power = 0.0;
   constexpr int kSteps = 2000;
@@ -133,7 +133,7 @@ TEST(Grain, HasTheExtrapolatedSpectrumWithin3DecibelsUpTo300HertzAt100Millimetre
   for (const double exponent : {1.5, 2.2, 3.0, 4.0})
     for (const double rate_hz : {1000.0, 4000.0}) {
       // The scan resolves waves up to 80 Hz at this speed; heights of some micrometres.
-      const pipeline::HeightSpectrum law{4e-14, exponent, 800.0};
+      const scene::HeightSpectrum law{4e-14, exponent, 800.0};
       std::vector<double> powers;
       double press_n = 0.0;
       std::vector<std::pair<double, double>> bands;
@@ -165,7 +165,7 @@ TEST(Grain, HasTheExtrapolatedSpectrumWithin3DecibelsUpTo300HertzAt100Millimetre
 }
 
 TEST(Grain, GivesTheSamePlaceTheSameForceWhateverThePathTheWindowAndTheZoom) {
-  const pipeline::HeightSpectrum law{4e-14, 2.0, 800.0};
+  const scene::HeightSpectrum law{4e-14, 2.0, 800.0};
   // The same way over the stone: forth, back, and in a window that magnifies twice; no tick coincides by its number.
   Stroke whole(grained(law, 1.0), 1000.0);
   Stroke near(grained(law, 0.5), 1000.0);
@@ -195,7 +195,7 @@ TEST(Grain, GivesTheSamePlaceTheSameForceWhateverThePathTheWindowAndTheZoom) {
 }
 
 TEST(Grain, IsExactlyNothingUnderAHandAtRestEvenWhenItsEncoderFlickers) {
-  const pipeline::HeightSpectrum law{4e-13, 2.0, 800.0};
+  const scene::HeightSpectrum law{4e-13, 2.0, 800.0};
   Stroke hand(grained(law), 1000.0);
   hand.along({0.0, 0.0}, {0.1, 0.0}, 0.002, 0.2);
   for (int i = 0; i < 60; ++i) hand.go({0.003, 0.002, 0.02});
@@ -208,7 +208,7 @@ TEST(Grain, IsExactlyNothingUnderAHandAtRestEvenWhenItsEncoderFlickers) {
 }
 
 TEST(Grain, MakesNoWaveThatIsFasterThanHalfTheTicks) {
-  const pipeline::HeightSpectrum law{4e-14, 2.0, 800.0};
+  const scene::HeightSpectrum law{4e-14, 2.0, 800.0};
   // At 0.7 m/s the longest waves come 560 times a second.
   Stroke fast(grained(law), 1000.0);
   for (const Eigen::Vector3d& force : fast.along({-0.04, 0.0}, {0.7, 0.0}, 0.002, 0.1)) {
@@ -229,23 +229,22 @@ TEST(Grain, MakesNoWaveThatIsFasterThanHalfTheTicks) {
 }
 
 TEST(Grain, GrowsWithThePressAndByTheMaterial) {
-  const pipeline::HeightSpectrum law{4e-14, 2.0, 800.0};
-  const auto rms = [&](double depth_m, pipeline::Material material) {
+  const scene::HeightSpectrum law{4e-14, 2.0, 800.0};
+  const auto rms = [&](double depth_m, scene::Material material) {
     Stroke stroke(grained(law, 1.0, material), 1000.0);
     double sum = 0.0;
     const auto forces = stroke.along({-0.03, 0.0}, {0.1, 0.02}, depth_m, 0.4);
     for (std::size_t i = 100; i < forces.size(); ++i) sum += forces[i].head<2>().squaredNorm();
     return std::sqrt(sum / static_cast<double>(forces.size() - 100));
   };
-  const double light = rms(0.001, pipeline::Material::granite);
+  const double light = rms(0.001, scene::Material::granite);
   EXPECT_GT(light, 0.005);
-  EXPECT_NEAR(rms(0.002, pipeline::Material::granite) / light, 2.0, 1e-3);
-  EXPECT_NEAR(rms(0.001, pipeline::Material::marble) / light, pipeline::touch_of(pipeline::Material::marble).grain_gain,
-              1e-3);
+  EXPECT_NEAR(rms(0.002, scene::Material::granite) / light, 2.0, 1e-3);
+  EXPECT_NEAR(rms(0.001, scene::Material::marble) / light, scene::touch_of(scene::Material::marble).grain_gain, 1e-3);
 }
 
 TEST(Grain, FollowsTheSlopeOfItsOwnHeights) {
-  const pipeline::GrainField field(pipeline::HeightSpectrum{4e-14, 2.0, 800.0});
+  const scene::GrainField field(scene::HeightSpectrum{4e-14, 2.0, 800.0});
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> anywhere(-2000.0, 2000.0);
   for (int k = 0; k < 200; ++k) {
@@ -266,7 +265,7 @@ TEST(Grain, FollowsTheSlopeOfItsOwnHeights) {
 
 TEST(Grain, GivesHandsThatStrokeNoMoreThanTheLevelStoneAlone) {
   // Without friction, which would take whatever grain gives. Heights of 20 micrometres, steeper than any stone's.
-  const pipeline::HeightSpectrum law{4e-13, 2.0, 800.0};
+  const scene::HeightSpectrum law{4e-13, 2.0, 800.0};
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   double worst_j = 0.0;
   for (const double mass : nightly ? std::vector{0.05, 0.15, 0.5} : std::vector{0.05})
@@ -281,7 +280,7 @@ TEST(Grain, GivesHandsThatStrokeNoMoreThanTheLevelStoneAlone) {
           c.rate_hz = c.configured_hz = rate;
           c.duration_s = nightly ? 10.0 : 4.0;
           const double rough_j = sparsha::test::touch(c, grained(law)).delivered_j;
-          const double smooth_j = sparsha::test::touch(c, grained(pipeline::HeightSpectrum{})).delivered_j;
+          const double smooth_j = sparsha::test::touch(c, grained(scene::HeightSpectrum{})).delivered_j;
           worst_j = std::max(worst_j, rough_j - smooth_j);
           EXPECT_LE(rough_j, smooth_j + 0.003) << mass << " kg " << damping << " N s/m " << delay << " s " << rate;
         }

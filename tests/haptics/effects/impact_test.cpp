@@ -22,16 +22,16 @@ using sparsha::test::StrikingHand;
 constexpr double kWidth_m = 0.1;
 constexpr double kLightestHand_kg = 0.05;
 
-pipeline::ScenePointer flat(bool impact, pipeline::Material material = pipeline::Material::granite) {
+scene::ScenePointer flat(bool impact, scene::Material material = scene::Material::granite) {
   return sparsha::test::scene_of([](double, double) { return 0.0; }, 101, kWidth_m, 101, Eigen::Vector3d::Zero(),
-                                 [&](pipeline::SceneDescription& d) {
+                                 [&](scene::SceneDescription& d) {
                                    d.config.haptics.impact = impact;
                                    d.config.haptics.material = material;
                                    d.config.haptics.tip_radius_m = 0.0;
                                  });
 }
 
-HapticWindow window_of(const pipeline::ScenePointer& scene) {
+HapticWindow window_of(const scene::ScenePointer& scene) {
   return load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, kWidth_m), 1);
 }
 
@@ -48,13 +48,13 @@ TEST(Impact, PutsAFifthOfATapsEnergyAbove100HertzWithEveryMaterialWhereWithoutIt
     std::printf("| none | %.1f | %.1f %% | %.2f N | %.2f mJ |\n", speed, 100.0 * before, largest_of_first(soft, 6),
                 1e3 * soft.given_j);
     EXPECT_LT(before, 0.01);
-    for (std::size_t m = 0; m < pipeline::kMaterials.size(); ++m) {
-      const Strike hard = strike(hand, window_of(flat(true, static_cast<pipeline::Material>(m))));
+    for (std::size_t m = 0; m < scene::kMaterials.size(); ++m) {
+      const Strike hard = strike(hand, window_of(flat(true, static_cast<scene::Material>(m))));
       const double share = sparsha::test::share_above(hard.force_n, hand.rate_hz, 100.0);
-      std::printf("| %s | %.1f | %.1f %% | %.2f N | %.2f mJ |\n", pipeline::kMaterials[m].name.data(), speed,
+      std::printf("| %s | %.1f | %.1f %% | %.2f N | %.2f mJ |\n", scene::kMaterials[m].name.data(), speed,
                   100.0 * share, largest_of_first(hard, 6), 1e3 * hard.given_j);
-      EXPECT_GE(share, 0.2) << pipeline::kMaterials[m].name;
-      EXPECT_GE(largest_of_first(hard, 6), 1.5 * largest_of_first(soft, 6)) << pipeline::kMaterials[m].name;
+      EXPECT_GE(share, 0.2) << scene::kMaterials[m].name;
+      EXPECT_GE(largest_of_first(hard, 6), 1.5 * largest_of_first(soft, 6)) << scene::kMaterials[m].name;
       EXPECT_GE(hard.least_n, 0.0) << "the stone never pulls";
     }
   }
@@ -69,8 +69,7 @@ TEST(Impact, GivesNoHandMoreThanALightHandHadWhenItStruck) {
       for (const double damping : {0.3, 2.0, 10.0})
         for (const double delay : {0.0, 0.001, 0.003})
           for (const double rate : {333.0, 1000.0, 4000.0})
-            for (const auto material :
-                 {pipeline::Material::wood, pipeline::Material::granite, pipeline::Material::bronze}) {
+            for (const auto material : {scene::Material::wood, scene::Material::granite, scene::Material::bronze}) {
               StrikingHand hand;
               hand.mass_kg = mass;
               hand.damping_n_s_per_m = damping;
@@ -88,7 +87,7 @@ TEST(Impact, GivesNoHandMoreThanALightHandHadWhenItStruck) {
 }
 
 TEST(Impact, OfNoMaterialHasAHalfCycleWithMoreImpulseThanTheLightestHandBears) {
-  for (const pipeline::MaterialTouch& material : pipeline::kMaterials) {
+  for (const scene::MaterialTouch& material : scene::kMaterials) {
     EXPECT_GE(material.frequency_hz, 100.0);
     EXPECT_LE(material.frequency_hz, 300.0);
     // Work of one half against v is 2 n v^2 / w; the hand brings m v^2 / 2.

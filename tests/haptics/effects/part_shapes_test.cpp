@@ -15,18 +15,18 @@
 namespace sparsha::haptics {
 namespace {
 
-pipeline::PartTouch firm() {
-  pipeline::PartTouch touch;
+scene::PartTouch firm() {
+  scene::PartTouch touch;
   touch.stiffness_n_per_m = 400.0;
   touch.mu_dynamic = 0.6;
-  touch.material = pipeline::Material::wood;
+  touch.material = scene::Material::wood;
   return touch;
 }
 
-const auto kFriction = [](pipeline::SceneDescription& d) {
+const auto kFriction = [](scene::SceneDescription& d) {
   d.config.haptics.tip_radius_m = 0.0;
-  d.config.friction = pipeline::FrictionConfig{};
-  d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+  d.config.friction = scene::FrictionConfig{};
+  d.config.friction->law = scene::FrictionConfig::Law::constant;
   d.config.friction->mu_0 = d.config.friction->mu_static = 0.1;
 };
 
@@ -40,9 +40,9 @@ TEST(PartShape, AsAPolygonIsFeltAsTheSameBoxToTheLastBitsButOutsideItsCorners) {
   SurfaceEffects box, polygon;
   box.border_m = polygon.border_m = 0.002;
   const std::vector<std::array<double, 2>> corners{{0.02, 0.01}, {0.05, 0.01}, {0.05, 0.07}, {0.02, 0.07}};
-  box.parts.push_back({{0.02, 0.01, 0.05, 0.07}, 300.0, pipeline::Material::bronze});
+  box.parts.push_back({{0.02, 0.01, 0.05, 0.07}, 300.0, scene::Material::bronze});
   polygon.parts.push_back(
-      {pipeline::Area(std::make_shared<const pipeline::Polygon>(corners)), 300.0, pipeline::Material::bronze});
+      {scene::Area(std::make_shared<const scene::Polygon>(corners)), 300.0, scene::Material::bronze});
   std::mt19937 random(3);
   std::uniform_real_distribution<double> x(0.015, 0.055), y(0.005, 0.075);
   int between = 0;
@@ -117,9 +117,9 @@ TEST(PartShape, ChangesTheForceAcrossItsBorderWithoutAJump) {
 
 TEST(PartShape, IsToldOfByACueWhereItBegins) {
   const test::TestFolder folder;
-  const auto scene = test::els(folder / "labels.png", {}, [](pipeline::SceneDescription& d) {
+  const auto scene = test::els(folder / "labels.png", {}, [](scene::SceneDescription& d) {
     kFriction(d);
-    d.config.cues = pipeline::CuesConfig{};
+    d.config.cues = scene::CuesConfig{};
   });
   HapticRenderer renderer(damped(), RendererOptions{},
                           load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, 0.1), 1));
@@ -127,7 +127,7 @@ TEST(PartShape, IsToldOfByACueWhereItBegins) {
   const auto entered = [&](double x_m, double y_m) {
     for (int k = 0; k < 1200; ++k)  // the same thing is told again only after a second elsewhere
       renderer.update(sample_at({x_m - 0.05, y_m - 0.05, -0.001}, 0.001 * tick++), 0.001);
-    return renderer.state().cues[static_cast<std::size_t>(pipeline::Cue::part_entered)];
+    return renderer.state().cues[static_cast<std::size_t>(scene::Cue::part_entered)];
   };
   EXPECT_EQ(entered(0.082, 0.032), 0U) << "in the polygon's notch";
   EXPECT_EQ(entered(0.066, 0.032), 1U);

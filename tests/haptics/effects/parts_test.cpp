@@ -17,13 +17,13 @@ constexpr double kWidth_m = 0.1;
 constexpr double kBorderX = 0.05;
 
 /// A level stone of 0.1 m whose right half is a part.
-pipeline::ScenePointer halves(const pipeline::PartTouch& touch, bool impact = false, bool turned = false) {
+scene::ScenePointer halves(const scene::PartTouch& touch, bool impact = false, bool turned = false) {
   return sparsha::test::scene_of([](double, double) { return 0.0; }, 201, kWidth_m, 201, Eigen::Vector3d::Zero(),
-                                 [&](pipeline::SceneDescription& d) {
+                                 [&](scene::SceneDescription& d) {
                                    d.config.haptics.impact = impact;
                                    d.config.haptics.tip_radius_m = 0.0;
-                                   d.config.friction = pipeline::FrictionConfig{};
-                                   d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+                                   d.config.friction = scene::FrictionConfig{};
+                                   d.config.friction->law = scene::FrictionConfig::Law::constant;
                                    d.config.friction->mu_0 = d.config.friction->mu_static = 0.1;
                                    d.config.parts.push_back({"right", "", {kBorderX, -1.0, 1.0, 1.0}, touch});
                                    if (!turned) return;
@@ -34,14 +34,14 @@ pipeline::ScenePointer halves(const pipeline::PartTouch& touch, bool impact = fa
                                  });
 }
 
-HapticWindow window_of(const pipeline::ScenePointer& scene) {
+HapticWindow window_of(const scene::ScenePointer& scene) {
   return load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, kWidth_m), 1);
 }
 
 /// A hand that goes along x at a constant depth; places in the stone's own metres.
 class Traveller {
  public:
-  explicit Traveller(const pipeline::ScenePointer& scene) : renderer_(info(), RendererOptions{}, window_of(scene)) {
+  explicit Traveller(const scene::ScenePointer& scene) : renderer_(info(), RendererOptions{}, window_of(scene)) {
     for (int i = 0; i < 60; ++i) go(0.03, 0.02);
   }
   const State& go(double x_m, double z_m) {
@@ -65,7 +65,7 @@ Eigen::Vector3d commanded(const State& state) {
 }
 
 TEST(Part, WithItsOwnStiffnessAndFrictionIsFeltAcrossItsBorderWithoutAJump) {
-  pipeline::PartTouch touch;
+  scene::PartTouch touch;
   touch.stiffness_n_per_m = 1200.0;
   touch.mu_dynamic = 0.4;
   constexpr double kDepth_m = 0.002;
@@ -99,7 +99,7 @@ TEST(Part, WithItsOwnStiffnessAndFrictionIsFeltAcrossItsBorderWithoutAJump) {
 }
 
 TEST(Part, KeepsItsStiffnessUnderAHandThatRestsOnItsBorder) {
-  pipeline::PartTouch touch;
+  scene::PartTouch touch;
   touch.stiffness_n_per_m = 1200.0;
   Traveller hand(halves(touch));
   for (int i = 0; i <= 100; ++i) hand.go(kBorderX, -0.00002 * i);
@@ -116,7 +116,7 @@ TEST(Part, KeepsItsStiffnessUnderAHandThatRestsOnItsBorder) {
 }
 
 TEST(Part, TurnsWithTheStone) {
-  pipeline::PartTouch touch;
+  scene::PartTouch touch;
   touch.stiffness_n_per_m = 400.0;
   touch.mu_dynamic = 0.6;
   for (const bool turned : {false, true}) {
@@ -132,7 +132,7 @@ TEST(Part, TurnsWithTheStone) {
 }
 
 TEST(Part, FollowsTheUsersWishOfStiffness) {
-  pipeline::PartTouch touch;
+  scene::PartTouch touch;
   touch.stiffness_n_per_m = 400.0;
   Traveller hand(halves(touch));
   Command command;
@@ -147,8 +147,8 @@ TEST(Part, FollowsTheUsersWishOfStiffness) {
 }
 
 TEST(Part, RingsAsWhatItIsMadeOf) {
-  pipeline::PartTouch touch;
-  touch.material = pipeline::Material::wood;
+  scene::PartTouch touch;
+  touch.material = scene::Material::wood;
   const auto ring = [&](double x) {
     Traveller hand(halves(touch, true));
     for (int i = 0; i < 200; ++i) hand.go(x, 0.02 - 0.0001 * i);
@@ -166,8 +166,8 @@ TEST(Part, RingsAsWhatItIsMadeOf) {
 TEST(Part, ThatComesFirstWinsWhereTwoOverlap) {
   SurfaceEffects effects;
   effects.border_m = 0.001;
-  effects.parts.push_back({{0.0, 0.0, 0.5, 1.0}, 300.0, pipeline::Material::bronze});
-  effects.parts.push_back({{0.0, 0.0, 1.0, 1.0}, 900.0, pipeline::Material::wood});
+  effects.parts.push_back({{0.0, 0.0, 0.5, 1.0}, 300.0, scene::Material::bronze});
+  effects.parts.push_back({{0.0, 0.0, 1.0, 1.0}, 900.0, scene::Material::wood});
   EXPECT_EQ(effects.stiffness_at(0.25, 0.5, 800.0), 300.0);
   EXPECT_EQ(effects.stiffness_at(0.75, 0.5, 800.0), 900.0);
   EXPECT_EQ(effects.stiffness_at(1.5, 0.5, 800.0), 800.0);

@@ -17,28 +17,26 @@ namespace sparsha::haptics {
 namespace {
 
 /// The scene of the session's tests, and its middle of wood and soft.
-pipeline::ScenePointer invented_scene() {
+scene::ScenePointer invented_scene() {
   const auto stone = [](double x, double y) {
     return sparsha::test::hills_m(x, y) + 0.0001 * std::sin(900.0 * x) * std::sin(700.0 * y);
   };
-  return sparsha::test::scene_of(stone, 401, 0.1, 101, Eigen::Vector3d(2.0, -3.0, 0.5),
-                                 [](pipeline::SceneDescription& d) {
-                                   d.config.friction = pipeline::FrictionConfig{};
-                                   d.config.friction->law = pipeline::FrictionConfig::Law::constant;
-                                   d.config.haptics.impact = true;
-                                   d.config.haptics.grain = true;
-                                   pipeline::PartTouch touch;
-                                   touch.material = pipeline::Material::wood;
-                                   touch.stiffness_n_per_m = 500.0;
-                                   touch.mu_dynamic = 0.3;
-                                   d.config.parts.push_back({"middle", "", {2.03, -2.97, 2.07, -2.93}, touch});
-                                 });
+  return sparsha::test::scene_of(stone, 401, 0.1, 101, Eigen::Vector3d(2.0, -3.0, 0.5), [](scene::SceneDescription& d) {
+    d.config.friction = scene::FrictionConfig{};
+    d.config.friction->law = scene::FrictionConfig::Law::constant;
+    d.config.haptics.impact = true;
+    d.config.haptics.grain = true;
+    scene::PartTouch touch;
+    touch.material = scene::Material::wood;
+    touch.stiffness_n_per_m = 500.0;
+    touch.mu_dynamic = 0.3;
+    d.config.parts.push_back({"middle", "", {2.03, -2.97, 2.07, -2.93}, touch});
+  });
 }
 
 /// Replays a recording tick by tick; counts the ticks for which `counted` holds.
 template <typename Counted>
-std::size_t expect_same_bits(const pipeline::ScenePointer& scene, const std::filesystem::path& recorded,
-                             Counted counted) {
+std::size_t expect_same_bits(const scene::ScenePointer& scene, const std::filesystem::path& recorded, Counted counted) {
   const Recording recording(recorded);
   RecordedRun run(scene, recording, RendererOptions{});
   std::size_t differing = 0;
@@ -90,11 +88,11 @@ TEST(Replay, OfARunWithImpactGrainAndPartsCommandsTheSameBits) {
 TEST(Replay, OfARunWithAGuideAndTicksCommandsTheSameBits) {
   const test::TestFolder folder;
   const auto scene = sparsha::test::scene_of(
-      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](pipeline::SceneDescription& d) {
-        d.config.cues = pipeline::CuesConfig{};
+      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](scene::SceneDescription& d) {
+        d.config.cues = scene::CuesConfig{};
         d.config.parts.push_back({"left", "Left", {0.0, 0.0, 0.05, 0.1}});
-        d.config.guide = pipeline::GuideConfig{};
-        d.config.guide->path = pipeline::GuideConfig::Path::drawn;
+        d.config.guide = scene::GuideConfig{};
+        d.config.guide->path = scene::GuideConfig::Path::drawn;
         // To and fro, so that a line is near wherever the hand is.
         for (int k = 0; k <= 50; ++k)
           d.config.guide->line_m.push_back({k % 4 == 0 || k % 4 == 3 ? 0.0 : 0.1, 0.004 * (k / 2)});

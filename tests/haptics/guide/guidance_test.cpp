@@ -291,7 +291,7 @@ TEST(Guide, IsZeroWhenTurnedOffOnFaultsOnStaleHandsAndOnPlacesThatAreNoNumbers) 
 }
 
 TEST(Guide, IsZeroWhenTheViewChangesAndGoesOnWhenOnlyTilesDo) {
-  const pipeline::ScenePointer scene = test::flat_scene();
+  const scene::ScenePointer scene = test::flat_scene();
   for (const bool same : {false, true}) {
     HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, window_on(scene, 0, 1, false));
     ask(renderer, guide_along(square(), true));

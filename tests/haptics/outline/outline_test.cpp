@@ -34,8 +34,8 @@ bool inside(const Polygon& corners, const Vector2d& p) {
   return in;
 }
 
-pipeline::DepthGrid grid_of(const test::HeightFunction& height_m, int n = 201, double noise_m = 0.0) {
-  pipeline::DepthGrid grid(pipeline::Lattice{n, n, kSpacing, Eigen::Vector3d(0.3, -0.2, 1.0)});
+scene::DepthGrid grid_of(const test::HeightFunction& height_m, int n = 201, double noise_m = 0.0) {
+  scene::DepthGrid grid(scene::Lattice{n, n, kSpacing, Eigen::Vector3d(0.3, -0.2, 1.0)});
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0.0, 1.0);
   for (int j = 0; j < n; ++j)
@@ -44,7 +44,7 @@ pipeline::DepthGrid grid_of(const test::HeightFunction& height_m, int n = 201, d
       if (!std::isfinite(z)) continue;
       const std::size_t node = grid.lattice.index(i, j);
       grid.height_m[node] = static_cast<float>(z + noise_m * noise(random));
-      grid.state[node] = pipeline::NodeState::measured;
+      grid.state[node] = scene::NodeState::measured;
     }
   return grid;
 }
@@ -174,7 +174,7 @@ TEST(Outline, IsNotFoundWhereThereIsNone) {
 }
 
 TEST(Outline, OfNodesOfAPartIsClosedAlsoAtTheRim) {
-  const pipeline::Lattice lattice{50, 40, kSpacing, {0.3, -0.2, 0.0}};
+  const scene::Lattice lattice{50, 40, kSpacing, {0.3, -0.2, 0.0}};
   const std::vector<Line> borders = find_borders(lattice, [](int i, int j) { return i < 10 && j < 20; });
   ASSERT_EQ(borders.size(), 1U);
   EXPECT_TRUE(closed(borders.front()));

@@ -8,6 +8,7 @@
 
 #include "haptics/proxy/proxy.h"
 #include "haptics/window/surface.h"
+#include "scene/scene.h"
 #include "tests/support/rest_oracle.h"
 #include "tests/support/surfaces.h"
 
@@ -119,19 +120,19 @@ TEST(HardCases, TheWindowBorderContinuesLevelAndNobodyFallsThrough) {
 }
 
 TEST(HardCases, UnknownAreasAreTouchedWithoutFrictionAndSaidToBeUnknown) {
-  pipeline::SceneDescription scene;
-  pipeline::Lattice lattice;
+  scene::SceneDescription scene;
+  scene::Lattice lattice;
   lattice.nx = lattice.ny = 30;
   lattice.spacing_m = 1e-3;
   scene.levels = {lattice};
-  scene.config.friction = pipeline::FrictionConfig{};
-  pipeline::Layers layers;
-  layers.grid = pipeline::DepthGrid(lattice);
+  scene.config.friction = scene::FrictionConfig{};
+  scene::Layers layers;
+  layers.grid = scene::DepthGrid(lattice);
   for (int j = 0; j < 30; ++j)
     for (int i = 0; i < 30; ++i) {
       if (std::hypot(i - 15, j - 15) < 8) continue;
       layers.grid.height_m[lattice.index(i, j)] = 0.001F * static_cast<float>(i % 3);
-      layers.grid.state[lattice.index(i, j)] = pipeline::NodeState::measured;
+      layers.grid.state[lattice.index(i, j)] = scene::NodeState::measured;
     }
   const auto surface = make_surface(scene, layers, 0, 1.0, {});
   Follower follower(*surface, {0.005, 0.015, -0.001});
@@ -145,17 +146,17 @@ TEST(HardCases, UnknownAreasAreTouchedWithoutFrictionAndSaidToBeUnknown) {
 }
 
 TEST(HardCases, FlatTextureWithTheLargestFrictionStaysFinite) {
-  pipeline::SceneDescription scene;
-  pipeline::Lattice lattice;
+  scene::SceneDescription scene;
+  scene::Lattice lattice;
   lattice.nx = lattice.ny = 20;
   lattice.spacing_m = 1e-3;
   scene.levels = {lattice};
-  scene.config.friction = pipeline::FrictionConfig{};
-  scene.config.friction->law = pipeline::FrictionConfig::Law::paper;
-  pipeline::Layers layers;
-  layers.grid = pipeline::DepthGrid(lattice);
+  scene.config.friction = scene::FrictionConfig{};
+  scene.config.friction->law = scene::FrictionConfig::Law::paper;
+  scene::Layers layers;
+  layers.grid = scene::DepthGrid(lattice);
   for (float& z : layers.grid.height_m) z = 0.0F;
-  for (auto& s : layers.grid.state) s = pipeline::NodeState::measured;
+  for (auto& s : layers.grid.state) s = scene::NodeState::measured;
   layers.mean_curvature_per_m.assign(lattice.count(), 0.0F);
   layers.gaussian_curvature_per_m2.assign(lattice.count(), 0.0F);
   const auto surface = make_surface(scene, layers, 0, 1.0, {});

@@ -39,7 +39,7 @@ std::size_t column(const Csv& csv, const std::string& name) {
 }
 
 /// Three seconds of a simulated hand, with wishes on the way.
-SessionSummary record(const pipeline::ScenePointer& scene, std::uint64_t seed, const SessionOptions& options,
+SessionSummary record(const scene::ScenePointer& scene, std::uint64_t seed, const SessionOptions& options,
                       const std::vector<Request>& wishes = {}) {
   // One wish every 0.3 s, and time for the last.
   const double duration_s = std::max(3.0, 0.3 * static_cast<double>(wishes.size() + 2));
@@ -109,7 +109,7 @@ TEST(Session, PlaybackOfARecordingGivesIdenticalBitsThroughZoomsAndPans) {
   SessionOptions again;
   again.record = folder / "again.csv";
   again.haptics.stiffness_n_per_m = 123.0;  // the recording knows better
-  again.haptics.creases = pipeline::HapticsConfig::Creases::sharp;
+  again.haptics.creases = scene::HapticsConfig::Creases::sharp;
   const auto session = session_of(scene, options.record, again);
   EXPECT_EQ(run_to_the_end(*session).windows_loaded, summary.windows_loaded);
   const auto first = read_csv(options.record);

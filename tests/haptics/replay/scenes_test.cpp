@@ -24,7 +24,7 @@ namespace sparsha::haptics {
 namespace {
 
 namespace fs = std::filesystem;
-using pipeline::ScenePointer;
+using scene::ScenePointer;
 using sparsha::test::in_folder;
 using sparsha::test::record_on;
 using sparsha::test::scanned_anew;
@@ -67,7 +67,7 @@ std::string error_of(const std::function<void()>& work, ErrorKind kind = ErrorKi
   return "no error";
 }
 
-std::string opening(const fs::path& file, pipeline::Trust trust = pipeline::Trust::own_folder) {
+std::string opening(const fs::path& file, scene::Trust trust = scene::Trust::own_folder) {
   return error_of([&] { static_cast<void>(open_kept_scenes(Recording(file), trust)); });
 }
 
@@ -97,7 +97,7 @@ TEST(ScenesOfARecording, ARunOfTwoNewDepthScansAndTwoEditsIsReplayedToTheLastBit
   EXPECT_EQ(live.names().back(), "scene") << "at the end, where older readers look no more";
 
   // What was edited meanwhile, and what has become of the scene since, changes nothing.
-  pipeline::write_description(*with_a_soft_part(run.first), folder / "statue");
+  scene::write_description(*with_a_soft_part(run.first), folder / "statue");
   EXPECT_EQ(differing_in_replay(stone(), folder / "run.csv", folder / "again.csv"), 0);
   fs::remove_all(folder / "statue");
   EXPECT_EQ(differing_in_replay(stone(), folder / "run.csv", folder / "again.csv"), 0);
@@ -121,7 +121,7 @@ TEST(ScenesOfARecording, TracedOfflineTheyGiveTheLiveRunsRows) {
   const test::TestFolder folder;
   const RecordedChanges run(folder);
   const Recording recording(folder / "run.csv");
-  const auto kept = open_kept_scenes(recording, pipeline::Trust::own_folder);
+  const auto kept = open_kept_scenes(recording, scene::Trust::own_folder);
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->by_number().size(), 5U);
   EXPECT_FALSE(kept->of_another_recording());
@@ -136,7 +136,7 @@ TEST(ScenesOfARecording, AnExhibitionGoesToOtherFoldersAndBackAndKeepsEachLayerO
   const test::TestFolder folder;
   const ScenePointer lotus = in_folder(stone(), folder / "lotus");
   const ScenePointer wheel = in_folder(stone(201, {}, {-1.0, 4.0, 0.0}), folder / "wheel");
-  record_on(lotus, {wheel, pipeline::open_scene(folder / "lotus"), pipeline::open_scene(folder / "wheel")},
+  record_on(lotus, {wheel, scene::open_scene(folder / "lotus"), scene::open_scene(folder / "wheel")},
             folder / "run.csv");
   EXPECT_EQ(differing_in_replay(lotus, folder / "run.csv", folder / "again.csv"), 0);
   const fs::path kept = folder / "run.scenes";
@@ -174,7 +174,7 @@ TEST(ScenesOfARecording, ARunOfOneSceneKeepsNothingAndIsPlayedOnTheOneThatIsGive
   const ScenePointer scene = stone(201);
   record_on(scene, {}, folder / "run.csv");
   EXPECT_FALSE(fs::exists(folder / "run.scenes"));
-  EXPECT_FALSE(open_kept_scenes(Recording(folder / "run.csv"), pipeline::Trust::own_folder));
+  EXPECT_FALSE(open_kept_scenes(Recording(folder / "run.csv"), scene::Trust::own_folder));
   EXPECT_EQ(differing_in_replay(scene, folder / "run.csv", folder / "again.csv"), 0);
   without_scenes(folder / "run.csv", folder / "older.csv");
   EXPECT_EQ(differing_in_replay(scene, folder / "older.csv", folder / "again.csv"), 0) << "nor do older recordings";
@@ -192,13 +192,13 @@ TEST(ScenesOfARecording, ARunThatEndsBeforeTheSecondSceneIsTouchedStillHasItsFir
   }
   const Table live(folder / "run.csv");
   ASSERT_EQ(live.at(live.size() - 1, "scene"), "1");
-  const auto kept = open_kept_scenes(Recording(folder / "run.csv"), pipeline::Trust::own_folder);
+  const auto kept = open_kept_scenes(Recording(folder / "run.csv"), scene::Trust::own_folder);
   ASSERT_TRUE(kept) << "the folder is this recording's, to the byte";
   EXPECT_EQ(kept->first()->description().config.parts.size(), 1U);
   // Of another recording it is not.
   record_on(first, {}, folder / "other.csv");
   fs::rename(folder / "run.scenes", folder / "other.scenes");
-  EXPECT_FALSE(open_kept_scenes(Recording(folder / "other.csv"), pipeline::Trust::own_folder));
+  EXPECT_FALSE(open_kept_scenes(Recording(folder / "other.csv"), scene::Trust::own_folder));
 }
 
 TEST(ScenesOfARecording, CutRowsLeaveTheRestPlayableAndSayThatTheyWereCut) {
@@ -208,7 +208,7 @@ TEST(ScenesOfARecording, CutRowsLeaveTheRestPlayableAndSayThatTheyWereCut) {
   const std::string text = read_file(folder / "run.csv", kMost);
   const std::size_t head = text.find('\n') + 1;
   write_file(folder / "run.csv", text.substr(0, head) + text.substr(text.find('\n', text.size() / 5 * 4) + 1));
-  const auto kept = open_kept_scenes(Recording(folder / "run.csv"), pipeline::Trust::own_folder);
+  const auto kept = open_kept_scenes(Recording(folder / "run.csv"), scene::Trust::own_folder);
   ASSERT_TRUE(kept);
   EXPECT_TRUE(kept->of_another_recording());
   const auto session = session_of(first, folder / "run.csv", SessionOptions{});
@@ -320,7 +320,7 @@ TEST(ScenesOfARecording, ARecordingFromElsewhereReadsNothingOutsideItsFolder) {
     fs::rename(link, folder / "private" / "it");
     fs::create_symlink(folder / "private" / "it", link);
     EXPECT_THAT(opening(folder / "given" / "run.csv"), HasSubstr("outside")) << link;
-    EXPECT_EQ(opening(folder / "given" / "run.csv", pipeline::Trust::any_file), "no error") << link;
+    EXPECT_EQ(opening(folder / "given" / "run.csv", scene::Trust::any_file), "no error") << link;
     fs::remove(link);
     fs::rename(folder / "private" / "it", link);
   };
@@ -366,7 +366,7 @@ TEST_F(KeptFolder, OfAnEarlierRecordingIsReplacedOrRemovedWithIt) {
   EXPECT_TRUE(fs::exists(kept() / "3"));
   keep({coarse_, small_});
   EXPECT_FALSE(fs::exists(kept() / "3"));
-  EXPECT_EQ(pipeline::open_scene(kept() / "1")->description().levels.front().nx, 31);
+  EXPECT_EQ(scene::open_scene(kept() / "1")->description().levels.front().nx, 31);
   keep({small_});
   EXPECT_EQ(entries(), std::vector<std::string>{"run.csv"});
 }
@@ -393,7 +393,7 @@ TEST_F(KeptFolder, WithAnythingElseInItStaysAsItIsAndTheNewScenesAreAnError) {
     EXPECT_THAT(error_of([&] { keep({coarse_, small_}); }, ErrorKind::failure), AllOf(HasSubstr(kept().string())));
     EXPECT_EQ(entries(), (std::vector<std::string>{"run.csv", "run.scenes"}));
     if (fs::is_directory(kept())) {
-      EXPECT_EQ(pipeline::open_scene(kept() / "1")->description().levels.front().nx, 101) << "still the old one";
+      EXPECT_EQ(scene::open_scene(kept() / "1")->description().levels.front().nx, 101) << "still the old one";
     }
     fs::remove_all(kept());
   }
@@ -419,11 +419,11 @@ TEST_F(KeptFolder, IsNotLeftByARunThatWasNotFinished) {
 
 TEST_F(KeptFolder, NeverTakesThePlaceOfASceneThatIsTouched) {
   keep({small_, coarse_});
-  EXPECT_THAT(error_of([&] { SceneKeeper(folder_ / "run.csv", pipeline::open_scene(kept() / "1")); }, ErrorKind::usage),
+  EXPECT_THAT(error_of([&] { SceneKeeper(folder_ / "run.csv", scene::open_scene(kept() / "1")); }, ErrorKind::usage),
               HasSubstr("run.scenes"));
   EXPECT_THAT(error_of(
                   [&] {
-                    keep({small_, pipeline::open_scene(kept() / "2")});
+                    keep({small_, scene::open_scene(kept() / "2")});
                   },
                   ErrorKind::failure),
               HasSubstr("lies in this folder"));

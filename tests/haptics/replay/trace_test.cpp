@@ -134,7 +134,7 @@ TEST(Trace, ForceIsStiffnessTimesTheWayToTheProxyInTheDeviceFrame) {
   MongeSurface surface = make_sinusoid(100);
   surface.scale = 0.25;
   surface.lattice.origin_m = {450000.0, 5412000.0, 120.0};
-  pipeline::HapticsConfig haptics;
+  scene::HapticsConfig haptics;
   haptics.stiffness_n_per_m = 600.0;
   const TraceResult result = trace(surface, stroke(surface, 2000, 0.002), haptics, {});
   const double ulp = std::numeric_limits<double>::epsilon() * 5412000.0;
@@ -196,9 +196,9 @@ TEST(Trace, TheFirstProxyStartsAboveOrAtTheHandAndSettles) {
 TEST(Trace, ThePaperSolverLagsBehindTheExactOneButFollows) {
   const MongeSurface surface = make_sinusoid(100);
   const std::vector<HipSample> path = stroke(surface, 2000, 0.002);
-  pipeline::HapticsConfig haptics;
+  scene::HapticsConfig haptics;
   const TraceResult exact = trace(surface, path, haptics, {});
-  haptics.solver = pipeline::HapticsConfig::Solver::paper;
+  haptics.solver = scene::HapticsConfig::Solver::paper;
   const TraceResult paper = trace(surface, path, haptics, {});
   EXPECT_EQ(paper.summary.not_a_number, 0U);
   EXPECT_EQ(paper.summary.contacts, 2000U);

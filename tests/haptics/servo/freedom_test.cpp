@@ -105,9 +105,9 @@ class WatchingDevice final : public Device {
   std::atomic<std::uint64_t> pushed_{0};
 };
 
-pipeline::ScenePointer hills() {
+scene::ScenePointer hills() {
   return sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1, 200, Eigen::Vector3d::Zero(),
-                                 [](pipeline::SceneDescription& d) { d.config.friction = pipeline::FrictionConfig{}; });
+                                 [](scene::SceneDescription& d) { d.config.friction = scene::FrictionConfig{}; });
 }
 
 /// Over two seconds of stroking with window changes on the way; at least 500 ticks, 100 of them with force.
@@ -140,14 +140,14 @@ void run(WatchingDevice& device) {
 /// Parts of every shape under the hand, each with all that is felt of a part.
 void run_on_parts(WatchingDevice& device) {
   const test::TestFolder folder;
-  pipeline::PartTouch touch;
+  scene::PartTouch touch;
   touch.stiffness_n_per_m = 500.0;
   touch.mu_dynamic = 0.4;
-  touch.material = pipeline::Material::wood;
-  const auto scene = test::els(folder / "labels.png", touch, [&](pipeline::SceneDescription& d) {
-    d.config.friction = pipeline::FrictionConfig{};
+  touch.material = scene::Material::wood;
+  const auto scene = test::els(folder / "labels.png", touch, [&](scene::SceneDescription& d) {
+    d.config.friction = scene::FrictionConfig{};
     d.config.haptics.impact = d.config.haptics.grain = true;
-    d.config.cues = pipeline::CuesConfig{};
+    d.config.cues = scene::CuesConfig{};
     auto& star = d.config.parts[0].polygon_m;  // of a thousand corners
     star.clear();
     for (int k = 0; k < 1000; ++k) {

@@ -194,7 +194,7 @@ TEST(HapticRenderer, ASwapInContactKeepsTheHandTheProxyAndTheForceWhereTheyWere)
   const Eigen::Vector3d proxy_before = (vector_of(before.proxy_m) - vector_of(before.centre_m)) * before.scale;
 
   // Level 0 around the hand, four times larger in the hand.
-  const pipeline::Lattice& fine = scene->description().levels[0];
+  const scene::Lattice& fine = scene->description().levels[0];
   const int i0 = 180;
   const int j0 = 80;
   Command command;

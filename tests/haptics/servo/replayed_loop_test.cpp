@@ -25,7 +25,7 @@ RecordedTick recorded(const Record& record) {
 }
 
 TEST(ReplayedLoop, SlowScatteredAndLossyLoopsAreReplayedToTheLastBit) {
-  const pipeline::ScenePointer scene = make_ground(Ground::relief);
+  const scene::ScenePointer scene = make_ground(Ground::relief);
   struct Loop {
     double rate_hz, configured_hz, jitter_s, lost;
     bool told;

@@ -22,7 +22,7 @@ struct Rest {
 };
 
 /// Presses a plane with about a newton and rests.
-Rest rest(const TouchCase& c, const pipeline::ScenePointer& plane) {
+Rest rest(const TouchCase& c, const scene::ScenePointer& plane) {
   Rest rest;
   rest.result = touch(c, plane, [&](const haptics::DeviceSample& sample, const haptics::Record& record) {
     const haptics::State& state = record.state;
@@ -44,7 +44,7 @@ std::string words(const TouchCase& c) {
 }  // namespace
 
 TEST(SlowSamples, ARestingHandIsCarriedWhateverTheRateWhenOneSampleInTenIsLost) {
-  const pipeline::ScenePointer plane = make_ground(Ground::plane);
+  const scene::ScenePointer plane = make_ground(Ground::plane);
   double worst_j = 0.0;
   double worst_m = 0.0;
   int runs = 0;
@@ -74,7 +74,7 @@ TEST(SlowSamples, ARestingHandIsCarriedWhateverTheRateWhenOneSampleInTenIsLost) 
 }
 
 TEST(SlowSamples, AStrokingHandGetsLittleEnergyWhateverTheRateWhenOneSampleInTenIsLost) {
-  const pipeline::ScenePointer relief = make_ground(Ground::relief);
+  const scene::ScenePointer relief = make_ground(Ground::relief);
   double worst_j = 0.0;
   for (const double rate_hz : kRates_hz)
     for (const bool planned : {true, false})
@@ -97,7 +97,7 @@ TEST(SlowSamples, AStrokingHandGetsLittleEnergyWhateverTheRateWhenOneSampleInTen
 }
 
 TEST(SlowSamples, ThreeSamplesLostInARowTakeNothingFromTheForceOfASlowDevice) {
-  const pipeline::ScenePointer plane = make_ground(Ground::plane);
+  const scene::ScenePointer plane = make_ground(Ground::plane);
   for (const double rate_hz : {100.0, 200.0, 333.0, 400.0}) {
     haptics::DeviceInfo info;
     info.limits.delay_ticks = 1;

@@ -15,9 +15,9 @@ namespace {
 constexpr double kMost_j = 0.010;   // in ten seconds
 constexpr double kMostSteps = 3.0;  // of swing
 
-const pipeline::ScenePointer& ground(Ground which) {
-  static const std::map<Ground, pipeline::ScenePointer> kScenes = [] {
-    std::map<Ground, pipeline::ScenePointer> scenes;
+const scene::ScenePointer& ground(Ground which) {
+  static const std::map<Ground, scene::ScenePointer> kScenes = [] {
+    std::map<Ground, scene::ScenePointer> scenes;
     for (const Ground each : kGrounds) scenes[each] = make_ground(each);
     return scenes;
   }();

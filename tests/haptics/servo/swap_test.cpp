@@ -22,8 +22,8 @@ using sparsha::test::SwapResult;
 constexpr double kWidth_m = 0.1;
 
 /// Hills with grain as steep as carving, four levels, friction, an envelope without the grain, a hole in one corner.
-pipeline::ScenePointer carved_scene() {
-  static const pipeline::ScenePointer scene = [] {
+scene::ScenePointer carved_scene() {
+  static const scene::ScenePointer scene = [] {
     const auto grain = [](double x, double y) { return 0.0006 * std::sin(1500.0 * x) * std::sin(1100.0 * y + 0.4); };
     SceneOptions options;
     options.nx = options.ny = 801;
@@ -34,14 +34,14 @@ pipeline::ScenePointer carved_scene() {
           return x < 0.02 && y < 0.02 ? std::nan("") : sparsha::test::hills_m(x, y) + grain(x, y);
         },
         options,
-        [](pipeline::SceneDescription& d) {
+        [](scene::SceneDescription& d) {
           d.config.levels.window = 101;
           d.has_envelope = true;
-          d.config.friction = pipeline::FrictionConfig{};
-          d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+          d.config.friction = scene::FrictionConfig{};
+          d.config.friction->law = scene::FrictionConfig::Law::constant;
         },
-        [](pipeline::Layers& layers) {
-          const pipeline::Lattice& lattice = layers.grid.lattice;
+        [](scene::Layers& layers) {
+          const scene::Lattice& lattice = layers.grid.lattice;
           layers.envelope_m = layers.grid.height_m;
           for (int j = 0; j < lattice.ny; ++j)
             for (int i = 0; i < lattice.nx; ++i)
@@ -53,15 +53,15 @@ pipeline::ScenePointer carved_scene() {
   return scene;
 }
 
-pipeline::ScenePointer other_scene() {
-  static const pipeline::ScenePointer scene = sparsha::test::scene_of(
+scene::ScenePointer other_scene() {
+  static const scene::ScenePointer scene = sparsha::test::scene_of(
       [](double x, double y) { return 0.003 * std::sin(300.0 * x + 1.0) * std::cos(270.0 * y); }, 401, 0.1, 101,
       Eigen::Vector3d(5.0, -7.0, 2.0));
   return scene;
 }
 
-HapticWindow window_at(const pipeline::ScenePointer& scene, int level, const Eigen::Vector2d& centre_m,
-                       std::uint64_t id, bool texture = true, bool friction = true) {
+HapticWindow window_at(const scene::ScenePointer& scene, int level, const Eigen::Vector2d& centre_m, std::uint64_t id,
+                       bool texture = true, bool friction = true) {
   WindowPlan plan = plan_window(scene->description(), level, centre_m, kWidth_m);
   plan.effects = {texture, friction};
   return load_window(*scene, plan, id);

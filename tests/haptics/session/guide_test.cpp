@@ -28,12 +28,12 @@ using Eigen::Vector2d;
 /// A disc of radius 0.3 m, 20 mm high, on a stone of 1 m.
 double disc_m(double x, double y) { return std::hypot(x - 0.5, y - 0.5) < 0.3 ? 0.02 : 0.0; }
 
-pipeline::ScenePointer stone(const test::HeightFunction& height_m, const test::EditDescription& edit = {}) {
+scene::ScenePointer stone(const test::HeightFunction& height_m, const test::EditDescription& edit = {}) {
   return test::scene_of(height_m, 401, 1.0, 101, Eigen::Vector3d::Zero(), edit);
 }
 
 TEST(GuideLine, LargerThanTheWorkspaceIsLedAlongWhileTheWindowScrollsAndRenewsItsTiles) {
-  const pipeline::ScenePointer scene = stone(disc_m);
+  const scene::ScenePointer scene = stone(disc_m);
   AnnouncementBoard board;
   Announcer announcer(board, scene);
   Navigator navigator(scene, 0.1, Effects{true, false}, announcer);
@@ -77,9 +77,9 @@ TEST(GuideLine, LargerThanTheWorkspaceIsLedAlongWhileTheWindowScrollsAndRenewsIt
 }
 
 TEST(GuideLine, OfAPartIsItsBorderAsFarAsTheSceneReaches) {
-  const auto scene = stone(disc_m, [](pipeline::SceneDescription& d) {
-    d.config.guide = pipeline::GuideConfig{};
-    d.config.guide->path = pipeline::GuideConfig::Path::part;
+  const auto scene = stone(disc_m, [](scene::SceneDescription& d) {
+    d.config.guide = scene::GuideConfig{};
+    d.config.guide->path = scene::GuideConfig::Path::part;
     d.config.parts = {{"a", "The rim", {0.9, 0.4, 1.4, 0.6}}, {"b", "A leaf", {0.1, 0.1, 0.2, 0.3}}};
   });
   const GuideAnswer leaf = find_guide({scene, 0, {0.15, 0.35}, {}});
@@ -95,9 +95,9 @@ TEST(GuideLine, OfAPartIsItsBorderAsFarAsTheSceneReaches) {
 
 TEST(GuideLine, OfAPartOfATurnedStoneStaysOnThePart) {
   const auto scene = stone([](double, double) { return 0.0; },
-                           [](pipeline::SceneDescription& d) {
-                             d.config.guide = pipeline::GuideConfig{};
-                             d.config.guide->path = pipeline::GuideConfig::Path::part;
+                           [](scene::SceneDescription& d) {
+                             d.config.guide = scene::GuideConfig{};
+                             d.config.guide->path = scene::GuideConfig::Path::part;
                              d.config.parts = {{"b", "A leaf", {0.1, 0.1, 0.2, 0.3}}};
                              d.region_from_grid =
                                  Eigen::Matrix4d::Identity();  // turned by half a turn about (0.5, 0.5)
@@ -115,9 +115,9 @@ TEST(GuideLine, OfAPartOfATurnedStoneStaysOnThePart) {
 TEST(GuideLine, ThatIsDrawnIsTakenAsItIs) {
   const auto drawn = [](std::vector<std::array<double, 2>> line, bool turned = false) {
     return find_guide({stone(disc_m,
-                             [&](pipeline::SceneDescription& d) {
-                               d.config.guide = pipeline::GuideConfig{};
-                               d.config.guide->path = pipeline::GuideConfig::Path::drawn;
+                             [&](scene::SceneDescription& d) {
+                               d.config.guide = scene::GuideConfig{};
+                               d.config.guide->path = scene::GuideConfig::Path::drawn;
                                d.config.guide->line_m = line;
                                d.config.guide->force_n = 0.7;
                                d.config.guide->speed_m_per_s = 0.03;
@@ -151,9 +151,9 @@ TEST(GuideLine, ThatIsDrawnBeyondTheStoneIsItsLongestRunOnTheStone) {
       {{{1.5, 0.0}, {0.0, 1.5}}, std::sqrt(0.5)},                                       // over a corner
       {{{0.1, 0.1}, {0.1, 0.1}, {0.4, 0.1}}, 0.3}};                                     // a corner twice
   for (const Case& drawn : cases) {
-    const auto scene = stone(disc_m, [&](pipeline::SceneDescription& d) {
-      d.config.guide = pipeline::GuideConfig{};
-      d.config.guide->path = pipeline::GuideConfig::Path::drawn;
+    const auto scene = stone(disc_m, [&](scene::SceneDescription& d) {
+      d.config.guide = scene::GuideConfig{};
+      d.config.guide->path = scene::GuideConfig::Path::drawn;
       d.config.guide->line_m = drawn.line;
     });
     const GuideAnswer answer = find_guide({scene, 0, {0.1, 0.1}, {}});
@@ -185,9 +185,9 @@ TEST(GuideControl, IsOffAsSoonAsItWasDroppedAndOnWhenItIsAskedForAgain) {
 
 TEST(GuideControl, SaysWhyWhateverEndedTheSearch) {
   AnnouncementBoard board;
-  const auto scene = stone(disc_m, [](pipeline::SceneDescription& d) {
-    d.config.guide = pipeline::GuideConfig{};
-    d.config.guide->path = pipeline::GuideConfig::Path::part;
+  const auto scene = stone(disc_m, [](scene::SceneDescription& d) {
+    d.config.guide = scene::GuideConfig{};
+    d.config.guide->path = scene::GuideConfig::Path::part;
   });
   Announcer announcer(board, scene);
   GuideControl guide(announcer);
@@ -204,7 +204,7 @@ TEST(GuideLine, OfTheOutlinePrefersThatOfThePart) {
   const auto two_discs = [](double x, double y) {
     return std::hypot(x - 0.3, y - 0.5) < 0.1 || std::hypot(x - 0.7, y - 0.5) < 0.15 ? 0.02 : 0.0;
   };
-  const auto scene = stone(two_discs, [](pipeline::SceneDescription& d) {
+  const auto scene = stone(two_discs, [](scene::SceneDescription& d) {
     d.config.parts = {{"a", "The small one", {0.19, 0.39, 0.41, 0.61}}};
   });
   const auto radius_m = [&](const GuideAnswer& answer) { return answer.guide->path.length_m() / (2.0 * 3.14159265); };
@@ -218,7 +218,7 @@ TEST(GuideLine, OfTheOutlinePrefersThatOfThePart) {
 /// A session under a hand at rest, and what it says.
 class Listened {
  public:
-  explicit Listened(pipeline::ScenePointer scene, const std::string& language = "en")
+  explicit Listened(scene::ScenePointer scene, const std::string& language = "en")
       : session_(std::move(scene), std::make_unique<ScriptedDevice>([](std::uint64_t, double time_s) {
                    return sample_at({0.0, 0.0, 0.02}, time_s);
                  }),

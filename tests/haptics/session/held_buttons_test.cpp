@@ -36,7 +36,7 @@ Eigen::Vector2d way_in(const std::string& words) {
 TEST(Session, AHandThatObeysTheWordsForAPartIsInThePartWhereverItIs) {
   const std::array<double, 4> leaf_m{0.07, 0.08, 0.08, 0.09};
   const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(),
-                                             [&](pipeline::SceneDescription& d) {
+                                             [&](scene::SceneDescription& d) {
                                                d.config.parts.push_back({"leaf", "A leaf", leaf_m});
                                              });
   for (const Eigen::Vector2d& begin :
@@ -71,7 +71,7 @@ TEST(Session, AHoldOfTheGripEndsTheGuideAndDoesNothingElse) {
   const auto scene =
       sparsha::test::scene_of([](double x, double y) { return std::hypot(x - 0.05, y - 0.05) < 0.02 ? 0.002 : 0.0; },
                               201, 0.1, 101, Eigen::Vector3d::Zero(),
-                              [](pipeline::SceneDescription& d) {
+                              [](scene::SceneDescription& d) {
                                 d.config.parts.push_back({"disc", "A disc", {0.03, 0.03, 0.07, 0.07}});
                                 d.config.parts.push_back({"edge", "The edge", {0.0, 0.0, 0.02, 0.1}});
                               });

@@ -27,9 +27,9 @@ test::Polygon polygon_of(const Vector2d& at_m) {
   return corners;
 }
 
-const auto kAlongParts = [](pipeline::SceneDescription& d) {
-  d.config.guide = pipeline::GuideConfig{};
-  d.config.guide->path = pipeline::GuideConfig::Path::part;
+const auto kAlongParts = [](scene::SceneDescription& d) {
+  d.config.guide = scene::GuideConfig{};
+  d.config.guide->path = scene::GuideConfig::Path::part;
 };
 
 /// Every place of the line is near the polygon's border, and every place of the border near the line.
@@ -63,7 +63,7 @@ TEST(GuideAlongAPart, FollowsALabelsPixels) {
 
 TEST(GuideAlongAPart, EndsWhereTheSceneEnds) {
   const test::TestFolder folder;
-  const auto scene = test::els(folder / "labels.png", {}, [](pipeline::SceneDescription& d) {
+  const auto scene = test::els(folder / "labels.png", {}, [](scene::SceneDescription& d) {
     kAlongParts(d);
     d.config.parts[0].polygon_m = test::el_m(0.08, {0.05, 0.05});
     d.config.parts[1] = {"beyond", "Beyond", {}};
@@ -78,7 +78,7 @@ TEST(GuideAlongAPart, EndsWhereTheSceneEnds) {
 
 TEST(GuideAlongAPart, OfATurnedStoneStaysOnThePart) {
   const test::TestFolder folder;
-  const auto scene = test::els(folder / "labels.png", {}, [](pipeline::SceneDescription& d) {
+  const auto scene = test::els(folder / "labels.png", {}, [](scene::SceneDescription& d) {
     kAlongParts(d);
     d.region_from_grid = Eigen::Matrix4d::Identity();  // by half a turn about the middle
     (*d.region_from_grid)(0, 0) = (*d.region_from_grid)(1, 1) = -1.0;
@@ -95,7 +95,7 @@ TEST(GuideAlongAPart, OfATurnedStoneStaysOnThePart) {
 
 TEST(GuideAlongAPart, LeadsAHandRoundAnL) {
   const test::TestFolder folder;
-  const auto scene = test::els(folder / "labels.png", {}, [](pipeline::SceneDescription& d) {
+  const auto scene = test::els(folder / "labels.png", {}, [](scene::SceneDescription& d) {
     kAlongParts(d);
     d.config.parts[0].polygon_m = test::el_m(0.06, {0.02, 0.02});
   });
@@ -129,7 +129,7 @@ TEST(Parts, OfAnyShapeAreGoneToInsideThem) {
     const auto job = navigator.wish({Request::Kind::next_part}, State{});
     ASSERT_TRUE(job);
     const Vector2d centre = job->command.centre_m.head<2>();
-    const pipeline::PartConfig* part = pipeline::part_at(scene->description(), {centre.x(), centre.y(), 0.0});
+    const scene::PartConfig* part = scene::part_at(scene->description(), {centre.x(), centre.y(), 0.0});
     ASSERT_NE(part, nullptr) << centre.transpose();
     EXPECT_EQ(part->name, name);
     EXPECT_NE(board.since(0).back().text.find(name), std::string::npos);

@@ -17,12 +17,12 @@
 namespace sparsha::haptics {
 namespace {
 
-using pipeline::ScenePointer;
+using scene::ScenePointer;
 using sparsha::test::Table;
 
 /// Without invented forces, so that a hand at rest feels the surface alone.
 ScenePointer plain_stone() {
-  return sparsha::test::stone(401, [](pipeline::SceneDescription& d) {
+  return sparsha::test::stone(401, [](scene::SceneDescription& d) {
     d.config.haptics.impact = d.config.haptics.grain = false;
     d.config.cues.reset();
     d.config.parts.clear();
@@ -30,14 +30,14 @@ ScenePointer plain_stone() {
 }
 
 /// The same with one part under the hand.
-ScenePointer with_part(const ScenePointer& scene, const pipeline::PartTouch& touch) {
-  pipeline::SceneDescription description = scene->description();
-  pipeline::PartConfig part;
+ScenePointer with_part(const ScenePointer& scene, const scene::PartTouch& touch) {
+  scene::SceneDescription description = scene->description();
+  scene::PartConfig part;
   part.name = part.say = "Under the hand";
   part.box_m = {2.0, -3.0, 2.1, -2.9};
   part.touch = touch;
   description.config.parts = {part};
-  return pipeline::with_description(scene, std::move(description));
+  return scene::with_description(scene, std::move(description));
 }
 
 TEST(SameGround, ANavigatorKeepsWindowAndLevelAndOnlyAnotherStoneIsShownWhole) {
@@ -145,7 +145,7 @@ TEST_F(RestingInTheStone, EditedLabelsMoveNeitherWindowNorForce) {
 
 TEST_F(RestingInTheStone, APartThatBecomesSoftAndSmoothUnderTheHandIsFeltWithoutAStep) {
   const ScenePointer first = plain_stone();
-  pipeline::PartTouch soft;
+  scene::PartTouch soft;
   soft.stiffness_n_per_m = 300.0;
   soft.mu_dynamic = 0.02;
   soft.mu_static = 0.02;

@@ -77,7 +77,7 @@ TEST(Session, ZoomsWithTheDevicesButtonsAndSaysTheLevel) {
 
 TEST(Session, HeldButtonsGoFromPartToPartAndSayTheWay) {
   const auto scene = sparsha::test::scene_of(
-      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](pipeline::SceneDescription& d) {
+      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](scene::SceneDescription& d) {
         d.config.parts.push_back({"leaf", "A leaf", {0.07, 0.08, 0.08, 0.09}});
         d.config.parts.push_back({"edge", "The left edge", {0.0, 0.0, 0.03, 0.1}});
       });
@@ -112,11 +112,11 @@ TEST(Session, HeldButtonsGoFromPartToPartAndSayTheWay) {
 
 TEST(Session, TheNextVisitorFindsNeitherGuideNorSpeechNorTourOfTheOneBefore) {
   const auto scene = sparsha::test::scene_of(
-      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](pipeline::SceneDescription& d) {
+      sparsha::test::hills_m, 401, 0.1, 101, Eigen::Vector3d::Zero(), [](scene::SceneDescription& d) {
         d.config.parts.push_back({"leaf", "A leaf", {0.04, 0.04, 0.06, 0.06}});
         d.config.parts.push_back({"edge", "The left edge", {0.0, 0.0, 0.03, 0.1}});
-        d.config.guide = pipeline::GuideConfig{};
-        d.config.guide->path = pipeline::GuideConfig::Path::part;
+        d.config.guide = scene::GuideConfig{};
+        d.config.guide->path = scene::GuideConfig::Path::part;
       });
   Placed hand;
   Session session(scene, make_pointer_device(hand.place), SessionOptions{});
@@ -245,7 +245,7 @@ TEST(Session, AReliefDeeperThanTheWorkspaceComesIntoReachAtItsRim) {
 TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
   const auto scene = sparsha::test::scene_of([](double x, double) { return x > 0.07 ? std::nan("") : 0.0; }, 101, 0.1,
                                              200, Eigen::Vector3d::Zero(),
-                                             [](pipeline::SceneDescription& d) {
+                                             [](scene::SceneDescription& d) {
                                                d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
                                              });
   Placed hand;
@@ -273,7 +273,7 @@ TEST(Session, PartsAndSoundsStayWhereTheyAreOnTheObjectWhenItIsScannedFromAnothe
   // The same plate before and after a half turn about z: what was on the left is on the right.
   const auto plate = [](bool turned) {
     return sparsha::test::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
-                                   [turned](pipeline::SceneDescription& d) {
+                                   [turned](scene::SceneDescription& d) {
                                      d.config.parts.push_back({"left", "Left half", {0.0, 0.0, 0.045, 0.1}});
                                      d.config.parts.push_back({"right", "Right half", {0.055, 0.0, 0.1, 0.1}});
                                      if (!turned) return;
@@ -412,7 +412,7 @@ TEST(Session, SpeaksOfTheStiffnessThatALateLoopBearsAndNotOfThePlannedOne) {
 TEST(Session, ANewSceneKeepsTheHandsPlaceAndTheOldSceneIsLetGo) {
   Placed hand;
   auto first = sparsha::test::flat_scene(0.0);
-  const std::weak_ptr<const pipeline::Scene> watch = first;
+  const std::weak_ptr<const scene::Scene> watch = first;
   Session session(std::move(first), make_pointer_device(hand.place), SessionOptions{});
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));

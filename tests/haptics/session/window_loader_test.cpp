@@ -18,10 +18,10 @@ namespace {
 void doze() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
 
 /// A scene whose first window does not come before the gate opens.
-class GatedScene final : public pipeline::Scene {
+class GatedScene final : public scene::Scene {
  public:
-  [[nodiscard]] const pipeline::SceneDescription& description() const override { return inner_->description(); }
-  [[nodiscard]] pipeline::Layers read(int level, int i0, int j0, int nx, int ny) const override {
+  [[nodiscard]] const scene::SceneDescription& description() const override { return inner_->description(); }
+  [[nodiscard]] scene::Layers read(int level, int i0, int j0, int nx, int ny) const override {
     reading_.store(true);
     while (!open_.load()) doze();
     return inner_->read(level, i0, j0, nx, ny);
@@ -33,12 +33,12 @@ class GatedScene final : public pipeline::Scene {
   }
 
  private:
-  pipeline::ScenePointer inner_ = sparsha::test::flat_scene();
+  scene::ScenePointer inner_ = sparsha::test::flat_scene();
   mutable std::atomic<bool> reading_{false};
   std::atomic<bool> open_{false};
 };
 
-WindowLoader::Job job_on(const pipeline::ScenePointer& scene, std::uint64_t id, bool own_place) {
+WindowLoader::Job job_on(const scene::ScenePointer& scene, std::uint64_t id, bool own_place) {
   WindowLoader::Job job;
   job.scene = scene;
   job.plan = plan_window(scene->description(), 0, {0.05, 0.05}, 0.1);

@@ -20,12 +20,12 @@
 namespace sparsha::haptics {
 namespace {
 
-pipeline::SceneDescription description_of(int nx, int ny, int levels, int window) {
-  pipeline::SceneDescription description;
+scene::SceneDescription description_of(int nx, int ny, int levels, int window) {
+  scene::SceneDescription description;
   description.config.levels.window = window;
   double spacing_m = 0.001;
   for (int level = 0; level < levels; ++level) {
-    pipeline::Lattice lattice;
+    scene::Lattice lattice;
     lattice.nx = nx;
     lattice.ny = ny;
     lattice.spacing_m = spacing_m;
@@ -52,7 +52,7 @@ TEST(Window, AWholeLevelKeepsItsOwnLatticeAndFillsTheWorkspace) {
   EXPECT_EQ(falls.nx, 200 - 2 * falls.i0);
   EXPECT_EQ(falls.ny, 150 - 2 * falls.j0);
   EXPECT_NEAR(falls.scale, 0.1 / (199 * 0.004), 1e-12);
-  description.config.haptics.beyond = pipeline::HapticsConfig::Beyond::continued;
+  description.config.haptics.beyond = scene::HapticsConfig::Beyond::continued;
   const WindowPlan plan = plan_window(description, 2, {0.0, 0.0}, 0.1);
   EXPECT_EQ(plan.i0, 0);
   EXPECT_EQ(plan.j0, 0);
@@ -77,7 +77,7 @@ TEST(Window, ZoomingGoesOnBeyondTheFinestLevelByWholePowersOfTwoUpToItsLimits) {
   for (const double spacing_m : {0.00002, 0.0001, 0.0009, 0.001, 0.0037, 0.02}) {
     for (const int window : {200, 60}) {
       auto description = description_of(1600, 1200, 4, window);
-      for (pipeline::Lattice& level : description.levels) level.spacing_m *= spacing_m / 0.001;
+      for (scene::Lattice& level : description.levels) level.spacing_m *= spacing_m / 0.001;
       const std::vector<ZoomStep> steps = zoom_steps(description, kWidth_m);
       ASSERT_GE(steps.size(), 1U);
       EXPECT_EQ(steps.front().level, overview_level(description));
@@ -119,7 +119,7 @@ TEST(Window, ANearWindowHoldsTheSameStoneInFewerNodes) {
   auto sharp = plan_window(scene->description(), steps.back(), centre_m, 0.1);
   sharp.tip_radius_m = 0.0;
   const HapticWindow point = load_window(*scene, sharp, 3);
-  const pipeline::Lattice& lattice = point.surface->lattice;
+  const scene::Lattice& lattice = point.surface->lattice;
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i)
       EXPECT_NEAR(point.surface->height_m[lattice.index(i, j)] + lattice.origin_m.z(),
@@ -127,17 +127,17 @@ TEST(Window, ANearWindowHoldsTheSameStoneInFewerNodes) {
 }
 
 /// A scene that cannot be read, as when a disk goes away.
-class BrokenScene final : public pipeline::Scene {
+class BrokenScene final : public scene::Scene {
  public:
-  explicit BrokenScene(pipeline::SceneDescription description) : description_(std::move(description)) {}
-  [[nodiscard]] const pipeline::SceneDescription& description() const override { return description_; }
-  [[nodiscard]] pipeline::Layers read(int, int, int, int, int) const override {
+  explicit BrokenScene(scene::SceneDescription description) : description_(std::move(description)) {}
+  [[nodiscard]] const scene::SceneDescription& description() const override { return description_; }
+  [[nodiscard]] scene::Layers read(int, int, int, int, int) const override {
     throw std::runtime_error("the disk is gone");
   }
   [[nodiscard]] std::filesystem::path folder() const override { return {}; }
 
  private:
-  pipeline::SceneDescription description_;
+  scene::SceneDescription description_;
 };
 
 TEST(WindowLoader, HandsBackWhatWentWrongInsteadOfThrowing) {
@@ -157,15 +157,15 @@ TEST(Window, LoadsFromASixteenThousandNodeSceneOnDiskReadingOnlyItsTiles) {
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   const int nodes = nightly ? 16384 : 2048;
   const test::TestFolder folder;
-  pipeline::write_scene(*sparsha::test::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200,
-                                                 Eigen::Vector3d::Zero(),
-                                                 [](pipeline::SceneDescription& d) {
-                                                   pipeline::ScanConfig scan;
-                                                   scan.file = "none.ply";
-                                                   d.config.scans.push_back(scan);
-                                                 }),
-                        folder);
-  const auto scene = pipeline::open_scene(folder);
+  scene::write_scene(*sparsha::test::scene_of([](double x, double y) { return 0.01 * x * y; }, nodes, 1.0, 200,
+                                              Eigen::Vector3d::Zero(),
+                                              [](scene::SceneDescription& d) {
+                                                scene::ScanConfig scan;
+                                                scan.file = "none.ply";
+                                                d.config.scans.push_back(scan);
+                                              }),
+                     folder);
+  const auto scene = scene::open_scene(folder);
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> place(0.0, 1.0);
   std::vector<double> times;

@@ -25,10 +25,10 @@ const std::vector<Placed> kParts = {{"A leaf", {0.70, 0.80, 0.80, 0.90}},
                                     {"The left edge", {0.05, 0.30, 0.15, 0.60}},
                                     {"A lotus", {0.45, 0.10, 0.60, 0.25}}};
 
-pipeline::ScenePointer stone() {
+scene::ScenePointer stone() {
   return sparsha::test::scene_of([](double x, double y) { return 10.0 * sparsha::test::hills_m(0.1 * x, 0.1 * y); },
                                  401, 1.0, 101, Eigen::Vector3d::Zero(),
-                                 [](pipeline::SceneDescription& d) {
+                                 [](scene::SceneDescription& d) {
                                    for (const Placed& part : kParts)
                                      d.config.parts.push_back({part.say, part.say, part.box_m});
                                  });

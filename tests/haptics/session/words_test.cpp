@@ -15,10 +15,10 @@ namespace {
 class Words : public ::testing::Test {
  protected:
   /// A plate of 10 cm with a part in its upper left corner.
-  static pipeline::ScenePointer plate() {
+  static scene::ScenePointer plate() {
     return sparsha::test::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
-                                   [](pipeline::SceneDescription& d) {
-                                     pipeline::PartConfig part{"lotus", "Lotus medallion", {0.0, 0.08, 0.02, 0.1}};
+                                   [](scene::SceneDescription& d) {
+                                     scene::PartConfig part{"lotus", "Lotus medallion", {0.0, 0.08, 0.02, 0.1}};
                                      part.more = "Eight petals, carved about the year 1000.";
                                      d.config.parts.push_back(part);
                                    });
@@ -64,8 +64,8 @@ TEST_F(Words, APressAfterAPartWasSpokenByTouchTellsMoreAtOnce) {
 
 TEST_F(Words, TwoPartsOfOneNameAreSpokenOfEach) {
   const auto twins = sparsha::test::scene_of([](double, double) { return 0.0; }, 101, 0.1, 200, Eigen::Vector3d::Zero(),
-                                             [](pipeline::SceneDescription& d) {
-                                               pipeline::PartConfig part{"leaf", "A leaf", {0.0, 0.0, 0.04, 0.1}};
+                                             [](scene::SceneDescription& d) {
+                                               scene::PartConfig part{"leaf", "A leaf", {0.0, 0.0, 0.04, 0.1}};
                                                part.more = "It points to the left.";
                                                d.config.parts.push_back(part);
                                                part.box_m = {0.05, 0.0, 0.1, 0.1};

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kWidth_m = 0.1;
-using Beyond = pipeline::HapticsConfig::Beyond;
+using Beyond = scene::HapticsConfig::Beyond;
 
 struct Shape {
   const char* name;
@@ -67,7 +67,7 @@ struct Stroke {
 };
 
 /// Presses 15 mm inside, then goes outwards at 80 mm/s to 14 mm beyond the edge, device frame.
-Stroke stroke_over(const pipeline::ScenePointer& scene, const Shape& shape, const ZoomStep& step, Beyond kind) {
+Stroke stroke_over(const scene::ScenePointer& scene, const Shape& shape, const ZoomStep& step, Beyond kind) {
   WindowPlan plan = plan_window(scene->description(), step, shape.edge_m, kWidth_m);
   plan.beyond = kind;
   HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, load_window(*scene, plan, 1));
@@ -124,7 +124,7 @@ TEST(Beyond, AHandFallsOffEveryEdgeAtEveryZoomAndIsNotStopped) {
     options.spacing_m = 0.0005;
     options.nx = options.ny = 401;
     options.levels = 3;
-    const pipeline::ScenePointer scene = sparsha::test::scene_of(shape.height_m, options);
+    const scene::ScenePointer scene = sparsha::test::scene_of(shape.height_m, options);
     for (const ZoomStep& step : zoom_steps(scene->description(), kWidth_m)) {
       SCOPED_TRACE(testing::Message() << shape.name << " outward " << shape.outward.transpose() << " level "
                                       << step.level << " nodes " << step.nodes);
@@ -154,17 +154,17 @@ TEST(Beyond, SmallHolesStayClosedToTheLastBitAndKnownNodesAsTheyAre) {
   };
   for (int k = 10; k < 50; ++k) forget(k, 20), forget(k, 21);  // a slit two nodes wide
   forget(40, 40);
-  const pipeline::BeyondOptions options{0.001, 1.0, 0.0};
+  const scene::BeyondOptions options{0.001, 1.0, 0.0};
   std::vector<float> continued = heights;
-  pipeline::continue_heights(continued, kNodes, kNodes);
+  scene::continue_heights(continued, kNodes, kNodes);
   std::vector<float> closed = heights;
-  pipeline::continue_beyond(closed, kNodes, kNodes, options);
+  scene::continue_beyond(closed, kNodes, kNodes, options);
   EXPECT_EQ(closed, continued);
 
   for (int j = 25; j < 38; ++j)
     for (int i = 5; i < 30; ++i) forget(i, j);  // no hole
   std::vector<float> fallen = heights;
-  pipeline::continue_beyond(fallen, kNodes, kNodes, options);
+  scene::continue_beyond(fallen, kNodes, kNodes, options);
   for (std::size_t node = 0; node < heights.size(); ++node)
     if (std::isfinite(heights[node])) {
       EXPECT_EQ(fallen[node], heights[node]);
@@ -178,7 +178,7 @@ TEST(Beyond, NothingRisesAwayFromAnOutline) {
   for (int j = 30; j < 70; ++j)
     for (int i = 0; i < 40; ++i)  // steps along the outline
       heights[static_cast<std::size_t>(j * kNodes + i)] = static_cast<float>(0.02 * ((j / 10) % 2));
-  pipeline::continue_beyond(heights, kNodes, kNodes, {0.0005, 1.0, 0.0});
+  scene::continue_beyond(heights, kNodes, kNodes, {0.0005, 1.0, 0.0});
   for (int j = 30; j < 70; ++j)
     for (int i = 39; i < 60; ++i) {
       const std::size_t node = static_cast<std::size_t>(j * kNodes + i);

@@ -18,7 +18,7 @@
 namespace sparsha::haptics {
 namespace {
 
-using pipeline::touch_with_ball;
+using scene::touch_with_ball;
 
 /// The same by looking at every place of every cell, `parts` a side.
 std::vector<double> brute_force(const std::vector<float>& z, int nx, int ny, double spacing, double radius, int parts) {
@@ -202,13 +202,13 @@ TEST(Fingertip, OfNoSizeChangesNotABit) {
   EXPECT_EQ(z, before);
 }
 
-pipeline::ScenePointer grained_scene() {
+scene::ScenePointer grained_scene() {
   return sparsha::test::scene_of(
       [](double x, double y) {
         return sparsha::test::hills_m(x, y) + 0.0004 * std::sin(2100.0 * x) * std::sin(1700.0 * y);
       },
       801, 0.1, 101, Eigen::Vector3d(2.0, -1.0, 0.3),
-      [](pipeline::SceneDescription& d) { d.config.haptics.tip_radius_m = 0.0007; });
+      [](scene::SceneDescription& d) { d.config.haptics.tip_radius_m = 0.0007; });
 }
 
 TEST(Fingertip, OfAWindowIsTheConfigurationsAndTheSameAcrossTheBordersOfWindows) {
@@ -244,9 +244,9 @@ TEST(Fingertip, KeepsFrictionFlagsAndUnknownNodesOfItsWindow) {
         return std::hypot(x - 0.05, y - 0.05) < 0.004 ? std::nan("") : 0.0002 * std::sin(3e3 * x);
       },
       options,
-      [](pipeline::SceneDescription& d) {
-        d.config.friction = pipeline::FrictionConfig{};
-        d.config.friction->law = pipeline::FrictionConfig::Law::constant;
+      [](scene::SceneDescription& d) {
+        d.config.friction = scene::FrictionConfig{};
+        d.config.friction->law = scene::FrictionConfig::Law::constant;
       });
   WindowPlan plan = plan_window(scene->description(), 0, {0.05, 0.05}, 0.1);
   plan.tip_radius_m = 0.0005;

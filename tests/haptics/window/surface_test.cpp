@@ -9,30 +9,31 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics::test {
 namespace {
 
-using pipeline::FrictionConfig;
-using pipeline::NodeState;
+using scene::FrictionConfig;
+using scene::NodeState;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 struct Window {
-  pipeline::SceneDescription scene;
-  pipeline::Layers layers;
+  scene::SceneDescription scene;
+  scene::Layers layers;
 };
 
 /// A whole level of nx x ny measured nodes of height 0.
 Window flat_window(int nx, int ny, double spacing_m) {
   Window window;
-  pipeline::Lattice lattice;
+  scene::Lattice lattice;
   lattice.nx = nx;
   lattice.ny = ny;
   lattice.spacing_m = spacing_m;
   lattice.origin_m = {3.0, -2.0, 7.0};
   window.scene.levels = {lattice};
-  window.layers.grid = pipeline::DepthGrid(lattice);
+  window.layers.grid = scene::DepthGrid(lattice);
   std::fill(window.layers.grid.height_m.begin(), window.layers.grid.height_m.end(), 0.0F);
   std::fill(window.layers.grid.state.begin(), window.layers.grid.state.end(), NodeState::measured);
   return window;

@@ -15,6 +15,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/build/recheck.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -24,10 +25,10 @@ namespace fs = std::filesystem;
 fs::path source_folder() { return SPARSHA_SOURCE_DIR; }
 
 // The sample at a coarse spacing: the same code in a tenth of the time.
-Config sample_config(const std::vector<std::string>& settings = {}) {
+scene::Config sample_config(const std::vector<std::string>& settings = {}) {
   std::vector<std::string> all = {"grid={spacing_mm: 2}"};
   all.insert(all.end(), settings.begin(), settings.end());
-  return load_config(source_folder() / "configs" / "relief.yaml", all);
+  return scene::load_config(source_folder() / "configs" / "relief.yaml", all);
 }
 
 class Build : public ::testing::Test {
@@ -54,7 +55,7 @@ TEST_F(Build, EveryPointReadIsAccountedForOnce) {
   EXPECT_EQ(points.read,
             points.used + points.occluded + points.outlier + points.outside + points.filtered + points.invalid);
   std::uint64_t sources = 0;
-  for (const ScanSource& source : result.scene->description().sources) sources += source.points;
+  for (const scene::ScanSource& source : result.scene->description().sources) sources += source.points;
   EXPECT_EQ(points.read, sources);
   EXPECT_GT(result.report.coverage, 0.95);
   ASSERT_TRUE(result.report.check.has_value());
@@ -78,9 +79,9 @@ TEST_F(Build, SmoothingIsJudgedByThePointsAsMeasured) {
 }
 
 TEST_F(Build, ThinningKeepsAnAutomaticGridAsItWas) {
-  const Config whole = sample_config({"grid={}"});
-  Config thinned = whole;
-  thinned.filters.emplace_back(ThinConfig{2});
+  const scene::Config whole = sample_config({"grid={}"});
+  scene::Config thinned = whole;
+  thinned.filters.emplace_back(scene::ThinConfig{2});
   const BuildResult a = build_scene(whole, {}, progress_);
   const BuildResult b = build_scene(thinned, {}, progress_);
   EXPECT_EQ(a.scene->description().levels.front().spacing_m, b.scene->description().levels.front().spacing_m);
@@ -90,9 +91,9 @@ TEST_F(Build, ThinningKeepsAnAutomaticGridAsItWas) {
 }
 
 TEST_F(Build, PointsThatAreRemovedForTheirRadiusAreOutliersThatTheCheckSees) {
-  Config config = sample_config({"grid={spacing_mm: 4}", "check={samples: all}"});
+  scene::Config config = sample_config({"grid={spacing_mm: 4}", "check={samples: all}"});
   const std::uint64_t before = build_scene(config, {}, progress_).report.check->cloud_to_surface.samples;
-  config.filters = {RadiusOutlierConfig{0.004, 3, {}}};
+  config.filters = {scene::RadiusOutlierConfig{0.004, 3, {}}};
   const BuildResult result = build_scene(config, {}, progress_);
   EXPECT_GT(result.report.filters.at(0).removed, 0U);
   EXPECT_GE(result.report.points.outlier, result.report.filters[0].removed);
@@ -102,15 +103,15 @@ TEST_F(Build, PointsThatAreRemovedForTheirRadiusAreOutliersThatTheCheckSees) {
 }
 
 TEST_F(Build, AScanFromAnotherSideKnowsWherePartsAndSoundsWereWritten) {
-  const Config first = sample_config({"grid={spacing_mm: 8}"});
+  const scene::Config first = sample_config({"grid={spacing_mm: 8}"});
   EXPECT_FALSE(build_scene(first, {}, progress_).scene->description().region_from_grid.has_value());
-  Config again = first;
+  scene::Config again = first;
   Eigen::Matrix4d tilt = Eigen::Matrix4d::Identity();
   tilt.topLeftCorner<3, 3>() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
   again.orientation.scan_to_grid = tilt * first.orientation.scan_to_grid;
   again.orientation.regions_scan_to_grid = first.orientation.scan_to_grid;
   again.grid.bounds_m.reset();
-  const ScenePointer scene = build_scene(again, {}, progress_).scene;
+  const scene::ScenePointer scene = build_scene(again, {}, progress_).scene;
   ASSERT_TRUE(scene->description().region_from_grid.has_value());
   const Eigen::Vector4d on_object(0.4, 0.3, 0.05, 1.0);  // scan frame
   const Eigen::Vector4d seen = again.orientation.scan_to_grid * on_object;
@@ -120,7 +121,7 @@ TEST_F(Build, AScanFromAnotherSideKnowsWherePartsAndSoundsWereWritten) {
 }
 
 TEST_F(Build, NeitherThreadsNorTheOrderOfScansChangeAByteOfTheScene) {
-  Config config = sample_config();
+  scene::Config config = sample_config();
   BuildOptions options;
   options.threads = 1;
   build_scene_folder(config, options, folder_ / "one", progress_);
@@ -132,15 +133,15 @@ TEST_F(Build, NeitherThreadsNorTheOrderOfScansChangeAByteOfTheScene) {
 
 TEST_F(Build, TheSceneOnDiskIsTheSceneInMemory) {
   const BuildResult result = build_scene_folder(sample_config(), {}, folder_ / "scene", progress_);
-  const ScenePointer disk = open_scene(folder_ / "scene");
+  const scene::ScenePointer disk = scene::open_scene(folder_ / "scene");
   ASSERT_EQ(disk->description().levels.size(), result.scene->description().levels.size());
-  const Layers a = disk->read_level(0);
-  const Layers b = result.scene->read_level(0);
+  const scene::Layers a = disk->read_level(0);
+  const scene::Layers b = result.scene->read_level(0);
   EXPECT_EQ(a.grid.state, b.grid.state);
   EXPECT_THAT(a.curvature_per_m, ::testing::Pointwise(::testing::NanSensitiveFloatEq(), b.curvature_per_m));
   ASSERT_TRUE(result.report.friction);
-  const auto known = static_cast<std::uint64_t>(
-      std::count_if(b.grid.state.begin(), b.grid.state.end(), [](NodeState s) { return s != NodeState::unknown; }));
+  const auto known = static_cast<std::uint64_t>(std::count_if(
+      b.grid.state.begin(), b.grid.state.end(), [](scene::NodeState s) { return s != scene::NodeState::unknown; }));
   const auto decided = static_cast<std::uint64_t>(
       std::count_if(b.curvature_per_m.begin(), b.curvature_per_m.end(), [](float k) { return !std::isnan(k); }));
   EXPECT_EQ(result.report.friction->nodes, known);
@@ -151,13 +152,13 @@ TEST_F(Build, TheSceneOnDiskIsTheSceneInMemory) {
 }
 
 TEST_F(Build, BlocksThatAreAbsentLeaveNoLayersAndNoStages) {
-  Config config = sample_config();
+  scene::Config config = sample_config();
   config.fill.reset();
   config.texture.reset();
   config.friction.reset();
   config.check.reset();
   const BuildResult result = build_scene(config, {}, progress_);
-  const SceneDescription& description = result.scene->description();
+  const scene::SceneDescription& description = result.scene->description();
   EXPECT_FALSE(description.has_envelope || description.has_curvature);
   EXPECT_EQ(result.report.filled_fraction, 0.0);
   EXPECT_FALSE(result.report.check.has_value());
@@ -170,7 +171,7 @@ TEST_F(Build, BlocksThatAreAbsentLeaveNoLayersAndNoStages) {
 TEST_F(Build, FailureAndCancellingKeepTheOldSceneAndLeaveNothingElse) {
   build_scene_folder(sample_config(), {}, folder_ / "scene", progress_);
   const std::string before = read_file(folder_ / "scene" / "scene.yaml", 1U << 20U);
-  Config broken = sample_config();
+  scene::Config broken = sample_config();
   broken.scans[1].file = folder_ / "missing.ply";
   EXPECT_THROW(build_scene_folder(broken, {}, folder_ / "scene", progress_), Error);
   Progress cancelled;
@@ -183,8 +184,8 @@ TEST_F(Build, FailureAndCancellingKeepTheOldSceneAndLeaveNothingElse) {
 TEST_F(Build, AnEmptyCloudIsRefusedByName) {
   std::ofstream(folder_ / "empty.ply")
       << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-  Config config;
-  ScanConfig scan;
+  scene::Config config;
+  scene::ScanConfig scan;
   scan.file = folder_ / "empty.ply";
   config.scans = {scan};
   try {
@@ -223,13 +224,13 @@ void write_mesh(const fs::path& file) {
 
 TEST_F(Build, AMeshIsJudgedByItsTrianglesAndCalledAMesh) {
   write_mesh(folder_ / "mesh.obj");
-  Config config;
-  ScanConfig scan;
+  scene::Config config;
+  scene::ScanConfig scan;
   scan.file = folder_ / "mesh.obj";
-  scan.units.unit = LengthUnit::m;
+  scan.units.unit = scene::LengthUnit::m;
   config.scans = {scan};
   config.grid.spacing_m = 0.001;
-  config.check = CheckConfig{20000};
+  config.check = scene::CheckConfig{20000};
   const auto built = [&](const std::string& name, unsigned threads, std::uint64_t memory_bytes) {
     BuildOptions options;
     options.threads = threads;
@@ -254,7 +255,7 @@ TEST_F(Build, AMeshIsJudgedByItsTrianglesAndCalledAMesh) {
   EXPECT_NE(page.find("Half of the mesh lies within"), std::string::npos);
   EXPECT_EQ(page.find("<dt>Points to surface</dt>"), std::string::npos);
   Progress progress;
-  const Report checked = recheck_scene(*open_scene(folder_ / "scene"), {}, *config.check, 0, progress);
+  const Report checked = recheck_scene(*scene::open_scene(folder_ / "scene"), {}, *config.check, 0, progress);
   EXPECT_EQ(checked.check->against, CheckResult::Against::mesh);
   EXPECT_EQ(checked.triangles, 1000U);
   EXPECT_DOUBLE_EQ(*checked.check->completeness, 1.0);
@@ -263,16 +264,16 @@ TEST_F(Build, AMeshIsJudgedByItsTrianglesAndCalledAMesh) {
 TEST_F(Build, IslandsBesideAMeshAreSaidUnlessAFilterTakesThemAway) {
   write_mesh(folder_ / "mesh.obj");
   std::ofstream(folder_ / "mesh.obj", std::ios::app) << "v 0.1 0.1 0.1\nv 0.13 0.1 0.1\nv 0.1 0.13 0.1\nf -1 -2 -3\n";
-  Config config;
-  ScanConfig scan;
+  scene::Config config;
+  scene::ScanConfig scan;
   scan.file = folder_ / "mesh.obj";
-  scan.units.unit = LengthUnit::m;
+  scan.units.unit = scene::LengthUnit::m;
   config.scans = {scan};
   config.grid.spacing_m = 0.002;
   const BuildResult islands = build_scene(config, {}, progress_);
   ASSERT_EQ(islands.report.warnings.size(), 1U);
   EXPECT_NE(islands.report.warnings[0].find("2 separate pieces"), std::string::npos);
-  config.filters = {KeepConfig{{}, 0.03}};
+  config.filters = {scene::KeepConfig{{}, 0.03}};
   Progress progress;
   const BuildResult kept = build_scene(config, {}, progress);
   EXPECT_TRUE(kept.report.warnings.empty());
@@ -282,11 +283,11 @@ TEST_F(Build, IslandsBesideAMeshAreSaidUnlessAFilterTakesThemAway) {
 
 TEST_F(Build, ASceneCheckedAgainAgreesWithItsBuild) {
   // No filter takes points away here, so that both see the same cloud.
-  Config config = sample_config();
+  scene::Config config = sample_config();
   config.filters.clear();
   const BuildResult result = build_scene_folder(config, {}, folder_ / "scene", progress_);
   Progress progress;
-  const Report again = recheck_scene(*open_scene(folder_ / "scene"), {}, *config.check, 0, progress);
+  const Report again = recheck_scene(*scene::open_scene(folder_ / "scene"), {}, *config.check, 0, progress);
   const double built = result.report.check->cloud_to_surface.rms_m;
   EXPECT_NEAR(again.check->cloud_to_surface.rms_m, built, 0.02 * built);
   EXPECT_EQ(again.check->cloud_to_surface.samples, result.report.check->cloud_to_surface.samples);
@@ -297,16 +298,16 @@ TEST_F(Build, TheSuggestedConfigurationBuilds) {
       suggest_config({source_folder() / "data" / "relief" / "station-1.ply"}, folder_, progress_);
   EXPECT_NE(suggestion.yaml.find("look_from"), std::string::npos);
   write_file(folder_ / "new.yaml", suggestion.yaml);
-  Config config = load_config(folder_ / "new.yaml");
-  EXPECT_EQ(to_yaml(config), to_yaml(suggestion.config));
+  scene::Config config = scene::load_config(folder_ / "new.yaml");
+  EXPECT_EQ(scene::to_yaml(config), scene::to_yaml(suggestion.config));
   config.check.reset();
   EXPECT_GT(build_scene(config, {}, progress_).report.coverage, 0.5);
 }
 
 TEST_F(Build, AScanListedManyTimesIsReadAndCountedOnce) {
-  Config config = sample_config();
+  scene::Config config = sample_config();
   const BuildResult once = build_scene(config, {}, progress_);
-  const std::vector<ScanConfig> scans = config.scans;
+  const std::vector<scene::ScanConfig> scans = config.scans;
   fs::copy_file(scans.front().file, folder_ / "copy.ply");
   for (int k = 0; k < 100; ++k) config.scans.insert(config.scans.end(), scans.begin(), scans.end());
   config.scans.push_back(scans.front());

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "base/yaml.h"
 #include "pipeline/build/build.h"
+#include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -35,10 +36,10 @@ class FaceBuild : public ::testing::Test {
     write_file(folder_ / "plate.xyz", text);
   }
 
-  [[nodiscard]] Config config(const std::string& orientation) const {
+  [[nodiscard]] scene::Config config(const std::string& orientation) const {
     write_file(folder_ / "plate.yaml",
                "scans: [{file: plate.xyz, units: m}]\ngrid: {spacing_mm: 1}\norientation: " + orientation + "\n");
-    return load_config(folder_ / "plate.yaml");
+    return scene::load_config(folder_ / "plate.yaml");
   }
 
   const Eigen::Matrix3d turn_ =
@@ -56,7 +57,7 @@ double degrees(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 TEST_F(FaceBuild, APlateIsSeenFromItsFrontAndStandsUpright) {
   for (const char* face : {"{face: plane}", "{face: auto}"}) {
     const BuildResult built = build_scene(config(face), {}, progress_);
-    const SceneDescription& scene = built.scene->description();
+    const scene::SceneDescription& scene = built.scene->description();
     EXPECT_FALSE(scene.config.orientation.face.has_value());
     const Eigen::Matrix3d m = scene.config.orientation.scan_to_grid.topLeftCorner<3, 3>();
     EXPECT_LT(degrees(m.row(2), turn_.col(2)), 0.3) << built.report.orientation;
@@ -69,7 +70,7 @@ TEST_F(FaceBuild, APlateIsSeenFromItsFrontAndStandsUpright) {
 
 TEST_F(FaceBuild, WhatIsWrittenBuildsTheSameSceneAgain) {
   build_scene_folder(config("{face: auto}"), {}, folder_ / "scene", progress_);
-  const Config again = load_config(folder_ / "scene" / "scene.yaml");
+  const scene::Config again = scene::load_config(folder_ / "scene" / "scene.yaml");
   EXPECT_FALSE(again.orientation.face.has_value());
   build_scene_folder(again, {}, folder_ / "again", progress_);
   for (const char* file : {"scene.yaml", "level-0/height.tif"}) {
@@ -100,10 +101,10 @@ TEST_F(FaceBuild, UpAndScaleAreKept) {
 
 TEST_F(FaceBuild, IsLookedForInWhatFiltersLeave) {
   // The dome's top alone has no plane that is flat to a fiftieth of its size.
-  Config cut = config("{face: plane}");
+  scene::Config cut = config("{face: plane}");
   const Eigen::Vector3d top = turn_ * Eigen::Vector3d(0.0, 0.0, 0.0115) + Eigen::Vector3d(1.0, 2.0, 3.0);
   cut.filters.emplace_back(
-      CropConfig{top - Eigen::Vector3d::Constant(0.0035), top + Eigen::Vector3d::Constant(0.0035)});
+      scene::CropConfig{top - Eigen::Vector3d::Constant(0.0035), top + Eigen::Vector3d::Constant(0.0035)});
   const BuildResult built = build_scene(cut, {}, progress_);
   EXPECT_LT(built.report.points.read - built.report.points.filtered, 3000U);
   EXPECT_LT(degrees(built.scene->description().config.orientation.scan_to_grid.row(2).head<3>(), turn_.col(2)), 8.0)
@@ -115,9 +116,9 @@ TEST_F(FaceBuild, ContradictionsAreRefused) {
                             "{face: plane, euler_deg: [0, 0, 0]}"}) {
     EXPECT_THROW((void)config(wrong), Error) << wrong;
   }
-  const Config wish = config("{face: principal, up: [0, 1, 1], scale: 0.5}");
-  const Config read = parse_config(yaml::parse_text(to_yaml(wish), "text"), folder_.path());
-  EXPECT_EQ(read.orientation.face, OrientationConfig::Face::principal);
+  const scene::Config wish = config("{face: principal, up: [0, 1, 1], scale: 0.5}");
+  const scene::Config read = scene::parse_config(yaml::parse_text(scene::to_yaml(wish), "text"), folder_.path());
+  EXPECT_EQ(read.orientation.face, scene::OrientationConfig::Face::principal);
   EXPECT_EQ(*read.orientation.face_up, Eigen::Vector3d(0, 1, 1));
   EXPECT_EQ(read.orientation.face_scale, 0.5);
 }

@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/statistics.h"
+#include "base/yaml.h"
 #include "haptics/device/simulated/simulated_device.h"
 #include "haptics/session/session.h"
 #include "pipeline/build/build.h"
@@ -41,7 +42,7 @@ struct Expected {
 void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.file; }
 
 void expect_scene(const BuildResult& result, const Expected& expected) {
-  const Lattice& base = result.scene->description().levels.front();
+  const scene::Lattice& base = result.scene->description().levels.front();
   EXPECT_EQ(result.report.points.read, expected.points);
   EXPECT_GE(result.report.coverage, expected.least_coverage);
   const double longest = base.spacing_m * (std::max(base.nx, base.ny) - 1);
@@ -52,7 +53,7 @@ void expect_scene(const BuildResult& result, const Expected& expected) {
 }
 
 // Five seconds with the simulated hand: contact is made, nothing is not a number, nothing is left unfinished.
-void touch(const ScenePointer& scene) {
+void touch(const scene::ScenePointer& scene) {
   haptics::SessionOptions options;
   options.haptics = scene->description().config.haptics;
   haptics::Session session(scene, haptics::make_simulated_device(1, 5.0), options);
@@ -75,18 +76,18 @@ void touch(const ScenePointer& scene) {
 
 TEST(RealScanMug, StandsAloneAfterTwoFilters) {
   if (scans_folder().empty()) GTEST_SKIP() << "SPARSHA_SCANS_DIR is not set: no real scans at hand";
-  Config config;
-  ScanConfig scan;
+  scene::Config config;
+  scene::ScanConfig scan;
   scan.file = scans_folder() / "scans" / "table_scene_mug_stereo_textured.pcd";
-  scan.units.unit = LengthUnit::m;
+  scan.units.unit = scene::LengthUnit::m;
   config.scans = {scan};
   const yaml::Node filters = yaml::parse_text(
       "scans: [{file: x}]\nfilters:\n"
       "  - remove_plane: {distance_mm: 15, normal: [0, -1, -1], max_angle_deg: 45}\n"
       "  - keep: {cluster: largest, tolerance_mm: 15}\n",
       "mug");
-  config.filters = parse_config(filters, {}).filters;
-  config.orientation.scan_to_grid = look_from({0, 0, -1}, {0, -1, 0}, 1.0);
+  config.filters = scene::parse_config(filters, {}).filters;
+  config.orientation.scan_to_grid = scene::look_from({0, 0, -1}, {0, -1, 0}, 1.0);
   Progress progress;
   const BuildResult result = build_scene(config, {}, progress);
   // An independent program (three random points at a time, then one neighbour after the other) found 14 719 points
@@ -136,8 +137,8 @@ INSTANTIATE_TEST_SUITE_P(Heritage, RealScan,
                          });
 
 // The poses of bun.conf, whose quaternions must be conjugated: p' = q* p + t.
-Config bunny_config() {
-  Config config;
+scene::Config bunny_config() {
+  scene::Config config;
   std::ifstream conf(scans_folder() / "scans" / "bunny_range" / "bun.conf");
   std::string kind;
   while (conf >> kind) {
@@ -147,23 +148,23 @@ Config bunny_config() {
     for (double& value : v) conf >> value;
     const fs::path file = scans_folder() / "scans" / "bunny_range" / name;
     if (kind != "bmesh" || !fs::exists(file)) continue;
-    ScanConfig scan;
+    scene::ScanConfig scan;
     scan.file = file;
     const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
     scan.pose.topLeftCorner<3, 3>() = q.conjugate().normalized().toRotationMatrix();
     scan.pose.topRightCorner<3, 1>() = Eigen::Vector3d(v[0], v[1], v[2]);
     config.scans.push_back(scan);
   }
-  config.fill = FillConfig{0.003};
-  config.texture = TextureConfig{};
-  config.friction = FrictionConfig{};
-  config.check = CheckConfig{};
+  config.fill = scene::FillConfig{0.003};
+  config.texture = scene::TextureConfig{};
+  config.friction = scene::FrictionConfig{};
+  config.check = scene::CheckConfig{};
   return config;
 }
 
 TEST(RealScanBunny, FourRangeScansMergeIntoOneBunnyThatCanBeTouched) {
   if (scans_folder().empty()) GTEST_SKIP() << "SPARSHA_SCANS_DIR is not set: no real scans at hand";
-  const Config config = bunny_config();
+  const scene::Config config = bunny_config();
   ASSERT_EQ(config.scans.size(), 4U);
   Progress progress;
   const BuildResult result = build_scene(config, {}, progress);
@@ -175,24 +176,24 @@ TEST(RealScanBunny, FourRangeScansMergeIntoOneBunnyThatCanBeTouched) {
 TEST(RealScanBunny, TheMergedBunnyLiesOnItsPublishedReconstruction) {
   if (scans_folder().empty()) GTEST_SKIP() << "SPARSHA_SCANS_DIR is not set: no real scans at hand";
   Progress progress;
-  Config config = bunny_config();
+  scene::Config config = bunny_config();
   config.check.reset();
   const BuildResult merged = build_scene(config, {}, progress);
-  const Lattice& lattice = merged.scene->description().levels.front();
-  Config reference;
-  ScanConfig zipper;
+  const scene::Lattice& lattice = merged.scene->description().levels.front();
+  scene::Config reference;
+  scene::ScanConfig zipper;
   zipper.file = scans_folder() / "scans" / "bun_zipper.ply";
   reference.scans = {zipper};
   reference.grid.spacing_m = lattice.spacing_m;
   reference.grid.bounds_m = {lattice.x_m(0), lattice.y_m(0), lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1)};
   const BuildResult published = build_scene(reference, {}, progress);
-  const DepthGrid a = merged.scene->read_level(0).grid;
-  const DepthGrid b = published.scene->read_level(0).grid;
+  const scene::DepthGrid a = merged.scene->read_level(0).grid;
+  const scene::DepthGrid b = published.scene->read_level(0).grid;
   ASSERT_EQ(a.lattice.nx, b.lattice.nx);
   ASSERT_EQ(a.lattice.ny, b.lattice.ny);
   std::vector<double> difference;
   for (std::size_t n = 0; n < a.height_m.size(); ++n) {
-    if (a.state[n] != NodeState::measured || b.state[n] != NodeState::measured) continue;
+    if (a.state[n] != scene::NodeState::measured || b.state[n] != scene::NodeState::measured) continue;
     difference.push_back(std::abs(static_cast<double>(a.height_m[n]) + a.lattice.origin_m.z() -
                                   static_cast<double>(b.height_m[n]) - b.lattice.origin_m.z()));
   }

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/recheck.h"
+#include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -50,11 +51,11 @@ class Recheck : public ::testing::Test {
                              "}\ncheck: {samples: all}\n";
     write_file(folder_ / "scene.yaml", text);
     Progress progress;
-    return build_scene_folder(load_config(folder_ / "scene.yaml"), {}, folder_ / "scene", progress);
+    return build_scene_folder(scene::load_config(folder_ / "scene.yaml"), {}, folder_ / "scene", progress);
   }
   Report check(const std::vector<fs::path>& scans = {}) {
     Progress progress;
-    return recheck_scene(*open_scene(folder_ / "scene"), scans, {0}, 0, progress);
+    return recheck_scene(*scene::open_scene(folder_ / "scene"), scans, {0}, 0, progress);
   }
   static void expect_same(const Report& built, const Report& again) {
     EXPECT_EQ(built.points.read, again.points.read);
@@ -113,7 +114,8 @@ TEST_F(Recheck, ReadsTheColumnsThatTheSceneWasBuiltFrom) {
              "scans:\n  - {file: table.txt, units: m, columns: [skip, z, x, y]}\n"
              "orientation: {look_from: [0, 0, 1], up: [0, 1, 0]}\ngrid: {spacing_mm: 5}\ncheck: {samples: all}\n");
   Progress progress;
-  const BuildResult built = build_scene_folder(load_config(folder_ / "scene.yaml"), {}, folder_ / "scene", progress);
+  const BuildResult built =
+      build_scene_folder(scene::load_config(folder_ / "scene.yaml"), {}, folder_ / "scene", progress);
   EXPECT_LT(built.report.check->cloud_to_surface.median_m, kSpacing_m / 10);
   expect_same(built.report, check());
   fs::copy_file(folder_ / "table.txt", folder_ / "copy.txt");

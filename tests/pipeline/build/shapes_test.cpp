@@ -9,6 +9,7 @@
 
 #include "base/thread_pool.h"
 #include "pipeline/layers/layers.h"
+#include "scene/scene.h"
 #include "tests/support/grids.h"
 #include "tests/support/test_folder.h"
 #include "tests/support/whole_way.h"
@@ -22,7 +23,7 @@ using testing::lattice_of;
 
 enum class Holes : std::uint8_t { none, columns, chessboard, lower_half, but_one_cell };
 
-bool is_hole(Holes holes, int i, int j, const Lattice& lattice) {
+bool is_hole(Holes holes, int i, int j, const scene::Lattice& lattice) {
   switch (holes) {
     case Holes::none:
       return false;
@@ -39,23 +40,23 @@ bool is_hole(Holes holes, int i, int j, const Lattice& lattice) {
 }
 
 /// As a build makes it of these heights; a window has 16 nodes a side, so that there are levels.
-ScenePointer scene_of(int nx, int ny, Holes holes) {
+scene::ScenePointer scene_of(int nx, int ny, Holes holes) {
   ThreadPool pool(1);
-  SceneDescription scene;
+  scene::SceneDescription scene;
   scene.config.levels.window = 16;
   scene.config.scans.resize(1);
   scene.config.scans.front().file = "scan.ply";
-  Layers base;
+  scene::Layers base;
   base.grid = grid_of(lattice_of(nx, ny, 0.001), [](double x, double y) { return 1e-3 * std::sin(300 * x + 200 * y); });
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i)
       if (is_hole(holes, i, j, base.grid.lattice)) forget(base.grid, i, j);
   scene.height_min_m = -1e-3;
   scene.height_max_m = 1e-3;
-  std::vector<Layers> levels = build_pyramid(base, scene.config.levels.window, pool);
+  std::vector<scene::Layers> levels = build_pyramid(base, scene.config.levels.window, pool);
   levels.insert(levels.begin(), std::move(base));
-  for (const Layers& level : levels) scene.levels.push_back(level.grid.lattice);
-  return make_scene(std::move(scene), std::move(levels));
+  for (const scene::Layers& level : levels) scene.levels.push_back(level.grid.lattice);
+  return scene::make_scene(std::move(scene), std::move(levels));
 }
 
 void use(const test::TestFolder& folder, int nx, int ny, Holes holes) {

@@ -38,10 +38,10 @@ class SoundPlaces : public ::testing::Test {
     for (int i = 0; i < 30000; ++i) add(-0.5 + 3.0 * unit(random), 1.5 * unit(random), -0.3);
     write_file(folder_ / "hall.xyz", text);
   }
-  [[nodiscard]] Config config(const std::string& orientation, const std::string& audio) const {
+  [[nodiscard]] scene::Config config(const std::string& orientation, const std::string& audio) const {
     write_file(folder_ / "hall.yaml", "scans: [{file: hall.xyz, units: m}]\ngrid: {spacing_mm: 10}\norientation: " +
                                           orientation + "\naudio: " + audio + "\n");
-    return load_config(folder_ / "hall.yaml");
+    return scene::load_config(folder_ / "hall.yaml");
   }
 
   static constexpr std::array<double, 3> kRadius_m{0.06, 0.12, 0.06};
@@ -78,7 +78,8 @@ TEST_F(SoundPlaces, PillarsAreTheSameOutOfCore) {
   by_tiles.memory_points = 10000;
   by_tiles.scratch_folder = folder_.path();
   const auto yaml = [&](const BuildOptions& options) {
-    return to_yaml(build_scene(config(kFront, "{find: pillars}"), options, progress_).scene->description().config);
+    return scene::to_yaml(
+        build_scene(config(kFront, "{find: pillars}"), options, progress_).scene->description().config);
   };
   EXPECT_EQ(yaml({}), yaml(by_tiles));
 }
@@ -89,7 +90,7 @@ TEST_F(SoundPlaces, ALabelImageKeepsThePlaceThatItWasDrawnFor) {
       config(kFront, "{labels: labels.png, regions: [{name: a, label: 3, material: wood}]}"), {}, progress_);
   const auto& labels = built.scene->description().config.audio->labels;
   ASSERT_TRUE(labels && labels->bounds_m);
-  const Lattice& grid = built.scene->description().levels.front();
+  const scene::Lattice& grid = built.scene->description().levels.front();
   EXPECT_EQ(*labels->bounds_m,
             (std::array<double, 4>{grid.x_m(0), grid.y_m(0), grid.x_m(grid.nx - 1), grid.y_m(grid.ny - 1)}));
   EXPECT_THROW(
@@ -124,7 +125,7 @@ class PartPlaces : public SoundPlaces {
   PartPlaces() {
     test::write_labels(folder_ / "labels.png", 30, 15, [](int column, int) { return column < 15 ? 4 : 0; });
   }
-  [[nodiscard]] Config with_parts(const char* orientation, const std::string& labels) const {
+  [[nodiscard]] scene::Config with_parts(const char* orientation, const std::string& labels) const {
     return config(orientation, "{labels: " + labels +
                                    "}\nparts: [{name: left, label: 4}, {name: lost, label: 9}, "
                                    "{name: notch, polygon_m: [[1, 0], [2, 0], [2, 1], [1.5, 0.2], [1, 1]]}]");
@@ -140,12 +141,12 @@ TEST_F(PartPlaces, OfALabelThatNoPixelHasAreWarnedOfByName) {
   };
   EXPECT_EQ(named("lost"), 1);
   EXPECT_EQ(named("left") + named("notch"), 0);
-  const SceneDescription& scene = built.scene->description();
-  const PartConfig* part = part_at(scene, {0.0, 0.5, 0.0});
+  const scene::SceneDescription& scene = built.scene->description();
+  const scene::PartConfig* part = scene::part_at(scene, {0.0, 0.5, 0.0});
   ASSERT_NE(part, nullptr);
   EXPECT_EQ(part->name, "left");
-  EXPECT_EQ(part_at(scene, {1.5, 0.6, 0.0}), nullptr) << "in the notch, right of the label";
-  EXPECT_EQ(part_at(scene, {1.5, 0.1, 0.0})->name, "notch");
+  EXPECT_EQ(scene::part_at(scene, {1.5, 0.6, 0.0}), nullptr) << "in the notch, right of the label";
+  EXPECT_EQ(scene::part_at(scene, {1.5, 0.1, 0.0})->name, "notch");
 }
 
 TEST_F(PartPlaces, OfALabelImageThatCannotBeReadStopTheBuildBeforeItBegins) {
@@ -177,21 +178,21 @@ TEST_F(PartPlaces, OfATurnedObjectAreTheSameAndTheFolderHoldsTheLabels) {
   static_cast<void>(build_scene_folder(with_parts(kTurned, labels), {}, folder_ / "scene", progress_));
   std::filesystem::rename(folder_ / "scene", folder_ / "elsewhere");
   std::filesystem::remove(folder_ / "labels.png");
-  const ScenePointer scene = open_scene(folder_ / "elsewhere");
+  const scene::ScenePointer scene = scene::open_scene(folder_ / "elsewhere");
   ASSERT_TRUE(scene->description().region_from_grid);
   // x of the grid is -y of the regions' frame, y of the grid is its x.
-  const auto left = part_place(*scene, 0);
+  const auto left = scene::part_place(*scene, 0);
   ASSERT_TRUE(left);
   EXPECT_NEAR(left->box_m[1], -0.5, 0.05);
   EXPECT_NEAR(left->box_m[3], 1.0, 0.05);
-  const auto notch = part_place(*scene, 2);
+  const auto notch = scene::part_place(*scene, 2);
   ASSERT_TRUE(notch);
   EXPECT_NEAR(notch->box_m[1], 1.0, 0.05);
   EXPECT_NEAR(notch->box_m[3], 2.0, 0.05);
   const Eigen::Vector4d middle =
       *scene->description().region_from_grid * Eigen::Vector4d(notch->middle_m.x(), notch->middle_m.y(), 0.0, 1.0);
-  EXPECT_TRUE(area_of(scene->description(), 2).holds(middle.x(), middle.y()));
-  EXPECT_FALSE(part_place(*scene, 1));
+  EXPECT_TRUE(scene::area_of(scene->description(), 2).holds(middle.x(), middle.y()));
+  EXPECT_FALSE(scene::part_place(*scene, 1));
 }
 
 }  // namespace

@@ -6,9 +6,10 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/yaml.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/warnings.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -16,8 +17,8 @@ namespace {
 
 constexpr std::uint64_t kMeasured = 10'000;
 
-Lattice millimetre_grid() {
-  Lattice lattice;
+scene::Lattice millimetre_grid() {
+  scene::Lattice lattice;
   lattice.nx = lattice.ny = 100;
   lattice.spacing_m = 0.001;
   return lattice;
@@ -116,12 +117,12 @@ std::vector<std::string> warnings_of_plane(bool faces, const std::string& noise)
   text += "\nproperty double x\nproperty double y\nproperty double z\n";
   if (faces) text += "element face " + std::to_string(count) + "\nproperty list uchar int vertex_indices\n";
   write_file(folder / "plane.ply", text + "end_header\n" + corners + (faces ? triangles : ""));
-  Config config =
-      parse_config(yaml::parse_text("scans: [{file: plane.ply, units: m}]\norientation: {look_from: [0, 0, 1], up: "
-                                    "[0, 1, 0]}\ngrid: {spacing_mm: 2.5" +
-                                        noise + "}\n",
-                                    "test"),
-                   folder);
+  scene::Config config = scene::parse_config(
+      yaml::parse_text("scans: [{file: plane.ply, units: m}]\norientation: {look_from: [0, 0, 1], up: "
+                       "[0, 1, 0]}\ngrid: {spacing_mm: 2.5" +
+                           noise + "}\n",
+                       "test"),
+      folder);
   Progress progress;
   return build_scene(config, {}, progress).report.warnings;
 }
@@ -139,11 +140,12 @@ TEST(SurfaceWarnings, ASurfaceFartherThanASpacingFromHalfOfItsPointsIsAnError) {
 
 TEST(GridNoise, IsReadAndWrittenAndMayNotBeNegative) {
   const auto parsed = [](const std::string& noise) {
-    return parse_config(yaml::parse_text("scans: [{file: a.ply}]\ngrid: {noise_mm: " + noise + "}\n", "test"), ".");
+    return scene::parse_config(yaml::parse_text("scans: [{file: a.ply}]\ngrid: {noise_mm: " + noise + "}\n", "test"),
+                               ".");
   };
   ASSERT_TRUE(parsed("0.25").grid.noise_m.has_value());
   EXPECT_DOUBLE_EQ(*parsed("0.25").grid.noise_m, 0.00025);
-  EXPECT_NE(to_yaml(parsed("0.25")).find("noise_mm: 0.25"), std::string::npos);
+  EXPECT_NE(scene::to_yaml(parsed("0.25")).find("noise_mm: 0.25"), std::string::npos);
   EXPECT_THROW((void)parsed("-1"), Error);
 }
 

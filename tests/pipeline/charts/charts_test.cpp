@@ -32,7 +32,7 @@ ScanOptions cloud_of(std::size_t points, double noise = 0.1) {
 pipeline::ChartResult charts_of(const Points& points, double spacing_m, unsigned threads = 2) {
   ThreadPool pool(threads);
   Progress progress;
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = spacing_m;
   return pipeline::make_charts(make_cloud(points), Eigen::Matrix4d::Identity(), grid, 0.0, {pool, progress});
 }

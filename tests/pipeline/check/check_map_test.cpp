@@ -16,17 +16,17 @@ using testing::lattice_of;
 
 TEST(CheckMap, IsTheMeanErrorOfItsSurroundingsAndEmptyOffTheSurface) {
   // Twice as far on the right half; a third of the nodes judged; a corner that was never measured.
-  const Lattice lattice = lattice_of(90, 70, 0.001);
-  DepthGrid grid = grid_of(lattice, [](double, double) { return 0.0; });
+  const scene::Lattice lattice = lattice_of(90, 70, 0.001);
+  scene::DepthGrid grid = grid_of(lattice, [](double, double) { return 0.0; });
   CheckResult check;
-  check.node_error_m.assign(lattice.count(), kUnknownHeight);
+  check.node_error_m.assign(lattice.count(), scene::kUnknownHeight);
   std::mt19937 random(5);
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
       const std::size_t n = lattice.index(i, j);
       if (i < 20 && j < 20) {
-        grid.state[n] = NodeState::unknown;
-        grid.height_m[n] = kUnknownHeight;
+        grid.state[n] = scene::NodeState::unknown;
+        grid.height_m[n] = scene::kUnknownHeight;
       } else if (random() % 3 == 0) {
         check.node_error_m[n] = i < 45 ? 1e-4F : 2e-4F;
         ++check.cloud_to_surface.samples;
@@ -53,8 +53,8 @@ TEST(CheckMap, IsTheMeanErrorOfItsSurroundingsAndEmptyOffTheSurface) {
 }
 
 TEST(CheckMap, OfALargeGridIsCoarseAndLiesWhereTheGridLies) {
-  const Lattice lattice = lattice_of(1301, 700, 0.001);
-  const DepthGrid grid = grid_of(lattice, [](double, double) { return 0.0; });
+  const scene::Lattice lattice = lattice_of(1301, 700, 0.001);
+  const scene::DepthGrid grid = grid_of(lattice, [](double, double) { return 0.0; });
   CheckResult check;
   check.node_error_m.resize(lattice.count());
   for (int j = 0; j < lattice.ny; ++j)
@@ -71,7 +71,7 @@ TEST(CheckMap, OfALargeGridIsCoarseAndLiesWhereTheGridLies) {
 }
 
 TEST(CheckMap, WithoutSamplesThereIsNone) {
-  const DepthGrid grid = grid_of(lattice_of(10, 10, 0.001), [](double, double) { return 0.0; });
+  const scene::DepthGrid grid = grid_of(lattice_of(10, 10, 0.001), [](double, double) { return 0.0; });
   EXPECT_EQ(check_map_of(grid, {}), nullptr);
 }
 

@@ -15,6 +15,7 @@
 #include "pipeline/check/points.h"
 #include "pipeline/check/statistics.h"
 #include "pipeline/check/surface.h"
+#include "scene/scene.h"
 #include "tests/support/checked_cloud.h"
 
 namespace sparsha::pipeline {
@@ -26,26 +27,26 @@ using testing::lattice_of;
 using testing::projection_of;
 
 /// Rough ground with a step, and spikes of `spike` here and there.
-DepthGrid rough_grid(const Lattice& lattice, double spike, unsigned seed) {
+scene::DepthGrid rough_grid(const scene::Lattice& lattice, double spike, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
-  DepthGrid grid = grid_of(lattice, [&](double x, double y) {
+  scene::DepthGrid grid = grid_of(lattice, [&](double x, double y) {
     const double s = lattice.spacing_m;
     return 2 * s * std::sin(x / s / 4) * std::cos(y / s / 5) + 0.3 * s * unit(random) + (x > 12 * s ? 5 * s : 0.0);
   });
   for (std::size_t n = 0; n < grid.height_m.size(); ++n) {
     if (random() % 40 == 0) grid.height_m[n] += static_cast<float>(spike);
     if (random() % 15 == 0) {
-      grid.height_m[n] = kUnknownHeight;
-      grid.state[n] = NodeState::unknown;
+      grid.height_m[n] = scene::kUnknownHeight;
+      grid.state[n] = scene::NodeState::unknown;
     }
   }
   return grid;
 }
 
 /// Distance to the densely sampled surface: `n` x `n` places in every known cell.
-double sampled_distance(const DepthGrid& grid, const Eigen::Vector3d& p, int n) {
-  const Lattice& l = grid.lattice;
+double sampled_distance(const scene::DepthGrid& grid, const Eigen::Vector3d& p, int n) {
+  const scene::Lattice& l = grid.lattice;
   double best = std::numeric_limits<double>::infinity();
   for (int j = 0; j + 1 < l.ny; ++j)
     for (int i = 0; i + 1 < l.nx; ++i) {
@@ -67,7 +68,7 @@ TEST(SurfaceIndex, FindsTheNearestCellOfRoughGroundWithSpikes) {
   std::mt19937 random(17);
   std::uniform_real_distribution<double> unit(-0.3, 1.3);
   for (const double spike : {0.0, 0.05, 3.0}) {
-    const DepthGrid grid = rough_grid(lattice_of(30, 22, 0.001), spike, 5);
+    const scene::DepthGrid grid = rough_grid(lattice_of(30, 22, 0.001), spike, 5);
     const SurfaceIndex surface(grid);
     SurfaceIndex::Scratch scratch;
     for (int k = 0; k < 60; ++k) {
@@ -83,7 +84,7 @@ TEST(SurfaceIndex, FindsTheNearestCellOfRoughGroundWithSpikes) {
 }
 
 TEST(SurfaceIndex, AgreesWithTheWalkAcrossTheLattice) {
-  const DepthGrid grid = rough_grid(lattice_of(90, 70, 0.002), 0.004, 6);
+  const scene::DepthGrid grid = rough_grid(lattice_of(90, 70, 0.002), 0.004, 6);
   const SurfaceIndex surface(grid);
   SurfaceIndex::Scratch scratch;
   std::mt19937 random(18);
@@ -96,7 +97,7 @@ TEST(SurfaceIndex, AgreesWithTheWalkAcrossTheLattice) {
 }
 
 TEST(SurfaceIndex, SignsDistancesTowardsTheViewer) {
-  const DepthGrid grid = grid_of(lattice_of(10, 10, 0.01), [](double x, double) { return 2 * x; });
+  const scene::DepthGrid grid = grid_of(lattice_of(10, 10, 0.01), [](double x, double) { return 2 * x; });
   const SurfaceIndex surface(grid);
   SurfaceIndex::Scratch scratch;
   EXPECT_GT(surface.distance(0.05, 0.05, 0.12, scratch).signed_m, 0);
@@ -104,7 +105,7 @@ TEST(SurfaceIndex, SignsDistancesTowardsTheViewer) {
 }
 
 TEST(SurfaceIndex, IsInfinitelyFarFromNoSurface) {
-  const DepthGrid grid(lattice_of(10, 10, 0.01));
+  const scene::DepthGrid grid(lattice_of(10, 10, 0.01));
   const SurfaceIndex surface(grid);
   SurfaceIndex::Scratch scratch;
   EXPECT_TRUE(std::isinf(surface.distance(0, 0, 0, scratch).distance_m));
@@ -114,7 +115,7 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
   std::mt19937 random(19);
   std::uniform_real_distribution<double> unit(0, 1);
   for (const auto& [count, offset] : {std::pair{3000, 0.0}, {40, 0.0}, {1, 0.0}, {500, 0.9}}) {
-    const DepthGrid grid = rough_grid(lattice_of(120, 160, 0.01), 0.1, 7);
+    const scene::DepthGrid grid = rough_grid(lattice_of(120, 160, 0.01), 0.1, 7);
     std::vector<float> xyz;
     for (int k = 0; k < count; ++k) {
       xyz.push_back(static_cast<float>(1.2 * unit(random) + offset));
@@ -123,7 +124,7 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
     }
     std::vector<std::uint32_t> nodes;
     for (std::uint32_t n = 0; n < grid.lattice.count(); n += 1 + static_cast<std::uint32_t>(random() % 20))
-      if (grid.state[n] == NodeState::measured) nodes.push_back(n);
+      if (grid.state[n] == scene::NodeState::measured) nodes.push_back(n);
     ThreadPool pool(2);
     const BandedPoints points(
         grid.lattice, xyz.size() / 3,
@@ -147,7 +148,7 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
 
 TEST(NearestPoint, OfManyPointsToANodeAreThoseOfBruteForceInAnyOrder) {
   constexpr int kNx = 7, kNy = 61;
-  const DepthGrid grid = rough_grid(lattice_of(kNx, kNy, 0.01), 0.1, 7);
+  const scene::DepthGrid grid = rough_grid(lattice_of(kNx, kNy, 0.01), 0.1, 7);
   std::mt19937 random(9);
   std::uniform_real_distribution<double> unit(0, 1);
   // Where there are none, at the far end, the nearest is many rows away.
@@ -157,7 +158,7 @@ TEST(NearestPoint, OfManyPointsToANodeAreThoseOfBruteForceInAnyOrder) {
                      static_cast<float>(0.05 * unit(random))});
   std::vector<std::uint32_t> nodes;
   for (std::uint32_t n = 0; n < grid.lattice.count(); ++n)
-    if (grid.state[n] == NodeState::measured) nodes.push_back(n);
+    if (grid.state[n] == scene::NodeState::measured) nodes.push_back(n);
   ThreadPool pool(2);
   const auto distances = [&] {
     const BandedPoints points(
@@ -232,7 +233,7 @@ struct Scene {
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
   std::vector<Eigen::Vector3d> in_grid, in_scan;
   std::vector<PointClass> point_class;
-  DepthGrid grid;
+  scene::DepthGrid grid;
   Eigen::Vector3d origin{1000, -500, 200};
 
   explicit Scene(int count, unsigned seed) {
@@ -261,7 +262,7 @@ struct Scene {
 };
 
 CheckResult run(const Scene& scene, std::int64_t samples, unsigned threads,
-                const std::optional<FillConfig>& fill = {}) {
+                const std::optional<scene::FillConfig>& fill = {}) {
   ThreadPool pool(threads);
   Progress progress;
   progress.begin("check");
@@ -332,11 +333,11 @@ TEST(CrossCheck, DependsNeitherOnThreadsNorOnTheOrderOfPoints) {
 
 TEST(CrossCheck, CompletenessCountsMeasuredNodesWithAPointInsideTheOutline) {
   // A plane of 40 x 40 measured nodes with a hole of 10 x 10; the points of the right half are missing.
-  DepthGrid grid = grid_of(lattice_of(40, 40, 0.01), [](double, double) { return 0; });
+  scene::DepthGrid grid = grid_of(lattice_of(40, 40, 0.01), [](double, double) { return 0; });
   for (int j = 15; j < 25; ++j)
     for (int i = 5; i < 15; ++i) {
-      grid.height_m[grid.lattice.index(i, j)] = kUnknownHeight;
-      grid.state[grid.lattice.index(i, j)] = NodeState::unknown;
+      grid.height_m[grid.lattice.index(i, j)] = scene::kUnknownHeight;
+      grid.state[grid.lattice.index(i, j)] = scene::NodeState::unknown;
     }
   std::vector<Eigen::Vector3d> points;
   for (int j = 0; j < 40; ++j)
@@ -374,8 +375,9 @@ TEST(CrossCheck, SaysNothingWhereThereIsNothing) {
   ThreadPool pool(1);
   Progress progress;
   progress.begin("check");
-  const CheckResult result = cross_check(cloud, Eigen::Matrix4d::Identity(),
-                                         projection_of(DepthGrid(lattice_of(5, 5, 1)), 0), {}, {}, {pool, progress});
+  const CheckResult result =
+      cross_check(cloud, Eigen::Matrix4d::Identity(), projection_of(scene::DepthGrid(lattice_of(5, 5, 1)), 0), {}, {},
+                  {pool, progress});
   EXPECT_EQ(result.cloud_to_surface.samples, 0U);
   EXPECT_EQ(result.surface_to_cloud.samples, 0U);
   EXPECT_FALSE(result.completeness.has_value());

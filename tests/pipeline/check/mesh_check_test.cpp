@@ -173,7 +173,7 @@ Cloud tilted_plane(double slope_x, double slope_y) {
   return cloud;
 }
 
-Projection projection_over(DepthGrid grid, const Cloud& cloud) {
+Projection projection_over(scene::DepthGrid grid, const Cloud& cloud) {
   Projection projection = projection_of(std::move(grid), cloud.size());
   projection.only_mesh = true;
   projection.gap_m = 0.05;
@@ -182,7 +182,8 @@ Projection projection_over(DepthGrid grid, const Cloud& cloud) {
 
 TEST(CrossCheck, AnExactMeshIsCompleteAndNothingIsFarFromIt) {
   const Cloud cloud = tilted_plane(0.3, -0.2);
-  const DepthGrid grid = grid_of(lattice_of(101, 101, 0.01), [](double x, double y) { return 0.3 * x - 0.2 * y; });
+  const scene::DepthGrid grid =
+      grid_of(lattice_of(101, 101, 0.01), [](double x, double y) { return 0.3 * x - 0.2 * y; });
   const CheckResult result = run(cloud, projection_over(grid, cloud));
   EXPECT_EQ(result.against, Against::mesh);
   EXPECT_GT(result.cloud_to_surface.samples, 9900U) << "a place in nearly every node's square, not the 1206 corners";
@@ -196,7 +197,7 @@ TEST(CrossCheck, AnExactMeshIsCompleteAndNothingIsFarFromIt) {
 TEST(CrossCheck, ASurfaceShiftedOffItsMeshIsThatFarFromItBothWays) {
   const double off = 0.002;
   const Cloud cloud = tilted_plane(0.0, 0.0);
-  const DepthGrid grid = grid_of(lattice_of(101, 101, 0.01), [&](double, double) { return off; });
+  const scene::DepthGrid grid = grid_of(lattice_of(101, 101, 0.01), [&](double, double) { return off; });
   const CheckResult result = run(cloud, projection_over(grid, cloud), 3000);
   EXPECT_EQ(result.cloud_to_surface.samples, 3000U);
   EXPECT_NEAR(result.cloud_to_surface.median_m, off, kFloat);
@@ -219,7 +220,7 @@ TEST(CrossCheck, WhatTheViewDoesNotShowOfAMeshIsNotCounted) {
   for (const double y : {0.0, 1.0}) quad({0, y, 0}, {1, y, 0}, {1, y, 0.5}, {0, y, 0.5});
   Cloud cloud = cloud_of(soup.corners);
   cloud.faces = soup.faces;
-  const DepthGrid grid = grid_of(lattice_of(51, 51, 0.02), [](double, double) { return 0.5; });
+  const scene::DepthGrid grid = grid_of(lattice_of(51, 51, 0.02), [](double, double) { return 0.5; });
   const CheckResult result = run(cloud, projection_over(grid, cloud));
   EXPECT_LT(result.cloud_to_surface.max_m, kFloat);
   EXPECT_LT(result.surface_to_cloud.max_m, kFloat);
@@ -228,18 +229,18 @@ TEST(CrossCheck, WhatTheViewDoesNotShowOfAMeshIsNotCounted) {
 TEST(CrossCheck, WhatASurfaceLacksOfItsMeshIsFarAndWhatItInventsIsIncomplete) {
   const Cloud cloud = tilted_plane(0.0, 0.0);
   // Known up to x = 0.5 only.
-  DepthGrid half = grid_of(lattice_of(101, 101, 0.01), [](double, double) { return 0.0; });
+  scene::DepthGrid half = grid_of(lattice_of(101, 101, 0.01), [](double, double) { return 0.0; });
   for (int j = 0; j < 101; ++j)
     for (int i = 51; i < 101; ++i) {
-      half.height_m[half.lattice.index(i, j)] = kUnknownHeight;
-      half.state[half.lattice.index(i, j)] = NodeState::unknown;
+      half.height_m[half.lattice.index(i, j)] = scene::kUnknownHeight;
+      half.state[half.lattice.index(i, j)] = scene::NodeState::unknown;
     }
   const CheckResult lacking = run(cloud, projection_over(half, cloud));
   // Half of the places are 0 to 0.5 away, evenly.
   EXPECT_NEAR(lacking.cloud_to_surface.mean_m, 0.125, 0.005);
   EXPECT_DOUBLE_EQ(*lacking.completeness, 1.0);
   // 201 columns, of which the mesh reaches 101 and the tolerance, a spacing, one more.
-  const DepthGrid twice = grid_of(lattice_of(201, 101, 0.01), [](double, double) { return 0.0; });
+  const scene::DepthGrid twice = grid_of(lattice_of(201, 101, 0.01), [](double, double) { return 0.0; });
   const CheckResult invented = run(cloud, projection_over(twice, cloud));
   EXPECT_LT(invented.cloud_to_surface.max_m, kFloat);
   EXPECT_NEAR(*invented.completeness, 101.5 / 201, 0.6 / 201);
@@ -258,7 +259,8 @@ TEST(CrossCheck, AMeshAndPointsTogetherAreJudgedEachByWhatItIs) {
     p[1] = static_cast<float>(0.005 + 0.01 * static_cast<double>(k / 40));
     p[2] = 0.2F;
   }
-  const DepthGrid grid = grid_of(lattice_of(101, 101, 0.01), [](double x, double) { return x < 0.405 ? 0.2 : 0.0; });
+  const scene::DepthGrid grid =
+      grid_of(lattice_of(101, 101, 0.01), [](double x, double) { return x < 0.405 ? 0.2 : 0.0; });
   Projection projection = projection_over(grid, cloud);
   projection.only_mesh = false;
   const CheckResult result = run(cloud, projection);
@@ -271,7 +273,7 @@ TEST(CrossCheck, AMeshAndPointsTogetherAreJudgedEachByWhatItIs) {
 
 TEST(CrossCheck, OfAMeshDependsNotOnThreads) {
   const Cloud cloud = tilted_plane(0.4, 0.1);
-  const DepthGrid grid =
+  const scene::DepthGrid grid =
       grid_of(lattice_of(301, 301, 1.0 / 300), [](double x, double y) { return 0.4 * x + 0.11 * y; });
   const Projection projection = projection_over(grid, cloud);
   const CheckResult one = run(cloud, projection, 5000, 1);

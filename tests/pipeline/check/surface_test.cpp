@@ -25,8 +25,8 @@ double distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d&
 
 /// Distance to one cell: at every v its surface is a straight line, and the least of those lines' distances is found by
 /// samples and by thirds between the best one's neighbours.
-double distance_to_cell(const Vector3d& p, const DepthGrid& grid, int i, int j) {
-  const Lattice& l = grid.lattice;
+double distance_to_cell(const Vector3d& p, const scene::DepthGrid& grid, int i, int j) {
+  const scene::Lattice& l = grid.lattice;
   const auto node = [&](int a, int b) {
     return Vector3d((i + a) * l.spacing_m, (j + b) * l.spacing_m, grid.height_m[l.index(i + a, j + b)]);
   };
@@ -44,8 +44,8 @@ double distance_to_cell(const Vector3d& p, const DepthGrid& grid, int i, int j) 
   return at(0.5 * (low + high));
 }
 
-double distance_to_all_cells(const Vector3d& p, const DepthGrid& grid) {
-  const Lattice& l = grid.lattice;
+double distance_to_all_cells(const Vector3d& p, const scene::DepthGrid& grid) {
+  const scene::Lattice& l = grid.lattice;
   double best = std::numeric_limits<double>::infinity();
   for (int j = 0; j + 1 < l.ny; ++j)
     for (int i = 0; i + 1 < l.nx; ++i) {
@@ -59,8 +59,8 @@ double distance_to_all_cells(const Vector3d& p, const DepthGrid& grid) {
 }
 
 /// Asks on, near and far from the surface.
-void expect_true_distances(const DepthGrid& grid, int points, std::mt19937& random) {
-  const Lattice& l = grid.lattice;
+void expect_true_distances(const scene::DepthGrid& grid, int points, std::mt19937& random) {
+  const scene::Lattice& l = grid.lattice;
   const double spacing = l.spacing_m;
   const SurfaceIndex surface(grid);
   SurfaceIndex::Scratch scratch;
@@ -81,8 +81,8 @@ void expect_true_distances(const DepthGrid& grid, int points, std::mt19937& rand
 
 /// Whole multiples of the spacing but for the rounding of floats, as a mesh's interpolated heights are: a slope along
 /// x, y or both, steps, or any whole number at any node.
-DepthGrid whole_multiples(int nx, int ny, double spacing, int kind, std::mt19937& random) {
-  DepthGrid grid(lattice_of(nx, ny, spacing));
+scene::DepthGrid whole_multiples(int nx, int ny, double spacing, int kind, std::mt19937& random) {
+  scene::DepthGrid grid(lattice_of(nx, ny, spacing));
   std::uniform_real_distribution<double> rounding(-2, 2);
   const double unit = random() % 4 == 0 ? 0 : std::numeric_limits<float>::epsilon();
   for (int j = 0; j < ny; ++j)
@@ -123,15 +123,15 @@ TEST(SurfaceIndex, FindsTheNearestCellOfStripsOfWholeSpacings) {
 TEST(SurfaceIndex, FindsTheNearestCellWhereMostNodesAreUnknown) {
   std::mt19937 random(35);
   for (int round = 0; round < 200; ++round) {
-    DepthGrid grid = whole_multiples(2 + static_cast<int>(random() % 30), 2 + static_cast<int>(random() % 30), 0.01,
-                                     static_cast<int>(random() % 6), random);
+    scene::DepthGrid grid = whole_multiples(2 + static_cast<int>(random() % 30), 2 + static_cast<int>(random() % 30),
+                                            0.01, static_cast<int>(random() % 6), random);
     const unsigned kept = 1 + random() % 8;  // of 8, in squares of 2 x 2 nodes
     for (int j = 0; j < grid.lattice.ny; j += 2)
       for (int i = 0; i < grid.lattice.nx; i += 2) {
         if (random() % 8 < kept) continue;
         for (int b = j; b < std::min(j + 2, grid.lattice.ny); ++b)
           for (int a = i; a < std::min(i + 2, grid.lattice.nx); ++a)
-            grid.height_m[grid.lattice.index(a, b)] = kUnknownHeight;
+            grid.height_m[grid.lattice.index(a, b)] = scene::kUnknownHeight;
       }
     if (std::isinf(distance_to_all_cells(Vector3d::Zero(), grid))) continue;
     ASSERT_NO_FATAL_FAILURE(expect_true_distances(grid, 10, random));
@@ -142,7 +142,7 @@ TEST(SurfaceIndex, FindsTheNearestCellFarFromTheLatticesOrigin) {
   // Coordinates of 5000 and heights of 100 000 spacings, where the floats of the tree are 0.0005 and 0.008 spacings
   // apart; the surface's own heights are such floats too.
   std::mt19937 random(36);
-  DepthGrid grid(lattice_of(5000, 3, 0.001));
+  scene::DepthGrid grid(lattice_of(5000, 3, 0.001));
   for (float& height : grid.height_m) height = static_cast<float>(100 + 0.001 * static_cast<double>(random() % 12));
   expect_true_distances(grid, 200, random);
 }
@@ -150,7 +150,7 @@ TEST(SurfaceIndex, FindsTheNearestCellFarFromTheLatticesOrigin) {
 TEST(SurfaceIndex, ARowOfNodesIsNoSurface) {
   SurfaceIndex::Scratch scratch;
   for (const auto& [nx, ny] : {std::pair{1, 1}, {1, 40}, {40, 1}}) {
-    DepthGrid grid(lattice_of(nx, ny, 0.01));
+    scene::DepthGrid grid(lattice_of(nx, ny, 0.01));
     std::fill(grid.height_m.begin(), grid.height_m.end(), 0.0F);
     const SurfaceIndex surface(grid);
     EXPECT_TRUE(std::isinf(surface.distance(0.01, 0, 0, scratch).distance_m)) << nx << " x " << ny;

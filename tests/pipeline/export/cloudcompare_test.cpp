@@ -31,8 +31,8 @@ TEST(CloudCompare, DistancesFromScanToExportedMeshConfirmTheCrossCheckWithinFive
   simulation.write_truth = false;
   Progress progress;
   write_simulation(simulation, folder, progress);
-  Config config = load_config(folder / "sparsha.yaml");
-  config.check = CheckConfig{0};
+  scene::Config config = scene::load_config(folder / "sparsha.yaml");
+  config.check = scene::CheckConfig{0};
   const BuildResult built = build_scene(config, {}, progress);
   export_scene(*built.scene, folder / "mesh.ply", false, progress);
   const std::string command =

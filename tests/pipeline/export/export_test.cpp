@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "readers.h"
+#include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -31,26 +32,27 @@ class Export : public testing::Test {
 };
 
 /// A flat level of nx x ny nodes with one high node, asymmetric in every way; heights 0 and kHigh relative to origin.
-Layers impulse(int nx, int ny, const Eigen::Vector3d& origin) {
-  Layers layers;
-  layers.grid = DepthGrid(Lattice{nx, ny, 0.002, origin});
+scene::Layers impulse(int nx, int ny, const Eigen::Vector3d& origin) {
+  scene::Layers layers;
+  layers.grid = scene::DepthGrid(scene::Lattice{nx, ny, 0.002, origin});
   std::fill(layers.grid.height_m.begin(), layers.grid.height_m.end(), 0.0F);
-  std::fill(layers.grid.state.begin(), layers.grid.state.end(), NodeState::measured);
+  std::fill(layers.grid.state.begin(), layers.grid.state.end(), scene::NodeState::measured);
   layers.grid.height_m[layers.grid.lattice.index(kImpulseI, kImpulse_j)] = static_cast<float>(kHigh);
   return layers;
 }
 
-ScenePointer scene_of(Layers layers, const Eigen::Matrix4d& scan_from_grid = Eigen::Matrix4d::Identity()) {
-  SceneDescription description;
+scene::ScenePointer scene_of(scene::Layers layers,
+                             const Eigen::Matrix4d& scan_from_grid = Eigen::Matrix4d::Identity()) {
+  scene::SceneDescription description;
   description.scan_from_grid = scan_from_grid;
   description.levels = {layers.grid.lattice};
   description.has_colour = !layers.colour_rgba.empty();
-  std::vector<Layers> levels;
+  std::vector<scene::Layers> levels;
   levels.push_back(std::move(layers));
-  return make_scene(std::move(description), std::move(levels));
+  return scene::make_scene(std::move(description), std::move(levels));
 }
 
-void save(const Scene& scene, const fs::path& file, bool nodes_only = false) {
+void save(const scene::Scene& scene, const fs::path& file, bool nodes_only = false) {
   Progress progress;
   export_scene(scene, file, nodes_only, progress);
 }
@@ -71,7 +73,7 @@ Mesh read_mesh(const fs::path& file) {
 TEST_F(Export, MeshesPutAnImpulseWhereTheScanHasIt) {
   const Eigen::Vector3d origin(0.3, -0.2, 1.5);
   for (const Eigen::Matrix4d& pose : {Eigen::Matrix4d(Eigen::Matrix4d::Identity()), utm_pose()}) {
-    const ScenePointer scene = scene_of(impulse(90, 61, origin), pose);
+    const scene::ScenePointer scene = scene_of(impulse(90, 61, origin), pose);
     const Eigen::Vector4d at = pose * Eigen::Vector4d(0.3 + kImpulseI * 0.002, -0.2 + kImpulse_j * 0.002,
                                                       1.5 + static_cast<float>(kHigh), 1.0);
     for (const char* name : {"mesh.ply", "mesh.obj", "points.xyz"}) {
@@ -99,7 +101,7 @@ TEST_F(Export, RastersPutAnImpulseIntoItsPixelAndTheWorldFilePutsThePixelBack) {
   const Eigen::Vector3d origin(0.3, -0.2, 1.5);
   Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
   pose.topRightCorner<3, 1>() = Eigen::Vector3d(100.0, 200.0, 10.0);
-  const ScenePointer scene = scene_of(impulse(300, 270, origin), pose);
+  const scene::ScenePointer scene = scene_of(impulse(300, 270, origin), pose);
   for (const char* name : {"heights.tif", "heights.png"}) {
     save(*scene, out(name));
     const bool tif = out(name).extension() == ".tif";
@@ -119,7 +121,7 @@ TEST_F(Export, RastersPutAnImpulseIntoItsPixelAndTheWorldFilePutsThePixelBack) {
 }
 
 TEST_F(Export, ARasterOfATurnedSceneStaysInTheGridFrameAndSaysSo) {
-  const ScenePointer scene = scene_of(impulse(60, 50, {0.3, -0.2, 1.5}), utm_pose());
+  const scene::ScenePointer scene = scene_of(impulse(60, 50, {0.3, -0.2, 1.5}), utm_pose());
   Progress progress;
   export_scene(*scene, out("heights.tif"), false, progress);
   const Raster raster = test::read_tif(out("heights.tif"));
@@ -130,7 +132,7 @@ TEST_F(Export, ARasterOfATurnedSceneStaysInTheGridFrameAndSaysSo) {
 }
 
 TEST_F(Export, HeightsBeyondAKilometreAreWrittenInDoublePrecision) {
-  const ScenePointer scene = scene_of(impulse(60, 50, {0.0, 0.0, 5412000.0}));
+  const scene::ScenePointer scene = scene_of(impulse(60, 50, {0.0, 0.0, 5412000.0}));
   save(*scene, out("heights.tif"));
   const Raster raster = test::read_tif(out("heights.tif"));
   EXPECT_EQ(raster.bits, 64);
@@ -138,11 +140,11 @@ TEST_F(Export, HeightsBeyondAKilometreAreWrittenInDoublePrecision) {
 }
 
 TEST_F(Export, UnknownNodesAreNaNInTiffAndZeroInPngAndAbsentFromMeshes) {
-  Layers layers = impulse(40, 30, Eigen::Vector3d::Zero());
-  layers.grid.height_m[layers.grid.lattice.index(20, 10)] = kUnknownHeight;
-  layers.grid.state[layers.grid.lattice.index(20, 10)] = NodeState::unknown;
-  layers.grid.state[layers.grid.lattice.index(5, 6)] = NodeState::filled;
-  const ScenePointer scene = scene_of(std::move(layers));
+  scene::Layers layers = impulse(40, 30, Eigen::Vector3d::Zero());
+  layers.grid.height_m[layers.grid.lattice.index(20, 10)] = scene::kUnknownHeight;
+  layers.grid.state[layers.grid.lattice.index(20, 10)] = scene::NodeState::unknown;
+  layers.grid.state[layers.grid.lattice.index(5, 6)] = scene::NodeState::filled;
+  const scene::ScenePointer scene = scene_of(std::move(layers));
   save(*scene, out("a.tif"));
   save(*scene, out("a.png"));
   save(*scene, out("a.ply"));
@@ -163,7 +165,7 @@ TEST_F(Export, UnknownNodesAreNaNInTiffAndZeroInPngAndAbsentFromMeshes) {
 }
 
 TEST_F(Export, NodesWithoutAColourAreWhiteAmongColouredOnes) {
-  Layers layers = impulse(50, 10, Eigen::Vector3d::Zero());
+  scene::Layers layers = impulse(50, 10, Eigen::Vector3d::Zero());
   layers.colour_rgba.assign(layers.grid.lattice.count(), 0xFF0000FFU);
   layers.colour_rgba[123] = 0U;
   save(*scene_of(std::move(layers)), out("a.obj"));
@@ -197,7 +199,7 @@ TEST_F(Export, FacesCoverEveryKnownCellOnceAndLookAtTheViewer) {
   mirrored(0, 0) = -1.0;  // a mirror turns the order of the corners round
   for (const Eigen::Matrix4d& pose : {Eigen::Matrix4d(Eigen::Matrix4d::Identity()), mirrored}) {
     // More than one band of rows.
-    const ScenePointer scene = scene_of(impulse(50, 300, {0.1, 0.2, 0.3}), pose);
+    const scene::ScenePointer scene = scene_of(impulse(50, 300, {0.1, 0.2, 0.3}), pose);
     for (const char* name : {"mesh.ply", "mesh.obj"}) {
       save(*scene, out(name));
       const Mesh mesh = read_mesh(out(name));
@@ -212,15 +214,15 @@ TEST_F(Export, FacesCoverEveryKnownCellOnceAndLookAtTheViewer) {
 }
 
 TEST_F(Export, EveryVertexOfEveryMeshFormatIsTheSameAndExact) {
-  Layers layers;
-  layers.grid = DepthGrid(Lattice{33, 21, 0.0013, {0.123456789, -7.5, 2.0}});
+  scene::Layers layers;
+  layers.grid = scene::DepthGrid(scene::Lattice{33, 21, 0.0013, {0.123456789, -7.5, 2.0}});
   for (std::size_t k = 0; k < layers.grid.height_m.size(); ++k) {
     layers.grid.height_m[k] = static_cast<float>(std::sin(0.37 * static_cast<double>(k)) * 0.01);
-    layers.grid.state[k] = NodeState::measured;
+    layers.grid.state[k] = scene::NodeState::measured;
     layers.colour_rgba.push_back(0xFF000000U | static_cast<std::uint32_t>(k) << 8U | 0x21U);
   }
-  const Layers copy = layers;
-  const ScenePointer scene = scene_of(std::move(layers));
+  const scene::Layers copy = layers;
+  const scene::ScenePointer scene = scene_of(std::move(layers));
   for (const char* name : {"a.ply", "a.obj", "a.xyz"}) save(*scene, out(name));
   const Mesh ply = read_mesh(out("a.ply"));
   const Mesh obj = read_mesh(out("a.obj"));
@@ -241,7 +243,7 @@ TEST_F(Export, EveryVertexOfEveryMeshFormatIsTheSameAndExact) {
 }
 
 TEST_F(Export, AnotherEndingAndNodesOfARasterAreUsageErrorsAndWriteNothing) {
-  const ScenePointer scene = scene_of(impulse(60, 50, Eigen::Vector3d::Zero()));
+  const scene::ScenePointer scene = scene_of(impulse(60, 50, Eigen::Vector3d::Zero()));
   const auto kind_of = [&](const std::string& name, bool nodes_only) {
     try {
       save(*scene, out(name), nodes_only);
@@ -259,7 +261,7 @@ TEST_F(Export, AnotherEndingAndNodesOfARasterAreUsageErrorsAndWriteNothing) {
 }
 
 TEST_F(Export, ACancelledExportKeepsTheOldFileAndLeavesNoOther) {
-  const ScenePointer scene = scene_of(impulse(90, 61, Eigen::Vector3d::Zero()));
+  const scene::ScenePointer scene = scene_of(impulse(90, 61, Eigen::Vector3d::Zero()));
   std::ofstream(out("mesh.ply")) << "old";
   std::ofstream(out("heights.png")) << "old";
   for (const char* name : {"mesh.ply", "heights.png"}) {

@@ -110,7 +110,7 @@ TEST(Keep, LeavesTheLargestClusterWithItsColours) {
   add_sphere(scene, {0, 0}, 0.1, 0.0, 4000, 0.0, Part::object, random);
   Cloud cloud = scene.cloud();
   Work work;
-  const FilterSteps steps = apply_filters(cloud, {KeepConfig{{}, 0.05, {}}}, work.context());
+  const FilterSteps steps = apply_filters(cloud, {scene::KeepConfig{{}, 0.05, {}}}, work.context());
   EXPECT_EQ(cloud.size(), 4000U);
   EXPECT_EQ(left_of(scene, cloud)[Part::object], 4000U);
   EXPECT_EQ(steps.filtered(), 2000U);
@@ -126,7 +126,7 @@ TEST(Keep, LeavesTheClusterNearestToAPlaceOfAGeoreferencedScan) {
   scene.transform(Eigen::Affine3d(Eigen::Translation3d(utm)));
   Cloud cloud = scene.cloud(utm);
   Work work;
-  KeepConfig config{utm + Eigen::Vector3d(0.8, 0, 0.1), 0.05, {}};
+  scene::KeepConfig config{utm + Eigen::Vector3d(0.8, 0, 0.1), 0.05, {}};
   const FilterSteps steps = apply_filters(cloud, {config}, work.context());
   EXPECT_EQ(left_of(scene, cloud)[Part::dirt], 2000U);
   EXPECT_EQ(cloud.size(), 2000U);
@@ -143,12 +143,12 @@ TEST(Keep, OfEqualClustersTakesTheSameInAnyOrder) {
   }
   Work work;
   Cloud cloud = scene.cloud();
-  apply_filters(cloud, {KeepConfig{}}, work.context());
+  apply_filters(cloud, {scene::KeepConfig{}}, work.context());
   EXPECT_EQ(left_of(scene, cloud)[Part::object], 10U);
   std::reverse(scene.points_m.begin(), scene.points_m.end());
   std::reverse(scene.parts.begin(), scene.parts.end());
   Cloud reversed = scene.cloud();
-  apply_filters(reversed, {KeepConfig{}}, work.context());
+  apply_filters(reversed, {scene::KeepConfig{}}, work.context());
   EXPECT_EQ(left_of(scene, reversed)[Part::object], 10U);
 }
 
@@ -156,7 +156,7 @@ TEST(Keep, RefusesAToleranceBelowTheSpacingAndAPlaceFarAway) {
   std::mt19937 random(6);
   LabelledCloud scene;
   add_square(scene, 0.5, 0.0, 10000, 0.0, Part::object, random);
-  const auto error_of = [&](const KeepConfig& config) {
+  const auto error_of = [&](const scene::KeepConfig& config) {
     Cloud cloud = scene.cloud();
     Work work;
     try {
@@ -176,7 +176,7 @@ TEST(RadiusOutliers, AreThoseOfBruteForceAndOfPcl) {
     const Cloud cloud = uneven(2500, seed).cloud();
     for (const double radius : {0.0005, 0.004, 0.0625, 0.3}) {
       for (const int neighbours : {1, 4, 30}) {
-        const RadiusOutlierConfig config{radius, neighbours, {}};
+        const scene::RadiusOutlierConfig config{radius, neighbours, {}};
         std::vector<std::uint8_t> expected(cloud.size());
         for (std::size_t i = 0; i < cloud.size(); ++i) {
           int found = 0;
@@ -204,7 +204,7 @@ TEST(RadiusOutliers, CountAsOutliersThatTheCrossCheckSeesAndWarnBelowTheSpacing)
   Cloud removed;
   FilterNeeds needs;
   needs.removed_outliers = &removed;
-  const FilterSteps steps = apply_filters(cloud, {RadiusOutlierConfig{0.02, 3, {}}}, work.context(), needs);
+  const FilterSteps steps = apply_filters(cloud, {scene::RadiusOutlierConfig{0.02, 3, {}}}, work.context(), needs);
   EXPECT_EQ(steps.outliers(), 1U);
   EXPECT_EQ(steps.filtered(), 0U);
   ASSERT_EQ(removed.size(), 1U);
@@ -212,11 +212,12 @@ TEST(RadiusOutliers, CountAsOutliersThatTheCrossCheckSeesAndWarnBelowTheSpacing)
   EXPECT_TRUE(work.progress.warnings().empty());
 
   Cloud sparse = scene.cloud();
-  EXPECT_THROW(apply_filters(sparse, {RadiusOutlierConfig{0.005, 1, {}}}, work.context()), Error);
+  EXPECT_THROW(apply_filters(sparse, {scene::RadiusOutlierConfig{0.005, 1, {}}}, work.context()), Error);
   Cloud pairs = scene.cloud();
-  apply_filters(pairs, {RadiusOutlierConfig{0.0101, 4, {}}}, work.context());
+  apply_filters(pairs, {scene::RadiusOutlierConfig{0.0101, 4, {}}}, work.context());
   EXPECT_TRUE(work.progress.warnings().empty()) << "most have four";
-  apply_filters(pairs, {RadiusOutlierConfig{0.0101, 4, {}}, RadiusOutlierConfig{0.0101, 4, {}}}, work.context());
+  apply_filters(pairs, {scene::RadiusOutlierConfig{0.0101, 4, {}}, scene::RadiusOutlierConfig{0.0101, 4, {}}},
+                work.context());
 }
 
 TEST(Pass, KeepsAnAxisRangeOfTheScanFrameBordersIncluded) {
@@ -224,10 +225,10 @@ TEST(Pass, KeepsAnAxisRangeOfTheScanFrameBordersIncluded) {
   for (int i = 0; i <= 10; ++i) scene.add({450000, 5412000.0 + i, 7}, Part::object);
   Cloud cloud = scene.cloud({450000, 5412000, 0});
   Work work;
-  const FilterSteps steps = apply_filters(cloud, {PassConfig{1, 5412002, 5412004}}, work.context());
+  const FilterSteps steps = apply_filters(cloud, {scene::PassConfig{1, 5412002, 5412004}}, work.context());
   EXPECT_EQ(cloud.size(), 3U);
   EXPECT_EQ(steps.filtered(), 8U);
-  apply_filters(cloud, {PassConfig{1, 5412003, std::numeric_limits<double>::infinity()}}, work.context());
+  apply_filters(cloud, {scene::PassConfig{1, 5412003, std::numeric_limits<double>::infinity()}}, work.context());
   EXPECT_EQ(cloud.size(), 2U);
 }
 
@@ -264,7 +265,7 @@ TEST(Thin, KeepsTheMeanHeightOfANoisySurface) {
   Work work;
   FilterNeeds needs;
   needs.spacing_m = [](const Cloud&) { return 0.01; };
-  apply_filters(cloud, {ThinConfig{4}}, work.context(), needs);
+  apply_filters(cloud, {scene::ThinConfig{4}}, work.context(), needs);
   double sum = 0.0;
   for (std::size_t i = 0; i < cloud.size(); ++i) sum += static_cast<double>(cloud.xyz1()[4 * i + 2]);
   // Cubes border on the surface at z = 0 and 0.01, where noise alone fills them: the tails count more, on both sides.
@@ -283,7 +284,7 @@ TEST(KeepFilter, CornersOfATriangleAreOneClusterHoweverFarApart) {
       Eigen::Vector3f(4, 4, 1), Eigen::Vector3f(4.2F, 4, 1), Eigen::Vector3f(4, 4.2F, 1)};
   for (std::size_t k = 0; k < corners.size(); ++k) std::copy_n(corners[k].data(), 3, cloud.xyz1() + 4 * k);
   cloud.faces = {{0, 1, 2}, {1, 3, 2}, {4, 5, 6}};
-  const FilterSteps steps = apply_filters(cloud, {KeepConfig{{}, 0.5}}, {pool, progress});
+  const FilterSteps steps = apply_filters(cloud, {scene::KeepConfig{{}, 0.5}}, {pool, progress});
   EXPECT_EQ(cloud.size(), 4U);
   EXPECT_EQ(cloud.faces.size(), 2U);
   EXPECT_THAT(steps.steps[0].found, HasSubstr("2 clusters"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/yaml.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
 #include "tests/pipeline/filter/labelled.h"
@@ -14,10 +15,10 @@ namespace sparsha::pipeline {
 namespace {
 
 /// The configuration's third line has one filter before the one that fails, in its fourth.
-Config with_filter(const std::string& filter, const std::string& scan = "a.xyz") {
+scene::Config with_filter(const std::string& filter, const std::string& scan = "a.xyz") {
   const std::string text =
       "scans: [{file: " + scan + ", units: m}]\nfilters:\n  - pass: {axis: z, min_m: -9}\n  - " + filter + "\n";
-  return parse_config(yaml::parse_text(text, "statue.yaml"), "/");
+  return scene::parse_config(yaml::parse_text(text, "statue.yaml"), "/");
 }
 
 /// A sphere without a plane, 2.8 mm between points.
@@ -74,7 +75,7 @@ TEST(FilterErrors, NameTheLineAlsoWhereThePointsStayOnDisk) {
   const testing::ScanFolder folder;
   const std::string file = folder.write("sphere.xyz", text).string();
   for (const std::string& filter : failing_filters()) {
-    const Config config = with_filter(filter, file);
+    const scene::Config config = with_filter(filter, file);
     if (!can_be_streamed(config.filters.back())) continue;
     Work work;
     try {

@@ -112,7 +112,7 @@ TEST(OutlierFilter, DecidesAsPclDoesOnAllButOneInAThousandPoints) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Cloud cloud = cloud_of(relief(20000, seed));
     for (const int neighbours : {4, 8, 30}) {
-      OutlierConfig config;
+      scene::OutlierConfig config;
       config.neighbours = neighbours;
       config.sigma = 0.1 * seed;
       const std::vector<std::uint8_t> own = statistical_inliers(cloud, config, {pool, progress});
@@ -130,7 +130,7 @@ TEST(OutlierFilter, DependsNeitherOnThreadsNorOnTheOrderOfPoints) {
   ThreadPool four(4);
   Points points = relief(5000, 7);
   points.resize(points.size() - 1);
-  OutlierConfig config;
+  scene::OutlierConfig config;
   config.sigma = 1.0;
   const std::vector<std::uint8_t> expected = statistical_inliers(cloud_of(points), config, {one, progress});
   EXPECT_EQ(expected, statistical_inliers(cloud_of(points), config, {four, progress}));
@@ -148,7 +148,7 @@ TEST(OutlierFilter, KeepsARegularLatticeWhole) {
   Progress progress;
   Points ring;  // every point has the same distances to its neighbours
   for (int i = 0; i < 64; ++i) ring.push_back({static_cast<float>(i), 0.0F, 0.0F});
-  OutlierConfig config;
+  scene::OutlierConfig config;
   config.neighbours = 1;
   config.sigma = 0.0;
   const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(ring), config, {pool, progress});
@@ -164,7 +164,7 @@ TEST(OutlierFilter, TakesAwayThePointsFarFromAllOthersAndTheirAttributes) {
   points.insert(points.begin() + 7, {5.0F, 5.0F, 5.0F});
   Cloud cloud = cloud_of(points, true);
   cloud.faces.push_back({0, 1, 2});
-  const FilterSteps counts = apply_filters(cloud, {OutlierConfig{}}, {pool, progress});
+  const FilterSteps counts = apply_filters(cloud, {scene::OutlierConfig{}}, {pool, progress});
   EXPECT_EQ(counts.outliers(), 1U);
   EXPECT_EQ(counts.filtered(), 0U);
   ASSERT_EQ(cloud.size(), 400U);
@@ -179,7 +179,7 @@ TEST(CropFilter, KeepsWhatLiesInTheBoxOfTheScanFrameBordersIncluded) {
   Progress progress;
   Cloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}, {1.001F, 0, 0}, {0, -0.5F, 0}}, true);
   cloud.origin_m = {450000, 5412000, 100};
-  const CropConfig crop{{450000, 5412000, 100}, {450001, 5412001, 101}};
+  const scene::CropConfig crop{{450000, 5412000, 100}, {450001, 5412001, 101}};
   const FilterSteps counts = apply_filters(cloud, {crop}, {pool, progress});
   EXPECT_EQ(counts.filtered(), 2U);
   EXPECT_EQ(points_of(cloud), (Points{{0, 0, 0}, {1, 1, 1}}));
@@ -192,15 +192,15 @@ TEST(CropFilter, OfAMeshKeepsTheTrianglesWhoseCornersStayAndNoCornerWithoutOne) 
   Cloud cloud =
       cloud_of({{-5, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}, {2, 1, 0}, {3, 0, 0}, {9, 9, 9}});
   cloud.faces = {{1, 3, 2}, {3, 4, 2}, {3, 5, 4}, {5, 6, 4}, {7, 8, 0}};
-  apply_filters(cloud, {CropConfig{{-9, -9, -9}, {4, 4, 4}}}, {pool, progress});
+  apply_filters(cloud, {scene::CropConfig{{-9, -9, -9}, {4, 4, 4}}}, {pool, progress});
   EXPECT_EQ(points_of(cloud), (Points{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}, {2, 1, 0}}));
   using Face = std::array<std::uint32_t, 3>;
   EXPECT_EQ(cloud.faces, (std::vector<Face>{{0, 2, 1}, {2, 3, 1}, {2, 4, 3}, {4, 5, 3}}));
-  const FilterSteps steps = apply_filters(cloud, {CropConfig{{-1, -1, -1}, {1, 4, 4}}}, {pool, progress});
+  const FilterSteps steps = apply_filters(cloud, {scene::CropConfig{{-1, -1, -1}, {1, 4, 4}}}, {pool, progress});
   EXPECT_EQ(points_of(cloud).size(), 4U);
   EXPECT_EQ(cloud.faces, (std::vector<Face>{{0, 2, 1}, {2, 3, 1}}));
   EXPECT_EQ(steps.steps[0].found, "2 of 4 triangles go with their corners");
-  const FilterSteps none = apply_filters(cloud, {CropConfig{{-1, -1, -1}, {4, 4, 4}}}, {pool, progress});
+  const FilterSteps none = apply_filters(cloud, {scene::CropConfig{{-1, -1, -1}, {4, 4, 4}}}, {pool, progress});
   EXPECT_EQ(cloud.faces.size(), 2U);
   EXPECT_TRUE(none.steps[0].found.empty());
 }
@@ -210,7 +210,7 @@ TEST(CropFilter, SaysSoWhenNothingIsLeft) {
   Progress progress;
   Cloud cloud = cloud_of({{0, 0, 0}});
   try {
-    apply_filters(cloud, {CropConfig{{1, 1, 1}, {2, 2, 2}}}, {pool, progress});
+    apply_filters(cloud, {scene::CropConfig{{1, 1, 1}, {2, 2, 2}}}, {pool, progress});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::input);
@@ -230,7 +230,7 @@ TEST(VoxelFilter, GivesTheCentroidsOfPclsVoxelGrid) {
   grid.setLeafSize(leaf, leaf, leaf);
   pcl::PointCloud<pcl::PointXYZ> expected;
   grid.filter(expected);
-  const FilterSteps counts = apply_filters(cloud, {VoxelConfig{static_cast<double>(leaf)}}, {pool, progress});
+  const FilterSteps counts = apply_filters(cloud, {scene::VoxelConfig{static_cast<double>(leaf)}}, {pool, progress});
   ASSERT_EQ(cloud.size(), expected.size());
   EXPECT_EQ(counts.filtered(), points.size() - expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -245,7 +245,7 @@ TEST(VoxelFilter, WorksWherePclsIndicesOverflow) {
   ThreadPool pool(1);
   Progress progress;
   Cloud cloud = cloud_of({{0.1F, 0.1F, 0.1F}, {0.1001F, 0.1001F, 0.1001F}, {9e3F, 0, 0}, {0, 9e3F, 9e3F}}, true);
-  apply_filters(cloud, {VoxelConfig{0.001}}, {pool, progress});
+  apply_filters(cloud, {scene::VoxelConfig{0.001}}, {pool, progress});
   EXPECT_EQ(cloud.size(), 3U);
 }
 
@@ -254,15 +254,15 @@ TEST(VoxelFilter, DoesNotDependOnTheOrderOfPointsAndAveragesAttributes) {
   Progress progress;
   Points points = relief(4000, 2);
   Cloud cloud = cloud_of(points);
-  apply_filters(cloud, {VoxelConfig{0.03}}, {pool, progress});
+  apply_filters(cloud, {scene::VoxelConfig{0.03}}, {pool, progress});
   std::shuffle(points.begin(), points.end(), std::mt19937(1));
   Cloud shuffled = cloud_of(points);
-  apply_filters(shuffled, {VoxelConfig{0.03}}, {pool, progress});
+  apply_filters(shuffled, {scene::VoxelConfig{0.03}}, {pool, progress});
   EXPECT_EQ(points_of(cloud), points_of(shuffled));
 
   Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
   two.rgba = {0xFF000000U, 0xFF0000FEU};
-  apply_filters(two, {VoxelConfig{1.0}}, {pool, progress});
+  apply_filters(two, {scene::VoxelConfig{1.0}}, {pool, progress});
   EXPECT_EQ(two.rgba, std::vector<std::uint32_t>{0xFF00007FU});
   EXPECT_EQ(two.intensity, std::vector<float>{0.5F});
 }
@@ -273,7 +273,7 @@ TEST(VoxelFilter, PointsWithoutColourOrIntensityLeaveTheMeansToTheOthers) {
   Cloud cloud = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}, {0.3F, 0.3F, 0.3F}, {1.5F, 0.5F, 0.5F}}, true);
   cloud.rgba = {0xFF0000FEU, kNoColour, 0xFF000000U, kNoColour};
   cloud.intensity = {kNoIntensity, 3.0F, kNoIntensity, kNoIntensity};
-  apply_filters(cloud, {VoxelConfig{1.0}}, {pool, progress});
+  apply_filters(cloud, {scene::VoxelConfig{1.0}}, {pool, progress});
   EXPECT_EQ(cloud.rgba, (std::vector<std::uint32_t>{0xFF00007FU, kNoColour}));
   ASSERT_EQ(cloud.intensity.size(), 2U);
   EXPECT_EQ(cloud.intensity[0], 3.0F);
@@ -303,7 +303,7 @@ TEST(VoxelFilter, GivesTheSameBytesInAnyOrderWhateverTheIntensities) {
       cloud.rgba[i] = rgba[order[i]];
       cloud.intensity[i] = plain ? static_cast<float>(order[i] % 256) : intensity[order[i]];
     }
-    apply_filters(cloud, {VoxelConfig{0.03}}, {pool, progress});
+    apply_filters(cloud, {scene::VoxelConfig{0.03}}, {pool, progress});
     return cloud;
   };
   for (const bool plain : {false, true}) {
@@ -325,11 +325,11 @@ TEST(VoxelFilter, TheMeanOfIntensitiesIsExactToTheLastPlace) {
   Progress progress;
   Cloud three = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}, {0.3F, 0.3F, 0.3F}}, true);
   three.intensity = {1e30F, 6.0F, -1e30F};
-  apply_filters(three, {VoxelConfig{1.0}}, {pool, progress});
+  apply_filters(three, {scene::VoxelConfig{1.0}}, {pool, progress});
   EXPECT_EQ(three.intensity, std::vector<float>{2.0F});
   Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
   two.intensity = {std::numeric_limits<float>::infinity(), 1.0F};
-  apply_filters(two, {VoxelConfig{1.0}}, {pool, progress});
+  apply_filters(two, {scene::VoxelConfig{1.0}}, {pool, progress});
   EXPECT_TRUE(std::isnan(two.intensity.at(0))) << "no number";
 }
 
@@ -338,7 +338,7 @@ TEST(VoxelFilter, RefusesALeafBelowThePrecisionOfTheCoordinates) {
   Progress progress;
   Cloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}});
   cloud.origin_m = {5e6, 0, 0};
-  EXPECT_THROW(apply_filters(cloud, {VoxelConfig{1e-9}}, {pool, progress}), Error);
+  EXPECT_THROW(apply_filters(cloud, {scene::VoxelConfig{1e-9}}, {pool, progress}), Error);
 }
 
 TEST(Filters, StopWhenCancelled) {
@@ -346,14 +346,14 @@ TEST(Filters, StopWhenCancelled) {
   Progress progress;
   progress.cancel();
   Cloud cloud = cloud_of(relief(100, 1));
-  EXPECT_THROW(apply_filters(cloud, {OutlierConfig{}}, {pool, progress}), Cancelled);
+  EXPECT_THROW(apply_filters(cloud, {scene::OutlierConfig{}}, {pool, progress}), Cancelled);
 }
 
 TEST(Filters, KeepWhatAFieldOrAClassAllowsAndPointsOfScansThatSayNothing) {
   ThreadPool pool(1);
   Progress progress;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  const auto left = [&](const FilterConfig& filter) {
+  const auto left = [&](const scene::FilterConfig& filter) {
     Cloud cloud = cloud_of(Points(6, {0.0F, 0.0F, 0.0F}));
     for (std::size_t i = 0; i < cloud.size(); ++i) cloud.xyz1()[4 * i] = static_cast<float>(i);
     cloud.fields = {{"confidence", {0.0F, 0.5F, 1.0F, 1.5F, kNone, 2.0F}},
@@ -364,17 +364,17 @@ TEST(Filters, KeepWhatAFieldOrAClassAllowsAndPointsOfScansThatSayNothing) {
     for (const PointField& field : cloud.fields) EXPECT_EQ(field.values.size(), cloud.size());
     return names;
   };
-  EXPECT_EQ(left(FieldConfig{"confidence", 0.5, 1.5}), "1234");
-  EXPECT_EQ(left(ClassesConfig{{}, {7, 18}}), "0345");
-  EXPECT_EQ(left(ClassesConfig{{2}, {}}), "034");
-  EXPECT_THROW((void)left(FieldConfig{"quality", 0.0, 1.0}), Error);
+  EXPECT_EQ(left(scene::FieldConfig{"confidence", 0.5, 1.5}), "1234");
+  EXPECT_EQ(left(scene::ClassesConfig{{}, {7, 18}}), "0345");
+  EXPECT_EQ(left(scene::ClassesConfig{{2}, {}}), "034");
+  EXPECT_THROW((void)left(scene::FieldConfig{"quality", 0.0, 1.0}), Error);
 }
 
 TEST(Filters, KnowIntensityOfScansAndSayWhichFieldsTheyLack) {
   ThreadPool pool(1);
   Progress progress;
   Cloud cloud = cloud_of(Points(4, {0.0F, 0.0F, 0.0F}));
-  const auto error_of = [&](const FilterConfig& filter) -> std::string {
+  const auto error_of = [&](const scene::FilterConfig& filter) -> std::string {
     try {
       apply_filters(cloud, {filter}, {pool, progress});
     } catch (const Error& error) {
@@ -382,11 +382,13 @@ TEST(Filters, KnowIntensityOfScansAndSayWhichFieldsTheyLack) {
     }
     return "no error";
   };
-  EXPECT_THAT(error_of(FieldConfig{"intensity", 0.0, 1.0}), testing::HasSubstr("no scan has the field 'intensity'"));
-  EXPECT_THAT(error_of(FieldConfig{"confidence", 0.0, 1.0}), testing::HasSubstr("no scan has the field 'confidence'"));
-  EXPECT_THAT(error_of(ClassesConfig{{}, {7}}), testing::HasSubstr("no scan has the field 'classification'"));
+  EXPECT_THAT(error_of(scene::FieldConfig{"intensity", 0.0, 1.0}),
+              testing::HasSubstr("no scan has the field 'intensity'"));
+  EXPECT_THAT(error_of(scene::FieldConfig{"confidence", 0.0, 1.0}),
+              testing::HasSubstr("no scan has the field 'confidence'"));
+  EXPECT_THAT(error_of(scene::ClassesConfig{{}, {7}}), testing::HasSubstr("no scan has the field 'classification'"));
   cloud.intensity = {0.5F, 2.0F, kNoIntensity, 1.0F};
-  EXPECT_EQ(error_of(FieldConfig{"intensity", 0.0, 1.0}), "no error");
+  EXPECT_EQ(error_of(scene::FieldConfig{"intensity", 0.0, 1.0}), "no error");
   EXPECT_EQ(cloud.size(), 3U);
 }
 
@@ -394,19 +396,19 @@ TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
   const Points points = relief(20000, 2);
   FilterNeeds needs;
   needs.spacing_m = [](const Cloud&) { return 0.02; };
-  std::vector<FilterConfig> filters{CropConfig{{0, 0, -1}, {0.5, 0.7, 1}}, PassConfig{0, 0.1, 0.9}, VoxelConfig{0.02},
-                                    ThinConfig{2}};
-  filters.emplace_back(RemovePlaneConfig{0.01, RemovePlaneConfig::Side::both, {0, 0, 1}, 30.0});
-  filters.emplace_back(FieldConfig{"confidence", 0.25, 1.0});
-  filters.emplace_back(ClassesConfig{{}, {7, 18}});
+  std::vector<scene::FilterConfig> filters{scene::CropConfig{{0, 0, -1}, {0.5, 0.7, 1}}, scene::PassConfig{0, 0.1, 0.9},
+                                           scene::VoxelConfig{0.02}, scene::ThinConfig{2}};
+  filters.emplace_back(scene::RemovePlaneConfig{0.01, scene::RemovePlaneConfig::Side::both, {0, 0, 1}, 30.0});
+  filters.emplace_back(scene::FieldConfig{"confidence", 0.25, 1.0});
+  filters.emplace_back(scene::ClassesConfig{{}, {7, 18}});
   for (const int method : {0, 1}) {
-    filters.emplace_back(OutlierConfig{8, 2.0, static_cast<OutlierConfig::Method>(method)});
-    filters.emplace_back(RadiusOutlierConfig{0.02, 4, static_cast<RadiusOutlierConfig::Method>(method)});
-    filters.emplace_back(KeepConfig{{}, 0.03, static_cast<KeepConfig::Method>(method)});
-    filters.emplace_back(SmoothConfig{0.02, 2, static_cast<SmoothConfig::Method>(method)});
+    filters.emplace_back(scene::OutlierConfig{8, 2.0, static_cast<scene::OutlierConfig::Method>(method)});
+    filters.emplace_back(scene::RadiusOutlierConfig{0.02, 4, static_cast<scene::RadiusOutlierConfig::Method>(method)});
+    filters.emplace_back(scene::KeepConfig{{}, 0.03, static_cast<scene::KeepConfig::Method>(method)});
+    filters.emplace_back(scene::SmoothConfig{0.02, 2, static_cast<scene::SmoothConfig::Method>(method)});
   }
-  std::array<bool, std::variant_size_v<FilterConfig::variant>> tried{};
-  for (const FilterConfig& filter : filters) {
+  std::array<bool, std::variant_size_v<scene::FilterConfig::variant>> tried{};
+  for (const scene::FilterConfig& filter : filters) {
     tried.at(filter.index()) = true;
     const auto left = [&](unsigned threads) {
       ThreadPool pool(threads);
@@ -422,11 +424,11 @@ TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
       return cloud;
     };
     const Cloud one = left(1);
-    EXPECT_LT(one.size(), points.size() + (std::holds_alternative<SmoothConfig>(filter) ? 1 : 0));
+    EXPECT_LT(one.size(), points.size() + (std::holds_alternative<scene::SmoothConfig>(filter) ? 1 : 0));
     for (const unsigned threads : {2U, 5U}) {
       const Cloud more = left(threads);
-      EXPECT_EQ(points_of(one), points_of(more)) << filter_name(filter) << ", " << threads << " threads";
-      EXPECT_EQ(one.rgba, more.rgba) << filter_name(filter) << ", " << threads << " threads";
+      EXPECT_EQ(points_of(one), points_of(more)) << scene::filter_name(filter) << ", " << threads << " threads";
+      EXPECT_EQ(one.rgba, more.rgba) << scene::filter_name(filter) << ", " << threads << " threads";
     }
   }
   for (std::size_t k = 0; k < tried.size(); ++k) EXPECT_TRUE(tried[k]) << "no filter of kind " << k;
@@ -435,11 +437,12 @@ TEST(Filters, LeaveTheSameBytesWithAnyNumberOfThreads) {
 TEST(Filters, OfPclStopWhenTheyAreCancelledInTheMiddle) {
   // Neighbourhoods of a thousand points and more, 40 000 times.
   const Points points = relief(40000, 1);
-  const std::vector<FilterConfig> filters{OutlierConfig{1000, 2.0, OutlierConfig::Method::pcl},
-                                          RadiusOutlierConfig{10.0, 1000, RadiusOutlierConfig::Method::pcl},
-                                          KeepConfig{{}, 10.0, KeepConfig::Method::pcl},
-                                          SmoothConfig{10.0, 2, SmoothConfig::Method::pcl}};
-  for (const FilterConfig& filter : filters) {
+  const std::vector<scene::FilterConfig> filters{
+      scene::OutlierConfig{1000, 2.0, scene::OutlierConfig::Method::pcl},
+      scene::RadiusOutlierConfig{10.0, 1000, scene::RadiusOutlierConfig::Method::pcl},
+      scene::KeepConfig{{}, 10.0, scene::KeepConfig::Method::pcl},
+      scene::SmoothConfig{10.0, 2, scene::SmoothConfig::Method::pcl}};
+  for (const scene::FilterConfig& filter : filters) {
     ThreadPool pool(1);
     Progress progress;
     std::atomic<bool> ended{false};
@@ -450,9 +453,9 @@ TEST(Filters, OfPclStopWhenTheyAreCancelledInTheMiddle) {
     Cloud cloud = cloud_of(points);
     try {
       apply_filters(cloud, {filter}, {pool, progress});
-      ADD_FAILURE() << filter_name(filter) << " ended before it was cancelled";
+      ADD_FAILURE() << scene::filter_name(filter) << " ended before it was cancelled";
     } catch (const Cancelled&) {
-      EXPECT_EQ(cloud.size(), points.size()) << filter_name(filter);
+      EXPECT_EQ(cloud.size(), points.size()) << scene::filter_name(filter);
     }
     ended = true;
     user.join();

@@ -25,7 +25,7 @@ LabelledCloud sphere_on_floor(unsigned seed, std::size_t floor = 20000, std::siz
   return scene;
 }
 
-std::string error_of(Cloud cloud, const RemovePlaneConfig& config) {
+std::string error_of(Cloud cloud, const scene::RemovePlaneConfig& config) {
   Work work;
   try {
     apply_filters(cloud, {config}, work.context());
@@ -48,7 +48,7 @@ TEST(RemovePlane, TakesTheFloorAndLeavesTheObjectInAnyPose) {
     scene.transform(Eigen::Affine3d(Eigen::Translation3d(place) * tilt));
     Cloud cloud = scene.cloud({5e5, 4e6, 312.0});
     Work work;
-    RemovePlaneConfig config;
+    scene::RemovePlaneConfig config;
     config.distance_m = 5 * kNoise;
     const FilterSteps steps = apply_filters(cloud, {config}, work.context());
     const Left left = left_of(scene, cloud);
@@ -65,7 +65,7 @@ TEST(RemovePlane, FindsThePlaneToAFractionOfTheNoise) {
   LabelledCloud scene = sphere_on_floor(3);
   const Eigen::Vector3d normal = Eigen::Vector3d(0.1, -0.05, 1.0).normalized();
   scene.transform(Eigen::Affine3d(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal)));
-  RemovePlaneConfig config;
+  scene::RemovePlaneConfig config;
   config.distance_m = 4 * kNoise;
   PlaneSample sample(config.distance_m);
   for (const Eigen::Vector3d& p : scene.points_m) sample.add(p.cast<float>());
@@ -83,16 +83,16 @@ TEST(RemovePlane, EachSideTakesItsOwnHalfSpace) {
   add_square(scene, 1.0, 0.0, 20000, kNoise, Part::floor, random);
   add_sphere(scene, {0.2, 0.2}, 0.1, 0.1, 3000, 0.0, Part::object, random);  // above
   add_sphere(scene, {0.2, 0.2}, 0.1, -0.4, 2000, 0.0, Part::dirt, random);   // below
-  const auto left = [&](RemovePlaneConfig::Side side, const Eigen::Vector3d& normal) {
+  const auto left = [&](scene::RemovePlaneConfig::Side side, const Eigen::Vector3d& normal) {
     Cloud cloud = scene.cloud();
     Work work;
-    RemovePlaneConfig config;
+    scene::RemovePlaneConfig config;
     config.side = side;
     config.normal = normal;
     apply_filters(cloud, {config}, work.context());
     return left_of(scene, cloud).of;
   };
-  using Side = RemovePlaneConfig::Side;
+  using Side = scene::RemovePlaneConfig::Side;
   EXPECT_EQ(left(Side::below, {0, 0, 1}), (std::array<std::size_t, 4>{0, 0, 3000, 0}));
   EXPECT_EQ(left(Side::above, {0, 0, 1}), (std::array<std::size_t, 4>{0, 0, 0, 2000}));
   EXPECT_EQ(left(Side::both, {0, 0, 1}), (std::array<std::size_t, 4>{0, 0, 3000, 2000}));
@@ -107,7 +107,7 @@ TEST(RemovePlane, ATableGoesWithTheFloorBelowItWhenItIsTheLarger) {
   add_sphere(scene, {0, 0}, 0.1, 0.7, 4000, kNoise, Part::object, random);
   Cloud cloud = scene.cloud();
   Work work;
-  apply_filters(cloud, {RemovePlaneConfig{}}, work.context());
+  apply_filters(cloud, {scene::RemovePlaneConfig{}}, work.context());
   const Left left = left_of(scene, cloud);
   EXPECT_EQ(left[Part::floor], 0U);
   EXPECT_LE(left[Part::table], 2U);
@@ -122,7 +122,7 @@ TEST(RemovePlane, CountsAreaSoThatADenseObjectDoesNotOutweighASparseFloor) {
   add_square(scene, 0.1, 0.5, 300000, kNoise, Part::object, random);
   Cloud cloud = scene.cloud();
   Work work;
-  apply_filters(cloud, {RemovePlaneConfig{}}, work.context());
+  apply_filters(cloud, {scene::RemovePlaneConfig{}}, work.context());
   const Left left = left_of(scene, cloud);
   EXPECT_EQ(left[Part::floor], 0U);
   EXPECT_EQ(left[Part::object], 300000U);
@@ -137,7 +137,7 @@ TEST(RemovePlane, AWallGoesByItsNormalAndNotTheLargerFloor) {
   add_square(scene, 1.0, 0.0, 20000, kNoise, Part::floor, random);
   Cloud cloud = scene.cloud();
   Work work;
-  RemovePlaneConfig config;
+  scene::RemovePlaneConfig config;
   config.normal = {0, -1, 0};
   apply_filters(cloud, {config}, work.context());
   const Left left = left_of(scene, cloud);
@@ -150,7 +150,7 @@ TEST(RemovePlane, TheSameCloudInAnotherOrderOrWithOtherThreadsLosesTheSamePoints
   const auto kept = [&](const LabelledCloud& given, unsigned threads, const Eigen::Vector3d& origin_m) {
     Cloud cloud = given.cloud(origin_m);
     Work work(threads);
-    apply_filters(cloud, {RemovePlaneConfig{}}, work.context());
+    apply_filters(cloud, {scene::RemovePlaneConfig{}}, work.context());
     std::vector<std::array<float, 3>> points;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const float* p = cloud.xyz1() + 4 * i;
@@ -169,7 +169,7 @@ TEST(RemovePlane, TheSameCloudInAnotherOrderOrWithOtherThreadsLosesTheSamePoints
   for (Eigen::Vector3d& p : far.points_m) p = p.cast<float>().cast<double>() + Eigen::Vector3d(5e5, 4e6, 100);
   Cloud moved = far.cloud({5e5, 4e6, 100});
   Work work;
-  apply_filters(moved, {RemovePlaneConfig{}}, work.context());
+  apply_filters(moved, {scene::RemovePlaneConfig{}}, work.context());
   EXPECT_EQ(moved.size(), expected.size());
 }
 
@@ -217,7 +217,7 @@ TEST(RemovePlane, RefusesTwoPointsOnePlaceAndALine) {
 }
 
 TEST(RemovePlane, SaysThatTheDistanceIsTooLargeForTheScan) {
-  RemovePlaneConfig config;
+  scene::RemovePlaneConfig config;
   config.distance_m = 0.5;
   EXPECT_THAT(error_of(sphere_on_floor(14).cloud(), config), HasSubstr("smaller distance_mm"));
 }
@@ -239,7 +239,7 @@ TEST(RemovePlane, SaysHowMuchGoes) {
     }
     return cloud;
   };
-  RemovePlaneConfig config;
+  scene::RemovePlaneConfig config;
   config.distance_m = 0.001;
   Cloud carved = relief(-0.01, 0.003, 30000);
   Work work;
@@ -260,7 +260,7 @@ TEST(RemovePlane, WarnsWhenTheObjectItselfMayBeThePlane) {
   add_sphere(relief, {0, 0}, 0.1, -0.1, 5000, kNoise, Part::object, random);
   Cloud cloud = relief.cloud();
   Work work;
-  apply_filters(cloud, {RemovePlaneConfig{}}, work.context());
+  apply_filters(cloud, {scene::RemovePlaneConfig{}}, work.context());
   EXPECT_THAT(work.progress.warnings(), testing::Contains(HasSubstr("if that is the object itself")));
 }
 

@@ -45,7 +45,7 @@ TEST(Smooth, BringsANoisySphereNearerToItsTrueForm) {
   ASSERT_NEAR(rms_from_sphere(cloud, utm), kNoise, 0.02 * kNoise);
   const Cloud before = scene.cloud(utm);
   Work work;
-  const FilterSteps steps = apply_filters(cloud, {SmoothConfig{0.006, 2, {}}}, work.context());
+  const FilterSteps steps = apply_filters(cloud, {scene::SmoothConfig{0.006, 2, {}}}, work.context());
   // 90 neighbours, weights exp(-d^2/r^2), a quadric: the variance at its centre is about 6 of 90 parts, a little more
   // for the weights.
   EXPECT_LT(rms_from_sphere(cloud, utm), 0.35 * kNoise);
@@ -65,8 +65,8 @@ TEST(Smooth, GivesWhatPclGives) {
       Cloud own = scene.cloud();
       Cloud theirs = scene.cloud();
       Work work;
-      const Smoothing a = smooth_points(own, {radius, order, SmoothConfig::Method::fast}, work.context());
-      const Smoothing b = smooth_points(theirs, {radius, order, SmoothConfig::Method::pcl}, work.context());
+      const Smoothing a = smooth_points(own, {radius, order, scene::SmoothConfig::Method::fast}, work.context());
+      const Smoothing b = smooth_points(theirs, {radius, order, scene::SmoothConfig::Method::pcl}, work.context());
       EXPECT_EQ(a.unmoved, b.unmoved);
       double most = 0.0;
       for (std::size_t i = 0; i < own.size(); ++i) {
@@ -85,7 +85,7 @@ TEST(Smooth, DependsNeitherOnThreadsNorOnTheOrderOfPoints) {
   const auto smoothed = [](const LabelledCloud& given, unsigned threads) {
     Cloud cloud = given.cloud();
     Work work(threads);
-    apply_filters(cloud, {SmoothConfig{0.005, 2, {}}}, work.context());
+    apply_filters(cloud, {scene::SmoothConfig{0.005, 2, {}}}, work.context());
     std::vector<std::array<float, 3>> points;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const float* p = cloud.xyz1() + 4 * i;
@@ -106,7 +106,7 @@ TEST(Smooth, LeavesLonelyPointsWhereTheyAreAndSaysHowMany) {
   for (int i = 0; i < 400; ++i) scene.add({1 + 0.1 * i, 0, 0}, Part::dirt);
   Cloud cloud = scene.cloud();
   Work work;
-  const FilterSteps steps = apply_filters(cloud, {SmoothConfig{0.006, 2, {}}}, work.context());
+  const FilterSteps steps = apply_filters(cloud, {scene::SmoothConfig{0.006, 2, {}}}, work.context());
   EXPECT_EQ(cloud.size(), scene.points_m.size());
   EXPECT_THAT(steps.steps.at(0).found, HasSubstr("400 not moved"));
   EXPECT_THAT(work.progress.warnings(), testing::Contains(HasSubstr("larger radius_mm")));
@@ -118,7 +118,7 @@ TEST(Smooth, RefusesARadiusBelowTheSpacingAndPointsInOnePlace) {
   const auto error_of = [](Cloud cloud, double radius) {
     Work work;
     try {
-      apply_filters(cloud, {SmoothConfig{radius, 2, {}}}, work.context());
+      apply_filters(cloud, {scene::SmoothConfig{radius, 2, {}}}, work.context());
     } catch (const Error& error) {
       return std::string(error.what());
     }
@@ -135,7 +135,7 @@ TEST(Smooth, RefusesARadiusBelowTheSpacingAndPointsInOnePlace) {
 TEST(Smooth, RefusesARadiusWithThousandsOfPointsInItAndCanBeCancelled) {
   Cloud cloud = noisy_sphere(8).cloud();
   Work work;
-  EXPECT_THROW(apply_filters(cloud, {SmoothConfig{0.1, 2, {}}}, work.context()), Error);
+  EXPECT_THROW(apply_filters(cloud, {scene::SmoothConfig{0.1, 2, {}}}, work.context()), Error);
   Work cancelled;
   const auto stop = [&](double) { cancelled.progress.cancel(); };
   EXPECT_THROW(smooth_points(cloud, {0.003, 2, {}}, cancelled.context(), stop), Cancelled);
@@ -147,7 +147,7 @@ TEST(Smooth, FiltersAfterItKeepPointsAndTheirMeasuredPlacesTogether) {
   Cloud cloud = scene.cloud();
   const Cloud before = scene.cloud();
   Work work;
-  apply_filters(cloud, {SmoothConfig{0.006, 2, {}}, PassConfig{2, 0.0, 1.0}}, work.context());
+  apply_filters(cloud, {scene::SmoothConfig{0.006, 2, {}}, scene::PassConfig{2, 0.0, 1.0}}, work.context());
   ASSERT_LT(cloud.size(), 11000U);
   ASSERT_EQ(cloud.measured.size(), cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -161,7 +161,7 @@ TEST(Smooth, MovesTheVerticesOfAMeshAndKeepsItsFaces) {
   Cloud cloud = scene.cloud();
   cloud.faces = {{0, 1, 2}};
   Work work;
-  apply_filters(cloud, {SmoothConfig{0.02, 1, {}}}, work.context());
+  apply_filters(cloud, {scene::SmoothConfig{0.02, 1, {}}}, work.context());
   EXPECT_EQ(cloud.faces.size(), 1U);
 }
 

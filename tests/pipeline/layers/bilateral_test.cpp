@@ -20,15 +20,15 @@ using testing::lattice_of;
 
 constexpr double kFloat = 6e-8;  // relative rounding of a float
 
-DepthGrid relief(int nx, int ny, double spacing_m) {
-  DepthGrid grid = grid_of(lattice_of(nx, ny, spacing_m), [](double x, double y) {
+scene::DepthGrid relief(int nx, int ny, double spacing_m) {
+  scene::DepthGrid grid = grid_of(lattice_of(nx, ny, spacing_m), [](double x, double y) {
     return 0.02 * std::sin(30 * x) * std::cos(25 * y) + 0.0004 * std::sin(900 * x + 700 * y) + (x > 0.05 ? 0.01 : 0.0);
   });
   add_noise(grid, 1e-4, 11);
   return grid;
 }
 
-double by_definition(const DepthGrid& grid, const TextureConfig& config, int i, int j) {
+double by_definition(const scene::DepthGrid& grid, const scene::TextureConfig& config, int i, int j) {
   const double h = grid.lattice.spacing_m, centre = grid.height_m[grid.lattice.index(i, j)];
   double sum = 0, weights = 0;
   const int reach = static_cast<int>(3 * config.sigma_space_m / h);
@@ -61,16 +61,16 @@ TEST(ExponentialKernel, StaysWithin1e7OfTheTruth) {
 }
 
 TEST(Bilateral, FollowsItsDefinitionWithUnknownNodesAndBorders) {
-  DepthGrid grid = relief(90, 70, 0.00125);
+  scene::DepthGrid grid = relief(90, 70, 0.00125);
   std::mt19937 random(5);
   for (int k = 0; k < 900; ++k) forget(grid, static_cast<int>(random() % 90), static_cast<int>(random() % 70));
   ThreadPool pool(2);
-  const TextureConfig config;
+  const scene::TextureConfig config;
   const std::vector<float> envelope = bilateral_envelope(grid, config, pool);
   for (int j = 0; j < 70; ++j)
     for (int i = 0; i < 90; ++i) {
       const std::size_t n = grid.lattice.index(i, j);
-      if (grid.state[n] == NodeState::unknown) {
+      if (grid.state[n] == scene::NodeState::unknown) {
         EXPECT_TRUE(std::isnan(envelope[n]));
         continue;
       }
@@ -82,13 +82,13 @@ TEST(Bilateral, FollowsItsDefinitionWithUnknownNodesAndBorders) {
 }
 
 TEST(Bilateral, AgreesWithOpenCvWhereNothingIsUnknown) {
-  const DepthGrid grid = relief(160, 120, 0.001);
+  const scene::DepthGrid grid = relief(160, 120, 0.001);
   ThreadPool pool(1);
-  TextureConfig config;  // 2 nodes: both windows are the disc of 6 nodes
+  scene::TextureConfig config;  // 2 nodes: both windows are the disc of 6 nodes
   const std::vector<float> direct = bilateral_envelope(grid, config, pool);
   cv::Mat source(120, 160, CV_32F, const_cast<float*>(grid.height_m.data())), peer;
   cv::bilateralFilter(source, peer, 13, config.sigma_range_m, 2.0);
-  config.method = TextureConfig::Method::opencv;
+  config.method = scene::TextureConfig::Method::opencv;
   const std::vector<float> selectable = bilateral_envelope(grid, config, pool);
   // OpenCV interpolates the range weight in a table of 4096 steps over the image's range r. Linear interpolation of a
   // Gaussian errs by (r / 4096)^2 / (8 sigma^2) at most, relative to its peak, and heights differ by some sigma.
@@ -107,12 +107,12 @@ TEST(Bilateral, StaysCloseToItsDefinitionWhereAWideGaussianIsSampled) {
   // effective ones on this slope: the mean's noise is an eighth of what varies about a node, which is the noise and as
   // much of form.
   const double noise = 0.00005;
-  DepthGrid grid = grid_of(lattice_of(140, 130, 0.000125), [](double x, double y) {
+  scene::DepthGrid grid = grid_of(lattice_of(140, 130, 0.000125), [](double x, double y) {
     return 0.3 * x + 0.0002 * std::sin(500 * y) + 0.00003 * std::sin(2 * std::numbers::pi * x / 0.0005);
   });
   add_noise(grid, noise, 13);
   ThreadPool pool(2);
-  const TextureConfig config{0.002, 0.0005, TextureConfig::Method::direct};
+  const scene::TextureConfig config{0.002, 0.0005, scene::TextureConfig::Method::direct};
   const std::vector<float> envelope = bilateral_envelope(grid, config, pool);
   double squares = 0;
   int count = 0;
@@ -123,7 +123,7 @@ TEST(Bilateral, StaysCloseToItsDefinitionWhereAWideGaussianIsSampled) {
 }
 
 TEST(Bilateral, IsNotMovedByAFarSpike) {
-  DepthGrid grid = relief(120, 60, 0.00125);
+  scene::DepthGrid grid = relief(120, 60, 0.00125);
   ThreadPool pool(1);
   const std::vector<float> before = bilateral_envelope(grid, {}, pool);
   grid.height_m[grid.lattice.index(5, 5)] = 40.0F;
@@ -134,7 +134,7 @@ TEST(Bilateral, IsNotMovedByAFarSpike) {
 
 TEST(Bilateral, KeepsStepsAndTakesSmallTextureAway) {
   const double amplitude = 0.00005, step = 0.01;
-  const DepthGrid grid = grid_of(lattice_of(200, 60, 0.0005), [&](double x, double y) {
+  const scene::DepthGrid grid = grid_of(lattice_of(200, 60, 0.0005), [&](double x, double y) {
     return amplitude * std::sin(2 * std::numbers::pi * (x + y) / 0.002) + (x > 0.05 ? step : 0.0);
   });
   ThreadPool pool(1);
@@ -145,7 +145,7 @@ TEST(Bilateral, KeepsStepsAndTakesSmallTextureAway) {
 }
 
 TEST(Bilateral, IsTheHeightItselfWhenTheWindowHoldsNoOtherNode) {
-  const DepthGrid grid = relief(30, 30, 0.01);
+  const scene::DepthGrid grid = relief(30, 30, 0.01);
   ThreadPool pool(1);
   EXPECT_EQ(bilateral_envelope(grid, {}, pool), grid.height_m);
 }
@@ -156,7 +156,8 @@ TEST(BilateralKernel, GivesTheSameBitsInPortableAndVectorCode) {
   std::normal_distribution<float> normal(0.0F, 1e-3F);
   constexpr std::size_t kCount = 1003, kMargin = 40;
   std::vector<float> row(kCount + 2 * kMargin);
-  for (float& z : row) z = random() % 9 == 0 ? kUnknownHeight : (random() % 50 == 0 ? 30.0F : 0.0F) + normal(random);
+  for (float& z : row)
+    z = random() % 9 == 0 ? scene::kUnknownHeight : (random() % 50 == 0 ? 30.0F : 0.0F) + normal(random);
   std::vector<kernel::BilateralTap> taps;
   for (int k = -40; k <= 40; k += 3) taps.push_back({k, std::exp(-static_cast<float>(k * k) / 200.0F)});
   std::vector<float> sums(2 * kCount), portable(kCount), vector(kCount);

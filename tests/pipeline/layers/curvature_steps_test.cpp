@@ -78,12 +78,12 @@ double truth(const Surface& z, double x, double y) {
   return std::sqrt(std::max(0.0, 2 * mean * mean - (zxx * zyy - zxy * zxy) / (g * g)));
 }
 
-DepthGrid stepped(const Surface& z, const Side& inside, double step_m) {
+scene::DepthGrid stepped(const Surface& z, const Side& inside, double step_m) {
   return grid_of(lattice_of(kSide, kSide, kSpacing_m),
                  [&](double x, double y) { return z(x, y) + (inside(x, y) ? step_m : 0.0); });
 }
 
-CurvatureMap curvature(const DepthGrid& grid, double noise_m = 0, unsigned threads = 2) {
+CurvatureMap curvature(const scene::DepthGrid& grid, double noise_m = 0, unsigned threads = 2) {
   ThreadPool pool(threads);
   const std::vector<float> flat(grid.lattice.count(), 0.0F);
   return texture_curvature(grid, flat, 3 * kSpacing_m, noise_m, 6 * noise_m + 1.5 * kSpacing_m, pool);
@@ -110,7 +110,7 @@ TEST(CurvatureBesideSteps, ErrsAtMostTwiceAsMuchAsInTheOpen) {
   for (const Named& surface : surfaces())
     for (const auto& [name, inside] : outlines())
       for (const double step : {2.0, -2.0, 30.0}) {
-        const DepthGrid grid = stepped(surface.z, inside, step * kSpacing_m);
+        const scene::DepthGrid grid = stepped(surface.z, inside, step * kSpacing_m);
         const CurvatureMap map = curvature(grid);
         std::vector<double> beside, open;
         for (int j = 12; j < kSide - 12; ++j)
@@ -130,7 +130,7 @@ TEST(CurvatureBesideSteps, ErrsAtMostTwiceAsMuchAsInTheOpen) {
 TEST(CurvatureBesideSteps, HasNoEdgeWhereTheWindowMeetsTheStep) {
   const Surface z = [](double x, double y) { return wave(x, y, 0.002, 0.04); };
   for (const auto& [name, inside] : outlines()) {
-    const DepthGrid grid = stepped(z, inside, 0.03);
+    const scene::DepthGrid grid = stepped(z, inside, 0.03);
     const CurvatureMap map = curvature(grid);
     double open = 0, border = 0;
     for (int j = 12; j < kSide - 12; ++j)
@@ -149,7 +149,8 @@ TEST(CurvatureBesideSteps, HasNoEdgeWhereTheWindowMeetsTheStep) {
 }
 
 TEST(CurvatureBesideSteps, IsDecidedBesideAHoleAndAtTheLatticesBorder) {
-  DepthGrid grid = grid_of(lattice_of(100, 60, kSpacing_m), [](double x, double y) { return 3 * x * x + y * y; });
+  scene::DepthGrid grid =
+      grid_of(lattice_of(100, 60, kSpacing_m), [](double x, double y) { return 3 * x * x + y * y; });
   forget(grid, 20, 30);
   forget(grid, 0, 10);
   const CurvatureMap map = curvature(grid);
@@ -157,7 +158,7 @@ TEST(CurvatureBesideSteps, IsDecidedBesideAHoleAndAtTheLatticesBorder) {
   for (int j = 0; j < 60; ++j)
     for (int i = 0; i < 100; ++i) {
       const std::size_t n = grid.lattice.index(i, j);
-      if (grid.state[n] == NodeState::unknown) {
+      if (grid.state[n] == scene::NodeState::unknown) {
         EXPECT_TRUE(std::isnan(map.rms_per_m[n]) && std::isnan(map.mean_per_m[n]) &&
                     std::isnan(map.gaussian_per_m2[n]));
         continue;
@@ -170,7 +171,7 @@ TEST(CurvatureBesideSteps, IsDecidedBesideAHoleAndAtTheLatticesBorder) {
 
 TEST(CurvatureBesideSteps, IsUnknownWhereTooLittleOfALayerIsLeftAndDoesNotCount) {
   const Surface z = [](double x, double y) { return wave(x, y, 0.002, 0.04); };
-  DepthGrid grid = stepped(
+  scene::DepthGrid grid = stepped(
       z, [](double, double) { return false; }, 0);
   const CurvatureMap without = curvature(grid);
   // A pillar of 2 x 2 nodes and a wall one node wide stand clear of the ground.
@@ -188,7 +189,7 @@ TEST(CurvatureBesideSteps, IsUnknownWhereTooLittleOfALayerIsLeftAndDoesNotCount)
 
 /// k^2 of the Gaussian-weighted quadratic over the whole window of a node, by its sums in double; no noise is taken
 /// away.
-double whole_window_square(const DepthGrid& grid, int i, int j) {
+double whole_window_square(const scene::DepthGrid& grid, int i, int j) {
   std::vector<double> weight;
   double total = 0, m2 = 0, m4 = 0;
   for (int k = -kReach; k <= kReach; ++k) weight.push_back(std::exp(-0.5 * k * k / 9.0));
@@ -219,8 +220,8 @@ double whole_window_square(const DepthGrid& grid, int i, int j) {
 
 TEST(CurvatureBesideSteps, IsThatOfTheWholeWindowWhereNoiseAloneMakesJumps) {
   const double noise_m = 0.2 * kSpacing_m;
-  DepthGrid grid = stepped([](double x, double y) { return 0.8 * x + wave(x, y, 0.003, 0.05); },
-                           [](double, double) { return false; }, 0);
+  scene::DepthGrid grid = stepped([](double x, double y) { return 0.8 * x + wave(x, y, 0.003, 0.05); },
+                                  [](double, double) { return false; }, 0);
   add_noise(grid, noise_m, 3);
   const CurvatureMap map = curvature(grid, noise_m);
   const double floor_2 = map.noise_floor_per_m * map.noise_floor_per_m;
@@ -239,8 +240,8 @@ TEST(CurvatureBesideSteps, IsThatOfTheWholeWindowWhereNoiseAloneMakesJumps) {
 }
 
 TEST(CurvatureBesideSteps, GivesTheSameBitsOnAnyNumberOfThreads) {
-  DepthGrid grid = stepped([](double x, double y) { return wave(x, y, 0.002, 0.04); },
-                           [](double x, double y) { return std::sin(300 * x) > std::cos(250 * y); }, 0.01);
+  scene::DepthGrid grid = stepped([](double x, double y) { return wave(x, y, 0.002, 0.04); },
+                                  [](double x, double y) { return std::sin(300 * x) > std::cos(250 * y); }, 0.01);
   add_noise(grid, 2e-5, 8);
   for (int k = 0; k < 40; ++k) forget(grid, 3 * k, 150 - 2 * k);
   const CurvatureMap one = curvature(grid, 2e-5, 1), three = curvature(grid, 2e-5, 3);
@@ -251,12 +252,12 @@ TEST(CurvatureBesideSteps, GivesTheSameBitsOnAnyNumberOfThreads) {
 
 TEST(Texture, HasNoEdgeWhereTheFiltersWindowMeetsAStepOrAHole) {
   const Surface z = [](double x, double y) { return 0.5 * x + wave(x, y, 0.002, 0.03); };
-  const TextureConfig config{3 * kSpacing_m, kSpacing_m, TextureConfig::Method::direct};
+  const scene::TextureConfig config{3 * kSpacing_m, kSpacing_m, scene::TextureConfig::Method::direct};
   const int reach = 9;  // three sigmas
   ThreadPool pool(2);
   for (const auto& [name, inside] : outlines())
     for (const bool hole : {false, true}) {
-      DepthGrid grid = stepped(z, inside, 0.03);
+      scene::DepthGrid grid = stepped(z, inside, 0.03);
       if (hole)
         for (int j = 0; j < kSide; ++j)
           for (int i = 0; i < kSide; ++i)
@@ -291,8 +292,8 @@ TEST(Texture, HasNoEdgeWhereTheFiltersWindowMeetsAStepOrAHole) {
 TEST(ContinuedEnvelope, LeavesNoRimOfFalseTextureAlongAStepOnASlope) {
   const Surface z = [](double x, double y) { return 0.7 * x + 0.3 * y + 2 * x * x; };
   const Side right = [](double x, double) { return x > kMiddle_m; };
-  const DepthGrid unbroken = stepped(z, right, 0), broken = stepped(z, right, 0.04);
-  const TextureConfig config{3 * kSpacing_m, 0.01, TextureConfig::Method::direct};
+  const scene::DepthGrid unbroken = stepped(z, right, 0), broken = stepped(z, right, 0.04);
+  const scene::TextureConfig config{3 * kSpacing_m, 0.01, scene::TextureConfig::Method::direct};
   ThreadPool pool(2);
   const std::vector<float> wanted = bilateral_envelope(unbroken, config, pool);
   const std::vector<float> one_sided = bilateral_envelope(broken, config, pool);

@@ -53,7 +53,7 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return ab / std::sqrt(aa * bb);
 }
 
-const std::vector<float>& flat(const DepthGrid& grid) {
+const std::vector<float>& flat(const scene::DepthGrid& grid) {
   static std::vector<float> zero;
   zero.assign(grid.lattice.count(), 0.0F);
   return zero;
@@ -61,7 +61,7 @@ const std::vector<float>& flat(const DepthGrid& grid) {
 
 TEST(Curvature, IsExactOnAQuadric) {
   const double h = 0.001;
-  const DepthGrid grid = grid_of(lattice_of(61, 61, h), [](double x, double y) {
+  const scene::DepthGrid grid = grid_of(lattice_of(61, 61, h), [](double x, double y) {
     const double u = x - 0.03, v = y - 0.03;
     return 2.0 * u * u - 1.5 * v * v + 0.8 * u * v;
   });
@@ -78,7 +78,7 @@ TEST(Curvature, IsExactOnAQuadric) {
 TEST(Curvature, FollowsASinusoidUpToTheFitsOwnSmoothing) {
   const double h = 0.0005;
   const Wave wave{0.002, 2 * kPi / 0.03};  // wavelength 60 nodes, 20 scales
-  const DepthGrid grid = grid_of(lattice_of(181, 181, h), [&](double x, double y) { return wave.z(x, y); });
+  const scene::DepthGrid grid = grid_of(lattice_of(181, 181, h), [&](double x, double y) { return wave.z(x, y); });
   ThreadPool pool(2);
   const double scale = 3 * h;
   const CurvatureMap map = texture_curvature(grid, flat(grid), scale, 0, kNoStep, pool);
@@ -99,7 +99,7 @@ TEST(Curvature, CorrelatesWithTheTruthOfANoisyTexture) {
   // Scanned stone: ripples of 0.25 mm, 24 mm long, noise 0.05 mm per node, 1.25 mm spacing.
   const double h = 0.00125, noise = 0.00005;
   const Wave wave{0.00025, 2 * kPi / 0.024};
-  DepthGrid grid = grid_of(lattice_of(300, 300, h), [&](double x, double y) { return wave.z(x, y); });
+  scene::DepthGrid grid = grid_of(lattice_of(300, 300, h), [&](double x, double y) { return wave.z(x, y); });
   add_noise(grid, noise, 21);
   ThreadPool pool(2);
   const CurvatureMap map = texture_curvature(grid, flat(grid), 3 * h, noise, kNoStep, pool);
@@ -119,7 +119,7 @@ TEST(Curvature, CorrelatesWithTheTruthOfANoisyTexture) {
 
 TEST(Curvature, LosesTheExpectationOfNoise) {
   const double h = 0.001, noise = 0.0001;
-  DepthGrid grid = grid_of(lattice_of(300, 300, h), [](double, double) { return 0; });
+  scene::DepthGrid grid = grid_of(lattice_of(300, 300, h), [](double, double) { return 0; });
   add_noise(grid, noise, 4);
   ThreadPool pool(1);
   const CurvatureMap with = texture_curvature(grid, flat(grid), 3 * h, noise, kNoStep, pool);
@@ -143,10 +143,11 @@ TEST(Curvature, LosesTheExpectationOfNoise) {
 
 TEST(Curvature, KnowsHowMuchNoiseTheEnvelopeTakesAlong) {
   const double h = 0.00125, noise = 0.00005;
-  DepthGrid grid = grid_of(lattice_of(300, 300, h), [](double x, double y) { return 0.2 * x - 0.1 * y; });
+  scene::DepthGrid grid = grid_of(lattice_of(300, 300, h), [](double x, double y) { return 0.2 * x - 0.1 * y; });
   add_noise(grid, noise, 12);
   ThreadPool pool(2);
-  const TextureConfig texture{0.002, 0.002, TextureConfig::Method::direct};  // sigma_range is 40 noises: a Gaussian
+  const scene::TextureConfig texture{0.002, 0.002,
+                                     scene::TextureConfig::Method::direct};  // sigma_range is 40 noises: a Gaussian
   const std::vector<float> envelope = bilateral_envelope(grid, texture, pool);
   const double predicted =
       texture_curvature(grid, envelope, 3 * h, noise, kNoStep, pool, texture.sigma_space_m).noise_floor_per_m;
@@ -165,18 +166,18 @@ TEST(Curvature, KnowsHowMuchNoiseTheEnvelopeTakesAlong) {
 TEST(FrictionSlope, BringsThe95thPercentileToTheMost) {
   const double h = 0.001;
   const Wave wave{0.0005, 2 * kPi / 0.02};
-  DepthGrid grid = grid_of(lattice_of(200, 200, h), [&](double x, double y) { return wave.z(x, y); });
+  scene::DepthGrid grid = grid_of(lattice_of(200, 200, h), [&](double x, double y) { return wave.z(x, y); });
   add_noise(grid, 1e-5, 2);
   ThreadPool pool(1);
   const CurvatureMap map = texture_curvature(grid, flat(grid), 3 * h, 1e-5, kNoStep, pool);
-  const FrictionConfig config;
+  const scene::FrictionConfig config;
   const double c = friction_slope(map, config);
   std::vector<float> k;
   for (int j = 8; j < 192; ++j)
     for (int i = 8; i < 192; ++i) k.push_back(map.rms_per_m[grid.lattice.index(i, j)]);
   std::nth_element(k.begin(), k.begin() + static_cast<std::ptrdiff_t>(k.size() * 95 / 100), k.end());
   EXPECT_NEAR(config.mu_0 + c * k[k.size() * 95 / 100], config.mu_max, 0.01 * (config.mu_max - config.mu_0));
-  FrictionConfig given;
+  scene::FrictionConfig given;
   given.c_m = 0.0125;
   EXPECT_EQ(friction_slope(map, given), 0.0125);
 }
@@ -185,12 +186,12 @@ TEST(FrictionSlope, LeavesAFlatNoisyPlaneSmooth) {
   const double h = 0.00125;
   ThreadPool pool(2);
   for (const double noise : {1e-6, 1e-4, 1e-3}) {
-    DepthGrid grid = grid_of(lattice_of(300, 300, h), [](double x, double) { return 0.1 * x; });
+    scene::DepthGrid grid = grid_of(lattice_of(300, 300, h), [](double x, double) { return 0.1 * x; });
     add_noise(grid, noise, 6);
-    const TextureConfig texture{0.002, 0.0005, TextureConfig::Method::direct};
+    const scene::TextureConfig texture{0.002, 0.0005, scene::TextureConfig::Method::direct};
     const std::vector<float> envelope = bilateral_envelope(grid, texture, pool);
     const CurvatureMap map = texture_curvature(grid, envelope, 3 * h, noise, kNoStep, pool, texture.sigma_space_m);
-    const FrictionConfig config;
+    const scene::FrictionConfig config;
     const double c = friction_slope(map, config);
     double mean = 0;
     for (const float k : map.rms_per_m) mean += c * k / static_cast<double>(map.rms_per_m.size());
@@ -206,7 +207,7 @@ TEST(CurvatureKernel, GivesTheSameBitsInPortableAndVectorCode) {
   constexpr int kRadius = 8;
   std::vector<float> weights(27), row(kCount + 2 * kRadius);
   for (float& w : weights) w = normal(random);
-  for (float& z : row) z = random() % 40 == 0 ? kUnknownHeight : normal(random);
+  for (float& z : row) z = random() % 40 == 0 ? scene::kUnknownHeight : normal(random);
   const kernel::CurvatureFilter filter{kRadius, weights.data(), weights.data() + 9, weights.data() + 18};
   std::vector<std::vector<float>> results;
   for (const kernel::CurvatureKernels& kernels :

@@ -102,7 +102,7 @@ TEST(Closing, HandlesDiscsWiderThanAWordAndTheLattice) {
 }
 
 TEST(Outline, EnclosesHolesButNoBays) {
-  DepthGrid grid = grid_of(lattice_of(60, 60, 0.001), [](double, double) { return 0; });
+  scene::DepthGrid grid = grid_of(lattice_of(60, 60, 0.001), [](double, double) { return 0; });
   for (int j = 20; j < 40; ++j)
     for (int i = 20; i < 40; ++i) forget(grid, i, j);  // a hole
   for (int j = 0; j < 15; ++j)
@@ -115,50 +115,50 @@ TEST(Outline, EnclosesHolesButNoBays) {
 }
 
 TEST(Fill, FillsGapsUpToTheGivenWidthOnly) {
-  const Lattice lattice = lattice_of(80, 40, 0.001);
-  DepthGrid grid = grid_of(lattice, [](double, double) { return 0.1; });
+  const scene::Lattice lattice = lattice_of(80, 40, 0.001);
+  scene::DepthGrid grid = grid_of(lattice, [](double, double) { return 0.1; });
   for (int j = 10; j < 30; ++j) {
     for (int i = 10; i < 13; ++i) forget(grid, i, j);  // 4 mm from measured to measured node
     for (int i = 40; i < 60; ++i) forget(grid, i, j);  // 21 mm
   }
   ThreadPool pool(1);
   fill_gaps(grid, {0.006}, kNoStep, pool);
-  EXPECT_EQ(grid.state[lattice.index(11, 20)], NodeState::filled);
-  EXPECT_EQ(grid.state[lattice.index(50, 20)], NodeState::unknown);
+  EXPECT_EQ(grid.state[lattice.index(11, 20)], scene::NodeState::filled);
+  EXPECT_EQ(grid.state[lattice.index(50, 20)], scene::NodeState::unknown);
   EXPECT_TRUE(std::isnan(grid.height_m[lattice.index(50, 20)]));
-  EXPECT_EQ(grid.state[lattice.index(5, 20)], NodeState::measured);
+  EXPECT_EQ(grid.state[lattice.index(5, 20)], scene::NodeState::measured);
 }
 
 TEST(Fill, FillsExactlyTheUnknownNodesOfTheClosingInsideTheOutline) {
   std::mt19937 random(3);
-  DepthGrid grid = grid_of(lattice_of(90, 70, 0.002), [](double x, double) { return x; });
+  scene::DepthGrid grid = grid_of(lattice_of(90, 70, 0.002), [](double x, double) { return x; });
   for (int k = 0; k < 60; ++k) {
     const int ci = static_cast<int>(random() % 90), cj = static_cast<int>(random() % 70),
               r = 1 + static_cast<int>(random() % 6);
     for (int j = std::max(0, cj - r); j < std::min(70, cj + r); ++j)
       for (int i = std::max(0, ci - r); i < std::min(90, ci + r); ++i) forget(grid, i, j);
   }
-  const DepthGrid before = grid;
+  const scene::DepthGrid before = grid;
   ThreadPool pool(2);
   const double max_gap = 0.011;
-  const NodeSet measured = nodes_of(before, NodeState::measured), outline = outline_nodes(before, max_gap, pool);
+  const NodeSet measured = nodes_of(before, scene::NodeState::measured), outline = outline_nodes(before, max_gap, pool);
   fill_gaps(grid, {max_gap}, kNoStep, pool);
   for (int j = 0; j < 70; ++j)
     for (int i = 0; i < 90; ++i) {
       const std::size_t n = grid.lattice.index(i, j);
-      const bool gap = before.state[n] == NodeState::unknown && outline.contains(i, j) &&
+      const bool gap = before.state[n] == scene::NodeState::unknown && outline.contains(i, j) &&
                        closed_by_definition(measured, i, j, max_gap / 0.002);
-      EXPECT_EQ(grid.state[n] == NodeState::filled, gap) << i << ' ' << j;
-      if (before.state[n] == NodeState::measured) {
+      EXPECT_EQ(grid.state[n] == scene::NodeState::filled, gap) << i << ' ' << j;
+      if (before.state[n] == scene::NodeState::measured) {
         EXPECT_EQ(grid.height_m[n], before.height_m[n]);
-        EXPECT_EQ(grid.state[n], NodeState::measured);
+        EXPECT_EQ(grid.state[n], scene::NodeState::measured);
       }
     }
 }
 
 TEST(Fill, ContinuesAPlaneExactly) {
   const auto plane = [](double x, double y) { return 0.02 + 1.4 * x - 0.7 * y; };
-  DepthGrid grid = grid_of(lattice_of(60, 60, 0.001), plane);
+  scene::DepthGrid grid = grid_of(lattice_of(60, 60, 0.001), plane);
   for (int j = 20; j < 27; ++j)
     for (int i = 30; i < 37; ++i) forget(grid, i, j);
   ThreadPool pool(1);
@@ -173,7 +173,7 @@ TEST(Fill, AveragesNoiseAndBridgesCurvature) {
   const auto dome = [&](double x, double y) {
     return std::sqrt(radius * radius - (x - 0.05) * (x - 0.05) - (y - 0.05) * (y - 0.05));
   };
-  DepthGrid grid = grid_of(lattice_of(101, 101, 0.001), dome);
+  scene::DepthGrid grid = grid_of(lattice_of(101, 101, 0.001), dome);
   add_noise(grid, noise, 5);
   for (int j = 40; j < 46; ++j)
     for (int i = 40; i < 46; ++i) forget(grid, i, j);
@@ -190,15 +190,15 @@ TEST(Fill, AveragesNoiseAndBridgesCurvature) {
 TEST(Fill, LetsTheLowerSideOfAStepWin) {
   const double step = 0.01;
   const auto surface = [&](double x, double) { return x < 0.03 ? step + 0.2 * x : 0.2 * x; };
-  const Lattice lattice = lattice_of(60, 40, 0.001);
-  DepthGrid grid = grid_of(lattice, surface);
+  const scene::Lattice lattice = lattice_of(60, 40, 0.001);
+  scene::DepthGrid grid = grid_of(lattice, surface);
   for (int j = 0; j < 40; ++j)
     for (int i = 28; i < 33; ++i) forget(grid, i, j);
   ThreadPool pool(1);
   fill_gaps(grid, {0.008}, step / 3, pool);
   for (int j = 4; j < 36; ++j)
     for (int i = 28; i < 33; ++i) {
-      ASSERT_EQ(grid.state[lattice.index(i, j)], NodeState::filled);
+      ASSERT_EQ(grid.state[lattice.index(i, j)], scene::NodeState::filled);
       EXPECT_NEAR(grid.height_m[lattice.index(i, j)], 0.2 * i * 0.001, 0.2 * 0.001) << i << ' ' << j;
     }
 }
@@ -206,8 +206,8 @@ TEST(Fill, LetsTheLowerSideOfAStepWin) {
 TEST(Fill, KeepsAHoleInTheTopOfABarOnTheBar) {
   const double bar = 0.006;
   const auto surface = [&](double x, double) { return x > 0.0255 && x < 0.0345 ? bar : 0.0; };
-  const Lattice lattice = lattice_of(60, 40, 0.001);
-  DepthGrid grid = grid_of(lattice, surface);
+  const scene::Lattice lattice = lattice_of(60, 40, 0.001);
+  scene::DepthGrid grid = grid_of(lattice, surface);
   for (int j = 18; j < 21; ++j)
     for (int i = 29; i < 32; ++i) forget(grid, i, j);
   ThreadPool pool(1);
@@ -216,11 +216,12 @@ TEST(Fill, KeepsAHoleInTheTopOfABarOnTheBar) {
 }
 
 TEST(Fill, GivesTheSameBitsOnAnyNumberOfThreads) {
-  DepthGrid one = grid_of(lattice_of(200, 150, 0.001), [](double x, double y) { return std::sin(40 * x) * 0.01 + y; });
+  scene::DepthGrid one =
+      grid_of(lattice_of(200, 150, 0.001), [](double x, double y) { return std::sin(40 * x) * 0.01 + y; });
   add_noise(one, 1e-4, 1);
   std::mt19937 random(2);
   for (int k = 0; k < 8000; ++k) forget(one, static_cast<int>(random() % 200), static_cast<int>(random() % 150));
-  DepthGrid three = one;
+  scene::DepthGrid three = one;
   ThreadPool single(1), several(3);
   fill_gaps(one, {0.005}, 0.002, single);
   fill_gaps(three, {0.005}, 0.002, several);
@@ -229,10 +230,10 @@ TEST(Fill, GivesTheSameBitsOnAnyNumberOfThreads) {
 }
 
 TEST(Fill, LeavesAnEmptyGridAlone) {
-  DepthGrid grid(lattice_of(20, 10, 0.001));
+  scene::DepthGrid grid(lattice_of(20, 10, 0.001));
   ThreadPool pool(1);
   fill_gaps(grid, {0.005}, 0.001, pool);
-  EXPECT_THAT(grid.state, ::testing::Each(NodeState::unknown));
+  EXPECT_THAT(grid.state, ::testing::Each(scene::NodeState::unknown));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-using Face = OrientationConfig::Face;
+using Face = scene::OrientationConfig::Face;
 using Points = std::vector<Eigen::Vector3d>;
 
 constexpr double kDegree = std::numbers::pi / 180.0;

@@ -48,7 +48,7 @@ TEST_F(ObjectsOutOfCore, ClosedObjectsGiveTheSameBytesAsInMemoryOnCoarseGridsAnd
         "scans: [{{file: balls.xyz, units: m}}]\ngrid: {{size: {}}}\nfill: {{max_gap_mm: 8}}\ncheck: {{samples: "
         "4000}}\n",
         size);
-    expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
+    expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
   }
 }
 
@@ -56,7 +56,7 @@ TEST_F(ObjectsOutOfCore, ClosedObjectsScannedInLinesGiveTheSameBytesAsInMemory) 
   write_file(folder_ / "balls.xyz", two_balls(0.025));
   const std::string text =
       "scans: [{file: balls.xyz, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
-  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
+  expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
 }
 
 // On a floor, between walls that the view shows edge-on, with scattered points.
@@ -76,7 +76,7 @@ TEST_F(ObjectsOutOfCore, WhatIsSeenEdgeOnIsTheSameAsInMemory) {
   for (const char* size : {"60", "200"}) {
     const std::string yaml =
         fmt::format("scans: [{{file: room.xyz, units: m}}]\ngrid: {{size: {}}}\ncheck: {{samples: 4000}}\n", size);
-    expect_same_out_of_core(parse_config(yaml::parse_text(yaml, "room"), folder_.path()), 60'000);
+    expect_same_out_of_core(scene::parse_config(yaml::parse_text(yaml, "room"), folder_.path()), 60'000);
     EXPECT_GT(report(folder_ / "disk")["not_visible"]["edge_on"], 2'000) << size;
   }
 }
@@ -105,7 +105,7 @@ TEST_F(ObjectsOutOfCore, ClosedObjectsAreTurnedByTheirStationsAsInMemory) {
   write_file(folder_ / "balls.ptx", two_stations());
   const std::string text =
       "scans: [{file: balls.ptx, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
-  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
+  expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
 }
 
 TEST_F(ObjectsOutOfCore, ClosedObjectsWhosePointsAreToldTwiceAreTheSame) {
@@ -113,7 +113,7 @@ TEST_F(ObjectsOutOfCore, ClosedObjectsWhosePointsAreToldTwiceAreTheSame) {
   write_file(folder_ / "balls.xyz", balls + balls);
   const std::string text =
       "scans: [{file: balls.xyz, units: m}]\ngrid: {size: 200}\nfill: {max_gap_mm: 8}\ncheck: {samples: 4000}\n";
-  expect_same_out_of_core(parse_config(yaml::parse_text(text, "balls"), folder_.path()), 60'000);
+  expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "balls"), folder_.path()), 60'000);
 }
 
 // Two sheets of 1 m by 1 m, each seen by its own scanner 2 m away; the first has a hole.
@@ -140,7 +140,7 @@ TEST_F(ObjectsOutOfCore, HolesOfSlabsStayHolesAsInMemory) {
   for (const char* size : {"100", "250"}) {
     const std::string text = fmt::format(
         "scans: [{{file: slab.ptx, units: m}}]\ngrid: {{size: {}, noise_mm: 0.3}}\ncheck: {{samples: 4000}}\n", size);
-    expect_same_out_of_core(parse_config(yaml::parse_text(text, "slab"), folder_.path()), 20'000);
+    expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "slab"), folder_.path()), 20'000);
     const std::string warnings = report(folder_ / "disk")["warnings"].dump();
     EXPECT_NE(warnings.find("the inside of the back is seen at"), std::string::npos) << warnings;
   }

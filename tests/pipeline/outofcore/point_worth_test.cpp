@@ -74,13 +74,13 @@ class PointWorth : public TwoBuilds {
     std::ofstream(folder_ / name) << head << "end_header\n" << rows << faces;
     return name;
   }
-  [[nodiscard]] Config config(const std::vector<std::string>& files, const std::string& filters) const {
+  [[nodiscard]] scene::Config config(const std::vector<std::string>& files, const std::string& filters) const {
     std::string yaml = "scans:\n";
     for (const std::string& file : files) yaml += "  - {file: " + file + ", units: m}\n";
     yaml +=
         filters + "grid: {spacing_mm: 8, bounds_m: [0, 0, 0.4, 0.4]}\nfill: {max_gap_mm: 20}\ncheck: {samples: all}\n";
     std::ofstream(folder_ / "c.yaml") << yaml;
-    return load_config(folder_ / "c.yaml");
+    return scene::load_config(folder_ / "c.yaml");
   }
   void expect_same_heights(const std::string& a, const std::string& b) const {
     for (const char* layer : {"height.tif", "mask.tif"}) {

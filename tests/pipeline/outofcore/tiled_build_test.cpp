@@ -20,6 +20,7 @@
 #include "base/yaml.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/simulate.h"
+#include "scene/scene.h"
 #include "tests/pipeline/outofcore/two_builds.h"
 #include "tests/support/test_folder.h"
 
@@ -54,7 +55,7 @@ TEST_F(OutOfCore, OneFileGivesTheSameBytesAsInMemory) {
 }
 
 TEST_F(OutOfCore, NeitherThreadsNorTheOrderOfFilesChangeAByte) {
-  Config config = simulated(relief(180, 3), kAllLayers);
+  scene::Config config = simulated(relief(180, 3), kAllLayers);
   build(config, "memory", 0);
   for (const unsigned threads : {1U, 2U, 3U}) {
     std::rotate(config.scans.begin(), config.scans.begin() + 1, config.scans.end());
@@ -83,7 +84,7 @@ TEST_F(OutOfCore, StripsTooFullForMemoryAreCutIntoColumns) {
 TEST_F(OutOfCore, GridsFinerAndCoarserThanTheCloudAreTheSame) {
   write_simulation(relief(120, 1), folder_ / "scan", progress_);
   for (const char* grid : {"grid={size: 300}", "grid={size: 40}", "grid={}"}) {
-    expect_same_out_of_core(load_config(folder_ / "scan" / "sparsha.yaml", {grid}), 25'000);
+    expect_same_out_of_core(scene::load_config(folder_ / "scan" / "sparsha.yaml", {grid}), 25'000);
   }
 }
 
@@ -129,8 +130,8 @@ TEST_F(OutOfCore, APassAndAPlaneAreFilteredWhileTheyAreStreamed) {
 TEST_F(OutOfCore, AFilterThatNeedsAllPointsIsRefusedByName) {
   write_simulation(relief(150, 1), folder_ / "scan", progress_);
   for (const std::string name : {"outliers", "radius_outliers", "keep", "smooth", "thin"}) {
-    const Config config =
-        load_config(folder_ / "scan" / "sparsha.yaml", {"filters=[{pass: {axis: x, min_m: 0.1}}, {" + name + ": }]"});
+    const scene::Config config = scene::load_config(folder_ / "scan" / "sparsha.yaml",
+                                                    {"filters=[{pass: {axis: x, min_m: 0.1}}, {" + name + ": }]"});
     BuildOptions options;
     options.memory_points = 10'000;
     Progress progress;
@@ -150,7 +151,7 @@ TEST_F(OutOfCore, AVoxelFilterStreamsIntoMemory) {
   simulation.intensity = true;
   const std::string crop = "{crop: {min_m: [0.2, 0.1, -1], max_m: [0.9, 0.7, 1]}}";
   const std::string filters = "filters=[" + crop + ", {voxel: {leaf_mm: 12}}, {outliers: {neighbours: 8, sigma: 3}}]";
-  const Config config = simulated(simulation, {filters, "grid={spacing_mm: 8, colour: true, intensity: true}"});
+  const scene::Config config = simulated(simulation, {filters, "grid={spacing_mm: 8, colour: true, intensity: true}"});
   build(config, "memory", 0);
   BuildOptions options;
   options.memory_points = 20'000;
@@ -167,14 +168,14 @@ TEST_F(OutOfCore, AVoxelFilterStreamsIntoMemory) {
 }
 
 TEST_F(OutOfCore, FarOutliersAndDuplicatesAreTheSame) {
-  Config config = simulated(relief(120, 1), {"grid={}"});
+  scene::Config config = simulated(relief(120, 1), {"grid={}"});
   std::ofstream far(folder_ / "scan" / "far.xyz");
   far << "1e6 2e6 -3e6\n4000 -4000 4000\n4000 -4000 4000\n";
   far.close();
   config.scans.push_back(config.scans.front());
-  ScanConfig scan;
+  scene::ScanConfig scan;
   scan.file = folder_ / "scan" / "far.xyz";
-  scan.units.unit = LengthUnit::m;
+  scan.units.unit = scene::LengthUnit::m;
   config.scans.push_back(scan);
   expect_same_out_of_core(config, 20'000);
 }
@@ -191,13 +192,13 @@ std::vector<std::array<std::int32_t, 3>> whole_steps(double step_m) {
   return points;
 }
 
-Config config_of(const fs::path& file) {
-  Config config;
-  ScanConfig scan;
+scene::Config config_of(const fs::path& file) {
+  scene::Config config;
+  scene::ScanConfig scan;
   scan.file = file;
-  scan.units.unit = LengthUnit::m;
+  scan.units.unit = scene::LengthUnit::m;
   config.scans = {scan};
-  config.check = CheckConfig{3000};
+  config.check = scene::CheckConfig{3000};
   return config;
 }
 
@@ -234,7 +235,7 @@ TEST_F(OutOfCore, PlyInTextIsTheSame) {
                        p[0] * 1e-5, 0.25 * static_cast<double>(i % 1000), p[1] * 1e-5);
   }
   ply.close();
-  Config config = config_of(folder_ / "scan.ply");
+  scene::Config config = config_of(folder_ / "scan.ply");
   config.grid.colour = true;
   config.grid.intensity = true;
   expect_same_out_of_core(config, 15'000);
@@ -262,19 +263,19 @@ TEST_F(OutOfCore, GreyAndColouredStationsAreTheSameAndGreyIsNoColour) {
   }
   const double middle = 0.5 * (low + high);
   write_file(folder_ / "scan.ptx", ptx_station(low, middle, false) + ptx_station(middle, high, true));
-  Config config = config_of(folder_ / "scan.ptx");
+  scene::Config config = config_of(folder_ / "scan.ptx");
   config.grid.colour = true;
   config.grid.intensity = true;
   expect_same_out_of_core(config, 15'000);
-  const Layers level = open_scene(folder_ / "disk")->read_level(0);
-  const Lattice& lattice = level.grid.lattice;
+  const scene::Layers level = scene::open_scene(folder_ / "disk")->read_level(0);
+  const scene::Lattice& lattice = level.grid.lattice;
   std::size_t grey = 0;
   std::size_t coloured = 0;
   std::size_t none = 0;  // nodes that no used point is near
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
       const std::size_t n = lattice.index(i, j);
-      if (level.grid.state[n] != NodeState::measured) continue;
+      if (level.grid.state[n] != scene::NodeState::measured) continue;
       const double x = lattice.x_m(i);
       if (x < middle - lattice.spacing_m) {
         EXPECT_EQ(level.colour_rgba[n], kNoColour);
@@ -312,7 +313,7 @@ TEST_F(OutOfCore, LasIsTheSame) {
 }
 
 /// The error that building under that option gives.
-Error refused(const Config& config, const BuildOptions& options, const fs::path& scene) {
+Error refused(const scene::Config& config, const BuildOptions& options, const fs::path& scene) {
   Progress progress;
   try {
     build_scene_folder(config, options, scene, progress);
@@ -326,9 +327,9 @@ Error refused(const Config& config, const BuildOptions& options, const fs::path&
 TEST_F(OutOfCore, WhatCannotBeKeptIsRefusedByNameAndLeavesNothing) {
   BuildOptions options;
   options.memory_points = 10'000;
-  const Config outliers = simulated(relief(100, 1), {"filters=[{outliers: {neighbours: 8, sigma: 2}}]"});
+  const scene::Config outliers = simulated(relief(100, 1), {"filters=[{outliers: {neighbours: 8, sigma: 2}}]"});
   EXPECT_NE(refused(outliers, options, folder_ / "scene").wrong().find("'outliers'"), std::string::npos);
-  Config plain = outliers;
+  scene::Config plain = outliers;
   plain.filters.clear();
   options.memory_points = 20;  // fewer than the halo of a node
   EXPECT_NE(refused(plain, options, folder_ / "scene").wrong().find("a single node"), std::string::npos);
@@ -340,7 +341,7 @@ TEST_F(OutOfCore, WhatCannotBeKeptIsRefusedByNameAndLeavesNothing) {
 
 TEST_F(OutOfCore, ManyPointsToANodeNeedNoMemoryForAllOfThem) {
   // 160 000 points on 6 x 5 nodes: some 4000 to a node, of which 1024 decide.
-  const Config coarse = simulated(relief(400, 1), {"grid={size: 6}", "check={samples: 5000}"});
+  const scene::Config coarse = simulated(relief(400, 1), {"grid={size: 6}", "check={samples: 5000}"});
   expect_same_out_of_core(coarse, 150'000);
 }
 
@@ -354,12 +355,12 @@ TEST_F(OutOfCore, OneNodeWithMostOfThePointsNeedsNoMemoryForAllOfThem) {
   write_file(folder_ / "crowd.xyz", text);
   const std::string yaml =
       "scans: [{file: crowd.xyz, units: m}]\ngrid: {spacing_mm: 25, bounds_m: [0, 0, 1, 1]}\ncheck: {samples: 2000}\n";
-  expect_same_out_of_core(parse_config(yaml::parse_text(yaml, "crowd"), folder_.path()), 9'000);
+  expect_same_out_of_core(scene::parse_config(yaml::parse_text(yaml, "crowd"), folder_.path()), 9'000);
 }
 
 TEST_F(OutOfCore, ACrossCheckOfMorePointsThanFitIsRefused) {
   // About 400 000 points: 19 MB of sample beside 70 MB for the program.
-  Config config = simulated(relief(600, 1), {"check={samples: all}"});
+  scene::Config config = simulated(relief(600, 1), {"check={samples: all}"});
   BuildOptions options;
   options.memory_bytes = 80'000'000;
   EXPECT_NE(refused(config, options, folder_ / "scene").wrong().find("cross-check"), std::string::npos);
@@ -369,7 +370,7 @@ TEST_F(OutOfCore, ACrossCheckOfMorePointsThanFitIsRefused) {
 }
 
 TEST_F(OutOfCore, CancellingInAnyStageKeepsTheOldSceneAndLeavesNothingElse) {
-  const Config config = simulated(relief(100, 1), kAllLayers);
+  const scene::Config config = simulated(relief(100, 1), kAllLayers);
   build(config, "scene", 10'000);
   const std::string before = read_file(folder_ / "scene" / "scene.yaml", kLargest);
   for (const char* stage : {"points to disk", "project", "cross-check"}) {
@@ -393,7 +394,7 @@ TEST_F(OutOfCore, CancellingInAnyStageKeepsTheOldSceneAndLeavesNothingElse) {
 
 #if !defined(_WIN32)
 TEST_F(OutOfCore, AFullDiskIsAnErrorThatKeepsTheOldScene) {
-  const Config config = simulated(relief(150, 1));
+  const scene::Config config = simulated(relief(150, 1));
   build(config, "scene", 20'000);
   // A limit on the size of files stands for the full disk: what is on disk has some 600 kB.
   struct rlimit old {};

@@ -20,9 +20,9 @@ class TwoBuilds : public ::testing::Test {
  protected:
   static constexpr std::size_t kLargest = 1U << 30U;  // bytes of a file
 
-  Config simulated(const SimulationConfig& simulation, const std::vector<std::string>& settings = {}) {
+  scene::Config simulated(const SimulationConfig& simulation, const std::vector<std::string>& settings = {}) {
     write_simulation(simulation, folder_ / "scan", progress_);
-    return load_config(folder_ / "scan" / "sparsha.yaml", settings);
+    return scene::load_config(folder_ / "scan" / "sparsha.yaml", settings);
   }
   /// Every file of the scene, and of the report all but times and memory.
   static void expect_same(const std::filesystem::path& a, const std::filesystem::path& b) {
@@ -48,7 +48,7 @@ class TwoBuilds : public ::testing::Test {
     return std::any_of(json["stages"].begin(), json["stages"].end(),
                        [](const auto& stage) { return stage["name"] == "points to disk"; });
   }
-  void build(const Config& config, const std::string& name, std::uint64_t points, unsigned threads = 2) {
+  void build(const scene::Config& config, const std::string& name, std::uint64_t points, unsigned threads = 2) {
     BuildOptions options;
     options.threads = threads;
     options.memory_points = points;
@@ -57,7 +57,7 @@ class TwoBuilds : public ::testing::Test {
     EXPECT_EQ(kept_on_disk(folder_ / name), points > 0);
   }
   /// In memory and with so few points at once.
-  void expect_same_out_of_core(const Config& config, std::uint64_t points) {
+  void expect_same_out_of_core(const scene::Config& config, std::uint64_t points) {
     build(config, "memory", 0);
     build(config, "disk", points);
     expect_same(folder_ / "memory", folder_ / "disk");

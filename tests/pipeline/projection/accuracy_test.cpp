@@ -12,8 +12,8 @@ namespace {
 constexpr double kNoise = 0.0002;
 constexpr double kSpacing = 1.0 / 511.0;
 
-pipeline::GridConfig nodes(int size) {
-  pipeline::GridConfig config;
+scene::GridConfig nodes(int size) {
+  scene::GridConfig config;
   config.size = size;
   return config;
 }
@@ -118,7 +118,7 @@ TEST(ProjectionAccuracy, WholeFieldWithItsStepAtThirtyTwoPointsANode) {
     points.push_back({x, y, relief_m(x, y) + normal(random) + outlier});
     if (k % 10 == 0) points.push_back({x, kHeight * unit(random), -0.1 + 0.003 * normal(random) / kNoise});
   }
-  pipeline::GridConfig config;
+  scene::GridConfig config;
   config.bounds_m = {0.0, 0.0, 1.0, kHeight};
   config.spacing_m = kSpacing;
   const Errors errors = judge(project_cloud(make_cloud(points), config).grid, relief_m, anywhere);

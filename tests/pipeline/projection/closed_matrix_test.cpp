@@ -30,7 +30,7 @@ TEST_P(ClosedObjectsMatrix, ShowTheirFrontAndOnlyTheirFront) {
     options.noise_spacings = noise;
     options.seed = 11;
     const ObjectScan scan = scan_object(*named.object, options);
-    pipeline::GridConfig grid;
+    scene::GridConfig grid;
     grid.spacing_m = grid_spacings * scan.spacing_m;
     const pipeline::Projection p = project_cloud(make_cloud(scan.points), grid);
     const Judgement f = judge_object(p.grid, *named.object, scan);

@@ -176,7 +176,7 @@ std::vector<pipeline::Station> stations_around(const ObjectScan& scan) {
 
 pipeline::Projection project_with(const ObjectScan& scan, std::vector<pipeline::Station> stations,
                                   const Eigen::Matrix4d& view = Eigen::Matrix4d::Identity()) {
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = scan.spacing_m;
   pipeline::Cloud cloud = make_cloud(scan.points);
   cloud.stations = std::move(stations);
@@ -332,7 +332,7 @@ TEST(ClosedObjects, TwentySlabsHaveNoNodeOnTheirBack) {
   constexpr int kNodes = 512;
   constexpr double kDepth = 0.06, kNoise = 0.0002;  // metres
   constexpr auto kPoints = static_cast<std::size_t>(1.9 * kNodes * kNodes);
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = 1.0 / (kNodes - 1);
   grid.bounds_m = {0.0, 0.0, 1.0 + 0.25 * grid.spacing_m, 1.0 + 0.25 * grid.spacing_m};
   std::vector<double> heights;
@@ -343,8 +343,8 @@ TEST(ClosedObjects, TwentySlabsHaveNoNodeOnTheirBack) {
     sample_surface(points, relief_m, kPoints, {kNoise, 0.005, 0.05}, random);
     sample_surface(
         points, [](double x, double y) { return relief_m(x, y) - kDepth; }, kPoints, {kNoise, 0.005, 0.05}, random);
-    const pipeline::DepthGrid found = project_cloud(make_cloud(points), grid).grid;
-    const pipeline::Lattice& lattice = found.lattice;
+    const scene::DepthGrid found = project_cloud(make_cloud(points), grid).grid;
+    const scene::Lattice& lattice = found.lattice;
     if (heights.empty()) {
       for (int j = 0; j < lattice.ny; ++j) {
         for (int i = 0; i < lattice.nx; ++i) heights.push_back(relief_m(lattice.x_m(i), lattice.y_m(j)));
@@ -353,7 +353,7 @@ TEST(ClosedObjects, TwentySlabsHaveNoNodeOnTheirBack) {
     ASSERT_EQ(heights.size(), lattice.count());
     std::size_t on_back = 0;
     for (std::size_t k = 0; k < heights.size(); ++k) {
-      if (found.state[k] != pipeline::NodeState::measured) continue;
+      if (found.state[k] != scene::NodeState::measured) continue;
       const double height = lattice.origin_m.z() + static_cast<double>(found.height_m[k]);
       // Half way down is farther than any step or outlier that a fit has followed.
       on_back += height < heights[k] - 0.5 * kDepth ? 1 : 0;

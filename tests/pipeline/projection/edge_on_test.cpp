@@ -19,8 +19,8 @@ using pipeline::PointClass;
 constexpr double kApart_m = 0.004;
 constexpr double kNoise_m = 0.0004;
 
-pipeline::GridConfig spacing(double spacing_m) {
-  pipeline::GridConfig config;
+scene::GridConfig spacing(double spacing_m) {
+  scene::GridConfig config;
   config.spacing_m = spacing_m;
   return config;
 }

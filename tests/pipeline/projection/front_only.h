@@ -31,7 +31,7 @@ inline ScanOptions cloud_of(std::size_t points, double noise = 0.1) {
 }
 
 inline pipeline::Projection project_scan(const ObjectScan& scan, double grid_spacings = 1.0) {
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = grid_spacings * scan.spacing_m;
   return project_cloud(make_cloud(scan.points), grid);
 }
@@ -53,7 +53,7 @@ inline void expect_front_only(const NamedObject& named, const ScanOptions& optio
 }
 
 inline double noise_ratio(const ObjectScan& scan, const Eigen::Matrix4d& view = Eigen::Matrix4d::Identity()) {
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = scan.spacing_m;
   return project_cloud(make_cloud(scan.points), grid, view).noise_m / scan.noise_m;
 }

@@ -21,7 +21,7 @@ namespace sparsha::test {
 namespace {
 
 using Eigen::Vector3d;
-using pipeline::NodeState;
+using scene::NodeState;
 
 constexpr double kHole = 10.0;   // spacings, radius
 constexpr double kMargin = 2.0;  // spacings within its edge
@@ -106,7 +106,7 @@ pipeline::Projection project_body(const Points& points, double spacing_m, std::v
                                   const Eigen::Matrix4d& view = Eigen::Matrix4d::Identity()) {
   pipeline::Cloud cloud = make_cloud(points);
   cloud.stations = std::move(stations);
-  pipeline::GridConfig grid;
+  scene::GridConfig grid;
   grid.spacing_m = spacing_m;
   return project_cloud(cloud, grid, view);
 }
@@ -117,7 +117,7 @@ struct Seen {
   std::size_t through = 0;  ///< of these, measured nearer to the back than to the front
   std::size_t outside = 0;  ///< measured, outside of the hole
 };
-Seen look(const pipeline::DepthGrid& grid, const Body& body) {
+Seen look(const scene::DepthGrid& grid, const Body& body) {
   Seen seen;
   for (int j = 0; j < grid.lattice.ny; ++j) {
     for (int i = 0; i < grid.lattice.nx; ++i) {
@@ -250,13 +250,13 @@ TEST(RealScanHoles, RoomsAndTerrainsLoseHardlyANode) {
   if (folder == nullptr) GTEST_SKIP() << "SPARSHA_SCANS_DIR names no folder of scans";
   for (const char* name : {"scans/room_scan1.pcd", "scans/samp11-utm.pcd", "scans/1.2-with-color.las",
                            "scans/table_scene_mug_stereo_textured.pcd", "hostile/autzen-utm.pcd"}) {
-    pipeline::ScanConfig scan;
+    scene::ScanConfig scan;
     scan.file = std::filesystem::path(folder) / name;
-    scan.units.unit = pipeline::LengthUnit::m;
+    scan.units.unit = scene::LengthUnit::m;
     if (!std::filesystem::exists(scan.file)) continue;
     Progress progress;
-    const pipeline::Cloud cloud = load_scan(scan, progress);
-    pipeline::GridConfig grid;
+    const pipeline::Cloud cloud = pipeline::load_scan(scan, progress);
+    scene::GridConfig grid;
     grid.size = 400;
     const pipeline::Projection p = project_cloud(cloud, grid);
     if (p.closed) continue;

@@ -56,14 +56,14 @@ TEST(ScansInLines, OpenOnesAreMeasuredBetweenThem) {
       const double y = unit(random);
       points.push_back({x, y, truth(x, y) + normal(random)});
     }
-    pipeline::GridConfig grid;
+    scene::GridConfig grid;
     grid.spacing_m = kSpacing_m;
     const pipeline::Projection p = project_cloud(make_cloud(points), grid);
     std::vector<double> errors;
     for (int j = 0; j < p.grid.lattice.ny; ++j) {
       for (int i = 0; i < p.grid.lattice.nx; ++i) {
         const std::size_t k = p.grid.lattice.index(i, j);
-        if (p.grid.state[k] != pipeline::NodeState::measured) continue;
+        if (p.grid.state[k] != scene::NodeState::measured) continue;
         const double height_m = p.grid.lattice.origin_m.z() + static_cast<double>(p.grid.height_m[k]);
         errors.push_back(std::abs(height_m - truth(p.grid.lattice.x_m(i), p.grid.lattice.y_m(j))) / kSpacing_m);
       }

@@ -9,11 +9,11 @@
 namespace sparsha::test {
 namespace {
 
-using pipeline::NodeState;
 using pipeline::PointClass;
+using scene::NodeState;
 
-pipeline::GridConfig unit_square(double spacing_m) {
-  pipeline::GridConfig config;
+scene::GridConfig unit_square(double spacing_m) {
+  scene::GridConfig config;
   config.bounds_m = {0.0, 0.0, 1.0, 1.0};
   config.spacing_m = spacing_m;
   return config;
@@ -131,7 +131,7 @@ TEST(MeshProjection, ColourIsInterpolatedOverATriangle) {
   pipeline::Cloud cloud = make_cloud({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}});
   cloud.faces = {{0, 1, 2}};
   cloud.rgba = {0xff000000U, 0xff0000c8U, 0xff00c800U};  // black, red 200, green 200
-  pipeline::GridConfig config = unit_square(0.25);
+  scene::GridConfig config = unit_square(0.25);
   config.colour = true;
   const pipeline::Projection p = project_cloud(cloud, config);
   ASSERT_EQ(p.colour_rgba.size(), p.grid.lattice.count());
@@ -144,7 +144,7 @@ TEST(MeshProjection, CornersWithoutAColourLeaveItToTheOthers) {
   cloud.faces = {{0, 1, 2}, {1, 3, 2}};
   cloud.rgba = {0xff0000c8U, pipeline::kNoColour, 0xff00c800U, pipeline::kNoColour};
   cloud.intensity = {pipeline::kNoIntensity, 2.0F, pipeline::kNoIntensity, pipeline::kNoIntensity};
-  pipeline::GridConfig config = unit_square(0.25);
+  scene::GridConfig config = unit_square(0.25);
   config.colour = config.intensity = true;
   const pipeline::Projection p = project_cloud(cloud, config);
   EXPECT_EQ(p.colour_rgba[p.grid.lattice.index(1, 1)], 0xff004385U) << "red at 1/2, green at 1/4, the rest unknown";
@@ -199,7 +199,7 @@ TEST(MeshProjection, AnAutomaticGridHasAtMostSixteenNodesACorner) {
   triangle.faces.push_back({0, 1, 2});
   const pipeline::Projection p = project_cloud(triangle, {});
   EXPECT_LE(p.grid.lattice.count(), 48U);
-  pipeline::GridConfig asked;
+  scene::GridConfig asked;
   asked.size = 300;
   EXPECT_EQ(project_cloud(triangle, asked).grid.lattice.nx, 300) << "who asks is given it";
 }

@@ -16,13 +16,13 @@ namespace {
 
 /// Of the nodes that are measured in either grid, the share that is not within a tenth of a spacing in both. The second
 /// one's cloud was moved by `moved_m`.
-double changed_share(const pipeline::DepthGrid& before, const pipeline::DepthGrid& after, double moved_m) {
+double changed_share(const scene::DepthGrid& before, const scene::DepthGrid& after, double moved_m) {
   EXPECT_EQ(before.state.size(), after.state.size());
   if (before.state.size() != after.state.size()) return 1.0;
   std::size_t nodes = 0, changed = 0;
   for (std::size_t node = 0; node < before.state.size(); ++node) {
-    const bool was = before.state[node] == pipeline::NodeState::measured;
-    const bool is = after.state[node] == pipeline::NodeState::measured;
+    const bool was = before.state[node] == scene::NodeState::measured;
+    const bool is = after.state[node] == scene::NodeState::measured;
     if (!was && !is) continue;
     ++nodes;
     const double rise_m = after.lattice.origin_m.z() + static_cast<double>(after.height_m[node]) - moved_m -

@@ -15,11 +15,11 @@
 namespace sparsha::test {
 namespace {
 
-using pipeline::NodeState;
 using pipeline::PointClass;
+using scene::NodeState;
 
-pipeline::GridConfig nodes(int size) {
-  pipeline::GridConfig config;
+scene::GridConfig nodes(int size) {
+  scene::GridConfig config;
   config.size = size;
   return config;
 }
@@ -120,7 +120,7 @@ TEST(Projection, AutomaticSpacingIsTheFrontsOrTheResolution) {
 }
 
 TEST(Projection, BoundsPlaceNodeZeroAndCropPoints) {
-  pipeline::GridConfig config;
+  scene::GridConfig config;
   config.bounds_m = {0.2, 0.3, 0.6, 0.5};
   config.spacing_m = 0.01;
   const pipeline::Projection p = project_cloud(make_cloud(small_scan(6)), config);
@@ -173,7 +173,7 @@ TEST(Projection, AnImpulseComesOutAtItsOwnNode) {
   std::mt19937_64 random(9);
   Points points;
   sample_surface(points, pillar, 600000, {0.0, 0.0}, random);
-  pipeline::GridConfig config;
+  scene::GridConfig config;
   config.bounds_m = {0.0, 0.0, 1.0, 1.0};
   config.spacing_m = 0.005;
   const pipeline::Projection p = project_cloud(make_cloud(points), config);
@@ -294,7 +294,7 @@ TEST(Projection, AReliefWhosePointsAreToldSeveralTimesIsMeasuredAsIfTheyWereTold
 TEST(Projection, RefusesGridsThatCannotFit) {
   const pipeline::Cloud cloud = make_cloud(small_scan(11));
   for (const double spacing : {1e-9, 1e-5, 3e-5}) {
-    pipeline::GridConfig config;
+    scene::GridConfig config;
     config.spacing_m = spacing;
     config.bounds_m = {0.0, 0.0, 10.0, 10.0};
     try {
@@ -313,7 +313,7 @@ TEST(Projection, AutomaticBoundsLeaveNoRowOfRegularDataOutside) {
       for (int j = 0; j < 60; ++j) {
         for (int i = 0; i < 60; ++i) points.push_back({i * spacing_m, j * spacing_m, 0.0});
       }
-      pipeline::GridConfig config;
+      scene::GridConfig config;
       config.spacing_m = asked * spacing_m;
       const pipeline::Projection p = project_cloud(make_cloud(points), config);
       EXPECT_EQ(p.outside, 0U) << spacing_m << ' ' << asked;

@@ -23,7 +23,7 @@ int few(int /*station*/) { return 3000; }
 TEST(RegisterMany, TwelveAndTwentyStationsInACircleComeBackToAThirdOfTheNoise) {
   for (const int stations : {12, 20}) {
     const test::TestFolder folder;
-    const std::vector<ScanConfig> truth = ring(folder.path(), stations, few, kNoise_m, 1);
+    const std::vector<scene::ScanConfig> truth = ring(folder.path(), stations, few, kNoise_m, 1);
     const Registration found = registered(disturbed(truth, 1, 4.0, 0.006));
     EXPECT_LT(rms_error(truth, found.poses), kNoise_m / 3.0) << stations << " stations";
   }
@@ -31,7 +31,7 @@ TEST(RegisterMany, TwelveAndTwentyStationsInACircleComeBackToAThirdOfTheNoise) {
 
 TEST(RegisterMany, OfTwelveStationsTheOneThatSeesSomethingElseIsNamed) {
   const test::TestFolder folder;
-  std::vector<ScanConfig> scans = ring(folder.path(), 12, few, kNoise_m, 1);
+  std::vector<scene::ScanConfig> scans = ring(folder.path(), 12, few, kNoise_m, 1);
   scans[7].pose.topRightCorner<3, 1>() += Eigen::Vector3d(0.0, 0.0, 5.0);
   try {
     (void)registered(disturbed(scans, 2, 2.0, 0.003));
@@ -45,7 +45,7 @@ TEST(RegisterMany, OfTwelveStationsTheOneThatSeesSomethingElseIsNamed) {
 TEST(RegisterMany, StationsOfDensitiesOneToAHundredComeBack) {
   const test::TestFolder folder;
   const auto points = [](int station) { return station % 2 == 0 ? 200000 : 2000; };
-  const std::vector<ScanConfig> truth = ring(folder.path(), 6, points, kNoise_m, 3);
+  const std::vector<scene::ScanConfig> truth = ring(folder.path(), 6, points, kNoise_m, 3);
   const Registration found = registered(disturbed(truth, 3, 4.0, 0.006));
   // The sparse stations' points lie 4.7 mm apart: a tenth of that.
   EXPECT_LT(rms_error(truth, found.poses), 0.47e-3);
@@ -53,19 +53,19 @@ TEST(RegisterMany, StationsOfDensitiesOneToAHundredComeBack) {
 
 TEST(RegisterMany, TheSameStationFiveTimesBecomesOne) {
   const test::TestFolder folder;
-  const std::vector<ScanConfig> one = ring(folder.path(), 1, few, kNoise_m, 4);
-  const std::vector<ScanConfig> truth(5, one.front());
+  const std::vector<scene::ScanConfig> one = ring(folder.path(), 1, few, kNoise_m, 4);
+  const std::vector<scene::ScanConfig> truth(5, one.front());
   const Registration found = registered(disturbed(truth, 4, 4.0, 0.006));
   EXPECT_LT(rms_error(truth, found.poses), 1e-6);
 }
 
 /// Five stations about a chain of seven rings 2.2 m long, 40 mm thick, every other one standing; each sees what faces
 /// it.
-std::vector<ScanConfig> chain(const std::filesystem::path& folder, std::uint64_t seed) {
+std::vector<scene::ScanConfig> chain(const std::filesystem::path& folder, std::uint64_t seed) {
   const double pi = std::acos(-1.0);
   std::mt19937_64 random(seed);
   const auto uniform = [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; };
-  std::vector<ScanConfig> scans;
+  std::vector<scene::ScanConfig> scans;
   for (int s = 0; s < 5; ++s) {
     const double angle = 2.0 * pi * s / 5.0;
     const Eigen::Vector3d station(0.84 + 6.0 * std::sin(angle), 2.0, 6.0 * std::cos(angle));
@@ -90,9 +90,9 @@ std::vector<ScanConfig> chain(const std::filesystem::path& folder, std::uint64_t
       file << place.x() << ' ' << place.y() << ' ' << place.z() << '\n';
       ++seen;
     }
-    ScanConfig scan;
+    scene::ScanConfig scan;
     scan.file = folder / ("station-" + std::to_string(s) + ".xyz");
-    scan.units.unit = LengthUnit::m;
+    scan.units.unit = scene::LengthUnit::m;
     scans.push_back(scan);
   }
   return scans;
@@ -100,7 +100,7 @@ std::vector<ScanConfig> chain(const std::filesystem::path& folder, std::uint64_t
 
 TEST(RegisterMany, RingsOfAChainAreNotTakenForEachOtherInSilence) {
   const test::TestFolder folder;
-  const std::vector<ScanConfig> truth = chain(folder.path(), 5);
+  const std::vector<scene::ScanConfig> truth = chain(folder.path(), 5);
   int right = 0;
   const auto look_at = [&](std::uint64_t seed, double degrees, double shift_m) {
     try {

@@ -10,14 +10,14 @@ namespace {
 // How well bun.conf itself is known; RMS over points, best rigid motion removed.
 constexpr double kPublished_m = 0.3e-3;
 
-void expect_bunny(const RegisterConfig& config, double degrees, double shift_m, int seeds) {
+void expect_bunny(const scene::RegisterConfig& config, double degrees, double shift_m, int seeds) {
   SPARSHA_REAL_SCANS_OR_SKIP(folder);
-  const std::vector<ScanConfig> truth = bunny(folder / "scans" / "bunny_range");
+  const std::vector<scene::ScanConfig> truth = bunny(folder / "scans" / "bunny_range");
   ASSERT_EQ(truth.size(), 4U);
   int good = 0;
   std::string refusals;
   for (int seed = 1; seed <= seeds; ++seed) {
-    const std::vector<ScanConfig> rough = disturbed(truth, static_cast<std::uint64_t>(seed), degrees, shift_m);
+    const std::vector<scene::ScanConfig> rough = disturbed(truth, static_cast<std::uint64_t>(seed), degrees, shift_m);
     ASSERT_GT(rms_error(truth, {rough[0].pose, rough[1].pose, rough[2].pose, rough[3].pose}), 5.0 * kPublished_m);
     try {
       const double error = rms_error(truth, registered(rough, config).poses);
@@ -42,15 +42,15 @@ TEST(RegisterBunny, ScansTurnedByTenDegreesAndShiftedByFivePercentComeBack) {
 }
 
 TEST(RegisterBunny, PointToPlaneAndPointToPointComeBackToo) {
-  RegisterConfig config;
-  config.method = RegisterConfig::Method::point_to_plane;
+  scene::RegisterConfig config;
+  config.method = scene::RegisterConfig::Method::point_to_plane;
   expect_bunny(config, 5.0, 0.010, seeds());
-  config.method = RegisterConfig::Method::icp;
+  config.method = scene::RegisterConfig::Method::icp;
   expect_bunny(config, 5.0, 0.010, seeds());
 }
 
 TEST(RegisterBunny, DistancesOfTheDocumentedExampleWorkToo) {
-  RegisterConfig config;
+  scene::RegisterConfig config;
   config.max_distance_m = 0.010;
   config.voxel_m = 0.002;
   expect_bunny(config, 2.0, 0.003, seeds());  // scans disturbed by more are farther apart than max_distance_mm
@@ -58,10 +58,10 @@ TEST(RegisterBunny, DistancesOfTheDocumentedExampleWorkToo) {
 
 TEST(RegisterBunny, ScansTurnedAnyWayAreFoundByTheirFeaturesAndNeverPutWrongSilently) {
   SPARSHA_REAL_SCANS_OR_SKIP(folder);
-  const std::vector<ScanConfig> published = bunny(folder / "scans" / "bunny_range");
+  const std::vector<scene::ScanConfig> published = bunny(folder / "scans" / "bunny_range");
   ASSERT_EQ(published.size(), 4U);
-  RegisterConfig config;
-  config.guess = RegisterConfig::Guess::features;
+  scene::RegisterConfig config;
+  config.guess = scene::RegisterConfig::Guess::features;
   int found = 0;
   std::string refusals;
   for (int seed = 1; seed <= seeds(); ++seed) {

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/config/config.h"
 #include "tests/pipeline/register/stations.h"
 
 namespace sparsha::pipeline::testing {
@@ -15,9 +16,9 @@ namespace fs = std::filesystem;
 constexpr double kReliefNoise_m = 0.06e-3;  // data/relief/truth.json
 
 // The three stations of the sample relief with their true poses.
-std::vector<ScanConfig> relief() {
+std::vector<scene::ScanConfig> relief() {
   const fs::path file = fs::path(SPARSHA_SOURCE_DIR) / "configs" / "relief.yaml";
-  return load_config(file).scans;
+  return scene::load_config(file).scans;
 }
 
 // Carving without repeats: no two places of it are alike.
@@ -33,8 +34,8 @@ struct Patch {
   double noise_m = 0.0;
   double outliers = 0.0;  // share
 };
-ScanConfig scan_of(const ScanFolder& folder, const std::string& name, const Patch& patch, std::uint64_t seed,
-                   const std::function<double(double, double)>& surface, double per_metre = 1.0) {
+scene::ScanConfig scan_of(const ScanFolder& folder, const std::string& name, const Patch& patch, std::uint64_t seed,
+                          const std::function<double(double, double)>& surface, double per_metre = 1.0) {
   std::mt19937_64 random(seed);
   const auto uniform = [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; };
   std::string text;
@@ -49,14 +50,14 @@ ScanConfig scan_of(const ScanFolder& folder, const std::string& name, const Patc
     std::snprintf(line, sizeof line, "%.9f %.9f %.9f\n", x * per_metre, y * per_metre, z * per_metre);
     text += line;
   }
-  ScanConfig scan;
+  scene::ScanConfig scan;
   scan.file = folder.write(name, text);
-  scan.units.unit = per_metre > 1.0 ? LengthUnit::mm : LengthUnit::m;
+  scan.units.unit = per_metre > 1.0 ? scene::LengthUnit::mm : scene::LengthUnit::m;
   return scan;
 }
 
-std::string error_of_registering(const std::vector<ScanConfig>& scans, ErrorKind kind,
-                                 const RegisterConfig& config = {}) {
+std::string error_of_registering(const std::vector<scene::ScanConfig>& scans, ErrorKind kind,
+                                 const scene::RegisterConfig& config = {}) {
   try {
     (void)registered(scans, config);
   } catch (const Error& error) {
@@ -67,7 +68,7 @@ std::string error_of_registering(const std::vector<ScanConfig>& scans, ErrorKind
 }
 
 TEST(Register, StationsOfTheReliefComeBackToAThirdOfTheNoise) {
-  const std::vector<ScanConfig> truth = relief();
+  const std::vector<scene::ScanConfig> truth = relief();
   for (const std::uint64_t seed : {1U, 2U}) {
     const Registration found = registered(disturbed(truth, seed, 5.0, 0.010));
     EXPECT_LT(rms_error(truth, found.poses), kReliefNoise_m / 3.0) << "seed " << seed;
@@ -75,18 +76,18 @@ TEST(Register, StationsOfTheReliefComeBackToAThirdOfTheNoise) {
 }
 
 TEST(Register, TenDegreesAndFivePercentOfTheSizeComeBack) {
-  const std::vector<ScanConfig> truth = relief();
+  const std::vector<scene::ScanConfig> truth = relief();
   const Registration found = registered(disturbed(truth, 3, 10.0, 0.05 * 0.44));
   EXPECT_LT(rms_error(truth, found.poses), kReliefNoise_m / 3.0);
 }
 
 TEST(Register, TheFirstPoseStaysAsItIsGiven) {
-  const std::vector<ScanConfig> rough = disturbed(relief(), 4, 3.0, 0.005);
+  const std::vector<scene::ScanConfig> rough = disturbed(relief(), 4, 3.0, 0.005);
   EXPECT_EQ(registered(rough).poses.front(), rough.front().pose);
 }
 
 TEST(Register, TheResultHasTheSameBitsWithAnyNumberOfThreads) {
-  const std::vector<ScanConfig> rough = disturbed(relief(), 5, 5.0, 0.010);
+  const std::vector<scene::ScanConfig> rough = disturbed(relief(), 5, 5.0, 0.010);
   const Registration one = registered(rough, {}, 1);
   for (const unsigned threads : {3U}) {
     const Registration more = registered(rough, {}, threads);
@@ -100,8 +101,8 @@ TEST(Register, TheResultHasTheSameBitsWithAnyNumberOfThreads) {
 }
 
 TEST(Register, AGeoreferencedSetIsRegisteredAsWell) {
-  std::vector<ScanConfig> truth = relief();
-  for (ScanConfig& scan : truth) scan.pose.topRightCorner<3, 1>() += Eigen::Vector3d(5e5, 4e6, 300.0);
+  std::vector<scene::ScanConfig> truth = relief();
+  for (scene::ScanConfig& scan : truth) scan.pose.topRightCorner<3, 1>() += Eigen::Vector3d(5e5, 4e6, 300.0);
   const Registration found = registered(disturbed(truth, 6, 5.0, 0.010));
   EXPECT_LT(rms_error(truth, found.poses), kReliefNoise_m / 3.0);
 }
@@ -109,10 +110,10 @@ TEST(Register, AGeoreferencedSetIsRegisteredAsWell) {
 TEST(Register, CoordinatesFarFromZeroAreRegisteredAsWell) {
   const ScanFolder folder;
   const Eigen::Vector3d far(5e5, 4e6, 100.0);
-  std::vector<ScanConfig> truth;
+  std::vector<scene::ScanConfig> truth;
   for (const double x : {0.0, 0.15}) {
     const auto name = "far-" + std::to_string(truth.size()) + ".xyz";
-    ScanConfig near = scan_of(folder, name, {x, 0.0, x + 0.3, 0.3, 20000}, 7 + truth.size(), carved);
+    scene::ScanConfig near = scan_of(folder, name, {x, 0.0, x + 0.3, 0.3, 20000}, 7 + truth.size(), carved);
     std::string text;
     char line[128];
     for (const Eigen::Vector3d& p : read_scan(near.file).points) {
@@ -127,7 +128,7 @@ TEST(Register, CoordinatesFarFromZeroAreRegisteredAsWell) {
 }
 
 TEST(Register, OverlapAndResidualAreGivenBeforeAndAfterForEachPair) {
-  const std::vector<ScanConfig> rough = disturbed(relief(), 1, 5.0, 0.010);
+  const std::vector<scene::ScanConfig> rough = disturbed(relief(), 1, 5.0, 0.010);
   const Registration found = registered(rough);
   ASSERT_EQ(found.pairs.size(), 3U);
   for (const PairFit& pair : found.pairs) {
@@ -139,11 +140,11 @@ TEST(Register, OverlapAndResidualAreGivenBeforeAndAfterForEachPair) {
 }
 
 TEST(Register, MeasuringMovesNothingAndSeesWhatRegistrationRemoves) {
-  const std::vector<ScanConfig> truth = relief();
+  const std::vector<scene::ScanConfig> truth = relief();
   Progress progress;
   ThreadPool pool(2);
   const std::vector<PairFit> good = measure_pairs(truth, {}, {pool, progress});
-  std::vector<ScanConfig> off = truth;
+  std::vector<scene::ScanConfig> off = truth;
   off[1].pose(1, 3) += 0.5e-3;
   const std::vector<PairFit> bad = measure_pairs(off, {}, {pool, progress});
   ASSERT_EQ(good.size(), 3U);
@@ -154,9 +155,9 @@ TEST(Register, MeasuringMovesNothingAndSeesWhatRegistrationRemoves) {
 
 TEST(Register, TooLittleOverlapIsAnErrorThatNamesThePair) {
   const ScanFolder folder;
-  const std::vector<ScanConfig> scans = {scan_of(folder, "left.xyz", {0.0, 0.0, 0.3, 0.3}, 1, carved),
-                                         scan_of(folder, "right.xyz", {0.285, 0.0, 0.585, 0.3}, 2, carved)};
-  RegisterConfig config;
+  const std::vector<scene::ScanConfig> scans = {scan_of(folder, "left.xyz", {0.0, 0.0, 0.3, 0.3}, 1, carved),
+                                                scan_of(folder, "right.xyz", {0.285, 0.0, 0.585, 0.3}, 2, carved)};
+  scene::RegisterConfig config;
   config.max_distance_m = 0.005;
   const std::string text = error_of_registering(scans, ErrorKind::input, config);
   EXPECT_THAT(text, ::testing::HasSubstr("left.xyz"));
@@ -166,9 +167,9 @@ TEST(Register, TooLittleOverlapIsAnErrorThatNamesThePair) {
 
 TEST(Register, AScanThatTouchesNoOtherIsNamed) {
   const ScanFolder folder;
-  const std::vector<ScanConfig> scans = {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3}, 1, carved),
-                                         scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3}, 2, carved),
-                                         scan_of(folder, "lost.xyz", {5.0, 5.0, 5.3, 5.3}, 3, carved)};
+  const std::vector<scene::ScanConfig> scans = {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3}, 1, carved),
+                                                scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3}, 2, carved),
+                                                scan_of(folder, "lost.xyz", {5.0, 5.0, 5.3, 5.3}, 3, carved)};
   EXPECT_THAT(error_of_registering(scans, ErrorKind::input), ::testing::HasSubstr("lost.xyz"));
 }
 
@@ -182,7 +183,7 @@ TEST(Register, PlanesSlideAndAreRefusedInsteadOfMovedAnywhere) {
   const ScanFolder folder;
   const auto plane = [](double x, double) { return 0.1 * x; };
   for (const double noise_m : {0.0, 0.3e-3}) {
-    const std::vector<ScanConfig> scans = {
+    const std::vector<scene::ScanConfig> scans = {
         scan_of(folder, "wall-1.xyz", {0.0, 0.0, 0.3, 0.3, 8000, noise_m}, 1, plane),
         scan_of(folder, "wall-2.xyz", {0.05, 0.0, 0.35, 0.3, 8000, noise_m}, 2, plane)};
     const std::string text = error_of_registering(disturbed(scans, 3, 2.0, 0.005), ErrorKind::input);
@@ -195,16 +196,16 @@ TEST(Register, NoiseAndOutliersAverageOut) {
   const ScanFolder folder;
   const Patch a{0.0, 0.0, 0.3, 0.3, 40000, 0.5e-3, 0.05};
   const Patch b{0.1, 0.0, 0.4, 0.3, 40000, 0.5e-3, 0.05};
-  const std::vector<ScanConfig> truth = {scan_of(folder, "a.xyz", a, 1, carved),
-                                         scan_of(folder, "b.xyz", b, 2, carved)};
+  const std::vector<scene::ScanConfig> truth = {scan_of(folder, "a.xyz", a, 1, carved),
+                                                scan_of(folder, "b.xyz", b, 2, carved)};
   const Registration found = registered(disturbed(truth, 4, 5.0, 0.010));
   EXPECT_LT(rms_error(truth, found.poses), 0.5e-3 / 3.0);
 }
 
 TEST(Register, ASparseScanInsideADenseOneFindsItsPlace) {
   const ScanFolder folder;
-  const std::vector<ScanConfig> truth = {scan_of(folder, "all.xyz", {0.0, 0.0, 0.4, 0.4, 60000}, 1, carved),
-                                         scan_of(folder, "part.xyz", {0.1, 0.12, 0.28, 0.3, 3000}, 2, carved)};
+  const std::vector<scene::ScanConfig> truth = {scan_of(folder, "all.xyz", {0.0, 0.0, 0.4, 0.4, 60000}, 1, carved),
+                                                scan_of(folder, "part.xyz", {0.1, 0.12, 0.28, 0.3, 3000}, 2, carved)};
   const Registration found = registered(disturbed(truth, 5, 5.0, 0.009));
   EXPECT_LT(rms_error(truth, found.poses), 0.3e-3);  // a tenth of the sparse scan's 3.3 mm between points
   ASSERT_EQ(found.pairs.size(), 1U);
@@ -213,32 +214,32 @@ TEST(Register, ASparseScanInsideADenseOneFindsItsPlace) {
 
 TEST(Register, TheSameScanTwiceBecomesOne) {
   const ScanFolder folder;
-  const ScanConfig scan = scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3}, 1, carved);
-  const std::vector<ScanConfig> truth = {scan, scan};
+  const scene::ScanConfig scan = scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3}, 1, carved);
+  const std::vector<scene::ScanConfig> truth = {scan, scan};
   const Registration found = registered(disturbed(truth, 6, 5.0, 0.010));
   EXPECT_LT(rms_error(truth, found.poses), 1e-6);
 }
 
 TEST(Register, MillimetresAreTakenAsMillimetres) {
   const ScanFolder folder;
-  std::vector<ScanConfig> rough = {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved, 1000.0),
-                                   scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3, 20000}, 2, carved, 1000.0)};
+  std::vector<scene::ScanConfig> rough = {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved, 1000.0),
+                                          scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3, 20000}, 2, carved, 1000.0)};
   rough[1].pose(0, 3) = 0.008;
   const Registration found = registered(rough);
   EXPECT_LT(found.poses[1].topRightCorner(3, 1).norm(), 50e-6);
 }
 
-std::vector<ScanConfig> carved_pair(const ScanFolder& folder) {
+std::vector<scene::ScanConfig> carved_pair(const ScanFolder& folder) {
   return {scan_of(folder, "a.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved),
           scan_of(folder, "b.xyz", {0.1, 0.0, 0.4, 0.3, 20000}, 2, carved)};
 }
 
 // Scans with more points about them, evenly spread up to `away_m` from the object's middle in each direction.
-std::vector<ScanConfig> with_strays(const ScanFolder& folder, const std::vector<ScanConfig>& scans, int strays,
-                                    double away_m) {
+std::vector<scene::ScanConfig> with_strays(const ScanFolder& folder, const std::vector<scene::ScanConfig>& scans,
+                                           int strays, double away_m) {
   std::mt19937_64 random(11);
   const auto uniform = [&] { return 2.0 * (static_cast<double>(random() >> 11U) * 0x1p-53) - 1.0; };
-  std::vector<ScanConfig> result = scans;
+  std::vector<scene::ScanConfig> result = scans;
   for (std::size_t s = 0; s < result.size(); ++s) {
     std::string text = read_file(scans[s].file, 1U << 30U);
     for (int k = 0; k < strays; ++k) {
@@ -253,14 +254,14 @@ std::vector<ScanConfig> with_strays(const ScanFolder& folder, const std::vector<
 
 TEST(Register, StraysFarFromTheObjectDoNotKeepItsScansApart) {
   const ScanFolder folder;
-  const std::vector<ScanConfig> truth = carved_pair(folder);
+  const std::vector<scene::ScanConfig> truth = carved_pair(folder);
   struct Strays {
     int points;
     double away_m;
   };
   for (const Strays& strays : {Strays{1, 7000.0}, Strays{100, 6.0}, Strays{200, 100.0}}) {
-    const std::vector<ScanConfig> scans = with_strays(folder, truth, strays.points, strays.away_m);
-    std::vector<ScanConfig> rough = disturbed(truth, 3, 5.0, 0.010);  // about the middle without strays
+    const std::vector<scene::ScanConfig> scans = with_strays(folder, truth, strays.points, strays.away_m);
+    std::vector<scene::ScanConfig> rough = disturbed(truth, 3, 5.0, 0.010);  // about the middle without strays
     for (std::size_t s = 0; s < scans.size(); ++s) rough[s].file = scans[s].file;
     const Registration found = registered(rough);
     EXPECT_LT(rms_error(truth, found.poses), 0.1e-3)  // a twentieth of the distance between points
@@ -270,10 +271,10 @@ TEST(Register, StraysFarFromTheObjectDoNotKeepItsScansApart) {
 
 TEST(Register, AFirstPoseOfThreeDigitsIsMadeRigidSoThatTheOthersFitIt) {
   const ScanFolder folder;
-  std::vector<ScanConfig> truth = carved_pair(folder);
+  std::vector<scene::ScanConfig> truth = carved_pair(folder);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
-  for (ScanConfig& scan : truth) scan.pose = rigid(turn, {1.0, 2.0, 3.0});
-  std::vector<ScanConfig> rough = disturbed(truth, 3, 3.0, 0.005);
+  for (scene::ScanConfig& scan : truth) scan.pose = rigid(turn, {1.0, 2.0, 3.0});
+  std::vector<scene::ScanConfig> rough = disturbed(truth, 3, 3.0, 0.005);
   rough[0].pose = rigid((1e3 * turn).array().round() / 1e3, {1.0, 2.0, 3.0});
   const Registration found = registered(rough);
   for (const Eigen::Matrix4d& pose : found.poses) {
@@ -289,7 +290,7 @@ TEST(Register, ScansThatNobodyPlacedAreToldOfFeatures) {
   const ScanFolder folder;
   const Scattered set = scattered(folder, carved_pair(folder), 1, 0.4);
   EXPECT_THAT(error_of_registering(set.scans, ErrorKind::input), ::testing::HasSubstr("register: {guess: features}"));
-  std::vector<ScanConfig> posed = set.scans;
+  std::vector<scene::ScanConfig> posed = set.scans;
   posed[1].pose(0, 3) = 5.0;
   EXPECT_THAT(error_of_registering(posed, ErrorKind::input),
               ::testing::Not(::testing::HasSubstr("register: {guess: features}")));
@@ -297,16 +298,16 @@ TEST(Register, ScansThatNobodyPlacedAreToldOfFeatures) {
 
 TEST(Register, ScansOfDifferentUnitsAreToldSo) {
   const ScanFolder folder;
-  std::vector<ScanConfig> scans = carved_pair(folder);
-  scans[1].units.unit = LengthUnit::mm;
+  std::vector<scene::ScanConfig> scans = carved_pair(folder);
+  scans[1].units.unit = scene::LengthUnit::mm;
   const std::string text = error_of_registering(scans, ErrorKind::input);
   EXPECT_THAT(text, ::testing::HasSubstr("check 'units'"));
   EXPECT_THAT(text, ::testing::HasSubstr("b.xyz"));
 }
 
-RegisterConfig by_features() {
-  RegisterConfig config;
-  config.guess = RegisterConfig::Guess::features;
+scene::RegisterConfig by_features() {
+  scene::RegisterConfig config;
+  config.guess = scene::RegisterConfig::Guess::features;
   return config;
 }
 
@@ -321,7 +322,7 @@ TEST(RegisterByFeatures, ScansThatNobodyPlacedComeTogether) {
 }
 
 TEST(RegisterByFeatures, GivenPosesAreNotUsedAndTheFirstStays) {
-  std::vector<ScanConfig> wrong = relief();
+  std::vector<scene::ScanConfig> wrong = relief();
   wrong[0].pose(2, 3) += 3.0;
   wrong[1].pose(0, 3) += 100.0;
   const Registration found = registered(wrong, by_features());
@@ -331,7 +332,7 @@ TEST(RegisterByFeatures, GivenPosesAreNotUsedAndTheFirstStays) {
 
 TEST(RegisterByFeatures, TheResultHasTheSameBitsWithAnyNumberOfThreads) {
   const ScanFolder folder;
-  const std::vector<ScanConfig> scans = carved_pair(folder);
+  const std::vector<scene::ScanConfig> scans = carved_pair(folder);
   EXPECT_EQ(registered(scans, by_features(), 1).poses, registered(scans, by_features(), 3).poses);
 }
 
@@ -346,8 +347,9 @@ TEST(RegisterByFeatures, WhatIsAlikeInSeveralWaysIsRefusedByName) {
   for (const std::function<double(double, double)>& shape :
        {std::function<double(double, double)>(plane), std::function<double(double, double)>(cylinder),
         std::function<double(double, double)>(sphere), std::function<double(double, double)>(pyramid)}) {
-    const std::vector<ScanConfig> set = {scan_of(folder, "one.xyz", {0.0, 0.0, 0.3, 0.3, 4000, 0.1e-3}, 1, shape),
-                                         scan_of(folder, "two.xyz", {0.0, 0.0, 0.3, 0.3, 4000, 0.1e-3}, 2, shape)};
+    const std::vector<scene::ScanConfig> set = {
+        scan_of(folder, "one.xyz", {0.0, 0.0, 0.3, 0.3, 4000, 0.1e-3}, 1, shape),
+        scan_of(folder, "two.xyz", {0.0, 0.0, 0.3, 0.3, 4000, 0.1e-3}, 2, shape)};
     EXPECT_THAT(error_of_registering(scattered(folder, set, 3, 0.3).scans, ErrorKind::input, by_features()),
                 ::testing::HasSubstr("seed-3-1.xyz"));
   }
@@ -356,8 +358,8 @@ TEST(RegisterByFeatures, WhatIsAlikeInSeveralWaysIsRefusedByName) {
 TEST(RegisterByFeatures, ScansOfDifferentObjectsAreRefusedByName) {
   const ScanFolder folder;
   const auto other = [](double x, double y) { return carved(y + 0.7, 0.9 - x); };
-  const std::vector<ScanConfig> set = {scan_of(folder, "one.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved),
-                                       scan_of(folder, "two.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 2, other)};
+  const std::vector<scene::ScanConfig> set = {scan_of(folder, "one.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 1, carved),
+                                              scan_of(folder, "two.xyz", {0.0, 0.0, 0.3, 0.3, 20000}, 2, other)};
   const std::string text = error_of_registering(set, ErrorKind::input, by_features());
   EXPECT_THAT(text, ::testing::HasSubstr("two.xyz"));
   EXPECT_THAT(text, ::testing::HasSubstr("register.guess: poses"));
@@ -365,7 +367,7 @@ TEST(RegisterByFeatures, ScansOfDifferentObjectsAreRefusedByName) {
 
 TEST(RegisterByFeatures, StopsWhenItIsCancelledInEachStage) {
   const ScanFolder folder;
-  const std::vector<ScanConfig> scans = carved_pair(folder);
+  const std::vector<scene::ScanConfig> scans = carved_pair(folder);
   for (const std::string stage : {"features", "guess pairs", "place scans"}) {
     Progress* target = nullptr;
     Progress progress([&](const ProgressUpdate& update) {
@@ -378,7 +380,7 @@ TEST(RegisterByFeatures, StopsWhenItIsCancelledInEachStage) {
 }
 
 TEST(Register, StopsWhenItIsCancelledInEachStage) {
-  const std::vector<ScanConfig> rough = disturbed(relief(), 1, 5.0, 0.010);
+  const std::vector<scene::ScanConfig> rough = disturbed(relief(), 1, 5.0, 0.010);
   for (const std::string stage : {"read", "align pairs", "relax"}) {
     Progress* target = nullptr;
     Progress progress([&](const ProgressUpdate& update) {

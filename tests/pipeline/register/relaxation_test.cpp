@@ -14,7 +14,8 @@ namespace sparsha::pipeline::testing {
 namespace {
 
 /// Found poses of the configuration's scans after one of the two relaxations.
-std::vector<Eigen::Matrix4d> relaxed(const std::vector<ScanConfig>& rough, const std::vector<Edge>& edges, bool lum) {
+std::vector<Eigen::Matrix4d> relaxed(const std::vector<scene::ScanConfig>& rough, const std::vector<Edge>& edges,
+                                     bool lum) {
   Progress progress;
   ThreadPool pool(2);
   const PosedScans posed = read_posed_scans(rough, 0.0, true, {pool, progress});
@@ -35,7 +36,7 @@ std::vector<Eigen::Matrix4d> relaxed(const std::vector<ScanConfig>& rough, const
 TEST(Relaxation, ACircleOfStationsComesNearerToTheTruthThanByLum) {
   const test::TestFolder folder;
   constexpr int kStations = 6;
-  const std::vector<ScanConfig> truth = ring(
+  const std::vector<scene::ScanConfig> truth = ring(
       folder.path(), kStations, [](int) { return 12000; }, 1e-4, 1);
   std::vector<Edge> edges;
   for (std::size_t a = 0; a < kStations; ++a) {
@@ -43,9 +44,9 @@ TEST(Relaxation, ACircleOfStationsComesNearerToTheTruthThanByLum) {
     edges.push_back({std::min(a, b), std::max(a, b)});
   }
   for (const std::uint64_t seed : {1U}) {
-    const std::vector<ScanConfig> rough = disturbed(truth, seed, 1.0, 0.002);
+    const std::vector<scene::ScanConfig> rough = disturbed(truth, seed, 1.0, 0.002);
     std::vector<Eigen::Matrix4d> given;
-    for (const ScanConfig& scan : rough) given.push_back(scan.pose);
+    for (const scene::ScanConfig& scan : rough) given.push_back(scan.pose);
     const double before_m = rms_error(truth, given);
     const double ours_m = rms_error(truth, relaxed(rough, edges, false));
     const double lum_m = rms_error(truth, relaxed(rough, edges, true));

@@ -39,7 +39,7 @@ Said run(const fs::path& folder, const std::string& command) {
 }
 
 /// A carved stone with a hole that nobody measured, a step, and a part whose name becomes Braille.
-ScenePointer stone() {
+scene::ScenePointer stone() {
   return sparsha::test::scene_of(
       [](double x, double y) {
         if (std::hypot(x - 0.03, y - 0.07) < 0.01) return std::nan("");
@@ -47,7 +47,7 @@ ScenePointer stone() {
         return step + 0.003 * std::sin(90.0 * x) * std::cos(70.0 * y);
       },
       161, 0.1, 161, Eigen::Vector3d::Zero(),
-      [](SceneDescription& d) {
+      [](scene::SceneDescription& d) {
         d.config.parts.push_back({"lotus", "", {0.02, 0.02, 0.05, 0.05}});
       });
 }

@@ -21,6 +21,7 @@
 
 #include "base/error.h"
 #include "pipeline/replica/braille.h"
+#include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -31,23 +32,23 @@ using Point = std::array<float, 3>;
 using Triangle = std::array<Point, 3>;
 
 /// A scene of one level; NaN is unknown.
-ScenePointer scene_of(int nx, int ny, double spacing_m, const std::function<double(double, double)>& height,
-                      std::vector<PartConfig> parts = {}) {
-  Layers layers;
-  layers.grid = DepthGrid(Lattice{nx, ny, spacing_m, Eigen::Vector3d(4.0, -2.0, 17.0)});
+scene::ScenePointer scene_of(int nx, int ny, double spacing_m, const std::function<double(double, double)>& height,
+                             std::vector<scene::PartConfig> parts = {}) {
+  scene::Layers layers;
+  layers.grid = scene::DepthGrid(scene::Lattice{nx, ny, spacing_m, Eigen::Vector3d(4.0, -2.0, 17.0)});
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
       const double z = height(i * spacing_m, j * spacing_m);
       const std::size_t n = layers.grid.lattice.index(i, j);
-      layers.grid.state[n] = std::isnan(z) ? NodeState::unknown : NodeState::measured;
+      layers.grid.state[n] = std::isnan(z) ? scene::NodeState::unknown : scene::NodeState::measured;
       layers.grid.height_m[n] = static_cast<float>(z);
     }
-  SceneDescription description;
+  scene::SceneDescription description;
   description.levels = {layers.grid.lattice};
   description.config.parts = std::move(parts);
-  std::vector<Layers> levels;
+  std::vector<scene::Layers> levels;
   levels.push_back(std::move(layers));
-  return make_scene(std::move(description), std::move(levels));
+  return scene::make_scene(std::move(description), std::move(levels));
 }
 
 std::vector<Triangle> read_stl(const fs::path& file) {
@@ -85,7 +86,7 @@ std::size_t open_edges(const std::vector<Triangle>& triangles) {
   return open;
 }
 
-ReplicaReport save(const Scene& scene, const fs::path& file, const ReplicaOptions& options = {}) {
+ReplicaReport save(const scene::Scene& scene, const fs::path& file, const ReplicaOptions& options = {}) {
   Progress progress;
   return export_replica(scene, file, options, progress);
 }
@@ -101,7 +102,7 @@ TEST(Replica, IsClosedAndItsVolumeIsTheIntegralOfTheBilinearHeights) {
       [](double x, double y) { return std::hypot(x - 0.1, y - 0.1) < 0.03 ? std::nan("") : bumps(x, y); }};
   for (const auto& ground : grounds)
     for (const auto& [nx, ny] : {std::pair{41, 31}, std::pair{2, 9}, std::pair{90, 90}}) {
-      const ScenePointer scene = scene_of(nx, ny, 0.005, ground);
+      const scene::ScenePointer scene = scene_of(nx, ny, 0.005, ground);
       ReplicaOptions options;
       options.longest_mm = 24.0;
       options.depth_mm = 5.0;
@@ -111,7 +112,7 @@ TEST(Replica, IsClosedAndItsVolumeIsTheIntegralOfTheBilinearHeights) {
       EXPECT_EQ(triangles.size(), report.triangles);
       EXPECT_EQ(open_edges(triangles), 0U);
       // The scene's own integral, by the trapezium rule on its nodes, which is exact for bilinear cells.
-      const Layers layers = scene->read_level(0);
+      const scene::Layers layers = scene->read_level(0);
       double low = 1e9, high = -1e9;
       for (const float z : layers.grid.height_m)
         if (!std::isnan(z)) low = std::min(low, double{z}), high = std::max(high, double{z});
@@ -133,7 +134,7 @@ TEST(Replica, KeepsTheOrderOfDepthsAndTheSizeAsked) {
   for (const double curve : {0.3, 1.0, 3.0})
     for (const std::optional<double> depth :
          {std::optional<double>(), std::optional<double>(0.7), std::optional<double>(40.0)}) {
-      const ScenePointer scene = scene_of(51, 31, 0.01, bumps);
+      const scene::ScenePointer scene = scene_of(51, 31, 0.01, bumps);
       ReplicaOptions options;
       options.longest_mm = 150.0;
       options.curve = curve;
@@ -149,7 +150,7 @@ TEST(Replica, KeepsTheOrderOfDepthsAndTheSizeAsked) {
       } else {
         EXPECT_LE(*most, 18.0 + 1e-4);
       }
-      const Layers layers = scene->read_level(0);
+      const scene::Layers layers = scene->read_level(0);
       const int fine = (plate.nx - 1) / 50;
       std::mt19937 random(3);
       const auto pick = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
@@ -167,15 +168,15 @@ TEST(Replica, KeepsTheOrderOfDepthsAndTheSizeAsked) {
 TEST(Replica, OfAnySizeHasAtMost2000NodesAlongASideAndSaysSo) {
   const auto tilted = [](double x, double y) { return 0.1 * x + 0.2 * y; };
   for (const bool levels : {true, false}) {
-    const ScenePointer one = scene_of(4501, 31, 0.001, tilted);
-    SceneDescription description = one->description();
-    std::vector<Layers> layers{one->read_level(0)};
+    const scene::ScenePointer one = scene_of(4501, 31, 0.001, tilted);
+    scene::SceneDescription description = one->description();
+    std::vector<scene::Layers> layers{one->read_level(0)};
     if (levels) {
-      const ScenePointer coarser = scene_of(1501, 11, 0.003, tilted);
+      const scene::ScenePointer coarser = scene_of(1501, 11, 0.003, tilted);
       description.levels.push_back(coarser->description().levels.front());
       layers.push_back(coarser->read_level(0));
     }
-    const ScenePointer scene = make_scene(std::move(description), std::move(layers));
+    const scene::ScenePointer scene = scene::make_scene(std::move(description), std::move(layers));
     ReplicaOptions options;
     options.longest_mm = 2000.0;
     ReplicaReport report;
@@ -196,10 +197,10 @@ TEST(Replica, OfAnySizeHasAtMost2000NodesAlongASideAndSaysSo) {
 }
 
 TEST(Replica, HasTheNamesOfItsPartsBelowTheReliefAsDotsThatFingersRead) {
-  PartConfig part;
+  scene::PartConfig part;
   part.name = "lotus";
   part.say = "lotus";
-  const ScenePointer scene = scene_of(101, 51, 0.002, bumps, {part});
+  const scene::ScenePointer scene = scene_of(101, 51, 0.002, bumps, {part});
   ReplicaOptions options;
   options.longest_mm = 120.0;
   ReplicaReport report;
@@ -230,7 +231,7 @@ TEST(Replica, HasTheNamesOfItsPartsBelowTheReliefAsDotsThatFingersRead) {
 TEST(Replica, NamesThatTakeMoreRoomThanTheReliefAreAWarningAndEndlessOnesAnError) {
   ReplicaOptions options;
   options.longest_mm = 100.0;
-  PartConfig part;
+  scene::PartConfig part;
   const auto warned = [&](std::size_t letters) {
     part.say = std::string(letters, 'x');
     ReplicaReport report;
@@ -245,19 +246,19 @@ TEST(Replica, NamesThatTakeMoreRoomThanTheReliefAreAWarningAndEndlessOnesAnError
 }
 
 TEST(Replica, NamesPartsOfAnyShapeInTheirOrder) {
-  PartConfig polygon;
+  scene::PartConfig polygon;
   polygon.name = polygon.say = "sash";
   polygon.polygon_m = {{4.0, -2.0}, {4.1, -2.0}, {4.0, -1.95}};
-  PartConfig label;
+  scene::PartConfig label;
   label.name = label.say = "hair";
   label.label = 7;  // that nothing has
-  PartConfig box;
+  scene::PartConfig box;
   box.name = box.say = "lotus";
   ReplicaOptions options;
   ReplicaReport mixed, boxes;
   const ReplicaPlate plate = make_replica(*scene_of(101, 51, 0.002, bumps, {polygon, label, box}), options, mixed);
   EXPECT_EQ(mixed.lines, (std::vector<std::string>{"sash", "hair", "lotus"}));
-  for (PartConfig* part : {&polygon, &label}) {
+  for (scene::PartConfig* part : {&polygon, &label}) {
     part->polygon_m.clear();
     part->label.reset();
   }
@@ -267,7 +268,7 @@ TEST(Replica, NamesPartsOfAnyShapeInTheirOrder) {
 
 TEST(Replica, ThreeMfHoldsTheSameSolid) {
   const sparsha::test::TestFolder folder;
-  const ScenePointer scene = scene_of(31, 21, 0.005, bumps);
+  const scene::ScenePointer scene = scene_of(31, 21, 0.005, bumps);
   const ReplicaReport report = save(*scene, folder.path() / "relief.3mf");
   const ReplicaReport again = save(*scene, folder.path() / "again.3mf");
   const auto bytes = [](const fs::path& file) {
@@ -305,7 +306,7 @@ TEST(Replica, SaysWhatFingersWouldNotFindOrWouldRunTogether) {
 }
 
 TEST(Replica, RefusesSizesThatCannotBePrintedAndScenesWithoutAPlace) {
-  const ScenePointer scene = scene_of(11, 11, 0.01, bumps);
+  const scene::ScenePointer scene = scene_of(11, 11, 0.01, bumps);
   ReplicaReport report;
   const auto refused = [&](const std::function<void(ReplicaOptions&)>& change) {
     ReplicaOptions options;
@@ -317,7 +318,7 @@ TEST(Replica, RefusesSizesThatCannotBePrintedAndScenesWithoutAPlace) {
   refused([](ReplicaOptions& options) { options.depth_mm = -1.0; });
   refused([](ReplicaOptions& options) { options.curve = 0.0; });
   refused([](ReplicaOptions& options) { options.base_mm = 1.0; });
-  const ScenePointer nothing = scene_of(11, 11, 0.01, [](double, double) { return std::nan(""); });
+  const scene::ScenePointer nothing = scene_of(11, 11, 0.01, [](double, double) { return std::nan(""); });
   EXPECT_THROW(static_cast<void>(make_replica(*nothing, {}, report)), Error);
 }
 

@@ -19,6 +19,7 @@
 #include "pipeline/report/images.h"
 #include "pipeline/report/style.h"
 #include "pipeline/report/svg.h"
+#include "scene/scene.h"
 #include "tests/support/checked_cloud.h"
 #include "tests/support/test_folder.h"
 
@@ -29,23 +30,23 @@ using nlohmann::json;
 using testing::grid_of;
 using testing::lattice_of;
 
-ScenePointer example_scene(const std::string& file = "../scans/altar <left> & \"right\".ply") {
-  Layers base;
+scene::ScenePointer example_scene(const std::string& file = "../scans/altar <left> & \"right\".ply") {
+  scene::Layers base;
   base.grid = grid_of(lattice_of(120, 90, 0.001, {1, 2, 3}),
                       [](double x, double y) { return 0.01 * std::sin(60 * x) * std::cos(50 * y); });
   for (int j = 10; j < 20; ++j)
     for (int i = 10; i < 30; ++i) {
-      base.grid.height_m[base.grid.lattice.index(i, j)] = kUnknownHeight;
-      base.grid.state[base.grid.lattice.index(i, j)] = NodeState::unknown;
+      base.grid.height_m[base.grid.lattice.index(i, j)] = scene::kUnknownHeight;
+      base.grid.state[base.grid.lattice.index(i, j)] = scene::NodeState::unknown;
     }
-  base.grid.state[base.grid.lattice.index(60, 60)] = NodeState::filled;
+  base.grid.state[base.grid.lattice.index(60, 60)] = scene::NodeState::filled;
   base.envelope_m = base.grid.height_m;
   for (std::size_t n = 0; n < base.envelope_m.size(); n += 3) base.envelope_m[n] += 0.0001F;
   base.curvature_per_m.assign(base.grid.lattice.count(), 4.0F);
-  SceneDescription scene;
-  scene.config.texture = TextureConfig{};
-  scene.config.friction = FrictionConfig{};
-  scene.config.check = CheckConfig{};
+  scene::SceneDescription scene;
+  scene.config.texture = scene::TextureConfig{};
+  scene.config.friction = scene::FrictionConfig{};
+  scene.config.check = scene::CheckConfig{};
   scene.levels = {base.grid.lattice};
   scene.sources = {{file, std::string(64, 'a'), 12345}};
   scene.config.scans.push_back({file, {}, Eigen::Matrix4d::Identity()});
@@ -54,9 +55,9 @@ ScenePointer example_scene(const std::string& file = "../scans/altar <left> & \"
   scene.height_max_m = 3.01;
   scene.friction_c_m = 0.01;
   scene.has_envelope = scene.has_curvature = true;
-  std::vector<Layers> levels;
+  std::vector<scene::Layers> levels;
   levels.push_back(std::move(base));
-  return make_scene(std::move(scene), std::move(levels));
+  return scene::make_scene(std::move(scene), std::move(levels));
 }
 
 Report example_report() {
@@ -69,7 +70,7 @@ Report example_report() {
   check.surface_to_cloud = {5000, 4e-4, 5e-4, 4e-4, 1e-4, 8e-4, 1e-3, 2e-3, 2e-6, 2e-6};
   check.completeness = 0.97;
   check.tolerance_m = 0.001;
-  check.node_error_m.assign(120 * 90, kUnknownHeight);
+  check.node_error_m.assign(120 * 90, scene::kUnknownHeight);
   for (std::size_t n = 0; n < check.node_error_m.size(); n += 7) check.node_error_m[n] = 1e-4F;
   check.cloud_histogram.assign(64, 70);
   check.histogram_bin_m = 1e-5;
@@ -103,9 +104,9 @@ TEST(ReportJson, HasEveryKeyOfTheContract) {
 
 TEST(Report, SaysWhetherTheNoiseWasEstimatedOrGiven) {
   const auto scene = example_scene();
-  SceneDescription description = scene->description();
+  scene::SceneDescription description = scene->description();
   description.config.grid.noise_m = description.noise_m;
-  const auto given = make_scene(description, {scene->read_level(0)});
+  const auto given = scene::make_scene(description, {scene->read_level(0)});
   EXPECT_THAT(report_html(*scene, example_report(), {}, {}), ::testing::HasSubstr("standard deviation, estimated"));
   EXPECT_THAT(report_html(*given, example_report(), {}, {}),
               ::testing::HasSubstr("standard deviation, from grid.noise_mm"));
@@ -114,9 +115,9 @@ TEST(Report, SaysWhetherTheNoiseWasEstimatedOrGiven) {
 TEST(Report, SaysWhatIsFeltAndWasInvented) {
   const auto scene = example_scene();
   EXPECT_TRUE(json::parse(report_json(*scene, example_report()))["invented"].empty());
-  SceneDescription description = scene->description();
+  scene::SceneDescription description = scene->description();
   description.config.haptics.impact = description.config.haptics.grain = true;
-  const auto inventive = make_scene(description, {scene->read_level(0)});
+  const auto inventive = scene::make_scene(description, {scene->read_level(0)});
   EXPECT_EQ(json::parse(report_json(*inventive, example_report()))["invented"], json({"impact", "grain"}));
   const std::string html = report_html(*inventive, example_report(), {}, {});
   EXPECT_NE(html.find("was not measured"), std::string::npos);
@@ -124,7 +125,7 @@ TEST(Report, SaysWhatIsFeltAndWasInvented) {
 }
 
 TEST(ReportText, CountsTheNodesWhoseFrictionIsNotTold) {
-  const ScenePointer scene = example_scene();
+  const scene::ScenePointer scene = example_scene();
   ASSERT_TRUE(scene->description().config.friction);
   Report report = example_report();
   EXPECT_TRUE(nlohmann::json::parse(report_json(*scene, report)).at("friction").is_null());
@@ -187,7 +188,7 @@ TEST(ReportJson, ListsWhatEachFilterTookAway) {
 }
 
 TEST(ReportPictures, ShowWhatTheFiltersTookAwayInColoursOfALegend) {
-  const ScenePointer scene = example_scene();
+  const scene::ScenePointer scene = example_scene();
   ThreadPool pool(2);
   const std::vector<Picture> pictures =
       make_pictures(scene->read_level(0), scene->description(), filtered_report(), pool);
@@ -221,7 +222,7 @@ TEST(ReportPictures, ShowMoreFiltersThanThereAreColours) {
     report.filters[k].name = "filter-" + std::to_string(k) + ".";
     for (Eigen::Vector3d& p : report.filters[k].sample_m) p.y() += 0.02 * static_cast<double>(k);
   }
-  const ScenePointer scene = example_scene();
+  const scene::ScenePointer scene = example_scene();
   ThreadPool pool(2);
   const Picture picture = make_pictures(scene->read_level(0), scene->description(), report, pool).back();
   ASSERT_EQ(picture.entries.size(), 1U + report.filters.size());
@@ -256,7 +257,7 @@ TEST(ReportPage, EncodesBase64AsTheStandardsVectors) {
 }
 
 TEST(ReportPictures, ShowTheTopRowFirstAndMarkUnknownNodes) {
-  const ScenePointer scene = example_scene();
+  const scene::ScenePointer scene = example_scene();
   ThreadPool pool(2);
   const std::vector<Picture> pictures =
       make_pictures(scene->read_level(0), scene->description(), example_report(), pool);
@@ -278,9 +279,9 @@ TEST(ReportPictures, ShowTheTopRowFirstAndMarkUnknownNodes) {
 }
 
 TEST(ReportPictures, StayBelow1024PixelsASide) {
-  Layers base;
+  scene::Layers base;
   base.grid = grid_of(lattice_of(3001, 50, 0.001), [](double x, double) { return x; });
-  SceneDescription scene;
+  scene::SceneDescription scene;
   scene.levels = {base.grid.lattice};
   ThreadPool pool(1);
   const std::vector<Picture> pictures = make_pictures(base, scene, Report{}, pool);

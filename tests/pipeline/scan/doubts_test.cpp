@@ -183,8 +183,8 @@ std::string text_of(const Points& points) {
   return text.str();
 }
 
-ScanConfig config_of(const std::filesystem::path& file, LengthUnit unit = LengthUnit::automatic) {
-  ScanConfig config;
+scene::ScanConfig config_of(const std::filesystem::path& file, scene::LengthUnit unit = scene::LengthUnit::automatic) {
+  scene::ScanConfig config;
   config.file = file;
   config.units.unit = unit;
   return config;
@@ -232,7 +232,7 @@ TEST(Doubts, DegreesThatNoFileNamesAreRefusedUnlessAUnitIsGiven) {
       EXPECT_THAT(error.what(), HasSubstr("degrees"));
     }
     EXPECT_THAT(progress.warnings(), Contains(HasSubstr("look like degrees")));
-    EXPECT_EQ(load_scan(config_of(file, LengthUnit::m), progress).size(), 500U);
+    EXPECT_EQ(load_scan(config_of(file, scene::LengthUnit::m), progress).size(), 500U);
   }
 }
 
@@ -339,8 +339,8 @@ TEST(NoSurface, OfAMeshIsTheSameWhetherStreamedOrNot) {
   const auto file = folder.write("a.ply", text.str());
   Progress first;
   Progress second;
-  ScanSet memory({config_of(file, LengthUnit::m)}, ScanSet::Keep::quickest, false, first);
-  ScanSet streamed({config_of(file, LengthUnit::m)}, ScanSet::Keep::disk, false, second);
+  ScanSet memory({config_of(file, scene::LengthUnit::m)}, ScanSet::Keep::quickest, false, first);
+  ScanSet streamed({config_of(file, scene::LengthUnit::m)}, ScanSet::Keep::disk, false, second);
   EXPECT_EQ(memory.points(), 436U);
   EXPECT_EQ(streamed.points(), memory.points());
   EXPECT_EQ(streamed.invalid(), memory.invalid());
@@ -406,15 +406,15 @@ TEST(DifferingUnits, AreToldBySizeAndDistanceOfThePoints) {
   const auto found = differing_units({size_of("right", right), size_of("left", scaled(left, 1000))});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].large, 1U);
-  EXPECT_EQ(found[0].of_large, LengthUnit::mm);
-  EXPECT_EQ(found[0].of_small, LengthUnit::m);
+  EXPECT_EQ(found[0].of_large, scene::LengthUnit::mm);
+  EXPECT_EQ(found[0].of_small, scene::LengthUnit::m);
   EXPECT_THAT(found[0].reason, HasSubstr("left is about 1000 times as large as right"));
   // A coarse mesh beside a dense scan.
   EXPECT_EQ(differing_units({size_of("mesh", scaled(random_relief(50, 24), 1000)), size_of("right", right)}).size(),
             1U);
   const auto centimetres = differing_units({size_of("left", scaled(left, 100)), size_of("right", right)});
   ASSERT_EQ(centimetres.size(), 1U);
-  EXPECT_EQ(centimetres[0].of_large, LengthUnit::cm);
+  EXPECT_EQ(centimetres[0].of_large, scene::LengthUnit::cm);
   EXPECT_EQ(differing_units({size_of("e57", right, true), size_of("left", scaled(left, 1000))}).size(), 1U);
 }
 
@@ -441,8 +441,8 @@ TEST(DifferingUnits, AreWarnedOfByABuildThatNamesTheCause) {
   const ScanSet set({config_of(mm), config_of(m)}, ScanSet::Keep::quickest, false, progress);
   EXPECT_THAT(progress.warnings(), Contains(AllOf(HasSubstr("1000 times"), HasSubstr("set the 'units' of each"))));
   Progress told;
-  const ScanSet right({config_of(mm, LengthUnit::mm), config_of(m, LengthUnit::m)}, ScanSet::Keep::quickest, false,
-                      told);
+  const ScanSet right({config_of(mm, scene::LengthUnit::mm), config_of(m, scene::LengthUnit::m)},
+                      ScanSet::Keep::quickest, false, told);
   EXPECT_THAT(told.warnings(), IsEmpty());
 }
 

@@ -247,10 +247,10 @@ TEST(ScanSet, HandsOverFieldsInMemoryAndStreamedAndScansWithoutHaveNone) {
     with += (i % 5 == 0 ? "0,0,0," : std::to_string(1 + i) + ",1," + std::to_string(i % 7) + ",") + std::to_string(i) +
             "\n";
   }
-  ScanConfig a;
+  scene::ScanConfig a;
   a.file = folder.write("a.csv", with);
-  a.units.unit = LengthUnit::m;
-  ScanConfig b = a;
+  a.units.unit = scene::LengthUnit::m;
+  scene::ScanConfig b = a;
   b.file = folder.write("b.xyz", "1 2 3\n4 5 6\n7 8 8\n");
   std::vector<std::vector<float>> all;
   for (const ScanSet::Keep keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {

@@ -23,8 +23,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::ScanFolder;
 
-ScanConfig config_of(const std::filesystem::path& file, LengthUnit unit = LengthUnit::automatic) {
-  ScanConfig config;
+scene::ScanConfig config_of(const std::filesystem::path& file, scene::LengthUnit unit = scene::LengthUnit::automatic) {
+  scene::ScanConfig config;
   config.file = file;
   config.units.unit = unit;
   return config;
@@ -36,7 +36,7 @@ Eigen::Vector3d point(const Cloud& cloud, std::size_t i) {
 
 TEST(LoadScan, AppliesUnitsThenPose) {
   const ScanFolder folder;
-  ScanConfig config = config_of(folder.write("a.xyz", "1000 0 0\n0 2000 0\n"), LengthUnit::mm);
+  scene::ScanConfig config = config_of(folder.write("a.xyz", "1000 0 0\n0 2000 0\n"), scene::LengthUnit::mm);
   config.pose.topLeftCorner<3, 3>() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   config.pose.topRightCorner<3, 1>() = Eigen::Vector3d(0, 0, 5);
   Progress progress;
@@ -51,17 +51,17 @@ TEST(LoadScan, KnowsAllUnits) {
   const ScanFolder folder;
   const auto file = folder.write("a.xyz", "0 0 0\n1 0 0\n");
   Progress progress;
-  const auto x_of = [&](LengthUnit unit) {
-    ScanConfig config = config_of(file, unit);
+  const auto x_of = [&](scene::LengthUnit unit) {
+    scene::ScanConfig config = config_of(file, unit);
     config.units.longest_side_m = 0.3;
     return point(load_scan(config, progress), 1).x();
   };
-  EXPECT_EQ(x_of(LengthUnit::m), 1.0);
-  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::cm)), 0.01F);
-  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::mm)), 0.001F);
-  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::ft)), 0.3048F);
-  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::us_ft)), static_cast<float>(1200.0 / 3937.0));
-  EXPECT_FLOAT_EQ(static_cast<float>(x_of(LengthUnit::longest_side)), 0.3F);
+  EXPECT_EQ(x_of(scene::LengthUnit::m), 1.0);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(scene::LengthUnit::cm)), 0.01F);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(scene::LengthUnit::mm)), 0.001F);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(scene::LengthUnit::ft)), 0.3048F);
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(scene::LengthUnit::us_ft)), static_cast<float>(1200.0 / 3937.0));
+  EXPECT_FLOAT_EQ(static_cast<float>(x_of(scene::LengthUnit::longest_side)), 0.3F);
 }
 
 TEST(LoadScan, KeepsATenthOfAMillimetreOfGeoreferencedPoints) {
@@ -139,7 +139,7 @@ TEST(LoadScans, JoinColoursFacesAndCountsOfAllFiles) {
   const auto a = folder.write("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n");
   const auto b = folder.write("b.obj", "v nan 0 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 2 3 4\n");
   Progress progress;
-  std::vector<ScanSource> sources;
+  std::vector<scene::ScanSource> sources;
   const Cloud cloud = load_scans({config_of(a), config_of(b)}, progress, &sources);
   EXPECT_EQ(cloud.size(), 6U);
   EXPECT_EQ(cloud.invalid, 1U);
@@ -160,7 +160,7 @@ TEST(LoadScan, WarnsOfMetresThatCannotBe) {
   (void)load_scan(config_of(bust), progress);
   EXPECT_THAT(progress.warnings(), ElementsAre(HasSubstr("467 m long in metres")));
   Progress silent;
-  (void)load_scan(config_of(bust, LengthUnit::mm), silent);
+  (void)load_scan(config_of(bust, scene::LengthUnit::mm), silent);
   EXPECT_THAT(silent.warnings(), IsEmpty()) << "the user has said so";
 }
 
@@ -179,7 +179,7 @@ TEST(LoadScan, RefusesEmptyScansAndScansWithoutAValidPoint) {
   refuse(folder.write("n.obj", "v nan 0 0\n"), "none of the 1 points is valid");
   refuse(folder.write("z.pts", "0\n"), "no points");
   refuse("/nowhere/at/all.ply", "all.ply");
-  ScanConfig config = config_of(folder.write("same.xyz", "1 1 1\n1 1 1\n"), LengthUnit::longest_side);
+  scene::ScanConfig config = config_of(folder.write("same.xyz", "1 1 1\n1 1 1\n"), scene::LengthUnit::longest_side);
   config.units.longest_side_m = 1.0;
   EXPECT_THROW((void)load_scan(config, progress), Error);
 }
@@ -223,8 +223,8 @@ TEST(ScanSet, StreamsTheVeryPointsThatItLoads) {
   first.precision(17);
   for (int i = 0; i < 9000; ++i) first << at(random) << ' ' << at(random) << ' ' << 0.001 * i << '\n';
   second << "1e40 0 0\n450001 450002 3\nnan 0 0\n";  // beyond float32, good, invalid
-  const std::vector<ScanConfig> scans = {config_of(folder.write("a.xyz", first.str()), LengthUnit::m),
-                                         config_of(folder.write("b.xyz", second.str()), LengthUnit::cm)};
+  const std::vector<scene::ScanConfig> scans = {config_of(folder.write("a.xyz", first.str()), scene::LengthUnit::m),
+                                                config_of(folder.write("b.xyz", second.str()), scene::LengthUnit::cm)};
   Progress progress;
   const Cloud cloud = load_scans(scans, progress);
   ScanSet set(scans, ScanSet::Keep::disk, true, progress);
@@ -241,7 +241,7 @@ TEST(ScanSet, StreamsTheVeryPointsThatItLoads) {
     EXPECT_EQ(seen, cloud.size());
     EXPECT_EQ(beyond + set.invalid(), cloud.invalid);
   }
-  const std::vector<ScanSource> sources = set.sources();
+  const std::vector<scene::ScanSource> sources = set.sources();
   ASSERT_EQ(sources.size(), 2U);
   EXPECT_EQ(sources[0].sha256, sha256(MappedFile(scans[0].file).bytes()));
   EXPECT_EQ(sources[1].points, 3U);
@@ -262,7 +262,8 @@ std::string wall_of_a_depth_camera(std::int64_t points, std::int64_t empty) {
 TEST(ScanSet, CountsThePlacesThatADepthCameraDidNotSeeAsInvalidInMemoryAndStreamed) {
   constexpr int kSeen = 9000, kEmpty = 3000;
   const ScanFolder folder;
-  const ScanConfig scan = config_of(folder.write("camera.xyz", wall_of_a_depth_camera(kSeen, kEmpty)), LengthUnit::m);
+  const scene::ScanConfig scan =
+      config_of(folder.write("camera.xyz", wall_of_a_depth_camera(kSeen, kEmpty)), scene::LengthUnit::m);
   Progress memory, disk;
   const Cloud cloud = load_scans({scan}, memory);
   ASSERT_EQ(cloud.size(), static_cast<std::size_t>(kSeen));
@@ -296,7 +297,7 @@ TEST(ScanSet, ASurfaceThroughTheOriginKeepsItsPointsThere) {
     const auto file = folder.write("wall.xyz", wall_of_a_depth_camera(9000, at_origin));
     for (const ScanSet::Keep keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {
       Progress progress;
-      const ScanSet set({config_of(file, LengthUnit::m)}, keep, false, progress);
+      const ScanSet set({config_of(file, scene::LengthUnit::m)}, keep, false, progress);
       EXPECT_EQ(set.points(), 9000U + static_cast<unsigned>(at_origin));
       EXPECT_EQ(set.invalid(), 0U);
       EXPECT_THAT(progress.warnings(), IsEmpty());
@@ -382,7 +383,7 @@ TEST(GuessUnit, DoubtsMetresOnlyWhereTheyAreImplausible) {
   EXPECT_FALSE(doubt(300.0, 450000.0));
   EXPECT_FALSE(doubt(0.0));
   ASSERT_TRUE(doubt(467.0));
-  EXPECT_EQ(doubt(467.0)->unit, LengthUnit::mm);
+  EXPECT_EQ(doubt(467.0)->unit, scene::LengthUnit::mm);
   EXPECT_TRUE(doubt(1e-4));
 }
 

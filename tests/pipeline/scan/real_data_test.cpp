@@ -209,7 +209,7 @@ TEST(RealScans, KnowTheirUnits) {
   EXPECT_EQ(inspect_scan(folder / "scans/bunnyFloat.e57").units, "m");
   EXPECT_EQ(inspect_scan(folder / "heritage/oni.ply").units, "unknown");
   EXPECT_EQ(inspect_scan(folder / "hostile/epsg_4326.las").units, "degrees");
-  ScanConfig config;
+  scene::ScanConfig config;
   config.file = folder / "hostile/epsg_4326.las";
   Progress progress;
   try {

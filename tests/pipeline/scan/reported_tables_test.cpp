@@ -75,7 +75,7 @@ TEST(ReportedTables, AreReadByTheirNamesOrRefused) {
     }
   }
   const RawScan millimetres = read_scan(folder / "reported/r21_units_row.csv");
-  EXPECT_EQ(millimetres.unit, LengthUnit::mm);
+  EXPECT_EQ(millimetres.unit, scene::LengthUnit::mm);
   const RawScan fractions = read_scan(folder / "reported/r03_semicolon_header.pts");
   EXPECT_EQ(fractions.rgba.front() & 0xFFFFFFU, 0x408000U) << "colours from 0 to 1: 0, 0.5, 0.25";
 }

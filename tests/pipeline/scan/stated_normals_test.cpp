@@ -63,8 +63,8 @@ std::string pcd_header(const std::string& data) {
          data + "\n";
 }
 
-std::vector<Station> stations_of(ScanConfig scan, ScanSet::Keep keep) {
-  if (scan.units.unit == LengthUnit::automatic) scan.units.unit = LengthUnit::m;
+std::vector<Station> stations_of(scene::ScanConfig scan, ScanSet::Keep keep) {
+  if (scan.units.unit == scene::LengthUnit::automatic) scan.units.unit = scene::LengthUnit::m;
   Progress progress;
   return ScanSet({scan}, keep, false, progress).stations();
 }
@@ -102,7 +102,7 @@ TEST(StatedNormals, AreReadOfEveryFormatThatHasThem) {
   for (const auto& [name, content] : files) {
     write_file(folder / name, content);
     for (const auto keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {
-      ScanConfig scan;
+      scene::ScanConfig scan;
       scan.file = folder / name;
       expect_normals(stations_of(scan, keep), Eigen::Matrix3d::Identity(), 1.0, name);
     }
@@ -112,9 +112,9 @@ TEST(StatedNormals, AreReadOfEveryFormatThatHasThem) {
 TEST(StatedNormals, TurnWithTheirScanAndHaveUnitLength) {
   const TestFolder folder;
   write_file(folder / "a.ply", ply_header("ascii", "float") + rows(7.0));
-  ScanConfig scan;
+  scene::ScanConfig scan;
   scan.file = folder / "a.ply";
-  scan.units.unit = LengthUnit::mm;
+  scan.units.unit = scene::LengthUnit::mm;
   Eigen::Matrix3d turn;
   turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   scan.pose.topLeftCorner<3, 3>() = turn;
@@ -128,7 +128,7 @@ TEST(StatedNormals, ThatAreZeroOrNoNumbersSayNothing) {
   const TestFolder folder;
   write_file(folder / "a.ply",
              ply_header("ascii", "float") + row(0) + "1 2 3 0 0 0\n4 5 6 nan 0 1\n" + row(3) + row(4));
-  ScanConfig scan;
+  scene::ScanConfig scan;
   scan.file = folder / "a.ply";
   const std::vector<Station> stations = stations_of(scan, ScanSet::Keep::quickest);
   ASSERT_EQ(stations.size(), 1U);
@@ -142,7 +142,7 @@ TEST(StatedNormals, ThatAreZeroOrNoNumbersSayNothing) {
 TEST(StatedNormals, ColoursBehindCoordinatesAreNoNormals) {
   const TestFolder folder;
   write_file(folder / "c.xyz", "0 0 0 0.6 0.8 0.0\n1 0 0 0.1 0.2 0.3\n0 1 0 0.5 0.5 0.5\n1 1 0 1 1 1\n");
-  ScanConfig scan;
+  scene::ScanConfig scan;
   scan.file = folder / "c.xyz";
   EXPECT_TRUE(stations_of(scan, ScanSet::Keep::quickest).empty());
 }

@@ -13,14 +13,14 @@ namespace {
 
 using test::TestFolder;
 
-ScanConfig scan_of(const std::filesystem::path& file) {
-  ScanConfig scan;
+scene::ScanConfig scan_of(const std::filesystem::path& file) {
+  scene::ScanConfig scan;
   scan.file = file;
-  scan.units.unit = LengthUnit::m;
+  scan.units.unit = scene::LengthUnit::m;
   return scan;
 }
 
-std::vector<Station> stations_of(const std::vector<ScanConfig>& scans, ScanSet::Keep keep) {
+std::vector<Station> stations_of(const std::vector<scene::ScanConfig>& scans, ScanSet::Keep keep) {
   Progress progress;
   return ScanSet(scans, keep, false, progress).stations();
 }
@@ -52,8 +52,8 @@ TEST(Stations, OfAPtxFileAreItsScannersEachWithItsOwnPoints) {
 TEST(Stations, MoveWithUnitsAndPoseOfTheirScan) {
   const TestFolder folder;
   write_file(folder / "a.ptx", ptx_scan(10.0, 0.0, 1.0, 3));
-  ScanConfig scan = scan_of(folder / "a.ptx");
-  scan.units.unit = LengthUnit::mm;
+  scene::ScanConfig scan = scan_of(folder / "a.ptx");
+  scan.units.unit = scene::LengthUnit::mm;
   scan.pose << 0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1;
   const std::vector<Station> stations = stations_of({scan}, ScanSet::Keep::disk);
   ASSERT_EQ(stations.size(), 1U);
@@ -83,7 +83,7 @@ TEST(Stations, OfAPcdFileAreItsViewpointUnlessThatIsTheDefault) {
 TEST(Stations, OfAPosedScanIsWhereItsOriginWentButNotDeclared) {
   const TestFolder folder;
   write_file(folder / "a.xyz", "0 0 0\n1 0 0\n0 1 0\n");
-  ScanConfig posed = scan_of(folder / "a.xyz");
+  scene::ScanConfig posed = scan_of(folder / "a.xyz");
   posed.pose.topRightCorner<3, 1>() = Eigen::Vector3d(4, 5, 6);
   const std::vector<Station> stations = stations_of({scan_of(folder / "a.xyz"), posed}, ScanSet::Keep::quickest);
   ASSERT_EQ(stations.size(), 1U) << "the scan without a pose says nothing";

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -90,13 +90,13 @@ TEST(Simulate, WritesTheSampleInTheRepositoryByteForByte) {
 TEST(Simulate, PosesOfTheWrittenConfigurationPutStationFilesWhereTheScanIs) {
   const TestFolder folder;
   run(folder, std::string(kTwoStations) + "output: {coordinates: double, frame: station}\n");
-  const Config config = load_config(folder / "out/sparsha.yaml");
+  const scene::Config config = scene::load_config(folder / "out/sparsha.yaml");
   const SimulationConfig simulation = parse_simulation(yaml::parse_file(folder / "simulation.yaml"));
   const SimulatedScan scan = generate(simulation);
   ASSERT_EQ(config.scans.size(), 2U);
   EXPECT_EQ(config.scans[1].file.filename(), "second.ply");
   std::size_t at = 0;
-  for (const ScanConfig& entry : config.scans) {
+  for (const scene::ScanConfig& entry : config.scans) {
     for (const Eigen::Vector3d& p : ply_points<double>(entry.file, 24)) {
       const Eigen::Vector3d posed = entry.pose.topLeftCorner<3, 3>() * p + entry.pose.topRightCorner<3, 1>();
       ASSERT_LT((posed - scan.points_m[at++]).norm(), 5e-9);  // a few ulp of 5.4e6 m
@@ -109,7 +109,7 @@ TEST(Simulate, PosesOfTheWrittenConfigurationPutStationFilesWhereTheScanIs) {
 TEST(Simulate, TheWrittenConfigurationHasTheLatticeOfTheTruth) {
   const TestFolder folder;
   run(folder, std::string(kTwoStations) + "output: {coordinates: double}\n");
-  const Config config = load_config(folder / "out/sparsha.yaml");
+  const scene::Config config = scene::load_config(folder / "out/sparsha.yaml");
   const Truth truth(parse_simulation(yaml::parse_file(folder / "simulation.yaml")));
   EXPECT_LT((config.orientation.scan_to_grid - truth.scan_to_grid()).norm(), 1e-15);
   ASSERT_TRUE(config.grid.bounds_m.has_value());

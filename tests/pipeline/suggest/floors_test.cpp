@@ -17,6 +17,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/suggest/floors.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -142,7 +143,7 @@ TEST(FloorsAndWalls, ANewConfigurationTakesThemAwayAndShowsTheStatue) {
   // From a side of what stands, never from above or below.
   EXPECT_NEAR(suggestion.config.orientation.scan_to_grid(1, 1), 1.0, 0.05) << suggestion.yaml;
   const BuildResult built = build_scene(suggestion.config, {}, progress);
-  const Lattice& lattice = built.scene->description().levels.front();
+  const scene::Lattice& lattice = built.scene->description().levels.front();
   EXPECT_LT((lattice.nx - 1) * lattice.spacing_m, 0.6);
   EXPECT_NEAR((lattice.ny - 1) * lattice.spacing_m, 1.0, 0.08);
 }

@@ -37,7 +37,7 @@ class SuggestedPaths : public ::testing::Test {
     if (yaml != nullptr) *yaml = suggestion.yaml;
     const fs::path file = folder / "made.yaml";
     write_file(file, suggestion.yaml);
-    return load_config(file).scans.at(0).file;
+    return scene::load_config(file).scans.at(0).file;
   }
 
   test::TestFolder folder_;

@@ -19,6 +19,7 @@
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/group.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -81,14 +82,14 @@ class Suggested : public ::testing::Test {
   }
   /// Share of measured nodes whose place in the scan frame satisfies `holds`.
   static double share(const BuildResult& result, const std::function<bool(const Eigen::Vector3d&)>& holds) {
-    const DepthGrid grid = result.scene->read_level(0).grid;
+    const scene::DepthGrid grid = result.scene->read_level(0).grid;
     const Eigen::Matrix4d& to_scan = result.scene->description().scan_from_grid;
     std::size_t all = 0;
     std::size_t good = 0;
     for (int j = 0; j < grid.lattice.ny; ++j) {
       for (int i = 0; i < grid.lattice.nx; ++i) {
         const std::size_t n = grid.lattice.index(i, j);
-        if (grid.state[n] != NodeState::measured) continue;
+        if (grid.state[n] != scene::NodeState::measured) continue;
         const double z = grid.lattice.origin_m.z() + static_cast<double>(grid.height_m[n]);
         const Eigen::Vector4d p = to_scan * Eigen::Vector4d(grid.lattice.x_m(i), grid.lattice.y_m(j), z, 1.0);
         ++all;
@@ -203,7 +204,7 @@ TEST_F(Suggested, NamesTheColumnsThatTheValuesOfATableTell) {
   ASSERT_EQ(progress.warnings().size(), 1U);
   EXPECT_NE(progress.warnings().front().find("its first column counts the rows"), std::string::npos);
   const BuildResult result = build_suggested();
-  const Lattice& base = result.scene->description().levels.front();
+  const scene::Lattice& base = result.scene->description().levels.front();
   EXPECT_LT(base.spacing_m * std::max(base.nx, base.ny), 1.1) << "not 2500 wide";
   EXPECT_FALSE(warned(result, "counts the rows")) << "said once";
 }
@@ -221,12 +222,13 @@ TEST_F(Suggested, ADetailHasTheUnitOfTheScanThatShowsTheWhole) {
   for (const std::vector<fs::path>& set : {files, std::vector<fs::path>{files[1], files[0]}}) {
     Progress progress;
     const Suggestion suggestion = suggest_config(set, {}, progress);
-    for (const ScanConfig& scan : suggestion.config.scans) EXPECT_EQ(scan.units.unit, LengthUnit::mm) << scan.file;
+    for (const scene::ScanConfig& scan : suggestion.config.scans)
+      EXPECT_EQ(scan.units.unit, scene::LengthUnit::mm) << scan.file;
     EXPECT_NE(suggestion.yaml.find("as \"whole.xyz\""), std::string::npos) << suggestion.yaml;
   }
   // Alone it is taken for metres, as anything of 44.
   Progress progress;
-  EXPECT_EQ(suggest_config({files[0]}, {}, progress).config.scans[0].units.unit, LengthUnit::m);
+  EXPECT_EQ(suggest_config({files[0]}, {}, progress).config.scans[0].units.unit, scene::LengthUnit::m);
 }
 
 TEST_F(Suggested, ACloudWithoutASurfaceIsSaidToFailTheCheckOnScreenAndInTheFile) {
@@ -270,7 +272,7 @@ TEST_F(Suggested, PointsOnALineOrInOnePlaceAreAnError) {
       EXPECT_EQ(error.kind(), ErrorKind::input);
       EXPECT_NE(error.wrong().find(length > 0.0 ? "straight line" : "one place"), std::string::npos) << error.what();
     }
-    Config config;
+    scene::Config config;
     config.scans.emplace_back();
     config.scans[0].file = file;
     EXPECT_THROW((void)build_scene(config, {}, progress), Error);
@@ -355,7 +357,7 @@ TEST(SuggestedForRealScans, EveryCloudOfAThousandPointsPassesItsOwnCheck) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     Progress progress;
-    ScanConfig scan;
+    scene::ScanConfig scan;
     scan.file = entry.path();
     try {
       if (load_scan(scan, progress).size() < 1000) continue;

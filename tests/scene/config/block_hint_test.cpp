@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 
 #include "base/error.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 std::string message_of(const std::string& text) {
@@ -35,4 +35,4 @@ TEST(BlockHint, EachKeyExistsInItsBlockAndIsToldWithItWhenItStandsWithout) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

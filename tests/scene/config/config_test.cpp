@@ -1,5 +1,4 @@
 // The configuration: defaults, units, poses, orientation, contradictions, and the way back to YAML.
-#include "scene/config.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +7,10 @@
 #include <limits>
 #include <numbers>
 
-namespace sparsha::pipeline {
+#include "base/yaml.h"
+#include "scene/config/config.h"
+
+namespace sparsha::scene {
 namespace {
 
 using ::testing::HasSubstr;
@@ -320,4 +322,4 @@ TEST(Config, CuesAreAllOnOrAllOffOrChosenOneByOne) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -1,11 +1,10 @@
 // --set: what a setting overrides, and what it does not.
 #include "scene/config/override.h"
+#include "scene/config/config.h"
 
 #include <gtest/gtest.h>
 
-#include "scene/config.h"
-
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 Config with(const std::string& text, const std::vector<std::string>& settings) {
@@ -53,4 +52,4 @@ TEST(ConfigText, OfTwoDocumentsIsRefused) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

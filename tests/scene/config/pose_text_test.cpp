@@ -7,9 +7,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "base/yaml.h"
 #include "tests/support/test_folder.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 namespace fs = std::filesystem;
@@ -96,4 +97,4 @@ TEST(PoseText, TextThatCannotBeEditedIsWrittenAnewWithTheSameMeaning) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

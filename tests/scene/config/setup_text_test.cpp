@@ -9,7 +9,7 @@
 
 #include "base/yaml.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 using ::testing::HasSubstr;
@@ -167,4 +167,4 @@ TEST(SetupText, PlacesOfPartsAreKeptWithTheirFrame) {
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

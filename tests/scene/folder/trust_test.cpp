@@ -11,7 +11,7 @@
 #include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -204,4 +204,4 @@ TEST_F(SceneAmongFiles, SizesThatTheLayersDoNotHaveAreRefusedBeforeMemoryIsTaken
 }
 
 }  // namespace
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -13,15 +13,16 @@
 #include "base/context.h"
 #include "base/error.h"
 #include "pipeline/projection/projection.h"
-#include "scene/config.h"
+#include "scene/config/grid.h"
+#include "scene/config/haptics.h"
 #include "sparsha/pcl/conversions.h"
 #include "sparsha/pcl/impl/monge_projection.hpp"
 
 namespace sparsha {
 namespace {
 
-using pipeline::DepthGrid;
-using pipeline::NodeState;
+using scene::DepthGrid;
+using scene::NodeState;
 
 constexpr double kRadius = 0.05;
 constexpr double kNoise = 0.0001;
@@ -88,12 +89,12 @@ TEST(MongeProjection, ABallSeenFromAnySideIsABall) {
 
 TEST(MongeProjection, HeightsAreThePipelinesOwnWhateverTheThreads) {
   const auto cloud = ball<::pcl::PointXYZRGB>(20000);
-  pipeline::GridConfig config;
+  scene::GridConfig config;
   config.size = 64;
   ThreadPool pool(1);
   Progress progress;
   const pipeline::Projection expected = pipeline::project(to_cloud(*cloud), Eigen::Matrix4d::Identity(), config,
-                                                          pipeline::HapticsConfig().resolution_m, {pool, progress});
+                                                          scene::HapticsConfig().resolution_m, {pool, progress});
   for (const unsigned threads : {1U, 2U, 3U}) {
     MongeProjection<::pcl::PointXYZRGB> projection;
     projection.setInputCloud(cloud);

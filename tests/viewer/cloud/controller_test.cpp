@@ -79,7 +79,7 @@ TEST(CloudController, WorkIsNotStartedTwiceAndEscapeStopsIt) {
   EXPECT_EQ(bench.controller.take_wish(), CloudController::Wish::back);
   bench.controller.press({'8'});
   ASSERT_EQ(bench.workshop.faces.size(), 1U);
-  EXPECT_EQ(bench.workshop.faces[0], pipeline::OrientationConfig::Face::principal);
+  EXPECT_EQ(bench.workshop.faces[0], scene::OrientationConfig::Face::principal);
 }
 
 TEST(CloudController, AnEscapeThatComesTooLateToStopDoesNotLeave) {
@@ -163,7 +163,7 @@ TEST(CloudController, ACropHandleMovesOneFaceAsFarAsTheMouse) {
   Bench bench;
   bench.controller.press({'K'});
   ASSERT_TRUE(bench.frame().setup.crop);
-  const pipeline::CropConfig before = *bench.frame().setup.crop;
+  const scene::CropConfig before = *bench.frame().setup.crop;
   EXPECT_NEAR(before.max_m.x(), 0.5, 0.01);
   const auto handle = bench.controller.crop_handle(1);
   ASSERT_TRUE(handle);
@@ -173,7 +173,7 @@ TEST(CloudController, ACropHandleMovesOneFaceAsFarAsTheMouse) {
   const double by_m = 0.25;
   bench.controller.mouse_move(handle->x() + 2.0 - by_m * bench.frame().view.pixels_per_m, handle->y() + 40.0);
   bench.controller.mouse_button(0, false, 0);
-  const pipeline::CropConfig after = *bench.frame().setup.crop;
+  const scene::CropConfig after = *bench.frame().setup.crop;
   EXPECT_NEAR(after.max_m.x(), before.max_m.x() - by_m, 1e-9);
   EXPECT_EQ(after.min_m, before.min_m);
   EXPECT_EQ(after.max_m.tail<2>(), before.max_m.tail<2>());
@@ -186,7 +186,7 @@ TEST(CloudController, ACropHandleMovesOneFaceAsFarAsTheMouse) {
 
 TEST(CloudController, ABoxWithoutPointsIsNotScanned) {
   Bench bench;
-  bench.controller.set_crop(pipeline::CropConfig{{7, 7, 7}, {8, 8, 8}});
+  bench.controller.set_crop(scene::CropConfig{{7, 7, 7}, {8, 8, 8}});
   bench.rest();
   bench.controller.press({key::kEnter});
   EXPECT_TRUE(bench.workshop.scans.empty());
@@ -199,7 +199,7 @@ TEST(CloudController, AnotherUnitTakesTheCropBoxAlong) {
   Bench bench;
   bench.controller.press({'K'});
   const Eigen::Vector3d before = bench.frame().setup.crop->max_m;
-  bench.controller.set_unit(pipeline::LengthUnit::mm);
+  bench.controller.set_unit(scene::LengthUnit::mm);
   ASSERT_EQ(bench.workshop.units.size(), 1U);
   Workshop smaller(square(120, 0.001));
   smaller.points->metres_per_unit = 0.001;
@@ -211,7 +211,7 @@ TEST(CloudController, AnotherUnitTakesTheCropBoxAlong) {
   ++bench.workshop.status.work;
   bench.workshop.status.points = nullptr;
   bench.rest();
-  bench.controller.set_crop(pipeline::CropConfig{{1, 1, 1}, {2, 2, 2}});
+  bench.controller.set_crop(scene::CropConfig{{1, 1, 1}, {2, 2, 2}});
   Workshop metric(square(50, 1.0));
   bench.workshop.status.points = metric.points;
   bench.rest();

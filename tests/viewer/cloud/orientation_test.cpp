@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "base/yaml.h"
-#include "scene/config.h"
+#include "scene/config/config.h"
 #include "viewer/cloud/orientation.h"
 
 namespace sparsha::viewer::test {
@@ -103,7 +103,7 @@ TEST(CloudOrientation, AnglesAreThoseOfAConfiguration) {
     std::snprintf(text, sizeof text,
                   "scans: [{file: a.ply}]\norientation: {euler_deg: [%.17g, %.17g, %.17g], scale: %.17g}\n", angles.x(),
                   angles.y(), angles.z(), scale);
-    const pipeline::Config config = pipeline::parse_config(yaml::parse_text(text, "test"), {});
+    const scene::Config config = scene::parse_config(yaml::parse_text(text, "test"), {});
     EXPECT_TRUE(config.orientation.scan_to_grid.isApprox(m, 1e-11)) << text;
   }
   for (const double y : {90.0, -90.0}) {

@@ -38,8 +38,8 @@ struct Workshop {
   std::shared_ptr<PointView> points;
   OrientingStatus status;
   std::vector<ScanSetup> scans, saves;
-  std::vector<pipeline::OrientationConfig::Face> faces;
-  std::vector<pipeline::LengthUnit> units;
+  std::vector<scene::OrientationConfig::Face> faces;
+  std::vector<scene::LengthUnit> units;
   int opened = 0, cancelled = 0;
 
   explicit Workshop(PointView view) : points(std::make_shared<PointView>(std::move(view))) {
@@ -52,7 +52,7 @@ struct Workshop {
     result.open = [this] { ++opened; };
     result.status = [this] { return status; };
     result.find_face = [this](auto face, const ScanSetup&) { faces.push_back(face); };
-    result.set_unit = [this](pipeline::LengthUnit unit) { units.push_back(unit); };
+    result.set_unit = [this](scene::LengthUnit unit) { units.push_back(unit); };
     result.scan = [this](const ScanSetup& setup) { scans.push_back(setup); };
     result.cancel = [this] { ++cancelled; };
     result.save = [this](const ScanSetup& setup) { saves.push_back(setup); };

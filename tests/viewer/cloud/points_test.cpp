@@ -166,11 +166,11 @@ TEST(Preview, TheScaleOfTheOrientationAndTheCropCount) {
   ScanSetup setup;
   setup.scan_to_grid.topLeftCorner<3, 3>() *= 10.0;
   EXPECT_NEAR(preview_of(points, setup, 1U << 20U).size_m().x(), 10.0, 0.06);
-  setup.crop = pipeline::CropConfig{{-0.1, -0.2, -1.0}, {0.1, 0.2, 1.0}};
+  setup.crop = scene::CropConfig{{-0.1, -0.2, -1.0}, {0.1, 0.2, 1.0}};
   const DepthPreview cropped = preview_of(points, setup, 1U << 20U);
   EXPECT_NEAR(cropped.size_m().x(), 2.0, 0.06);
   EXPECT_NEAR(cropped.size_m().y(), 4.0, 0.06);
-  setup.crop = pipeline::CropConfig{{5.0, 5.0, 5.0}, {6.0, 6.0, 6.0}};
+  setup.crop = scene::CropConfig{{5.0, 5.0, 5.0}, {6.0, 6.0, 6.0}};
   EXPECT_FALSE(preview_of(points, setup, 1U << 20U).any);
 }
 

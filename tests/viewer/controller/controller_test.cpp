@@ -20,7 +20,7 @@ struct Desk {
       std::make_shared<haptics::Seqlock<haptics::PointerSample>>();
   std::vector<std::string> spoken;
   std::vector<Eigen::Matrix4d> rescans;
-  pipeline::ScenePointer scene = scene_of([](double x_m, double) { return 0.1 * x_m; }, {201, 201, 0.001, 1});
+  scene::ScenePointer scene = scene_of([](double x_m, double) { return 0.1 * x_m; }, {201, 201, 0.001, 1});
   std::unique_ptr<Controller> controller;
 
   explicit Desk(ViewSettings settings = {}, bool with_pointer = true) {

@@ -9,7 +9,7 @@ namespace {
 
 TEST(Controller, EscapeStopsADepthScanAndDoesNotLeaveJustAfterItsEnd) {
   const auto height = [](double x_m, double) { return 0.1 * x_m; };
-  const pipeline::ScenePointer scene = scene_of(height, {201, 201, 0.001, 1});
+  const scene::ScenePointer scene = scene_of(height, {201, 201, 0.001, 1});
   const haptics::State state = touching(*scene, 0.1, 0.1, 0.01, 0.1, 0.1);
   bool busy = true;
   int stopped = 0;

@@ -69,8 +69,8 @@ TEST(Contrast, OfAllWordsInTheWindowsContrastModeIsSevenToOneOrMore) {
   ViewSettings settings;
   settings.high_contrast = true;
   Studio studio(scene_of(lotus, {101, 101, 0.004, 3},
-                         [](pipeline::SceneDescription& description) {
-                           pipeline::PartConfig part;
+                         [](scene::SceneDescription& description) {
+                           scene::PartConfig part;
                            part.name = "lotus";
                            part.box_m = {0.0, 0.0, 1.0, 1.0};
                            description.config.parts.push_back(part);

@@ -32,7 +32,7 @@ double resident_mb() {
 TEST(Kiosk, ADayOfVisitorsLeavesNothingBehind) {
   if (!std::filesystem::exists("/proc/self/statm")) GTEST_SKIP() << "memory is read from /proc";
   const int visitors = std::getenv("SPARSHA_NIGHTLY") != nullptr ? 600 : 12;  // a minute each
-  const std::array<pipeline::ScenePointer, 3> scenes{
+  const std::array<scene::ScenePointer, 3> scenes{
       scene_of(lotus, {201, 201, 0.002, 2}),
       scene_of([](double x_m, double) { return 0.1 * x_m; }, {101, 151, 0.003, 1}),
       scene_of([](double, double y_m) { return 0.05 * y_m; }, {301, 61, 0.002, 2})};

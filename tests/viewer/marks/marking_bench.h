@@ -17,16 +17,16 @@ inline double slope(double x_m, double) { return 0.1 * x_m; }
 
 struct MarkingBench {
   std::vector<std::string> spoken;
-  std::vector<std::vector<pipeline::PartConfig>> saved;
+  std::vector<std::vector<scene::PartConfig>> saved;
   bool takes_parts = true;
-  pipeline::ScenePointer scene;
+  scene::ScenePointer scene;
   std::unique_ptr<Controller> controller;
   double time_s = 0.0;
 
-  explicit MarkingBench(pipeline::ScenePointer made) : scene(std::move(made)) {
+  explicit MarkingBench(scene::ScenePointer made) : scene(std::move(made)) {
     Connections connections;
     connections.speak = [this](const std::string& words) { spoken.push_back(words); };
-    connections.save_parts = [this](const std::vector<pipeline::PartConfig>& parts) {
+    connections.save_parts = [this](const std::vector<scene::PartConfig>& parts) {
       saved.push_back(parts);
       return takes_parts;
     };
@@ -64,7 +64,7 @@ struct MarkingBench {
   [[nodiscard]] const Marks& marks() const { return controller->frame().marks; }
 };
 
-inline pipeline::ScenePointer plate(const sparsha::test::EditDescription& edit = {}) {
+inline scene::ScenePointer plate(const sparsha::test::EditDescription& edit = {}) {
   return scene_of(slope, {201, 201, 0.001, 1}, edit);
 }
 

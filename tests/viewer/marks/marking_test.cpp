@@ -126,7 +126,7 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
   scan_from_grid.topLeftCorner<3, 3>() =
       Eigen::AngleAxisd(1.5707963267948966, Eigen::Vector3d::UnitX()).toRotationMatrix();
   scan_from_grid.topRightCorner<3, 1>() = Eigen::Vector3d(10.0, 20.0, 30.0);
-  const auto turned = [&](pipeline::SceneDescription& d) {
+  const auto turned = [&](scene::SceneDescription& d) {
     d.config.scans.resize(1);
     d.config.scans[0].file = "scan.ply";
     d.sources = {{"scan.ply", "abc", 1}};
@@ -134,9 +134,9 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
     d.scan_from_grid = scan_from_grid;
   };
   std::filesystem::create_directories(folder / "scene");
-  pipeline::write_scene(*plate(turned), folder / "scene");
+  scene::write_scene(*plate(turned), folder / "scene");
   {
-    MarkingBench bench(pipeline::open_scene(folder / "scene"));
+    MarkingBench bench(scene::open_scene(folder / "scene"));
     bench.point_at(0.05, 0.08);
     bench.key('K');
     bench.type("Nose");
@@ -155,7 +155,7 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
   EXPECT_NEAR(file.pins[0].at_m.z(), 30.08, 0.001);
   EXPECT_TRUE(file.parallel);
   EXPECT_TRUE(file.section);
-  MarkingBench again(pipeline::open_scene(folder / "scene"));
+  MarkingBench again(scene::open_scene(folder / "scene"));
   ASSERT_EQ(again.marks().notes.pins.size(), 1U);
   EXPECT_NEAR(again.marks().notes.pins[0].at_m.x(), 0.05, 0.001);
   EXPECT_NEAR(again.marks().notes.pins[0].at_m.y(), 0.08, 0.001);
@@ -163,7 +163,7 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
   EXPECT_TRUE(again.marks().notes.section);
   EXPECT_EQ(again.controller->frame().camera.field_rad, 0.0) << "parallel, as it was left";
   // A depth scan of the same scans from another side lies in no folder: the notes stay on the object.
-  const auto other = [&](pipeline::SceneDescription& d) {
+  const auto other = [&](scene::SceneDescription& d) {
     turned(d);
     d.scan_from_grid = Eigen::Matrix4d::Identity();
     d.scan_from_grid.topRightCorner<3, 1>() = Eigen::Vector3d(10.0, 20.0, 30.0);
@@ -180,8 +180,8 @@ TEST(Marking, NotesAreKeptWithTheSceneInTheScansFrameAndComeBack) {
 
 TEST(Marking, NotesMadeAfterANewDepthScanAreKeptInTheFolderOfTheScans) {
   const sparsha::test::TestFolder folder;
-  const auto of_scans = [](pipeline::LengthUnit unit, double shift_m) {
-    return [=](pipeline::SceneDescription& d) {
+  const auto of_scans = [](scene::LengthUnit unit, double shift_m) {
+    return [=](scene::SceneDescription& d) {
       d.config.scans.resize(1);
       d.config.scans[0].file = "scan.ply";
       d.config.scans[0].units.unit = unit;
@@ -191,20 +191,20 @@ TEST(Marking, NotesMadeAfterANewDepthScanAreKeptInTheFolderOfTheScans) {
     };
   };
   std::filesystem::create_directories(folder / "scene");
-  pipeline::write_scene(*plate(of_scans(pipeline::LengthUnit::mm, 1.0)), folder / "scene");
-  MarkingBench bench(pipeline::open_scene(folder / "scene"));
+  scene::write_scene(*plate(of_scans(scene::LengthUnit::mm, 1.0)), folder / "scene");
+  MarkingBench bench(scene::open_scene(folder / "scene"));
   const auto pin = [&](double x_m, double y_m, const char* words) {
     bench.point_at(x_m, y_m);
     bench.key('K');
     bench.type(words);
     bench.key(key::kEnter);
   };
-  const auto set = [&](const pipeline::ScenePointer& scene) {
+  const auto set = [&](const scene::ScenePointer& scene) {
     bench.controller->set_scene(bench.scene = scene);
     bench.run();
   };
   pin(0.05, 0.08, "before");
-  set(plate(of_scans(pipeline::LengthUnit::mm, 3.0)));  // from another side
+  set(plate(of_scans(scene::LengthUnit::mm, 3.0)));  // from another side
   pin(0.15, 0.08, "after");
   const auto file = [&] { return read_notes(folder / "scene" / "notes.yaml").pins; };
   ASSERT_EQ(file().size(), 2U);
@@ -212,7 +212,7 @@ TEST(Marking, NotesMadeAfterANewDepthScanAreKeptInTheFolderOfTheScans) {
   EXPECT_NEAR(file()[0].at_m.x(), 1.05, pixel_m);
   EXPECT_NEAR(file()[1].at_m.x(), 3.15, pixel_m);
   // The same numbers read in centimetres: ten times as large, the file stays in the folder's own unit.
-  set(plate(of_scans(pipeline::LengthUnit::cm, 30.0)));
+  set(plate(of_scans(scene::LengthUnit::cm, 30.0)));
   ASSERT_EQ(bench.marks().notes.pins.size(), 2U);
   EXPECT_NEAR(bench.marks().notes.pins[1].at_m.x(), 10.0 * 3.15 - 30.0, 10.0 * pixel_m);
   pin(0.05, 0.05, "last");
@@ -227,19 +227,19 @@ TEST(Marking, NotesMadeAfterANewDepthScanAreKeptInTheFolderOfTheScans) {
 TEST(Marking, NotesThatCannotBeReadAreSaidAndNotWrittenOver) {
   const sparsha::test::TestFolder folder;
   std::filesystem::create_directories(folder / "scene");
-  pipeline::write_scene(*plate([](pipeline::SceneDescription& d) {
+  scene::write_scene(*plate([](scene::SceneDescription& d) {
     d.config.scans.resize(1);
     d.config.scans[0].file = "scan.ply";
     d.sources = {{"scan.ply", "abc", 1}};
   }),
-                        folder / "scene");
+                     folder / "scene");
   write_file(folder / "scene" / "notes.yaml", "pins: broken\n");
-  MarkingBench bench(pipeline::open_scene(folder / "scene"));
+  MarkingBench bench(scene::open_scene(folder / "scene"));
   ASSERT_FALSE(bench.spoken.empty());
   EXPECT_NE(bench.spoken.front().find("notes.yaml:1"), std::string::npos) << bench.spoken.front();
   bench.key('Z');
   EXPECT_EQ(read_file(folder / "scene" / "notes.yaml", 1000), "pins: broken\n");
-  bench.controller->set_scene(plate([](pipeline::SceneDescription& d) {
+  bench.controller->set_scene(plate([](scene::SceneDescription& d) {
     d.config.scans.resize(1);
     d.sources = {{"scan.ply", "abc", 1}};
   }));

@@ -118,10 +118,10 @@ TEST(Profile, IsTheBilinearSurfaceAndKnowsWhatIsFilledOrUnknown) {
     return x_m > 0.15 ? std::numeric_limits<double>::quiet_NaN() : 0.02 * x_m - 0.05 * y_m;
   };
   const Eigen::Vector3d origin(450000.0, 5412000.0, 100.0);
-  const auto fill = [](pipeline::Layers& layers) {
-    const pipeline::Lattice& lattice = layers.grid.lattice;
+  const auto fill = [](scene::Layers& layers) {
+    const scene::Lattice& lattice = layers.grid.lattice;
     for (int j = 0; j < lattice.ny; ++j)
-      for (int i = 0; i <= lattice.nx / 8; ++i) layers.grid.state[lattice.index(i, j)] = pipeline::NodeState::filled;
+      for (int i = 0; i <= lattice.nx / 8; ++i) layers.grid.state[lattice.index(i, j)] = scene::NodeState::filled;
   };
   const auto scene = scene_of(plane, {201, 101, 0.001, 1, origin}, {}, fill);
   const Eigen::Vector3d from = origin + Eigen::Vector3d(0.0103, 0.0207, 0.0),
@@ -135,12 +135,12 @@ TEST(Profile, IsTheBilinearSurfaceAndKnowsWhatIsFilledOrUnknown) {
     const double x_m = s.at_m.x() - origin.x(), y_m = s.at_m.y() - origin.y();
     if (x_m > 0.150001) {
       EXPECT_TRUE(std::isnan(s.at_m.z()));
-      EXPECT_EQ(s.state, pipeline::NodeState::unknown);
+      EXPECT_EQ(s.state, scene::NodeState::unknown);
       ++unknown;
     } else if (x_m < 0.1499) {
       EXPECT_NEAR(s.at_m.z(), origin.z() + plane(x_m, y_m), 1e-9);
-      EXPECT_EQ(s.state, x_m < 0.026 ? pipeline::NodeState::filled : pipeline::NodeState::measured) << x_m;
-      filled += s.state == pipeline::NodeState::filled ? 1 : 0;
+      EXPECT_EQ(s.state, x_m < 0.026 ? scene::NodeState::filled : scene::NodeState::measured) << x_m;
+      filled += s.state == scene::NodeState::filled ? 1 : 0;
     }
   }
   EXPECT_GT(unknown, 20);

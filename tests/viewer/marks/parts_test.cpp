@@ -14,9 +14,9 @@
 namespace sparsha::viewer::test {
 namespace {
 
-pipeline::ScenePointer with_part() {
-  return plate([](pipeline::SceneDescription& d) {
-    pipeline::PartConfig part;
+scene::ScenePointer with_part() {
+  return plate([](scene::SceneDescription& d) {
+    scene::PartConfig part;
     part.name = part.say = "petal";
     part.box_m = {0.05, 0.05, 0.10, 0.09};
     part.touch.stiffness_n_per_m = 500.0;
@@ -36,7 +36,7 @@ TEST(Marking, APartsCornerIsDraggedAndWhatElseItHasStays) {
   bench.run();
   ASSERT_EQ(bench.saved.size(), 1U);
   ASSERT_EQ(bench.saved[0].size(), 1U);
-  const pipeline::PartConfig& part = bench.saved[0][0];
+  const scene::PartConfig& part = bench.saved[0][0];
   EXPECT_NEAR(part.box_m[0], 0.05, 1e-12);
   EXPECT_NEAR(part.box_m[1], 0.05, 1e-12);
   EXPECT_NEAR(part.box_m[2], 0.13, 0.001);
@@ -78,8 +78,8 @@ TEST(Marking, ANewPartGetsItsNameAndOneThatCannotBeKeptGoesBack) {
 }
 
 TEST(Marking, PartsDrawnInAnotherOrientationAreShownAndNotEdited) {
-  MarkingBench bench(plate([](pipeline::SceneDescription& d) {
-    pipeline::PartConfig part;
+  MarkingBench bench(plate([](scene::SceneDescription& d) {
+    scene::PartConfig part;
     part.name = "petal";
     part.box_m = {0.05, 0.05, 0.10, 0.09};
     d.config.parts.push_back(part);
@@ -97,16 +97,16 @@ TEST(Marking, PartsDrawnInAnotherOrientationAreShownAndNotEdited) {
 }
 
 /// A box, a polygon and a label, of which the pixels from x = 0.10 to 0.15 and y = 0.10 to 0.15 are.
-pipeline::ScenePointer with_shapes(const std::filesystem::path& labels) {
+scene::ScenePointer with_shapes(const std::filesystem::path& labels) {
   sparsha::test::write_labels(
       labels, 40, 40, [](int column, int row) { return column >= 20 && column < 30 && row >= 10 && row < 20 ? 3 : 0; });
-  return plate([&](pipeline::SceneDescription& d) {
+  return plate([&](scene::SceneDescription& d) {
     d.config.audio.emplace();
-    d.config.audio->labels = pipeline::LabelImageConfig{labels, std::array<double, 4>{0.0, 0.0, 0.2, 0.2}};
-    pipeline::PartConfig polygon;
+    d.config.audio->labels = scene::LabelImageConfig{labels, std::array<double, 4>{0.0, 0.0, 0.2, 0.2}};
+    scene::PartConfig polygon;
     polygon.name = polygon.say = "leaf";
     polygon.polygon_m = {{0.02, 0.02}, {0.08, 0.02}, {0.08, 0.04}, {0.04, 0.04}, {0.04, 0.09}, {0.02, 0.09}};
-    pipeline::PartConfig label;
+    scene::PartConfig label;
     label.name = label.say = "stalk";
     label.label = 3;
     d.config.parts = {{"petal", "petal", {0.12, 0.03, 0.18, 0.07}}, polygon, label};
@@ -115,7 +115,7 @@ pipeline::ScenePointer with_shapes(const std::filesystem::path& labels) {
 
 TEST(Marking, PolygonsAndLabelsAreShownAsTheyAreAndOnlyBoxesAreDragged) {
   const sparsha::test::TestFolder folder;
-  const pipeline::ScenePointer scene = with_shapes(folder / "labels.png");
+  const scene::ScenePointer scene = with_shapes(folder / "labels.png");
   MarkingBench bench(scene);
   bench.key('A');
   ASSERT_EQ(bench.marks().parts.size(), 3U);
@@ -165,17 +165,17 @@ TEST(Marking, PolygonsAndLabelsAreShownAsTheyAreAndOnlyBoxesAreDragged) {
 TEST(Marking, AnEditedBoxInAFolderKeepsPolygonsAndLabels) {
   const sparsha::test::TestFolder folder;
   std::filesystem::create_directories(folder / "scene");
-  const pipeline::ScenePointer drawn = with_shapes(folder / "labels.png");
-  pipeline::SceneDescription scanned = drawn->description();
+  const scene::ScenePointer drawn = with_shapes(folder / "labels.png");
+  scene::SceneDescription scanned = drawn->description();
   scanned.config.scans.resize(1);
   scanned.config.scans[0].file = "scan.ply";
   scanned.sources = {{"scan.ply", "abc", 1}};
-  pipeline::write_scene(*pipeline::with_description(drawn, scanned), folder / "scene");
-  const pipeline::ScenePointer opened = pipeline::open_scene(folder / "scene");
-  pipeline::SceneDescription description = opened->description();
+  scene::write_scene(*scene::with_description(drawn, scanned), folder / "scene");
+  const scene::ScenePointer opened = scene::open_scene(folder / "scene");
+  scene::SceneDescription description = opened->description();
   description.config.parts[0].box_m[2] = 0.19;
-  pipeline::write_description(*pipeline::with_description(opened, description), folder / "scene");
-  const pipeline::ScenePointer again = pipeline::open_scene(folder / "scene");
+  scene::write_description(*scene::with_description(opened, description), folder / "scene");
+  const scene::ScenePointer again = scene::open_scene(folder / "scene");
   const auto& parts = again->description().config.parts;
   ASSERT_EQ(parts.size(), 3U);
   EXPECT_EQ(parts[0].box_m[2], 0.19);

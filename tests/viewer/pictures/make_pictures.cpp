@@ -25,10 +25,10 @@ void save(const Image& image, const std::filesystem::path& file) {
 }
 
 /// A hand that presses on the middle of the scene, in the window of the overview.
-haptics::State hand_on(const pipeline::Scene& scene, Picture& picture) {
-  const pipeline::SceneDescription& description = scene.description();
+haptics::State hand_on(const scene::Scene& scene, Picture& picture) {
+  const scene::SceneDescription& description = scene.description();
   const std::size_t last = description.levels.size() - 1;
-  const pipeline::Lattice& level = description.levels[last];
+  const scene::Lattice& level = description.levels[last];
   const double x_m = level.origin_m.x() + 0.5 * (level.nx - 1) * level.spacing_m;
   const double y_m = level.origin_m.y() + 0.5 * (level.ny - 1) * level.spacing_m;
   haptics::State state = touching(scene, x_m, y_m, picture.height_at(x_m, y_m), x_m, y_m);
@@ -40,11 +40,11 @@ haptics::State hand_on(const pipeline::Scene& scene, Picture& picture) {
 }
 
 /// Measures, a pin and parts, set as a person does: by keys and clicks.
-void draw_marks(const pipeline::ScenePointer& scene, const std::filesystem::path& folder, const std::string& name) {
+void draw_marks(const scene::ScenePointer& scene, const std::filesystem::path& folder, const std::string& name) {
   haptics::AnnouncementBoard board;
   Connections connections;
   connections.announcements = &board;
-  connections.save_parts = [](const std::vector<pipeline::PartConfig>&) { return true; };
+  connections.save_parts = [](const std::vector<scene::PartConfig>&) { return true; };
   Studio studio(scene, {}, connections);
   const haptics::State state = hand_on(*scene, studio.picture());
   Controller& controller = studio.controller();
@@ -89,7 +89,7 @@ void draw_marks(const pipeline::ScenePointer& scene, const std::filesystem::path
   for (const std::string& error : studio.gl_errors()) std::fprintf(stderr, "marks: %s\n", error.c_str());
 }
 
-void draw_all(const pipeline::ScenePointer& scene, const std::filesystem::path& folder, const std::string& name) {
+void draw_all(const scene::ScenePointer& scene, const std::filesystem::path& folder, const std::string& name) {
   const auto shoot = [&](const char* what, const std::vector<Action>& actions, int width = 1280, int height = 720) {
     haptics::AnnouncementBoard board;
     Connections connections;
@@ -114,7 +114,7 @@ void draw_all(const pipeline::ScenePointer& scene, const std::filesystem::path& 
     mode = next_mode(scene->description(), mode);
     if (mode == ColourMode::relief) break;
     steps.push_back(Action::colour);
-    shoot(pipeline::ViewerConfig::kColourNames[static_cast<std::size_t>(mode)], steps);
+    shoot(scene::ViewerConfig::kColourNames[static_cast<std::size_t>(mode)], steps);
   }
   shoot("anaglyph", {Action::stereo});
   shoot("anaglyph-grey", {Action::stereo, Action::stereo});
@@ -157,7 +157,7 @@ int main(int count, char** arguments) {
     if (count == 2)
       viewer::test::draw_all(viewer::test::scene_of(viewer::test::lotus, {801, 801, 0.0005, 3}), folder, "lotus");
     for (int k = 2; k < count; ++k)
-      viewer::test::draw_all(pipeline::open_scene(arguments[k]), folder,
+      viewer::test::draw_all(scene::open_scene(arguments[k]), folder,
                              std::filesystem::path(arguments[k]).filename().string());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());

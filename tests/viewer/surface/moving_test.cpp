@@ -10,12 +10,13 @@
 
 #include "../relief_scene.h"
 #include "../studio.h"
+#include "scene/scene.h"
 
 namespace sparsha::viewer::test {
 namespace {
 
 /// A round stone with rings that stand before it: rims and depth steps, as statues have.
-pipeline::ScenePointer statue(int nodes) {
+scene::ScenePointer statue(int nodes) {
   const double spacing_m = 0.4 / (nodes - 1);
   return scene_of(
       [](double x_m, double y_m) {
@@ -31,7 +32,7 @@ struct Moving {
   std::vector<unsigned char> pixels;
 };
 
-Moving turn(const pipeline::ScenePointer& scene) {
+Moving turn(const scene::ScenePointer& scene) {
   Studio studio(scene);
   const gl::Target target(1280, 720, false);
   double time_s = 0.0;

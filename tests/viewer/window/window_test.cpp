@@ -123,14 +123,14 @@ TEST_F(Window, KeysAndMouseReachTheSession) {
 TEST_F(Window, MeasuresPinsAndSectionsAreMadeWithRealKeysAndClicksAndKept) {
   const sparsha::test::TestFolder folder;
   std::filesystem::create_directories(folder / "scene");
-  pipeline::write_scene(*scene_of(lotus, {201, 201, 0.002, 2},
-                                  [](pipeline::SceneDescription& d) {
-                                    d.config.scans.resize(1);
-                                    d.config.scans[0].file = "scan.ply";
-                                    d.sources = {{"scan.ply", "abc", 1}};
-                                  }),
-                        folder / "scene");
-  const auto scene = pipeline::open_scene(folder / "scene");
+  scene::write_scene(*scene_of(lotus, {201, 201, 0.002, 2},
+                               [](scene::SceneDescription& d) {
+                                 d.config.scans.resize(1);
+                                 d.config.scans[0].file = "scan.ply";
+                                 d.sources = {{"scan.ply", "abc", 1}};
+                               }),
+                     folder / "scene");
+  const auto scene = scene::open_scene(folder / "scene");
   haptics::RequestQueue requests;
   std::atomic<int> frames{0};
   std::atomic<bool> finished{false};
@@ -190,7 +190,7 @@ TEST_F(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
   Workshop workshop(square(150, 1.0));
   std::mutex mutex;  // of the workshop, which both threads look at
   const auto made = scene_of(lotus, {201, 201, 0.002, 2});
-  pipeline::ScenePointer scene;
+  scene::ScenePointer scene;
   haptics::Seqlock<haptics::State> state;
   state.publish(touching(*made, 0.2, 0.2, 0.01, 0.2, 0.2));
   haptics::RequestQueue requests;

@@ -80,7 +80,7 @@ class Reader {
     if (count == 0) throw file_.error("the file has no 3D data", "at least one scan");
     RawScan& scan = out_.scan();
     scan.format = "E57";
-    scan.unit = LengthUnit::m;
+    scan.unit = scene::LengthUnit::m;
     scan.scans = count;
     std::uint64_t records = 0;
     for (const Scan& s : scans) {

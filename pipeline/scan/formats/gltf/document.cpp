@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/yaml.h"
 #include "base/yaml_text.h"
 #include "pipeline/scan/text.h"
 

@@ -92,7 +92,7 @@ class Reader {
     refuse_extensions(document_);
     RawScan& scan = out_.scan();
     scan.format = document_.is_binary() ? "glTF 2.0 binary" : "glTF 2.0 text";
-    scan.unit = LengthUnit::m;
+    scan.unit = scene::LengthUnit::m;
     const gltf::Shown shown = gltf::shown_meshes(document_);
     if (shown.instances.empty())
       throw file_.error("no node of its scene shows a mesh", "a scene with a mesh or with points");

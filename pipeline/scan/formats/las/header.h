@@ -45,7 +45,7 @@ struct Header {
 
 /// Unit of x and y and what must be done with z, as far as GeoTIFF keys or WKT tell.
 struct Units {
-  std::optional<LengthUnit> unit;
+  std::optional<scene::LengthUnit> unit;
   bool degrees = false;
   double z_factor = 1.0;  ///< makes z a number of the unit of x and y
   std::vector<std::string> warnings;

@@ -34,10 +34,11 @@ double metres_of_epsg(int code) {
   }
 }
 
-std::optional<LengthUnit> unit_of_metres(double metres) {
-  for (const LengthUnit unit : {LengthUnit::m, LengthUnit::cm, LengthUnit::mm, LengthUnit::ft, LengthUnit::us_ft}) {
+std::optional<scene::LengthUnit> unit_of_metres(double metres) {
+  for (const scene::LengthUnit unit : {scene::LengthUnit::m, scene::LengthUnit::cm, scene::LengthUnit::mm,
+                                       scene::LengthUnit::ft, scene::LengthUnit::us_ft}) {
     // The two feet differ by 2e-6 of their length; WKT gives at least eight digits.
-    if (std::fabs(metres / metres_in(unit) - 1.0) < 5e-7) return unit;
+    if (std::fabs(metres / scene::metres_in(unit) - 1.0) < 5e-7) return unit;
   }
   return std::nullopt;
 }
@@ -79,7 +80,7 @@ Found from_geo_keys(const Header& header, const Record& keys) {
   if (found.horizontal_m == 0.0 && value_of(kLinearUnits) == 0) {
     const std::string citation = lower_case(texts[kCitation]);
     if (citation.find("ftus") != std::string::npos || citation.find("us survey f") != std::string::npos) {
-      found.horizontal_m = metres_in(LengthUnit::us_ft);
+      found.horizontal_m = scene::metres_in(scene::LengthUnit::us_ft);
     } else if (utm || value_of(kModelType) == 3) {
       found.horizontal_m = 1.0;
     }

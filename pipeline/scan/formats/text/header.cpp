@@ -187,11 +187,11 @@ HeaderUnit unit_of(const TableHeader& header) {
   }
   if (header.columns.degrees) return {};
   if (differ) result.several = words;
-  constexpr std::pair<NamedUnit, LengthUnit> kLengths[] = {{NamedUnit::metre, LengthUnit::m},
-                                                           {NamedUnit::centimetre, LengthUnit::cm},
-                                                           {NamedUnit::millimetre, LengthUnit::mm},
-                                                           {NamedUnit::foot, LengthUnit::ft},
-                                                           {NamedUnit::us_foot, LengthUnit::us_ft}};
+  constexpr std::pair<NamedUnit, scene::LengthUnit> kLengths[] = {{NamedUnit::metre, scene::LengthUnit::m},
+                                                                  {NamedUnit::centimetre, scene::LengthUnit::cm},
+                                                                  {NamedUnit::millimetre, scene::LengthUnit::mm},
+                                                                  {NamedUnit::foot, scene::LengthUnit::ft},
+                                                                  {NamedUnit::us_foot, scene::LengthUnit::us_ft}};
   for (const auto& [unit, length] : kLengths) {
     if (!differ && first == unit) result.unit = length;
   }

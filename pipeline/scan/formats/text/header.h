@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/scan/formats/text/column_names.h"
-#include "scene/config.h"
+#include "scene/config/scans.h"
 
 namespace sparsha::pipeline {
 
@@ -33,7 +33,7 @@ struct TableHeader {
 
 /// What x, y and z are given in; several units, or one that no configuration has, are told in words.
 struct HeaderUnit {
-  std::optional<LengthUnit> unit;
+  std::optional<scene::LengthUnit> unit;
   std::string several;  ///< "x in mm, y in mm, z in m"
   std::string unknown;  ///< "in", "km"
 };

@@ -6,18 +6,18 @@
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/formats/text/columns.h"
 #include "pipeline/scan/formats/text/rows.h"
-#include "scene/config.h"
+#include "scene/config/scans.h"
 
 namespace sparsha::pipeline {
 
 struct TableLayout {
   TableStyle style;
   TableColumns columns;
-  std::optional<LengthUnit> unit;  ///< what the header says
-  int first_row = 0;               ///< its line; text stands before it, with numbers perhaps
-  std::string_view header;         ///< the line with the names, which may stand there again where files were joined
-  bool listed_names = false;       ///< the header has a name a line, below their number
-  bool empty = false;              ///< the file declares that it has no rows
+  std::optional<scene::LengthUnit> unit;  ///< what the header says
+  int first_row = 0;                      ///< its line; text stands before it, with numbers perhaps
+  std::string_view header;    ///< the line with the names, which may stand there again where files were joined
+  bool listed_names = false;  ///< the header has a name a line, below their number
+  bool empty = false;         ///< the file declares that it has no rows
 };
 
 /// Throws Error{input} on a file without rows, and where what is read would be a matter of luck.

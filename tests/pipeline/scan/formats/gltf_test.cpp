@@ -98,7 +98,7 @@ TEST(GltfReader, ReadsAMesh) {
   ASSERT_EQ(scan.faces.size(), 2U);
   EXPECT_EQ(scan.faces[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
   EXPECT_EQ(scan.format, "glTF 2.0 binary");
-  EXPECT_EQ(scan.unit, LengthUnit::m);
+  EXPECT_EQ(scan.unit, scene::LengthUnit::m);
   EXPECT_THAT(scan.warnings, IsEmpty());
   EXPECT_EQ(scan.fields, (std::vector<std::string>{"x", "y", "z"}));
 }

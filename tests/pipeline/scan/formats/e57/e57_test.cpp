@@ -180,7 +180,7 @@ TEST(E57Reader, ReadsSinglesDoublesAndPosesAcrossPacketsAndPages) {
   for (const std::size_t per_packet : {1U, 7U, 1000U}) {  // values are cut by the ends of packets
     file.per_packet = per_packet;
     const RawScan scan = folder.read("a.e57", file.bytes());
-    EXPECT_EQ(scan.unit, LengthUnit::m);
+    EXPECT_EQ(scan.unit, scene::LengthUnit::m);
     ASSERT_EQ(scan.points.size(), x.size());
     ASSERT_EQ(scan.stations.size(), 1U);
     EXPECT_EQ(scan.stations[0].place, Eigen::Vector3d(10, 20, 30)) << "the scanner is its own origin";

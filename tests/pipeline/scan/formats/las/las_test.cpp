@@ -89,14 +89,14 @@ TEST(LasReader, FindsUnitsInGeoKeys) {
     file.points = {las_point(0, 0, 0, 0), las_point(0, 100, 0, 100)};
     return folder.read("u.las", file.bytes());
   };
-  EXPECT_EQ(units_of({{1024, 1}, {3076, 9001}}).unit, LengthUnit::m);
-  EXPECT_EQ(units_of({{1024, 1}, {3076, 9002}}).unit, LengthUnit::ft);
-  EXPECT_EQ(units_of({{1024, 1}, {3076, 9003}}).unit, LengthUnit::us_ft);
-  EXPECT_EQ(units_of({{1024, 1}, {3072, 32617}}).unit, LengthUnit::m) << "UTM is in metres";
+  EXPECT_EQ(units_of({{1024, 1}, {3076, 9001}}).unit, scene::LengthUnit::m);
+  EXPECT_EQ(units_of({{1024, 1}, {3076, 9002}}).unit, scene::LengthUnit::ft);
+  EXPECT_EQ(units_of({{1024, 1}, {3076, 9003}}).unit, scene::LengthUnit::us_ft);
+  EXPECT_EQ(units_of({{1024, 1}, {3072, 32617}}).unit, scene::LengthUnit::m) << "UTM is in metres";
   EXPECT_EQ(units_of({{1024, 1}, {3072, 2285}}).unit, std::nullopt);
   EXPECT_TRUE(units_of({{1024, 2}, {2048, 4326}}).degrees);
   const RawScan mixed = units_of({{1024, 1}, {3076, 9001}, {4099, 9002}});
-  EXPECT_EQ(mixed.unit, LengthUnit::m);
+  EXPECT_EQ(mixed.unit, scene::LengthUnit::m);
   EXPECT_DOUBLE_EQ(mixed.points[1].z(), 101.0 * 0.3048) << "heights in feet become metres";
   EXPECT_EQ(mixed.warnings.size(), 1U);
 }
@@ -130,7 +130,7 @@ TEST(LasReader, FindsUnitsInWellKnownText) {
   file.record_id = 2112;
   file.record = R"(PROJCS["p",UNIT["foot",0.3048]])";
   file.points = {las_point(0, 0, 0, 0)};
-  EXPECT_EQ(folder.read("w.las", file.bytes()).unit, LengthUnit::ft);
+  EXPECT_EQ(folder.read("w.las", file.bytes()).unit, scene::LengthUnit::ft);
 }
 
 TEST(LasReader, LoadsFeetAsMetresAndRefusesDegrees) {
@@ -140,7 +140,7 @@ TEST(LasReader, LoadsFeetAsMetresAndRefusesDegrees) {
   file.record_id = 34735;
   file.record = geo_keys({{1024, 1}, {3076, 9003}});
   file.points = {las_point(0, 0, 0, 0), las_point(0, 1000, 0, 0)};
-  ScanConfig config;
+  scene::ScanConfig config;
   config.file = folder.write("feet.las", file.bytes());
   Progress progress;
   const Cloud cloud = load_scan(config, progress);

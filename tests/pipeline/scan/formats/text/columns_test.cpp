@@ -180,11 +180,11 @@ TEST(TextTable, TakesUnitsFromNamesAndFromTheRowBelowThem) {
                                                                            : " ";
     const RawScan scan = expect_relief(relief, relief.numbered(header + "\n", separator));
     ASSERT_TRUE(scan.unit) << header;
-    EXPECT_EQ(*scan.unit, LengthUnit::mm) << header;
+    EXPECT_EQ(*scan.unit, scene::LengthUnit::mm) << header;
     EXPECT_THAT(scan.warnings, IsEmpty()) << header;
   }
-  EXPECT_EQ(read("X [US ft],Y [US ft],Z [US ft]\n1,2,3\n").unit, LengthUnit::us_ft);
-  EXPECT_EQ(read("Range (mm), X (m), Y (m), Z (m)\n5, 1, 2, 3\n").unit, LengthUnit::m);
+  EXPECT_EQ(read("X [US ft],Y [US ft],Z [US ft]\n1,2,3\n").unit, scene::LengthUnit::us_ft);
+  EXPECT_EQ(read("Range (mm), X (m), Y (m), Z (m)\n5, 1, 2, 3\n").unit, scene::LengthUnit::m);
   EXPECT_FALSE(read("id,x,y,z\nint,float,float,float\n1,2,3,4\n").unit);
   expect_refused("a.csv", "X [m],Y [m],Z [mm]\n1,2,3\n", "x in m, y in m, z in mm", 1);
   EXPECT_THAT(read("X [in],Y [in],Z [in]\n1,2,3\n").warnings, ElementsAre(HasSubstr("'in'")));
@@ -367,13 +367,13 @@ TEST(TextTable, WhoseHeaderContradictsTheConfigurationIsReadAsThatSaysWithAWarni
   EXPECT_THAT(other.points, ElementsAre(Eigen::Vector3d(1, 2, 3)));
   EXPECT_THAT(other.warnings, ElementsAre(AllOf(HasSubstr("'y' as x"), HasSubstr("'z' as y"), HasSubstr("'w' as z"))));
   EXPECT_THAT(read("id,x,y,z\n7,1,2,3\n", "a.csv", options).warnings, IsEmpty());
-  EXPECT_EQ(read("id,x [mm],y [mm],z [mm]\n7,1,2,3\n", "a.csv", options).unit, LengthUnit::mm);
+  EXPECT_EQ(read("id,x [mm],y [mm],z [mm]\n7,1,2,3\n", "a.csv", options).unit, scene::LengthUnit::mm);
 }
 
 TEST(TextTable, ColumnsOfTheConfigurationHoldInMemoryStreamedAndInSets) {
   const Relief relief;
   const ScanFolder folder;
-  ScanConfig config;
+  scene::ScanConfig config;
   config.file = folder.write("a.txt", relief.table("", [&](std::size_t k) {
     return fmt::format("0.{:03} {} 1 2 3", k, relief.at(k, " ", "zxy"));
   }));

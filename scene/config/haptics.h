@@ -3,7 +3,7 @@
 
 #include "scene/materials.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 struct HapticsConfig {
   enum class Solver { exact, paper };
@@ -30,4 +30,4 @@ struct HapticsConfig {
   return after_rim ? HapticsConfig::Beyond::rim : HapticsConfig::Beyond::falls;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

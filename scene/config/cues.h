@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// What a cue tells of.
 enum class Cue : std::uint8_t { level, edge, unmeasured, part_entered, part_left };
@@ -22,4 +22,4 @@ struct CuesConfig {
   bool lost = true;  ///< a tone leads back to the stone
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene
