@@ -37,6 +37,7 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"where", "place view contact"},
     {"where_part", "part place view contact"},
     {"touching", ""},
+    {"touching_without_force", ""},
     {"in_the_air", ""},
     {"outside", ""},
     {"place_upper_left", ""},

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "haptics/state/stone_gives.h"
 #include "scene/regions.h"
 
 namespace sparsha::haptics {
@@ -52,7 +53,7 @@ std::optional<std::size_t> Announcer::part_at(const std::array<double, 3>& place
 
 void Announcer::watch(const State& state) {
   constexpr double kOffTheStone_s = 1.0;  // since the last touch; a hand that flies across says nothing
-  const bool touching = state.contact != 0;
+  const bool touching = stone_gives(state);
   if (touching) touched_s_ = state.time_s;
   const bool fallen =
       !touching && (state.flags & (kFlagUnknownArea | kFlagOutside)) != 0 && state.time_s - touched_s_ < kOffTheStone_s;
@@ -149,7 +150,8 @@ void Announcer::describe(const State& state, const View& view) {
   const bool again = here && here == described_ && !part(*here).more.empty();
   described_ = again ? std::nullopt : here;
   if (again) return say_as_is(part(*here).more);
-  std::string contact = phrases_.text(state.contact != 0 ? Phrase("touching") : Phrase("in_the_air"));
+  const Phrase touching = stone_gives(state) ? Phrase("touching") : Phrase("touching_without_force");
+  std::string contact = phrases_.text(state.contact != 0 ? touching : Phrase("in_the_air"));
   if ((state.flags & kFlagOutside) != 0)
     contact += ", " + phrases_.text("outside");
   else if ((state.flags & kFlagUnknownArea) != 0)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/state/stone_gives.h"
+
 namespace sparsha::haptics {
 namespace {
 
@@ -73,7 +75,7 @@ void ReliefWords::watch_rest(const Place& here, double scale) {
 }
 
 void ReliefWords::watch(const State& state) {
-  if (state.contact == 0 || (state.flags & kFlagDragged) != 0 || !(state.scale > 0.0)) return;
+  if (!stone_gives(state) || (state.flags & kFlagDragged) != 0 || !(state.scale > 0.0)) return;
   const Place here{state.scale * Eigen::Vector2d(state.proxy_m[0], state.proxy_m[1]), state.scale * state.proxy_m[2],
                    state.time_s};
   listen(here.time_s);

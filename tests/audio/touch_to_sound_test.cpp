@@ -6,6 +6,7 @@
 #include "tests/audio/listening.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
+#include "tests/support/soft_stone.h"
 
 namespace {
 
@@ -74,6 +75,30 @@ TEST(TouchToSound, AFasterHandIsLouder) {
     EXPECT_GT(level, last + 1.0);
     last = level;
   }
+}
+
+TEST(TouchToSound, StoneThatGivesNoForceIsNeitherStruckNorStroked) {
+  sparsha::test::SoftStone stone(haptics::window_on(sparsha::test::flat_scene()));
+  const auto loudest = [&](bool soft) {
+    audio::Synth synth(audio_scene::bank({audio_scene::note("sa", {-1, -1, 0.055, 1}, 240.0, 1.2),
+                                          audio_scene::note("re", {0.055, -1, 1, 1}, 270.0, 1.2)},
+                                         0.5));
+    synth.profile(audio_scene::rough_profile(), 0);
+    double most = 0.0;
+    for (int k = 0; k < 600; ++k) {
+      const bool lifted = k % 50 >= 40;
+      const double depth_m = soft ? (lifted ? -0.0005 : 0.02) : (lifted ? -0.002 : 0.002);
+      const haptics::State& state = stone.go({3e-5 * k, 0.0, -depth_m});
+      const auto frame = static_cast<std::uint64_t>(48 * k);
+      if (stone.renderer().event()) synth.contact(*stone.renderer().event(), frame);
+      synth.state(state, frame);
+      for (const float value : audio_scene::render(synth, 1e-3)) most = std::max(most, std::abs(double{value}));
+    }
+    return most;
+  };
+  EXPECT_EQ(loudest(true), 0.0);
+  for (int k = 0; k < 100; ++k) stone.go({0.0, 0.0, 0.02});
+  EXPECT_GT(loudest(false), 0.01) << "after the hand has been in the air";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "relief_scene.h"
 #include "scene/scene.h"
 #include "studio.h"
+#include "tests/support/soft_stone.h"
 #include "tests/support/test_folder.h"
 #include "viewer/viewer.h"
 
@@ -122,6 +123,30 @@ TEST(Picture, ContactIsHighlightedAndTheForceIsAnArrow) {
   const int with_long_arrow = studio.shoot_bare(pressed).find(layout.detail, white).count;
   EXPECT_GT(with_arrow, before + 60);
   EXPECT_GT(with_long_arrow, with_arrow + 40);
+}
+
+TEST(Picture, OfStoneThatGivesNoForceNeitherArrowNorGlowIsShown) {
+  Studio studio(scene_of([](double, double) { return 0.0; }, plate()));
+  const auto scene = studio.picture().scene();
+  sparsha::test::SoftStone stone(haptics::window_on(scene));
+  const haptics::State soft = stone.state();
+  ASSERT_GT(soft.force_n[2], stone.kRaw_n);
+  haptics::State nothing = soft;
+  nothing.force_n = {};
+  studio.settle(soft);
+  const Image shown = studio.shoot_bare(soft);
+  EXPECT_EQ(shown.rgba, studio.shoot_bare(nothing).rgba) << "the raw force is no part of the picture";
+  const Image felt = studio.shoot_bare(stone.felt());
+  const Layout layout = layout_of(1280, 720, {});
+  const auto white = [](const Pixel& p) { return p.r > 235 && p.g > 235 && p.b > 235; };
+  EXPECT_GT(felt.find(layout.detail, white).count, shown.find(layout.detail, white).count + 60);
+  haptics::State little = soft;  // no arrow yet, but a glow
+  little.commanded_force_n = {0.0, 0.0, 0.01};
+  const Image glowing = studio.shoot_bare(little);
+  int other = 0;
+  for (std::size_t k = 0; k < shown.rgba.size(); k += 4)
+    other += std::abs(int{glowing.rgba[k]} - int{shown.rgba[k]}) > 20 ? 1 : 0;
+  EXPECT_GT(other, 200);
 }
 
 TEST(Picture, TheWindowsFrameLiesInTheOverviewWhereTheWindowIs) {

@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include "base/text.h"
+#include "haptics/state/stone_gives.h"
 #include "scene/scene.h"
 #include "viewer/gui/gui.h"
 #include "viewer/gui/parts.h"
@@ -28,6 +29,7 @@ Doing doing(const Brush& brush, const Frame& frame) {
   if (flag(haptics::kFlagFault)) return {"Stopped: zero force", brush.theme.fault};
   if (flag(haptics::kFlagStale)) return {"No signal from the hand", brush.theme.warning};
   if (state.contact == 0) return {"In the air", brush.theme.text};
+  if (!haptics::stone_gives(state)) return {"No force: lift the hand", brush.theme.warning};
   if (flag(haptics::kFlagOutside)) return {"Touching outside the scan", brush.theme.warning};
   if (flag(haptics::kFlagUnknownArea)) return {"Touching an area never scanned", brush.theme.warning};
   if (flag(haptics::kFlagFilledArea)) return {"Touching a filled gap", brush.theme.warning};

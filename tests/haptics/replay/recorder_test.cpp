@@ -19,6 +19,7 @@
 
 #include "base/error.h"
 #include "tests/support/records.h"
+#include "tests/support/soft_stone.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::haptics {
@@ -42,6 +43,20 @@ TEST(Recorder, WritesEveryRowOfAFastServo) {
   std::uint64_t lines = 0;
   for (std::string line; std::getline(stream, line);) ++lines;
   EXPECT_EQ(lines, kRows + 1);
+}
+
+TEST(Recorder, ItsFiguresAreOfTheForceThatTheHandGets) {
+  test::SoftStone stone(window_on(test::flat_scene()));
+  Recorder recorder({}, DeviceInfo{}, 1000.0);
+  recorder.start();
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_GT(stone.stroke(1e-5 * k).force_n[2], stone.kRaw_n);
+    ASSERT_TRUE(recorder.push(stone.renderer().record()));
+  }
+  const RunFigures figures = recorder.finish();
+  EXPECT_EQ(figures.rows, 200U);
+  EXPECT_EQ(figures.peak_force_n, 0.0);
+  EXPECT_EQ(figures.mean_force_n, 0.0);
 }
 
 TEST(Recorder, CountsTheRowsItCouldNotTake) {

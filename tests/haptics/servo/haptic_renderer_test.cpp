@@ -1,4 +1,5 @@
 #include "haptics/servo/haptic_renderer.h"
+#include "haptics/state/stone_gives.h"
 #include "haptics/window/surface.h"
 #include "haptics/window/window.h"
 
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "tests/support/servo_parts.h"
+#include "tests/support/soft_stone.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -85,6 +87,19 @@ TEST(HapticRenderer, GivesNoForceBeforeTheHandHasBeenInFreeSpaceForFiftyMillisec
   for (int i = 0; i < 60; ++i) hand.go({0.0, 0.0, 0.003});
   for (int i = 0; i < 10; ++i) hand.go({0.0, 0.0, -0.001});
   EXPECT_GT(hand.renderer.state().commanded_force_n[2], 0.5);
+}
+
+TEST(HapticRenderer, StoneGivesNothingAfterNewsThatStayedAwayThoughTheRawForceIsKnown) {
+  sparsha::test::SoftStone stone(window_on(sparsha::test::flat_scene()));
+  EXPECT_TRUE(stone_gives(stone.felt()));
+  EXPECT_GT(vector_of(stone.felt().commanded_force_n).norm(), 7.9);
+  for (int k = 0; k < 200; ++k) {
+    const State& state = stone.stroke(1e-5 * k);
+    ASSERT_GT(vector_of(state.force_n).norm(), stone.kRaw_n);
+    ASSERT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
+    ASSERT_EQ(state.contact, 1U);
+    ASSERT_FALSE(stone_gives(state));
+  }
 }
 
 TEST(HapticRenderer, TellsWhichShareOfTheForceTheHandIsGivenAndNoStrikeWithoutForce) {

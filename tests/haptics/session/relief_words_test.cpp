@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/support/scenes.h"
+#include "tests/support/soft_stone.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -89,6 +90,34 @@ TEST_F(Relief, SmallHeightsUnderAMagnifiedViewAreNoMillimetre) {
   go(0.02, 1.0, step);
   go(0.02, 1.0, step);
   EXPECT_EQ(said(), (Texts{"Step up, 0.3 millimetres"}));
+}
+
+TEST_F(Relief, StoneThatGivesNoForceIsNotSpokenOf) {
+  const auto ramp = [](double x, double) { return 0.3 * std::max(0.0, x - 0.055); };
+  const auto scene = sparsha::test::scene_of(ramp, 201, 0.1, 201, Eigen::Vector3d::Zero(), [](auto& description) {
+    scene::PartConfig part;
+    part.say = "Upper step";
+    part.box_m = {0.062, 0.0, 0.1, 0.1};
+    description.config.parts.push_back(part);
+  });
+  sparsha::test::SoftStone stone(window_on(scene));
+  Announcer announcer(board_, scene);
+  const auto stroke = [&](double height_m) {
+    for (int k = 0; k < 3000; ++k) {
+      const State& state = height_m == 0.0 ? stone.stroke(1e-5 * k) : stone.go({1e-5 * k, 0.0, height_m});
+      announcer.watch(state);
+      words_.watch(state);
+    }
+  };
+  stroke(0.0);
+  EXPECT_EQ(stone.state().contact, 1U);
+  EXPECT_EQ(said(), Texts{});
+  announcer.describe(stone.state(), View{});
+  EXPECT_NE(said().back().find("touching without a force: lift your hand"), std::string::npos) << said().back();
+  const std::size_t before = said().size();
+  for (int k = 0; k < 100; ++k) stone.go({0.0, 0.0, 0.02});
+  stroke(-0.001);
+  EXPECT_GT(said().size(), before) << "once it has been lifted, the same stroke is told";
 }
 
 }  // namespace
