@@ -219,7 +219,7 @@ bool run(bool quick, const std::string& only, const std::filesystem::path& out,
          (!asked("scanned") || write_scanned(out, quick)) && (!slow("drag") || write_drag(out)) &&
          (!slow("stability") || write_stability(out, quick)) &&
          (!slow("edges") || write_edges(scenes, quick ? 10 : 40)) &&
-         (!slow("loops") || write_loops(scenes, quick ? 300 : 5000));
+         (!slow("loops") || write_loops(scenes, quick ? 600 : 5000));
 }
 
 int usage() {
