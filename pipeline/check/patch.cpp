@@ -164,8 +164,9 @@ PatchPoint closest_on_patch(const Patch& patch, double x, double y, double z) no
   return Search(patch, x, y, z).run();
 }
 
-PatchPoint closest_on_patch_by_descent(const Patch& p, double x, double y, double z) noexcept {
-  constexpr int kSteps = 4, kMaxTurns = 500;
+PatchPoint closest_on_patch_by_search(const Patch& p, double x, double y, double z) noexcept {
+  constexpr int kParts = 64, kTurns = 40, kPolish = 4;
+  constexpr double kGolden = 0.6180339887498949;
   const auto height = [&](double u, double v) {
     return (p.z00 * (1 - u) + p.z10 * u) * (1 - v) + (p.z01 * (1 - u) + p.z11 * u) * v;
   };
@@ -178,18 +179,44 @@ PatchPoint closest_on_patch_by_descent(const Patch& p, double x, double y, doubl
     const double s = high - low;
     return std::clamp((place + s * (z - low)) / (1 + s * s), 0.0, 1.0);
   };
+  const auto best_v = [&](double u) { return along(y, height(u, 0), height(u, 1)); };
+  const auto of = [&](double u) { return squared(u, best_v(u)); };
+  // Going along u and v in turns would creep where both slopes are steep: the best places of lines are compared
+  // instead, about each of those that are better than the lines beside them.
   PatchPoint best{0, 0, std::numeric_limits<double>::infinity(), 0};
-  for (int j = 0; j <= kSteps; ++j)
-    for (int i = 0; i <= kSteps; ++i) {
-      const double u = static_cast<double>(i) / kSteps, v = static_cast<double>(j) / kSteps;
-      if (squared(u, v) < best.squared_distance) best = {u, v, squared(u, v), 0};
+  const auto offer = [&](double u, double v) {
+    if (squared(u, v) < best.squared_distance) best = {u, v, squared(u, v), 0};
+  };
+  std::array<double, kParts + 1> line;
+  for (int k = 0; k <= kParts; ++k) line[static_cast<std::size_t>(k)] = of(static_cast<double>(k) / kParts);
+  for (int k = 0; k <= kParts; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    if ((k > 0 && line[at - 1] < line[at]) || (k < kParts && line[at + 1] < line[at])) continue;
+    double low = std::max(k - 1, 0) / static_cast<double>(kParts);
+    double high = std::min(k + 1, kParts) / static_cast<double>(kParts);
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+      const bool lower = of(a) <= of(b);
+      (lower ? high : low) = lower ? b : a;
     }
-  for (int turn = 0; turn < kMaxTurns; ++turn) {
-    const double u = along(x, height(0, best.v), height(1, best.v));
-    const double v = along(y, height(u, 0), height(u, 1));
-    const double moved = std::abs(u - best.u) + std::abs(v - best.v);
-    best = {u, v, squared(u, v), 0};
-    if (moved < kTolerance) break;
+    offer((low + high) / 2, best_v((low + high) / 2));
+  }
+  offer(0, best_v(0));
+  offer(1, best_v(1));
+  // Values of a function tell the place of its minimum to half their digits; its derivatives tell the rest.
+  const double twist = (p.z11 - p.z10) - (p.z01 - p.z00);
+  for (int turn = 0; turn < kPolish; ++turn) {
+    const double dz = height(best.u, best.v) - z;
+    const double su = height(1, best.v) - height(0, best.v), sv = height(best.u, 1) - height(best.u, 0);
+    const double gu = best.u - x + dz * su, gv = best.v - y + dz * sv;
+    const double uu = 1 + su * su, vv = 1 + sv * sv, uv = su * sv + dz * twist;
+    const double determinant = uu * vv - uv * uv;
+    if (determinant > 0) {
+      offer(std::clamp(best.u - (vv * gu - uv * gv) / determinant, 0.0, 1.0),
+            std::clamp(best.v - (uu * gv - uv * gu) / determinant, 0.0, 1.0));
+    }
+    offer(along(x, height(0, best.v), height(1, best.v)), best.v);
+    offer(best.u, best_v(best.u));
   }
   const double slope_u = height(1, best.v) - height(0, best.v), slope_v = height(best.u, 1) - height(best.u, 0);
   best.side = (z - height(best.u, best.v)) - slope_u * (x - best.u) - slope_v * (y - best.v);

@@ -17,8 +17,8 @@ struct PatchPoint {
 /// Nearest point of the patch to (x, y, z), given in the cell's own units with the patch over [0, 1]^2.
 [[nodiscard]] PatchPoint closest_on_patch(const Patch& patch, double x, double y, double z) noexcept;
 
-/// The same without polynomials: from the best of 25 samples, exact minimisation along u and v in turn. It judges the
-/// other; on patches twisted by many times their width it may end in a local minimum.
-[[nodiscard]] PatchPoint closest_on_patch_by_descent(const Patch& patch, double x, double y, double z) noexcept;
+/// The same without polynomials: a golden-section search about each of 65 lines that lies nearer than those beside it,
+/// and Newton's steps from its end. It judges the other.
+[[nodiscard]] PatchPoint closest_on_patch_by_search(const Patch& patch, double x, double y, double z) noexcept;
 
 }  // namespace sparsha::pipeline

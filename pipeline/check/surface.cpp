@@ -163,7 +163,7 @@ SurfaceDistance SurfaceIndex::distance_by_walking(double x_m, double y_m, double
     for (int j = std::max(0, cj - ring); j <= std::min(cells_y - 1, cj + ring); ++j) {
       const bool whole_row = j == cj - ring || j == cj + ring;
       for (int i = ci - ring; i <= ci + ring; i += whole_row || ring == 0 ? 1 : 2 * ring)
-        if (i >= 0 && i < cells_x) offer_cell(i, j, x, y, z, best, closest_on_patch_by_descent);
+        if (i >= 0 && i < cells_x) offer_cell(i, j, x, y, z, best, closest_on_patch_by_search);
     }
   }
   return result({std::numeric_limits<double>::infinity(), 0});

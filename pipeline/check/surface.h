@@ -29,7 +29,7 @@ class SurfaceIndex {
   };
   /// Exact nearest distance, candidate cells from the kd-tree.
   [[nodiscard]] SurfaceDistance distance(double x_m, double y_m, double z_m, Scratch& scratch) const;
-  /// The same by rings of cells about the point and by descent on their patches; gives up (infinite) when `max_rings`
+  /// The same by rings of cells about the point and by a search on their patches; gives up (infinite) when `max_rings`
   /// do not decide.
   [[nodiscard]] SurfaceDistance distance_by_walking(double x_m, double y_m, double z_m, int max_rings) const;
 

@@ -58,16 +58,32 @@ TEST(ClosestOnPatch, FindsTheGlobalMinimumOfStronglyTwistedPatches) {
   }
 }
 
-TEST(ClosestOnPatch, AgreesWithDescentWhereTheDistanceIsConvex) {
+TEST(ClosestOnPatch, AgreesWithTheSearchWhereTheDistanceIsConvex) {
   std::mt19937 random(33);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int round = 0; round < 20000; ++round) {
     const Patch p{0.3 * unit(random), 0.3 * unit(random), 0.3 * unit(random), 0.3 * unit(random)};
     const double x = 0.5 + unit(random), y = 0.5 + unit(random), z = 0.4 * unit(random);
-    const PatchPoint exact = closest_on_patch(p, x, y, z), other = closest_on_patch_by_descent(p, x, y, z);
+    const PatchPoint exact = closest_on_patch(p, x, y, z), other = closest_on_patch_by_search(p, x, y, z);
     ASSERT_NEAR(exact.squared_distance, other.squared_distance, 1e-13) << "round " << round;
     if (exact.squared_distance > 1e-12) {
       ASSERT_EQ(exact.side > 0, other.side > 0);
+    }
+  }
+}
+
+TEST(ClosestOnPatch, AgreesWithTheSearchOnSteepAndTwistedGround) {
+  std::mt19937 random(34);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const double steep : {3.0, 30.0, 300.0}) {
+    for (int round = 0; round < 2000; ++round) {
+      const double a = steep * unit(random), b = steep * unit(random), twist = round % 2 == 0 ? 0.3 : steep;
+      const Patch p{0, a, b, a + b + twist * unit(random)};
+      const double x = 0.5 + 0.7 * unit(random), y = 0.5 + 0.7 * unit(random);
+      const double z = height(p, x, y) + (round % 4 < 2 ? unit(random) : steep * unit(random));
+      ASSERT_NEAR(std::sqrt(closest_on_patch(p, x, y, z).squared_distance),
+                  std::sqrt(closest_on_patch_by_search(p, x, y, z).squared_distance), 1e-11)
+          << "steepness " << steep << ", round " << round;
     }
   }
 }
