@@ -145,6 +145,30 @@ TEST(FieldsOfPly, OpacityAndColourOfSplatsAreWhatIsSeen) {
   EXPECT_THAT(values_of(plain + "0 0 0 0.75\n", "a.ply", "opacity"), ElementsAre(0.75F));
 }
 
+TEST(FieldsOfPly, OpacityOfSplatsThatIsAShareAlreadyStaysWhatItIs) {
+  std::string names = "property float x\nproperty float y\nproperty float z\n";
+  for (const char* name : {"f_dc_0", "f_dc_1", "f_dc_2", "opacity"})
+    names += std::string("property float ") + name + "\n";
+  const auto read = [&](const std::vector<float>& opacities, bool binary) {
+    const auto count = static_cast<int>(opacities.size());
+    std::string bytes = ply_header(binary ? "binary_little_endian" : "ascii", names, count);
+    for (int k = 0; k < count; ++k) {
+      const float opacity = opacities[static_cast<std::size_t>(k)];
+      if (!binary) bytes += std::to_string(k) + " 0 0 0 0 0 " + std::to_string(opacity) + "\n";
+      for (const float value : {static_cast<float>(k), 0.0F, 0.0F, 0.0F, 0.0F, 0.0F, opacity})
+        if (binary) put(bytes, value);
+    }
+    return values_of(bytes, "a.ply", "opacity");
+  };
+  for (const bool binary : {false, true}) {
+    EXPECT_THAT(read({0.0F, 0.25F, 1.0F}, binary), ElementsAre(0.0F, 0.25F, 1.0F));
+    const auto seen = [](double logit) { return static_cast<float>(1.0 / (1.0 + std::exp(-logit))); };
+    EXPECT_THAT(read({0.0F, 0.25F, 1.5F}, binary), ElementsAre(0.5F, seen(0.25), seen(1.5)));
+    EXPECT_THAT(read({-0.5F, 0.25F, 1.0F}, binary), ElementsAre(seen(-0.5), seen(0.25), seen(1.0)));
+    EXPECT_THAT(read({1.0F, 1.0F}, binary), ElementsAre(seen(1.0), seen(1.0)));  // all the same: nothing tells
+  }
+}
+
 TEST(FieldsOfPcd, AreReadInEveryEncoding) {
   const auto header = [](const char* data) {
     return std::string(

@@ -107,12 +107,31 @@ ColourScale sampled_scale(const ScanFile& file, LineReader lines, const Element&
   return colour_scale(largest, is_floating(vertex.properties[static_cast<std::size_t>(columns.red)].type));
 }
 
+/// From the first records.
+void read_opacity_range(const ScanFile& file, LineReader lines, const Element& vertex,
+                        std::vector<VertexField>& fields) {
+  constexpr std::uint64_t kSample = 1000;
+  RecordParser record(file, vertex, -1);
+  std::string_view line;
+  for (VertexField& field : fields) {
+    if (!field.logit) continue;
+    OpacityRange range;
+    for (std::uint64_t i = 0; i < std::min(vertex.count, kSample); ++i) {
+      next_record(file, lines, vertex, i, line);
+      record.parse(line, lines.number());
+      range.look_at(record[static_cast<int>(field.column)]);
+    }
+    field.logit = !range.is_share();
+  }
+}
+
 void read_vertices(const ScanFile& file, LineReader& lines, const Element& vertex, ScanWriter& out) {
   const VertexColumns columns = vertex_columns(file, vertex);
   const bool colour = columns.has_colour();
   const bool intensity = columns.intensity >= 0;
   const ColourScale scale = colour ? sampled_scale(file, lines, vertex, columns) : ColourScale::byte;
-  const std::vector<VertexField> fields = vertex_fields(vertex, columns, out);
+  std::vector<VertexField> fields = vertex_fields(vertex, columns, out);
+  read_opacity_range(file, lines, vertex, fields);
   const auto channel = [&](double value) {
     return colour_byte(columns.splat_colour ? colour_of_splat(value) : value, scale);
   };

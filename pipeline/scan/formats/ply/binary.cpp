@@ -43,6 +43,7 @@ class Body {
     std::vector<std::size_t> offsets;
     record_offsets(vertex, p_, offsets);
     VertexLayout layout = make_layout(vertex, columns, offsets);
+    read_opacity_range(vertex, layout, stride);
     if (columns.has_colour()) layout.scale = sampled_scale(vertex, layout, stride);
     const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
                             layout.blue.type == ScalarType::u8 && !layout.alpha.present() &&
@@ -202,6 +203,20 @@ class Body {
       }
     }
     return colour_scale(largest, is_floating(layout.red.type));
+  }
+
+  void read_opacity_range(const Element& vertex, const VertexLayout& layout, std::size_t stride) {
+    constexpr std::uint64_t kSample = 20'000;
+    const std::uint64_t every = std::max<std::uint64_t>(1, vertex.count / kSample);
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      if (!fields_[k].logit) continue;
+      OpacityRange range;
+      for (std::uint64_t i = 0; i < vertex.count; i += every) {
+        const char* const q = p_ + static_cast<std::size_t>(i) * stride;
+        range.look_at(load_scalar<big>(q + layout.fields[k].offset, layout.fields[k].type));
+      }
+      fields_[k].logit = !range.is_share();
+    }
   }
 
   void read_vertices_with_lists(const Element& vertex, const VertexColumns& columns) {

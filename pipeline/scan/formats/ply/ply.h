@@ -2,8 +2,10 @@
 // it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,6 +77,21 @@ struct VertexField {
 
   [[nodiscard]] double value(double stored) const { return logit ? 1.0 / (1.0 + std::exp(-stored)) : stored; }
 };
+/// Whether splats' opacities are logits, as training writes them, or what some programs write in their place: 0 to 1.
+/// Logits from 0 to 1 alone would be a cloud whose splats all let a quarter to half of the light through.
+class OpacityRange {
+ public:
+  void look_at(double stored) {
+    least_ = std::min(least_, stored);
+    most_ = std::max(most_, stored);
+  }
+  [[nodiscard]] bool is_share() const { return least_ >= 0.0 && most_ <= 1.0 && least_ < most_; }
+
+ private:
+  double least_ = std::numeric_limits<double>::infinity();
+  double most_ = -std::numeric_limits<double>::infinity();
+};
+
 [[nodiscard]] std::vector<VertexField> vertex_fields(const Element& vertex, const VertexColumns& columns,
                                                      ScanWriter& out);
 
