@@ -97,7 +97,7 @@ class Builder {
   ProjectedScans run() {
     progress_.begin("read");
     ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_,
-                  fields_of(filters_));
+                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size()));
     require_fields(config_.scans, scans, filters_, progress_);
     if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
     scans.require_surface();
@@ -106,7 +106,7 @@ class Builder {
       for (const std::string& pieces : scans.pieces()) progress_.warn(pieces);
     }
     try {
-      if (!points_fit(scans)) throw DoesNotFit();
+      if (!may_fit(limit_, amount_of(scans), filters_)) throw DoesNotFit();
       build_in_memory(scans);
     } catch (const DoesNotFit&) {
       result_ = {};
@@ -139,11 +139,6 @@ class Builder {
   }
   [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
 
-  [[nodiscard]] bool points_fit(const ScanSet& scans) const {
-    if (limit_.points > 0 && scans.points() > limit_.points) return false;
-    return limit_.bytes == 0 || bytes_in_memory(scans, filters_) <= limit_.bytes;
-  }
-
   [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const scene::Lattice& lattice) const {
     return bytes_of_nodes(config_, options_.grid_only, config_.grid.colour && scans.has_colour(),
                           config_.grid.intensity && scans.has_intensity(), lattice);
@@ -156,7 +151,7 @@ class Builder {
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
     build_cloud(cloud, filters_, points, {}, [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
-      std::uint64_t needed = bytes_in_memory(scans, filters_) + node_bytes(scans, lattice);
+      std::uint64_t needed = bytes_in_memory(amount_of(scans), filters_) + node_bytes(scans, lattice);
       // What is counted for a point is enough for windows; discs take more.
       needed += (std::max(bytes_per_point, kWindowBytes) - kWindowBytes) * scans.points();
       // Of a mesh as many places may be sampled as there are nodes.
@@ -271,20 +266,17 @@ class Builder {
 
   // Faces, and filters that look farther than a point, are not for points on disk.
   void require_points_only(const ScanSet& scans) const {
-    const auto refuse = [&](const std::string& what, const std::string& remedy, const Place& place = {}) {
-      throw Error(ErrorKind::failure, place,
-                  fmt::format("{} points{} need about {} MB and the grid in memory, more than the limit, and {}",
-                              scans.points(), scans.faces() > 0 ? fmt::format(" and {} faces", scans.faces()) : "",
-                              bytes_in_memory(scans, filters_) / 1'000'000U + 1, what),
-                  remedy);
-    };
-    if (scans.faces() > 0) refuse("scans with faces are built in memory only", "a higher --memory");
+    const ScanAmount amount = amount_of(scans);
+    if (amount.faces > 0) throw refusal_of_mesh(amount, filters_);
     for (const scene::FilterConfig& filter : filters_) {
       if (std::holds_alternative<scene::VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
       if (can_be_streamed(filter)) continue;
       const std::string name = scene::filter_name(filter);
-      refuse("the filter '" + name + "' works in memory only",
-             "a higher --memory, a voxel filter before it" + without(filter, name), filter.place);
+      throw Error(ErrorKind::failure, filter.place,
+                  fmt::format("{} points need about {} MB and the grid in memory, more than the limit, and the filter "
+                              "'{}' works in memory only",
+                              amount.points, bytes_in_memory(amount, filters_) / 1'000'000U + 1, name),
+                  "a higher --memory, a voxel filter before it" + without(filter, name));
     }
   }
 

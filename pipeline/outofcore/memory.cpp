@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -49,10 +50,15 @@ bool sorts_into_cells(const scene::FilterConfig& filter) {
 
 }  // namespace
 
-std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<scene::FilterConfig>& filters) {
+ScanAmount amount_of(const ScanSet& scans) {
+  const std::uint64_t attributes =
+      scans.fields().size() + (scans.has_colour() ? 1U : 0U) + (scans.has_intensity() ? 1U : 0U);
+  return {scans.points(), scans.faces(), attributes};
+}
+
+std::uint64_t bytes_in_memory(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters) {
   const auto any = [&](const auto& test) { return std::any_of(filters.begin(), filters.end(), test); };
-  std::uint64_t a_point = kPoint + scans.fields().size() * kAttribute + (scans.has_colour() ? kAttribute : 0) +
-                          (scans.has_intensity() ? kAttribute : 0);
+  std::uint64_t a_point = kPoint + scans.attributes * kAttribute;
   const bool smooths = any([](const scene::FilterConfig& f) { return std::holds_alternative<scene::SmoothConfig>(f); });
   if (any([](const scene::FilterConfig& f) { return std::holds_alternative<scene::VoxelConfig>(f); })) {
     a_point += kVoxel;
@@ -60,7 +66,36 @@ std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<scene::Fil
     a_point += kCells;
   }
   if (smooths) a_point += kMoved;
-  return kProgram + a_point * scans.points() + kFace * scans.faces();
+  return kProgram + a_point * scans.points + kFace * scans.faces;
+}
+
+bool may_fit(const MemoryLimit& limit, const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters) {
+  if (limit.points > 0 && scans.points > limit.points) return false;
+  return limit.bytes == 0 || bytes_in_memory(scans, filters) <= limit.bytes;
+}
+
+Error refusal_of_mesh(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters) {
+  return Error(ErrorKind::failure, {},
+               fmt::format("{} points and {} faces need about {} MB and the grid in memory, more than the limit, and "
+                           "scans with faces are built in memory only",
+                           scans.points, scans.faces, bytes_in_memory(scans, filters) / 1'000'000U + 1),
+               "a higher --memory");
+}
+
+MeshRefusal mesh_refusal(const MemoryLimit& limit, const std::vector<scene::FilterConfig>& filters,
+                         std::size_t fields) {
+  if (limit.none()) return {};
+  return [limit, filters, fields](std::uint64_t vertices, std::uint64_t triangles) -> std::optional<Error> {
+    if (may_fit(limit, {vertices, triangles, 0}, filters)) return std::nullopt;
+    constexpr std::size_t kMostAttributes = 2;  // colour and intensity, of which nobody knows yet
+    return refusal_of_mesh({vertices, triangles, kMostAttributes + fields}, filters);
+  };
+}
+
+std::uint64_t points_to_keep(const MemoryLimit& limit, std::uint64_t most) {
+  constexpr std::uint64_t kKept = 80;  // bytes, with what is looked for beside them
+  if (limit.bytes == 0) return most;
+  return std::min(most, (limit.bytes - std::min(limit.bytes, kProgram)) / kKept);
 }
 
 std::uint64_t bytes_of_nodes(const scene::Config& config, bool grid_only, bool colour, bool intensity,

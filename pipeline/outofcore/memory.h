@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "base/error.h"
 #include "pipeline/scan/set.h"
 #include "scene/config/config.h"
 #include "scene/depth_grid.h"
@@ -17,8 +18,30 @@ struct MemoryLimit {
   [[nodiscard]] bool none() const { return bytes == 0 && points == 0; }
 };
 
+/// What decides how much memory scans take.
+struct ScanAmount {
+  std::uint64_t points = 0;
+  std::uint64_t faces = 0;
+  std::uint64_t attributes = 0;  ///< of each point: colour, intensity, fields
+};
+[[nodiscard]] ScanAmount amount_of(const ScanSet& scans);
+
+/// Whether a build in memory may fit, whatever its nodes need.
+[[nodiscard]] bool may_fit(const MemoryLimit& limit, const ScanAmount& scans,
+                           const std::vector<scene::FilterConfig>& filters);
+
 /// The most that a build in memory needs at once beside its nodes, bytes.
-[[nodiscard]] std::uint64_t bytes_in_memory(const ScanSet& scans, const std::vector<scene::FilterConfig>& filters);
+[[nodiscard]] std::uint64_t bytes_in_memory(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters);
+
+/// The error of a mesh that does not fit, which is built in memory only: it names what is enough beside the grid.
+[[nodiscard]] Error refusal_of_mesh(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters);
+
+/// Refuses a mesh while it is looked at, before it is in memory; empty without a limit. `fields` that points keep.
+[[nodiscard]] MeshRefusal mesh_refusal(const MemoryLimit& limit, const std::vector<scene::FilterConfig>& filters,
+                                       std::size_t fields);
+
+/// Points that a first look at the scans may keep in memory, of `most` at most.
+[[nodiscard]] std::uint64_t points_to_keep(const MemoryLimit& limit, std::uint64_t most);
 
 /// The most that nodes need at once in any stage of a build, bytes. `colour` and `intensity`: there are such layers.
 [[nodiscard]] std::uint64_t bytes_of_nodes(const scene::Config& config, bool grid_only, bool colour, bool intensity,

@@ -15,4 +15,7 @@ namespace sparsha::pipeline {
 /// its points in double.
 [[nodiscard]] bool is_quick_to_stream(const std::filesystem::path& file);
 
+/// False when a file's format, or its header, says that it has no faces.
+[[nodiscard]] bool may_hold_faces(const std::filesystem::path& file);
+
 }  // namespace sparsha::pipeline

@@ -110,6 +110,22 @@ bool is_quick_to_stream(const std::filesystem::path& file) {
   return is_pcd(scan) && (says("DATA binary\n") || says("DATA binary\r\n"));
 }
 
+bool may_hold_faces(const std::filesystem::path& file) {
+  const MappedFile map(file);
+  ScanFile scan;
+  scan.extension = ending_of(file.string());
+  if (!scan.extension.empty()) scan.extension.erase(0, 1);
+  scan.bytes = map.text().substr(byte_order_mark(map.text()));
+  if (is_binary_stl(scan) || is_gltf(scan) || is_ascii_stl(scan)) return true;
+  if (is_ply(scan)) {
+    const std::string_view header = scan.bytes.substr(0, std::min(scan.bytes.find("end_header"), scan.bytes.size()));
+    // Any element beside the vertices.
+    return header.find("element ", header.find("element ") + 1) != std::string_view::npos;
+  }
+  if (looks_binary(scan.bytes)) return scan.extension == "stl";
+  return is_off(scan) || is_obj(scan) || scan.extension == "obj" || scan.extension == "stl";
+}
+
 RawScan read_scan_bytes(std::string_view bytes, const std::string& name, const ReadOptions& options) {
   return read_into(name, bytes, nullptr, {}, nullptr, options);
 }

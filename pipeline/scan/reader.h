@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "base/error.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
 #include "scene/config/scans.h"
@@ -40,6 +41,9 @@ struct TextTable {
   std::vector<std::string> columns;  ///< of most rows, in the words of `scans: columns`
 };
 
+/// Of a mesh of so many vertices and triangles: the error with which it is refused, or nothing when it may be read.
+using MeshRefusal = std::function<std::optional<Error>(std::uint64_t vertices, std::uint64_t triangles)>;
+
 /// What is known of a file besides its bytes.
 struct ReadOptions {
   enum class Tally : std::uint8_t {
@@ -50,6 +54,9 @@ struct ReadOptions {
   std::vector<std::string> columns{};  ///< ScanConfig::columns
   std::vector<std::string> fields{};   ///< whose values are wanted point by point, as field_key() gives them
   Tally tally = Tally::worth;          ///< what is counted in RawScan::tallies
+  /// Asked before a mesh is in memory: when the file says how large it is, else while it is read; what is refused is
+  /// only counted from then on, and its error thrown at the end.
+  MeshRefusal mesh_refusal{};
 };
 
 /// One scan as the file has it: file units, double, before any pose but with the file's own.

@@ -242,11 +242,12 @@ struct ScanSet::Scan {
     return 1.0;
   }
   static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
-                                       bool streamed, Progress& progress) {
+                                       bool streamed, Progress& progress, const MeshRefusal& mesh_refusal = {}) {
     auto scan = std::make_unique<Scan>();
     scan->file = config.file;
     scan->options.columns = config.columns;
     scan->options.fields = fields;
+    scan->options.mesh_refusal = mesh_refusal;
     scan->streamed = streamed;
     const bool bounds = config.units.unit == scene::LengthUnit::longest_side;
     if (streamed) {
@@ -268,9 +269,11 @@ struct ScanSet::Scan {
         scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place, {}});
       }
     }
+    scan->options.mesh_refusal = {};
     scan->decide_empty_returns();
     // A stream cannot know where a polygon is hollow, nor which points are corners: a mesh is looked at in memory.
     if (streamed && !scan->raw.faces.empty()) {
+      scan.reset();
       scan = look_at(config, fields, false, progress);
       scan->streamed = true;
       scan->raw.points = {};
@@ -297,10 +300,16 @@ struct ScanSet::Scan {
 };
 
 ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
-                 const std::vector<std::string>& fields)
+                 const std::vector<std::string>& fields, const MeshRefusal& mesh_refusal)
     : configs_(scans), fields_(fields), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
   std::vector<ScanSize> sizes;
+  MeshRefusal refusal_of_all;
+  if (mesh_refusal) {
+    refusal_of_all = [&](std::uint64_t vertices, std::uint64_t triangles) {
+      return mesh_refusal(points_ + vertices, faces_ + triangles);
+    };
+  }
   try {
     for (const scene::ScanConfig& config : scans) {
       progress.throw_if_cancelled();
@@ -309,7 +318,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
             std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
       }
       const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
-      scans_.push_back(Scan::look_at(config, fields_, streamed, progress));
+      scans_.push_back(Scan::look_at(config, fields_, streamed, progress, refusal_of_all));
       const Scan& scan = *scans_.back();
       records_.push_back(scan.raw.records);
       points_ += scan.valid;

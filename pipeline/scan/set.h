@@ -15,7 +15,8 @@
 #include "base/progress.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
-#include "scene/config/scans.h"
+#include "pipeline/scan/reader.h"
+#include "scene/config/config.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
@@ -38,9 +39,10 @@ class ScanSet {
 
   /// Reads every scan. Throws Error{input}, also on a scan without a point; warns of implausible units. `digests`: the
   /// files' SHA-256 are taken meanwhile, for sources(). `fields`: what the points shall keep beside colour and
-  /// intensity, as field_key() gives it.
+  /// intensity, as field_key() gives it. `mesh_refusal`: asked of all points and triangles of a mesh and the scans
+  /// before it.
   ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
-          const std::vector<std::string>& fields = {});
+          const std::vector<std::string>& fields = {}, const MeshRefusal& mesh_refusal = {});
   ~ScanSet();
   ScanSet(const ScanSet&) = delete;
   ScanSet& operator=(const ScanSet&) = delete;

@@ -1,5 +1,5 @@
-// Distances to neighbours: of all points in memory through a tree; of a stream from the points about some
-// places, which a first look has chosen.
+// Distances to neighbours: of few points through a tree; of many from the points about some places, which a first look
+// has chosen.
 #include "pipeline/scan/statistics.h"
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/pcl_trees.hpp"
+#include "pipeline/scan/read_bytes.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -134,95 +135,182 @@ double median_spacing(const std::vector<Eigen::Vector3d>& points) {
   return spacing.value_or(0.0);
 }
 
-ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress, std::uint64_t large_bytes) {
-  ScanStatistics statistics;
-  ReadOptions options;
-  options.fields = {PointField::kClass, "confidence", "opacity"};  // of which worth_of() knows what is worth little
-  const auto judge = [&] {
-    statistics.worth = worth_of(statistics.scan.tallies);
-    for (Worth& worth : statistics.worth) {
-      if (worth.filter && !leaves_enough(worth)) worth.filter.reset();
-    }
-  };
-  std::error_code code;
-  if (std::filesystem::file_size(file, code) > large_bytes && !code) {
-    // First how many there are and a few of them, then an even sample and the neighbours of the few.
-    PointSample few;
-    std::uint64_t count = 0;
-    std::uint64_t at_scanner = 0;
-    statistics.scan = stream_scan(
-        file,
+namespace {
+
+/// The points of a scan, block by block and as often as they are asked for: from memory when there are few, else from
+/// the file.
+class PointsAgain {
+ public:
+  PointsAgain(const std::filesystem::path& file, Progress& progress, const ReadOptions& options, std::uint64_t most)
+      : file_(file), progress_(progress), options_(options), most_(most) {}
+
+  template <typename Use>
+  RawScan first(const Use& use) {
+    return stream_scan(
+        file_,
         [&](const PointBlock& block) {
-          progress.throw_if_cancelled();
-          count += block.points.size();
-          for (const Eigen::Vector3d& p : block.points) {
-            const bool empty = is_at_scanner(p, block.station);
-            at_scanner += empty ? 1 : 0;
-            if (!empty) few.add(p);
-          }
+          progress_.throw_if_cancelled();
+          keep(block);
+          use(block);
         },
-        &progress, options);
-    judge();
-    const bool empty_returns = are_empty_returns(at_scanner, count);
-    if (empty_returns) {
-      statistics.scan.warnings.push_back(empty_returns_warning(at_scanner, count));
-      statistics.scan.invalid += at_scanner;
-      count -= at_scanner;
-    }
-    const auto each_point = [&](const auto& use) {
-      std::vector<Eigen::Vector3d> seen;
-      (void)stream_scan(
-          file,
-          [&](const PointBlock& block) {
-            progress.throw_if_cancelled();
-            seen.clear();
-            for (std::size_t k = 0; k < block.points.size(); ++k) {
-              if (empty_returns && is_at_scanner(block.points[k], block.station)) continue;
-              if (!is_worthless(block.fields, k, options.fields, statistics.worth)) seen.push_back(block.points[k]);
-            }
-            use(std::span<const Eigen::Vector3d>(seen));
-          },
-          &progress, options);
-    };
-    if (std::any_of(statistics.worth.begin(), statistics.worth.end(), [](const Worth& w) { return w.filter; })) {
-      few = PointSample();
-      count = 0;
-      each_point([&](std::span<const Eigen::Vector3d> block) {
-        count += block.size();
-        for (const Eigen::Vector3d& p : block) few.add(p);
-      });
-      statistics.scan.records = count + statistics.scan.invalid;
-    }
-    if (count > kSample && statistics.scan.faces.empty()) {
-      add_doubts(statistics.scan, few, count, each_point);
-      std::vector<Eigen::Vector3d> places = few.points();
-      const double reach = kReach * distance_by_extent(places, count);
-      Neighbourhoods neighbours(std::move(places), std::max(reach, 1e-12));
-      const std::uint64_t every = count / kSample;
-      std::uint64_t next = 0;
-      std::uint64_t seen = 0;
-      each_point([&](std::span<const Eigen::Vector3d> block) {
-        for (const Eigen::Vector3d& p : block) {
-          if (seen++ == next) {
-            statistics.scan.points.push_back(p);
-            next += every;
-          }
-          neighbours.add(p);
-        }
-      });
-      statistics.spacing = neighbours.median();
-      return statistics;
-    }
+        &progress_, options_);
   }
+  template <typename Use>
+  void again(const Use& use) {
+    if (kept_ <= most_) {
+      for (const Block& block : blocks_) {
+        progress_.throw_if_cancelled();
+        const std::vector<std::span<const float>> fields(block.fields.begin(), block.fields.end());
+        use({block.points, {}, {}, block.station, {}, fields});
+      }
+      return;
+    }
+    options_.tally = ReadOptions::Tally::none;
+    (void)stream_scan(
+        file_,
+        [&](const PointBlock& block) {
+          progress_.throw_if_cancelled();
+          use(block);
+        },
+        &progress_, options_);
+  }
+
+ private:
+  struct Block {
+    std::vector<Eigen::Vector3d> points;
+    std::optional<Eigen::Vector3d> station;
+    std::vector<std::vector<float>> fields;
+  };
+  void keep(const PointBlock& block) {
+    kept_ += block.points.size();
+    if (kept_ > most_) {
+      blocks_ = {};
+      return;
+    }
+    Block& copy = blocks_.emplace_back();
+    copy.points.assign(block.points.begin(), block.points.end());
+    copy.station = block.station;
+    for (const std::span<const float> values : block.fields) copy.fields.emplace_back(values.begin(), values.end());
+  }
+
+  const std::filesystem::path& file_;
+  Progress& progress_;
+  ReadOptions options_;
+  std::uint64_t most_;
+  std::uint64_t kept_ = 0;
+  std::vector<Block> blocks_;
+};
+
+/// In an order of their own.
+std::vector<Eigen::Vector3d> in_order(std::vector<Eigen::Vector3d> points) {
+  std::sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  });
+  return points;
+}
+
+const std::vector<std::string>& fields_of_worth() {
+  static const std::vector<std::string> names = {PointField::kClass, "confidence", "opacity"};
+  return names;
+}
+
+void judge(ScanStatistics& statistics) {
+  statistics.worth = worth_of(statistics.scan.tallies);
+  for (Worth& worth : statistics.worth) {
+    if (worth.filter && !leaves_enough(worth)) worth.filter.reset();
+  }
+}
+
+/// Of a mesh, or of few points.
+ScanStatistics statistics_of_whole(const std::filesystem::path& file, Progress& progress, const ReadOptions& options) {
+  ScanStatistics statistics;
   statistics.scan = read_scan(file, &progress, options);
   drop_what_is_no_surface(statistics.scan);
-  judge();
+  judge(statistics);
   const std::size_t points = statistics.scan.points.size();
   leave_out_worthless(statistics.scan, options.fields, statistics.worth);
   statistics.scan.records -= points - statistics.scan.points.size();
   add_doubts(statistics.scan);
   const std::optional<Eigen::Vector2d>& cell = statistics.scan.cell;
   statistics.spacing = cell ? cell->minCoeff() : median_spacing(statistics.scan.points);
+  statistics.runs = runs_of(statistics.scan.points);
+  return statistics;
+}
+
+}  // namespace
+
+ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress, std::uint64_t kept_points,
+                               const MeshRefusal& mesh_refusal) {
+  constexpr std::uint64_t kLarge = 256'000'000;
+  ReadOptions options;
+  options.fields = fields_of_worth();
+  options.mesh_refusal = mesh_refusal;
+  std::error_code code;
+  if (!mesh_refusal && may_hold_faces(file) && std::filesystem::file_size(file, code) <= kLarge && !code) {
+    ScanStatistics statistics = statistics_of_whole(file, progress, options);
+    if (!statistics.scan.faces.empty() || statistics.scan.points.size() <= kSample) return statistics;
+  }
+
+  ScanStatistics statistics;
+  PointsAgain points(file, progress, options, kept_points);
+  PointSample few;
+  std::uint64_t count = 0;
+  std::uint64_t at_scanner = 0;
+  statistics.scan = points.first([&](const PointBlock& block) {
+    count += block.points.size();
+    for (const Eigen::Vector3d& p : block.points) {
+      const bool empty = is_at_scanner(p, block.station);
+      at_scanner += empty ? 1 : 0;
+      if (!empty) few.add(p);
+    }
+  });
+  if (count <= kSample || !statistics.scan.faces.empty()) {
+    statistics = {};
+    return statistics_of_whole(file, progress, options);
+  }
+  judge(statistics);
+  const bool empty_returns = are_empty_returns(at_scanner, count);
+  if (empty_returns) {
+    statistics.scan.warnings.push_back(empty_returns_warning(at_scanner, count));
+    statistics.scan.invalid += at_scanner;
+    count -= at_scanner;
+  }
+  const auto each_point = [&](const auto& use) {
+    std::vector<Eigen::Vector3d> seen;
+    points.again([&](const PointBlock& block) {
+      seen.clear();
+      for (std::size_t k = 0; k < block.points.size(); ++k) {
+        if (empty_returns && is_at_scanner(block.points[k], block.station)) continue;
+        if (!is_worthless(block.fields, k, options.fields, statistics.worth)) seen.push_back(block.points[k]);
+      }
+      use(std::span<const Eigen::Vector3d>(seen));
+    });
+  };
+  if (std::any_of(statistics.worth.begin(), statistics.worth.end(), [](const Worth& w) { return w.filter; })) {
+    few = PointSample();
+    count = 0;
+    each_point([&](std::span<const Eigen::Vector3d> block) {
+      count += block.size();
+      for (const Eigen::Vector3d& p : block) few.add(p);
+    });
+    statistics.scan.records = count + statistics.scan.invalid;
+  }
+  add_doubts(statistics.scan, few, count, each_point);
+  std::vector<Eigen::Vector3d> places = few.points();
+  const double reach = places.empty() ? 0.0 : kReach * distance_by_extent(places, count);
+  Neighbourhoods neighbours(std::move(places), std::max(reach, 1e-12));
+  PointSample sample(kSample);
+  statistics.runs = PointRuns(count);
+  each_point([&](std::span<const Eigen::Vector3d> block) {
+    for (const Eigen::Vector3d& p : block) {
+      sample.add(p);
+      neighbours.add(p);
+      statistics.runs.add(p);
+    }
+  });
+  statistics.scan.points = in_order(sample.points());
+  const std::optional<Eigen::Vector2d>& cell = statistics.scan.cell;
+  statistics.spacing = cell ? cell->minCoeff() : neighbours.median();
   return statistics;
 }
 

@@ -8,21 +8,25 @@
 
 #include "base/progress.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/runs.h"
 #include "pipeline/scan/worth.h"
 
 namespace sparsha::pipeline {
 
 struct ScanStatistics {
-  /// The scan without attributes. Of a large scan without faces `points` is an even sample of some 100 000.
+  /// The scan without attributes. Of more than 100 000 points without faces `points` are so many, chosen by a hash.
   RawScan scan;
+  PointRuns runs;
   /// What the scan says of its points' worth. Those that its filters refuse are not in `scan`, nor in its records.
   std::vector<Worth> worth;
   double spacing = 0.0;  ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
 };
 
-/// Files beyond `large_bytes` are streamed, unless they hold faces. Throws as read_scan; Cancelled.
+/// The same whatever is kept in memory: of a scan without faces with more than `kept_points` the file is gone through
+/// again for each question. A mesh is read whole unless it is refused. Throws as read_scan; Cancelled.
 [[nodiscard]] ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress,
-                                             std::uint64_t large_bytes = 256'000'000);
+                                             std::uint64_t kept_points = 4'000'000,
+                                             const MeshRefusal& mesh_refusal = {});
 
 /// Median distance of sampled points to the nearest one that is not at the same place; 0 without any.
 [[nodiscard]] double median_spacing(const std::vector<Eigen::Vector3d>& points);

@@ -10,6 +10,9 @@ namespace {
 
 constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 
+/// Faces after which it is asked again whether so many may be read.
+constexpr std::size_t kFacesBetween = 1U << 15U;
+
 /// Adds a block's values to those of the `points` before it; blocks without get `none`, unless none has any.
 template <typename T>
 void append(std::vector<T>& values, std::span<const T> block, std::size_t points, T none) {
@@ -28,8 +31,10 @@ ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink, const ReadOptions& 
       intensity_(kBlock),
       normals_(kBlock),
       kept_names_(options.fields),
-      tally_(options.tally) {
+      tally_(options.tally),
+      mesh_refusal_(options.mesh_refusal) {
   scan_.values.resize(kept_names_.size());
+  if (mesh_refusal_) face_room_ = kFacesBetween;
 }
 
 void ScanWriter::begin(std::uint64_t records, bool colour, bool intensity, bool normals) {
@@ -90,8 +95,42 @@ void ScanWriter::add_polygon(std::span<const std::uint32_t> corners) {
     add_triangle(corners[0], corners[1], corners[2]);
     return;
   }
+  if (triangles() >= face_room_ && !make_room_for_faces()) {
+    counted_ += corners.size() - 2;
+    return;
+  }
+  polygon_triangles_ += corners.size() - 2;
   polygons_.push_back(static_cast<std::uint32_t>(corners.size()));
   polygons_.insert(polygons_.end(), corners.begin(), corners.end());
+}
+
+void ScanWriter::expect_mesh(std::uint64_t vertices, std::uint64_t triangles) const {
+  if (!mesh_refusal_ || triangles == 0) return;
+  if (const std::optional<Error> refusal = mesh_refusal_(vertices, triangles)) throw *refusal;
+}
+
+std::uint64_t ScanWriter::triangles() const { return scan_.faces.size() + polygon_triangles_ + counted_; }
+
+bool ScanWriter::make_room_for_faces() {
+  refused_ = refused_ || mesh_refusal_(records(), triangles()).has_value();
+  if (!refused_) {
+    face_room_ = static_cast<std::size_t>(triangles()) + kFacesBetween;
+    return true;
+  }
+  counted_ = triangles();
+  polygon_triangles_ = 0;
+  face_room_ = 0;
+  scan_.faces = {};
+  polygons_ = {};
+  return false;
+}
+
+void ScanWriter::add_beyond_room(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  if (make_room_for_faces()) {
+    scan_.faces.push_back({a, b, c});
+  } else {
+    ++counted_;
+  }
 }
 
 FieldTally& ScanWriter::tally_of(const std::string& key) {
@@ -116,6 +155,7 @@ void ScanWriter::flush() {
 }
 
 void ScanWriter::hand_over() {
+  if (refused_) return;
   const std::span points(points_.data(), filled_);
   const std::span rgba(rgba_.data(), colour_ ? filled_ : 0);
   const std::span intensity(intensity_.data(), has_intensity_ ? filled_ : 0);
@@ -147,6 +187,10 @@ void ScanWriter::finish() {
     if (!values.empty()) values.resize(scan_.points.size(), kNoValue);
   }
   scan_.records = valid_ + dropped_.size();
+  if (mesh_refusal_) {
+    expect_mesh(scan_.records, triangles());
+    if (refused_) throw *mesh_refusal_(scan_.records, triangles());
+  }
   renumber_faces();
   triangulate_polygons();
 }

@@ -72,8 +72,18 @@ class ScanWriter {
 
   /// A face over records (valid or not), which may be read before its points. Faces with vertices that do not exist are
   /// left out by finish() and counted in a warning.
-  void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { scan_.faces.push_back({a, b, c}); }
+  void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (scan_.faces.size() < face_room_) {
+      scan_.faces.push_back({a, b, c});
+    } else {
+      add_beyond_room(a, b, c);
+    }
+  }
   void add_polygon(std::span<const std::uint32_t> corners);
+  /// The file says that it has so many vertices and at least so many triangles. Throws when such a mesh is refused.
+  void expect_mesh(std::uint64_t vertices, std::uint64_t triangles) const;
+  /// Whether somebody may refuse a mesh by its size.
+  [[nodiscard]] bool may_refuse() const { return static_cast<bool>(mesh_refusal_); }
   /// A file whose face has more is damaged or means harm; readers refuse it before they take memory for the face.
   static constexpr std::size_t kMostCorners = 65536;
 
@@ -95,6 +105,9 @@ class ScanWriter {
   FieldTally& tally_of(const std::string& key);
   void triangulate_polygons();
   void renumber_faces();
+  void add_beyond_room(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  [[nodiscard]] std::uint64_t triangles() const;
+  bool make_room_for_faces();
 
   RawScan& scan_;
   const PointSink& sink_;
@@ -113,6 +126,11 @@ class ScanWriter {
   bool has_normals_ = false;
   std::vector<std::uint64_t> dropped_;   ///< numbers of invalid records, ascending
   std::vector<std::uint32_t> polygons_;  ///< corner count, then corners, of faces with more than three
+  std::uint64_t polygon_triangles_ = 0;  ///< that they will give
+  MeshRefusal mesh_refusal_;
+  std::size_t face_room_ = std::numeric_limits<std::size_t>::max();  ///< faces until somebody is asked again
+  bool refused_ = false;                                             ///< faces are only counted
+  std::uint64_t counted_ = 0;                                        ///< of them
 };
 
 }  // namespace sparsha::pipeline

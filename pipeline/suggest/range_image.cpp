@@ -9,21 +9,16 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kWindows = 16;
-constexpr std::size_t kLength = 512;  // points of a window
-
 using Steps = std::vector<Eigen::Vector2d>;
 
 /// From each point to the next one, in pixels (perspective) or in x and y.
-Steps steps_of(const std::vector<Eigen::Vector3d>& points, bool perspective) {
+Steps steps_of(const PointRuns& runs, bool perspective) {
   Steps steps;
-  const std::size_t stride = std::max<std::size_t>(kLength, points.size() / kWindows);
-  const auto place = [&](std::size_t i) -> Eigen::Vector2d {
-    return perspective ? Eigen::Vector2d(points[i].head<2>() / points[i].z()) : Eigen::Vector2d(points[i].head<2>());
+  const auto place = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
+    return perspective ? Eigen::Vector2d(p.head<2>() / p.z()) : Eigen::Vector2d(p.head<2>());
   };
-  for (std::size_t begin = 0; begin + 1 < points.size(); begin += stride) {
-    const std::size_t end = std::min(points.size(), begin + kLength);
-    for (std::size_t i = begin; i + 1 < end; ++i) steps.emplace_back(place(i + 1) - place(i));
+  for (const std::vector<Eigen::Vector3d>& run : runs.runs()) {
+    for (std::size_t i = 0; i + 1 < run.size(); ++i) steps.emplace_back(place(run[i + 1]) - place(run[i]));
   }
   return steps;
 }
@@ -54,14 +49,16 @@ double share_on_raster(const Steps& steps) {
 
 }  // namespace
 
-bool is_range_image(const RawScan& scan) {
+bool is_range_image(const RawScan& scan, const PointRuns& runs) {
   constexpr std::size_t kFewest = 200;
   constexpr double kMost = 0.8, kClearly = 0.2;
   if (scan.points.size() < kFewest || is_z_up(scan.format)) return false;
-  const auto before = std::count_if(scan.points.begin(), scan.points.end(), [](const auto& p) { return p.z() > 0.0; });
-  if (static_cast<std::size_t>(before) < scan.points.size()) return false;
-  const double share = share_on_raster(steps_of(scan.points, true));
-  return share > kMost && share > share_on_raster(steps_of(scan.points, false)) + kClearly;
+  const auto before = [](const std::vector<Eigen::Vector3d>& points) {
+    return std::all_of(points.begin(), points.end(), [](const auto& p) { return p.z() > 0.0; });
+  };
+  if (!before(scan.points) || !std::all_of(runs.runs().begin(), runs.runs().end(), before)) return false;
+  const double share = share_on_raster(steps_of(runs, true));
+  return share > kMost && share > share_on_raster(steps_of(runs, false)) + kClearly;
 }
 
 }  // namespace sparsha::pipeline

@@ -13,6 +13,7 @@
 #include "base/thread_pool.h"
 #include "base/yaml.h"
 #include "base/yaml_text.h"
+#include "pipeline/outofcore/memory.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
@@ -153,18 +154,29 @@ std::string columns_text(const RawScan& scan) {
   return fmt::format("    columns: [{}]  # no header; told by the values\n", fmt::join(scan.table->columns, ", "));
 }
 
+// Damaged coordinates are those of one scan.
+void require_extent(const std::string& name, const std::vector<Eigen::Vector3d>& points_m) {
+  const InnerBox box = inner_box(points_m);
+  const double longest_m = (box.high - box.low).maxCoeff();
+  constexpr double kLongest_m = 1e9;
+  if (longest_m <= kLongest_m) return;
+  throw input_error(name, fmt::format("its points spread over {:.3g} m", longest_m),
+                    "a scan of less than 1e9 m; damaged coordinates or another unit");
+}
+
 // Reads the scans into `seen`, `points` and `worth`; their part of the configuration. `pieces`: what is to be said of
 // those in several.
 std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
                     std::vector<std::string>& pieces, WorthBlock& worth, std::uint64_t memory_bytes,
                     Progress& progress) {
-  std::uint64_t large = 256'000'000;  // bytes of all files beyond which a sample of each is kept
-  // A point takes 3 bytes of a compressed file at least, and some 90 of memory while its neighbours are sought.
-  constexpr std::uint64_t kMemoryOfFile = 30;
-  if (memory_bytes > 0) large = std::min(large, memory_bytes / kMemoryOfFile);
+  // Points of all scans beyond which the files are gone through again, with the same result.
+  constexpr std::uint64_t kMostKept = 4'000'000;
+  const MemoryLimit limit{memory_bytes, 0};
+  const std::uint64_t kept = points_to_keep(limit, kMostKept) / scans.size();
+  const MeshRefusal refusal = mesh_refusal(limit, {}, 0);
   std::vector<ScanStatistics> all;
   for (const fs::path& file : scans) {
-    all.push_back(scan_statistics(file, progress, large / scans.size()));
+    all.push_back(scan_statistics(file, progress, kept, refusal));
     if (all.back().scan.points.empty()) {
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
@@ -175,7 +187,10 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
   std::string text = "scans:\n";
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::string columns = columns_text(all[s].scan);
-    seen.look_at(all[s].scan, units[s].metres);
+    const std::size_t first = seen.points_m.size();
+    seen.look_at(all[s].scan, all[s].runs, units[s].metres);
+    require_extent(scans[s].string(),
+                   {seen.points_m.begin() + static_cast<std::ptrdiff_t>(first), seen.points_m.end()});
     points.add(all[s], units[s].metres);
     text += fmt::format("  - file: {}\n    units: {}  # {}\n{}", yaml::quoted(shown_path(scans[s], folder)),
                         units[s].name, yaml::comment(units[s].reason), columns);
@@ -253,13 +268,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   std::vector<std::string> pieces;
   WorthBlock worth;
   const std::string scan_block = look_at(scans, folder, seen, points, pieces, worth, options.memory_bytes, progress);
-  InnerBox box = inner_box(seen.points_m);
-  const double longest_m = (box.high - box.low).maxCoeff();
-  constexpr double kLongest_m = 1e9;
-  if (!(longest_m <= kLongest_m)) {
-    throw input_error(scans.front().string(), fmt::format("its points spread over {:.3g} m", longest_m),
-                      "a scan of less than 1e9 m; damaged coordinates or another unit");
-  }
+  require_extent(scans.front().string(), seen.points_m);
   require_surface(scans.front().string(), seen.points_m, seen.points_m.size());
   const std::string crop = crop_to_group(seen, points, progress);
   std::string filter_block = worth.comments();

@@ -22,8 +22,8 @@ struct Suggestion {
 /// What the user knows of the scans.
 struct SuggestOptions {
   std::optional<Eigen::Vector3d> up{};  ///< scan frame; of any length but zero
-  /// Of what the first look may take, bytes; 0 = no limit. Files without faces that may need more are looked at by a
-  /// sample.
+  /// Of what the first look may take, bytes; 0 = no limit. It changes nothing of what is found; a mesh that needs more
+  /// is refused.
   std::uint64_t memory_bytes = 0;
   /// The user has settings of their own, which may succeed where no view and spacing that is tried shows a surface:
   /// then that is a warning, no error.

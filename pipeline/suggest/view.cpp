@@ -224,7 +224,7 @@ void spread_over_triangles(const RawScan& scan, double metres, double area, std:
 
 }  // namespace
 
-void SeenScans::look_at(const RawScan& scan, double metres) {
+void SeenScans::look_at(const RawScan& scan, const PointRuns& runs, double metres) {
   const std::size_t stride = std::max<std::size_t>(1, scan.points.size() / kSample);
   for (std::size_t i = 0; i < scan.points.size(); i += stride) points_m.push_back(scan.points[i] * metres);
   double scan_area = 0.0;
@@ -236,7 +236,7 @@ void SeenScans::look_at(const RawScan& scan, double metres) {
   area += scan_area;
   spread_over_triangles(scan, metres, scan_area, triangles_m);
   if (is_z_up(scan.format)) z_up_format = true;
-  range_images = (range_images || !any_) && is_range_image(scan);
+  range_images = (range_images || !any_) && is_range_image(scan, runs);
   rasters = (rasters || !any_) && scan.cell.has_value();
   any_ = true;
   if (scan.format.starts_with("PCD")) depth_camera_format = true;

@@ -9,6 +9,7 @@
 
 #include "pipeline/orient/front.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/runs.h"
 #include "pipeline/suggest/floors.h"
 #include "pipeline/suggest/inner_box.h"
 
@@ -25,7 +26,8 @@ struct SeenScans {
   bool range_images = false;                         ///< all scans are images of a camera in the origin
   bool rasters = false;                              ///< all scans are grids of heights over x and y
 
-  void look_at(const RawScan& scan, double metres);
+  /// `runs` are of the file, of which `scan` may hold a sample.
+  void look_at(const RawScan& scan, const PointRuns& runs, double metres);
   /// Keeps the points in the box.
   void crop(const scene::CropConfig& box);
   /// Takes away what is around the object.

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """memory_limit_test.py SPARSHA: builds of many sizes under many limits of --memory keep to them within 5 %, by the peak
 that the system counts for the process; or they end with an error that names the memory that is needed, and that is
-enough."""
+enough. Meshes are refused before they are in memory."""
 import array
 import os
 import random
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -42,6 +43,35 @@ def ball(random_):
     return points
 
 
+def write_mesh(folder, side):
+    """A relief of side x side vertices as PLY, OBJ and STL. Nothing large is kept: a child's peak begins with ours."""
+    def vertex(k):
+        i, j = k % side, k // side
+        return i / side, j / side, 0.02 * abs((7 * i / side) % 2 - 1) + 0.01 * ((5 * j / side) % 1)
+
+    def faces():
+        for j in range(side - 1):
+            for i in range(side - 1):
+                a = j * side + i
+                yield a, a + 1, a + side + 1
+                yield a, a + side + 1, a + side
+
+    vertices, triangles = side * side, 2 * (side - 1) ** 2
+    with open(os.path.join(folder, "mesh.ply"), "wb") as file:
+        file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % vertices)
+        file.write(b"property float x\nproperty float y\nproperty float z\n")
+        file.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n" % triangles)
+        file.writelines(struct.pack("<3f", *vertex(k)) for k in range(vertices))
+        file.writelines(struct.pack("<B3i", 3, *face) for face in faces())
+    with open(os.path.join(folder, "mesh.obj"), "w") as file:
+        file.writelines("v %.6f %.6f %.6f\n" % vertex(k) for k in range(vertices))
+        file.writelines("f %d %d %d\n" % (a + 1, b + 1, c + 1) for a, b, c in faces())
+    with open(os.path.join(folder, "mesh.stl"), "wb") as file:
+        file.write(bytes(80) + struct.pack("<I", triangles))
+        for a, b, c in faces():
+            file.write(struct.pack("<12fH", 0, 0, 1, *vertex(a), *vertex(b), *vertex(c), 0))
+
+
 def peak_of(arguments, folder):
     with open(os.path.join(folder, "err"), "w+") as err:
         process = subprocess.Popen([SPARSHA, *arguments], cwd=folder, stdout=subprocess.DEVNULL, stderr=err)
@@ -57,10 +87,11 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         write_ply(os.path.join(folder, "wavy.ply"), wavy(random_))
         write_ply(os.path.join(folder, "ball.ply"), ball(random_))
+        write_mesh(folder, 450)
 
         def build(name, size, limit_mb):
             with open(os.path.join(folder, "c.yaml"), "w") as config:
-                config.write(f"scans: [{{file: {name}.ply, units: m}}]\ngrid: {{size: {size}}}\nfill: {{max_gap_mm: 5}}\n"
+                config.write(f"scans: [{{file: {name}, units: m}}]\ngrid: {{size: {size}}}\nfill: {{max_gap_mm: 5}}\n"
                              "texture: {}\nfriction: {law: curvature}\ncheck: {samples: 20000}\n")
             arguments = ["build", "c.yaml", "--out", "scene", "--force", "--memory", f"{limit_mb}MB"]
             code, peak, text = peak_of(arguments, folder)
@@ -69,8 +100,11 @@ def main():
             return code, text
 
         built = refused = 0
-        for name in ("wavy", "ball"):
-            for size in SIZES if name == "wavy" else SIZES[1:3]:
+        def sizes_of(name):
+            return SIZES if name == "wavy.ply" else SIZES[1:3] if name == "ball.ply" else SIZES[1:2]
+
+        for name in ("wavy.ply", "ball.ply", "mesh.ply", "mesh.obj", "mesh.stl"):
+            for size in sizes_of(name):
                 for limit_mb in LIMITS_MB:
                     code, text = build(name, size, limit_mb)
                     if code == 0:

@@ -178,6 +178,7 @@ class Reader {
     if (kind_.normal) scan.fields.insert(scan.fields.end(), {"nx", "ny", "nz"});
     if (colour_at_ > 0) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
     if (colours_ == 4) scan.fields.emplace_back("alpha");
+    out_.expect_mesh(vertices_, faces_);
     out_.begin(vertices_, colour_at_ > 0, false, kind_.normal);
   }
 

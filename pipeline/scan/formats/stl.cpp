@@ -48,6 +48,15 @@ class TriangleSink {
   KeyTable<Vertex, VertexHash> table_;
 };
 
+/// A closed surface has half as many vertices as triangles.
+std::uint64_t vertices_of(std::uint64_t triangles) { return triangles / 2 + 2; }
+
+std::uint64_t count_loops(std::string_view text) {
+  std::uint64_t count = 0;
+  for (std::size_t at = text.find("endloop"); at != std::string_view::npos; at = text.find("endloop", at + 7)) ++count;
+  return count;
+}
+
 Error no_facets(const ScanFile& file) { return file.error("the STL file has no facets", "at least one triangle"); }
 
 void read_binary(const ScanFile& file, ScanWriter& out) {
@@ -61,6 +70,7 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
   }
   out.scan().format = "STL binary";
   out.begin(0, false, false);
+  out.expect_mesh(vertices_of(count), count);
   if (count == 0 && most > 0) {
     throw file.error("the header promises no triangles, the file has room for " + std::to_string(most),
                      "the number of triangles in bytes 81 to 84");
@@ -88,6 +98,10 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
 void read_ascii(const ScanFile& file, ScanWriter& out) {
   out.scan().format = "STL ascii";
   out.begin(0, false, false);
+  if (out.may_refuse()) {
+    const std::uint64_t count = count_loops(file.bytes);
+    out.expect_mesh(vertices_of(count), count);
+  }
   TriangleSink sink(out);
   LineReader lines(file.bytes);
   std::string_view line;

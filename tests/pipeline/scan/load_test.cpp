@@ -334,11 +334,15 @@ TEST(SurveyScan, OfAStreamSaysWhatTheWholeScanSays) {
   Progress progress;
   const ScanStatistics whole = scan_statistics(file, progress);
   const ScanStatistics stream = scan_statistics(file, progress, 0);
-  EXPECT_EQ(whole.scan.points.size(), kPoints + 1U);
+  ASSERT_EQ(stream.scan.points, whole.scan.points);
+  EXPECT_EQ(stream.scan.points.size(), 100'000U);
+  EXPECT_EQ(stream.scan.records, kPoints + 1U);
   EXPECT_EQ(stream.scan.records, whole.scan.records);
-  EXPECT_EQ(stream.scan.points.size(), kPoints + 1U);  // every point: fewer than two samples
-  // Medians of 2000 and 4096 distances that scatter by half of themselves.
-  EXPECT_NEAR(stream.spacing, whole.spacing, 4.0 * 0.6 * whole.spacing / std::sqrt(2000.0));
+  EXPECT_EQ(stream.runs.runs(), whole.runs.runs());
+  EXPECT_EQ(stream.spacing, whole.spacing);
+  // A median of 4096 distances that scatter by half of themselves, of points that are uniform: 0.47 / sqrt(density).
+  const double expected = 0.47 * std::sqrt(2.0 * 2.0 / kPoints);
+  EXPECT_NEAR(stream.spacing, expected, 4.0 * 0.6 * expected / std::sqrt(4096.0) + 0.03 * expected);
 }
 
 TEST(InspectScan, FindsExtentSpacingAndDuplicates) {

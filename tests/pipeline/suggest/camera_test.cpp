@@ -25,7 +25,7 @@ RawScan scan_of(Points points, const char* format = "PLY ascii") {
 
 View guess(const RawScan& scan) {
   SeenScans seen;
-  seen.look_at(scan, 1.0);
+  seen.look_at(scan, runs_of(scan.points), 1.0);
   return sides_of(seen, std::nullopt).views.front();
 }
 
@@ -52,11 +52,13 @@ double head(double u, double v) {  // a ball of 12 cm radius before a wall at 1.
   return discriminant > 0.0 ? (0.8 - std::sqrt(discriminant)) / a : 1.5 + 0.3 * u;
 }
 
+bool in_order_of_pixels(const RawScan& scan) { return is_range_image(scan, runs_of(scan.points)); }
+
 TEST(CameraFrame, AnImageOfRaysIsSeenFromTheCameraUpright) {
   for (const double noise : {0.0, 0.005}) {
     for (const char* format : {"PLY ascii", "PLY binary little-endian", "OBJ", "XYZ text", "PCD binary"}) {
       const RawScan scan = scan_of(image(160, 120, head, noise), format);
-      EXPECT_TRUE(is_range_image(scan));
+      EXPECT_TRUE(in_order_of_pixels(scan));
       const View view = guess(scan);
       EXPECT_EQ(view.look_from, Eigen::Vector3d(0, 0, -1));
       EXPECT_EQ(view.up, Eigen::Vector3d(0, -1, 0));
@@ -66,12 +68,12 @@ TEST(CameraFrame, AnImageOfRaysIsSeenFromTheCameraUpright) {
 }
 
 TEST(CameraFrame, GapsAndColumnsInPlaceOfRowsDoNoHarm) {
-  EXPECT_TRUE(is_range_image(scan_of(image(160, 120, [](double u, double v) {
+  EXPECT_TRUE(in_order_of_pixels(scan_of(image(160, 120, [](double u, double v) {
     return std::fmod(std::abs(37.0 * u + 91.0 * v), 1.0) < 0.3 ? 0.0 : head(u, v);
   }))));
   Points turned = image(160, 120, head);
   for (Eigen::Vector3d& p : turned) std::swap(p.x(), p.y());
-  EXPECT_TRUE(is_range_image(scan_of(turned)));
+  EXPECT_TRUE(in_order_of_pixels(scan_of(turned)));
 }
 
 TEST(CameraFrame, AFlatThingBeforeTheOriginStandsUpright) {
@@ -79,7 +81,7 @@ TEST(CameraFrame, AFlatThingBeforeTheOriginStandsUpright) {
   for (int j = 20; j >= 0; --j) {
     for (int i = 0; i < 26; ++i) points.emplace_back(0.02 * i - 0.25, 0.02 * j - 0.2, 0.6 - 0.0004 * i);
   }
-  EXPECT_FALSE(is_range_image(scan_of(points)));  // a grid of x and y
+  EXPECT_FALSE(in_order_of_pixels(scan_of(points)));  // a grid of x and y
   const View view = guess(scan_of(points));
   EXPECT_EQ(view.look_from, Eigen::Vector3d(0, 0, -1));
   EXPECT_EQ(view.up, Eigen::Vector3d(0, -1, 0));
@@ -91,7 +93,7 @@ TEST(CameraFrame, OrdinaryScansAreNotTurned) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const auto expect_ordinary = [](const Points& points, const char* what) {
-    EXPECT_FALSE(is_range_image(scan_of(points))) << what;
+    EXPECT_FALSE(in_order_of_pixels(scan_of(points))) << what;
     EXPECT_EQ(guess(scan_of(points)).up, Eigen::Vector3d(0, 1, 0)) << what;
   };
   Points relief, far, statue, high_grid, shell;
@@ -111,7 +113,7 @@ TEST(CameraFrame, OrdinaryScansAreNotTurned) {
   expect_ordinary(far, "a relief in survey coordinates");
   expect_ordinary(statue, "a statue above zero");
   expect_ordinary(high_grid, "a grid of heights");
-  EXPECT_FALSE(is_range_image(scan_of(shell)));
+  EXPECT_FALSE(in_order_of_pixels(scan_of(shell)));
 }
 
 TEST(CameraFrame, AGridOfHeightsIsSeenFromAbove) {

@@ -82,6 +82,12 @@ struct Primitive {
   std::optional<Accessor> normals, colours, indices;
   std::optional<std::uint32_t> material;                  ///< one colour for all
   std::vector<std::pair<std::string, Accessor>> numbers;  ///< attributes of its own with one number each
+
+  [[nodiscard]] std::uint64_t triangles() const {
+    const std::uint64_t corners = indices ? indices->size() : positions.size();
+    if (mode == Mode::points || corners < 3) return 0;
+    return mode == Mode::triangles ? corners / 3 : corners - 2;
+  }
 };
 
 class Reader {
@@ -97,14 +103,18 @@ class Reader {
     if (shown.instances.empty())
       throw file_.error("no node of its scene shows a mesh", "a scene with a mesh or with points");
     std::vector<std::vector<Primitive>> meshes(static_cast<std::size_t>(document_.size_of("meshes")));
-    std::uint64_t total = 0;
+    std::uint64_t total = 0, triangles = 0;
     for (const gltf::Instance& instance : shown.instances) {
       (void)document_.item("meshes", instance.mesh, "nodes");
       std::vector<Primitive>& mesh = meshes[static_cast<std::size_t>(instance.mesh)];
       if (mesh.empty()) mesh = primitives_of(instance.mesh);
-      for (const Primitive& primitive : mesh) total += primitive.positions.size();
+      for (const Primitive& primitive : mesh) {
+        total += primitive.positions.size();
+        triangles += primitive.triangles();
+      }
       refuse_many(total);
     }
+    out_.expect_mesh(total, triangles);
     name_fields(shown, meshes);
     out_.begin(total, colour_, false, normals_);
     for (const gltf::Instance& instance : shown.instances) {

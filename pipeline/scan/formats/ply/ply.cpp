@@ -176,6 +176,11 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
                             "vertices are taken as points");
   }
   const ply::VertexColumns columns = ply::vertex_columns(file, *vertex);
+  std::uint64_t faces = 0;
+  for (const ply::Element& element : header.elements) {
+    if (ply::role_of(element) == ply::Role::face) faces += element.count;
+  }
+  out.expect_mesh(vertex->count, faces);
   out.begin(vertex->count, columns.has_colour(), columns.intensity >= 0, columns.has_normals());
   ascii ? ply::read_ascii_body(file, header, out) : ply::read_binary_body(file, header, out);
 }
