@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "base/progress.h"
 #include "scene/scene_fwd.h"
 
