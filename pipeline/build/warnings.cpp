@@ -67,8 +67,10 @@ std::vector<std::string> surface_warnings(const Projection& projection, const sc
   if (doubts.noisy) {
     warnings.push_back(fmt::format(
         "the noise, {}, is more than half the distance between points, {}: forms of that size are not real; use a "
-        "larger grid.spacing_mm, align the scans better, or give grid.noise_mm if it is known",
-        length_text(noise), length_text(apart)));
+        "larger grid.spacing_mm, align the scans better, or give grid.noise_mm if it is known{}",
+        length_text(noise), length_text(apart),
+        projection.closed ? "; two faces of a sheet that is hardly thicker than that look the same: crop one away"
+                          : ""));
   }
   if (doubts.fine) {
     warnings.push_back(

@@ -191,8 +191,14 @@ Steepness steepness_of_block(std::span<const NodePoint> block, double side, cons
   const std::size_t step = 1 + seeds.size() / look.most;
   for (std::size_t s = 0; s < seeds.size(); s += step) {
     const std::size_t k = seeds[s];
-    near.take(k, look.neighbours, std::numeric_limits<double>::infinity());
-    const SurfacePlane plane = near.plane();
+    constexpr double kAnyFar = std::numeric_limits<double>::infinity();
+    near.take(k, look.neighbours, kAnyFar);
+    SurfacePlane plane = near.plane();
+    // The other face of a thin sheet may be as near.
+    if (const std::optional<Sheet> face = near.sheet(plane)) {
+      if (near.take(k, look.neighbours, kAnyFar, &*face) < look.neighbours) continue;
+      plane = near.plane();
+    }
     ++result.looked_at;
     result.on_lines += on_line(near, plane, look.neighbours) ? 1 : 0;
     if (!plane.planar()) continue;

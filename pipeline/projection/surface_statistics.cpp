@@ -168,6 +168,14 @@ bool is_hidden(const std::vector<SpacePoint>& points, const SpacePoint& place, d
   });
 }
 
+// Takes a seed's neighbours, those of its own face where a sheet is so thin that the other one is as near.
+std::size_t take_own_face(Neighbourhood& near, std::size_t seed, std::size_t wanted, double margin_m, bool on_lines) {
+  const std::size_t taken = near.take(seed, wanted, margin_m);
+  if (on_lines || taken < kForSpacing) return taken;
+  const std::optional<Sheet> face = near.sheet(near.plane());
+  return face ? near.take(seed, wanted, margin_m, &*face) : taken;
+}
+
 // Neighbourhoods of one block's points. Those that reach beyond the block are not used.
 Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, std::size_t per_neighbour,
                        bool on_lines) {
@@ -189,7 +197,7 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
   if (points.size() < wanted) return measured;
   Neighbourhood near(points);
   for (const std::size_t seed : seeds) {
-    const std::size_t taken = near.take(seed, wanted, margin_m);
+    const std::size_t taken = take_own_face(near, seed, wanted, margin_m, on_lines);
     std::size_t count = kForSpacing * per_neighbour;
     if (taken < kScattered) --measured.seeds;
     if (taken < count) continue;
@@ -238,9 +246,14 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
     }
     if (2 * all.noise_m.size() >= all.spacing_m.size() && all.noise_m.size() >= kFew) {
       result.flat = true;
-      result.scale = scale;
       result.noise_m = quantile(all.noise_m, kQuantile) / kOfChi;
-      if (result.noise_m <= kFlat * static_cast<double>(scale) * result.spacing_m) return result;
+      // Wide neighbourhoods may tell the faces of a thin sheet apart that narrow ones took for noise; discs need not be
+      // as wide.
+      const double noise_spacings = result.noise_m / result.spacing_m;
+      for (result.scale = 1; result.scale < scale && noise_spacings > kFlat * static_cast<double>(result.scale);) {
+        result.scale *= 2;
+      }
+      if (noise_spacings <= kFlat * static_cast<double>(scale)) return result;
     }
     if (scale == kMostScale) return result;
   }

@@ -155,6 +155,7 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   kernel.narrow = static_cast<float>(SurfacePlane::kNarrow);
   kernel.least_width2 = rule.lines ? static_cast<float>(2.0 * rule.noise_m * rule.noise_m) : 0.0F;
   kernel.reach = static_cast<float>(DiscRule::kReach);
+  kernel.noise_m = static_cast<float>(rule.noise_m);
   kernel.needed_m = hidden.data();
   kernel.foot_x = found.x.get();
   kernel.foot_y = found.y.get();

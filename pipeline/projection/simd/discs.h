@@ -10,6 +10,16 @@ namespace {
 using sparsha::pipeline::DiscKernel;
 
 constexpr std::size_t kMostRings = 3;
+// What stands for a squared radius: there is no disc.
+constexpr float kNoDisc = -__builtin_inff();
+// Points are thicker than noise and form where their standard deviation across the plane exceeds these. On the edge of
+// a box it is 0.3 spacings.
+constexpr float kThickNoises = 2.0F;
+constexpr float kThickSpacings = 0.4F;
+// A gap across the plane is one between two sheets where it exceeds these.
+constexpr float kGapNoises = 3.0F;
+constexpr float kGapSpacings = 0.3F;
+constexpr std::size_t kMostAcross = 32;  // neighbours that are looked at for a gap
 
 /// Candidates for neighbours of points, and how far they are from one of them.
 struct Candidates {
@@ -167,6 +177,7 @@ struct DiscBatch {
   float count[kLanes], r2[kLanes];
   float flatness = 0.5F;             // the least variance by the middle one is below
   float reach_of_neighbours = 0.0F;  // squared: discs reach at least so many times as far as their neighbours
+  bool thick_again = false;          // what is thicker than noise and form is marked for a second look
   float sum[9][kLanes];              // x y z xx xy xz yy yz zz
   std::uint32_t point[kLanes];
   std::size_t size = 0;
@@ -291,7 +302,13 @@ SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   const Floats offset = mx * nx + my * ny + mz * nz;
   const Floats above = -offset / upright;
   const Floats reach2 = most(spacing2 * k.reach * k.reach, load(batch.r2) * batch.reach_of_neighbours);
-  const Floats radius2 = choose(good, reach2, choose(narrow, Floats{}, all(-1.0F)));
+  Floats radius2 = choose(good, reach2, choose(narrow, Floats{}, all(kNoDisc)));
+  if (batch.thick_again) {
+    const Floats across2 = axis.least * axis.trace;
+    const Ints thick = (across2 > kThickNoises * kThickNoises * k.noise_m * k.noise_m) &
+                       (across2 > kThickSpacings * kThickSpacings * spacing2);
+    radius2 = choose(good & thick, -radius2, radius2);
+  }
   for (std::size_t lane = 0; lane < batch.size; ++lane) {
     const std::size_t p = batch.point[lane];
     k.foot_x[p] = k.x[p] + offset[lane] * nx[lane];
@@ -342,7 +359,7 @@ SPARSHA_APART void widen(const DiscKernel& k, std::size_t row, float columns) {
     for (; lanes != 0; lanes &= lanes - 1U) {
       const std::size_t p = first + static_cast<std::size_t>(__builtin_ctz(lanes));
       while (start[column + 1] <= p) ++column;
-      k.radius2[p] = -1.0F;
+      k.radius2[p] = kNoDisc;
       gather_wide(k, row, column, rings, p, far);
       const std::int32_t count = count_within(far, r2);
       if (count >= k.least) add_moments(k, far, r2, count, p, batch);
@@ -352,14 +369,170 @@ SPARSHA_APART void widen(const DiscKernel& k, std::size_t row, float columns) {
   if (batch.size > 0) write_discs(k, batch);
 }
 
+// The neighbourhood of a point from as many columns as it takes; 0 when its points are too few.
+SPARSHA_INLINE float neighbourhood_of(const DiscKernel& k, std::size_t row, std::size_t column, std::size_t point,
+                                      Candidates& c, std::int32_t& count) {
+  float r2 = 0.0F;
+  for (std::size_t rings = 1; r2 == 0.0F && rings <= kMostRings; ++rings) {
+    gather_wide(k, row, column, rings, point, c);
+    const float reach = k.side_m * static_cast<float>(rings);
+    r2 = neighbourhood2(k, c, reach * reach, count);
+  }
+  return r2;
+}
+
+/// What lies across a plane through a point: up to `above` and down to `below` it is the point's own sheet.
+struct Across {
+  float nx, ny, nz;
+  float below = -__builtin_inff(), above = __builtin_inff();
+};
+
+/// Neighbours of a point along two directions in a plane and across it, ascending across.
+struct AcrossPlane {
+  float u[kMostAcross], v[kMostAcross], across[kMostAcross];
+  std::size_t size = 0;
+
+  void put(float a, float b, float h) {
+    std::size_t at = size++;
+    for (; at > 0 && across[at - 1] > h; --at) {
+      u[at] = u[at - 1];
+      v[at] = v[at - 1];
+      across[at] = across[at - 1];
+    }
+    u[at] = a;
+    v[at] = b;
+    across[at] = h;
+  }
+  [[nodiscard]] std::size_t widest() const {
+    std::size_t found = 1;
+    for (std::size_t p = 2; p < size; ++p) {
+      if (across[p] - across[p - 1] > across[found] - across[found - 1]) found = p;
+    }
+    return found;
+  }
+};
+
+// Looks for the gaps next to the point among what lies within the squared radius. False when there is none. A plane
+// through two faces leans to where they overlap: the slope that those on both sides of the widest gap have in common
+// is taken out.
+SPARSHA_INLINE bool find_gap(const DiscKernel& k, const Candidates& c, float r2, std::int32_t count, std::size_t point,
+                             Across& across) {
+  constexpr int kRounds = 3;
+  if (static_cast<std::size_t>(count) > kMostAcross || count < 4) return false;
+  AcrossPlane around;
+  for (int round = 0; round < kRounds; ++round) {
+    const float per = 1.0F / __builtin_sqrtf(across.nz * across.nz + across.nx * across.nx);
+    const float ux = across.nz * per;
+    const float uz = -across.nx * per;
+    const float vx = across.ny * uz;
+    const float vy = across.nz * ux - across.nx * uz;
+    const float vz = -across.ny * ux;
+    around.size = 0;
+    for (std::size_t p = 0; p < c.count && around.size < kMostAcross; ++p) {
+      if (!(c.r2[p] <= r2)) continue;
+      const float x = c.x[p] - k.x[point];
+      const float y = c.y[p] - k.y[point];
+      const float z = c.z[p] - k.z[point];
+      around.put(x * ux + z * uz, x * vx + y * vy + z * vz, x * across.nx + y * across.ny + z * across.nz);
+    }
+    if (round + 1 == kRounds) break;
+    const std::size_t cut = around.widest();
+    float uu = 0.0F, uv = 0.0F, vv = 0.0F, uh = 0.0F, vh = 0.0F;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::size_t begin = side == 0 ? 0 : cut;
+      const std::size_t end = side == 0 ? cut : around.size;
+      const float share = 1.0F / static_cast<float>(end - begin);
+      float mu = 0.0F, mv = 0.0F, mh = 0.0F;
+      for (std::size_t p = begin; p < end; ++p) {
+        mu += share * around.u[p];
+        mv += share * around.v[p];
+        mh += share * around.across[p];
+      }
+      for (std::size_t p = begin; p < end; ++p) {
+        const float u = around.u[p] - mu;
+        const float v = around.v[p] - mv;
+        const float h = around.across[p] - mh;
+        uu += u * u;
+        uv += u * v;
+        vv += v * v;
+        uh += u * h;
+        vh += v * h;
+      }
+    }
+    const float determinant = uu * vv - uv * uv;
+    if (!(determinant > 1e-6F * uu * vv)) break;
+    const float a = (uh * vv - vh * uv) / determinant;
+    const float b = (vh * uu - uh * uv) / determinant;
+    const float nx = across.nx - a * ux - b * vx;
+    const float ny = across.ny - b * vy;
+    const float nz = across.nz - a * uz - b * vz;
+    const float length = 1.0F / __builtin_sqrtf(nx * nx + ny * ny + nz * nz);
+    across.nx = nx * length;
+    across.ny = ny * length;
+    across.nz = nz * length;
+  }
+  const float spacing = __builtin_sqrtf(r2 * 3.14159265F / static_cast<float>(count));
+  const float gap = kGapNoises * k.noise_m + kGapSpacings * spacing;
+  for (std::size_t p = 1; p < around.size; ++p) {
+    if (around.across[p] - around.across[p - 1] <= gap) continue;
+    const float middle = 0.5F * (around.across[p] + around.across[p - 1]);
+    if (middle < 0.0F) across.below = middle;
+    if (middle > 0.0F && middle < across.above) across.above = middle;
+  }
+  return across.below > -__builtin_inff() || across.above < __builtin_inff();
+}
+
+// Leaves candidates of the point's own sheet within reach.
+SPARSHA_INLINE void keep_sheet(const DiscKernel& k, const Across& across, std::size_t point, Candidates& c) {
+  for (std::size_t p = 0; p < c.count; p += kLanes) {
+    const Floats h = (load(c.x + p) - k.x[point]) * across.nx + (load(c.y + p) - k.y[point]) * across.ny +
+                     (load(c.z + p) - k.z[point]) * across.nz;
+    const Ints own = (h > across.below) & (h < across.above);
+    store(c.r2 + p, choose(own, load(c.r2 + p), all(__builtin_inff())));
+  }
+}
+
+// Once more those of a row whose squared radius was marked by its sign: neighbours of a thin sheet lie on its other
+// face, too, and a plane through both is neither. Where a gap across the plane tells them apart, a point's own face is
+// fitted alone; else its disc stays.
+SPARSHA_APART void tell_sheets_apart(const DiscKernel& k, std::size_t row) {
+  DiscBatch batch;
+  Candidates far = candidates_in(k, 1);
+  const std::uint32_t* const start = k.start + row * k.bins_x;
+  std::size_t column = 0;
+  const std::size_t end = start[k.bins_x];
+  for (std::size_t p = start[0]; p < end; ++p) {
+    if (!(k.radius2[p] < 0.0F) || k.radius2[p] == kNoDisc) continue;
+    while (start[column + 1] <= p) ++column;
+    k.radius2[p] = -k.radius2[p];
+    const float per_length = 1.0F / __builtin_sqrtf(1.0F + k.slope_x[p] * k.slope_x[p] + k.slope_y[p] * k.slope_y[p]);
+    Across across{-k.slope_x[p] * per_length, -k.slope_y[p] * per_length, per_length};
+    std::int32_t count = 0;
+    float r2 = neighbourhood_of(k, row, column, p, far, count);
+    if (!(r2 > 0.0F) || !find_gap(k, far, r2, count, p, across)) continue;
+    k.radius2[p] = kNoDisc;
+    r2 = 0.0F;
+    for (std::size_t rings = 1; r2 == 0.0F && rings < kMostRings; ++rings) {
+      gather_wide(k, row, column, rings, p, far);
+      keep_sheet(k, across, p, far);
+      const float reach = k.side_m * static_cast<float>(rings);
+      r2 = neighbourhood2(k, far, reach * reach, count);
+    }
+    if (r2 > 0.0F) add_moments(k, far, r2, count, p, batch);
+    if (batch.size == kLanes) write_discs(k, batch);
+  }
+  if (batch.size > 0) write_discs(k, batch);
+}
+
 SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
   DiscBatch batch;
+  batch.thick_again = k.noise_m >= 0.0F;
   Candidates near = candidates_in(k, 0);
   for (std::size_t column = 0; column < k.bins_x; ++column) {
     const std::size_t bin = row * k.bins_x + column;
     const std::size_t end = k.start[bin + 1];
     if (k.start[bin] == end) continue;
-    for (std::size_t p = k.start[bin]; p < end; ++p) k.radius2[p] = -1.0F;
+    for (std::size_t p = k.start[bin]; p < end; ++p) k.radius2[p] = kNoDisc;
     Windows windows = windows_around(k, row, column);
     for (std::size_t begin = k.start[bin]; begin < end && k.z[begin] >= k.needed_m[bin];) {
       // Points at nearly one height have nearly the same candidates.
@@ -374,6 +547,7 @@ SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
     }
   }
   if (batch.size > 0) write_discs(k, batch);
+  if (k.noise_m >= 0.0F) tell_sheets_apart(k, row);
   constexpr float kWider[] = {1.2F, 1.6F, 2.0F, 3.0F};  // columns
   for (const float columns : kWider) widen(k, row, columns);
 }

@@ -138,6 +138,7 @@ struct DiscKernel {
   float narrow = 0.1F;                      ///< variances of points on one line, the lesser by the greater, are below
   float least_width2 = 0.0F;                ///< or the lesser is below this, m^2; more neighbours are looked at then
   float reach = 2.5F;                       ///< radius of a disc, local spacings
+  float noise_m = -1.0F;                    ///< across the surface; negative: thin sheets are not told apart
   const float* needed_m = nullptr;          ///< of each column; lower points get no disc
   float* scratch = nullptr;                 ///< kScratch floats of the calling thread
 
