@@ -21,6 +21,7 @@
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/suggest.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "scene/config/setup_text.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

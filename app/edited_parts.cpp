@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

@@ -12,6 +12,7 @@
 #include "app/study.h"
 #include "base/error.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

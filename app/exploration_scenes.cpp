@@ -7,6 +7,7 @@
 #include "app/inputs.h"
 #include "base/error.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

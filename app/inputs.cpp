@@ -10,6 +10,7 @@
 #include "pipeline/suggest/suggest.h"
 #include "scene/config/override.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;

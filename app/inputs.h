@@ -10,7 +10,6 @@
 #include "base/files.h"
 #include "base/progress.h"
 #include "pipeline/build/build.h"
-#include "scene/config/config.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::app {

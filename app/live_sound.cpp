@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "scene/scene.h"
+
 namespace sparsha::app {
 
 void LiveSound::use(std::unique_ptr<audio::Engine> engine) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "audio/engine.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::app {
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 

@@ -12,7 +12,6 @@
 #include "audio/clip/clip.h"
 #include "audio/modal/modal.h"
 #include "scene/area.h"
-#include "scene/config/config.h"
 #include "scene/config/cues.h"
 #include "scene/scene_fwd.h"
 

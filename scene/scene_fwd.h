@@ -1,11 +1,13 @@
-// Names of scene/scene.h for those who pass scenes on and do not look into them.
+// Names of scene/scene.h and scene/config/config.h for those who pass scenes on and do not look into them.
 #pragma once
 
 #include <memory>
 
 namespace sparsha::scene {
 
+struct Config;
 class Scene;
+struct ScanSource;
 struct SceneDescription;
 using ScenePointer = std::shared_ptr<const Scene>;
 

@@ -7,8 +7,8 @@
 
 #include "app/commands/commands.h"
 #include "app/terminal.h"
-#include "bench/open/benchmark.h"
-#include "bench/open/judge.h"
+#include "protocol/benchmark.h"
+#include "protocol/judge.h"
 
 namespace sparsha::app {
 namespace {
@@ -24,10 +24,10 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-nlohmann::ordered_json json_of(const bench::Verdict& verdict) {
+nlohmann::ordered_json json_of(const protocol::Verdict& verdict) {
   nlohmann::ordered_json cases = nlohmann::ordered_json::array();
-  for (const bench::Judgement& j : verdict.cases) {
-    const bench::Score& s = j.score;
+  for (const protocol::Judgement& j : verdict.cases) {
+    const protocol::Score& s = j.score;
     nlohmann::ordered_json one = {{"case", j.case_name},
                                   {"pass", j.pass()},
                                   {"error", {{"median", s.error_median}, {"p99", s.error_p99}, {"max", s.error_max}}},
@@ -45,27 +45,27 @@ nlohmann::ordered_json json_of(const bench::Verdict& verdict) {
   return {{"cases", std::move(cases)}, {"absent", verdict.absent}};
 }
 
-std::string table_of(const bench::Verdict& verdict, const std::string& results) {
+std::string table_of(const protocol::Verdict& verdict, const std::string& results) {
   std::string text = fmt::format("{:<14} {:<7} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "case", "verdict",
                                  "median", "99 %", "largest", "angle 99%", "lost", "felt", "jumps", "ghost");
-  for (const bench::Judgement& j : verdict.cases) {
-    const bench::Score& s = j.score;
+  for (const protocol::Judgement& j : verdict.cases) {
+    const protocol::Score& s = j.score;
     text += fmt::format(
         "{:<14} {:<7} {:>7.3g} % {:>7.3g} % {:>7.3g} % {:>7.3g} d {:>6.3g} % {:>6.3g} % {:>6.3g} % {:>6.3g} %\n",
         j.case_name, j.pass() ? "pass" : "fail", 100.0 * s.error_median, 100.0 * s.error_p99, 100.0 * s.error_max,
         s.angle_p99_deg, 100.0 * s.lost, 100.0 * s.felt, 100.0 * s.jumps, 100.0 * j.ghost);
   }
-  for (const bench::Judgement& j : verdict.cases)
+  for (const protocol::Judgement& j : verdict.cases)
     if (!j.pass())
       text += fmt::format("{}: largest error at {:g} s, {}:{}\n", j.case_name, j.worst_t_s, results, j.worst_line);
   if (!verdict.absent.empty()) text += "not in the results: " + joined(verdict.absent) + "\n";
   return text;
 }
 
-std::string sentences_of(const bench::Verdict& verdict) {
+std::string sentences_of(const protocol::Verdict& verdict) {
   std::string text;
-  for (const bench::Judgement& j : verdict.cases) {
-    const bench::Score& s = j.score;
+  for (const protocol::Judgement& j : verdict.cases) {
+    const protocol::Score& s = j.score;
     text += fmt::format(
         "Case {} {}. The force error is {:.3g} % in the median, {:.3g} % at the 99th percentile and {:.3g} % at most, "
         "at "
@@ -79,14 +79,14 @@ std::string sentences_of(const bench::Verdict& verdict) {
 
 int run_export(const Arguments& arguments, const CommonOptions& common) {
   const Terminal terminal(common);
-  bench::export_benchmark(arguments.folder);
+  protocol::export_benchmark(arguments.folder);
   terminal.message("benchmark written to " + arguments.folder + "; protocol.md there says how it is run and judged");
   if (common.json) print(nlohmann::ordered_json{{"folder", arguments.folder}}.dump(2));
   return 0;
 }
 
 int run_judge(const Arguments& arguments, const CommonOptions& common) {
-  const bench::Verdict verdict = bench::judge(arguments.folder, arguments.results);
+  const protocol::Verdict verdict = protocol::judge(arguments.folder, arguments.results);
   print(common.json    ? json_of(verdict).dump(2)
         : common.plain ? sentences_of(verdict)
                        : table_of(verdict, arguments.results));

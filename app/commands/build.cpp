@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/system.h"
 #include "pipeline/build/build.h"
+#include "scene/config/config.h"
 #include "scene/folder/folder.h"
 
 namespace sparsha::app {

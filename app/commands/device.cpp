@@ -19,6 +19,7 @@
 #include "haptics/device/falcon/homing_advice.h"
 #include "haptics/device/falcon/usb_transport.h"
 #include "haptics/servo/real_time.h"
+#include "scene/config/config.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {

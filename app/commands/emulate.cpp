@@ -19,16 +19,15 @@
 #include "base/files.h"
 #include "base/system.h"
 #include "base/system/process.h"
+#include "emulator/person.h"
+#include "emulator/usb_bus.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/simulated/exploration_script.h"
-#include "haptics/emulator/person.h"
-#include "haptics/emulator/usb_bus.h"
 #include "haptics/servo/real_time.h"
 #include "scene/scene.h"
 
 namespace sparsha::app {
 namespace fs = std::filesystem;
-namespace emulator = haptics::emulator;
 
 namespace {
 

@@ -16,6 +16,7 @@
 #include "base/thread_pool.h"
 #include "pipeline/register/register.h"
 #include "pipeline/report/registration_page.h"
+#include "scene/config/config.h"
 #include "scene/config/pose_text.h"
 
 namespace sparsha::app {

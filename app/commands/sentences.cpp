@@ -9,6 +9,7 @@
 #include "app/sentences.h"
 #include "base/text.h"
 #include "pipeline/scan/worth.h"
+#include "scene/scene.h"
 
 namespace sparsha::app {
 namespace {

@@ -11,7 +11,7 @@
 #include "pipeline/register/register.h"
 #include "pipeline/replica/replica.h"
 #include "pipeline/scan/reader.h"
-#include "scene/config/config.h"
+#include "scene/config/audio.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::app {

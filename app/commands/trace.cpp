@@ -19,6 +19,7 @@
 #include "haptics/replay/trace.h"
 #include "haptics/window/surface.h"
 #include "haptics/window/window.h"
+#include "scene/scene.h"
 #include "scene/window_lattice.h"
 
 namespace sparsha::app {

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "bench/open/path.h"
 #include "haptics/surface/large_pages.h"
+#include "protocol/path.h"
 
 namespace sparsha::bench {
 namespace {
@@ -58,9 +58,9 @@ void add_friction(MongeSurface& surface) {
 
 /// Points of the path whose mean distance is `cells_per_tick`.
 std::vector<Vector2d> path(int nodes, double cells_per_tick, int ticks) {
-  const double dt = cells_per_tick / (nodes - 1) / kPathSpeed;
+  const double dt = cells_per_tick / (nodes - 1) / protocol::kPathSpeed;
   std::vector<Vector2d> points;
-  for (int k = 0; k < ticks; ++k) points.push_back(place_on_path(k * dt));
+  for (int k = 0; k < ticks; ++k) points.push_back(protocol::place_on_path(k * dt));
   return points;
 }
 

@@ -9,6 +9,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/export/export.h"
 #include "pipeline/simulate/simulate.h"
+#include "scene/config/config.h"
 
 namespace sparsha::bench {
 

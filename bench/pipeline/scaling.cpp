@@ -9,6 +9,7 @@
 #include "bench/pipeline/run.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/simulate.h"
+#include "scene/config/config.h"
 
 namespace sparsha::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "bench/open/course.h"
+#include "protocol/course.h"
 
 namespace sparsha::bench {
 namespace {
@@ -167,7 +167,7 @@ HardResult judge(const HardCase& c, const Entrant& entrant, const haptics::Monge
 std::vector<HardResult> hard_cases(const std::vector<Entrant>& entrants) {
   std::vector<HardResult> results;
   for (const HardCase& c : all_cases()) {
-    Ground ground;
+    protocol::Ground ground;
     ground.height = c.height;
     const haptics::MongeSurface surface = sample(ground, kNodes);
     for (const Entrant& entrant : entrants)

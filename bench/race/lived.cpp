@@ -11,7 +11,8 @@ namespace sparsha::bench {
 std::vector<LivedRow> live(const Scenario& scenario, const Field& field, int ticks) {
   using Clock = std::chrono::steady_clock;
   const std::vector<Row> hot = race(scenario, field, ticks, 5);
-  const Course course = make_course(scenario.ground, 0.001 * scenario.speed_m_per_s, scenario.depth_m, ticks);
+  const protocol::Course course =
+      protocol::make_course(scenario.ground, 0.001 * scenario.speed_m_per_s, scenario.depth_m, ticks);
   const double overhead_ns = timer_overhead_ns();
   std::vector<std::vector<double>> times(field.peers.size());
   for (const PeerPointer& peer : field.peers) peer->place(course.hands.front());

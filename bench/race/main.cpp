@@ -19,22 +19,23 @@ namespace {
 
 /// One scenario varied in one thing at a time; full mode crosses surfaces with sizes.
 std::vector<Scenario> scenarios(bool quick) {
-  const std::vector<Ground> grounds = all_grounds();
+  const std::vector<protocol::Ground> grounds = protocol::all_grounds();
   std::vector<Scenario> all;
-  const auto add = [&all](const std::string& group, const Ground& ground, int nodes, double speed, double depth) {
+  const auto add = [&all](const std::string& group, const protocol::Ground& ground, int nodes, double speed,
+                          double depth) {
     if (depth <= ground.most_depth_m) all.push_back({group, ground, nodes, speed, depth});
   };
-  const Ground& sinusoid = grounds.front();
+  const protocol::Ground& sinusoid = grounds.front();
   const std::vector<int> sizes = quick ? std::vector<int>{100, 316, 1000} : std::vector<int>{100, 316, 1000, 3162};
   add("front", sinusoid, 200, 0.25, 0.002);
-  for (const Ground& ground : grounds) {
+  for (const protocol::Ground& ground : grounds) {
     add("surfaces", ground, 316, 0.25, 0.002);
     if (quick) continue;
     for (const int nodes : {100, 1000}) add("surfaces", ground, nodes, 0.25, 0.002);
     for (const double speed : {0.05, 1.0}) add("speed", ground, 316, speed, 0.002);
     for (const double depth : {0.0005, 0.005, 0.02}) add("depth", ground, 316, 0.25, depth);
   }
-  for (const Ground& ground : object_grounds(0.002)) add("surfaces", ground, 316, 0.25, 0.002);
+  for (const protocol::Ground& ground : object_grounds(0.002)) add("surfaces", ground, 316, 0.25, 0.002);
   for (const double speed : {0.01, 0.1, 0.5, 2.0}) add("speed", sinusoid, 316, speed, 0.002);
   for (const double depth : {0.0001, 0.001, 0.01, 0.02})
     if (quick || depth < 0.02) add("depth", sinusoid, 316, 0.25, depth);
@@ -108,7 +109,7 @@ bool run(bool quick, const std::filesystem::path& out) {
   marks.budget_ns = 1e6;
   marks.felt_from = 0.07;
   marks.felt_to = 0.10;
-  const Scenario lived{"lived", all_grounds().front(), 200, 0.25, 0.002};
+  const Scenario lived{"lived", protocol::all_grounds().front(), 200, 0.25, 0.002};
   report.lived = live(lived, make_field(lived.ground, lived.nodes, standard), quick ? 300 : 1000);
   std::ofstream lived_csv(out / "race_lived.csv");
   lived_csv << "method,hot_p50_ns,hot_p99_ns,lived_p50_ns,lived_p99_ns,lived_max_ns,force_error_median\n";

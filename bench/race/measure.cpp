@@ -2,22 +2,22 @@
 
 #include <utility>
 
-#include "bench/open/score.h"
 #include "bench/report/turns.h"
+#include "protocol/score.h"
 
 namespace sparsha::bench {
 namespace {
 
 using Eigen::Vector3d;
 
-void measure_errors(Peer& peer, const Course& course, Row& row) {
+void measure_errors(Peer& peer, const protocol::Course& course, Row& row) {
   std::vector<Vector3d> forces, truth;
   peer.place(course.hands.front());
   for (std::size_t tick = 0; tick < course.hands.size(); ++tick) {
     forces.push_back(peer.update(course.hands[tick]).force_m);
     truth.emplace_back(course.feet[tick] - course.hands[tick]);
   }
-  const Score score = score_forces(forces, truth, course.first, truth.size());
+  const protocol::Score score = protocol::score_forces(forces, truth, course.first, truth.size());
   row.lost = score.lost;
   row.jumps = score.jumps;
   row.error_median = score.error_median;
@@ -30,7 +30,7 @@ void measure_errors(Peer& peer, const Course& course, Row& row) {
 
 }  // namespace
 
-Field make_field(const Ground& ground, int nodes, std::vector<Entrant> entrants) {
+Field make_field(const protocol::Ground& ground, int nodes, std::vector<Entrant> entrants) {
   Field field{sample(ground, nodes), std::move(entrants), {}, {}};
   for (const Entrant& entrant : field.entrants) {
     field.seconds.push_back(seconds_of([&] { field.peers.push_back(entrant.make(field.surface)); }));
@@ -39,7 +39,8 @@ Field make_field(const Ground& ground, int nodes, std::vector<Entrant> entrants)
 }
 
 std::vector<Row> race(const Scenario& scenario, const Field& field, int ticks, int repeats) {
-  const Course course = make_course(scenario.ground, 0.001 * scenario.speed_m_per_s, scenario.depth_m, ticks);
+  const protocol::Course course =
+      protocol::make_course(scenario.ground, 0.001 * scenario.speed_m_per_s, scenario.depth_m, ticks);
   std::vector<Row> rows;
   for (std::size_t n = 0; n < field.entrants.size(); ++n) {
     Row row;

@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "bench/open/course.h"
 #include "bench/peers/entrants.h"
+#include "protocol/course.h"
 
 namespace sparsha::bench {
 
 /// What is raced on, but for the entrants.
 struct Scenario {
   std::string group;  ///< what this row shows: front, speed, depth, size, surfaces
-  Ground ground;
+  protocol::Ground ground;
   int nodes = 200;  ///< per side
   double speed_m_per_s = 0.25;
   double depth_m = 0.002;
@@ -55,7 +55,7 @@ struct Field {
   std::vector<double> seconds;  ///< each took to be made
 };
 
-[[nodiscard]] Field make_field(const Ground& ground, int nodes, std::vector<Entrant> entrants);
+[[nodiscard]] Field make_field(const protocol::Ground& ground, int nodes, std::vector<Entrant> entrants);
 
 /// All entrants take turns over the same path, `repeats` times, each time another one first. The first entrant is what
 /// ratios refer to.

@@ -33,8 +33,8 @@ std::optional<std::vector<double>> middle_of(const test::ClosedObject& object) {
 
 }  // namespace
 
-std::vector<Ground> object_grounds(double depth_m) {
-  std::vector<Ground> grounds;
+std::vector<protocol::Ground> object_grounds(double depth_m) {
+  std::vector<protocol::Ground> grounds;
   {
     constexpr double kWidth_m = 0.36;  // scaled to 1
     pipeline::SurfaceConfig config;

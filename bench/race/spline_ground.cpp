@@ -80,14 +80,14 @@ std::vector<double> smoothed(const std::vector<double>& heights, int side) {
 
 }  // namespace
 
-Ground spline_ground(const std::string& name, std::vector<double> heights, int side, double depth_m) {
-  Ground ground;
+protocol::Ground spline_ground(const std::string& name, std::vector<double> heights, int side, double depth_m) {
+  protocol::Ground ground;
   ground.name = name;
   for (int passes = 1;; passes *= 2) {
     const auto spline = std::make_shared<const Spline>(heights, side);
     ground.height = [spline](double x, double y) { return spline->height(x, y); };
     ground.slope = [spline](double x, double y) { return spline->slope(x, y); };
-    ground.most_depth_m = deepest_m(ground, kMargin_m);
+    ground.most_depth_m = protocol::deepest_m(ground, kMargin_m);
     if (ground.most_depth_m >= depth_m || passes > 4096) return ground;
     for (int k = 0; k < passes; ++k) heights = smoothed(heights, side);
   }

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/yaml.h"
+#include "scene/config/config.h"
 #include "scene/folder/folder.h"
 
 namespace sparsha::haptics {

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "haptics/replay/kept_folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 namespace fs = std::filesystem;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "haptics/replay/recording.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 namespace fs = std::filesystem;

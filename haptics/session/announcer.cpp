@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "haptics/state/stone_gives.h"
 #include "scene/regions.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -19,6 +20,10 @@ constexpr double kSilence_s = 1.0;  // the same thing is said again only after s
 
 Announcer::Announcer(AnnouncementBoard& board, scene::ScenePointer scene, Phrases phrases)
     : board_(board), scene_(std::move(scene)), phrases_(std::move(phrases)) {}
+
+const scene::PartConfig& Announcer::part(std::size_t index) const {
+  return scene_->description().config.parts.at(index);
+}
 
 void Announcer::set_scene(scene::ScenePointer scene) {
   scene_ = std::move(scene);

@@ -12,7 +12,8 @@
 #include "haptics/effects/part_watch.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
-#include "scene/scene.h"
+#include "scene/config/parts.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
 
@@ -60,9 +61,7 @@ class Announcer {
   void watch_ground(const State& state);
   /// Index into the scene's list.
   [[nodiscard]] std::optional<std::size_t> part_at(const std::array<double, 3>& place_m) const;
-  [[nodiscard]] const scene::PartConfig& part(std::size_t index) const {
-    return scene_->description().config.parts.at(index);
-  }
+  [[nodiscard]] const scene::PartConfig& part(std::size_t index) const;
   [[nodiscard]] std::string view_text(const View& view) const;
   [[nodiscard]] Phrase place_on_stone(const State& state) const;
   [[nodiscard]] Phrase way_back(const State& state) const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene/regions.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 namespace {

@@ -28,6 +28,7 @@
 #include "haptics/session/summary.h"
 #include "haptics/session/window_loader.h"
 #include "scene/regions.h"
+#include "scene/scene.h"
 
 namespace sparsha::haptics {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "base/progress.h"
 #include "pipeline/report/report.h"
-#include "scene/config/config.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {

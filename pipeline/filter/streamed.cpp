@@ -9,6 +9,7 @@
 
 #include "pipeline/filter/plane.h"
 #include "pipeline/scan/value_test.h"
+#include "scene/config/config.h"
 
 namespace sparsha::pipeline {
 

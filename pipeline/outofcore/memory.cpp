@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -5,8 +5,10 @@
 
 #include "base/error.h"
 #include "pipeline/scan/set.h"
-#include "scene/config/config.h"
+#include "scene/config/filters.h"
+#include "scene/config/layers.h"
 #include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 

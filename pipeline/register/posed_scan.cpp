@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/set.h"
+#include "scene/config/config.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/report/images.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 

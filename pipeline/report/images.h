@@ -8,7 +8,7 @@
 #include "base/thread_pool.h"
 #include "pipeline/report/colour.h"
 #include "pipeline/report/report.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 

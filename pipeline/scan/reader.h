@@ -16,10 +16,7 @@
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
 #include "scene/config/scans.h"
-
-namespace sparsha::scene {
-struct ScanSource;
-}
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 

@@ -16,6 +16,7 @@
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -16,8 +16,8 @@
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
 #include "pipeline/scan/reader.h"
-#include "scene/config/config.h"
-#include "scene/scene.h"
+#include "scene/config/scans.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {
 

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/yaml.h"
+#include "scene/config/config.h"
 #include "scene/config/text_editor.h"
 
 namespace sparsha::scene {

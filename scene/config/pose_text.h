@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/config/config.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::scene {
 

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/yaml.h"
+#include "scene/config/config.h"
 #include "scene/config/text_editor.h"
 #include "scene/euler.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "scene/config/config.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::scene {
 

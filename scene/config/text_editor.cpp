@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "base/yaml_text.h"
+#include "scene/config/config.h"
 
 namespace sparsha::scene {
 namespace fs = std::filesystem;

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "base/yaml.h"
-#include "scene/config/config.h"
+#include "scene/config/parts.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::scene {
 

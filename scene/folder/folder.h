@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/files.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::scene {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scene/depth_grid.h"
-#include "scene/scene_fwd.h"
+#include "scene/scene.h"
 
 namespace sparsha::scene {
 

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "scene/folder/folder.h"
+#include "scene/scene.h"
 
 namespace sparsha::scene {
 namespace fs = std::filesystem;

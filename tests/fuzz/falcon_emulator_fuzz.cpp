@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "haptics/emulator/falcon.h"
+#include "emulator/falcon.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace sparsha::haptics::emulator;
+  using namespace sparsha::emulator;
   FalconOptions options;
   options.firmware_loaded = size > 0 && data[0] % 2 == 0;
   options.image_bytes = 16;

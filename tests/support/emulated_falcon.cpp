@@ -17,7 +17,7 @@ using Steady = std::chrono::steady_clock;
 
 class Wire final : public haptics::falcon::Transport {
  public:
-  Wire(std::shared_ptr<haptics::emulator::Falcon> device, Clock clock)
+  Wire(std::shared_ptr<emulator::Falcon> device, Clock clock)
       : device_(std::move(device)), clock_(clock), began_(Steady::now()) {}
 
   TransportStatus control(Request request, std::uint16_t value) noexcept override {
@@ -68,7 +68,7 @@ class Wire final : public haptics::falcon::Transport {
           began_ + std::chrono::duration_cast<Steady::duration>(std::chrono::duration<double>(time_s)));
   }
 
-  std::shared_ptr<haptics::emulator::Falcon> device_;
+  std::shared_ptr<emulator::Falcon> device_;
   Clock clock_;
   Steady::time_point began_;
   std::atomic<double> virtual_s_{0.0};
@@ -76,13 +76,12 @@ class Wire final : public haptics::falcon::Transport {
 
 }  // namespace
 
-EmulatedFalcon::EmulatedFalcon(const EmulatorOptions& options)
-    : device(std::make_shared<haptics::emulator::Falcon>(options)) {}
+EmulatedFalcon::EmulatedFalcon(const EmulatorOptions& options) : device(std::make_shared<emulator::Falcon>(options)) {}
 
 void EmulatedFalcon::set_hand(Hand hand) {
-  device->set_hand([hand = std::move(hand)](const haptics::emulator::Felt& felt) {
+  device->set_hand([hand = std::move(hand)](const emulator::Felt& felt) {
     const Eigen::Vector3d place = hand(felt.time_s, {felt.force_n[0], felt.force_n[1], felt.force_n[2]});
-    return haptics::emulator::Grip{{place.x(), place.y(), place.z()}, 0};
+    return emulator::Grip{{place.x(), place.y(), place.z()}, 0};
   });
 }
 

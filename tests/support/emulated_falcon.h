@@ -8,12 +8,12 @@
 
 #include <Eigen/Core>
 
+#include "emulator/falcon.h"
 #include "haptics/device/falcon/transport.h"
-#include "haptics/emulator/falcon.h"
 
 namespace sparsha::test {
 
-using EmulatorOptions = haptics::emulator::FalconOptions;
+using EmulatorOptions = emulator::FalconOptions;
 
 /// The emulated device, with Eigen's vectors and its motors as the driver names them.
 class EmulatedFalcon {
@@ -27,7 +27,7 @@ class EmulatedFalcon {
   [[nodiscard]] std::array<int, 3> command() const { return device->motors(); }
   [[nodiscard]] Eigen::Vector3d force_n() const;
 
-  std::shared_ptr<haptics::emulator::Falcon> device;
+  std::shared_ptr<emulator::Falcon> device;
 };
 
 /// How its time runs.

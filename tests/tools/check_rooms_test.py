@@ -7,23 +7,25 @@ import tempfile
 CHECK = pathlib.Path(__file__).resolve().parents[2] / "tools" / "check-rooms.py"
 FILES = {
     "base/error.h": "namespace sparsha {\nclass Error {};\n}  // namespace sparsha\n",
-    "bench/open/judge.h": '#include "base/error.h"\n',
-    "bench/race/main.cpp": '#include "bench/open/judge.h"\n#include "tests/support/clouds.h"\n',
-    "app/commands/bench.cpp": '#include "bench/open/judge.h"\n',
+    "protocol/judge.h": '#include "base/error.h"\n',
+    "bench/race/main.cpp": '#include "protocol/judge.h"\n#include "tests/support/clouds.h"\n',
+    "app/commands/bench.cpp": '#include "protocol/judge.h"\n',
     "tests/base/error_test.cpp": '#include "base/error.h"\n',
-    "tests/bench/open/judge_test.cpp": '#include "bench/open/judge.h"\n',
+    "tests/protocol/judge_test.cpp": '#include "protocol/judge.h"\n',
     "tests/support/clouds.h": "\n",
 }
 # What is put into which new file, and how what is found begins.
 FAULTS = [
-    ("bench/open/score.cpp", '#include "app/main.h"', "bench/open/score.cpp:1: bench/open must not include app/main.h"),
-    ("bench/open/score.cpp", '#include "judge.h"', 'bench/open/score.cpp:1: include "judge.h" by its path'),
-    ("bench/open/score.h", "#include <fmt/format.h>", "bench/open/score.h:1: <fmt/format.h> belongs in a .cpp file"),
-    ("bench/open/score.h", '#include "base/trees.hpp"', "bench/open/score.h:1: base/trees.hpp shows a library"),
+    ("protocol/score.cpp", '#include "app/main.h"', "protocol/score.cpp:1: protocol must not include app/main.h"),
+    ("protocol/score.cpp", '#include "judge.h"', 'protocol/score.cpp:1: include "judge.h" by its path'),
+    ("protocol/score.h", "#include <fmt/format.h>", "protocol/score.h:1: <fmt/format.h> belongs in a .cpp file"),
+    ("protocol/score.h", '#include "base/trees.hpp"', "protocol/score.h:1: base/trees.hpp shows a library"),
     ("bench/new/main.cpp", "", "bench/new/main.cpp: no rule for this folder"),
     ("app/commands/race.cpp", '#include "bench/race/measure.h"', "app/commands/race.cpp:1: app must not include bench/race/measure.h"),
-    ("base/yaml.cpp", '#include "bench/open/judge.h"', "base/yaml.cpp:1: base must not include bench/open/judge.h"),
+    ("base/yaml.cpp", '#include "protocol/judge.h"', "base/yaml.cpp:1: base must not include protocol/judge.h"),
     ("base/yaml.cpp", '#include "tests/support/clouds.h"', "base/yaml.cpp:1: base must not include tests/support/clouds.h"),
+    ("app/hand.cpp", "namespace sparsha::haptics {\nint hand;\n}  // namespace sparsha::haptics\n",
+     "app/hand.cpp: namespace sparsha::haptics is another room's"),
     ("tests/gone/room_test.cpp", "", "tests/gone: there is no room gone"),
     ("tests/bench/gone/room_test.cpp", "", "tests/bench/gone: there is no room bench/gone"),
 ]

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "scene/folder/folder.h"
 #include "scene/length_unit.h"
+#include "scene/scene.h"
 #include "viewer/frame.h"
 
 namespace sparsha::viewer {

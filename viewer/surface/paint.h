@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scene/config/viewer.h"
-#include "scene/scene.h"
+#include "scene/scene_fwd.h"
 #include "viewer/surface/colour_maps.h"
 #include "viewer/surface/relief_data.h"
 

@@ -344,7 +344,8 @@ TEST_F(Bench, ADamagedBenchmarkIsRefused) {
 }
 
 TEST_F(Bench, ExportedFilesAreWhatTheProtocolSays) {
-  EXPECT_EQ(text_of(folder_ / "data" / "protocol.md"), text_of(fs::path(SPARSHA_SOURCE_DIR) / "bench" / "protocol.md"));
+  EXPECT_EQ(text_of(folder_ / "data" / "protocol.md"),
+            text_of(fs::path(SPARSHA_SOURCE_DIR) / "protocol" / "protocol.md"));
   for (const char* name : {"plane", "cap", "sinusoid", "ridge", "step", "stone"}) {
     const auto path = rows_of(folder_ / "data" / "paths" / (std::string(name) + ".csv"), true);
     const auto truth = rows_of(folder_ / "data" / "truth" / (std::string(name) + ".csv"), true);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/open/course.h"
 #include "bench/peers/entrants.h"
+#include "protocol/course.h"
 
 namespace sparsha::bench {
 namespace {
@@ -26,10 +26,10 @@ struct Errors {
   int lost = 0;
 };
 
-Errors run(const Entrant& entrant, const Ground& ground) {
+Errors run(const Entrant& entrant, const protocol::Ground& ground) {
   const haptics::MongeSurface surface = sample(ground, kNodes);
   const PeerPointer peer = entrant.make(surface);
-  const Course course = make_course(ground, kStride, kDepth, kTicks);
+  const protocol::Course course = protocol::make_course(ground, kStride, kDepth, kTicks);
   Errors errors;
   peer->place(course.hands.front());
   for (std::size_t tick = 0; tick < course.hands.size(); ++tick) {
@@ -79,12 +79,12 @@ struct Case {
 constexpr Case kCases[] = {{"plane", 0.0, 1.06}, {"cap", 1.0, 1.24}, {"sinusoid", 1.974, 1.05}};
 
 TEST(Peers, EveryEntrantIsWithinItsOwnApproximationOnPlaneCapAndSinusoid) {
-  const std::vector<Ground> grounds = all_grounds();
+  const std::vector<protocol::Ground> grounds = protocol::all_grounds();
   for (const Entrant& entrant : all_entrants()) {
     if (!entrant.standard && !entrant.setting.starts_with("a ball")) continue;
     for (const Case& c : kCases) {
       const auto ground =
-          std::find_if(grounds.begin(), grounds.end(), [&](const Ground& g) { return g.name == c.ground; });
+          std::find_if(grounds.begin(), grounds.end(), [&](const protocol::Ground& g) { return g.name == c.ground; });
       ASSERT_NE(ground, grounds.end());
       const Errors errors = run(entrant, *ground);
       std::printf("%-10s %-8s mean %8.3f um worst %8.3f um allowed %8.3f um lost %d\n", entrant.method.c_str(),
@@ -99,7 +99,7 @@ TEST(Peers, EveryEntrantIsWithinItsOwnApproximationOnPlaneCapAndSinusoid) {
 TEST(Peers, APressOnALevelPlaneIsAnsweredWithinHalfAPercentByEveryEntrantAtEverySetting) {
   // A force that is off by 2 % fails, also of those that the surfaces above allow more. A ball rests on four points,
   // and not always quite in their middle.
-  Ground ground;
+  protocol::Ground ground;
   ground.height = [](double, double) { return 0.0; };
   for (const Entrant& entrant : all_entrants()) {
     const double reach = entrant.method == "box" || entrant.method == "voxel" ? kSpacing : 10.0 * kSpacing;
@@ -125,7 +125,7 @@ TEST(Peers, APressOnALevelPlaneIsAnsweredWithinHalfAPercentByEveryEntrantAtEvery
 TEST(Peers, ABallDoesNotFallIntoAGrooveNarrowerThanItselfWhereAPointDoes) {
   // One V groove along y, two cells wide and two deep; the ball's radius is a cell h. It rests on both walls, its
   // centre sqrt(5) h over the bottom, which itself is 2 h under the rims.
-  Ground ground;
+  protocol::Ground ground;
   ground.height = [](double x, double) {
     const auto node = static_cast<int>(std::lround(x / kSpacing));
     return node == 100 ? -2.0 * kSpacing : 0.0;
@@ -151,8 +151,8 @@ TEST(Peers, ABallDoesNotFallIntoAGrooveNarrowerThanItselfWhereAPointDoes) {
 }
 
 TEST(Peers, TheTrueFootIsTheNearestPointOfTheSurface) {
-  for (const Ground& ground : all_grounds()) {
-    const Course course = make_course(ground, 0.01, std::min(0.005, ground.most_depth_m), 100);
+  for (const protocol::Ground& ground : protocol::all_grounds()) {
+    const protocol::Course course = protocol::make_course(ground, 0.01, std::min(0.005, ground.most_depth_m), 100);
     for (std::size_t tick = course.first; tick < course.hands.size(); ++tick) {
       const Eigen::Vector3d& hand = course.hands[tick];
       double nearest = std::numeric_limits<double>::infinity();
@@ -168,7 +168,7 @@ TEST(Peers, TheTrueFootIsTheNearestPointOfTheSurface) {
 }
 
 TEST(Peers, NothingIsFeltAboveTheSurfaceAndAfterLeavingIt) {
-  const Ground ground = all_grounds().front();
+  const protocol::Ground ground = protocol::all_grounds().front();
   for (const Entrant& entrant : all_entrants()) {
     if (!entrant.standard) continue;
     const PeerPointer peer = entrant.make(sample(ground, kNodes));
@@ -184,7 +184,7 @@ TEST(Peers, NothingIsFeltAboveTheSurfaceAndAfterLeavingIt) {
 }
 
 TEST(Peers, AHandThatIsNotANumberOrFarAwayEndsNoProgram) {
-  const Ground ground = all_grounds().front();
+  const protocol::Ground ground = protocol::all_grounds().front();
   for (const Entrant& entrant : all_entrants()) {
     if (!entrant.standard) continue;
     const PeerPointer peer = entrant.make(sample(ground, kNodes));

@@ -18,7 +18,7 @@ std::vector<double> heights(int side, double (*z)(double, double)) {
 }
 
 TEST(SplineGround, APlaneStaysThatPlane) {
-  const Ground ground =
+  const protocol::Ground ground =
       spline_ground("plane", heights(33, [](double x, double y) { return 0.3 * x - 0.2 * y + 1.0; }), 33, 0.002);
   for (double x = 0.1; x < 0.9; x += 0.07)
     for (double y = 0.1; y < 0.9; y += 0.07) {
@@ -29,7 +29,7 @@ TEST(SplineGround, APlaneStaysThatPlane) {
 }
 
 TEST(SplineGround, SlopeIsTheDerivativeOfHeightOnRoughHeights) {
-  const Ground ground = spline_ground(
+  const protocol::Ground ground = spline_ground(
       "rough", heights(65, [](double x, double y) { return 0.01 * std::sin(40.0 * x + 3.0) * std::cos(31.0 * y); }), 65,
       0.002);
   constexpr double kStep = 1e-6;
@@ -44,7 +44,7 @@ TEST(SplineGround, SlopeIsTheDerivativeOfHeightOnRoughHeights) {
 
 TEST(SplineGround, SharpHeightsAreSmoothedUntilTheHandHasOneFoot) {
   const auto needle = [](double x, double y) { return std::hypot(x - 0.5, y - 0.5) < 0.02 ? 0.05 : 0.0; };
-  const Ground ground = spline_ground("needle", heights(129, needle), 129, 0.002);
+  const protocol::Ground ground = spline_ground("needle", heights(129, needle), 129, 0.002);
   EXPECT_GE(ground.most_depth_m, 0.002);
   EXPECT_GT(ground.height(0.5, 0.5), 0.001);
 }

@@ -22,6 +22,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -10,6 +10,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/export/export.h"
 #include "pipeline/simulate/simulate.h"
+#include "scene/config/config.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

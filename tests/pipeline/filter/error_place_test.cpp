@@ -8,6 +8,7 @@
 #include "base/yaml.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
+#include "scene/config/config.h"
 #include "tests/pipeline/filter/labelled.h"
 #include "tests/support/scan_files.h"
 

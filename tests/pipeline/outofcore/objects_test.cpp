@@ -14,6 +14,7 @@
 
 #include "base/files.h"
 #include "base/yaml.h"
+#include "scene/config/config.h"
 #include "tests/pipeline/outofcore/two_builds.h"
 
 namespace sparsha::pipeline {

@@ -15,6 +15,7 @@
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
+#include "scene/config/config.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

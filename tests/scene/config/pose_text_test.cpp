@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "base/yaml.h"
+#include "scene/config/config.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::scene {

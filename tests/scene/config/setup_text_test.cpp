@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "base/yaml.h"
+#include "scene/config/config.h"
 
 namespace sparsha::scene {
 namespace {

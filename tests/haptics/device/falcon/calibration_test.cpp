@@ -16,9 +16,9 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
+#include "emulator/geometry.h"
 #include "haptics/device/falcon/effort.h"
 #include "haptics/device/falcon/falcon.h"
-#include "haptics/emulator/geometry.h"
 #include "tests/support/emulated_falcon.h"
 #include "tests/support/test_folder.h"
 
@@ -27,7 +27,7 @@ namespace {
 using namespace sparsha::haptics;
 using namespace sparsha::haptics::falcon;
 using namespace sparsha::test;
-namespace emulator = sparsha::haptics::emulator;
+namespace emulator = sparsha::emulator;
 using Eigen::Vector3d;
 
 /// A person who homes the grip, brings it to the middle, lets go when told, and hangs a weight from it when told.

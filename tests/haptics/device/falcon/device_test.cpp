@@ -13,10 +13,10 @@
 
 #include <Eigen/Geometry>
 
+#include "emulator/person.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/packet.h"
 #include "haptics/device/falcon/transport.h"
-#include "haptics/emulator/person.h"
 #include "tests/support/emulated_falcon.h"
 
 namespace {
@@ -367,8 +367,8 @@ TEST_F(FalconOnTheBench, ButtonsAreUpOnceTheDeviceIsNotHeard) {
 
 /// The times on the wire, in the emulator's own words: the device answers one question after the other.
 struct WireTimes {
-  void see(const sparsha::haptics::emulator::WireEvent& event) {
-    using Kind = sparsha::haptics::emulator::WireEvent::Kind;
+  void see(const sparsha::emulator::WireEvent& event) {
+    using Kind = sparsha::emulator::WireEvent::Kind;
     if (event.kind == Kind::to_device) {
       asked.push_back(event.time_s);
       const bool force = !std::equal(event.bytes.begin() + 1, event.bytes.begin() + 13, kZero.begin());
@@ -435,7 +435,7 @@ TEST_F(FalconOnALateLink, AForceIsSteadyWhereAnswersAreLateButRegular) {
 
 TEST(FalconInRealTime, APersonHomesItAndItRunsNearAKilohertz) {
   EmulatedFalcon falcon;
-  falcon.device->set_hand(sparsha::haptics::emulator::make_person());
+  falcon.device->set_hand(sparsha::emulator::make_person());
   const auto device = make_falcon_device(make_wire(falcon, Clock::real_time), {});
   EXPECT_TRUE(device->info().paced);
   int fresh = 0, homed = 0;

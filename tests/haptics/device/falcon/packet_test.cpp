@@ -6,12 +6,12 @@
 #include <random>
 #include <string>
 
-#include "haptics/emulator/codec.h"
+#include "emulator/codec.h"
 
 namespace {
 
 using namespace sparsha::haptics::falcon;
-using sparsha::haptics::emulator::answer_bytes;
+using sparsha::emulator::answer_bytes;
 
 Packet text(const std::string& letters) {
   Packet packet{};

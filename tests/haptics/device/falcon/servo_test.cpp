@@ -6,10 +6,10 @@
 #include <optional>
 #include <span>
 
+#include "emulator/codec.h"
+#include "emulator/geometry.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/link.h"
-#include "haptics/emulator/codec.h"
-#include "haptics/emulator/geometry.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/servo/servo.h"
 #include "tests/support/allocations.h"
@@ -22,7 +22,7 @@ namespace {
 using namespace sparsha::haptics;
 using namespace sparsha::haptics::falcon;
 using namespace sparsha::test;
-namespace emulator = sparsha::haptics::emulator;
+namespace emulator = sparsha::emulator;
 using Eigen::Vector3d;
 
 /// A person's hand on the grip: 0.15 kg held by 300 N/m and 2 N s/m at a place that moves. Falcon frame.
@@ -205,7 +205,7 @@ class PlainWire final : public Transport {
   TransportStatus receive(UsbPacket& packet, std::size_t& size, double) noexcept override {
     if (asked_ == 0) return TransportStatus::nothing;
     --asked_;
-    const Packet answer = sparsha::haptics::emulator::answer_bytes({600 + (++count_ % 50), 610, 620}, 0, 7);
+    const Packet answer = sparsha::emulator::answer_bytes({600 + (++count_ % 50), 610, 620}, 0, 7);
     std::copy(answer.begin(), answer.end(), packet.begin() + kModemBytes);
     size = kModemBytes + answer.size();
     return TransportStatus::ok;

@@ -5,10 +5,10 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "emulator/usb_bus.h"
 #include "haptics/device/falcon/check.h"
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/device/falcon/usb_transport.h"
-#include "haptics/emulator/usb_bus.h"
 
 namespace {
 

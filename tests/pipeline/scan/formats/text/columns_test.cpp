@@ -8,6 +8,7 @@
 
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/statistics.h"
+#include "scene/config/config.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
