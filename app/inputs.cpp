@@ -63,6 +63,11 @@ scene::ScenePointer scene_from(const std::vector<std::string>& arguments, scene:
   return blaming_scans(arguments, {}, [&] { return pipeline::build_scene(config, {}, progress).scene; });
 }
 
+void warn_of_front_view(const scene::Scene& scene, const std::string& what, Progress& progress) {
+  if (scene.description().charts == nullptr) return;
+  progress.warn("the scene has the whole object; " + what + " uses its front view alone");
+}
+
 void check_outputs(const std::vector<NamedPath>& outputs, const std::string& argument,
                    const std::vector<NamedPath>& inputs) {
   std::error_code code;

@@ -43,6 +43,9 @@ auto blaming_scans(const std::vector<std::string>& arguments, const std::vector<
 [[nodiscard]] scene::ScenePointer scene_from(const std::vector<std::string>& arguments, scene::Trust trust,
                                              Progress& progress);
 
+/// Says that a scene of a whole object is used as its front view alone; `what` names what does so.
+void warn_of_front_view(const scene::Scene& scene, const std::string& what, Progress& progress);
+
 /// Before the work: throws Error{usage} when outputs are the same file, or are the scene, configuration, scans or clips
 /// that `argument` means, or one of the other `inputs`; Error{failure} when one cannot be written.
 void check_outputs(const std::vector<NamedPath>& outputs, const std::string& argument,

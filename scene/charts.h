@@ -76,7 +76,13 @@ struct Charts {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   std::vector<Sheet> sheets;
 
-  [[nodiscard]] bool empty() const { return sheets.empty(); }
+  [[nodiscard]] std::uint64_t measured_nodes() const {
+    std::uint64_t count = 0;
+    for (const Sheet& sheet : sheets) {
+      for (std::size_t node = 0; node < sheet.count(); ++node) count += sheet.measured(node) ? 1 : 0;
+    }
+    return count;
+  }
 
   /// Place of a node relative to origin_m. Requires that it is measured.
   [[nodiscard]] Eigen::Vector3d place_m(const Sheet& sheet, int i, int j) const {

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "scene/area.h"
+#include "scene/charts.h"
 #include "scene/check_map.h"
 #include "scene/config/config.h"
 #include "scene/depth_grid.h"
@@ -40,6 +41,8 @@ struct SceneDescription {
   double friction_c_m = 0.0;
   /// The cross-check's distances; null without a check.
   std::shared_ptr<const CheckMap> check_map{};
+  /// The whole object, in the grid frame; null without a block `around`.
+  std::shared_ptr<const Charts> charts{};
   /// The label image where parts have labels, and where each part lies, in their order: made ready when a Scene is
   /// made of this description (make_areas() of scene/regions.h).
   std::shared_ptr<const LabelMap> label_map{};

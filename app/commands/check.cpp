@@ -23,6 +23,16 @@ std::string line(const std::string& name, const pipeline::DistanceStatistics& s)
                      length_text(s.p95_m), length_text(s.p99_m), length_text(s.max_m));
 }
 
+// Of a scene with charts.
+std::string around_lines(const pipeline::Report& report) {
+  if (!report.around || !report.around->check) return {};
+  const pipeline::ChartCheck& check = *report.around->check;
+  return line("whole object", check.cloud_to_surface) +
+         fmt::format("{:<16}  {} of {} sampled points lie more than {:.0f} nodes from every sheet\n", "far",
+                     count_text(check.far), count_text(check.sampled), pipeline::ChartCheck::kFarSpacings) +
+         line("sheets agree", check.agreement);
+}
+
 std::string thing_of(pipeline::CheckResult::Against against) {
   using Against = pipeline::CheckResult::Against;
   if (against == Against::points) return "cloud";
@@ -61,7 +71,11 @@ void add_check(Command app, const CommonOptions& common, Run& run) {
                                  line("surface to " + against, report.check->surface_to_cloud) +
                                  (report.check->completeness
                                       ? fmt::format("completeness      {:.2f} %\n", 100.0 * *report.check->completeness)
-                                      : std::string()));
+                                      : std::string()) +
+                                 around_lines(report));
+      if (scene->description().charts && !report.around) {
+        terminal.progress().warn("the whole object was not checked");
+      }
       return 0;
     };
   });

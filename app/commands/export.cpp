@@ -21,6 +21,7 @@ int make_replica(const std::string& folder, const std::string& file, const pipel
   Terminal terminal(common);
   check_outputs({{"--to", file}, {"the legibility map of --to", pipeline::legibility_file_of(file)}}, folder);
   const scene::ScenePointer scene = scene_from({folder}, common.trusted(), terminal.progress());
+  warn_of_front_view(*scene, "a replica", terminal.progress());
   const pipeline::ReplicaReport report = pipeline::export_replica(*scene, file, options, terminal.progress());
   for (const std::string& warning : report.warnings) terminal.progress().warn(warning);
   if (common.json) {
@@ -92,6 +93,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
                     arguments->scene);
       const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
+      if (!arguments->nodes) warn_of_front_view(*scene, "export without --nodes", terminal.progress());
       pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress());
       if (common.plain)
         print(written_sentences({arguments->file}));

@@ -127,6 +127,11 @@ Json scene_json(const fs::path& folder, const scene::SceneDescription& scene) {
   if (scene.has_colour) layers.push_back("colour");
   if (scene.has_intensity) layers.push_back("intensity");
   json["layers"] = layers;
+  if (scene.charts) {
+    json["charts"] = {{"sheets", scene.charts->sheets.size()},
+                      {"nodes", scene.charts->measured_nodes()},
+                      {"spacing_m", scene.charts->spacing_m}};
+  }
   return json;
 }
 
@@ -140,6 +145,10 @@ std::string scene_text(const fs::path& folder, const scene::SceneDescription& sc
     const scene::Lattice& lattice = scene.levels[level];
     text += fmt::format("  level {}     {} x {} nodes, {} apart\n", level, lattice.nx, lattice.ny,
                         length_text(lattice.spacing_m));
+  }
+  if (scene.charts) {
+    text += fmt::format("  all around  {} sheets with {} nodes, {} apart\n", scene.charts->sheets.size(),
+                        count_text(scene.charts->measured_nodes()), length_text(scene.charts->spacing_m));
   }
   text += fmt::format("  made from   {} scan{}\n", scene.sources.size(), scene.sources.size() == 1 ? "" : "s");
   return text;

@@ -143,6 +143,7 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.live) kept = kept_scenes_of(recording.emplace(arguments.hip), common, terminal);
   const scene::ScenePointer scene =
       kept ? kept->first() : scene_from({arguments.scene}, common.trusted(), terminal.progress());
+  warn_of_front_view(*scene, "trace", terminal.progress());
   scene::HapticsConfig haptics = scene->description().config.haptics;
   if (arguments.solver == "exact") haptics.solver = scene::HapticsConfig::Solver::exact;
   if (arguments.solver == "paper") haptics.solver = scene::HapticsConfig::Solver::paper;

@@ -211,6 +211,35 @@ void warn_of_empty_places(const scene::SceneDescription& scene, Progress& progre
   }
 }
 
+// What is said of a whole object, with warnings of what was left out.
+AroundReport around_of(const ChartResult& found, const std::function<ChartCheck(const scene::Charts&)>& check,
+                       Progress& progress) {
+  AroundReport report{found.charts.sheets.size(),
+                      found.charts.measured_nodes(),
+                      found.charts.spacing_m,
+                      found.point_spacing_m,
+                      found.noise_m,
+                      found.discs,
+                      found.discs_undecided,
+                      found.discs_thin,
+                      found.small_sheet_nodes,
+                      std::nullopt};
+  constexpr double kSome = 0.001;
+  const double all = static_cast<double>(std::max<std::uint64_t>(1, found.discs));
+  const auto warn_of = [&](std::uint64_t count, const char* why) {
+    if (static_cast<double>(count) < kSome * all) return;
+    progress.warn(fmt::format("around: {:.2g} % of the surface is undecided and left out: {}",
+                              100.0 * static_cast<double>(count) / all, why));
+  };
+  warn_of(found.discs_undecided, "nothing tells which side of it is outside");
+  warn_of(found.discs_thin, "walls thinner than 2.3 point spacings, whose two faces mix");
+  if (check) {
+    progress.begin("cross-check of charts");
+    report.check = check(found.charts);
+  }
+  return report;
+}
+
 scene::Layers base_of(Projection& projection) {
   scene::Layers base;
   base.grid = std::move(projection.grid);
@@ -279,6 +308,12 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
   scene.noise_m = projection.noise_m;
   warn_of_size(projection.grid.lattice, progress);
 
+  if (scans.charts) {
+    report.around = around_of(*scans.charts, scans.check_charts, progress);
+    scene.charts = std::make_shared<const scene::Charts>(std::move(scans.charts->charts));
+  }
+  scans.check_charts = nullptr;
+
   scene::Layers base = base_of(projection);
   scene.has_colour = !base.colour_rgba.empty();
   scene.has_intensity = !base.intensity.empty();
@@ -291,6 +326,7 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
   } else {
+    scene.config.around.reset();
     scene.config.texture.reset();
     scene.config.friction.reset();
   }

@@ -137,6 +137,7 @@ class Builder {
   [[nodiscard]] bool finds_pillars() const {
     return !options_.grid_only && config_.audio && config_.audio->find_pillars;
   }
+  [[nodiscard]] bool around() const { return !options_.grid_only && config_.around.has_value(); }
   [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
 
   [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const scene::Lattice& lattice) const {
@@ -189,7 +190,13 @@ class Builder {
     // The noise is that of the points as measured; a mesh has none.
     double& noise_m = result_.projection.noise_m;
     if (!result_.projection.only_mesh) noise_m = std::hypot(noise_m, moved_rms_m);
+    if (around()) make_charts_of(*cloud);
     if (!checks()) return;
+    result_.check_charts = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_,
+                            cloud](const scene::Charts& charts) {
+      restore_measured(*cloud);
+      return check_charts(*cloud, scan_to_grid, charts, *config.check, {pool, progress});
+    };
     auto classes = std::make_shared<Projection>();
     classes->point_class = std::move(result_.projection.point_class);
     classes->noise_m = result_.projection.noise_m;
@@ -204,6 +211,18 @@ class Builder {
       grid = std::move(classes->grid);
       return check;
     };
+  }
+
+  void make_charts_of(const Cloud& cloud) {
+    progress_.begin("charts");
+    if (!cloud.faces.empty()) {
+      throw usage_error("around: a scan with faces cannot be looked at from all sides yet",
+                        "scans of points, or no block 'around'");
+    }
+    if (grid_.bounds_m) {
+      progress_.warn("grid.bounds_m bounds the front view alone; the filter 'crop' bounds the whole object");
+    }
+    result_.charts = make_charts(cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_});
   }
 
   void add_steps(FilterSteps&& steps) {
@@ -344,6 +363,13 @@ class Builder {
   }
 
   void build_out_of_core(const ScanSet& scans) {
+    if (around()) {
+      throw Error(
+          ErrorKind::failure, {},
+          fmt::format("around: {} points do not fit the memory limit, and a whole object is built in memory only",
+                      scans.points()),
+          "a higher --memory, a voxel filter, or no block 'around'");
+    }
     progress_.begin("points to disk");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
     if (!oriented_ || finds_pillars()) streamed.sample_kept();

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "base/context.h"
 #include "pipeline/build/build.h"
+#include "pipeline/charts/charts.h"
+#include "pipeline/check/charts_check.h"
 #include "pipeline/check/check.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/report/report.h"
@@ -26,6 +29,9 @@ struct ProjectedScans {
   std::vector<Eigen::Vector3d> sample_m;  ///< the same, when the configuration looks for pillars
   /// Checks the finished grid (which it may hold meanwhile) against the points; null when nothing asks for it.
   std::function<CheckResult(scene::DepthGrid& grid)> check;
+  std::optional<ChartResult> charts;  ///< when the configuration has a block `around`
+  /// Checks charts against all points that filters left; before `check`, and null when that is.
+  std::function<ChartCheck(const scene::Charts& charts)> check_charts;
 };
 
 /// Reads, filters and projects. The same result whether out of core or not. Throws Error{usage, input}; Error{failure}

@@ -117,6 +117,15 @@ Report recheck_scene(const scene::Scene& scene, const std::vector<fs::path>& sca
   ProjectedScans projected = project_quietly(config, {pool, progress});
   Report report = take_counts(projected);
 
+  if (description.charts && projected.check_charts) {
+    progress.begin("cross-check of charts");
+    const scene::Charts& charts = *description.charts;
+    report.around = AroundReport{};
+    report.around->sheets = charts.sheets.size();
+    report.around->nodes = charts.measured_nodes();
+    report.around->spacing_m = charts.spacing_m;
+    report.around->check = projected.check_charts(charts);
+  }
   progress.begin("cross-check");
   scene::DepthGrid grid = scene.read_level(0).grid;
   report.check = projected.check(grid);

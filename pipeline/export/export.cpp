@@ -43,7 +43,9 @@ void export_scene(const scene::Scene& scene, const std::filesystem::path& file, 
   progress.begin("export");
   AtomicPath target(file);
   const std::filesystem::path& to = target.temporary();
-  if (ending == ".ply") {
+  if (nodes_only && scene.description().charts) {
+    export_chart_nodes(scene, to, shown, progress);
+  } else if (ending == ".ply") {
     export_ply(scene, to, shown, nodes_only, progress);
   } else if (ending == ".obj") {
     export_obj(scene, to, shown, nodes_only, progress);

@@ -13,8 +13,8 @@ void check_export(const std::filesystem::path& file, bool nodes_only);
 /// What is written beside a raster: .tif -> .tfw, .png -> .pgw; empty for other endings.
 [[nodiscard]] std::filesystem::path world_file_of(const std::filesystem::path& file);
 /// Writes level 0 as .ply, .obj (mesh of cells whose four nodes are known; points only with `nodes_only`, measured
-/// nodes), .xyz (points), .tif (heights) or .png (16-bit heights), told by the ending. Atomic. Throws Error{usage} for
-/// another ending or `nodes_only` with tif or png.
+/// nodes; of a whole object those of all its charts, with normals), .xyz (points), .tif (heights) or .png (16-bit
+/// heights), told by the ending. Atomic. Throws Error{usage} for another ending or `nodes_only` with tif or png.
 void export_scene(const scene::Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress);
 
 }  // namespace sparsha::pipeline

@@ -22,6 +22,11 @@ void export_tif(const scene::Scene& scene, const std::filesystem::path& file, co
 void export_png(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
                 Progress& progress);
 
+/// Measured nodes of all charts with their outward normals and the number of their sheet, by the ending of `shown`:
+/// .ply, .obj or .xyz. Requires a scene with charts.
+void export_chart_nodes(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
+                        Progress& progress);
+
 /// Height that a raster stores for a node, metres: z of the scan frame when x and y stay the scan's axes, else of the
 /// grid frame.
 [[nodiscard]] double raster_height(const scene::Scene& scene, const Eigen::Vector3d& grid_m);

@@ -1,8 +1,4 @@
 // PLY, OBJ and XYZ in the scan's own frame.
-#include <bit>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -10,56 +6,10 @@
 #include "base/error.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/node_rows.h"
-#include "scene/scene.h"
+#include "pipeline/export/output.hpp"
 
 namespace sparsha::pipeline {
 namespace {
-
-constexpr std::size_t kBuffer = 1U << 20;  // bytes
-
-/// Collects bytes and hands them to the file by the megabyte.
-class Output {
- public:
-  Output(const std::filesystem::path& file, std::string shown)
-      : stream_(file, std::ios::binary), shown_(std::move(shown)) {
-    check();
-  }
-  template <typename Word>
-  void put(Word word) {
-    static_assert(std::endian::native == std::endian::little, "PLY files are written little-endian");
-    const std::size_t at = buffer_.size();
-    buffer_.resize(at + sizeof(word));
-    std::memcpy(&buffer_[at], &word, sizeof(word));
-    flush(kBuffer);
-  }
-  template <typename... Values>
-  void print(fmt::format_string<Values...> format, Values&&... values) {
-    fmt::format_to(std::back_inserter(buffer_), format, std::forward<Values>(values)...);
-    flush(kBuffer);
-  }
-  void close() {
-    flush(0);
-    stream_.close();
-    check();
-  }
-
- private:
-  void flush(std::size_t limit) {
-    if (buffer_.size() <= limit) return;
-    stream_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    buffer_.clear();
-    check();
-  }
-  void check() {
-    if (!stream_) {
-      throw Error(ErrorKind::failure, {shown_, 0, 0}, "cannot be written: the disk may be full or the folder read-only",
-                  "expected a folder that can be written to");
-    }
-  }
-  std::ofstream stream_;
-  std::string shown_;
-  std::vector<char> buffer_;
-};
 
 /// What every header says: the frame, and that filled nodes are among the vertices.
 std::string remark(bool nodes_only) {

@@ -55,6 +55,27 @@ Json check(const std::optional<CheckResult>& result) {
           {"second_method", second}};
 }
 
+Json around(const AroundReport& r) {
+  Json json = {{"sheets", r.sheets},
+               {"nodes", r.nodes},
+               {"spacing_m", number(r.spacing_m)},
+               {"point_spacing_m", number(r.point_spacing_m)},
+               {"noise_m", number(r.noise_m)},
+               {"discs", {{"found", r.discs}, {"undecided", r.undecided}, {"thin", r.thin}}},
+               {"small_sheet_nodes", r.small_nodes},
+               {"check", nullptr}};
+  if (r.check) {
+    json["check"] = {{"points", r.check->points},
+                     {"sampled", r.check->sampled},
+                     {"far", r.check->far},
+                     {"cloud_to_surface", statistics(r.check->cloud_to_surface)},
+                     {"agreement", statistics(r.check->agreement)},
+                     {"nodes", r.check->nodes},
+                     {"nodes_alone", r.check->nodes_alone}};
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string report_json(const scene::Scene& scene, const Report& report) {
@@ -98,6 +119,7 @@ std::string report_json(const scene::Scene& scene, const Report& report) {
   if (report.friction)
     json["friction"] = {{"nodes", report.friction->nodes}, {"undecided", report.friction->undecided}};
   json["check"] = check(report.check);
+  if (report.around) json["around"] = around(*report.around);
   json["inputs"] = Json::array();
   for (const scene::ScanSource& source : description.sources)
     json["inputs"].push_back(

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "pipeline/check/charts_check.h"
 #include "pipeline/check/check.h"
 #include "scene/scene_fwd.h"
 
@@ -24,6 +25,19 @@ struct ScanPair {
   Fit fit;                    ///< with the poses that are used
   bool linked = false;        ///< enough in common
   std::optional<Fit> before;  ///< with the poses as given to `sparsha register`
+};
+
+/// The whole object, of a configuration with a block `around`.
+struct AroundReport {
+  std::uint64_t sheets = 0, nodes = 0;
+  double spacing_m = 0.0;        ///< of nodes
+  double point_spacing_m = 0.0;  ///< median, on the surface
+  double noise_m = 0.0;
+  std::uint64_t discs = 0;        ///< points with a tangent plane
+  std::uint64_t undecided = 0;    ///< of them, those whose outer side nothing tells; left out
+  std::uint64_t thin = 0;         ///< of them, those of walls whose two faces mix; left out
+  std::uint64_t small_nodes = 0;  ///< nodes of sheets of fewer than nine; left out
+  std::optional<ChartCheck> check;
 };
 
 /// Everything report.json says (docs/formats.md); SI units.
@@ -53,6 +67,7 @@ struct Report {
   };
   std::optional<Friction> friction;
   std::optional<CheckResult> check;
+  std::optional<AroundReport> around;
   std::vector<ScanPair> pairs;  ///< of a configuration with a block `register`
   std::vector<StageTime> stages;
   double total_seconds = 0.0;

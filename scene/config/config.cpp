@@ -442,6 +442,10 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   if (const Node* node = reader.optional("register")) config.registration = parse_register(*node);
   if (const Node* node = reader.optional("orientation")) config.orientation = parse_orientation(*node);
   if (const Node* node = reader.optional("grid")) config.grid = parse_grid(*node);
+  if (const Node* node = reader.optional("around")) {
+    config.around = AroundConfig{};
+    if (node->kind != Node::Kind::null) MapReader(*node, "around").finish();
+  }
   if (const Node* node = reader.optional("fill")) {
     config.fill = FillConfig{};
     if (node->kind != Node::Kind::null) {

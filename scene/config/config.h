@@ -33,6 +33,7 @@ struct Config {
   std::optional<RegisterConfig> registration;  ///< the block `register`
   OrientationConfig orientation;
   GridConfig grid;
+  std::optional<AroundConfig> around;
   std::optional<FillConfig> fill;
   std::optional<TextureConfig> texture;
   std::optional<FrictionConfig> friction;

@@ -1,4 +1,4 @@
-// The configuration's block `grid`.
+// The configuration's blocks `grid` and `around`.
 #pragma once
 
 #include <array>
@@ -14,5 +14,8 @@ struct GridConfig {
   bool colour = false;                            ///< keep a colour layer when the scans have colour
   bool intensity = false;                         ///< keep an intensity layer when the scans have intensity
 };
+
+/// The block `around`: the whole object from all sides, see scene/charts.h. Has no keys yet.
+struct AroundConfig {};
 
 }  // namespace sparsha::scene

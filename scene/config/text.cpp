@@ -278,6 +278,7 @@ std::string to_yaml(const Config& config) {
   if (config.registration) text += register_text(*config.registration);
   text += orientation_text(config.orientation);
   text += grid_text(config.grid);
+  if (config.around) text += "around: {}\n";
   if (config.fill) text += "fill: {max_gap_mm: " + millimetres(config.fill->max_gap_m) + "}\n";
   if (config.texture) {
     text += fmt::format("texture: {{sigma_space_mm: {}, sigma_range_mm: {}, method: {}}}\n",

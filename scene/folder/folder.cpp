@@ -14,6 +14,7 @@
 #include "scene/folder/folder.h"
 #include "scene/folder/layer_file.h"
 #include "scene/folder/layers.h"
+#include "scene/folder/sheets_file.h"
 #include "scene/regions.h"
 #include "scene/scene.h"
 #include "scene/window_lattice.h"
@@ -25,6 +26,7 @@ namespace {
 
 constexpr int kFormatVersion = 1;
 constexpr const char* kErrorLayer = "error.tif";
+constexpr const char* kChartsFile = "charts.bin";
 
 fs::path level_folder(const fs::path& folder, std::size_t level) { return folder / fmt::format("level-{}", level); }
 
@@ -117,6 +119,12 @@ std::string scene_yaml(const SceneDescription& scene, const fs::path& folder) {
     text +=
         fmt::format("  check: {{nx: {}, ny: {}, spacing_m: {}, origin_m: {}, high_m: {}}}\n", lattice.nx, lattice.ny,
                     lattice.spacing_m, numbers({lattice.origin_m.x(), lattice.origin_m.y()}), map.high_m);
+  }
+  if (scene.charts) {
+    const Eigen::Vector3d& origin_m = scene.charts->origin_m;
+    text += fmt::format("  charts: {{sheets: {}, nodes: {}, spacing_m: {}, origin_m: {}}}\n",
+                        scene.charts->sheets.size(), scene.charts->measured_nodes(), scene.charts->spacing_m,
+                        numbers({origin_m.x(), origin_m.y(), origin_m.z()}));
   }
   text += fmt::format("  noise_m: {}\n  height_range_m: {}\n  friction_c_m: {}\n", scene.noise_m,
                       numbers({scene.height_min_m, scene.height_max_m}), scene.friction_c_m);
@@ -214,6 +222,27 @@ std::shared_ptr<const CheckMap> parse_check(const yaml::Node& node, double z_m, 
   return map;
 }
 
+// Read at once: all of an object's nodes are some 15 bytes a point of its scans.
+std::shared_ptr<const Charts> parse_charts(const yaml::Node& node, const fs::path& folder) {
+  yaml::MapReader keys(node, "charts");
+  auto charts = std::make_shared<Charts>();
+  const std::int64_t sheets = yaml::to_integer(keys.required("sheets"));
+  const std::int64_t nodes = yaml::to_integer(keys.required("nodes"));
+  std::array<double, 3> origin_m{};
+  for (const char* key : {"spacing_m", "origin_m"}) static_cast<void>(keys.required(key));
+  keys.read("spacing_m", charts->spacing_m, 1e-15, 1e12);
+  keys.read("origin_m", origin_m);
+  keys.finish();
+  charts->origin_m = {origin_m[0], origin_m[1], origin_m[2]};
+  charts->sheets = read_sheets(folder / kChartsFile);
+  if (charts->sheets.size() != static_cast<std::uint64_t>(sheets) ||
+      charts->measured_nodes() != static_cast<std::uint64_t>(nodes)) {
+    throw input_error((folder / kChartsFile).string(), "there are other sheets in it than scene.yaml says",
+                      fmt::format("{} sheets with {} nodes", sheets, nodes));
+  }
+  return charts;
+}
+
 SceneDescription parse_scene(const fs::path& folder) {
   const fs::path file = folder / "scene.yaml";
   yaml::Node root = yaml::parse_file(file);
@@ -252,6 +281,7 @@ SceneDescription parse_scene(const fs::path& folder) {
   }
   parse_layers(reader.required("layers"), scene);
   if (const yaml::Node* check = reader.optional("check")) scene.check_map = parse_check(*check, origin[2], folder);
+  if (const yaml::Node* charts = reader.optional("charts")) scene.charts = parse_charts(*charts, folder);
   reader.read("noise_m", scene.noise_m, 0.0, 1e12);
   reader.read("friction_c_m", scene.friction_c_m, 0.0, 1e12);
   const std::vector<double> range = yaml::to_doubles(reader.required("height_range_m"), 2);
@@ -345,7 +375,8 @@ ScenePointer open_scene(const fs::path& folder, Trust trust) {
   };
   const auto is_link = [&](const fs::path& file) { return fs::is_symlink(fs::symlink_status(file, code)); };
   if (is_link(folder / "scene.yaml")) require_inside(folder / "scene.yaml", "the description");
-  if (is_link(folder / kErrorLayer)) require_inside(folder / kErrorLayer, "the layer");
+  for (const char* name : {kErrorLayer, kChartsFile})
+    if (is_link(folder / name)) require_inside(folder / name, "the layer");
   SceneDescription description;
   try {
     description = parse_scene(folder);
@@ -384,6 +415,7 @@ void write_scene(const Scene& scene, const fs::path& folder) {
   }
   if (const auto& map = description.check_map)
     write_layer(folder / kErrorLayer, map->lattice.nx, map->lattice.ny, std::span<const float>(map->error_m));
+  if (description.charts) write_sheets(folder / kChartsFile, description.charts->sheets);
   write_file(folder / "scene.yaml", scene_yaml(description, folder));
 }
 
@@ -395,6 +427,7 @@ std::vector<fs::path> layer_files(const SceneDescription& scene) {
     files.push_back(folder / "height.tfw");
   }
   if (scene.check_map) files.emplace_back(kErrorLayer);
+  if (scene.charts) files.emplace_back(kChartsFile);
   return files;
 }
 
