@@ -34,9 +34,14 @@ ChartResult make_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
   result.charts.origin_m = discs.origin_m;
   result.charts.spacing_m = node_spacing_m(config, discs, resolution_m);
 
+  std::array<SideDiscs, scene::kSides> of_sides;
+  context.pool.for_ranges(scene::kSides, 1, [&](std::size_t side, std::size_t) {
+    of_sides[side] = discs_of_side(discs, static_cast<scene::Side>(side), result.charts.spacing_m, rule);
+  });
+  discs.discs.reset();
   std::array<SideLayers, scene::kSides> layers;
   for (std::size_t side = 0; side < scene::kSides; ++side) {
-    layers[side] = find_layers(discs, static_cast<scene::Side>(side), result.charts.spacing_m, rule, context);
+    layers[side] = find_layers(std::move(of_sides[side]), discs.rule, result.charts.spacing_m, rule, context);
     result.layers += layers[side].layers.size();
   }
   std::array<SideSheets, scene::kSides> sheets;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 
@@ -55,6 +56,10 @@ SideLayers empty_layers(const SidedDiscs& discs, scene::Side side, double spacin
           {}};
 }
 
+BinLattice lattice_of(const SideLayers& nodes, double spacing_m) {
+  return {nodes.nx, nodes.ny, spacing_m, nodes.first_u * spacing_m, nodes.first_v * spacing_m};
+}
+
 DiscNodeKernel kernel_of(const TangentDiscs& discs, const DiscRule& rule) {
   const BinLocator locator(discs.columns);
   DiscNodeKernel kernel;
@@ -86,14 +91,20 @@ struct Row {
 
 }  // namespace
 
-SideLayers find_layers(const SidedDiscs& discs, scene::Side side, double spacing_m, const ChartRule& rule,
-                       const Context& context) {
-  SideLayers result = empty_layers(discs, side, spacing_m);
-  const BinLattice nodes{result.nx, result.ny, spacing_m, result.first_u * spacing_m, result.first_v * spacing_m};
-  const TangentDiscs arranged =
+SideDiscs discs_of_side(const SidedDiscs& discs, scene::Side side, double spacing_m, const ChartRule& rule) {
+  SideDiscs result{empty_layers(discs, side, spacing_m), {}};
+  result.discs =
       arrange_discs(records_of(discs, scene::SideAxes::of(side), static_cast<float>(rule.least_facing - kBelow)),
-                    disc_columns(nodes, discs.rule));
-  DiscNodeKernel shared = kernel_of(arranged, discs.rule);
+                    disc_columns(lattice_of(result.nodes, spacing_m), discs.rule));
+  return result;
+}
+
+SideLayers find_layers(SideDiscs&& side, const DiscRule& disc_rule, double spacing_m, const ChartRule& rule,
+                       const Context& context) {
+  const TangentDiscs arranged = std::move(side.discs);
+  SideLayers result = std::move(side.nodes);
+  const BinLattice nodes = lattice_of(result, spacing_m);
+  DiscNodeKernel shared = kernel_of(arranged, disc_rule);
   shared.x0_m = nodes.x0_m;
   shared.y0_m = nodes.y0_m;
   shared.spacing_m = spacing_m;

@@ -22,8 +22,18 @@ struct SideLayers {
   std::vector<DiscLayer> layers;     ///< the highest of a node first
 };
 
-/// Layers whose surface faces the side by at least rule.least_facing.
-[[nodiscard]] SideLayers find_layers(const SidedDiscs& discs, scene::Side side, double spacing_m, const ChartRule& rule,
-                                     const Context& context);
+/// The discs that face a side, in columns of its chart frame, and the nodes that they may cover; these have no layers
+/// yet.
+struct SideDiscs {
+  SideLayers nodes;
+  TangentDiscs discs;
+};
+/// Throws Error{usage} when the side would have too many nodes.
+[[nodiscard]] SideDiscs discs_of_side(const SidedDiscs& discs, scene::Side side, double spacing_m,
+                                      const ChartRule& rule);
+
+/// Layers whose surface faces the side by at least rule.least_facing. `disc_rule` is that of the discs.
+[[nodiscard]] SideLayers find_layers(SideDiscs&& side, const DiscRule& disc_rule, double spacing_m,
+                                     const ChartRule& rule, const Context& context);
 
 }  // namespace sparsha::pipeline

@@ -132,6 +132,11 @@ std::vector<std::uint8_t> thin_walls(const TangentDiscs& discs, const Normals& n
   return flags;
 }
 
+/// What becomes of the discs of a row of columns.
+struct RowCount {
+  std::uint64_t kept = 0, outside = 0, undecided = 0, thin = 0;
+};
+
 // Discs whose sides are known, in the grid frame and inside the box, in the order of the columns.
 void keep_sided(const TangentDiscs& found, const Eigen::Matrix3d& to_grid, ThreadPool& pool, SidedDiscs& result) {
   const Eigen::Matrix3f turn = to_grid.cast<float>();
@@ -139,40 +144,55 @@ void keep_sided(const TangentDiscs& found, const Eigen::Matrix3d& to_grid, Threa
   const Eigen::Array3f low = (result.min_m.array() - margin_m).cast<float>();
   const Eigen::Array3f high = (result.max_m.array() + margin_m).cast<float>();
   const auto row_length = static_cast<std::size_t>(found.columns.bins_x()) + 1;
-  std::size_t most = 0;
-  for (std::size_t row = 0; row < static_cast<std::size_t>(found.columns.bins_y()); ++row) {
-    const std::uint32_t* start = found.start.get() + row * row_length;
-    most += start[row_length - 1] - start[0];
-  }
-  result.found = most;
-  const Normals normals(found, static_cast<std::size_t>(found.columns.bins_y()), row_length, pool);
+  const auto rows = static_cast<std::size_t>(found.columns.bins_y());
+  const Normals normals(found, rows, row_length, pool);
   const std::vector<std::uint8_t> thin = thin_walls(found, normals, result.point_spacing_m, pool);
-  result.discs = make_buffer<SidedDisc>(most);
-  for (std::size_t row = 0; row < static_cast<std::size_t>(found.columns.bins_y()); ++row) {
-    const std::uint32_t* start = found.start.get() + row * row_length;
-    for (std::uint32_t d = start[0]; d < start[row_length - 1]; ++d) {
-      const float* record = found.records.get() + kDiscRecord * d;
-      const Eigen::Vector3f foot = turn * Eigen::Vector3f(record[0], record[1], record[2]);
-      if (!((foot.array() >= low).all() && (foot.array() <= high).all())) {
-        ++result.outside;
-        continue;
-      }
-      if (record[7] == 0.0F) {
-        ++result.undecided;
-        continue;
-      }
-      if (thin[d] != 0) {
-        ++result.thin;
-        continue;
-      }
-      const float upright = 1.0F / std::sqrt(1.0F + record[3] * record[3] + record[4] * record[4]);
-      const Eigen::Vector3f normal = turn * Eigen::Vector3f(-record[3], -record[4], 1.0F) * (record[7] * upright);
-      result.discs[result.count++] = {{foot.x(), foot.y(), foot.z()},
-                                      {normal.x(), normal.y(), normal.z()},
-                                      record[5] * upright * record[7],
-                                      record[6]};
+  const auto foot_of = [&](std::uint32_t d) -> Eigen::Vector3f {
+    const float* record = found.records.get() + kDiscRecord * d;
+    return turn * Eigen::Vector3f(record[0], record[1], record[2]);
+  };
+  // The count that a disc belongs to.
+  const auto count_of = [&](std::uint32_t d) -> std::uint64_t RowCount::* {
+    const Eigen::Vector3f foot = foot_of(d);
+    if (!((foot.array() >= low).all() && (foot.array() <= high).all())) return &RowCount::outside;
+    if (found.records[kDiscRecord * d + 7] == 0.0F) return &RowCount::undecided;
+    return thin[d] != 0 ? &RowCount::thin : &RowCount::kept;
+  };
+  std::vector<RowCount> counts(rows);
+  pool.for_ranges(rows, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      const std::uint32_t* start = found.start.get() + row * row_length;
+      for (std::uint32_t d = start[0]; d < start[row_length - 1]; ++d) ++(counts[row].*count_of(d));
     }
+  });
+  std::vector<std::size_t> first(rows + 1, 0);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const RowCount& count = counts[row];
+    first[row + 1] = first[row] + count.kept;
+    result.outside += count.outside;
+    result.undecided += count.undecided;
+    result.thin += count.thin;
   }
+  result.count = first[rows];
+  result.found = result.count + result.outside + result.undecided + result.thin;
+  result.discs = make_buffer<SidedDisc>(result.count);
+  pool.for_ranges(rows, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      std::size_t to = first[row];
+      const std::uint32_t* start = found.start.get() + row * row_length;
+      for (std::uint32_t d = start[0]; d < start[row_length - 1]; ++d) {
+        if (count_of(d) != &RowCount::kept) continue;
+        const float* record = found.records.get() + kDiscRecord * d;
+        const float upright = 1.0F / std::sqrt(1.0F + record[3] * record[3] + record[4] * record[4]);
+        const Eigen::Vector3f foot = foot_of(d);
+        const Eigen::Vector3f normal = turn * normals.normal[d];
+        result.discs[to++] = {{foot.x(), foot.y(), foot.z()},
+                              {normal.x(), normal.y(), normal.z()},
+                              record[5] * upright * record[7],
+                              record[6]};
+      }
+    }
+  });
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "base/hash.h"
 #include "pipeline/check/statistics.h"
 

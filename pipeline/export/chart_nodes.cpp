@@ -7,6 +7,7 @@
 #include "base/lower_case.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/output.hpp"
+#include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
