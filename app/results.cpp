@@ -38,6 +38,10 @@ std::string build_summary(const scene::Scene& scene, const pipeline::Report& rep
                       count_text(points.read), count_text(points.used), count_text(points.occluded), edge_on,
                       count_text(points.outlier), count_text(points.outside), count_text(points.filtered),
                       count_text(points.invalid));
+  if (points.scattered > 0) {
+    text += fmt::format("scattered {} of these lie in space, no nearer to others than by chance, and make no surface\n",
+                        count_text(points.scattered));
+  }
   for (const pipeline::Report::Filter& filter : report.filters) {
     text += fmt::format("filter    {}: {} taken away{}{}\n", filter.name, count_text(filter.removed),
                         filter.outliers ? " as outliers" : "", filter.found.empty() ? "" : "; " + filter.found);

@@ -434,6 +434,7 @@ Report take_counts(ProjectedScans& scans) {
   report.orientation = std::move(scans.orientation);
   report.points.used = scans.projection.used;
   report.points.occluded = scans.projection.occluded;
+  report.points.scattered = scans.projection.scattered;
   report.points.edge_on = scans.projection.edge_on;
   report.points.outlier += scans.projection.outlier;
   report.points.outside = scans.projection.outside;

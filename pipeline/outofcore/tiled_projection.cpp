@@ -272,8 +272,13 @@ void TiledProjection::fit_tile(const Tile& tile, const Context& context, Project
   scene::Lattice lattice = plan_.lattice;
   lattice.ny = last - first;
   scene::DepthGrid rows(lattice);
-  const std::vector<std::uint8_t> verdicts =
-      measure_rows(load_tile(tile, context.pool), {}, plan_, tile.bins, first, context, rows);
+  const OrientedPoints points = load_tile(tile, context.pool);
+  std::vector<std::uint8_t> skip;
+  constexpr int kMargin = BinLattice::kMargin;
+  const BinWindow own{tile.first_row + kMargin, tile.last_row + kMargin, tile.first_column + kMargin,
+                      tile.last_column + kMargin};
+  projection.scattered += flag_scattered(points, plan_.scatter, plan_.bins, own, skip);
+  const std::vector<std::uint8_t> verdicts = measure_rows(points, skip, plan_, tile.bins, first, context, rows);
   for (int j = tile.first_row; j < tile.last_row; ++j) {
     const std::size_t from = lattice.index(tile.first_column, j - first);
     const std::size_t to = plan_.lattice.index(tile.first_column, j);

@@ -55,6 +55,11 @@ struct BinWindow {
   int first_row = 0, last_row = 0, first_column = 0, last_column = 0;
 
   [[nodiscard]] static BinWindow all(const BinLattice& lattice) { return {0, lattice.bins_y(), 0, lattice.bins_x()}; }
+  /// Those around nodes alone.
+  [[nodiscard]] static BinWindow nodes(const BinLattice& lattice) {
+    return {BinLattice::kMargin, lattice.ny + BinLattice::kMargin, BinLattice::kMargin,
+            lattice.nx + BinLattice::kMargin};
+  }
 };
 
 /// Points of bin b are [start[b], start[b + 1]), the highest first; equal heights by x, then y.

@@ -99,8 +99,9 @@ std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::
 }
 
 int bins_beyond(const ProjectionPlan& plan) {
-  if (!plan.discs) return widest_look(plan.rule);
-  return static_cast<int>(std::ceil(disc_reach_m(*plan.discs) / plan.lattice.spacing_m)) + 2;
+  const int scattered = plan.scatter.bins_needed(plan.lattice.spacing_m);
+  if (!plan.discs) return widest_look(plan.rule) + scattered;
+  return scattered + static_cast<int>(std::ceil(disc_reach_m(*plan.discs) / plan.lattice.spacing_m)) + 2;
 }
 
 void add_verdicts(const std::vector<std::uint8_t>& verdicts, Projection& projection) {

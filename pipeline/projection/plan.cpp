@@ -167,6 +167,11 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   plan.lattice = choose_lattice(config, extent, origin_m, plan.front_spacing_m, resolution_m);
   plan.bins = {plan.lattice.nx, plan.lattice.ny, plan.lattice.spacing_m, plan.lattice.origin_m.x() - origin_m.x(),
                plan.lattice.origin_m.y() - origin_m.y()};
+  // Of a bin with many points the front has many more than chance brings.
+  constexpr double kCrowded = 16.0;  // point spacings between nodes
+  if (!only_mesh && (plan.discs || plan.lattice.spacing_m < kCrowded * statistics.point_spacing_m)) {
+    plan.scatter = find_scatter(pieces, extent, statistics.point_spacing_m);
+  }
   const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
   plan.rule = {statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};
   return plan;

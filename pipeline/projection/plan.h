@@ -16,6 +16,7 @@
 #include "pipeline/projection/node_fitter.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/projection.h"
+#include "pipeline/projection/scattered.h"
 #include "pipeline/projection/surface_statistics.h"
 #include "pipeline/projection/tangent_discs.h"
 #include "pipeline/scan/cloud.h"
@@ -35,6 +36,7 @@ struct ProjectionPlan {
   std::optional<DiscRule> discs;              ///< closed objects and scans in lines: tangent discs decide the nodes
   bool closed = false;                        ///< discs, of an object that has several sides
   double layers_apart_m = 0.0;                ///< median, of places with two layers
+  ScatterRule scatter;                        ///< points of no surface stay out
   bool facing_asked = false;                  ///< a back may show through holes of the front
   std::shared_ptr<const FacingField> facing;  ///< when asked and known what faces away
   std::vector<std::string> lying_stations;    ///< files whose stations do not see the sides that are outside

@@ -36,7 +36,8 @@ struct Projection {
   std::vector<std::string> lying_stations;  ///< scans that were seen from elsewhere than they say, so it seems
   std::vector<std::string> lying_normals;   ///< scans whose normals do not point outwards, so it seems
   std::uint64_t used = 0, occluded = 0, outlier = 0, outside = 0;
-  std::uint64_t edge_on = 0;  ///< of the occluded: on surfaces that the view shows edge-on
+  std::uint64_t scattered = 0;  ///< of all four, in the grid: belong to no surface and were left out, see scattered.h
+  std::uint64_t edge_on = 0;    ///< of the occluded: on surfaces that the view shows edge-on
   /// Of the largest of those in one direction: unit normal, scan frame, towards the middle of the grid; else zero.
   Eigen::Vector3d edge_on_normal = Eigen::Vector3d::Zero();
   std::vector<PointClass> point_class;     ///< one per point of the cloud

@@ -95,8 +95,10 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const scene::
   context.progress.throw_if_cancelled();
 
   if (!only_mesh_) {
+    std::vector<std::uint8_t> skip = vertices_;
+    projection.scattered = flag_scattered(points, plan.scatter, plan.bins, BinWindow::nodes(plan.bins), skip);
     const std::vector<std::uint8_t> verdicts =
-        measure_rows(points, vertices_, plan, BinWindow::all(plan.bins), 0, context, projection.grid, store);
+        measure_rows(points, skip, plan, BinWindow::all(plan.bins), 0, context, projection.grid, store);
     add_verdicts(verdicts, projection);
     leave_out_turned_away(plan, verdicts, context.pool, projection);
   }

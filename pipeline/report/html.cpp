@@ -159,6 +159,7 @@ std::string points_table(const Report& report) {
   if (p.edge_on > 0) row("not visible from here: on surfaces seen edge-on", p.edge_on);
   row("outliers", p.outlier);
   row("outside the grid", p.outside);
+  if (p.scattered > 0) row("scattered in space, of those above: they make no surface", p.scattered);
   row("taken away by filters", p.filtered);
   row("invalid in the file", p.invalid);
   return html + "</tbody></table>";

@@ -91,6 +91,7 @@ std::string report_json(const scene::Scene& scene, const Report& report) {
   json["not_visible"] = {{"share", p.read > 0 ? static_cast<double>(p.occluded) / static_cast<double>(p.read) : 0.0},
                          {"behind", p.occluded - p.edge_on},
                          {"edge_on", p.edge_on}};
+  json["scattered"] = p.scattered;
   json["triangles"] = report.triangles;
   json["filters"] = Json::array();
   for (const Report::Filter& filter : report.filters) {

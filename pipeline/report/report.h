@@ -44,6 +44,8 @@ struct AroundReport {
 struct Report {
   struct Points {
     std::uint64_t read = 0, used = 0, occluded = 0, outlier = 0, outside = 0, filtered = 0, invalid = 0;
+    std::uint64_t scattered =
+        0;  ///< of those in the grid: no nearer to others than by chance, so that no surface is theirs
     std::uint64_t edge_on = 0;  ///< of the occluded: on surfaces that the view shows edge-on
   } points;
   std::uint64_t triangles = 0;  ///< of meshes among the scans, as they reached the projection

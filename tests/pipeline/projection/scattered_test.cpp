@@ -1,7 +1,10 @@
 // Points scattered evenly in an object's box belong to no surface: they make none, nor do they make its surface sparse.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <random>
 
 #include "tests/pipeline/projection/front_only.h"
@@ -32,6 +35,80 @@ TEST(ScatteredPoints, GrowNoSurfaceBesideAnObject) {
     EXPECT_LE(f.beyond, 0.02) << named.name;
     EXPECT_LE(f.wrong_smooth, 0.002) << named.name;
   }
+}
+
+double waves_m(double x, double y) { return 0.01 * std::sin(80.0 * x) * std::cos(60.0 * y); }
+
+constexpr double kRadius = 0.08, kHole = 0.02;
+
+bool on_plate(double x, double y) { return std::hypot(x, y) <= kRadius && std::hypot(x - 0.02, y - 0.02) >= kHole; }
+
+/// A round, wavy plate with a hole, points 1 mm apart, and a share more of scattered ones in its box.
+Points plate(double share, double noise_m, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::normal_distribution<double> normal(0.0, noise_m);
+  Points points;
+  const auto count = static_cast<std::size_t>(std::numbers::pi * (kRadius * kRadius - kHole * kHole) / 1e-6);
+  while (points.size() < count) {
+    const double x = kRadius * uniform(random);
+    const double y = kRadius * uniform(random);
+    if (on_plate(x, y)) points.push_back({x, y, waves_m(x, y) + normal(random)});
+  }
+  for (std::size_t n = 0; n < static_cast<std::size_t>(share * static_cast<double>(count)); ++n) {
+    points.push_back({kRadius * uniform(random), kRadius * uniform(random), 0.011 * uniform(random)});
+  }
+  return points;
+}
+
+TEST(ScatteredPoints, GrowNoSurfaceBesideAReliefAndAreCounted) {
+  scene::GridConfig grid;
+  grid.spacing_m = 0.001;
+  for (const double share : {0.05, 0.1}) {
+    const Points points = plate(share, 0.0002, 5);
+    const pipeline::Projection found = project_cloud(make_cloud(points), grid);
+    ASSERT_FALSE(found.closed);
+    const scene::Lattice& lattice = found.grid.lattice;
+    std::size_t measured = 0;
+    std::size_t astray = 0;
+    for (int j = 0; j < lattice.ny; ++j) {
+      for (int i = 0; i < lattice.nx; ++i) {
+        const std::size_t k = lattice.index(i, j);
+        if (found.grid.state[k] != scene::NodeState::measured) continue;
+        ++measured;
+        const double z = lattice.origin_m.z() + static_cast<double>(found.grid.height_m[k]);
+        // Within a node and a half of the plate, and within three spacings of its height there.
+        bool near = false;
+        for (const double dx : {-0.0015, 0.0, 0.0015}) {
+          for (const double dy : {-0.0015, 0.0, 0.0015}) {
+            const double x = lattice.x_m(i) + dx;
+            const double y = lattice.y_m(j) + dy;
+            near = near || (on_plate(x, y) && std::abs(z - waves_m(x, y)) < 0.003);
+          }
+        }
+        astray += near ? 0 : 1;
+      }
+    }
+    EXPECT_LE(static_cast<double>(astray), share / 5.0 * static_cast<double>(measured)) << share;
+    EXPECT_GE(static_cast<double>(measured), 0.94 * static_cast<double>(points.size()) / (1.0 + share)) << share;
+    EXPECT_GT(found.scattered, 0U);
+    EXPECT_LE(static_cast<double>(found.scattered), share * static_cast<double>(points.size()));
+  }
+  EXPECT_EQ(project_cloud(make_cloud(plate(0.0, 0.0002, 5)), grid).scattered, 0U);
+}
+
+TEST(ScatteredPoints, AreNotTheSparsePartsOfARelief) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  Points points;
+  while (points.size() < 30'000) {
+    const double x = uniform(random);
+    const double y = uniform(random);
+    // Density 1:100, as many points on each decade's half.
+    if (uniform(random) > std::pow(0.01, x)) continue;
+    points.push_back({0.3 * x, 0.3 * y, waves_m(0.3 * x, 0.3 * y) + 0.0001 * uniform(random)});
+  }
+  EXPECT_EQ(project_cloud(make_cloud(points), {}).scattered, 0U);
 }
 
 }  // namespace
