@@ -38,7 +38,7 @@ int cell_of(double nodes_along, int nodes) {
 
 Nodes read_nodes(const scene::Scene& scene, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const scene::Lattice& lattice = scene.description().levels.front();
-  const Eigen::Vector2d low = a.cwiseMin(b), high = a.cwiseMax(b);
+  const Eigen::Vector2d low = nodes_along(lattice, a.cwiseMin(b)), high = nodes_along(lattice, a.cwiseMax(b));
   Nodes nodes;
   nodes.i0 = cell_of(low.x(), lattice.nx);
   nodes.j0 = cell_of(low.y(), lattice.ny);
@@ -55,8 +55,7 @@ void sample(const scene::Lattice& whole, const Nodes& nodes, ProfileSample& resu
   const double u = place.x(), v = place.y();
   constexpr double kRounding = 1e-9;
   if (u < -kRounding || v < -kRounding || u > whole.nx - 1 + kRounding || v > whole.ny - 1 + kRounding) return;
-  const int i = std::clamp(static_cast<int>(std::floor(u)), 0, std::max(whole.nx - 2, 0));
-  const int j = std::clamp(static_cast<int>(std::floor(v)), 0, std::max(whole.ny - 2, 0));
+  const int i = cell_of(u, whole.nx), j = cell_of(v, whole.ny);
   const scene::DepthGrid& grid = nodes.layers.grid;
   const double s = std::clamp(u - i, 0.0, 1.0), t = std::clamp(v - j, 0.0, 1.0);
   const std::array<double, 4> weights{(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t};
