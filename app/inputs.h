@@ -22,16 +22,20 @@ namespace sparsha::app {
 [[nodiscard]] scene::Config config_from(const std::vector<std::string>& arguments,
                                         const std::vector<std::string>& settings, scene::Trust trust,
                                         Progress& progress, std::uint64_t memory_bytes = 0);
-/// Runs work on `arguments`. Where these are scans and nothing was set, nobody asked for what does not fit:
-/// Error{usage} becomes Error{input} of the first scan.
+/// Runs work on `arguments`; an error without a place is told of the first. Where these are scans and nothing was set,
+/// nobody asked for what does not fit: Error{usage} becomes Error{input} of the first scan.
 template <typename Work>
 auto blaming_scans(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
                    const Work& work) {
   try {
     return work();
+  } catch (const Cancelled&) {
+    throw;
   } catch (const Error& error) {
-    if (error.kind() != ErrorKind::usage || !settings.empty() || is_config(arguments.front())) throw;
-    throw input_error(arguments.front(), error.wrong(), error.expected());
+    const bool chosen_for_them = error.kind() == ErrorKind::usage && settings.empty() && !is_config(arguments.front());
+    if (!chosen_for_them && !error.place().file.empty()) throw;
+    const Place place = error.place().file.empty() ? Place{arguments.front(), 0, 0} : error.place();
+    throw Error(chosen_for_them ? ErrorKind::input : error.kind(), place, error.wrong(), error.expected());
   }
 }
 

@@ -204,6 +204,7 @@ TEST_F(Program, ASettingMaySucceedWhereNothingThatIsTriedDoes) {
   }
   const Outcome wide = run("build strip.xyz --force --out a --set grid.spacing_mm=5");
   EXPECT_EQ(wide.code, 3);
+  EXPECT_THAT(wide.err, HasSubstr("strip.xyz: error: "));
 }
 
 TEST_F(Program, InfoGivesOneObjectForOneFileAndAnArrayForSeveral) {

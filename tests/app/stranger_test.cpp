@@ -128,7 +128,9 @@ TEST_F(Stranger, AScanThatCannotCarryAGridIsTheScansFault) {
     write("d.yaml", std::string("scans: [{file: ") + scan + "}]\ngrid: {spacing_mm: 10}\n");
     EXPECT_EQ(run("build d.yaml -o s").code, 3) << scan;
   }
-  EXPECT_EQ(run("build scan/sparsha.yaml --set \"grid={spacing_mm: 1e6}\" -o s").code, 2) << "the spacing's fault";
+  const Outcome wide = run("build scan/sparsha.yaml --set \"grid={spacing_mm: 1e6}\" -o s");
+  EXPECT_EQ(wide.code, 2) << "the spacing's fault";
+  EXPECT_THAT(wide.err, testing::HasSubstr("\nscan/sparsha.yaml: error: "));
 }
 
 TEST_F(Stranger, ANoteThatBuildTakesIsOneThatExploreTakes) {
