@@ -4,6 +4,18 @@
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Sparsha)
 
+# sparsha_require_built(component target): installing says what is to be built first.
+function(sparsha_require_built component target)
+  install(CODE "if(NOT EXISTS \"$<TARGET_FILE:${target}>\")
+    message(FATAL_ERROR \"the component ${component} is not built; first: cmake --build ${CMAKE_BINARY_DIR} --target ${target}\")
+  endif()" COMPONENT ${component})
+endfunction()
+sparsha_require_built(haptics sparsha_haptics)
+if(SPARSHA_COMPONENTS STREQUAL "all")
+  sparsha_require_built(pcl sparsha_for_pcl)
+  sparsha_require_built(program sparsha)
+endif()
+
 # sparsha_package(component export-set NAME target...): the libraries, under sparsha::NAME.
 function(sparsha_package component set)
   list(LENGTH ARGN count)
@@ -13,6 +25,7 @@ function(sparsha_package component set)
     list(GET ARGN ${i} name)
     list(GET ARGN ${next} target)
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+    add_library(sparsha::${name} ALIAS ${target})  # the same name for those who use add_subdirectory
     install(TARGETS ${target} EXPORT ${set} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
   endforeach()
   install(EXPORT ${set} NAMESPACE sparsha:: DESTINATION ${package} COMPONENT ${component})
@@ -43,19 +56,24 @@ sparsha_headers(haptics scene beyond.h workspace.h region_frame.h materials.h gr
   label_area.h)
 sparsha_headers(haptics scene/config cues.h haptics.h)
 
-# Templates over PCL's point types, and what they are built on.
-sparsha_package(pcl SparshaPclTargets scan sparsha_scan_core filter sparsha_filter_core projection sparsha_projection
-  pcl sparsha_for_pcl)
-install(DIRECTORY sparsha/pcl/ DESTINATION ${SPARSHA_INSTALL_INCLUDE}/sparsha/pcl COMPONENT pcl
-  FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
-sparsha_headers(pcl pipeline/scan cloud.h)
+if(SPARSHA_COMPONENTS STREQUAL "all")
+  # Templates over PCL's point types, and what they are built on.
+  sparsha_package(pcl SparshaPclTargets scan sparsha_scan_core filter sparsha_filter_core projection sparsha_projection
+    pcl sparsha_for_pcl)
+  install(DIRECTORY sparsha/pcl/ DESTINATION ${SPARSHA_INSTALL_INCLUDE}/sparsha/pcl COMPONENT pcl
+    FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
+  sparsha_headers(pcl pipeline/scan cloud.h)
+endif()
 
-configure_package_config_file(cmake/SparshaConfig.cmake.in ${CMAKE_BINARY_DIR}/SparshaConfig.cmake
+configure_package_config_file(cmake/SparshaConfig.cmake.in ${PROJECT_BINARY_DIR}/SparshaConfig.cmake
   INSTALL_DESTINATION ${package})
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/SparshaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_BINARY_DIR}/SparshaConfig.cmake ${CMAKE_BINARY_DIR}/SparshaConfigVersion.cmake
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/SparshaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/SparshaConfig.cmake ${PROJECT_BINARY_DIR}/SparshaConfigVersion.cmake
   DESTINATION ${package} COMPONENT haptics)
 
+if(SPARSHA_COMPONENTS STREQUAL "haptics")
+  return()
+endif()
 # The whole program: cmake --install build --component program.
 install(TARGETS sparsha RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 if(TARGET sparsha_program)

@@ -56,6 +56,28 @@ run(${CMAKE_COMMAND} -S ${WORK}/headers -B ${WORK}/headers/build -DCMAKE_PREFIX_
   -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK}/headers/build)
 
+# The same by add_subdirectory: other packages are not looked for, and the install says what is to be built first.
+file(WRITE ${WORK}/guest/CMakeLists.txt "cmake_minimum_required(VERSION 3.20)\nproject(guest LANGUAGES CXX)\n"
+  "add_subdirectory(${SOURCE} sparsha)\nadd_subdirectory(${SOURCE}/examples examples)\n")
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(launcher -DCMAKE_CXX_COMPILER_LAUNCHER=${CCACHE})
+endif()
+run(${CMAKE_COMMAND} -S ${WORK}/guest -B ${WORK}/guest/build -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=${COMPILER}
+  "-DCMAKE_CXX_FLAGS=${FLAGS}" ${launcher})
+file(STRINGS ${WORK}/guest/build/CMakeCache.txt looked_for REGEX "PCL|OpenCV|yaml-cpp|TIFF|GLFW|glfw|LIBUSB|SPARSHA_BUILD_TESTS:BOOL=ON")
+if(looked_for)
+  message(FATAL_ERROR "a guest of the renderer alone looked for ${looked_for}")
+endif()
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${WORK}/guest/build --component haptics --prefix ${WORK}/guest/prefix
+  RESULT_VARIABLE code ERROR_VARIABLE output)
+string(REGEX REPLACE "[ \n]+" " " output "${output}")
+if(code EQUAL 0 OR NOT output MATCHES "is not built; first: cmake --build")
+  message(FATAL_ERROR "installing what is not built ended with ${code}:\n${output}")
+endif()
+run(${CMAKE_COMMAND} --build ${WORK}/guest/build -j 2 --target 01_touch_a_height_field)
+run(${WORK}/guest/build/examples/01_touch_a_height_field)
+
 # A program built with PCL's component starts without VTK.
 execute_process(COMMAND ldd ${WORK}/examples/05_from_a_pcl_cloud OUTPUT_VARIABLE libraries)
 if(libraries MATCHES "vtk")
