@@ -25,13 +25,13 @@ Points slab(std::mt19937& random, double noise_m = 0.0002, std::size_t count = 1
   const Eigen::Vector3d area(half.y() * half.z(), half.x() * half.z(), half.x() * half.y());
   std::discrete_distribution<int> axis({area.x(), area.y(), area.z()});
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  std::normal_distribution<double> noise(0.0, noise_m);
+  std::normal_distribution<double> noise;
   Points points;
   for (std::size_t i = 0; i < count; ++i) {
     Eigen::Vector3d p(unit(random), unit(random), unit(random));
     const int a = axis(random);
     p[a] = p[a] < 0.0 ? -1.0 : 1.0;
-    points.push_back(p.cwiseProduct(half) + Eigen::Vector3d(noise(random), noise(random), noise(random)));
+    points.push_back(p.cwiseProduct(half) + noise_m * Eigen::Vector3d(noise(random), noise(random), noise(random)));
   }
   return points;
 }

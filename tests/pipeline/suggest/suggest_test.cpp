@@ -31,7 +31,7 @@ using Points = std::vector<Eigen::Vector3d>;
 class Suggested : public ::testing::Test {
  protected:
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  double normal(double sigma) { return std::normal_distribution<double>(0.0, sigma)(random_); }
+  double normal(double sigma) { return sigma * std::normal_distribution<double>()(random_); }
   /// Uniform on a sphere, with noise across it.
   Points shell(std::size_t count, const Eigen::Vector3d& centre, double radius, double noise = 0.0) {
     Points points;
