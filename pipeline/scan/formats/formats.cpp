@@ -43,7 +43,6 @@ bool is_binary_pcd(const ScanFile& file) { return says(file, "DATA binary\n") ||
 }
 
 constexpr auto kSignature = Format::Told::by_signature;
-constexpr auto kMark = Format::Told::by_mark;
 constexpr auto kWriting = Format::Told::by_writing;
 
 constexpr std::array kFormats = {
