@@ -60,29 +60,6 @@ BinLattice lattice_of(const SideLayers& nodes, double spacing_m) {
   return {nodes.nx, nodes.ny, spacing_m, nodes.first_u * spacing_m, nodes.first_v * spacing_m};
 }
 
-DiscNodeKernel kernel_of(const TangentDiscs& discs, const DiscRule& rule) {
-  const BinLocator locator(discs.columns);
-  DiscNodeKernel kernel;
-  kernel.start = discs.start.get();
-  kernel.x = discs.x.get();
-  kernel.y = discs.y.get();
-  kernel.slope_x = discs.slope_x.get();
-  kernel.slope_y = discs.slope_y.get();
-  kernel.radius2 = discs.radius2.get();
-  kernel.records = discs.records.get();
-  kernel.rings = discs.rings.data();
-  kernel.bins_x = static_cast<std::size_t>(discs.columns.bins_x());
-  kernel.first_row = static_cast<std::size_t>(discs.window.first_row);
-  kernel.last_row = static_cast<std::size_t>(discs.window.last_row);
-  kernel.columns_x0_m = locator.x_shift_m;
-  kernel.columns_y0_m = locator.y_shift_m;
-  kernel.per_side = locator.per_m;
-  kernel.per_reach = static_cast<float>(1.0 / DiscRule::kReach);
-  kernel.link_noise_m = static_cast<float>(rule.noise_m);
-  kernel.lines = rule.lines;
-  return kernel;
-}
-
 /// Layers of one row of nodes.
 struct Row {
   std::vector<std::uint32_t> count;
@@ -104,11 +81,7 @@ SideLayers find_layers(SideDiscs&& side, const DiscRule& disc_rule, double spaci
   const TangentDiscs arranged = std::move(side.discs);
   SideLayers result = std::move(side.nodes);
   const BinLattice nodes = lattice_of(result, spacing_m);
-  DiscNodeKernel shared = kernel_of(arranged, disc_rule);
-  shared.x0_m = nodes.x0_m;
-  shared.y0_m = nodes.y0_m;
-  shared.spacing_m = spacing_m;
-  shared.nx = static_cast<std::size_t>(result.nx);
+  const DiscNodeKernel shared = node_kernel(arranged, nodes, disc_rule.noise_m, disc_rule.lines);
   const auto most_slope2 = static_cast<float>(1.0 / (rule.least_facing * rule.least_facing) - 1.0);
 
   std::vector<Row> rows(static_cast<std::size_t>(result.ny));

@@ -11,10 +11,6 @@
 namespace sparsha::pipeline {
 namespace {
 
-// Standard deviations of noise between two discs of one layer. A plane through 14 points is uncertain by 0.27 of them
-// at its foot and by 0.69 at its rim, so two that meet there differ by one.
-constexpr double kLinkNoise = 1.0;
-
 // The columns that hold the points of a window of the nodes' bins.
 BinWindow columns_of(const BinLattice& nodes, const BinWindow& window, const BinLattice& columns) {
   const BinLocator bins(nodes);
@@ -32,29 +28,8 @@ BinWindow columns_of(const BinLattice& nodes, const BinWindow& window, const Bin
 
 std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const ProjectionPlan& plan, int first_row,
                                         const Context& context, scene::DepthGrid& rows) {
-  const BinLocator locator(discs.columns);
-  DiscNodeKernel shared;
-  shared.start = discs.start.get();
-  shared.x = discs.x.get();
-  shared.y = discs.y.get();
-  shared.slope_x = discs.slope_x.get();
-  shared.slope_y = discs.slope_y.get();
-  shared.radius2 = discs.radius2.get();
-  shared.records = discs.records.get();
-  shared.rings = discs.rings.data();
-  shared.bins_x = static_cast<std::size_t>(discs.columns.bins_x());
-  shared.first_row = static_cast<std::size_t>(discs.window.first_row);
-  shared.last_row = static_cast<std::size_t>(discs.window.last_row);
-  shared.columns_x0_m = locator.x_shift_m;
-  shared.columns_y0_m = locator.y_shift_m;
-  shared.per_side = locator.per_m;
-  shared.x0_m = plan.bins.x0_m;
-  shared.y0_m = plan.bins.y0_m;
-  shared.spacing_m = plan.bins.spacing_m;
+  DiscNodeKernel shared = node_kernel(discs, plan.bins, plan.rule.noise_m, plan.discs->lines);
   shared.nx = static_cast<std::size_t>(rows.lattice.nx);
-  shared.per_reach = static_cast<float>(1.0 / DiscRule::kReach);
-  shared.link_noise_m = static_cast<float>(kLinkNoise * plan.rule.noise_m);
-  shared.lines = plan.discs->lines;
   std::vector<std::uint8_t> verdicts(rows.lattice.count());
   context.pool.for_ranges(static_cast<std::size_t>(rows.lattice.ny), 4, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();

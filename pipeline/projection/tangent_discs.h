@@ -62,4 +62,9 @@ struct TangentDiscs {
 /// beyond the columns are left out.
 [[nodiscard]] TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& columns);
 
+/// What decides about nodes by discs; its scratch memory is to be set. Heights of discs are one layer within `noise_m`;
+/// `lines` as in DiscRule. Reads the discs, which must outlive it.
+[[nodiscard]] DiscNodeKernel node_kernel(const TangentDiscs& discs, const BinLattice& nodes, double noise_m,
+                                         bool lines);
+
 }  // namespace sparsha::pipeline

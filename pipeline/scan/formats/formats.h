@@ -25,8 +25,8 @@ struct Format {
   bool by_ending = false;      ///< a file of its ending is read as it although nothing in it tells
   std::string_view missing{};  ///< a file of its ending that is not told is an error: what it must begin with
   bool (*may_hold_faces)(const ScanFile&) = nullptr;  ///< null: never
-  bool (*quick_to_stream)(const ScanFile&) =
-      nullptr;  ///< its records are read again as fast as from memory; null: never
+  /// Its records are read again as fast as from memory; null: never.
+  bool (*quick_to_stream)(const ScanFile&) = nullptr;
 };
 
 /// In the order in which they are asked.
