@@ -31,38 +31,33 @@ function(sparsha_package component set)
   install(EXPORT ${set} NAMESPACE sparsha:: DESTINATION ${package} COMPONENT ${component})
 endfunction()
 
-# sparsha_headers(component folder file...): headers keep their paths from the root.
-function(sparsha_headers component folder)
-  list(TRANSFORM ARGN PREPEND ${folder}/)
-  install(FILES ${ARGN} DESTINATION ${SPARSHA_INSTALL_INCLUDE}/${folder} COMPONENT ${component})
+# sparsha_headers(component): the headers that tools/rooms.json lists for it keep their paths from the root. What other
+# headers of the core include is checked there (tools/rooms.py --check).
+file(READ ${PROJECT_SOURCE_DIR}/tools/rooms.json rooms)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/rooms.json)
+function(sparsha_headers component)
+  string(JSON count LENGTH "${rooms}" installed ${component})
+  math(EXPR last "${count} - 1")
+  foreach(i RANGE 0 ${last})
+    string(JSON pattern GET "${rooms}" installed ${component} ${i})
+    file(GLOB found RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${pattern})
+    foreach(header ${found})
+      get_filename_component(folder ${header} DIRECTORY)
+      install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${SPARSHA_INSTALL_INCLUDE}/${folder} COMPONENT ${component})
+    endforeach()
+  endforeach()
 endfunction()
 
 # What both components stand on belongs to the first: CMake exports a target once.
 sparsha_package(haptics SparshaCoreTargets base sparsha_base_core scene sparsha_scene_core)
-sparsha_headers(haptics base error.h smooth_step.h)
-sparsha_headers(haptics scene depth_grid.h)
-
-# The headers that tools/check-rooms.py lets the core include.
 sparsha_package(haptics SparshaHapticsTargets state sparsha_state haptics sparsha_haptics)
-foreach(folder effects governor guide servo state)
-  install(DIRECTORY haptics/${folder}/ DESTINATION ${SPARSHA_INSTALL_INCLUDE}/haptics/${folder} COMPONENT haptics
-    FILES_MATCHING PATTERN "*.h")
-endforeach()
-sparsha_headers(haptics haptics/surface monge_surface.h)
-sparsha_headers(haptics haptics/proxy proxy.h)
-sparsha_headers(haptics haptics/device device.h)
-sparsha_headers(haptics haptics/device/simulated exploration_script.h simulated_device.h)
-sparsha_headers(haptics scene beyond.h workspace.h region_frame.h materials.h grain_field.h height_spectrum.h area.h polygon.h
-  label_area.h)
-sparsha_headers(haptics scene/config cues.h haptics.h)
+sparsha_headers(haptics)
 
 if(SPARSHA_COMPONENTS STREQUAL "all")
   # Templates over PCL's point types, and what they are built on.
   sparsha_package(pcl SparshaPclTargets scan sparsha_scan_core filter sparsha_filter_core projection sparsha_projection
     pcl sparsha_for_pcl)
-  install(DIRECTORY sparsha/pcl/ DESTINATION ${SPARSHA_INSTALL_INCLUDE}/sparsha/pcl COMPONENT pcl
-    FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
-  sparsha_headers(pcl pipeline/scan cloud.h)
+  sparsha_headers(pcl)
 endif()
 
 configure_package_config_file(cmake/SparshaConfig.cmake.in ${PROJECT_BINARY_DIR}/SparshaConfig.cmake

@@ -1,76 +1,19 @@
 #!/usr/bin/env python3
-"""Fails on an include that the rooms' rules forbid, on names outside the room's own namespace, on third-party headers in
-public headers, and on a folder of tests without a room."""
+"""Fails on an include that the rules of tools/rooms.json forbid, on names outside the room's own namespace, on third-party
+headers in public headers, on a folder of tests without a room, and on what is made of the list of rooms and is older."""
 import os
+import pathlib
 import re
 import subprocess
 import sys
 
-SHARED = ["scene", "base"]
-# What a room may include besides itself and the rooms inside it (docs/architecture.md). The longest name that a file's
-# path begins with is its room.
-ALLOWED = {
-    "base": [],
-    "scene": ["base"],
-    "pipeline/scan": SHARED,
-    "pipeline/scan/formats": ["pipeline/scan", *SHARED],
-    "pipeline/register": ["pipeline/scan", *SHARED],
-    "pipeline/filter": ["pipeline/scan", *SHARED],
-    "pipeline/orient": ["pipeline/scan", *SHARED],
-    "pipeline/projection": ["pipeline/scan", *SHARED],
-    "pipeline/charts": ["pipeline/projection", "pipeline/scan", *SHARED],
-    "pipeline/images": SHARED,
-    "pipeline/layers": ["pipeline/images", *SHARED],
-    "pipeline/check": ["pipeline/projection", "pipeline/layers", "pipeline/scan", *SHARED],
-    "pipeline/report": ["pipeline/check", "pipeline/layers", *SHARED],
-    "pipeline/outofcore": ["pipeline/projection", "pipeline/check", "pipeline/filter", "pipeline/scan", *SHARED],
-    "pipeline/export": SHARED,
-    "pipeline/replica": ["pipeline/images", *SHARED],
-    "pipeline/simulate": ["pipeline/export", *SHARED],
-    "pipeline/build": ["pipeline", *SHARED],
-    "pipeline/suggest": ["pipeline", *SHARED],
-    "sparsha/pcl": ["pipeline/projection", "pipeline/filter", "pipeline/scan", *SHARED],
-    "haptics/state": [],
-    "haptics/surface": SHARED,
-    "haptics/proxy": ["haptics/surface", *SHARED],
-    "haptics/governor": ["haptics/state", *SHARED],
-    "haptics/device": ["haptics/governor", "haptics/state", *SHARED],
-    "haptics/effects": SHARED,
-    "haptics/guide": ["haptics/state", *SHARED],
-    "haptics/outline": SHARED,
-    "haptics/servo": ["haptics/effects", "haptics/guide", "haptics/proxy", "haptics/governor", "haptics/device", "haptics/state", "haptics/surface", *SHARED],
-    "haptics/window": ["haptics/effects", "haptics/servo", "haptics/surface", *SHARED],
-    # What the Falcon's driver is judged by: knows nothing of it.
-    "emulator": ["base"],
-    "haptics/replay": ["haptics/window", "haptics/servo", "haptics/proxy", "haptics/device", "haptics/state",
-                       "haptics/surface", *SHARED],
-    "haptics/session": ["haptics", *SHARED],
-    "audio": ["haptics/state", *SHARED],
-    "viewer": ["haptics/state", *SHARED],
-    "app": ["pipeline", "haptics", "audio", "viewer", "emulator", "protocol", *SHARED],
-    "bench/report": SHARED,
-    "protocol": ["haptics/surface", *SHARED],
-    "bench/peers": ["bench/report", "haptics/proxy", "haptics/surface", *SHARED],
-    "bench/effects": ["bench/report", "haptics/proxy", *SHARED],
-    "bench/race": ["protocol", "bench/peers", "bench/report", "bench/haptics/plot.h", "pipeline/simulate", "tests/support", *SHARED],
-    "bench/haptics": ["protocol", "bench/report", "haptics", "pipeline/simulate", "pipeline/build", "tests/support", *SHARED],
-    "bench/pipeline": ["bench/report", "pipeline", "tests/support", *SHARED],
-    "bench/audio": ["audio", *SHARED],
-    "bench/realtime": ["bench/haptics/lines.h", "audio", "haptics", *SHARED],
-}
+from rooms import LIST, NOT_INSIDE, ROOMS as ALLOWED, inside, problems as problems_of_list, tops
+
 # One file chooses the reader of a format, and no other file of its room knows the formats.
 EXCEPTIONS = {"pipeline/scan/reader.cpp": "pipeline/scan/formats"}
-# What is built on top of a room although its rule or its name would let it in.
-NOT_INSIDE = {"pipeline/scan": ["pipeline/scan/formats"], "pipeline/build": ["pipeline/suggest"]}
-# The embeddable core, for other programs: Eigen alone, so no header of it may reach YAML, files or scenes.
-CORE = ["haptics/state", "haptics/surface", "haptics/proxy", "haptics/governor", "haptics/effects",
-        "haptics/guide", "haptics/servo",        "haptics/device/device.h", "haptics/device/simulated"]
-CORE_SHARED = ["base/error.h", "scene/beyond.h", "base/smooth_step.h", "base/system.h", "base/hash.h", "scene/continuation.h", "scene/fingertip.h", "scene/depth_grid.h", "scene/workspace.h",
-               "scene/region_frame.h", "scene/config/cues.h", "scene/config/haptics.h", "scene/materials.h", "scene/grain_field.h",
-               "scene/height_spectrum.h", "scene/area.h", "scene/polygon.h", "scene/label_area.h"]
 # Templates over PCL's point types, for programs that include PCL anyway.
 PCL_API = "sparsha/pcl"
-ROOMS = {name.split("/")[0] for name in ALLOWED}
+TOPS = set(tops())
 # Folders below tests/ that mirror no room: helpers, tests of tools, and parts of one folder's test.
 NO_ROOM = {"support", "tools", "fuzz", "guard", "falcon", "haptics/device/falcon/usb", "haptics/proxy/soak",
            "viewer/pictures", "viewer/reference"}
@@ -79,10 +22,6 @@ THIRD_PARTY = re.compile(
     r"([./-]|$|\.h)"
 )
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
-
-
-def inside(path, room):
-    return path.startswith(room + "/")
 
 
 def room_of(path):
@@ -98,7 +37,7 @@ def may_include(path, room, name):
 
 
 def in_core(path):
-    return any(path == part or inside(path, part) for part in CORE)
+    return any(path == part or inside(path, part) for part in LIST["core"]["sources"])
 
 
 def problems(path):
@@ -117,9 +56,9 @@ def problems(path):
                 yield f'{where}: include "{name}" by its path from the root'
             elif path.endswith(".h") and name.endswith(".hpp") and room != PCL_API:
                 yield f"{where}: {name} shows a library, it belongs in a .cpp file"
-            elif name.split("/")[0] in {*ROOMS, "tests"} and not may_include(path, room, name):
+            elif name.split("/")[0] in {*TOPS, "tests"} and not may_include(path, room, name):
                 yield f"{where}: {room} must not include {name}"
-            elif in_core(path) and not in_core(name) and name not in CORE_SHARED:
+            elif in_core(path) and not in_core(name) and name not in LIST["core"]["may_include"]:
                 yield f"{where}: {name} is not for the embeddable core"
         elif path.endswith(".h") and room != PCL_API and THIRD_PARTY.match(name):
             yield f"{where}: <{name}> belongs in a .cpp file"
@@ -181,10 +120,11 @@ def main():
         os.chdir(sys.argv[1])
     names = subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=True).stdout.split("\n")
     files = [name for name in names if name.endswith((".h", ".cpp", ".hpp"))]
-    found = [p for path in files if path.split("/")[0] in ROOMS for p in problems(path)]
-    found += [p for path in files if path.split("/")[0] in ROOMS for p in foreign_namespaces(path)]
-    found += types_defined_twice([path for path in files if path.split("/")[0] in ROOMS])
+    found = [p for path in files if path.split("/")[0] in TOPS for p in problems(path)]
+    found += [p for path in files if path.split("/")[0] in TOPS for p in foreign_namespaces(path)]
+    found += types_defined_twice([path for path in files if path.split("/")[0] in TOPS])
     found += tests_without_room(names)
+    found += problems_of_list(pathlib.Path("."))
     print("\n".join(found) if found else f"{len(files)} files keep the rules")
     return 1 if found else 0
 

@@ -4,7 +4,8 @@ import subprocess
 import sys
 import tempfile
 
-CHECK = pathlib.Path(__file__).resolve().parents[2] / "tools" / "check-rooms.py"
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+CHECK = TOOLS / "check-rooms.py"
 FILES = {
     "base/error.h": "namespace sparsha {\nclass Error {};\n}  // namespace sparsha\n",
     "protocol/judge.h": '#include "base/error.h"\n',
@@ -43,8 +44,43 @@ def check(added):
         return done.returncode, (done.stdout + done.stderr).splitlines()
 
 
+def rooms(action, folder):
+    done = subprocess.run([sys.executable, str(TOOLS / "rooms.py"), action, folder], capture_output=True, text=True, check=False)
+    return done.returncode, (done.stdout + done.stderr).splitlines()
+
+
+def stale():
+    """What is wrong with the check of the files that are made of the list of rooms."""
+    page = "<!-- made by tools/rooms.py --write -->\n<!-- end of what tools/rooms.py wrote -->\n"
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        (root / "docs/images").mkdir(parents=True)
+        shown = root / "docs/architecture.md"
+        shown.write_text("# Rooms\n" + page + "The end.\n", encoding="utf-8")
+        if rooms("--check", folder)[0] == 0:
+            yield "a page without its table passes"
+        rooms("--write", folder)
+        text = shown.read_text(encoding="utf-8")
+        if rooms("--check", folder)[0] != 0 or "| `scene` |" not in text or not text.endswith("The end.\n"):
+            yield f"what was just written is refused or incomplete: {text[:200]}"
+        shown.write_text(text.replace("| `scene` |", "| `scenery` |"), encoding="utf-8")
+        code, lines = rooms("--check", folder)
+        if code != 1 or len(lines) != 1 or not lines[0].startswith("docs/architecture.md: differs from tools/rooms.json"):
+            yield f"a changed table: exit {code}, {lines}"
+        (root / "cmake").mkdir()
+        (root / "cmake/install.cmake").write_text("", encoding="utf-8")
+        (root / "base").mkdir()
+        (root / "base/error.h").write_text('#include "base/yaml.h"\n', encoding="utf-8")
+        code, lines = rooms("--check", folder)
+        if "base/error.h: is installed and includes base/yaml.h, which is not" not in lines:
+            yield f"an installed header that includes another: exit {code}, {lines}"
+
+
 def main():
     failures = 0
+    for problem in stale():
+        failures += 1
+        print(problem)
     code, lines = check({})
     if code != 0 or len(lines) != 1:
         failures += 1
@@ -54,7 +90,7 @@ def main():
         if code != 1 or len(lines) != 1 or not lines[0].startswith(problem):
             failures += 1
             print(f"{text!r} in {name}: exit {code}, {lines}; expected exit 1, {problem!r}")
-    print(f"{len(FAULTS) + 1} trees, {failures} wrong")
+    print(f"{len(FAULTS) + 2} trees, {failures} wrong")
     return 1 if failures else 0
 
 
