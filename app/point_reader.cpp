@@ -118,16 +118,20 @@ ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::s
   set_unit(*view, scans);
   progress.begin("Reading the scans");
   std::vector<std::unique_ptr<ScanSet>> sets;
-  std::uint64_t meshes = 0;
+  std::uint64_t meshes = 0, unread = 0;
   for (const scene::ScanConfig& scan : scans) {
-    sets.push_back(std::make_unique<ScanSet>(std::vector{scan}, ScanSet::Keep::disk, false, progress));
+    sets.push_back(std::make_unique<ScanSet>(std::vector{scan}, ScanSet::Keep::disk, false, progress,
+                                             std::vector<std::string>{}, pipeline::MeshRefusal{},
+                                             pipeline::ScanPart{{}, at_most}));
     view->total += sets.back()->points();
+    unread += sets.back()->unread();
     view->z_up = view->z_up || sets.back()->z_up();
     meshes += sets.back()->faces() > 0 ? 1 : 0;
     for (pipeline::Station& station : sets.back()->stations()) result.stations.push_back(std::move(station));
     progress.at(0.3 * static_cast<double>(sets.size()) / static_cast<double>(scans.size()));
   }
   Collector collector(*view, view->total + meshes * kMeshPoints, at_most);
+  view->total += unread;
   for (std::size_t s = 0; s < sets.size(); ++s) {
     collector.begin(sets[s]->origin_m(), static_cast<std::uint8_t>(std::min<std::size_t>(s, 255)));
     if (sets[s]->faces() > 0) {

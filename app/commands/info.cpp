@@ -72,6 +72,7 @@ Json scan_json(const fs::path& file, const pipeline::ScanInfo& info) {
   json["units"] = info.units;
   json["duplicates"] = info.duplicates;
   json["scans"] = info.scans;
+  if (!info.notes.empty()) json["notes"] = info.notes;
   json["viewpoint"] = info.viewpoint ? Json(*info.viewpoint) : Json(nullptr);
   if (!info.warnings.empty()) json["warnings"] = info.warnings;
   return json;
@@ -84,6 +85,7 @@ std::string scan_text(const fs::path& file, const pipeline::ScanInfo& info) {
   if (info.duplicates > 0) text += fmt::format(" ({} duplicates)", count_text(info.duplicates));
   text += "\n";
   if (info.scans != 1) text += fmt::format("  scans       {}\n", info.scans);
+  for (const std::string& note : info.notes) text += fmt::format("  note        {}\n", note);
   text += fmt::format("  units       {}\n", info.units);
   if (info.points > info.invalid) {
     const Eigen::Vector3d size = info.max_m - info.min_m;

@@ -74,6 +74,25 @@ bool takes_places_away(const scene::FilterConfig& filter) {
          std::holds_alternative<scene::PassConfig>(filter) || std::holds_alternative<scene::RemovePlaneConfig>(filter);
 }
 
+// Whether a filter's verdict on a point does not depend on other points, so that it may come after a crop as well.
+bool looks_at_one_point(const scene::FilterConfig& filter) {
+  return can_be_streamed(filter) && !std::holds_alternative<scene::RemovePlaneConfig>(filter);
+}
+
+// Outside of which the first filters keep no point.
+ScanPart part_of(const std::vector<scene::FilterConfig>& filters) {
+  ScanPart part;
+  for (const scene::FilterConfig& filter : filters) {
+    if (!looks_at_one_point(filter)) break;
+    const auto* const crop = std::get_if<scene::CropConfig>(&filter);
+    if (crop == nullptr) continue;
+    if (!part.box) part.box = *crop;
+    part.box->min_m = part.box->min_m.cwiseMax(crop->min_m);
+    part.box->max_m = part.box->max_m.cwiseMin(crop->max_m);
+  }
+  return part;
+}
+
 // Bytes per point that bytes_in_memory() allows for its projection.
 constexpr std::uint64_t kWindowBytes = 56;
 
@@ -97,7 +116,7 @@ class Builder {
   ProjectedScans run() {
     progress_.begin("read");
     ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_,
-                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size()));
+                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size()), part_of(filters_));
     require_fields(config_.scans, scans, filters_, progress_);
     if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
     scans.require_surface();
@@ -119,12 +138,23 @@ class Builder {
         build_out_of_core(scans);
       }
     }
+    count_unread(scans.unread());
     result_.sources = scans.sources();
     result_.scan_to_grid = scan_to_grid_;
     return std::move(result_);
   }
 
  private:
+  /// Of the scans' points those that were not read since the first crop would take them away.
+  void count_unread(std::uint64_t points) {
+    result_.points.read += points;
+    result_.points.filtered += points;
+    for (auto& filter : result_.filters) {
+      if (filter.name != "crop") continue;
+      filter.removed += points;
+      return;
+    }
+  }
   /// Looked for when it is needed: a TMPDIR that does not exist is no matter for what fits into memory.
   [[nodiscard]] std::filesystem::path scratch_folder() const {
     if (!options_.scratch_folder.empty()) return options_.scratch_folder;

@@ -36,6 +36,7 @@ ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progres
   info.format = scan.format;
   info.points = scan.records;
   info.invalid = scan.invalid;
+  info.notes = scan.notes;
   info.fields = scan.fields;
   info.tallies = std::move(scan.tallies);
   info.units = scan.degrees ? "degrees" : scan.unit ? to_string(*scan.unit) : "unknown";

@@ -41,6 +41,10 @@ struct TextTable {
 /// Of a mesh of so many vertices and triangles: the error with which it is refused, or nothing when it may be read.
 using MeshRefusal = std::function<std::optional<Error>(std::uint64_t vertices, std::uint64_t triangles)>;
 
+/// Whether a point within this box may be wanted: file units, z as points have it; `unit` is what the file says.
+using Region = std::function<bool(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                                  const std::optional<scene::LengthUnit>& unit)>;
+
 /// What is known of a file besides its bytes.
 struct ReadOptions {
   enum class Tally : std::uint8_t {
@@ -54,6 +58,12 @@ struct ReadOptions {
   /// Asked before a mesh is in memory: when the file says how large it is, else while it is read; what is refused is
   /// only counted from then on, and its error thrown at the end.
   MeshRefusal mesh_refusal{};
+  /// A format that keeps points in groups with known places (COPC) leaves those unread that this refuses, and counts
+  /// them in RawScan::unread; others read all points.
+  Region region{};
+  /// A format that keeps coarse points apart from those that refine them (COPC) leaves levels unread that it does not
+  /// need for so many points; 0: all points.
+  std::uint64_t enough = 0;
 };
 
 /// One scan as the file has it: file units, double, before any pose but with the file's own.
@@ -67,6 +77,8 @@ struct RawScan {
   std::vector<std::vector<float>> values;  ///< of each of ReadOptions::fields: empty or one per point, NaN: none
   std::uint64_t records = 0;               ///< point records (STL: distinct vertices), invalid ones included
   std::uint64_t invalid = 0;               ///< records not finite or flagged invalid
+  std::uint64_t unread = 0;                ///< records, beside `records`, that nobody wants by ReadOptions
+  std::vector<std::string> notes;          ///< what is special in the file, for `sparsha info`
   std::vector<std::string> fields;         ///< "x", "y", "z", "red", ...
   std::vector<FieldTally> tallies;         ///< of valid points
   std::optional<scene::LengthUnit> unit;   ///< what the format says
@@ -123,6 +135,7 @@ struct ScanInfo {
   std::string format;
   std::uint64_t points = 0;
   std::uint64_t invalid = 0;
+  std::vector<std::string> notes;                   ///< as RawScan has them
   Eigen::Vector3d min_m = Eigen::Vector3d::Zero();  ///< metres; file units when `units` is unknown or degrees
   Eigen::Vector3d max_m = Eigen::Vector3d::Zero();
   double spacing_m = 0.0;  ///< median nearest-neighbour distance of a sample, duplicates left out; 0 when unknown

@@ -43,6 +43,36 @@ Placement place(const scene::ScanConfig& config, double scale) {
   return placement;
 }
 
+/// Metres in a unit of the file; 0 when the points themselves decide.
+double metres_in_unit(const scene::ScanConfig& config, const std::optional<scene::LengthUnit>& of_file) {
+  if (config.units.unit == scene::LengthUnit::longest_side) return 0.0;
+  if (config.units.unit != scene::LengthUnit::automatic) return scene::metres_in(config.units.unit);
+  return of_file ? scene::metres_in(*of_file) : 1.0;
+}
+
+/// Tells boxes of the file's coordinates that may reach into `box`, which has metres of the scan frame.
+Region region_of(const scene::ScanConfig& config, const scene::CropConfig& box) {
+  return [config, box](const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                       const std::optional<scene::LengthUnit>& unit) {
+    const double scale = metres_in_unit(config, unit);
+    if (scale == 0.0) return true;
+    const Placement placement = place(config, scale);
+    Eigen::Vector3d least = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::Vector3d most = -least;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d p =
+          placement({(corner & 1) != 0 ? high.x() : low.x(), (corner & 2) != 0 ? high.y() : low.y(),
+                     (corner & 4) != 0 ? high.z() : low.z()});
+      least = least.cwiseMin(p);
+      most = most.cwiseMax(p);
+    }
+    // The filter sees points that were rounded to float.
+    constexpr double kRounding = 1e-6;
+    const double margin = kRounding * (least.cwiseAbs().maxCoeff() + most.cwiseAbs().maxCoeff());
+    return !((least.array() - margin > box.max_m.array()).any() || (most.array() + margin < box.min_m.array()).any());
+  };
+}
+
 /// The one place where a point is rounded: near(i, q) of points that fit a float, far(i) of the others.
 template <typename Near, typename Far>
 void round_points(const Placement& placement, const Eigen::Vector3d& origin_m, std::span<const Eigen::Vector3d> points,
@@ -171,8 +201,9 @@ struct ScanSet::Scan {
   /// After the last block: whether what stands at the scanner is surface.
   void decide_empty_returns() {
     delivered = valid = looked.count + at_scanner.count;
-    if (raw.faces.empty() && are_empty_returns(at_scanner.count, delivered)) {
-      raw.warnings.push_back(empty_returns_warning(at_scanner.count, delivered));
+    const std::uint64_t all = delivered + raw.unread;
+    if (raw.faces.empty() && are_empty_returns(at_scanner.count, all)) {
+      raw.warnings.push_back(empty_returns_warning(at_scanner.count, all));
       raw.invalid += at_scanner.count;
       valid -= at_scanner.count;
       return;
@@ -232,23 +263,26 @@ struct ScanSet::Scan {
       if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
       return units.longest_side_m / side;
     }
-    if (units.unit != scene::LengthUnit::automatic) return scene::metres_in(units.unit);
-    if (raw.unit) return scene::metres_in(*raw.unit);
+    const double metres = metres_in_unit(config, raw.unit);
+    if (raw.unit || units.unit != scene::LengthUnit::automatic) return metres;
     if (const std::optional<UnitGuess> guess = doubt_metres(looked.sample)) {
       progress.warn(fmt::format("{}: no unit is known, metres are taken; {}{}", name, guess->reason,
                                 guess->unit == scene::LengthUnit::m
                                     ? "; set 'units' if that is wrong"
                                     : fmt::format("; set 'units: {}' if that is right", to_string(guess->unit))));
     }
-    return 1.0;
+    return metres;
   }
   static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
-                                       bool streamed, Progress& progress, const MeshRefusal& mesh_refusal = {}) {
+                                       bool streamed, Progress& progress, const MeshRefusal& mesh_refusal = {},
+                                       const ScanPart& part = {}) {
     auto scan = std::make_unique<Scan>();
     scan->file = config.file;
     scan->options.columns = config.columns;
     scan->options.fields = fields;
     scan->options.mesh_refusal = mesh_refusal;
+    if (part.box) scan->options.region = region_of(config, *part.box);
+    scan->options.enough = part.enough;
     scan->streamed = streamed;
     const bool bounds = config.units.unit == scene::LengthUnit::longest_side;
     if (streamed) {
@@ -284,6 +318,10 @@ struct ScanSet::Scan {
       scan->raw.values = {};
       return scan;
     }
+    // What is said of a scan without a point that is wanted is said of all of it.
+    if (scan->valid == 0 && scan->raw.unread > 0) {
+      return look_at(config, fields, streamed, progress, mesh_refusal);
+    }
     add_doubts(scan->raw, scan->looked.sample, scan->looked.count, [&](const auto& use) {
       scan->for_each_block([&](const PointBlock& block) { use(block.points); }, progress);
     });
@@ -301,7 +339,7 @@ struct ScanSet::Scan {
 };
 
 ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
-                 const std::vector<std::string>& fields, const MeshRefusal& mesh_refusal)
+                 const std::vector<std::string>& fields, const MeshRefusal& mesh_refusal, const ScanPart& part)
     : configs_(scans), fields_(fields), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
   std::vector<ScanSize> sizes;
@@ -319,9 +357,10 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
             std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
       }
       const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
-      scans_.push_back(Scan::look_at(config, fields_, streamed, progress, refusal_of_all));
+      scans_.push_back(Scan::look_at(config, fields_, streamed, progress, refusal_of_all, part));
       const Scan& scan = *scans_.back();
-      records_.push_back(scan.raw.records);
+      records_.push_back(scan.raw.records + scan.raw.unread);
+      unread_ += scan.raw.unread;
       points_ += scan.valid;
       invalid_ += scan.raw.invalid;
       faces_ += scan.raw.faces.size();

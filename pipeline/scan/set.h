@@ -16,6 +16,7 @@
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
 #include "pipeline/scan/reader.h"
+#include "scene/config/filters.h"
 #include "scene/config/scans.h"
 #include "scene/scene_fwd.h"
 
@@ -31,6 +32,12 @@ struct CloudBlock {
   std::span<const std::span<const float>> fields{};
 };
 
+/// What is wanted of scans; formats that keep points in groups (COPC) leave the rest unread, others read all.
+struct ScanPart {
+  std::optional<scene::CropConfig> box{};  ///< points outside of it may be left out, too
+  std::uint64_t enough = 0;                ///< points of a scan; 0: all
+};
+
 class ScanSet {
  public:
   /// Where points wait between the first look and the second: `quickest` keeps those in memory that take long to
@@ -42,13 +49,15 @@ class ScanSet {
   /// intensity, as field_key() gives it. `mesh_refusal`: asked of all points and triangles of a mesh and the scans
   /// before it.
   ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
-          const std::vector<std::string>& fields = {}, const MeshRefusal& mesh_refusal = {});
+          const std::vector<std::string>& fields = {}, const MeshRefusal& mesh_refusal = {}, const ScanPart& part = {});
   ~ScanSet();
   ScanSet(const ScanSet&) = delete;
   ScanSet& operator=(const ScanSet&) = delete;
 
   [[nodiscard]] std::uint64_t points() const { return points_; }    ///< finite ones, before rounding
   [[nodiscard]] std::uint64_t invalid() const { return invalid_; }  ///< the files' own, before rounding
+  /// Points that are in the files beside those, and that nobody wants by ScanPart.
+  [[nodiscard]] std::uint64_t unread() const { return unread_; }
   [[nodiscard]] std::uint64_t faces() const { return faces_; }
   [[nodiscard]] bool has_colour() const { return colour_; }
   [[nodiscard]] bool has_intensity() const { return intensity_; }
@@ -90,7 +99,7 @@ class ScanSet {
   std::vector<std::uint64_t> records_;
   std::shared_ptr<std::atomic<bool>> abandoned_;  ///< the digests look at it
   std::vector<std::future<std::string>> digests_;
-  std::uint64_t points_ = 0, invalid_ = 0;
+  std::uint64_t points_ = 0, invalid_ = 0, unread_ = 0;
   std::size_t faces_ = 0;
   std::vector<std::string> pieces_;
   std::vector<Eigen::Vector3d> sample_m_;

@@ -32,7 +32,9 @@ ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink, const ReadOptions& 
       normals_(kBlock),
       kept_names_(options.fields),
       tally_(options.tally),
-      mesh_refusal_(options.mesh_refusal) {
+      mesh_refusal_(options.mesh_refusal),
+      region_(options.region),
+      enough_(options.enough) {
   scan_.values.resize(kept_names_.size());
   if (mesh_refusal_) face_room_ = kFacesBetween;
 }

@@ -32,6 +32,9 @@ class ScanWriter {
   /// the records have.
   void begin(std::uint64_t records, bool colour, bool intensity, bool normals = false);
   [[nodiscard]] bool has_colour() const { return colour_; }
+  /// See ReadOptions.
+  [[nodiscard]] const Region& region() const { return region_; }
+  [[nodiscard]] std::uint64_t enough() const { return enough_; }
   /// What the records from now on have: blocks of one file may differ. The points of the others get kNoColour,
   /// kNoIntensity and a normal of zero.
   void set_attributes(bool colour, bool intensity, bool normals = false);
@@ -128,6 +131,8 @@ class ScanWriter {
   std::vector<std::uint32_t> polygons_;  ///< corner count, then corners, of faces with more than three
   std::uint64_t polygon_triangles_ = 0;  ///< that they will give
   MeshRefusal mesh_refusal_;
+  Region region_;
+  std::uint64_t enough_;
   std::size_t face_room_ = std::numeric_limits<std::size_t>::max();  ///< faces until somebody is asked again
   bool refused_ = false;                                             ///< faces are only counted
   std::uint64_t counted_ = 0;                                        ///< of them

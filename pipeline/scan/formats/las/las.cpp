@@ -140,7 +140,7 @@ void read_las(const ScanFile& file, ScanWriter& out) {
   if (colour) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
   las::PointReader reader(header, units, out);
   if (header.compressed) {
-    las::read_compressed(file, header, reader, out);
+    las::read_compressed(file, header, units, reader, out);
     reader.finish(file);
     return;
   }

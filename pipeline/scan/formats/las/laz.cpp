@@ -1,13 +1,19 @@
 #include "pipeline/scan/formats/las/laz.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "pipeline/scan/formats/las/copc.h"
 #include "pipeline/scan/formats/las/laz/points.h"
 
 namespace sparsha::pipeline::las {
 namespace {
+
+constexpr std::uint64_t kWorthThreads = 100'000;  // points
+constexpr std::uint64_t kColourSample = 1000;     // points whose colours tell their range
 
 /// How the points are packed is described in a record of its own; without it there is nothing to read.
 laz::Packing find_packing(const ScanFile& file, const Header& header) {
@@ -32,7 +38,7 @@ class Arrivals {
   Arrivals(const Header& header, PointReader& reader, ScanWriter& out)
       : size_(header.record_size),
         colour_(header.colour_offset() != 0),
-        sample_(std::min<std::uint64_t>(header.points, 1000)),
+        sample_(std::min<std::uint64_t>(header.points, kColourSample)),
         reader_(reader),
         out_(out) {}
 
@@ -64,7 +70,105 @@ class Arrivals {
   std::string first_;
 };
 
-void unpack(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out) {
+/// The file's octree, and what is to be said of it. A damaged one does no harm to the points.
+std::optional<Octree> find_octree(const ScanFile& file, const Header& header, const laz::Packing& packing,
+                                  RawScan& scan) {
+  try {
+    std::optional<Octree> octree = read_octree(file, header, packing);
+    if (!octree) return octree;
+    scan.format += " COPC";
+    scan.notes.push_back(fmt::format("COPC: {} levels in {} chunks, points {:.4g} to {:.4g} apart in file units",
+                                     octree->levels(), octree->nodes.size(), octree->spacing,
+                                     std::ldexp(octree->spacing, 1 - octree->levels())));
+    return octree;
+  } catch (const laz::Damage& damage) {
+    scan.warnings.push_back(fmt::format("{}, at byte {}; all of it is read as LAZ", damage.what, damage.byte));
+    return std::nullopt;
+  }
+}
+
+/// The nodes that are wanted, by their numbers among those with points.
+std::vector<std::size_t> wanted_nodes(const Octree& octree, double z_factor, const RawScan& scan,
+                                      const ScanWriter& out) {
+  const int deepest = out.enough() > 0 ? octree.level_of_points(out.enough()) : octree.levels();
+  std::vector<std::size_t> wanted;
+  for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
+    if (octree.nodes[i].level > deepest) continue;
+    Octree::Box box = octree.box_of(octree.nodes[i]);
+    box.low.z() *= z_factor;
+    box.high.z() *= z_factor;
+    if (!out.region() || out.region()(box.low, box.high, scan.unit)) wanted.push_back(i);
+  }
+  return wanted;
+}
+
+/// Counts points that their node's cube does not hold, which a query may miss.
+class StrayPoints {
+ public:
+  StrayPoints(const Header& header, const Octree& octree) : header_(header), octree_(octree) {}
+
+  void look(std::string_view records, std::size_t place) {
+    const auto node = std::lower_bound(octree_.nodes.begin(), octree_.nodes.end(), place,
+                                       [](const Octree::Node& n, std::size_t at) { return n.chunk.begin < at; });
+    const Octree::Box box = octree_.box_of(*node);
+    for (std::size_t at = 0; at < records.size(); at += header_.record_size) {
+      bool outside = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto axis = static_cast<Eigen::Index>(k);
+        const double x = load<std::int32_t>(records.data() + at + 4 * k) * header_.scale[k] + header_.offset[k];
+        outside = outside || x < box.low[axis] || x > box.high[axis];
+      }
+      count_ += outside ? 1 : 0;
+    }
+  }
+  void warn(RawScan& scan) const {
+    if (count_ == 0) return;
+    scan.warnings.push_back(
+        fmt::format("{} points lie outside the cubes that its COPC hierarchy gives them; a crop may "
+                    "miss such points, unless the file is written as plain LAZ",
+                    count_));
+  }
+
+ private:
+  const Header& header_;
+  const Octree& octree_;
+  std::uint64_t count_ = 0;
+};
+
+/// Reads the wanted nodes of a COPC file and no byte of the others, but of the first ones for the range of colours.
+void unpack_nodes(const ScanFile& file, const Header& header, const laz::Source& source, const Octree& octree,
+                  const std::vector<std::size_t>& wanted, PointReader& reader, ScanWriter& out) {
+  std::vector<laz::Chunk> chunks, first;
+  std::uint64_t points = 0, seen = 0;
+  for (const std::size_t i : wanted) {
+    chunks.push_back(octree.nodes[i].chunk);
+    points += chunks.back().points;
+  }
+  out.scan().unread = header.points - points;
+  const bool colour = header.colour_offset() != 0;
+  for (std::size_t i = 0; colour && i < octree.nodes.size() && seen < kColourSample; ++i) {
+    first.push_back(octree.nodes[i].chunk);
+    seen += first.back().points;
+  }
+  ThreadPool pool(points < kWorthThreads ? 1 : 0);
+  const laz::Layers layers = wanted_layers(source.packing, reader);
+  std::uint64_t looked = 0;
+  laz::read_chunks(source, first, layers, pool, [&](std::string_view records, std::size_t) {
+    for (std::size_t at = 0; at < records.size() && looked < kColourSample; at += header.record_size, ++looked) {
+      reader.look(records.data() + at);
+    }
+  });
+  out.begin(0, colour, true);
+  StrayPoints strays(header, octree);
+  laz::read_chunks(source, chunks, layers, pool, [&](std::string_view records, std::size_t place) {
+    strays.look(records, place);
+    for (std::size_t at = 0; at < records.size(); at += header.record_size) reader.add(records.data() + at);
+    file.throw_if_cancelled();
+  });
+  strays.warn(out.scan());
+}
+
+void unpack(const ScanFile& file, const Header& header, const Units& units, PointReader& reader, ScanWriter& out) {
   laz::Source source{file.bytes, header.first_point, header.points, find_packing(file, header)};
   if (source.packing.as_older_points) {
     out.scan().warnings.push_back(
@@ -72,9 +176,16 @@ void unpack(const ScanFile& file, const Header& header, PointReader& reader, Sca
                     "what else is new in them lie in the extra bytes",
                     header.format));
   }
+  const std::optional<Octree> octree = find_octree(file, header, source.packing, out.scan());
+  if (octree && (out.region() || out.enough() > 0)) {
+    const std::vector<std::size_t> wanted = wanted_nodes(*octree, units.z_factor, out.scan(), out);
+    if (wanted.size() < octree->nodes.size()) {
+      unpack_nodes(file, header, source, *octree, wanted, reader, out);
+      return;
+    }
+  }
   Arrivals arrivals(header, reader, out);
   if (header.points == 0) arrivals.take({});
-  constexpr std::uint64_t kWorthThreads = 100'000;
   ThreadPool pool(header.points < kWorthThreads ? 1 : 0);
   const laz::Outcome outcome = laz::read_points(source, wanted_layers(source.packing, reader), pool,
                                                 [&](std::string_view records, std::size_t place) {
@@ -93,9 +204,10 @@ void unpack(const ScanFile& file, const Header& header, PointReader& reader, Sca
 
 }  // namespace
 
-void read_compressed(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out) {
+void read_compressed(const ScanFile& file, const Header& header, const Units& units, PointReader& reader,
+                     ScanWriter& out) {
   try {
-    unpack(file, header, reader, out);
+    unpack(file, header, units, reader, out);
   } catch (const laz::Damage& damage) {
     throw file.error(fmt::format("{}, at byte {}", damage.what, damage.byte),
                      "an undamaged LAZ file; it may be cut short");

@@ -48,6 +48,7 @@ class PointReader {
 };
 
 /// Reads LAZ points, chunks in parallel. Throws Error{input} with byte and chunk when the file is damaged.
-void read_compressed(const ScanFile& file, const Header& header, PointReader& reader, ScanWriter& out);
+void read_compressed(const ScanFile& file, const Header& header, const Units& units, PointReader& reader,
+                     ScanWriter& out);
 
 }  // namespace sparsha::pipeline::las

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <optional>
 
-#include "pipeline/scan/formats/las/laz/chunk_table.h"
 #include "pipeline/scan/formats/las/laz/layered.h"
 #include "pipeline/scan/formats/las/laz/pointwise.h"
 
@@ -121,33 +120,6 @@ void read_side_by_side(const Source& source, const std::vector<Chunk>& chunks, s
   }
 }
 
-void read_tabled(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
-                 const RecordSink& sink) {
-  std::vector<Buffer> buffers;
-  const std::size_t side_by_side = pool.threads();
-  for (std::size_t i = 0; i < chunks.size();) {
-    if (chunks[i].points > kMostBuffered) {
-      in_chunk(i, chunks.size(), [&] {
-        with_decoder(source, chunks[i], wanted, [&](auto& decoder) {
-          stream(decoder, chunks[i].points, source.packing.record_size, chunks[i].begin, sink);
-        });
-      });
-      ++i;
-      continue;
-    }
-    // A thread's share: several chunks where they are small.
-    constexpr std::uint64_t kShare = 50'000;
-    std::size_t end = i;
-    for (std::uint64_t points = 0; end < chunks.size() && chunks[end].points <= kMostBuffered &&
-                                   (end - i < side_by_side || points < kShare * side_by_side);
-         ++end) {
-      points += chunks[end].points;
-    }
-    read_side_by_side(source, chunks, i, end, wanted, pool, buffers, sink);
-    i = end;
-  }
-}
-
 std::size_t read_untabled(const Source& source, std::size_t begin, Layers wanted, const RecordSink& sink) {
   const std::size_t record_size = source.packing.record_size;
   std::size_t number = 0;
@@ -188,9 +160,36 @@ Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const
     outcome.warnings.push_back(table.why + "; the chunks were read one after another");
     outcome.end = read_untabled(source, *table.untabled, wanted, sink);
   } else {
-    read_tabled(source, table.chunks, wanted, pool, sink);
+    read_chunks(source, table.chunks, wanted, pool, sink);
   }
   return outcome;
+}
+
+void read_chunks(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
+                 const RecordSink& sink) {
+  std::vector<Buffer> buffers;
+  const std::size_t side_by_side = pool.threads();
+  for (std::size_t i = 0; i < chunks.size();) {
+    if (chunks[i].points > kMostBuffered) {
+      in_chunk(i, chunks.size(), [&] {
+        with_decoder(source, chunks[i], wanted, [&](auto& decoder) {
+          stream(decoder, chunks[i].points, source.packing.record_size, chunks[i].begin, sink);
+        });
+      });
+      ++i;
+      continue;
+    }
+    // A thread's share: several chunks where they are small.
+    constexpr std::uint64_t kShare = 50'000;
+    std::size_t end = i;
+    for (std::uint64_t points = 0; end < chunks.size() && chunks[end].points <= kMostBuffered &&
+                                   (end - i < side_by_side || points < kShare * side_by_side);
+         ++end) {
+      points += chunks[end].points;
+    }
+    read_side_by_side(source, chunks, i, end, wanted, pool, buffers, sink);
+    i = end;
+  }
 }
 
 Layers layers_at(const Packing& packing, std::size_t begin, std::size_t end) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/thread_pool.h"
+#include "pipeline/scan/formats/las/laz/chunk_table.h"
 #include "pipeline/scan/formats/las/laz/layers.h"
 #include "pipeline/scan/formats/las/laz/packing.h"
 
@@ -31,6 +32,10 @@ struct Outcome {
 /// the others have but one stream). Memory: for each thread one chunk of up to 2^18 points, larger ones in blocks.
 /// Throws Damage with the chunk's number; records before it have been handed over.
 Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink);
+
+/// The same for some of the chunks, which are in the file's order.
+void read_chunks(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
+                 const RecordSink& sink);
 
 /// The layers that hold the bytes `begin` to `end` of a record.
 [[nodiscard]] Layers layers_at(const Packing& packing, std::size_t begin, std::size_t end);
