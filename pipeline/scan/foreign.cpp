@@ -142,15 +142,8 @@ constexpr Kind kKinds[] = {
           return lower_case(f.bytes.substr(0, 3)) == "ply" && contains(f.bytes.substr(0, 8192), "packed_position");
         },
         "Gaussian splats in packed form", kSplatRemedy),
-    tested([](const ScanFile& f) { return f.extension == "splat" && looks_binary(f.bytes); },
-           "Gaussian splats (.splat)", kSplatRemedy),
     tested([](const ScanFile& f) { return f.extension == "ksplat" && looks_binary(f.bytes); },
            "Gaussian splats (.ksplat)", kSplatRemedy),
-    tested(
-        [](const ScanFile& f) {
-          return f.bytes.starts_with("NGSP") || (f.extension == "spz" && f.bytes.starts_with("\x1F\x8B"));
-        },
-        "Gaussian splats in packed form (SPZ)", kSplatRemedy),
     tested([](const ScanFile& f) { return zip_holds(f, "meta.json") && zip_holds(f, "means"); },
            "Gaussian splats in packed form (SOG)", kSplatRemedy),
     text("riegl lms rdb", "a RIEGL database of points", kExportPoints),

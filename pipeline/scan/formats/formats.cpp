@@ -13,6 +13,8 @@
 #include "pipeline/scan/formats/pcd/pcd.h"
 #include "pipeline/scan/formats/ply/ply.h"
 #include "pipeline/scan/formats/ptx.h"
+#include "pipeline/scan/formats/splat/splat.h"
+#include "pipeline/scan/formats/splat/spz.h"
 #include "pipeline/scan/formats/stl.h"
 #include "pipeline/scan/formats/text/xyz.h"
 
@@ -68,6 +70,12 @@ constexpr std::array kFormats = {
            .read = read_gltf,
            .missing = "the signature 'glTF'",
            .may_hold_faces = always},
+    Format{.name = "SPZ",
+           .endings = {"spz"},
+           .told = kSignature,
+           .is = is_spz,
+           .read = read_spz,
+           .missing = "a gzip stream of splats"},
     Format{.name = "PLY",
            .endings = {"ply"},
            .is = is_ply,
@@ -101,6 +109,7 @@ constexpr std::array kFormats = {
            .read = read_pcd,
            .missing = "lines such as 'FIELDS x y z'; plain columns of numbers should end in .xyz",
            .quick_to_stream = is_binary_pcd},
+    Format{.name = "splat", .endings = {"splat"}, .is = is_splat, .read = read_splat},
     Format{.name = "ESRI",
            .endings = {"asc", "grd"},
            .told = kWriting,

@@ -125,6 +125,26 @@ void read_opacity_range(const ScanFile& file, LineReader lines, const Element& v
   }
 }
 
+double longest_axis(const RecordParser& record, const VertexColumns& columns) {
+  return std::max({record[columns.axes[0]], record[columns.axes[1]], record[columns.axes[2]]});
+}
+
+/// By the first records.
+std::optional<SplatVertices> look_at_splats(const ScanFile& file, LineReader lines, const Element& vertex,
+                                            const VertexColumns& columns) {
+  if (!columns.has_whole_splats()) return std::nullopt;
+  SplatVertices splats;
+  RecordParser record(file, vertex, -1);
+  std::string_view line;
+  for (std::uint64_t i = 0; i < std::min(vertex.count, SplatSieve::kSample); ++i) {
+    next_record(file, lines, vertex, i, line);
+    record.parse(line, lines.number());
+    splats.look_at(record[columns.opacity], longest_axis(record, columns));
+  }
+  splats.decide();
+  return splats;
+}
+
 void read_vertices(const ScanFile& file, LineReader& lines, const Element& vertex, ScanWriter& out) {
   const VertexColumns columns = vertex_columns(file, vertex);
   const bool colour = columns.has_colour();
@@ -132,6 +152,7 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
   const ColourScale scale = colour ? sampled_scale(file, lines, vertex, columns) : ColourScale::byte;
   std::vector<VertexField> fields = vertex_fields(vertex, columns, out);
   read_opacity_range(file, lines, vertex, fields);
+  std::optional<SplatVertices> splats = look_at_splats(file, lines, vertex, columns);
   const auto channel = [&](double value) {
     return colour_byte(columns.splat_colour ? colour_of_splat(value) : value, scale);
   };
@@ -140,6 +161,10 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
   for (std::uint64_t i = 0; i < vertex.count; ++i) {
     next_record(file, lines, vertex, i, line);
     record.parse(line, lines.number());
+    if (splats && !splats->keeps(record[columns.opacity], longest_axis(record, columns))) {
+      out.add_invalid();
+      continue;
+    }
     std::uint32_t rgba = kWhite;
     if (colour) {
       rgba = pack_rgba(channel(record[columns.red]), channel(record[columns.green]), channel(record[columns.blue]),
@@ -152,6 +177,7 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
     out.add(record[columns.x], record[columns.y], record[columns.z], rgba,
             intensity ? static_cast<float>(record[columns.intensity]) : 0.0F);
   }
+  if (splats) splats->warn(out.scan());
   record.warn_of_missing_lists(out);
 }
 

@@ -19,6 +19,8 @@ struct Slot {
 struct VertexLayout {
   Slot x, y, z, red, green, blue, alpha, intensity;
   Slot nx, ny, nz;  // all or none
+  Slot opacity;     // of whole splats, with their axes
+  std::array<Slot, 3> axes;
   ColourScale scale = ColourScale::byte;
   bool splat_colour = false;
   std::vector<Slot> fields;  // in the order of Body::fields_
@@ -44,6 +46,7 @@ class Body {
     record_offsets(vertex, p_, offsets);
     VertexLayout layout = make_layout(vertex, columns, offsets);
     read_opacity_range(vertex, layout, stride);
+    if (columns.has_whole_splats()) look_at_splats(vertex, layout, stride);
     if (columns.has_colour()) layout.scale = sampled_scale(vertex, layout, stride);
     const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
                             layout.blue.type == ScalarType::u8 && !layout.alpha.present() &&
@@ -68,6 +71,7 @@ class Body {
       left -= chunk;
       file_.done_before(static_cast<std::size_t>(p_ - file_.bytes.data()));
     }
+    if (splats_) splats_->warn(out_.scan());
   }
 
   void read_faces(const Element& element, Role role) {
@@ -188,6 +192,10 @@ class Body {
       layout.nz = slot(columns.nz);
     }
     layout.splat_colour = columns.splat_colour;
+    if (columns.has_whole_splats()) {
+      layout.opacity = slot(columns.opacity);
+      for (std::size_t k = 0; k < 3; ++k) layout.axes[k] = slot(columns.axes[k]);
+    }
     for (const VertexField& field : fields_) layout.fields.push_back(slot(static_cast<int>(field.column)));
     return layout;
   }
@@ -217,6 +225,22 @@ class Body {
       }
       fields_[k].logit = !range.is_share();
     }
+  }
+
+  static double stored(const Slot& slot, const char* record) {
+    return load_scalar<big>(record + slot.offset, slot.type);
+  }
+  static double longest_axis(const VertexLayout& layout, const char* record) {
+    return std::max({stored(layout.axes[0], record), stored(layout.axes[1], record), stored(layout.axes[2], record)});
+  }
+  void look_at_splats(const Element& vertex, const VertexLayout& layout, std::size_t stride) {
+    splats_.emplace();
+    const std::uint64_t every = std::max<std::uint64_t>(1, vertex.count / SplatSieve::kSample);
+    for (std::uint64_t i = 0; i < vertex.count; i += every) {
+      const char* const record = p_ + static_cast<std::size_t>(i) * stride;
+      splats_->look_at(stored(layout.opacity, record), longest_axis(layout, record));
+    }
+    splats_->decide();
   }
 
   void read_vertices_with_lists(const Element& vertex, const VertexColumns& columns) {
@@ -253,6 +277,10 @@ class Body {
   }
 
   void add_any(const VertexLayout& layout, const char* q) {
+    if (splats_ && !splats_->keeps(stored(layout.opacity, q), longest_axis(layout, q))) {
+      out_.add_invalid();
+      return;
+    }
     set_normal(layout, q);
     const auto value = [&](const Slot& slot) { return load_scalar<big>(q + slot.offset, slot.type); };
     const auto channel = [&](const Slot& slot) {
@@ -273,6 +301,7 @@ class Body {
   const ScanFile& file_;
   ScanWriter& out_;
   std::vector<VertexField> fields_;
+  std::optional<SplatVertices> splats_;
   const char* p_;
   const char* end_;
 };

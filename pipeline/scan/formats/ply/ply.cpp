@@ -38,11 +38,14 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
     columns.alpha = -1;
     columns.splat_colour = true;
   }
+  columns.opacity = vertex.find({"opacity"});
+  columns.axes = {vertex.find({"scale_0"}), vertex.find({"scale_1"}), vertex.find({"scale_2"})};
   columns.nx = vertex.find({"nx", "normal_x"});
   columns.ny = vertex.find({"ny", "normal_y"});
   columns.nz = vertex.find({"nz", "normal_z"});
-  for (int* column : {&columns.red, &columns.green, &columns.blue, &columns.alpha, &columns.intensity, &columns.nx,
-                      &columns.ny, &columns.nz}) {
+  for (int* column :
+       {&columns.red, &columns.green, &columns.blue, &columns.alpha, &columns.intensity, &columns.nx, &columns.ny,
+        &columns.nz, &columns.opacity, &columns.axes[0], &columns.axes[1], &columns.axes[2]}) {
     if (*column >= 0 && vertex.properties[static_cast<std::size_t>(*column)].count_type) *column = -1;
   }
   return columns;
@@ -59,6 +62,13 @@ std::vector<VertexField> vertex_fields(const Element& vertex, const VertexColumn
     fields.push_back({k, slot, columns.splats && property.name == "opacity"});
   }
   return fields;
+}
+
+void SplatVertices::decide() {
+  opacity_.logit = !range_.is_share();
+  for (const auto& [opacity, longest] : looked_) sieve_.look_at(opacity_.value(opacity), std::exp(longest));
+  sieve_.decide();
+  looked_ = {};
 }
 
 bool is_face(const Element& element) {

@@ -3,14 +3,17 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/scan/file.h"
+#include "pipeline/scan/formats/splat/splats.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/writer.h"
 
@@ -58,16 +61,19 @@ struct VertexColumns {
   int red = -1, green = -1, blue = -1, alpha = -1;
   int intensity = -1;
   int nx = -1, ny = -1, nz = -1;
-  bool splats = false;        ///< Gaussian splats, see VertexField::logit
-  bool splat_colour = false;  ///< red, green and blue are as colour_of_splat() takes them
+  int opacity = -1;
+  std::array<int, 3> axes = {-1, -1, -1};  ///< of splats
+  bool splats = false;                     ///< Gaussian splats, see VertexField::logit
+  bool splat_colour = false;               ///< red, green and blue are as colour_of_splat() takes them
 
   [[nodiscard]] bool has_colour() const { return red >= 0 && green >= 0 && blue >= 0; }
+  /// Splats with all that tells which of them are no surface.
+  [[nodiscard]] bool has_whole_splats() const {
+    return splats && opacity >= 0 && axes[0] >= 0 && axes[1] >= 0 && axes[2] >= 0;
+  }
   [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
 };
 [[nodiscard]] VertexColumns vertex_columns(const ScanFile& file, const Element& vertex);
-
-/// A splat's colour is the constant term of spherical harmonics (Kerbl et al. 2023); 0 to 1 and beyond.
-[[nodiscard]] inline double colour_of_splat(double constant_term) { return 0.5 + 0.28209479177387814 * constant_term; }
 
 /// A property that somebody asks for.
 struct VertexField {
@@ -90,6 +96,27 @@ class OpacityRange {
  private:
   double least_ = std::numeric_limits<double>::infinity();
   double most_ = -std::numeric_limits<double>::infinity();
+};
+
+/// Splats as vertices have them: opacities are logits or shares, axes the logarithms of lengths.
+class SplatVertices {
+ public:
+  void look_at(double opacity, double longest) {
+    range_.look_at(opacity);
+    looked_.emplace_back(opacity, longest);
+  }
+  /// Ends the look.
+  void decide();
+  [[nodiscard]] bool keeps(double opacity, double longest) {
+    return sieve_.keeps(opacity_.value(opacity), std::exp(longest));
+  }
+  void warn(RawScan& scan) const { sieve_.warn(scan); }
+
+ private:
+  OpacityRange range_;
+  std::vector<std::pair<double, double>> looked_;
+  VertexField opacity_{0, 0, true};
+  SplatSieve sieve_;
 };
 
 [[nodiscard]] std::vector<VertexField> vertex_fields(const Element& vertex, const VertexColumns& columns,
