@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -53,31 +54,52 @@ void doubt_small_and_far(RawScan& scan, double wide, double apart, const std::ar
       wide, apart));
 }
 
-void doubt_lengths(RawScan& scan, const std::vector<Eigen::Vector3d>& sample, std::uint64_t points) {
-  constexpr double kRefused = 1000.0;  // spreads of x and y that z spreads over
-  constexpr double kAway = 20.0;       // the same, from zero: no local coordinates
-  if (scan.unit || scan.degrees || sample.empty()) return;
+struct Spreads {
   std::array<double, 3> spread{};
-  std::array<double, 3> most{};
+  std::array<double, 3> most{};  ///< distance from zero
+};
+
+Spreads spreads_of(const std::vector<Eigen::Vector3d>& sample) {
+  Spreads result;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = quantile(sample, axis, 0.01);
     const double high = quantile(sample, axis, 0.99);
-    spread[static_cast<std::size_t>(axis)] = high - low;
-    most[static_cast<std::size_t>(axis)] = std::max(std::abs(low), std::abs(high));
+    result.spread[static_cast<std::size_t>(axis)] = high - low;
+    result.most[static_cast<std::size_t>(axis)] = std::max(std::abs(low), std::abs(high));
   }
-  const double wide = std::max(spread[0], spread[1]);
-  if (!(spread[0] > 0.0 && spread[1] > 0.0) || most[0] > 180.0 || most[1] > 90.0) return;
-  if (!(std::max(most[0], most[1]) > kAway * wide)) return;
-  if (!(spread[2] > kRefused * wide)) {
-    doubt_small_and_far(scan, wide, std::sqrt(spread[0] * spread[1] / static_cast<double>(points)), most);
+  return result;
+}
+
+/// Two axes as degrees beside a height: they are small, and far from zero for their spread, as no local coordinates
+/// are.
+bool may_be_degrees(const Spreads& s, std::size_t a, std::size_t b, const std::array<double, 2>& limits) {
+  constexpr double kAway = 20.0;  // spreads
+  const double wide = std::max(s.spread[a], s.spread[b]);
+  return s.spread[a] > 0.0 && s.spread[b] > 0.0 && s.most[a] <= limits[0] && s.most[b] <= limits[1] &&
+         std::max(s.most[a], s.most[b]) > kAway * wide;
+}
+
+void doubt_lengths(RawScan& scan, const std::vector<Eigen::Vector3d>& sample, std::uint64_t points) {
+  constexpr double kRefused = 1000.0;  // spreads of the two that the height spreads over
+  if (scan.unit || scan.degrees || sample.empty()) return;
+  const Spreads s = spreads_of(sample);
+  // A height that stands before the two leaves open which of these is the latitude.
+  constexpr double kTurn = 180.0, kRight = 90.0;
+  for (const auto& [a, b, height, second] :
+       {std::tuple{0U, 1U, 2U, kRight}, {1U, 2U, 0U, kTurn}, {0U, 2U, 1U, kTurn}}) {
+    const double wide = std::max(s.spread[a], s.spread[b]);
+    if (!may_be_degrees(s, a, b, {kTurn, second}) || !(s.spread[height] > kRefused * wide)) continue;
+    scan.degrees = true;
+    scan.guessed_degrees = true;
+    scan.warnings.push_back(fmt::format(
+        "{0} and {1} look like degrees of longitude and latitude: they lie within 180 and 90 and spread over {3:.3g}, "
+        "while {2} spreads over {4:.3g}; reproject the scan to metres, or give its 'units' if all three are lengths",
+        "xyz"[a], "xyz"[b], "xyz"[height], wide, s.spread[height]));
     return;
   }
-  scan.degrees = true;
-  scan.guessed_degrees = true;
-  scan.warnings.push_back(fmt::format(
-      "x and y look like degrees of longitude and latitude: they lie within 180 and 90 and spread over {:.3g}, while z "
-      "spreads over {:.3g}; reproject the scan to metres, or give its 'units' if all three are lengths",
-      wide, spread[2]));
+  if (!may_be_degrees(s, 0, 1, {kTurn, kRight})) return;
+  doubt_small_and_far(scan, std::max(s.spread[0], s.spread[1]),
+                      std::sqrt(s.spread[0] * s.spread[1] / static_cast<double>(points)), s.most);
 }
 
 bool doubt_line(RawScan& scan, const std::vector<Eigen::Vector3d>& sample, std::uint64_t points) {

@@ -112,6 +112,11 @@ constexpr Kind kKinds[] = {
     // Models and meshes.
     text("# vtk datafile", "a legacy VTK file", "export it from ParaView as PLY or STL, or its points as CSV"),
     text("#vrml", "a VRML scene", kExportMesh),
+    tested(
+        [](const ScanFile& f) {
+          return beginning(f).starts_with("iso-10303-21") && contains(f.bytes.substr(0, 1 << 16), "'IFC");
+        },
+        "an IFC building model", kExportMesh),
     text("iso-10303-21", "a STEP model", "export it from a CAD program as STL or PLY, with a fine mesh"),
     tested([](const ScanFile& f) { return is_iges(f.bytes); }, "an IGES model",
            "export it from a CAD program as STL or PLY, with a fine mesh, or its points as XYZ text"),
@@ -136,7 +141,24 @@ constexpr Kind kKinds[] = {
     marked("\xFF\xFE\xFF\x0ES\0k\0e\0t\0c\0h\0U\0p\0"sv, "a SketchUp model", kExportMesh),
     marked("DRACO"sv, "a Draco cloud or mesh", "decode it ('draco_decoder -i IN -o OUT.ply')"),
     marked("CCB2"sv, "a CloudCompare entity (.bin)", "save it from CloudCompare as PLY, LAS or E57"),
+    tested([](const ScanFile& f) { return is_3ds(f.bytes); }, "a 3DS model", kExportMesh),
+    text("xof 0", "a DirectX model (.x)", kExportMesh),
+    text("//maya ascii", "a Maya scene", kExportMesh),
+    marked("QC4DC4D"sv, "a Cinema 4D scene", kExportMesh),
+    marked("LWO2"sv, "a LightWave model", kExportMesh, 8),
+    marked("VOX "sv, "a voxel model (.vox)", kExportMesh),
+    text("nrrd000", "a volume of voxels (NRRD)", "export its surface as STL or PLY"),
     // Clouds of other programs, and splats.
+    tested([](const ScanFile& f) { return is_colmap_images(f.bytes); }, "COLMAP's list of pictures (images.txt)",
+           "give its points3D.txt, or the fused.ply of its dense cloud"),
+    tested([](const ScanFile& f) { return is_colmap_points(f.bytes); }, "COLMAP's points in binary (points3D.bin)",
+           "write them as text or PLY ('colmap model_converter --output_type TXT')"),
+    text("# camera list with one line", "COLMAP's list of cameras (cameras.txt)",
+         "give its points3D.txt, or the fused.ply of its dense cloud"),
+    text("# bundle file v", "a Bundler reconstruction", "export its points as PLY"),
+    text("nvm_v3", "a VisualSFM reconstruction (.nvm)", "export its points as PLY"),
+    marked("b3dm"sv, "a tile of 3D Tiles", "take the glTF out of it ('3d-tiles-tools b3dmToGlb')"),
+    marked("pnts"sv, "a tile of 3D Tiles with points", kExportPoints),
     tested(
         [](const ScanFile& f) {
           return lower_case(f.bytes.substr(0, 3)) == "ply" && contains(f.bytes.substr(0, 8192), "packed_position");

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "base/lower_case.h"
+#include "pipeline/scan/file.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -94,6 +96,56 @@ bool is_node_list(std::string_view text) {
   std::int64_t rows = std::min<std::int64_t>((*counts)[0], 2);
   while (rows <= (*counts)[0] && next_content(lines, line)) ++rows;
   return rows == (*counts)[0];
+}
+
+bool is_colmap_images(std::string_view text) {
+  if (text.starts_with("# Image list with two lines of data per image")) return true;
+  LineReader lines(text);
+  std::string_view line;
+  if (!next_content(lines, line)) return false;
+  constexpr std::size_t kNumbers = 9;
+  std::array<double, kNumbers> values{};
+  for (double& value : values) {
+    const std::string_view word = take_word(line);
+    if (word.empty() || parse_number(word.data(), word.data() + word.size(), value) != word.data() + word.size()) {
+      return false;
+    }
+  }
+  const auto whole = [](double v) { return v >= 0.0 && v == std::floor(v); };
+  const double norm = std::hypot(std::hypot(values[1], values[2]), std::hypot(values[3], values[4]));
+  line = trimmed(line);
+  double value = 0.0;
+  return whole(values[0]) && whole(values[8]) && std::abs(norm - 1.0) < 0.01 && !line.empty() &&
+         parse_number(line.data(), line.data() + line.size(), value) != line.data() + line.size() &&
+         line.find('.') != std::string_view::npos;
+}
+
+bool is_colmap_points(std::string_view bytes) {
+  constexpr std::uint64_t kRecord = 51;  // with the length of its track
+  constexpr std::uint64_t kLooked = 64;
+  if (bytes.size() < 8 + kRecord) return false;
+  const auto count = load<std::uint64_t>(bytes.data());
+  if (count == 0 || count > bytes.size() / kRecord) return false;
+  std::size_t at = 8;
+  for (std::uint64_t k = 0; k < std::min(count, kLooked); ++k) {
+    if (bytes.size() - at < kRecord) return false;
+    for (const std::size_t place : {8U, 16U, 24U, 35U}) {
+      const auto value = load<double>(bytes.data() + at + place);
+      if (!std::isfinite(value) || std::abs(value) > 1e9) return false;
+    }
+    const auto track = load<std::uint64_t>(bytes.data() + at + 43);
+    at += kRecord;
+    if (track > (bytes.size() - at) / 8) return false;
+    at += static_cast<std::size_t>(track) * 8;
+  }
+  return count > kLooked || at == bytes.size();
+}
+
+bool is_3ds(std::string_view bytes) {
+  constexpr std::size_t kHeader = 6;
+  if (bytes.size() < 2 * kHeader || !bytes.starts_with("MM")) return false;
+  const auto next = load<std::uint16_t>(bytes.data() + kHeader);
+  return load<std::uint32_t>(bytes.data() + 2) == bytes.size() && (next == 0x0002 || next == 0x3D3D);
 }
 
 bool is_json(std::string_view text) {

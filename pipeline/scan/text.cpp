@@ -187,10 +187,14 @@ bool LineReader::next(std::string_view& line) {
   const char* const begin = text_.data() + offset_;
   const std::size_t left = text_.size() - offset_;
   const void* found = std::memchr(begin, end_, left);
-  std::size_t length = found != nullptr ? static_cast<std::size_t>(static_cast<const char*>(found) - begin) : left;
+  const std::size_t length =
+      found != nullptr ? static_cast<std::size_t>(static_cast<const char*>(found) - begin) : left;
   offset_ += found != nullptr ? length + 1 : length;
-  if (length > 0 && end_ == '\n' && begin[length - 1] == '\r') --length;
   line = {begin, length};
+  if (end_ == '\n') {  // "\r\n", and what conversions of conversions leave: "\r\r\n", "\n\r"
+    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    while (!line.empty() && line.front() == '\r') line.remove_prefix(1);
+  }
   if (number_ < std::numeric_limits<int>::max()) ++number_;
   return true;
 }

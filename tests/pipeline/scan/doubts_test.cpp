@@ -447,5 +447,11 @@ TEST(DifferingUnits, AreWarnedOfByABuildThatNamesTheCause) {
   EXPECT_THAT(told.warnings(), IsEmpty());
 }
 
+TEST(Doubts, DegreesBehindAHeightAreDegrees) {
+  Points turned = degrees(20.0);
+  for (Eigen::Vector3d& p : turned) p = Eigen::Vector3d(1e3 * p.z(), p.y(), p.x());
+  EXPECT_THAT(doubts_of(turned), Contains(HasSubstr("y and z look like degrees")));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

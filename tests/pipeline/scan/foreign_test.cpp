@@ -202,5 +202,47 @@ TEST(TextBehindAByteOrderMark, IsReadInEveryFormat) {
   EXPECT_EQ(folder.read("a.stl", mark + "solid a\n" + facet + "endsolid a\n").records, 3U);
 }
 
+TEST(ForeignFiles, ModelsAndTilesOfOtherProgramsAreNamed) {
+  expect_named("ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n", "an IFC building model", true);
+  expect_named("ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\n", "a STEP model", true);
+  expect_named("xof 0303txt 0032\nMesh { 3; 0;0;0;, 1;0;0;, 0;1;0;; }\n", "a DirectX model", true);
+  expect_named("//Maya ASCII 2020 scene\nrequires maya \"2020\";\n", "a Maya scene", true);
+  expect_named("NRRD0004\ntype: float\nsizes: 3 3 3\n\n", "a volume of voxels", true);
+  expect_named("QC4DC4D6\0\0\x01\x02"sv, "a Cinema 4D scene");
+  expect_named("FORM\0\0\x01\0LWO2\0\x01"sv, "a LightWave model");
+  expect_named("VOX \x96\0\0\0MAIN\0"sv, "a voxel model");
+  expect_named("b3dm\x01\0\0\0\x40\0"sv, "a tile of 3D Tiles");
+  expect_named("pnts\x01\0\0\0\x40\0"sv, "a tile of 3D Tiles with points");
+  std::string model = "MM";
+  put(model, std::uint32_t{18});
+  put(model, std::uint16_t{0x0002});
+  put(model, std::uint32_t{10});
+  put(model, std::uint32_t{3});
+  put(model, std::uint16_t{0});
+  expect_named(model, "a 3DS model");
+}
+
+TEST(ForeignFiles, OtherFilesOfReconstructionsAreNamed) {
+  const std::string pictures =
+      "1 0.99 0.1 0.05 0.08 -1.5 2.25 3 1 IMG_1.jpg\n10.5 20.5 -1 30.25 40.5 7\n2 1 0 0 0 0 0 0 1 IMG_2.jpg\n";
+  expect_named(pictures, "COLMAP's list of pictures");
+  expect_named("# Image list with two lines of data per image:\n" + pictures, "COLMAP's list of pictures");
+  expect_named("# Camera list with one line of data per camera:\n1 PINHOLE 100 100 1 1 50 50\n",
+               "COLMAP's list of cameras", true);
+  expect_named("# Bundle file v0.3\n2 3\n500 0 0\n1 0 0\n0 1 0\n0 0 1\n", "a Bundler reconstruction", true);
+  expect_named("NVM_V3\n\n2\nimg1.jpg 2000 1 0 0 0 0 0 0 0 0\n", "a VisualSFM reconstruction", true);
+  std::string points;
+  put(points, std::uint64_t{3});
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    put(points, k + 1);
+    for (const double value : {0.1, 0.2, 0.3}) put(points, value);
+    points += "\x10\x20\x30";
+    put(points, 0.5);
+    put(points, k);  // of its track
+    for (std::uint64_t seen = 0; seen < k; ++seen) put(points, seen);
+  }
+  expect_named(points, "COLMAP's points in binary");
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

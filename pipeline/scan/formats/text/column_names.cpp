@@ -20,11 +20,21 @@ constexpr std::string_view kHeight =
     "ellipsoidheight orthometricheight orthoheight ";
 constexpr std::string_view kLongitude = " longitude lon long lng longitud longitudine ";
 constexpr std::string_view kLatitude = " latitude lat latitud latitudine ";
+/// What is no length along an axis: angles and distances of polar coordinates.
+constexpr std::string_view kAngles =
+    " theta phi hz v az azimuth azimut azi zenith zen vertical horizontal bearing inclination polar polarangle "
+    "verticalangle horizontalangle elevationangle winkel hzwinkel vwinkel ";
+/// What is measured at a place and is no place.
+constexpr std::string_view kNoHeights =
+    " intensity scalarintensity i reflectance reflectivity amplitude range distance time timestamp gpstime class "
+    "classification label id nr red green blue r g b nx ny nz confidence quality ";
+/// Words before the name of a survey's coordinate: "Grid Northing".
+constexpr std::string_view kSystems = " grid ground local global site project map wgs84 ";
 
 /// Words that go with an axis, in front of it or behind it.
 constexpr std::string_view kAxisWords =
     " coord coordinate coordinates coords koordinate koord pos position point points wert value val location loc local "
-    "world global utm vertex center centre cartesian xyz ";
+    "world global utm vertex center centre cartesian field xyz ";
 /// Words before the number of a coordinate: ParaView's "Points:0".
 constexpr std::string_view kVectorWords = " points point coordinates coord position pointsmxyz xyz ";
 
@@ -43,6 +53,11 @@ using Forms = std::vector<std::string>;
 
 Forms forms_of(const std::string& name) {
   Forms forms{letters_of(name)};
+  if (const std::size_t blank = name.find_first_of(" _"); blank != std::string::npos) {
+    const std::string rest = letters_of(std::string_view(name).substr(blank));
+    const bool survey = is_one_of(rest, kEast) || is_one_of(rest, kNorth) || is_one_of(rest, kHeight);
+    if (survey && is_one_of(letters_of(std::string_view(name).substr(0, blank)), kSystems)) forms.push_back(rest);
+  }
   for (std::size_t begin = 0; name.find('/') != std::string::npos && begin <= name.size();) {
     const std::size_t end = std::min(name.find('/', begin), name.size());
     forms.push_back(letters_of(std::string_view(name).substr(begin, end - begin)));
@@ -56,10 +71,10 @@ class Finder {
   explicit Finder(const std::vector<std::string>& names) {
     for (const std::string& name : names) forms_.push_back(forms_of(name));
   }
-  /// The first column with a form that passes; -1 without any.
+  /// The first column, from one on, with a form that passes; -1 without any.
   template <typename Test>
-  [[nodiscard]] int find_if(const Test& test) const {
-    for (std::size_t k = 0; k < forms_.size(); ++k) {
+  [[nodiscard]] int find_if(const Test& test, int from = 0) const {
+    for (auto k = static_cast<std::size_t>(from); k < forms_.size(); ++k) {
       if (std::any_of(forms_[k].begin(), forms_[k].end(), test)) return static_cast<int>(k);
     }
     return -1;
@@ -93,6 +108,14 @@ bool all_found(const std::array<int, 3>& columns) {
   return std::all_of(columns.begin(), columns.end(), [](int column) { return column >= 0; });
 }
 
+/// The columns of a second set of names of the axes; incomplete without one.
+std::array<int, 3> other_axes(const Finder& finder, const std::array<int, 3>& taken) {
+  const auto other = [&](std::size_t k) {
+    return finder.find_if([&](const std::string& form) { return is_axis(form, "xyz"[k]); }, taken[k] + 1);
+  };
+  return {other(0), other(1), other(2)};
+}
+
 std::array<int, 3> coordinates(const Finder& finder) {
   const int height = finder.find(kHeight);
   const int z = finder.axis('z') >= 0 ? finder.axis('z') : height;
@@ -120,6 +143,7 @@ NamedColumns name_columns(const std::vector<std::string>& names, const std::vect
   constexpr std::string_view kInitials = " e n h ";
   named.by_initials =
       finder.is(found[0], kInitials) || finder.is(found[1], kInitials) || finder.is(found[2], kInitials);
+  named.other_set = !finder.is(found[0], " x ") && all_found(other_axes(finder, found));
   named.repeated = std::any_of(found.begin(), found.end(), [&](int column) { return finder.is_repeated(column); });
   const std::array<int, 3> colour = {finder.find("red r rf colorr colourr rgbr diffusered"),
                                      finder.find("green g gf colorg colourg rgbg diffusegreen"),
@@ -167,7 +191,26 @@ void split_unit(std::string& name, std::string& unit) {
 bool names_coordinate(std::string_view name) {
   const std::string letters = letters_of(name);
   return is_axis(letters, 'x') || is_axis(letters, 'y') || is_axis(letters, 'z') || is_one_of(letters, kEast) ||
-         is_one_of(letters, kNorth) || is_one_of(letters, kHeight);
+         is_one_of(letters, kNorth) || is_one_of(letters, kHeight) || is_one_of(letters, kLongitude) ||
+         is_one_of(letters, kLatitude);
+}
+
+std::string why_no_coordinates(const std::vector<std::string>& names, const std::vector<std::string>& units) {
+  const Finder finder(names);
+  std::string angles;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const bool angle = finder.is(static_cast<int>(k), kAngles) || is_one_of(letters_of(units[k]), " deg rad gon grad ");
+    if (!angle) continue;
+    angles += (angles.empty() ? "'" : ", '") + names[k] + "'";
+    ++count;
+  }
+  if (count >= 2) return "angles " + angles + " in place of x, y and z";
+  if (finder.axis('x') < 0 || finder.axis('y') < 0 || names.size() < 3) return {};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (finder.is(static_cast<int>(k), kNoHeights)) return "x and y and no z, but '" + names[k] + "'";
+  }
+  return {};
 }
 
 bool names_place(std::string_view name) {

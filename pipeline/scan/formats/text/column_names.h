@@ -19,6 +19,7 @@ struct NamedColumns {
   bool degrees = false;      ///< x and y are longitude and latitude
   bool by_initials = false;  ///< of easting, northing and height, which might be other words'
   bool repeated = false;     ///< one of the three is there twice
+  bool other_set = false;    ///< other columns are named after the axes, too
 
   [[nodiscard]] bool complete() const { return xyz[0] >= 0; }
 };
@@ -32,7 +33,12 @@ enum class NamedUnit : std::uint8_t { none, metre, centimetre, millimetre, foot,
 /// Splits the name of a coordinate "x_mm", "x / mm", "x in mm", "x mm" or "xmm" into name and unit.
 void split_unit(std::string& name, std::string& unit);
 
-/// Whether a name is one that x, y or z go by.
+/// What names, and units as many, have in place of x, y and z, where the first three columns are surely not these:
+/// angles, or x and y beside what is no height. Empty where they may be.
+[[nodiscard]] std::string why_no_coordinates(const std::vector<std::string>& names,
+                                             const std::vector<std::string>& units);
+
+/// Whether a name is one that x, y or z, or longitude and latitude go by.
 [[nodiscard]] bool names_coordinate(std::string_view name);
 /// Whether it is that of a place, of which brackets choose a coordinate: "P[x]".
 [[nodiscard]] bool names_place(std::string_view name);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace sparsha::pipeline {
 namespace {
@@ -112,6 +113,59 @@ bool look_like_points3d(const std::vector<TableRow>& sample) {
     fractions = fractions || !is_whole(row.values[1]) || !is_whole(row.values[2]) || !is_whole(row.values[3]);
   }
   return vary && fractions;
+}
+
+std::size_t whole_before_fractions(const std::vector<TableRow>& sample, std::size_t usual) {
+  constexpr std::size_t kFewest = 100;
+  constexpr double kToAndFro = 0.1;
+  constexpr double kMostly = 0.5;
+  if (sample.size() < kFewest || !are_rows_alike(sample, usual)) return 0;
+  const auto rows = static_cast<double>(sample.size());
+  const auto share = [&](const auto& test) {
+    return static_cast<double>(std::count_if(sample.begin(), sample.end(), test)) / rows;
+  };
+  const auto fractions = [&](std::size_t column) {
+    return share(
+        [&](const TableRow& row) { return std::isfinite(row.values[column]) && !is_whole(row.values[column]); });
+  };
+  std::size_t whole = 0;
+  while (whole < 3 && whole < usual && fractions(whole) == 0.0) ++whole;
+  if (whole == 0 || usual < whole + 3) return 0;
+  for (std::size_t k = whole; k < whole + 3; ++k) {
+    if (fractions(k) < kMostly) return 0;
+  }
+  if (whole == 3 && (look_like_normals(sample, usual, 3) || look_like_colours(sample, usual, 3))) return 0;
+  if (whole > 1) return whole;
+  std::size_t falls = 0;
+  for (std::size_t k = 1; k < sample.size(); ++k) falls += sample[k].values[0] < sample[k - 1].values[0] ? 1 : 0;
+  return static_cast<double>(falls) >= kToAndFro * rows ? 1 : 0;
+}
+
+bool looks_like_matrix(const std::vector<TableRow>& sample, std::size_t usual) {
+  constexpr std::size_t kFewestColumns = 8, kFewestRows = 4;
+  constexpr double kSmooth = 0.35, kSmoothEverywhere = 0.6;  // mean steps over the standard deviation of all values
+  if (usual < kFewestColumns || sample.size() < kFewestRows || !are_rows_alike(sample, usual)) return false;
+  std::vector<double> steps(usual, 0.0);  // from each column to the next
+  double sum = 0.0;
+  double squares = 0.0;
+  const double first = sample[0].values[0];
+  for (const TableRow& row : sample) {
+    for (std::size_t k = 0; k < usual; ++k) {
+      const double v = row.values[k] - first;
+      if (!std::isfinite(v)) return false;
+      sum += v;
+      squares += v * v;
+      if (k > 0) steps[k] += std::abs(row.values[k] - row.values[k - 1]);
+    }
+  }
+  const auto rows = static_cast<double>(sample.size());
+  const auto columns = static_cast<double>(usual);
+  const double mean = sum / (rows * columns);
+  const double deviation = std::sqrt(std::max(squares / (rows * columns) - mean * mean, 0.0));
+  // Columns of several kinds differ where one ends and the next begins, however alike the others are.
+  const double largest = *std::max_element(steps.begin(), steps.end()) / rows;
+  const double usually = std::accumulate(steps.begin(), steps.end(), 0.0) / (rows * (columns - 1.0));
+  return deviation > 0.0 && usually <= kSmooth * deviation && largest <= kSmoothEverywhere * deviation;
 }
 
 bool are_coordinates(const std::vector<TableRow>& sample, const std::array<int, 3>& xyz, double damaged) {

@@ -36,6 +36,14 @@ namespace sparsha::pipeline {
 /// COLMAP's points3D.txt without its comments: id, x, y, z, r, g, b, error, then pairs of whole numbers, two or more.
 [[nodiscard]] bool look_like_points3d(const std::vector<TableRow>& sample);
 
+/// How many whole columns, one to three, stand before three columns with fractions that are neither normals nor
+/// colours, where the whole ones are no coordinates of a raster: 0 when all may be as it is. A single column counts
+/// where its values go to and fro, as neither a raster's nor a scanner's lines do.
+[[nodiscard]] std::size_t whole_before_fractions(const std::vector<TableRow>& sample, std::size_t usual);
+
+/// True for eight columns and more whose values go on smoothly from each to the next: heights of a grid.
+[[nodiscard]] bool looks_like_matrix(const std::vector<TableRow>& sample, std::size_t usual);
+
 /// True when most rows have numbers in the three columns, and no larger share than `damaged` a word.
 [[nodiscard]] bool are_coordinates(const std::vector<TableRow>& sample, const std::array<int, 3>& xyz, double damaged);
 

@@ -87,7 +87,10 @@ class Collector {
     header.line = number;
     header.text = line;
     if (!header.columns.complete()) {
-      if (header.names.size() >= 3 && !row_behind_word) head_.names = header.names.size();
+      if (header.names.size() >= 3 && !row_behind_word) {
+        head_.names = header.names.size();
+        head_.unused = std::move(header);
+      }
       return;
     }
     head_.style.leading_words = true;

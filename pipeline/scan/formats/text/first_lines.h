@@ -19,6 +19,7 @@ struct TableHead {
   std::vector<TableHeader> headers;    ///< lines that name x, y and z, in their order
   bool listed_names = false;           ///< the last of them has a name a line, below their number
   std::size_t names = 0;               ///< of a header that does not name them
+  TableHeader unused;                  ///< the same header
   std::size_t left_out = 0;            ///< lines above the rows that hold numbers behind a word
   int first_left_out = 0;              ///< the line
   bool declared_empty = false;         ///< the file says that it has no rows

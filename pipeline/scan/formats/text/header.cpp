@@ -40,8 +40,8 @@ void add_name(TableHeader& header, std::string name) {
   header.units.push_back(std::move(unit));
 }
 
-/// A line of a header, split at a separator (0: blanks).
-TableHeader split(std::string_view line, char separator) {
+/// A line of a header, split at a separator (0: blanks); within `brackets`, a separator parts nothing.
+TableHeader split(std::string_view line, char separator, bool brackets) {
   TableHeader header;
   header.separator = separator;
   std::string name;
@@ -51,7 +51,7 @@ TableHeader split(std::string_view line, char separator) {
   };
   const std::string text = lower_case(line);
   bool quoted = false;
-  int depth = 0;  // in brackets, where separators part nothing
+  int depth = 0;
   bool any = false;
   for (const char c : text) {
     if (c == '"') {
@@ -62,7 +62,7 @@ TableHeader split(std::string_view line, char separator) {
     if (c == '(' || c == '[') ++depth;
     if ((c == ')' || c == ']') && depth > 0) --depth;
     const bool parts = !quoted && (separator == 0 ? is_blank(c) : c == separator);
-    if (parts && (separator != 0 || depth == 0)) {
+    if (parts && (!brackets || depth == 0)) {
       if (separator != 0 || !name.empty() || any) keep();
       any = false;
     } else {
@@ -71,6 +71,12 @@ TableHeader split(std::string_view line, char separator) {
   }
   if (!name.empty() || any || separator != 0) keep();
   return header;
+}
+
+/// The same, with brackets that hold separators, if that leaves three names.
+TableHeader split(std::string_view line, char separator) {
+  TableHeader header = split(line, separator, true);
+  return separator == 0 || header.names.size() >= 3 ? header : split(line, separator, false);
 }
 
 /// Units in brackets go to the name before them; with `join`, names whose words belong together become one.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/scan/formats/text/column_shapes.h"
 #include "pipeline/scan/formats/text/first_lines.h"
 #include "pipeline/scan/formats/text/header.h"
 #include "pipeline/scan/formats/text/row_style.h"
@@ -209,7 +210,8 @@ class Inspector {
       const bool pts = file_.extension == "pts";
       layout_.columns = guess_columns(rows, pts);
       if (layout_.columns.numbered && !counts_all_rows()) layout_.columns = columns_by_position(rows, pts);
-      warn_of_unused_header();
+      refuse_no_table(rows);
+      warn_of_unused_header(rows);
       if (head_.left_out > 0) {
         layout_.columns.warnings.push_back(
             "line " + std::to_string(head_.first_left_out) + " begins with a word and is left out" +
@@ -220,7 +222,24 @@ class Inspector {
     layout_.style.separator = 0;
   }
 
-  void warn_of_unused_header() {
+  /// What has numbers in rows, but no coordinates in them.
+  void refuse_no_table(const std::vector<TableRow>& rows) const {
+    if (layout_.columns.by != TextTable::By::position) return;
+    const TableHeader& header = head_.unused;
+    const bool says_something = head_.headers.empty() && header.names.size() == layout_.columns.usual && !header.prose;
+    if (says_something) {
+      const std::string why = why_no_coordinates(header.names, header.units);
+      if (!why.empty()) throw file_.error_at(header.line, "the header names " + why, kRemedy);
+    } else if (head_.headers.empty() && looks_like_matrix(rows, layout_.columns.usual)) {
+      throw file_.error_at(layout_.first_row,
+                           "rows of " + std::to_string(layout_.columns.usual) +
+                               " numbers that go on from one to the next are a matrix of heights, and no points",
+                           "an ESRI ASCII grid, with lines 'ncols', 'nrows', 'xllcorner', 'yllcorner' and 'cellsize' "
+                           "before the rows, or 'columns' of the scan in the configuration");
+    }
+  }
+
+  void warn_of_unused_header(const std::vector<TableRow>& rows) {
     TableColumns& columns = layout_.columns;
     if (columns.by != TextTable::By::position) return;
     if (!head_.headers.empty() && head_.headers.back().prose) return;
@@ -230,6 +249,17 @@ class Inspector {
                                  std::to_string(columns.usual) + "; the first three are taken as x, y and z");
     } else if (names >= 3 && names == columns.usual) {
       columns.warnings.emplace_back("the header does not name x, y and z once each; the first three columns are taken");
+    } else if (const std::size_t whole = whole_before_fractions(rows, columns.usual); names == 0 && whole > 0) {
+      columns.warnings.push_back(std::string(whole == 1   ? "the first column holds"
+                                             : whole == 2 ? "the first two columns hold"
+                                                          : "the first three columns hold") +
+                                 " whole numbers and the three behind them fractions, as numbers, classes or colours "
+                                 "stand before coordinates; "
+                                 "name the columns in the configuration, for example 'columns: [" +
+                                 (whole == 1   ? "skip, x"
+                                  : whole == 2 ? "skip, skip, x"
+                                               : "red, green, blue, x") +
+                                 ", y, z]', if it is so");
     }
   }
 

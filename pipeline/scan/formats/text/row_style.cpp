@@ -28,6 +28,40 @@ WordCommas commas_of_word(std::string_view word) {
   return commas;
 }
 
+/// "4,501,066.72": groups of three digits, and more than one comma or a point to tell them from decimals.
+bool has_thousands(std::string_view word) {
+  if (!word.empty() && (word.front() == '-' || word.front() == '+')) word.remove_prefix(1);
+  const std::string_view whole = word.substr(0, word.find('.'));
+  std::size_t commas = 0;
+  std::size_t digits = 0;
+  for (const char c : whole) {
+    if (c == ',') {
+      if (digits == 0 || digits > 3 || (commas > 0 && digits != 3)) return false;
+      digits = 0;
+      ++commas;
+    } else if (is_digit(c)) {
+      ++digits;
+    } else {
+      return false;
+    }
+  }
+  return commas > 0 && digits == 3 && (commas > 1 || whole.size() < word.size());
+}
+
+/// Three words or more between blanks, each with a number alone, two of them in groups of thousands.
+bool are_thousands(std::string_view line) {
+  int words = 0;
+  int grouped = 0;
+  for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++words) {
+    if (has_thousands(word)) {
+      ++grouped;
+    } else if (word.find(',') != std::string_view::npos) {
+      return false;
+    }
+  }
+  return words >= 3 && grouped >= 2;
+}
+
 /// A number in quotes with a comma between its digits.
 bool has_quoted_comma(std::string_view line) {
   for (std::size_t open = line.find('"'); open != std::string_view::npos; open = line.find('"', open + 1)) {
@@ -92,6 +126,7 @@ Commas commas_of_row(std::string_view line) {
     }
     return Commas::none_or_separators;
   }
+  if (are_thousands(line)) return Commas::thousands;
   // Blanks part the values when every word holds one comma at most, and that between digits.
   int words = 0;
   int within = 0;

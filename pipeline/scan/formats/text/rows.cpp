@@ -38,7 +38,9 @@ std::string_view trimmed(const char* begin, const char* end) {
 
 /// What programs write where they have no number.
 bool stands_for_nothing(std::string_view word) {
-  constexpr std::string_view kWords[] = {"NA", "N/A", "#N/A", "null", "NULL", "None"};
+  constexpr std::string_view kWords[] = {"NA",     "N/A",  "#N/A", "n/a",     "n.a.",   "null",   "NULL",   "<null>",
+                                         "<Null>", "None", "\\N",  "nodata",  "NoData", "NODATA", "-",      "--",
+                                         "---",    "*",    "?",    "#VALUE!", "#NUM!",  "#REF!",  "#DIV/0!"};
   return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
 }
 

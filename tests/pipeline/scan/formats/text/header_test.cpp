@@ -112,5 +112,126 @@ TEST(ParseNumber, RoundsWhatIsBelowTheSmallestDoubleToZeroAndWhatIsBeyondTheLarg
   EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(0, 1, 0)));
 }
 
+TEST(XyzReader, NamesOfSurveysMayTellTheirSystemAndLatitudesTheirUnit) {
+  const ScanFolder folder;
+  const RawScan survey =
+      folder.read("a.csv", "Name,Grid Northing (m),Grid Easting (m),Elevation (m),Code\nA,20,10,30,c\nB,21,11,31,c\n");
+  EXPECT_THAT(survey.points, ElementsAre(Eigen::Vector3d(10, 20, 30), Eigen::Vector3d(11, 21, 31)));
+  EXPECT_EQ(survey.unit, scene::LengthUnit::m);
+  EXPECT_TRUE(folder.read("b.csv", "lat_deg,lon_deg,alt_m\n48.1,11.5,500\n48.2,11.6,501\n").degrees);
+  EXPECT_THAT(folder.read("c.csv", "%time,seq,field.x,field.y,field.z\n7,1,10,20,30\n").points,
+              ElementsAre(Eigen::Vector3d(10, 20, 30)));
+}
+
+TEST(XyzReader, SeveralSetsOfCoordinatesAreSaidUnlessOneIsPlain) {
+  const ScanFolder folder;
+  const RawScan two = folder.read("a.csv", "x_local,y_local,z_local,x_world,y_world,z_world\n1,2,3,10,20,30\n");
+  EXPECT_THAT(two.points, ElementsAre(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_THAT(two.warnings, Contains(HasSubstr("several sets of coordinates; columns 1, 2 and 3 are taken")));
+  EXPECT_THAT(folder.read("b.csv", "x_local,y_local,z_local,x,y,z\n1,2,3,10,20,30\n").warnings, IsEmpty());
+}
+
+TEST(XyzReader, AHeaderThatNamesAnglesOrNoHeightIsRefused) {
+  for (const auto& [names, part] : {std::pair{"Range[m],Theta[deg],Phi[deg]", "angles 'theta', 'phi'"},
+                                    {"Hz,V,SD", "angles 'hz', 'v'"},
+                                    {"x,y,intensity", "no z, but 'intensity'"},
+                                    {"id,x,y,red,green", "no z, but 'id'"}}) {
+    const auto error = error_of_bytes("a.csv", std::string(names) + "\n1,2,3\n4,5,6\n");
+    const std::string wide = std::string(names) + "\n1,2,3,4,5\n4,5,6,7,8\n";
+    const auto again = error ? error : error_of_bytes("a.csv", wide);
+    ASSERT_TRUE(again) << names;
+    EXPECT_EQ(again->place().line, 1) << names;
+    EXPECT_THAT(again->wrong(), HasSubstr(part));
+  }
+}
+
+TEST(XyzReader, GroupsOfThousandsBetweenTabsAreRefused) {
+  const auto error = error_of_bytes("a.txt", "X\tY\tZ\n4,501,066.72\t4,502,052.85\t500.25\n");
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->place().line, 2);
+  EXPECT_THAT(error->what(), HasSubstr("separators of thousands"));
+}
+
+TEST(XyzReader, LinesMayEndAsConversionsOfConversionsLeaveThem) {
+  const ScanFolder folder;
+  for (const std::string end : {"\r\n", "\r\r\n", "\n\r", "\r"}) {
+    const RawScan scan = folder.read("a.csv", "x,y,z" + end + "1,2,3" + end + "4,5,6" + end);
+    EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
+  }
+}
+
+TEST(XyzReader, WhatProgramsWriteForNoNumberIsInvalid) {
+  const ScanFolder folder;
+  for (const std::string word : {"-", "--", "*", "?", "n.a.", "NULL", "<null>", "\\N", "NoData", "#VALUE!", "N/A"}) {
+    const RawScan named = folder.read("a.csv", "x,y,z\n1,2,3\n4,5," + word + "\n7,8,9\n");
+    EXPECT_EQ(named.points.size(), 2U) << word;
+    EXPECT_EQ(named.invalid, 1U) << word;
+    EXPECT_EQ(folder.read("b.txt", "1 2 3\n4 5 " + word + "\n7 8 9\n").invalid, 1U) << word;
+  }
+}
+
+TEST(XyzReader, AMatrixOfHeightsIsNoTableOfPoints) {
+  std::string matrix;
+  for (int j = 0; j < 6; ++j) {
+    for (int i = 0; i < 40; ++i)
+      matrix += (i > 0 ? "," : "") + std::to_string(0.5 + 0.001 * (i - 20) * (i - 20) - 0.02 * j);
+    matrix += "\n";
+  }
+  const auto error = error_of_bytes("a.csv", matrix);
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->wrong(), HasSubstr("rows of 40 numbers that go on from one to the next are a matrix of heights"));
+  EXPECT_THAT(error->expected(), HasSubstr("'ncols'"));
+  const ScanFolder folder;
+  const std::string zeros = " 0 1 0 0 1 0 0 0 1 0 0 0 1 0 0 0 1 0 0 0 1";
+  std::string points;
+  for (int k = 0; k < 9; ++k) {
+    points += std::to_string(0.1 * k) + " " + std::to_string(0.2 * (k % 3)) + " 0.01 0 0 1 200 100 50 0.7\n";
+  }
+  EXPECT_EQ(folder.read("b.txt", points).points.size(), 9U);
+  std::string survey;  // a step alone is large
+  for (int k = 0; k < 9; ++k)
+    survey += std::to_string(4000 + k) + " " + std::to_string(5000 + k % 3) + " 12" + zeros + "\n";
+  EXPECT_EQ(folder.read("c.txt", survey).points.size(), 9U);
+}
+
+/// Rows of `before`, then x, y and z with decimals.
+template <typename Before>
+std::string table_of(const Before& before) {
+  std::string text;
+  for (int k = 0; k < 120; ++k) {
+    text += before(k) + " " + std::to_string(0.013 * (k * 7 % 31) - 0.01) + " " + std::to_string(0.017 * (k * 5 % 23)) +
+            " " + std::to_string(0.011 * (k * 3 % 17) - 0.05) + "\n";
+  }
+  return text;
+}
+
+TEST(XyzReader, WholeNumbersBeforeFractionsAreDoubtedUnlessTheyAreARastersOrALines) {
+  const ScanFolder folder;
+  const auto word = [](int number) { return std::to_string(number); };
+  const auto said = [](const char* columns) { return HasSubstr(std::string("'columns: [") + columns + ", y, z]'"); };
+  EXPECT_THAT(folder.read("class.txt", table_of([&](int k) { return word(k * 7 % 3); })).warnings,
+              Contains(said("skip, x")));
+  EXPECT_THAT(folder.read("place.txt", table_of([&](int k) { return word(k / 9) + " " + word(k % 9); })).warnings,
+              Contains(said("skip, skip, x")));
+  const auto colour = [&](int k) { return word(k * 37 % 256) + " " + word(k * 11 % 256) + " " + word(k * 91 % 256); };
+  EXPECT_THAT(folder.read("colour.txt", table_of(colour)).warnings, Contains(said("red, green, blue, x")));
+  EXPECT_THAT(folder.read("lines.txt", table_of([&](int k) { return word(k / 12); })).warnings,
+              ::testing::Not(Contains(HasSubstr("whole numbers and the three behind"))));
+  std::string normals;
+  for (int k = 0; k < 120; ++k) {
+    normals +=
+        word(k % 11) + " " + word(k / 11) + " " + word(k * k % 7) + (k % 2 == 0 ? " 0.6 0.0 0.8\n" : " -0.6 0.0 0.8\n");
+  }
+  EXPECT_THAT(folder.read("normals.txt", normals).warnings, ::testing::Not(Contains(HasSubstr("whole numbers"))));
+}
+
+TEST(HeaderNames, OfColmapEndWithTheTrack) {
+  const TableHeader header =
+      parse_header("#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)");
+  ASSERT_EQ(header.names.size(), 9U);
+  EXPECT_EQ(header.names.back(), "track");
+  EXPECT_EQ(parse_header("(x, y, z)").names.size(), 3U);
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
