@@ -2,7 +2,7 @@
 BUILD ?= build
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 CTEST_FLAGS ?=
-# The standard library's checks of indices in our objects (docs/architecture.md, Portability): .ci/run turns them on.
+# The standard library's checks of indices in our objects (docs/change/decisions/0009-library-assertions-in-ci.md): .ci/run turns them on.
 ASSERTIONS ?= OFF
 # A first build reads other people's headers once (cmake/precompiled.cmake); a folder keeps what it began with.
 FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON)

@@ -40,7 +40,7 @@ std::string summary_text(const haptics::SessionSummary& s, std::uint64_t strikes
   text += fmt::format("explored  {:.3g} cm2 of the scene, level {}\n", s.area_m2 * 1e4, levels.empty() ? "-" : levels);
   text += fmt::format("ticks     {}, {:.2f} % within 1 ms of plan, {} missed{}\n", count_text(s.ticks),
                       100.0 * s.share_in_time, s.missed_ticks,
-                      s.real_time ? "" : " (no real-time priority was granted; see docs/hardware.md)");
+                      s.real_time ? "" : " (no real-time priority was granted; see docs/use/hardware.md)");
   text += fmt::format("render    {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns 99.9 %, {:.0f} ns at most\n",
                       s.tick_ns_p50, s.tick_ns_p99, s.tick_ns_p999, s.tick_ns_max);
   if (s.duration_s > 0.0) text += fmt::format("processor {:.0f} % of a core\n", 100.0 * s.processor_s / s.duration_s);

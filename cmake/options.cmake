@@ -47,7 +47,7 @@ if(SPARSHA_LIBRARY_ASSERTIONS OR SPARSHA_SANITIZE)
   target_compile_definitions(sparsha_options INTERFACE _GLIBCXX_ASSERTIONS=1)
 endif()
 # What makes a fault in a reader of strangers' files an end of the program and not a way in: checked copies, guarded
-# stacks, marked branch targets, tables that are read-only once the program is loaded. The price is in docs/architecture.md.
+# stacks, marked branch targets, tables that are read-only once the program is loaded. The price is in docs/change/portability.md.
 option(SPARSHA_HARDEN "Stack protector, checked library calls, control-flow marks, full RELRO" ON)
 include(CheckPIESupported)
 check_pie_supported(LANGUAGES CXX)

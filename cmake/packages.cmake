@@ -1,4 +1,4 @@
-# Third-party packages, found once. Only libraries without VTK, Qt or GDAL behind them (docs/architecture.md).
+# Third-party packages, found once. Only libraries without VTK, Qt or GDAL behind them (docs/change/portability.md).
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(PkgConfig REQUIRED)
 find_package(yaml-cpp REQUIRED)
@@ -24,7 +24,7 @@ pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(UMOCKDEV umockdev-1.0)
 
 # PCL's templates are instantiated from their headers, where they are used: its libraries carry every template for every
-# type of point, which the dynamic linker would bind at every start (docs/architecture.md). Only `common` is linked.
+# type of point, which the dynamic linker would bind at every start (docs/change/decisions/0001-pcl-templates-from-headers.md). Only `common` is linked.
 find_library(SPARSHA_PCL_common pcl_common REQUIRED)
 add_library(sparsha_pcl INTERFACE)
 target_include_directories(sparsha_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIRS} ${EIGEN3_INCLUDE_DIRS})

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Draws the spectrograms of docs/audio.md and docs/accessibility.md: tools/audio-pictures.sh [BUILD], with sox. Writes docs/images/audio-*.png.
+# Draws the spectrograms of docs/use/audio.md and docs/use/accessibility.md: tools/audio-pictures.sh [BUILD], with sox. Writes docs/images/audio-*.png.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the picture of docs/orienting.md.
+# Makes the picture of docs/use/orienting.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${1:-build}

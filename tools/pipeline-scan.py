@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes a scan of a made-up statue as a PLY file: on a floor that is not level, before a wall, beside a scaffold, with
-noise and stray points. docs/pipeline.md shows what the filters make of it."""
+noise and stray points. docs/use/pipeline.md shows what the filters make of it."""
 import math
 import random
 import struct

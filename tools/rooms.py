@@ -22,7 +22,7 @@ PURPOSES = {name: room["purpose"] for name, room in LIST["rooms"].items()}
 NOT_INSIDE = LIST["not_inside"]
 SHARED = ("scene", "base")
 PICTURE = "docs/images/rooms.svg"
-PAGE = "docs/architecture.md"
+PAGE = "docs/change/architecture.md"
 MARKS = ("<!-- made by tools/rooms.py --write -->\n", "<!-- end of what tools/rooms.py wrote -->\n")
 
 

@@ -18,7 +18,7 @@ void add_simulate(Command app, const CommonOptions& common, Run& run) {
   };
   auto arguments = std::make_shared<Arguments>();
   Command command = app.add_subcommand("simulate", "Scan a known surface; writes scans, truth and a configuration");
-  command.add_option("config", arguments->config, "simulation (docs/simulation.md)").required();
+  command.add_option("config", arguments->config, "simulation (docs/measure/simulation.md)").required();
   command.add_option("--out,-o", arguments->out, "folder for the scans").required();
   command.callback([arguments, &common, &run] {
     run = [arguments, &common] {

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As docs/simulation.md has it: 1.5625 points per node of the lattice, in four files.
+// As docs/measure/simulation.md has it: 1.5625 points per node of the lattice, in four files.
 pipeline::SimulationConfig scan_of(double points) {
   constexpr double kPerNode = 1.5625;
   pipeline::SimulationConfig config;

@@ -1,4 +1,4 @@
-// Windows grow until the decision about the front layer is safe (docs/architecture.md, "Node fitter").
+// Windows grow until the decision about the front layer is safe (docs/change/surface.md, "Node fitter").
 #include "pipeline/projection/node_fitter.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The simulation's YAML (docs/simulation.md).
+// The simulation's YAML (docs/measure/simulation.md).
 #include <algorithm>
 #include <cmath>
 #include <set>

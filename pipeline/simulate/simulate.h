@@ -1,5 +1,5 @@
 // A terrestrial scanner over a known surface: several stations, occlusion, range noise, outliers, uneven density and a
-// rough back; the truth goes beside the scan. docs/simulation.md describes the YAML.
+// rough back; the truth goes beside the scan. docs/measure/simulation.md describes the YAML.
 #pragma once
 
 #include <cstdint>

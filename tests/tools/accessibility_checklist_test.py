@@ -1,4 +1,4 @@
-"""Every line of the checklist in docs/accessibility.md names a test that exists, or says that it is not met."""
+"""Every line of the checklist in docs/use/accessibility.md names a test that exists, or says that it is not met."""
 import pathlib
 import re
 import sys

@@ -55,7 +55,7 @@ def stale():
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
         (root / "docs/images").mkdir(parents=True)
-        shown = root / "docs/architecture.md"
+        shown = root / "docs/change/architecture.md"
         shown.write_text("# Rooms\n" + page + "The end.\n", encoding="utf-8")
         if rooms("--check", folder)[0] == 0:
             yield "a page without its table passes"
@@ -65,7 +65,7 @@ def stale():
             yield f"what was just written is refused or incomplete: {text[:200]}"
         shown.write_text(text.replace("| `scene` |", "| `scenery` |"), encoding="utf-8")
         code, lines = rooms("--check", folder)
-        if code != 1 or len(lines) != 1 or not lines[0].startswith("docs/architecture.md: differs from tools/rooms.json"):
+        if code != 1 or len(lines) != 1 or not lines[0].startswith("docs/change/architecture.md: differs from tools/rooms.json"):
             yield f"a changed table: exit {code}, {lines}"
         (root / "cmake").mkdir()
         (root / "cmake/install.cmake").write_text("", encoding="utf-8")

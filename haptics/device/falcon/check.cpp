@@ -129,7 +129,7 @@ LinkVerdict judge(const LinkQuality& link) {
         "the bridge still waits for its latency timer: unplug and replug USB, and let no other program use it";
   } else if (link.p99_ms > kGood.p99_ms) {
     verdict.reason = fmt::format("one answer in a hundred takes more than {:.1f} ms", link.p99_ms);
-    verdict.remedy = "end other programs and allow real-time priority (docs/hardware.md)";
+    verdict.remedy = "end other programs and allow real-time priority (docs/use/hardware.md)";
   } else {
     verdict.reason = fmt::format("{:.0f} answers a second", link.rate_hz);
     verdict.remedy = "use a direct USB port without other devices on it, and end other programs";

@@ -187,7 +187,7 @@ TEST(SimulationConfig, WrongKeysAndValuesAreNamedWithTheirPlace) {
 }
 
 TEST(SimulationConfig, EveryExampleInTheDocumentationIsAccepted) {
-  const std::string page = bytes_of(fs::path(__FILE__).parent_path() / "../../../docs/simulation.md");
+  const std::string page = bytes_of(fs::path(__FILE__).parent_path() / "../../../docs/measure/simulation.md");
   const std::string fence = "```yaml\n";
   int examples = 0;
   for (std::size_t at = page.find(fence); at != std::string::npos; at = page.find(fence, at + 1)) {

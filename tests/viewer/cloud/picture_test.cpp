@@ -173,7 +173,7 @@ TEST(CloudPicture, NothingIsLeftInTheDriver) {
   EXPECT_EQ(gl::living_objects(), before);
 }
 
-// tools/orienting-pictures.sh makes the picture of docs/orienting.md with it.
+// tools/orienting-pictures.sh makes the picture of docs/use/orienting.md with it.
 TEST(CloudPicture, TheDocumentationsPictureIsDrawn) {
   const char* const folder = std::getenv("SPARSHA_PICTURES");
   if (folder == nullptr) GTEST_SKIP() << "SPARSHA_PICTURES names no folder";
