@@ -38,7 +38,7 @@ def problems(text, known):
 
 def main():
     known = tests()
-    text = (ROOT / "docs" / "accessibility.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "use" / "accessibility.md").read_text(encoding="utf-8")
     found = list(problems(text, known))
     for problem in found:
         print(problem)

@@ -54,7 +54,8 @@ def stale():
     page = "<!-- made by tools/rooms.py --write -->\n<!-- end of what tools/rooms.py wrote -->\n"
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
-        (root / "docs/images").mkdir(parents=True)
+        for folder_of_pages in ("docs/images", "docs/change"):
+            (root / folder_of_pages).mkdir(parents=True)
         shown = root / "docs/change/architecture.md"
         shown.write_text("# Rooms\n" + page + "The end.\n", encoding="utf-8")
         if rooms("--check", folder)[0] == 0:
