@@ -14,8 +14,8 @@
 #include <numeric>
 #include <sstream>
 
+#include "base/base64.h"
 #include "base/files.h"
-#include "base/yaml_text.h"
 
 namespace sparsha::yaml {
 namespace {

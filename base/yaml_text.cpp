@@ -1,11 +1,11 @@
 #include "base/yaml_text.h"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <algorithm>
 #include <cstdint>
 
+#include "base/base64.h"
 #include "base/utf8.h"
 
 namespace sparsha::yaml {
@@ -15,16 +15,6 @@ namespace {
 bool must_be_escaped(std::uint32_t code) {
   return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x2028 || code == 0x2029 || code == 0xFEFF ||
          code == 0xFFFE || code == 0xFFFF;
-}
-
-const unsigned char* bytes_of(std::string_view text) { return reinterpret_cast<const unsigned char*>(text.data()); }
-
-std::string to_base64(std::string_view bytes) {
-  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');
-  const int length =
-      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes_of(bytes), static_cast<int>(bytes.size()));
-  text.resize(static_cast<std::size_t>(length));
-  return text;
 }
 
 }  // namespace
@@ -61,21 +51,6 @@ std::string comment(std::string_view text) {
     text.remove_prefix(std::max<std::size_t>(c.bytes, 1));
   }
   return result;
-}
-
-bool from_base64(std::string_view text, std::string& bytes) {
-  std::string packed;
-  std::copy_if(text.begin(), text.end(), std::back_inserter(packed),
-               [](char c) { return c != ' ' && c != '\t' && c != '\r' && c != '\n'; });
-  const std::size_t end = packed.find_last_not_of('=') + 1;
-  if (packed.size() % 4 != 0 || packed.find('=') < end || packed.size() - end > 2 || packed.size() > (1U << 20))
-    return false;
-  bytes.assign(packed.size() / 4 * 3, '\0');
-  const int length = EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()), bytes_of(packed),
-                                     static_cast<int>(packed.size()));
-  if (length < 0) return false;
-  bytes.resize(static_cast<std::size_t>(length) - (packed.size() - end));
-  return true;
 }
 
 }  // namespace sparsha::yaml

@@ -13,7 +13,4 @@ namespace sparsha::yaml {
 /// What may stand behind a comment's sign: on one line, control characters and bytes that are no UTF-8 as '?'.
 [[nodiscard]] std::string comment(std::string_view text);
 
-/// The bytes of a scalar of the type !!binary: base64 with blanks and lines anywhere. False when it is none.
-[[nodiscard]] bool from_base64(std::string_view text, std::string& bytes);
-
 }  // namespace sparsha::yaml

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/base64.h"
 #include "base/html.h"
 #include "base/text.h"
-#include "pipeline/report/base64.h"
 #include "pipeline/report/page.h"
 #include "pipeline/report/scan_graph.h"
 #include "pipeline/report/svg.h"
@@ -134,7 +134,7 @@ std::string warnings(const Report& report) {
 void add_figure(std::string& html, const Picture& picture, const std::string& png, double width_m, bool wide) {
   html += fmt::format("<figure class='{}{}'><div class='picture'><img src='data:image/png;base64,", wide ? "wide" : "",
                       picture.width < 400 ? " tiny" : "");
-  append_base64(html, png);
+  html += to_base64(png);
   html += fmt::format(
       "' width='{}' height='{}' alt='{}'>{}</div>{}<figcaption><h3>{}</h3><p>{}</p></figcaption></figure>\n",
       picture.width, picture.height, escape_html(picture.alternative), scale_bar_html(width_m), legend_svg(picture),

@@ -14,7 +14,6 @@
 #include <set>
 #include <sstream>
 
-#include "pipeline/report/base64.h"
 #include "pipeline/report/colour.h"
 #include "pipeline/report/images.h"
 #include "pipeline/report/style.h"
@@ -241,19 +240,6 @@ TEST(ReportPictures, ShowMoreFiltersThanThereAreColours) {
 TEST(ReportJson, SurvivesNamesThatAreNoUtf8) {
   const json report = json::parse(report_json(*example_scene("caf\xE9.ply"), example_report()));
   EXPECT_THAT(report["inputs"][0]["file"].get<std::string>(), ::testing::StartsWith("caf"));
-}
-
-TEST(ReportPage, EncodesBase64AsTheStandardsVectors) {
-  const auto base64 = [](const std::string& bytes) {
-    std::string text;
-    append_base64(text, bytes);
-    return text;
-  };
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
 }
 
 TEST(ReportPictures, ShowTheTopRowFirstAndMarkUnknownNodes) {

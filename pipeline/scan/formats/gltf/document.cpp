@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/yaml.h"
-#include "base/yaml_text.h"
+#include "base/base64.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::gltf {
@@ -165,7 +164,7 @@ void Document::open_uri(const std::string& uri, const Place& place, Buffer& buff
   if (uri.starts_with("data:")) {
     const std::size_t comma = uri.find(',');
     const bool coded = comma != std::string::npos && std::string_view(uri).substr(0, comma).ends_with(";base64");
-    if (!coded || !yaml::from_base64(std::string_view(uri).substr(comma + 1), buffer.owned)) {
+    if (!coded || !from_base64(std::string_view(uri).substr(comma + 1), buffer.owned)) {
       throw error(place, "a data URI that is no base64", "data:application/octet-stream;base64,...");
     }
     buffer.bytes = buffer.owned;

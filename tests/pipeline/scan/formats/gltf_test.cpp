@@ -122,6 +122,13 @@ TEST(GltfReader, ReadsItWhateverItsNameAndInText) {
   zeros.root["buffers"] =
       json::array({{{"byteLength", 36}, {"uri", "data:application/octet-stream;base64," + std::string(48, 'A')}}});
   EXPECT_EQ(read_scan_bytes(zeros.root.dump(), "b.gltf").records, 3U);
+  // Scans of a hundred thousand points are embedded so, too.
+  zeros.root["bufferViews"][0]["byteLength"] = 12 * 100000;
+  zeros.root["accessors"][0]["count"] = 100000;
+  zeros.root["buffers"] =
+      json::array({{{"byteLength", 12 * 100000},
+                    {"uri", "data:application/octet-stream;base64," + std::string(16 * 100000, 'A')}}});
+  EXPECT_EQ(read_scan_bytes(zeros.root.dump(), "c.gltf").records, 100000U);
 }
 
 TEST(GltfReader, NodesMoveTurnAndScaleTheirMeshes) {
