@@ -106,7 +106,8 @@ void add_build(Command app, const CommonOptions& common, Run& run) {
   command.add_option("--threads", arguments->threads, "threads; 0 = one a core").check(whole_between(0U, 1024U));
   command.add_option("--memory", arguments->memory, "memory limit, e.g. 1GB");
   command.add_flag("--validate", arguments->validate, "check the configuration and print it resolved; build nothing");
-  command.add_flag("--force", arguments->force, "build although the surface lies far from the points");
+  command.add_flag("--force", arguments->force,
+                   "build although the surface lies far from the points, or chunks of a LAZ file are damaged");
   command.add_option("--only", arguments->only, "grid: read, project and write heights, nothing else")
       .check(one_of({"grid"}));
   command.callback(

@@ -80,8 +80,9 @@ bool looks_at_one_point(const scene::FilterConfig& filter) {
 }
 
 // Outside of which the first filters keep no point.
-ScanPart part_of(const std::vector<scene::FilterConfig>& filters) {
+ScanPart part_of(const std::vector<scene::FilterConfig>& filters, bool force) {
   ScanPart part;
+  part.whole_chunks_only = force;
   for (const scene::FilterConfig& filter : filters) {
     if (!looks_at_one_point(filter)) break;
     const auto* const crop = std::get_if<scene::CropConfig>(&filter);
@@ -116,7 +117,8 @@ class Builder {
   ProjectedScans run() {
     progress_.begin("read");
     ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_,
-                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size()), part_of(filters_));
+                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size()),
+                  part_of(filters_, options_.force));
     require_fields(config_.scans, scans, filters_, progress_);
     if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
     scans.require_surface();

@@ -64,6 +64,8 @@ struct ReadOptions {
   /// A format that keeps coarse points apart from those that refine them (COPC) leaves levels unread that it does not
   /// need for so many points; 0: all points.
   std::uint64_t enough = 0;
+  /// Damaged chunks of LAZ are left out and said, in place of an error.
+  bool whole_chunks_only = false;
 };
 
 /// One scan as the file has it: file units, double, before any pose but with the file's own.

@@ -283,6 +283,7 @@ struct ScanSet::Scan {
     scan->options.mesh_refusal = mesh_refusal;
     if (part.box) scan->options.region = region_of(config, *part.box);
     scan->options.enough = part.enough;
+    scan->options.whole_chunks_only = part.whole_chunks_only;
     scan->streamed = streamed;
     const bool bounds = config.units.unit == scene::LengthUnit::longest_side;
     if (streamed) {
@@ -320,7 +321,7 @@ struct ScanSet::Scan {
     }
     // What is said of a scan without a point that is wanted is said of all of it.
     if (scan->valid == 0 && scan->raw.unread > 0) {
-      return look_at(config, fields, streamed, progress, mesh_refusal);
+      return look_at(config, fields, streamed, progress, mesh_refusal, {{}, 0, part.whole_chunks_only});
     }
     add_doubts(scan->raw, scan->looked.sample, scan->looked.count, [&](const auto& use) {
       scan->for_each_block([&](const PointBlock& block) { use(block.points); }, progress);

@@ -36,6 +36,7 @@ struct CloudBlock {
 struct ScanPart {
   std::optional<scene::CropConfig> box{};  ///< points outside of it may be left out, too
   std::uint64_t enough = 0;                ///< points of a scan; 0: all
+  bool whole_chunks_only = false;          ///< see ReadOptions
 };
 
 class ScanSet {

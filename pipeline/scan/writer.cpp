@@ -34,7 +34,8 @@ ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink, const ReadOptions& 
       tally_(options.tally),
       mesh_refusal_(options.mesh_refusal),
       region_(options.region),
-      enough_(options.enough) {
+      enough_(options.enough),
+      whole_chunks_only_(options.whole_chunks_only) {
   scan_.values.resize(kept_names_.size());
   if (mesh_refusal_) face_room_ = kFacesBetween;
 }

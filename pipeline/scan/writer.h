@@ -35,6 +35,7 @@ class ScanWriter {
   /// See ReadOptions.
   [[nodiscard]] const Region& region() const { return region_; }
   [[nodiscard]] std::uint64_t enough() const { return enough_; }
+  [[nodiscard]] bool whole_chunks_only() const { return whole_chunks_only_; }
   /// What the records from now on have: blocks of one file may differ. The points of the others get kNoColour,
   /// kNoIntensity and a normal of zero.
   void set_attributes(bool colour, bool intensity, bool normals = false);
@@ -133,6 +134,7 @@ class ScanWriter {
   MeshRefusal mesh_refusal_;
   Region region_;
   std::uint64_t enough_;
+  bool whole_chunks_only_;
   std::size_t face_room_ = std::numeric_limits<std::size_t>::max();  ///< faces until somebody is asked again
   bool refused_ = false;                                             ///< faces are only counted
   std::uint64_t counted_ = 0;                                        ///< of them

@@ -48,15 +48,23 @@ class Arrivals {
       return;
     }
     first_ += records;
-    if (first_.size() / size_ < sample_) return;
-    for (std::size_t i = 0; i < sample_; ++i) reader_.look(first_.data() + i * size_);
+    if (first_.size() / size_ >= sample_) begin();
+  }
+  /// Behind the last record: fewer may have come than were promised.
+  void finish() {
+    if (!begun_) begin();
+  }
+
+ private:
+  void begin() {
+    for (std::size_t i = 0; i < std::min<std::size_t>(sample_, first_.size() / size_); ++i) {
+      reader_.look(first_.data() + i * size_);
+    }
     out_.begin(0, colour_, true);  // the number of points cannot be checked against the file's size
     begun_ = true;
     add(first_);
     first_.clear();
   }
-
- private:
   void add(std::string_view records) {
     for (std::size_t at = 0; at < records.size(); at += size_) reader_.add(records.data() + at);
   }
@@ -177,7 +185,7 @@ void unpack(const ScanFile& file, const Header& header, const Units& units, Poin
                     header.format));
   }
   const std::optional<Octree> octree = find_octree(file, header, source.packing, out.scan());
-  if (octree && (out.region() || out.enough() > 0)) {
+  if (octree && !out.whole_chunks_only() && (out.region() || out.enough() > 0)) {
     const std::vector<std::size_t> wanted = wanted_nodes(*octree, units.z_factor, out.scan(), out);
     if (wanted.size() < octree->nodes.size()) {
       unpack_nodes(file, header, source, *octree, wanted, reader, out);
@@ -185,13 +193,15 @@ void unpack(const ScanFile& file, const Header& header, const Units& units, Poin
     }
   }
   Arrivals arrivals(header, reader, out);
-  if (header.points == 0) arrivals.take({});
   ThreadPool pool(header.points < kWorthThreads ? 1 : 0);
-  const laz::Outcome outcome = laz::read_points(source, wanted_layers(source.packing, reader), pool,
-                                                [&](std::string_view records, std::size_t place) {
-                                                  arrivals.take(records);
-                                                  file.done_before(place);
-                                                });
+  const laz::Outcome outcome = laz::read_points(
+      source, wanted_layers(source.packing, reader), pool,
+      [&](std::string_view records, std::size_t place) {
+        arrivals.take(records);
+        file.done_before(place);
+      },
+      out.whole_chunks_only() ? laz::Damaged::left_out : laz::Damaged::refused);
+  arrivals.finish();
   std::vector<std::string>& warnings = out.scan().warnings;
   warnings.insert(warnings.end(), outcome.warnings.begin(), outcome.warnings.end());
   // From LAS 1.3 on, other things may follow the points.
@@ -210,7 +220,7 @@ void read_compressed(const ScanFile& file, const Header& header, const Units& un
     unpack(file, header, units, reader, out);
   } catch (const laz::Damage& damage) {
     throw file.error(fmt::format("{}, at byte {}", damage.what, damage.byte),
-                     "an undamaged LAZ file; it may be cut short");
+                     "an undamaged LAZ file; it may be cut short ('build CONFIG --force' keeps its whole chunks)");
   }
 }
 

@@ -86,6 +86,36 @@ void in_chunk(std::size_t number, std::uint64_t of, const Work& work) {
   }
 }
 
+/// What damaged chunks took with them.
+class Losses {
+ public:
+  explicit Losses(Damaged damaged) : damaged_(damaged) {}
+
+  /// Whether work that may be damaged has to be whole before any of it is handed over.
+  [[nodiscard]] bool leaves_out() const { return damaged_ == Damaged::left_out; }
+  /// Throws it, or counts a chunk of so many points.
+  void add(const Damage& damage, std::uint64_t points) {
+    if (!leaves_out()) throw Damage(damage);
+    if (chunks_ == 0) first_ = damage;
+    ++chunks_;
+    points_ += points;
+  }
+  void whole_chunk() { ++whole_; }
+  /// Throws when nothing is whole.
+  void warn(std::vector<std::string>& warnings) const {
+    if (chunks_ == 0) return;
+    if (whole_ == 0) throw Damage(first_);
+    warnings.push_back(std::to_string(chunks_) + " damaged LAZ chunks are left out with " + std::to_string(points_) +
+                       " points, " + std::to_string(whole_) + " whole ones are kept; the first damage: " + first_.what +
+                       ", at byte " + std::to_string(first_.byte));
+  }
+
+ private:
+  Damaged damaged_;
+  Damage first_;
+  std::uint64_t chunks_ = 0, points_ = 0, whole_ = 0;
+};
+
 struct Buffer {
   std::string records;
   std::optional<Damage> damage;
@@ -93,7 +123,8 @@ struct Buffer {
 
 /// Chunks `begin` to `end`, each small enough for memory, side by side.
 void read_side_by_side(const Source& source, const std::vector<Chunk>& chunks, std::size_t begin, std::size_t end,
-                       Layers wanted, ThreadPool& pool, std::vector<Buffer>& buffers, const RecordSink& sink) {
+                       Layers wanted, ThreadPool& pool, std::vector<Buffer>& buffers, Losses& losses,
+                       const RecordSink& sink) {
   buffers.resize(std::max(buffers.size(), end - begin));
   pool.for_ranges(end - begin, 1, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
@@ -113,67 +144,73 @@ void read_side_by_side(const Source& source, const std::vector<Chunk>& chunks, s
     }
   });
   for (std::size_t i = 0; i < end - begin; ++i) {
-    if (buffers[i].damage) throw Damage(*buffers[i].damage);
+    if (buffers[i].damage) {
+      losses.add(*buffers[i].damage, chunks[begin + i].points);
+      continue;
+    }
+    losses.whole_chunk();
     const std::string_view records = buffers[i].records;
     const std::size_t step = kBlock * source.packing.record_size;
     for (std::size_t at = 0; at < records.size(); at += step) sink(records.substr(at, step), chunks[begin + i].begin);
   }
 }
 
-std::size_t read_untabled(const Source& source, std::size_t begin, Layers wanted, const RecordSink& sink) {
+/// Runs `work` with the sink; where damage is left out, first without, so that none of a damaged chunk is handed over.
+template <class Work>
+bool hand_over_whole(Losses& losses, std::uint64_t points, const RecordSink& sink, const Work& work) {
+  if (losses.leaves_out()) {
+    try {
+      work([](std::string_view, std::size_t) {});
+    } catch (const Damage& damage) {
+      losses.add(damage, points);
+      return false;
+    }
+    losses.whole_chunk();
+  }
+  work(sink);
+  return true;
+}
+
+std::size_t read_untabled(const Source& source, std::size_t begin, Layers wanted, Losses& losses,
+                          const RecordSink& sink) {
   const std::size_t record_size = source.packing.record_size;
   std::size_t number = 0;
   for (std::uint64_t left = source.points; left > 0; ++number) {
     const Chunk chunk{begin, source.file.size() - begin, std::min<std::uint64_t>(left, source.packing.chunk_points)};
-    in_chunk(number, 0, [&] {
-      const std::string_view bytes = source.file.substr(begin);
-      if (source.packing.compressor == Compressor::layered) {
-        LayeredChunk decoder = layered(source, bytes, chunk, wanted);
-        stream(decoder, chunk.points, record_size, begin, sink);
-        begin += decoder.size();
-      } else {
-        PointwiseChunk decoder(source.packing, bytes, begin);
-        stream(decoder, chunk.points, record_size, begin, sink);
-        decoder.check_not_cut();
-        begin += decoder.used();
-      }
+    std::size_t size = 0;
+    const bool whole = hand_over_whole(losses, left, sink, [&](const RecordSink& use) {
+      in_chunk(number, 0, [&] {
+        const std::string_view bytes = source.file.substr(begin);
+        if (source.packing.compressor == Compressor::layered) {
+          LayeredChunk decoder = layered(source, bytes, chunk, wanted);
+          stream(decoder, chunk.points, record_size, begin, use);
+          size = decoder.size();
+        } else {
+          PointwiseChunk decoder(source.packing, bytes, begin);
+          stream(decoder, chunk.points, record_size, begin, use);
+          decoder.check_not_cut();
+          size = decoder.used();
+        }
+      });
     });
+    if (!whole) return begin;  // nobody knows where the next one begins
+    begin += size;
     left -= chunk.points;
   }
   return begin;
 }
 
-}  // namespace
-
-Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink) {
-  Outcome outcome;
-  if (source.points == 0) return outcome;
-  if (source.packing.compressor == Compressor::pointwise) {
-    PointwiseChunk decoder(source.packing, source.file.substr(source.first_point), source.first_point);
-    stream(decoder, source.points, source.packing.record_size, source.first_point, sink);
-    decoder.check_not_cut();
-    outcome.end = source.first_point + decoder.used();
-    return outcome;
-  }
-  const ChunkTable table = read_chunk_table(source.file, source.first_point, source.points, source.packing);
-  if (table.untabled) {
-    outcome.warnings.push_back(table.why + "; the chunks were read one after another");
-    outcome.end = read_untabled(source, *table.untabled, wanted, sink);
-  } else {
-    read_chunks(source, table.chunks, wanted, pool, sink);
-  }
-  return outcome;
-}
-
-void read_chunks(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
-                 const RecordSink& sink) {
+void read_tabled(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
+                 Losses& losses, const RecordSink& sink) {
   std::vector<Buffer> buffers;
   const std::size_t side_by_side = pool.threads();
   for (std::size_t i = 0; i < chunks.size();) {
     if (chunks[i].points > kMostBuffered) {
-      in_chunk(i, chunks.size(), [&] {
-        with_decoder(source, chunks[i], wanted, [&](auto& decoder) {
-          stream(decoder, chunks[i].points, source.packing.record_size, chunks[i].begin, sink);
+      hand_over_whole(losses, chunks[i].points, sink, [&](const RecordSink& use) {
+        in_chunk(i, chunks.size(), [&] {
+          with_decoder(source, chunks[i], wanted, [&](auto& decoder) {
+            stream(decoder, chunks[i].points, source.packing.record_size, chunks[i].begin, use);
+          });
         });
       });
       ++i;
@@ -187,9 +224,51 @@ void read_chunks(const Source& source, const std::vector<Chunk>& chunks, Layers 
          ++end) {
       points += chunks[end].points;
     }
-    read_side_by_side(source, chunks, i, end, wanted, pool, buffers, sink);
+    read_side_by_side(source, chunks, i, end, wanted, pool, buffers, losses, sink);
     i = end;
   }
+}
+
+/// The table; where damage is left out and chunks have one number of points, they need none.
+ChunkTable find_chunks(const Source& source, const Losses& losses) {
+  try {
+    return read_chunk_table(source.file, source.first_point, source.points, source.packing);
+  } catch (const Damage& damage) {
+    constexpr std::size_t kPlaceOfTable = 8;
+    const std::size_t begin = source.first_point + kPlaceOfTable;
+    if (!losses.leaves_out() || source.packing.chunk_points == 0 || begin > source.file.size()) throw;
+    return {{}, begin, damage.what + ", at byte " + std::to_string(damage.byte)};
+  }
+}
+
+}  // namespace
+
+Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink, Damaged damaged) {
+  Outcome outcome;
+  if (source.points == 0) return outcome;
+  if (source.packing.compressor == Compressor::pointwise) {
+    PointwiseChunk decoder(source.packing, source.file.substr(source.first_point), source.first_point);
+    stream(decoder, source.points, source.packing.record_size, source.first_point, sink);
+    decoder.check_not_cut();
+    outcome.end = source.first_point + decoder.used();
+    return outcome;
+  }
+  Losses losses(damaged);
+  const ChunkTable table = find_chunks(source, losses);
+  if (table.untabled) {
+    outcome.warnings.push_back(table.why + "; the chunks were read one after another");
+    outcome.end = read_untabled(source, *table.untabled, wanted, losses, sink);
+  } else {
+    read_tabled(source, table.chunks, wanted, pool, losses, sink);
+  }
+  losses.warn(outcome.warnings);
+  return outcome;
+}
+
+void read_chunks(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
+                 const RecordSink& sink) {
+  Losses losses(Damaged::refused);
+  read_tabled(source, chunks, wanted, pool, losses, sink);
 }
 
 Layers layers_at(const Packing& packing, std::size_t begin, std::size_t end) {

@@ -23,15 +23,23 @@ struct Source {
 /// Takes whole records, in the file's order and on the caller's thread. `place`: bytes of the file before it are done.
 using RecordSink = std::function<void(std::string_view records, std::size_t place)>;
 
+/// What becomes of a chunk that is damaged.
+enum class Damaged : std::uint8_t {
+  refused,  ///< Damage is thrown
+  left_out  ///< with all its points; what is whole is kept
+};
+
 struct Outcome {
-  std::vector<std::string> warnings;  ///< of what is odd and does no harm
+  std::vector<std::string> warnings;  ///< of what is odd and does no harm, and of what is left out
   std::size_t end = 0;                ///< behind the last byte that was read; 0: unknown
 };
 
 /// Decodes chunks in parallel. Layers that are not wanted keep the values of their chunk's first point (compressor 3;
 /// the others have but one stream). Memory: for each thread one chunk of up to 2^18 points, larger ones in blocks.
-/// Throws Damage with the chunk's number; records before it have been handed over.
-Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink);
+/// Throws Damage with the chunk's number; records before it have been handed over. Where damaged chunks are left out,
+/// only when there is no whole one, or no chunk to be told.
+Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink,
+                    Damaged damaged = Damaged::refused);
 
 /// The same for some of the chunks, which are in the file's order.
 void read_chunks(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
