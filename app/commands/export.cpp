@@ -61,14 +61,17 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
     std::string scene;
     std::string file;
     bool nodes = false;
+    bool haptics = false;
     pipeline::ReplicaOptions replica;
     bool no_braille = false;
   };
   auto arguments = std::make_shared<Arguments>();
   Command command = app.add_subcommand("export", "Write a scene as mesh, points or heights in the scan's own frame");
   command.add_option("scene", arguments->scene, "scene folder").required();
-  command.add_option("--to", arguments->file, "FILE.ply, .obj, .xyz, .tif or .png; .stl or .3mf: a replica").required();
+  command.add_option("--to", arguments->file, "FILE.ply, .obj, .xyz, .glb, .tif or .png; .stl or .3mf: a replica")
+      .required();
   command.add_flag("--nodes", arguments->nodes, "points of measured nodes only (ply, obj, xyz)");
+  command.add_flag("--haptics", arguments->haptics, "stiffness, friction and texture as maps in the file (glb)");
   const char* const group = "Replica (.stl, .3mf)";
   std::vector<Option> of_replica = {
       command.add_option("--size-mm", arguments->replica.longest_mm, "longer side of the relief").shows_default(),
@@ -82,6 +85,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
     run = [arguments, of_replica, &common] {
       if (pipeline::is_replica(arguments->file)) {
         if (arguments->nodes) throw usage_error("a replica has no separate nodes", ".ply, .obj or .xyz with --nodes");
+        if (arguments->haptics) throw usage_error("a replica has no maps of what is felt", ".glb with --haptics");
         arguments->replica.braille = !arguments->no_braille;
         return make_replica(arguments->scene, arguments->file, arguments->replica, common);
       }
@@ -89,12 +93,12 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
         if (option.given())
           throw usage_error(option.name() + " means nothing here", "--to FILE.stl or FILE.3mf with it");
       Terminal terminal(common);
-      pipeline::check_export(arguments->file, arguments->nodes);
+      pipeline::check_export(arguments->file, arguments->nodes, arguments->haptics);
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
                     arguments->scene);
       const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
       if (!arguments->nodes) warn_of_front_view(*scene, "export without --nodes", terminal.progress());
-      pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress());
+      pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress(), arguments->haptics);
       if (common.plain)
         print(written_sentences({arguments->file}));
       else

@@ -17,15 +17,20 @@ bool is_raster(const std::string& ending) { return ending == ".tif" || ending ==
 
 }  // namespace
 
-void check_export(const std::filesystem::path& file, bool nodes_only) {
+void check_export(const std::filesystem::path& file, bool nodes_only, bool haptics) {
   const std::string ending = ending_of(file);
-  if (!is_raster(ending) && ending != ".ply" && ending != ".obj" && ending != ".xyz") {
+  if (!is_raster(ending) && ending != ".ply" && ending != ".obj" && ending != ".xyz" && ending != ".glb") {
     throw Error(ErrorKind::usage, {file.string(), 0, 0}, "the ending names no export format",
-                "expected .ply, .obj, .xyz, .tif, .png, or .stl or .3mf for a replica");
+                "expected .ply, .obj, .xyz, .glb, .tif, .png, or .stl or .3mf for a replica");
   }
-  if (is_raster(ending) && nodes_only) {
-    throw Error(ErrorKind::usage, {file.string(), 0, 0}, "a raster has no separate nodes",
+  if ((is_raster(ending) || ending == ".glb") && nodes_only) {
+    throw Error(ErrorKind::usage, {file.string(), 0, 0},
+                ending == ".glb" ? "a GLB has no separate nodes" : "a raster has no separate nodes",
                 "expected .ply, .obj or .xyz with --nodes");
+  }
+  if (haptics && ending != ".glb") {
+    throw Error(ErrorKind::usage, {file.string(), 0, 0}, "only a GLB has maps of what is felt",
+                "expected .glb with --haptics");
   }
 }
 
@@ -36,8 +41,9 @@ std::filesystem::path world_file_of(const std::filesystem::path& file) {
   return beside.replace_extension(ending == ".png" ? ".pgw" : ".tfw");
 }
 
-void export_scene(const scene::Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress) {
-  check_export(file, nodes_only);
+void export_scene(const scene::Scene& scene, const std::filesystem::path& file, bool nodes_only, Progress& progress,
+                  bool haptics) {
+  check_export(file, nodes_only, haptics);
   const std::string ending = ending_of(file);
   const std::string shown = file.string();
   progress.begin("export");
@@ -51,6 +57,8 @@ void export_scene(const scene::Scene& scene, const std::filesystem::path& file, 
     export_obj(scene, to, shown, nodes_only, progress);
   } else if (ending == ".xyz") {
     export_xyz(scene, to, shown, nodes_only, progress);
+  } else if (ending == ".glb") {
+    export_glb(scene, to, shown, haptics, progress);
   } else if (ending == ".png") {
     export_png(scene, to, shown, progress);
   } else {

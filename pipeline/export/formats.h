@@ -17,6 +17,9 @@ void export_obj(const scene::Scene& scene, const std::filesystem::path& file, co
                 Progress& progress);
 void export_xyz(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress);
+/// `haptics`: with maps of what is felt, see glb_maps.h.
+void export_glb(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool haptics,
+                Progress& progress);
 void export_tif(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
                 Progress& progress);
 void export_png(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown,
