@@ -1,4 +1,4 @@
-// One job at a time; what comes of it is read from status().
+// Runs one job at a time on a worker thread; the window reads the outcome from status().
 #include "app/depth_scans.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// auto: a Falcon, else the pointer when there is a display, else an error; never the simulated hand.
+// `--device auto` takes a Falcon, else the pointer when there is a display, else it is an error; it never takes the
+// simulated hand.
 #include "app/device_choice.h"
 
 #include "app/tour.h"

@@ -1,4 +1,4 @@
-// What a run touches: its first scene, another one, a new depth scan.
+// The scenes that a run touches: its first one, another folder, or a new depth scan.
 #include <algorithm>
 #include <utility>
 

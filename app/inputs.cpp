@@ -1,4 +1,4 @@
-// Arguments to configurations and scenes.
+// Turns SCENE, CONFIG and SCAN arguments into configurations and scenes.
 #include "app/inputs.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Scan by scan through the pipeline's reader.
+// Reads one scan after the other with the reader of the pipeline.
 #include "app/point_reader.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Lengths, counts and the build's summary.
+// Formats lengths and counts, and the summary of a build.
 #include "app/results.h"
 #include "base/text.h"
 #include "scene/scene.h"

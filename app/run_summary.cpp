@@ -1,4 +1,4 @@
-// The session's summary as text and JSON.
+// Writes the session's summary as text and as JSON.
 #include "app/run_summary.h"
 
 #include <fmt/format.h>

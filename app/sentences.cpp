@@ -1,4 +1,4 @@
-// Whole words for units and signs, no columns, no value without its verb.
+// Units and signs are whole words here, there are no columns, and each value has its verb.
 #include "app/sentences.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Progress bar, messages, signals.
+// The progress bar, the messages and the signals of the terminal.
 #include "app/terminal.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// States into events at their times, events into notes.
+// Turns changes of State into events at their times, and events into notes.
 #include "audio/earcons.h"
 
 #include <algorithm>

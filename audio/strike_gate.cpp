@@ -1,4 +1,4 @@
-// Touches and slides into strikes.
+// Decides which touches and slides become strikes.
 #include "audio/strike_gate.h"
 
 #include <algorithm>

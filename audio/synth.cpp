@@ -1,4 +1,4 @@
-// Events into voices, voices into frames.
+// Turns contact events into voices, and mixes the voices into frames.
 #include "audio/synth.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Cameras to matrices.
+// Computes the view and projection matrices of cameras.
 #include "viewer/camera.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Turning, shifting and easing of the camera.
+// Turns, shifts and eases the camera.
 #include "viewer/orbit.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Samples in, a table out.
+// Collects samples of force, depth and speed, and writes them as a table.
 #include "viewer/strip.h"
 
 #include <algorithm>

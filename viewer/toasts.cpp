@@ -1,4 +1,4 @@
-// Which announcements are on the picture.
+// Chooses the announcements that are on the picture.
 #include "viewer/toasts.h"
 
 #include <algorithm>

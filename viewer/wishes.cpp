@@ -1,4 +1,4 @@
-// Actions to requests, and the way back.
+// Turns actions into requests to the session, and remembers windows so that a visitor can go back to them.
 #include "viewer/wishes.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Clip voices with click-free stealing.
+// Where too many clips sound, the quietest one fades out within 5 ms, so that no click is heard.
 #include "audio/clip/player.h"
 
 #include <algorithm>

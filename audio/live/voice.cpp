@@ -1,4 +1,4 @@
-// The callback's work.
+// The work of the sound card's callback.
 #include "audio/live/voice.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Onset, peaks, and each mode through time.
+// Finds the onset of the strike, the peaks of its spectrum, and each mode's decay through time.
 #include "audio/modal/fit.h"
 
 #include <algorithm>

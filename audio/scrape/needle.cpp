@@ -1,4 +1,4 @@
-// Path, height, drive, modes, level: in this order for every sample.
+// For every sample, in this order: path, height, drive, modes, level.
 #include "audio/scrape/needle.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Nodes of a level into heights along a path.
+// Interpolates the nodes of a level to heights along a path.
 #include "audio/scrape/profile.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Servo time into frames of a file.
+// Places what is heard at a servo time at the matching frame of the file.
 #include "audio/wav/sink.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Ranks of an even sample say what is a stray; all others count.
+// The ranks of coordinates in an even sample decide which points are strays; all other points count.
 #include "viewer/cloud/bounds.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Keys and mouse to orientation, crop and requests.
+// Turns keys and mouse into orientation, crop and requests.
 #include "viewer/cloud/controller.h"
 
 #include <algorithm>

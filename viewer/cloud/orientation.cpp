@@ -1,4 +1,4 @@
-// Rotations of the scan -> grid affine.
+// Rotations of the affine transform from the scan frame to the grid frame.
 #include "viewer/cloud/orientation.h"
 
 #include <array>

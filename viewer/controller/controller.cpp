@@ -1,4 +1,4 @@
-// One frame: state in, camera, hand and words out.
+// Computes one frame: reads the State, and sets camera, hand and words.
 #include "viewer/controller/controller.h"
 
 #include <algorithm>

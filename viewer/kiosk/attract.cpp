@@ -1,4 +1,4 @@
-// Time without a touch.
+// Counts the time in which nobody has touched the exhibit.
 #include "viewer/kiosk/attract.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Five lines that fit any window.
+// The five lines of help, which fit any window.
 #include "viewer/kiosk/help.h"
 
 #include <algorithm>

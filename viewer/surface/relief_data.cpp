@@ -1,4 +1,4 @@
-// Heights to slopes, sky light, curvature tone and masks.
+// Computes slopes, sky light, curvature tone and masks from heights.
 #include "viewer/surface/relief_data.h"
 
 #include <algorithm>

@@ -10,23 +10,24 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kHoverHeight_m = 0.03;  // first height above the device's origin, where the surface is
-constexpr double kLift_m = 0.025;        // above the last place that was touched
-constexpr double kApproach_m_per_s = 0.05;
-constexpr double kTravel_m_per_s = 0.15;       // in the air
-constexpr double kTouchForce_n = 0.15;         // a fingertip notices this
-constexpr double kForceGain_m_per_n_s = 0.02;  // intended depth per newton missing
-constexpr double kSearch_m_per_s = 0.08;       // downwards when the surface is lost
+// How the simulated person moves, and what each value amounts to.
+constexpr double kHoverHeight_m = 0.03;     // first height above the device's origin, where the surface is
+constexpr double kLift_m = 0.025;           // above the last place that was touched
+constexpr double kApproach_m_per_s = 0.05;  // 0.05 mm a tick: stone of 1 N/mm is noticed (kTouchForce_n) within three
+constexpr double kTravel_m_per_s = 0.15;    // in the air, where nothing is met: three times the approach
+constexpr double kTouchForce_n = 0.15;      // a fingertip notices this
+constexpr double kForceGain_m_per_n_s = 0.02;  // intended depth per newton missing: a whole newton takes 20 mm/s
+constexpr double kSearch_m_per_s = 0.08;       // downwards when the surface is lost: between approach and travel
 constexpr double kLateralLimit_n = 2.0;        // a wall: slow down and climb
-constexpr double kClimb_m_per_s = 0.04;
-constexpr double kLongestApproach_s = 2.0;
-constexpr double kDeepest_m = -0.2;  // nobody reaches through the table
-constexpr double kStrike_m_per_s = 0.3;
-constexpr double kStruckForce_n = 0.4;
-constexpr double kLongestStrike_s = 0.4;
-constexpr double kTourStroke_s = 2.6;
-constexpr double kTourStrokeForce_n = 1.2;
-constexpr double kButton_s = 0.1;
+constexpr double kClimb_m_per_s = 0.04;        // up a wall: half the search
+constexpr double kLongestApproach_s = 2.0;     // 10 cm at kApproach_m_per_s: no surface is there
+constexpr double kDeepest_m = -0.2;            // nobody reaches through the table
+constexpr double kStrike_m_per_s = 0.3;        // a knock: six times the approach
+constexpr double kStruckForce_n = 0.4;      // the knock has met stone: above a touch, below the least press of a stroke
+constexpr double kLongestStrike_s = 0.4;    // 12 cm at kStrike_m_per_s: past any surface below the hover
+constexpr double kTourStroke_s = 2.6;       // one stroke and four strikes fit a run of 10 s
+constexpr double kTourStrokeForce_n = 1.2;  // within the 0.6 to 2 N of other strokes
+constexpr double kButton_s = 0.1;           // a click, much shorter than a hold
 
 }  // namespace
 
