@@ -15,6 +15,7 @@ using namespace std::string_view_literals;
 
 constexpr const char* kUnpack = "unpack it, and give the scan that is in it";
 constexpr const char* kExportMesh = "export it from a program that opens it as PLY, OBJ or STL";
+constexpr const char* kExportGlb = "export it as GLB, from the program that wrote it or one that opens it";
 constexpr const char* kExportPoints = "export it from the program that wrote it as E57, LAS, PLY or XYZ text";
 constexpr const char* kSplatRemedy =
     "save them uncompressed, as a PLY with x, y, z and opacity (the 'standard' or 'uncompressed' PLY of splat editors)";
@@ -132,8 +133,8 @@ constexpr Kind kKinds[] = {
            "a binary OFF mesh", "save it as OFF in text, or as PLY, OBJ or STL"),
     text("$meshformat", "a Gmsh mesh", kExportMesh),
     text("meshversionformatted", "a Medit mesh", kExportMesh),
-    text("#usda", "a USD scene", kExportMesh),
-    marked("PXR-USDC"sv, "a USD scene", kExportMesh),
+    text("#usda", "a USD scene", kExportGlb),
+    marked("PXR-USDC"sv, "a USD scene", kExportGlb),
     marked("Kaydara FBX Binary"sv, "an FBX model", kExportMesh),
     text("; fbx", "an FBX model", kExportMesh),
     marked("BLENDER"sv, "a Blender file", kExportMesh),
@@ -151,8 +152,6 @@ constexpr Kind kKinds[] = {
     // Clouds of other programs, and splats.
     tested([](const ScanFile& f) { return is_colmap_images(f.bytes); }, "COLMAP's list of pictures (images.txt)",
            "give its points3D.txt, or the fused.ply of its dense cloud"),
-    tested([](const ScanFile& f) { return is_colmap_points(f.bytes); }, "COLMAP's points in binary (points3D.bin)",
-           "write them as text or PLY ('colmap model_converter --output_type TXT')"),
     text("# camera list with one line", "COLMAP's list of cameras (cameras.txt)",
          "give its points3D.txt, or the fused.ply of its dense cloud"),
     text("# bundle file v", "a Bundler reconstruction", "export its points as PLY"),
@@ -208,7 +207,7 @@ constexpr Kind kKinds[] = {
            "export it as STL, OBJ or PLY"),
     tested([](const ScanFile& f) { return zip_holds(f, "doc.kml"); }, "a KMZ map", kExportPoints),
     tested([](const ScanFile& f) { return zip_holds(f, ".usdc") || zip_holds(f, ".usda"); }, "a USDZ scene",
-           kExportMesh),
+           kExportGlb),
     tested([](const ScanFile& f) { return zip_holds(f, ".npy"); }, "an archive of NumPy arrays",
            "save the points as text ('numpy.savetxt') or PLY"),
     marked("\x93NUMPY"sv, "a NumPy array", "save the points as text ('numpy.savetxt') or PLY"),

@@ -120,27 +120,6 @@ bool is_colmap_images(std::string_view text) {
          line.find('.') != std::string_view::npos;
 }
 
-bool is_colmap_points(std::string_view bytes) {
-  constexpr std::uint64_t kRecord = 51;  // with the length of its track
-  constexpr std::uint64_t kLooked = 64;
-  if (bytes.size() < 8 + kRecord) return false;
-  const auto count = load<std::uint64_t>(bytes.data());
-  if (count == 0 || count > bytes.size() / kRecord) return false;
-  std::size_t at = 8;
-  for (std::uint64_t k = 0; k < std::min(count, kLooked); ++k) {
-    if (bytes.size() - at < kRecord) return false;
-    for (const std::size_t place : {8U, 16U, 24U, 35U}) {
-      const auto value = load<double>(bytes.data() + at + place);
-      if (!std::isfinite(value) || std::abs(value) > 1e9) return false;
-    }
-    const auto track = load<std::uint64_t>(bytes.data() + at + 43);
-    at += kRecord;
-    if (track > (bytes.size() - at) / 8) return false;
-    at += static_cast<std::size_t>(track) * 8;
-  }
-  return count > kLooked || at == bytes.size();
-}
-
 bool is_3ds(std::string_view bytes) {
   constexpr std::size_t kHeader = 6;
   if (bytes.size() < 2 * kHeader || !bytes.starts_with("MM")) return false;

@@ -19,8 +19,6 @@ namespace sparsha::pipeline {
 /// Two lines a picture, the first with a number, a unit quaternion, three numbers, a number and a name: COLMAP's
 /// images.txt.
 [[nodiscard]] bool is_colmap_images(std::string_view text);
-/// A count, then as many records of 43 bytes and their tracks: COLMAP's points3D.bin, as far as its first records tell.
-[[nodiscard]] bool is_colmap_points(std::string_view bytes);
 /// A chunk 4D4D as long as the file, with a version or a mesh editor's chunk in it: 3DS.
 [[nodiscard]] bool is_3ds(std::string_view bytes);
 /// A list or an object of JSON, as far as its first characters tell.

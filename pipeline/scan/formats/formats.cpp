@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pipeline/scan/formats/colmap.h"
 #include "pipeline/scan/formats/e57/e57.h"
 #include "pipeline/scan/formats/gltf/gltf.h"
 #include "pipeline/scan/formats/grid/esri.h"
@@ -109,6 +110,7 @@ constexpr std::array kFormats = {
            .read = read_pcd,
            .missing = "lines such as 'FIELDS x y z'; plain columns of numbers should end in .xyz",
            .quick_to_stream = is_binary_pcd},
+    Format{.name = "COLMAP", .endings = {"bin"}, .is = is_colmap, .read = read_colmap},
     Format{.name = "splat", .endings = {"splat"}, .is = is_splat, .read = read_splat},
     Format{.name = "ESRI",
            .endings = {"asc", "grd"},

@@ -231,17 +231,6 @@ TEST(ForeignFiles, OtherFilesOfReconstructionsAreNamed) {
                "COLMAP's list of cameras", true);
   expect_named("# Bundle file v0.3\n2 3\n500 0 0\n1 0 0\n0 1 0\n0 0 1\n", "a Bundler reconstruction", true);
   expect_named("NVM_V3\n\n2\nimg1.jpg 2000 1 0 0 0 0 0 0 0 0\n", "a VisualSFM reconstruction", true);
-  std::string points;
-  put(points, std::uint64_t{3});
-  for (std::uint64_t k = 0; k < 3; ++k) {
-    put(points, k + 1);
-    for (const double value : {0.1, 0.2, 0.3}) put(points, value);
-    points += "\x10\x20\x30";
-    put(points, 0.5);
-    put(points, k);  // of its track
-    for (std::uint64_t seen = 0; seen < k; ++seen) put(points, seen);
-  }
-  expect_named(points, "COLMAP's points in binary");
 }
 
 }  // namespace
