@@ -203,8 +203,6 @@ constexpr Kind kKinds[] = {
            "give the scan, not the text about it"),
     tested([](const ScanFile& f) { return zip_holds(f, "ppt/"); }, "a PowerPoint presentation",
            "give the scan, not the text about it"),
-    tested([](const ScanFile& f) { return zip_holds(f, "3D/3dmodel.model"); }, "a 3MF model",
-           "export it as STL, OBJ or PLY"),
     tested([](const ScanFile& f) { return zip_holds(f, "doc.kml"); }, "a KMZ map", kExportPoints),
     tested([](const ScanFile& f) { return zip_holds(f, ".usdc") || zip_holds(f, ".usda"); }, "a USDZ scene",
            kExportGlb),

@@ -7,7 +7,8 @@ namespace sparsha::pipeline {
 
 /// The formats that can be read, for messages.
 inline constexpr const char* kKnownFormats =
-    "PLY, PCD, OBJ, OFF, STL, XYZ, TXT, ASC, CSV, PTS, PTX, LAS, LAZ, E57, glTF, GLB, splat, SPZ, COLMAP, or an ESRI "
+    "PLY, PCD, OBJ, OFF, STL, XYZ, TXT, ASC, CSV, PTS, PTX, LAS, LAZ, E57, glTF, GLB, splat, SPZ, COLMAP, 3MF, or an "
+    "ESRI "
     "or Surfer "
     "grid in "
     "text";

@@ -21,9 +21,9 @@ void mend_checksums(std::string& bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static constexpr std::array<const char*, 19> kNames{"s.ply", "s.pcd", "s.obj",   "s.off", "s.stl", "s.xyz", "s.csv",
+  static constexpr std::array<const char*, 20> kNames{"s.ply", "s.pcd", "s.obj",   "s.off", "s.stl", "s.xyz", "s.csv",
                                                       "s.pts", "s.ptx", "s.las",   "s.e57", "s.asc", "s.glb", "s.gltf",
-                                                      "s.laz", "s.grd", "s.splat", "s.spz", "s.bin"};
+                                                      "s.laz", "s.grd", "s.splat", "s.spz", "s.bin", "s.3mf"};
   if (size == 0) return 0;
   std::string bytes(reinterpret_cast<const char*>(data), size);
   if (bytes.rfind("ASTM-E57", 0) == 0) mend_checksums(bytes);

@@ -18,6 +18,7 @@
 #include "pipeline/scan/formats/splat/spz.h"
 #include "pipeline/scan/formats/stl.h"
 #include "pipeline/scan/formats/text/xyz.h"
+#include "pipeline/scan/formats/threemf/threemf.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -70,6 +71,14 @@ constexpr std::array kFormats = {
            .is = is_gltf,
            .read = read_gltf,
            .missing = "the signature 'glTF'",
+           .may_hold_faces = always},
+    Format{.name = "3MF",
+           .endings = {"3mf"},
+           .told = kSignature,
+           .is = is_3mf,
+           .read = read_3mf,
+           .z_up = true,
+           .missing = "a zip package",
            .may_hold_faces = always},
     Format{.name = "SPZ",
            .endings = {"spz"},

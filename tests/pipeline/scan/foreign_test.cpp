@@ -108,7 +108,6 @@ TEST(ForeignFiles, DocumentsArchivesAndPicturesAreNamed) {
   expect_named(zip("scan.ply"), "a zip archive");
   expect_named(zip("[Content_Types].xml") + zip("xl/workbook.xml"), "an Excel workbook");
   expect_named(zip("word/document.xml"), "a Word document");
-  expect_named(zip("3D/3dmodel.model"), "a 3MF model");
   expect_named(zip("meta.json") + zip("means_l.webp"), "(SOG)");
   expect_named(zip("arr_0.npy"), "an archive of NumPy arrays");
   expect_named("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1\0\0"sv, "an older Office program");

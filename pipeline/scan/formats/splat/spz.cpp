@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/scan/formats/splat/inflate.h"
 #include "pipeline/scan/formats/splat/splats.h"
+#include "pipeline/scan/inflate.h"
 #include "pipeline/scan/scalar.h"
 
 namespace sparsha::pipeline {
@@ -69,14 +69,15 @@ std::uint8_t channel(std::uint8_t stored) {
 
 bool is_spz(const ScanFile& file) {
   if (file.bytes.starts_with(kMagic) && file.bytes.find('\0') < kHeader) return true;
-  return file.bytes.starts_with("\x1F\x8B") && GzipReader(file.bytes).read(kMagic.size()) == kMagic;
+  return file.bytes.starts_with("\x1F\x8B") &&
+         Inflater(file.bytes, Inflater::Wrapping::gzip).read(kMagic.size()) == kMagic;
 }
 
 void read_spz(const ScanFile& file, ScanWriter& out) {
   if (file.bytes.starts_with(kMagic)) {
     throw file.error("SPZ of version 4 or without its gzip stream", "SPZ of version 1 to 3, or the splats as PLY");
   }
-  GzipReader in(file.bytes);
+  Inflater in(file.bytes, Inflater::Wrapping::gzip);
   const auto next = [&](std::size_t size, const char* what) {
     std::string bytes = in.read(size);
     if (bytes.size() < size) {

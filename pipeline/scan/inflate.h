@@ -1,4 +1,4 @@
-// Bytes of a gzip stream, in order and never more than are asked for.
+// Bytes of a stream that zlib unpacks, in order and never more than are asked for.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,18 @@
 
 namespace sparsha::pipeline {
 
-class GzipReader {
+class Inflater {
  public:
-  explicit GzipReader(std::string_view packed);
-  ~GzipReader();
-  GzipReader(const GzipReader&) = delete;
-  GzipReader& operator=(const GzipReader&) = delete;
+  enum class Wrapping { gzip, none };
+
+  Inflater(std::string_view packed, Wrapping wrapping);
+  ~Inflater();
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
 
   /// The next `size` bytes; fewer where the stream ends, is cut or damaged. Memory grows with what is there.
   [[nodiscard]] std::string read(std::size_t size);
-  /// Whether the stream ended where the bytes did, with the right checksum.
+  /// Whether the stream has ended, with the right checksum where it has one.
   [[nodiscard]] bool whole();
 
  private:

@@ -1,4 +1,4 @@
-#include "pipeline/scan/formats/splat/inflate.h"
+#include "pipeline/scan/inflate.h"
 
 #include <zlib.h>
 
@@ -9,7 +9,7 @@
 
 namespace sparsha::pipeline {
 
-struct GzipReader::Stream {
+struct Inflater::Stream {
   z_stream z{};
   std::string_view left;
   bool ended = false, damaged = false;
@@ -35,15 +35,16 @@ struct GzipReader::Stream {
   }
 };
 
-GzipReader::GzipReader(std::string_view packed) : stream_(std::make_unique<Stream>()) {
+Inflater::Inflater(std::string_view packed, Wrapping wrapping) : stream_(std::make_unique<Stream>()) {
   stream_->left = packed;
-  constexpr int kGzipOnly = 16 + MAX_WBITS;
-  if (inflateInit2(&stream_->z, kGzipOnly) != Z_OK) throw std::runtime_error("zlib cannot be used");
+  constexpr int kGzipOnly = 16 + MAX_WBITS, kRaw = -MAX_WBITS;
+  if (inflateInit2(&stream_->z, wrapping == Wrapping::gzip ? kGzipOnly : kRaw) != Z_OK)
+    throw std::runtime_error("zlib cannot be used");
 }
 
-GzipReader::~GzipReader() { inflateEnd(&stream_->z); }
+Inflater::~Inflater() { inflateEnd(&stream_->z); }
 
-std::string GzipReader::read(std::size_t size) {
+std::string Inflater::read(std::size_t size) {
   std::string bytes;
   std::array<char, 1 << 16> block;
   while (bytes.size() < size) {
@@ -54,7 +55,7 @@ std::string GzipReader::read(std::size_t size) {
   return bytes;
 }
 
-bool GzipReader::whole() {
+bool Inflater::whole() {
   char more = 0;
   return stream_->inflate_to(&more, 1) == 0 && stream_->ended;
 }
