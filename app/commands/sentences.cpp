@@ -178,6 +178,12 @@ std::string trace_sentences(const haptics::TraceSummary& s, const std::string& f
   text += fmt::format("In {} the proxy was below the surface, in {} it was not a number, and {} unfinished.\n",
                       counted(s.below_surface, "update", "updates"), s.not_a_number,
                       s.unfinished == 1 ? "1 was" : fmt::format("{} were", s.unfinished));
+  if (s.around)
+    text += fmt::format(
+        "The proxy touched {} of {} sheets of the whole object, went over to another sheet {}, of these {} "
+        "across an edge, and was let go {} where the surface ends.\n",
+        s.around->touched, s.around->sheets, counted(s.around->hand_overs + s.around->edges, "time", "times"),
+        s.around->edges, counted(s.around->releases, "time", "times"));
   return text + written_sentences({file});
 }
 

@@ -3,10 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
@@ -15,6 +17,7 @@
 #include "app/terminal.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "haptics/replay/around_trace.h"
 #include "haptics/replay/replay_trace.h"
 #include "haptics/replay/trace.h"
 #include "haptics/window/surface.h"
@@ -92,22 +95,63 @@ void to_grid_frame(std::vector<haptics::HipSample>& path, const Arguments& argum
   }
 }
 
+/// Coefficients of a whole object: where the curvature is not known, the law says mu_0.
+haptics::AroundFriction around_friction(const scene::SceneDescription& scene, const Arguments& arguments) {
+  if (!scene.config.friction || arguments.no_friction) return {};
+  const scene::FrictionConfig& friction = *scene.config.friction;
+  const double mu_dynamic = std::clamp(friction.mu_0, 0.0, friction.mu_max);
+  return {mu_dynamic, std::max(friction.mu_static, mu_dynamic)};
+}
+
+bool traces_whole_object(const scene::Scene& scene, const Arguments& arguments) {
+  return arguments.frame == "scan" && !arguments.live && scene.description().charts != nullptr;
+}
+
+haptics::TraceResult trace_whole_object(const scene::Scene& scene, const Arguments& arguments,
+                                        const scene::HapticsConfig& haptics, const haptics::SolverOptions& options) {
+  const auto refuse = [](const char* what) {
+    throw usage_error(std::string(what) + " of a whole object", "without it, or --frame grid for the front view");
+  };
+  if (haptics.solver == scene::HapticsConfig::Solver::paper) refuse("--solver paper");
+  if (arguments.level >= 0 || !arguments.centre.empty()) refuse("a window (--level, --centre)");
+  if (arguments.tip_radius_mm > 0.0) refuse("--tip-radius-mm");
+  if (arguments.no_texture) refuse("--no-texture");
+  const auto object =
+      haptics::make_object_surface(*scene.description().charts, around_friction(scene.description(), arguments));
+  return haptics::trace_around(*object, haptics::read_hip_path(arguments.hip), scene.description().scan_from_grid,
+                               haptics, options);
+}
+
 nlohmann::ordered_json summary_json(const haptics::TraceSummary& s) {
-  return {{"updates", s.updates},
-          {"contacts", s.contacts},
-          {"ns",
-           {{"p50", s.ns_p50},
-            {"p99", s.ns_p99},
-            {"p999", s.ns_p999},
-            {"max", s.ns_max},
-            {"mean", s.ns_mean},
-            {"timer_overhead", s.timer_overhead_ns}}},
-          {"residual_cells", {{"p99", s.residual_cells_p99}, {"max", s.residual_cells_max}}},
-          {"below_surface", s.below_surface},
-          {"not_a_number", s.not_a_number},
-          {"unfinished", s.unfinished},
-          {"path",
-           {{"not_a_number", s.path.not_a_number}, {"same_time", s.path.same_time}, {"backwards", s.path.backwards}}}};
+  nlohmann::ordered_json json{
+      {"updates", s.updates},
+      {"contacts", s.contacts},
+      {"ns",
+       {{"p50", s.ns_p50},
+        {"p99", s.ns_p99},
+        {"p999", s.ns_p999},
+        {"max", s.ns_max},
+        {"mean", s.ns_mean},
+        {"timer_overhead", s.timer_overhead_ns}}},
+      {"residual_cells", {{"p99", s.residual_cells_p99}, {"max", s.residual_cells_max}}},
+      {"below_surface", s.below_surface},
+      {"not_a_number", s.not_a_number},
+      {"unfinished", s.unfinished},
+      {"path",
+       {{"not_a_number", s.path.not_a_number}, {"same_time", s.path.same_time}, {"backwards", s.path.backwards}}}};
+  if (s.around)
+    json["around"] = {{"sheets", s.around->sheets},
+                      {"touched", s.around->touched},
+                      {"hand_overs", s.around->hand_overs},
+                      {"edges", s.around->edges},
+                      {"releases", s.around->releases}};
+  return json;
+}
+
+std::string around_line(const haptics::TraceSummary& s) {
+  if (!s.around) return {};
+  return fmt::format("sheets    {} of {} touched, {} hand-overs, {} across edges, {} releases\n", s.around->touched,
+                     s.around->sheets, s.around->hand_overs, s.around->edges, s.around->releases);
 }
 
 /// What the scene itself gives the trace that is no height, though its mask calls it known; empty without such nodes.
@@ -143,7 +187,8 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.live) kept = kept_scenes_of(recording.emplace(arguments.hip), common, terminal);
   const scene::ScenePointer scene =
       kept ? kept->first() : scene_from({arguments.scene}, common.trusted(), terminal.progress());
-  warn_of_front_view(*scene, "trace", terminal.progress());
+  const bool around = traces_whole_object(*scene, arguments);
+  if (!around) warn_of_front_view(*scene, "trace", terminal.progress());
   scene::HapticsConfig haptics = scene->description().config.haptics;
   if (arguments.solver == "exact") haptics.solver = scene::HapticsConfig::Solver::exact;
   if (arguments.solver == "paper") haptics.solver = scene::HapticsConfig::Solver::paper;
@@ -153,9 +198,11 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.creases == "rounded") options.shape = haptics::CellShape::rounded;
   const haptics::TraceResult result =
       recording ? trace_recording(kept.value_or(haptics::RecordedScenes(scene)), *recording, haptics, options)
+      : around  ? trace_whole_object(*scene, arguments, haptics, options)
                 : trace_path(*scene, arguments, haptics, options);
   haptics::write_trace(arguments.out, result);
-  if (const std::string doubt = doubt_of_heights(*scene, std::max(arguments.level, 0)); !doubt.empty())
+  if (const std::string doubt = around ? std::string() : doubt_of_heights(*scene, std::max(arguments.level, 0));
+      !doubt.empty())
     terminal.progress().warn(doubt);
   for (const std::string& doubt : haptics::sentences(result.summary.path)) terminal.progress().warn(doubt);
   const haptics::TraceSummary& s = result.summary;
@@ -165,10 +212,10 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
                                      "time      {:.0f} ns median, {:.0f} ns 99 %, {:.0f} ns at most\n"
                                      "residual  {:.2g} cells 99 %, {:.2g} at most\n"
                                      "trouble   {} below the surface, {} not a number, {} unfinished\n"
-                                     "trace     {}\n",
+                                     "{}trace     {}\n",
                                      count_text(s.updates), count_text(s.contacts), s.ns_p50, s.ns_p99, s.ns_max,
                                      s.residual_cells_p99, s.residual_cells_max, s.below_surface, s.not_a_number,
-                                     s.unfinished, arguments.out));
+                                     s.unfinished, around_line(s), arguments.out));
   return 0;
 }
 

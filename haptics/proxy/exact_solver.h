@@ -22,7 +22,11 @@ template <class Surface, bool kFriction>
 class ExactSolver {
  public:
   ExactSolver(const Surface& surface, const CellVector& hip, const SolverOptions& options) noexcept
-      : surface_(surface), hip_(hip), tolerance_(options.tolerance_cells), limit_(options.segment_limit) {}
+      : surface_(surface),
+        hip_(hip),
+        tolerance_(options.tolerance_cells),
+        limit_(options.segment_limit),
+        flies_(options.flies) {}
 
   /// Puts `p` on the surface or into the air, where the state's contact no longer holds, and moves it to rest.
   void settle_and_solve(CellPoint& p, bool& contact, bool& sticking) noexcept {
@@ -62,6 +66,7 @@ class ExactSolver {
     CellPoint from = p;
     while (course_.segments < limit_) {
       if (!contact) {
+        if (!flies_) break;
         if (!fly(p, contact)) return;
         landed = contact;
         course_.sticking = kFriction && contact;
@@ -133,7 +138,7 @@ class ExactSolver {
     } else {
       if (!surface_.is_deep(p.i, p.j)) return false;
       SmoothPath<kFriction, Surface::kBasis> path(surface_, hip_, tolerance_, p, course_);
-      return path.follow(place_);
+      return path.follow(limit_, place_);
     }
   }
 
@@ -349,6 +354,7 @@ class ExactSolver {
   CellVector hip_;
   double tolerance_;
   int limit_;
+  bool flies_;
   SolverState course_;
   bool leaving_ = false;
   bool unfinished_ = false;

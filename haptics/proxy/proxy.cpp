@@ -65,7 +65,7 @@ ProxyUpdate update_smooth(const MongeSurface& monge, double cells_per_m, const E
   course.may_stick_again = kFriction && !state.sticking;
   RestPlace place;
   SmoothPath<kFriction, kBasis> path(surface, hip, options.tolerance_cells, p, course);
-  if (path.follow(place)) return report_rest<kFriction>(monge, surface, p, place, course, state);
+  if (path.follow(options.segment_limit, place)) return report_rest<kFriction>(monge, surface, p, place, course, state);
   // From where the tick began: the general steps take its decisions themselves.
   return solve<kFriction, BicubicSurface<kBasis>>(monge, hip_m, state, options);
 }

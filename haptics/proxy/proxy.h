@@ -73,6 +73,8 @@ struct SolverOptions {
   double paper_rho = 0.5;                 ///< the paper's solver: step factor
   int paper_iterations = 100;             ///< and iterations per tick
   CellShape shape = CellShape::bilinear;  ///< the exact solver's; the paper's is bilinear always
+  /// The exact solver's: where false, a proxy that leaves the surface stays where it does, free and unfinished.
+  bool flies = true;
 };
 
 /// Height of the surface that the exact solver touches at local (x, y).

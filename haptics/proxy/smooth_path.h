@@ -26,13 +26,13 @@ class SmoothPath {
     j_ = p.j;
   }
 
-  /// False also where p is not on this surface.
-  [[nodiscard]] SPARSHA_HOT bool follow(RestPlace& place) noexcept {
+  /// At most `limit` steps of half a cell. False also where p is not on this surface.
+  [[nodiscard]] SPARSHA_HOT bool follow(int limit, RestPlace& place) noexcept {
     constexpr double kSame = 64.0 * std::numeric_limits<double>::epsilon();
     Look here;
     if (!look(p_, here) || !(std::abs(here.p.z - p_.z) <= kSame * (1.0 + std::abs(p_.z)))) return false;
     bool resting = false;
-    for (int k = 0; k < kMostSteps && here.press >= 0.0; ++k) {
+    for (int k = std::min(kMostSteps, limit); k > 0 && here.press >= 0.0; --k) {
       if (is_at_rest(here)) {
         resting = true;
         break;

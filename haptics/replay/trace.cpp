@@ -76,18 +76,22 @@ TraceRecorder::TraceRecorder(std::size_t rows) {
 
 void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found,
                         const Eigen::Vector3d& hip_local_m, CellShape shape) {
+  add(row, found.unfinished);
+  if (!row.contact) return;
+  const RestResidual residual = rest_residual(surface, found, hip_local_m, shape);
+  residuals_.push_back(residual.excess_cells);
+  if (residual.below_cells > 0.0) ++result_.summary.below_surface;
+}
+
+void TraceRecorder::add(TraceRow row, bool unfinished) {
   TraceSummary& summary = result_.summary;
   ++summary.updates;
   row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
   result_.rows.push_back(row);
   doubt(row);
   if (!row.proxy_m.allFinite() || !row.force_n.allFinite()) ++summary.not_a_number;
-  if (found.unfinished) ++summary.unfinished;
-  if (!row.contact) return;
-  ++summary.contacts;
-  const RestResidual residual = rest_residual(surface, found, hip_local_m, shape);
-  residuals_.push_back(residual.excess_cells);
-  if (residual.below_cells > 0.0) ++summary.below_surface;
+  if (unfinished) ++summary.unfinished;
+  if (row.contact) ++summary.contacts;
 }
 
 void TraceRecorder::doubt(const TraceRow& row) {
@@ -149,7 +153,8 @@ TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& pat
 
 void write_trace(const std::filesystem::path& file, const TraceResult& result) {
   std::string text =
-      "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,level,tick_ns\n";
+      "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,level,tick_ns";
+  text += result.summary.around ? ",sheet\n" : "\n";
   for (const TraceRow& row : result.rows) {
     csv::append(text, row.t_s);
     for (const Eigen::Vector3d* v : {&row.hip_m, &row.proxy_m, &row.force_n})
@@ -157,6 +162,7 @@ void write_trace(const std::filesystem::path& file, const TraceResult& result) {
     csv::append(text, std::int64_t{row.contact});
     csv::append(text, std::int64_t{row.level});
     csv::append(text, row.tick_ns);
+    if (result.summary.around) csv::append(text, row.sheet);
     csv::end_row(text);
   }
   write_file(file, text);

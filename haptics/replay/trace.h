@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct TraceRow {
   bool contact = false;
   double tick_ns = 0.0;
   int level = 0;
+  std::int64_t sheet = -1;  ///< of a whole object, that the proxy lies on; -1: none
 };
 
 /// Rows of a path that say nothing, or nothing new, of where the hand was. All are rendered as they stand.
@@ -43,12 +45,22 @@ struct PathDoubts {
 /// One sentence for each kind of doubtful rows, with their count and the first; empty for a path without them.
 [[nodiscard]] std::vector<std::string> sentences(const PathDoubts& doubts);
 
+/// What a path on a whole object did besides.
+struct AroundSummary {
+  std::uint64_t sheets = 0;      ///< of the object
+  std::uint64_t touched = 0;     ///< of them, on which the proxy rested
+  std::uint64_t hand_overs = 0;  ///< from sheet to sheet of one surface
+  std::uint64_t edges = 0;       ///< across sharp edges
+  std::uint64_t releases = 0;    ///< the surface ended under the proxy
+};
+
 /// What `trace --json` prints.
 struct TraceSummary {
   std::uint64_t updates = 0, contacts = 0, below_surface = 0, not_a_number = 0, unfinished = 0;
   double ns_p50 = 0, ns_p99 = 0, ns_p999 = 0, ns_max = 0, ns_mean = 0, timer_overhead_ns = 0;
   double residual_cells_p99 = 0, residual_cells_max = 0;  ///< of rest condition (c), in cells
   PathDoubts path;
+  std::optional<AroundSummary> around;
 };
 
 struct TraceResult {
@@ -68,6 +80,8 @@ class TraceRecorder {
   /// `row.tick_ns` as measured; `found` on `surface` for the hand at `hip_local_m`.
   void add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found, const Eigen::Vector3d& hip_local_m,
            CellShape shape);
+  /// The same without a rest to be judged: the proxy is free, or in a crease between two surfaces.
+  void add(TraceRow row, bool unfinished);
   [[nodiscard]] TraceResult finish() &&;
 
  private:

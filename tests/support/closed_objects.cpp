@@ -102,6 +102,8 @@ class AnalyticObject : public ClosedObject {
     return std::nullopt;
   }
 
+  double distance_m(const Vector3d& place_m) const override { return distance_(view_.transpose() * place_m); }
+
  private:
   void find_bounds() {
     bounds_m_ = {1e300, 1e300, -1e300, -1e300};

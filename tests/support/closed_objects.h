@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <random>
@@ -30,6 +31,11 @@ class ClosedObject {
   [[nodiscard]] virtual SurfacePoint sample(std::mt19937_64& random) const = 0;
   /// Height of the surface that is seen first from +z; nothing outside the silhouette.
   [[nodiscard]] virtual std::optional<double> front_m(double x, double y) const = 0;
+  /// Signed distance to the surface, negative inside; further away than a few percent of the object it may be less than
+  /// the true one. NaN for meshes.
+  [[nodiscard]] virtual double distance_m(const Eigen::Vector3d& /*place_m*/) const {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   /// Bounds in x and y: {xmin, ymin, xmax, ymax}.
   [[nodiscard]] virtual std::array<double, 4> bounds_m() const = 0;
 };

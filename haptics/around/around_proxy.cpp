@@ -1,0 +1,288 @@
+#include "haptics/around/around_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kLeaveFacing = 0.5;         // below it the proxy looks for a sheet that faces it better
+constexpr double kEnterFacing = 0.58;        // which that one must
+constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees: the same surface
+constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface where a sheet ends
+constexpr double kSameGap = 0.5;             // cells between two sheets of one surface
+constexpr double kEndGap = 1.5;              // the same where a sheet ends
+constexpr double kEdgeGap = 3.0;             // cells: so far past an edge the proxy may have come
+constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
+constexpr int kMostTakeOffs = 8;             // a tick
+constexpr double kCreaseStep = 0.5;          // cells
+constexpr double kCreaseRest = 1e-7;         // cells
+constexpr int kLongRun = 16;                 // cells: the solver may divide the hand's way
+
+bool is_hand(const ObjectSurface& object, const Eigen::Vector3d& hip_m) noexcept {
+  constexpr double kFarthest = 1e12;  // cells, as for one surface
+  return hip_m.allFinite() && hip_m.cwiseAbs().maxCoeff() < kFarthest * object.spacing_m;
+}
+
+class Course {
+ public:
+  Course(const ObjectSurface& object, const Eigen::Vector3d& hip_m, AroundState& state,
+         const SolverOptions& options) noexcept
+      : object_(object), hip_m_(hip_m), state_(state), options_(options) {}
+
+  AroundUpdate run() noexcept {
+    while (found_.segments < options_.segment_limit) {
+      if (state_.sheet == kNoSheet ? !fly_on() : !slide_on()) return finish();
+    }
+    found_.unfinished = true;
+    return finish();
+  }
+
+ private:
+  enum class Look { stays, moves, leaves };
+
+  [[nodiscard]] const SheetSurface& sheet() const noexcept { return object_.sheets[state_.sheet]; }
+  [[nodiscard]] std::uint8_t cell_here() const noexcept {
+    return sheet().cell(state_.proxy.cell.i, state_.proxy.cell.j);
+  }
+
+  /// True when there is more to do.
+  bool fly_on() noexcept {
+    ++found_.segments;
+    const Eigen::Vector3d from = state_.position_m;
+    const Flight flight = fly(object_, from, hip_m_, options_.shape);
+    if (flight.crossing) {
+      land(*flight.crossing);
+      return true;
+    }
+    state_.position_m = flight.share >= 1.0 ? hip_m_ : Eigen::Vector3d(from + flight.share * (hip_m_ - from));
+    found_.unfinished = flight.share < 1.0;
+    return false;
+  }
+
+  void land(const Crossing& crossing) noexcept {
+    state_.sheet = crossing.sheet;
+    state_.proxy = {};
+    state_.proxy.contact = true;
+    state_.proxy.sticking = true;
+    place(crossing.local_m);
+  }
+
+  /// Puts the proxy on its sheet, a hair below, so that the solver lifts it onto the surface.
+  void place(const Eigen::Vector3d& local_m) noexcept {
+    ProxyState& proxy = state_.proxy;
+    const double height = touched_height(*sheet().surface, local_m.x(), local_m.y(), options_.shape);
+    proxy.position = {local_m.x(), local_m.y(), height - kBelow * object_.spacing_m};
+    proxy.cell = {};
+    proxy.cell.i = static_cast<int>(std::floor(local_m.x() / object_.spacing_m));
+    proxy.cell.j = static_cast<int>(std::floor(local_m.y() / object_.spacing_m));
+    state_.position_m = sheet().to_object(proxy.position);
+  }
+
+  void take_off(const Eigen::Vector3d& from_m) noexcept {
+    state_.sheet = kNoSheet;
+    state_.position_m = from_m;
+  }
+
+  /// One run of the solver on the sheet, as far as it may go unwatched; true when there is more to do.
+  bool slide_on() noexcept {
+    const Eigen::Vector3d from_m = sheet().to_object(state_.proxy.position);
+    const std::uint8_t cell = cell_here();
+    const int run = cell >= kOpenCell ? cell - kLookCell : 1;
+    SolverOptions options = options_;
+    options.flies = false;
+    options.segment_limit = std::min(run, options_.segment_limit);
+    if (run < kLongRun) state_.proxy.track.known = false;
+    found_.in_crease = false;
+    slid_ = update_exact(*sheet().surface, sheet().to_local(hip_m_), state_.proxy, options);
+    found_.segments += std::max(1, slid_.segments);
+    state_.position_m = sheet().to_object(state_.proxy.position);
+    if (!slid_.contact) {
+      take_off(state_.position_m);
+      return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
+    }
+    const bool more = slid_.unfinished;
+    if (cell_here() >= kOpenCell && cell >= kOpenCell) return more;
+    switch (look_about(from_m)) {
+      case Look::stays:
+        return more;
+      case Look::moves:
+        return found_.hand_overs + found_.edges < kMostHandOvers || stop_unfinished();
+      case Look::leaves:
+        return false;
+    }
+    return false;
+  }
+
+  bool stop_unfinished() noexcept {
+    found_.unfinished = true;
+    return false;
+  }
+
+  /// Where the proxy has come to a place that is not open.
+  Look look_about(const Eigen::Vector3d& from_m) noexcept {
+    const std::uint8_t cell = cell_here();
+    normal_ = sheet().turn_to_object(slid_.normal);
+    if (cell < kLookCell) {
+      // What is continued has no normal of its own, and what is not even that has no place.
+      const SheetView before = view_of(sheet(), from_m);
+      if (before.cell >= kLookCell) normal_ = before.normal;
+      if (cell == kNoCell) place(sheet().to_local(from_m));
+    }
+    if (const auto stop = stopped_by(object_, state_.sheet, from_m, state_.position_m, normal_, options_.shape))
+      return turn_at_crease(*stop, from_m);
+    if (cell >= kLookCell && slid_.normal.z() >= kLeaveFacing) return Look::stays;
+    if (move_to_same_surface(cell)) return Look::moves;
+    if (cell >= kLookCell) return Look::stays;
+    const Look at_edge = pass_edge();
+    if (at_edge != Look::stays || cell == kRimCell) return at_edge;
+    // The surface has ended: the proxy is let go.
+    take_off(hip_m_);
+    found_.released = true;
+    return Look::leaves;
+  }
+
+  /// The nearest sheet that goes on with this surface, if there is one.
+  bool move_to_same_surface(std::uint8_t cell) noexcept {
+    const bool ends = cell < kLookCell;
+    std::uint32_t best = kNoSheet;
+    SheetView there;
+    double least = (ends ? kEndGap : kSameGap) * object_.spacing_m;
+    for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
+      if (other == state_.sheet) continue;
+      const SheetView view = view_of(object_.sheets[other], state_.position_m);
+      if (view.cell < (cell == kNoCell ? kRimCell : kLookCell) || std::abs(view.gap_m) > least) continue;
+      if (view.normal.dot(normal_) < (ends ? kNearNormal : kSameNormal)) continue;
+      if (!ends && view.facing < kEnterFacing) continue;
+      least = std::abs(view.gap_m);
+      best = other;
+      there = view;
+    }
+    if (best == kNoSheet) return false;
+    ++found_.hand_overs;
+    move_to(best, there);
+    return true;
+  }
+
+  /// Beyond an edge the proxy goes on on the other sheet, or into the air when the hand is outside of that.
+  Look pass_edge() noexcept {
+    std::uint32_t best = kNoSheet;
+    SheetView there;
+    double least = kEdgeGap * object_.spacing_m;
+    for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
+      if (other == state_.sheet) continue;
+      const SheetView view = view_of(object_.sheets[other], state_.position_m);
+      if (view.cell == kNoCell || !(view.gap_m > 0.0) || view.gap_m > least) continue;
+      if (view.normal.dot(normal_) >= kSameNormal) continue;
+      least = view.gap_m;
+      best = other;
+      there = view;
+    }
+    if (best == kNoSheet) return Look::stays;
+    const Eigen::Vector3d pull = hip_m_ - object_.sheets[best].to_object(there.local);
+    if (pull.dot(there.normal) >= 0.0) {
+      take_off(state_.position_m);
+      return ++take_offs_ <= kMostTakeOffs || stop_unfinished() ? Look::moves : Look::leaves;
+    }
+    ++found_.edges;
+    move_to(best, there);
+    return Look::moves;
+  }
+
+  /// Puts the proxy on another sheet; friction's state turns with the chart.
+  void move_to(std::uint32_t other, const SheetView& there) noexcept {
+    const SheetSurface& old = sheet();
+    const SheetSurface& fresh = object_.sheets[other];
+    ProxyState& proxy = state_.proxy;
+    HandTrack track = proxy.track;
+    track.hand = fresh.to_local(old.to_object(track.hand));
+    track.normal = fresh.axes.to_chart(old.turn_to_object(track.normal));
+    proxy.contact = true;
+    proxy.track = track;
+    state_.sheet = other;
+    place(there.local);
+    proxy.track.proxy = proxy.position;
+    slid_.normal = fresh.axes.to_chart(there.normal);
+  }
+
+  /// A sheet stands in the way of the sliding proxy: it goes on on that sheet, or along the crease between the two.
+  Look turn_at_crease(const Crossing& stop, const Eigen::Vector3d& from_m) noexcept {
+    const SheetSurface& wall = object_.sheets[stop.sheet];
+    const Eigen::Vector3d place = from_m + stop.share * (state_.position_m - from_m);
+    const SheetView there = view_of(wall, place);
+    const Eigen::Vector3d pull = hip_m_ - place;
+    const Eigen::Vector3d along_wall = pull - pull.dot(there.normal) * there.normal;
+    if (along_wall.dot(normal_) >= 0.0) {
+      ++found_.edges;
+      move_to(stop.sheet, there);
+      return Look::moves;
+    }
+    return slide_in_crease(place, there, stop.sheet, pull);
+  }
+
+  /// Both sheets hold the proxy: it moves along the line where they meet, as far as that brings it nearer to the hand.
+  Look slide_in_crease(const Eigen::Vector3d& place_m, const SheetView& there, std::uint32_t wall,
+                       const Eigen::Vector3d& pull) noexcept {
+    const double h = object_.spacing_m;
+    const Eigen::Vector3d line = normal_.cross(there.normal).normalized();
+    const double wish = pull.dot(line);
+    const double held = slid_.mu_dynamic * (pull - wish * line).norm();
+    const double step =
+        std::clamp(std::copysign(std::max(0.0, std::abs(wish) - held), wish), -kCreaseStep * h, kCreaseStep * h);
+    Eigen::Vector3d next = place_m + step * line;
+    for (int k = 0; k < 3; ++k) {
+      const SheetView view = view_of(object_.sheets[wall], next);
+      if (view.cell != kNoCell) next += std::max(0.0, -view.gap_m) * view.normal;
+      const SheetView own = view_of(sheet(), next);
+      if (own.cell != kNoCell) next = sheet().to_object(own.local);
+    }
+    const bool nearer = (hip_m_ - next).squaredNorm() < pull.squaredNorm();
+    const bool rests = std::abs(step) <= kCreaseRest * h || !nearer;
+    if (rests) next = place_m;
+    place(sheet().to_local(next));
+    found_.in_crease = true;
+    slid_.normal = sheet().axes.to_chart(Eigen::Vector3d(-pull.normalized()));
+    return rests ? Look::leaves : Look::moves;
+  }
+
+  AroundUpdate finish() noexcept {
+    found_.position_m = state_.position_m;
+    found_.sheet = state_.sheet;
+    found_.contact = state_.sheet != kNoSheet;
+    if (!found_.contact) return found_;
+    found_.normal = sheet().turn_to_object(slid_.normal);
+    found_.sticking = slid_.sticking;
+    found_.mu_dynamic = slid_.mu_dynamic;
+    found_.mu_static = slid_.mu_static;
+    found_.cell_flags = slid_.cell_flags;
+    return found_;
+  }
+
+  const ObjectSurface& object_;
+  const Eigen::Vector3d& hip_m_;
+  AroundState& state_;
+  const SolverOptions& options_;
+  AroundUpdate found_;
+  ProxyUpdate slid_;
+  Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
+  int take_offs_ = 0;
+};
+
+}  // namespace
+
+AroundUpdate update_around(const ObjectSurface& object, const Eigen::Vector3d& hip_m, AroundState& state,
+                           const SolverOptions& options) noexcept {
+  AroundUpdate nothing;
+  nothing.position_m = state.position_m;
+  if (!is_hand(object, hip_m)) return nothing;
+  if (!state.started) {
+    state = {};
+    state.started = true;
+    state.position_m = hip_m;
+    nothing.position_m = hip_m;
+    return nothing;
+  }
+  return Course(object, hip_m, state, options).run();
+}
+
+}  // namespace sparsha::haptics

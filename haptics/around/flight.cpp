@@ -1,0 +1,237 @@
+// The straight way of a free proxy through the blocks of space and the cells of the sheets in them. A crossing counts
+// from outside inwards, wherever the hand is afterwards: depth never decides.
+#include "haptics/around/flight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptics/proxy/bicubic_descent.h"
+#include "haptics/proxy/place.h"
+#include "haptics/proxy/ray_march.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kMiss = std::numeric_limits<double>::infinity();
+// Sheets of one surface lie so far apart at most where they overlap, and a hand may hover between them: one that is not
+// further inside and goes inwards is stopped where it is.
+constexpr double kBetweenSheets = 0.1;       // cells, along the normal
+constexpr double kOverlap = 1e-3;            // cells: ways through neighbouring blocks overlap by so much
+constexpr double kOnEdge = 1e-3;             // cells: so far outside, a place still counts as inside an edge
+constexpr double kOutsideCells = 2.5;        // cells: a rim does not reach further out of the sheet beyond an edge
+constexpr double kInsideCells = 4.0;         // cells: nor further in
+constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
+
+/// Walks the cells of one sheet under the way from `from` along `w` (cells), between two shares of it.
+template <class Surface>
+class SheetMarch {
+ public:
+  SheetMarch(const SheetSurface& sheet, const CellVector& from, const CellVector& w) noexcept
+      : sheet_(sheet), surface_(*sheet.surface), from_(from), w_(w) {}
+
+  /// Share of the next crossing in [begin, end] that `accepts` (share, cell) takes; kMiss without one.
+  template <typename Accepts>
+  [[nodiscard]] double next(double begin, double end, const Accepts& accepts) noexcept {
+    if (!clip(from_.x, w_.x, surface_.nx() - 1, begin, end) || !clip(from_.y, w_.y, surface_.ny() - 1, begin, end))
+      return kMiss;
+    int i = cell_of(from_.x + begin * w_.x, w_.x, surface_.nx());
+    int j = cell_of(from_.y + begin * w_.y, w_.y, surface_.ny());
+    bool first = true;
+    bool was_outside = false;
+    double at = begin;
+    while (at <= end) {
+      const double out_x = exit_of(i, from_.x, w_.x);
+      const double out_y = exit_of(j, from_.y, w_.y);
+      const double out = std::max(at, std::min({out_x, out_y, end}));
+      const std::uint8_t cell = sheet_.cell(i, j);
+      if (cell != kNoCell) {
+        const double hit = hit_in(i, j, at, out, first, was_outside);
+        if (hit <= out && accepts(hit, cell)) return hit;
+        if (hit <= out) was_outside = false;
+      } else {
+        was_outside = false;
+      }
+      if (out >= end) return kMiss;
+      first = false;
+      (out_x <= out_y ? i : j) += (out_x <= out_y ? w_.x : w_.y) > 0.0 ? 1 : -1;
+      at = out;
+    }
+    return kMiss;
+  }
+
+ private:
+  /// Keeps the shares of the way that lie over the sheet's box.
+  [[nodiscard]] static bool clip(double from, double w, int cells, double& begin, double& end) noexcept {
+    if (w == 0.0) return from >= 0.0 && from <= cells;
+    const double a = -from / w;
+    const double b = (cells - from) / w;
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+    return begin <= end;
+  }
+  [[nodiscard]] static int cell_of(double x, double w, int nodes) noexcept {
+    const double low = std::floor(x);
+    const int cell = static_cast<int>(low) - (low == x && w < 0.0 ? 1 : 0);
+    return std::clamp(cell, 0, nodes - 2);
+  }
+  /// Where the way leaves the cells of one column or row.
+  [[nodiscard]] static double exit_of(int cell, double from, double w) noexcept {
+    if (w == 0.0) return kMiss;
+    return ((w > 0.0 ? cell + 1 : cell) - from) / w;
+  }
+
+  /// Share of the crossing in this cell; afterwards `was_outside` tells of its end.
+  [[nodiscard]] double hit_in(int i, int j, double at, double out, bool first, bool& was_outside) const noexcept {
+    const auto patch = surface_.patch(i, j);
+    CellPoint p;
+    p.i = i;
+    p.j = j;
+    p.s = std::clamp(from_.x + at * w_.x - i, 0.0, 1.0);
+    p.t = std::clamp(from_.y + at * w_.y - j, 0.0, 1.0);
+    p.z = from_.z + at * w_.z;
+    const double gap = p.z - patch.height(p.s, p.t);
+    const double s = std::clamp(from_.x + out * w_.x - i, 0.0, 1.0);
+    const double t = std::clamp(from_.y + out * w_.y - j, 0.0, 1.0);
+    const double gap_out = from_.z + out * w_.z - patch.height(s, t);
+    const bool came_outside = was_outside;
+    was_outside = gap_out > 0.0;
+    if (gap <= 0.0) {
+      const double fs = patch.slope_s(p.s, p.t);
+      const double ft = patch.slope_t(p.s, p.t);
+      const bool inwards = w_.z - fs * w_.x - ft * w_.y < 0.0;
+      const bool hovering = first && gap * gap <= kBetweenSheets * kBetweenSheets * (1.0 + fs * fs + ft * ft);
+      if (came_outside || (hovering && inwards)) return at;
+      return kMiss;
+    }
+    const double hit = ray_patch_hit(patch, p, w_, out - at, false);
+    if (hit <= out - at) return at + hit;
+    return gap_out <= 0.0 ? out : kMiss;
+  }
+
+  const SheetSurface& sheet_;
+  Surface surface_;
+  CellVector from_, w_;
+};
+
+/// A place over a sheet's rim belongs to the object only where another sheet says that it is inside.
+bool is_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept {
+  bool held = false;
+  for (const std::uint32_t other : object.blocks.sheets_at(place_m)) {
+    if (other == own) continue;
+    const SheetView view = view_of(object.sheets[other], place_m);
+    const double gap = view.gap_m / object.spacing_m;
+    if (view.cell == kNoCell || gap > kOutsideCells || gap < -kInsideCells) continue;
+    if (gap > kOnEdge) return false;
+    held = true;
+  }
+  return held;
+}
+
+template <class Surface>
+void cross_sheet(const ObjectSurface& object, std::uint32_t number, const Eigen::Vector3d& from_m,
+                 const Eigen::Vector3d& way_m, double begin, double end, Crossing& first) noexcept {
+  const SheetSurface& sheet = object.sheets[number];
+  const double cells_per_m = 1.0 / object.spacing_m;
+  const Eigen::Vector3d from = cells_per_m * sheet.to_local(from_m);
+  const Eigen::Vector3d w = cells_per_m * sheet.axes.to_chart(way_m);
+  SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()});
+  const double share = march.next(begin, std::min(end, first.share), [&](double at, std::uint8_t cell) {
+    return cell != kRimCell || is_edge(object, number, from_m + at * way_m);
+  });
+  if (!(share < first.share)) return;
+  first.sheet = number;
+  first.share = share;
+  first.local_m = sheet.to_local(from_m + share * way_m);
+}
+
+/// Visits the blocks along a way in their order (Amanatides & Woo 1987).
+class BlockWalk {
+ public:
+  BlockWalk(const BlockIndex& blocks, const Eigen::Vector3d& from_m, const Eigen::Vector3d& way_m) noexcept
+      : block_(blocks.block_of(from_m)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double w = way_m[axis];
+      step_[axis] = w > 0.0 ? 1 : -1;
+      const double edge = (block_[axis] + (w > 0.0 ? 1 : 0)) * blocks.block_m();
+      next_[axis] = w == 0.0 ? kMiss : std::max(0.0, (edge - from_m[axis]) / w);
+      delta_[axis] = w == 0.0 ? kMiss : blocks.block_m() / std::abs(w);
+    }
+  }
+  [[nodiscard]] const BlockPlace& block() const noexcept { return block_; }
+  /// Share of the way where it leaves the block.
+  [[nodiscard]] double exit() const noexcept { return next_.minCoeff(); }
+  void step() noexcept {
+    int axis = 0;
+    next_.minCoeff(&axis);
+    block_[axis] += step_[axis];
+    next_[axis] += delta_[axis];
+  }
+
+ private:
+  BlockPlace block_;
+  Eigen::Vector3i step_;
+  Eigen::Vector3d next_, delta_;
+};
+
+template <class Surface>
+Flight fly_over(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) noexcept {
+  const Eigen::Vector3d way_m = to_m - from_m;
+  const double length_m = way_m.norm();
+  if (!(length_m > 0.0)) return {};
+  const double overlap = kOverlap * object.spacing_m / length_m;
+  BlockWalk walk(object.blocks, from_m, way_m);
+  double begin = 0.0;
+  for (int k = 0; k < kMostBlocks; ++k) {
+    const double exit = walk.exit();
+    const double end = std::min(1.0, exit + overlap);
+    Crossing first;
+    for (const std::uint32_t sheet : object.blocks.sheets(walk.block()))
+      cross_sheet<Surface>(object, sheet, from_m, way_m, begin, end, first);
+    if (first.sheet != kNoSheet) return {first, first.share};
+    if (exit >= 1.0) return {};
+    begin = std::max(0.0, exit - overlap);
+    walk.step();
+  }
+  return {{}, begin};
+}
+
+template <class Surface>
+std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& from_m,
+                                  const Eigen::Vector3d& to_m, const Eigen::Vector3d& normal) noexcept {
+  const Eigen::Vector3d way_m = to_m - from_m;
+  const double cells_per_m = 1.0 / object.spacing_m;
+  Crossing first;
+  for (const std::uint32_t other : object.blocks.sheets_at(from_m)) {
+    if (other == own) continue;
+    const SheetSurface& sheet = object.sheets[other];
+    const Eigen::Vector3d from = cells_per_m * sheet.to_local(from_m);
+    const Eigen::Vector3d w = cells_per_m * sheet.axes.to_chart(way_m);
+    SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()});
+    const double share = march.next(0.0, std::min(1.0, first.share), [&](double at, std::uint8_t cell) {
+      return cell >= kLookCell && view_of(sheet, from_m + at * way_m).normal.dot(normal) < kSameNormal;
+    });
+    if (share < first.share) first = {other, share, sheet.to_local(from_m + share * way_m)};
+  }
+  if (first.sheet == kNoSheet) return {};
+  return first;
+}
+
+}  // namespace
+
+std::optional<Crossing> stopped_by(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& from_m,
+                                   const Eigen::Vector3d& to_m, const Eigen::Vector3d& normal,
+                                   CellShape shape) noexcept {
+  if (shape == CellShape::rounded) return stop_over<RoundedSurface>(object, own, from_m, to_m, normal);
+  if (shape == CellShape::c1) return stop_over<C1Surface>(object, own, from_m, to_m, normal);
+  return stop_over<BilinearSurface>(object, own, from_m, to_m, normal);
+}
+
+Flight fly(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+           CellShape shape) noexcept {
+  if (shape == CellShape::rounded) return fly_over<RoundedSurface>(object, from_m, to_m);
+  if (shape == CellShape::c1) return fly_over<C1Surface>(object, from_m, to_m);
+  return fly_over<BilinearSurface>(object, from_m, to_m);
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,40 @@
+// The straight way of a proxy through space: the first sheet that it meets. Object frame, metres.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "haptics/around/object_surface.h"
+#include "haptics/proxy/proxy.h"
+
+namespace sparsha::haptics {
+
+inline constexpr std::uint32_t kNoSheet = 0xffffffffU;
+
+/// First crossing of a straight way from outside inwards.
+struct Crossing {
+  std::uint32_t sheet = kNoSheet;
+  double share = 2.0;  ///< of the way
+  Eigen::Vector3d local_m = Eigen::Vector3d::Zero();
+};
+
+/// What a march came to: a crossing, or how much of the way is free so far (1: all of it).
+struct Flight {
+  std::optional<Crossing> crossing;
+  double share = 1.0;
+};
+
+/// Follows the way through at most kMostBlocks blocks.
+[[nodiscard]] Flight fly(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                         CellShape shape) noexcept;
+inline constexpr int kMostBlocks = 256;
+
+/// The first sheet other than `own` that a proxy sliding over a short straight way, where the surface has this normal,
+/// runs into. A sheet whose normal is within 30 degrees is the same surface and stops nothing.
+[[nodiscard]] std::optional<Crossing> stopped_by(const ObjectSurface& object, std::uint32_t own,
+                                                 const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                                                 const Eigen::Vector3d& normal, CellShape shape) noexcept;
+
+}  // namespace sparsha::haptics

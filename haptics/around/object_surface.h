@@ -1,0 +1,33 @@
+// The surface of a whole object as it is touched: every sheet of its charts as a Monge surface in the frame of its
+// side, and an index of the space about it. Object frame: the axes of the grid frame, metres relative to the charts'
+// origin.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "haptics/around/block_index.h"
+#include "haptics/around/sheet_surface.h"
+#include "scene/charts.h"
+
+namespace sparsha::haptics {
+
+/// Immutable; made off the servo thread, read by it.
+struct ObjectSurface {
+  double spacing_m = 0.0;
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of the object frame, in the grid frame
+  std::vector<SheetSurface> sheets;                    ///< all of the charts, some in pieces
+  std::size_t charted = 0;                             ///< sheets of the charts
+  BlockIndex blocks;
+};
+
+/// `friction` of zero: frictionless. Throws Error{failure} when the charts have no cell.
+[[nodiscard]] std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts,
+                                                                       const AroundFriction& friction = {});
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,20 @@
+// Offline rendering of a path over a whole object (`sparsha trace --frame scan`).
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "haptics/around/object_surface.h"
+#include "haptics/replay/trace.h"
+
+namespace sparsha::haptics {
+
+/// Renders `path`, which is given in the scan frame like the rows that come back, forces too. At the first sample the
+/// proxy is the hand, wherever that is. `scan_from_grid` turns and scales alike in all directions where a force is to
+/// point from the hand to the proxy.
+[[nodiscard]] TraceResult trace_around(const ObjectSurface& object, const std::vector<HipSample>& path,
+                                       const Eigen::Matrix4d& scan_from_grid, const scene::HapticsConfig& haptics,
+                                       const SolverOptions& options);
+
+}  // namespace sparsha::haptics
