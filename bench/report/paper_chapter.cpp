@@ -38,7 +38,7 @@ std::string paper_html(const std::filesystem::path& folder) {
          "and "
          "strokes 4 mm under the untextured surface at 0.45 m/s. The paper (arXiv 2010.02015) states 0.5 s to generate "
          "and 0.02 s to load 800 × 800 depth data and 5.6 µs for an update, on a processor of 2.66 GHz; its surfaces "
-         "and ours differ, so orders of magnitude compare, not digits. docs/accuracy.md lists where the paper "
+         "and ours differ, so orders of magnitude compare, not digits. docs/measure/accuracy.md lists where the paper "
          "contradicts itself and what Sparsha does.</p>" +
          html;
 }

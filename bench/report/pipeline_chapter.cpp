@@ -213,7 +213,7 @@ std::string pipeline_html(const std::filesystem::path& folder) {
     html += html_heading("Pipeline: filters, normals and registration") + steps;
   if (const std::string builds = builds_html(folder); !builds.empty())
     html += html_heading("Pipeline: accuracy by scene and whole builds") +
-            "<p>Simulated scans with a known truth, read as files (docs/accuracy.md).</p>" + builds;
+            "<p>Simulated scans with a known truth, read as files (docs/measure/accuracy.md).</p>" + builds;
   return html;
 }
 

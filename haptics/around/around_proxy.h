@@ -1,5 +1,5 @@
 // The point proxy on a whole object: the exact solver moves it on one sheet at a time, and it goes over to the sheet
-// that goes on where one ends (docs/whole-objects.md, "Touch"). Object frame, metres. For the servo thread: no
+// that goes on where one ends (docs/use/whole-objects.md, "Touch"). Object frame, metres. For the servo thread: no
 // allocation, no locks, no exceptions, bounded cost.
 #pragma once
 

@@ -1,5 +1,5 @@
 // Sheets of a whole object from its raw points: the surface that tangent discs define, looked at along six axes, every
-// layer that faces one of them and not only the highest (docs/whole-objects.md).
+// layer that faces one of them and not only the highest (docs/use/whole-objects.md).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Sampling with noise, holes and uneven density; the judge's measures are those of docs/accuracy.md.
+// Sampling with noise, holes and uneven density; the judge's measures are those of docs/measure/accuracy.md.
 #include "tests/support/closed_scan.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Accuracy of the projection against analytic truth. Bounds are shares of the noise; see docs/accuracy.md for the
-// table.
+// Accuracy of the projection against analytic truth. Bounds are shares of the noise; see docs/measure/accuracy.md for
+// the table.
 #include <gtest/gtest.h>
 
 #include <cmath>
