@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
+
 #include "pipeline/scan/formats/threemf/model.h"
 #include "pipeline/scan/text.h"
 
