@@ -1,4 +1,5 @@
 // GLB, the binary form of glTF 2.0: one mesh, its colours at the vertices, and what is felt as pictures.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

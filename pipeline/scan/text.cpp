@@ -199,4 +199,12 @@ bool LineReader::next(std::string_view& line) {
   return true;
 }
 
+std::string printable(std::string_view text) {
+  constexpr std::size_t kLongest = 64;
+  std::string result(text.substr(0, kLongest));
+  std::replace_if(
+      result.begin(), result.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, '?');
+  return text.size() > kLongest ? result + "..." : result;
+}
+
 }  // namespace sparsha::pipeline

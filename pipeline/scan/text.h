@@ -23,6 +23,8 @@ namespace sparsha::pipeline {
 [[nodiscard]] std::string_view take_word(std::string_view& text);
 /// A word as it may stand in a message: at most 32 characters, unprintable ones replaced.
 [[nodiscard]] std::string in_quotes(std::string_view word);
+/// A name for messages, at most 64 characters: what control characters would do to a terminal is nobody's business.
+[[nodiscard]] std::string printable(std::string_view text);
 /// Length of UTF-8's byte order mark at the beginning of a text: 3 or 0.
 [[nodiscard]] inline std::size_t byte_order_mark(std::string_view text) {
   return text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;

@@ -1,5 +1,6 @@
 #include "pipeline/scan/formats/colmap.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <pugixml.hpp>
 
+#include "pipeline/scan/formats/e57/notes.hpp"
 #include "pipeline/scan/formats/e57/points.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
@@ -51,15 +52,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
-/// A name for messages: what control characters would do to a terminal is nobody's business.
-std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 64;
-  std::string result(text.substr(0, kLongest));
-  std::replace_if(
-      result.begin(), result.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, '?');
-  return text.size() > kLongest ? result + "..." : result;
-}
-
 class Reader {
  public:
   Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), pages_(file) {}
@@ -100,6 +92,7 @@ class Reader {
           [&] { return "only " + std::to_string(out_.records() - before) + " of its points are read: "; });
     }
     if (unreadable_ == count) throw *first_error_;
+    scan.notes = notes_of(document.child("e57Root"));
   }
 
  private:

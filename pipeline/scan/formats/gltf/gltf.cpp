@@ -99,6 +99,9 @@ class Reader {
     RawScan& scan = out_.scan();
     scan.format = document_.is_binary() ? "glTF 2.0 binary" : "glTF 2.0 text";
     scan.unit = scene::LengthUnit::m;
+    const auto generator = document_.root().at("asset").find("generator");
+    if (generator != document_.root().at("asset").end() && generator->is_string())
+      scan.notes.push_back("glTF: written by " + printable(generator->get<std::string>()));
     const gltf::Shown shown = gltf::shown_meshes(document_);
     if (shown.instances.empty())
       throw file_.error("no node of its scene shows a mesh", "a scene with a mesh or with points");

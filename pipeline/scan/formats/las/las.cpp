@@ -8,6 +8,7 @@
 
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/formats/las/laz.h"
+#include "pipeline/scan/formats/las/notes.h"
 #include "pipeline/scan/scalar.h"
 
 namespace sparsha::pipeline {
@@ -133,6 +134,7 @@ void read_las(const ScanFile& file, ScanWriter& out) {
       (header.compressed ? "LAZ 1." : "LAS 1.") + std::to_string(header.minor) + " pf" + std::to_string(header.format);
   scan.unit = units.unit;
   scan.degrees = units.degrees;
+  scan.notes = las::notes_of(file, header);
   scan.warnings = header.warnings;
   scan.warnings.insert(scan.warnings.end(), units.warnings.begin(), units.warnings.end());
   scan.fields = {"x", "y", "z", "intensity"};

@@ -202,6 +202,7 @@ void unpack(const ScanFile& file, const Header& header, const Units& units, Poin
       },
       out.whole_chunks_only() ? laz::Damaged::left_out : laz::Damaged::refused);
   arrivals.finish();
+  if (outcome.chunks > 0 && !octree) out.scan().notes.push_back(fmt::format("LAZ: {} chunks", outcome.chunks));
   std::vector<std::string>& warnings = out.scan().warnings;
   warnings.insert(warnings.end(), outcome.warnings.begin(), outcome.warnings.end());
   // From LAS 1.3 on, other things may follow the points.

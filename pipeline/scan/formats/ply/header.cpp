@@ -136,6 +136,25 @@ int Element::find(std::initializer_list<std::string_view> names) const {
   return -1;
 }
 
+namespace {
+
+/// Programs name themselves in a remark ("Created by CloudCompare"), and pictures of a mesh ("TextureFile a.jpg").
+void add_note(std::string_view remark, Header& header) {
+  constexpr std::size_t kMost = 8;
+  if (header.notes.size() == kMost) return;
+  const std::string lower = lower_case(remark);
+  if (lower.find("texturefile ") != std::string::npos) {
+    (void)take_word(remark);
+    header.notes.push_back("PLY: texture " +
+                           printable(remark.substr(std::min(remark.find_first_not_of(' '), remark.size()))) +
+                           ", whose colours are not read");
+  } else if (lower.find("created by") != std::string::npos || lower.find("generated") != std::string::npos) {
+    header.notes.push_back("PLY: " + printable(remark.substr(std::min(remark.find_first_not_of(' '), remark.size()))));
+  }
+}
+
+}  // namespace
+
 Header parse_header(const ScanFile& file) {
   Header header;
   HeaderLines lines(file);
@@ -145,6 +164,7 @@ Header parse_header(const ScanFile& file) {
     std::string_view line = lines.next();
     const std::string key = lower_case(take_word(line));
     if (key == "end_header") break;
+    if (key == "comment") add_note(line, header);
     if (key.empty() || key == "comment" || key == "obj_info") continue;
     if (key == "format") {
       parse_format(file, lines.number(), line, header);

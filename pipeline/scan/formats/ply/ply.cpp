@@ -160,6 +160,7 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
   if (vertex == nullptr) throw file.error("the PLY header has no vertex element", "'element vertex COUNT'");
 
   RawScan& scan = out.scan();
+  scan.notes = header.notes;
   for (const ply::Property& property : vertex->properties) scan.fields.push_back(property.name);
   const bool ascii = header.encoding == ply::Encoding::ascii;
   scan.format = ascii                                      ? "PLY ascii"

@@ -51,6 +51,7 @@ struct Header {
   std::vector<Element> elements;
   std::size_t body = 0;  ///< offset of the first byte behind the header
   int lines = 0;
+  std::vector<std::string> notes;  ///< software and textures that its remarks name
 };
 
 [[nodiscard]] Header parse_header(const ScanFile& file);

@@ -1,5 +1,6 @@
 #include "pipeline/scan/formats/threemf/threemf.h"
 
+#include <algorithm>
 #include <limits>
 #include <set>
 

@@ -259,6 +259,7 @@ Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const
     outcome.warnings.push_back(table.why + "; the chunks were read one after another");
     outcome.end = read_untabled(source, *table.untabled, wanted, losses, sink);
   } else {
+    outcome.chunks = table.chunks.size();
     read_tabled(source, table.chunks, wanted, pool, losses, sink);
   }
   losses.warn(outcome.warnings);

@@ -31,6 +31,7 @@ enum class Damaged : std::uint8_t {
 
 struct Outcome {
   std::vector<std::string> warnings;  ///< of what is odd and does no harm, and of what is left out
+  std::size_t chunks = 0;             ///< that the table has; 0: there is none
   std::size_t end = 0;                ///< behind the last byte that was read; 0: unknown
 };
 

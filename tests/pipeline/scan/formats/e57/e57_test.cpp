@@ -47,6 +47,7 @@ class Bits {
 struct E57File {
   std::string prototype;
   std::string before_points;  ///< XML beside the points: pose, limits
+  std::string beside;         ///< XML of the first scan's file, beside the scans
   std::vector<std::string> streams;
   std::string codecs;  ///< XML
   std::uint64_t records = 0;
@@ -95,7 +96,7 @@ struct E57File {
              "</prototype><codecs type=\"Vector\">" + scan.codecs + "</codecs></points></vectorChild>";
       logical += scan.section(logical.size());
     }
-    xml += "</data3D></e57Root>";
+    xml += "</data3D>" + scans.front().beside + "</e57Root>";
     const std::size_t xml_at = logical.size();
     logical += xml;
     logical.resize((logical.size() + 1019) / 1020 * 1020, ' ');
@@ -378,6 +379,30 @@ TEST(E57Reader, AScanThatCannotBeReadIsAWarningThatNamesItAndTheOthersAreRead) {
                   AllOf(HasSubstr("scan 3 of the file, Station packed"), HasSubstr("left out"), HasSubstr("codec")),
                   AllOf(HasSubstr("scan 4 of the file, Station cut"), HasSubstr("only 2 of its points"))));
   expect_refused("none.e57", E57File::bytes_of({blind, packed}), "neither Cartesian");
+}
+
+TEST(E57Reader, NotesSayWhoWroteAndScannedItAndWhatIsNotRead) {
+  E57File first = coloured_station("a", {1, 2, 3});
+  first.before_points +=
+      "<sensorVendor type=\"String\">Maker</sensorVendor><sensorModel type=\"String\">M\x01k 2</sensorModel>"
+      "<pose type=\"Structure\"><translation type=\"Structure\"><x type=\"Float\">1</x></translation></pose>";
+  E57File second = coloured_station("b", {4});
+  second.before_points +=
+      "<indexBounds type=\"Structure\"><rowMinimum type=\"Integer\">0</rowMinimum><rowMaximum type=\"Integer\"> 99 "
+      "</rowMaximum><columnMinimum type=\"Integer\">0</columnMinimum><columnMaximum type=\"Integer\">199"
+      "</columnMaximum></indexBounds>";
+  first.beside =
+      "<e57LibraryVersion type=\"String\">Lib 1</e57LibraryVersion><images2D type=\"Vector\">"
+      "<vectorChild type=\"Structure\"><pinholeRepresentation type=\"Structure\"/></vectorChild>"
+      "<vectorChild type=\"Structure\"><sphericalRepresentation type=\"Structure\"/></vectorChild>"
+      "<vectorChild type=\"Structure\"><pinholeRepresentation type=\"Structure\"/></vectorChild></images2D>";
+  const ScanFolder folder;
+  const RawScan scan = folder.read("a.e57", E57File::bytes_of({first, second}));
+  EXPECT_EQ(scan.points.size(), 4U);
+  EXPECT_THAT(scan.notes, ::testing::ElementsAre("E57: written by Lib 1", "E57: scanned by Maker M?k 2",
+                                                 "E57: 1 scan positions", "E57: rows 0 to 99, columns 0 to 199",
+                                                 "E57: 3 pictures, which are not read, 2 pinhole, 1 spherical"));
+  EXPECT_THAT(folder.read("b.e57", E57File::bytes_of({coloured_station("b", {4})})).notes, ::testing::IsEmpty());
 }
 
 }  // namespace

@@ -273,5 +273,23 @@ TEST(LasReader, RefusesAFileWhoseLineFeedsWereTranslated) {
   testing::expect_refused("a.las", copied, "copied as text");
 }
 
+TEST(LasReader, NotesNameSoftwareSystemAndReference) {
+  const ScanFolder folder;
+  LasFile file;
+  file.points = {las_point(0, 1, 2, 3)};
+  EXPECT_THAT(folder.read("a.las", file.bytes()).notes, ::testing::IsEmpty());
+  file.record_id = 2112;
+  file.record = "COMPD_CS[\"ETRS89 / UTM 32N + \x1BHeight\",PROJCS[\"other\"]]";
+  std::string bytes = file.bytes();
+  bytes.replace(26, 5, "  Sys");
+  bytes.replace(58, 32, "Program with a name of 32 letter");
+  EXPECT_THAT(folder.read("b.las", bytes).notes,
+              ::testing::ElementsAre("LAS: written by Program with a name of 32 letter", "LAS: system Sys",
+                                     "LAS: coordinates of ETRS89 / UTM 32N + ?Height"));
+  file.record_id = 34737;
+  file.record = "NAD83 / zone 10|NAVD88|";
+  EXPECT_THAT(folder.read("c.las", file.bytes()).notes, ::testing::ElementsAre("LAS: coordinates of NAD83 / zone 10"));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

@@ -352,5 +352,14 @@ TEST(PlyReader, TellsOfBytesBehindTheLastRecordAndRefusesACopyAsText) {
   testing::expect_refused("a.ply", copied, "copied as text");
 }
 
+TEST(PlyReader, NotesNameSoftwareAndTextures) {
+  const RawScan scan = read_scan_bytes(
+      "ply\nformat ascii 1.0\ncomment TextureFile wall 1.jpg\ncomment   Created by Program\ncomment anything\n"
+      "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n",
+      "a.ply");
+  EXPECT_THAT(scan.notes,
+              ::testing::ElementsAre("PLY: texture wall 1.jpg, whose colours are not read", "PLY: Created by Program"));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
