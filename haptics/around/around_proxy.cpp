@@ -13,6 +13,8 @@ constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface 
 constexpr double kSameGap = 0.5;             // cells between two sheets of one surface
 constexpr double kEndGap = 1.5;              // the same where a sheet ends
 constexpr double kEdgeGap = 3.0;             // cells: so far past an edge the proxy may have come
+constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold a proxy that leaves another
+constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
 constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
 constexpr int kMostTakeOffs = 8;             // a tick
 constexpr double kCreaseStep = 0.5;          // cells
@@ -50,7 +52,7 @@ class Course {
   bool fly_on() noexcept {
     ++found_.segments;
     const Eigen::Vector3d from = state_.position_m;
-    const Flight flight = fly(object_, from, hip_m_, options_.shape);
+    const Flight flight = fly(object_, from, hip_m_, take_offs_ > 0, options_.shape);
     if (flight.crossing) {
       land(*flight.crossing);
       return true;
@@ -97,10 +99,7 @@ class Course {
     slid_ = update_exact(*sheet().surface, sheet().to_local(hip_m_), state_.proxy, options);
     found_.segments += std::max(1, slid_.segments);
     state_.position_m = sheet().to_object(state_.proxy.position);
-    if (!slid_.contact) {
-      take_off(state_.position_m);
-      return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
-    }
+    if (!slid_.contact) return leave(kNoSheet);
     const bool more = slid_.unfinished;
     if (cell_here() >= kOpenCell && cell >= kOpenCell) return more;
     switch (look_about(from_m)) {
@@ -117,6 +116,31 @@ class Course {
   bool stop_unfinished() noexcept {
     found_.unfinished = true;
     return false;
+  }
+
+  /// Off the surface, unless another sheet at this place holds the hand back: worn edges have normals of many
+  /// directions. True when there is more to do.
+  bool leave(std::uint32_t but) noexcept {
+    const double h = object_.spacing_m;
+    const Eigen::Vector3d pull = hip_m_ - state_.position_m;
+    std::uint32_t best = kNoSheet;
+    SheetView there;
+    double deepest = kHeldDepth * h;
+    for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
+      if (other == state_.sheet || other == but) continue;
+      const SheetView view = view_of(object_.sheets[other], state_.position_m);
+      if (view.cell == kNoCell || std::abs(view.gap_m) > kHeldGap * h || -pull.dot(view.normal) <= deepest) continue;
+      deepest = -pull.dot(view.normal);
+      best = other;
+      there = view;
+    }
+    if (best == kNoSheet) {
+      take_off(state_.position_m);
+      return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
+    }
+    ++found_.edges;
+    move_to(best, there);
+    return found_.hand_overs + found_.edges < kMostHandOvers || stop_unfinished();
   }
 
   /// Where the proxy has come to a place that is not open.
@@ -180,10 +204,7 @@ class Course {
     }
     if (best == kNoSheet) return Look::stays;
     const Eigen::Vector3d pull = hip_m_ - object_.sheets[best].to_object(there.local);
-    if (pull.dot(there.normal) >= 0.0) {
-      take_off(state_.position_m);
-      return ++take_offs_ <= kMostTakeOffs || stop_unfinished() ? Look::moves : Look::leaves;
-    }
+    if (pull.dot(there.normal) >= 0.0) return leave(best) ? Look::moves : Look::leaves;
     ++found_.edges;
     move_to(best, there);
     return Look::moves;

@@ -14,9 +14,9 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr double kMiss = std::numeric_limits<double>::infinity();
-// Sheets of one surface lie so far apart at most where they overlap, and a hand may hover between them: one that is not
-// further inside and goes inwards is stopped where it is.
-constexpr double kBetweenSheets = 0.1;       // cells, along the normal
+// Sheets of one surface lie apart by a share of this where they overlap, and by this at most about a worn edge. A hand
+// may hover between them: one that is not further inside and goes inwards is stopped where it is.
+constexpr double kBetweenSheets = 0.6;       // cells, along the normal
 constexpr double kOverlap = 1e-3;            // cells: ways through neighbouring blocks overlap by so much
 constexpr double kOnEdge = 1e-3;             // cells: so far outside, a place still counts as inside an edge
 constexpr double kOutsideCells = 2.5;        // cells: a rim does not reach further out of the sheet beyond an edge
@@ -27,8 +27,8 @@ constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
 template <class Surface>
 class SheetMarch {
  public:
-  SheetMarch(const SheetSurface& sheet, const CellVector& from, const CellVector& w) noexcept
-      : sheet_(sheet), surface_(*sheet.surface), from_(from), w_(w) {}
+  SheetMarch(const SheetSurface& sheet, const CellVector& from, const CellVector& w, bool may_hover) noexcept
+      : sheet_(sheet), surface_(*sheet.surface), from_(from), w_(w), may_hover_(may_hover) {}
 
   /// Share of the next crossing in [begin, end] that `accepts` (share, cell) takes; kMiss without one.
   template <typename Accepts>
@@ -100,7 +100,8 @@ class SheetMarch {
       const double fs = patch.slope_s(p.s, p.t);
       const double ft = patch.slope_t(p.s, p.t);
       const bool inwards = w_.z - fs * w_.x - ft * w_.y < 0.0;
-      const bool hovering = first && gap * gap <= kBetweenSheets * kBetweenSheets * (1.0 + fs * fs + ft * ft);
+      const bool hovering =
+          first && may_hover_ && gap * gap <= kBetweenSheets * kBetweenSheets * (1.0 + fs * fs + ft * ft);
       if (came_outside || (hovering && inwards)) return at;
       return kMiss;
     }
@@ -112,32 +113,69 @@ class SheetMarch {
   const SheetSurface& sheet_;
   Surface surface_;
   CellVector from_, w_;
+  bool may_hover_;  // the way may begin between two sheets
 };
 
-/// A place over a sheet's rim belongs to the object only where another sheet says that it is inside.
-bool is_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept {
-  bool held = false;
+/// What the other sheets say of a place over a sheet's rim: outside, held inside, or nothing.
+enum class Held { outside, inside, unknown };
+Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept {
+  Held held = Held::unknown;
   for (const std::uint32_t other : object.blocks.sheets_at(place_m)) {
     if (other == own) continue;
     const SheetView view = view_of(object.sheets[other], place_m);
     const double gap = view.gap_m / object.spacing_m;
     if (view.cell == kNoCell || gap > kOutsideCells || gap < -kInsideCells) continue;
-    if (gap > kOnEdge) return false;
-    held = true;
+    if (gap > kOnEdge) return Held::outside;
+    held = Held::inside;
   }
   return held;
 }
 
+/// The rim belongs to the object only where another sheet says that its place is inside, or that one just behind it,
+/// where the other sheet begins.
+bool is_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m,
+             const Eigen::Vector3d& cell_ahead_m) noexcept {
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const Held held = held_at(object, own, place_m + share * cell_ahead_m);
+    if (held != Held::unknown) return held == Held::inside;
+  }
+  return false;
+}
+
+/// The nearest surface over a place that all sheets about it say is inside: where a way has come in between the rims of
+/// sheets that do not quite meet.
+std::optional<Crossing> surface_over(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
+  Crossing nearest;
+  double least = kInsideCells * object.spacing_m;
+  for (const std::uint32_t sheet : object.blocks.sheets_at(place_m)) {
+    const SheetView view = view_of(object.sheets[sheet], place_m);
+    if (view.cell == kNoCell || view.gap_m > kOutsideCells * object.spacing_m) continue;
+    if (view.gap_m > kOnEdge * object.spacing_m) return {};
+    if (view.cell == kRimCell || -view.gap_m >= least) continue;
+    least = -view.gap_m;
+    nearest = {sheet, 1.0, view.local};
+  }
+  if (nearest.sheet == kNoSheet) return {};
+  return nearest;
+}
+
 template <class Surface>
 void cross_sheet(const ObjectSurface& object, std::uint32_t number, const Eigen::Vector3d& from_m,
-                 const Eigen::Vector3d& way_m, double begin, double end, Crossing& first) noexcept {
+                 const Eigen::Vector3d& way_m, double begin, double end, bool may_hover, Crossing& first,
+                 bool& refused) noexcept {
   const SheetSurface& sheet = object.sheets[number];
   const double cells_per_m = 1.0 / object.spacing_m;
   const Eigen::Vector3d from = cells_per_m * sheet.to_local(from_m);
   const Eigen::Vector3d w = cells_per_m * sheet.axes.to_chart(way_m);
-  SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()});
+  const Eigen::Vector3d cell_ahead_m = way_m / w.norm();
+  SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()}, may_hover);
   const double share = march.next(begin, std::min(end, first.share), [&](double at, std::uint8_t cell) {
-    return cell != kRimCell || is_edge(object, number, from_m + at * way_m);
+    const Eigen::Vector3d place_m = from_m + at * way_m;
+    const bool counts = cell == kRimCell
+                            ? is_edge(object, number, place_m, cell_ahead_m)
+                            : !may_hover || at > begin || held_at(object, number, place_m) != Held::outside;
+    refused = refused || !counts;
+    return counts;
   });
   if (!(share < first.share)) return;
   first.sheet = number;
@@ -175,21 +213,26 @@ class BlockWalk {
 };
 
 template <class Surface>
-Flight fly_over(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) noexcept {
+Flight fly_over(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                bool leaving) noexcept {
   const Eigen::Vector3d way_m = to_m - from_m;
   const double length_m = way_m.norm();
   if (!(length_m > 0.0)) return {};
   const double overlap = kOverlap * object.spacing_m / length_m;
   BlockWalk walk(object.blocks, from_m, way_m);
   double begin = 0.0;
+  bool refused = false;
   for (int k = 0; k < kMostBlocks; ++k) {
     const double exit = walk.exit();
     const double end = std::min(1.0, exit + overlap);
     Crossing first;
     for (const std::uint32_t sheet : object.blocks.sheets(walk.block()))
-      cross_sheet<Surface>(object, sheet, from_m, way_m, begin, end, first);
+      cross_sheet<Surface>(object, sheet, from_m, way_m, begin, end, k == 0 && !leaving, first, refused);
     if (first.sheet != kNoSheet) return {first, first.share};
-    if (exit >= 1.0) return {};
+    if (exit >= 1.0) {
+      const bool came_in = refused && (leaving || held_at(object, kNoSheet, from_m) != Held::inside);
+      return {came_in ? surface_over(object, to_m) : std::nullopt, 1.0};
+    }
     begin = std::max(0.0, exit - overlap);
     walk.step();
   }
@@ -207,7 +250,7 @@ std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own
     const SheetSurface& sheet = object.sheets[other];
     const Eigen::Vector3d from = cells_per_m * sheet.to_local(from_m);
     const Eigen::Vector3d w = cells_per_m * sheet.axes.to_chart(way_m);
-    SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()});
+    SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()}, true);
     const double share = march.next(0.0, std::min(1.0, first.share), [&](double at, std::uint8_t cell) {
       return cell >= kLookCell && view_of(sheet, from_m + at * way_m).normal.dot(normal) < kSameNormal;
     });
@@ -227,11 +270,11 @@ std::optional<Crossing> stopped_by(const ObjectSurface& object, std::uint32_t ow
   return stop_over<BilinearSurface>(object, own, from_m, to_m, normal);
 }
 
-Flight fly(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+Flight fly(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, bool leaving,
            CellShape shape) noexcept {
-  if (shape == CellShape::rounded) return fly_over<RoundedSurface>(object, from_m, to_m);
-  if (shape == CellShape::c1) return fly_over<C1Surface>(object, from_m, to_m);
-  return fly_over<BilinearSurface>(object, from_m, to_m);
+  if (shape == CellShape::rounded) return fly_over<RoundedSurface>(object, from_m, to_m, leaving);
+  if (shape == CellShape::c1) return fly_over<C1Surface>(object, from_m, to_m, leaving);
+  return fly_over<BilinearSurface>(object, from_m, to_m, leaving);
 }
 
 }  // namespace sparsha::haptics

@@ -26,9 +26,9 @@ struct Flight {
   double share = 1.0;
 };
 
-/// Follows the way through at most kMostBlocks blocks.
+/// Follows the way through at most kMostBlocks blocks. `leaving`: it begins on a surface, and leads off it.
 [[nodiscard]] Flight fly(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
-                         CellShape shape) noexcept;
+                         bool leaving, CellShape shape) noexcept;
 inline constexpr int kMostBlocks = 256;
 
 /// The first sheet other than `own` that a proxy sliding over a short straight way, where the surface has this normal,

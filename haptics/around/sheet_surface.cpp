@@ -130,15 +130,36 @@ std::vector<std::uint8_t> steps_of(const Padded& padded, double spacing_m) {
   return steps;
 }
 
-/// Whether a part of the sheet ends where another begins at a different height.
+/// Whether a part of the sheet ends near to where another begins at a different height.
 bool has_step(const scene::Sheet& sheet, double spacing_m) {
-  Padded padded = pad(sheet);
-  continue_by_slopes(sheet, spacing_m, padded);
-  const std::vector<std::uint8_t> steps = steps_of(padded, spacing_m);
-  const std::vector<std::uint8_t> near = grown(padded, padded.cells, kRimCells, false);
-  for (std::size_t k = 0; k < steps.size(); ++k)
-    if (steps[k] != 0 && near[k] != 0) return true;
-  return false;
+  const auto is_cell = [&](int i, int j) {
+    return i >= 0 && j >= 0 && (sheet.mask[sheet.index(i, j)] & scene::Sheet::kCell) != 0;
+  };
+  const double steepest = std::sqrt(1.0 / (kStep * kStep) - 1.0);
+  // Along a row or column: from each measured node to the next one, unless a cell holds both.
+  const auto steps_along = [&](int lines, int length, const auto& at, const auto& joined) {
+    for (int line = 0; line < lines; ++line) {
+      int last = -1;
+      for (int k = 0; k < length; ++k) {
+        if (!sheet.measured(at(line, k))) continue;
+        const int apart = k - last;
+        const bool near = last >= 0 && apart <= 2 * kRimCells && !(apart == 1 && joined(line, last));
+        if (near) {
+          const double rise =
+              static_cast<double>(sheet.height_m[at(line, k)]) - static_cast<double>(sheet.height_m[at(line, last)]);
+          if (std::abs(rise) > steepest * apart * spacing_m) return true;
+        }
+        last = k;
+      }
+    }
+    return false;
+  };
+  return steps_along(
+             sheet.ny, sheet.nx, [&](int j, int i) { return sheet.index(i, j); },
+             [&](int j, int i) { return is_cell(i, j) || is_cell(i, j - 1); }) ||
+         steps_along(
+             sheet.nx, sheet.ny, [&](int i, int j) { return sheet.index(i, j); },
+             [&](int i, int j) { return is_cell(i, j) || is_cell(i - 1, j); });
 }
 
 /// The nodes of columns and rows [i0, i1) x [j0, j1) whose `part` is this, in a box that holds them tightly.

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -99,10 +101,11 @@ struct Outcome {
   double force_error = 0.0;  ///< mean, of the force's magnitude
   double turn_deg = 0.0;     ///< mean, of its direction
   double ns_median = 0.0, ns_p99 = 0.0;
+  double kick = 0.0;  ///< largest growth of the force's arm in a tick beyond the hand's own step
 };
 
 Outcome wander(const Touched& on, std::size_t ticks, double deepest, std::uint64_t seed,
-               const haptics::SolverOptions& options = {}) {
+               const haptics::SolverOptions& options = {}, double through = 0.6, double longest_arm = 1e9) {
   Outcome out;
   Wanderer hand(on, deepest, seed);
   AroundState state;
@@ -110,6 +113,7 @@ Outcome wander(const Touched& on, std::size_t ticks, double deepest, std::uint64
   GodObject judge(*on.object, 0.5 * on.h, hand.start());
   (void)update_around(*on.surface, hand.start() - origin, state, options);
   double errors = 0.0, turns = 0.0;
+  Vector3d last_arm = Vector3d::Zero(), last_hip = hand.start();
   std::vector<double> times;
   for (; out.ticks < ticks; ++out.ticks) {
     const Vector3d hip = hand.next();
@@ -124,8 +128,16 @@ Outcome wander(const Touched& on, std::size_t ticks, double deepest, std::uint64
     out.edges += static_cast<std::size_t>(found.edges);
     out.contacts += found.contact ? 1 : 0;
     const double d = on.object->distance_m(hip);
-    if (!found.contact && d < -0.6 * on.h) ++out.through;
+    if (!found.contact && !found.unfinished && d < -through * on.h) ++out.through;
     if (found.contact && std::abs(on.object->distance_m(place)) > 0.5 * on.h) ++out.off_surface;
+    const Vector3d arm = found.contact ? Vector3d(place - hip) : Vector3d::Zero();
+    const double kick = ((arm - last_arm).norm() - (hip - last_hip).norm()) / on.h;
+    if (out.ticks > 0 && arm.norm() > last_arm.norm()) out.kick = std::max(out.kick, kick);
+    last_arm = arm, last_hip = hip;
+    if (arm.norm() > longest_arm * on.h) {  // no person goes on so
+      (void)update_around(*on.surface, hand.start() - origin, state, options);
+      last_arm = Vector3d::Zero(), last_hip = hand.start();
+    }
     judge.move(hip);
     if (!found.contact || !judge.contact() || d > -on.h) continue;
     const Vector3d want = judge.place_m() - hip;
@@ -197,7 +209,7 @@ TEST(Around, TheFirstCrossingOfAFastHandIsWhatItTouches) {
     for (int k = 0; k < 600; ++k) {
       const Vector3d from = 2.5 * Vector3d(normal(random), normal(random), normal(random)).normalized();
       const Vector3d to = on.object->sample(random).position_m - 0.3 * from.normalized();
-      const auto flight = haptics::fly(*on.surface, from - on.surface->origin_m, to - on.surface->origin_m,
+      const auto flight = haptics::fly(*on.surface, from - on.surface->origin_m, to - on.surface->origin_m, false,
                                        haptics::CellShape::bilinear);
       const auto want = entry(*on.object, from, to, 0.05 * on.h);
       entered += want ? 1 : 0;
@@ -247,6 +259,96 @@ TEST(Around, AHandPushedThroughAThinPlateStaysOnTheSideThatItCameFrom) {
       const Vector3d place = view.transpose() * (found.position_m + origin);
       EXPECT_NEAR(side * place.z(), 0.5 * spacings * on.h, 0.5 * on.h) << spacings << " " << k;
       EXPECT_FALSE(found.released);
+    }
+  }
+}
+
+/// Objects with sharp edges, and half of their sides in their own frame.
+struct Sharp {
+  Touched on;
+  Vector3d half;
+  Eigen::Matrix3d view;
+};
+std::vector<Sharp> sharp_objects() {
+  std::vector<Sharp> all;
+  const double spacing = std::sqrt(8.0 / 20'000.0);
+  for (const Eigen::Matrix3d& view :
+       {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), turned(35.3, 45.0), turned(20.0, 30.0)}) {
+    for (const Vector3d& half : {Vector3d(0.6, 0.6, 0.6), Vector3d(1.0, 1.0, 2.5 * spacing)})
+      all.push_back({touched(half.z() < 0.1 ? "plate" : "cube", make_box(half, view)), half, view});
+  }
+  return all;
+}
+
+/// A place on an edge, and outwards of its two faces, in the object's own frame.
+struct OnEdge {
+  Vector3d at, first, second;
+};
+OnEdge place_on_edge(const Vector3d& half, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const int along = static_cast<int>(random() % 3);
+  const auto sign = [&] { return random() % 2 == 0 ? 1.0 : -1.0; };
+  OnEdge edge{Vector3d::Zero(), sign() * Vector3d::Unit((along + 1) % 3), sign() * Vector3d::Unit((along + 2) % 3)};
+  edge.at = half.cwiseProduct(edge.first + edge.second);
+  edge.at[along] = unit(random) * half[along];
+  return edge;
+}
+
+TEST(Around, SharpEdgesHaveNoGapForAHandThatComesFromOutside) {
+  for (const Sharp& sharp : sharp_objects()) {
+    const double h = sharp.on.h;
+    std::mt19937_64 random(9);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::size_t missed = 0, early = 0, late = 0, asked = 0;
+    for (int k = 0; k < 3'000; ++k) {
+      const OnEdge edge = place_on_edge(sharp.half, random);
+      const Vector3d along = edge.first.cross(edge.second).cwiseAbs();
+      if (along.dot(sharp.half - edge.at.cwiseAbs()) < 2.0 * h) continue;  // a corner
+      const Vector3d within = edge.at - (0.8 + std::abs(unit(random))) * h * (edge.first + edge.second);
+      Vector3d from = edge.first * unit(random) + edge.second * unit(random);
+      from = (from + 0.5 * unit(random) * edge.first.cross(edge.second)).normalized();
+      const Vector3d begin = within + 12.0 * h * from;
+      const Vector3d way = -15.0 * h * from;
+      if ((begin.cwiseAbs() - sharp.half).maxCoeff() < 0.5 * h) continue;
+      double deepest = 0.0;
+      for (int step = 0; step <= 150; ++step)
+        deepest = std::min(deepest, sharp.on.object->distance_m(sharp.view * (begin + step / 150.0 * way)));
+      if (deepest > -0.8 * h) continue;
+      ++asked;
+      const auto flight =
+          haptics::fly(*sharp.on.surface, sharp.view * begin - sharp.on.surface->origin_m,
+                       sharp.view * (begin + way) - sharp.on.surface->origin_m, false, haptics::CellShape::bilinear);
+      missed += flight.crossing ? 0 : 1;
+      const double d = sharp.on.object->distance_m(sharp.view * (begin + flight.share * way)) / h;
+      early += flight.crossing && d > 0.5 ? 1 : 0;
+      late += flight.crossing && d < -1.2 ? 1 : 0;
+    }
+    const std::string all = sharp.on.name + ": " + std::to_string(asked) + " asked, " + std::to_string(missed) +
+                            " missed, " + std::to_string(early) + " early, " + std::to_string(late) + " late";
+    if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+    EXPECT_GT(asked, 1'000U) << all;
+    EXPECT_EQ(missed, 0U) << all;
+    EXPECT_LE(early, asked / 50) << all;
+    EXPECT_EQ(late, 0U) << all;
+  }
+}
+
+TEST(Around, NoEdgeLetsAHandThrough) {
+  const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
+  for (const Sharp& sharp : sharp_objects()) {
+    for (const haptics::CellShape shape : {haptics::CellShape::bilinear, haptics::CellShape::rounded}) {
+      // Scans wear edges by some tenths of a spacing and corners by one.
+      const Outcome o = wander(sharp.on, nightly ? 200'000 : 5'000, 4.0, 7, {.shape = shape}, 1.3, 8.0);
+      const std::string all = sharp.on.name + ": " + std::to_string(o.contacts) + " contacts, " +
+                              std::to_string(o.through) + " through, " + std::to_string(o.released) + " released, " +
+                              std::to_string(o.off_surface) + " off, " + std::to_string(o.unfinished) +
+                              " unfinished, " + std::to_string(o.edges) + " edges, kick " + std::to_string(o.kick);
+      if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+      EXPECT_GT(o.edges, 0U) << all;
+      EXPECT_EQ(o.through, 0U) << all;
+      EXPECT_EQ(o.not_a_number, 0U) << all;
+      EXPECT_EQ(o.released, 0U) << all;
+      EXPECT_LE(o.off_surface, o.ticks / 1'000) << all;
     }
   }
 }
