@@ -43,6 +43,7 @@ class Hierarchy {
       file_.throw_if_cancelled();
       read_page(page);
     }
+    check_cells();
     check_chunks();
     return std::move(nodes_);
   }
@@ -83,9 +84,7 @@ class Hierarchy {
       pages_.push_back({begin, static_cast<std::uint64_t>(size)});
       return;
     }
-    if (!seen_cells_.insert({node.level, node.cell}).second) {
-      throw laz::Damage{"a node of the COPC hierarchy is there twice", at};
-    }
+    seen_cells_.push_back({{node.level, node.cell[0], node.cell[1], node.cell[2]}, at});
     if (points == 0) return;
     node.chunk = {static_cast<std::size_t>(begin), static_cast<std::size_t>(size), static_cast<std::uint64_t>(points)};
     const bool fits = begin >= header_.first_point + 8 && begin <= file_.bytes.size() &&
@@ -96,6 +95,14 @@ class Hierarchy {
                         at};
     }
     nodes_.push_back(node);
+  }
+
+  void check_cells() {
+    std::sort(seen_cells_.begin(), seen_cells_.end());
+    const auto twice = std::adjacent_find(seen_cells_.begin(), seen_cells_.end(),
+                                          [](const auto& a, const auto& b) { return a.first == b.first; });
+    if (twice != seen_cells_.end()) throw laz::Damage{"a node of the COPC hierarchy is there twice", twice->second};
+    seen_cells_ = {};
   }
 
   void check_chunks() {
@@ -120,7 +127,7 @@ class Hierarchy {
   const laz::Packing& packing_;
   std::vector<Page> pages_;
   std::set<std::uint64_t> seen_pages_;
-  std::set<std::pair<int, std::array<std::int32_t, 3>>> seen_cells_;
+  std::vector<std::pair<std::array<std::int32_t, 4>, std::size_t>> seen_cells_;  // level and cell, and where
   std::uint64_t entries_ = 0;
   std::vector<Octree::Node> nodes_;
 };
