@@ -32,6 +32,19 @@ std::string reference_of(const Header& header) {
   return {};
 }
 
+/// LAS 1.4 R15, 2.4: formats 6 and above have their reference as WKT, and no number of points in the old place.
+void add_broken_rules(const ScanFile& file, const Header& header, std::vector<std::string>& notes) {
+  if (header.minor < 4 || header.format < 6) return;
+  constexpr std::size_t kEncoding = 6, kOldPoints = 107;
+  constexpr unsigned kIsWkt = 16;
+  const std::string format = std::to_string(header.format);
+  if ((load<std::uint16_t>(file.bytes.data() + kEncoding) & kIsWkt) == 0)
+    notes.push_back("LAS: points of format " + format + " should have their reference as WKT, the header denies it");
+  if (const auto old = load<std::uint32_t>(file.bytes.data() + kOldPoints); old != 0)
+    notes.push_back("LAS: points of format " + format +
+                    " should have no number in the old place of the header, it has " + std::to_string(old));
+}
+
 }  // namespace
 
 std::vector<std::string> notes_of(const ScanFile& file, const Header& header) {
@@ -43,6 +56,7 @@ std::vector<std::string> notes_of(const ScanFile& file, const Header& header) {
   add("LAS: written by ", text_at(file.bytes.substr(kSoftware, kField)));
   add("LAS: system ", text_at(file.bytes.substr(kSystem, kField)));
   add("LAS: coordinates of ", reference_of(header));
+  add_broken_rules(file, header, notes);
   return notes;
 }
 

@@ -64,6 +64,7 @@ struct CopcFile {
     set(bytes, 0, std::array<char, 4>{'L', 'A', 'S', 'F'});
     bytes[24] = 1;
     bytes[25] = 4;
+    bytes[6] = 16;  // WKT
     set(bytes, 94, std::uint16_t{375});
     set(bytes, 100, std::uint32_t{2});
     bytes[104] = static_cast<char>(128 + 6);

@@ -273,6 +273,23 @@ TEST(LasReader, RefusesAFileWhoseLineFeedsWereTranslated) {
   testing::expect_refused("a.las", copied, "copied as text");
 }
 
+TEST(LasReader, NotesNameRulesOfLas14ThatAreBroken) {
+  LasFile file;
+  file.minor = 4;
+  file.format = 6;
+  file.points = {las_point(6, 1, 2, 3)};
+  std::string bytes = file.bytes();
+  EXPECT_THAT(read_scan_bytes(bytes, "a.las").notes, ::testing::ElementsAre(HasSubstr("reference as WKT")));
+  bytes[6] = 16;
+  EXPECT_THAT(read_scan_bytes(bytes, "a.las").notes, ::testing::IsEmpty());
+  set(bytes, 107, std::uint32_t{1});
+  EXPECT_THAT(read_scan_bytes(bytes, "a.las").notes,
+              ::testing::ElementsAre(HasSubstr("in the old place of the header, it has 1")));
+  file.format = 3;
+  file.points = {las_point(3, 1, 2, 3)};
+  EXPECT_THAT(read_scan_bytes(file.bytes(), "a.las").notes, ::testing::IsEmpty());
+}
+
 TEST(LasReader, NotesNameSoftwareSystemAndReference) {
   const ScanFolder folder;
   LasFile file;
