@@ -9,6 +9,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -121,8 +122,9 @@ class AtATerminal : public Program {
   void TearDown() override {
     if (child_ > 0) {
       ::kill(child_, SIGKILL);
-      waitpid(child_, nullptr, 0);
+      waitpid(shell_ > 0 ? shell_ : child_, nullptr, 0);
     }
+    if (reports_ >= 0) close(reports_);
     close(kept_);
     close(master_);
   }
@@ -131,39 +133,83 @@ class AtATerminal : public Program {
     child_ = fork();
     ASSERT_GE(child_, 0);
     if (child_ == 0) {
-      setsid();
-      const int terminal = open(slave_.c_str(), O_RDWR);  // becomes the controlling one
-      for (const int stream : {0, 1, 2}) dup2(terminal, stream);
-      for (const int other : {terminal, master_, kept_}) close(other);
-      unsetenv("DISPLAY");
-      unsetenv("WAYLAND_DISPLAY");
-      execl(SPARSHA_PROGRAM, SPARSHA_PROGRAM, "explore", scene.c_str(), "--headless", "--device", device, "--duration",
-            "1000", nullptr);
-      _exit(127);
+      take_terminal();
+      become_program(scene, device);
     }
     ASSERT_TRUE(shows("Whole stone")) << seen_;
     ASSERT_FALSE(same_as_before()) << "keys are read one by one";
+  }
+  /// The program as a job of a shell: in a group of its own, whose parent leads the session and can continue it.
+  /// Without one the system does not let a program be stopped from its terminal.
+  void start_under_a_shell() {
+    const std::string scene = (folder_ / "scene").string();
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    shell_ = fork();
+    ASSERT_GE(shell_, 0);
+    if (shell_ == 0) {
+      close(ends[0]);
+      take_terminal();
+      std::signal(SIGTTOU, SIG_IGN);  // the terminal may be handed over
+      const pid_t program = fork();
+      if (program == 0) {
+        close(ends[1]);
+        setpgid(0, 0);
+        tcsetpgrp(0, getpid());
+        std::signal(SIGTTOU, SIG_DFL);
+        become_program(scene, "simulated");
+      }
+      int told = program;
+      do {
+        if (::write(ends[1], &told, sizeof told) != static_cast<ssize_t>(sizeof told)) _exit(1);
+      } while (waitpid(program, &told, WUNTRACED) == program);
+      _exit(0);
+    }
+    close(ends[1]);
+    reports_ = ends[0];
+    child_ = next_report();
+    ASSERT_GT(child_, 0);
+    ASSERT_TRUE(shows("Whole stone")) << seen_;
+    ASSERT_FALSE(same_as_before()) << "keys are read one by one";
+  }
+  /// What the shell tells next: the program's number, then each status of its; -1 after 20 s without one.
+  int next_report() {
+    for (int i = 0; i < 2000; ++i) {
+      pollfd inputs[2] = {{reports_, POLLIN, 0}, {master_, POLLIN, 0}};
+      ::poll(inputs, 2, 10);
+      char block[4096];
+      if ((inputs[1].revents & POLLIN) != 0 && read(master_, block, sizeof block) < 0) break;
+      int told = 0;
+      if ((inputs[0].revents & (POLLIN | POLLHUP)) != 0)
+        return read(reports_, &told, sizeof told) == static_cast<ssize_t>(sizeof told) ? told : -1;
+    }
+    return -1;
   }
   void type(const std::string& keys) {
     ASSERT_EQ(::write(master_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
   }
   /// Waits until the terminal has shown `text`, 20 s at most, or so many times 10 ms.
-  bool shows(const std::string& text, int looks = 2000) {
-    for (int i = 0; i < looks && seen_.find(text) == std::string::npos; ++i) {
+  bool shows(const std::string& text, int looks = 2000) { return shows_one_of({text}, looks); }
+  bool shows_one_of(const std::vector<std::string>& texts, int looks = 2000) {
+    const auto shown = [&] {
+      return std::any_of(texts.begin(), texts.end(),
+                         [&](const std::string& text) { return seen_.find(text) != std::string::npos; });
+    };
+    for (int i = 0; i < looks && !shown(); ++i) {
       pollfd input{master_, POLLIN, 0};
       char block[4096];
       if (::poll(&input, 1, 10) > 0)
         if (const ssize_t got = read(master_, block, sizeof block); got > 0)
           seen_.append(block, static_cast<std::size_t>(got));
     }
-    return seen_.find(text) != std::string::npos;
+    return shown();
   }
-  /// Its status when it has ended or was stopped, 20 s at most; what it writes meanwhile is read.
-  int status_of(int options) {
+  /// Its status when it has ended, 20 s at most; what it writes meanwhile is read.
+  int exit_status() {
     int status = 0;
     for (int i = 0; i < 2000; ++i) {
-      if (waitpid(child_, &status, WNOHANG | options) == child_) {
-        if (!WIFSTOPPED(status)) child_ = 0;
+      if (waitpid(child_, &status, WNOHANG) == child_) {
+        child_ = 0;
         return status;
       }
       pollfd input{master_, POLLIN, 0};
@@ -171,6 +217,20 @@ class AtATerminal : public Program {
       if (::poll(&input, 1, 10) > 0 && read(master_, block, sizeof block) < 0) break;
     }
     return -1;
+  }
+  /// In a new process: the leader of a session whose terminal is the test's.
+  void take_terminal() const {
+    setsid();
+    const int terminal = open(slave_.c_str(), O_RDWR);  // becomes the controlling one
+    for (const int stream : {0, 1, 2}) dup2(terminal, stream);
+    for (const int other : {terminal, master_, kept_}) close(other);
+  }
+  [[noreturn]] static void become_program(const std::string& scene, const char* device) {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    execl(SPARSHA_PROGRAM, SPARSHA_PROGRAM, "explore", scene.c_str(), "--headless", "--device", device, "--duration",
+          "1000", nullptr);
+    _exit(127);
   }
   [[nodiscard]] bool same_as_before() const {
     termios now{};
@@ -181,9 +241,11 @@ class AtATerminal : public Program {
 
   int master_ = -1;
   int kept_ = -1;
+  int reports_ = -1;
   std::string slave_;
   termios before_{};
   pid_t child_ = 0;
+  pid_t shell_ = 0;  // the child's parent where it has one
   std::string seen_;
 };
 
@@ -194,9 +256,9 @@ TEST_F(AtATerminal, KeysExploreAndEveryAnnouncementIsALine) {
   type("h");
   EXPECT_TRUE(shows("Plus and minus")) << seen_;
   type(" ");
-  EXPECT_TRUE(shows("times its size.") || shows("across.")) << seen_;
+  EXPECT_TRUE(shows_one_of({"times its size.", "across."})) << seen_;
   type("q");
-  EXPECT_EQ(status_of(0), 0);
+  EXPECT_EQ(exit_status(), 0);
   EXPECT_TRUE(same_as_before());
 }
 
@@ -206,7 +268,7 @@ TEST_F(AtATerminal, IsAsItWasWhicheverWayTheProgramEnds) {
     seen_.clear();
     start();
     ::kill(child_, number);
-    const int status = status_of(0);
+    const int status = exit_status();
     ASSERT_NE(status, -1) << number;
     EXPECT_TRUE(same_as_before()) << "signal " << number;
     EXPECT_EQ(WIFSIGNALED(status), number == SIGSEGV) << number;
@@ -237,7 +299,7 @@ TEST_F(AtATerminal, KeysMoveAHandOverTheStone) {
   type("l");
   EXPECT_TRUE(shows("Touching the stone")) << seen_;
   type("q");
-  EXPECT_EQ(status_of(0), 0);
+  EXPECT_EQ(exit_status(), 0);
   EXPECT_TRUE(same_as_before());
 }
 
@@ -261,18 +323,18 @@ TEST_F(AtATerminal, WithoutOneThereAreNoKeysToMoveAHand) {
 }
 
 TEST_F(AtATerminal, IsLentToTheShellWhileTheProgramIsStopped) {
-  start();
+  start_under_a_shell();
   ::kill(child_, SIGTSTP);
-  // No shell of the test's session continues an orphaned group: such a program is not stopped at all.
-  const int status = status_of(WUNTRACED);
-  if (WIFSTOPPED(status)) {
-    EXPECT_TRUE(same_as_before());
-    ::kill(child_, SIGCONT);
-    for (int i = 0; i < 1000 && same_as_before(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_FALSE(same_as_before()) << "keys again";
-  }
+  const int stopped = next_report();
+  ASSERT_TRUE(WIFSTOPPED(stopped)) << stopped;
+  EXPECT_TRUE(same_as_before());
+  ::kill(child_, SIGCONT);
+  for (int i = 0; i < 1000 && same_as_before(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(same_as_before()) << "keys again";
   type("q");
-  EXPECT_EQ(status_of(0), 0);
+  const int ended = next_report();
+  EXPECT_TRUE(WIFEXITED(ended)) << ended;
+  EXPECT_EQ(WEXITSTATUS(ended), 0);
   EXPECT_TRUE(same_as_before());
 }
 
