@@ -1,15 +1,10 @@
 #!/usr/bin/env bash
-# clang-tidy on the files of the latest changes and on a rotating tenth of the rest, within a budget of seconds.
+# clang-tidy on the files of the latest changes and on a rotating tenth of the rest (tools/recent-sources.sh), within a budget of seconds.
 set -euo pipefail
 build=$1
 budget=$2
-base=$(git rev-list -1 --before='1 day ago' HEAD || true)
-sources() { grep -E '^(base|scene|pipeline|haptics|sparsha|audio|viewer|app)/.*\.cpp$' || true; }
-changed=$(if [ -n "$base" ]; then git diff --name-only --diff-filter=AMR "$base" HEAD; else git ls-files; fi | sources)
-day=$(($(date +%s) / 86400))
-tenth=$(git ls-files | sources | awk -v day="$day" 'NR % 10 == day % 10')
-# Rotated by day too, so that a budget cuts other files tomorrow.
-list=$(printf '%s\n%s\n' "$changed" "$tenth" | awk -v day="$day" 'NF && !seen[$0]++ {f[n++]=$0} END {for (i=0;i<n;i++) print f[(i+day*37)%n]}')
+# shellcheck disable=SC2046
+list=$(tools/recent-sources.sh $(python3 tools/rooms.py --top | grep -v -x bench))
 total=$(wc -l <<< "$list")
 state=$(mktemp -d)
 trap 'rm -rf "$state"' EXIT

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Fails on a source that uses a name whose header it gets from precompiled headers alone (cmake/precompiled.cmake): files of
+# the latest changes and a rotating tenth of the rest are read without them, by the build's own compiler and flags, within a
+# budget of seconds. The nightly builds compile all files so. tools/check-includes.sh BUILD SECONDS
+set -euo pipefail
+build=$1
+rooms=$(python3 tools/rooms.py --top)
+# shellcheck disable=SC2086
+list=$(tools/recent-sources.sh --users $rooms tests)
+python3 - "$build" "$2" 3<<< "$list" << 'PYTHON'
+import concurrent.futures, json, os, shlex, subprocess, sys, time
+
+build, budget = sys.argv[1], float(sys.argv[2])
+wanted = [line for line in os.fdopen(3).read().split("\n") if line]
+end = time.monotonic() + budget
+commands = {}
+for entry in json.load(open(os.path.join(build, "compile_commands.json"), encoding="utf-8")):
+    commands.setdefault(os.path.relpath(entry["file"]), entry)
+
+
+def read_alone(name):
+    if time.monotonic() > end or name not in commands:
+        return None
+    words = shlex.split(commands[name]["command"])
+    compiler = next(i for i, word in enumerate(words) if os.path.basename(word).startswith(("c++", "g++", "clang++")))
+    words = words[compiler:]
+    for option in ("-include", "-o"):
+        while option in words:
+            at = words.index(option)
+            del words[at:at + 2]
+    words = [word for word in words if word not in ("-Winvalid-pch", "-c")] + ["-fsyntax-only", "-w"]
+    done = subprocess.run(words, cwd=commands[name]["directory"], capture_output=True, text=True, check=False)
+    return name, done.returncode, done.stderr
+
+
+with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    read = [result for result in pool.map(read_alone, wanted) if result]
+wrong = [result for result in read if result[1]]
+for name, _, errors in wrong:
+    print(f"{name} does not compile without precompiled headers:\n{errors[:2000]}")
+print(f"read without precompiled headers: {len(read)} of {len(wanted)} files, {len(wrong)} wrong")
+sys.exit(1 if wrong else 0)
+PYTHON
