@@ -4,10 +4,11 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 CTEST_FLAGS ?=
 # The standard library's checks of indices in our objects (docs/change/decisions/0009-library-assertions-in-ci.md): .ci/run turns them on.
 ASSERTIONS ?= OFF
-# A first build reads other people's headers once (cmake/precompiled.cmake); a folder keeps what it began with.
-FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON)
+# A first build reads other people's headers once (cmake/precompiled.cmake), and by Ninja, where it is, which lets no core wait
+# while a library is linked; a folder keeps what it began with.
+FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON $(if $(shell command -v ninja),-G Ninja))
 
-.PHONY: run test build setup nightly bench bench-quick soak format clean
+.PHONY: run test tests setup nightly bench bench-quick soak format clean
 
 run: setup
 	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) $(FIRST) > $(BUILD)-configure.log 2>&1 \
@@ -16,9 +17,11 @@ run: setup
 	cmake --build $(BUILD) -j$(JOBS) --target sparsha
 	@tools/main-job.sh $(BUILD)
 
-test: setup
+tests: setup
 	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_TESTS=ON -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) $(FIRST)
 	cmake --build $(BUILD) -j$(JOBS)
+
+test: tests
 	ctest --test-dir $(BUILD) -j$(JOBS) --output-on-failure --no-tests=error $(CTEST_FLAGS)
 
 setup:

@@ -20,6 +20,8 @@ pkg_check_modules(IMGUI REQUIRED IMPORTED_TARGET imgui)
 pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile)
 pkg_check_modules(SOXR REQUIRED IMPORTED_TARGET soxr)
 pkg_check_modules(PORTAUDIO REQUIRED IMPORTED_TARGET portaudio-2.0)
+# Its -pthread defines a macro under which precompiled headers were not made; threads come with sparsha_options.
+set_target_properties(PkgConfig::PORTAUDIO PROPERTIES INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(UMOCKDEV umockdev-1.0)
 

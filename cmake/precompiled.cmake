@@ -1,6 +1,6 @@
-# Headers that nearly every file includes, read once: a third of the time that files of this size compile. `make run` asks
-# for them. They are other people's alone, so that none of ours is compiled again for them. Each file still includes what
-# it uses: tests, sanitizers and clang-tidy read it without them.
+# Headers that nearly every file includes, read once: a third of the time that files of this size compile. `make run`,
+# `make test` and CI ask for them. They are other people's alone, so that none of ours is compiled again for them. Each
+# file still includes what it uses: tools/check-includes.sh, clang-tidy and the nightly builds read it without them.
 option(SPARSHA_PRECOMPILE "Precompile the headers of the standard library, Eigen and fmt" OFF)
 
 set(SPARSHA_PRECOMPILED_HEADERS
@@ -9,17 +9,19 @@ set(SPARSHA_PRECOMPILED_HEADERS
   <set> <span> <sstream> <stdexcept> <string> <string_view> <system_error> <thread> <tuple> <type_traits> <unordered_map>
   <utility> <variant> <vector> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <fmt/format.h>)
 
-# sparsha_precompiled_set(name flags...): for targets that are compiled with those flags.
-# Compilers refuse a precompiled header under other macros or another model of addresses.
+# sparsha_precompiled_set(name [HEADERS header...] [LIBS lib...] [FLAGS flag...]): for targets that are compiled with those
+# flags; headers and libraries are those that such targets need besides.
+# Compilers refuse a precompiled header under other macros, another optimisation or another model of addresses.
 function(sparsha_precompiled_set name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;LIBS;FLAGS" ${ARGN})
   set(source ${CMAKE_BINARY_DIR}/precompiled/${name}.cpp)
   file(CONFIGURE OUTPUT ${source} CONTENT "namespace sparsha {}\n")
   add_library(${name} OBJECT EXCLUDE_FROM_ALL ${source})
-  target_link_libraries(${name} PRIVATE sparsha_options Eigen3::Eigen fmt::fmt)
-  target_precompile_headers(${name} PRIVATE ${SPARSHA_PRECOMPILED_HEADERS})
-  if(ARGN)
+  target_link_libraries(${name} PRIVATE sparsha_options Eigen3::Eigen fmt::fmt ${ARG_LIBS})
+  target_precompile_headers(${name} PRIVATE ${SPARSHA_PRECOMPILED_HEADERS} ${ARG_HEADERS})
+  if(ARG_FLAGS)
     set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-    target_compile_options(${name} PRIVATE ${ARGN})
+    target_compile_options(${name} PRIVATE ${ARG_FLAGS})
   endif()
 endfunction()
 
@@ -38,5 +40,9 @@ if(SPARSHA_PRECOMPILE AND NOT MSVC)
       -Wno-array-bounds)
   endif()
   sparsha_precompiled_set(sparsha_precompiled)
-  sparsha_precompiled_set(sparsha_precompiled_program -fPIE)
+  sparsha_precompiled_set(sparsha_precompiled_program FLAGS -fPIE)
+  if(SPARSHA_BUILD_TESTS)
+    sparsha_precompiled_set(sparsha_precompiled_tests HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBS GTest::gmock GTest::gtest
+      FLAGS -fPIE ${SPARSHA_TEST_FLAGS})
+  endif()
 endif()
