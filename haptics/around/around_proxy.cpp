@@ -15,6 +15,7 @@ constexpr double kEndGap = 1.5;              // the same where a sheet ends
 constexpr double kEdgeGap = 3.0;             // cells: so far past an edge the proxy may have come
 constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold a proxy that leaves another
 constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
+constexpr double kNearer = 1e-3;             // cells: that a proxy has come nearer to the hand
 constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
 constexpr int kMostTakeOffs = 8;             // a tick
 constexpr double kCreaseStep = 0.5;          // cells
@@ -127,7 +128,7 @@ class Course {
     SheetView there;
     double deepest = kHeldDepth * h;
     for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
-      if (other == state_.sheet || other == but) continue;
+      if (other == state_.sheet || other == but || !may_enter(other)) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
       if (view.cell == kNoCell || std::abs(view.gap_m) > kHeldGap * h || -pull.dot(view.normal) <= deepest) continue;
       deepest = -pull.dot(view.normal);
@@ -160,6 +161,7 @@ class Course {
     if (cell >= kLookCell) return Look::stays;
     const Look at_edge = pass_edge();
     if (at_edge != Look::stays || cell == kRimCell) return at_edge;
+    if (left_count_ > 0) return stop_unfinished() ? Look::moves : Look::leaves;
     // The surface has ended: the proxy is let go.
     take_off(hip_m_);
     found_.released = true;
@@ -176,7 +178,7 @@ class Course {
       if (other == state_.sheet) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
       if (view.cell < (cell == kNoCell ? kRimCell : kLookCell) || std::abs(view.gap_m) > least) continue;
-      if (view.normal.dot(normal_) < (ends ? kNearNormal : kSameNormal)) continue;
+      if (view.normal.dot(normal_) < (ends ? kNearNormal : kSameNormal) || !may_enter(other)) continue;
       if (!ends && view.facing < kEnterFacing) continue;
       least = std::abs(view.gap_m);
       best = other;
@@ -197,7 +199,7 @@ class Course {
       if (other == state_.sheet) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
       if (view.cell == kNoCell || !(view.gap_m > 0.0) || view.gap_m > least) continue;
-      if (view.normal.dot(normal_) >= kSameNormal) continue;
+      if (view.normal.dot(normal_) >= kSameNormal || !may_enter(other)) continue;
       least = view.gap_m;
       best = other;
       there = view;
@@ -210,8 +212,17 @@ class Course {
     return Look::moves;
   }
 
+  /// A sheet that was left in this tick may be entered again only nearer to the hand: no going to and fro without end.
+  [[nodiscard]] bool may_enter(std::uint32_t other) const noexcept {
+    const double distance_m = (hip_m_ - state_.position_m).norm();
+    for (int k = 0; k < left_count_; ++k)
+      if (left_[k].sheet == other && distance_m > left_[k].distance_m - kNearer * object_.spacing_m) return false;
+    return true;
+  }
+
   /// Puts the proxy on another sheet; friction's state turns with the chart.
   void move_to(std::uint32_t other, const SheetView& there) noexcept {
+    if (left_count_ < kMostHandOvers) left_[left_count_++] = {state_.sheet, (hip_m_ - state_.position_m).norm()};
     const SheetSurface& old = sheet();
     const SheetSurface& fresh = object_.sheets[other];
     ProxyState& proxy = state_.proxy;
@@ -233,7 +244,7 @@ class Course {
     const SheetView there = view_of(wall, place);
     const Eigen::Vector3d pull = hip_m_ - place;
     const Eigen::Vector3d along_wall = pull - pull.dot(there.normal) * there.normal;
-    if (along_wall.dot(normal_) >= 0.0) {
+    if (along_wall.dot(normal_) >= 0.0 && may_enter(stop.sheet)) {
       ++found_.edges;
       move_to(stop.sheet, there);
       return Look::moves;
@@ -287,6 +298,13 @@ class Course {
   ProxyUpdate slid_;
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
   int take_offs_ = 0;
+  /// Sheets that were left in this tick, and how far the hand was from the proxy then.
+  struct Left {
+    std::uint32_t sheet;
+    double distance_m;
+  };
+  Left left_[kMostHandOvers];
+  int left_count_ = 0;
 };
 
 }  // namespace

@@ -20,6 +20,7 @@ constexpr double kBetweenSheets = 0.6;       // cells, along the normal
 constexpr double kOverlap = 1e-3;            // cells: ways through neighbouring blocks overlap by so much
 constexpr double kOnEdge = 1e-3;             // cells: so far outside, a place still counts as inside an edge
 constexpr double kOutsideCells = 2.5;        // cells: a rim does not reach further out of the sheet beyond an edge
+constexpr double kAboveCorner = 1.5;         // cells: so far above a hollow corner its wall was measured
 constexpr double kInsideCells = 4.0;         // cells: nor further in
 constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
 
@@ -239,6 +240,18 @@ Flight fly_over(const ObjectSurface& object, const Eigen::Vector3d& from_m, cons
   return {{}, begin};
 }
 
+/// Does a sheet that a proxy runs into stop it, where the proxy's own surface has this normal? Over a rim only where
+/// the sheet itself begins on the outer side: in a hollow corner, and not at an edge.
+bool stops(const SheetSurface& sheet, std::uint8_t cell, const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal,
+           double spacing_m) noexcept {
+  const SheetView view = view_of(sheet, place_m);
+  const double cosine = view.normal.dot(normal);
+  if (view.cell == kNoCell || cosine >= kSameNormal) return false;
+  if (cell >= kLookCell) return true;
+  const Eigen::Vector3d up = (normal - cosine * view.normal).normalized();
+  return view_of(sheet, place_m + kAboveCorner * spacing_m * up).cell >= kLookCell;
+}
+
 template <class Surface>
 std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& from_m,
                                   const Eigen::Vector3d& to_m, const Eigen::Vector3d& normal) noexcept {
@@ -252,7 +265,7 @@ std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own
     const Eigen::Vector3d w = cells_per_m * sheet.axes.to_chart(way_m);
     SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()}, true);
     const double share = march.next(0.0, std::min(1.0, first.share), [&](double at, std::uint8_t cell) {
-      return cell >= kLookCell && view_of(sheet, from_m + at * way_m).normal.dot(normal) < kSameNormal;
+      return stops(sheet, cell, from_m + at * way_m, normal, object.spacing_m);
     });
     if (share < first.share) first = {other, share, sheet.to_local(from_m + share * way_m)};
   }

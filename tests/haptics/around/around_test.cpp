@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -23,6 +24,7 @@
 #include "tests/support/closed_scan.h"
 #include "tests/support/clouds.h"
 #include "tests/support/god_object.h"
+#include "tests/support/wandering_hand.h"
 
 namespace sparsha::test {
 namespace {
@@ -30,131 +32,6 @@ namespace {
 using Eigen::Vector3d;
 using haptics::AroundState;
 using haptics::AroundUpdate;
-
-struct Touched {
-  std::string name;
-  ObjectPtr object;
-  double h = 0.0;
-  std::shared_ptr<const haptics::ObjectSurface> surface;
-};
-
-Touched touched(const std::string& name, const ObjectPtr& object, std::size_t points = 20'000,
-                const haptics::AroundFriction& friction = {}) {
-  ScanOptions options;
-  options.points = points;
-  options.seed = 11;
-  const ObjectScan scan = scan_object(*object, options);
-  ThreadPool pool(2);
-  Progress progress;
-  scene::GridConfig grid;
-  grid.spacing_m = scan.spacing_m;
-  const auto charts =
-      pipeline::make_charts(make_cloud(scan.points), Eigen::Matrix4d::Identity(), grid, 0.0, {pool, progress});
-  return {name, object, scan.spacing_m, haptics::make_object_surface(charts.charts, friction)};
-}
-
-/// A hand that wanders over an object, outside and up to some depth below its surface, at changing speed.
-class Wanderer {
- public:
-  Wanderer(const Touched& on, double deepest, std::uint64_t seed) : on_(on), deepest_(deepest), random_(seed) {
-    leap();
-  }
-
-  Vector3d next() {
-    if (++tick_ % 400 == 0) {
-      speed_ = on_.h * std::exp(std::uniform_real_distribution<double>(std::log(0.01), std::log(2.0))(random_));
-      depth_to_ = std::uniform_real_distribution<double>(-3.0, deepest_)(random_) * on_.h;
-    }
-    Vector3d turn;
-    std::normal_distribution<double> normal;
-    for (int axis = 0; axis < 3; ++axis) turn[axis] = 0.1 * normal(random_);
-    const Vector3d n = judge().normal(place_);
-    way_ = (way_ + turn - n * n.dot(way_ + turn)).normalized();
-    place_ += speed_ * way_;
-    for (int k = 0; k < 5; ++k) place_ -= on_.object->distance_m(place_) * judge().normal(place_);
-    depth_ += std::clamp(depth_to_ - depth_, -speed_, speed_);
-    return place_ - depth_ * judge().normal(place_);
-  }
-  [[nodiscard]] Vector3d start() const { return place_ + 3.0 * on_.h * judge().normal(place_); }
-
- private:
-  [[nodiscard]] GodObject judge() const { return {*on_.object, on_.h, place_}; }
-  void leap() {
-    place_ = on_.object->sample(random_).position_m;
-    way_ = Vector3d(0.3, 0.5, 0.7);
-    depth_ = -3.0 * on_.h;
-    depth_to_ = 2.0 * on_.h;
-    speed_ = 0.1 * on_.h;
-  }
-
-  const Touched& on_;
-  double deepest_;
-  std::mt19937_64 random_;
-  Vector3d place_ = Vector3d::Zero(), way_ = Vector3d::Zero();
-  double depth_ = 0.0, depth_to_ = 0.0, speed_ = 0.0;
-  int tick_ = 0;
-};
-
-struct Outcome {
-  std::size_t ticks = 0, contacts = 0, through = 0, not_a_number = 0, unfinished = 0, released = 0, hand_overs = 0,
-              edges = 0, off_surface = 0, compared = 0, apart = 0;
-  double force_error = 0.0;  ///< mean, of the force's magnitude
-  double turn_deg = 0.0;     ///< mean, of its direction
-  double ns_median = 0.0, ns_p99 = 0.0;
-  double kick = 0.0;  ///< largest growth of the force's arm in a tick beyond the hand's own step
-};
-
-Outcome wander(const Touched& on, std::size_t ticks, double deepest, std::uint64_t seed,
-               const haptics::SolverOptions& options = {}, double through = 0.6, double longest_arm = 1e9) {
-  Outcome out;
-  Wanderer hand(on, deepest, seed);
-  AroundState state;
-  const Vector3d origin = on.surface->origin_m;
-  GodObject judge(*on.object, 0.5 * on.h, hand.start());
-  (void)update_around(*on.surface, hand.start() - origin, state, options);
-  double errors = 0.0, turns = 0.0;
-  Vector3d last_arm = Vector3d::Zero(), last_hip = hand.start();
-  std::vector<double> times;
-  for (; out.ticks < ticks; ++out.ticks) {
-    const Vector3d hip = hand.next();
-    const auto begin = std::chrono::steady_clock::now();
-    const AroundUpdate found = update_around(*on.surface, hip - origin, state, options);
-    times.push_back(std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count());
-    const Vector3d place = found.position_m + origin;
-    out.not_a_number += place.allFinite() ? 0 : 1;
-    out.unfinished += found.unfinished ? 1 : 0;
-    out.released += found.released ? 1 : 0;
-    out.hand_overs += static_cast<std::size_t>(found.hand_overs);
-    out.edges += static_cast<std::size_t>(found.edges);
-    out.contacts += found.contact ? 1 : 0;
-    const double d = on.object->distance_m(hip);
-    if (!found.contact && !found.unfinished && d < -through * on.h) ++out.through;
-    if (found.contact && std::abs(on.object->distance_m(place)) > 0.5 * on.h) ++out.off_surface;
-    const Vector3d arm = found.contact ? Vector3d(place - hip) : Vector3d::Zero();
-    const double kick = ((arm - last_arm).norm() - (hip - last_hip).norm()) / on.h;
-    if (out.ticks > 0 && arm.norm() > last_arm.norm()) out.kick = std::max(out.kick, kick);
-    last_arm = arm, last_hip = hip;
-    if (arm.norm() > longest_arm * on.h) {  // no person goes on so
-      (void)update_around(*on.surface, hand.start() - origin, state, options);
-      last_arm = Vector3d::Zero(), last_hip = hand.start();
-    }
-    judge.move(hip);
-    if (!found.contact || !judge.contact() || d > -on.h) continue;
-    const Vector3d want = judge.place_m() - hip;
-    const Vector3d force = place - hip;
-    const double error = std::abs(force.norm() - want.norm()) / want.norm();
-    turns += std::acos(std::clamp(force.dot(want) / (force.norm() * want.norm()), -1.0, 1.0)) * 180.0 / M_PI;
-    ++out.compared;
-    out.apart += error > 0.3 ? 1 : 0;
-    errors += error;
-  }
-  out.force_error = errors / static_cast<double>(std::max<std::size_t>(1, out.compared));
-  out.turn_deg = turns / static_cast<double>(std::max<std::size_t>(1, out.compared));
-  std::sort(times.begin(), times.end());
-  out.ns_median = times[times.size() / 2];
-  out.ns_p99 = times[times.size() * 99 / 100];
-  return out;
-}
 
 void expect_true(const Touched& on, const Outcome& o) {
   const std::string all = on.name + ": " + std::to_string(o.contacts) + " contacts, " + std::to_string(o.through) +
@@ -263,93 +140,67 @@ TEST(Around, AHandPushedThroughAThinPlateStaysOnTheSideThatItCameFrom) {
   }
 }
 
-/// Objects with sharp edges, and half of their sides in their own frame.
-struct Sharp {
-  Touched on;
-  Vector3d half;
-  Eigen::Matrix3d view;
-};
-std::vector<Sharp> sharp_objects() {
-  std::vector<Sharp> all;
-  const double spacing = std::sqrt(8.0 / 20'000.0);
-  for (const Eigen::Matrix3d& view :
-       {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), turned(35.3, 45.0), turned(20.0, 30.0)}) {
-    for (const Vector3d& half : {Vector3d(0.6, 0.6, 0.6), Vector3d(1.0, 1.0, 2.5 * spacing)})
-      all.push_back({touched(half.z() < 0.1 ? "plate" : "cube", make_box(half, view)), half, view});
-  }
-  return all;
+/// A level sheet of so many nodes with its corner at (first_u, first_v, w), in spacings of 1 mm.
+scene::Sheet level_sheet(scene::Side side, int first_u, int first_v, int nx, int ny, double w) {
+  scene::Sheet sheet;
+  sheet.side = side;
+  sheet.first_u = first_u;
+  sheet.first_v = first_v;
+  sheet.nx = nx;
+  sheet.ny = ny;
+  sheet.height_m.assign(sheet.count(), static_cast<float>(1e-3 * w));
+  sheet.slope_u.assign(sheet.count(), 0.0F);
+  sheet.slope_v.assign(sheet.count(), 0.0F);
+  sheet.mask.assign(sheet.count(), scene::Sheet::kMeasured);
+  for (int j = 0; j + 1 < ny; ++j)
+    for (int i = 0; i + 1 < nx; ++i) sheet.mask[sheet.index(i, j)] |= scene::Sheet::kCell;
+  return sheet;
 }
 
-/// A place on an edge, and outwards of its two faces, in the object's own frame.
-struct OnEdge {
-  Vector3d at, first, second;
-};
-OnEdge place_on_edge(const Vector3d& half, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const int along = static_cast<int>(random() % 3);
-  const auto sign = [&] { return random() % 2 == 0 ? 1.0 : -1.0; };
-  OnEdge edge{Vector3d::Zero(), sign() * Vector3d::Unit((along + 1) % 3), sign() * Vector3d::Unit((along + 2) % 3)};
-  edge.at = half.cwiseProduct(edge.first + edge.second);
-  edge.at[along] = unit(random) * half[along];
-  return edge;
-}
-
-TEST(Around, SharpEdgesHaveNoGapForAHandThatComesFromOutside) {
-  for (const Sharp& sharp : sharp_objects()) {
-    const double h = sharp.on.h;
-    std::mt19937_64 random(9);
-    std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    std::size_t missed = 0, early = 0, late = 0, asked = 0;
-    for (int k = 0; k < 3'000; ++k) {
-      const OnEdge edge = place_on_edge(sharp.half, random);
-      const Vector3d along = edge.first.cross(edge.second).cwiseAbs();
-      if (along.dot(sharp.half - edge.at.cwiseAbs()) < 2.0 * h) continue;  // a corner
-      const Vector3d within = edge.at - (0.8 + std::abs(unit(random))) * h * (edge.first + edge.second);
-      Vector3d from = edge.first * unit(random) + edge.second * unit(random);
-      from = (from + 0.5 * unit(random) * edge.first.cross(edge.second)).normalized();
-      const Vector3d begin = within + 12.0 * h * from;
-      const Vector3d way = -15.0 * h * from;
-      if ((begin.cwiseAbs() - sharp.half).maxCoeff() < 0.5 * h) continue;
-      double deepest = 0.0;
-      for (int step = 0; step <= 150; ++step)
-        deepest = std::min(deepest, sharp.on.object->distance_m(sharp.view * (begin + step / 150.0 * way)));
-      if (deepest > -0.8 * h) continue;
-      ++asked;
-      const auto flight =
-          haptics::fly(*sharp.on.surface, sharp.view * begin - sharp.on.surface->origin_m,
-                       sharp.view * (begin + way) - sharp.on.surface->origin_m, false, haptics::CellShape::bilinear);
-      missed += flight.crossing ? 0 : 1;
-      const double d = sharp.on.object->distance_m(sharp.view * (begin + flight.share * way)) / h;
-      early += flight.crossing && d > 0.5 ? 1 : 0;
-      late += flight.crossing && d < -1.2 ? 1 : 0;
-    }
-    const std::string all = sharp.on.name + ": " + std::to_string(asked) + " asked, " + std::to_string(missed) +
-                            " missed, " + std::to_string(early) + " early, " + std::to_string(late) + " late";
-    if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
-    EXPECT_GT(asked, 1'000U) << all;
-    EXPECT_EQ(missed, 0U) << all;
-    EXPECT_LE(early, asked / 50) << all;
-    EXPECT_EQ(late, 0U) << all;
-  }
-}
-
-TEST(Around, NoEdgeLetsAHandThrough) {
-  const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
-  for (const Sharp& sharp : sharp_objects()) {
-    for (const haptics::CellShape shape : {haptics::CellShape::bilinear, haptics::CellShape::rounded}) {
-      // Scans wear edges by some tenths of a spacing and corners by one.
-      const Outcome o = wander(sharp.on, nightly ? 200'000 : 5'000, 4.0, 7, {.shape = shape}, 1.3, 8.0);
-      const std::string all = sharp.on.name + ": " + std::to_string(o.contacts) + " contacts, " +
-                              std::to_string(o.through) + " through, " + std::to_string(o.released) + " released, " +
-                              std::to_string(o.off_surface) + " off, " + std::to_string(o.unfinished) +
-                              " unfinished, " + std::to_string(o.edges) + " edges, kick " + std::to_string(o.kick);
-      if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
-      EXPECT_GT(o.edges, 0U) << all;
-      EXPECT_EQ(o.through, 0U) << all;
-      EXPECT_EQ(o.not_a_number, 0U) << all;
-      EXPECT_EQ(o.released, 0U) << all;
-      EXPECT_LE(o.off_surface, o.ticks / 1'000) << all;
-    }
+TEST(Around, AConcaveCornerHoldsTheHandAndLetsItSlideAlong) {
+  // A floor at z = 0 before a wall at x = 10 mm that faces -x.
+  scene::Charts charts;
+  charts.spacing_m = 1e-3;
+  charts.sheets.push_back(level_sheet(scene::Side::front, -30, -30, 41, 61, 0.0));
+  charts.sheets.push_back(level_sheet(scene::Side::left, 0, -30, 31, 61, -10.0));  // u is z, v is y
+  const auto object = haptics::make_object_surface(charts);
+  const double mm = 1e-3;
+  for (const haptics::CellShape shape : {haptics::CellShape::bilinear, haptics::CellShape::rounded}) {
+    AroundState state;
+    AroundUpdate found;
+    Vector3d hand = Vector3d::Zero();
+    const auto go = [&](const Vector3d& to_mm, double step_mm) {
+      if (!state.started) hand = mm * to_mm;
+      const Vector3d start = hand;
+      const int steps = std::max(1, static_cast<int>((mm * to_mm - start).norm() / (mm * step_mm)));
+      for (int k = 1; k <= steps; ++k) {
+        hand = start + (mm * to_mm - start) * (static_cast<double>(k) / steps);
+        found = update_around(*object, hand, state, {.shape = shape});
+        ASSERT_TRUE(found.position_m.allFinite());
+        ASSERT_FALSE(found.released) << k;
+      }
+    };
+    const auto is_at = [&](double x, double y, double z) {
+      EXPECT_NEAR((found.position_m / mm - Vector3d(x, y, z)).norm(), 0.0, 0.05) << (found.position_m / mm).transpose();
+    };
+    go({0.0, 0.3, 4.0}, 0.1);
+    go({0.0, 0.3, -2.0}, 0.1);
+    is_at(0.0, 0.3, 0.0);
+    go({13.0, 0.3, -2.0}, 0.1);  // along the floor, into the wall
+    is_at(10.0, 0.3, 0.0);
+    go({13.0, 12.6, -2.0}, 0.1);  // along the corner
+    is_at(10.0, 12.6, 0.0);
+    go({13.0, -7.2, -2.0}, 1.7);  // fast
+    is_at(10.0, -7.2, 0.0);
+    go({13.0, -7.2, 6.0}, 0.1);  // up the wall
+    is_at(10.0, -7.2, 6.0);
+    go({13.0, -7.2, -3.0}, 0.7);  // and down again
+    is_at(10.0, -7.2, 0.0);
+    go({4.0, -7.2, -3.0}, 0.3);  // back along the floor
+    is_at(4.0, -7.2, 0.0);
+    go({4.0, -7.2, 3.0}, 0.3);
+    EXPECT_FALSE(found.contact);
+    is_at(4.0, -7.2, 3.0);
   }
 }
 
