@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -19,6 +20,7 @@
 #include "pipeline/filter/voxel.h"
 #include "pipeline/orient/face.h"
 #include "pipeline/outofcore/cloud_on_disk.h"
+#include "pipeline/outofcore/crowding.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/outofcore/tiled_check.h"
 #include "pipeline/outofcore/tiled_projection.h"
@@ -394,6 +396,21 @@ class Builder {
                 });
   }
 
+  // Before points go to disk, where a sample already tells that the limit cannot hold.
+  void require_room_by_sample(const ScanSet& scans) const {
+    if (!filters_.empty() || !oriented_) return;
+    const std::optional<SampledGrid> grid =
+        sampled_grid(scans.sample_m(), scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_});
+    if (!grid) return;
+    const std::uint64_t bytes = node_bytes(scans, grid->lattice);
+    constexpr std::uint64_t kSurely = 10;  // per cent that a lattice of all points may be smaller
+    if (bytes - bytes / kSurely > limit_.bytes && limit_.bytes > 0) {
+      const std::uint64_t sample = checks() ? bytes_of_sample(*config_.check, scans.points(), grid->lattice) : 0;
+      (void)points_of_a_tile(limit_, bytes, grid->bytes_per_point, sample, grid->lattice);
+    }
+    require_room_about_nodes(limit_, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
+  }
+
   void build_out_of_core(const ScanSet& scans) {
     if (around()) {
       throw Error(
@@ -402,6 +419,7 @@ class Builder {
                       scans.points()),
           "a higher --memory, a voxel filter, or no block 'around'");
     }
+    require_room_by_sample(scans);
     progress_.begin("points to disk");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
     if (!oriented_ || finds_pillars()) streamed.sample_kept();

@@ -36,8 +36,8 @@ class Cells {
   void mark(const Eigen::Vector3i& cell) { label_[index(cell)] = kOpen; }
   [[nodiscard]] std::uint32_t group_of(const Eigen::Vector3d& p) const { return label_[index(cell_of(p))]; }
 
-  /// Cells that the triangle may pass.
-  void mark_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  /// Cells that the triangle may pass; returns how many were looked at.
+  std::uint64_t mark_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
     const Eigen::Vector3i from = cell_of(a.cwiseMin(b).cwiseMin(c));
     const Eigen::Vector3i to = cell_of(a.cwiseMax(b).cwiseMax(c));
     const Eigen::Vector3d normal = (b - a).cross(c - a);
@@ -49,6 +49,7 @@ class Cells {
           const Eigen::Vector3d middle = low_ + size_ * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
           if (small || std::abs(normal.dot(middle - a)) <= 1.001 * half) mark({x, y, z});
         }
+    return static_cast<std::uint64_t>((to - from + Eigen::Vector3i::Ones()).cast<std::int64_t>().prod());
   }
 
   /// Numbers the groups of marked cells that touch; returns how many.
@@ -174,7 +175,14 @@ std::optional<Pieces> pieces_of_mesh(const RawScan& scan) {
     for (const std::uint32_t v : face) box.add(scan.points[v]);
   if (!is_usable(box)) return std::nullopt;
   Cells cells(box.low, box.high, box.longest() / kMeshCells);
-  for (const auto& [a, b, c] : scan.faces) cells.mark_triangle(scan.points[a], scan.points[b], scan.points[c]);
+  // A surface fills some tens of thousands of cells. Millions of triangles across all of them, one on another, are no
+  // surface, and would take minutes.
+  constexpr std::uint64_t kMostVisits = 200'000'000;
+  std::uint64_t visits = 0;
+  for (const auto& [a, b, c] : scan.faces) {
+    visits += cells.mark_triangle(scan.points[a], scan.points[b], scan.points[c]);
+    if (visits > kMostVisits) return std::nullopt;
+  }
   return pieces_of(cells, scan.points, 0.0, 1);
 }
 

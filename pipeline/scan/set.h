@@ -74,6 +74,9 @@ class ScanSet {
   /// The median of the points in whole metres: a function of the set of points alone.
   [[nodiscard]] const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
+  /// Some of the points, spread over all of them by a hash of their coordinates.
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& sample_m() const { return sample_m_; }
+
   /// Throws Error{input} when the points of all scans together lie on a straight line or in one place.
   void require_surface() const;
 

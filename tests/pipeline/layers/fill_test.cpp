@@ -101,6 +101,24 @@ TEST(Closing, HandlesDiscsWiderThanAWordAndTheLattice) {
   EXPECT_FALSE(close_by_disc(set, 298, pool).contains(150, 2));
 }
 
+TEST(Closing, OfNarrowSetsByDiscsManyTimesAsWideFollowsTheDefinition) {
+  ThreadPool pool(2);
+  std::mt19937 random(19);
+  for (const auto& [nx, ny] : {std::pair{30, 1}, {31, 2}, {2, 24}, {1, 20}}) {
+    for (const double diameter : {20.0, 35.5}) {
+      NodeSet set(nx, ny);
+      for (int j = 0; j < ny; ++j)
+        for (int i = 0; i < nx; ++i)
+          if (random() % 8 == 0) set.insert(i, j);
+      const NodeSet closed = close_by_disc(set, diameter, pool);
+      for (int j = 0; j < ny; ++j)
+        for (int i = 0; i < nx; ++i)
+          ASSERT_EQ(closed.contains(i, j), closed_by_definition(set, i, j, diameter))
+              << nx << " x " << ny << ", node " << i << ' ' << j << ", diameter " << diameter;
+    }
+  }
+}
+
 TEST(Outline, EnclosesHolesButNoBays) {
   scene::DepthGrid grid = grid_of(lattice_of(60, 60, 0.001), [](double, double) { return 0; });
   for (int j = 20; j < 40; ++j)

@@ -12,6 +12,7 @@
 
 #include "base/progress.h"
 #include "pipeline/scan/empty_returns.h"
+#include "pipeline/scan/pieces.h"
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
@@ -375,6 +376,16 @@ TEST(Pieces, IslandsBesideAMeshAreCountedAndWhatTouchesIsOnePiece) {
   statue.points.insert(statue.points.end(), {{-3, -3, -0.601}, {3, -3, -0.601}, {3, 3, -0.601}, {-3, 3, -0.601}});
   statue.faces.insert(statue.faces.end(), {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
   EXPECT_THAT(doubts_of(statue.points, statue.faces), IsEmpty());
+}
+
+TEST(Pieces, AreNotLookedForAmongTrianglesThatLieOneOnAnotherAcrossAll) {
+  RawScan scan;
+  scan.points = {{0, 0, 0}, {1, 0.1, 1}, {0.1, 1, 1}, {9, 9, 9}, {9.1, 9, 9}, {9, 9.1, 9}};
+  scan.faces = {{0, 1, 2}, {3, 4, 5}};
+  EXPECT_TRUE(pieces_of_mesh(scan)) << "two";
+  scan.points = {{0, 0, 0}, {1, 0, 1}, {0, 1, 1}};
+  scan.faces.assign(2000, {0, 1, 2});  // each passes all of 64 x 64 x 64 cells
+  EXPECT_FALSE(pieces_of_mesh(scan));
 }
 
 TEST(Pieces, OfPointsAreGroupsFarApartAndNotStrays) {

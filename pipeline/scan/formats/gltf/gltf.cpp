@@ -115,7 +115,7 @@ class Reader {
         total += primitive.positions.size();
         triangles += primitive.triangles();
       }
-      refuse_many(total);
+      refuse_many(total, triangles);
     }
     out_.expect_mesh(total, triangles);
     name_fields(shown, meshes);
@@ -127,13 +127,17 @@ class Reader {
   }
 
  private:
-  /// A mesh that many nodes show is read as often: a file must not become thousands of times as large.
-  void refuse_many(std::uint64_t total) const {
+  /// A mesh that many nodes show is read as often: a file must not become hundreds of times as large in memory.
+  void refuse_many(std::uint64_t vertices, std::uint64_t triangles) const {
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-    constexpr std::uint64_t kTimes = 256;
-    if (total >= kMost || total > kTimes * file_.bytes.size() + kTimes * 1024 * 1024) {
-      throw file_.error(fmt::format("its nodes show meshes of {} vertices together", total),
-                        "a model of one object, not one that repeats a mesh thousands of times");
+    constexpr std::uint64_t kVertex = 64, kTriangle = 24;  // bytes, with what is looked for beside them
+    constexpr std::uint64_t kTimes = 32, kAlways = 512'000'000;
+    const std::uint64_t needed = vertices < kMost && triangles < kMost ? kVertex * vertices + kTriangle * triangles : 0;
+    if (needed == 0 ? vertices > 0 || triangles > 0 : needed > kTimes * file_.bytes.size() + kAlways) {
+      throw file_.error(
+          fmt::format("its nodes show meshes of {} vertices and {} triangles together{}", vertices, triangles,
+                      needed > 0 ? fmt::format(", which need about {} MB in memory", needed / 1'000'000U + 1) : ""),
+          "a model of one object, not one that repeats a mesh many times");
     }
   }
 
