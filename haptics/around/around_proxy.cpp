@@ -12,7 +12,7 @@ constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees: the same s
 constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface where a sheet ends
 constexpr double kSameGap = 0.5;             // cells between two sheets of one surface
 constexpr double kEndGap = 1.5;              // the same where a sheet ends
-constexpr double kEdgeGap = 3.0;             // cells: so far past an edge the proxy may have come
+constexpr double kEdgeGap = 1.5;             // cells: so far past an edge the proxy may have come
 constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold a proxy that leaves another
 constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
 constexpr double kNearer = 1e-3;             // cells: that a proxy has come nearer to the hand
@@ -198,8 +198,10 @@ class Course {
     for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
       if (other == state_.sheet) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
-      if (view.cell == kNoCell || !(view.gap_m > 0.0) || view.gap_m > least) continue;
-      if (view.normal.dot(normal_) >= kSameNormal || !may_enter(other)) continue;
+      if (view.cell == kNoCell) continue;
+      const bool same = view.normal.dot(normal_) >= kSameNormal;
+      if (same && std::abs(view.gap_m) <= kSameGap * object_.spacing_m) return Look::stays;  // the surface goes on
+      if (same || !(view.gap_m > 0.0) || view.gap_m > least || !may_enter(other)) continue;
       least = view.gap_m;
       best = other;
       there = view;

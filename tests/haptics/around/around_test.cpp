@@ -66,6 +66,71 @@ TEST(Around, AHandThatWandersFeelsTheTrueSurface) {
   }
 }
 
+/// A stroke two spacings deep over the border between two sides, there and back.
+struct Stroke {
+  std::size_t ticks = 0, lost = 0, off = 0, not_handed_over = 0, hand_overs = 0;
+};
+/// False where the surface is no way to stroke along: another part of the object is nearer.
+bool stroke(const Touched& on, const SurfacePoint& at, const Vector3d& way, Stroke& result) {
+  const GodObject judge(*on.object, on.h, at.position_m);
+  const auto surface_at = [&](double along) {
+    Vector3d place = at.position_m + along * on.h * way;
+    for (int k = 0; k < 5; ++k) place -= on.object->distance_m(place) * judge.normal(place);
+    return place;
+  };
+  for (double along = -6.0; along < 6.0; along += 0.25)
+    if ((surface_at(along + 0.25) - surface_at(along)).norm() > 0.6 * on.h) return false;
+  AroundState state;
+  const auto hand_at = [&](double along, double depth) {
+    const Vector3d place = surface_at(along);
+    return update_around(*on.surface, place - depth * on.h * judge.normal(place) - on.surface->origin_m, state, {});
+  };
+  for (double depth = -2.0; depth < 2.0; depth += 0.25) (void)hand_at(-6.0, depth);
+  for (const double sign : {1.0, -1.0}) {
+    AroundUpdate found;
+    for (double along = -6.0; along <= 6.0; along += 0.25, ++result.ticks) {
+      found = hand_at(sign * along, 2.0);
+      result.lost += found.contact ? 0 : 1;
+      result.hand_overs += static_cast<std::size_t>(found.hand_overs);
+      if (std::abs(on.object->distance_m(found.position_m + on.surface->origin_m)) > 0.5 * on.h) ++result.off;
+    }
+    if (!found.contact) continue;
+    const Vector3d true_normal = judge.normal(found.position_m + on.surface->origin_m);
+    const double facing = on.surface->sheets[found.sheet].axes.to_chart(true_normal).z();
+    result.not_handed_over += facing < 0.42 ? 1 : 0;  // 0.5, but for the noise of slopes
+  }
+  return true;
+}
+
+TEST(Around, BordersOfSidesAreCrossedBothWays) {
+  const int strokes = std::getenv("SPARSHA_NIGHTLY") != nullptr ? 5'000 : 150;
+  for (const Touched& on : smooth_objects()) {
+    std::mt19937_64 random(21);
+    Stroke result;
+    for (int k = 0; k < strokes;) {
+      const SurfacePoint at = on.object->sample(random);
+      int first = 0, last = 0;
+      at.normal.cwiseAbs().maxCoeff(&first);
+      at.normal.cwiseAbs().minCoeff(&last);
+      const int second = 3 - first - last;
+      if (std::abs(at.normal[first]) - std::abs(at.normal[second]) > 0.1) continue;
+      Vector3d way = std::copysign(1.0, at.normal[second]) * Vector3d::Unit(second) -
+                     std::copysign(1.0, at.normal[first]) * Vector3d::Unit(first);
+      way = (way - way.dot(at.normal) * at.normal).normalized();
+      if (stroke(on, at, way, result)) ++k;
+    }
+    const std::string all = on.name + ": " + std::to_string(strokes) + " strokes both ways, " +
+                            std::to_string(result.hand_overs) + " hand-overs, " + std::to_string(result.lost) +
+                            " lost, " + std::to_string(result.off) + " off, " + std::to_string(result.not_handed_over) +
+                            " not handed over";
+    if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+    EXPECT_GT(result.hand_overs, static_cast<std::size_t>(strokes) / 10) << all;
+    EXPECT_EQ(result.lost, 0U) << all;
+    EXPECT_LE(result.off, static_cast<std::size_t>(strokes) / 1'000) << all;
+    EXPECT_LE(result.not_handed_over, static_cast<std::size_t>(strokes) / 1'000) << all;
+  }
+}
+
 /// Where a straight way first enters the object, by small steps; nothing when it does not.
 std::optional<Vector3d> entry(const ClosedObject& object, const Vector3d& from, const Vector3d& to, double step) {
   const double length = (to - from).norm();
