@@ -110,7 +110,8 @@ bool traces_whole_object(const scene::Scene& scene, const Arguments& arguments) 
 haptics::TraceResult trace_whole_object(const scene::Scene& scene, const Arguments& arguments,
                                         const scene::HapticsConfig& haptics, const haptics::SolverOptions& options) {
   const auto refuse = [](const char* what) {
-    throw usage_error(std::string(what) + " of a whole object", "without it, or --frame grid for the front view");
+    throw usage_error(std::string(what) + " is not there for whole objects yet",
+                      "without it, or --frame grid for the front view");
   };
   if (haptics.solver == scene::HapticsConfig::Solver::paper) refuse("--solver paper");
   if (arguments.level >= 0 || !arguments.centre.empty()) refuse("a window (--level, --centre)");

@@ -1,0 +1,92 @@
+// A whole object from its scan to a traced path, as a user meets it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/app/program.h"
+
+namespace sparsha {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A ball of 50 mm about (1, 2, 3) m, and a configuration that looks at it askew.
+void write_ball(const fs::path& folder) {
+  std::ofstream scan(folder / "ball.xyz");
+  scan << std::setprecision(9);
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 6000; ++k) {
+    double p[3];
+    double length = 0.0;
+    for (double& coordinate : p) coordinate = normal(random), length += coordinate * coordinate;
+    for (double& coordinate : p) coordinate *= 0.05 / std::sqrt(length);
+    scan << 1.0 + p[0] << ' ' << 2.0 + p[1] << ' ' << 3.0 + p[2] << '\n';
+  }
+  std::ofstream(folder / "ball.yaml")
+      << "scans:\n  - {file: ball.xyz, units: m}\norientation: {euler_deg: [20, 40, 70]}\n"
+         "haptics: {stiffness_n_per_m: 1000}\naround: {}\n";
+}
+
+TEST_F(Program, TracesAPathRoundAWholeObjectInTheScanFrame) {
+  write_ball(folder_);
+  const std::string scene = "\"" + (folder_ / "scene").string() + "\"";
+  ASSERT_EQ(run("build \"" + (folder_ / "ball.yaml").string() + "\" --out " + scene).code, 0);
+  {
+    // From outside to 2 mm below the equator, and all round it.
+    std::ofstream path(folder_ / "path.csv");
+    path << std::setprecision(12) << "t_s,x_m,y_m,z_m\n";
+    for (int k = 0; k < 1000; ++k) {
+      const double turn = 2.0 * M_PI * std::max(0, k - 100) / 900.0;
+      const double radius = 0.058 - 0.0001 * std::min(k, 100);
+      path << 0.001 * k << ',' << 1.0 + radius * std::cos(turn) << ",2," << 3.0 + radius * std::sin(turn) << '\n';
+    }
+  }
+  const std::string trace = "trace " + scene + " --hip \"" + (folder_ / "path.csv").string() +
+                            "\" --frame scan --out \"" + (folder_ / "trace.csv").string() + "\"";
+  const Outcome done = run(trace + " --json");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.err.find("front view"), std::string::npos) << done.err;
+  const auto summary = nlohmann::json::parse(done.out);
+  EXPECT_GE(summary["around"]["touched"].get<int>(), 4);
+  EXPECT_GE(summary["around"]["hand_overs"].get<int>(), 4);
+  EXPECT_EQ(summary["around"]["releases"].get<int>(), 0);
+  EXPECT_EQ(summary["unfinished"].get<int>(), 0);
+
+  std::istringstream rows(text_of(folder_ / "trace.csv"));
+  std::string row;
+  std::getline(rows, row);
+  EXPECT_THAT(row, HasSubstr("tick_ns,sheet"));
+  int contacts = 0;
+  for (int k = 0; std::getline(rows, row); ++k) {
+    std::vector<double> v;
+    std::istringstream fields(row);
+    for (std::string field; std::getline(fields, field, ',');) v.push_back(std::stod(field));
+    ASSERT_EQ(v.size(), 14U);
+    if (k < 105) continue;
+    ASSERT_EQ(v[10], 1.0) << k;
+    ++contacts;
+    // The proxy on the ball, and 2 mm times 1000 N/m away from its middle.
+    const double place[3] = {v[4] - 1.0, v[5] - 2.0, v[6] - 3.0};
+    EXPECT_NEAR(std::sqrt(place[0] * place[0] + place[1] * place[1] + place[2] * place[2]), 0.05, 2e-4) << k;
+    const double out = (v[7] * (v[1] - 1.0) + v[9] * (v[3] - 3.0)) / std::hypot(v[1] - 1.0, v[3] - 3.0);
+    EXPECT_NEAR(out, 2.0, 0.2) << k;
+  }
+  EXPECT_EQ(contacts, 895);
+
+  const Outcome refused = run(trace + " --solver paper");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--solver paper is not there for whole objects yet"));
+}
+
+}  // namespace
+}  // namespace sparsha
