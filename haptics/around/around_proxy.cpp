@@ -1,5 +1,7 @@
 #include "haptics/around/around_proxy.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
