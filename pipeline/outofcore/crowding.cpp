@@ -1,5 +1,7 @@
 #include "pipeline/outofcore/crowding.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
