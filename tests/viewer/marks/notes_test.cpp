@@ -1,6 +1,7 @@
 // Notes on disk, and what measures measure, judged by closed forms.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -174,6 +175,12 @@ TEST(Profile, OfALineOfOnePointOrOutsideIsNoProblem) {
     EXPECT_TRUE(std::isnan(s.at_m.z()));
   EXPECT_TRUE(profile_along(*scene, {0, 0, 0}, {std::nan(""), 0, 0}).empty());
   EXPECT_EQ(profile_along(*scene, {-1e6, 0, 0}, {1e6, 0, 0}).size(), 20'000U);
+  for (const double far_m : {1e12, 1e30, 1e150}) {  // cells that no int counts
+    EXPECT_TRUE(std::isnan(surface_height_m(*scene, far_m, -far_m)));
+    const std::vector<ProfileSample> profile = profile_along(*scene, {-far_m, 0.01, 0}, {-0.5 * far_m, 0.01, 0});
+    EXPECT_EQ(profile.size(), 20'000U);
+    EXPECT_TRUE(std::ranges::all_of(profile, [](const ProfileSample& s) { return std::isnan(s.at_m.z()); }));
+  }
   const auto one = scene_of([](double, double) { return 0.5; }, {1, 1, 0.001, 1});
   EXPECT_DOUBLE_EQ(surface_height_m(*one, 0.0, 0.0), 0.5);
 }
