@@ -14,7 +14,7 @@ run: setup
 	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) $(FIRST) > $(BUILD)-configure.log 2>&1 \
 	  || { cat $(BUILD)-configure.log; exit 1; }
 	@rm -f $(BUILD)-configure.log
-	cmake --build $(BUILD) -j$(JOBS) --target sparsha
+	cmake --build $(BUILD) -j$(JOBS) --target sparsha_runnable
 	@tools/main-job.sh $(BUILD)
 
 tests: setup

@@ -12,7 +12,7 @@ if [ -z "${SPARSHA_SCANS_DIR:-}" ] && [ -d ../shared/data ]; then
   export SPARSHA_SCANS_DIR
 fi
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DSPARSHA_BUILD_BENCH=ON -DSPARSHA_LIBRARY_ASSERTIONS=OFF
-cmake --build "$build" -j"$jobs" --target sparsha "${programs[@]}" bench_report
+cmake --build "$build" -j"$jobs" --target sparsha_runnable "${programs[@]}" bench_report
 out=$build/bench
 mkdir -p "$out"
 rm -f "$out"/*.csv "$out"/*.svg "$out"/*.html  # what an earlier run left would be taken for this run's
