@@ -12,6 +12,7 @@
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
+#include "pipeline/scan/placement.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/straight.h"
@@ -23,55 +24,6 @@ namespace {
 
 constexpr std::size_t kMostStations = 256;  // of a file
 constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
-
-/// pose * units for one scan.
-struct Placement {
-  Eigen::Matrix3d turn_and_scale = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
-  bool trivial = true;
-
-  [[nodiscard]] Eigen::Vector3d operator()(const Eigen::Vector3d& p) const {
-    return trivial ? p : Eigen::Vector3d(turn_and_scale * p + shift_m);
-  }
-};
-
-Placement place(const scene::ScanConfig& config, double scale) {
-  Placement placement;
-  placement.turn_and_scale = config.pose.topLeftCorner<3, 3>() * scale;
-  placement.shift_m = config.pose.topRightCorner<3, 1>();
-  placement.trivial = placement.turn_and_scale.isIdentity(0.0) && placement.shift_m.isZero(0.0);
-  return placement;
-}
-
-/// Metres in a unit of the file; 0 when the points themselves decide.
-double metres_in_unit(const scene::ScanConfig& config, const std::optional<scene::LengthUnit>& of_file) {
-  if (config.units.unit == scene::LengthUnit::longest_side) return 0.0;
-  if (config.units.unit != scene::LengthUnit::automatic) return scene::metres_in(config.units.unit);
-  return of_file ? scene::metres_in(*of_file) : 1.0;
-}
-
-/// Tells boxes of the file's coordinates that may reach into `box`, which has metres of the scan frame.
-Region region_of(const scene::ScanConfig& config, const scene::CropConfig& box) {
-  return [config, box](const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                       const std::optional<scene::LengthUnit>& unit) {
-    const double scale = metres_in_unit(config, unit);
-    if (scale == 0.0) return true;
-    const Placement placement = place(config, scale);
-    Eigen::Vector3d least = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-    Eigen::Vector3d most = -least;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d p =
-          placement({(corner & 1) != 0 ? high.x() : low.x(), (corner & 2) != 0 ? high.y() : low.y(),
-                     (corner & 4) != 0 ? high.z() : low.z()});
-      least = least.cwiseMin(p);
-      most = most.cwiseMax(p);
-    }
-    // The filter sees points that were rounded to float.
-    constexpr double kRounding = 1e-6;
-    const double margin = kRounding * (least.cwiseAbs().maxCoeff() + most.cwiseAbs().maxCoeff());
-    return !((least.array() - margin > box.max_m.array()).any() || (most.array() + margin < box.min_m.array()).any());
-  };
-}
 
 /// The one place where a point is rounded: near(i, q) of points that fit a float, far(i) of the others.
 template <typename Near, typename Far>

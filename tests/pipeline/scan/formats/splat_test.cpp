@@ -8,6 +8,7 @@
 #include <random>
 
 #include "pipeline/scan/formats/splat/splats.h"
+#include "tests/support/deflated.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
@@ -49,19 +50,7 @@ std::string splat_file(const std::vector<Splat>& splats) {
   return bytes;
 }
 
-std::string gzip(const std::string& bytes) {
-  z_stream z{};
-  EXPECT_EQ(deflateInit2(&z, 6, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string packed(deflateBound(&z, bytes.size()) + 64, '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  z.avail_in = static_cast<uInt>(bytes.size());
-  z.next_out = reinterpret_cast<Bytef*>(packed.data());
-  z.avail_out = static_cast<uInt>(packed.size());
-  EXPECT_EQ(deflate(&z, Z_FINISH), Z_STREAM_END);
-  packed.resize(z.total_out);
-  deflateEnd(&z);
-  return packed;
-}
+std::string gzip(const std::string& bytes) { return testing::deflated(bytes, 16 + MAX_WBITS); }
 
 /// The stream within the gzip. Coordinates are exact in 1/4096 and, in version 1, as halves.
 std::string spz_stream(const std::vector<Splat>& splats, std::uint32_t version, int degree = 0) {

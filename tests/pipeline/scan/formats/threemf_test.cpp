@@ -5,6 +5,7 @@
 #include <random>
 #include <utility>
 
+#include "tests/support/deflated.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
@@ -17,19 +18,7 @@ using testing::put;
 
 using Parts = std::vector<std::pair<std::string, std::string>>;
 
-std::string deflated(const std::string& bytes) {
-  z_stream z{};
-  EXPECT_EQ(deflateInit2(&z, 6, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string packed(deflateBound(&z, bytes.size()) + 64, '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  z.avail_in = static_cast<uInt>(bytes.size());
-  z.next_out = reinterpret_cast<Bytef*>(packed.data());
-  z.avail_out = static_cast<uInt>(packed.size());
-  EXPECT_EQ(deflate(&z, Z_FINISH), Z_STREAM_END);
-  packed.resize(z.total_out);
-  deflateEnd(&z);
-  return packed;
-}
+std::string deflated(const std::string& bytes) { return testing::deflated(bytes, -MAX_WBITS); }
 
 std::string zip(const Parts& parts, bool packs = true) {
   std::string bytes, directory;
