@@ -228,4 +228,17 @@ Document::View Document::view(std::uint64_t index, const Place& asked_by) const 
           whole(object, "byteStride", 0, place)};
 }
 
+std::string_view Document::picture(std::uint64_t index) const {
+  const Json& object = item("images", index, "textures");
+  const Place place = fmt::format("images[{}]", index);
+  if (const std::optional<std::uint64_t> in_view = whole(object, "bufferView", place))
+    return view(*in_view, place).bytes;
+  const auto uri = object.find("uri");
+  if (uri == object.end() || !uri->is_string()) throw error(place, "has no 'uri' and no 'bufferView'");
+  Buffer& buffer = pictures_[index];
+  if (!buffer.known) open_uri(uri->get_ref<const std::string&>(), place, buffer);
+  buffer.known = true;
+  return buffer.bytes;
+}
+
 }  // namespace sparsha::pipeline::gltf

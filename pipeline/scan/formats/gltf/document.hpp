@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -54,6 +55,9 @@ class Document {
     std::uint64_t stride = 0;  ///< 0: elements follow each other
   };
   [[nodiscard]] View view(std::uint64_t index, const Place& asked_by) const;
+  /// The bytes of images[index], of which nobody has said that they are a picture. Throws Error{input} where there are
+  /// none.
+  [[nodiscard]] std::string_view picture(std::uint64_t index) const;
 
  private:
   struct Buffer {
@@ -73,6 +77,7 @@ class Document {
   bool has_chunk_ = false;
   bool binary_ = false;
   mutable std::vector<Buffer> buffers_;
+  mutable std::map<std::uint64_t, Buffer> pictures_;  ///< of those with a URI
 };
 
 }  // namespace sparsha::pipeline::gltf

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 
 #include "pipeline/scan/foreign_text.h"
 #include "pipeline/scan/formats/gltf/accessor.hpp"
+#include "pipeline/scan/formats/gltf/look.hpp"
 #include "pipeline/scan/formats/gltf/scene.hpp"
 #include "pipeline/scan/text.h"
 
@@ -62,15 +64,17 @@ void refuse_extensions(const Document& document) {
   }
 }
 
-/// Linear light to sRGB (IEC 61966-2-1), both 0 to 1.
-double srgb(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+void multiply(Light& light, const Light& by) {
+  for (std::size_t k = 0; k < light.size(); ++k) light[k] *= by[k];
 }
 
-std::uint32_t colour_of(double r, double g, double b, double a) {
-  const auto byte = [](double value) { return colour_byte(std::clamp(value, 0.0, 1.0), ColourScale::unit); };
-  return pack_rgba(byte(r), byte(g), byte(b), byte(a));
+/// Of channels from 0 to 1 as pictures have them.
+std::uint32_t packed(const std::array<double, 4>& c) {
+  const auto byte = [](double value) { return colour_byte(value, ColourScale::unit); };
+  return pack_rgba(byte(c[0]), byte(c[1]), byte(c[2]), byte(c[3]));
 }
+
+constexpr std::size_t kMostNamed = 8;  ///< sentences of a kind
 
 enum class Mode : std::uint8_t { points = 0, triangles = 4, strip = 5, fan = 6 };
 
@@ -80,7 +84,8 @@ struct Primitive {
   Mode mode = Mode::triangles;
   Accessor positions;
   std::optional<Accessor> normals, colours, indices;
-  std::optional<std::uint32_t> material;                  ///< one colour for all
+  gltf::Look look;
+  std::optional<Accessor> texture;                        ///< coordinates, where the look's picture can be read
   std::vector<std::pair<std::string, Accessor>> numbers;  ///< attributes of its own with one number each
 
   [[nodiscard]] std::uint64_t triangles() const {
@@ -180,6 +185,7 @@ class Reader {
                         accessor("NORMAL"),
                         accessor("COLOR_0"),
                         std::nullopt,
+                        {},
                         std::nullopt,
                         {}};
     const auto size = primitive.positions.size();
@@ -194,7 +200,8 @@ class Reader {
         throw document_.error(primitive.indices->place(), "indices that are no unsigned numbers",
                               "componentType 5121, 5123 or 5125");
     }
-    if (!primitive.colours) primitive.material = material_colour(json, place);
+    primitive.look = gltf::look_of(document_, json, place);
+    lay_texture(primitive, accessor);
     for (const auto& [name, value] : attributes->items()) {
       if (!name.starts_with('_') || !value.is_number_unsigned()) continue;
       Accessor numbers(document_, value.get<std::uint64_t>(), place + "." + name);
@@ -213,31 +220,29 @@ class Reader {
                             fmt::format("{}, as there are positions", size));
   }
 
-  /// Of a material without a texture; white is no colour.
-  std::optional<std::uint32_t> material_colour(const Json& primitive, const Place& place) {
-    const std::optional<std::uint64_t> index = document_.whole(primitive, "material", place);
-    if (!index) return std::nullopt;
-    const Json& material = document_.item("materials", *index, place);
-    const auto look = material.find("pbrMetallicRoughness");
-    if (look == material.end() || !look->is_object()) return std::nullopt;
-    if (look->contains("baseColorTexture")) {
-      ++textured_;
-      return std::nullopt;
+  /// A picture that cannot be read takes its material's factor with it: what it would tint is missing.
+  template <typename Find>
+  void lay_texture(Primitive& primitive, const Find& accessor) {
+    gltf::Look& look = primitive.look;
+    if (!look.why.empty()) why_.insert(look.why);
+    if (!look.image) return;
+    primitive.texture = accessor(fmt::format("TEXCOORD_{}", look.coordinates).c_str());
+    if (primitive.texture) {
+      require(*primitive.texture, 2, 2, primitive.positions.size());
+    } else {
+      ++not_laid_;
     }
-    const auto factor = look->find("baseColorFactor");
-    if (factor == look->end() || !factor->is_array() || factor->size() != 4) return std::nullopt;
-    std::array<double, 4> rgba{};
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (!(*factor)[k].is_number()) return std::nullopt;
-      rgba[k] = (*factor)[k].get<double>();
+    if (!primitive.texture || pictures_.find(*look.image) == nullptr) {
+      primitive.texture.reset();
+      look = {};
     }
-    return colour_of(srgb(rgba[0]), srgb(rgba[1]), srgb(rgba[2]), rgba[3]);
   }
 
   void name_fields(const gltf::Shown& shown, const std::vector<std::vector<Primitive>>& meshes) {
     for (const gltf::Instance& instance : shown.instances) {
       for (const Primitive& primitive : meshes[static_cast<std::size_t>(instance.mesh)]) {
-        colour_ = colour_ || primitive.colours || (primitive.material && *primitive.material != kWhite);
+        colour_ = colour_ || primitive.colours || primitive.texture ||
+                  (primitive.look.factor && colour_of(*primitive.look.factor) != kWhite);
         normals_ = normals_ || primitive.normals;
         for (const auto& [name, numbers] : primitive.numbers) slots_.try_emplace(name, ScanWriter::kUnwanted);
       }
@@ -252,13 +257,25 @@ class Reader {
     }
   }
 
-  std::uint32_t colour(const Primitive& primitive, std::uint64_t n) const {
-    if (!primitive.colours) return primitive.material.value_or(kNoColour);
-    const std::array<double, 4> c = (*primitive.colours)(n);
-    const double alpha = primitive.colours->components() == 4 ? c[3] : 1.0;
-    // Bytes are written as they are in pictures by nearly all programs; finer numbers are light, as the standard says.
-    if (primitive.colours->type() == ScalarType::u8) return colour_of(c[0], c[1], c[2], alpha);
-    return colour_of(srgb(c[0]), srgb(c[1]), srgb(c[2]), alpha);
+  /// Of vertex n: the product of its own colour, the material's and the picture's.
+  std::uint32_t colour(const Primitive& primitive, const ColourPicture* picture, std::uint64_t n) const {
+    Light light = primitive.look.factor.value_or(Light{1, 1, 1, 1});
+    if (primitive.colours) {
+      std::array<double, 4> c = (*primitive.colours)(n);
+      if (primitive.colours->components() < 4) c[3] = 1.0;
+      // Bytes are written as they are in pictures by nearly all programs; finer numbers are light, as the standard
+      // says.
+      if (primitive.colours->type() == ScalarType::u8) {
+        if (!primitive.look.factor && picture == nullptr) return packed(c);
+        for (std::size_t k = 0; k < 3; ++k) c[k] = linear_of_srgb(c[k]);
+      }
+      multiply(light, c);
+    }
+    if (picture != nullptr) {
+      const std::array<double, 4> at = (*primitive.texture)(n);
+      multiply(light, primitive.look.light(*picture, at[0], at[1]));
+    }
+    return colour_of(light);
   }
 
   void add(const Primitive& primitive, const Eigen::Matrix4d& place) {
@@ -266,7 +283,10 @@ class Reader {
     const Eigen::Matrix3d linear = place.topLeftCorner<3, 3>();
     const double turns = linear.determinant();
     const Eigen::Matrix3d of_normals = linear.inverse().transpose();
-    const bool coloured = primitive.colours || (colour_ && primitive.material);
+    // Decoded again where many pictures had no room together.
+    const std::shared_ptr<const ColourPicture> picture =
+        primitive.texture ? pictures_.find(*primitive.look.image) : nullptr;
+    const bool coloured = primitive.colours || picture || (colour_ && primitive.look.factor);
     out_.set_attributes(coloured, false, primitive.normals.has_value());
     for (std::uint64_t n = 0; n < primitive.positions.size(); ++n) {
       const std::array<double, 4> p = primitive.positions(n);
@@ -281,7 +301,7 @@ class Reader {
         if (slot != ScanWriter::kUnwanted) out_.set_field(slot, numbers(n)[0]);
       }
       if (coloured) {
-        out_.add(at.x(), at.y(), at.z(), colour(primitive, n));
+        out_.add(at.x(), at.y(), at.z(), colour(primitive, picture.get(), n));
       } else {
         out_.add(at.x(), at.y(), at.z());
       }
@@ -329,18 +349,28 @@ class Reader {
     say(lines_, "a primitive of lines is not used: it is no surface",
         "primitives of lines are not used: they are no surface");
     say(without_places_, "a primitive without positions is not used", "primitives without positions are not used");
-    say(textured_, "the colours of a material's texture are not read",
-        "materials' textures are not read: their colours are missing");
+    say(not_laid_, "a material's texture has no coordinates: its colours are missing",
+        "materials' textures have no coordinates: their colours are missing");
+    for (const auto& [image, why] : pictures_.why()) why_.insert(why);
+    std::size_t named = 0;
+    for (const std::string& why : why_) {
+      if (named++ == kMostNamed) break;
+      warnings.push_back("a texture's colours are missing: " + why);
+    }
+    if (why_.size() > kMostNamed)
+      warnings.push_back(fmt::format("colours of {} more textures are missing", why_.size() - kMostNamed));
     say(broken_, "a primitive's last triangle is not whole", "primitives' last triangles are not whole");
   }
 
   const ScanFile& file_;
   ScanWriter& out_;
   Document document_;
+  gltf::Pictures pictures_{document_};
+  std::set<std::string> why_;  ///< textures are missing
   bool colour_ = false;
   bool normals_ = false;
   std::map<std::string, int> slots_;  ///< of attributes of the file's own
-  std::uint64_t lines_ = 0, without_places_ = 0, textured_ = 0, morphed_ = 0, broken_ = 0;
+  std::uint64_t lines_ = 0, without_places_ = 0, not_laid_ = 0, morphed_ = 0, broken_ = 0;
 };
 
 }  // namespace
