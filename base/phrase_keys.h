@@ -32,6 +32,7 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"moving_right", ""},
     {"moving_up", ""},
     {"moving_down", ""},
+    {"turn_one_view", ""},
     {"going_deeper", ""},
     {"coming_nearer", ""},
     {"where", "place view contact"},

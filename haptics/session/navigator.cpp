@@ -197,6 +197,10 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       plan.effects = effects_;
       return job(plan);
     }
+    case Request::Kind::turn:
+    case Request::Kind::turn_back:
+      announcer_.say("turn_one_view");
+      return std::nullopt;
     default:
       return std::nullopt;
   }

@@ -56,13 +56,16 @@ struct State {
   std::array<double, 3> device_m{};           ///< hand position, device frame
   std::array<double, 3> centre_m{};           ///< grid point that is the device frame's origin
   double scale = 1.0;                         ///< device metres per grid metre
-  double penetration_m = 0.0;                 ///< |X_p - X_h|, device frame
-  double slip_speed_m_per_s = 0.0;            ///< of the proxy along the surface, device frame
-  double friction_coefficient = 0.0;          ///< mu_d at the proxy
-  double tick_ns = 0.0;                       ///< from hand position in hand to force decided
-  double late_ns = 0.0;                       ///< wake-up after the planned instant
-  double share_in_time = 1.0;                 ///< ticks begun within 1 ms of plan, of all so far
-  std::uint64_t contact = 0;                  ///< 1 in contact
+  /// Quaternion x, y, z, w from the grid frame's axes to the device frame's: device = scale * turn * (grid - centre).
+  /// Only a whole object is ever turned.
+  std::array<double, 4> turn{0.0, 0.0, 0.0, 1.0};
+  double penetration_m = 0.0;         ///< |X_p - X_h|, device frame
+  double slip_speed_m_per_s = 0.0;    ///< of the proxy along the surface, device frame
+  double friction_coefficient = 0.0;  ///< mu_d at the proxy
+  double tick_ns = 0.0;               ///< from hand position in hand to force decided
+  double late_ns = 0.0;               ///< wake-up after the planned instant
+  double share_in_time = 1.0;         ///< ticks begun within 1 ms of plan, of all so far
+  std::uint64_t contact = 0;          ///< 1 in contact
   std::uint64_t level = 0;
   std::uint64_t surface_id = 0;                   ///< counts swaps of window, level or scene
   std::uint64_t scene = 1;                        ///< counts the scenes that the session was given

@@ -164,6 +164,18 @@ TEST(Session, TheNextVisitorFindsNeitherGuideNorSpeechNorTourOfTheOneBefore) {
   session.stop();
 }
 
+TEST(Session, OneViewCannotBeTurnedAndIsSaidNotToBe) {
+  Placed hand;
+  Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  EXPECT_FALSE(said(session, "only a whole object can be turned"));
+  session.requests().post({Request::Kind::turn, 0.0, 90.0});
+  EXPECT_TRUE(poll_until(session, [&] { return said(session, "only a whole object can be turned"); }));
+  EXPECT_EQ(session.state().read().turn, (std::array<double, 4>{0.0, 0.0, 0.0, 1.0}));
+  session.stop();
+}
+
 TEST(Session, TheForwardButtonDragsTheStoneWhileItIsHeld) {
   Placed hand;
   Session session(textured_scene(), make_pointer_device(hand.place), SessionOptions{});
