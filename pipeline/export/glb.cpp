@@ -34,7 +34,7 @@ class Views {
   std::size_t count_ = 0;
 };
 
-/// Vertices are float32 relative to this place, which is the node's translation.
+/// Vertices are float32 relative to this place, which the node's matrix moves and turns to the viewer's axes.
 Eigen::Vector3d middle_of(const scene::Scene& scene) {
   const scene::SceneDescription& description = scene.description();
   const scene::Lattice& lattice = description.levels.at(0);
@@ -42,6 +42,33 @@ Eigen::Vector3d middle_of(const scene::Scene& scene) {
                              0.5 * (lattice.y_m(0) + lattice.y_m(lattice.ny - 1)),
                              0.5 * (description.height_min_m + description.height_max_m), 1.0);
   return (description.scan_from_grid * grid).head<3>().array().round();
+}
+
+/// The scan's axis, forwards or backwards, that is nearest to a direction.
+Eigen::Vector3d nearest_axis(const Eigen::Vector3d& direction) {
+  Eigen::Index axis = 0;
+  (void)direction.cwiseAbs().maxCoeff(&axis);
+  return (direction[axis] < 0.0 ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
+}
+
+/// Viewers have y upwards and look along -z, whichever of the scan's axes is up: quarter turns, exact in any number, so
+/// that the surface stands before them as before us. The rows are the scan's axes that become x, y and z.
+Eigen::Matrix3d viewer_from_scan(const scene::Scene& scene) {
+  const Eigen::Matrix4d& grid = scene.description().scan_from_grid;
+  Eigen::Matrix3d rows;
+  rows.row(1) = nearest_axis(grid.col(1).head<3>());
+  const Eigen::Vector3d up = rows.row(1);
+  const Eigen::Vector3d front = grid.col(2).head<3>();
+  rows.row(2) = nearest_axis(front - front.dot(up) * up);
+  rows.row(0) = up.cross(Eigen::Vector3d(rows.row(2)));
+  return rows;
+}
+
+/// Column by column, as glTF has matrices.
+template <typename Matrix>
+std::string columns_of(const Matrix& matrix) {
+  const Matrix positive = (matrix.array() + 0.0).matrix();  // no "-0"
+  return fmt::format("{}", fmt::join(positive.data(), positive.data() + positive.size(), ","));
 }
 
 /// Of the float32 values, written with all their digits.
@@ -69,8 +96,8 @@ std::uint16_t light_of(std::uint32_t byte) {
 /// The file's JSON: what lies where in the binary chunk, in the order in which export_glb() writes it.
 class Description {
  public:
-  Description(const MeshCounts& counts, const Box& box, const Eigen::Vector3d& place, bool colour,
-              const std::vector<HapticMap>& maps) {
+  Description(const MeshCounts& counts, const Box& box, const Eigen::Vector3d& middle, const Eigen::Matrix3d& turn,
+              bool colour, const std::vector<HapticMap>& maps) {
     const auto accessor = [&](std::size_t view, int type, std::uint64_t count, const char* shape,
                               std::string_view more = {}) {
       accessors_ += fmt::format("{}{{\"bufferView\":{},\"componentType\":{},\"count\":{},\"type\":\"{}\"{}}}",
@@ -93,14 +120,20 @@ class Description {
     }
     accessor(views_.add(12 * counts.triangles, kIndices), kUnsignedInt, 3 * counts.triangles, "SCALAR");
     indices_ = next;
-    place_ = fmt::format("{},{},{}", place.x(), place.y(), place.z());
+    Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
+    place.topLeftCorner<3, 3>() = turn;
+    place.topRightCorner<3, 1>() = turn * middle;
+    place_ = columns_of(place);
+    turn_ = columns_of(turn);
     for (const HapticMap& map : maps) add(map);
   }
 
   [[nodiscard]] const Views& views() const { return views_; }
   [[nodiscard]] std::string json() const {
-    std::string text = R"({"asset":{"version":"2.0","generator":"Sparsha"},"scene":0,"scenes":[{"nodes":[0]}],)";
-    text += fmt::format(R"("nodes":[{{"mesh":0,"translation":[{}]}}],)", place_);
+    std::string text = fmt::format(
+        R"({{"asset":{{"version":"2.0","generator":"Sparsha","extras":{{"viewer_from_scan":[{}]}}}},"scene":0,)",
+        turn_);
+    text += fmt::format(R"("scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"matrix":[{}]}}],)", place_);
     text += fmt::format(
         R"("meshes":[{{"primitives":[{{"attributes":{{{}}},"indices":{},"material":0,"mode":4}}]{}}}],)", attributes_,
         indices_, count_ > 0 ? R"(,"extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":0}})" : "");
@@ -133,7 +166,7 @@ class Description {
   }
 
   Views views_;
-  std::string accessors_, attributes_, images_, textures_, materials_, last_, place_;
+  std::string accessors_, attributes_, images_, textures_, materials_, last_, place_, turn_;
   int indices_ = 0, count_ = 0;
 };
 
@@ -170,7 +203,7 @@ void export_glb(const scene::Scene& scene, const std::filesystem::path& file, co
   Box box;
   for_each_vertex(scene, false, progress, [&](const Eigen::Vector3d& p, std::uint32_t) { box.add(local(p)); });
   const std::vector<HapticMap> maps = haptics ? haptic_maps(scene, progress) : std::vector<HapticMap>();
-  const Description description(counts, box, middle, colour, maps);
+  const Description description(counts, box, middle, viewer_from_scan(scene), colour, maps);
   const std::string json = description.json();
   const std::uint64_t size = 12 + 8 + json.size() + 8 + description.views().bytes();
   if (size > std::numeric_limits<std::uint32_t>::max()) {

@@ -3,9 +3,11 @@
 #include <png.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -129,6 +131,37 @@ TEST(ExportGlb, TheMeshComesBackWithItsColours) {
   EXPECT_FALSE(plain.json.contains("extensionsUsed"));
 }
 
+TEST(ExportGlb, StandsUprightBeforeViewersAndComesBackInTheScansFrame) {
+  const test::TestFolder folder;
+  // A wall that faces -y or +x of a scan whose z is up, a floor, and a scan whose y is up that is seen from behind.
+  const std::vector<std::array<Eigen::Vector3d, 2>> up_and_front{
+      {Eigen::Vector3d(0, 0.1, 1), Eigen::Vector3d(0, -1, 0.1)},
+      {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(1, 0, 0)},
+      {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)},
+      {Eigen::Vector3d(0.2, 1, 0), Eigen::Vector3d(0.1, -0.02, -1)}};
+  for (const auto& [up, front] : up_and_front) {
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    pose.block<3, 1>(0, 1) = up.normalized();
+    pose.block<3, 1>(0, 2) = front.normalized();
+    pose.block<3, 1>(0, 0) = pose.block<3, 1>(0, 1).cross(pose.block<3, 1>(0, 2));
+    pose.topRightCorner<3, 1>() = Eigen::Vector3d(4500.0, -54.0, 300.0);
+    const scene::ScenePointer scene = waves(pose);
+    save(*scene, folder / "a.glb", false);
+    save(*scene, folder / "a.ply", false);
+    const std::vector<double> matrix = Glb(folder / "a.glb").json["nodes"][0]["matrix"];
+    const Eigen::Matrix4d viewer = Eigen::Map<const Eigen::Matrix4d>(matrix.data());
+    const Eigen::Matrix3d turned = viewer.topLeftCorner<3, 3>() * pose.topLeftCorner<3, 3>();
+    EXPECT_GT(turned.diagonal().minCoeff(), 0.9) << turned;
+    EXPECT_EQ((viewer.topLeftCorner<3, 3>().determinant()), 1.0);
+    const RawScan glb = read_scan(folder / "a.glb");
+    const RawScan ply = read_scan(folder / "a.ply");
+    ASSERT_EQ(glb.points.size(), ply.points.size());
+    for (std::size_t k = 0; k < glb.points.size(); ++k)
+      ASSERT_LT((glb.points[k] - ply.points[k]).cwiseAbs().maxCoeff(), 1e-7) << k;
+    EXPECT_EQ(glb.faces, ply.faces);
+  }
+}
+
 TEST(ExportGlb, MapsOfWhatIsFeltAreWithinOneStepOfTheScene) {
   const test::TestFolder folder;
   const scene::ScenePointer scene = waves(Eigen::Matrix4d::Identity());
@@ -173,10 +206,10 @@ TEST(ExportGlb, EachVertexFindsItsPixel) {
   };
   const std::vector<float> place = floats("POSITION"), pixel = floats("TEXCOORD_0");
   ASSERT_EQ(place.size() / 3, pixel.size() / 2);
-  const std::vector<double> middle = glb.json["nodes"][0]["translation"];
+  const std::vector<double> matrix = glb.json["nodes"][0]["matrix"];  // no turn: the grid is the scan's
   for (std::size_t k = 0; k < place.size() / 3; ++k) {
-    const double i = (middle[0] + static_cast<double>(place[3 * k]) - 0.1) / 0.002;
-    const double j = (middle[1] + static_cast<double>(place[3 * k + 1]) + 0.2) / 0.002;
+    const double i = (matrix[12] + static_cast<double>(place[3 * k]) - 0.1) / 0.002;
+    const double j = (matrix[13] + static_cast<double>(place[3 * k + 1]) + 0.2) / 0.002;
     EXPECT_NEAR(kNx * static_cast<double>(pixel[2 * k]) - 0.5, i, 1e-3);
     EXPECT_NEAR(kNy - 1 - (kNy * static_cast<double>(pixel[2 * k + 1]) - 0.5), j, 1e-3);
   }

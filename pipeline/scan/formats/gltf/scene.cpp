@@ -77,6 +77,24 @@ std::vector<std::uint64_t> root_nodes(const Document& document, Shown& shown) {
   return roots;
 }
 
+/// Our own export turns the scan's axes to those of viewers by quarter turns and says so; anything else is not undone.
+Eigen::Matrix4d scan_from_scene(const Document& document) {
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  const Json& asset = document.root().at("asset");
+  if (asset.find("generator") == asset.end() || asset["generator"] != "Sparsha") return result;
+  const auto extras = asset.find("extras");
+  std::array<double, 9> numbers{};
+  if (extras == asset.end() || !extras->is_object() ||
+      !read_numbers(document, *extras, "viewer_from_scan", "asset.extras", numbers))
+    return result;
+  const Eigen::Matrix3d turn = Eigen::Map<Eigen::Matrix3d>(numbers.data());
+  const bool quarters = (turn.array() == 0.0 || turn.array().abs() == 1.0).all() &&
+                        turn * turn.transpose() == Eigen::Matrix3d::Identity();
+  if (!quarters) throw document.error("asset.extras", "'viewer_from_scan' is no turn by quarters", "nine of -1, 0, 1");
+  result.topLeftCorner<3, 3>() = turn.transpose();
+  return result;
+}
+
 }  // namespace
 
 Shown shown_meshes(const Document& document) {
@@ -87,7 +105,8 @@ Shown shown_meshes(const Document& document) {
   Shown shown;
   std::vector<Open> open;
   const std::vector<std::uint64_t> roots = root_nodes(document, shown);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, Eigen::Matrix4d::Identity()});
+  const Eigen::Matrix4d scene = scan_from_scene(document);
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, scene});
   std::vector<bool> seen(static_cast<std::size_t>(document.size_of("nodes")));
   while (!open.empty()) {
     const Open next = open.back();

@@ -12,7 +12,8 @@ namespace sparsha::pipeline::gltf {
 
 struct Instance {
   std::uint64_t mesh = 0;
-  Eigen::Matrix4d place = Eigen::Matrix4d::Identity();  ///< scene = place * mesh
+  Eigen::Matrix4d place =
+      Eigen::Matrix4d::Identity();  ///< scan = place * mesh; the scan's axes are the scene's but in our own exports
 };
 
 struct Shown {
