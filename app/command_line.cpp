@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "base/yaml.h"
 
 namespace sparsha::app {

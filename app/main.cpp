@@ -7,7 +7,7 @@
 
 #include "app/command_line.h"
 #include "app/commands/commands.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "base/system.h"
 #include "base/system/signals.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/commands/commands.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "protocol/benchmark.h"
 #include "protocol/judge.h"
 

@@ -6,9 +6,9 @@
 
 #include "app/commands/commands.h"
 #include "app/inputs.h"
-#include "app/results.h"
-#include "app/sentences.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
+#include "app/words/results.h"
+#include "app/words/sentences.h"
 #include "audio/sound_bank.h"
 #include "base/error.h"
 #include "base/system.h"

@@ -11,10 +11,10 @@
 #include <optional>
 #include <thread>
 
+#include "app/exploration/tour.h"
 #include "app/inputs.h"
-#include "app/results.h"
-#include "app/terminal.h"
-#include "app/tour.h"
+#include "app/terminal/terminal.h"
+#include "app/words/results.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/system.h"

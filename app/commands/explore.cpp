@@ -6,12 +6,12 @@
 #include <memory>
 
 #include "app/commands/commands.h"
-#include "app/exploration.h"
-#include "app/explore_arguments.h"
+#include "app/exploration/exploration.h"
+#include "app/exploration/explore_arguments.h"
+#include "app/exploration/study.h"
 #include "app/inputs.h"
-#include "app/printable.h"
-#include "app/study.h"
-#include "app/terminal.h"
+#include "app/terminal/printable.h"
+#include "app/terminal/terminal.h"
 #include "audio/live/stream.h"
 #include "base/error.h"
 #include "base/phrases.h"

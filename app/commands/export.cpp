@@ -7,7 +7,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
 #include "app/inputs.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "pipeline/export/export.h"
 #include "pipeline/replica/replica.h"
 #include "scene/scene.h"

@@ -11,7 +11,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/point_fields.h"
 #include "app/commands/sentences.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "base/text.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/units.h"

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "app/commands/commands.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "base/files.h"
 #include "base/system/terminal.h"
 #include "pipeline/suggest/suggest.h"

@@ -9,7 +9,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
 #include "app/inputs.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/text.h"

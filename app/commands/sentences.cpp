@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "app/commands/point_fields.h"
-#include "app/sentences.h"
+#include "app/words/sentences.h"
 #include "base/text.h"
 #include "pipeline/scan/worth.h"
 #include "scene/scene.h"

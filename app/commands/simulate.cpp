@@ -5,7 +5,7 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "pipeline/simulate/simulate.h"
 

@@ -10,7 +10,7 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "audio/clip/clip.h"
 #include "audio/modal/fit.h"
 #include "base/error.h"

@@ -12,9 +12,9 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
+#include "app/exploration/kept_scenes.h"
 #include "app/inputs.h"
-#include "app/kept_scenes.h"
-#include "app/terminal.h"
+#include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "haptics/replay/around_trace.h"

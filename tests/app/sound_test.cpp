@@ -11,14 +11,14 @@
 #include <thread>
 #include <vector>
 
-#include "app/device_choice.h"
+#include "app/exploration/device_choice.h"
 #include "audio/sound_bank.h"
 #include "audio/wav/sink.h"
 #include "base/yaml.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/window.h"
-#include "program.h"
 #include "scene/scene.h"
+#include "tests/app/program.h"
 #include "tests/audio/listening.h"
 #include "tests/audio/live/sound_server.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/printable.h"
+#include "app/terminal/printable.h"
 #include "tests/app/program.h"
 
 namespace sparsha {

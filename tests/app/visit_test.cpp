@@ -13,9 +13,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/speaker.h"
-#include "program.h"
+#include "app/exploration/speaker.h"
 #include "scene/folder/folder.h"
+#include "tests/app/program.h"
 #include "tests/support/guided_visit.h"
 
 namespace sparsha {

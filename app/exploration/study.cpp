@@ -1,0 +1,67 @@
+// Rows are appended whole, also when several stations share a study.
+#include "app/exploration/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <string_view>
+
+#include "base/csv.h"
+#include "base/error.h"
+#include "base/system.h"
+
+namespace sparsha::app {
+namespace {
+
+constexpr std::string_view kHeader =
+    "realism,duration_s,contact_s,contacts,path_m,mean_force_n,peak_force_n,area_m2,levels";
+
+}  // namespace
+
+std::filesystem::path study_file(const std::string& name) { return name.empty() ? name : name + ".csv"; }
+
+void check_study(const std::string& name) {
+  constexpr std::size_t kLongestName = 200;
+  const bool control = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  if (control || name.find_first_of("/\\:*?\"<>|,") != std::string::npos || name == "." || name == ".." ||
+      name.size() > kLongestName) {
+    throw usage_error("--study '" + name + "' cannot be the name of a file", "a plain name");
+  }
+  const std::filesystem::path file = study_file(name);
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) return;
+  std::string header;
+  if (std::filesystem::is_regular_file(file, code)) std::getline(std::ifstream(file), header);
+  if (csv::trimmed(header) != kHeader && std::filesystem::file_size(file, code) != 0) {
+    throw usage_error("--study " + name + ": " + file.string() + " holds something else than a study", "another name");
+  }
+}
+
+int ask_realism() {
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    std::fputs("How real did it feel, from 1 (not at all) to 10 (like the object itself)? ", stderr);
+    std::string line;
+    if (!std::getline(std::cin, line)) return 0;
+    const std::string_view answer = csv::trimmed(line);
+    int value = 0;
+    const auto [end, code] = std::from_chars(answer.data(), answer.data() + answer.size(), value);
+    if (code == std::errc{} && end == answer.data() + answer.size() && value >= 1 && value <= 10) return value;
+  }
+  return 0;
+}
+
+void append_study(const std::string& name, const haptics::SessionSummary& s, int realism) {
+  std::string levels;
+  for (const int level : s.levels) levels += (levels.empty() ? "" : " ") + std::to_string(level);
+  const std::string row =
+      fmt::format("{},{},{},{},{},{},{},{},{}\n", realism > 0 ? std::to_string(realism) : "", s.duration_s, s.contact_s,
+                  s.contacts, s.path_m, s.mean_force_n, s.peak_force_n, s.area_m2, levels);
+  system::append_line(study_file(name), std::string(kHeader) + "\n", row);
+}
+
+}  // namespace sparsha::app
