@@ -130,6 +130,8 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"unplugged", ""},
     {"went_soft", ""},
     {"hand_lost", ""},
+    {"hand_jumped", ""},
+    {"device_runs_away", ""},
     {"recording_loses_rows", ""},
     // What the device wants of the person.
     {"homing_all", ""},

@@ -56,6 +56,11 @@ std::string summary_text(const haptics::SessionSummary& s, std::uint64_t strikes
         fmt::format("pauses    {} over 10 ms took the force away: {} seen by the watchdog, {} by the servo itself\n",
                     s.watchdog_trips + s.late_faults, s.watchdog_trips, s.late_faults);
   }
+  if (s.runaways > 0)
+    text +=
+        fmt::format("too soon  {} ticks without force: the device answers faster than it can measure\n", s.runaways);
+  if (s.jumps > 0)
+    text += fmt::format("jumps     {} positions to which no hand can have come took the force away\n", s.jumps);
   return text;
 }
 
@@ -81,6 +86,8 @@ std::string summary_json(const haptics::SessionSummary& s, std::uint64_t strikes
       {"stiffness_n_per_m", s.stiffness_n_per_m},
       {"watchdog_trips", s.watchdog_trips},
       {"late_faults", s.late_faults},
+      {"runaways", s.runaways},
+      {"jumps", s.jumps},
       {"locked_memory", s.locked_memory},
       {"windows_loaded", s.windows_loaded},
       {"window_load_s_max", s.window_load_s_max},

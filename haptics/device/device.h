@@ -33,7 +33,10 @@ struct DeviceInfo {
   /// hands that are computed, whose run is then the same each time.
   bool planned_time = false;
   double rate_hz = 0.0;  ///< of samples that come at a rate of their own whatever the servo's; 0 = none
-  std::string warning;   ///< to be told when a session begins; empty = nothing
+  /// Faster than this no hand moves it: a position farther from the last one is a fault. 0 = any position is believed
+  /// (a mouse, a path that is played back).
+  double fastest_m_per_s = 0.0;
+  std::string warning;  ///< to be told when a session begins; empty = nothing
 };
 
 /// What the person at the device should know now.

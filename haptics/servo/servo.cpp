@@ -17,11 +17,11 @@ constexpr int kFinalZeros = 3;      // packets get lost; say it more than once
 
 }  // namespace
 
-void ServoFigures::count(std::int64_t took_ns, std::int64_t late_ns) noexcept {
+void ServoFigures::count(std::int64_t took_ns, std::int64_t late_ns, bool paced) noexcept {
   tick_ns.add(took_ns);
   lateness.add(late_ns);
   ++ticks;
-  if (late_ns <= kInTime_ns) ++ticks_in_time;
+  if (paced && late_ns <= kInTime_ns) ++ticks_in_time;
   share_in_time = static_cast<double>(ticks_in_time) / static_cast<double>(ticks + missed_ticks);
 }
 
@@ -34,6 +34,8 @@ Servo::Servo(Device& device, const ServoOptions& options, HapticWindow window, S
       patience_ns_(std::llround(1e9 * options.renderer.longest_gap_s)),
       most_force_n_(usable(device.info().limits).max_force_n),
       planned_time_(device.info().planned_time),
+      pace_(period_ns_),
+      hand_speed_(device.info().fastest_m_per_s),
       renderer_(device.info(), options.renderer, std::move(window)),
       publisher_(state, std::move(consumers), recorder),
       watchdog_(device, std::max(options.renderer.longest_gap_s, 2.0 * period_s_)) {}
@@ -54,6 +56,8 @@ void Servo::stop() {
   figures_.watchdog_trips = watchdog_.trips();
   figures_.faults = renderer_.faults();
   figures_.late_faults = late_faults_.load();
+  figures_.runaways = runaways_.load();
+  figures_.jumps = jumps_.load();
   figures_.real_time = real_time_;
   figures_.locked_memory = locked_;
   collect();
@@ -120,7 +124,10 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   }
   const bool late_hand = late_wake || is_late(in_hand_ns);
   if (late_hand && !late_wake) stop_force();
-  if (late_hand || watchdog_.tripped()) renderer_.fault();
+  const bool jumped = hand_speed_.jumps(sample, period_s_);
+  if (jumped) jumps_.fetch_add(1, std::memory_order_relaxed);
+  if (pace_.runs_away()) runaways_.fetch_add(1, std::memory_order_relaxed);
+  if (late_hand || jumped || pace_.runs_away() || watchdog_.tripped()) renderer_.fault();
   renderer_.update(sample, period_s_);
   const std::int64_t decided_ns = options_.clock.now_ns();
   // The watchdog may have acted during this very tick: an old force must not overwrite its zero.
@@ -140,7 +147,7 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
 
   state.tick_ns = static_cast<double>(decided_ns - in_hand_ns);
   state.late_ns = static_cast<double>(late_ns);
-  figures_.count(decided_ns - in_hand_ns, late_ns);
+  figures_.count(decided_ns - in_hand_ns, late_ns, !pace_.runs_away());
   publish();
 }
 
@@ -195,7 +202,13 @@ void Servo::run_paced() noexcept {
   std::int64_t planned_ns = start_ns + period_ns_;
   while (!stopping_.load(std::memory_order_relaxed)) {
     device_.wait(period_s_);
-    const std::int64_t woke_ns = options_.clock.now_ns();
+    std::int64_t woke_ns = options_.clock.now_ns();
+    const bool ran_away = pace_.runs_away();
+    if (const std::int64_t begins_ns = pace_.admit(woke_ns); begins_ns > woke_ns) {
+      if (!ran_away) stop_force();
+      options_.clock.sleep_until_ns(begins_ns);
+      woke_ns = options_.clock.now_ns();
+    }
     watched_tick(planned_ns, woke_ns, static_cast<double>(woke_ns - start_ns) * 1e-9);
     planned_ns = woke_ns + period_ns_;
   }

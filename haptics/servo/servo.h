@@ -12,6 +12,7 @@
 #include "haptics/servo/command.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/servo/histogram.h"
+#include "haptics/servo/pace.h"
 #include "haptics/servo/publisher.h"
 #include "haptics/servo/real_time.h"
 #include "haptics/servo/watchdog.h"
@@ -33,6 +34,8 @@ struct ServoFigures {
   std::uint64_t missed_ticks = 0;
   std::uint64_t faults = 0;       ///< ticks with NaN, unplugging, lateness or after the watchdog has tripped
   std::uint64_t late_faults = 0;  ///< pauses beyond the patience that the servo itself noticed
+  std::uint64_t runaways = 0;     ///< ticks that a device's wait() asked for far sooner than planned
+  std::uint64_t jumps = 0;        ///< positions that no hand can have come to
   std::uint64_t watchdog_trips = 0;
   std::uint64_t ticks_in_time = 0;  ///< begun within 1 ms of plan
   double share_in_time = 1.0;       ///< of all ticks, missed ones in the count
@@ -42,8 +45,8 @@ struct ServoFigures {
   TimeHistogram tick_ns;
   LatenessHistogram lateness;
 
-  /// Counts one tick. Servo thread.
-  void count(std::int64_t took_ns, std::int64_t late_ns) noexcept;
+  /// Counts one tick; `paced` false: its time was no plan's. Servo thread.
+  void count(std::int64_t took_ns, std::int64_t late_ns, bool paced = true) noexcept;
 };
 
 /// One thread calls start(), post(), collect() and stop(); the servo's own thread does the rest.
@@ -75,6 +78,10 @@ class Servo {
   [[nodiscard]] std::uint64_t faults() const noexcept { return faults_.load(std::memory_order_relaxed); }
   /// Ticks so far whose position was not a number.
   [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_.load(std::memory_order_relaxed); }
+  /// Ticks so far that the device asked for far too soon, without force (Pace).
+  [[nodiscard]] std::uint64_t runaways() const noexcept { return runaways_.load(std::memory_order_relaxed); }
+  /// Positions so far that no hand can have come to (DeviceInfo::fastest_m_per_s).
+  [[nodiscard]] std::uint64_t jumps() const noexcept { return jumps_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t watchdog_trips() const noexcept { return watchdog_.trips(); }
   /// Pauses so far that ended the force: seen by the watchdog or, where that slept too, by the servo itself.
   [[nodiscard]] std::uint64_t silences() const noexcept {
@@ -108,6 +115,8 @@ class Servo {
   std::int64_t decided_ns_ = 0;  // when the last force was decided
   bool has_decided_ = false;
   bool tripped_ = false;  // the watchdog has, when this tick began
+  Pace pace_;
+  HandSpeed hand_speed_;
   HapticRenderer renderer_;
   Publisher publisher_;
   Watchdog watchdog_;
@@ -125,6 +134,8 @@ class Servo {
   std::atomic<std::uint64_t> faults_{0};
   std::atomic<std::uint64_t> bad_positions_{0};
   std::atomic<std::uint64_t> late_faults_{0};
+  std::atomic<std::uint64_t> runaways_{0};
+  std::atomic<std::uint64_t> jumps_{0};
   std::thread thread_;
 };
 

@@ -20,6 +20,8 @@ void FaultWatch::watch(const State& now, const Servo& servo, const Device& devic
   else
     silences_told_.count = servo.silences();
   tell(servo.bad_positions(), now.time_s, bad_positions_told_, "hand_lost");
+  tell(servo.jumps(), now.time_s, jumps_told_, "hand_jumped");
+  tell(servo.runaways(), now.time_s, runaways_told_, "device_runs_away");
   watch_records(now, keeper);
 }
 

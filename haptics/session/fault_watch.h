@@ -39,6 +39,8 @@ class FaultWatch {
   double touched_s_ = -1e9;  // when the stone was touched last
   Told silences_told_;
   Told bad_positions_told_;
+  Told jumps_told_;
+  Told runaways_told_;
   std::uint64_t dropped_told_ = 0;
   bool scenes_lost_told_ = false;
 };

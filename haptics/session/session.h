@@ -55,6 +55,8 @@ struct SessionSummary {
   std::uint64_t dropped_records = 0;
   std::uint64_t watchdog_trips = 0;
   std::uint64_t late_faults = 0;  ///< pauses of over 10 ms that the servo itself noticed
+  std::uint64_t runaways = 0;     ///< ticks without force that the device asked for far too soon
+  std::uint64_t jumps = 0;        ///< positions that no hand can have come to
   bool locked_memory = false;
   double stiffness_n_per_m = 0.0;  ///< rendered at the end: min(requested, what the device can bear)
   std::uint64_t windows_loaded = 0;

@@ -11,6 +11,8 @@ void add_figures(SessionSummary& summary, const ServoFigures& servo) {
   summary.faults = servo.faults;
   summary.watchdog_trips = servo.watchdog_trips;
   summary.late_faults = servo.late_faults;
+  summary.runaways = servo.runaways;
+  summary.jumps = servo.jumps;
   summary.swap_ns_max = servo.swap_ns_max;
   summary.tick_ns_p50 = servo.tick_ns.quantile_ns(0.5);
   summary.tick_ns_p99 = servo.tick_ns.quantile_ns(0.99);

@@ -53,6 +53,7 @@ DeviceInfo falcon_info(const FalconOptions& options) {
   info.limits.max_force_n = force_everywhere_n(options);
   info.limits.least_damping_n_s_per_m = 2.0;
   info.paced = true;
+  info.fastest_m_per_s = 5.0;
   if (!(options.counts_per_newton_metre > 0.0))
     info.warning = fmt::format(
         "The Falcon was never calibrated: forces may be up to {:.0f} times what they should be ({:.0f} motor "

@@ -25,5 +25,18 @@ TEST(RunSummary, SaysWhoTookTheForceAwayWhenTheServoPaused) {
   EXPECT_EQ(json["watchdog_trips"], 4);
 }
 
+TEST(RunSummary, NamesADeviceThatRunsAwayAndAHandThatJumps) {
+  haptics::SessionSummary summary;
+  EXPECT_THAT(summary_text(summary, 0), Not(HasSubstr("too soon")));
+  EXPECT_THAT(summary_text(summary, 0), Not(HasSubstr("jumps")));
+  summary.runaways = 8000;
+  summary.jumps = 2;
+  EXPECT_THAT(summary_text(summary, 0), HasSubstr("too soon  8000 ticks without force"));
+  EXPECT_THAT(summary_text(summary, 0), HasSubstr("jumps     2 positions"));
+  const auto json = nlohmann::json::parse(summary_json(summary, 0));
+  EXPECT_EQ(json["runaways"], 8000);
+  EXPECT_EQ(json["jumps"], 2);
+}
+
 }  // namespace
 }  // namespace sparsha::app

@@ -1,0 +1,110 @@
+#include "haptics/conformance/faulty_device.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptics/servo/real_time.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr double kAir_m = 0.01;
+constexpr double kSpeed_m_per_s = 0.1;
+constexpr double kJump_m = 0.03;  // aside, at the same depth
+constexpr double kLongPause_s = 0.3;
+
+}  // namespace
+
+FaultyDevice::FaultyDevice(Device& inner, bool with_force, double patience_s)
+    : inner_(inner),
+      with_force_(with_force),
+      paced_(inner.info().paced),
+      patience_s_(patience_s),
+      wish_m_(kAir_m),
+      height_m_(kAir_m) {}
+
+DeviceInfo FaultyDevice::info() const {
+  DeviceInfo info = inner_.info();
+  info.planned_time = false;  // the hand here is one of real time
+  return info;
+}
+
+void FaultyDevice::inject(Fault fault) noexcept {
+  injected_ns_.store(now_ns());
+  reads_.store(0);
+  reads_with_force_.store(0);
+  last_force_ns_.store(0);
+  first_zero_ns_.store(-1);
+  strongest_n_.store(0.0);
+  finite_.store(true);
+  paused_.store(false);
+  fault_.store(fault);
+}
+
+void FaultyDevice::pause_once() noexcept {
+  const Fault fault = fault_.load();
+  if ((fault != Fault::late && fault != Fault::hangs) || paused_.exchange(true)) return;
+  const double pause_s = fault == Fault::late ? 1.5 * patience_s_ : patience_s_ + kLongPause_s;
+  sleep_until_ns(now_ns() + static_cast<std::int64_t>(pause_s * 1e9));
+}
+
+void FaultyDevice::wait(double timeout_s) noexcept {
+  const Fault fault = fault_.load();
+  if (fault == Fault::early || fault == Fault::dead) return;
+  pause_once();
+  inner_.wait(timeout_s);
+}
+
+DeviceSample FaultyDevice::read(double time_s, double period_s) noexcept {
+  const Fault fault = fault_.load();
+  static_cast<void>(inner_.read(time_s, period_s));
+  if (!paced_) pause_once();
+  reads_.fetch_add(1);
+  const double most_m = kSpeed_m_per_s * std::clamp(time_s - time_s_, 0.0, 0.01);
+  time_s_ = time_s;
+  height_m_.store(height_m_ + std::clamp(wish_m_ - height_m_, -most_m, most_m));
+  DeviceSample sample;
+  sample.position_m = {fault == Fault::jump ? kJump_m : 0.0, 0.0, height_m_};
+  sample.time_s = time_s;
+  sample.fresh = fault != Fault::silent && fault != Fault::dead;
+  sample.connected = fault != Fault::unplugged;
+  sample.homed = fault != Fault::stopped;
+  if (fault == Fault::not_a_number) sample.position_m.y() = std::numeric_limits<double>::quiet_NaN();
+  if (fault == Fault::infinite) sample.position_m.z() = -std::numeric_limits<double>::infinity();
+  return sample;
+}
+
+void FaultyDevice::note(double force_n) noexcept {
+  if (!std::isfinite(force_n)) finite_.store(false);
+  const std::int64_t since_ns = now_ns() - injected_ns_.load();
+  const bool held = force_n_.load() != 0.0;
+  if (held) last_force_ns_.store(since_ns);
+  if (force_n == 0.0 && first_zero_ns_.load() < 0) first_zero_ns_.store(since_ns);
+  force_n_.store(force_n);
+  strongest_n_.store(std::max(strongest_n_.load(), force_n));
+}
+
+void FaultyDevice::write(const Eigen::Vector3d& force_n) noexcept {
+  const double size_n = force_n.norm();
+  note(size_n);
+  if (size_n != 0.0 && reads_.load() > 0) reads_with_force_.fetch_add(1);
+  inner_.write(with_force_ ? force_n : Eigen::Vector3d::Zero());
+}
+
+void FaultyDevice::zero() noexcept {
+  note(0.0);
+  inner_.zero();
+}
+
+Felt FaultyDevice::felt() const noexcept {
+  Felt felt;
+  felt.strongest_n = strongest_n_.load();
+  felt.finite = finite_.load();
+  felt.reads_with_force = reads_with_force_.load();
+  felt.last_force_s = 1e-9 * static_cast<double>(last_force_ns_.load());
+  felt.first_zero_s = first_zero_ns_.load() < 0 ? -1.0 : 1e-9 * static_cast<double>(first_zero_ns_.load());
+  return felt;
+}
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,47 @@
+#include "haptics/servo/pace.h"
+
+#include <algorithm>
+
+namespace sparsha::haptics {
+namespace {
+
+// A pause of the program leaves a handful of answers to be taken at once.
+constexpr std::int64_t kBurstPeriods = 2;
+// After so long without a fresh position the hand may be anywhere; the governor begins anew there.
+constexpr double kLongAgo_s = 0.1;
+// Of encoders and of times that are the servo's rather than the measurement's.
+constexpr double kNoise_m = 0.001;
+
+}  // namespace
+
+Pace::Pace(std::int64_t period_ns) noexcept
+    : least_ns_(period_ns / kMostTicksPerPeriod), burst_ns_(kBurstPeriods * period_ns) {}
+
+// The generic cell rate algorithm (ITU-T I.371): `due_ns_` is when the next tick is due at the greatest rate.
+std::int64_t Pace::admit(std::int64_t woke_ns) noexcept {
+  // A clock that went backwards says nothing about the device.
+  if (due_ns_ - woke_ns > 2 * burst_ns_) due_ns_ = woke_ns;
+  const std::int64_t ahead_ns = due_ns_ - woke_ns;
+  if (ahead_ns > burst_ns_) runs_away_ = true;
+  if (ahead_ns <= 0) runs_away_ = false;
+  const std::int64_t begins_ns = std::max(woke_ns, due_ns_ - burst_ns_);
+  due_ns_ = std::max(due_ns_, begins_ns) + least_ns_;
+  return begins_ns;
+}
+
+bool HandSpeed::jumps(const DeviceSample& sample, double period_s) noexcept {
+  if (!(fastest_m_per_s_ > 0.0) || !sample.fresh) return false;
+  if (!sample.homed || !sample.connected || !sample.position_m.allFinite()) {
+    known_ = false;  // no position that the next could be compared with
+    return false;
+  }
+  const double passed_s = std::max(period_s, sample.time_s - time_s_);
+  const double way_m = (sample.position_m - position_m_).norm();
+  const bool jumped = known_ && passed_s < kLongAgo_s && way_m > kNoise_m + fastest_m_per_s_ * passed_s;
+  known_ = true;
+  time_s_ = sample.time_s;
+  position_m_ = sample.position_m;
+  return jumped;
+}
+
+}  // namespace sparsha::haptics

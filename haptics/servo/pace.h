@@ -1,0 +1,53 @@
+// How far the servo believes a device that paces it, and the hand that it reports. Servo thread only; no allocation, no
+// exceptions.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "haptics/device/device.h"
+
+namespace sparsha::haptics {
+
+/// When ticks may begin whose device paces them. Answers that come together after a late one are taken as they come;
+/// a wait() that returns at once again and again (its service has died, it does not wait at all) is held to
+/// kMostTicksPerPeriod and is a fault.
+class Pace {
+ public:
+  /// Ticks that a device may ask for within a planned period, in the long run.
+  static constexpr std::int64_t kMostTicksPerPeriod = 4;
+
+  /// `period_ns`: the servo's planned one.
+  explicit Pace(std::int64_t period_ns) noexcept;
+
+  /// wait() returned at `woke_ns`, the servo's clock. When the tick may begin: then, or later.
+  [[nodiscard]] std::int64_t admit(std::int64_t woke_ns) noexcept;
+  /// wait() has returned too soon too often: no force.
+  [[nodiscard]] bool runs_away() const noexcept { return runs_away_; }
+
+ private:
+  std::int64_t least_ns_;  ///< between two ticks in the long run
+  std::int64_t burst_ns_;  ///< by which the ticks may be ahead of that
+  std::int64_t due_ns_ = 0;
+  bool runs_away_ = false;
+};
+
+/// Finds positions that the hand of a device cannot have come to.
+class HandSpeed {
+ public:
+  /// `fastest_m_per_s`: DeviceInfo's; 0 = every position is believed.
+  explicit HandSpeed(double fastest_m_per_s) noexcept : fastest_m_per_s_(fastest_m_per_s) {}
+
+  /// True when this fresh sample is farther from the one before than a hand moves in that time. The next is judged from
+  /// here on. `period_s`: the planned one.
+  [[nodiscard]] bool jumps(const DeviceSample& sample, double period_s) noexcept;
+
+ private:
+  double fastest_m_per_s_;
+  bool known_ = false;
+  double time_s_ = 0.0;
+  Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace sparsha::haptics

@@ -1,0 +1,183 @@
+// A device that does not keep the pace that it promises, and hands that cannot have moved so.
+#include "haptics/servo/pace.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <limits>
+#include <random>
+#include <thread>
+
+#include "haptics/servo/servo.h"
+#include "tests/support/servo_parts.h"
+
+namespace sparsha::haptics {
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 1'000'000;
+constexpr std::int64_t kStart_ns = 1'000'000'000'000;
+
+TEST(Pace, BelievesADeviceWhoseAnswersComeUnevenly) {
+  std::mt19937_64 random(39);
+  std::uniform_int_distribution<std::int64_t> gap_ns(50'000, 1'900'000);
+  Pace pace(kPeriod_ns);
+  std::int64_t time_ns = kStart_ns;
+  for (int tick = 0; tick < 100'000; ++tick) {
+    // Now and then the program pauses, and three answers are there at once.
+    time_ns += tick % 1000 < 3 ? 10'000 : gap_ns(random);
+    if (tick % 1000 == 0) time_ns += 8'000'000;
+    ASSERT_EQ(pace.admit(time_ns), time_ns) << "tick " << tick;
+    ASSERT_FALSE(pace.runs_away()) << "tick " << tick;
+  }
+}
+
+TEST(Pace, HoldsADeviceThatReturnsAtOnceToFourTicksAPeriodAndBelievesItAgainWhenItWaits) {
+  Pace pace(kPeriod_ns);
+  std::int64_t time_ns = kStart_ns;
+  int ticks = 0;
+  int before = 0;  // it has run away
+  for (; time_ns < kStart_ns + 1000 * kPeriod_ns; ++ticks) {
+    time_ns = pace.admit(time_ns + 17'000);
+    if (!pace.runs_away()) ++before;
+  }
+  EXPECT_LE(ticks, 4 * 1000 + 12);
+  EXPECT_GE(ticks, 4 * 1000 - 12);
+  EXPECT_LE(before, 12) << "twelve ticks of 17 us: the force ends within a period";
+  for (int tick = 0; tick < 20; ++tick) time_ns = pace.admit(time_ns + kPeriod_ns);
+  EXPECT_FALSE(pace.runs_away());
+}
+
+TEST(Pace, AClockThatGoesBackwardsMakesNobodyWait) {
+  Pace pace(kPeriod_ns);
+  std::int64_t time_ns = kStart_ns;
+  for (int tick = 0; tick < 10; ++tick) time_ns = pace.admit(time_ns + kPeriod_ns);
+  time_ns -= 3'600'000'000'000;
+  EXPECT_EQ(pace.admit(time_ns), time_ns);
+  EXPECT_FALSE(pace.runs_away());
+}
+
+TEST(HandSpeed, FindsJumpsAndNothingElse) {
+  HandSpeed hand(5.0);
+  double time_s = 1.0;
+  const auto at = [&](double x_m, double after_s) { return sample_at({x_m, 0.0, 0.0}, time_s += after_s); };
+  EXPECT_FALSE(hand.jumps(at(0.04, 0.001), 0.001)) << "the first position may be anywhere";
+  EXPECT_FALSE(hand.jumps(at(0.0405, 0.001), 0.001)) << "half a metre a second";
+  EXPECT_FALSE(hand.jumps(at(0.0455, 0.001), 0.001)) << "five";
+  EXPECT_TRUE(hand.jumps(at(0.0255, 0.001), 0.001)) << "twenty";
+  EXPECT_FALSE(hand.jumps(at(0.0255, 0.001), 0.001)) << "and there it stays";
+  DeviceSample stale = at(-0.05, 0.001);
+  stale.fresh = false;
+  EXPECT_FALSE(hand.jumps(stale, 0.001)) << "a stale position is none";
+  EXPECT_FALSE(hand.jumps(at(0.0275, 0.001), 0.001));
+  DeviceSample lost = at(0.0, 0.001);
+  lost.position_m.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(hand.jumps(lost, 0.001)) << "others see that";
+  EXPECT_FALSE(hand.jumps(at(-0.04, 0.001), 0.001));
+  EXPECT_FALSE(hand.jumps(at(0.04, 0.2), 0.001)) << "long ago";
+  HandSpeed any(0.0);
+  EXPECT_FALSE(any.jumps(at(0.0, 0.001), 0.001));
+  EXPECT_FALSE(any.jumps(at(1.0, 0.001), 0.001));
+}
+
+/// Paces the servo by a thread's sleep until its service dies: then wait() returns at once, and the last position is
+/// given again and again as if it were new.
+class DyingDevice final : public Device {
+ public:
+  [[nodiscard]] DeviceInfo info() const override {
+    DeviceInfo info;
+    info.name = "dying";
+    info.paced = true;
+    return info;
+  }
+  void wait(double timeout_s) noexcept override {
+    if (!dead.load()) std::this_thread::sleep_for(std::chrono::duration<double>(timeout_s));
+  }
+  [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
+    const std::uint64_t tick = ticks.fetch_add(1);
+    return sample_at({0.0, 0.0, tick < 200 ? 0.02 : -0.002}, time_s);
+  }
+  void write(const Eigen::Vector3d& force) noexcept override { force_n.store(force.norm()); }
+  void zero() noexcept override { force_n.store(0.0); }
+
+  std::atomic<bool> dead{false};
+  std::atomic<std::uint64_t> ticks{0};
+  std::atomic<double> force_n{0.0};
+};
+
+class CountingSink final : public RecordSink {
+ public:
+  bool push(const Record&) noexcept override {
+    rows.fetch_add(1);
+    return true;
+  }
+  [[nodiscard]] std::uint64_t dropped() const noexcept override { return 0; }
+  std::atomic<std::uint64_t> rows{0};
+};
+
+TEST(Servo, ADeviceWhoseWaitReturnsAtOnceGetsNoForceAndNeitherSpinsNorFillsTheRecording) {
+  DyingDevice device;
+  Seqlock<State> state;
+  CountingSink sink;
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, &sink);
+  servo.start();
+  ASSERT_TRUE(eventually([&] { return device.force_n.load() > 0.0; }));
+  EXPECT_EQ(servo.runaways(), 0U);
+  device.dead.store(true);
+  ASSERT_TRUE(eventually([&] { return servo.runaways() > 0; }));
+  const std::int64_t begun_ns = now_ns();
+  const std::uint64_t before = sink.rows.load();
+  ASSERT_TRUE(eventually([&] { return now_ns() - begun_ns > 300'000'000; }));
+  const double rows = static_cast<double>(sink.rows.load() - before);
+  EXPECT_LE(rows, 4e3 * 1e-9 * static_cast<double>(now_ns() - begun_ns) + 12.0);
+  EXPECT_EQ(device.force_n.load(), 0.0);
+  EXPECT_EQ((state.read().flags & kFlagArmed), 0U);
+  servo.stop();
+  const ServoFigures& figures = servo.figures();
+  EXPECT_GT(figures.runaways, 100U);
+  EXPECT_GE(figures.faults, figures.runaways);
+  EXPECT_LE(figures.ticks_in_time + figures.runaways, figures.ticks) << "no tick without a plan is in time";
+}
+
+TEST(Servo, APositionThatNoHandCanHaveComeToEndsTheForceUntilTheHandHasBeenInTheAir) {
+  std::atomic<bool> jump{false};
+  class Fast final : public Device {
+   public:
+    explicit Fast(std::atomic<bool>& jump) : jump_(jump) {}
+    [[nodiscard]] DeviceInfo info() const override {
+      DeviceInfo info;
+      info.name = "fast";
+      info.fastest_m_per_s = 5.0;
+      return info;
+    }
+    // In the air, then slowly down into the stone; after the jump it is a centimetre aside.
+    [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
+      depth_m_ = std::min(depth_m_ + 2e-5, 0.002);
+      return sample_at({jump_.load() ? 0.02 : 0.0, 0.0, -depth_m_}, time_s);
+    }
+    void write(const Eigen::Vector3d& force) noexcept override { force_n.store(force.norm()); }
+    void zero() noexcept override {}
+    std::atomic<double> force_n{0.0};
+
+   private:
+    std::atomic<bool>& jump_;
+    double depth_m_ = -0.01;
+  } device(jump);
+  Seqlock<State> state;
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
+  servo.start();
+  ASSERT_TRUE(eventually([&] { return device.force_n.load() > 0.5; }));
+  EXPECT_EQ(servo.jumps(), 0U);
+  jump.store(true);
+  ASSERT_TRUE(eventually([&] { return servo.jumps() == 1; }));
+  const std::uint64_t tick = state.read().tick;
+  ASSERT_TRUE(eventually([&] { return state.read().tick > tick + 100; }));
+  EXPECT_EQ(device.force_n.load(), 0.0) << "still in the stone";
+  EXPECT_EQ(state.read().contact, 1U);
+  servo.stop();
+  EXPECT_EQ(servo.figures().jumps, 1U);
+}
+
+}  // namespace
+}  // namespace sparsha::haptics
