@@ -9,7 +9,7 @@
 #include "pipeline/scan/formats/grid/esri.h"
 #include "pipeline/scan/formats/grid/surfer.h"
 #include "pipeline/scan/formats/las/las.h"
-#include "pipeline/scan/formats/obj.h"
+#include "pipeline/scan/formats/obj/obj.h"
 #include "pipeline/scan/formats/off.h"
 #include "pipeline/scan/formats/pcd/pcd.h"
 #include "pipeline/scan/formats/ply/ply.h"

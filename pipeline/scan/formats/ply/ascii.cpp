@@ -145,7 +145,8 @@ std::optional<SplatVertices> look_at_splats(const ScanFile& file, LineReader lin
   return splats;
 }
 
-void read_vertices(const ScanFile& file, LineReader& lines, const Element& vertex, ScanWriter& out) {
+void read_vertices(const ScanFile& file, LineReader& lines, const Element& vertex, const Paint& paint,
+                   ScanWriter& out) {
   const VertexColumns columns = vertex_columns(file, vertex);
   const bool colour = columns.has_colour();
   const bool intensity = columns.intensity >= 0;
@@ -165,11 +166,12 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
       out.add_invalid();
       continue;
     }
-    std::uint32_t rgba = kWhite;
+    std::uint32_t rgba = paint.any() ? kNoColour : kWhite;
     if (colour) {
       rgba = pack_rgba(channel(record[columns.red]), channel(record[columns.green]), channel(record[columns.blue]),
                        columns.alpha >= 0 ? colour_byte(record[columns.alpha], scale) : 255);
     }
+    if (const std::uint32_t painted = paint[i]; painted != kNoColour) rgba = painted;
     for (const VertexField& field : fields) {
       out.set_field(field.slot, field.value(record[static_cast<int>(field.column)]));
     }
@@ -183,7 +185,7 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
 
 }  // namespace
 
-void read_ascii_body(const ScanFile& file, const Header& header, ScanWriter& out) {
+void read_ascii_body(const ScanFile& file, const Header& header, const Paint& paint, ScanWriter& out) {
   std::size_t needed = 0;  // elements behind the last one of use are not read
   for (std::size_t i = 0; i < header.elements.size(); ++i) {
     if (role_of(header.elements[i]) != Role::other) needed = i + 1;
@@ -195,7 +197,7 @@ void read_ascii_body(const ScanFile& file, const Header& header, ScanWriter& out
     const Role role = role_of(element);
     if (element.properties.empty()) continue;
     if (role == Role::vertex) {
-      read_vertices(file, lines, element, out);
+      read_vertices(file, lines, element, paint, out);
       continue;
     }
     RecordParser record(file, element, index_list(element),

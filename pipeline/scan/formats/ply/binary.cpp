@@ -29,8 +29,12 @@ struct VertexLayout {
 template <bool big>
 class Body {
  public:
-  Body(const ScanFile& file, const Header& header, ScanWriter& out)
-      : file_(file), out_(out), p_(file.bytes.data() + header.body), end_(file.bytes.data() + file.bytes.size()) {}
+  Body(const ScanFile& file, const Header& header, const Paint& paint, ScanWriter& out)
+      : file_(file),
+        out_(out),
+        paint_(paint),
+        p_(file.bytes.data() + header.body),
+        end_(file.bytes.data() + file.bytes.size()) {}
 
   void read_vertices(const Element& vertex) {
     if (vertex.count == 0) return;  // there may be no record to look at
@@ -50,8 +54,8 @@ class Body {
     if (columns.has_colour()) layout.scale = sampled_scale(vertex, layout, stride);
     const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
                             layout.blue.type == ScalarType::u8 && !layout.alpha.present() &&
-                            !layout.intensity.present() && fields_.empty();
-    const bool plain = !columns.has_colour() && !layout.intensity.present() && fields_.empty();
+                            !layout.intensity.present() && fields_.empty() && !paint_.any();
+    const bool plain = !columns.has_colour() && !layout.intensity.present() && fields_.empty() && !paint_.any();
     const bool same = layout.x.type == layout.y.type && layout.x.type == layout.z.type;
     constexpr std::size_t kChunk = 1 << 16;
     for (std::uint64_t left = vertex.count; left > 0;) {
@@ -289,17 +293,19 @@ class Body {
     for (std::size_t k = 0; k < fields_.size(); ++k) {
       out_.set_field(fields_[k].slot, fields_[k].value(value(layout.fields[k])));
     }
-    std::uint32_t rgba = kWhite;
+    std::uint32_t rgba = paint_.any() ? kNoColour : kWhite;
     if (layout.red.present()) {
       rgba = pack_rgba(channel(layout.red), channel(layout.green), channel(layout.blue),
                        layout.alpha.present() ? colour_byte(value(layout.alpha), layout.scale) : 255);
     }
+    if (const std::uint32_t painted = paint_[out_.records()]; painted != kNoColour) rgba = painted;
     out_.add(value(layout.x), value(layout.y), value(layout.z), rgba,
              layout.intensity.present() ? static_cast<float>(value(layout.intensity)) : 0.0F);
   }
 
   const ScanFile& file_;
   ScanWriter& out_;
+  const Paint& paint_;
   std::vector<VertexField> fields_;
   std::optional<SplatVertices> splats_;
   const char* p_;
@@ -307,12 +313,12 @@ class Body {
 };
 
 template <bool big>
-void read_body(const ScanFile& file, const Header& header, ScanWriter& out) {
+void read_body(const ScanFile& file, const Header& header, const Paint& paint, ScanWriter& out) {
   std::size_t needed = 0;  // elements behind the last one of use are not read
   for (std::size_t i = 0; i < header.elements.size(); ++i) {
     if (role_of(header.elements[i]) != Role::other) needed = i + 1;
   }
-  Body<big> body(file, header, out);
+  Body<big> body(file, header, paint, out);
   for (std::size_t i = 0; i < needed; ++i) {
     const Element& element = header.elements[i];
     if (element.properties.empty()) continue;
@@ -330,8 +336,9 @@ void read_body(const ScanFile& file, const Header& header, ScanWriter& out) {
 
 }  // namespace
 
-void read_binary_body(const ScanFile& file, const Header& header, ScanWriter& out) {
-  header.encoding == Encoding::big ? read_body<true>(file, header, out) : read_body<false>(file, header, out);
+void read_binary_body(const ScanFile& file, const Header& header, const Paint& paint, ScanWriter& out) {
+  header.encoding == Encoding::big ? read_body<true>(file, header, paint, out)
+                                   : read_body<false>(file, header, paint, out);
 }
 
 }  // namespace sparsha::pipeline::ply

@@ -141,13 +141,14 @@ namespace {
 /// Programs name themselves in a remark ("Created by CloudCompare"), and pictures of a mesh ("TextureFile a.jpg").
 void add_note(std::string_view remark, Header& header) {
   constexpr std::size_t kMost = 8;
-  if (header.notes.size() == kMost) return;
+  constexpr std::size_t kMostTextures = 65536;
   const std::string lower = lower_case(remark);
-  if (lower.find("texturefile ") != std::string::npos) {
+  if (lower.find("texturefile ") != std::string::npos && header.textures.size() < kMostTextures) {
     (void)take_word(remark);
-    header.notes.push_back("PLY: texture " +
-                           printable(remark.substr(std::min(remark.find_first_not_of(' '), remark.size()))) +
-                           ", whose colours are not read");
+    header.textures.emplace_back(remark.substr(std::min(remark.find_first_not_of(" \t"), remark.size())));
+    if (header.notes.size() < kMost) header.notes.push_back("PLY: texture " + printable(header.textures.back()));
+  } else if (header.notes.size() == kMost) {
+    return;
   } else if (lower.find("created by") != std::string::npos || lower.find("generated") != std::string::npos) {
     header.notes.push_back("PLY: " + printable(remark.substr(std::min(remark.find_first_not_of(' '), remark.size()))));
   }

@@ -192,8 +192,9 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
     if (ply::role_of(element) == ply::Role::face) faces += element.count;
   }
   out.expect_mesh(vertex->count, faces);
-  out.begin(vertex->count, columns.has_colour(), columns.intensity >= 0, columns.has_normals());
-  ascii ? ply::read_ascii_body(file, header, out) : ply::read_binary_body(file, header, out);
+  const Paint paint = ply::paint_of(file, header, out);
+  out.begin(vertex->count, columns.has_colour() || paint.any(), columns.intensity >= 0, columns.has_normals());
+  ascii ? ply::read_ascii_body(file, header, paint, out) : ply::read_binary_body(file, header, paint, out);
 }
 
 }  // namespace sparsha::pipeline

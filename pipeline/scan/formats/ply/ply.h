@@ -14,6 +14,7 @@
 
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/formats/splat/splats.h"
+#include "pipeline/scan/formats/texture/paint.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/writer.h"
 
@@ -51,7 +52,8 @@ struct Header {
   std::vector<Element> elements;
   std::size_t body = 0;  ///< offset of the first byte behind the header
   int lines = 0;
-  std::vector<std::string> notes;  ///< software and textures that its remarks name
+  std::vector<std::string> notes;     ///< software and textures that its remarks name
+  std::vector<std::string> textures;  ///< in the order of their numbers
 };
 
 [[nodiscard]] Header parse_header(const ScanFile& file);
@@ -136,8 +138,12 @@ void add_strip(const std::vector<std::int64_t>& strip, ScanWriter& out);
 /// A face whose vertex numbers may be anything.
 void add_face(const std::vector<std::int64_t>& corners, ScanWriter& out);
 
-void read_ascii_body(const ScanFile& file, const Header& header, ScanWriter& out);
-void read_binary_body(const ScanFile& file, const Header& header, ScanWriter& out);
+/// Colours from the pictures that the header names, by coordinates of vertices (s and t, u and v) or of the corners of
+/// faces (a list `texcoord`, with `texnumber`). Damage is left to those who read the body.
+[[nodiscard]] Paint paint_of(const ScanFile& file, const Header& header, ScanWriter& out);
+
+void read_ascii_body(const ScanFile& file, const Header& header, const Paint& paint, ScanWriter& out);
+void read_binary_body(const ScanFile& file, const Header& header, const Paint& paint, ScanWriter& out);
 
 }  // namespace ply
 }  // namespace sparsha::pipeline

@@ -224,6 +224,93 @@ TEST(GltfTexture, LiesBesideTheFileOrInItsText) {
   }
 }
 
+/// Corners of a square in the middles of the four colours, from the bottom left: blue, white, green, red.
+constexpr const char* kObj =
+    "mtllib my model.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 5 5\nvt 0.25 0.25\nvt 0.75 0.25 0\nvt 0.75 0.75\n"
+    "vt 0.25 0.75\nusemtl wall\nf 1/1 2/2 3/3\nf 1/3 -3/-2 -2/4\nusemtl plain\nf 1/4 2/4 5/4\n";
+
+TEST(ObjTexture, BecomesTheColourOfVertices) {
+  const testing::ScanFolder folder;
+  (void)folder.write("a b.png", four_colours());
+  const auto read = [&](const std::string& map, const std::string& obj = kObj) {
+    (void)folder.write("my model.mtl", "# made\nnewmtl plain\nKd 1 0 0\nnewmtl wall\nKd 0.8 0.8 0.8\n" + map);
+    return folder.read("a.obj", obj);
+  };
+  const auto as_laid = ElementsAre(kBlue, kWhite, kGreen, kRed, kNoColour);
+  for (const char* map : {"map_Kd a b.png\n", "\tmap_Kd -blendu on -mm 0 1 a b.png\r\n", "map_Kd ./a b.png\n",
+                          "map_Kd C:\\work\\a b.png\n", "map_Kd -o 1 0 0 -s 1 -t 0 0 0 ..\\..\\a b.png"}) {
+    const RawScan scan = read(map);
+    EXPECT_THAT(scan.rgba, as_laid) << map;
+    EXPECT_THAT(scan.warnings, IsEmpty()) << map;
+    EXPECT_EQ(scan.faces.size(), 3U);
+  }
+  EXPECT_THAT(read("map_Kd -s -1 1 a b.png\n").rgba, ElementsAre(kWhite, kBlue, kRed, kGreen, kNoColour));
+  EXPECT_THAT(read("map_Kd -clamp on -o 2 0 a b.png\n").rgba, ElementsAre(kWhite, kWhite, kGreen, kGreen, kNoColour));
+  EXPECT_THAT(read("map_Kd none.png\n").rgba, IsEmpty());
+  EXPECT_THAT(read("map_Kd none.png\n").warnings, ElementsAre(HasSubstr("none.png")));
+  EXPECT_THAT(read("map_Kd my model.mtl\n").warnings, ElementsAre(HasSubstr("no picture that is known")));
+  // Vertices keep their own colours where no picture lies; coordinates that are not there lay nothing.
+  const RawScan both = read("map_Kd a b.png\n",
+                            "mtllib my model.mtl\nv 0 0 0 0.5 0 0\nv 1 0 0 0 0 0\nv 0 1 0 0 1 0\n"
+                            "vt 0.25 0.75\nusemtl wall\nf 1 2/1 3/7\n");
+  EXPECT_THAT(both.rgba, ElementsAre(pack_rgba(128, 0, 0), kRed, kGreen));
+}
+
+std::string ply_of(bool ascii, bool of_faces) {
+  std::string bytes = "ply\nformat " + std::string(ascii ? "ascii" : "binary_big_endian") +
+                      " 1.0\ncomment TextureFile none.png\ncomment TextureFile a.png\nelement vertex 4\n"
+                      "property float x\nproperty float y\nproperty float z\n";
+  if (!of_faces) bytes += "property float s\nproperty float t\n";
+  bytes += "element face 2\nproperty list uchar int vertex_indices\n";
+  if (of_faces) bytes += "property list uchar float texcoord\nproperty int texnumber\n";
+  bytes += "end_header\n";
+  const auto add = [&](auto value) {
+    if (ascii) {
+      bytes += std::to_string(value) + " ";
+    } else {
+      testing::put(bytes, value, true);
+    }
+  };
+  const std::array<std::array<float, 2>, 4> at{{{0.25F, 0.25F}, {0.75F, 0.25F}, {0.75F, 0.75F}, {0.25F, 0.75F}}};
+  for (const auto& [u, v] : at) {
+    for (const float value : {u, v, 0.0F}) add(value);
+    if (!of_faces) add(u), add(v);
+    if (ascii) bytes += "\n";
+  }
+  for (const auto& face : {std::array{0, 1, 2}, std::array{0, 2, 3}}) {
+    add(std::uint8_t{3});
+    for (const int corner : face) add(corner);
+    if (of_faces) {
+      add(std::uint8_t{6});
+      for (const int corner : face)
+        for (const float value : at[static_cast<std::size_t>(corner)]) add(value);
+      add(1);
+    }
+    if (ascii) bytes += "\n";
+  }
+  return bytes;
+}
+
+TEST(PlyTexture, BecomesTheColourOfVertices) {
+  const testing::ScanFolder folder;
+  (void)folder.write("a.png", four_colours());
+  for (const bool ascii : {true, false}) {
+    const RawScan by_faces = folder.read("a.ply", ply_of(ascii, true));
+    EXPECT_THAT(by_faces.rgba, ElementsAre(kBlue, kWhite, kGreen, kRed)) << ascii;
+    EXPECT_THAT(by_faces.warnings, IsEmpty());
+    EXPECT_THAT(by_faces.notes, ElementsAre("PLY: texture none.png", "PLY: texture a.png"));
+    // Coordinates of vertices lie on the first picture, which is not there.
+    std::string by_vertices = ply_of(ascii, false);
+    EXPECT_THAT(folder.read("a.ply", by_vertices).warnings, ElementsAre(HasSubstr("none.png")));
+    by_vertices.erase(by_vertices.find("comment TextureFile none.png\n"), 29);
+    EXPECT_THAT(folder.read("a.ply", by_vertices).rgba, ElementsAre(kBlue, kWhite, kGreen, kRed)) << ascii;
+    // Cut short anywhere: an error of the body, whatever the coordinates.
+    const std::string whole = ply_of(ascii, true);
+    for (std::size_t size = whole.size() - 40; size + 2 < whole.size(); ++size)
+      EXPECT_TRUE(testing::error_of_bytes("a.ply", whole.substr(0, size)).has_value() || ascii) << size;
+  }
+}
+
 TEST(GltfTexture, ThatCannotBeReadIsSaid) {
   EXPECT_THAT(Painted("no picture").read().warnings, ElementsAre(HasSubstr("images[0]: no picture")));
   EXPECT_THAT(Painted(four_colours().substr(0, 60)).read().warnings, ElementsAre(HasSubstr("a PNG that cannot be")));

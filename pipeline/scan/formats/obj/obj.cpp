@@ -1,55 +1,19 @@
-#include "pipeline/scan/formats/obj.h"
+#include "pipeline/scan/formats/obj/obj.h"
 
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "pipeline/scan/formats/obj/materials.h"
+#include "pipeline/scan/formats/obj/statements.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-/// Statements of the text: comments and blank lines left out, continued lines joined.
-class Statements {
- public:
-  explicit Statements(std::string_view text) : lines_(text) {}
-
-  bool next(std::string_view& statement) {
-    std::string_view line;
-    while (lines_.next(line)) {
-      number_ = lines_.number();
-      if (!line.empty() && line.back() == '\\') {
-        joined_.assign(line.substr(0, line.size() - 1));
-        while (lines_.next(line)) {
-          joined_ += ' ';
-          const bool more = !line.empty() && line.back() == '\\';
-          joined_.append(more ? line.substr(0, line.size() - 1) : line);
-          if (!more) break;
-        }
-        line = joined_;
-      }
-      const char* const end = line.data() + line.size();
-      const char* const begin = skip_blanks(line.data(), end);
-      if (begin == end || *begin == '#') continue;
-      statement = {begin, static_cast<std::size_t>(end - begin)};
-      return true;
-    }
-    return false;
-  }
-  /// Line on which the statement began.
-  [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] std::size_t offset() const { return lines_.offset(); }
-
- private:
-  LineReader lines_;
-  std::string joined_;
-  int number_ = 0;
-};
-
-bool is_vertex(std::string_view statement) {
-  return statement.size() > 1 && statement[0] == 'v' && is_blank(statement[1]);
-}
+using obj::is_vertex;
+using obj::Statements;
 
 /// An exponent whose sign stands before its letter, "3.1+e2", is read as "3.1e+2"; found in files.
 const char* parse_swapped_exponent(const char* p, const char* end, double& value) {
@@ -66,6 +30,7 @@ class Reader {
   Reader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out) {}
 
   void read() {
+    paint_ = obj::paint_of(file_, out_);
     inspect();
     Statements statements(file_.bytes);
     std::string_view statement;
@@ -111,7 +76,7 @@ class Reader {
     scan.format = "OBJ";
     scan.fields = {"x", "y", "z"};
     if (colour_) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
-    out_.begin(0, colour_, false);
+    out_.begin(0, colour_ || paint_.any(), false);
   }
 
   /// Numbers behind the keyword, at most seven.
@@ -147,6 +112,7 @@ class Reader {
     } else if (colour_) {
       ++uncoloured_;
     }
+    if (const std::uint32_t painted = paint_[vertices_]; painted != kNoColour) rgba = painted;
     out_.add(values_[0], values_[1], values_[2], rgba);
     ++vertices_;
   }
@@ -173,6 +139,7 @@ class Reader {
 
   const ScanFile& file_;
   ScanWriter& out_;
+  Paint paint_;
   std::array<double, 7> values_{};
   std::vector<std::uint32_t> corners_;
   std::uint64_t vertices_ = 0;

@@ -1,0 +1,14 @@
+// Pictures on OBJ meshes: the libraries of materials beside the file, and which vertex lies where on which picture.
+#pragma once
+
+#include "pipeline/scan/file.h"
+#include "pipeline/scan/formats/texture/paint.h"
+#include "pipeline/scan/writer.h"
+
+namespace sparsha::pipeline::obj {
+
+/// Goes through the whole text when a library has a picture of diffuse colour (map_Kd) that the text uses, else through
+/// its beginning alone. What cannot be read is said in the scan's warnings, a library that is not there in its notes.
+[[nodiscard]] Paint paint_of(const ScanFile& file, ScanWriter& out);
+
+}  // namespace sparsha::pipeline::obj
