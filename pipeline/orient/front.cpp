@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "base/statistics.h"
+#include "pipeline/orient/room.h"
 #include "pipeline/orient/side_picture.h"
 #include "scene/config/orientation.h"
 
@@ -118,6 +119,36 @@ Eigen::Vector3d levelled(const EvenPoints& object, Eigen::Vector3d up) {
     up = along < 0.0 ? Eigen::Vector3d(-normal) : normal;
   }
   return up;
+}
+
+// Directions up from bases that lie along no axis of the scan.
+std::vector<Eigen::Vector3d> tilted_bases(const EvenPoints& object) {
+  EvenPoints fewer = object;
+  const std::size_t step = std::max<std::size_t>(1, object.points.size() / kOutline);
+  for (std::size_t i = 0; i * step < object.points.size(); ++i) fewer.points[i] = object.points[i * step];
+  fewer.points.resize((object.points.size() + step - 1) / step);
+  std::vector<Eigen::Vector3d> bases;
+  for (int n = 0; n < 27; ++n) {
+    const Eigen::Vector3d start(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    if (start.isZero()) continue;
+    const Eigen::Vector3d up = levelled(fewer, start.normalized());
+    // Nearly along an axis it is that axis: feet and chins of statues that stand upright are level by chance only.
+    if (up.cwiseAbs().maxCoeff() < std::cos(5.0 * std::numbers::pi / 180.0)) bases.push_back(up);
+  }
+  return bases;
+}
+
+Standing standing_of_room(const Room& room) {
+  Eigen::Index axis = 0;
+  const double most = room.up.cwiseAbs().maxCoeff(&axis);
+  const std::string name = most < 1.0 - 1e-9 ? std::string("up is")
+                                             : fmt::format("{}{} is up:", room.up[axis] < 0.0 ? "-" : "", "xyz"[axis]);
+  return {room.up,
+          fmt::format("{} from floor to ceiling ({:.0f} and {:.0f} % of the plan), {}", name, 100.0 * room.floor,
+                      100.0 * room.ceiling,
+                      room.by_things ? "of which what stands in the room is nearer to the floor"
+                                     : "of which custom tells the floor"),
+          true};
 }
 
 // How much a picture is like a face, row by row from the bottom.
@@ -241,10 +272,17 @@ std::optional<double> broad_side(const EvenPoints& object, const Eigen::Vector3d
 
 }  // namespace
 
+Standing customary_standing(bool z_up) {
+  if (z_up) return {Eigen::Vector3d::UnitZ(), "z is up by custom"};
+  return {Eigen::Vector3d::UnitY(), "y is up by custom"};
+}
+
 std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
   if (object.points.size() < 4) return std::nullopt;
-  const Eigen::Vector3d custom = z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d other = z_up ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+  const std::vector<Eigen::Vector3d> tilted = tilted_bases(object);
+  if (const std::optional<Room> room = room_of(object, tilted)) return standing_of_room(*room);
+  const Standing custom = customary_standing(z_up);
+  const Eigen::Vector3d other = customary_standing(!z_up).up;
   Standing best;
   double most = -1.0;
   double foot = 0.0;
@@ -255,24 +293,14 @@ std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
     foot = over;
     best.up = up;
   };
-  offer(custom, kCustom);
+  offer(custom.up, kCustom);
   offer(other, kOtherCustom);
   for (const double side : {1.0, -1.0}) offer(side * Eigen::Vector3d::UnitX(), -kSideways);
-  for (const Eigen::Vector3d& up : {custom, other}) offer(-up, -kUpsideDown);
-  EvenPoints fewer = object;
-  const std::size_t step = std::max<std::size_t>(1, object.points.size() / kOutline);
-  for (std::size_t i = 0; i * step < object.points.size(); ++i) fewer.points[i] = object.points[i * step];
-  fewer.points.resize((object.points.size() + step - 1) / step);
-  for (int n = 0; n < 27; ++n) {
-    const Eigen::Vector3d start(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    if (start.isZero()) continue;
-    const Eigen::Vector3d up = levelled(fewer, start.normalized());
-    // Nearly along an axis it is that axis: feet and chins of statues that stand upright are level by chance only.
-    if (up.cwiseAbs().maxCoeff() < std::cos(5.0 * std::numbers::pi / 180.0)) offer(up, -kTilted);
-  }
-  best.reason = best.up != custom     ? fmt::format("it stands on a flat base ({:.0f} % of its outline)", 100.0 * foot)
+  for (const Eigen::Vector3d& up : {custom.up, other}) offer(-up, -kUpsideDown);
+  for (const Eigen::Vector3d& up : tilted) offer(up, -kTilted);
+  best.reason = best.up != custom.up  ? fmt::format("it stands on a flat base ({:.0f} % of its outline)", 100.0 * foot)
                 : foot > kEvidentFoot ? fmt::format("{} is up: it stands on a flat base", z_up ? "z" : "y")
-                                      : fmt::format("{} is up by custom", z_up ? "z" : "y");
+                                      : custom.reason;
   return best;
 }
 
@@ -320,7 +348,7 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
   };
   FrontView front;
   front.up = up;
-  front.rival = rival_of(turns);
+  front.rival = standing.room ? 1.0 : rival_of(turns);  // walls have no face
   if (front.open()) {
     // No side is like a face: of the broad sides, or of those along the scan's axes where none is broad.
     const std::optional<double> broad = broad_side(object, ahead, up);
@@ -340,9 +368,12 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
   if (std::abs(front.look_from[nearest]) > kSnap && std::abs(up[nearest]) < 1e-9)
     front.look_from = (front.look_from[nearest] > 0.0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(nearest);
   front.reason = fmt::format(
-      "a solid object: {}, and {}", standing.reason,
-      front.open() ? "no side is clearly more like a face than the others: this one is a guess, look at it and turn it"
-                   : "from this side its carving is most like its mirror image and shows most of a face");
+      "{}: {}, and {}", standing.room ? "a room" : "a solid object", standing.reason,
+      standing.room ? "all of its walls hide what is in it: this side is a guess, look at it, turn it, and crop the "
+                      "walls or the ceiling before what is meant"
+      : front.open()
+          ? "no side is clearly more like a face than the others: this one is a guess, look at it and turn it"
+          : "from this side its carving is most like its mirror image and shows most of a face");
   return front;
 }
 

@@ -21,14 +21,17 @@ struct FrontView {
   [[nodiscard]] bool open() const { return rival > 0.85; }
 };
 
-/// How an object stands: the axis of the scan, or the normal of its flat base, over the largest foot: what the lowest
-/// 3 % of its height would stand on, as a share of its outline from above. Custom (z where `z_up`, else y) is left only
-/// for a foot that is larger by a third of the outline than the one that it would give. Empty when it
-/// has no extent.
 struct Standing {
-  Eigen::Vector3d up;
-  std::string reason;
+  Eigen::Vector3d up;  ///< unit
+  std::string reason;  ///< for the user: what was found
+  bool room = false;   ///< scanned from inside: what stands in it is hidden from all sides
 };
+/// Up where form tells nothing: z where `z_up`, else y.
+[[nodiscard]] Standing customary_standing(bool z_up);
+/// How an object stands: from floor to ceiling where it is a room (see room_of()); else the axis of the scan, or the
+/// normal of its flat base, over the largest foot: what the lowest 3 % of its height would stand on, as a share of its
+/// outline from above. Custom is left only for a foot that is larger by a third of the outline than the one that it
+/// would give. Empty when it has no extent.
 [[nodiscard]] std::optional<Standing> standing_of(const EvenPoints& object, bool z_up);
 
 /// Of horizontal views, the one in which carving is most like its own mirror image, changes most along the mirror axis

@@ -321,6 +321,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   Suggestion suggestion;
   suggestion.config = scene::parse_config(yaml::parse_text(yaml, "the suggested configuration"), folder);
   suggestion.yaml = std::move(yaml);
+  if (ways.sides.open && ways.sides.object) suggestion.sides = six_thumbnails(*ways.sides.object, view);
   progress.finish();
   return suggestion;
 }

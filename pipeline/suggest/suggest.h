@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "base/progress.h"
+#include "pipeline/suggest/thumbnails.h"
 #include "scene/config/config.h"
 
 namespace sparsha::pipeline {
@@ -17,6 +18,8 @@ namespace sparsha::pipeline {
 struct Suggestion {
   std::string yaml;      ///< commented; paths relative to `folder`
   scene::Config config;  ///< the same, parsed
+  /// Of the object's six sides, the one that was taken first, where another may as well be its front; else empty.
+  std::vector<Thumbnail> sides;
 };
 
 /// What the user knows of the scans.

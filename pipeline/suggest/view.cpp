@@ -90,11 +90,14 @@ class Object {
     return seen_share(even(), picture_from(even(), look_from, up), look_from, up);
   }
   [[nodiscard]] bool one_sided(const Eigen::Vector3d& direction) { return seen_from(direction) >= kOneSided; }
-  [[nodiscard]] std::optional<FrontView> front() {
-    standing_ = up_ ? Standing{up_->normalized(), "up is as you say"} : standing_of(even(), seen_.z_up_format);
-    return standing_ ? find_front(even(), *standing_) : std::nullopt;
+  [[nodiscard]] std::optional<FrontView> front() { return standing() ? find_front(even(), *standing()) : std::nullopt; }
+  [[nodiscard]] const std::optional<Standing>& standing() {
+    if (!standing_)
+      standing_ = up_ ? Standing{up_->normalized(), "up is as you say"} : standing_of(even(), seen_.z_up_format);
+    return standing_;
   }
-  [[nodiscard]] const std::optional<Standing>& standing() const { return standing_; }
+  [[nodiscard]] bool is_room() { return standing() && standing()->room; }
+  [[nodiscard]] std::shared_ptr<const EvenPoints> points() { return std::make_shared<const EvenPoints>(even()); }
 
  private:
   const EvenPoints& even() {
@@ -120,15 +123,14 @@ View customary_view(bool z_up) {
   View view;
   view.look_from = z_up ? Eigen::Vector3d(0, -1, 0) : Eigen::Vector3d(0, 0, 1);
   view.up = customary_up(view.look_from, z_up);
-  view.reason = fmt::format("{}: its front is a guess, look at it and turn it",
-                            z_up ? "a format whose z is up" : "y up by custom");
+  view.reason = fmt::format("{}: its front is a guess, look at it and turn it", customary_standing(z_up).reason);
   return view;
 }
 
 // The sides of a solid object, by its own form. What was scanned from one side along an axis is seen along it.
 View front_view(Object& object, const std::optional<Eigen::Vector3d>& up, bool z_up, Sides& sides) {
   View guess = customary_view(z_up);
-  if (!up) {
+  if (!up && !object.is_room()) {
     if (object.one_sided(guess.look_from)) return guess;
     for (const int axis : {2, 0, 1}) {
       const Eigen::Vector3d direction = Eigen::Vector3d::Unit(axis);
@@ -143,6 +145,7 @@ View front_view(Object& object, const std::optional<Eigen::Vector3d>& up, bool z
   if (!front) return guess;
   sides.standing = object.standing();
   sides.open = front->open();
+  if (sides.open) sides.object = object.points();
   guess.evident = !front->open();
   guess.look_from = tidy(front->look_from);
   guess.up = tidy(front->up);

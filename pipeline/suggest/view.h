@@ -1,6 +1,7 @@
 // Directions from which a cloud nobody has described may be looked at, the likeliest first.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,9 +50,10 @@ struct View {
 
 /// What is known of the object's sides.
 struct Sides {
-  std::vector<View> views;           ///< the guess, then others to try, each once
-  std::optional<Standing> standing;  ///< of a solid object; else its sides are the scan's axes
-  bool open = false;                 ///< another side may as well be the front
+  std::vector<View> views;                   ///< the guess, then others to try, each once
+  std::optional<Standing> standing;          ///< of a solid object; else its sides are the scan's axes
+  bool open = false;                         ///< another side may as well be the front
+  std::shared_ptr<const EvenPoints> object;  ///< where it is open: what pictures of the sides are made of
 };
 
 /// The guess, then the axes and both sides of the thinnest direction. `up` is the user's. There must be points.

@@ -149,6 +149,85 @@ TEST(Front, OfABallIsOpenAndAsCustomHasIt) {
   }
 }
 
+// A room of 6 x 4.5 x 2.8 m as a scanner in it sees it: floor, ceiling, four walls of which one has a door, tables and
+// chairs. z is up; the walls are turned by 20 degrees.
+Points room(std::size_t count = 40'000) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> unit;
+  std::normal_distribution<double> normal(0.0, 0.004);
+  const Eigen::Vector3d size(6.0, 4.5, 2.8);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(20.0 * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  Points points;
+  while (points.size() < count) {
+    Eigen::Vector3d p(unit(random), unit(random), unit(random));
+    const double kind = unit(random);
+    const bool furniture = kind < 0.12;
+    if (furniture) {  // two tables
+      const double beside = unit(random) < 0.5 ? 1.2 : 3.6;
+      const bool leg = unit(random) < 0.2;
+      if (leg) p.head<2>() = p.head<2>().array().round();
+      p = Eigen::Vector3d(beside + 1.4 * p.x(), 1.5 + 0.8 * p.y(), leg ? 0.74 * p.z() : 0.74);
+    } else {
+      // Sides by their areas: floor and ceiling 54, walls 58.8 square metres.
+      const double side = unit(random);
+      const int axis = side < 0.48 ? 2 : side < 0.78 ? 1 : 0;
+      p[axis] = std::round(p[axis]);
+      p = p.cwiseProduct(size);
+      if (axis == 1 && p.y() == 0.0 && p.x() > 4.0 && p.x() < 5.0 && p.z() < 2.0) continue;
+    }
+    points.push_back(turn * p + Eigen::Vector3d(normal(random), normal(random), normal(random)));
+  }
+  return points;
+}
+
+// Turns by which z becomes y, x and -z.
+std::vector<Eigen::Matrix3d> other_ups() {
+  const auto turn = [](const Eigen::Vector3d& up) {
+    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up).toRotationMatrix();
+  };
+  return {Eigen::Matrix3d::Identity(), turn(Eigen::Vector3d::UnitY()), turn(Eigen::Vector3d::UnitX()),
+          Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix()};
+}
+
+TEST(Standing, OfARoomIsFromFloorToCeilingHoweverItWasTurnedAndWhateverTheFormat) {
+  const Points points = room();
+  std::vector<Eigen::Matrix3d> turns = other_ups();
+  turns.emplace_back(Eigen::AngleAxisd(40.0 * kDegree, Eigen::Vector3d(1, 0.4, 0).normalized()).toRotationMatrix());
+  for (const Eigen::Matrix3d& turn : turns) {
+    for (const bool z_up : {false, true}) {
+      const std::optional<Standing> standing = standing_of(even_points(turned(points, turn)), z_up);
+      ASSERT_TRUE(standing);
+      EXPECT_TRUE(standing->room) << standing->reason;
+      EXPECT_LT(angle_deg(standing->up, turn * Eigen::Vector3d::UnitZ()), 2.0) << standing->reason;
+    }
+  }
+}
+
+TEST(Standing, ABlockAndABustAreNoRooms) {
+  EXPECT_FALSE(standing_of(even_points(bust()), false)->room);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit;
+  Points block;
+  while (block.size() < 30'000) {
+    Eigen::Vector3d p(unit(random), unit(random), unit(random));
+    const auto axis = static_cast<Eigen::Index>(block.size() % 3);
+    p[axis] = std::round(p[axis]);
+    block.push_back(p);
+  }
+  EXPECT_FALSE(standing_of(even_points(block), false)->room);
+}
+
+TEST(Standing, RealRoomIsUprightHoweverItIsTurned) {
+  const char* folder = std::getenv("SPARSHA_SCANS_DIR");
+  if (folder == nullptr) GTEST_SKIP() << "SPARSHA_SCANS_DIR is not set: no real scans at hand";
+  const Points points = read_scan(fs::path(folder) / "scans" / "room_scan1.pcd").points;
+  for (const Eigen::Matrix3d& turn : other_ups()) {
+    const std::optional<Standing> standing = standing_of(even_points(turned(points, turn)), false);
+    ASSERT_TRUE(standing);
+    EXPECT_LT(angle_deg(standing->up, turn * Eigen::Vector3d::UnitZ()), 3.0) << standing->reason;
+  }
+}
+
 TEST(SidePicture, TellsWhatWasScannedFromOneSideFromWhatIsSolid) {
   Points shell;
   for (const Eigen::Vector3d& p : bust())
