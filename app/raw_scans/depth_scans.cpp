@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -61,6 +62,19 @@ viewer::ScanSetup setup_of(const scene::Config& config, const Eigen::Matrix4d& s
     break;
   }
   return setup;
+}
+
+std::shared_ptr<const viewer::SidePictures> pictures_of(const std::vector<pipeline::Thumbnail>& sides) {
+  static_assert(viewer::SidePictures::kNothing == pipeline::Thumbnail::kNothing);
+  if (sides.empty()) return nullptr;
+  auto pictures = std::make_shared<viewer::SidePictures>();
+  pictures->side_px = sides.front().side;
+  for (const pipeline::Thumbnail& side : sides) {
+    std::string name = side.name;
+    name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+    pictures->sides.push_back({std::move(name), side.look_from, side.up, side.grey});
+  }
+  return pictures;
 }
 
 }  // namespace
@@ -218,6 +232,7 @@ void DepthScans::suggest(Progress& progress) {
   base_to_grid_ = config_.orientation.scan_to_grid;
   status_.proposal = setup_of(config_, base_to_grid_);
   status_.spacing_m = config_.grid.spacing_m;
+  status_.sides = pictures_of(suggestion.sides);
   ++status_.proposals;
 }
 

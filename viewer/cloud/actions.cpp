@@ -11,8 +11,9 @@ using enum CloudAction;
 
 constexpr std::array kActions{
     CloudActionInfo{scan, "Enter", "Scan", "make the depth scan from this side"},
-    CloudActionInfo{save, "Ctrl S", "Save", "write this orientation into a configuration"},
-    CloudActionInfo{save_scene, "Ctrl Shift S", "Save scene", "keep the depth scan as a scene folder"},
+    CloudActionInfo{save_scene, "Ctrl S", "Save scene",
+                    "keep the depth scan as a scene folder; before the first, as Save"},
+    CloudActionInfo{save, "Ctrl Shift S", "Save", "write this orientation into a configuration"},
     CloudActionInfo{back, "Esc", "Back", "stop what runs, else back to the scene"},
     CloudActionInfo{front, "1", "Front", "look at the front"},
     CloudActionInfo{rear, "2", "Back side", "look at the back"},
@@ -59,8 +60,8 @@ constexpr int kAny = -1;  // Shift is part of the character
 
 constexpr std::array kBindings{
     Binding{key::kEnter, 0, scan, false},
-    Binding{'S', kControl, save, false},
-    Binding{'S', kControl | kShift, save_scene, false},
+    Binding{'S', kControl, save_scene, false},
+    Binding{'S', kControl | kShift, save, false},
     Binding{key::kEscape, 0, back, false},
     Binding{'1', 0, front, false},
     Binding{'2', 0, rear, false},

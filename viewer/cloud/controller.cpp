@@ -171,33 +171,14 @@ bool CloudController::turn_step(CloudAction action) {
   }
 }
 
-void CloudController::start_scan() {
-  if (frame_.status.busy) {
-    words_.emplace_back("Work on the scans is still running; Escape stops it");
-  } else if (!frame_.status.points) {
-    words_.emplace_back("There is nothing to scan yet");
-  } else if (!frame_.preview.any) {
-    words_.emplace_back("The crop box holds no point");
-  } else if (orienting_.scan) {
-    orienting_.scan(frame_.setup);
-  }
-}
-
 void CloudController::act(CloudAction action) {
   if (set_side(action) || turn_step(action)) return;
   switch (action) {
     case CloudAction::scan:
       return start_scan();
     case CloudAction::save:
-      if (orienting_.save && frame_.status.points && !frame_.status.busy) orienting_.save(frame_.setup);
-      return;
     case CloudAction::save_scene:
-      if (frame_.status.busy) {
-        words_.emplace_back("Work on the scans is still running; Escape stops it");
-      } else if (orienting_.save_scene) {
-        orienting_.save_scene();
-      }
-      return;
+      return save(action == CloudAction::save_scene);
     case CloudAction::back:
       if (frame_.help) {
         frame_.help = false;
@@ -250,10 +231,6 @@ void CloudController::act(CloudAction action) {
     default:
       return;
   }
-}
-
-void CloudController::cancel() {
-  if (orienting_.cancel) orienting_.cancel();
 }
 
 void CloudController::set_euler(const Eigen::Vector3d& angles_deg) {

@@ -1,6 +1,7 @@
 // Keys and mouse while the object is turned for the depth scan: to orientation, crop, picture and requests.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -110,6 +111,8 @@ class CloudController {
   void set_unit(scene::LengthUnit unit);
   /// The object stands on the other end from now on, its front to the viewer.
   void set_up(UpAxis up);
+  /// One of status.sides to the viewer.
+  void choose_side(std::size_t side);
   void cancel();
 
   /// One step of time; `width` and `height` of the rectangle that the cloud is drawn in.
@@ -138,6 +141,7 @@ class CloudController {
   void drag_crop(const Eigen::Vector2d& moved);
   void fit();
   void start_scan();
+  void save(bool as_scene);
   bool set_side(CloudAction action);
   bool turn_step(CloudAction action);
 

@@ -55,7 +55,7 @@ void CloudMode::draw(Gui& gui, const ViewSettings& settings, unsigned framebuffe
          std::min(1.0, said.until_s - time_s)});
   gui.draw_pieces(settings, width, height, time_s - before_s_, [&](const Brush& over, const Brush& above) {
     draw_cloud_marks(over, controller_, layout);
-    draw_cloud_panel(over, controller_, layout, picture_.preview_texture());
+    draw_cloud_panel(over, controller_, layout, {picture_.preview_texture(), picture_.sides_texture()});
     draw_toasts(above, words, layout, nullptr);
     if (controller_.frame().help) draw_cloud_help(above, width, height);
   });

@@ -161,6 +161,37 @@ void orientation_part(const Brush& brush, CloudController& controller) {
   if (check(brush, "Free ball (off: turntable)", ball)) controller.act(free_ball);
 }
 
+// ImGui's OpenGL backend takes a texture's name as a pointer.
+ImTextureID id_of(unsigned texture) {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture));
+}
+
+// Three pictures a row, each a button.
+void sides_part(const Brush& brush, CloudController& controller, unsigned texture) {
+  const std::shared_ptr<const SidePictures> pictures = controller.frame().status.sides;
+  if (!pictures || texture == 0) return;
+  heading(brush, "Which side is its front?");
+  constexpr int kColumns = 3;
+  const float gap = ImGui::GetStyle().ItemSpacing.x;
+  const float width = (ImGui::GetContentRegionAvail().x - gap * (kColumns - 1)) / kColumns;
+  const auto count = static_cast<float>(pictures->sides.size());
+  for (std::size_t n = 0; n < pictures->sides.size(); ++n) {
+    const SidePictures::Side& side = pictures->sides[n];
+    if (n % kColumns != 0) ImGui::SameLine();
+    ImGui::PushID(static_cast<int>(n));
+    ImGui::BeginGroup();
+    const auto k = static_cast<float>(n);
+    if (ImGui::ImageButton(id_of(texture), {width - 2.0F, width - 2.0F}, {k / count, 1.0F}, {(k + 1.0F) / count, 0.0F},
+                           1))
+      controller.choose_side(n);
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 0.5F * (width - ImGui::CalcTextSize(side.name.c_str()).x));
+    line(brush, side.name.c_str());
+    ImGui::EndGroup();
+    ImGui::PopID();
+  }
+}
+
 void scans_part(const Brush& brush, CloudController& controller) {
   const CloudFrame& frame = controller.frame();
   const PointView* points = frame.status.points.get();
@@ -220,9 +251,8 @@ void preview_part(const Brush& brush, const CloudFrame& frame, unsigned texture)
   const float scale = std::min(room / static_cast<float>(preview.nx), most / static_cast<float>(preview.ny));
   const ImVec2 size{scale * static_cast<float>(preview.nx), scale * static_cast<float>(preview.ny)};
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 0.5F * (room - size.x));
-  // ImGui's OpenGL backend takes a texture's name as a pointer.
-  // NOLINTNEXTLINE(performance-no-int-to-ptr)
-  ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), size);
+  ImGui::Image(id_of(texture), size);
+
   ImGui::TextWrapped("%s", size_text(preview).c_str());
   ImGui::TextWrapped("%.0f %% of it covered (violet: no points)", 100.0 * preview.coverage);
   const double spacing_m = frame.status.spacing_m;
@@ -250,11 +280,12 @@ void work_part(const Brush& brush, CloudController& controller) {
   ImGui::EndDisabled();
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   ImGui::BeginDisabled(!ready);
-  if (button(brush, "Save (Ctrl S)", half)) controller.act(CloudAction::save);
+  if (button(brush, status.can_save_scene ? "Save" : "Save (Ctrl S)", half)) controller.act(CloudAction::save);
   ImGui::EndDisabled();
   ImGui::SameLine();
   ImGui::BeginDisabled(!status.can_save_scene);
-  if (button(brush, "Save scene", half)) controller.act(CloudAction::save_scene);
+  if (button(brush, status.can_save_scene ? "Scene (Ctrl S)" : "Save scene", half))
+    controller.act(CloudAction::save_scene);
   ImGui::EndDisabled();
   const char* leave = frame.can_go_back ? "Back (Esc)" : "Leave (Esc)";
   if (button(brush, leave)) controller.act(CloudAction::back);
@@ -267,7 +298,8 @@ std::string size_text(const DepthPreview& preview) {
   return fmt::format("{} x {}, {} deep", length(size.x()), length(size.y()), length(size.z()));
 }
 
-void draw_cloud_panel(const Brush& brush, CloudController& controller, const Layout& layout, unsigned preview_texture) {
+void draw_cloud_panel(const Brush& brush, CloudController& controller, const Layout& layout,
+                      const CloudTextures& textures) {
   const WidgetStyle style(brush);
   const CloudFrame& frame = controller.frame();
   ImGui::SetNextWindowPos({static_cast<float>(layout.panel.x), static_cast<float>(layout.panel.y)});
@@ -281,9 +313,10 @@ void draw_cloud_panel(const Brush& brush, CloudController& controller, const Lay
   ImGui::PopFont();
   const float foot = frame.status.busy ? brush.px(64.0F) : brush.px(76.0F);
   ImGui::BeginChild("parts", {0.0F, -foot}, false, ImGuiWindowFlags_NavFlattened);
+  sides_part(brush, controller, textures.sides);
   orientation_part(brush, controller);
   scans_part(brush, controller);
-  preview_part(brush, frame, preview_texture);
+  preview_part(brush, frame, textures.preview);
   ImGui::EndChild();
   work_part(brush, controller);
   ImGui::End();

@@ -119,6 +119,25 @@ void CloudPicture::paint(const CloudFrame& frame) {
   if (frame.colour == CloudColour::stations) paint_ = paint_stations(points.station);
 }
 
+void CloudPicture::show_sides(const std::shared_ptr<const SidePictures>& sides, bool dark) {
+  if (sides_ == sides && dark_ == dark) return;
+  sides_ = sides;
+  if (!sides || sides->sides.empty() || sides->side_px <= 0) return sides_.reset();
+  const auto side = static_cast<std::size_t>(sides->side_px);
+  const std::size_t columns = side * sides->sides.size();
+  std::vector<std::uint32_t> texels(columns * side);
+  const std::uint32_t nothing = dark ? 0xFF000000U : 0xFF262524U;
+  for (std::size_t n = 0; n < sides->sides.size(); ++n) {
+    for (std::size_t k = 0; k < std::min(side * side, sides->sides[n].grey.size()); ++k) {
+      const std::uint32_t grey = sides->sides[n].grey[k];
+      texels[(side - 1 - k / side) * columns + n * side + k % side] =
+          grey == SidePictures::kNothing ? nothing : 0xFF000000U | grey << 16U | grey << 8U | grey;
+    }
+  }
+  side_pictures_ = gl::Texture(static_cast<int>(columns), static_cast<int>(side), gl::Format::rgba8, gl::Filter::linear,
+                               texels.data());
+}
+
 SplatColours CloudPicture::colours_of(const CloudFrame& frame) const {
   SplatColours colours;
   if (frame.colour == CloudColour::scan) {
@@ -194,6 +213,7 @@ void CloudPicture::draw(const CloudFrame& frame, unsigned framebuffer, const Rec
     points_ = nullptr;
     return;
   }
+  show_sides(frame.status.sides, high_contrast);
   bool changed = points_ != frame.status.points.get() || !(view_ == frame.view) || !same(crop_, frame.setup.crop) ||
                  dark_ != high_contrast || (frame.finished && share_ < 1.0);
   if (points_ != frame.status.points.get() || painted_ != frame.colour) {

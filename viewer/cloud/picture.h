@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/thread_pool.h"
@@ -20,6 +21,8 @@ class CloudPicture {
 
   /// The preview's picture, or 0. Its size is the preview's nx * ny.
   [[nodiscard]] unsigned preview_texture() const { return preview_.name(); }
+  /// Those of status.sides beside each other, or 0.
+  [[nodiscard]] unsigned sides_texture() const { return sides_ ? side_pictures_.name() : 0; }
   /// Share of the visible points in the picture that is there.
   [[nodiscard]] double share_shown() const { return share_; }
   /// True once all visible points are in the picture.
@@ -27,6 +30,7 @@ class CloudPicture {
 
  private:
   void paint(const CloudFrame& frame);
+  void show_sides(const std::shared_ptr<const SidePictures>& sides, bool dark);
   void splat(const CloudFrame& frame, bool changed);
   void upload(const Splatter& splatter, const SplatView& view);
   [[nodiscard]] SplatColours colours_of(const CloudFrame& frame) const;
@@ -35,7 +39,8 @@ class CloudPicture {
   ThreadPool pool_;
   std::vector<std::uint32_t> height_map_;
   Splatter quick_{pool_}, all_{pool_};
-  gl::Texture preview_;
+  gl::Texture preview_, side_pictures_;
+  std::shared_ptr<const SidePictures> sides_;  ///< that side_pictures_ shows
   gl::Target target_;
   std::vector<std::uint32_t> rgba_, picture_;
   std::vector<float> heights_;

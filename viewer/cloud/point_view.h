@@ -54,6 +54,19 @@ struct ScanSetup {
   std::optional<scene::CropConfig> crop;
 };
 
+/// Small pictures of the object's sides, where its points leave open which of them is the front.
+struct SidePictures {
+  struct Side {
+    std::string name;                                      ///< Front, Back, ...
+    Eigen::Vector3d look_from = Eigen::Vector3d::UnitZ();  ///< scan frame
+    Eigen::Vector3d up = Eigen::Vector3d::UnitY();
+    std::vector<std::uint8_t> grey;  ///< side_px * side_px, rows from the top down; kNothing where nothing is
+  };
+  static constexpr std::uint8_t kNothing = 255;
+  int side_px = 0;
+  std::vector<Side> sides;
+};
+
 /// An Escape that was to stop work on the scans may come so long after its end; it does not leave the program then.
 inline constexpr double kLateStop_s = 1.0;
 
@@ -63,7 +76,8 @@ struct OrientingStatus {
   std::shared_ptr<const PointView> points;  ///< null until they are read
   ScanSetup proposal;                       ///< to be taken over: the first view, or a face that was found
   std::uint64_t proposals = 0;
-  double spacing_m = 0.0;  ///< of the grid to come; 0: automatic
+  std::shared_ptr<const SidePictures> sides;  ///< to choose the front from; null where it is not open
+  double spacing_m = 0.0;                     ///< of the grid to come; 0: automatic
   bool busy = false;
   bool scanning = false;        ///< it is a depth scan that is being made
   bool can_save_scene = false;  ///< a depth scan has been made

@@ -82,6 +82,24 @@ TEST(CloudController, WorkIsNotStartedTwiceAndEscapeStopsIt) {
   EXPECT_EQ(bench.workshop.faces[0], scene::OrientationConfig::Face::principal);
 }
 
+TEST(CloudController, ControlSKeepsTheDepthScanAndBeforeTheFirstTheOrientation) {
+  Bench bench;
+  bench.controller.press({'S', kControl});
+  EXPECT_EQ(bench.workshop.saves.size(), 1U);
+  EXPECT_EQ(bench.workshop.saved_scenes, 0);
+  bench.workshop.status.can_save_scene = true;
+  bench.rest();
+  bench.controller.press({'S', kControl});
+  EXPECT_EQ(bench.workshop.saves.size(), 1U);
+  EXPECT_EQ(bench.workshop.saved_scenes, 1);
+  bench.controller.press({'S', kControl | kShift});
+  EXPECT_EQ(bench.workshop.saves.size(), 2U) << "the orientation by itself";
+  bench.workshop.status.busy = true;
+  bench.rest();
+  bench.controller.press({'S', kControl});
+  EXPECT_EQ(bench.workshop.saved_scenes, 1);
+}
+
 TEST(CloudController, AnEscapeThatComesTooLateToStopDoesNotLeave) {
   Bench bench;
   const auto see = [&](double seconds) { bench.controller.update(bench.time_s += seconds, 800, 600, false); };

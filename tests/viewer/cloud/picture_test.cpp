@@ -1,5 +1,6 @@
 // Pictures of the raw cloud without a display.
 #include <gtest/gtest.h>
+#include <imgui.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -158,6 +159,38 @@ TEST(CloudPicture, EveryColourAndSizeIsDrawnWithoutErrors) {
   EXPECT_TRUE(studio.settings.large_type);
   EXPECT_TRUE(studio.errors.empty()) << studio.errors.front();
   EXPECT_EQ(std::ranges::count(studio.spoken, "Not there"), 0) << "the program announces it, once";
+}
+
+TEST(CloudPicture, AClickOnOneOfSixPicturesTurnsThatSideToTheViewer) {
+  CloudStudio studio(two_halves(40));
+  const auto pictures = std::make_shared<SidePictures>();
+  pictures->side_px = 40;
+  for (int k = 0; k < kFaces; ++k) {
+    const Eigen::Matrix4d turn = seen_from(static_cast<Face>(k), false, Eigen::Matrix4d::Identity());
+    pictures->sides.push_back({name_of(static_cast<Face>(k)), turn.row(2).head<3>(), turn.row(1).head<3>(),
+                               std::vector<std::uint8_t>(40U * 40U, static_cast<std::uint8_t>(100 + 20 * k))});
+  }
+  studio.workshop.status.sides = pictures;
+  const Image image = studio.shoot();
+  const Rect panel = layout_of(1280, 720, studio.settings).panel;
+  for (const int chosen : {4, 1, 5, 0, 2, 3}) {
+    const auto grey = static_cast<std::uint8_t>(100 + 20 * chosen);
+    const Image::Spot spot =
+        image.find(panel, [&](const Pixel& p) { return p.r == grey && p.g == grey && p.b == grey; });
+    ASSERT_GT(spot.count, 1000) << "the picture is in the panel";
+    ImGuiIO& io = ImGui::GetIO();
+    // A press and a release are two pictures.
+    io.MousePos = {static_cast<float>(spot.x), static_cast<float>(spot.y)};
+    studio.shoot();
+    io.MouseDown[0] = true;
+    studio.shoot();
+    io.MouseDown[0] = false;
+    studio.shoot();
+    EXPECT_TRUE(studio.mode->controller().frame().setup.scan_to_grid.isApprox(
+        seen_from(static_cast<Face>(chosen), false, Eigen::Matrix4d::Identity()), 1e-9))
+        << chosen;
+  }
+  EXPECT_TRUE(studio.errors.empty()) << studio.errors.front();
 }
 
 TEST(CloudPicture, NothingIsLeftInTheDriver) {

@@ -38,6 +38,7 @@ struct Workshop {
   std::shared_ptr<PointView> points;
   OrientingStatus status;
   std::vector<ScanSetup> scans, saves;
+  int saved_scenes = 0;
   std::vector<scene::OrientationConfig::Face> faces;
   std::vector<scene::LengthUnit> units;
   int opened = 0, cancelled = 0;
@@ -55,6 +56,7 @@ struct Workshop {
     result.set_unit = [this](scene::LengthUnit unit) { units.push_back(unit); };
     result.scan = [this](const ScanSetup& setup) { scans.push_back(setup); };
     result.cancel = [this] { ++cancelled; };
+    result.save_scene = [this] { ++saved_scenes; };
     result.save = [this](const ScanSetup& setup) { saves.push_back(setup); };
     return result;
   }
