@@ -8,7 +8,9 @@
 #include "app/commands/sentences.h"
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
+#include "base/thread_pool.h"
 #include "pipeline/export/export.h"
+#include "pipeline/export/whole_mesh.h"
 #include "pipeline/replica/replica.h"
 #include "scene/scene.h"
 
@@ -54,6 +56,44 @@ int make_replica(const std::string& folder, const std::string& file, const pipel
   return 0;
 }
 
+/// What a person should know of a closed mesh.
+std::string mesh_lines(const pipeline::ClosedMeshFacts& facts, pipeline::Holes holes) {
+  std::string text =
+      fmt::format("{} {}, {:.4g} m2 of surface around {:.4g} m3\n", facts.shells,
+                  facts.shells == 1 ? "closed surface" : "closed surfaces", facts.area_m2, facts.volume_m3);
+  if (facts.closing_m2 > 0.0) {
+    text += fmt::format("no scan saw {:.2g} % of it: {}\n", 100.0 * facts.unseen(),
+                        holes == pipeline::Holes::leave ? "it is left open there"
+                                                        : "holes are closed there; --holes leave leaves them open");
+  }
+  if (facts.crumbs > 0)
+    text += fmt::format("{} left out: smaller than a ball of 2 spacings radius\n",
+                        facts.crumbs == 1 ? "1 crumb was" : fmt::format("{} crumbs were", facts.crumbs));
+  return text;
+}
+
+int export_whole(const scene::Scene& scene, const std::string& file, pipeline::Holes holes, const CommonOptions& common,
+                 Terminal& terminal) {
+  ThreadPool pool;
+  const pipeline::ClosedMeshFacts facts = pipeline::export_whole_mesh(scene, file, holes, {pool, terminal.progress()});
+  if (common.json) {
+    print(nlohmann::ordered_json{{"shells", facts.shells},
+                                 {"area_m2", facts.area_m2},
+                                 {"volume_m3", facts.volume_m3},
+                                 {"unseen", facts.unseen()},
+                                 {"open", holes == pipeline::Holes::leave && facts.closing_m2 > 0.0},
+                                 {"crumbs", facts.crumbs}}
+              .dump(2));
+    return 0;
+  }
+  print(mesh_lines(facts, holes));
+  if (common.plain)
+    print(written_sentences({file}));
+  else
+    terminal.message("wrote " + file);
+  return 0;
+}
+
 }  // namespace
 
 void add_export(Command app, const CommonOptions& common, Run& run) {
@@ -62,6 +102,8 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
     std::string file;
     bool nodes = false;
     bool haptics = false;
+    bool front = false;
+    std::string holes = "close";
     pipeline::ReplicaOptions replica;
     bool no_braille = false;
   };
@@ -72,6 +114,10 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       .required();
   command.add_flag("--nodes", arguments->nodes, "points of measured nodes only (ply, obj, xyz)");
   command.add_flag("--haptics", arguments->haptics, "stiffness, friction and texture as maps in the file (glb)");
+  command.add_flag("--front", arguments->front, "of a whole object, its front view alone");
+  Option of_holes = command.add_option("--holes", arguments->holes,
+                                       "where no scan saw a whole object: close, or leave open (ply, obj, glb)");
+  of_holes.check(one_of({"close", "leave"})).shows_default();
   const char* const group = "Replica (.stl, .3mf)";
   std::vector<Option> of_replica = {
       command.add_option("--size-mm", arguments->replica.longest_mm, "longer side of the relief").shows_default(),
@@ -81,8 +127,8 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       command.add_option("--base-mm", arguments->replica.base_mm, "plate under the lowest place").shows_default(),
       command.add_flag("--no-braille", arguments->no_braille, "leave out the parts' names")};
   for (Option option : of_replica) option.group(group);
-  command.callback([arguments, of_replica, &common, &run] {
-    run = [arguments, of_replica, &common] {
+  command.callback([arguments, of_replica, of_holes, &common, &run] {
+    run = [arguments, of_replica, of_holes, &common] {
       if (pipeline::is_replica(arguments->file)) {
         if (arguments->nodes) throw usage_error("a replica has no separate nodes", ".ply, .obj or .xyz with --nodes");
         if (arguments->haptics) throw usage_error("a replica has no maps of what is felt", ".glb with --haptics");
@@ -97,7 +143,17 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
                     arguments->scene);
       const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
-      if (!arguments->nodes) warn_of_front_view(*scene, "export without --nodes", terminal.progress());
+      const bool whole = scene->description().charts && !arguments->front && !arguments->nodes;
+      if (whole && arguments->haptics)
+        throw usage_error("the mesh of a whole object has no maps of what is felt", "--front with --haptics");
+      const bool meshes = whole && pipeline::is_mesh(arguments->file);
+      if (of_holes.given() && !meshes)
+        throw usage_error("--holes means nothing here", "a scene with `around`, to a .ply, .obj or .glb");
+      if (meshes)
+        return export_whole(*scene, arguments->file,
+                            arguments->holes == "leave" ? pipeline::Holes::leave : pipeline::Holes::close, common,
+                            terminal);
+      if (whole) warn_of_front_view(*scene, "this format", terminal.progress());
       pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress(), arguments->haptics);
       if (common.plain)
         print(written_sentences({arguments->file}));

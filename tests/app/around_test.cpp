@@ -88,5 +88,27 @@ TEST_F(Program, TracesAPathRoundAWholeObjectInTheScanFrame) {
   EXPECT_THAT(refused.err, HasSubstr("--solver paper is not there for whole objects yet"));
 }
 
+TEST_F(Program, ExportsOneClosedMeshOfAWholeObject) {
+  write_ball(folder_);
+  const std::string scene = "\"" + (folder_ / "scene").string() + "\"";
+  ASSERT_EQ(run("build \"" + (folder_ / "ball.yaml").string() + "\" --out " + scene).code, 0);
+  const auto to = [&](const char* name) { return "export " + scene + " --to \"" + (folder_ / name).string() + "\" "; };
+  const Outcome whole = run(to("ball.ply") + "--json");
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  EXPECT_EQ(whole.err.find("front view"), std::string::npos) << whole.err;
+  const auto facts = nlohmann::json::parse(whole.out);
+  EXPECT_EQ(facts["shells"].get<int>(), 1);
+  EXPECT_NEAR(facts["volume_m3"].get<double>(), 4.0 / 3.0 * M_PI * std::pow(0.05, 3.0), 2e-6);
+  EXPECT_EQ(facts["unseen"].get<double>(), 0.0);
+  const Outcome said = run(to("ball.obj") + "--holes leave");
+  EXPECT_THAT(said.out, HasSubstr("1 closed surface"));
+  // The front view is a mesh of its own, by choice.
+  EXPECT_EQ(run(to("front.ply") + "--front").code, 0);
+  EXPECT_NE(text_of(folder_ / "front.ply"), text_of(folder_ / "ball.ply"));
+  EXPECT_THAT(run(to("ball.xyz")).err, HasSubstr("front view"));
+  EXPECT_EQ(run(to("ball.tif") + "--holes leave").code, 2);
+  EXPECT_EQ(run(to("ball.glb") + "--haptics").code, 2);
+}
+
 }  // namespace
 }  // namespace sparsha
