@@ -151,6 +151,9 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"device_silent", ""},
     {"device_not_permitted", ""},
     {"device_busy", ""},
+    {"plugin_ended", ""},
+    {"plugin_silent", ""},
+    {"plugin_wrong", ""},
     // Scenes and scans.
     {"cannot_open", "reason"},
     {"not_written", "reason"},

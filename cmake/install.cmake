@@ -77,5 +77,6 @@ endif()
 if(TARGET sparsha_opencv_images)
   install(TARGETS sparsha_opencv_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT program)
 endif()
+install(FILES sparsha/device_plugin.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sparsha COMPONENT program)
 # Read there when the prefix is /usr or /usr/local.
 install(FILES haptics/device/falcon/40-novint-falcon.rules DESTINATION lib/udev/rules.d COMPONENT program)

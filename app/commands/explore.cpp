@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "app/commands/commands.h"
+#include "app/exploration/devices.h"
 #include "app/exploration/exploration.h"
 #include "app/exploration/explore_arguments.h"
 #include "app/exploration/study.h"
@@ -89,8 +90,7 @@ void add_explore(Command app, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<ExploreArguments>();
   Command command = app.add_subcommand("explore", "Touch, see and hear a scene");
   command.add_option("scene", arguments->scene, "scene folder, configuration or scans").expects(1, -1);
-  command.add_option("--device", arguments->device, "auto | falcon | pointer | keys | simulated | playback:FILE")
-      .shows_default();
+  command.add_option("--device", arguments->device, device_names()).shows_default();
   command.add_flag("--headless", arguments->headless, "no window");
   command.add_option("--duration", arguments->duration_s, "seconds; default: until stopped").check(between(0.001, 1e7));
   command.add_option("--firmware", arguments->firmware,

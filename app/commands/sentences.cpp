@@ -60,15 +60,15 @@ std::string check_sentences(const pipeline::CheckResult& check) {
   return text;
 }
 
-std::string device_check_sentences(const haptics::falcon::CheckReport& report) {
+std::string device_check_sentences(const haptics::CheckReport& report) {
   constexpr std::array<const char*, 3> kResults{"has passed", "has failed", "was skipped"};
   std::string text;
-  for (const haptics::falcon::CheckStep& step : report.steps) {
+  for (const haptics::CheckStep& step : report.steps) {
     text += fmt::format("The step {} {}", step.name, kResults.at(static_cast<std::size_t>(step.result)));
     text += step.detail.empty() ? ".\n" : fmt::format(": {}.\n", inner(step.detail));
     if (!step.remedy.empty()) text += fmt::format("The remedy is this: {}.\n", inner(step.remedy));
   }
-  if (report.link.asked > 0) text += fmt::format("The link is {}.\n", haptics::falcon::name_of(report.verdict.grade));
+  if (report.link.asked > 0) text += fmt::format("The link is {}.\n", haptics::name_of(report.verdict.grade));
   return text;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "haptics/device/falcon/check.h"
+#include "haptics/device/device_check.h"
 #include "haptics/replay/trace.h"
 #include "pipeline/check/check.h"
 #include "pipeline/register/register.h"
@@ -17,7 +17,7 @@
 namespace sparsha::app {
 
 [[nodiscard]] std::string check_sentences(const pipeline::CheckResult& check);
-[[nodiscard]] std::string device_check_sentences(const haptics::falcon::CheckReport& report);
+[[nodiscard]] std::string device_check_sentences(const haptics::CheckReport& report);
 [[nodiscard]] std::string modes_sentences(const std::vector<scene::ModeConfig>& modes);
 [[nodiscard]] std::string registration_sentences(const scene::Config& config, const pipeline::Registration& found);
 [[nodiscard]] std::string replica_sentences(const pipeline::ReplicaReport& report);

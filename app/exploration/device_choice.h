@@ -5,7 +5,7 @@
 #include <string>
 
 #include "haptics/device/device.h"
-#include "haptics/device/falcon/falcon.h"
+#include "haptics/device/kind.h"
 #include "haptics/device/steered/steering_script.h"
 #include "haptics/replay/recording.h"
 #include "haptics/state/seqlock.h"
@@ -22,10 +22,9 @@ struct ChosenDevice {
   std::shared_ptr<haptics::Seqlock<haptics::SteeringSample>> keys;    ///< with a hand that keys move
 };
 
-/// `name`: auto | falcon | pointer | keys | simulated | playback:FILE. `window`: a window will be open. `falcon`: what
-/// a Falcon needs. Throws Error{device} that names the choices, Error{usage} for another name.
-[[nodiscard]] ChosenDevice choose_device(const std::string& name, bool window,
-                                         const haptics::falcon::FalconOptions& falcon = {});
+/// `name`: one of device_names(). `request`: what a device may need; the argument and the mouse and keys are put in
+/// here. Throws Error{device} that names the choices, Error{usage} for another name.
+[[nodiscard]] ChosenDevice choose_device(const std::string& name, haptics::DeviceRequest request = {});
 
 /// The simulated hand, every time with the same seed: a tour of the scene, then rounds by chance. `duration_s` 0 = for
 /// ever.

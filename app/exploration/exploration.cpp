@@ -19,15 +19,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-haptics::falcon::FalconOptions falcon_options(const ExploreArguments& arguments, const Terminal& terminal) {
-  haptics::falcon::FalconOptions options;
-  options.stop = interrupted;
-  options.say = [&terminal](const std::string& words) { terminal.message(words); };
-  options.firmware = arguments.firmware;
+haptics::DeviceRequest device_request(const ExploreArguments& arguments, const Terminal& terminal, bool window) {
+  haptics::DeviceRequest request;
+  request.window = window;
+  request.stop = interrupted;
+  request.say = [&terminal](const std::string& words) { terminal.message(words); };
+  request.firmware = arguments.firmware;
   // A kiosk starts with the machine, before the exhibit is switched on; a person may plug it in any time. A run of
   // fixed length would be over without it.
-  options.wait_for_device = arguments.kiosk || (arguments.device == "falcon" && arguments.duration_s <= 0.0);
-  return options;
+  request.wait_for_device = arguments.kiosk || (arguments.device == "falcon" && arguments.duration_s <= 0.0);
+  return request;
 }
 
 // Every output that was asked for is written as far as possible: one that fails keeps no other from it.
@@ -76,7 +77,7 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
       terminal_(terminal),
       trust_(common.trusted()),
       exhibits_(arguments.scenes.empty() ? Exhibits() : Exhibits(arguments.scenes, common.trusted(), terminal)),
-      chosen_(choose_device(arguments.device, window, falcon_options(arguments, terminal))) {
+      chosen_(choose_device(arguments.device, device_request(arguments, terminal, window))) {
   if (starts_with_scans(arguments, window)) {
     scans_.show(std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end())));
     if (const std::string why = scans_.shown().unavailable(); !why.empty())

@@ -36,7 +36,7 @@ constexpr Trial kTrials[] = {
     {Fault::silent, "silent", "nothing new comes", false},
     {Fault::late, "late", "one call comes back later than the servo's patience", true},
     {Fault::hangs, "hangs", "one call comes back 0.3 s later than that", true},
-    {Fault::not_a_number, "not a number", "a coordinate is no number", false},
+    {Fault::not_a_number, "no number", "a coordinate is no number", false},
     {Fault::infinite, "infinite", "a coordinate is infinite", false},
     {Fault::jump, "jump", "the hand is 30 mm aside at once", false},
     {Fault::unplugged, "unplugged", "the device says that it is not connected", false},

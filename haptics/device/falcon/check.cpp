@@ -100,11 +100,6 @@ void skip(CheckReport& report, std::initializer_list<const char*> names) {
 
 }  // namespace
 
-const char* name_of(LinkVerdict::Grade grade) {
-  static constexpr const char* kNames[] = {"good", "marginal", "insufficient"};
-  return kNames[static_cast<std::size_t>(grade)];
-}
-
 LinkVerdict judge(const LinkQuality& link) {
   using Grade = LinkVerdict::Grade;
   const auto keeps = [&link](const Limits& limits) {
@@ -135,10 +130,6 @@ LinkVerdict judge(const LinkQuality& link) {
     verdict.remedy = "use a direct USB port without other devices on it, and end other programs";
   }
   return verdict;
-}
-
-bool CheckReport::passed() const {
-  return std::all_of(steps.begin(), steps.end(), [](const CheckStep& step) { return step.result == Result::passed; });
 }
 
 namespace {
