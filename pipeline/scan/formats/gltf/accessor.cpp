@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/scan/formats/gltf/draco.hpp"
+
 namespace sparsha::pipeline::gltf {
 namespace {
 
@@ -62,8 +64,7 @@ std::string_view part_of(const Document& document, const Document::View& view, s
 
 }  // namespace
 
-Accessor::Accessor(const Document& document, std::uint64_t index, const Place& asked_by)
-    : place_(fmt::format("accessors[{}]", index)) {
+const Json& Accessor::read_form(const Document& document, std::uint64_t index, const Place& asked_by) {
   const Json& object = document.item("accessors", index, asked_by);
   count_ = document.required(object, "count", place_);
   type_ = component_type(document, document.required(object, "componentType", place_), place_);
@@ -78,8 +79,30 @@ Accessor::Accessor(const Document& document, std::uint64_t index, const Place& a
   }
   const auto normalised = object.find("normalized");
   normalised_ = normalised != object.end() && normalised->is_boolean() && normalised->get<bool>();
-  const std::uint64_t size = components_ * sparsha::pipeline::size_of(type_);
-  stride_ = size;
+  stride_ = components_ * sparsha::pipeline::size_of(type_);
+  return object;
+}
+
+Accessor::Accessor(const Document& document, std::uint64_t index, const Place& asked_by, const DracoMesh& mesh,
+                   const std::string& attribute)
+    : place_(fmt::format("accessors[{}]", index)) {
+  (void)read_form(document, index, asked_by);
+  if (attribute.empty()) {
+    unpacked_ = mesh.corners();
+    type_ = ScalarType::u32;
+    components_ = 1;
+    stride_ = sparsha::pipeline::size_of(type_);
+    count_ = unpacked_->size() / stride_;
+  } else {
+    unpacked_ = mesh.values(attribute, type_, components_, count_, place_);
+  }
+  bytes_ = *unpacked_;
+}
+
+Accessor::Accessor(const Document& document, std::uint64_t index, const Place& asked_by)
+    : place_(fmt::format("accessors[{}]", index)) {
+  const Json& object = read_form(document, index, asked_by);
+  const std::uint64_t size = stride_;
   const std::optional<std::uint64_t> view_index = document.whole(object, "bufferView", place_);
   if (view_index) {
     const Document::View view = document.view(*view_index, place_);

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -12,10 +14,15 @@
 
 namespace sparsha::pipeline::gltf {
 
+class DracoMesh;
+
 class Accessor {
  public:
   /// Throws Error{input} when any element lies beyond its bytes.
   Accessor(const Document& document, std::uint64_t index, const Place& asked_by);
+  /// The same of a compressed mesh: its `attribute`, or its corners, whose numbers have 32 bits, when that is empty.
+  Accessor(const Document& document, std::uint64_t index, const Place& asked_by, const DracoMesh& mesh,
+           const std::string& attribute);
 
   [[nodiscard]] std::uint64_t size() const { return count_; }
   /// Numbers of an element: 1 to 4.
@@ -30,6 +37,8 @@ class Accessor {
   [[nodiscard]] std::uint32_t index(std::uint64_t n) const;
 
  private:
+  /// What the JSON says of it but where its bytes are, and that.
+  const Json& read_form(const Document& document, std::uint64_t index, const Place& asked_by);
   void read_sparse(const Document& document, const Json& sparse);
   [[nodiscard]] const char* element(std::uint64_t n) const;
 
@@ -38,7 +47,8 @@ class Accessor {
   std::size_t components_ = 1;
   ScalarType type_ = ScalarType::f32;
   bool normalised_ = false;
-  std::string_view bytes_;  ///< from the first element on; empty: all are zero but the sparse ones
+  std::shared_ptr<const std::string> unpacked_;  ///< of a compressed mesh
+  std::string_view bytes_;                       ///< from the first element on; empty: all are zero but the sparse ones
   std::uint64_t stride_ = 0;
   std::vector<std::pair<std::uint64_t, const char*>> sparse_;  ///< ascending
 };

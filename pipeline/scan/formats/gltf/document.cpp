@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/base64.h"
+#include "pipeline/scan/formats/gltf/meshopt.hpp"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::gltf {
@@ -213,19 +214,32 @@ std::string_view Document::buffer(std::uint64_t index) const {
 Document::View Document::view(std::uint64_t index, const Place& asked_by) const {
   const Json& object = item("bufferViews", index, asked_by);
   const Place place = fmt::format("bufferViews[{}]", index);
-  if (object.contains("extensions") && object["extensions"].is_object() &&
-      object["extensions"].contains("EXT_meshopt_compression")) {
-    throw error(place, "is compressed by meshoptimizer (EXT_meshopt_compression)",
-                "a file without compression: 'gltfpack' without -c, or export again");
-  }
+  if (const Json* const packed = meshopt_of(object)) return unpacked(index, *packed, place);
+  return {part_of_buffer(object, place), whole(object, "byteStride", 0, place)};
+}
+
+std::string_view Document::part_of_buffer(const Json& object, const Place& place) const {
   const std::string_view bytes = buffer(required(object, "buffer", place));
   const std::uint64_t offset = whole(object, "byteOffset", 0, place);
   const std::uint64_t length = required(object, "byteLength", place);
   if (offset > bytes.size() || length > bytes.size() - offset) {
     throw error(place, fmt::format("bytes {} to {} of a buffer of {}", offset, offset + length, bytes.size()));
   }
-  return {bytes.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(length)),
-          whole(object, "byteStride", 0, place)};
+  return bytes.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+Document::View Document::unpacked(std::uint64_t index, const Json& packed, const Place& place) const {
+  // Views may name the same bytes again and again.
+  constexpr std::uint64_t kTimes = 32, kAlways = 512'000'000;
+  const auto known = unpacked_.find(index);
+  if (known == unpacked_.end()) {
+    const std::string_view bytes = part_of_buffer(packed, place);
+    const std::uint64_t most = kTimes * std::max(file_.bytes.size(), bytes.size()) + kAlways;
+    std::string data = unpack_meshopt(*this, packed, bytes, most - std::min(most, unpacked_bytes_), place);
+    unpacked_bytes_ += data.size();
+    return {unpacked_[index] = std::move(data), required(packed, "byteStride", place)};
+  }
+  return {known->second, required(packed, "byteStride", place)};
 }
 
 std::string_view Document::picture(std::uint64_t index) const {

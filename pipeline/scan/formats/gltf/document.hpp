@@ -69,6 +69,8 @@ class Document {
   void read_binary();
   void parse(std::string_view text, std::size_t at);
   [[nodiscard]] std::string_view buffer(std::uint64_t index) const;
+  [[nodiscard]] std::string_view part_of_buffer(const Json& object, const Place& place) const;
+  [[nodiscard]] View unpacked(std::uint64_t index, const Json& packed, const Place& place) const;
   void open_uri(const std::string& uri, const Place& place, Buffer& buffer) const;
 
   const ScanFile& file_;
@@ -77,6 +79,8 @@ class Document {
   bool has_chunk_ = false;
   bool binary_ = false;
   mutable std::vector<Buffer> buffers_;
+  mutable std::map<std::uint64_t, std::string> unpacked_;  ///< compressed views
+  mutable std::uint64_t unpacked_bytes_ = 0;
   mutable std::map<std::uint64_t, Buffer> pictures_;  ///< of those with a URI
 };
 

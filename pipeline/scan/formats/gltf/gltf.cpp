@@ -17,6 +17,7 @@
 
 #include "pipeline/scan/foreign_text.h"
 #include "pipeline/scan/formats/gltf/accessor.hpp"
+#include "pipeline/scan/formats/gltf/draco.hpp"
 #include "pipeline/scan/formats/gltf/look.hpp"
 #include "pipeline/scan/formats/gltf/scene.hpp"
 #include "pipeline/scan/text.h"
@@ -29,17 +30,14 @@ using gltf::Document;
 using gltf::Json;
 using gltf::Place;
 
-/// Extensions that may be required and change neither form nor colour of vertices.
-constexpr std::array<std::string_view, 5> kHarmless{"KHR_mesh_quantization", "KHR_texture_transform",
-                                                    "KHR_texture_basisu", "EXT_texture_webp", "KHR_lights_punctual"};
+/// Extensions that may be required: those that are read, and some that change neither form nor colour of vertices.
+constexpr std::array<std::string_view, 8> kKnown{
+    "KHR_mesh_quantization", "KHR_texture_transform",   "KHR_texture_basisu",      "EXT_texture_webp",
+    "KHR_lights_punctual",   "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"};
 struct Refused {
   std::string_view name, what, remedy;
 };
-constexpr std::array<Refused, 4> kRefused{
-    Refused{"KHR_draco_mesh_compression", "its meshes are compressed by Draco",
-            "a file without compression: export again, or 'gltf-transform copy'"},
-    Refused{"EXT_meshopt_compression", "its buffers are compressed by meshoptimizer",
-            "a file without compression: 'gltfpack' without -c, or export again"},
+constexpr std::array<Refused, 2> kRefused{
     Refused{"KHR_gaussian_splatting_compression_spz", "its Gaussian splats are compressed (SPZ)",
             "the splats as an uncompressed PLY"},
     Refused{"KHR_gaussian_splatting_compression_spz_2", "its Gaussian splats are compressed (SPZ)",
@@ -55,9 +53,9 @@ void refuse_extensions(const Document& document) {
       if (name == refused.name)
         throw document.file().error(std::string(refused.what) + " (" + name + ")", std::string(refused.remedy));
     }
-    const bool harmless = name.starts_with("KHR_materials_") || name.starts_with("KHR_gaussian_splatting") ||
-                          std::find(kHarmless.begin(), kHarmless.end(), name) != kHarmless.end();
-    if (!harmless) {
+    const bool known = name.starts_with("KHR_materials_") || name.starts_with("KHR_gaussian_splatting") ||
+                       std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end();
+    if (!known) {
       throw document.file().error("the file needs the extension " + in_quotes(name) + ", which is not known here",
                                   "a file without it");
     }
@@ -174,9 +172,11 @@ class Reader {
       ++without_places_;
       return std::nullopt;
     }
+    const std::unique_ptr<const gltf::DracoMesh> packed = gltf::DracoMesh::of(document_, json, place);
     const auto accessor = [&](const char* name) -> std::optional<Accessor> {
       const std::optional<std::uint64_t> index = document_.whole(*attributes, name, place + ".attributes");
       if (!index) return std::nullopt;
+      if (packed && packed->has(name)) return Accessor(document_, *index, place + "." + name, *packed, name);
       return Accessor(document_, *index, place + "." + name);
     };
     Primitive primitive{place,
@@ -193,7 +193,12 @@ class Reader {
     if (primitive.normals) require(*primitive.normals, 3, 3, size);
     if (primitive.colours) require(*primitive.colours, 3, 4, size);
     if (const std::optional<std::uint64_t> indices = document_.whole(json, "indices", place)) {
-      primitive.indices.emplace(document_, *indices, place + ".indices");
+      if (packed) {
+        primitive.indices.emplace(document_, *indices, place + ".indices", *packed, "");
+        primitive.mode = Mode::triangles;
+      } else {
+        primitive.indices.emplace(document_, *indices, place + ".indices");
+      }
       require(*primitive.indices, 1, 1, primitive.indices->size());
       const ScalarType type = primitive.indices->type();
       if (type != ScalarType::u8 && type != ScalarType::u16 && type != ScalarType::u32)
@@ -204,9 +209,9 @@ class Reader {
     lay_texture(primitive, accessor);
     for (const auto& [name, value] : attributes->items()) {
       if (!name.starts_with('_') || !value.is_number_unsigned()) continue;
-      Accessor numbers(document_, value.get<std::uint64_t>(), place + "." + name);
-      if (numbers.components() == 1 && numbers.size() == size)
-        primitive.numbers.emplace_back(name.substr(1), std::move(numbers));
+      std::optional<Accessor> numbers = accessor(name.c_str());
+      if (numbers->components() == 1 && numbers->size() == size)
+        primitive.numbers.emplace_back(name.substr(1), std::move(*numbers));
     }
     return primitive;
   }
