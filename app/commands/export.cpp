@@ -12,19 +12,45 @@
 #include "pipeline/export/export.h"
 #include "pipeline/export/whole_mesh.h"
 #include "pipeline/replica/replica.h"
+#include "pipeline/replica/whole_replica.h"
 #include "scene/scene.h"
 
 namespace sparsha::app {
 
 namespace {
 
-int make_replica(const std::string& folder, const std::string& file, const pipeline::ReplicaOptions& options,
-                 const CommonOptions& common) {
-  Terminal terminal(common);
-  check_outputs({{"--to", file}, {"the legibility map of --to", pipeline::legibility_file_of(file)}}, folder);
-  const scene::ScenePointer scene = scene_from({folder}, common.trusted(), terminal.progress());
-  warn_of_front_view(*scene, "a replica", terminal.progress());
-  const pipeline::ReplicaReport report = pipeline::export_replica(*scene, file, options, terminal.progress());
+int make_whole_replica(const scene::Scene& scene, const std::string& file, double longest_mm,
+                       const CommonOptions& common, Terminal& terminal) {
+  ThreadPool pool;
+  const pipeline::WholeReplicaReport report =
+      pipeline::export_whole_replica(scene, file, longest_mm, {pool, terminal.progress()});
+  for (const std::string& warning : report.warnings) terminal.progress().warn(warning);
+  if (common.json) {
+    print(nlohmann::ordered_json{{"size_mm", {report.width_mm, report.depth_mm, report.height_mm}},
+                                 {"scale", report.scale},
+                                 {"spacing_mm", report.spacing_mm},
+                                 {"volume_mm3", report.volume_mm3},
+                                 {"triangles", report.triangles},
+                                 {"shells", report.shells},
+                                 {"unseen", report.unseen},
+                                 {"warnings", report.warnings}}
+              .dump(2));
+  } else if (common.plain) {
+    print(whole_replica_sentences(report) + written_sentences({file}));
+  } else {
+    print(
+        fmt::format("replica     {:.0f} x {:.0f} mm, {:.0f} mm high, scale 1:{:.3g}\n"
+                    "solid       {} triangles, {:.1f} cm3\n",
+                    report.width_mm, report.depth_mm, report.height_mm, 1.0 / report.scale, report.triangles,
+                    1e-3 * report.volume_mm3));
+    terminal.message("wrote " + file);
+  }
+  return 0;
+}
+
+int make_replica(const scene::Scene& scene, const std::string& file, const pipeline::ReplicaOptions& options,
+                 const CommonOptions& common, Terminal& terminal) {
+  const pipeline::ReplicaReport report = pipeline::export_replica(scene, file, options, terminal.progress());
   for (const std::string& warning : report.warnings) terminal.progress().warn(warning);
   if (common.json) {
     print(nlohmann::ordered_json{{"size_mm", {report.width_mm, report.length_mm, report.thickness_mm}},
@@ -120,7 +146,10 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
   of_holes.check(one_of({"close", "leave"})).shows_default();
   const char* const group = "Replica (.stl, .3mf)";
   std::vector<Option> of_replica = {
-      command.add_option("--size-mm", arguments->replica.longest_mm, "longer side of the relief").shows_default(),
+      command
+          .add_option("--size-mm", arguments->replica.longest_mm,
+                      "longer side of the relief, or longest of a whole object")
+          .shows_default(),
       command.add_option("--depth-mm", arguments->replica.depth_mm, "from lowest to highest; default: true, 3 to 15"),
       command.add_option("--curve", arguments->replica.curve, "below 1 raises low relief, above 1 flattens it")
           .shows_default(),
@@ -132,8 +161,20 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       if (pipeline::is_replica(arguments->file)) {
         if (arguments->nodes) throw usage_error("a replica has no separate nodes", ".ply, .obj or .xyz with --nodes");
         if (arguments->haptics) throw usage_error("a replica has no maps of what is felt", ".glb with --haptics");
+        if (of_holes.given()) throw usage_error("a replica is closed", ".ply, .obj or .glb with --holes");
         arguments->replica.braille = !arguments->no_braille;
-        return make_replica(arguments->scene, arguments->file, arguments->replica, common);
+        Terminal terminal(common);
+        check_outputs(
+            {{"--to", arguments->file}, {"the legibility map of --to", pipeline::legibility_file_of(arguments->file)}},
+            arguments->scene);
+        const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
+        if (!scene->description().charts || arguments->front)
+          return make_replica(*scene, arguments->file, arguments->replica, common, terminal);
+        for (const Option& option : of_replica)
+          if (option.given() && option.name() != "--size-mm")
+            throw usage_error(option.name() + " means nothing for a whole object",
+                              "--size-mm alone, or --front with it");
+        return make_whole_replica(*scene, arguments->file, arguments->replica.longest_mm, common, terminal);
       }
       for (const Option& option : of_replica)
         if (option.given())

@@ -114,6 +114,15 @@ std::string replica_sentences(const pipeline::ReplicaReport& report) {
   return text;
 }
 
+std::string whole_replica_sentences(const pipeline::WholeReplicaReport& report) {
+  std::string text = fmt::format("The replica is {} wide, {} deep and {} high.\n", exact_length(1e-3 * report.width_mm),
+                                 exact_length(1e-3 * report.depth_mm), exact_length(1e-3 * report.height_mm));
+  text += fmt::format("Its scale is 1 to {}.\n", value_text(1.0 / report.scale));
+  text += fmt::format("The solid is made of {} and has {} cubic centimetres.\n",
+                      counted(report.triangles, "triangle", "triangles"), value_text(1e-3 * report.volume_mm3, 4));
+  return text;
+}
+
 std::string scan_sentences(const std::filesystem::path& file, const pipeline::ScanInfo& info) {
   std::string text = fmt::format("The file {} is a scan in the format {} and has {}.\n", file.string(), info.format,
                                  counted(info.points, "point", "points"));

@@ -10,6 +10,7 @@
 #include "pipeline/check/check.h"
 #include "pipeline/register/register.h"
 #include "pipeline/replica/replica.h"
+#include "pipeline/replica/whole_replica.h"
 #include "pipeline/scan/reader.h"
 #include "scene/config/audio.h"
 #include "scene/scene_fwd.h"
@@ -21,6 +22,7 @@ namespace sparsha::app {
 [[nodiscard]] std::string modes_sentences(const std::vector<scene::ModeConfig>& modes);
 [[nodiscard]] std::string registration_sentences(const scene::Config& config, const pipeline::Registration& found);
 [[nodiscard]] std::string replica_sentences(const pipeline::ReplicaReport& report);
+[[nodiscard]] std::string whole_replica_sentences(const pipeline::WholeReplicaReport& report);
 [[nodiscard]] std::string scan_sentences(const std::filesystem::path& file, const pipeline::ScanInfo& info);
 [[nodiscard]] std::string scene_sentences(const std::filesystem::path& folder, const scene::SceneDescription& scene);
 [[nodiscard]] std::string trace_sentences(const haptics::TraceSummary& summary, const std::string& file);

@@ -34,7 +34,7 @@ void require(bool good, const char* name, double value, const char* expected) {
 }
 
 void check(const ReplicaOptions& options) {
-  require(options.longest_mm >= 20.0 && options.longest_mm <= 2000.0, "--size-mm", options.longest_mm, "20 to 2000");
+  check_replica_size(options.longest_mm);
   if (options.depth_mm)
     require(*options.depth_mm >= 0.1 && *options.depth_mm <= 200.0, "--depth-mm", *options.depth_mm, "0.1 to 200");
   require(options.curve >= 0.1 && options.curve <= 10.0, "--curve", options.curve, "0.1 to 10");
@@ -184,6 +184,10 @@ void lay_relief(ReplicaPlate& plate, const scene::Lattice& lattice, int fine, co
 
 }  // namespace
 
+void check_replica_size(double longest_mm) {
+  require(longest_mm >= 20.0 && longest_mm <= 2000.0, "--size-mm", longest_mm, "20 to 2000");
+}
+
 bool is_replica(const std::filesystem::path& file) {
   const std::string ending = ending_of(file);
   return ending == ".stl" || ending == ".3mf";
@@ -274,10 +278,7 @@ ReplicaReport export_replica(const scene::Scene& scene, const std::filesystem::p
   AtomicPath target(file);
   const Solid solid(plate);
   const std::string shown = file.string();
-  if (ending_of(file) == ".stl")
-    write_stl(solid, target.temporary(), shown, progress);
-  else
-    write_3mf(solid, target.temporary(), shown, progress);
+  write_print_file(solid, target.temporary(), shown, progress);
   const std::filesystem::path picture = legibility_file_of(file);
   AtomicPath map(picture);
   write_legibility(plate, map.temporary(), report);

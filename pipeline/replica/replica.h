@@ -59,6 +59,8 @@ inline constexpr double kLeastFeature_mm = 0.5, kLeastGap_mm = 5.0, kLeastBase_m
 /// millimetres. Closed: each edge belongs to two triangles.
 ReplicaReport export_replica(const scene::Scene& scene, const std::filesystem::path& file,
                              const ReplicaOptions& options, Progress& progress);
+/// Throws Error{usage} when a print would be shorter than 20 mm or longer than 2 m.
+void check_replica_size(double longest_mm);
 /// The picture beside a replica.
 [[nodiscard]] std::filesystem::path legibility_file_of(const std::filesystem::path& file);
 /// Whether a name's ending is a replica's.

@@ -16,6 +16,8 @@
 
 #include "base/progress.h"
 #include "pipeline/replica/replica.h"
+#include "pipeline/replica/whole_replica.h"
+#include "tests/support/ball_scene.h"
 #include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 
@@ -59,13 +61,9 @@ std::optional<long> number_after(const std::string& text, const std::string& nam
   return std::stol(found[1]);
 }
 
-TEST(ReplicaPrinting, AdmeshFindsNothingToRepair) {
-  if (!installed("admesh")) GTEST_SKIP() << "admesh is not installed";
-  const sparsha::test::TestFolder folder;
-  Progress progress;
-  const ReplicaReport report = export_replica(*stone(), folder / "relief.stl", {}, progress);
-  ASSERT_FALSE(report.lines.empty()) << "with Braille";
-  const Said said = run(folder.path(), "admesh relief.stl");
+/// That admesh counts nothing to repair in FOLDER/FILE, one part, and about this volume.
+void expect_nothing_to_repair(const fs::path& folder, const std::string& file, double volume_mm3) {
+  const Said said = run(folder, "admesh " + file);
   ASSERT_EQ(said.code, 0) << said.text;
   EXPECT_EQ(number_after(said.text, "Number of parts"), 1) << said.text;
   for (const char* fault : {"Degenerate facets", "Edges fixed", "Facets removed", "Facets added", "Facets reversed",
@@ -82,7 +80,16 @@ TEST(ReplicaPrinting, AdmeshFindsNothingToRepair) {
   std::smatch volume;
   ASSERT_TRUE(std::regex_search(said.text, volume, std::regex(R"(Volume\s*:\s*([\d.]+))")));
   // It sums the volumes of some hundred thousand triangles in single precision.
-  EXPECT_NEAR(std::stod(volume[1]) / report.volume_mm3, 1.0, 1e-4);
+  EXPECT_NEAR(std::stod(volume[1]) / volume_mm3, 1.0, 1e-4);
+}
+
+TEST(ReplicaPrinting, AdmeshFindsNothingToRepair) {
+  if (!installed("admesh")) GTEST_SKIP() << "admesh is not installed";
+  const sparsha::test::TestFolder folder;
+  Progress progress;
+  const ReplicaReport report = export_replica(*stone(), folder / "relief.stl", {}, progress);
+  ASSERT_FALSE(report.lines.empty()) << "with Braille";
+  expect_nothing_to_repair(folder.path(), "relief.stl", report.volume_mm3);
   // That it can find something.
   fs::copy_file(folder / "relief.stl", folder / "open.stl");
   {
@@ -96,6 +103,16 @@ TEST(ReplicaPrinting, AdmeshFindsNothingToRepair) {
                 number_after(run(folder.path(), "admesh open.stl").text, "Facets removed").value_or(0) +
                 number_after(run(folder.path(), "admesh open.stl").text, "Facets added").value_or(0),
             0);
+}
+
+TEST(ReplicaPrinting, AdmeshFindsNothingToRepairInAWholeObject) {
+  if (!installed("admesh")) GTEST_SKIP() << "admesh is not installed";
+  const sparsha::test::TestFolder folder;
+  ThreadPool pool(2);
+  Progress progress;
+  const scene::ScenePointer ball = sparsha::test::ball_scene(0.05, 0.0021, Eigen::Matrix4d::Identity());
+  const WholeReplicaReport report = export_whole_replica(*ball, folder / "ball.stl", 150.0, {pool, progress});
+  expect_nothing_to_repair(folder.path(), "ball.stl", report.volume_mm3);
 }
 
 TEST(ReplicaPrinting, PrusaSlicerSlicesBothFormatsIntoAllLayersOfTheSolid) {

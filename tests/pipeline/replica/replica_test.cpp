@@ -21,7 +21,9 @@
 
 #include "base/error.h"
 #include "pipeline/replica/braille.h"
+#include "pipeline/replica/whole_replica.h"
 #include "scene/scene.h"
+#include "tests/support/ball_scene.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -264,6 +266,33 @@ TEST(Replica, NamesPartsOfAnyShapeInTheirOrder) {
   }
   EXPECT_EQ(make_replica(*scene_of(101, 51, 0.002, bumps, {polygon, label, box}), options, boxes).height_mm,
             plate.height_mm);
+}
+
+TEST(WholeReplica, StandsUprightClosedAndInScale) {
+  const sparsha::test::TestFolder folder;
+  ThreadPool pool(2);
+  Progress progress;
+  const scene::ScenePointer ball = test::ball_scene(0.05, 0.0021, Eigen::Matrix4d::Identity());
+  const WholeReplicaReport report = export_whole_replica(*ball, folder / "ball.stl", 150.0, {pool, progress});
+  const std::vector<Triangle> triangles = read_stl(folder / "ball.stl");
+  EXPECT_EQ(triangles.size(), report.triangles);
+  EXPECT_EQ(open_edges(triangles), 0U);
+  EXPECT_NEAR(volume(triangles) / (4.0 / 3.0 * 3.14159265 * 75.0 * 75.0 * 75.0), 1.0, 0.01);
+  EXPECT_NEAR(report.volume_mm3 / volume(triangles), 1.0, 1e-4);
+  EXPECT_NEAR(report.scale, 1.5, 0.01);
+  EXPECT_TRUE(report.warnings.size() == 1 && report.warnings[0].find("facets") != std::string::npos);
+  float low = 1e9F, high = -1e9F;
+  for (const Triangle& t : triangles)
+    for (const Point& p : t) {
+      low = std::min(low, p[2]);
+      high = std::max(high, p[2]);
+      EXPECT_LT(std::abs(p[0]), 75.1F);
+    }
+  EXPECT_NEAR(low, 0.0, 1e-4);
+  EXPECT_NEAR(high, 150.0, 1.0);
+  EXPECT_THROW((void)export_whole_replica(*ball, folder / "ball.stl", 5.0, {pool, progress}), Error);
+  static_cast<void>(export_whole_replica(*ball, folder / "ball.3mf", 150.0, {pool, progress}));
+  EXPECT_GT(fs::file_size(folder / "ball.3mf"), 10'000U);
 }
 
 TEST(Replica, ThreeMfHoldsTheSameSolid) {
