@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -36,12 +37,15 @@ std::string_view trimmed(const char* begin, const char* end) {
   return {begin, static_cast<std::size_t>(end - begin)};
 }
 
-/// What programs write where they have no number.
+/// What programs write where they have no number, in any case.
 bool stands_for_nothing(std::string_view word) {
-  constexpr std::string_view kWords[] = {"NA",     "N/A",  "#N/A", "n/a",     "n.a.",   "null",   "NULL",   "<null>",
-                                         "<Null>", "None", "\\N",  "nodata",  "NoData", "NODATA", "-",      "--",
-                                         "---",    "*",    "?",    "#VALUE!", "#NUM!",  "#REF!",  "#DIV/0!"};
-  return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
+  constexpr std::string_view kWords[] = {
+      "na",  "n/a",     "#n/a",  "n.a.", "n.d.",    "null",      "<null>", "none",    "nil",    "\\n",    "nodata",
+      "n/d", "no data", "blank", "void", "missing", "undefined", "empty",  "no_data", "-",      "--",     "---",
+      "*",   "?",       ".",     "..",   "...",     "#value!",   "#num!",  "#ref!",   "#name?", "#null!", "#div/0!"};
+  constexpr std::size_t kLongest = 9;
+  if (word.size() > kLongest) return false;
+  return std::find(std::begin(kWords), std::end(kWords), lower_case(word)) != std::end(kWords);
 }
 
 /// A semicolon opens a comment when no other follows and no number: else it parts columns, of which the first is empty.

@@ -52,6 +52,7 @@ class Reader {
           if (is_count(row)) {
             count_line(row, lines);
           } else if (lines.number() >= layout_.first_row) {
+            if (may_begin_block(row)) follow_change(row, lines);
             point(row, lines.number());
           }
       }
@@ -177,6 +178,35 @@ class Reader {
     if (rows_ > 0 && columns().by == TextTable::By::position) inspect_block(lines);
   }
 
+  /// Tables that were joined have rows of another length from some line on.
+  [[nodiscard]] bool may_begin_block(const TableRow& row) const {
+    return columns().by == TextTable::By::position && !columns().rows_vary && !layout_.empty && rows_ > 0 &&
+           row.count != columns().usual && !row.ends_empty();
+  }
+
+  /// Takes the columns of the rows from `first` on, behind which `lines` stands, when enough of them are as long.
+  void follow_change(const TableRow& first, const LineReader& lines) {
+    constexpr std::size_t kRows = 20;
+    if (first.count < 3 || lines.number() < next_look_) return;
+    std::vector<TableRow> sample = {first};
+    LineReader ahead = lines;
+    std::string_view line;
+    TableRow row;
+    while (sample.size() < kSampledRows && ahead.next(line)) {
+      if (parse_table_row(line, layout_.style, row) != RowKind::numbers) continue;
+      if (row.count != first.count) break;
+      sample.push_back(row);
+    }
+    if (sample.size() < kRows) {
+      next_look_ = ahead.number();
+      return;
+    }
+    if (changes_++ == 0) {
+      change_ = fmt::format("line {}, from {} to {}", lines.number(), columns().usual, first.count);
+    }
+    take_columns_of(sample);
+  }
+
   void inspect_block(LineReader lines) {
     std::vector<TableRow> sample;
     std::string_view line;
@@ -186,7 +216,10 @@ class Reader {
       if (is_count(row)) break;
       sample.push_back(row);
     }
-    if (sample.empty()) return;
+    if (!sample.empty()) take_columns_of(sample);
+  }
+
+  void take_columns_of(const std::vector<TableRow>& sample) {
     TableColumns found = columns_by_position(sample, file_.extension == "pts");
     if (found.usual == columns().usual) return;
     layout_.columns = std::move(found);
@@ -222,6 +255,11 @@ class Reader {
       scan.warnings.push_back(std::to_string(longer_) + (longer_ == 1 ? " row has" : " rows have") +
                               " more values than most; the first " + std::to_string(columns().usual) + " are taken");
     }
+    if (changes_ > 0) {
+      scan.warnings.push_back(
+          fmt::format("the number of values in a row changes at {}{}; each part has its own columns", change_,
+                      changes_ > 1 ? fmt::format(", and {} times more", changes_ - 1) : ""));
+    }
     if (colourless_ > 0) scan.warnings.push_back(fmt::format("{} of {} points have no colour", colourless_, rows_));
     if (no_data_ > 0) {
       scan.warnings.push_back(
@@ -242,6 +280,9 @@ class Reader {
   std::uint64_t colourless_ = 0;  ///< rows that end before the columns of colour
   std::uint64_t longer_ = 0;
   std::size_t blocks_ = 0;
+  std::size_t changes_ = 0;  ///< of the number of values in a row, where no count announces it
+  std::string change_;       ///< the first of them
+  int next_look_ = 0;        ///< line up to which rows of other lengths are known to be few
   double promised_ = -1.0;
   NoDataValues no_data_values_;
   bool looked_for_no_data_ = false;

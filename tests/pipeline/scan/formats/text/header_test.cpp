@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "pipeline/scan/formats/text/header.h"
+#include "pipeline/scan/writer.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
@@ -162,12 +163,43 @@ TEST(XyzReader, LinesMayEndAsConversionsOfConversionsLeaveThem) {
 
 TEST(XyzReader, WhatProgramsWriteForNoNumberIsInvalid) {
   const ScanFolder folder;
-  for (const std::string word : {"-", "--", "*", "?", "n.a.", "NULL", "<null>", "\\N", "NoData", "#VALUE!", "N/A"}) {
+  for (const std::string word :
+       {"-",       "--", "*",  "?",       "n.a.", "NULL",      "<null>", "\\N",  "NoData", "#VALUE!", "N/A",
+        "missing", ".",  "..", "Missing", "None", "UNDEFINED", "nil",    "void", "#NAME?", "n.d."}) {
     const RawScan named = folder.read("a.csv", "x,y,z\n1,2,3\n4,5," + word + "\n7,8,9\n");
     EXPECT_EQ(named.points.size(), 2U) << word;
     EXPECT_EQ(named.invalid, 1U) << word;
     EXPECT_EQ(folder.read("b.txt", "1 2 3\n4 5 " + word + "\n7 8 9\n").invalid, 1U) << word;
   }
+}
+
+TEST(XyzReader, WordsForNoNumberMayHaveABlankBetweenSeparators) {
+  const ScanFolder folder;
+  EXPECT_EQ(folder.read("a.csv", "x,y,z\n1,2,3\n4,5,No Data\n7,8,9\n").invalid, 1U);
+}
+
+TEST(XyzReader, JoinedTablesKeepTheirOwnColumns) {
+  const ScanFolder folder;
+  std::string grey;
+  std::string coloured;
+  for (int k = 0; k < 1500; ++k) {
+    const std::string place = std::to_string(0.01 * (k % 40)) + " " + std::to_string(0.01 * (k / 40)) + " 0.125";
+    grey += place + "\n";
+    coloured += place + " 200 40 60\n";
+  }
+  const RawScan behind = folder.read("a.txt", grey + coloured);
+  ASSERT_EQ(behind.points.size(), 3000U);
+  ASSERT_EQ(behind.rgba.size(), 3000U);
+  EXPECT_EQ(behind.rgba[1499], kNoColour);
+  EXPECT_EQ(behind.rgba[1500], pack_rgba(200, 40, 60));
+  EXPECT_THAT(behind.warnings, Contains(HasSubstr("changes at line 1501, from 3 to 6")));
+  const RawScan before = folder.read("b.xyz", coloured + grey + coloured);
+  ASSERT_EQ(before.points.size(), 4500U);
+  EXPECT_EQ(before.rgba[1499], pack_rgba(200, 40, 60));
+  EXPECT_EQ(before.rgba[1500], kNoColour);
+  EXPECT_EQ(before.rgba[4499], pack_rgba(200, 40, 60));
+  EXPECT_THAT(before.warnings, Contains(HasSubstr("and 1 times more")));
+  EXPECT_TRUE(error_of_bytes("c.txt", coloured + "1 2 3\n")) << "a row that is cut off is no block";
 }
 
 TEST(XyzReader, AMatrixOfHeightsIsNoTableOfPoints) {
