@@ -25,9 +25,11 @@ namespace sparsha::pipeline {
 [[nodiscard]] std::string in_quotes(std::string_view word);
 /// A name for messages, at most 64 characters: what control characters would do to a terminal is nobody's business.
 [[nodiscard]] std::string printable(std::string_view text);
-/// Length of UTF-8's byte order mark at the beginning of a text: 3 or 0.
+/// Length of UTF-8's byte order marks at the beginning of a text; joined or converted twice, it has several.
 [[nodiscard]] inline std::size_t byte_order_mark(std::string_view text) {
-  return text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
+  std::size_t length = 0;
+  while (text.substr(length, 3) == "\xEF\xBB\xBF") length += 3;
+  return length;
 }
 /// True when the bytes cannot be text of a scan: zero bytes or too many control characters among the first 4096.
 [[nodiscard]] bool looks_binary(std::string_view bytes);

@@ -24,6 +24,7 @@ const std::string kPlyHead = "element vertex 1\nproperty float x\nproperty float
 TEST(ScanReader, KeepsTheFirstRowBehindAByteOrderMark) {
   const ScanFolder folder;
   EXPECT_EQ(folder.read("a.obj", "\xEF\xBB\xBFv 1 2 3\nv 4 5 6\n").records, 2U);
+  EXPECT_EQ(folder.read("b.obj", "\xEF\xBB\xBF\xEF\xBB\xBFv 1 2 3\nv 4 5 6\n").records, 2U) << "marks may be doubled";
   EXPECT_EQ(folder
                 .read("a.csv",
                       "\xEF\xBB\xBF"
