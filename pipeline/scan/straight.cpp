@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -26,6 +27,45 @@ struct Axis {
   [[nodiscard]] double along(const Eigen::Vector3d& p) const { return direction.dot(p - middle); }
   [[nodiscard]] double across(const Eigen::Vector3d& p) const { return (p - middle - along(p) * direction).norm(); }
 };
+
+/// The steps of float32 in x, y and z at the points farthest from zero, when all coordinates are float32; else 0.
+Eigen::Vector3d float_steps(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3f largest = Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3f single = p.cast<float>();
+    if (single.cast<double>() != p) return Eigen::Vector3d::Zero();
+    largest = largest.cwiseMax(single.cwiseAbs());
+  }
+  const auto step = [](float v) { return std::nextafter(v, std::numeric_limits<float>::infinity()) - v; };
+  return largest.unaryExpr(step).cast<double>();
+}
+
+/// True when the line goes through the box of half widths `half` about `p`.
+bool meets(const Axis& axis, const Eigen::Vector3d& p, const Eigen::Vector3d& half) {
+  constexpr double kFlat = 1e-12;
+  double low = -std::numeric_limits<double>::infinity(), high = -low;  // along the line, in the box
+  for (int k = 0; k < 3; ++k) {
+    const double off = p[k] - axis.middle[k], way = axis.direction[k];
+    if (std::abs(way) < kFlat) {
+      if (std::abs(off) > half[k]) return false;
+      continue;
+    }
+    low = std::max(low, std::min((off - half[k]) / way, (off + half[k]) / way));
+    high = std::min(high, std::max((off - half[k]) / way, (off + half[k]) / way));
+  }
+  return low <= high;
+}
+
+/// True when `points`, relative to one of them, may be points of the line of `length` that were rounded to `steps`: no
+/// farther from it than three quarters of a step each way, and what the rounding turns the line itself.
+bool are_rounded(const std::vector<Eigen::Vector3d>& points, const Axis& axis, double length,
+                 const Eigen::Vector3d& steps) {
+  constexpr double kOfStep = 0.75, kTurned = 0.5, kFewestSteps = 4.0;
+  if (!(length > kFewestSteps * steps.maxCoeff())) return false;  // what is as short may be anything
+  const double turned = kTurned * steps.maxCoeff() / std::sqrt(static_cast<double>(points.size()));
+  const Eigen::Vector3d half = (kOfStep * steps.array() + turned).matrix();
+  return std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& p) { return meets(axis, p, half); });
+}
 
 }  // namespace
 
@@ -61,6 +101,8 @@ std::optional<StraightLine> straight_line(const std::vector<Eigen::Vector3d>& sa
   StraightLine line{high - low, std::sqrt(squares / static_cast<double>(kept))};
   if (line.length <= kSame * largest) return StraightLine{};
   const double apart = line.length / static_cast<double>(std::max<std::uint64_t>(points, 1));
+  const Eigen::Vector3d steps = float_steps(sample);
+  if (steps.maxCoeff() > 0.0 && are_rounded(near, axis, line.length, steps)) return line;
   if (line.across > std::max(kThin * line.length, std::min(kRounded * apart, kBroad * line.length)))
     return std::nullopt;
   return line;

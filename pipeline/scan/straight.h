@@ -18,8 +18,8 @@ struct StraightLine {
 
 /// The line that the `points` points lie on of which this is a sample, but for one in 500: they spread across it by
 /// less than a 50 000th of its length, or by less than a twentieth of their distance along it (and a
-/// thousandth of its length), as coordinates do that were rounded. Nothing for points that spread over a surface, a
-/// strip of two rows included, and without points.
+/// thousandth of its length), as coordinates do that were rounded, or by no more than float32 rounds them where all are
+/// float32. Nothing for points that spread over a surface, a strip of two rows included, and without points.
 [[nodiscard]] std::optional<StraightLine> straight_line(const std::vector<Eigen::Vector3d>& sample,
                                                         std::uint64_t points);
 

@@ -50,6 +50,26 @@ TEST_F(StraightLines, MayBeRoundedToMillimetres) {
   EXPECT_TRUE(straight_line(line(100, {1, 2, 3}, {1, 1, 1}, 0.0, 1e-3), 100));
 }
 
+TEST_F(StraightLines, MayBeRoundedToFloat32FarFromZero) {
+  for (const std::size_t count : {50U, 1000U}) {
+    Points points = line(count, {-80423.1, 47555.3, 364367.7}, {0.3, 0.7, -0.6});
+    for (Eigen::Vector3d& p : points) p = p.cast<float>().cast<double>();
+    EXPECT_TRUE(straight_line(points, count)) << count;
+    // Two rows that are four steps apart are a strip.
+    for (std::size_t k = 0; k < count; k += 2) points[k].z() += 0.125;
+    EXPECT_FALSE(straight_line(points, count)) << count;
+  }
+}
+
+TEST_F(StraightLines, AReliefFarFromZeroIsNoneThoughFloat32LeavesItOneStepOfY) {
+  Points points;
+  for (int k = 0; k < 546; ++k) {
+    const Eigen::Vector3d p(412345.0 + 0.02 * (k % 26), 5654321.0 + 0.02 * (k / 26), 100.0 + 0.01 * std::sin(0.3 * k));
+    points.push_back(p.cast<float>().cast<double>());
+  }
+  EXPECT_FALSE(straight_line(points, points.size()));
+}
+
 TEST_F(StraightLines, OnePlaceIsOneToo) {
   for (const std::size_t count : {1U, 2U, 500U}) {
     const auto found = straight_line(Points(count, {443000.125, 5512000.25, 120.5}), count);
