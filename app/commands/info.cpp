@@ -57,6 +57,7 @@ Json scan_json(const fs::path& file, const pipeline::ScanInfo& info) {
   json["format"] = info.format;
   json["points"] = info.points;
   json["invalid"] = info.invalid;
+  json["triangles"] = info.triangles;
   const bool any = info.points > info.invalid;
   json["extent_m"] = any ? Json{{"min", vector_json(info.min_m)}, {"max", vector_json(info.max_m)}} : Json(nullptr);
   json["spacing_m"] = info.spacing_m > 0.0 ? Json(info.spacing_m) : Json(nullptr);
@@ -84,6 +85,7 @@ std::string scan_text(const fs::path& file, const pipeline::ScanInfo& info) {
   if (info.invalid > 0) text += fmt::format(" ({} invalid)", count_text(info.invalid));
   if (info.duplicates > 0) text += fmt::format(" ({} duplicates)", count_text(info.duplicates));
   text += "\n";
+  if (info.triangles > 0) text += fmt::format("  triangles   {}\n", count_text(info.triangles));
   if (info.scans != 1) text += fmt::format("  scans       {}\n", info.scans);
   for (const std::string& note : info.notes) text += fmt::format("  note        {}\n", note);
   text += fmt::format("  units       {}\n", info.units);

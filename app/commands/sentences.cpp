@@ -131,6 +131,8 @@ std::string scan_sentences(const std::filesystem::path& file, const pipeline::Sc
   if (info.duplicates > 0)
     text += fmt::format("Of them, {} another one.\n",
                         info.duplicates == 1 ? "1 is the same as" : fmt::format("{} are the same as", info.duplicates));
+  if (info.triangles > 0)
+    text += fmt::format("It is a mesh of {}.\n", counted(info.triangles, "triangle", "triangles"));
   if (info.scans != 1) text += fmt::format("It is made of {}.\n", counted(info.scans, "scan", "scans"));
   const bool metric = info.units != "unknown" && info.units != "degrees";
   text += metric ? fmt::format("Its unit is {}.\n", info.units)

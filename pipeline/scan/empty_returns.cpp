@@ -37,7 +37,7 @@ std::vector<bool> flag_spikes(const RawScan& scan) {
   for (std::size_t i = 0; i < at_zero.size(); ++i) at_zero[i] = is_at_scanner(scan.points[i], std::nullopt);
   const auto count = static_cast<std::uint64_t>(std::count(at_zero.begin(), at_zero.end(), true));
   // Where triangles share no vertices, one place has many.
-  const bool shared = 2 * scan.faces.size() > at_zero.size();
+  const bool shared = 2 * scan.faces.size() > at_zero.size() - count;
   if (!shared || count < kFewest || count <= at_zero.size() / kOneIn) return std::vector<bool>(at_zero.size(), false);
   std::vector<double> to_zero;
   std::vector<double> others;

@@ -57,6 +57,7 @@ ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progres
   PointSample sample;
   for (const Eigen::Vector3d& p : scan.points) sample.add(p * scale);
   info.sample_m = sample.points();
+  info.triangles = scan.faces.size();
   info.duplicates = count_duplicates(scan.points);
   info.spacing_m = (scan.cell ? scan.cell->minCoeff() : median_spacing(scan.points)) * scale;
   if (const std::optional<UnitGuess> guess = guess_unit(scan)) info.warnings.push_back("unit: " + guess->reason);

@@ -144,6 +144,7 @@ struct ScanInfo {
   std::vector<std::string> fields;
   std::vector<FieldTally> tallies;  ///< of the fields that are numbers: all but coordinates, colours and normals
   std::string units;                ///< "m", "ft", "unknown", ...
+  std::uint64_t triangles = 0;      ///< of a mesh, on valid points
   std::uint64_t duplicates = 0;     ///< valid points that repeat another one exactly
   std::size_t scans = 1;
   std::optional<std::array<double, 7>> viewpoint;

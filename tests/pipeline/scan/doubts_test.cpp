@@ -282,6 +282,16 @@ TEST(NoSurface, VerticesOfAMeshWhereADepthCameraSawNothingAreAHole) {
   EXPECT_THAT(scan.warnings, ElementsAre(AllOf(HasSubstr("9 of 441 vertices"), HasSubstr("30 faces"))));
 }
 
+TEST(NoSurface, APictureThatIsMostlyEmptyIsStillAMesh) {
+  RawScan scan = square_mesh();
+  const std::size_t seen = scan.points.size();
+  scan.points.resize(10 * seen, Eigen::Vector3d::Zero());
+  drop_what_is_no_surface(scan);
+  EXPECT_EQ(scan.points.size(), seen);
+  EXPECT_EQ(scan.invalid, 9 * seen);
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("3969 of 4410 vertices stand at 0 0 0")));
+}
+
 TEST(NoSurface, VerticesOfAMeshThroughTheOriginStay) {
   // A cone of 100 triangles that share nothing: its apex is at 0 0 0 a hundred times.
   Points corners;
