@@ -47,18 +47,53 @@ double share_on_raster(const Steps& steps) {
   return best;
 }
 
+/// How many places the values take that differ by more than rounding.
+std::size_t places_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  constexpr double kRounding =
+      2e-5;  // of the range: float32, after a division; an image has at most some 10 000 pixels
+  const double same = kRounding * (values.back() - values.front());
+  std::size_t places = 1;
+  for (std::size_t i = 1; i < values.size(); ++i) places += values[i] - values[i - 1] > same ? 1 : 0;
+  return places;
+}
+
+/// In whatever order: x / z and y / z take the places of few columns and rows, and x and y do not.
+bool are_on_pixels(const std::vector<Eigen::Vector3d>& points) {
+  constexpr std::size_t kManyEach = 4;  // points a column or row
+  constexpr std::size_t kMoreAcross = 4;
+  std::size_t pixels = 0;
+  std::size_t lattice = 0;
+  for (const int axis : {0, 1}) {
+    std::vector<double> rays;
+    std::vector<double> places;
+    for (const Eigen::Vector3d& p : points) {
+      rays.push_back(p[axis] / p.z());
+      places.push_back(p[axis]);
+    }
+    const std::size_t taken = places_of(std::move(rays));
+    if (taken < kManyEach || kManyEach * taken > points.size()) return false;
+    pixels += taken;
+    lattice += places_of(std::move(places));
+  }
+  return lattice > kMoreAcross * pixels;
+}
+
 }  // namespace
 
 bool is_range_image(const RawScan& scan, const PointRuns& runs) {
   constexpr std::size_t kFewest = 200;
   constexpr double kMost = 0.8, kClearly = 0.2;
+  constexpr double kTimes = 5.0, kMargin = 0.05;  // of a room, most points may lie on a wall across the view
   if (scan.points.size() < kFewest || is_z_up(scan.format)) return false;
   const auto before = [](const std::vector<Eigen::Vector3d>& points) {
     return std::all_of(points.begin(), points.end(), [](const auto& p) { return p.z() > 0.0; });
   };
   if (!before(scan.points) || !std::all_of(runs.runs().begin(), runs.runs().end(), before)) return false;
   const double share = share_on_raster(steps_of(runs, true));
-  return share > kMost && share > share_on_raster(steps_of(runs, false)) + kClearly;
+  const double flat = share_on_raster(steps_of(runs, false));
+  if (share > kMost && (share > flat + kClearly || 1.0 - flat > kTimes * (1.0 - share) + kMargin)) return true;
+  return are_on_pixels(scan.points);
 }
 
 }  // namespace sparsha::pipeline

@@ -1,6 +1,7 @@
 // Clouds in the frame of a camera stand upright, and others are not turned for one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -74,6 +75,28 @@ TEST(CameraFrame, GapsAndColumnsInPlaceOfRowsDoNoHarm) {
   Points turned = image(160, 120, head);
   for (Eigen::Vector3d& p : turned) std::swap(p.x(), p.y());
   EXPECT_TRUE(in_order_of_pixels(scan_of(turned)));
+}
+
+TEST(CameraFrame, ARoomWhoseBackWallIsAcrossTheViewStandsUprightInAnyOrder) {
+  const auto room = [](double u, double v) {  // 4 m wide, 2.7 m high, 4 m deep, with a low block before the wall
+    const double side = 2.0 / std::max(std::abs(u), 1e-9);
+    const double above = (v > 0.0 ? 1.3 : 1.4) / std::max(std::abs(v), 1e-9);
+    const double walls = std::min({4.0, side, above});
+    return std::abs(2.5 * u - 0.3) < 0.5 && 2.5 * v > 0.5 ? std::min(walls, 2.5) : walls;
+  };
+  Points points = image(160, 120, room);
+  for (const bool shuffled : {false, true}) {
+    if (shuffled) std::shuffle(points.begin(), points.end(), std::mt19937(3));
+    EXPECT_TRUE(in_order_of_pixels(scan_of(points))) << shuffled;
+    const View view = guess(scan_of(points));
+    EXPECT_EQ(view.look_from, Eigen::Vector3d(0, 0, -1)) << shuffled;
+    EXPECT_EQ(view.up, Eigen::Vector3d(0, -1, 0)) << shuffled;
+  }
+  Points rows;  // of a grid of x and y, whose heights differ
+  for (int j = 0; j < 60; ++j) {
+    for (int i = 0; i < 60; ++i) rows.emplace_back(0.1 * i, 0.1 * j, 40.0 + 0.2 * (i / 7 % 2) + 0.1 * (j / 5 % 3));
+  }
+  EXPECT_FALSE(in_order_of_pixels(scan_of(rows)));
 }
 
 TEST(CameraFrame, AFlatThingBeforeTheOriginStandsUpright) {
