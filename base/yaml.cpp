@@ -16,6 +16,7 @@
 
 #include "base/base64.h"
 #include "base/files.h"
+#include "base/lower_case.h"
 
 namespace sparsha::yaml {
 namespace {
@@ -351,8 +352,9 @@ void MapReader::finish() const {
 std::string nearest(std::string_view word, const std::vector<std::string>& names) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  const std::string small = lower_case(word);
   for (const std::string& name : names) {
-    std::size_t distance = edit_distance(word, name);
+    std::size_t distance = edit_distance(small, lower_case(name));
     // A unit left out or added ("leaf" for "leaf_mm") is a near miss whatever its length.
     if (name.starts_with(word) || word.starts_with(name)) distance = std::min<std::size_t>(distance, 1);
     if (distance < best_distance) {
@@ -365,6 +367,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
 
 void set(Node& root, std::string_view path, std::string_view text) {
   const std::string name = "--set " + std::string(path);
+  if (path.empty() || path.ends_with('.')) throw usage_error(name + "= names no key", "e.g. --set grid.size=800");
   Node* node = &root;
   for (std::string_view rest = path; !rest.empty();) {
     const std::size_t dot = rest.find('.');
@@ -383,7 +386,10 @@ void set(Node& root, std::string_view path, std::string_view text) {
     }
     if (node->kind == Node::Kind::null) node->kind = Node::Kind::map;
     if (!node->is_map()) throw usage_error("'" + std::string(path) + "' goes through a plain value", "a path of keys");
-    if (node->find(key) == nullptr) node->entries.push_back({key, {name, 0, 0}, Node{}});
+    if (node->find(key) == nullptr) {
+      node->entries.push_back({key, {name, 0, 0}, Node{}});
+      node->entries.back().value.place = {name, 0, 0};
+    }
     node = const_cast<Node*>(node->find(key));
   }
   *node = parse_text(text, name);

@@ -11,7 +11,8 @@ namespace sparsha::scene {
 /// "block.key" of keys whose name is in one block alone.
 [[nodiscard]] std::span<const std::string_view> keys_of_one_block() noexcept;
 
-/// Throws Error{usage} with the place and the path of the first key of `root` that is one of these without its block.
-void refuse_keys_without_block(const yaml::Node& root);
+/// Throws Error{usage} on the first key of `root` that `reader` was not asked for, with the path of the key of a block
+/// that it is or is near to.
+void finish_root(const yaml::MapReader& reader, const yaml::Node& root);
 
 }  // namespace sparsha::scene

@@ -474,8 +474,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   if (const Node* node = reader.optional("guide")) config.guide = parse_guide(*node);
   if (const Node* node = reader.optional("cues")) config.cues = parse_cues(*node);
   if (const Node* node = reader.optional("viewer")) config.viewer = parse_viewer(*node);
-  refuse_keys_without_block(root);
-  reader.finish();
+  finish_root(reader, root);
   return config;
 }
 

@@ -88,6 +88,10 @@ TEST(Yaml, SetsAValueByItsPathAndMakesTheBlocksOnTheWay) {
   EXPECT_EQ(to_text(*root.find("scans")->items[0].find("units")), "mm");
   EXPECT_NE(message_of([&] { set(root, "scans.3.units=mm"); }), "");
   EXPECT_NE(message_of([&] { set(root, "grid"); }), "");
+  EXPECT_NE(message_of([&] { set(root, "=3"); }), "");
+  EXPECT_NE(message_of([&] { set(root, "grid.=3"); }), "");
+  set(root, "fill.made.here=1");
+  EXPECT_EQ(root.find("fill")->find("made")->place.file, "--set fill.made.here");
 }
 
 }  // namespace

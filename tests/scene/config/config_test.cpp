@@ -85,6 +85,10 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
   const std::vector<Refusal> cases = {
       {"no scans", "grid: {}\n", {"has no 'scans'"}},
       {"empty scans", "scans: []\n", {"c.yaml:1:8", "scans is empty"}},
+      {"near a key of a block",
+       kScan + "stiffness: 500\n",
+       {"has no key 'stiffness'; did you mean 'haptics.stiffness_n_per_m'?"}},
+      {"large letters", kScan + "HAPTICS: {surface: c1}\n", {"has no key 'HAPTICS'; did you mean 'haptics'?"}},
       {"no block", kScan + "surface: c1\n", {"has no key 'surface'; did you mean 'haptics.surface'?"}},
       {"no block, near another key", kScan + "size: 800\n", {"did you mean 'grid.size'?"}},
       {"misspelt scans", "scan: [{file: a.ply}]\n", {"has no key 'scan'; did you mean 'scans'?"}},
