@@ -1,8 +1,12 @@
 #include "pipeline/scan/formats/las/laz/points.h"
 
 #include <algorithm>
+#include <condition_variable>
 #include <cstring>
+#include <mutex>
 #include <optional>
+#include <thread>
+#include <utility>
 
 #include "pipeline/scan/formats/las/laz/layered.h"
 #include "pipeline/scan/formats/las/laz/pointwise.h"
@@ -13,12 +17,19 @@ namespace {
 constexpr std::uint64_t kMostBuffered = 1U << 18U;  // points of a chunk
 constexpr std::size_t kBlock = 4096;                // records
 
-/// Decodes the next `count` records into `out`, in memory that grows with what is there.
+/// Decodes the next `count` records behind those of `out`, in memory that grows with what is there. `record` is the
+/// last one, on which decoders build.
 template <class ChunkOfPoints>
 void decode(ChunkOfPoints& chunk, std::uint64_t count, std::vector<std::uint8_t>& record, std::string& out) {
-  for (std::uint64_t i = 0; i < count; ++i) {
-    chunk.next(record.data());
-    out.append(reinterpret_cast<const char*>(record.data()), record.size());
+  for (std::uint64_t left = count; left > 0;) {
+    const auto now = static_cast<std::size_t>(std::min<std::uint64_t>(left, kBlock));
+    out.resize(out.size() + now * record.size());
+    char* at = out.data() + out.size() - now * record.size();
+    for (std::size_t i = 0; i < now; ++i, at += record.size()) {
+      chunk.next(record.data());
+      std::memcpy(at, record.data(), record.size());
+    }
+    left -= now;
   }
 }
 
@@ -116,44 +127,134 @@ class Losses {
   std::uint64_t chunks_ = 0, points_ = 0, whole_ = 0;
 };
 
-struct Buffer {
-  std::string records;
-  std::optional<Damage> damage;
-};
+/// Chunks one after the other to the sink, on the caller's thread, while all threads decode those that follow. Results
+/// do not depend on who was first.
+class SideBySide {
+ public:
+  SideBySide(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool, Losses& losses,
+             const RecordSink& sink)
+      : source_(source),
+        chunks_(chunks),
+        wanted_(wanted),
+        pool_(pool),
+        losses_(losses),
+        sink_(sink),
+        buffers_(pool.threads() + 1) {}
 
-/// Chunks `begin` to `end`, each small enough for memory, side by side.
-void read_side_by_side(const Source& source, const std::vector<Chunk>& chunks, std::size_t begin, std::size_t end,
-                       Layers wanted, ThreadPool& pool, std::vector<Buffer>& buffers, Losses& losses,
-                       const RecordSink& sink) {
-  buffers.resize(std::max(buffers.size(), end - begin));
-  pool.for_ranges(end - begin, 1, [&](std::size_t from, std::size_t to) {
-    for (std::size_t i = from; i < to; ++i) {
-      const Chunk& chunk = chunks[begin + i];
-      Buffer& buffer = buffers[i];
-      buffer.records.clear();
-      buffer.damage.reset();
-      std::vector<std::uint8_t> record(source.packing.record_size);
-      try {
-        in_chunk(begin + i, chunks.size(), [&] {
-          with_decoder(source, chunk, wanted,
-                       [&](auto& decoder) { decode(decoder, chunk.points, record, buffer.records); });
-        });
-      } catch (const Damage& damage) {
-        buffer.damage = damage;
+  /// Chunks `begin` to `end`, each small enough for memory.
+  void read(std::size_t begin, std::size_t end) {
+    next_ = taken_ = begin;
+    end_ = end;
+    stop_ = false;
+    const std::thread::id caller = std::this_thread::get_id();
+    pool_.for_ranges(pool_.threads(), 1, [&](std::size_t, std::size_t) {
+      if (std::this_thread::get_id() == caller) {
+        hand_over();
+      } else {
+        help();
       }
-    }
-  });
-  for (std::size_t i = 0; i < end - begin; ++i) {
-    if (buffers[i].damage) {
-      losses.add(*buffers[i].damage, chunks[begin + i].points);
-      continue;
-    }
-    losses.whole_chunk();
-    const std::string_view records = buffers[i].records;
-    const std::size_t step = kBlock * source.packing.record_size;
-    for (std::size_t at = 0; at < records.size(); at += step) sink(records.substr(at, step), chunks[begin + i].begin);
+    });
+    hand_over();  // when others were done before the caller began
   }
-}
+
+ private:
+  struct Buffer {
+    std::string records;
+    std::optional<Damage> damage;
+    bool full = false;
+  };
+
+  Buffer& buffer_of(std::size_t chunk) { return buffers_[chunk % buffers_.size()]; }
+  [[nodiscard]] bool may_decode() const { return next_ < end_ && next_ < taken_ + buffers_.size(); }
+
+  /// Decodes the next chunk, without the lock.
+  void decode_one(std::unique_lock<std::mutex>& lock) {
+    const std::size_t number = next_++;
+    Buffer& buffer = buffer_of(number);
+    lock.unlock();
+    buffer.records.clear();
+    buffer.damage.reset();
+    std::vector<std::uint8_t> record(source_.packing.record_size);
+    try {
+      in_chunk(number, chunks_.size(), [&] {
+        with_decoder(source_, chunks_[number], wanted_,
+                     [&](auto& decoder) { decode(decoder, chunks_[number].points, record, buffer.records); });
+      });
+    } catch (const Damage& damage) {
+      buffer.damage = damage;
+    } catch (...) {
+      halt();
+      throw;
+    }
+    lock.lock();
+    buffer.full = true;
+    changed_.notify_all();
+  }
+
+  void help() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      changed_.wait(lock, [&] { return stop_ || next_ >= end_ || may_decode(); });
+      if (stop_ || next_ >= end_) return;
+      decode_one(lock);
+    }
+  }
+
+  void hand_over() {
+    std::unique_lock lock(mutex_);
+    while (taken_ < end_ && !stop_) {
+      Buffer& buffer = buffer_of(taken_);
+      if (!buffer.full) {
+        if (may_decode()) {
+          decode_one(lock);
+        } else {
+          changed_.wait(lock, [&] { return stop_ || buffer.full; });
+        }
+        continue;
+      }
+      lock.unlock();
+      try {
+        sink_chunk(buffer, chunks_[taken_]);
+      } catch (...) {
+        halt();
+        throw;
+      }
+      lock.lock();
+      buffer.full = false;
+      ++taken_;
+      changed_.notify_all();
+    }
+  }
+
+  void sink_chunk(const Buffer& buffer, const Chunk& chunk) {
+    if (buffer.damage) {
+      losses_.add(*buffer.damage, chunk.points);
+      return;
+    }
+    losses_.whole_chunk();
+    const std::string_view records = buffer.records;
+    const std::size_t step = kBlock * source_.packing.record_size;
+    for (std::size_t at = 0; at < records.size(); at += step) sink_(records.substr(at, step), chunk.begin);
+  }
+
+  void halt() {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    changed_.notify_all();
+  }
+
+  const Source& source_;
+  const std::vector<Chunk>& chunks_;
+  Layers wanted_;
+  ThreadPool& pool_;
+  Losses& losses_;
+  const RecordSink& sink_;
+  std::vector<Buffer> buffers_;  ///< of chunk n at n modulo their number
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t next_ = 0, taken_ = 0, end_ = 0;  ///< to be decoded, to be handed over, behind the last
+  bool stop_ = false;
+};
 
 /// Runs `work` with the sink; where damage is left out, first without, so that none of a damaged chunk is handed over.
 template <class Work>
@@ -202,8 +303,7 @@ std::size_t read_untabled(const Source& source, std::size_t begin, Layers wanted
 
 void read_tabled(const Source& source, const std::vector<Chunk>& chunks, Layers wanted, ThreadPool& pool,
                  Losses& losses, const RecordSink& sink) {
-  std::vector<Buffer> buffers;
-  const std::size_t side_by_side = pool.threads();
+  SideBySide side_by_side(source, chunks, wanted, pool, losses, sink);
   for (std::size_t i = 0; i < chunks.size();) {
     if (chunks[i].points > kMostBuffered) {
       hand_over_whole(losses, chunks[i].points, sink, [&](const RecordSink& use) {
@@ -216,15 +316,9 @@ void read_tabled(const Source& source, const std::vector<Chunk>& chunks, Layers 
       ++i;
       continue;
     }
-    // A thread's share: several chunks where they are small.
-    constexpr std::uint64_t kShare = 50'000;
     std::size_t end = i;
-    for (std::uint64_t points = 0; end < chunks.size() && chunks[end].points <= kMostBuffered &&
-                                   (end - i < side_by_side || points < kShare * side_by_side);
-         ++end) {
-      points += chunks[end].points;
-    }
-    read_side_by_side(source, chunks, i, end, wanted, pool, buffers, losses, sink);
+    while (end < chunks.size() && chunks[end].points <= kMostBuffered) ++end;
+    side_by_side.read(i, end);
     i = end;
   }
 }

@@ -36,9 +36,9 @@ struct Outcome {
 };
 
 /// Decodes chunks in parallel. Layers that are not wanted keep the values of their chunk's first point (compressor 3;
-/// the others have but one stream). Memory: for each thread one chunk of up to 2^18 points, larger ones in blocks.
-/// Throws Damage with the chunk's number; records before it have been handed over. Where damaged chunks are left out,
-/// only when there is no whole one, or no chunk to be told.
+/// the others have but one stream). The sink is called while others decode. Memory: for each thread one chunk of up to
+/// 2^18 points and one more, larger ones in blocks. Throws Damage with the chunk's number; records before it have been
+/// handed over. Where damaged chunks are left out, only when there is no whole one, or no chunk to be told.
 Outcome read_points(const Source& source, Layers wanted, ThreadPool& pool, const RecordSink& sink,
                     Damaged damaged = Damaged::refused);
 
