@@ -49,6 +49,12 @@ constexpr int kMostPackets = 64;
 /// For so long in a tick is more taken once there is an answer. On a slow bus the watchdog's zeros are answered faster
 /// than their answers are taken: the tick would never end, and the watchdog never stop.
 constexpr double kDrain_s = 0.001;
+/// After an answer to the only question that is open nothing more can be there, but for what nobody asked for: that is
+/// looked for so seldom. Each look is two calls of the system between the answer and the next question, which on a slow
+/// machine then misses its frame of a millisecond: half the rate.
+constexpr int kLookEvery = 64;
+/// No question has its own answer so soon: that was one that nobody asked for, and there may be more.
+constexpr double kAtOnce_s = 0.0002;
 constexpr int kFailures = 4;
 
 constexpr DeviceAdvice kComeForward{"homed_come_forward", true};
@@ -104,6 +110,7 @@ class FalconDevice final : public Device {
     if (may_ask()) ask({});
     const double patience_s = std::max(timeout_s, kPatience_s);
     bool answered = false;
+    bool looks_on = ++waits_ % kLookEvery == 0;
     // A device that never stops talking must not hold the servo.
     for (int packets = 0; packets < kMostPackets && wire_ != nullptr; ++packets) {
       if (packets > 0 && since(began) > (answered ? kDrain_s : patience_s)) break;
@@ -125,6 +132,9 @@ class FalconDevice final : public Device {
       if (const auto answer = stream_.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
         take(*answer);
         answered = true;
+        if (!looks_on && delay_s_ > kAtOnce_s && !questions_.any()) break;
+      } else {
+        looks_on = true;  // a packet that is no answer: something has come out of step
       }
     }
     if (!answered) questions_.stays_silent(clock_s());
@@ -316,6 +326,7 @@ class FalconDevice final : public Device {
   OpenQuestions questions_;
   std::atomic<unsigned> urgent_zeros_{0};
   unsigned urgent_zeros_counted_ = 0;
+  int waits_ = 0;
   double delay_s_ = 0.0;           ///< from a question to its answer
   Steady::time_point heard_at_{};  ///< when the last answer came
   Steady::time_point waited_at_{};

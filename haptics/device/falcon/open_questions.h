@@ -41,6 +41,8 @@ class OpenQuestions {
     none_open_s_ = time_s;
     return took_s;
   }
+  /// An answer is still to be expected.
+  [[nodiscard]] bool any() const noexcept { return count_ > 0; }
   /// True while no question may be asked.
   [[nodiscard]] bool holds(double time_s) noexcept {
     holds_ = holds_ || (count_ > 0 && time_s - none_open_s_ > look_s_ && time_s - lost_s_ > kNextLook_s);

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <span>
+#include <thread>
 
 #include "emulator/codec.h"
 #include "emulator/geometry.h"
@@ -203,8 +205,10 @@ class PlainWire final : public Transport {
     return TransportStatus::ok;
   }
   TransportStatus receive(UsbPacket& packet, std::size_t& size, double) noexcept override {
+    if (asked_ == 0) ++in_vain;
     if (asked_ == 0) return TransportStatus::nothing;
     --asked_;
+    if (answers_after_s > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(answers_after_s));
     const Packet answer = sparsha::emulator::answer_bytes({600 + (++count_ % 50), 610, 620}, 0, 7);
     std::copy(answer.begin(), answer.end(), packet.begin() + kModemBytes);
     size = kModemBytes + answer.size();
@@ -213,10 +217,31 @@ class PlainWire final : public Transport {
   void urgent(std::span<const std::uint8_t> bytes) noexcept override { static_cast<void>(post(bytes)); }
   [[nodiscard]] bool present() const noexcept override { return true; }
 
+  double answers_after_s = 0.0;
+  int in_vain = 0;  ///< looks when nothing could be there
+
  private:
   int asked_ = 0;
   int count_ = 0;
 };
+
+TEST(FalconUnderTheServo, NothingIsAskedOfTheSystemBetweenAnAnswerAndTheNextQuestion) {
+  auto owned = std::make_unique<PlainWire>();
+  PlainWire& wire = *owned;
+  const auto device = make_falcon_device(std::move(owned), {});
+  const auto looks = [&](double answers_after_s) {
+    wire.answers_after_s = answers_after_s;
+    wire.in_vain = 0;
+    for (int tick = 0; tick < 128; ++tick) {
+      device->wait(1e-3);
+      static_cast<void>(device->read(0.0, 1e-3));
+      device->write({1, 2, 3});
+    }
+    return wire.in_vain;
+  };
+  EXPECT_LE(looks(0.0005), 4) << "each such look costs the next question its frame";
+  EXPECT_GE(looks(0.0), 100) << "an answer that comes at once was nobody's: there may be more";
+}
 
 TEST(FalconUnderTheServo, ItsTicksAllocateNothing) {
   const auto device = make_falcon_device(std::make_unique<PlainWire>(), {});
