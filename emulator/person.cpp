@@ -15,7 +15,7 @@ constexpr double kGravity_m_per_s2 = 9.80665;
 /// After a longer pause the hand has long been where it wants to be.
 constexpr double kLongestGap_s = 0.1;
 // On the axis, metres.
-constexpr double kFullyOut_m = 0.172, kFullyIn_m = 0.103, kInFront_m = 0.165, kHover_m = 0.158, kDeepest_m = 0.112;
+constexpr double kFullyOut_m = 0.172, kFullyIn_m = 0.103, kInFront_m = 0.171, kHover_m = 0.158, kDeepest_m = 0.112;
 constexpr double kWalk_m_per_s = 0.25;  ///< of the wish while homing
 
 /// Presses with about a newton, strokes in circles, lifts; guided by what it feels. Clicks the grip's centre in the

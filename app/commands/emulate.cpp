@@ -1,5 +1,7 @@
-// sparsha device emulate: runs any program on a USB bus with an emulated Falcon.
+// sparsha device emulate: runs any program on a USB bus with an emulated Falcon, or beside an emulated Inverse Service.
 #include "app/commands/emulate.h"
+
+#include "app/commands/emulate_haply.h"
 
 #include <fmt/format.h>
 
@@ -82,6 +84,7 @@ const Fault kFaults[] = {
 };
 
 struct Arguments {
+  std::string device = "falcon";
   std::vector<std::string> faults;
   std::string scene;
   std::string log;
@@ -169,13 +172,15 @@ class MadeFirmware {
 };
 
 int run_emulate(const Arguments& arguments, const CommonOptions& common) {
-  const Setting setting = setting_of(arguments.faults);
+  const bool haply = arguments.device == "haply";
+  const Setting setting = haply ? Setting() : setting_of(arguments.faults);
   check_outputs({{"--log", arguments.log}}, arguments.scene);
   Terminal terminal(common);
   emulator::PersonOptions person;
   person.weight_kg = arguments.weight_g * 1e-3;
   if (!arguments.scene.empty())
     person.explore = tour_through(scene_from({arguments.scene}, common.trusted(), terminal.progress())->description());
+  if (haply) return emulate_haply({arguments.faults, arguments.log, person}, common);
   WireLog log(arguments.log);
   auto falcon = std::make_shared<emulator::Falcon>(setting.falcon);
   falcon->set_hand(emulator::make_person(person));
@@ -219,10 +224,15 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
 
 void add_emulate(Command device, const CommonOptions& common, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  Command command =
-      device.add_subcommand("emulate", "run a program with an emulated Falcon on an emulated USB bus (umockdev)");
+  Command command = device.add_subcommand(
+      "emulate",
+      "run a program with an emulated Falcon on an emulated USB bus (umockdev), or beside an emulated Inverse Service");
   std::string faults = "what is wrong with it; may be given more than once:";
   for (const Fault& fault : kFaults) faults += fmt::format("\n{}: {}", fault.name, fault.what);
+  faults += "\nOf haply:" + haply_faults();
+  command.add_option("--device", arguments->device, "what is emulated")
+      .check(one_of({"falcon", "haply"}))
+      .shows_default();
   command.add_option("--fault", arguments->faults, faults).expects(1).collects();
   command.add_option("--scene", arguments->scene, "what the person at the grip tours");
   command.add_option("--weight-g", arguments->weight_g, "grams that the person hangs from the grip, for calibrate")

@@ -1,0 +1,97 @@
+#include "app/commands/emulate_haply.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "app/terminal/terminal.h"
+#include "base/error.h"
+#include "base/system/process.h"
+#include "emulator/haply_service.h"
+#include "haptics/device/haply/haply.h"
+
+namespace sparsha::app {
+namespace {
+
+struct Fault {
+  const char* name;
+  const char* what;
+  void (*apply)(emulator::HaplyOptions&);
+};
+
+using Options = emulator::HaplyOptions;
+
+// Those in time begin two seconds after the first force, last for one, and come again.
+const Fault kFaults[] = {
+    {"brake", "the emergency brake is pulled for a second, again and again", [](Options& o) { o.brake = true; }},
+    {"disconnect", "the device leaves for a second, again and again", [](Options& o) { o.disconnect = true; }},
+    {"service-ends", "the service ends, and is there again a second later", [](Options& o) { o.dies = true; }},
+    {"silence", "no answers for a second, again and again", [](Options& o) { o.silent = true; }},
+    {"bad-json", "an answer is no JSON, every three seconds", [](Options& o) { o.malformed = true; }},
+    {"bad-frame", "an answer is no frame, every three seconds", [](Options& o) { o.not_framed = true; }},
+    {"second-client", "another program pushes by 1.5 N for a second, again and again",
+     [](Options& o) { o.second_client = true; }},
+    {"late-answers", "answers come 1 to 20 ms late", [](Options& o) { o.late = true; }},
+    {"split-frames", "each message comes in three frames and six pieces", [](Options& o) { o.split = true; }},
+    {"merged-frames", "two answers come at once", [](Options& o) { o.merged = true; }},
+    {"keeps-settings", "basis and preset are others, whatever is configured",
+     [](Options& o) { o.keeps_settings = true; }},
+    {"version-3.1", "an older service: no events, forces under `values`", [](Options& o) { o.version_3_1 = true; }},
+    {"gate", "the force gate lets 60 % through", [](Options& o) { o.gate = 0.6; }},
+    {"two-devices", "there are two", [](Options& o) { o.devices = 2; }},
+};
+
+emulator::HaplyOptions options_of(const std::vector<std::string>& names) {
+  emulator::HaplyOptions options;
+  const haptics::haply::HaplyOptions ports = haptics::haply::options_of({});
+  options.port = ports.port;
+  options.events_port = ports.events_port;
+  for (const std::string& name : names) {
+    const Fault* found = nullptr;
+    std::string known;
+    for (const Fault& fault : kFaults) {
+      if (fault.name == name) found = &fault;
+      known += (known.empty() ? "" : " | ") + std::string(fault.name);
+    }
+    if (found == nullptr) throw usage_error("there is no fault '" + name + "'", known);
+    found->apply(options);
+  }
+  return options;
+}
+
+}  // namespace
+
+std::string haply_faults() {
+  std::string text;
+  for (const Fault& fault : kFaults) text += fmt::format("\n{}: {}", fault.name, fault.what);
+  return text;
+}
+
+int emulate_haply(const HaplyEmulation& emulation, const CommonOptions& common) {
+  const emulator::HaplyOptions options = options_of(emulation.faults);
+  std::ofstream log;
+  if (!emulation.log.empty()) {
+    log.open(emulation.log, std::ios::binary);
+    if (!log) throw usage_error("--log " + emulation.log + ": cannot be written", "a file in an existing folder");
+    log << "t_s,direction,message\n";
+  }
+  emulator::HaplyService service(options, emulator::make_person(emulation.person));
+  service.set_log([&log](const emulator::HaplyMessage& message) {
+    if (!log.is_open()) return;
+    std::string quoted;
+    for (const char one : message.text) quoted += one == '"' ? "\"\"" : std::string(1, one);
+    log << fmt::format("{:.6f},{},\"{}\"\n", message.time_s, message.to_client ? "in" : "out", quoted);
+  });
+  std::vector<std::string> command = common.command;
+  if (command.empty()) command = {system::program_file().string(), "device", "check", "--device", "haply"};
+  const int code = system::run_program(command, {}, interrupted);
+  const Terminal terminal(common);
+  terminal.message(
+      fmt::format("emulated Inverse Service: {} commands, {} of them with force while it was stopped; {:.2f} N at most",
+                  service.commands(), service.unsafe_commands(), service.strongest_n()));
+  if (log.is_open() && !log.flush())
+    throw Error(ErrorKind::failure, {emulation.log}, "the messages could not be written", "a disk with room");
+  return code;
+}
+
+}  // namespace sparsha::app

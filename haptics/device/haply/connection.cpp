@@ -1,0 +1,132 @@
+#include "haptics/device/haply/connection.h"
+
+#include <chrono>
+#include <utility>
+
+namespace sparsha::haptics::haply {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+constexpr double kGreeting_s = 1.0;
+constexpr double kReadBack_s = 0.2;
+constexpr int kReadBackMessages = 20;
+constexpr std::chrono::milliseconds kLook{20};
+constexpr int kLooksBetweenTries = 25;
+
+constexpr DeviceAdvice kNoService{"device_no_service", true};
+
+double since(Steady::time_point then) { return std::chrono::duration<double>(Steady::now() - then).count(); }
+
+void note_setup(Connection& connection, const ServiceState& state) {
+  if (!state.has_basis && !state.has_preset) return;
+  connection.set_up = state.has_basis && state.right_basis && state.has_preset && state.right_preset;
+}
+
+/// The inventory comes by itself.
+bool read_inventory(Connection& connection, const HaplyOptions& options, ConnectProblem& problem) {
+  const Steady::time_point began = Steady::now();
+  while (since(began) < kGreeting_s) {
+    std::string_view text;
+    const auto status = connection.states->receive(text, kGreeting_s - since(began));
+    ServiceState state;
+    if (status != WebSocket::Status::ok || !read_state(text, options.device_id, state)) break;
+    if (!state.is_state) continue;
+    problem = ConnectProblem::no_device;
+    if (!state.found) return false;
+    if (options.device_id.empty())
+      connection.id = state.first;
+    else
+      connection.id.set(options.device_id);
+    if (connection.id.size == 0) return false;
+    connection.inverses = state.inverses;
+    note_setup(connection, state);
+    connection.position_m = state.position_m;
+    return true;
+  }
+  problem = ConnectProblem::not_understood;
+  return false;
+}
+
+/// What the service tells after the settings were sent. One that tells nothing more has told it in its inventory.
+bool read_back(Connection& connection) {
+  std::array<char, 512> text{};
+  const std::size_t size = write_setup(text, connection.id.view(), connection.force_key);
+  if (size == 0 || connection.states->send({text.data(), size}) != WebSocket::Status::ok) return false;
+  const Steady::time_point began = Steady::now();
+  for (int message = 0; message < kReadBackMessages && since(began) < kReadBack_s; ++message) {
+    std::string_view answer;
+    const auto status = connection.states->receive(answer, kReadBack_s - since(began));
+    if (status == WebSocket::Status::nothing) break;
+    ServiceState state;
+    if (status != WebSocket::Status::ok || !read_state(answer, connection.id.view(), state)) return false;
+    note_setup(connection, state);
+    connection.position_m = state.position_m;
+    if (state.has_basis) break;
+    if (connection.send_force(Eigen::Vector3d::Zero()) != WebSocket::Status::ok) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+WebSocket::Status Connection::send_force(const Eigen::Vector3d& force_n) noexcept {
+  const std::size_t size = write_force(text_, id.view(), force_n, force_key);
+  return size == 0 ? WebSocket::Status::malformed : states->send({text_.data(), size});
+}
+
+std::unique_ptr<Connection> connect(const HaplyOptions& options, ConnectProblem& problem) {
+  problem = ConnectProblem::no_service;
+  auto connection = std::make_unique<Connection>();
+  connection->states = WebSocket::open(options.port, kGreeting_s);
+  if (!connection->states || !read_inventory(*connection, options, problem)) return nullptr;
+  connection->events = WebSocket::open(options.events_port, kGreeting_s);
+  // Only services with events, 3.5 and later, are known to want `vector`.
+  connection->force_key = connection->events ? ForceKey::vector : ForceKey::values;
+  problem = ConnectProblem::not_understood;
+  if (!read_back(*connection)) return nullptr;
+  problem = ConnectProblem::none;
+  return connection;
+}
+
+Finder::Finder(HaplyOptions options) : options_(std::move(options)), thread_([this] { run(); }) {}
+
+Finder::~Finder() {
+  stopping_.store(true);
+  thread_.join();
+  delete given_back_.exchange(nullptr);
+  delete offered_.exchange(nullptr);
+}
+
+void Finder::give_back(Connection* connection) noexcept {
+  given_back_.store(connection);
+  wanted_.store(true);
+}
+
+Connection* Finder::take() noexcept {
+  if (offered_.load(std::memory_order_relaxed) == nullptr) return nullptr;
+  return offered_.exchange(nullptr);
+}
+
+void Finder::run() {
+  int looks = 0;
+  while (!stopping_.load()) {
+    if (wanted_.load()) {
+      delete given_back_.exchange(nullptr);
+      if (looks-- <= 0) {
+        looks = kLooksBetweenTries;
+        ConnectProblem problem{};
+        std::unique_ptr<Connection> found = connect(options_, problem);
+        advice_.store(found ? nullptr : &kNoService);
+        if (found) {
+          wanted_.store(false);
+          looks = 0;
+          offered_.store(found.release());
+        }
+      }
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+}  // namespace sparsha::haptics::haply

@@ -1,0 +1,63 @@
+// One connection to the Inverse Service, from its greeting on, and the thread that finds another.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+
+#include "haptics/device/device.h"
+#include "haptics/device/haply/haply.h"
+#include "haptics/device/haply/messages.h"
+#include "haptics/device/haply/web_socket.h"
+
+namespace sparsha::haptics::haply {
+
+/// Why there is none.
+enum class ConnectProblem : std::uint8_t { none, no_service, not_understood, no_device };
+
+/// States and forces, events, and whose they are. No call but connect() allocates.
+struct Connection {
+  std::unique_ptr<WebSocket> states;
+  std::unique_ptr<WebSocket> events;  ///< null where the service has no such port
+  DeviceId id;
+  ForceKey force_key = ForceKey::vector;
+  bool set_up = false;  ///< basis and preset have been read back
+  int inverses = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+
+  WebSocket::Status send_force(const Eigen::Vector3d& force_n) noexcept;
+
+ private:
+  std::array<char, 512> text_{};
+};
+
+/// Greets, reads the list of devices, sets the session up. Null with the problem.
+[[nodiscard]] std::unique_ptr<Connection> connect(const HaplyOptions& options, ConnectProblem& problem);
+
+/// Looks for a service on a thread of its own, and hands the connection to the servo.
+class Finder {
+ public:
+  explicit Finder(HaplyOptions options);
+  ~Finder();
+  Finder(const Finder&) = delete;
+  Finder& operator=(const Finder&) = delete;
+
+  // Servo thread; no lock, no allocation.
+  void give_back(Connection* connection) noexcept;
+  [[nodiscard]] Connection* take() noexcept;
+  /// Any thread.
+  [[nodiscard]] const DeviceAdvice* advice() const noexcept { return advice_.load(); }
+
+ private:
+  void run();
+
+  HaplyOptions options_;
+  std::atomic<Connection*> given_back_{nullptr}, offered_{nullptr};
+  std::atomic<const DeviceAdvice*> advice_{nullptr};
+  std::atomic<bool> wanted_{false}, stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace sparsha::haptics::haply

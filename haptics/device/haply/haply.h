@@ -1,0 +1,40 @@
+// The Haply Inverse3 through its vendor's local service: `--device haply`. From the vendor's pages and open clients;
+// not tried on hardware.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "haptics/device/device.h"
+#include "haptics/device/kind.h"
+
+namespace sparsha::haptics::haply {
+
+struct HaplyOptions {
+  std::uint16_t port = 10001;         ///< of states and forces
+  std::uint16_t events_port = 10020;  ///< of what happens, the emergency brake among it
+  std::string device_id;              ///< empty: the first Inverse3
+  /// The device frame's origin in the service's frame, metres: the middle of the workspace.
+  Eigen::Vector3d centre_m{0.0, -0.1, 0.17};
+  /// Begin without a service or a device, and take the first that can be had.
+  bool wait_for_device = false;
+  std::function<bool()> stop;  ///< asked while opening; true ends it: Cancelled
+};
+
+/// The ports may be given by SPARSHA_HAPLY_PORT and SPARSHA_HAPLY_EVENTS_PORT.
+[[nodiscard]] HaplyOptions options_of(const DeviceRequest& request);
+
+/// What an Inverse3 is for the servo. No page tells its greatest force or its workspace: 5 N and 0.1 m are taken.
+[[nodiscard]] DeviceInfo haply_info();
+
+/// Connects, sets basis and preset and reads them back: without that there is no force. Forces are zero from the tick
+/// in which an emergency brake, a disconnection, a message that is none or 7 ms without an answer is seen, and come
+/// back once the brake is released and the hand has been in free space. A service that ends is looked for again. Throws
+/// Error{device}: no service, no Inverse3.
+[[nodiscard]] std::unique_ptr<Device> make_haply_device(const HaplyOptions& options = {});
+
+[[nodiscard]] DeviceKind haply_kind();
+
+}  // namespace sparsha::haptics::haply

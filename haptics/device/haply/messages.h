@@ -1,0 +1,63 @@
+// What the Inverse Service says and is told. Own frame of the service: x right, y forward, z up, metres and newtons.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include <Eigen/Core>
+
+namespace sparsha::haptics::haply {
+
+/// A device's name as the service gives it; longer ones are cut, and then match nothing.
+struct DeviceId {
+  std::array<char, 48> text{};
+  std::size_t size = 0;
+  void set(std::string_view id) noexcept;
+  [[nodiscard]] std::string_view view() const noexcept { return {text.data(), size}; }
+  [[nodiscard]] bool operator==(std::string_view id) const noexcept { return view() == id; }
+};
+
+/// What one message tells of one Inverse3 and of the grips.
+struct ServiceState {
+  bool has_session = false;
+  int inverses = 0;           ///< in the list of them
+  DeviceId first;             ///< of that list
+  bool found = false;         ///< the wanted one is in it (the first, where none was wanted)
+  bool has_position = false;  ///< all three coordinates
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  bool has_force = false;  ///< what the service lets through to the motors
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  bool has_basis = false, right_basis = false;    ///< config.basis.permutation, and it is XYZ
+  bool has_preset = false, right_preset = false;  ///< config.preset, and it is "defaults"
+  bool uncalibrated = false;                      ///< status.calibrated is false
+  bool has_orientation = false;
+  std::array<double, 4> orientation{};  ///< of the first grip: w, x, y, z
+  std::uint64_t buttons = 0;            ///< a, b, c as bits 0, 1, 2
+  bool is_state = false;                ///< it has a list of Inverse3
+};
+
+/// False when the message is no JSON object, or a number of it is none. Unknown keys and kinds are passed over.
+[[nodiscard]] bool read_state(std::string_view text, std::string_view wanted, ServiceState& state) noexcept;
+
+/// What an event of the second port means for the force.
+struct ServiceEvent {
+  enum class Kind : std::uint8_t { other, safety, released, disconnected, connected, busy };
+  Kind kind = Kind::other;
+  bool about = true;  ///< it is about the wanted device, or names none
+};
+/// False when it is no JSON object.
+[[nodiscard]] bool read_event(std::string_view text, std::string_view wanted, ServiceEvent& event) noexcept;
+
+/// How a force is written: services of 3.5 want `vector`, older ones `values`.
+enum class ForceKey : std::uint8_t { vector, values };
+
+/// The first message: session and basis, and no force. Its size; 0 where it does not fit.
+[[nodiscard]] std::size_t write_setup(std::span<char> text, std::string_view id, ForceKey key) noexcept;
+/// The message of a tick.
+[[nodiscard]] std::size_t write_force(std::span<char> text, std::string_view id, const Eigen::Vector3d& force_n,
+                                      ForceKey key) noexcept;
+
+}  // namespace sparsha::haptics::haply
