@@ -24,7 +24,7 @@ fs::path scene_described_by(const fs::path& config) {
 }
 
 scene::Config config_from(const std::vector<std::string>& arguments, const std::vector<std::string>& settings,
-                          scene::Trust trust, Progress& progress, std::uint64_t memory_bytes) {
+                          scene::Trust trust, Progress& progress, std::uint64_t memory_bytes, bool whole_chunks_only) {
   const bool any = std::any_of(arguments.begin(), arguments.end(), [](const std::string& a) { return is_config(a); });
   if (any) {
     if (arguments.size() > 1) throw usage_error("a configuration and something else", "one CONFIG, or SCANs only");
@@ -38,6 +38,7 @@ scene::Config config_from(const std::vector<std::string>& arguments, const std::
   pipeline::SuggestOptions options;
   options.memory_bytes = memory_bytes;
   options.settings_follow = !settings.empty();
+  options.whole_chunks_only = whole_chunks_only;
   pipeline::Suggestion suggestion =
       blaming_scans(arguments, {}, [&] { return pipeline::suggest_config(scans, {}, progress, options); });
   if (settings.empty()) return std::move(suggestion.config);

@@ -18,10 +18,11 @@ namespace sparsha::app {
 [[nodiscard]] bool is_config(const std::filesystem::path& path);
 
 /// One configuration file (also a scene's own scene.yaml), or scans to guess one from, in so much memory (0 = no
-/// limit). Throws Error.
+/// limit), of LAZ perhaps whole chunks alone. Throws Error.
 [[nodiscard]] scene::Config config_from(const std::vector<std::string>& arguments,
                                         const std::vector<std::string>& settings, scene::Trust trust,
-                                        Progress& progress, std::uint64_t memory_bytes = 0);
+                                        Progress& progress, std::uint64_t memory_bytes = 0,
+                                        bool whole_chunks_only = false);
 /// Runs work on `arguments`; an error without a place is told of the first. Where these are scans and nothing was set,
 /// nobody asked for what does not fit: Error{usage} becomes Error{input} of the first scan.
 template <typename Work>

@@ -70,8 +70,8 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
 
   const fs::path folder = scene_folder(arguments);
   if (!arguments.validate) require_place(folder);
-  const scene::Config config =
-      config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress(), options.memory_bytes);
+  const scene::Config config = config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress(),
+                                           options.memory_bytes, options.force);
   audio::require_clips(config);  // before a long build, not when somebody wants to hear them
   if (arguments.validate) {
     for (const scene::ScanConfig& scan : config.scans) {

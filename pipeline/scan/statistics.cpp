@@ -240,11 +240,12 @@ ScanStatistics statistics_of_whole(const std::filesystem::path& file, Progress& 
 }  // namespace
 
 ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress, std::uint64_t kept_points,
-                               const MeshRefusal& mesh_refusal) {
+                               const MeshRefusal& mesh_refusal, bool whole_chunks_only) {
   constexpr std::uint64_t kLarge = 256'000'000;
   ReadOptions options;
   options.fields = fields_of_worth();
   options.mesh_refusal = mesh_refusal;
+  options.whole_chunks_only = whole_chunks_only;
   std::error_code code;
   if (!mesh_refusal && may_hold_faces(file) && std::filesystem::file_size(file, code) <= kLarge && !code) {
     ScanStatistics statistics = statistics_of_whole(file, progress, options);

@@ -23,10 +23,11 @@ struct ScanStatistics {
 };
 
 /// The same whatever is kept in memory: of a scan without faces with more than `kept_points` the file is gone through
-/// again for each question. A mesh is read whole unless it is refused. Throws as read_scan; Cancelled.
+/// again for each question. A mesh is read whole unless it is refused. `whole_chunks_only`: see ReadOptions. Throws as
+/// read_scan; Cancelled.
 [[nodiscard]] ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& progress,
                                              std::uint64_t kept_points = 4'000'000,
-                                             const MeshRefusal& mesh_refusal = {});
+                                             const MeshRefusal& mesh_refusal = {}, bool whole_chunks_only = false);
 
 /// Median distance of sampled points to the nearest one that is not at the same place; 0 without any.
 [[nodiscard]] double median_spacing(const std::vector<Eigen::Vector3d>& points);

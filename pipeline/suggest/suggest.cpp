@@ -167,16 +167,16 @@ void require_extent(const std::string& name, const std::vector<Eigen::Vector3d>&
 // Reads the scans into `seen`, `points` and `worth`; their part of the configuration. `pieces`: what is to be said of
 // those in several.
 std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
-                    std::vector<std::string>& pieces, WorthBlock& worth, std::uint64_t memory_bytes,
+                    std::vector<std::string>& pieces, WorthBlock& worth, const SuggestOptions& options,
                     Progress& progress) {
   // Points of all scans beyond which the files are gone through again, with the same result.
   constexpr std::uint64_t kMostKept = 4'000'000;
-  const MemoryLimit limit{memory_bytes, 0};
+  const MemoryLimit limit{options.memory_bytes, 0};
   const std::uint64_t kept = points_to_keep(limit, kMostKept) / scans.size();
   const MeshRefusal refusal = mesh_refusal(limit, {}, 0);
   std::vector<ScanStatistics> all;
   for (const fs::path& file : scans) {
-    all.push_back(scan_statistics(file, progress, kept, refusal));
+    all.push_back(scan_statistics(file, progress, kept, refusal, options.whole_chunks_only));
     if (all.back().scan.points.empty()) {
       throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
     }
@@ -267,7 +267,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   TrialCloud points;
   std::vector<std::string> pieces;
   WorthBlock worth;
-  const std::string scan_block = look_at(scans, folder, seen, points, pieces, worth, options.memory_bytes, progress);
+  const std::string scan_block = look_at(scans, folder, seen, points, pieces, worth, options, progress);
   require_extent(scans.front().string(), seen.points_m);
   require_surface(scans.front().string(), seen.points_m, seen.points_m.size());
   const std::string crop = crop_to_group(seen, points, progress);

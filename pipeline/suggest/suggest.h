@@ -31,6 +31,8 @@ struct SuggestOptions {
   /// The user has settings of their own, which may succeed where no view and spacing that is tried shows a surface:
   /// then that is a warning, no error.
   bool settings_follow = false;
+  /// Damaged chunks of LAZ are left out and said, in place of an error.
+  bool whole_chunks_only = false;
 };
 
 /// Reads the scans and guesses. `folder` is where the configuration will be written, empty for the present one: paths

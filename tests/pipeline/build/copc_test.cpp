@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "pipeline/build/build.h"
+#include "pipeline/suggest/suggest.h"
 #include "scene/scene.h"
 #include "tests/pipeline/scan/formats/las/copc_file.h"
 #include "tests/support/test_folder.h"
@@ -80,6 +81,25 @@ TEST(CroppedCopc, OutOfCoreCountsTheSame) {
   EXPECT_EQ(disk.report.points.read, 30000U);
   EXPECT_EQ(disk.report.points.filtered, memory.report.points.filtered);
   EXPECT_EQ(disk.report.points.used, memory.report.points.used);
+}
+
+TEST(DamagedLazWithoutConfiguration, IsRefusedAndIsBuiltFromItsWholeChunksWhenForced) {
+  const test::TestFolder folder;
+  testing::CopcFile file(waves());
+  file.bytes[377] = 'x';  // plain LAZ
+  std::fill_n(file.bytes.begin() + static_cast<std::ptrdiff_t>(file.chunks[4]), file.sizes[4], '\xA5');
+  write_file(folder / "a.laz", file.bytes);
+  Progress progress;
+  EXPECT_THROW((void)suggest_config({folder / "a.laz"}, {}, progress), Error);
+  SuggestOptions options;
+  options.whole_chunks_only = true;
+  const Suggestion suggestion = suggest_config({folder / "a.laz"}, {}, progress, options);
+  EXPECT_NE(suggestion.yaml.find("1 damaged LAZ chunks are left out"), std::string::npos) << suggestion.yaml;
+  BuildOptions forced;
+  forced.force = true;
+  const BuildResult built = build_scene_folder(suggestion.config, forced, folder / "scene", progress);
+  EXPECT_GT(built.report.points.read, 20000U);
+  EXPECT_LT(built.report.points.read, 25000U);
 }
 
 TEST(CroppedCopc, ABoxBesideAllPointsIsTheErrorOfAnyScan) {

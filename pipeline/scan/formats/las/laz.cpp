@@ -221,7 +221,7 @@ void read_compressed(const ScanFile& file, const Header& header, const Units& un
     unpack(file, header, units, reader, out);
   } catch (const laz::Damage& damage) {
     throw file.error(fmt::format("{}, at byte {}", damage.what, damage.byte),
-                     "an undamaged LAZ file; it may be cut short ('build CONFIG --force' keeps its whole chunks)");
+                     "an undamaged LAZ file; it may be cut short ('build --force' keeps its whole chunks)");
   }
 }
 
