@@ -20,6 +20,7 @@
 #include "haptics/replay/around_trace.h"
 #include "haptics/replay/replay_trace.h"
 #include "haptics/replay/trace.h"
+#include "haptics/window/objects.h"
 #include "haptics/window/surface.h"
 #include "haptics/window/window.h"
 #include "scene/scene.h"
@@ -95,14 +96,6 @@ void to_grid_frame(std::vector<haptics::HipSample>& path, const Arguments& argum
   }
 }
 
-/// Coefficients of a whole object: where the curvature is not known, the law says mu_0.
-haptics::AroundFriction around_friction(const scene::SceneDescription& scene, const Arguments& arguments) {
-  if (!scene.config.friction || arguments.no_friction) return {};
-  const scene::FrictionConfig& friction = *scene.config.friction;
-  const double mu_dynamic = std::clamp(friction.mu_0, 0.0, friction.mu_max);
-  return {mu_dynamic, std::max(friction.mu_static, mu_dynamic)};
-}
-
 bool traces_whole_object(const scene::Scene& scene, const Arguments& arguments) {
   return arguments.frame == "scan" && !arguments.live && scene.description().charts != nullptr;
 }
@@ -117,8 +110,8 @@ haptics::TraceResult trace_whole_object(const scene::Scene& scene, const Argumen
   if (arguments.level >= 0 || !arguments.centre.empty()) refuse("a window (--level, --centre)");
   if (arguments.tip_radius_mm > 0.0) refuse("--tip-radius-mm");
   if (arguments.no_texture) refuse("--no-texture");
-  const auto object =
-      haptics::make_object_surface(*scene.description().charts, around_friction(scene.description(), arguments));
+  const auto object = haptics::make_object_surface(
+      *scene.description().charts, haptics::around_friction(scene.description(), !arguments.no_friction));
   return haptics::trace_around(*object, haptics::read_hip_path(arguments.hip), scene.description().scan_from_grid,
                                haptics, options);
 }

@@ -93,7 +93,7 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
     scene::ScenePointer scene = scene_from(arguments.scene, common.trusted(), terminal.progress());
     const std::string& first = arguments.scene.front();
     const bool config = is_config(first) && scene->folder().empty();
-    warn_of_front_view(*scene, "touch", terminal.progress());
+    if (!haptics::touches_all_around(scene->description())) warn_of_front_view(*scene, "touch", terminal.progress());
     scans_.show(std::make_unique<DepthScans>(scene, config ? fs::path(first) : fs::path(), common.trusted()));
     make_session_of(std::move(scene));
   }

@@ -124,14 +124,13 @@ void count_open_cells(SheetSurface& sheet) {
     for (int i = nx - 1; i >= 0; --i) lower(i, j, 1, 1);
 }
 
-}  // namespace
-
-std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts, const AroundFriction& friction) {
+std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const AroundFriction& friction) {
   if (charts.sheets.empty() || !(charts.spacing_m > 0.0))
     throw Error(ErrorKind::failure, {}, "charts without a sheet", "at least one sheet and a positive spacing");
   auto object = std::make_shared<ObjectSurface>();
   object->spacing_m = charts.spacing_m;
   object->origin_m = charts.origin_m;
+  object->box_m = box_of(charts);
   object->sheets.reserve(charts.sheets.size());
   for (const scene::Sheet& sheet : charts.sheets) {
     for (const scene::Sheet& piece : pieces_of(sheet, charts.spacing_m)) {
@@ -143,6 +142,24 @@ std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& ch
   object->blocks = index_of(object->sheets, charts.spacing_m);
   mark_looks(*object);
   for (SheetSurface& sheet : object->sheets) count_open_cells(sheet);
+  return object;
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d box_of(const scene::Charts& charts) {
+  Eigen::AlignedBox3d box;
+  for (const scene::Sheet& sheet : charts.sheets)
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i)
+        if (sheet.measured(sheet.index(i, j))) box.extend(charts.place_m(sheet, i, j));
+  return box;
+}
+
+std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts, const AroundFriction& friction,
+                                                         std::shared_ptr<const scene::Charts> kept) {
+  std::shared_ptr<ObjectSurface> object = object_of(charts, friction);
+  object->charts = std::move(kept);
   return object;
 }
 

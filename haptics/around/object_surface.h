@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "haptics/around/block_index.h"
 #include "haptics/around/sheet_surface.h"
@@ -23,11 +24,18 @@ struct ObjectSurface {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of the object frame, in the grid frame
   std::vector<SheetSurface> sheets;                    ///< all of the charts, some in pieces
   std::size_t charted = 0;                             ///< sheets of the charts
+  Eigen::AlignedBox3d box_m;                           ///< of the measured nodes, object frame
+  std::shared_ptr<const scene::Charts> charts;         ///< `kept` of its maker
   BlockIndex blocks;
 };
 
-/// `friction` of zero: frictionless. Throws Error{failure} when the charts have no cell.
+/// Of the measured nodes, relative to the charts' origin; empty without any.
+[[nodiscard]] Eigen::AlignedBox3d box_of(const scene::Charts& charts);
+
+/// `friction` of zero: frictionless. `kept`: the charts, where they are to live as long. Throws
+/// Error{failure} when the charts have no cell.
 [[nodiscard]] std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts,
-                                                                       const AroundFriction& friction = {});
+                                                                       const AroundFriction& friction = {},
+                                                                       std::shared_ptr<const scene::Charts> kept = {});
 
 }  // namespace sparsha::haptics

@@ -37,6 +37,7 @@ void RecordedRun::change_window() {
   const RecordedWindow& window = recording_.windows()[next_window_++];
   swap.window = load_recorded(*scenes_.of(window), window);
   swap.move = true;
+  swap.centre_z_m = recording_.rows()[next_row_].tick.centre_m.z();
   swap.centre_m = recording_.rows()[next_row_].tick.centre_m.head<2>();
   static_cast<void>(renderer_.apply(swap));
 }

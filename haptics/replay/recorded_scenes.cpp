@@ -17,6 +17,7 @@ namespace {
 bool fits(const WindowPlan& plan, const scene::SceneDescription& scene) {
   const auto level = static_cast<std::size_t>(plan.level);
   if (plan.level < 0 || level >= scene.levels.size() || plan.nx < 2 || plan.ny < 2) return false;
+  if (plan.around && scene.charts == nullptr) return false;
   const int beyond = 2 * scene::fall_nodes(scene::beyond_of(scene, view_of(plan)));
   return plan.nx <= scene.levels[level].nx + beyond && plan.ny <= scene.levels[level].ny + beyond;
 }

@@ -110,7 +110,9 @@ void Recorder::take(const Record& record) {
 // Cells count from the origin that all levels of a scene share. Another scene has cells of its own.
 void Recorder::touch(const Record& record) {
   if ((record.state.flags & kFlagOutside) != 0) return;
-  const int level = static_cast<int>(record.state.level);
+  // The charts of a whole object have one level.
+  const bool around = (record.state.flags & kFlagAround) != 0;
+  const int level = around ? 0 : static_cast<int>(record.state.level);
   const double spacing_m = std::ldexp(record.cell_m, -level);
   if (spacing_m != spacing_m_) {
     figures_.area_m2 += touched_area_m2();

@@ -49,6 +49,10 @@ enum Column : std::size_t {
   kGuideStored,
   kGuideSupplied,
   kScene,
+  kTurnX,
+  kTurnY,
+  kTurnZ,
+  kTurnW,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -81,7 +85,11 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "guide_y_n",
                                                            "guide_stored_j",
                                                            "guide_supplied_j",
-                                                           "scene"};
+                                                           "scene",
+                                                           "turn_x",
+                                                           "turn_y",
+                                                           "turn_z",
+                                                           "turn_w"};
 
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
@@ -162,6 +170,11 @@ constexpr Range range_of(Column column) {
     case kGuideStored:
     case kGuideSupplied:
       return {-1e3, 1e3};
+    case kTurnX:
+    case kTurnY:
+    case kTurnZ:
+    case kTurnW:
+      return {-1.0, 1.0};
     case kWorkspace:
       return {1e-3, 10.0};
     case kMaxForce:
@@ -176,17 +189,6 @@ constexpr Range range_of(Column column) {
       break;
   }
   return {0.0, 0.0};
-}
-
-std::string wrong_value(const std::array<std::size_t, kColumns>& place, const std::vector<double>& fields) {
-  for (std::size_t column = 0; column < kColumns; ++column) {
-    if (place[column] == kAbsent || column == kX || column == kY || column == kZ) continue;
-    const double value = fields[place[column]];
-    const Range range = range_of(static_cast<Column>(column));
-    if (value >= range.low && value <= range.high && (!range.whole || value == std::floor(value))) continue;
-    return "an impossible " + std::string(kNames[column]);
-  }
-  return "";
 }
 
 /// The fields of one line by their columns.
@@ -208,6 +210,24 @@ class Fields {
   const std::vector<double>& values_;
 };
 
+Eigen::Quaterniond turn_of(const Fields& fields) {
+  return {fields.at(kTurnW, 1.0), fields.at(kTurnX, 0.0), fields.at(kTurnY, 0.0), fields.at(kTurnZ, 0.0)};
+}
+
+std::string wrong_value(const std::array<std::size_t, kColumns>& place, const std::vector<double>& fields) {
+  for (std::size_t column = 0; column < kColumns; ++column) {
+    if (place[column] == kAbsent || column == kX || column == kY || column == kZ) continue;
+    const double value = fields[place[column]];
+    const Range range = range_of(static_cast<Column>(column));
+    if (value >= range.low && value <= range.high && (!range.whole || value == std::floor(value))) continue;
+    return "an impossible " + std::string(kNames[column]);
+  }
+  constexpr double kUnit = 1e-9;
+  const Eigen::Quaterniond turn = turn_of({place, fields});
+  if (!(std::abs(turn.norm() - 1.0) <= kUnit)) return "a turn that is no rotation";
+  return "";
+}
+
 bool has_windows(const std::array<std::size_t, kColumns>& place) {
   const bool has_ticks =
       std::all_of(place.begin() + kCentreX, place.begin() + kWindowI, [](std::size_t at) { return at != kAbsent; });
@@ -228,6 +248,7 @@ RecordedRow row_of(const Fields& fields) {
   row.tick.guide_n = {fields.at(kGuideX, 0.0), fields.at(kGuideY, 0.0)};
   row.tick.guide_stored_j = fields.at(kGuideStored, 0.0);
   row.tick.guide_supplied_j = fields.at(kGuideSupplied, 0.0);
+  row.tick.turn = turn_of(fields);
   row.tick.flags = fields.word(kFlags, static_cast<double>(kFlagHomed));
   return row;
 }
@@ -247,6 +268,7 @@ RecordedWindow window_of(const Fields& fields, std::uint64_t flags) {
   window.plan.effects.texture = (flags & kFlagTexture) != 0;
   window.plan.effects.friction = (flags & kFlagFriction) != 0;
   window.plan.impact = (flags & kFlagImpact) != 0;
+  window.plan.around = (flags & kFlagAround) != 0;
   window.plan.grain = (flags & kFlagGrain) != 0;
   window.plan.cues = (flags & kFlagCues) != 0;
   window.plan.beyond = scene::beyond_of((flags & kFlagFalls) != 0, (flags & kFlagRim) != 0);

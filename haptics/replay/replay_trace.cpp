@@ -32,6 +32,10 @@ TraceResult trace_recording(const RecordedScenes& scenes, const Recording& recor
     row.contact = state.contact != 0;
     row.level = static_cast<int>(state.level);
     row.tick_ns = elapsed.count();
+    if (run.renderer().window().object != nullptr) {
+      recorder.add(row, (state.flags & kFlagUnfinished) != 0);
+      continue;
+    }
     const MongeSurface& surface = *run.renderer().window().surface;
     ProxyUpdate found = run.renderer().found();
     found.unfinished = (state.flags & kFlagUnfinished) != 0;

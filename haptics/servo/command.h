@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "haptics/guide/guide_path.h"
 #include "haptics/state/spsc_queue.h"
@@ -12,6 +14,8 @@
 #include "scene/region_frame.h"
 
 namespace sparsha::haptics {
+
+struct ObjectSurface;
 
 using SurfacePointer = std::shared_ptr<const MongeSurface>;
 
@@ -24,6 +28,9 @@ struct Effects {
 /// The surface that is touched, and which nodes of which level it is.
 struct HapticWindow {
   SurfacePointer surface;
+  /// The whole object, which is touched instead of the surface; it lives as long as `surface`, which then gives the
+  /// scale alone. Null: one view.
+  const ObjectSurface* object = nullptr;
   int i0 = 0;  ///< of the level's lattice; nodes [i0, i0 + lattice.nx) x [j0, j0 + lattice.ny)
   int j0 = 0;
   int level_nx = 0;  ///< of the whole level; 0 = the window is all there is
@@ -41,14 +48,17 @@ struct Command {
     scroll,     ///< let the window's centre move with `scroll_m_per_s` until told otherwise
     stiffness,  ///< render with `stiffness_n_per_m`
     guide,      ///< lead the hand along `guide`; null: no longer
+    turn,       ///< a whole object is turned to `turn`, and let go of first
     drag,       ///< `on`: the window's centre moves with the hand, and nothing is touched, until told otherwise
   };
   Kind kind = Kind::scroll;
   HapticWindow window;
-  bool move = false;                                         ///< swap: the new centre is `centre_m`, not the one that
-                                                             ///< keeps the proxy's point of the scene under the hand
-  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();        ///< grid frame
-  Eigen::Vector3d scroll_m_per_s = Eigen::Vector3d::Zero();  ///< grid frame; never downwards in contact
+  bool move = false;                                   ///< swap: the new centre is `centre_m`, not the one that
+                                                       ///< keeps the proxy's point of the scene under the hand
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< grid frame
+  double centre_z_m = std::numeric_limits<double>::quiet_NaN();  ///< of a whole object; not finite: as it was
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();      ///< from the grid frame's axes to the device frame's
+  Eigen::Vector3d scroll_m_per_s = Eigen::Vector3d::Zero();      ///< grid frame; never downwards in contact
   double stiffness_n_per_m = 0.0;
   std::shared_ptr<const Guide> guide;  ///< whoever gives it keeps a share, so that the servo never frees it
   bool on = false;

@@ -12,6 +12,7 @@ double HapticRenderer::height_above_m(const Eigen::Vector3d& hip_m) const noexce
 }
 
 double HapticRenderer::away_m(const Eigen::Vector3d& hip_m) const noexcept {
+  if (window_.object != nullptr) return 0.0;
   const SurfaceEffects* effects = surface_->effects.get();
   if (effects == nullptr || effects->stone_m.empty()) return 0.0;
   const double across_m = effects->to_stone_m(hip_m.x(), hip_m.y());
@@ -22,7 +23,7 @@ double HapticRenderer::away_m(const Eigen::Vector3d& hip_m) const noexcept {
 }
 
 Guidance::Output HapticRenderer::guide(const Eigen::Vector3d& hip_m) noexcept {
-  if (guidance_.phase() == GuidePhase::off || dragging_ || !armed_) return {};
+  if (window_.object != nullptr || guidance_.phase() == GuidePhase::off || dragging_ || !armed_) return {};
   Guidance::Input input;
   input.hand_m = hip_m.head<2>();
   input.velocity_m_per_s = governor_.velocity().head<2>();

@@ -12,13 +12,6 @@ namespace {
 
 constexpr double kSlipFilter_s = 0.005;   // time constant of the published slip speed
 constexpr double kFarthestHand_m = 10.0;  // no hand is so far from its device
-constexpr double kSamePlace_m = 1e-9;
-
-Eigen::Vector3d point_on(const MongeSurface& surface, const Eigen::Vector2d& centre_m) noexcept {
-  const scene::Lattice& lattice = surface.lattice;
-  const double z = surface.height(centre_m.x() - lattice.origin_m.x(), centre_m.y() - lattice.origin_m.y());
-  return {centre_m.x(), centre_m.y(), lattice.origin_m.z() + z};
-}
 
 /// How much of `whole` is in `part`, along it, 0 to 1; 1 of nothing.
 double share_of(const Eigen::Vector3d& part, const Eigen::Vector3d& whole) noexcept {
@@ -33,10 +26,15 @@ HapticRenderer::HapticRenderer(const DeviceInfo& device, const RendererOptions& 
       options_(options),
       window_(std::move(window)),
       surface_(window_.surface.get()),
-      centre_m_(point_on(*surface_, surface_->centre_m.head<2>())),
+      centre_m_(point_on(surface_->centre_m.head<2>())),
       wish_n_per_m_(options.stiffness_n_per_m),
       stiffness_n_per_m_(0.0),
       governor_(device.limits) {
+  if (window_.object != nullptr) {
+    centre_m_ = window_.object->origin_m + window_.object->box_m.center();
+    placement_ = Placement{std::nullopt, centre_m_};
+    fade_.watch_always(true);
+  }
   record_.state.centre_m = to_array(centre_m_);
   record_.state.scale = surface_->scale;
 }
@@ -78,64 +76,6 @@ std::uint64_t HapticRenderer::find_place(const Eigen::Vector3d& local) noexcept 
   return flags;
 }
 
-// The hand and the surface under it keep their places in the device frame, so that a swap is not felt as a step:
-// c' = g_p - d_p / scale' across, and along z the new surface comes to where the old one was (ALGORITHMS "Pyramid and
-// window"). The rest of the way the proxy slides, and the force fades to its new value.
-void HapticRenderer::swap(Command& command) noexcept {
-  const MongeSurface& old = *surface_;
-  const Eigen::Vector3d proxy_grid_m = proxy_.position + old.lattice.origin_m;
-  const Eigen::Vector3d proxy_device_m = (proxy_grid_m - centre_m_) * old.scale;
-  const double below_m = proxy_.contact ? proxy_grid_m.z()
-                                        : old.lattice.origin_m.z() +
-                                              touched_height(old, proxy_.position.x(), proxy_.position.y(), shape());
-  const double surface_device_m = (below_m - centre_m_.z()) * old.scale;
-  const double old_scale = old.scale;
-  const Eigen::Vector2d old_centre_m = centre_m_.head<2>();
-
-  swapped_ = true;
-  std::swap(window_, command.window);  // the old surface leaves with the command
-  surface_ = window_.surface.get();
-  const MongeSurface& fresh = *surface_;
-  if (command.move && command.centre_m.allFinite())
-    centre_m_.head<2>() = command.centre_m;
-  else
-    centre_m_.head<2>() = proxy_grid_m.head<2>() - proxy_device_m.head<2>() / fresh.scale;
-  // Fresh tiles of the same view leave the hand where it is on the line; any other view does not.
-  const double moved_m = fresh.scale * (centre_m_.head<2>() - old_centre_m).norm();
-  if (fresh.scale != old_scale || moved_m > kSamePlace_m) guidance_.interrupt();
-  guided_at_m_ = centre_m_.head<2>();
-  if (!placed_) {
-    centre_m_ = point_on(fresh, centre_m_.head<2>());
-    return;
-  }
-  const Eigen::Vector2d place = centre_m_.head<2>() + proxy_device_m.head<2>() / fresh.scale;
-  const Eigen::Vector2d local = place - fresh.lattice.origin_m.head<2>();
-  const double height = touched_height(fresh, local.x(), local.y(), shape());
-  centre_m_.z() = fresh.lattice.origin_m.z() + height - surface_device_m / fresh.scale;
-  const double z = centre_m_.z() + proxy_device_m.z() / fresh.scale - fresh.lattice.origin_m.z();
-  move_proxy(proxy_, {local.x(), local.y(), proxy_.contact ? height : std::max(z, height)}, old_scale / fresh.scale);
-  effects_.swap();
-  if (!dragging_) begin_fade();
-}
-
-// What the new surface gives for the same hand tells how far the force is to go. Where it is another force, static
-// friction holds no longer: a hand that breaks loose later feels a second step. The proxy stays where it is; the next
-// tick finds its way, in a replay too.
-void HapticRenderer::begin_fade() noexcept {
-  const Eigen::Vector3d hip_local = centre_m_ + hand_m_ / surface_->scale - surface_->lattice.origin_m;
-  const auto force_n = [&](ProxyState proxy) -> Eigen::Vector3d {
-    const ProxyUpdate fresh = solve(hip_local, proxy);
-    if (!fresh.contact) return Eigen::Vector3d::Zero();
-    return stiffness_n_per_m_ * surface_->scale * (fresh.position - hip_local);
-  };
-  Eigen::Vector3d fresh_n = force_n(proxy_);
-  if (proxy_.sticking && SwapFade::is_felt(felt_n_, fresh_n)) {
-    proxy_.sticking = false;
-    fresh_n = force_n(proxy_);
-  }
-  fade_.begin(felt_n_, fresh_n, hand_m_, stiffness_n_per_m_);
-}
-
 SurfacePointer HapticRenderer::apply(Command& command) noexcept {
   SurfacePointer retired;
   switch (command.kind) {
@@ -152,6 +92,9 @@ SurfacePointer HapticRenderer::apply(Command& command) noexcept {
     case Command::Kind::guide:
       guidance_.set(std::move(command.guide));
       break;
+    case Command::Kind::turn:
+      turn_object(command.turn);
+      break;
     case Command::Kind::drag:
       letting_go_ = dragging_ && !command.on;
       if (command.on) set_dragging(true);
@@ -163,34 +106,6 @@ SurfacePointer HapticRenderer::apply(Command& command) noexcept {
 
 bool HapticRenderer::is_place(const DeviceSample& sample) noexcept {
   return sample.position_m.allFinite() && sample.position_m.cwiseAbs().maxCoeff() < kFarthestHand_m;
-}
-
-// What was felt fades, as after a swap.
-void HapticRenderer::set_dragging(bool on) noexcept {
-  if (on && !dragging_ && placed_)
-    fade_.begin(felt_n_, Eigen::Vector3d::Zero(), hand_m_, std::max(stiffness_n_per_m_, 1.0));
-  if (on) guidance_.interrupt();
-  dragging_ = on;
-  if (!on) letting_go_ = false;
-}
-
-// The place of the scene under the hand stays under it, as far as the level reaches.
-void HapticRenderer::drag(const Eigen::Vector3d& hand_m) noexcept {
-  centre_m_.head<2>() -= (hand_m - hand_m_).head<2>() / surface_->scale;
-  const scene::Lattice& lattice = surface_->lattice;
-  const Eigen::Vector2d low = lattice.origin_m.head<2>() - Eigen::Vector2d(window_.i0, window_.j0) * lattice.spacing_m;
-  const Eigen::Vector2d nodes(window_.level_nx > 0 ? window_.level_nx : lattice.nx,
-                              window_.level_ny > 0 ? window_.level_ny : lattice.ny);
-  const Eigen::Vector2d high = low + (nodes - Eigen::Vector2d::Ones()) * lattice.spacing_m;
-  centre_m_.head<2>() = centre_m_.head<2>().cwiseMax(low).cwiseMin(high);
-}
-
-// The stone comes back where the hand is in the air; a hand that would be inside lies on the surface.
-void HapticRenderer::let_go(const Eigen::Vector3d& hand_m) noexcept {
-  const Eigen::Vector3d hip_local = centre_m_ + hand_m / surface_->scale - surface_->lattice.origin_m;
-  const double height = touched_height(*surface_, hip_local.x(), hip_local.y(), shape());
-  centre_m_.z() += std::max(0.0, height - hip_local.z());
-  set_dragging(false);
 }
 
 // A position that cannot be used: no force, no rendering, and no force again before the hand has been in free space.
@@ -303,12 +218,12 @@ double HapticRenderer::wished_stiffness() noexcept {
   return effects_.stiffness(wish_n_per_m_, share, to_vector(record_.state.place_m), *effects);
 }
 
-void HapticRenderer::render(const DeviceSample& sample) noexcept {
-  State& state = record_.state;
+HapticRenderer::Touched HapticRenderer::touch_view() noexcept {
   const scene::Lattice& lattice = surface_->lattice;
+  Touched touched;
   // In the grid frame first: `trace` starts from the same number.
-  const Eigen::Vector3d hip_m = centre_m_ + hand_m_ / surface_->scale;
-  const Eigen::Vector3d hip_local = hip_m - lattice.origin_m;
+  touched.hip_m = centre_m_ + hand_m_ / surface_->scale;
+  const Eigen::Vector3d hip_local = touched.hip_m - lattice.origin_m;
   if (!placed_) {
     proxy_ = start_proxy(*surface_, hip_local);
     placed_ = true;
@@ -320,16 +235,23 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   dragged_ = dragging_;
   const Eigen::Vector3d before = proxy_.position;
   found_ = dragging_ ? ProxyUpdate{.position = hip_local} : solve(hip_local, proxy_);
-  const Eigen::Vector3d away = found_.contact ? Eigen::Vector3d(found_.position - hip_local) : Eigen::Vector3d::Zero();
-  const Eigen::Vector3d force_n = stiffness_n_per_m_ * surface_->scale * away;
+  touched.away = found_.contact ? Eigen::Vector3d(found_.position - hip_local) : Eigen::Vector3d::Zero();
+  touched.travelled = found_.position - before;
+  touched.normal = found_.normal;
   // A free proxy is the hand itself, to the last bit.
-  const Eigen::Vector3d proxy_m =
-      found_.position == hip_local ? hip_m : Eigen::Vector3d(found_.position + lattice.origin_m);
+  touched.proxy_m = found_.position == hip_local ? touched.hip_m : Eigen::Vector3d(found_.position + lattice.origin_m);
+  return touched;
+}
 
-  state.penetration_m = surface_->scale * away.norm();
-  state.hip_m = to_array(hip_m);
-  state.proxy_m = to_array(proxy_m);
-  state.normal = to_array(found_.normal);
+void HapticRenderer::render(const DeviceSample& sample) noexcept {
+  State& state = record_.state;
+  const Touched touched = window_.object != nullptr ? touch_object() : touch_view();
+  const Eigen::Vector3d force_n = stiffness_n_per_m_ * surface_->scale * touched.away;
+
+  state.penetration_m = surface_->scale * touched.away.norm();
+  state.hip_m = to_array(touched.hip_m);
+  state.proxy_m = to_array(touched.proxy_m);
+  state.normal = to_array(touched.normal);
   state.force_n = to_array(force_n);
   state.friction_coefficient = found_.mu_dynamic;
   state.contact = found_.contact ? 1 : 0;
@@ -339,7 +261,7 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   ContactEvents::Input contact;
   contact.time_s = sample.time_s;
   contact.hand_m = hand_m_;
-  contact.proxy_m = proxy_m;
+  contact.proxy_m = touched.proxy_m;
   contact.place_m = state.place_m;
   contact.normal = found_.normal;
   contact.stiffness_n_per_m = stiffness_n_per_m_;
@@ -350,36 +272,29 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   if (sample.fresh) event_ = events_.update(contact);  // a stale place says nothing about speed
 
   const Eigen::Vector3d moved_m =
-      found_.contact ? Eigen::Vector3d(surface_->scale * (found_.position - before)) : Eigen::Vector3d::Zero();
-  GovernorInput input = governor_input(sample, surface_->scale * away, force_n);
+      found_.contact ? Eigen::Vector3d(surface_->scale * touched.travelled) : Eigen::Vector3d::Zero();
+  GovernorInput input = governor_input(sample, surface_->scale * touched.away, force_n);
   add_effects(input, moved_m);
-  add_guide(input, hip_m, sample.fresh);
+  add_guide(input, touched.hip_m, sample.fresh);
   state.cues = effects_.cues().counts();
-  state.away_m = away_m(hip_m);
+  state.away_m = away_m(touched.hip_m);
   const GovernorOutput output = governor_.update(input);
   armed_ = output.armed;
   // A swap's fade takes from the surface's force, the governor from the whole.
   state.given_share = share_of(felt_n_, force_n) * share_of(output.force_n, input.force_n);
   if (event_ && !output.armed) event_->peak_force_n = 0.0;
 
-  const double travel_m = found_.contact ? surface_->scale * (found_.position - before).norm() : 0.0;
+  const double travel_m = found_.contact ? surface_->scale * touched.travelled.norm() : 0.0;
   slip_speed_ += (travel_m / record_.period_s - slip_speed_) * std::min(1.0, record_.period_s / kSlipFilter_s);
   state.slip_speed_m_per_s = found_.contact ? slip_speed_ : 0.0;
   state.commanded_force_n = to_array(output.force_n);
-  place_flags_ = find_place(found_.position);
+  place_flags_ = window_.object != nullptr ? find_place_on_object() : find_place(found_.position);
   state.flags |= place_flags_;
   if (found_.sticking) state.flags |= kFlagSticking;
   if (found_.unfinished) state.flags |= kFlagUnfinished;
   if (output.saturated) state.flags |= kFlagSaturated;
   if (output.armed) state.flags |= kFlagArmed;
   if (!sample.fresh) state.flags |= kFlagStale;
-}
-
-// Ticks that were missed do not let the window jump.
-void HapticRenderer::scroll() noexcept {
-  Eigen::Vector3d step = scroll_m_per_s_ * step_s();
-  if (proxy_.contact) step.z() = std::max(0.0, step.z());  // the window never presses the hand into the stone
-  centre_m_ += step;
 }
 
 void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s) noexcept {
@@ -391,8 +306,12 @@ void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s)
     last_time_s_ = sample.time_s;
   }
   pace_s_ = governor_.pace_s(nominal_period_s);
-  if (!swapped_ && !dragging_) scroll();
-  if (dragging_ && placed_ && sample.homed && is_place(sample)) {
+  const bool found_hand = sample.homed && is_place(sample);
+  if (placement_ && found_hand)
+    place_object(sample.position_m);
+  else if (!swapped_ && !dragging_)
+    scroll();
+  if (dragging_ && placed_ && found_hand) {
     drag(sample.position_m);
     if (letting_go_) let_go(sample.position_m);
   }
@@ -403,6 +322,9 @@ void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s)
 
 void HapticRenderer::replay(const DeviceSample& sample, const RecordedTick& recorded) noexcept {
   set_dragging((recorded.flags & kFlagDragged) != 0);
+  placement_.reset();
+  if (window_.object != nullptr && (recorded.flags & kFlagPlaced) != 0) release();
+  if (window_.object != nullptr) object_.set_turn(recorded.turn);
   centre_m_ = recorded.centre_m;
   stiffness_n_per_m_ = recorded.stiffness_n_per_m;
   record_.period_s = recorded.period_s;
@@ -429,8 +351,12 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
   state.scene = window_.scene;
   state.scale = surface_->scale;
   state.centre_m = to_array(centre_m_);
+  const Eigen::Vector4d turn = object_.turn().coeffs();
+  state.turn = {turn.x(), turn.y(), turn.z(), turn.w()};
   state.flags &= static_cast<std::uint64_t>(kFlagRealTime);
   if (sample.homed) state.flags |= kFlagHomed;
+  if (window_.object != nullptr) state.flags |= kFlagAround;
+  if (std::exchange(placed_anew_, false)) state.flags |= kFlagPlaced;
   if (window_.effects.texture) state.flags |= kFlagTexture;
   if (window_.effects.friction) state.flags |= kFlagFriction;
   if (shape() == CellShape::rounded) state.flags |= kFlagRounded;
@@ -449,14 +375,20 @@ void HapticRenderer::describe_tick(const DeviceSample& sample) noexcept {
 
 void HapticRenderer::rehearse() const noexcept {
   if (!placed_) return;
+  if (window_.object != nullptr) return rehearse_object();
   const Eigen::Vector3d hip_local = centre_m_ + hand_m_ / surface_->scale - surface_->lattice.origin_m;
   ProxyState proxy = proxy_;
   const ProxyUpdate found = solve(hip_local, proxy);
+  govern_once_more(found, found.position - hip_local);
+}
+
+// `away`: from the hand to the proxy, as in Touched.
+void HapticRenderer::govern_once_more(const ProxyUpdate& found, const Eigen::Vector3d& away) const noexcept {
   GovernorInput input;
   input.position_m = hand_m_;
   input.contact = found.contact;
   input.normal = found.normal;
-  if (found.contact) input.force_n = stiffness_n_per_m_ * surface_->scale * (found.position - hip_local);
+  if (found.contact) input.force_n = stiffness_n_per_m_ * surface_->scale * away;
   input.proxy_m = hand_m_ + input.force_n / std::max(stiffness_n_per_m_, 1.0);
   input.stiffness_n_per_m = stiffness_n_per_m_;
   input.period_s = record_.nominal_period_s;
@@ -487,6 +419,7 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
   if (!sample.homed) {
     // Counts from power-up say nothing: not even the renderer may use them, and the proxy starts anew after homing.
     placed_ = false;
+    if (window_.object != nullptr && !placement_) placement_.emplace();
     render_invalid_sample(sample);
   } else if (!finite) {
     render_invalid_sample(sample);

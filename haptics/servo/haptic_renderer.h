@@ -16,6 +16,7 @@
 #include "haptics/proxy/proxy.h"
 #include "haptics/servo/command.h"
 #include "haptics/servo/contact_events.h"
+#include "haptics/servo/object_hand.h"
 #include "haptics/servo/record.h"
 #include "haptics/servo/swap_fade.h"
 #include "haptics/state/state.h"
@@ -40,7 +41,8 @@ struct RecordedTick {
   double period_s = 0.001;          ///< that the governor saw
   double nominal_period_s = 0.001;  ///< of the recorded servo's plan
   std::uint64_t command = 0;
-  std::uint64_t flags = 0;                            ///< StateFlag bits of the recorded tick
+  std::uint64_t flags = 0;  ///< StateFlag bits of the recorded tick
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
   Eigen::Vector2d guide_n = Eigen::Vector2d::Zero();  ///< what State holds of the guide
   double guide_stored_j = 0.0;
   double guide_supplied_j = 0.0;
@@ -75,7 +77,8 @@ class HapticRenderer {
   /// What the last update had to say.
   [[nodiscard]] const std::optional<ContactEvent>& event() const noexcept { return event_; }
   [[nodiscard]] const HapticWindow& window() const noexcept { return window_; }
-  /// What the last rendered tick found, local frame of the window.
+  /// What the last rendered tick found, local frame of the window; of a whole object the place in its frame, and the
+  /// normal along the axes of the device.
   [[nodiscard]] const ProxyUpdate& found() const noexcept { return found_; }
   /// What lies between the nodes for the solver at work.
   [[nodiscard]] CellShape shape() const noexcept;
@@ -84,6 +87,33 @@ class HapticRenderer {
   [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_; }
 
  private:
+  /// What a tick has found under the hand.
+  struct Touched {
+    Eigen::Vector3d hip_m;      // grid frame
+    Eigen::Vector3d proxy_m;    // likewise
+    Eigen::Vector3d away;       // from the hand to the proxy, grid metres along the axes of the device
+    Eigen::Vector3d travelled;  // of the proxy since the last tick, likewise
+    Eigen::Vector3d normal;     // grid frame
+  };
+  /// A whole object that is to be turned or moved under the hand.
+  struct Placement {
+    std::optional<Eigen::Quaterniond> turn;
+    std::optional<Eigen::Vector3d> centre_m;
+  };
+  [[nodiscard]] Touched touch_view() noexcept;
+  [[nodiscard]] Touched touch_object() noexcept;
+  [[nodiscard]] Eigen::Vector3d hip_on_object_m(const Eigen::Vector3d& hand_m) const noexcept;
+  void swap_object(Command& command) noexcept;
+  void leave_object(const Command& command) noexcept;
+  void place_object(const Eigen::Vector3d& hand_m) noexcept;
+  void release() noexcept;
+  void turn_object(const Eigen::Quaterniond& turn) noexcept;
+  void drag_object(const Eigen::Vector3d& hand_m) noexcept;
+  void lift(const Eigen::Vector3d& hand_m) noexcept;
+  [[nodiscard]] Eigen::Vector3d point_on(const Eigen::Vector2d& centre_m) const noexcept;
+  void rehearse_object() const noexcept;
+  void govern_once_more(const ProxyUpdate& found, const Eigen::Vector3d& away) const noexcept;
+  [[nodiscard]] std::uint64_t find_place_on_object() noexcept;
   void swap(Command& command) noexcept;
   void scroll() noexcept;
   /// What this tick counts as in time constants: a gap is one tick.
@@ -113,8 +143,12 @@ class HapticRenderer {
   DeviceInfo device_;
   RendererOptions options_;
   HapticWindow window_;
-  const MongeSurface* surface_;  // window_.surface.get()
-  Eigen::Vector3d centre_m_;     // grid point at the device frame's origin
+  const MongeSurface* surface_;         // window_.surface.get()
+  Eigen::Vector3d centre_m_;            // grid point at the device frame's origin
+  ObjectHand object_;                   // of a window that has an object
+  std::optional<Placement> placement_;  // until a hand position is known
+  AroundUpdate around_;                 // what the last rendered tick found
+  bool placed_anew_ = false;            // before this tick
   Eigen::Vector3d scroll_m_per_s_ = Eigen::Vector3d::Zero();
   double wish_n_per_m_;
   double stiffness_n_per_m_;  // of this tick

@@ -15,6 +15,8 @@ constexpr double kAim_s = 0.105;
 constexpr double kShortest_s = 0.020;
 constexpr double kSettled_s = 0.300;    // since the swap; then a hand that slips does so by itself
 constexpr double kSteep = 1.0;          // times its own stiffness is as much as a motion explains
+constexpr double kSteepEdge = 4.0;      // likewise on a whole object, whose curved places turn the force as well
+constexpr double kKick_n = 0.05;        // of a hand at rest there
 constexpr double kWhole_n = 0.3;        // smaller changes take less time
 constexpr double kNothing_n = 0.01;     // is not felt
 constexpr double kStep_n = 0.034;       // most per tick
@@ -95,21 +97,28 @@ Vector3d SwapFade::mean(const Vector3d& fresh_n, const Vector3d& hand_m, double 
 
 /// Did the new surface's force change by more than the hand's own motion explains? On the way to its new rest a hand
 /// breaks loose from static friction or is let off a ridge.
-bool SwapFade::jumps(const Vector3d& fresh_n, const Vector3d& hand_m, double stiffness_n_per_m) const noexcept {
+bool SwapFade::jumps(const Vector3d& fresh_n, const Vector3d& hand_m, double stiffness_n_per_m,
+                     const Explained& explained) const noexcept {
   const double moved_n = stiffness_n_per_m * (hand_m - last_m_).norm();
   const double stiffened_n = std::abs(stiffness_n_per_m - stiffness_n_per_m_) / stiffness_n_per_m * fresh_n.norm();
-  return (fresh_n - fresh_n_).norm() > kNothing_n + kSteep * moved_n + stiffened_n;
+  return (fresh_n - fresh_n_).norm() > explained.still_n + explained.steepness * moved_n + stiffened_n;
 }
 
 Vector3d SwapFade::apply(const Vector3d& fresh_n, const Vector3d& hand_m, double stiffness_n_per_m,
                          double period_s) noexcept {
-  if (!watching_) return fresh_n;
+  if (!watching_ && !always_) return fresh_n;
+  const bool after_swap = watching_;
   since_swap_s_ += period_s;
   watching_ = active_ || since_swap_s_ < kSettled_s;
-  if (since_swap_s_ < kSettled_s && stiffness_n_per_m > 0.0 && (hand_m - begun_m_).norm() < kNear_m &&
-      jumps(fresh_n, hand_m, stiffness_n_per_m)) {
+  if (after_swap && since_swap_s_ < kSettled_s && stiffness_n_per_m > 0.0 && (hand_m - begun_m_).norm() < kNear_m &&
+      jumps(fresh_n, hand_m, stiffness_n_per_m, {kSteep, kNothing_n})) {
     fade(felt_n_, fresh_n, last_m_, stiffness_n_per_m, std::clamp(kAim_s - since_swap_s_, kShortest_s, kDuration_s));
+  } else if (always_ && knows_ && stiffness_n_per_m > 0.0 &&
+             jumps(fresh_n, hand_m, stiffness_n_per_m, {kSteepEdge, kKick_n})) {
+    begun_m_ = hand_m;
+    fade(felt_n_, fresh_n, last_m_, stiffness_n_per_m, kDuration_s);
   }
+  knows_ = true;
   felt_n_ = mean(fresh_n, hand_m, stiffness_n_per_m, period_s);
   fresh_n_ = fresh_n;
   stiffness_n_per_m_ = stiffness_n_per_m;

@@ -17,9 +17,15 @@ class SwapFade {
   /// fade runs: `old_n` is then a mean of the two before.
   void begin(const Eigen::Vector3d& old_n, const Eigen::Vector3d& fresh_n, const Eigen::Vector3d& hand_m,
              double stiffness_n_per_m) noexcept;
-  void end() noexcept { active_ = watching_ = false; }
+  void end() noexcept { active_ = watching_ = knows_ = false; }
+  /// From now on every change of force that the hand's motion does not explain fades in, not only those after a swap: a
+  /// whole object has edges, and ends.
+  void watch_always(bool on) noexcept {
+    always_ = on;
+    knows_ = false;
+  }
   /// Until the hand has settled on the new surface; apply() changes nothing otherwise.
-  [[nodiscard]] bool active() const noexcept { return watching_; }
+  [[nodiscard]] bool active() const noexcept { return watching_ || always_; }
 
   /// The force of this tick from the new surface's. One step of the fade.
   [[nodiscard]] Eigen::Vector3d apply(const Eigen::Vector3d& fresh_n, const Eigen::Vector3d& hand_m,
@@ -28,13 +34,21 @@ class SwapFade {
  private:
   void fade(const Eigen::Vector3d& old_n, const Eigen::Vector3d& fresh_n, const Eigen::Vector3d& hand_m,
             double stiffness_n_per_m, double duration_s) noexcept;
-  [[nodiscard]] bool jumps(const Eigen::Vector3d& fresh_n, const Eigen::Vector3d& hand_m,
-                           double stiffness_n_per_m) const noexcept;
   [[nodiscard]] Eigen::Vector3d mean(const Eigen::Vector3d& fresh_n, const Eigen::Vector3d& hand_m,
                                      double stiffness_n_per_m, double period_s) noexcept;
   [[nodiscard]] double step(const Eigen::Vector3d& old_n, const Eigen::Vector3d& way_n, double changed_n,
                             double travel_m, double period_s) const noexcept;
 
+  /// Most that the hand's motion explains, in its stiffness, and what counts without any motion.
+  struct Explained {
+    double steepness;
+    double still_n;
+  };
+  [[nodiscard]] bool jumps(const Eigen::Vector3d& fresh_n, const Eigen::Vector3d& hand_m, double stiffness_n_per_m,
+                           const Explained& explained) const noexcept;
+
+  bool always_ = false;
+  bool knows_ = false;     // the last tick's force
   bool watching_ = false;  // for jumps of a hand that settles
   bool active_ = false;
   double since_swap_s_ = 0.0;

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "haptics/state/stone_gives.h"
+#include "haptics/state/vectors.h"
 #include "scene/regions.h"
 #include "scene/scene.h"
 
@@ -15,6 +16,15 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr double kSilence_s = 1.0;  // the same thing is said again only after so long an absence
+
+/// The side of an object that looks most in a direction of the grid frame.
+Phrase side_of(const Eigen::Vector3d& direction) {
+  constexpr std::array<std::array<Phrase, 2>, 3> kSides{
+      {{"side_right", "side_left"}, {"side_up", "side_down"}, {"side_front", "side_back"}}};
+  Eigen::Index axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return kSides.at(static_cast<std::size_t>(axis)).at(direction[axis] < 0.0 ? 1 : 0);
+}
 
 }  // namespace
 
@@ -113,6 +123,11 @@ std::string Announcer::view_text(const View& view) const {
                        {{"distance", phrases_.distance(view.width_m)}, {"size", size}});
 }
 
+void Announcer::say_turned(const Eigen::Quaterniond& device_from_grid) {
+  const Eigen::Vector3d towards = device_from_grid.conjugate() * Eigen::Vector3d::UnitZ();
+  say("turned", {{"side", phrases_.text(side_of(towards))}});
+}
+
 void Announcer::say_view(const View& view) { say_as_is(view_text(view)); }
 
 void Announcer::say_first(const View& view) { say("first_words", {{"view", view_text(view)}}); }
@@ -161,8 +176,12 @@ void Announcer::describe(const State& state, const View& view) {
     contact += ", " + phrases_.text("outside");
   else if ((state.flags & kFlagUnknownArea) != 0)
     contact += ", " + phrases_.text("not_measured");
+  std::string place = phrases_.text(place_on_stone(state));
+  if ((state.flags & kFlagAround) != 0 && state.contact != 0)
+    place =
+        phrases_.text("place_on_side", {{"side", phrases_.text(side_of(to_vector(state.normal)))}, {"place", place}});
   const PhraseValues values{{"part", here ? part(*here).say : std::string()},
-                            {"place", phrases_.text(place_on_stone(state))},
+                            {"place", place},
                             {"view", view_text(view)},
                             {"contact", contact}};
   say(here ? Phrase("where_part") : Phrase("where"), values);

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "haptics/around/object_surface.h"
+#include "haptics/state/vectors.h"
 #include "scene/regions.h"
 #include "scene/scene.h"
 
@@ -21,6 +23,8 @@ constexpr double kFastestScroll = 0.5;  // workspace widths a second, at the ver
 constexpr double kScrollStep = 0.05;    // changes smaller than this share of the fastest are not sent
 
 Eigen::Vector2d across(const std::array<double, 3>& v) { return {v[0], v[1]}; }
+
+Eigen::Quaterniond turn_of(const State& state) { return {state.turn[3], state.turn[0], state.turn[1], state.turn[2]}; }
 
 /// Whether a part is surely at a place of the grid: of an object that was turned, the middle of the part is.
 bool lies_in(const scene::SceneDescription& scene, std::size_t part, const scene::PartPlace& place,
@@ -38,12 +42,25 @@ CentreRange centre_range(const scene::SceneDescription& scene, const scene::Latt
           Eigen::Vector3d(level.x_m(level.nx - 1), level.y_m(level.ny - 1), scene.height_max_m) - half_m};
 }
 
+AroundView around_view(const Eigen::AlignedBox3d& box_m, const State& state, double width_m) {
+  const Eigen::Matrix3d device_from_grid = turn_of(state).toRotationMatrix();
+  AroundView view;
+  view.centre_m = device_from_grid * (to_vector(state.centre_m) - box_m.center());
+  view.box_half_m = device_from_grid.cwiseAbs() * (0.5 * box_m.sizes());
+  const Eigen::Vector3d window_half_m(0.5 * width_m, 0.5 * width_m, kBubble * width_m);
+  view.range.high_m = (view.box_half_m - window_half_m).cwiseMax(0.0);
+  view.range.low_m = -view.range.high_m;
+  return view;
+}
+
 Navigator::Navigator(scene::ScenePointer scene, double workspace_width_m, const Effects& effects, Announcer& announcer)
     : scene_(std::move(scene)),
       workspace_width_m_(workspace_width_m),
       effects_(effects),
       announcer_(announcer),
-      plan_(first_plan()) {}
+      plan_(first_plan()) {
+  know_object();
+}
 
 const scene::Lattice& Navigator::level(int index) const {
   return scene_->description().levels.at(static_cast<std::size_t>(index));
@@ -100,11 +117,63 @@ WindowLoader::Job Navigator::move(Eigen::Vector2d centre_m) {
 }
 
 WindowLoader::Job Navigator::move(const WindowPlan& plan, const Eigen::Vector2d& centre_m) {
-  goal_m_ = centre_m;
+  goal_m_ = Eigen::Vector3d(centre_m.x(), centre_m.y(), 0.0);
   WindowLoader::Job result = job(plan);
   result.command.move = true;
   result.command.centre_m = centre_m;
   return result;
+}
+
+void Navigator::know_object() {
+  const scene::SceneDescription& scene = scene_->description();
+  box_m_.reset();
+  if (!touches_all_around(scene)) return;
+  Eigen::AlignedBox3d box = box_of(*scene.charts);
+  box.translate(scene.charts->origin_m);
+  box_m_ = box;
+}
+
+WindowLoader::Job Navigator::move_object(const Eigen::Vector3d& centre_m) {
+  const Eigen::Vector3d within_m = centre_m.cwiseMax(box_m_->min()).cwiseMin(box_m_->max());
+  return move_object(plan_at({plan_.level, plan_.nodes}, within_m.head<2>()), within_m);
+}
+
+WindowLoader::Job Navigator::move_object(const WindowPlan& plan, const Eigen::Vector3d& centre_m) {
+  WindowLoader::Job result = move(plan, centre_m.head<2>());
+  goal_m_ = centre_m;
+  result.command.centre_z_m = centre_m.z();
+  return result;
+}
+
+// Across the view as the object is turned now, or to a place of the grid at the depth of the present one.
+std::optional<WindowLoader::Job> Navigator::wish_for_object(const Request& request, const State& state) {
+  const Eigen::Vector3d from_m = goal_m_.value_or(to_vector(state.centre_m));
+  if (request.kind == Request::Kind::move_to) return move_object({request.x, request.y, from_m.z()});
+  const Eigen::Vector3d way_m = turn_of(state).conjugate() * Eigen::Vector3d(request.x, request.y, 0.0) * width_m();
+  return move_object(from_m + way_m);
+}
+
+std::optional<Command> Navigator::turn(const Request& request) {
+  constexpr double kMost_deg = 360.0;
+  constexpr double kRadians = 3.14159265358979323846 / 180.0;
+  if (!box_m_) {
+    announcer_.say("turn_one_view");
+    return std::nullopt;
+  }
+  const Eigen::Vector3d way_deg(request.x, request.y, request.z);
+  if (request.kind == Request::Kind::turn_back) {
+    turn_.setIdentity();
+  } else {
+    const double angle_deg = way_deg.norm();
+    if (!(angle_deg > 0.0 && angle_deg <= kMost_deg)) return std::nullopt;
+    turn_ = Eigen::AngleAxisd(kRadians * angle_deg, way_deg / angle_deg) * turn_;
+    turn_.normalize();
+  }
+  announcer_.say_turned(turn_);
+  Command command;
+  command.kind = Command::Kind::turn;
+  command.turn = turn_;
+  return command;
 }
 
 View Navigator::view_of(const WindowPlan& plan, View::Kind between) const {
@@ -116,11 +185,12 @@ View Navigator::view_of(const WindowPlan& plan, View::Kind between) const {
 
 WindowLoader::Job Navigator::whole_scene() {
   const WindowPlan plan = first_plan();
+  if (box_m_) return move_object(plan, box_m_->center());
   return move(plan, middle_of(level(plan.level)));
 }
 
 Eigen::Vector2d Navigator::hand_m(const State& state) const {
-  return goal_m_ ? Eigen::Vector2d(*goal_m_ + across(state.device_m) / plan_.scale) : across(state.hip_m);
+  return goal_m_ ? Eigen::Vector2d(goal_m_->head<2>() + across(state.device_m) / plan_.scale) : across(state.hip_m);
 }
 
 // To the nearest view that shows the whole part. The window brings the part to the device's centre: said is the way
@@ -153,6 +223,7 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   const Eigen::Vector2d way_m = -across(state.device_m);
   const Eigen::Vector2d hand_m = centre_m - way_m / plan.scale;
   announcer_.say_part(part_ - 1, way_m, lies_in(scene_->description(), part_ - 1, *place, hand_m));
+  if (box_m_) return move_object(plan, {centre_m.x(), centre_m.y(), state.centre_m[2]});
   return move(plan, centre_m);
 }
 
@@ -175,10 +246,13 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       return part(-1, state);
     case Request::Kind::pan:
       if (!finite()) return std::nullopt;
+      if (box_m_) return wish_for_object(request, state);
       // Several keys may come before the servo has answered the first.
-      return move(goal_m_.value_or(centre_m) + Eigen::Vector2d(request.x, request.y) * width_m());
+      return move((goal_m_ ? Eigen::Vector2d(goal_m_->head<2>()) : centre_m) +
+                  Eigen::Vector2d(request.x, request.y) * width_m());
     case Request::Kind::move_to:
       if (!finite()) return std::nullopt;
+      if (box_m_) return wish_for_object(request, state);
       return move({request.x, request.y});
     case Request::Kind::scroll:
       if (finite()) asked_ = {request.x, request.y};
@@ -197,10 +271,6 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       plan.effects = effects_;
       return job(plan);
     }
-    case Request::Kind::turn:
-    case Request::Kind::turn_back:
-      announcer_.say("turn_one_view");
-      return std::nullopt;
     default:
       return std::nullopt;
   }
@@ -208,13 +278,17 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
 
 WindowLoader::Job Navigator::change_scene(scene::ScenePointer scene) {
   const bool only_labels = scene::same_ground(scene_->description(), scene->description());
+  const auto charts = scene_->description().charts;
   scene_ = std::move(scene);
+  if (charts != scene_->description().charts) turn_.setIdentity();
+  know_object();
   announcer_.set_scene(scene_);
   part_ = 0;
   return only_labels ? job(plan_) : whole_scene();
 }
 
 std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {
+  if (box_m_) return std::nullopt;  // the whole object is there
   const scene::Lattice& lattice = level(plan_.level);
   const Eigen::Vector2d node = (across(state.proxy_m) - lattice.origin_m.head<2>()) / lattice.spacing_m;
   // A border counts only when the level goes on beyond it.
@@ -229,25 +303,55 @@ std::optional<WindowLoader::Job> Navigator::follow(const State& state) const {
   return job(plan);
 }
 
-std::optional<Command> Navigator::scroll(const State& state) {
-  const double width = workspace_width_m_ / state.scale;  // of the workspace, grid frame
-  // The centre goes no further than brings the scene's edges to the workspace's, its highest and lowest points in
-  // reach.
-  const auto [low, high] = centre_range(scene_->description(), level(plan_.level), width);
-  const double fastest = kFastestScroll * width;
-  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
+// What the hand at the workspace's rim asks for, device frame.
+Eigen::Vector3d Navigator::rim_speed(const State& state) const {
+  const double fastest = kFastestScroll * workspace_width_m_ / state.scale;
+  Eigen::Vector3d speed;
   for (int axis = 0; axis < 3; ++axis) {
     const double place = state.device_m[static_cast<std::size_t>(axis)] / workspace_width_m_;
     const double depth = std::clamp((std::abs(place) - kBubble) / (0.5 - kBubble), 0.0, 1.0);
-    double speed = std::copysign(fastest * depth * depth, place);
-    if (axis < 2 && asked_[axis] != 0.0) speed = asked_[axis] * width;
+    speed[axis] = std::copysign(fastest * depth * depth, place);
+    if (axis < 2 && asked_[axis] != 0.0) speed[axis] = asked_[axis] * workspace_width_m_ / state.scale;
+  }
+  return speed;
+}
+
+Eigen::Vector3d Navigator::scroll_wanted(const State& state) const {
+  if (box_m_) return scroll_around(state);
+  // The centre goes no further than brings the scene's edges to the workspace's, its highest and lowest points in
+  // reach.
+  const auto [low, high] = centre_range(scene_->description(), level(plan_.level), workspace_width_m_ / state.scale);
+  const Eigen::Vector3d speed = rim_speed(state);
+  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
     const double centre = state.centre_m[static_cast<std::size_t>(axis)];
-    if ((speed > 0.0 && centre < high[axis]) || (speed < 0.0 && centre > low[axis])) wanted[axis] = speed;
+    if ((speed[axis] > 0.0 && centre < high[axis]) || (speed[axis] < 0.0 && centre > low[axis]))
+      wanted[axis] = speed[axis];
   }
   if (state.contact != 0) wanted.z() = std::max(0.0, wanted.z());
+  return wanted;
+}
+
+// Likewise along the axes of the device, for a whole object as it is turned.
+Eigen::Vector3d Navigator::scroll_around(const State& state) const {
+  const AroundView view = around_view(*box_m_, state, workspace_width_m_ / state.scale);
+  const Eigen::Vector3d speed = rim_speed(state);
+  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double centre = view.centre_m[axis];
+    if ((speed[axis] > 0.0 && centre < view.range.high_m[axis]) ||
+        (speed[axis] < 0.0 && centre > view.range.low_m[axis]))
+      wanted[axis] = speed[axis];
+  }
+  return turn_of(state).conjugate() * wanted;
+}
+
+std::optional<Command> Navigator::scroll(const State& state) {
+  const Eigen::Vector3d wanted = scroll_wanted(state);
+  const double fastest = kFastestScroll * workspace_width_m_ / state.scale;
   const bool stops = wanted.isZero(0.0) && !scroll_.isZero(0.0);
   if (!stops && (wanted - scroll_).norm() <= kScrollStep * fastest) return std::nullopt;
-  if (scroll_.isZero(0.0)) say_direction(wanted, state.time_s);
+  if (scroll_.isZero(0.0)) say_direction(turn_of(state) * wanted, state.time_s);
   scrolled_s_ = state.time_s;
   scroll_ = wanted;
   Command command;

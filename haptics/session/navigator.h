@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "haptics/servo/command.h"
 #include "haptics/session/announcer.h"
@@ -23,6 +24,15 @@ struct CentreRange {
 /// Of a window `width_m` wide on a level.
 [[nodiscard]] CentreRange centre_range(const scene::SceneDescription& scene, const scene::Lattice& level,
                                        double width_m);
+
+/// A window on a whole object along the axes of the device: places from the middle of the object's box.
+struct AroundView {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();    ///< of the window
+  Eigen::Vector3d box_half_m = Eigen::Vector3d::Zero();  ///< of the turned object
+  CentreRange range;                                     ///< of the centre
+};
+/// Of a window `width_m` wide on an object in `box_m` (grid frame).
+[[nodiscard]] AroundView around_view(const Eigen::AlignedBox3d& box_m, const State& state, double width_m);
 
 /// Session's thread only. Turns wishes and the hand's place into windows to load and commands to post.
 class Navigator {
@@ -50,6 +60,12 @@ class Navigator {
   [[nodiscard]] std::optional<std::size_t> part() const {
     return part_ > 0 ? std::optional<std::size_t>(part_ - 1) : std::nullopt;
   }
+  /// A wish to turn a whole object; empty when it changes nothing (and says why).
+  [[nodiscard]] std::optional<Command> turn(const Request& request);
+  /// Does the hand go all around the scene?
+  [[nodiscard]] bool goes_around() const { return box_m_.has_value(); }
+  /// Of a whole object, grid frame.
+  [[nodiscard]] const std::optional<Eigen::AlignedBox3d>& box_m() const { return box_m_; }
   /// The next part to go to is the first one again.
   void forget_part() { part_ = 0; }
   /// The overview of the same scene.
@@ -68,6 +84,13 @@ class Navigator {
   [[nodiscard]] std::optional<WindowLoader::Job> zoom(Zoom direction, const State& state);
   [[nodiscard]] WindowLoader::Job move(Eigen::Vector2d centre_m);
   [[nodiscard]] WindowLoader::Job move(const WindowPlan& plan, const Eigen::Vector2d& centre_m);
+  [[nodiscard]] WindowLoader::Job move_object(const Eigen::Vector3d& centre_m);
+  [[nodiscard]] WindowLoader::Job move_object(const WindowPlan& plan, const Eigen::Vector3d& centre_m);
+  [[nodiscard]] std::optional<WindowLoader::Job> wish_for_object(const Request& request, const State& state);
+  [[nodiscard]] Eigen::Vector3d scroll_wanted(const State& state) const;
+  [[nodiscard]] Eigen::Vector3d scroll_around(const State& state) const;
+  [[nodiscard]] Eigen::Vector3d rim_speed(const State& state) const;
+  void know_object();
   [[nodiscard]] std::optional<WindowLoader::Job> part(int step, const State& state);
   void say_direction(const Eigen::Vector3d& velocity, double time_s);
   [[nodiscard]] WindowPlan plan_at(const ZoomStep& step, const Eigen::Vector2d& centre_m) const;
@@ -77,12 +100,14 @@ class Navigator {
   Effects effects_;
   Announcer& announcer_;
   WindowPlan plan_;
-  std::optional<Eigen::Vector2d> goal_m_;             // where the centre goes, until the servo has it there
-  std::size_t part_ = 0;                              // one beyond the part that was gone to; 0: none yet
-  Eigen::Vector3d scroll_ = Eigen::Vector3d::Zero();  // last one commanded, grid frame, m/s
-  Eigen::Vector2d asked_ = Eigen::Vector2d::Zero();   // by whoever steers, workspace widths per second
-  Phrase direction_ = "moving_left";                  // said last
-  double scrolled_s_ = -1e9;                          // when the window scrolled last
+  std::optional<Eigen::AlignedBox3d> box_m_;                  // of a whole object, grid frame
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();  // that was asked for last
+  std::optional<Eigen::Vector3d> goal_m_;                     // where the centre goes, until the servo has it there
+  std::size_t part_ = 0;                                      // one beyond the part that was gone to; 0: none yet
+  Eigen::Vector3d scroll_ = Eigen::Vector3d::Zero();          // last one commanded, grid frame, m/s
+  Eigen::Vector2d asked_ = Eigen::Vector2d::Zero();           // by whoever steers, workspace widths per second
+  Phrase direction_ = "moving_left";                          // said last
+  double scrolled_s_ = -1e9;                                  // when the window scrolled last
 };
 
 }  // namespace sparsha::haptics

@@ -193,6 +193,10 @@ struct Session::Implementation {
         return change_stiffness(request, now);
       case Request::Kind::drag:
         return drag(request.on);
+      case Request::Kind::turn:
+      case Request::Kind::turn_back:
+        if (std::optional<Command> turn = navigator.turn(request)) post(std::move(*turn));
+        return;
       case Request::Kind::guide:
         return change_guide(request, now);
       case Request::Kind::next_part:
@@ -227,6 +231,8 @@ struct Session::Implementation {
     if (request.on && std::exchange(hold_ended_guide, false)) return;
     if (guide.on())
       post(guide.stop());
+    else if (navigator.goes_around())
+      announcer.say("guide_one_view");
     else
       guide.ask(guide_wish(now, true));
   }

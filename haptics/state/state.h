@@ -32,6 +32,8 @@ enum StateFlag : std::uint64_t {
   kFlagCues = 1U << 19,         ///< ticks tell what the hand has come to
   kFlagFalls = 1U << 20,        ///< beyond an outline the surface falls away; else it is continued
   kFlagRim = 1U << 21,          ///< with kFlagFalls: after a felt rim
+  kFlagAround = 1U << 22,       ///< a whole object is touched, from all sides
+  kFlagPlaced = 1U << 23,       ///< the whole object was turned or moved, and let go of, before this tick
 };
 
 /// What the guide does with the hand.

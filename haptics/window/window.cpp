@@ -1,6 +1,7 @@
 #include "haptics/window/window.h"
 
 #include "haptics/window/effects.h"
+#include "haptics/window/objects.h"
 #include "haptics/window/surface.h"
 
 #include <algorithm>
@@ -35,6 +36,10 @@ std::pair<int, int> run_around(double centre_nodes, int n, int window) {
 scene::TouchedView view_of(const WindowPlan& plan) {
   return {plan.level,           plan.i0,    plan.j0, plan.nx, plan.ny, plan.scale, plan.tip_radius_m,
           plan.effects.texture, plan.beyond};
+}
+
+bool touches_all_around(const scene::SceneDescription& scene) {
+  return scene.charts != nullptr && scene.config.haptics.solver == scene::HapticsConfig::Solver::exact;
 }
 
 int overview_level(const scene::SceneDescription& scene) {
@@ -86,9 +91,10 @@ WindowPlan plan_window(const scene::SceneDescription& scene, const ZoomStep& ste
   std::tie(plan.i0, plan.nx) = run_around(nodes.x(), lattice.nx, window);
   std::tie(plan.j0, plan.ny) = run_around(nodes.y(), lattice.ny, window);
   plan.scale = workspace_width_m / scene::window_width_m(plan.nx, plan.ny, lattice.spacing_m);
-  plan.tip_radius_m = scene.config.haptics.tip_radius_m;
   plan.impact = scene.config.haptics.impact;
-  plan.grain = scene.config.haptics.grain;
+  plan.around = touches_all_around(scene);
+  plan.tip_radius_m = plan.around ? 0.0 : scene.config.haptics.tip_radius_m;
+  plan.grain = scene.config.haptics.grain && !plan.around;
   plan.cues = scene.config.cues.has_value();
   plan.beyond = scene.config.haptics.beyond;
   const int fall = scene::fall_nodes(scene::beyond_of(scene, view_of(plan)));
@@ -120,6 +126,7 @@ HapticWindow load_window(const scene::Scene& scene, const WindowPlan& plan, std:
   window.level_ny = level.ny;
   window.id = id;
   window.effects = plan.effects;
+  if (plan.around) attach_object(window, description);
   window.turned = description.region_from_grid.has_value();
   if (window.turned) window.region_from_grid = description.region_from_grid->topRows<3>();
   return window;

@@ -21,12 +21,16 @@ struct WindowPlan {
   double tip_radius_m = 0.0;  ///< of the ball that touches, device frame; 0: a point
   bool impact = false;        ///< invented: strikes ring
   bool cues = false;          ///< ticks tell what the hand has come to
+  bool around = false;        ///< the whole object is touched
   bool grain = false;         ///< invented: the texture goes on above what the scan resolves
   scene::HapticsConfig::Beyond beyond = scene::HapticsConfig::Beyond::continued;  ///< outlines
 };
 
 /// The heights that the plan is touched on.
 [[nodiscard]] scene::TouchedView view_of(const WindowPlan& plan);
+
+/// Is the scene a whole object that touch goes around? It takes the exact proxy.
+[[nodiscard]] bool touches_all_around(const scene::SceneDescription& scene);
 
 /// The finest level that fits whole into a window of the configured size; the coarsest that has a cell when none does.
 [[nodiscard]] int overview_level(const scene::SceneDescription& scene);
@@ -45,7 +49,8 @@ struct ZoomStep {
 /// The window of a step around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
 /// the level is the same computation), else the step's nodes per side. Scale = workspace width / window width. Where
 /// the level ends within the window and is an outline, the window reaches beyond it until the surface is level again.
-/// The fingertip, impact, grain and what lies beyond outlines are the configuration's.
+/// The fingertip, impact, grain and what lies beyond outlines are the configuration's; a fingertip and grain are for
+/// one view alone: a whole object is touched with a point.
 [[nodiscard]] WindowPlan plan_window(const scene::SceneDescription& scene, const ZoomStep& step,
                                      const Eigen::Vector2d& centre_m, double workspace_width_m);
 /// The same with levels.window nodes per side.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -17,6 +18,7 @@
 #include "haptics/session/session.h"
 #include "tests/support/recorded_runs.h"
 #include "tests/support/test_folder.h"
+#include "tests/support/whole_scenes.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -36,6 +38,20 @@ Csv read_csv(const std::filesystem::path& file) {
 
 std::size_t column(const Csv& csv, const std::string& name) {
   return static_cast<std::size_t>(std::find(csv[0].begin(), csv[0].end(), name) - csv[0].begin());
+}
+
+/// All columns of all rows but the two times of the machine.
+void expect_same_ticks(const Csv& first, const Csv& second) {
+  ASSERT_EQ(first.size(), second.size());
+  ASSERT_EQ(first[0], second[0]);
+  std::size_t differing = 0;
+  for (std::size_t c = 0; c < first[0].size(); ++c) {
+    if (first[0][c] == "tick_ns" || first[0][c] == "late_ns") continue;
+    for (std::size_t row = 1; row < first.size(); ++row)
+      if (first[row][c] != second[row][c] && ++differing < 5)
+        ADD_FAILURE() << "row " << row << ", " << first[0][c] << ": " << first[row][c] << " and " << second[row][c];
+  }
+  EXPECT_EQ(differing, 0U);
 }
 
 /// Three seconds of a simulated hand, with wishes on the way.
@@ -112,18 +128,46 @@ TEST(Session, PlaybackOfARecordingGivesIdenticalBitsThroughZoomsAndPans) {
   again.haptics.creases = scene::HapticsConfig::Creases::sharp;
   const auto session = session_of(scene, options.record, again);
   EXPECT_EQ(run_to_the_end(*session).windows_loaded, summary.windows_loaded);
-  const auto first = read_csv(options.record);
-  const auto second = read_csv(again.record);
-  ASSERT_EQ(first.size(), second.size());
-  ASSERT_EQ(first[0], second[0]);
-  std::size_t differing = 0;
-  for (std::size_t c = 0; c < first[0].size(); ++c) {
-    if (first[0][c] == "tick_ns" || first[0][c] == "late_ns") continue;
-    for (std::size_t row = 1; row < first.size(); ++row)
-      if (first[row][c] != second[row][c] && ++differing < 5)
-        ADD_FAILURE() << "row " << row << ", " << first[0][c] << ": " << first[row][c] << " and " << second[row][c];
+  expect_same_ticks(read_csv(options.record), read_csv(again.record));
+}
+
+TEST(Session, PlaybackOfAWholeObjectThatIsTurnedGivesIdenticalBits) {
+  const test::TestFolder folder;
+  const auto scene = test::whole_scene(test::ball_charts(), 0.1, [](scene::SceneDescription& d) {
+    d.config.friction = scene::FrictionConfig{};
+    d.config.levels.window = 51;
+  });
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  const SessionSummary summary = record(scene, 5, options,
+                                        {{Request::Kind::turn, 0.0, 90.0},
+                                         {Request::Kind::zoom_in},
+                                         {Request::Kind::turn, 15.0, -45.0, false, 30.0},
+                                         {Request::Kind::pan, 0.1, -0.1},
+                                         {Request::Kind::set_friction, 0.0, 0.0, false},
+                                         {Request::Kind::drag, 0.0, 0.0, true},
+                                         {Request::Kind::turn, 0.0, 15.0},
+                                         {Request::Kind::drag, 0.0, 0.0, false},
+                                         {Request::Kind::whole_scene},
+                                         {Request::Kind::turn_back}});
+  EXPECT_GT(summary.contact_s, 0.3);
+  const Csv run = read_csv(options.record);
+  std::size_t turned = 0, placed = 0, around = 0;
+  for (std::size_t row = 1; row < run.size(); ++row) {
+    turned += std::abs(std::stod(run[row][column(run, "turn_w")])) < 0.99 ? 1U : 0U;
+    const auto flags = std::stoull(run[row][column(run, "flags")]);
+    placed += (flags & kFlagPlaced) != 0 ? 1U : 0U;
+    around += (flags & kFlagAround) != 0 ? 1U : 0U;
   }
-  EXPECT_EQ(differing, 0U);
+  EXPECT_GT(turned, run.size() / 2);
+  EXPECT_GE(placed, 7U) << "the start, four turns, a pan, the whole scene and the end of dragging";
+  EXPECT_EQ(around, run.size() - 1);
+  SessionOptions again;
+  again.record = folder / "again.csv";
+  run_to_the_end(*session_of(scene, options.record, again));
+  expect_same_ticks(run, read_csv(again.record));
+  // The front view alone cannot play it.
+  EXPECT_THROW((void)session_of(textured_scene(), options.record, {}), Error);
 }
 
 TEST(Session, TraceOfARecordingEqualsTheLiveRun) {
