@@ -11,6 +11,9 @@
 #include "app/inputs.h"
 #include "app/words/sentences.h"
 #include "base/error.h"
+#include "haptics/session/navigator.h"
+#include "haptics/state/vectors.h"
+#include "haptics/window/window.h"
 #include "scene/folder/folder.h"
 #include "scene/scene.h"
 
@@ -186,6 +189,23 @@ void Exploration::use_keys() {
   for (const haptics::Request& request : meanings_.take(keys, now.count())) session_->requests().post(request);
 }
 
+// What the keys want of the hand, and how far the window can go with it; of a whole object along the device's axes.
+HandKeys::Wish Exploration::wish_of_keys(const haptics::State& state) {
+  const double width_m = state.workspace_m / state.scale;
+  if (const std::optional<Eigen::AlignedBox3d> box_m = session_->whole_object_m()) {
+    const haptics::AroundView view = haptics::around_view(*box_m, state, width_m);
+    haptics::State turned = state;
+    turned.centre_m = haptics::to_array(view.centre_m);
+    return hand_keys_.update(turned, view.range, {-view.box_half_m.head<2>(), view.box_half_m.head<2>()});
+  }
+  const scene::SceneDescription& scene = scene_->description();
+  const std::size_t level = std::min<std::size_t>(state.level, scene.levels.size() - 1);
+  const scene::Lattice& lattice = scene.levels[level];
+  const HandKeys::Stone stone{{lattice.x_m(0), lattice.y_m(0)},
+                              {lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1)}};
+  return hand_keys_.update(state, haptics::centre_range(scene, lattice, width_m), stone);
+}
+
 // Takes the hand's keys from `keys`.
 void Exploration::move_hand(std::vector<TypedKey>& keys, double now_s) {
   const haptics::State state = session_->state().read();
@@ -194,13 +214,7 @@ void Exploration::move_hand(std::vector<TypedKey>& keys, double now_s) {
     if (const auto words = hand_keys_.take_words()) announce(words->phrase, words->values);
     return taken;
   });
-  const scene::SceneDescription& scene = scene_->description();
-  const std::size_t level = std::min<std::size_t>(state.level, scene.levels.size() - 1);
-  const scene::Lattice& lattice = scene.levels[level];
-  const HandKeys::Stone stone{{lattice.x_m(0), lattice.y_m(0)},
-                              {lattice.x_m(lattice.nx - 1), lattice.y_m(lattice.ny - 1)}};
-  const HandKeys::Wish wish =
-      hand_keys_.update(state, haptics::centre_range(scene, lattice, state.workspace_m / state.scale), stone);
+  const HandKeys::Wish wish = wish_of_keys(state);
   if (const auto words = hand_keys_.take_words()) announce(words->phrase, words->values);
   chosen_.keys->publish(wish.hand);
   if (wish.scroll == scroll_) return;

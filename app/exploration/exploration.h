@@ -61,6 +61,7 @@ class Exploration {
   void wait_headless();
   void use_keys();
   void move_hand(std::vector<TypedKey>& keys, double now_s);
+  [[nodiscard]] HandKeys::Wish wish_of_keys(const haptics::State& state);
 
   // With one.
   void run_windows();

@@ -13,6 +13,27 @@ constexpr double kAgain_s = 0.6;  // a second press within is the same gesture; 
 constexpr double kLong_s = 2.0, kLongest_s = 5.0;  // as on the grip
 constexpr double kPanWindows = 0.25;
 
+/// X, Y and Z turn a whole object about that axis of the device, with shift the other way; B shows its front again.
+std::optional<Request> turn_of(char key) {
+  constexpr double kTurn_deg = 45.0;
+  switch (key) {
+    case 'x':
+    case 'X':
+      return Request{Kind::turn, key == 'x' ? kTurn_deg : -kTurn_deg};
+    case 'y':
+    case 'Y':
+      return Request{Kind::turn, 0.0, key == 'y' ? kTurn_deg : -kTurn_deg};
+    case 'z':
+    case 'Z':
+      return Request{Kind::turn, 0.0, 0.0, false, key == 'z' ? kTurn_deg : -kTurn_deg};
+    case 'b':
+    case 'B':
+      return Request{Kind::turn_back};
+    default:
+      return std::nullopt;
+  }
+}
+
 std::optional<Request> arrow(TypedKey::Kind key) {
   switch (key) {
     case TypedKey::Kind::up:
@@ -42,6 +63,7 @@ void TerminalKeys::letter(char key, std::vector<Request>& requests) {
        {',', Kind::speak_slower},  {'>', Kind::speak_faster}, {'.', Kind::speak_faster}, {'v', Kind::next_voice},
        {'s', Kind::toggle_speech}, {'g', Kind::guide},        {'5', Kind::describe},     {'q', Kind::quit},
        {'\r', Kind::describe},     {'\n', Kind::describe}}};
+  if (const std::optional<Request> turn = turn_of(key)) return requests.push_back(*turn);
   const char small = key >= 'A' && key <= 'Z' ? static_cast<char>(key - 'A' + 'a') : key;
   for (const Meaning& meaning : kMeanings)
     if (meaning.key == small) requests.push_back({meaning.kind});

@@ -15,7 +15,7 @@ constexpr double kAim_s = 0.105;
 constexpr double kShortest_s = 0.020;
 constexpr double kSettled_s = 0.300;    // since the swap; then a hand that slips does so by itself
 constexpr double kSteep = 1.0;          // times its own stiffness is as much as a motion explains
-constexpr double kSteepEdge = 4.0;      // likewise on a whole object, whose curved places turn the force as well
+constexpr double kSteepEdge = 1.5;      // likewise on a whole object, whose curved places turn the force as well
 constexpr double kKick_n = 0.05;        // of a hand at rest there
 constexpr double kWhole_n = 0.3;        // smaller changes take less time
 constexpr double kNothing_n = 0.01;     // is not felt
@@ -89,7 +89,8 @@ Vector3d SwapFade::mean(const Vector3d& fresh_n, const Vector3d& hand_m, double 
   const double depth_m = std::clamp((place_m_ - hand_m).dot(normal_), 0.0, depth_m_);
   const Vector3d old_n = stiffness_n_per_m * depth_m * normal_;
   const Vector3d way_n = fresh_n - old_n;
-  const double travel_m = (hand_m - begun_m_).norm() > kNear_m ? (hand_m - last_m_).norm() : 0.0;
+  const bool far = !always_ && (hand_m - begun_m_).norm() > kNear_m;
+  const double travel_m = far ? (hand_m - last_m_).norm() : 0.0;
   time_share_ += step(old_n, way_n, (fresh_n - fresh_n_).norm(), travel_m, period_s);
   active_ = time_share_ < 1.0;
   return active_ ? Vector3d(old_n + smooth_step(time_share_) * way_n) : fresh_n;

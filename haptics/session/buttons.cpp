@@ -26,11 +26,17 @@ constexpr std::array<Meaning, 4> kMeanings{
      {Gesture::describe, Gesture::help, 0.8, {}, Gesture::speech_on, Gesture::speech_off},
      {Gesture::zoom_out, Gesture::previous_part, 0.6, {}, Gesture::guide, {}}}};
 
+constexpr std::size_t kForward = 1;
+/// Clicks on a whole object while forward is held.
+constexpr std::array<std::optional<Gesture>, 4> kTurns{
+    {Gesture::turn_right, std::nullopt, Gesture::tip, Gesture::turn_left}};
+
 }  // namespace
 
 std::vector<Gesture> Buttons::read(const State& state) {
   std::vector<Gesture> gestures;
   if ((state.flags & kFlagStale) == 0) fresh_s_ = state.time_s;
+  const bool turns = (state.flags & kFlagAround) != 0 && (state.buttons >> kForward & 1U) != 0;
   const bool gone = state.time_s - fresh_s_ > kGone_s;
   for (std::size_t k = 0; k < buttons_.size(); ++k) {
     Button& button = buttons_[k];
@@ -43,7 +49,7 @@ std::vector<Gesture> Buttons::read(const State& state) {
     if (!button.down) continue;
     if (!down) {
       if (!button.held && !gone)
-        gestures.push_back(meaning.click);
+        gestures.push_back(turns ? kTurns[k].value_or(meaning.click) : meaning.click);
       else if (button.held && meaning.release)
         gestures.push_back(*meaning.release);
       button.down = false;

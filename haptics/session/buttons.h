@@ -13,7 +13,7 @@ namespace sparsha::haptics {
 /// held for 2 s they turn the guide along an outline on; while it is on, held they end it and do nothing else; the
 /// centre says where the hand is, held it helps, held for 2 s it turns speech on, for 5 s off: whoever listens to the
 /// help must not lose the voice by holding on; forward drags the stone while it is held, clicked it shows the whole
-/// scene.
+/// scene. While forward is held on a whole object, a click of right or left turns it, and one of the centre tips it.
 enum class Gesture {
   zoom_in,
   zoom_out,
@@ -26,7 +26,10 @@ enum class Gesture {
   whole_scene,
   speech_on,
   speech_off,
-  guide
+  guide,
+  turn_right,
+  turn_left,
+  tip
 };
 
 /// Session's thread only.

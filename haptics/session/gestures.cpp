@@ -1,6 +1,11 @@
 #include "haptics/session/gestures.h"
 
 namespace sparsha::haptics {
+namespace {
+
+constexpr double kTurn_deg = 45.0;
+
+}  // namespace
 
 Request request_of(Gesture gesture) {
   using Kind = Request::Kind;
@@ -23,6 +28,12 @@ Request request_of(Gesture gesture) {
       return {Kind::help};
     case Gesture::guide:
       return {Kind::guide, 0.0, 0.0, true};
+    case Gesture::turn_right:
+      return {Kind::turn, 0.0, kTurn_deg};
+    case Gesture::turn_left:
+      return {Kind::turn, 0.0, -kTurn_deg};
+    case Gesture::tip:
+      return {Kind::turn, kTurn_deg, 0.0};
     case Gesture::speech_on:
     case Gesture::speech_off:
       return {Kind::set_speech, 0.0, 0.0, gesture == Gesture::speech_on};

@@ -26,6 +26,13 @@ Eigen::Vector2d across(const std::array<double, 3>& v) { return {v[0], v[1]}; }
 
 Eigen::Quaterniond turn_of(const State& state) { return {state.turn[3], state.turn[0], state.turn[1], state.turn[2]}; }
 
+Command turn_command(const Eigen::Quaterniond& turn) {
+  Command command;
+  command.kind = Command::Kind::turn;
+  command.turn = turn;
+  return command;
+}
+
 /// Whether a part is surely at a place of the grid: of an object that was turned, the middle of the part is.
 bool lies_in(const scene::SceneDescription& scene, std::size_t part, const scene::PartPlace& place,
              const Eigen::Vector2d& at_m) {
@@ -170,10 +177,13 @@ std::optional<Command> Navigator::turn(const Request& request) {
     turn_.normalize();
   }
   announcer_.say_turned(turn_);
-  Command command;
-  command.kind = Command::Kind::turn;
-  command.turn = turn_;
-  return command;
+  return turn_command(turn_);
+}
+
+std::optional<Command> Navigator::face_front() {
+  if (!box_m_ || turn_.coeffs() == Eigen::Quaterniond::Identity().coeffs()) return std::nullopt;
+  turn_.setIdentity();
+  return turn_command(turn_);
 }
 
 View Navigator::view_of(const WindowPlan& plan, View::Kind between) const {

@@ -62,6 +62,8 @@ class Navigator {
   }
   /// A wish to turn a whole object; empty when it changes nothing (and says why).
   [[nodiscard]] std::optional<Command> turn(const Request& request);
+  /// The front again, without a word; empty where it is there.
+  [[nodiscard]] std::optional<Command> face_front();
   /// Does the hand go all around the scene?
   [[nodiscard]] bool goes_around() const { return box_m_.has_value(); }
   /// Of a whole object, grid frame.

@@ -254,6 +254,7 @@ struct Session::Implementation {
     if (recording) return;
     if (guide.on()) post(guide.stop(true));
     drag(false);
+    if (std::optional<Command> front = navigator.face_front()) post(std::move(*front));
     navigator.forget_part();
   }
 
@@ -457,6 +458,8 @@ std::shared_ptr<ContactQueue> Session::add_contact_consumer() {
 }
 
 scene::ScenePointer Session::scene() const { return implementation_->scene; }
+
+std::optional<Eigen::AlignedBox3d> Session::whole_object_m() const { return implementation_->navigator.box_m(); }
 
 bool Session::plays_recording() const { return implementation_->recording != nullptr; }
 

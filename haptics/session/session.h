@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "base/phrases.h"
 #include "haptics/device/device.h"
 #include "haptics/replay/recorded_scenes.h"
@@ -95,6 +97,8 @@ class Session {
   /// The scene that is touched, or shall be as soon as its window is loaded; of a recording that of the last poll()'s
   /// tick.
   [[nodiscard]] scene::ScenePointer scene() const;
+  /// The box of the whole object that the hand goes around, grid frame; nothing for one view.
+  [[nodiscard]] std::optional<Eigen::AlignedBox3d> whole_object_m() const;
   [[nodiscard]] bool plays_recording() const;
   /// A new scene, e.g. after a new depth scan; the hand keeps its place. A run that is recorded keeps it and the ones
   /// before. Throws Error{usage} when a recording is played.

@@ -91,8 +91,9 @@ struct TouchResult {
 /// Sees each tick: what the renderer was given and what it made of it.
 using TickWatcher = std::function<void(const haptics::DeviceSample&, const haptics::Record&)>;
 
-/// One run on a window of 0.1 m. A run of ten seconds takes some 30 ms.
-inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const TickWatcher& watch = {}) {
+/// One run on a window of 0.1 m, whose renderer `prepare` is shown first. A run of ten seconds takes some 30 ms.
+inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const TickWatcher& watch = {},
+                         const std::function<void(haptics::HapticRenderer&)>& prepare = {}) {
   using Eigen::Vector3d;
   constexpr double kStep = 20e-6;
   haptics::DeviceInfo info;
@@ -103,6 +104,7 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
   options.rate_hz = c.configured_hz;
   options.stiffness_n_per_m = c.wish_n_per_m;
   haptics::HapticRenderer renderer(info, options, std::move(window));
+  if (prepare) prepare(renderer);
   const double governed_n_per_m = std::min(c.wish_n_per_m, limit_n_per_m(c.configured_hz, c.declared_ticks));
 
   const auto floor_m = [&](double x, double y) {

@@ -59,7 +59,7 @@ TEST_F(Keys, LettersActAtOnceAndUnknownOnesDoNothing) {
             (Kinds{Kind::zoom_in, Kind::zoom_out, Kind::next_part, Kind::previous_part, Kind::whole_scene,
                    Kind::describe, Kind::help_keys, Kind::repeat, Kind::speak_slower, Kind::speak_faster,
                    Kind::next_voice, Kind::toggle_speech, Kind::tour, Kind::quit}));
-  EXPECT_EQ(type("xyz\xff\x01\x1b[15~\x1bOP\x1b"), Kinds{});
+  EXPECT_EQ(type("aei\xff\x01\x1b[15~\x1bOP\x1b"), Kinds{});
   EXPECT_EQ(type("\x1b[A"), Kinds{Kind::pan});
   EXPECT_GT(last_.y, 0.0) << "up";
   EXPECT_EQ(type("\x1bOD"), Kinds{Kind::pan});
@@ -336,6 +336,21 @@ TEST_F(AtATerminal, IsLentToTheShellWhileTheProgramIsStopped) {
   EXPECT_TRUE(WIFEXITED(ended)) << ended;
   EXPECT_EQ(WEXITSTATUS(ended), 0);
   EXPECT_TRUE(same_as_before());
+}
+
+TEST(TerminalKeys, TurnAWholeObjectAboutTheAxesOfTheDevice) {
+  const std::vector<std::pair<char, std::array<double, 3>>> turns{
+      {'x', {45.0, 0.0, 0.0}}, {'Y', {0.0, -45.0, 0.0}}, {'z', {0.0, 0.0, 45.0}}, {'Z', {0.0, 0.0, -45.0}}};
+  app::TerminalKeys keys;
+  for (const auto& [letter, degrees] : turns) {
+    const auto requests = keys.take({{app::TypedKey::Kind::letter, letter}}, 1.0);
+    ASSERT_EQ(requests.size(), 1U) << letter;
+    EXPECT_EQ(requests[0].kind, Kind::turn);
+    EXPECT_EQ((std::array<double, 3>{requests[0].x, requests[0].y, requests[0].z}), degrees) << letter;
+  }
+  const auto back = keys.take({{app::TypedKey::Kind::letter, 'b'}}, 1.0);
+  ASSERT_EQ(back.size(), 1U);
+  EXPECT_EQ(back[0].kind, Kind::turn_back);
 }
 
 }  // namespace

@@ -35,6 +35,8 @@ class Grip {
     state_.flags = 0;
     return all;
   }
+  /// A whole object, or one view.
+  void touch(bool around) { state_.flags = around ? std::uint64_t{kFlagAround} : 0U; }
   /// Between two looks.
   void press(std::uint64_t buttons) {
     for (std::size_t k = 0; k < 4; ++k) state_.button_presses[k] += (buttons & ~state_.buttons) >> k & 1U;
@@ -47,6 +49,23 @@ class Grip {
 };
 
 using Gestures = std::vector<Gesture>;
+
+TEST(GripButtons, TurnAWholeObjectWhileForwardIsHeld) {
+  for (const bool around : {true, false}) {
+    Grip grip;
+    grip.touch(around);
+    EXPECT_EQ(grip.hold(kForward, 0.4), Gestures{Gesture::drag});
+    grip.hold(kForward | kRight, 0.1);
+    EXPECT_EQ(grip.hold(kForward, 0.1), Gestures{around ? Gesture::turn_right : Gesture::zoom_in});
+    grip.hold(kForward | kLeft, 0.1);
+    EXPECT_EQ(grip.hold(kForward, 0.1), Gestures{around ? Gesture::turn_left : Gesture::zoom_out});
+    grip.hold(kForward | kCentre, 0.1);
+    EXPECT_EQ(grip.hold(kForward, 0.1), Gestures{around ? Gesture::tip : Gesture::describe});
+    EXPECT_EQ(grip.hold(0, 0.1), Gestures{Gesture::let_go});
+    grip.hold(kRight, 0.1);
+    EXPECT_EQ(grip.hold(0, 0.1), Gestures{Gesture::zoom_in});
+  }
+}
 
 TEST(GripButtons, ClickWhenTheyAreLetGo) {
   Grip grip;

@@ -22,6 +22,7 @@
 #include "tests/support/recorded_runs.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
+#include "tests/support/whole_scenes.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -173,6 +174,51 @@ TEST(Session, OneViewCannotBeTurnedAndIsSaidNotToBe) {
   session.requests().post({Request::Kind::turn, 0.0, 90.0});
   EXPECT_TRUE(poll_until(session, [&] { return said(session, "only a whole object can be turned"); }));
   EXPECT_EQ(session.state().read().turn, (std::array<double, 4>{0.0, 0.0, 0.0, 1.0}));
+  session.stop();
+}
+
+TEST(Session, AWholeObjectIsTurnedByWishesAndSaysWhatItShows) {
+  Placed hand;
+  const auto scene = test::whole_scene(test::ball_charts());
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  hand.put(0.0, 0.0, 0.02);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  ASSERT_TRUE(session.whole_object_m());
+  EXPECT_NEAR(session.whole_object_m()->sizes().maxCoeff(), 0.08, 0.001);
+  const auto turn_w = [&] { return std::abs(session.state().read().turn[3]); };
+  session.requests().post({Request::Kind::turn, 0.0, 90.0});
+  session.requests().post({Request::Kind::turn, 0.0, 90.0});
+  ASSERT_TRUE(poll_until(session, [&] { return turn_w() < 1e-9; }));
+  EXPECT_TRUE(said(session, "Left side before you"));
+  EXPECT_TRUE(said(session, "Back before you"));
+  hand.put(0.0, 0.0, -0.004);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().contact == 1; }));
+  EXPECT_LT(session.state().read().proxy_m[2], -0.039) << "the back of the ball";
+  session.requests().post({Request::Kind::describe});
+  EXPECT_TRUE(poll_until(session, [&] { return said(session, "Back, "); }));
+  session.requests().post({Request::Kind::guide});
+  EXPECT_TRUE(poll_until(session, [&] { return said(session, "no guide on a whole object"); }));
+  session.requests().post({Request::Kind::fresh_visitor});
+  EXPECT_TRUE(poll_until(session, [&] { return turn_w() == 1.0; })) << "the next visitor begins at the front";
+  session.stop();
+}
+
+TEST(Session, TheRimOfTheWorkspaceGoesAlongATurnedObject) {
+  Placed hand;
+  const auto scene = test::whole_scene(test::ball_charts(), 0.1);
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  hand.put(0.0, 0.0, 0.02);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  session.requests().post({Request::Kind::turn, 0.0, 90.0});
+  session.requests().post({Request::Kind::zoom_in});
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().scale > 1.5; }));
+  const State before = session.state().read();
+  hand.put(0.0495, 0.0, 0.02);
+  // The device's x axis is the object's z then.
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().centre_m[2] > before.centre_m[2] + 0.008; }));
+  EXPECT_NEAR(session.state().read().centre_m[1], before.centre_m[1], 1e-9);
   session.stop();
 }
 
