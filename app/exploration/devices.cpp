@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "haptics/device/falcon/falcon.h"
+#include "haptics/device/gamepad/gamepad.h"
 #include "haptics/device/haply/haply.h"
 #include "haptics/device/plugin/plugin.h"
 #include "haptics/device/pointer/pointer_device.h"
@@ -36,8 +37,14 @@ std::string spelled(const haptics::DeviceKind& kind) {
 
 std::span<const haptics::DeviceKind> device_kinds() {
   static const std::vector<haptics::DeviceKind> kinds{
-      haptics::falcon::falcon_kind(), haptics::haply::haply_kind(), haptics::plugin::plugin_kind(),
-      haptics::pointer_kind(),        haptics::steered_kind(),      simulated_kind(),
+      haptics::falcon::falcon_kind(),  //
+      haptics::haply::haply_kind(),    //
+      haptics::plugin::plugin_kind(),  //
+      haptics::pointer_kind(),         //
+      haptics::steered_kind(),         //
+      haptics::gamepad_kind(),         //
+      haptics::tablet_kind(),          //
+      simulated_kind(),                //
   };
   return kinds;
 }

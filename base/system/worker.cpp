@@ -30,11 +30,6 @@
 #endif
 
 namespace sparsha::system {
-namespace {
-
-constexpr std::chrono::microseconds kPoll{100};
-
-}  // namespace
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && sizeof(std::atomic<std::uint32_t>) == 4);
 
@@ -65,6 +60,8 @@ void wake_waiting(const std::atomic<std::uint32_t>& word) noexcept {
 }
 
 #else
+
+constexpr std::chrono::microseconds kPoll{100};
 
 void wait_for_change(const std::atomic<std::uint32_t>& word, std::uint32_t old, double timeout_s) noexcept {
   const std::int64_t until_ns = shared_time_ns() + static_cast<std::int64_t>(std::clamp(timeout_s, 0.0, 3600.0) * 1e9);

@@ -212,7 +212,7 @@ class FalconDevice final : public Device {
     homing_since_ = Steady::now();
     advice_.store(homing_advice(0, false));
     wire_ = wire;
-    if (guard_) guard_->watch(wire->address());
+    if (guard_) guard_->watch(guarded(wire->address()));
     mark_force(false);
     shared_.store(wire);
   }
@@ -232,7 +232,7 @@ class FalconDevice final : public Device {
       wire->urgent(zero_);
     } else {
       mark_force(false);
-      if (guard_) guard_->watch({});
+      if (guard_) guard_->watch(0);
     }
     advice_.store(keeper_ ? nullptr : why);
     if (!keeper_) return;  // the wire stays to be closed with this
@@ -375,7 +375,7 @@ std::unique_ptr<Device> make_falcon_device(const FalconOptions& asked) {
   if (!(options.counts_per_newton_metre > 0.0)) options.counts_per_newton_metre = stored_calibration().value_or(0.0);
   std::unique_ptr<ForceGuard> guard;
   try {
-    guard = std::make_unique<ForceGuard>();
+    guard = std::make_unique<ForceGuard>(zero_by_usb());
   } catch (const Error&) {  // info() tells
   }
   std::vector<std::uint8_t> image = firmware_image(options);

@@ -1,30 +1,18 @@
-// Zero force when this program can no longer send it: killed, crashed or stopped. A process of its own watches a pulse.
+// How the guard's process sends zero to a Falcon.
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
 
-#include "base/system/process.h"
 #include "haptics/device/falcon/transport.h"
+#include "haptics/device/guard.h"
 
 namespace sparsha::haptics::falcon {
 
-class ForceGuard {
- public:
-  /// Before any other thread touches USB. Throws Error{failure} when the system gives no process.
-  ForceGuard();
-
-  // From any thread; these neither lock nor call the system.
-  /// The device whose motors are meant; none while it is unplugged.
-  void watch(const UsbAddress& device) noexcept;
-  /// A sign of life of whoever decides the force.
-  void beat() noexcept;
-  /// True before a force goes out; false once the device has answered to zeros.
-  void set_force(bool on) noexcept;
-
- private:
-  system::Companion companion_;
-};
+/// Takes the USB interface from whoever holds it and writes zeros.
+[[nodiscard]] ForceGuard::Zero zero_by_usb();
+/// A Falcon's place as the guard's word; 0 for none.
+[[nodiscard]] constexpr std::uint64_t guarded(const UsbAddress& device) noexcept {
+  return (std::uint64_t{device.bus} << 32U) | device.address;
+}
 
 }  // namespace sparsha::haptics::falcon

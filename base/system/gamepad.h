@@ -1,0 +1,55 @@
+// Gamepads and tablets as the system shows them: Linux's event devices; nothing elsewhere.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace sparsha::system {
+
+enum class PadKind : std::uint8_t { gamepad, tablet };
+
+struct PadState {
+  bool connected = true;
+  double left_x = 0.0, left_y = 0.0;  ///< of a gamepad's left stick, -1 to 1, right and up positive
+  double right_trigger = 0.0;         ///< 0 to 1
+  std::uint32_t buttons = 0;          ///< bit 0 south, 1 east, 2 west, 3 north; of a pen 0 and 1
+  bool pen_near = false;              ///< a tablet sees its pen
+  double pen_x = 0.0, pen_y = 0.0;    ///< 0 to 1 of the tablet, right and up positive
+  double pressure = 0.0;              ///< 0 to 1
+};
+
+/// What a pad's events add up to. Type, code and value are those of Linux's input_event.
+class PadReader {
+ public:
+  struct Range {
+    int least = 0, most = 0;
+  };
+  explicit PadReader(PadKind kind) noexcept : kind_(kind) {}
+  void set_range(int axis, Range range) noexcept;
+  void take(int type, int code, int value) noexcept;
+  [[nodiscard]] const PadState& state() const noexcept { return state_; }
+
+ private:
+  [[nodiscard]] double share(int axis, int value) const noexcept;
+
+  PadKind kind_;
+  PadState state_;
+  std::array<Range, 64> ranges_{};
+};
+
+class Pad {
+ public:
+  virtual ~Pad() = default;
+  [[nodiscard]] virtual std::string name() const = 0;
+  /// What has come since; neither waits nor allocates.
+  virtual void read(PadState& state) noexcept = 0;
+  /// Both motors, 0 to 1, for `seconds` at most. From another thread than read(). False when it cannot.
+  virtual bool rumble(double strong, double weak, double seconds) noexcept = 0;
+};
+
+/// The first that this user may open; null and why there is none.
+[[nodiscard]] std::unique_ptr<Pad> open_pad(PadKind kind, std::string& problem);
+
+}  // namespace sparsha::system

@@ -1,0 +1,20 @@
+// Hands without force: a gamepad, whose shaking follows the force, and a tablet's pen. Not tried on hardware.
+#pragma once
+
+#include <memory>
+
+#include "base/system/gamepad.h"
+#include "haptics/device/device.h"
+#include "haptics/device/kind.h"
+
+namespace sparsha::haptics {
+
+/// A simulated hand. Gamepad: the left stick moves it at up to 60 mm/s, the right trigger lowers it into the stone, and
+/// the motors shake when the stone is met and as rough as it is. Tablet: the pen's place is the hand's, its pressure
+/// the depth. A pad that is unplugged is so for the servo.
+[[nodiscard]] std::unique_ptr<Device> make_pad_device(std::unique_ptr<system::Pad> pad, system::PadKind kind);
+
+[[nodiscard]] DeviceKind gamepad_kind();
+[[nodiscard]] DeviceKind tablet_kind();
+
+}  // namespace sparsha::haptics
