@@ -16,7 +16,7 @@
 #include "base/error.h"
 #include "base/phrases.h"
 #include "haptics/device/falcon/calibration.h"
-#include "haptics/device/falcon/falcon.h"
+#include "haptics/device/falcon/kind.h"
 #include "haptics/device/kind.h"
 #include "haptics/servo/real_time.h"
 #include "scene/config/config.h"

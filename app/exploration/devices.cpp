@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "base/error.h"
-#include "haptics/device/falcon/falcon.h"
+#include "haptics/device/falcon/kind.h"
 #include "haptics/device/gamepad/gamepad.h"
 #include "haptics/device/haply/haply.h"
 #include "haptics/device/plugin/plugin.h"
-#include "haptics/device/pointer/pointer_device.h"
+#include "haptics/device/pointer/kind.h"
 #include "haptics/device/simulated/simulated_device.h"
-#include "haptics/device/steered/steered_device.h"
+#include "haptics/device/steered/kind.h"
 
 namespace sparsha::app {
 namespace {

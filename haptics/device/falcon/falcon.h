@@ -10,7 +10,6 @@
 
 #include "haptics/device/device.h"
 #include "haptics/device/falcon/transport.h"
-#include "haptics/device/kind.h"
 
 namespace sparsha::haptics::falcon {
 
@@ -58,9 +57,5 @@ struct FoundFalcon {
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(const FalconOptions& options = {});
 /// The same over any wire; unplugging, or a second without an answer, ends it.
 [[nodiscard]] std::unique_ptr<Device> make_falcon_device(std::unique_ptr<Transport> wire, const FalconOptions& options);
-
-/// What of a request concerns a Falcon.
-[[nodiscard]] FalconOptions options_of(const DeviceRequest& request);
-[[nodiscard]] DeviceKind falcon_kind();
 
 }  // namespace sparsha::haptics::falcon

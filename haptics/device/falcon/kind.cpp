@@ -1,8 +1,8 @@
-// The Falcon among other devices.
+#include "haptics/device/falcon/kind.h"
+
 #include <fmt/format.h>
 
 #include "haptics/device/falcon/check.h"
-#include "haptics/device/falcon/falcon.h"
 
 namespace sparsha::haptics::falcon {
 

@@ -1,4 +1,5 @@
-// The mouse among other devices.
+#include "haptics/device/pointer/kind.h"
+
 #include "base/error.h"
 #include "haptics/device/pointer/pointer_device.h"
 

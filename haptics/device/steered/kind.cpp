@@ -1,4 +1,5 @@
-// The hand that keys move among other devices.
+#include "haptics/device/steered/kind.h"
+
 #include "base/error.h"
 #include "base/system/terminal.h"
 #include "haptics/device/steered/steered_device.h"

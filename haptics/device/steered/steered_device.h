@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "haptics/device/device.h"
-#include "haptics/device/kind.h"
 #include "haptics/device/steered/steering_script.h"
 #include "haptics/state/seqlock.h"
 
@@ -13,7 +12,5 @@ namespace sparsha::haptics {
 /// A simulated hand (docs/touch.md, "Simulated hand") that goes where the newest sample wants it, feels the forces of
 /// the stone, and follows its surface by them. Without a first sample it waits in the air.
 [[nodiscard]] std::unique_ptr<Device> make_steered_device(std::shared_ptr<const Seqlock<SteeringSample>> wish);
-
-[[nodiscard]] DeviceKind steered_kind();
 
 }  // namespace sparsha::haptics
