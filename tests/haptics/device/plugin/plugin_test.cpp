@@ -91,6 +91,14 @@ TEST_F(Plugin, IsFeltAndEndsInZero) {
   EXPECT_LE(motor_->strongest.load(), 4'000'000U);
 }
 
+TEST_F(Plugin, TheExampleIsFelt) {
+  const auto device = make_plugin_device(EXAMPLE_PLUGIN);
+  EXPECT_EQ(device->info().name, "a hand in a plug-in");
+  const Running run(*device);
+  EXPECT_TRUE(eventually([&] { return run.state.read().commanded_force_n[2] > 0.2; }));
+  EXPECT_EQ(run.servo.jumps(), 0U);
+}
+
 TEST_F(Plugin, AClosedDeviceHasBeenToldSo) {
   faulty("").reset();
   EXPECT_EQ(motor_->closed.load(), 1U);

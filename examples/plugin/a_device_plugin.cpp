@@ -1,5 +1,5 @@
 // A device as a plug-in: built by itself, with sparsha/device_plugin.h alone, and touched with
-//   sparsha explore SCENE --device plugin:./lib06_a_device_plugin.so
+//   sparsha explore SCENE --device plugin:./liba_device_plugin.so
 // Here the device is a hand in software on a spring that goes up and down; put your driver's calls in their place.
 #include <math.h>
 #include <stdio.h>
