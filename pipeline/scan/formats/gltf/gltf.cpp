@@ -20,6 +20,7 @@
 #include "pipeline/scan/formats/gltf/draco.hpp"
 #include "pipeline/scan/formats/gltf/look.hpp"
 #include "pipeline/scan/formats/gltf/scene.hpp"
+#include "pipeline/scan/formats/gltf/splats.hpp"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -83,7 +84,8 @@ struct Primitive {
   Accessor positions;
   std::optional<Accessor> normals, colours, indices;
   gltf::Look look;
-  std::optional<Accessor> texture;                        ///< coordinates, where the look's picture can be read
+  std::optional<Accessor> texture;  ///< coordinates, where the look's picture can be read
+  std::optional<gltf::Splats> splats;
   std::vector<std::pair<std::string, Accessor>> numbers;  ///< attributes of its own with one number each
 
   [[nodiscard]] std::uint64_t triangles() const {
@@ -124,7 +126,7 @@ class Reader {
     name_fields(shown, meshes);
     out_.begin(total, colour_, false, normals_);
     for (const gltf::Instance& instance : shown.instances) {
-      for (const Primitive& primitive : meshes[static_cast<std::size_t>(instance.mesh)]) add(primitive, instance.place);
+      for (Primitive& primitive : meshes[static_cast<std::size_t>(instance.mesh)]) add(primitive, instance.place);
     }
     warn(shown);
   }
@@ -187,6 +189,7 @@ class Reader {
                         std::nullopt,
                         {},
                         std::nullopt,
+                        std::nullopt,
                         {}};
     const auto size = primitive.positions.size();
     require(primitive.positions, 3, 3, size);
@@ -205,6 +208,7 @@ class Reader {
         throw document_.error(primitive.indices->place(), "indices that are no unsigned numbers",
                               "componentType 5121, 5123 or 5125");
     }
+    if (primitive.mode == Mode::points) primitive.splats = gltf::Splats::of(document_, json, size, place);
     primitive.look = gltf::look_of(document_, json, place);
     lay_texture(primitive, accessor);
     for (const auto& [name, value] : attributes->items()) {
@@ -246,7 +250,8 @@ class Reader {
   void name_fields(const gltf::Shown& shown, const std::vector<std::vector<Primitive>>& meshes) {
     for (const gltf::Instance& instance : shown.instances) {
       for (const Primitive& primitive : meshes[static_cast<std::size_t>(instance.mesh)]) {
-        colour_ = colour_ || primitive.colours || primitive.texture ||
+        if (primitive.splats) slots_.try_emplace("opacity", ScanWriter::kUnwanted);
+        colour_ = colour_ || primitive.colours || primitive.texture || primitive.splats ||
                   (primitive.look.factor && colour_of(*primitive.look.factor) != kWhite);
         normals_ = normals_ || primitive.normals;
         for (const auto& [name, numbers] : primitive.numbers) slots_.try_emplace(name, ScanWriter::kUnwanted);
@@ -264,6 +269,7 @@ class Reader {
 
   /// Of vertex n: the product of its own colour, the material's and the picture's.
   std::uint32_t colour(const Primitive& primitive, const ColourPicture* picture, std::uint64_t n) const {
+    if (primitive.splats) return primitive.splats->colour(n);
     Light light = primitive.look.factor.value_or(Light{1, 1, 1, 1});
     if (primitive.colours) {
       std::array<double, 4> c = (*primitive.colours)(n);
@@ -283,7 +289,7 @@ class Reader {
     return colour_of(light);
   }
 
-  void add(const Primitive& primitive, const Eigen::Matrix4d& place) {
+  void add(Primitive& primitive, const Eigen::Matrix4d& place) {
     const auto first = static_cast<std::uint32_t>(out_.records());
     const Eigen::Matrix3d linear = place.topLeftCorner<3, 3>();
     const double turns = linear.determinant();
@@ -291,9 +297,10 @@ class Reader {
     // Decoded again where many pictures had no room together.
     const std::shared_ptr<const ColourPicture> picture =
         primitive.texture ? pictures_.find(*primitive.look.image) : nullptr;
-    const bool coloured = primitive.colours || picture || (colour_ && primitive.look.factor);
+    const bool coloured = primitive.colours || picture || primitive.splats || (colour_ && primitive.look.factor);
     out_.set_attributes(coloured, false, primitive.normals.has_value());
     for (std::uint64_t n = 0; n < primitive.positions.size(); ++n) {
+      if (primitive.splats && !add_opacity(*primitive.splats, n)) continue;
       const std::array<double, 4> p = primitive.positions(n);
       const Eigen::Vector3d at = (place * Eigen::Vector4d(p[0], p[1], p[2], 1.0)).head<3>();
       if (primitive.normals) {
@@ -312,7 +319,19 @@ class Reader {
       }
       if ((n & 0xFFFF) == 0xFFFF) file_.throw_if_cancelled();
     }
+    if (primitive.splats) primitive.splats->warn(out_.scan());
     if (primitive.mode != Mode::points) add_faces(primitive, first, turns < 0.0);
+  }
+
+  /// False, and an invalid record, for a splat that is no surface.
+  bool add_opacity(gltf::Splats& splats, std::uint64_t n) {
+    if (!splats.keeps(n)) {
+      out_.add_invalid();
+      return false;
+    }
+    const int slot = slots_.at("opacity");
+    if (slot != ScanWriter::kUnwanted) out_.set_field(slot, splats.opacity(n));
+    return true;
   }
 
   /// `mirrored`: the node's transform turns triangles inside out, which the standard undoes.

@@ -241,6 +241,36 @@ TEST(GltfReader, WhatIsCompressedIsRefusedByNameWithTheRemedy) {
   EXPECT_EQ(read_scan_bytes(maker.glb(), "a.glb").points, kCorners);
 }
 
+TEST(GltfReader, GaussianSplatsAreReadAsInOtherFiles) {
+  Maker maker;
+  std::vector<float> places, axes, opacities, terms;
+  for (int k = 0; k < 50; ++k) {
+    places.insert(places.end(), {static_cast<float>(k), 0.5F, 2.0F});
+    // The 7th is faint, the 9th long.
+    axes.insert(axes.end(), {0.01F, k == 9 ? 3.0F : 0.02F, 0.001F});
+    opacities.push_back(k == 7 ? 0.05F : 0.9F);
+    terms.insert(terms.end(), {1.7724539F, 0.0F, -1.7724539F});  // 1, 0.5, 0
+  }
+  maker.mesh({{"attributes",
+               {{"POSITION", maker.numbers(places, kFloat, 3)},
+                {"KHR_gaussian_splatting:SCALE", maker.numbers(axes, kFloat, 3)},
+                {"KHR_gaussian_splatting:OPACITY", maker.numbers(opacities, kFloat, 1)},
+                {"KHR_gaussian_splatting:SH_DEGREE_0_COEF_0", maker.numbers(terms, kFloat, 3)}}},
+              {"mode", 0},
+              {"extensions", {{"KHR_gaussian_splatting", {{"colorSpace", "srgb_rec709_display"}}}}}});
+  RawScan scan = read_scan_bytes(maker.glb(), "a.glb");
+  EXPECT_EQ(scan.points.size(), 48U);
+  EXPECT_EQ(scan.invalid, 2U);
+  EXPECT_EQ(scan.rgba.at(3), pack_rgba(255, 128, 0));
+  EXPECT_THAT(scan.fields, ::testing::Contains("opacity"));
+  EXPECT_THAT(scan.warnings, ::testing::SizeIs(1));
+  json& primitive = maker.root["meshes"][0]["primitives"][0];
+  primitive["extensions"]["KHR_gaussian_splatting"]["colorSpace"] = "lin_rec709_display";
+  EXPECT_EQ(read_scan_bytes(maker.glb(), "a.glb").rgba.at(3), pack_rgba(255, 188, 0));
+  maker.root["accessors"][2]["count"] = 49;
+  EXPECT_THAT(message_of(maker.glb(), "a.glb"), HasSubstr("accessors[2]"));
+}
+
 TEST(GltfReader, DamageIsToldWithItsPlace) {
   const auto broken = [](const auto& change) {
     Maker maker = square();
