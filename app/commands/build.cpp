@@ -11,6 +11,7 @@
 #include "app/words/sentences.h"
 #include "audio/sound_bank.h"
 #include "base/error.h"
+#include "base/paths.h"
 #include "base/system.h"
 #include "pipeline/build/build.h"
 #include "scene/config/config.h"
@@ -52,7 +53,7 @@ fs::path scene_folder(const Arguments& arguments) {
 // Before scans are read: a scene that cannot be written need not be built.
 void require_place(const fs::path& folder) {
   std::error_code code;
-  fs::path parent = fs::absolute(folder, code).lexically_normal().parent_path();
+  fs::path parent = without_dots(fs::absolute(folder, code)).parent_path();
   if (fs::is_directory(parent, code)) return require_writable(folder, AtomicPath::Kind::folder);
   while (!fs::exists(parent, code) && parent.has_relative_path()) parent = parent.parent_path();
   if (fs::is_directory(parent, code) && system::is_writable(parent)) return;
@@ -85,7 +86,7 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
   }
   scene::require_replaceable(folder, config);
   std::error_code code;
-  fs::create_directories(fs::absolute(folder, code).lexically_normal().parent_path(), code);
+  fs::create_directories(without_dots(fs::absolute(folder, code)).parent_path(), code);
   const pipeline::BuildResult result = blaming_scans(arguments.inputs, arguments.settings, [&] {
     return pipeline::build_scene_folder(config, options, folder, terminal.progress());
   });

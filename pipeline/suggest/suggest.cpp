@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/paths.h"
 #include "base/text.h"
 #include "base/thread_pool.h"
 #include "base/yaml.h"
@@ -133,19 +134,10 @@ std::vector<FoundUnit> units_of(const std::vector<fs::path>& files, const std::v
   return units;
 }
 
-// As the configuration in `folder` finds it: an absolute path stays one, another is relative to the folder, unless
-// that leads elsewhere, as '..' behind a symbolic link may.
+// As the configuration in `folder` finds it: an absolute path stays one, another is relative to the folder.
 std::string shown_path(const fs::path& file, const fs::path& folder) {
   if (file.is_absolute()) return file.generic_string();
-  std::error_code code;
-  const fs::path absolute = fs::absolute(file, code);
-  const fs::path base = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, code);
-  const fs::path relative = absolute.lexically_normal().lexically_relative(base.lexically_normal());
-  // However the folder may be called when the configuration is read.
-  const auto leads = [&](const fs::path& from) {
-    return fs::equivalent((from / relative).lexically_normal(), file, code);
-  };
-  return (!relative.empty() && leads(base) && leads(folder) ? relative : absolute).generic_string();
+  return path_from(folder, file).generic_string();
 }
 
 // The columns of a text table that names none, where its values tell them.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/paths.h"
 #include "scene/polygon.h"
 
 namespace sparsha::scene {
@@ -70,7 +71,7 @@ int read_label(const yaml::Node& node) {
 std::filesystem::path resolved(const yaml::Node& node, const std::filesystem::path& folder) {
   const std::filesystem::path path = yaml::to_text(node);
   if (path.empty()) throw yaml::error_at(node, "the file name is empty", "a path relative to this file");
-  return path.is_absolute() || folder.empty() ? path : (folder / path).lexically_normal();
+  return path.is_absolute() || folder.empty() ? path : without_dots(folder / path);
 }
 
 Eigen::Vector3d vector(const yaml::Node& node) {

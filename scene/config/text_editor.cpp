@@ -5,20 +5,14 @@
 #include <utility>
 #include <variant>
 
+#include "base/paths.h"
 #include "base/yaml_text.h"
 #include "scene/config/config.h"
 
 namespace sparsha::scene {
 namespace fs = std::filesystem;
 
-fs::path relative_to(const fs::path& path, const fs::path& folder) {
-  std::error_code code;
-  const fs::path relative =
-      fs::absolute(path, code)
-          .lexically_normal()
-          .lexically_relative(fs::absolute(folder.empty() ? "." : folder, code).lexically_normal());
-  return relative.empty() ? path : relative;
-}
+fs::path relative_to(const fs::path& path, const fs::path& folder) { return path_from(folder, path); }
 
 namespace {
 
@@ -36,7 +30,7 @@ void for_each_file(Config& config, const Use& use) {
 
 std::string comparable_text(Config config) {
   std::error_code code;
-  for_each_file(config, [&](fs::path& path) { path = fs::absolute(path, code).lexically_normal(); });
+  for_each_file(config, [&](fs::path& path) { path = without_dots(fs::absolute(path, code)); });
   return to_yaml(config);
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/paths.h"
 #include "base/text.h"
 #include "base/yaml.h"
 #include "scene/folder/folder.h"
@@ -87,18 +88,12 @@ std::string scene_yaml(const SceneDescription& scene, const fs::path& folder) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return scene.sources[a].sha256 < scene.sources[b].sha256; });
-  std::error_code code;
-  const fs::path absolute_folder = fs::absolute(folder, code);
-  const auto relative = [&](const fs::path& file) {
-    const fs::path result = fs::absolute(file, code).lexically_normal().lexically_relative(absolute_folder);
-    return result.empty() ? file : result;
-  };
   if (order.size() == config.scans.size()) {
     std::vector<ScanConfig> sorted;
     for (const std::size_t i : order) sorted.push_back(config.scans[i]);
     config.scans = std::move(sorted);
   }
-  for (ScanConfig& scan : config.scans) scan.file = relative(scan.file);
+  for (ScanConfig& scan : config.scans) scan.file = path_from(folder, scan.file);
 
   std::string text = "# A Sparsha scene: the resolved configuration, and below it what was made of it.\n";
   text += to_yaml(config);

@@ -99,6 +99,13 @@ TEST_F(SuggestedPaths, LeadThroughSymbolicLinks) {
   write("disk/b.xyz");
   EXPECT_TRUE(fs::equivalent(found("link/../b.xyz", ""), "disk/b.xyz"));
   EXPECT_TRUE(fs::equivalent(found("link/../b.xyz", "configs"), "disk/b.xyz"));
+  // A configuration that is written by one name of its folder is read by another.
+  fs::create_directories("out/here/more");
+  fs::create_directory_symlink(fs::absolute("out/here/more"), "far");
+  EXPECT_TRUE(fs::equivalent(found("disk/b.xyz", "far"), "disk/b.xyz"));
+  EXPECT_TRUE(fs::equivalent(scene::load_config("out/here/more/made.yaml").scans.at(0).file, "disk/b.xyz"));
+  EXPECT_TRUE(fs::equivalent(found("disk/b.xyz", "out/here/more"), "disk/b.xyz"));
+  EXPECT_TRUE(fs::equivalent(scene::load_config("far/made.yaml").scans.at(0).file, "disk/b.xyz"));
 }
 
 }  // namespace
