@@ -42,7 +42,7 @@ bool write_figures(const std::filesystem::path& out) {
                                        render_stroke(surface_of(true, kMu), hands)};
   // On a plane friction keeps the proxy mu * depth behind, along the surface.
   const double plane_ms = 1e3 * kMu * kStrokeDepth_m / stroke_speed();
-  constexpr auto kFirst = static_cast<std::size_t>(kStrokeSettled_s / kStrokeTick_s);
+  constexpr std::size_t kFirst = stroke_ticks(kStrokeSettled_s);
   const double z_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].z_mm, strokes[2].z_mm, kFirst);
   const double force_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].force_n, strokes[2].force_n, kFirst);
   std::printf("lag by friction: z %.2f ms, force %.2f ms; mu * depth / speed on a plane %.2f ms\n", z_ms, force_ms,

@@ -136,7 +136,7 @@ bool write_lags(const fs::path& work, const fs::path& folder, int nodes) {
     for (const auto& [texture, friction] :
          {std::pair{false, false}, std::pair{true, false}, std::pair{true, true}, std::pair{false, true}})
       strokes.push_back(render_stroke(*window_of(*built.scene, texture, friction), hands));
-    constexpr auto kFirst = static_cast<std::size_t>((kStrokeApproach_s + kStrokeSettled_s) / kStrokeTick_s);
+    constexpr std::size_t kFirst = stroke_ticks(kStrokeApproach_s) + stroke_ticks(kStrokeSettled_s);
     const double z_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].z_mm, strokes[2].z_mm, kFirst);
     const double force_ms = 1e3 * kStrokeTick_s * lag_ticks(strokes[1].force_n, strokes[2].force_n, kFirst);
     const double mu = mean_mu(*window_of(*built.scene, true, true));

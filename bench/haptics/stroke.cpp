@@ -59,7 +59,7 @@ double stroke_texture(double x, double y) {
 
 std::vector<Vector3d> stroke_hands(bool approach) {
   std::vector<Vector3d> hands;
-  const int down = approach ? static_cast<int>(std::lround(kStrokeApproach_s / kStrokeTick_s)) : 0;
+  const int down = approach ? static_cast<int>(stroke_ticks(kStrokeApproach_s)) : 0;
   for (int k = 0; k < down; ++k)
     hands.push_back(hand_at(0.0, kStrokeDepth_m - (kAbove_m + kStrokeDepth_m) * (down - k) / down));
   for (int k = 0; k < kTicks; ++k) hands.push_back(hand_at(k * kStrokeTick_s, kStrokeDepth_m));

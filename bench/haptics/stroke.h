@@ -18,6 +18,11 @@ inline constexpr double kStrokeGrain_m = 0.03;    // wavelength of the texture
 inline constexpr double kStrokeSettled_s = 0.1;   // after that the slip is steady
 inline constexpr double kStrokeApproach_s = 0.1;  // through free space and into the surface
 
+/// Whole ticks in a time of the stroke: every count and index of ticks is this one.
+[[nodiscard]] constexpr std::size_t stroke_ticks(double seconds) {
+  return static_cast<std::size_t>(seconds / kStrokeTick_s + 0.5);
+}
+
 [[nodiscard]] double stroke_envelope(double x, double y);
 /// Rounded grains that differ in height, at most 0.9 mm.
 [[nodiscard]] double stroke_texture(double x, double y);

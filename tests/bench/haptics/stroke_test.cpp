@@ -24,6 +24,14 @@ TEST(Lag, OfAShiftedSignalIsItsShiftToAFractionOfATick) {
   }
 }
 
+TEST(Stroke, CountsWholeTicks) {
+  for (std::size_t ticks = 0; ticks < 3000; ++ticks) {
+    EXPECT_EQ(stroke_ticks(static_cast<double>(ticks) * kStrokeTick_s), ticks);
+    EXPECT_EQ(stroke_ticks(static_cast<double>(ticks) / 1000.0), ticks);
+  }
+  EXPECT_EQ(stroke_hands(true).size() - stroke_hands(false).size(), stroke_ticks(kStrokeApproach_s));
+}
+
 TEST(Stroke, BeginsTenMillimetresAboveTheSurfaceAndIsFourBelowItWhileItStrokes) {
   const std::vector<Eigen::Vector3d> hands = stroke_hands(true);
   const Eigen::Vector3d& first = hands.front();
