@@ -335,6 +335,18 @@ Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexce
   return from + clamped(force_n - from, limits_.slew_n_per_s * period_s);
 }
 
+/// No more than a spring of this stiffness with twice the observed energy has: passive() alone would let the whole
+/// force go on until the energy is used up, and end it within a tick.
+Vector3d Governor::tapered(const GovernorInput& input, const Vector3d& force_n) const noexcept {
+  constexpr double kTaper_n = 0.034;  // that it becomes less by in a tick, and what the hand's move explains twice
+  const double stiffness = input.stiffness_n_per_m;
+  if (!input.gave_way || !(stiffness > 0.0)) return force_n;
+  const double moved_n = stiffness * displacement_m_.norm();
+  const double stored_n = std::sqrt(4.0 * stiffness * std::max(0.0, energy_j_));
+  const double most_n = std::max(stored_n + 3.0 * moved_n, commanded_n_[0].norm() - kTaper_n - 2.0 * moved_n);
+  return clamped(force_n, std::max(0.0, most_n));
+}
+
 /// Takes from the force what would deliver more than the observed energy, the forces already on their way included, if
 /// the hand goes on as it moved last.
 Vector3d Governor::passive(const Vector3d& force_n) const noexcept {
@@ -368,7 +380,7 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   if (!armed_) return command(Vector3d::Zero(), false);
   const Vector3d most = clamped(damped(input), limits_.max_force_n);
   const Vector3d grown = slewed(most, std::min(input.period_s, pace_s_));
-  const Vector3d safe = deliverable(passive(grown), limits_.max_force_n);
+  const Vector3d safe = deliverable(passive(tapered(input, grown)), limits_.max_force_n);
   return command(safe, safe != input.force_n);
 }
 

@@ -72,6 +72,9 @@ struct GovernorInput {
   double nominal_period_s = 0.001;  ///< of the servo's plan
   bool fresh = true;                ///< the position is new and finite
   bool contact = false;
+  /// Under this contact the surface has given way or another one has come: what the spring holds is not what the hand
+  /// has put in, and the force is to become less before that is used up.
+  bool gave_way = false;
   bool guided = false;  ///< a guide adds to the force: energy is observed in free space too
 };
 
@@ -126,6 +129,7 @@ class Governor {
   void count_free_time(const GovernorInput& input) noexcept;
   void observe_energy(const GovernorInput& input) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
+  [[nodiscard]] Eigen::Vector3d tapered(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] Eigen::Vector3d passive(const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] GovernorOutput command(const Eigen::Vector3d& force_n, bool saturated) noexcept;
   [[nodiscard]] std::size_t delay() const noexcept { return static_cast<std::size_t>(limits_.delay_ticks); }

@@ -95,8 +95,10 @@ struct Outcome {
   double kick = 0.0;  ///< largest growth of the force's arm in a tick beyond the hand's own step
 };
 
+/// `judged`: the god-object goes along, which takes most of the time; else the distance to the surface alone.
 inline Outcome wander(const Touched& on, std::size_t ticks, double deepest, std::uint64_t seed,
-                      const haptics::SolverOptions& options = {}, double through = 0.6, double longest_arm = 1e9) {
+                      const haptics::SolverOptions& options = {}, double through = 0.6, double longest_arm = 1e9,
+                      bool judged = true) {
   Outcome out;
   Wanderer hand(on, deepest, seed);
   haptics::AroundState state;
@@ -129,6 +131,7 @@ inline Outcome wander(const Touched& on, std::size_t ticks, double deepest, std:
       (void)update_around(*on.surface, hand.start() - origin, state, options);
       last_arm = Eigen::Vector3d::Zero(), last_hip = hand.start();
     }
+    if (!judged) continue;
     judge.move(hip);
     if (!found.contact || !judge.contact() || d > -on.h) continue;
     const Eigen::Vector3d want = judge.place_m() - hip;

@@ -66,6 +66,28 @@ TEST(Around, AHandThatWandersFeelsTheTrueSurface) {
   }
 }
 
+TEST(Around, TenMillionTicksOnEveryObjectEndOnItsSurface) {
+  const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
+  const std::size_t ticks = nightly ? 10'000'000 : 10'000;
+  std::vector<Touched> objects = smooth_objects();
+  objects.push_back(touched("coin", make_coin()));
+  for (const Touched& on : objects) {
+    const Outcome o = wander(on, ticks, 3.0, 23, {.shape = haptics::CellShape::rounded}, 0.6, 1e9, false);
+    const std::string all = on.name + ": " + std::to_string(o.ticks) + " ticks, " + std::to_string(o.contacts) +
+                            " in contact, " + std::to_string(o.through) + " through, " + std::to_string(o.released) +
+                            " let go, " + std::to_string(o.off_surface) + " off, " + std::to_string(o.not_a_number) +
+                            " not a number, " + std::to_string(o.unfinished) + " unfinished, " +
+                            std::to_string(o.ns_median) + " and " + std::to_string(o.ns_p99) + " ns";
+    if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+    EXPECT_GT(o.contacts, o.ticks / 4) << all;
+    EXPECT_EQ(o.not_a_number, 0U) << all;
+    EXPECT_LE(o.through, o.ticks / 1'000'000) << all;
+    const std::size_t edges = on.name == "coin" ? 1 + o.ticks / 5'000 : 0;  // ticks at its sharp edges
+    EXPECT_LE(o.released, edges + o.ticks / 1'000'000) << all;
+    EXPECT_LE(o.off_surface, edges + o.ticks / 10'000) << all;
+  }
+}
+
 /// A stroke two spacings deep over the border between two sides, there and back.
 struct Stroke {
   std::size_t ticks = 0, lost = 0, off = 0, not_handed_over = 0, hand_overs = 0;
