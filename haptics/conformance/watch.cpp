@@ -147,6 +147,8 @@ ConformanceStep facts(const DeviceInfo& info) {
         fmt::format("a growth of force of {:.3g} N/s", limits.slew_n_per_s));
   check(limits.delay_ticks >= 0 && limits.delay_ticks <= kLongestDelayTicks,
         fmt::format("a delay of {} ticks (0 to {})", limits.delay_ticks, kLongestDelayTicks));
+  check(limits.undeclared_s >= 0.0 && limits.undeclared_s <= 0.004,
+        fmt::format("an undeclared delay of {:.3g} s (0 to 0.004)", limits.undeclared_s));
   check(info.rate_hz >= 0.0 && info.rate_hz < 1e6, fmt::format("a rate of {:.3g} Hz", info.rate_hz));
   check(info.fastest_m_per_s >= 0.0 && info.fastest_m_per_s < 1e3,
         fmt::format("a fastest hand of {:.3g} m/s", info.fastest_m_per_s));

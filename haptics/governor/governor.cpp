@@ -17,6 +17,7 @@ constexpr double kArming_s = 0.050;  // in free space
 constexpr double kMostForce_n = 100.0;
 constexpr double kMostSlew_n_per_s = 1e6;
 constexpr double kMostDamping_n_s_per_m = 100.0;
+constexpr double kMostUndeclared_s = 0.004;
 
 // What no loop through a bus and motors undercuts, whatever is declared.
 constexpr double kLeastDelay_s = 0.001;
@@ -54,6 +55,12 @@ constexpr double kMostSideShare = 0.5;      // of the force
 constexpr double kPlay = 1.05;              // encoder steps that are flicker
 constexpr double kCredit_n_s_per_m = 0.25;  // damping that every hand has
 
+constexpr double kUnbraked_j = 0.1e-3;   // from an undeclared delay, if there is one
+constexpr double kBraked_j = 0.5e-3;     // by the whole brake
+constexpr double kSoftening_j = 1.2e-3;  // in spite of the brake
+constexpr double kForgotten_w = 0.05e-3;
+constexpr double kBounces_s = 1.0;  // a hand that bounces comes back sooner
+
 /// NaN becomes zero.
 double between_zero_and(double most, double value) noexcept { return value > 0.0 ? std::min(value, most) : 0.0; }
 
@@ -69,6 +76,7 @@ DeviceLimits usable(const DeviceLimits& limits) noexcept {
   result.max_force_n = between_zero_and(kMostForce_n, limits.max_force_n);
   result.slew_n_per_s = between_zero_and(kMostSlew_n_per_s, limits.slew_n_per_s);
   result.least_damping_n_s_per_m = between_zero_and(kMostDamping_n_s_per_m, limits.least_damping_n_s_per_m);
+  result.undeclared_s = between_zero_and(kMostUndeclared_s, limits.undeclared_s);
   result.delay_ticks = std::clamp(limits.delay_ticks, 0, kLongestDelayTicks);
   return result;
 }
@@ -168,7 +176,9 @@ void Governor::count_free_time(const GovernorInput& input) noexcept {
   free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, pace_s_);
   if (free_s_ < kArming_s) return;
   armed_ = true;
-  if (!input.guided) energy_j_ = 0.0;
+  if (input.guided) return;
+  energy_j_ = 0.0;
+  if (free_s_ > kBounces_s) late_.reset();
 }
 
 /// The smallest move of the last one to two seconds is taken for the encoder's step.
@@ -289,6 +299,39 @@ Vector3d Governor::damped(const GovernorInput& input) const noexcept {
   return force_n;
 }
 
+/// What would have come from a later loop is forgotten as slowly as nobody feels it; of much of it the wall becomes
+/// softer, since then a brake has not been enough.
+void Governor::watch_late_loop() noexcept {
+  late_.forgive(kForgotten_w * pace_s_);
+  if (late_.debt_j() < kSoftening_j) return;
+  late_.forgive(kSoftening_j - kBraked_j);
+  soften();
+}
+
+/// Takes from the force where the hand moves out what an undeclared delay would add there and on the way in. More would
+/// chatter at the encoder's steps.
+Vector3d Governor::braked(const Vector3d& force_n, double stiffness_n_per_m) const noexcept {
+  const double share = smooth_step((late_.debt_j() - kUnbraked_j) / (kBraked_j - kUnbraked_j));
+  const double magnitude_n = force_n.norm();
+  if (!(share > 0.0) || !(magnitude_n > 0.0)) return force_n;
+  const double out_m_per_s = velocity().dot(force_n) / magnitude_n - step_m_ / AdaptiveVelocity::kLongest_s;
+  if (!(out_m_per_s > 0.0)) return force_n;
+  const double less_n = share * 2.0 * limits_.undeclared_s * stiffness_n_per_m * out_m_per_s;
+  return force_n * std::max(0.0, 1.0 - less_n / magnitude_n);
+}
+
+/// As observe_energy(), of a loop that is later. Of damping only what goes along the force counts: a stroke along the
+/// stone would earn far more than its rise and fall.
+void Governor::observe_late_loop(const GovernorInput& input, const Vector3d& held_n, double stored_j) noexcept {
+  const double held = held_n.norm();
+  const double squared_m2 = displacement_m_.squaredNorm();
+  const double along_m = held > 0.0 ? displacement_m_.dot(held_n) / held : 0.0;
+  const double credit_j = squared_m2 > 0.0 ? damped_j_ * along_m * along_m / squared_m2 : 0.0;
+  const auto late = static_cast<std::size_t>(std::lround(limits_.undeclared_s / pace_s_));
+  late_.observe(displacement_m_, credit_j + input.supplied_j, input.spring_energy_j, stored_j,
+                delay() + std::min(late, LateLoop::kMostTicks));
+}
+
 /// The energy that the hand put in over the last interval, with the force that the device held then. The damping that
 /// every hand has is added, and moves within an encoder's step are left out: quantisation would make the observed
 /// energy of a hand at rest fall. Energy counts only as far as the spring stores it: friction does not return what it
@@ -316,6 +359,7 @@ void Governor::observe_energy(const GovernorInput& input) noexcept {
     const double work_j = damped_j_ - given_j;
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
     energy_j_ = std::min(energy_j_ + std::min(work_j + input.supplied_j, stored_j), input.spring_energy_j);
+    if (limits_.undeclared_s > 0.0) observe_late_loop(input, held_n, stored_j);
   } else {
     observed_m_ = input.position_m;
   }
@@ -362,6 +406,7 @@ Vector3d Governor::passive(const Vector3d& force_n) const noexcept {
 GovernorOutput Governor::command(const Vector3d& force_n, bool saturated) noexcept {
   for (std::size_t k = kLongestDelay; k > 0; --k) commanded_n_[k] = commanded_n_[k - 1];
   commanded_n_[0] = force_n;
+  late_.command(force_n);
   return {force_n, saturated, armed_, energy_j_};
 }
 
@@ -378,7 +423,8 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   watch_hand(input);
   observe_energy(input);
   if (!armed_) return command(Vector3d::Zero(), false);
-  const Vector3d most = clamped(damped(input), limits_.max_force_n);
+  watch_late_loop();
+  const Vector3d most = clamped(braked(damped(input), input.stiffness_n_per_m), limits_.max_force_n);
   const Vector3d grown = slewed(most, std::min(input.period_s, pace_s_));
   const Vector3d safe = deliverable(passive(tapered(input, grown)), limits_.max_force_n);
   return command(safe, safe != input.force_n);

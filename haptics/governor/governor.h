@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "haptics/governor/adaptive_velocity.h"
+#include "haptics/governor/late_loop.h"
 #include "haptics/governor/loop_meter.h"
 #include "haptics/governor/swing.h"
 
@@ -38,6 +39,9 @@ struct DeviceLimits {
   double least_damping_n_s_per_m = 2.0;  ///< least damping of hand and device
   double slew_n_per_s = 1500.0;          ///< growth of force
   int delay_ticks = 1;                   ///< a force reaches the hand this many ticks after it was written, 0 to 4
+  /// Delay beyond that which cannot be ruled out, 0 to 4 ms: of what a hand would get from it, the governor brakes. 0
+  /// for a loop that is known, such as a simulated one.
+  double undeclared_s = 0.002;
 };
 
 /// The same with every number in the range of things that hands hold: what is not a number, negative or absurd becomes
@@ -125,9 +129,12 @@ class Governor {
   void damp() noexcept;
   void soften() noexcept;
   void learn_step(double moved_m, double period_s) noexcept;
+  void watch_late_loop() noexcept;
+  [[nodiscard]] Eigen::Vector3d braked(const Eigen::Vector3d& force_n, double stiffness_n_per_m) const noexcept;
   [[nodiscard]] Eigen::Vector3d damped(const GovernorInput& input) const noexcept;
   void count_free_time(const GovernorInput& input) noexcept;
   void observe_energy(const GovernorInput& input) noexcept;
+  void observe_late_loop(const GovernorInput& input, const Eigen::Vector3d& held_n, double stored_j) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
   [[nodiscard]] Eigen::Vector3d tapered(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] Eigen::Vector3d passive(const Eigen::Vector3d& force_n) const noexcept;
@@ -155,6 +162,7 @@ class Governor {
   double pace_s_ = 0.0;  // of this tick
   bool jitters_ = false;
   SwingDetector swing_;
+  LateLoop late_;
   double wish_n_per_m_ = -1.0;
   double wished_s_ = 1.0;  // since the wish has changed in this contact
   double limit_n_per_m_ = 0.0;

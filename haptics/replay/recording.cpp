@@ -53,6 +53,7 @@ enum Column : std::size_t {
   kTurnY,
   kTurnZ,
   kTurnW,
+  kUndeclared,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -89,7 +90,8 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "turn_x",
                                                            "turn_y",
                                                            "turn_z",
-                                                           "turn_w"};
+                                                           "turn_w",
+                                                           "undeclared_s"};
 
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
@@ -185,6 +187,8 @@ constexpr Range range_of(Column column) {
       return {0.0, 100.0};
     case kDelay:
       return {0.0, kLongestDelayTicks, true};
+    case kUndeclared:
+      return {0.0, 1.0};
     case kColumns:
       break;
   }
@@ -281,6 +285,7 @@ DeviceLimits recorded_limits(const Fields& fields) {
   recorded.slew_n_per_s = fields.at(kSlew, recorded.slew_n_per_s);
   recorded.least_damping_n_s_per_m = fields.at(kDamping, recorded.least_damping_n_s_per_m);
   recorded.delay_ticks = static_cast<int>(fields.at(kDelay, recorded.delay_ticks));
+  recorded.undeclared_s = fields.at(kUndeclared, 0.0);  // before there was such a column, none was assumed
   return recorded;
 }
 

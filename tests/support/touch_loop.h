@@ -91,15 +91,23 @@ struct TouchResult {
 /// Sees each tick: what the renderer was given and what it made of it.
 using TickWatcher = std::function<void(const haptics::DeviceSample&, const haptics::Record&)>;
 
+/// What the device says of itself.
+inline haptics::DeviceInfo device_of(const TouchCase& c) {
+  haptics::DeviceInfo info;
+  info.name = "test hand";
+  info.limits.delay_ticks = c.declared_ticks;
+  info.limits.least_damping_n_s_per_m = kStatedDamping;
+  // A loop that is as it says can say so.
+  if (c.delay_s <= c.declared_ticks / c.configured_hz + 1e-9) info.limits.undeclared_s = 0.0;
+  return info;
+}
+
 /// One run on a window of 0.1 m, whose renderer `prepare` is shown first. A run of ten seconds takes some 30 ms.
 inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const TickWatcher& watch = {},
                          const std::function<void(haptics::HapticRenderer&)>& prepare = {}) {
   using Eigen::Vector3d;
   constexpr double kStep = 20e-6;
-  haptics::DeviceInfo info;
-  info.name = "test hand";
-  info.limits.delay_ticks = c.declared_ticks;
-  info.limits.least_damping_n_s_per_m = kStatedDamping;
+  const haptics::DeviceInfo info = device_of(c);
   haptics::RendererOptions options;
   options.rate_hz = c.configured_hz;
   options.stiffness_n_per_m = c.wish_n_per_m;

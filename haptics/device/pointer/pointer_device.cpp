@@ -24,6 +24,7 @@ class PointerDevice final : public Device {
     DeviceInfo info;
     info.name = "pointer";
     info.limits.least_damping_n_s_per_m = 10.0;  // it has no motors: nothing can oscillate
+    info.limits.undeclared_s = 0.0;
     return info;
   }
 

@@ -24,6 +24,7 @@ class FeelingHand {
     info.planned_time = true;
     info.limits.max_force_n = parameters_.max_force_n;
     info.limits.least_damping_n_s_per_m = parameters_.damping_n_s_per_m;
+    info.limits.undeclared_s = 0.0;
     return info;
   }
 

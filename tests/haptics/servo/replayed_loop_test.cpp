@@ -50,11 +50,9 @@ TEST(ReplayedLoop, SlowScatteredAndLossyLoopsAreReplayedToTheLastBit) {
           samples.push_back(sample);
           records.push_back(record);
         }));
-        haptics::DeviceInfo info;
-        info.limits.delay_ticks = c.declared_ticks;
         haptics::RendererOptions options;
         options.rate_hz = c.configured_hz;
-        haptics::HapticRenderer replayed(info, options, haptics::window_on(scene, 0, 1, false));
+        haptics::HapticRenderer replayed(device_of(c), options, haptics::window_on(scene, 0, 1, false));
         std::size_t differing = 0;
         std::size_t first = 0;
         for (std::size_t k = 0; k < samples.size(); ++k) {
