@@ -11,8 +11,8 @@ const std::string& run_csv_header() {
       "device_x_m,device_y_m,device_z_m,centre_x_m,centre_y_m,centre_z_m,scale,commanded_force_x_n,"
       "commanded_force_y_n,commanded_force_z_n,surface_id,command,flags,buttons,stiffness_n_per_m,period_s,late_ns,"
       "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m,delay_"
-      "ticks,nominal_period_s,tip_radius_m,guide_x_n,guide_y_n,guide_stored_j,guide_supplied_j,scene,turn_x,turn_y,"
-      "turn_z,turn_w,undeclared_s\n";
+      "ticks,nominal_period_s,tip_radius_m,guide_x_n,guide_y_n,guide_stored_j,guide_supplied_j,turn_x,turn_y,turn_z,"
+      "turn_w,undeclared_s,scene\n";
   return header;
 }
 
@@ -47,9 +47,9 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   for (const double force_n : state.guide_n) csv::append(text, force_n);
   csv::append(text, state.guide_stored_j);
   csv::append(text, state.guide_supplied_j);
-  csv::append(text, state.scene);
   for (const double part : state.turn) csv::append(text, part);
   csv::append(text, device.limits.undeclared_s);
+  csv::append(text, state.scene);
   csv::end_row(text);
 }
 
