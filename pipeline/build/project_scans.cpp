@@ -100,7 +100,9 @@ ScanPart part_of(const std::vector<scene::FilterConfig>& filters, bool force) {
 constexpr std::uint64_t kWindowBytes = 56;
 
 // Thrown while a build in memory turns out to exceed the limit.
-struct DoesNotFit {};
+struct DoesNotFit {
+  std::uint64_t bytes = 0;  ///< that it needs with the grid; 0 where that is not known
+};
 
 class Builder {
  public:
@@ -119,7 +121,7 @@ class Builder {
   ProjectedScans run() {
     progress_.begin("read");
     ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_,
-                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size()),
+                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size(), false),
                   part_of(filters_, options_.force));
     require_fields(config_.scans, scans, filters_, progress_);
     if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
@@ -131,11 +133,11 @@ class Builder {
     try {
       if (!may_fit(limit_, amount_of(scans), filters_)) throw DoesNotFit();
       build_in_memory(scans);
-    } catch (const DoesNotFit&) {
+    } catch (const DoesNotFit& needed) {
       result_ = {};
       grid_ = config_.grid;
       oriented_ = !config_.orientation.face.has_value();
-      require_points_only(scans);
+      require_points_only(scans, needed.bytes);
       if (thins()) {
         build_thinned(scans);
       } else {
@@ -192,7 +194,7 @@ class Builder {
       // Of a mesh as many places may be sampled as there are nodes.
       const std::uint64_t places = scans.points() + (scans.faces() > 0 ? lattice.count() : 0U);
       if (checks()) needed += bytes_of_sample(*config_.check, places, lattice);
-      if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit();
+      if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit{needed};
       require_room(lattice, node_bytes(scans, lattice));
     });
   }
@@ -317,10 +319,13 @@ class Builder {
                       "a smaller grid.size or larger grid.spacing_mm");
   }
 
-  // Faces, and filters that look farther than a point, are not for points on disk.
-  void require_points_only(const ScanSet& scans) const {
+  // Faces, and filters that look farther than a point, are not for points on disk. `bytes`: what memory and grid need,
+  // if known.
+  void require_points_only(const ScanSet& scans, std::uint64_t bytes) const {
     const ScanAmount amount = amount_of(scans);
-    if (amount.faces > 0) throw refusal_of_mesh(amount, filters_);
+    if (amount.faces > 0) {
+      throw refusal_of_mesh(amount, bytes > 0 ? bytes : bytes_in_memory(amount, filters_), bytes > 0);
+    }
     for (const scene::FilterConfig& filter : filters_) {
       if (std::holds_alternative<scene::VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
       if (can_be_streamed(filter)) continue;
@@ -402,13 +407,9 @@ class Builder {
     const std::optional<SampledGrid> grid =
         sampled_grid(scans.sample_m(), scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_});
     if (!grid) return;
-    const std::uint64_t bytes = node_bytes(scans, grid->lattice);
-    constexpr std::uint64_t kSurely = 10;  // per cent that a lattice of all points may be smaller
-    if (bytes - bytes / kSurely > limit_.bytes && limit_.bytes > 0) {
-      const std::uint64_t sample = checks() ? bytes_of_sample(*config_.check, scans.points(), grid->lattice) : 0;
-      (void)points_of_a_tile(limit_, bytes, grid->bytes_per_point, sample, grid->lattice);
-    }
     require_room_about_nodes(limit_, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
+    require_room_likely(limit_, checks() ? &*config_.check : nullptr, scans.points(), node_bytes(scans, grid->lattice),
+                        grid->bytes_per_point, grid->lattice);
   }
 
   void build_out_of_core(const ScanSet& scans) {

@@ -117,12 +117,14 @@ void require_room_about_nodes(const MemoryLimit& limit, const std::vector<Eigen:
   };
   const std::uint64_t surely = of_all(counts.most(kNear), -kSigmas);
   if (bytes_for(surely) <= limit.bytes) return;
-  const std::uint64_t enough = bytes_for(of_all(counts.most(kFar), kSigmas)) / 1'000'000U + 1;
+  const auto megabytes = [&](std::uint64_t about) { return bytes_for(about) / 1'000'000U + 1; };
+  const std::uint64_t least = megabytes(of_all(counts.most(kNear), 0.0));
+  const std::uint64_t enough = megabytes(of_all(counts.most(kFar), kSigmas));
   throw Error(
       ErrorKind::failure, {},
-      fmt::format("{} points and more lie about a single node of the grid, which need about {} MB at most, more "
-                  "than the limit of {} MB",
-                  surely, enough, limit.bytes / 1'000'000U),
+      fmt::format("{} points and more lie about a single node of the grid, which need about {} MB at most and {} MB at "
+                  "the least, more than the limit of {} MB",
+                  surely, enough, least, limit.bytes / 1'000'000U),
       fmt::format("--memory {}MB, a finer grid or a voxel filter", enough));
 }
 

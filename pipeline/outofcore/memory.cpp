@@ -25,6 +25,7 @@ constexpr std::uint64_t kVoxel = 140;
 constexpr std::uint64_t kCells = 48;
 constexpr std::uint64_t kMoved = 12;
 constexpr std::uint64_t kFace = 56;
+constexpr std::uint64_t kTrialFace = 36;  // more, while views of a mesh are tried
 
 // Bytes an item of a cross-check's sample, while it is drawn or measured.
 constexpr std::uint64_t kSampledPoint = 48;
@@ -75,21 +76,25 @@ bool may_fit(const MemoryLimit& limit, const ScanAmount& scans, const std::vecto
   return limit.bytes == 0 || bytes_in_memory(scans, filters) <= limit.bytes;
 }
 
-Error refusal_of_mesh(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters) {
+Error refusal_of_mesh(const ScanAmount& scans, std::uint64_t bytes, bool with_grid) {
   return Error(ErrorKind::failure, {},
-               fmt::format("{} points and {} faces need about {} MB and the grid in memory, more than the limit, and "
+               fmt::format("{} points and {} faces need about {} MB {} the grid in memory, more than the limit, and "
                            "scans with faces are built in memory only",
-                           scans.points, scans.faces, bytes_in_memory(scans, filters) / 1'000'000U + 1),
+                           scans.points, scans.faces, bytes / 1'000'000U + 1, with_grid ? "with" : "and"),
                "a higher --memory");
 }
 
-MeshRefusal mesh_refusal(const MemoryLimit& limit, const std::vector<scene::FilterConfig>& filters,
-                         std::size_t fields) {
+MeshRefusal mesh_refusal(const MemoryLimit& limit, const std::vector<scene::FilterConfig>& filters, std::size_t fields,
+                         bool guessed) {
   if (limit.none()) return {};
-  return [limit, filters, fields](std::uint64_t vertices, std::uint64_t triangles) -> std::optional<Error> {
-    if (may_fit(limit, {vertices, triangles, 0}, filters)) return std::nullopt;
+  return [limit, filters, fields, guessed](std::uint64_t vertices, std::uint64_t triangles) -> std::optional<Error> {
+    const std::uint64_t trials = guessed ? kTrialFace * triangles : 0U;
+    const ScanAmount least{vertices, triangles, 0};
+    if (may_fit(limit, least, filters) && (limit.bytes == 0 || bytes_in_memory(least, filters) + trials <= limit.bytes))
+      return std::nullopt;
     constexpr std::size_t kMostAttributes = 2;  // colour and intensity, of which nobody knows yet
-    return refusal_of_mesh({vertices, triangles, kMostAttributes + fields}, filters);
+    const ScanAmount most{vertices, triangles, kMostAttributes + fields};
+    return refusal_of_mesh(most, bytes_in_memory(most, filters) + trials, false);
   };
 }
 
@@ -165,6 +170,21 @@ std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_byte
     points = std::min(points, (limit.bytes - bytes_with_tile(0, bytes_per_point, lattice)) / bytes_per_point);
   }
   return limit.points > 0 ? std::min(points, limit.points) : points;
+}
+
+void require_room_likely(const MemoryLimit& limit, const scene::CheckConfig* check, std::uint64_t points,
+                         std::uint64_t node_bytes, std::uint64_t bytes_per_point, const scene::Lattice& lattice) {
+  constexpr std::uint64_t kMissing = 20;
+  const std::uint64_t sample_bytes = check != nullptr ? bytes_of_sample(*check, points, lattice) : 0;
+  const auto require_room = [&](std::uint64_t bytes) {
+    (void)points_of_a_tile(limit, bytes, bytes_per_point, sample_bytes, lattice);
+    if (check != nullptr) require_room_for_sample(limit, *check, points, bytes, lattice);
+  };
+  try {
+    require_room(node_bytes - node_bytes / kMissing);
+  } catch (const Error&) {
+    require_room(node_bytes);  // names what is enough for all of them
+  }
 }
 
 }  // namespace sparsha::pipeline

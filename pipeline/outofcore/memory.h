@@ -35,12 +35,14 @@ struct ScanAmount {
 /// The most that a build in memory needs at once beside its nodes, bytes.
 [[nodiscard]] std::uint64_t bytes_in_memory(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters);
 
-/// The error of a mesh that does not fit, which is built in memory only: it names what is enough beside the grid.
-[[nodiscard]] Error refusal_of_mesh(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters);
+/// The error of a mesh that does not fit, which is built in memory only and needs so many `bytes`, with or without
+/// those of the grid.
+[[nodiscard]] Error refusal_of_mesh(const ScanAmount& scans, std::uint64_t bytes, bool with_grid);
 
-/// Refuses a mesh while it is looked at, before it is in memory; empty without a limit. `fields` that points keep.
+/// Refuses a mesh while it is looked at, before it is in memory; empty without a limit. `fields` that points keep;
+/// `guessed`: views of it are tried first, which takes more.
 [[nodiscard]] MeshRefusal mesh_refusal(const MemoryLimit& limit, const std::vector<scene::FilterConfig>& filters,
-                                       std::size_t fields);
+                                       std::size_t fields, bool guessed);
 
 /// Points that a first look at the scans may keep in memory, of `most` at most.
 [[nodiscard]] std::uint64_t points_to_keep(const MemoryLimit& limit, std::uint64_t most);
@@ -70,5 +72,10 @@ void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig&
 [[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,
                                              std::uint64_t bytes_per_point, std::uint64_t sample_bytes,
                                              const scene::Lattice& lattice);
+
+/// Of a lattice that a sample of the points has: throws as the two above when even one with a twentieth less of nodes
+/// than that does not fit, with the memory that its own size needs. `check`: null without a cross-check.
+void require_room_likely(const MemoryLimit& limit, const scene::CheckConfig* check, std::uint64_t points,
+                         std::uint64_t node_bytes, std::uint64_t bytes_per_point, const scene::Lattice& lattice);
 
 }  // namespace sparsha::pipeline

@@ -165,7 +165,7 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
   constexpr std::uint64_t kMostKept = 4'000'000;
   const MemoryLimit limit{options.memory_bytes, 0};
   const std::uint64_t kept = points_to_keep(limit, kMostKept) / scans.size();
-  const MeshRefusal refusal = mesh_refusal(limit, {}, 0);
+  const MeshRefusal refusal = mesh_refusal(limit, {}, 0, true);
   std::vector<ScanStatistics> all;
   for (const fs::path& file : scans) {
     all.push_back(scan_statistics(file, progress, kept, refusal, options.whole_chunks_only));

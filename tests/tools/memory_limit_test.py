@@ -104,6 +104,11 @@ def main():
         if code != 1 or "points to disk" in text or "about a single node" not in text:
             failures.append(f"ball.ply, 6 nodes, limit 76 MB: exit {code}, {text}")
 
+        # The same of the nodes of an object, whose sides a sample tells but for the outermost.
+        code, text = build("ball.ply", 200, 76)
+        if code != 1 or "points to disk" in text or not re.search(r"need(?:s)? about \d+ MB", text):
+            failures.append(f"ball.ply, 200 nodes, limit 76 MB: exit {code}, {text}")
+
         built = refused = 0
         def sizes_of(name):
             return SIZES if name == "wavy.ply" else SIZES[1:3] if name == "ball.ply" else SIZES[1:2]
