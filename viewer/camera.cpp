@@ -2,7 +2,9 @@
 #include "viewer/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -20,13 +22,39 @@ Stage stage_of(const scene::SceneDescription& description) {
   stage.anchor_m = lattice.origin_m + Eigen::Vector3d(0.5 * width_m, 0.5 * height_m, 0.0);
   const double middle_m = 0.5 * (description.height_min_m + description.height_max_m);
   if (std::isfinite(middle_m) && description.height_max_m > description.height_min_m) stage.anchor_m.z() = middle_m;
+  if (description.charts && !description.charts->sheets.empty()) {
+    const Bounds bounds = bounds_of(*description.charts);
+    stage.anchor_m = 0.5 * (bounds.low_m + bounds.high_m);
+    stage.unit_m = (bounds.high_m - bounds.low_m).maxCoeff();
+  }
   return stage;
+}
+
+// A sheet's nodes tell two of the three axes; each axis is told by the sheets of four sides.
+Bounds bounds_of(const scene::Charts& charts) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const scene::Sheet& sheet : charts.sheets) {
+    const scene::SideAxes axes = scene::SideAxes::of(sheet.side);
+    low[axes.u] = std::min(low[axes.u], static_cast<double>(sheet.first_u));
+    high[axes.u] = std::max(high[axes.u], static_cast<double>(sheet.first_u + sheet.nx - 1));
+    low[axes.v] = std::min(low[axes.v], static_cast<double>(sheet.first_v));
+    high[axes.v] = std::max(high[axes.v], static_cast<double>(sheet.first_v + sheet.ny - 1));
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(low[axis] <= high[axis])) low[axis] = high[axis] = 0.0;  // sheets of one axis only
+  return {charts.origin_m + charts.spacing_m * low, charts.origin_m + charts.spacing_m * high};
 }
 
 Eigen::Matrix3d Camera::axes() const {
   const double ct = std::cos(turn_rad), st = std::sin(turn_rad);
   const double cu = std::cos(tilt_rad), su = std::sin(tilt_rad);
   Eigen::Matrix3d axes;
+  if (upright) {
+    axes.col(0) = Eigen::Vector3d(ct, 0.0, -st);
+    axes.col(1) = Eigen::Vector3d(st * su, cu, ct * su);
+    axes.col(2) = Eigen::Vector3d(st * cu, -su, ct * cu);
+    return axes;
+  }
   axes.col(0) = Eigen::Vector3d(ct, st, 0.0);
   axes.col(1) = Eigen::Vector3d(-st * cu, ct * cu, su);
   axes.col(2) = Eigen::Vector3d(st * su, -ct * su, cu);
@@ -102,6 +130,21 @@ double View::pixels_per_unit(const Eigen::Vector3d& world) const {
   const double w = (projection * world.homogeneous()).w();
   const double across = projection.topLeftCorner<1, 3>().norm();
   return 0.5 * width * across / std::max(w, 1e-12);
+}
+
+bool View::misses(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const {
+  std::array<int, 5> out{};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d p((corner & 1) != 0 ? high.x() : low.x(), (corner & 2) != 0 ? high.y() : low.y(),
+                            (corner & 4) != 0 ? high.z() : low.z());
+    const Eigen::Vector4d c = projection * p.homogeneous();
+    out[0] += c.x() < -c.w() ? 1 : 0;
+    out[1] += c.x() > c.w() ? 1 : 0;
+    out[2] += c.y() < -c.w() ? 1 : 0;
+    out[3] += c.y() > c.w() ? 1 : 0;
+    out[4] += c.z() < -c.w() ? 1 : 0;
+  }
+  return std::ranges::any_of(out, [](int count) { return count == 8; });
 }
 
 }  // namespace sparsha::viewer

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "scene/charts.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::viewer {
@@ -14,12 +15,22 @@ namespace sparsha::viewer {
 struct Stage {
   Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  ///< grid point at the world's origin
   double unit_m = 1.0;                                 ///< grid metres per world unit
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< grid axes to the world's: of a whole object in the hand
 
-  [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& grid_m) const { return (grid_m - anchor_m) / unit_m; }
-  [[nodiscard]] Eigen::Vector3d to_grid_m(const Eigen::Vector3d& world) const { return world * unit_m + anchor_m; }
+  [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& grid_m) const {
+    return turn * (grid_m - anchor_m) / unit_m;
+  }
+  [[nodiscard]] Eigen::Vector3d to_grid_m(const Eigen::Vector3d& world) const {
+    return turn.transpose() * world * unit_m + anchor_m;
+  }
 };
-/// The middle of level 0; one world unit is its longer side.
+/// The middle of level 0, or of the whole object where there is one; one world unit is the longer side.
 [[nodiscard]] Stage stage_of(const scene::SceneDescription& description);
+/// A box about a whole object, grid frame, metres: low and high corner. Loose by a few spacings. Requires charts.
+struct Bounds {
+  Eigen::Vector3d low_m, high_m;
+};
+[[nodiscard]] Bounds bounds_of(const scene::Charts& charts);
 
 /// A rectangle of the window in pixels, origin at the TOP left.
 struct Rect {
@@ -33,15 +44,16 @@ struct Rect {
   [[nodiscard]] bool operator==(const Rect&) const = default;
 };
 
-/// Turntable camera: looks at `target` from `distance`, tilted from straight above, turned about z.
+/// Turntable camera: looks at `target` from `distance`, tilted from straight above, turned about z, or about y.
 struct Camera {
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< world
-  double turn_rad = 0.0;                             ///< about z; 0: the grid's x points right
-  double tilt_rad = 0.0;                             ///< 0 looks straight at the relief, along -z
-  double distance = 3.0;                             ///< world
-  double field_rad = 0.5;                            ///< vertical field of view; 0: parallel projection
-  double half_height = 0.5;                          ///< world, of a parallel projection
-  double reach = 2.5;                                ///< world units around the target that may hold something to see
+  bool upright = false;      ///< turned about y, as what stands is seen by a visitor who walks round it
+  double turn_rad = 0.0;     ///< about z or y; 0: the world's x points right
+  double tilt_rad = 0.0;     ///< 0 looks straight at the relief, along -z
+  double distance = 3.0;     ///< world
+  double field_rad = 0.5;    ///< vertical field of view; 0: parallel projection
+  double half_height = 0.5;  ///< world, of a parallel projection
+  double reach = 2.5;        ///< world units around the target that may hold something to see
 
   /// Columns: the camera's right, up and backwards directions in the world.
   [[nodiscard]] Eigen::Matrix3d axes() const;
@@ -72,6 +84,8 @@ struct View {
   [[nodiscard]] std::optional<Eigen::Vector3d> on_plane(double x, double y, double world_z) const;
   /// Pixels that one world unit across the line of sight takes at that point.
   [[nodiscard]] double pixels_per_unit(const Eigen::Vector3d& world) const;
+  /// True when the box surely lies outside one side of what the camera sees. World.
+  [[nodiscard]] bool misses(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
 };
 
 /// `eye_shift`: world distance of this eye to the right of the middle (0: one eye), with an off-axis frustum whose zero

@@ -10,6 +10,8 @@
 
 #include <fmt/chrono.h>
 
+#include <Eigen/Geometry>
+
 #include "base/text.h"
 #include "scene/scene.h"
 #include "scene/workspace.h"
@@ -29,6 +31,13 @@ Window window_of(const haptics::State& state, const scene::SceneDescription& des
   const scene::Lattice& whole = description.levels.front();
   const Stage stage = stage_of(description);
   const Eigen::Vector3d centre(state.centre_m[0], state.centre_m[1], state.centre_m[2]);
+  if (description.charts) {
+    const double width_m = state.workspace_m / state.scale;
+    window.meant = state.tick != 0 && centre.allFinite() && std::isfinite(width_m) && width_m > 0.0;
+    window.centre_m = window.meant ? centre : stage.anchor_m;
+    window.width_m = window.meant ? width_m : stage.unit_m;
+    return window;
+  }
   if (state.tick == 0 || !centre.allFinite()) {
     window.centre_m = stage.anchor_m;
     window.width_m = (std::max(whole.nx, whole.ny) - 1) * whole.spacing_m;
@@ -41,6 +50,14 @@ Window window_of(const haptics::State& state, const scene::SceneDescription& des
   window.width_m = scene::window_width_m(static_cast<int>(state.window[2]), static_cast<int>(state.window[3]), lattice);
   window.meant = true;
   return window;
+}
+
+Stage stage_of(const scene::SceneDescription& description, const haptics::State& state) {
+  Stage stage = stage_of(description);
+  const auto& [x, y, z, w] = state.turn;
+  const Eigen::Quaterniond turn(w, x, y, z);
+  if (description.charts && std::abs(turn.norm() - 1.0) < 1e-3) stage.turn = turn.normalized().toRotationMatrix();
+  return stage;
 }
 
 namespace {
@@ -88,6 +105,7 @@ void add_state(const haptics::State& state, Fingerprint& look) {
     look.add(state.commanded_force_n[axis], 0.01);
     look.add(state.normal[axis], 0.01);
   }
+  for (const double part : state.turn) look.add(part, 1e-4);
   look.add(state.contact != 0 ? state.penetration_m : 0.0, 1e-5);
   look.add(state.contact != 0 ? state.friction_coefficient : 0.0, 0.01);
   look.add(state.share_in_time, 0.001);
@@ -182,10 +200,16 @@ std::string dated_name(const std::string& stem, const std::string& extension) {
   return name;
 }
 
-Camera overview_camera(const scene::SceneDescription& description, const Rect& rect) {
+Camera overview_camera(const scene::SceneDescription& description, const Stage& stage, const Rect& rect) {
   const scene::Lattice& whole = description.levels.front();
   const double longer = std::max({whole.nx - 1, whole.ny - 1, 1});
-  const double half_x = 0.5 * (whole.nx - 1) / longer, half_y = 0.5 * (whole.ny - 1) / longer;
+  double half_x = 0.5 * (whole.nx - 1) / longer, half_y = 0.5 * (whole.ny - 1) / longer;
+  if (description.charts) {
+    const Bounds bounds = bounds_of(*description.charts);
+    const Eigen::Vector3d half = stage.turn.cwiseAbs() * (bounds.high_m - bounds.low_m) / (2.0 * stage.unit_m);
+    half_x = half.x();
+    half_y = half.y();
+  }
   const double aspect = static_cast<double>(std::max(rect.width, 1)) / std::max(rect.height, 1);
   Camera camera;
   camera.field_rad = 0.0;

@@ -59,6 +59,9 @@ struct Window {
 /// `state.tick` 0 means that there is no state yet.
 [[nodiscard]] Window window_of(const haptics::State& state, const scene::SceneDescription& description);
 
+/// With the object turned as the hand has it.
+[[nodiscard]] Stage stage_of(const scene::SceneDescription& description, const haptics::State& state);
+
 /// Words on the picture and how much of their time is left, 0 to 1.
 struct Toast {
   haptics::Announcement announcement;
@@ -121,7 +124,7 @@ struct Layout {
 /// "stem-20260131-235959.csv": a new name in the working folder for what a visitor saves.
 [[nodiscard]] std::string dated_name(const std::string& stem, const std::string& extension);
 
-/// Parallel camera straight at the whole scene, as it fits a square of the overview.
-[[nodiscard]] Camera overview_camera(const scene::SceneDescription& description, const Rect& rect);
+/// Parallel camera straight at the whole scene, as it fits a square of the overview. `stage`: of the scene.
+[[nodiscard]] Camera overview_camera(const scene::SceneDescription& description, const Stage& stage, const Rect& rect);
 
 }  // namespace sparsha::viewer

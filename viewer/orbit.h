@@ -18,8 +18,14 @@ struct Ground {
 [[nodiscard]] Camera camera_for(const Window& window, const Ground& ground, const Stage& stage, double turn_rad,
                                 double tilt_rad, double zoom, const Eigen::Vector2d& shift, const Rect& rect);
 
+/// The same for a whole object: around the window's middle, from every side. `shift`: world, in window widths.
+[[nodiscard]] Camera camera_around(const Window& window, const Stage& stage, double turn_rad, double tilt_rad,
+                                   double zoom, const Eigen::Vector3d& shift, const Rect& rect);
+
 class Orbit {
  public:
+  /// A whole object is looked at from all around, a relief from before and behind.
+  void set_whole(bool on);
   void turn(double right_rad, double back_rad);
   void zoom(double factor);
   /// Moves what is seen by so many pixels of `view`.
@@ -36,8 +42,9 @@ class Orbit {
 
  private:
   double turn_rad_ = 0.0, tilt_rad_ = 0.0, zoom_ = 1.0;
-  Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();  // in window widths
+  Eigen::Vector3d shift_ = Eigen::Vector3d::Zero();  // world, in window widths
   bool parallel_ = false;
+  bool whole_ = false;
   bool jumps_ = true;
 };
 

@@ -143,12 +143,13 @@ void HandPainter::draw(const Hand& hand, const View& view, const gl::Texture& de
   decal_.use();
   decal_.set("hand", Eigen::Vector3f(ball.cast<float>()));
   decal_.set("touch", Eigen::Vector3f(hand.proxy.cast<float>()));
+  decal_.set("up", Eigen::Vector3f(hand.up.cast<float>()));
   decal_.set("radius", static_cast<float>(hand.radius));
   // Stone that gives no force does not glow.
   const bool pressed = hand.contact && hand.strength > 0.0;
   decal_.set("press", pressed ? static_cast<float>(0.45 + 0.55 * hand.strength) : 0.0F);
   // The shadow falls straight down: it shows where the hand would touch. Beyond these reaches both have faded.
-  const double above = std::max(ball.z() - hand.radius - hand.ground.z(), 0.0);
+  const double above = std::max((ball - hand.ground).dot(hand.up) - hand.radius, 0.0);
   const double shade = 1.6 * (1.05 * hand.radius + 0.12 * above);
   const double reach = hand.contact ? std::max(3.9 * hand.radius, shade) : shade;
   if (const auto at = view.to_pixel(hand.contact ? hand.proxy : hand.ground))

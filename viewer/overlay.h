@@ -48,6 +48,7 @@ struct Hand {
   double strength = 0.0;                              ///< of the force, 0 to 1
   bool contact = false;
   Eigen::Vector3d ground = Eigen::Vector3d::Zero();  ///< of the drawn surface, straight below the ball
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();     ///< from there to the ball: out of the stone
 
   /// The ball rests on the proxy, a point, and does not cut into the stone.
   [[nodiscard]] Eigen::Vector3d ball() const { return proxy + radius * normal; }

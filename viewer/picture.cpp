@@ -1,7 +1,6 @@
 // The stone is drawn into cached pictures, at full quality once camera and data rest; each frame copies them and draws
 // the hand.
 #include "viewer/picture.h"
-#include "base/error.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,6 +15,8 @@
 #include "base/error.h"
 #include "scene/scene.h"
 #include "viewer/gl/shaders.h"
+#include "viewer/orbit.h"
+#include "viewer/surface/object_paint.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -63,7 +64,7 @@ struct Picture::DetailPiece {
 
 Picture::Picture()
     : software_(gl::is_software()),
-      stone_program_(gl::kWholeVertex, gl::kStoneFragment),
+      stone_program_(gl::kWholeVertex, std::string(gl::kVersion) + gl::kStoneLight + gl::kStoneFragment),
       backdrop_program_(gl::kWholeVertex, gl::kBackdropFragment),
       resolve_program_(gl::kWholeVertex, std::string(gl::kVersion) + gl::kResolveFragment),
       dome_program_(gl::kWholeVertex, std::string(gl::kVersion) + "#define EYE_DOME\n" + gl::kResolveFragment),
@@ -91,7 +92,18 @@ void Picture::set_scene(scene::ScenePointer scene) {
   coarse_ = coarse ? std::make_unique<ReliefView>(std::move(*coarse), stage_) : nullptr;
   for (ReliefView* view : {whole_.get(), coarse_.get()})
     if (view != nullptr) view->set_light(light_, pool_, true);
+  set_object();
   paint_whole();
+}
+
+void Picture::set_object() {
+  const std::shared_ptr<const scene::Charts>& charts = scene_->description().charts;
+  if (charts == charts_) return;
+  charts_ = charts;
+  object_.reset();
+  if (!charts) return;
+  std::vector<ObjectMesh> meshes = make_object_meshes(*charts, pool_);
+  if (!meshes.empty()) object_ = std::make_unique<ObjectView>(std::move(meshes), charts->origin_m, charts->spacing_m);
 }
 
 void Picture::paint_whole() {
@@ -99,6 +111,12 @@ void Picture::paint_whole() {
   const Paint paint = paint_relief(whole_->data(), description, colour_, workspace_m_);
   whole_->set_paint(paint);
   legend_ = paint.legend;
+  if (object_) {
+    const Paint own = paint_object(*object_, whole_->data(), paint, colour_);
+    object_->set_paint(own);
+    legend_ = own.legend;
+    ++version_;
+  }
   if (coarse_) coarse_->set_paint(paint_relief(coarse_->data(), description, colour_, workspace_m_, &legend_));
   stones_lit_ = false;
 }
@@ -196,7 +214,7 @@ void Picture::follow_window(const Frame& frame, const Window& window) {
     }
   }
   const int whole_level = whole_->data().level;
-  if (whole_level == 0) return;
+  if (whole_level == 0 || object_) return;
   // The finest level of which twice the window's width fits a piece.
   int level = 0;
   const double width_m = 2.0 * window.width_m;
@@ -257,8 +275,11 @@ void Picture::draw_surface(Surface& surface, const View& view, ReliefStyle style
   // While it moves, of a scene that is finer than the picture: rims and steps are drawn node by node.
   constexpr double kFiner = 0.75;  // pixels per node
   const double node_pixels = view.pixels_per_unit(view.focus) * whole_->data().lattice.spacing_m / stage_.unit_m;
-  (coarse_ && style.moving && node_pixels < kFiner ? coarse_ : whole_)->draw(relief_programs_, view, style);
-  if (style.section) draw_section(view, style, supersampling);
+  if (object_)
+    object_->draw(view, stage_, style, light_);
+  else
+    (coarse_ && style.moving && node_pixels < kFiner ? coarse_ : whole_)->draw(relief_programs_, view, style);
+  if (style.section && !object_) draw_section(view, style, supersampling);
   // The backdrop fills what stone left free.
   backdrop_program_.use();
   const bool dark = frame.settings.high_contrast;
@@ -291,7 +312,8 @@ void Picture::resolve(Surface& surface, const View& view, const ReliefStyle& sty
     program.set("rings", rests ? 3 : 1);
     program.set("depth", Eigen::Vector2f(view.depth.cast<float>()));
     program.set("parallel", view.parallel ? 1 : 0);
-    program.set("relief", static_cast<float>(std::max(whole_->high_world() - whole_->low_world(), 0.01)));
+    const double deep = object_ ? 0.5 : std::max(whole_->high_world() - whole_->low_world(), 0.01);
+    program.set("relief", static_cast<float>(deep));
   }
   surface.large.colour().bind(0);
   surface.large.depth().bind(1);
@@ -342,7 +364,7 @@ std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& 
   if (!hand.proxy.allFinite() || !hand.hip.allFinite()) return std::nullopt;
   const Eigen::Vector3d normal = vector(state.normal);
   hand.contact = state.contact != 0;
-  if (normal.allFinite() && normal.norm() > 0.5) hand.normal = normal.normalized();
+  if (normal.allFinite() && normal.norm() > 0.5) hand.normal = stage_.turn * normal.normalized();
   const double width = window.width_m / stage_.unit_m;
   const Eigen::Vector3d force = vector(state.commanded_force_n);
   if (force.allFinite()) {
@@ -351,6 +373,12 @@ std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& 
   }
   hand.radius = kBallShare * width;
   const Eigen::Vector3d below = stage_.to_grid_m(hand.ball());
+  if (object_) {
+    const ObjectView::Nearest nearest = object_->nearest(below);
+    hand.up = hand.contact ? hand.normal : Eigen::Vector3d(stage_.turn * nearest.normal);
+    hand.ground = hand.contact ? hand.proxy : stage_.to_world(nearest.place_m);
+    return hand;
+  }
   hand.ground = stage_.to_world({below.x(), below.y(), height_at(below.x(), below.y())});
   return hand;
 }
@@ -368,6 +396,7 @@ void Picture::light_stones(bool high_contrast, Look look) {
 
 void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int height) {
   if (!scene_) return;
+  stage_ = stage_of(scene_->description(), frame.state);
   prepare_style(frame);
   const Window window = window_of(frame.state, scene_->description());
   follow_window(frame, window);
@@ -388,7 +417,7 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   ReliefStyle framed = style;
   if (const auto& section = frame.marks.notes.section; section && !frame.settings.kiosk)
     framed.section = CutPlane{section->out, section->out.dot(stage_.to_world(section->at_m))};
-  if (window.meant) {
+  if (window.meant && !object_) {
     const Eigen::Vector3d centre = stage_.to_world(window.centre_m);
     const double half = 0.5 * window.width_m / stage_.unit_m;
     framed.window_world = Box(centre.x() - half, centre.y() - half, centre.x() + half, centre.y() + half);
@@ -411,6 +440,25 @@ void Picture::draw(const Frame& frame, unsigned framebuffer, int width, int heig
   glViewport(0, 0, width, height);
 }
 
+void Picture::draw_side(double turn_rad, double tilt_rad, unsigned framebuffer, int side) {
+  if (!scene_) return;
+  Frame frame;
+  stage_ = stage_of(scene_->description());
+  prepare_style(frame);
+  light_stones(false, Look::stone);
+  const Window whole = window_of({}, scene_->description());
+  const Rect rect{0, 0, side, side};
+  const Camera camera =
+      object_ ? camera_around(whole, stage_, turn_rad, tilt_rad, 1.0, Eigen::Vector3d::Zero(), rect)
+              : camera_for(whole, {whole.centre_m.z(), whole.centre_m.z()}, stage_, turn_rad, tilt_rad, 1.0,
+                           Eigen::Vector2d::Zero(), rect);
+  ReliefStyle style;
+  style.floor_z = whole_->low_world() - 0.035;
+  Surface surface;
+  refresh(surface, make_view(camera, side, side), style, false, frame);
+  surface.picture().copy_to(framebuffer, 0, 0);
+}
+
 // One picture, or two that go into one: the eyes are drawn into pictures of their own first.
 void Picture::draw_detail(const Frame& frame, const Layout& layout, const ReliefStyle& style, unsigned framebuffer,
                           int height) {
@@ -421,10 +469,9 @@ void Picture::draw_detail(const Frame& frame, const Layout& layout, const Relief
   const int eye_width = beside ? std::max(detail.width / 2, 1) : detail.width;
   const int bottom = height - detail.y - detail.height;
   detail_view_ = make_view(frame.camera, eye_width, detail.height);
-  const double ce = std::cos(light_.elevation_rad);
-  const Eigen::Vector3f light(static_cast<float>(ce * std::cos(light_.azimuth_rad)),
-                              static_cast<float>(ce * std::sin(light_.azimuth_rad)),
-                              static_cast<float>(std::sin(light_.elevation_rad)));
+  // A whole object's light turns with the camera.
+  const Eigen::Vector3d from = object_ ? Eigen::Vector3d(frame.camera.axes() * light_.direction()) : light_.direction();
+  const Eigen::Vector3f light = from.cast<float>();
   for (int eye = 0; eye < (stereo.on() ? 2 : 1); ++eye) {
     const double side = !stereo.on() ? 0.0 : (eye == 0) != stereo.swapped ? -0.5 : 0.5;
     const View view = make_view(frame.camera, eye_width, detail.height,
@@ -464,7 +511,7 @@ void Picture::merge_eyes(const Frame& frame, const Rect& detail, int bottom) {
 void Picture::draw_overview(const Frame& frame, const Layout& layout, ReliefStyle style, unsigned framebuffer,
                             int height) {
   const Rect& rect = layout.overview;
-  const View view = make_view(overview_camera(scene_->description(), rect), rect.width, rect.height);
+  const View view = make_view(overview_camera(scene_->description(), stage_, rect), rect.width, rect.height);
   style.walls = false;
   style.contour_m = 0.0;  // too many for so small a picture
   refresh(*surfaces_[2], view, style, true, frame);

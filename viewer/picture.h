@@ -9,6 +9,7 @@
 #include "viewer/frame.h"
 #include "viewer/gl/objects.h"
 #include "viewer/overlay.h"
+#include "viewer/surface/object_view.h"
 #include "viewer/surface/relief_view.h"
 #include "viewer/surface/section_wall.h"
 #include "viewer/surface/touch_ground.h"
@@ -31,6 +32,10 @@ class Picture {
   /// camera or data changed since the last call.
   void draw(const Frame& frame, unsigned framebuffer, int width, int height);
 
+  /// Draws the scene alone, whole and at full quality, into a square framebuffer, as a visitor sees it who has walked
+  /// round it by `turn_rad` to the right and then looks from `tilt_rad` below.
+  void draw_side(double turn_rad, double tilt_rad, unsigned framebuffer, int side);
+
   /// Reads what the hand touches now, also when nothing is drawn.
   void follow_touch(const haptics::State& state, bool finished) { touch_ground_.follow(scene_, state, finished); }
   /// Height of the surface that the hand touches, grid frame: the servo's where it is known, else the drawn one.
@@ -48,6 +53,8 @@ class Picture {
   [[nodiscard]] int surface_redraws() const { return redraws_; }
   /// True when draw() of the same frame at `time_s` would give another picture: a finer one, or of data that has come.
   [[nodiscard]] bool waits(double time_s) const;
+  /// The whole object that is drawn, or null.
+  [[nodiscard]] const ObjectView* object() const { return object_.get(); }
   /// The hand of the last draw(), or nothing.
   [[nodiscard]] const std::optional<Hand>& hand() const { return hand_; }
 
@@ -69,6 +76,7 @@ class Picture {
                    int height);
   void merge_eyes(const Frame& frame, const Rect& detail, int bottom);
   void draw_overview(const Frame& frame, const Layout& layout, ReliefStyle style, unsigned framebuffer, int height);
+  void set_object();
   [[nodiscard]] std::optional<Hand> hand_of(const haptics::State& state, const Window& window) const;
 
   scene::ScenePointer scene_;
@@ -82,6 +90,8 @@ class Picture {
   ReliefPrograms relief_programs_;
   gl::Name vertex_array_;
   std::unique_ptr<HandPainter> hand_painter_;
+  std::unique_ptr<ObjectView> object_;           ///< what is drawn in place of the relief, or none
+  std::shared_ptr<const scene::Charts> charts_;  ///< of the object
   std::unique_ptr<ReliefView> whole_;
   std::unique_ptr<ReliefView> coarse_;  ///< the same at half its nodes, for pictures that move; or none
   std::unique_ptr<ReliefView> piece_;

@@ -1,6 +1,9 @@
 // One picture without a display.
 #include "viewer/screenshot.h"
 
+#include <algorithm>
+#include <array>
+#include <numbers>
 #include <vector>
 
 #include "base/png.h"
@@ -45,6 +48,34 @@ void write_screenshot(const scene::ScenePointer& scene, const haptics::State& st
   Gui gui;
   gui.draw(controller.frame(), controller.buttons(), picture, kWidth, kHeight, 0.01);
   write_rgba(file, kWidth, kHeight, target.read_pixels());
+}
+
+void write_six_views(const scene::ScenePointer& scene, int side, const std::filesystem::path& file) {
+  struct Seen {
+    double turn_rad, tilt_rad;
+  };
+  constexpr double kQuarter = 0.5 * std::numbers::pi;
+  constexpr std::array<Seen, 6> kSides{
+      {{0.0, 0.0}, {kQuarter, 0.0}, {2.0 * kQuarter, 0.0}, {-kQuarter, 0.0}, {0.0, -kQuarter}, {0.0, kQuarter}}};
+  constexpr int kColumns = 3;
+  const bool whole = scene->description().charts != nullptr;
+  const int columns = whole ? kColumns : 1, rows = whole ? static_cast<int>(kSides.size()) / kColumns : 1;
+  const gl::OffscreenContext context;
+  Picture picture;
+  picture.set_scene(scene);
+  const gl::Target target(side, side, false);
+  std::vector<unsigned char> sheet(4 * static_cast<std::size_t>(columns * side) * static_cast<std::size_t>(rows * side));
+  const auto row_bytes = static_cast<std::ptrdiff_t>(4 * side);
+  for (int k = 0; k < columns * rows; ++k) {
+    const Seen& seen = kSides[static_cast<std::size_t>(k)];
+    picture.draw_side(seen.turn_rad, seen.tilt_rad, target.framebuffer(), side);
+    const std::vector<unsigned char> pixels = target.read_pixels();
+    for (int y = 0; y < side; ++y) {
+      const std::ptrdiff_t to = ((k / columns * side + y) * columns + k % columns) * row_bytes;
+      std::copy_n(pixels.begin() + y * row_bytes, row_bytes, sheet.begin() + to);
+    }
+  }
+  write_rgba(file, columns * side, rows * side, sheet);
 }
 
 }  // namespace sparsha::viewer

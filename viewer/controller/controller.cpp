@@ -58,6 +58,7 @@ void Controller::set_scene(scene::ScenePointer scene) {
   frame_.title = title_of(*scene_);
   frame_.why_not_orient = connections_.orienting.unavailable ? connections_.orienting.unavailable()
                                                              : "this scene was opened without its scans";
+  orbit_.set_whole(scene_->description().charts != nullptr);
   orbit_.jump();
   wishes_.forget_windows();
   marking_.set_scene(scene_);
@@ -116,6 +117,7 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
   for (std::size_t k = 0; k < boxes_.size(); ++k)
     if (boxes_[k].rect.contains(mouse_.x(), mouse_.y())) frame_.hovered = static_cast<int>(k);
   if (!scene_) return;
+  stage_ = stage_of(scene_->description(), state);
   frame_.part.clear();
   if (state.tick != 0 && state.contact != 0) {
     const scene::PartConfig* part = scene::part_at(scene_->description(), state.place_m);

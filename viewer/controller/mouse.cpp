@@ -152,7 +152,7 @@ void Controller::go_to_overview(const Eigen::Vector2d& place) {
   overview_s_ = frame_.time_s;
   overview_waits_ = false;
   const Rect& rect = layout_.overview;
-  const View view = make_view(overview_camera(scene_->description(), rect), rect.width, rect.height);
+  const View view = make_view(overview_camera(scene_->description(), stage_, rect), rect.width, rect.height);
   const auto world = view.on_plane(place.x() - rect.x, place.y() - rect.y, 0.0);
   if (world) wishes_.move_to(stage_.to_grid_m(*world).head<2>(), window());
 }

@@ -139,6 +139,7 @@ uniform vec2 origin;
 uniform vec2 size;
 uniform mat4 inverse_projection;
 uniform vec3 hand;            // world: the ball's middle
+uniform vec3 up;              // out of the stone
 uniform vec3 touch;           // world: the proxy
 uniform float radius;         // of the ball, world
 uniform float press;          // 0 free, 1 strong contact
@@ -149,9 +150,11 @@ void main() {
   if (d >= 1.0) discard;
   vec4 w = inverse_projection * vec4(2.0 * p / size - 1.0, 2.0 * d - 1.0, 1.0);
   vec3 world = w.xyz / w.w;
-  float above = max(hand.z - radius - world.z, 0.0);
+  vec3 from = world - hand;
+  float over = -dot(from, up);
+  float above = max(over - radius, 0.0);
   float reach = radius * 1.05 + 0.12 * above;
-  float far = length(world.xy - hand.xy) / reach;
+  float far = length(from + over * up) / reach;
   float shade = 0.80 * exp(-1.3 * far * far * far) / (1.0 + 0.06 * above / radius);
   float ring = length(world - touch) / radius;
   float line = exp(-pow((ring - 2.35) * 3.4, 2.0));

@@ -52,58 +52,77 @@ void main() {
 }
 )";
 
-const char* const kStoneFragment = R"(#version 330 core
-uniform sampler2D slopes;
-uniform sampler2D tones;      // sky light, curvature, known, filled
-uniform sampler2D shadows;
-uniform sampler2D paint;
-uniform bool painted;
-uniform bool plain;           // high contrast: no warm stone, more light and dark
-uniform float relief_gain;    // slopes are lit as if this much steeper
-uniform vec3 light;           // unit, towards the key light
-uniform int look;             // 0 stone, 1 sky light alone, 3 even light
-in vec2 place;
-out vec4 colour;              // encoded; alpha: known
-
+const char* const kStoneLight = R"(
 vec3 encode(vec3 c) {
   c = clamp(c, 0.0, 1.0);
   return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 }
 
-void main() {
-  vec4 tone = textureLod(tones, place, 0.0);
-  vec2 slope = textureLod(slopes, place, 0.0).rg * relief_gain;
-  float lit = textureLod(shadows, place, 0.0).r;
-  vec3 normal = normalize(vec3(-slope, 1.0));
-
-  float ridge = 2.0 * tone.g - 1.0;
+// Encoded colour of a place that faces `normal`. `up`: out of the picture's plane; `light`: unit, towards the key light,
+// of which the share `lit` comes here; `sky`, `ridge` (-1 to 1): sky light and curvature; `paint`: colour and whether there
+// is one; `plain`: high contrast, no warm stone, more light and dark; `look`: 0 stone, 1 sky light alone, 3 even light.
+vec3 stone_light(vec3 normal, vec3 up, vec3 light, float lit, float sky, float ridge, vec4 paint, bool painted,
+                 bool plain, int look) {
   vec3 stone = vec3(0.52, 0.325, 0.185);
   if (plain) stone = vec3(0.46);
   // Grooves keep old dirt and shade: darker and redder; ridges are worn: lighter.
   vec3 albedo = ridge < 0.0 ? mix(stone, stone * vec3(0.50, 0.40, 0.34), -ridge)
                           : mix(stone, stone * vec3(1.30, 1.28, 1.22), ridge);
   if (plain) albedo = stone * (1.0 + (ridge < 0.0 ? 0.65 : 0.45) * ridge);
-  if (painted) {
-  vec4 p = textureLod(paint, place, 0.0);
-  albedo = mix(vec3(0.20), p.rgb, p.a) * (1.0 + 0.25 * ridge);
-  }
+  if (painted) albedo = mix(vec3(0.20), paint.rgb, paint.a) * (1.0 + 0.25 * ridge);
 
   float facing = max(dot(normal, light), 0.0);
   // A little more contrast than Lambert's law: raking light is read by its shades.
   facing = mix(facing, facing * facing, 0.20);
-  float sky = tone.r * tone.r * tone.r;
+  float open = sky * sky * sky, out_of = dot(normal, up);
   vec3 key = vec3(2.05, 1.70, 1.25) * facing * lit;
-  vec3 fill = vec3(0.15, 0.20, 0.30) * sky * (0.62 + 0.38 * normal.z);
-  vec3 side = vec3(0.13, 0.11, 0.09) * max(dot(normal, normalize(vec3(-light.x, -light.y, 0.55))), 0.0) * sky;
-  vec3 bounce = vec3(0.085, 0.05, 0.03) * (1.0 - sky);
+  vec3 fill = vec3(0.15, 0.20, 0.30) * open * (0.62 + 0.38 * out_of);
+  vec3 opposite = normalize(dot(light, up) * up - light + 0.55 * up);
+  vec3 side = vec3(0.13, 0.11, 0.09) * max(dot(normal, opposite), 0.0) * open;
+  vec3 bounce = vec3(0.085, 0.05, 0.03) * (1.0 - open);
   if (painted) { key = key * 0.8 + 0.22 * lit; fill *= 1.35; }
   vec3 c = albedo * (key + fill + side + bounce);
-  if (look == 1) c = albedo * vec3(1.62, 1.56, 1.46) * mix(0.10, 1.0, sky) * (0.55 + 0.45 * normal.z);
-  if (look == 3) c = albedo * vec3(0.86, 0.82, 0.77) * (0.25 + 0.75 * normal.z);
+  if (look == 1) c = albedo * vec3(1.62, 1.56, 1.46) * mix(0.10, 1.0, open) * (0.55 + 0.45 * out_of);
+  if (look == 3) c = albedo * vec3(0.86, 0.82, 0.77) * (0.25 + 0.75 * out_of);
   // Highlights roll off instead of clipping.
   c = 1.22 * c * (1.0 + 0.40 * c) / (1.0 + c);
   c = mix(c, c * c * (3.0 - 2.0 * c), 0.35);
-  colour = vec4(encode(c), tone.b);
+  return encode(c);
+}
+
+// Encoded brightness by the direction that the surface faces in the picture, as if lit by a lamp beside the camera;
+// `n`: the normal along the camera's axes.
+vec3 clay_light(vec3 n, float sky, vec3 clay) {
+  vec3 lamp = normalize(vec3(-0.55, 0.60, 0.58));
+  float wrapped = 0.5 + 0.5 * dot(n, lamp);
+  float shine = pow(max(dot(n, normalize(lamp + vec3(0.0, 0.0, 1.0))), 0.0), 30.0);
+  float rim = pow(1.0 - clamp(n.z, 0.0, 1.0), 3.0);
+  vec3 c = clay * (0.03 + 1.05 * wrapped * wrapped * wrapped) * mix(0.35, 1.0, sky * sky) + 0.16 * shine + 0.07 * rim;
+  return pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
+}
+)";
+
+const char* const kStoneFragment = R"(
+uniform sampler2D slopes;
+uniform sampler2D tones;      // sky light, curvature, known, filled
+uniform sampler2D shadows;
+uniform sampler2D paint;
+uniform bool painted;
+uniform bool plain;
+uniform float relief_gain;    // slopes are lit as if this much steeper
+uniform vec3 light;           // unit, towards the key light
+uniform int look;
+in vec2 place;
+out vec4 colour;              // encoded; alpha: known
+
+void main() {
+  vec4 tone = textureLod(tones, place, 0.0);
+  vec2 slope = textureLod(slopes, place, 0.0).rg * relief_gain;
+  float lit = textureLod(shadows, place, 0.0).r;
+  vec4 p = painted ? textureLod(paint, place, 0.0) : vec4(0.0);
+  vec3 c = stone_light(normalize(vec3(-slope, 1.0)), vec3(0.0, 0.0, 1.0), light, lit, tone.r, 2.0 * tone.g - 1.0, p,
+                       painted, plain, look);
+  colour = vec4(c, tone.b);
 }
 )";
 
@@ -150,17 +169,10 @@ void main() {
   vec3 c = lit.rgb;
 #ifdef WITH_CLAY
   {
-    // Brightness by the direction that the surface faces in the picture, as if lit by a lamp beside the camera.
     vec3 normal = normalize(vec3(-texture(slopes, place).rg * relief_gain, 1.0));
     vec3 n = vec3(dot(normal, right), dot(normal, up), dot(normal, back));
-    vec3 lamp = normalize(vec3(-0.55, 0.60, 0.58));
-    float wrapped = 0.5 + 0.5 * dot(n, lamp);
-    float shine = pow(max(dot(n, normalize(lamp + vec3(0.0, 0.0, 1.0))), 0.0), 30.0);
-    float rim = pow(1.0 - clamp(n.z, 0.0, 1.0), 3.0);
-    float sky = texture(tones, place).r;
     vec3 clay = painted ? texture(paint, place).rgb : plain ? vec3(0.60) : vec3(0.62, 0.37, 0.25);
-    c = clay * (0.03 + 1.05 * wrapped * wrapped * wrapped) * mix(0.35, 1.0, sky * sky) + 0.16 * shine + 0.07 * rim;
-    c = pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
+    c = clay_light(n, texture(tones, place).r, clay);
   }
 #endif
 #ifdef WALL

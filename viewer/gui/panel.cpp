@@ -108,8 +108,8 @@ void draw_scale_bar(const Brush& brush, const Frame& frame, const Layout& layout
 
 void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& layout, const scene::Scene& scene) {
   const Rect& rect = layout.overview;
-  const Stage stage = stage_of(scene.description());
-  const View view = make_view(overview_camera(scene.description(), rect), rect.width, rect.height);
+  const Stage stage = stage_of(scene.description(), frame.state);
+  const View view = make_view(overview_camera(scene.description(), stage, rect), rect.width, rect.height);
   const auto place = [&](const Eigen::Vector3d& grid_m) {
     Eigen::Vector2d p = view.to_pixel(stage.to_world(grid_m)).value_or(Eigen::Vector2d::Zero());
     // ImGui looks into a table by what it is given: never a NaN, never far off the picture.
@@ -125,7 +125,8 @@ void draw_overview_marks(const Brush& brush, const Frame& frame, const Layout& l
   brush.list->PushClipRect(low, high, true);
   const Window window = window_of(frame.state, scene.description());
   if (window.meant) {
-    const Eigen::Vector3d half(0.5 * window.width_m, 0.5 * window.width_m, 0.0);
+    const Eigen::Vector3d half =
+        stage.turn.transpose() * Eigen::Vector3d(0.5 * window.width_m, 0.5 * window.width_m, 0.0);
     const ImVec2 a = place(window.centre_m - half), b = place(window.centre_m + half);
     const ImVec2 p(std::min(a.x, b.x), std::min(a.y, b.y)), q(std::max(a.x, b.x), std::max(a.y, b.y));
     brush.list->AddRect(p, q, dark, 0.0F, 0, brush.px(4.5F));

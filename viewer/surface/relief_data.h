@@ -1,8 +1,11 @@
 // What the graphics card is given of a piece of a scene: heights, slopes, baked light and tones, one value per node.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "base/thread_pool.h"
 #include "scene/depth_grid.h"
@@ -15,6 +18,12 @@ namespace sparsha::viewer {
 struct KeyLight {
   double azimuth_rad = 2.35619449019234493;  ///< from +x towards +y: 135 degrees is the upper left
   double elevation_rad = 0.52;               ///< above the lattice; low, so that it rakes
+
+  /// Unit, towards the light.
+  [[nodiscard]] Eigen::Vector3d direction() const {
+    const double across = std::cos(elevation_rad);
+    return {across * std::cos(azimuth_rad), across * std::sin(azimuth_rad), std::sin(elevation_rad)};
+  }
 };
 
 /// A piece of one level, ready to draw. Vectors hold lattice.count() nodes, row 0 at the bottom.

@@ -18,29 +18,6 @@ namespace {
 constexpr double kSlabShare = 0.95;   // of the border's nodes are known
 constexpr double kSlabHeight = 0.35;  // of the longer side: deeper forms are no slabs
 
-Eigen::Vector3f direction_of(const KeyLight& light) {
-  const double ce = std::cos(light.elevation_rad);
-  return Eigen::Vector3d(ce * std::cos(light.azimuth_rad), ce * std::sin(light.azimuth_rad),
-                         std::sin(light.elevation_rad))
-      .cast<float>();
-}
-
-/// True when the box surely lies outside one side of what the camera sees.
-bool outside(const View& view, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
-  std::array<int, 5> out{};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d p((corner & 1) != 0 ? high.x() : low.x(), (corner & 2) != 0 ? high.y() : low.y(),
-                            (corner & 4) != 0 ? high.z() : low.z());
-    const Eigen::Vector4d c = view.projection * p.homogeneous();
-    out[0] += c.x() < -c.w() ? 1 : 0;
-    out[1] += c.x() > c.w() ? 1 : 0;
-    out[2] += c.y() < -c.w() ? 1 : 0;
-    out[3] += c.y() > c.w() ? 1 : 0;
-    out[4] += c.z() < -c.w() ? 1 : 0;
-  }
-  return std::ranges::any_of(out, [](int count) { return count == 8; });
-}
-
 /// What of a rectangle lies outside a hole in it, as at most four rectangles: left and right of it, below and above it.
 std::array<Box, 4> around_hole(const Box& box, const Box& hole) {
   const double x0 = std::clamp(hole[0], box[0], box[2]), x1 = std::clamp(hole[2], box[0], box[2]);
@@ -59,7 +36,8 @@ const gl::Program& ReliefPrograms::with(unsigned features) {
                                 "WITH_OUTLINE", "WITH_CLAY",    "WITH_CONTOUR", "WITH_SECTION"};
     for (std::size_t k = 0; k < kNames.size(); ++k)
       if ((features >> k & 1U) != 0) head += std::string("#define ") + kNames[k] + "\n";
-    found->second = gl::Program(head + gl::kReliefVertex, head + gl::kReliefFragment);
+    const bool clay = (features & kClay) != 0;
+    found->second = gl::Program(head + gl::kReliefVertex, head + (clay ? gl::kStoneLight : "") + gl::kReliefFragment);
   }
   return found->second;
 }
@@ -138,7 +116,7 @@ void ReliefView::light_stone(const gl::Program& program, bool high_contrast, Loo
   program.set("paint", 4);
   program.set("painted", painted_ ? 1 : 0);
   program.set("plain", high_contrast ? 1 : 0);
-  program.set("light", direction_of(light_));
+  program.set("light", Eigen::Vector3f(light_.direction().cast<float>()));
   program.set("relief_gain", relief_gain());
   program.set("look", static_cast<int>(look));
   glBindFramebuffer(GL_FRAMEBUFFER, stone_.framebuffer());
@@ -181,7 +159,7 @@ void ReliefView::draw_chunks(const Triangles& mesh, const View& view, const Reli
     const double x1 = box_[0] + chunk.nodes[2] * spacing, y1 = box_[1] + chunk.nodes[3] * spacing;
     // What is left out inside the hole would be discarded pixel by pixel.
     const auto unseen = [&](const Box& box) {
-      return outside(view, {box[0], box[1], reach_low_}, {box[2], box[3], reach_high_});
+      return view.misses({box[0], box[1], reach_low_}, {box[2], box[3], reach_high_});
     };
     const auto nothing = [&](const Box& box) { return !(box[0] < box[2] && box[1] < box[3]) || unseen(box); };
     const Box box(x0, y0, x1, y1);
@@ -215,7 +193,7 @@ void ReliefView::set_up(const gl::Program& program, const View& view, const Reli
   program.set("projection", Eigen::Matrix4f(view.projection.cast<float>()));
   program.set("plain", style.high_contrast ? 1 : 0);
   program.set("pixel", static_cast<float>(style.supersampling));
-  program.set("light", direction_of(light_));
+  program.set("light", Eigen::Vector3f(light_.direction().cast<float>()));
   const Box none = Box::Zero();
   program.set("window", Eigen::Vector4f(style.window_world.value_or(none).cast<float>()));
   program.set("hole", Eigen::Vector4f(style.hole_world.value_or(none).cast<float>()));

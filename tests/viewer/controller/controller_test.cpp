@@ -362,8 +362,9 @@ TEST(Controller, AClickOnTheOverviewMovesTheWindowThere) {
   desk.run(state);
   const Layout layout = layout_of(1280, 720, {});
   const Stage stage = stage_of(desk.scene->description());
-  const View overview = make_view(overview_camera(desk.scene->description(), layout.overview), layout.overview.width,
-                                  layout.overview.height);
+  const View overview =
+      make_view(overview_camera(desk.scene->description(), stage_of(desk.scene->description()), layout.overview),
+                layout.overview.width, layout.overview.height);
   const auto pixel = overview.to_pixel(stage.to_world({0.06, 0.15, 0.01}));
   ASSERT_TRUE(pixel);
   const View view = make_view(desk.controller->frame().camera, layout.detail.width, layout.detail.height);
