@@ -22,12 +22,16 @@ Stage stage_of(const scene::SceneDescription& description) {
   stage.anchor_m = lattice.origin_m + Eigen::Vector3d(0.5 * width_m, 0.5 * height_m, 0.0);
   const double middle_m = 0.5 * (description.height_min_m + description.height_max_m);
   if (std::isfinite(middle_m) && description.height_max_m > description.height_min_m) stage.anchor_m.z() = middle_m;
-  if (description.charts && !description.charts->sheets.empty()) {
+  if (is_whole(description)) {
     const Bounds bounds = bounds_of(*description.charts);
     stage.anchor_m = 0.5 * (bounds.low_m + bounds.high_m);
     stage.unit_m = (bounds.high_m - bounds.low_m).maxCoeff();
   }
   return stage;
+}
+
+bool is_whole(const scene::SceneDescription& description) {
+  return description.charts && !description.charts->sheets.empty();
 }
 
 // A sheet's nodes tell two of the three axes; each axis is told by the sheets of four sides.

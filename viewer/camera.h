@@ -26,6 +26,8 @@ struct Stage {
 };
 /// The middle of level 0, or of the whole object where there is one; one world unit is the longer side.
 [[nodiscard]] Stage stage_of(const scene::SceneDescription& description);
+/// True of a scene with charts: a whole object, seen from all sides.
+[[nodiscard]] bool is_whole(const scene::SceneDescription& description);
 /// A box about a whole object, grid frame, metres: low and high corner. Loose by a few spacings. Requires charts.
 struct Bounds {
   Eigen::Vector3d low_m, high_m;

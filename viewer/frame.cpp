@@ -31,7 +31,7 @@ Window window_of(const haptics::State& state, const scene::SceneDescription& des
   const scene::Lattice& whole = description.levels.front();
   const Stage stage = stage_of(description);
   const Eigen::Vector3d centre(state.centre_m[0], state.centre_m[1], state.centre_m[2]);
-  if (description.charts) {
+  if (is_whole(description)) {
     const double width_m = state.workspace_m / state.scale;
     window.meant = state.tick != 0 && centre.allFinite() && std::isfinite(width_m) && width_m > 0.0;
     window.centre_m = window.meant ? centre : stage.anchor_m;
@@ -56,7 +56,7 @@ Stage stage_of(const scene::SceneDescription& description, const haptics::State&
   Stage stage = stage_of(description);
   const auto& [x, y, z, w] = state.turn;
   const Eigen::Quaterniond turn(w, x, y, z);
-  if (description.charts && std::abs(turn.norm() - 1.0) < 1e-3) stage.turn = turn.normalized().toRotationMatrix();
+  if (is_whole(description) && std::abs(turn.norm() - 1.0) < 1e-3) stage.turn = turn.normalized().toRotationMatrix();
   return stage;
 }
 
@@ -204,7 +204,7 @@ Camera overview_camera(const scene::SceneDescription& description, const Stage& 
   const scene::Lattice& whole = description.levels.front();
   const double longer = std::max({whole.nx - 1, whole.ny - 1, 1});
   double half_x = 0.5 * (whole.nx - 1) / longer, half_y = 0.5 * (whole.ny - 1) / longer;
-  if (description.charts) {
+  if (is_whole(description)) {
     const Bounds bounds = bounds_of(*description.charts);
     const Eigen::Vector3d half = stage.turn.cwiseAbs() * (bounds.high_m - bounds.low_m) / (2.0 * stage.unit_m);
     half_x = half.x();

@@ -101,7 +101,7 @@ void Picture::set_object() {
   if (charts == charts_) return;
   charts_ = charts;
   object_.reset();
-  if (!charts) return;
+  if (!is_whole(scene_->description())) return;
   std::vector<ObjectMesh> meshes = make_object_meshes(*charts, pool_);
   if (!meshes.empty()) object_ = std::make_unique<ObjectView>(std::move(meshes), charts->origin_m, charts->spacing_m);
 }
@@ -448,10 +448,9 @@ void Picture::draw_side(double turn_rad, double tilt_rad, unsigned framebuffer, 
   light_stones(false, Look::stone);
   const Window whole = window_of({}, scene_->description());
   const Rect rect{0, 0, side, side};
-  const Camera camera =
-      object_ ? camera_around(whole, stage_, turn_rad, tilt_rad, 1.0, Eigen::Vector3d::Zero(), rect)
-              : camera_for(whole, {whole.centre_m.z(), whole.centre_m.z()}, stage_, turn_rad, tilt_rad, 1.0,
-                           Eigen::Vector2d::Zero(), rect);
+  const Camera camera = object_ ? camera_around(whole, stage_, turn_rad, tilt_rad, 1.0, Eigen::Vector3d::Zero(), rect)
+                                : camera_for(whole, {whole.centre_m.z(), whole.centre_m.z()}, stage_, turn_rad,
+                                             tilt_rad, 1.0, Eigen::Vector2d::Zero(), rect);
   ReliefStyle style;
   style.floor_z = whole_->low_world() - 0.035;
   Surface surface;

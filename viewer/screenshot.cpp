@@ -58,13 +58,14 @@ void write_six_views(const scene::ScenePointer& scene, int side, const std::file
   constexpr std::array<Seen, 6> kSides{
       {{0.0, 0.0}, {kQuarter, 0.0}, {2.0 * kQuarter, 0.0}, {-kQuarter, 0.0}, {0.0, -kQuarter}, {0.0, kQuarter}}};
   constexpr int kColumns = 3;
-  const bool whole = scene->description().charts != nullptr;
+  const bool whole = is_whole(scene->description());
   const int columns = whole ? kColumns : 1, rows = whole ? static_cast<int>(kSides.size()) / kColumns : 1;
   const gl::OffscreenContext context;
   Picture picture;
   picture.set_scene(scene);
   const gl::Target target(side, side, false);
-  std::vector<unsigned char> sheet(4 * static_cast<std::size_t>(columns * side) * static_cast<std::size_t>(rows * side));
+  std::vector<unsigned char> sheet(4 * static_cast<std::size_t>(columns * side) *
+                                   static_cast<std::size_t>(rows * side));
   const auto row_bytes = static_cast<std::ptrdiff_t>(4 * side);
   for (int k = 0; k < columns * rows; ++k) {
     const Seen& seen = kSides[static_cast<std::size_t>(k)];

@@ -58,7 +58,7 @@ void Controller::set_scene(scene::ScenePointer scene) {
   frame_.title = title_of(*scene_);
   frame_.why_not_orient = connections_.orienting.unavailable ? connections_.orienting.unavailable()
                                                              : "this scene was opened without its scans";
-  orbit_.set_whole(scene_->description().charts != nullptr);
+  orbit_.set_whole(is_whole(scene_->description()));
   orbit_.jump();
   wishes_.forget_windows();
   marking_.set_scene(scene_);

@@ -211,8 +211,16 @@ std::vector<ObjectMesh> make_object_meshes(const scene::Charts& charts, ThreadPo
   ObjectMesh& first = levels.front();
   first.sky = sky_over(first, levels[blockers], pool);
   smooth(first, first.sky, 1);
-  first.curvature = curvatures(first);
-  smooth(first, first.curvature, 2);
+  // From the level where the vertices of all sheets are one, so that no border of a sheet stands out.
+  if (levels.size() > 1) {
+    std::vector<float> merged = curvatures(levels[1]);
+    smooth(levels[1], merged, 1);
+    first.curvature.resize(first.place.size());
+    for (std::size_t v = 0; v < first.place.size(); ++v) first.curvature[v] = merged[first.coarser[v]];
+  } else {
+    first.curvature = curvatures(first);
+  }
+  smooth(first, first.curvature, 3);
   for (std::size_t l = 1; l < levels.size(); ++l) {
     levels[l].sky = average(levels[l - 1], levels[l - 1].sky, levels[l].place.size());
     levels[l].curvature = average(levels[l - 1], levels[l - 1].curvature, levels[l].place.size());
