@@ -210,7 +210,7 @@ std::vector<ObjectMesh> make_object_meshes(const scene::Charts& charts, ThreadPo
   while (blockers + 1 < levels.size() && levels[blockers].place.size() > kBlockers) ++blockers;
   ObjectMesh& first = levels.front();
   first.sky = sky_over(first, levels[blockers], pool);
-  smooth(first, first.sky, 1);
+  smooth(first, first.sky, 4);
   // From the level where the vertices of all sheets are one, so that no border of a sheet stands out.
   if (levels.size() > 1) {
     std::vector<float> merged = curvatures(levels[1]);
@@ -220,7 +220,7 @@ std::vector<ObjectMesh> make_object_meshes(const scene::Charts& charts, ThreadPo
   } else {
     first.curvature = curvatures(first);
   }
-  smooth(first, first.curvature, 3);
+  smooth(first, first.curvature, 4);
   for (std::size_t l = 1; l < levels.size(); ++l) {
     levels[l].sky = average(levels[l - 1], levels[l - 1].sky, levels[l].place.size());
     levels[l].curvature = average(levels[l - 1], levels[l - 1].curvature, levels[l].place.size());
