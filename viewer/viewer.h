@@ -69,9 +69,9 @@ WindowEnd run_window(const Connections& connections, const ViewerOptions& option
 void write_screenshot(const scene::ScenePointer& scene, const haptics::State& state, const scene::ViewerConfig& config,
                       const std::filesystem::path& file);
 
-/// Draws the scene from six sides without a display, two rows of three squares of `side` pixels: front, right, back; left,
-/// from above, from below. Writes it as PNG, atomically. Of a relief without charts the front alone is shown. Throws
-/// Error{failure} when no off-screen context can be made.
+/// Draws the scene from six sides without a display, two rows of three squares of `side` pixels: front, right, back;
+/// left, from above, from below. Writes it as PNG, atomically. Of a relief without charts the front alone is shown.
+/// Throws Error{failure} when no off-screen context can be made.
 void write_six_views(const scene::ScenePointer& scene, int side, const std::filesystem::path& file);
 
 }  // namespace sparsha::viewer
