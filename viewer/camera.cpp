@@ -23,7 +23,7 @@ Stage stage_of(const scene::SceneDescription& description) {
   const double middle_m = 0.5 * (description.height_min_m + description.height_max_m);
   if (std::isfinite(middle_m) && description.height_max_m > description.height_min_m) stage.anchor_m.z() = middle_m;
   if (is_whole(description)) {
-    const Bounds bounds = bounds_of(*description.charts);
+    const ObjectBox bounds = bounds_of(*description.charts);
     stage.anchor_m = 0.5 * (bounds.low_m + bounds.high_m);
     stage.unit_m = (bounds.high_m - bounds.low_m).maxCoeff();
   }
@@ -35,7 +35,7 @@ bool is_whole(const scene::SceneDescription& description) {
 }
 
 // A sheet's nodes tell two of the three axes; each axis is told by the sheets of four sides.
-Bounds bounds_of(const scene::Charts& charts) {
+ObjectBox bounds_of(const scene::Charts& charts) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const scene::Sheet& sheet : charts.sheets) {
     const scene::SideAxes axes = scene::SideAxes::of(sheet.side);

@@ -29,10 +29,10 @@ struct Stage {
 /// True of a scene with charts: a whole object, seen from all sides.
 [[nodiscard]] bool is_whole(const scene::SceneDescription& description);
 /// A box about a whole object, grid frame, metres: low and high corner. Loose by a few spacings. Requires charts.
-struct Bounds {
+struct ObjectBox {
   Eigen::Vector3d low_m, high_m;
 };
-[[nodiscard]] Bounds bounds_of(const scene::Charts& charts);
+[[nodiscard]] ObjectBox bounds_of(const scene::Charts& charts);
 
 /// A rectangle of the window in pixels, origin at the TOP left.
 struct Rect {

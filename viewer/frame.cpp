@@ -205,7 +205,7 @@ Camera overview_camera(const scene::SceneDescription& description, const Stage& 
   const double longer = std::max({whole.nx - 1, whole.ny - 1, 1});
   double half_x = 0.5 * (whole.nx - 1) / longer, half_y = 0.5 * (whole.ny - 1) / longer;
   if (is_whole(description)) {
-    const Bounds bounds = bounds_of(*description.charts);
+    const ObjectBox bounds = bounds_of(*description.charts);
     const Eigen::Vector3d half = stage.turn.cwiseAbs() * (bounds.high_m - bounds.low_m) / (2.0 * stage.unit_m);
     half_x = half.x();
     half_y = half.y();

@@ -78,7 +78,7 @@ class Exhibit {
  public:
   explicit Exhibit(const scene::Charts& charts) : target_(kSide, kSide, true, gl::Filter::nearest) {
     ThreadPool pool(2);
-    const Bounds bounds = bounds_of(charts);
+    const ObjectBox bounds = bounds_of(charts);
     stage_.anchor_m = 0.5 * (bounds.low_m + bounds.high_m);
     stage_.unit_m = (bounds.high_m - bounds.low_m).maxCoeff();
     view_.emplace(make_object_meshes(charts, pool), charts.origin_m, charts.spacing_m);
