@@ -38,6 +38,8 @@ void run_registration(const RunOptions& options);
 void run_peers(const RunOptions& options);
 /// Stages of a build against points and nodes: pipeline_scaling.csv.
 void run_scaling(const RunOptions& options);
+/// Points a second of each reader beside the speed of reading the file's bytes: pipeline_formats.csv.
+void run_formats(const RunOptions& options);
 /// Scans that do not fit their --memory, a tenth of the points and all of them, beside the same builds in memory:
 /// pipeline_huge.csv. False when a limit is broken or a byte differs.
 bool run_huge(const RunOptions& options);

@@ -110,6 +110,15 @@ class Tables {
 
 std::string steps_html(const std::filesystem::path& folder) {
   Tables tables(folder);
+  tables.add("pipeline_formats.csv", "Readers of each format, processor time, beside reading the bytes alone",
+             {{"format", "format"},
+              {"file", "file"},
+              {"points", "points"},
+              {"megabytes", "MB"},
+              {"points_per_s", "M points/s", 1e-6},
+              {"megabytes_per_s", "MB/s"},
+              {"cat_megabytes_per_s", "bytes alone, MB/s"}},
+             false);
   tables.add("pipeline_filters.csv", "Outliers, voxels and other filters, ours and PCL's",
              {{"filter", "filter"},
               {"method", "method"},
@@ -210,7 +219,7 @@ std::string builds_html(const std::filesystem::path& folder) {
 std::string pipeline_html(const std::filesystem::path& folder) {
   std::string html = peers_html(folder);
   if (const std::string steps = steps_html(folder); !steps.empty())
-    html += html_heading("Pipeline: filters, normals and registration") + steps;
+    html += html_heading("Pipeline: readers, filters, normals and registration") + steps;
   if (const std::string builds = builds_html(folder); !builds.empty())
     html += html_heading("Pipeline: accuracy by scene and whole builds") +
             "<p>Simulated scans with a known truth, read as files (docs/measure/accuracy.md).</p>" + builds;

@@ -10,7 +10,7 @@
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/worth.h"
-#include "tests/pipeline/scan/formats/las_files.h"
+#include "tests/support/las_files.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

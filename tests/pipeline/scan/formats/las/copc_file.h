@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pipeline/scan/formats/las/laz/integers.h"
-#include "tests/pipeline/scan/formats/las/laz/encoder.h"
-#include "tests/pipeline/scan/formats/las_files.h"
+#include "tests/support/las_files.h"
+#include "tests/support/laz_encoder.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline::testing {

@@ -3,7 +3,7 @@
 
 #include "base/progress.h"
 #include "pipeline/scan/formats/las/header.h"
-#include "tests/pipeline/scan/formats/las_files.h"
+#include "tests/support/las_files.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

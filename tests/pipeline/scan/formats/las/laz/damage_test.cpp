@@ -4,7 +4,7 @@
 #include <random>
 
 #include "tests/pipeline/scan/formats/las/copc_file.h"
-#include "tests/pipeline/scan/formats/las/laz/encoder.h"
+#include "tests/support/laz_encoder.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

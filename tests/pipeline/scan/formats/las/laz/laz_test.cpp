@@ -9,8 +9,8 @@
 #include "pipeline/scan/formats/las/fields.h"
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/formats/las/laz/points.h"
-#include "tests/pipeline/scan/formats/las/laz/encoder.h"
-#include "tests/pipeline/scan/formats/las_files.h"
+#include "tests/support/las_files.h"
+#include "tests/support/laz_encoder.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

@@ -1,4 +1,4 @@
-#include "tests/pipeline/scan/formats/las/laz/encoder.h"
+#include "tests/support/laz_encoder.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 
 #include "pipeline/scan/formats/las/laz/fields.h"
 #include "pipeline/scan/formats/las/laz/integers.h"
-#include "tests/pipeline/scan/formats/las_files.h"
+#include "tests/support/las_files.h"
 
 namespace sparsha::pipeline::testing {
 namespace {
