@@ -104,7 +104,8 @@ class Reader {
       read();
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;
-      if (!first_error_) first_error_ = error;
+      if (!first_error_)
+        first_error_ = Error(error.kind(), error.place(), name + ": " + error.wrong(), error.expected());
       ++unreadable_;
       out_.scan().warnings.push_back(name + ": " + lead() + error.wrong());
     }

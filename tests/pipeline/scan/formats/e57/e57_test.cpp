@@ -378,7 +378,8 @@ TEST(E57Reader, AScanThatCannotBeReadIsAWarningThatNamesItAndTheOthersAreRead) {
                   AllOf(HasSubstr("scan 2 of the file, Station blind, {blind}"), HasSubstr("neither Cartesian")),
                   AllOf(HasSubstr("scan 3 of the file, Station packed"), HasSubstr("left out"), HasSubstr("codec")),
                   AllOf(HasSubstr("scan 4 of the file, Station cut"), HasSubstr("only 2 of its points"))));
-  expect_refused("none.e57", E57File::bytes_of({blind, packed}), "neither Cartesian");
+  expect_refused("none.e57", E57File::bytes_of({blind, packed}),
+                 "Station blind, {blind}: a scan has neither Cartesian");
 }
 
 TEST(E57Reader, NotesSayWhoWroteAndScannedItAndWhatIsNotRead) {
