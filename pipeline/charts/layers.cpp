@@ -72,7 +72,7 @@ SideDiscs discs_of_side(const SidedDiscs& discs, scene::Side side, double spacin
   SideDiscs result{empty_layers(discs, side, spacing_m), {}};
   result.discs =
       arrange_discs(records_of(discs, scene::SideAxes::of(side), static_cast<float>(rule.least_facing - kBelow)),
-                    disc_columns(lattice_of(result.nodes, spacing_m), discs.rule));
+                    disc_columns(lattice_of(result.nodes, spacing_m), discs.rule), discs.rule);
   return result;
 }
 

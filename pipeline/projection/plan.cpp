@@ -19,12 +19,19 @@ namespace {
 constexpr double kSteepShare = 0.2;
 // A plate, a coin or a tablet has a second layer at most places, so near that a window over a slope holds both.
 constexpr double kLayeredShare = 0.4;
+// Where such an object has so much steep surface, it is closed, though few of its points lie on sparse sides; and where
+// its layers lean, less is enough.
+constexpr double kSteepArea = 0.25;
+constexpr double kSteepAreaTilted = 0.1;
 constexpr double kThin = 30.0;      // point spacings between layers
 constexpr double kThinNodes = 3.0;  // node spacings
 constexpr double kFewPoints = 1.3;  // point spacings between nodes
 constexpr double kTilted = 0.1;     // mean slope
-// Where points are this sparse at more places, the median says little about their spacing, and discs would miss them.
+// Where points are this sparse at more places, discs would miss them,
 constexpr double kMostSparse = 0.15;
+// and at so many, discs are wider where points are sparse.
+constexpr double kSomeSparse = 0.04;
+constexpr double kWidestTimes = 4.0;  // as wide, at most
 // Where places have another layer below the highest, a hole may show it.
 constexpr double kSomeLayered = 0.1;
 // Where more of what is seen first faces away, something else than holes is the reason.
@@ -35,6 +42,8 @@ constexpr double kMostTurnedAway = 0.2;
 bool has_several_sides(const SpaceStatistics& statistics, const scene::GridConfig& config, const Extent& extent) {
   if (!(statistics.surface_spacing_m > 0.0)) return false;
   if (statistics.steep_share > kSteepShare) return true;
+  const double steep_area = statistics.tilt > kTilted ? kSteepAreaTilted : kSteepArea;
+  if (statistics.layered_share > kLayeredShare && statistics.steep_area > steep_area) return true;
   const double apart_m = statistics.layers_apart_m;
   if (statistics.layered_share < kLayeredShare || apart_m > kThin * statistics.surface_spacing_m) return false;
   const double longer_m = std::max(extent.width_m(), extent.height_m());
@@ -72,6 +81,27 @@ void name_lying_stations(const FacingField& facing, const OrientedStations& orie
 bool may_show_back(const SpaceStatistics& statistics, const std::vector<Station>& stations) {
   if (!(statistics.surface_spacing_m > 0.0)) return false;
   return statistics.layered_share > kSomeLayered || std::any_of(stations.begin(), stations.end(), is_certain);
+}
+
+/// A surface, and how much wider than evenly scanned ones its sparse regions need the discs.
+struct UnevenSurface {
+  SurfaceStatistics surface;
+  double times = 1.0;
+};
+
+// Regions that were scanned from afar have fewer points than neighbourhoods of the median spacing need: these are
+// looked at again, wider, until they are found.
+UnevenSurface uneven_surface(const OrientedPieces& pieces, const Extent& extent, double spacing_m, bool on_lines,
+                             ThreadPool& pool) {
+  UnevenSurface result{surface_statistics(pieces, extent, spacing_m, on_lines, pool)};
+  double sparse_share = result.surface.sparse_share;
+  while (result.surface.spacing_m > 0.0 && sparse_share > kSomeSparse && !on_lines && result.times < kWidestTimes) {
+    result.times *= 2.0;
+    const SurfaceStatistics wide = surface_statistics(pieces, extent, result.times * spacing_m, on_lines, pool);
+    sparse_share = wide.spacing_m > 0.0 ? wide.sparse_share : 1.0;
+  }
+  result.surface.sparse_share = sparse_share;
+  return result;
 }
 
 void find_sides(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
@@ -127,12 +157,13 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   // Discs, of `space`; of several sides what is seen tells which faces out. False where they would not find the
   // surface.
   const auto use_discs = [&](const SpaceStatistics& space, bool on_lines, bool several) {
-    const SurfaceStatistics surface = surface_statistics(pieces, extent, space.surface_spacing_m, on_lines, pool);
+    const auto [surface, times] = uneven_surface(pieces, extent, space.surface_spacing_m, on_lines, pool);
     if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) return false;
     statistics.noise_m = surface.noise_m;
     statistics.point_spacing_m = surface.spacing_m;
     plan.front_spacing_m = surface.front_spacing_m;
     plan.discs = disc_rule(surface, on_lines);
+    plan.discs->most_spacings *= times;
     plan.closed = several;
     if (several || may_show_back(space, oriented.stations)) {
       find_sides(pieces, totals, extent, oriented, surface.spacing_m,
@@ -170,7 +201,8 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   // Of a bin with many points the front has many more than chance brings.
   constexpr double kCrowded = 16.0;  // point spacings between nodes
   if (!only_mesh && (plan.discs || plan.lattice.spacing_m < kCrowded * statistics.point_spacing_m)) {
-    plan.scatter = find_scatter(pieces, extent, statistics.point_spacing_m);
+    const double times = plan.discs ? plan.discs->most_spacings / DiscRule::kMostSpacings : 1.0;
+    plan.scatter = find_scatter(pieces, extent, times * statistics.point_spacing_m);
   }
   const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
   plan.rule = {statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};

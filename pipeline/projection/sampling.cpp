@@ -119,11 +119,23 @@ struct Look {
 };
 constexpr Look kWideLook{24.0, 40, 16};
 
+// The area of neighbourhoods whose points are so far apart; stray points, which are farther from others than a sparse
+// surface's, count as one of those.
+double area_of(const std::vector<double>& spacings_m, double median_m) {
+  constexpr double kSparsest = 4.0;  // medians
+  double area_m2 = 0.0;
+  for (const double spacing_m : spacings_m) {
+    const double side_m = std::min(spacing_m, kSparsest * median_m);
+    area_m2 += side_m * side_m;
+  }
+  return area_m2;
+}
+
 // Neighbourhoods about the middle of a block: how many are flat, and of these steep, and their point spacing.
 struct Steepness {
   std::size_t flat = 0, steep = 0;
   std::size_t looked_at = 0, on_lines = 0;  // all, and those whose nearest points lie on one line
-  std::vector<double> spacings_m;
+  std::vector<double> spacings_m, steep_spacings_m;
   double slope_x = 0.0, slope_y = 0.0;  // sums over those that are not steep,
   std::size_t sloped = 0;               // and their number
   std::size_t blocks = 0;               // with a flat neighbourhood,
@@ -137,6 +149,8 @@ struct Steepness {
     if (flat > 0) {
       result.steep_share = static_cast<double>(steep) / static_cast<double>(flat);
       result.surface_spacing_m = median(spacings_m);
+      result.steep_area =
+          area_of(steep_spacings_m, result.surface_spacing_m) / area_of(spacings_m, result.surface_spacing_m);
     }
     if (!apart_m.empty()) {
       result.layered_share = static_cast<double>(apart_m.size()) / static_cast<double>(blocks);
@@ -203,9 +217,12 @@ Steepness steepness_of_block(std::span<const NodePoint> block, double side, cons
     result.on_lines += on_line(near, plane, look.neighbours) ? 1 : 0;
     if (!plane.planar()) continue;
     ++result.flat;
-    result.steep += plane.normal[2] < kSteep ? 1 : 0;
-    result.spacings_m.push_back(near.radius_m(look.neighbours) *
-                                std::sqrt(std::numbers::pi / static_cast<double>(look.neighbours)));
+    const double radius_m = near.radius_m(look.neighbours);
+    result.spacings_m.push_back(radius_m * std::sqrt(std::numbers::pi / static_cast<double>(look.neighbours)));
+    if (plane.normal[2] < kSteep) {
+      ++result.steep;
+      result.steep_spacings_m.push_back(result.spacings_m.back());
+    }
     const std::array<double, 3>& n = plane.normal;
     if (n[2] < kSteep) continue;
     const double rise = (n[0] * static_cast<double>(points[k].x) + n[1] * static_cast<double>(points[k].y)) / n[2];
@@ -284,6 +301,8 @@ class Blocks {
       sum.slope_y += part.slope_y;
       sum.sloped += part.sloped;
       sum.blocks += part.blocks;
+      sum.steep_spacings_m.insert(sum.steep_spacings_m.end(), part.steep_spacings_m.begin(),
+                                  part.steep_spacings_m.end());
       sum.spacings_m.insert(sum.spacings_m.end(), part.spacings_m.begin(), part.spacings_m.end());
       sum.apart_m.insert(sum.apart_m.end(), part.apart_m.begin(), part.apart_m.end());
     }

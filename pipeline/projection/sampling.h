@@ -13,6 +13,7 @@ struct SpaceStatistics {
   /// Share of neighbourhoods in space that are steep, of those that are flat: about a half on a closed object, hardly
   /// any on a relief. And the side of the square that a point occupies on them, median; 0 where there are none.
   double steep_share = 0.0;
+  double steep_area = 0.0;  ///< the same by area: steep parts may be sparse
   double surface_spacing_m = 0.0;
   /// Share of places that have another flat layer below the highest, as a plate or a coin has, and the median distance
   /// across the two. `tilt`: mean slope of such an object against the view.

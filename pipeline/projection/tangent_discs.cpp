@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kLowest = -std::numeric_limits<float>::infinity();
 // Between a front and points below it that are left out: what the steepest disc that reaches the front descends.
-constexpr double kHidden = 25.0;  // spacings
+constexpr double kHidden = 25.0;  // spacings, where no disc is wider than DiscRule::kMostSpacings
 constexpr int kHiddenBy = 2;      // columns to each side that must all have a front
 
 /// Rows and columns that hold points.
@@ -83,10 +83,10 @@ void pack_row(const Bins& bins, std::size_t row, std::size_t nx, Found& found, s
   start[nx] = to;
 }
 
-// How many columns away discs may lie that reach each column.
-std::vector<std::uint8_t> rings_of_columns(const TangentDiscs& discs, const Rows& rows, double side_m) {
+// How many columns away discs may lie that reach each column. A foot may lie a little outside its point's column.
+std::vector<std::uint8_t> rings_of_columns(const TangentDiscs& discs, const Rows& rows, double side_m, int widest) {
   const std::size_t nx = rows.nx;
-  constexpr std::size_t kMost = 4;
+  const int most = widest + 1;
   std::vector<std::uint8_t> own(discs.columns.bin_count(), 0);
   for (std::size_t j = rows.first; j < rows.last; ++j) {
     for (std::size_t i = 0; i < nx; ++i) {
@@ -94,7 +94,7 @@ std::vector<std::uint8_t> rings_of_columns(const TangentDiscs& discs, const Rows
       const std::uint32_t* start = discs.start.get() + j * (nx + 1) + i;
       for (std::uint32_t d = start[0]; d < start[1]; ++d) widest2 = std::max(widest2, discs.radius2[d]);
       const double sides = std::sqrt(static_cast<double>(widest2)) / side_m;
-      own[j * nx + i] = static_cast<std::uint8_t>(std::min<double>(kMost, std::ceil(sides)));
+      own[j * nx + i] = static_cast<std::uint8_t>(std::min<double>(most, std::ceil(sides)));
     }
   }
   // A foot may lie a little outside its point's column, so one ring is looked at in any case.
@@ -117,15 +117,15 @@ std::vector<std::uint8_t> rings_of_columns(const TangentDiscs& discs, const Rows
 }  // namespace
 
 BinLattice disc_columns(const BinLattice& nodes, const DiscRule& rule) {
-  // Beyond the nodes, with the margin of every BinLattice, six columns: the widest disc and its neighbours.
-  constexpr int kBeyond = 4;
+  // Beyond the nodes, with the margin of every BinLattice (two columns): the widest disc and its neighbours.
+  const int beyond = 2 * rule.widest() - 2;
   const double side_m = disc_column_m(rule);
   BinLattice columns;
   columns.spacing_m = side_m;
-  columns.x0_m = nodes.x0_m - kBeyond * side_m;
-  columns.y0_m = nodes.y0_m - kBeyond * side_m;
-  columns.nx = static_cast<int>(std::ceil((nodes.nx - 1) * nodes.spacing_m / side_m)) + 1 + 2 * kBeyond;
-  columns.ny = static_cast<int>(std::ceil((nodes.ny - 1) * nodes.spacing_m / side_m)) + 1 + 2 * kBeyond;
+  columns.x0_m = nodes.x0_m - beyond * side_m;
+  columns.y0_m = nodes.y0_m - beyond * side_m;
+  columns.nx = static_cast<int>(std::ceil((nodes.nx - 1) * nodes.spacing_m / side_m)) + 1 + 2 * beyond;
+  columns.ny = static_cast<int>(std::ceil((nodes.ny - 1) * nodes.spacing_m / side_m)) + 1 + 2 * beyond;
   return columns;
 }
 
@@ -135,8 +135,9 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   leave_out_repeats(bins, window, pool);
   const Rows rows{static_cast<std::size_t>(columns.bins_x()), static_cast<std::size_t>(window.first_row),
                   static_cast<std::size_t>(window.last_row)};
+  const double hidden_m = kHidden * rule.most_spacings / DiscRule::kMostSpacings * rule.spacing_m;
   const std::vector<float> hidden =
-      all ? std::vector<float>(columns.bin_count(), kLowest) : hidden_below(bins, rows, kHidden * rule.spacing_m, pool);
+      all ? std::vector<float>(columns.bin_count(), kLowest) : hidden_below(bins, rows, hidden_m, pool);
   Found found(bins.points, store);
 
   DiscKernel kernel;
@@ -150,7 +151,8 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   kernel.side_m = static_cast<float>(columns.spacing_m);
   kernel.wanted = rule.neighbours;
   kernel.least = (rule.neighbours + 1) / 2 + 1;
-  kernel.most_spacing_m = static_cast<float>(DiscRule::kMostSpacings * rule.spacing_m);
+  kernel.rings = static_cast<std::size_t>(rule.widest());
+  kernel.most_spacing_m = static_cast<float>(rule.most_spacings * rule.spacing_m);
   kernel.least_nz = static_cast<float>(rule.least_nz);
   kernel.narrow = static_cast<float>(SurfacePlane::kNarrow);
   kernel.least_width2 = rule.lines ? static_cast<float>(2.0 * rule.noise_m * rule.noise_m) : 0.0F;
@@ -184,11 +186,11 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   discs.slope_x = std::move(found.slope_x);
   discs.slope_y = std::move(found.slope_y);
   discs.radius2 = std::move(found.radius2);
-  discs.rings = rings_of_columns(discs, rows, columns.spacing_m);
+  discs.rings = rings_of_columns(discs, rows, columns.spacing_m, rule.widest());
   return discs;
 }
 
-TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& columns) {
+TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& columns, const DiscRule& rule) {
   const std::size_t count = records.size() / kDiscRecord;
   const auto nx = static_cast<std::size_t>(columns.bins_x());
   const auto ny = static_cast<std::size_t>(columns.bins_y());
@@ -226,7 +228,7 @@ TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& col
     discs.slope_y[to] = record[4];
     discs.radius2[to] = record[6];
   }
-  discs.rings = rings_of_columns(discs, {nx, 0, ny}, columns.spacing_m);
+  discs.rings = rings_of_columns(discs, {nx, 0, ny}, columns.spacing_m, rule.widest());
   return discs;
 }
 

@@ -2,6 +2,7 @@
 // from two layers where windows in x and y cannot (docs/architecture.md, "Closed objects").
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,13 +19,19 @@ namespace sparsha::pipeline {
 /// How discs are drawn.
 struct DiscRule {
   static constexpr double kReach = 2.5;         ///< radius of a disc, local point spacings
-  static constexpr double kMostSpacings = 3.0;  ///< points farther apart than so many medians are no surface
+  static constexpr double kMostSpacings = 3.0;  ///< of evenly scanned objects
 
   double spacing_m = 0.0;  ///< median point spacing on the surface, times the scale of SurfaceStatistics
   double noise_m = 0.0;    ///< standard deviation across the surface
   bool lines = false;      ///< points lie on lines between which a front may be taken for two layers
   int neighbours = 14;     ///< points that a plane is drawn through, about
   double least_nz = 0.12;  ///< z of the normals of discs that are used
+  /// Points farther apart than so many medians are no surface. Objects that were scanned from near and from far have
+  /// dense and sparse regions.
+  double most_spacings = kMostSpacings;
+
+  /// Radius of the widest disc, columns (disc_column_m), rounded up.
+  [[nodiscard]] int widest() const { return static_cast<int>(std::ceil(most_spacings)); }
 };
 
 /// Side of the columns that discs are found in: most discs reach no farther.
@@ -32,7 +39,7 @@ struct DiscRule {
 
 /// How far beyond a node lie the points that may decide about it, metres: the reach of the widest disc and that of the
 /// search for its neighbours, and a column for those that hide them.
-[[nodiscard]] inline double disc_reach_m(const DiscRule& rule) { return 9.0 * disc_column_m(rule); }
+[[nodiscard]] inline double disc_reach_m(const DiscRule& rule) { return 3.0 * rule.widest() * disc_column_m(rule); }
 
 /// Columns that hold all discs that may cover a node.
 [[nodiscard]] BinLattice disc_columns(const BinLattice& nodes, const DiscRule& rule);
@@ -60,7 +67,8 @@ struct TangentDiscs {
 
 /// Discs that are given as records (kDiscRecord values each) in columns, in the order in which they are given. Those
 /// beyond the columns are left out.
-[[nodiscard]] TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& columns);
+[[nodiscard]] TangentDiscs arrange_discs(std::span<const float> records, const BinLattice& columns,
+                                         const DiscRule& rule);
 
 /// What decides about nodes by discs; its scratch memory is to be set. Heights of discs are one layer within `noise_m`;
 /// `lines` as in DiscRule. Reads the discs, which must outlive it.

@@ -9,7 +9,6 @@ namespace {
 
 using sparsha::pipeline::DiscKernel;
 
-constexpr std::size_t kMostRings = 3;
 // What stands for a squared radius: there is no disc.
 constexpr float kNoDisc = -__builtin_inff();
 // Points are thicker than noise and form where their standard deviation across the plane exceeds these. On the edge of
@@ -333,7 +332,7 @@ SPARSHA_INLINE void add_point(const DiscKernel& k, std::size_t row, std::size_t 
     return;
   }
   Candidates far = candidates_in(k, 1);
-  for (std::size_t rings = 2; r2 == 0.0F && rings <= kMostRings; ++rings) {
+  for (std::size_t rings = 2; r2 == 0.0F && rings <= k.rings; ++rings) {
     gather_wide(k, row, column, rings, point, far);
     const float reach = k.side_m * static_cast<float>(rings);
     r2 = neighbourhood2(k, far, reach * reach, count);
@@ -373,7 +372,7 @@ SPARSHA_APART void widen(const DiscKernel& k, std::size_t row, float columns) {
 SPARSHA_INLINE float neighbourhood_of(const DiscKernel& k, std::size_t row, std::size_t column, std::size_t point,
                                       Candidates& c, std::int32_t& count) {
   float r2 = 0.0F;
-  for (std::size_t rings = 1; r2 == 0.0F && rings <= kMostRings; ++rings) {
+  for (std::size_t rings = 1; r2 == 0.0F && rings <= k.rings; ++rings) {
     gather_wide(k, row, column, rings, point, c);
     const float reach = k.side_m * static_cast<float>(rings);
     r2 = neighbourhood2(k, c, reach * reach, count);
@@ -512,7 +511,7 @@ SPARSHA_APART void tell_sheets_apart(const DiscKernel& k, std::size_t row) {
     if (!(r2 > 0.0F) || !find_gap(k, far, r2, count, p, across)) continue;
     k.radius2[p] = kNoDisc;
     r2 = 0.0F;
-    for (std::size_t rings = 1; r2 == 0.0F && rings < kMostRings; ++rings) {
+    for (std::size_t rings = 1; r2 == 0.0F && rings < k.rings; ++rings) {
       gather_wide(k, row, column, rings, p, far);
       keep_sheet(k, across, p, far);
       const float reach = k.side_m * static_cast<float>(rings);
@@ -550,6 +549,10 @@ SPARSHA_APART void fit_discs(const DiscKernel& k, std::size_t row) {
   if (k.noise_m >= 0.0F) tell_sheets_apart(k, row);
   constexpr float kWider[] = {1.2F, 1.6F, 2.0F, 3.0F};  // columns
   for (const float columns : kWider) widen(k, row, columns);
+  const auto widest = static_cast<float>(k.rings);
+  for (float columns = 1.4F * kWider[3]; columns < 1.2F * widest; columns *= 1.4F) {
+    widen(k, row, columns < widest ? columns : widest);
+  }
 }
 
 }  // namespace

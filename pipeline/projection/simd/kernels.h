@@ -130,17 +130,18 @@ struct DiscKernel {
   const float* z = nullptr;
   std::size_t bins_x = 0;
   std::size_t first_row = 0, last_row = 0;  ///< rows of columns that are there: [first_row, last_row)
-  float side_m = 0.0F;                      ///< of a column; neighbours are looked for within one to three of them
-  std::int32_t wanted = 14;                 ///< neighbours, about, the point itself among them
-  std::int32_t least = 8;                   ///< fewer make no disc
-  float most_spacing_m = 0.0F;              ///< where points are farther apart, they are no surface
-  float least_nz = 0.12F;                   ///< planes that are steeper cover nothing
-  float narrow = 0.1F;                      ///< variances of points on one line, the lesser by the greater, are below
-  float least_width2 = 0.0F;                ///< or the lesser is below this, m^2; more neighbours are looked at then
-  float reach = 2.5F;                       ///< radius of a disc, local spacings
-  float noise_m = -1.0F;                    ///< across the surface; negative: thin sheets are not told apart
-  const float* needed_m = nullptr;          ///< of each column; lower points get no disc
-  float* scratch = nullptr;                 ///< kScratch floats of the calling thread
+  float side_m = 0.0F;                      ///< of a column; neighbours are looked for within one to `rings` of them
+  std::size_t rings = 3;
+  std::int32_t wanted = 14;         ///< neighbours, about, the point itself among them
+  std::int32_t least = 8;           ///< fewer make no disc
+  float most_spacing_m = 0.0F;      ///< where points are farther apart, they are no surface
+  float least_nz = 0.12F;           ///< planes that are steeper cover nothing
+  float narrow = 0.1F;              ///< variances of points on one line, the lesser by the greater, are below
+  float least_width2 = 0.0F;        ///< or the lesser is below this, m^2; more neighbours are looked at then
+  float reach = 2.5F;               ///< radius of a disc, local spacings
+  float noise_m = -1.0F;            ///< across the surface; negative: thin sheets are not told apart
+  const float* needed_m = nullptr;  ///< of each column; lower points get no disc
+  float* scratch = nullptr;         ///< kScratch floats of the calling thread
 
   float* foot_x = nullptr;  ///< the point, moved onto its plane
   float* foot_y = nullptr;
