@@ -32,6 +32,8 @@ constexpr double kMostSparse = 0.15;
 // and at so many, discs are wider where points are sparse.
 constexpr double kSomeSparse = 0.04;
 constexpr double kWidestTimes = 4.0;  // as wide, at most
+constexpr double kSparse = 2.0;       // medians between points of sparse regions
+constexpr double kSparseFlat = 0.5;   // of sparse places that are surface
 // Where places have another layer below the highest, a hole may show it.
 constexpr double kSomeLayered = 0.1;
 // Where more of what is seen first faces away, something else than holes is the reason.
@@ -90,15 +92,19 @@ struct UnevenSurface {
 };
 
 // Regions that were scanned from afar have fewer points than neighbourhoods of the median spacing need: these are
-// looked at again, wider, until they are found.
+// looked at again, wider, until they are found. Where dense regions have no planes, there is no surface to be found.
 UnevenSurface uneven_surface(const OrientedPieces& pieces, const Extent& extent, double spacing_m, bool on_lines,
                              ThreadPool& pool) {
   UnevenSurface result{surface_statistics(pieces, extent, spacing_m, on_lines, pool)};
   double sparse_share = result.surface.sparse_share;
-  while (result.surface.spacing_m > 0.0 && sparse_share > kSomeSparse && !on_lines && result.times < kWidestTimes) {
+  if (!result.surface.flat || on_lines) return result;
+  while (sparse_share > kSomeSparse && result.times < kWidestTimes) {
     result.times *= 2.0;
-    const SurfaceStatistics wide = surface_statistics(pieces, extent, result.times * spacing_m, on_lines, pool);
-    sparse_share = wide.spacing_m > 0.0 ? wide.sparse_share : 1.0;
+    const SurfaceStatistics wide =
+        surface_statistics(pieces, extent, result.times * spacing_m, on_lines, pool, kSparse * spacing_m);
+    // Scattered points are sparse, too, but have no planes.
+    if (result.times == 2.0 && wide.sparse_flat_share < kSparseFlat * sparse_share) return {result.surface};
+    sparse_share = wide.flat ? wide.sparse_share : 1.0;
   }
   result.surface.sparse_share = sparse_share;
   return result;

@@ -125,12 +125,13 @@ std::vector<Block> draw_blocks(const OrientedPieces& pieces, const Extent& exten
 }
 
 struct Measured {
-  std::vector<double> noise_m, spacing_m, front_spacing_m;
+  std::vector<double> noise_m, spacing_m, front_spacing_m, flat_spacing_m;
   std::size_t seeds = 0;
 
   void add(const Measured& other) {
     seeds += other.seeds;
     noise_m.insert(noise_m.end(), other.noise_m.begin(), other.noise_m.end());
+    flat_spacing_m.insert(flat_spacing_m.end(), other.flat_spacing_m.begin(), other.flat_spacing_m.end());
     spacing_m.insert(spacing_m.end(), other.spacing_m.begin(), other.spacing_m.end());
     front_spacing_m.insert(front_spacing_m.end(), other.front_spacing_m.begin(), other.front_spacing_m.end());
   }
@@ -213,7 +214,10 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
     }
     measured.spacing_m.push_back(radius_m * std::sqrt(std::numbers::pi / static_cast<double>(count)));
     if (!is_hidden(points, points[seed], margin_m)) measured.front_spacing_m.push_back(measured.spacing_m.back());
-    if (noise_m) measured.noise_m.push_back(*noise_m);
+    if (noise_m) {
+      measured.noise_m.push_back(*noise_m);
+      measured.flat_spacing_m.push_back(measured.spacing_m.back());
+    }
   }
   return measured;
 }
@@ -221,7 +225,7 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
 }  // namespace
 
 SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent& extent, double spacing_m,
-                                     bool on_lines, ThreadPool& pool) {
+                                     bool on_lines, ThreadPool& pool, double sparse_m) {
   SurfaceStatistics result;
   for (std::size_t scale = 1;; scale *= 2) {
     const double side_m = (on_lines ? kOfLines : kBlockSpacings) * steady(spacing_m) * static_cast<double>(scale);
@@ -242,6 +246,9 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
       result.spacing_m = quantile(all.spacing_m, 0.5);
       const bool enough = all.front_spacing_m.size() >= kFew;
       result.front_spacing_m = enough ? quantile(all.front_spacing_m, 0.5) : result.spacing_m;
+      const auto sparse_flat =
+          std::count_if(all.flat_spacing_m.begin(), all.flat_spacing_m.end(), [&](double s) { return s > sparse_m; });
+      result.sparse_flat_share = static_cast<double>(sparse_flat) / static_cast<double>(all.seeds);
       result.sparse_share = 1.0 - static_cast<double>(all.spacing_m.size()) / static_cast<double>(all.seeds);
     }
     if (2 * all.noise_m.size() >= all.spacing_m.size() && all.noise_m.size() >= kFew) {
