@@ -10,6 +10,15 @@ namespace sparsha::viewer {
 
 using haptics::Announcement;
 
+namespace {
+
+bool is_trouble(const Announcement& announcement) {
+  return announcement.priority == Announcement::Priority::fault ||
+         announcement.priority == Announcement::Priority::warning;
+}
+
+}  // namespace
+
 std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoard* board) {
   std::vector<Announcement> fresh = std::exchange(own_, {});
   if (board != nullptr) {
@@ -19,7 +28,7 @@ std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoar
   }
   for (Announcement& announcement : fresh) {
     if (announcement.text.empty() || announcement.text == hidden_ || !can_show(announcement.text)) continue;
-    if (faults_hidden_ && announcement.priority == Announcement::Priority::fault) continue;
+    if (faults_hidden_ && is_trouble(announcement)) continue;
     double length_s = 2.0 + 0.06 * static_cast<double>(announcement.text.size());
     if (announcement.priority == Announcement::Priority::warning) length_s *= 1.5;
     if (announcement.priority == Announcement::Priority::fault) length_s *= 2.0;
@@ -27,7 +36,9 @@ std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoar
     std::erase_if(shown_, [&](const Shown& shown) { return shown.announcement.text == announcement.text; });
     shown_.push_back({std::move(announcement), time_s + length_s, length_s});
   }
-  std::erase_if(shown_, [&](const Shown& shown) { return shown.until_s <= time_s; });
+  std::erase_if(shown_, [&](const Shown& shown) {
+    return shown.until_s <= time_s || (faults_hidden_ && is_trouble(shown.announcement));
+  });
   constexpr std::size_t kMost = 2;
   if (shown_.size() > kMost) shown_.erase(shown_.begin(), shown_.end() - kMost);
   std::vector<Toast> toasts;

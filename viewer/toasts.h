@@ -17,7 +17,7 @@ class Toasts {
   void tell(const std::string& text, haptics::Announcement::Priority priority) { own_.push_back({text, priority, 0}); }
   /// Words that a dialog shows already: they are spoken only.
   void hide(std::string text) { hidden_ = std::move(text); }
-  /// Nobody looks who could do anything about faults: new ones are not shown.
+  /// Nobody looks who could do anything about faults and warnings: they are not shown, nor those any more that are.
   void hide_faults(bool on) { faults_hidden_ = on; }
   /// What is shown at `time_s`, oldest first. `board` may be null.
   [[nodiscard]] std::vector<Toast> update(double time_s, const haptics::AnnouncementBoard* board);

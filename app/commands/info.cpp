@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "app/commands/point_fields.h"
 #include "app/commands/sentences.h"
 #include "app/terminal/terminal.h"
+#include "base/files.h"
 #include "base/text.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/units.h"
@@ -109,6 +111,19 @@ std::string scan_text(const fs::path& file, const pipeline::ScanInfo& info) {
   return text;
 }
 
+/// Of a scene's report: points that lay in space, no nearer to others than by chance. Absent where the report is not
+/// there or is none.
+std::optional<std::uint64_t> scattered_of(const fs::path& folder) {
+  constexpr std::uint64_t kMostText = 1U << 26U;
+  const fs::path file = folder / "report.json";
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) return std::nullopt;
+  const Json report = Json::parse(read_file(file, kMostText), nullptr, false);
+  if (!report.is_object() || !report.contains("scattered") || !report["scattered"].is_number_unsigned())
+    return std::nullopt;
+  return report["scattered"].get<std::uint64_t>();
+}
+
 Json scene_json(const fs::path& folder, const scene::SceneDescription& scene) {
   Json json;
   json["file"] = folder.generic_string();
@@ -123,6 +138,7 @@ Json scene_json(const fs::path& folder, const scene::SceneDescription& scene) {
   json["noise_m"] = scene.noise_m;
   json["units"] = "m";
   json["scans"] = scene.sources.size();
+  if (const auto scattered = scattered_of(folder)) json["scattered"] = *scattered;
   Json layers = {"height", "mask"};
   if (scene.has_envelope) layers.push_back("envelope");
   if (scene.has_curvature) layers.push_back("curvature");
@@ -155,6 +171,8 @@ std::string scene_text(const fs::path& folder, const scene::SceneDescription& sc
                         count_text(scene.charts->measured_nodes()), length_text(scene.charts->spacing_m));
   }
   text += fmt::format("  made from   {} scan{}\n", scene.sources.size(), scene.sources.size() == 1 ? "" : "s");
+  if (const auto scattered = scattered_of(folder); scattered.value_or(0) > 0)
+    text += fmt::format("  scattered   {} points lay in space and make no surface\n", count_text(*scattered));
   return text;
 }
 
@@ -182,6 +200,8 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
         all.push_back(scene_json(file, scene->description()));
       } else {
         text += common.plain ? scene_sentences(file, scene->description()) : scene_text(file, scene->description());
+        if (const auto scattered = common.plain ? scattered_of(file) : std::nullopt; scattered.value_or(0) > 0)
+          text += fmt::format("{} points lay in space and make no surface.\n", count_text(*scattered));
       }
       continue;
     }

@@ -326,7 +326,9 @@ void DepthScans::build(const viewer::ScanSetup& setup, bool proposes) {
     pipeline::BuildResult result = pipeline::build_scene(config, {}, progress);
     const std::vector<std::string> warnings = progress.warnings();
     const auto count = warnings.size();
-    note(fmt::format("Depth scan done: {:.0f} % measured{}", 100.0 * result.report.coverage,
+    const std::uint64_t scattered = result.report.points.scattered;
+    note(fmt::format("Depth scan done: {:.0f} % measured{}{}", 100.0 * result.report.coverage,
+                     scattered == 0 ? "" : fmt::format(", {} scattered points left out", count_text(scattered)),
                      count == 0 ? "" : fmt::format(", {} warning{} on the terminal", count, count == 1 ? "" : "s")));
     const std::lock_guard lock(mutex_);
     scene_ = result.scene;

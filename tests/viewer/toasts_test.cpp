@@ -21,6 +21,21 @@ TEST(Toasts, OfAScriptThatTheWindowDoesNotWriteAreNotShownAsQuestionMarks) {
   }
 }
 
+TEST(Toasts, NoTroubleStaysOnThePictureOfAnExhibitThatIsLeft) {
+  Toasts toasts;
+  haptics::AnnouncementBoard board;
+  board.say("The stone went soft", haptics::Announcement::Priority::fault);
+  board.say("No signal from the hand", haptics::Announcement::Priority::warning);
+  EXPECT_EQ(toasts.update(0.0, &board).size(), 2U);
+  toasts.hide_faults(true);
+  EXPECT_TRUE(toasts.update(0.1, &board).empty());
+  board.say("The hand is slow", haptics::Announcement::Priority::warning);
+  board.say("Whole stone");
+  const std::vector<Toast> shown = toasts.update(0.2, &board);
+  ASSERT_EQ(shown.size(), 1U);
+  EXPECT_EQ(shown[0].announcement.text, "Whole stone");
+}
+
 TEST(Toasts, OfFaultsAreNotShownWhereNobodyIsThereNorAfterwards) {
   Toasts toasts;
   haptics::AnnouncementBoard board;
