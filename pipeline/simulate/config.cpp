@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "pipeline/simulate/frames.h"
 #include "pipeline/simulate/simulate.h"
+#include "pipeline/simulate/statue.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -92,6 +93,7 @@ struct FormReader {
     read_mm(reader, "gap_mm", f.gap_m, 0.0, kMaxSize_m);
     read_mm(reader, "grain_mm", f.grain_m, 0.0, 0.01);
   }
+  void operator()(StatueForm&) const {}
 };
 
 SurfaceConfig parse_surface(const Node& node) {
@@ -99,10 +101,11 @@ SurfaceConfig parse_surface(const Node& node) {
   SurfaceConfig surface;
   int form = 0;
   reader.required("form");
-  reader.read_choice("form", form, {"plane", "sinusoid", "accuracy", "bars", "relief", "facade", "hall"});
-  const std::array<Form, 7> forms{PlaneForm{},  SinusoidForm{}, AccuracyForm{}, BarsForm{},
-                                  ReliefForm{}, FacadeForm{},   HallForm{}};
-  const std::array<std::array<double, 2>, 7> sizes{{{1, 1}, {1, 1}, {1, 1}, {1, 1}, {0.36, 0.44}, {8, 5}, {4.0, 2.4}}};
+  reader.read_choice("form", form, {"plane", "sinusoid", "accuracy", "bars", "relief", "facade", "hall", "statue"});
+  const std::array<Form, 8> forms{PlaneForm{},  SinusoidForm{}, AccuracyForm{}, BarsForm{},
+                                  ReliefForm{}, FacadeForm{},   HallForm{},     StatueForm{}};
+  const std::array<std::array<double, 2>, 8> sizes{
+      {{1, 1}, {1, 1}, {1, 1}, {1, 1}, {0.36, 0.44}, {8, 5}, {4.0, 2.4}, {kStatueWidth_m, kStatueHeight_m}}};
   surface.form = forms[static_cast<std::size_t>(form)];
   std::array<double, 2> size = sizes[static_cast<std::size_t>(form)];
   reader.read("size_m", size);
@@ -198,6 +201,9 @@ SimulationConfig parse_simulation(const Node& root) {
   if ((stations == nullptr) == (sampler == nullptr)) {
     throw yaml::error_at(stations == nullptr ? root : *stations, "there must be one way to scan",
                          "expected either `stations` or `sampler`");
+  }
+  if (sampler != nullptr && std::holds_alternative<StatueForm>(config.surface.form)) {
+    throw yaml::error_at(*sampler, "a statue is seen from all sides", "expected `stations` about it");
   }
   if (stations != nullptr) {
     config.scan = parse_stations(*stations);

@@ -24,7 +24,8 @@ std::string list(const Vector& vector) {
 std::array<double, 3> array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 const char* form_name(const Form& form) {
-  constexpr std::array<const char*, 7> kNames{"plane", "sinusoid", "accuracy", "bars", "relief", "facade", "hall"};
+  constexpr std::array<const char*, 8> kNames{"plane",  "sinusoid", "accuracy", "bars",
+                                              "relief", "facade",   "hall",     "statue"};
   return kNames[form.index()];
 }
 
@@ -84,8 +85,8 @@ std::string truth_json(const SimulationConfig& config, const Truth& truth, const
 }
 
 std::string build_yaml(const SimulationConfig& config, const Truth& truth, const std::vector<SimulatedFile>& files) {
-  std::string text = fmt::format(
-      "# Builds the simulated scan beside it on the lattice of truth.tif: `sparsha build sparsha.yaml`\nscans:\n");
+  std::string text = fmt::format("# Builds the simulated scan beside it{}: `sparsha build sparsha.yaml`\nscans:\n",
+                                 truth.surface().is_body() ? "" : " on the lattice of truth.tif");
   for (std::size_t k = 0; k < files.size(); ++k) {
     text += fmt::format("  - file: \"{}\"\n    units: m\n", files[k].name);
     if (config.station_frame) {
@@ -96,6 +97,7 @@ std::string build_yaml(const SimulationConfig& config, const Truth& truth, const
   }
   text += fmt::format("orientation: {{look_from: {}, up: {}, scale: 1.0}}\n", list(array_of(config.look_from)),
                       list(array_of(config.up)));
+  if (truth.surface().is_body()) return text + "around: {}\ncheck: {samples: 50000}\n";
   text += fmt::format("grid: {{spacing_mm: {}, bounds_m: {}}}\n", number(1e3 * truth.lattice().spacing_m),
                       list(truth.bounds_m()));
   return text + "fill: {max_gap_mm: 5}\ncheck: {samples: 50000}\n";

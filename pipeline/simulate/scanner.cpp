@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -11,6 +12,7 @@
 #include "pipeline/simulate/generate.h"
 #include "pipeline/simulate/plain_math.h"
 #include "pipeline/simulate/raycast.h"
+#include "pipeline/simulate/statue.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -31,19 +33,25 @@ class Station {
         surface_(surface),
         station_(std::get<ScannerConfig>(config.scan).stations.at(index)),
         index_(index),
-        behind_(station_.position_m.z() < 0.0),
+        behind_(!surface.is_body() && station_.position_m.z() < 0.0),
         axes_(local_from_station_rotation(station_)),
         scan_from_grid_(grid_from_scan_rotation(config).transpose()),
-        caster_([&](double x, double y) { return behind_ ? -surface.back_z(x, y) : surface.z(x, y); },
-                surface.width_m(), surface.height_m(), pool) {
+        step_turns_(station_.step_rad / (2.0 * std::numbers::pi)) {
+    if (surface.is_body()) {
+      if (statue_distance_m(surface.width_m(), surface.height_m(), station_.position_m) <= 0.0) {
+        throw usage_error("a station stands inside the statue", "expected it outside");
+      }
+      return;
+    }
     if (behind_ && surface.config().back.kind == BackConfig::Kind::none) {
       throw usage_error("a station stands behind a surface without a back",
                         "expected position_m with z above the surface");
     }
-    if ((behind_ ? -1.0 : 1.0) * station_.position_m.z() <= caster_.highest_m()) {
+    caster_.emplace([&](double x, double y) { return behind_ ? -surface.back_z(x, y) : surface.z(x, y); },
+                    surface.width_m(), surface.height_m(), pool);
+    if ((behind_ ? -1.0 : 1.0) * station_.position_m.z() <= caster_->highest_m()) {
       throw usage_error("a station stands inside the solid", "expected it farther from the surface");
     }
-    step_turns_ = station_.step_rad / (2.0 * std::numbers::pi);
   }
 
   [[nodiscard]] FieldOfView field_of_view() const;
@@ -69,10 +77,11 @@ class Station {
 
  private:
   void record(const Eigen::Vector3d& direction, Random& random, std::vector<SimulatedPoint>& points) const {
+    if (!caster_) return record_body(direction, random, points);
     const double side = behind_ ? -1.0 : 1.0;
     const Eigen::Vector3d mirror(1.0, 1.0, side);
     if (side * direction.z() >= 0.0) return;
-    const auto hit = caster_.cast(station_.position_m.cwiseProduct(mirror), direction.cwiseProduct(mirror));
+    const auto hit = caster_->cast(station_.position_m.cwiseProduct(mirror), direction.cwiseProduct(mirror));
     if (!hit) return;
     Eigen::Vector3d at = station_.position_m + hit->distance_m * direction;
     if (hit->on_flank && !flank_is_solid(at)) return;
@@ -88,6 +97,17 @@ class Station {
     point.position_m = to_scan(at);
     points.push_back(point);
     if (!behind_ && surface_.config().back.kind != BackConfig::Kind::none) add_back(random, points);
+  }
+
+  void record_body(const Eigen::Vector3d& direction, Random& random, std::vector<SimulatedPoint>& points) const {
+    const auto far = meet_statue(surface_.width_m(), surface_.height_m(), station_.position_m, direction);
+    if (!far) return;
+    Eigen::Vector3d at = station_.position_m + *far * direction;
+    SimulatedPoint point;
+    shade_point(config_, surface_, at.x(), at.y(), 1.0, point);
+    at += range_error(config_, random, point.is_outlier) * direction;
+    point.position_m = to_scan(at);
+    points.push_back(point);
   }
 
   /// The back as other set-ups have recorded it: so many points a front point, anywhere on it.
@@ -123,8 +143,8 @@ class Station {
   bool behind_;
   Eigen::Matrix3d axes_;
   Eigen::Matrix3d scan_from_grid_;
-  HeightCaster caster_;
-  double step_turns_ = 0.0;
+  double step_turns_;
+  std::optional<HeightCaster> caster_;  ///< none for bodies
 };
 
 FieldOfView Station::field_of_view() const {

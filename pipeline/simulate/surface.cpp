@@ -9,6 +9,7 @@
 #include "pipeline/simulate/forms.h"
 #include "pipeline/simulate/noise_field.h"
 #include "pipeline/simulate/relief.h"
+#include "pipeline/simulate/statue.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -27,6 +28,9 @@ Surface::Surface(const SurfaceConfig& config) : config_(config) {
   if (const auto* hall = std::get_if<HallForm>(&config.form);
       hall != nullptr && !(3.0 * std::max(hall->major_m, hall->minor_m) < config.width_m / (hall->minor + 1))) {
     throw usage_error("the pillars leave no room between them", "expected fewer or thinner pillars, or a wider hall");
+  }
+  if (is_body() && config.back.kind != BackConfig::Kind::none) {
+    throw usage_error("a statue has its own back", "expected no `back`");
   }
   if (const auto* relief = std::get_if<ReliefForm>(&config.form)) {
     relief_ = draw_relief(*relief, config.width_m, config.height_m);
@@ -48,6 +52,12 @@ double Surface::z(double x, double y) const {
     double operator()(const FacadeForm& f) const { return form_z(f, x, y); }
     double operator()(const HallForm& f) const {
       return hall_z(f, surface.config_.width_m, surface.config_.height_m, x, y);
+    }
+    // Beside the figure it is as deep as its back.
+    double operator()(const StatueForm&) const {
+      const double depth = statue_depth_m(surface.config_.height_m);
+      const auto far = meet_statue(surface.config_.width_m, surface.config_.height_m, {x, y, depth}, {0.0, 0.0, -1.0});
+      return depth - std::min(far.value_or(2.0 * depth), 2.0 * depth);
     }
   };
   return std::visit(Height{*this, x, y}, config_.form);
@@ -91,6 +101,9 @@ std::array<double, 2> Surface::z_range() const {
     std::array<double, 2> operator()(const ReliefForm& f) const { return relief_range(f); }
     std::array<double, 2> operator()(const FacadeForm& f) const { return form_range(f); }
     std::array<double, 2> operator()(const HallForm& f) const { return form_range(f); }
+    std::array<double, 2> operator()(const StatueForm&) const {
+      return {-statue_depth_m(c.height_m), statue_depth_m(c.height_m)};
+    }
   };
   return std::visit(Range{config_}, config_.form);
 }

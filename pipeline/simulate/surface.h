@@ -52,7 +52,10 @@ struct HallForm {
   double gap_m = 0.10;      ///< from the wall to the axis of each pillar
   double grain_m = 0.0004;  ///< standard deviation of the stone's grain, about
 };
-using Form = std::variant<PlaneForm, SinusoidForm, AccuracyForm, BarsForm, ReliefForm, FacadeForm, HallForm>;
+/// A figure on a plinth (statue.h), which stations scan from all sides; its height field is the front view.
+struct StatueForm {};
+using Form =
+    std::variant<PlaneForm, SinusoidForm, AccuracyForm, BarsForm, ReliefForm, FacadeForm, HallForm, StatueForm>;
 
 struct BackConfig {
   enum class Kind { none, rough, parallel };
@@ -78,6 +81,8 @@ class Surface {
   [[nodiscard]] const SurfaceConfig& config() const { return config_; }
   [[nodiscard]] double width_m() const { return config_.width_m; }
   [[nodiscard]] double height_m() const { return config_.height_m; }
+  /// Whether the truth is a body with a back of its own, and no height field.
+  [[nodiscard]] bool is_body() const { return std::holds_alternative<StatueForm>(config_.form); }
   /// The truth. Defined beyond the borders too.
   [[nodiscard]] double z(double x, double y) const;
   /// The back; below z(x, y). Meaningless without a back.

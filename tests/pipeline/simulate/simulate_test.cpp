@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tiffio.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "pipeline/simulate/statue.h"
 #include "scene/config/config.h"
 #include "tests/support/test_folder.h"
 
@@ -71,20 +73,40 @@ stations:
   - {name: second, position_m: [1.2, 0.1, 1.2], target_m: [0.5, 0.5, 0], step_mrad: 8}
 )";
 
-TEST(Simulate, WritesTheSampleInTheRepositoryByteForByte) {
+TEST(Simulate, WritesTheSamplesInTheRepositoryByteForByte) {
   const fs::path root = fs::path(__FILE__).parent_path() / "../../..";
   const TestFolder folder;
   Progress progress;
-  simulate(root / "configs/simulate-relief.yaml", folder / "relief", progress);
-  std::uintmax_t total = 0;
-  for (const auto& entry : fs::directory_iterator(root / "data/relief")) {
-    EXPECT_EQ(bytes_of(entry.path()), bytes_of(folder / ("relief/" + entry.path().filename().string())))
-        << entry.path();
+  for (const std::string name : {"relief", "statue"}) {
+    simulate(root / ("configs/simulate-" + name + ".yaml"), folder / name, progress);
+    std::uintmax_t total = 0;
+    for (const auto& entry : fs::directory_iterator(root / "data" / name)) {
+      EXPECT_EQ(bytes_of(entry.path()), bytes_of(folder / (name + "/" + entry.path().filename().string())))
+          << entry.path();
+      total += entry.file_size();
+    }
+    EXPECT_GT(total, 0U);
+    EXPECT_LE(total, 3000000U) << name;
   }
-  for (const auto& entry : fs::recursive_directory_iterator(root / "data")) {
-    if (entry.is_regular_file()) total += entry.file_size();
+}
+
+TEST(Simulate, StatueIsSeenFromAllSidesAndItsPointsLieOnIt) {
+  const fs::path root = fs::path(__FILE__).parent_path() / "../../..";
+  SimulationConfig config = parse_simulation(yaml::parse_file(root / "configs/simulate-statue.yaml"));
+  config.outlier_fraction = 0.0;
+  for (StationConfig& station : std::get<ScannerConfig>(config.scan).stations) station.step_rad *= 4.0;
+  const SimulatedScan scan = generate(config);
+  ASSERT_GT(scan.points_m.size(), 5000U);
+  const Truth truth(config);
+  std::array<int, 8> octants{};
+  for (const Eigen::Vector3d& p : scan.points_m) {
+    const Eigen::Vector3d local = truth.scan_to_grid().topLeftCorner<3, 3>() * (p - config.origin_m);
+    // Noise along the beam is no farther from the surface than along it; 5 standard deviations, and what pleats add.
+    ASSERT_LT(std::abs(statue_distance_m(kStatueWidth_m, kStatueHeight_m, local)), 1.4 * 5.0 * config.noise_m);
+    ++octants[(local.x() > 0.5 * kStatueWidth_m ? 1U : 0U) + (local.y() > 0.5 * kStatueHeight_m ? 2U : 0U) +
+              (local.z() > 0.0 ? 4U : 0U)];
   }
-  EXPECT_LE(total, 3000000U);
+  for (const int count : octants) EXPECT_GT(count, 300);
 }
 
 TEST(Simulate, PosesOfTheWrittenConfigurationPutStationFilesWhereTheScanIs) {
