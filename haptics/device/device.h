@@ -1,6 +1,7 @@
 // The one real interface: a thing with a hand position, buttons and a force.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -16,12 +17,15 @@ namespace sparsha::haptics {
 struct DeviceSample {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   std::uint64_t buttons = 0;
-  double time_s = 0.0;    ///< when it was measured, on the servo's clock
-  double delay_s = 0.0;   ///< from a force's writing to a position that shows it, if measured; else 0
-  bool fresh = false;     ///< false: nothing new; the force of before goes on until it is stale, then it is zero
-  bool homed = true;      ///< false: positions are not absolute yet; the servo then commands zero
-  bool connected = true;  ///< false: unplugged
-  bool finished = false;  ///< no more samples will come; one that is not fresh is none itself
+  double time_s = 0.0;   ///< when it was measured, on the servo's clock
+  double delay_s = 0.0;  ///< from a force's writing to a position that shows it, if measured; else 0
+  /// Of the grip, a unit quaternion w, x, y, z in the device frame; all zero where the device does not measure it.
+  std::array<double, 4> orientation{};
+  double force_share = 1.0;  ///< Device::force_share() then; filled in by the servo
+  bool fresh = false;        ///< false: nothing new; the force of before goes on until it is stale, then it is zero
+  bool homed = true;         ///< false: positions are not absolute yet; the servo then commands zero
+  bool connected = true;     ///< false: unplugged
+  bool finished = false;     ///< no more samples will come; one that is not fresh is none itself
 };
 
 struct DeviceInfo {

@@ -407,6 +407,8 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
   event_.reset();
   swapped_ = false;
   record_.raw_device_m = to_array(sample.position_m);
+  record_.orientation = sample.orientation;
+  record_.device_share = sample.force_share;
   describe_tick(sample);
 
   const bool finite = is_place(sample);

@@ -12,6 +12,8 @@ namespace sparsha::haptics {
 struct Record {
   State state;
   std::array<double, 3> raw_device_m{};  ///< as the device gave it, NaN included
+  std::array<double, 4> orientation{};   ///< of the grip, w, x, y, z, device frame; zeros: not measured
+  double device_share = 1.0;             ///< of the commanded force that the device lets through to the hand
   double period_s = 0.0;                 ///< that the governor saw
   double nominal_period_s = 0.0;         ///< of the servo's plan
   std::int32_t cell_i = 0, cell_j = 0;   ///< the proxy's cell in its level

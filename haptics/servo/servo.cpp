@@ -114,7 +114,8 @@ void Servo::deliver(const std::array<double, 3>& force_n) noexcept {
 void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   // One command a tick, before the hand is read: its cost never lies between position and force.
   take_commands();
-  const DeviceSample sample = device_.read(time_s, period_s_);
+  DeviceSample sample = device_.read(time_s, period_s_);
+  sample.force_share = device_.force_share();
   const std::int64_t in_hand_ns = options_.clock.now_ns();
   if (sample.finished) finished_.store(true, std::memory_order_release);
   if (sample.finished && !sample.fresh) {  // nothing to render any more

@@ -1,5 +1,6 @@
 // The servo's side of the Inverse Service: a command a tick, its answer the next position.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -81,6 +82,7 @@ class HaplyDevice final : public Device {
     DeviceSample sample;
     sample.position_m = to_device(position_m_ - options_.centre_m);
     sample.buttons = buttons_;
+    sample.orientation = orientation_;
     sample.time_s = time_s;
     sample.delay_s = delay_s_;
     sample.fresh = fresh_;
@@ -167,6 +169,9 @@ class HaplyDevice final : public Device {
       set_up_ = state.has_basis && state.right_basis && state.has_preset && state.right_preset;
     if (state.uncalibrated) calm_ = false;
     buttons_ = state.buttons;
+    // The same turn, seen in our frame.
+    const std::array<double, 4>& q = state.orientation;
+    orientation_ = {q[0], q[1], q[3], -q[2]};
     if (!state.has_position) return;
     heard_ = Steady::now();
     if (asked_) delay_s_ = since(asked_at_);
@@ -229,6 +234,7 @@ class HaplyDevice final : public Device {
   Eigen::Vector3d commanded_n_ = Eigen::Vector3d::Zero(), before_n_ = Eigen::Vector3d::Zero();
   ForceMatch match_;
   std::uint64_t buttons_ = 0;
+  std::array<double, 4> orientation_{};
   double delay_s_ = 0.0;
   bool braked_ = false;  ///< an emergency brake, or another thing that keeps the service from force
   bool shared_ = false;  ///< somebody else sends forces: until the next connection

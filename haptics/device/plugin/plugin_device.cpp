@@ -93,6 +93,7 @@ class PluginDevice final : public Device {
     }
     DeviceSample sample;
     sample.position_m = {number_of(words_[0]), number_of(words_[1]), number_of(words_[2])};
+    for (std::size_t i = 0; i < 4; ++i) sample.orientation[i] = number_of(words_[3 + i]);
     sample.buttons = words_[8];
     sample.time_s = time_s;
     const double delay_s = number_of(words_[7]);

@@ -133,6 +133,7 @@ TEST(Haply, FrameAndSignsAreThoseOfTheService) {
   }
   EXPECT_LT((sample.position_m - Eigen::Vector3d(0.02, 0.01, 0.03)).norm(), 1e-9);
   EXPECT_EQ(sample.buttons, 5U);
+  EXPECT_EQ(sample.orientation[0], 1.0) << "of the grip, which is not turned";
   EXPECT_TRUE(sample.homed && sample.connected);
   const auto log = emulated.log();
   const auto last = std::find_if(log.rbegin(), log.rend(), [](const auto& message) { return !message.to_client; });
