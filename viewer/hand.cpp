@@ -10,6 +10,10 @@
 namespace sparsha::viewer {
 namespace {
 
+Eigen::Quaterniond turn_of(const haptics::State& state) {
+  return {state.turn[3], state.turn[0], state.turn[1], state.turn[2]};
+}
+
 constexpr double kPress_m = 0.003;
 constexpr double kPress_n = 2.4;  // of a press without the wheel, whatever the stiffness
 constexpr double kMost_n = 2.6;   // of a hand that is not moved, whatever the stone does under it
@@ -108,7 +112,7 @@ void PointerHand::follow_aim(const haptics::State& state, const scene::SceneDesc
   const auto place =
       meet_surface(stage.to_grid_m(aim_->origin), aim_->direction, known_at, pressed_ ? 0.0 : hover_m_ / state.scale,
                    low_m, high_m, kSmoothShare * window_of(state, scene).width_m);
-  if (place && known) wanted_m_ = state.scale * (*place - centre_m).head<2>();
+  if (place && known) wanted_m_ = state.scale * (turn_of(state) * (*place - centre_m)).head<2>();
 }
 
 // Critically damped, as the device is.
@@ -165,6 +169,8 @@ haptics::PointerSample PointerHand::update(double seconds, const haptics::State&
   bool known = true;
   const auto surface_m = [&](const Eigen::Vector2d& device_m) {
     if (state.tick == 0 || !(state.scale > 0.0)) return 0.0;
+    if (before_m_)
+      if (const double before = before_m_(device_m); std::isfinite(before)) return std::max(before, -reach_m);
     const double height_m =
         height_at(state.centre_m[0] + device_m.x() / state.scale, state.centre_m[1] + device_m.y() / state.scale);
     const double surface = state.scale * (height_m - state.centre_m[2]);

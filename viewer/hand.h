@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "haptics/state/state.h"
 #include "scene/scene_fwd.h"
@@ -32,6 +34,10 @@ class PointerHand {
   }
   /// The picture is about to move: the hand stays where it is in its workspace.
   void forget_aim() { aim_.reset(); }
+  /// z of what is before a place of the workspace, device frame; NaN: what `height_at` says.
+  using BeforeAt = std::function<double(const Eigen::Vector2d& device_m)>;
+  /// A whole object is touched where it is before the hand, however it is turned.
+  void touch_object(BeforeAt before_m) { before_m_ = std::move(before_m); }
   /// Keys; device frame, metres.
   void step(double x_m, double y_m);
   void raise(double steps);
@@ -63,6 +69,7 @@ class PointerHand {
   Eigen::Vector2d wanted_m_ = Eigen::Vector2d::Zero();  // device frame
   double hover_m_ = kHover_m;                           // above the surface, device frame
   std::optional<double> deeper_m_;                      // depth of a press that the wheel has asked for
+  BeforeAt before_m_;
   bool pressed_ = false;
   bool known_ = false;
   Eigen::Vector3d sent_m_ = Eigen::Vector3d::Zero();

@@ -40,8 +40,10 @@ struct Connections {
   haptics::RequestQueue* requests = nullptr;
   const haptics::AnnouncementBoard* announcements = nullptr;
   std::shared_ptr<haptics::Seqlock<haptics::PointerSample>> pointer;  ///< null unless the pointer device is used
-  std::function<void()> poll;                                         ///< called once a frame (the session's)
-  std::function<bool()> finished;                                     ///< the session's
+  /// z of the first surface of a whole object before a place of the workspace, device frame; NaN: one view.
+  std::function<double(const Eigen::Vector2d& device_m)> object_before_m;
+  std::function<void()> poll;                  ///< called once a frame (the session's)
+  std::function<bool()> finished;              ///< the session's
   std::function<scene::ScenePointer()> scene;  ///< the session's present scene; null before the first depth scan
   std::function<void(const Eigen::Matrix4d& scan_to_grid)> rescan;  ///< empty without scans
   std::function<void(const std::string& text)> speak;               ///< says what the keyboard is on; empty: silent

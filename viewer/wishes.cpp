@@ -8,6 +8,7 @@ namespace {
 
 using Kind = haptics::Request::Kind;
 
+constexpr double kTurn_deg = 45.0;
 constexpr double kPan = 0.25;        // window widths
 constexpr double kAnswer_s = 1.0;    // a servo that has not followed by then will not
 constexpr double kSameWidth = 0.02;  // share
@@ -56,6 +57,16 @@ bool Wishes::act(Action action, const haptics::State& state, const Window& windo
       return move(Kind::previous_part);
     case Action::whole_scene:
       return move(Kind::whole_scene);
+    case Action::object_left:
+      return move(Kind::turn, 0.0, -kTurn_deg);
+    case Action::object_right:
+      return move(Kind::turn, 0.0, kTurn_deg);
+    case Action::object_up:
+      return move(Kind::turn, -kTurn_deg, 0.0);
+    case Action::object_down:
+      return move(Kind::turn, kTurn_deg, 0.0);
+    case Action::object_front:
+      return move(Kind::turn_back);
     case Action::pan_left:
       return move(Kind::pan, -kPan);
     case Action::pan_right:

@@ -1,6 +1,7 @@
 #include "app/exploration/exploration.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <thread>
 #include <utility>
@@ -241,6 +242,9 @@ void Exploration::run_windows() {
 viewer::WindowEnd Exploration::run_window(bool again) {
   if (session_) connect_session();
   connections_.pointer = chosen_.pointer;
+  connections_.object_before_m = [this](const Eigen::Vector2d& device_m) {
+    return session_ ? session_->object_before_m(device_m) : std::nan("");
+  };
   connections_.poll = [this] { poll(); };
   connections_.finished = [this] { return over(); };
   connections_.scene = [this] { return session_ ? session_->scene() : nullptr; };

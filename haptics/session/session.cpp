@@ -24,6 +24,7 @@
 #include "haptics/session/gestures.h"
 #include "haptics/session/guide_control.h"
 #include "haptics/session/navigator.h"
+#include "haptics/session/object_before.h"
 #include "haptics/session/relief_words.h"
 #include "haptics/session/summary.h"
 #include "haptics/session/window_loader.h"
@@ -79,6 +80,7 @@ struct Session::Implementation {
         if (number > 1) keeper.keep(number, kept);
     } else {
       first_window = load_window(*scene, navigator.plan(), next_id++);
+      newest.know(first_window);
     }
   }
 
@@ -118,10 +120,12 @@ struct Session::Implementation {
     while (std::optional<WindowLoader::Result> result = loader.take()) {
       ++windows_loaded;
       window_load_s_max = std::max(window_load_s_max, result->seconds);
-      if (result->error.empty())
+      if (result->error.empty()) {
+        newest.know(result->job.command.window);
         post(std::move(result->job.command));
-      else
+      } else {
         announcer.say("window_unreadable", {{"reason", result->error}}, Announcement::Priority::fault);
+      }
     }
   }
 
@@ -310,6 +314,7 @@ struct Session::Implementation {
   SceneKeeper keeper;
   WindowLoader loader;
   HapticWindow first_window;
+  ObjectBefore newest;
   std::unique_ptr<Servo> servo;
   std::unique_ptr<Replay> replay;
   std::clock_t processor_at_start = 0;
@@ -461,6 +466,10 @@ scene::ScenePointer Session::scene() const { return implementation_->scene; }
 
 std::optional<Eigen::AlignedBox3d> Session::whole_object_m() const { return implementation_->navigator.box_m(); }
 
+double Session::object_before_m(const Eigen::Vector2d& device_m) const {
+  return implementation_->newest.z_m(device_m, implementation_->state.read());
+}
+
 bool Session::plays_recording() const { return implementation_->recording != nullptr; }
 
 void Session::set_speech(const std::string& language, bool speaks, std::optional<bool> first_speaks) {
@@ -484,6 +493,7 @@ void Session::set_scene(scene::ScenePointer scene) {
     self.keeper.keep(self.scene_number, self.scene);  // the first one still
     self.navigator.settle(job.plan);
     self.first_window = load_window(*self.scene, job.plan, self.next_id++);
+    self.newest.know(self.first_window);
   }
 }
 

@@ -99,6 +99,9 @@ class Session {
   [[nodiscard]] scene::ScenePointer scene() const;
   /// The box of the whole object that the hand goes around, grid frame; nothing for one view.
   [[nodiscard]] std::optional<Eigen::AlignedBox3d> whole_object_m() const;
+  /// z of the first surface of the whole object before a place of the workspace, device frame; far behind where there
+  /// is none, NaN for one view.
+  [[nodiscard]] double object_before_m(const Eigen::Vector2d& device_m) const;
   [[nodiscard]] bool plays_recording() const;
   /// A new scene, e.g. after a new depth scan; the hand keeps its place. A run that is recorded keeps it and the ones
   /// before. Throws Error{usage} when a recording is played.

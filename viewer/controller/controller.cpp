@@ -42,6 +42,9 @@ Controller::Controller(const Connections& connections, const ViewSettings& setti
       wishes_(connections.requests),
       marking_([this](const std::string& words, haptics::Announcement::Priority priority) { tell(words, priority); },
                connections.save_parts) {
+  hand_.touch_object([this](const Eigen::Vector2d& device_m) {
+    return connections_.object_before_m ? connections_.object_before_m(device_m) : std::nan("");
+  });
   frame_.settings = settings;
   frame_.can_rescan = static_cast<bool>(connections_.rescan);
   frame_.has_pointer = connections_.pointer != nullptr;

@@ -195,6 +195,13 @@ TEST(Session, AWholeObjectIsTurnedByWishesAndSaysWhatItShows) {
   hand.put(0.0, 0.0, -0.004);
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().contact == 1; }));
   EXPECT_LT(session.state().read().proxy_m[2], -0.039) << "the back of the ball";
+  // From the state and the formula: the ball's middle is as far behind its first point as its radius.
+  const State turned = session.state().read();
+  const double radius_m = 0.04 * turned.scale, top_m = session.object_before_m({0.0, 0.0});
+  for (const double x_m : {0.0, 0.01, -0.02})
+    EXPECT_NEAR(session.object_before_m({x_m, 0.005}),
+                top_m - radius_m + std::sqrt(radius_m * radius_m - x_m * x_m - 0.005 * 0.005), 1e-4);
+  EXPECT_LE(session.object_before_m({0.049, 0.049}), -0.09) << "nothing is there";
   session.requests().post({Request::Kind::describe});
   EXPECT_TRUE(poll_until(session, [&] { return said(session, "Back, "); }));
   session.requests().post({Request::Kind::guide});

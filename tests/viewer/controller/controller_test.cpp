@@ -69,7 +69,7 @@ TEST(Controller, KeysBecomeRequests) {
 
 TEST(Controller, EveryActionHasAKeyAndNoKeyHasTwo) {
   std::set<Action> reached;
-  for (const int modifiers : {0, kShift, kControl})
+  for (const int modifiers : {0, kShift, kControl, kShift | kControl})
     for (int key = 0; key < 300; ++key)
       if (const auto action = action_of({key, modifiers, false}, false)) reached.insert(*action);
   for (const ActionInfo& info : all_actions()) EXPECT_TRUE(reached.contains(info.action)) << info.label;
