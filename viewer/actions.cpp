@@ -25,6 +25,19 @@ constexpr std::array kActions{
     ActionInfo{Action::object_front, Group::touch, "Ctrl Home", "Object front", "the front of a whole object again",
                false, false},
     ActionInfo{Action::drag, Group::touch, "D", "Drag", "while it is held, the hand drags the stone", false, false},
+    ActionInfo{Action::turn_object_left, Group::touch, "Ctrl Shift \xE2\x86\x90", "Turn it left",
+               "turn a whole object in the hand", true, true},
+    ActionInfo{Action::turn_object_right, Group::touch, "Ctrl Shift \xE2\x86\x92", "Turn it right",
+               "turn a whole object the other way", true, true},
+    ActionInfo{Action::turn_object_up, Group::touch, "Ctrl Shift \xE2\x86\x91", "Tip it back",
+               "tip a whole object: what is below comes to the front", false, true},
+    ActionInfo{Action::turn_object_down, Group::touch, "Ctrl Shift \xE2\x86\x93", "Tip it forward",
+               "tip a whole object: what is above comes to the front", false, true},
+    ActionInfo{Action::roll_object, Group::touch, "Ctrl Page Up", "Roll it", "a whole object, as a wheel", false,
+               false},
+    ActionInfo{Action::roll_object_back, Group::touch, "Ctrl Page Down", "Roll it back", "the other way", false, false},
+    ActionInfo{Action::object_front, Group::touch, "Ctrl Home", "Its front", "a whole object shows its front again",
+               false, true},
     ActionInfo{Action::pan_left, Group::touch, "\xE2\x86\x90", "Left", "move the window left", false, true},
     ActionInfo{Action::pan_right, Group::touch, "\xE2\x86\x92", "Right", "move the window right", false, true},
     ActionInfo{Action::pan_up, Group::touch, "\xE2\x86\x91", "Up", "move the window up", false, true},
@@ -130,6 +143,14 @@ struct Binding {
 constexpr int kAny = -1;  // Shift is part of the character
 
 constexpr std::array kBindings{
+    // Before those with Control alone, which Shift does not change.
+    Binding{key::kLeft, kControl | kShift, Action::turn_object_left, true},
+    Binding{key::kRight, kControl | kShift, Action::turn_object_right, true},
+    Binding{key::kUp, kControl | kShift, Action::turn_object_up, true},
+    Binding{key::kDown, kControl | kShift, Action::turn_object_down, true},
+    Binding{key::kPageUp, kControl, Action::roll_object, true},
+    Binding{key::kPageDown, kControl, Action::roll_object_back, true},
+    Binding{key::kHome, kControl, Action::object_front, false},
     Binding{'+', kAny, Action::zoom_in, false},
     Binding{'=', kAny, Action::zoom_in, false},
     Binding{'-', kAny, Action::zoom_out, false},
@@ -261,6 +282,13 @@ bool for_visitors(Action action) {
     case light_preset:
     case contrast:
     case large_type:
+    case turn_object_left:
+    case turn_object_right:
+    case turn_object_up:
+    case turn_object_down:
+    case roll_object:
+    case roll_object_back:
+    case object_front:
     case home:
     case next_scene:
     case previous_scene:
@@ -296,6 +324,8 @@ std::optional<Action> action_of(const KeyPress& press, bool kiosk) {
   }
   return std::nullopt;
 }
+
+bool of_whole_objects(Action action) { return action >= Action::turn_object_left && action <= Action::object_front; }
 
 bool is_key(int key) {
   return std::ranges::any_of(kBindings, [key](const Binding& binding) { return binding.key == key; });

@@ -18,6 +18,13 @@ enum class Action {
   object_down,
   object_front,
   drag,
+  turn_object_left,
+  turn_object_right,
+  turn_object_up,
+  turn_object_down,
+  roll_object,
+  roll_object_back,
+  object_front,
   tour,
   pan_left,
   pan_right,
@@ -126,6 +133,8 @@ struct ActionInfo {
 [[nodiscard]] const ActionInfo& info_of(Action action);
 /// The action of a key, or nothing. In kiosk mode only Control+Q ends the program.
 [[nodiscard]] std::optional<Action> action_of(const KeyPress& press, bool kiosk);
+/// True of actions on a whole object alone.
+[[nodiscard]] bool of_whole_objects(Action action);
 /// True when the key has an action with some modifiers.
 [[nodiscard]] bool is_key(int key);
 [[nodiscard]] const char* name_of(Group group);

@@ -10,6 +10,7 @@ using Kind = haptics::Request::Kind;
 
 constexpr double kTurn_deg = 45.0;
 constexpr double kPan = 0.25;        // window widths
+constexpr double kTurn_deg = 45.0;   // of a whole object, as by the terminal's keys
 constexpr double kAnswer_s = 1.0;    // a servo that has not followed by then will not
 constexpr double kSameWidth = 0.02;  // share
 constexpr int kMostTries = 16;
@@ -23,8 +24,8 @@ bool Wishes::Toggle::flip(bool present, double time_s) {
   return wished;
 }
 
-void Wishes::post(Kind kind, double x, double y, bool on) {
-  if (requests_ != nullptr) requests_->post({kind, x, y, on});
+void Wishes::post(Kind kind, double x, double y, bool on, double z) {
+  if (requests_ != nullptr) requests_->post({kind, x, y, on, z});
 }
 
 void Wishes::remember(const Window& window) {
@@ -86,6 +87,28 @@ bool Wishes::act(Action action, const haptics::State& state, const Window& windo
       return true;
     case Action::softer:
       post(Kind::scale_stiffness, 0.8);
+      return true;
+    // About the device's axes, as what is before the hand moves.
+    case Action::turn_object_left:
+      post(Kind::turn, 0.0, -kTurn_deg);
+      return true;
+    case Action::turn_object_right:
+      post(Kind::turn, 0.0, kTurn_deg);
+      return true;
+    case Action::turn_object_up:
+      post(Kind::turn, -kTurn_deg);
+      return true;
+    case Action::turn_object_down:
+      post(Kind::turn, kTurn_deg);
+      return true;
+    case Action::roll_object:
+      post(Kind::turn, 0.0, 0.0, false, kTurn_deg);
+      return true;
+    case Action::roll_object_back:
+      post(Kind::turn, 0.0, 0.0, false, -kTurn_deg);
+      return true;
+    case Action::object_front:
+      post(Kind::turn_back);
       return true;
     case Action::describe:
       post(Kind::describe);

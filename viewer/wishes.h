@@ -42,7 +42,7 @@ class Wishes {
     Eigen::Vector2d centre_m;
     double width_m;
   };
-  void post(haptics::Request::Kind kind, double x = 0.0, double y = 0.0, bool on = false);
+  void post(haptics::Request::Kind kind, double x = 0.0, double y = 0.0, bool on = false, double z = 0.0);
   void remember(const Window& window);
 
   haptics::RequestQueue* requests_;

@@ -35,6 +35,7 @@ std::vector<Action> Controller::buttons() const {
   std::vector<Action> result;
   for (const ActionInfo& info : all_actions()) {
     if (info.action == Action::mode && !frame_.has_pointer) continue;
+    if (of_whole_objects(info.action) && !(scene_ && is_whole(scene_->description()))) continue;
     if (frame_.settings.kiosk ? info.kiosk_button : info.button) result.push_back(info.action);
   }
   return result;

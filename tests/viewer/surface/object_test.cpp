@@ -382,6 +382,39 @@ TEST(WholePicture, HasColoursOfItsOwnAndStereo) {
   EXPECT_TRUE(studio.gl_errors().empty()) << studio.gl_errors().front();
 }
 
+TEST(WholePicture, KeysAndButtonsTurnTheObjectInTheHand) {
+  const ObjectPtr torus = sparsha::test::make_torus();
+  haptics::RequestQueue requests;
+  Connections connections;
+  connections.requests = &requests;
+  const auto has = [](const Controller& controller, Action action) {
+    const std::vector<Action> buttons = controller.buttons();
+    return std::ranges::find(buttons, action) != buttons.end();
+  };
+  Controller relief(connections, {});
+  relief.set_scene(whole_scene(torus, {}));
+  EXPECT_FALSE(has(relief, Action::turn_object_left)) << "one view cannot be turned";
+  Controller controller(connections, {});
+  controller.set_scene(whole_scene(torus, charts_of(*torus, 5'000, 0.1)));
+  EXPECT_TRUE(has(controller, Action::turn_object_left));
+  const auto asked = [&](int key, int modifiers) {
+    controller.press({key, modifiers});
+    return requests.take().value_or(haptics::Request{});
+  };
+  using Kind = haptics::Request::Kind;
+  const haptics::Request left = asked(key::kLeft, kControl | kShift);
+  EXPECT_EQ(left.kind, Kind::turn);
+  EXPECT_EQ(left.y, -45.0) << "what is in front goes left";
+  EXPECT_EQ(asked(key::kRight, kControl | kShift).y, 45.0);
+  EXPECT_EQ(asked(key::kUp, kControl | kShift).x, -45.0);
+  EXPECT_EQ(asked(key::kDown, kControl | kShift).x, 45.0);
+  EXPECT_EQ(asked(key::kPageUp, kControl).z, 45.0);
+  EXPECT_EQ(asked(key::kPageDown, kControl).z, -45.0);
+  EXPECT_EQ(asked(key::kHome, kControl).kind, Kind::turn_back);
+  controller.press({key::kLeft, kControl});
+  EXPECT_FALSE(requests.take()) << "Control alone turns the camera";
+}
+
 // Charts that hold no cell leave the front view in the picture.
 TEST(WholePicture, WithoutCellsIsTheFrontView) {
   scene::Charts charts;
