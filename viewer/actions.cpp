@@ -14,16 +14,6 @@ constexpr std::array kActions{
     ActionInfo{Action::previous_part, Group::touch, "B", "Previous part", "go to the previous named part", false,
                false},
     ActionInfo{Action::whole_scene, Group::touch, "W", "Whole", "the whole of it", false, false},
-    ActionInfo{Action::object_left, Group::touch, "Ctrl Shift \xE2\x86\x90", "Object left",
-               "turn a whole object to the left", false, false},
-    ActionInfo{Action::object_right, Group::touch, "Ctrl Shift \xE2\x86\x92", "Object right",
-               "turn a whole object to the right", false, false},
-    ActionInfo{Action::object_up, Group::touch, "Ctrl Shift \xE2\x86\x91", "Object up", "tip a whole object backwards",
-               false, false},
-    ActionInfo{Action::object_down, Group::touch, "Ctrl Shift \xE2\x86\x93", "Object down",
-               "tip a whole object forwards", false, false},
-    ActionInfo{Action::object_front, Group::touch, "Ctrl Home", "Object front", "the front of a whole object again",
-               false, false},
     ActionInfo{Action::drag, Group::touch, "D", "Drag", "while it is held, the hand drags the stone", false, false},
     ActionInfo{Action::turn_object_left, Group::touch, "Ctrl Shift \xE2\x86\x90", "Turn it left",
                "turn a whole object in the hand", true, true},
@@ -157,11 +147,6 @@ constexpr std::array kBindings{
     Binding{'N', 0, Action::next_part, false},
     Binding{'B', 0, Action::previous_part, false},
     Binding{'W', 0, Action::whole_scene, false},
-    Binding{key::kLeft, kControl | kShift, Action::object_left, false},
-    Binding{key::kRight, kControl | kShift, Action::object_right, false},
-    Binding{key::kUp, kControl | kShift, Action::object_up, false},
-    Binding{key::kDown, kControl | kShift, Action::object_down, false},
-    Binding{key::kHome, kControl, Action::object_front, false},
     Binding{'D', 0, Action::drag, false},
     Binding{key::kF1 + 1, 0, Action::tour, false},
     Binding{key::kLeft, 0, Action::pan_left, true},
@@ -254,11 +239,6 @@ bool for_visitors(Action action) {
     case next_part:
     case previous_part:
     case whole_scene:
-    case object_left:
-    case object_right:
-    case object_up:
-    case object_down:
-    case object_front:
     case drag:
     case tour:
     case pan_left:

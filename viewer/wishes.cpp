@@ -8,7 +8,6 @@ namespace {
 
 using Kind = haptics::Request::Kind;
 
-constexpr double kTurn_deg = 45.0;
 constexpr double kPan = 0.25;        // window widths
 constexpr double kTurn_deg = 45.0;   // of a whole object, as by the terminal's keys
 constexpr double kAnswer_s = 1.0;    // a servo that has not followed by then will not
@@ -58,16 +57,6 @@ bool Wishes::act(Action action, const haptics::State& state, const Window& windo
       return move(Kind::previous_part);
     case Action::whole_scene:
       return move(Kind::whole_scene);
-    case Action::object_left:
-      return move(Kind::turn, 0.0, -kTurn_deg);
-    case Action::object_right:
-      return move(Kind::turn, 0.0, kTurn_deg);
-    case Action::object_up:
-      return move(Kind::turn, -kTurn_deg, 0.0);
-    case Action::object_down:
-      return move(Kind::turn, kTurn_deg, 0.0);
-    case Action::object_front:
-      return move(Kind::turn_back);
     case Action::pan_left:
       return move(Kind::pan, -kPan);
     case Action::pan_right:
