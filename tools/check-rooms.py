@@ -18,7 +18,7 @@ TOPS = set(tops())
 NO_ROOM = {"support", "tools", "fuzz", "guard", "falcon", "haptics/device/falcon/usb", "haptics/device/plugin/faulty", "haptics/proxy/soak",
            "viewer/pictures", "viewer/reference"}
 THIRD_PARTY = re.compile(
-    r"(pcl|opencv2|libusb|portaudio|epoxy|imgui|GLFW|GL|EGL|CLI|yaml-cpp|nlohmann|tiffio|png|sndfile|spdlog|fmt|pugixml)"
+    r"(pcl|opencv2|libusb|portaudio|epoxy|imgui|GLFW|GL|EGL|CLI|yaml-cpp|nlohmann|tiffio|png|sndfile|spdlog|fmt|pugixml|lzf)"
     r"([./-]|$|\.h)"
 )
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')

@@ -1,9 +1,13 @@
 #include "pipeline/scan/formats/pcd/lzf.h"
 
-#include <cstring>
+#include <limits>
+
+#include <lzf.h>
 
 namespace sparsha::pipeline {
 
+// A control byte below 32 is followed by that many + 1 literal bytes. Otherwise its upper three bits are a length, 7
+// meaning one more byte of it, to which 2 are added, and its lower five with the next byte a distance.
 std::size_t lzf_output_size(std::span<const char> in) {
   const auto* source = reinterpret_cast<const unsigned char*>(in.data());
   std::size_t size = 0;
@@ -22,47 +26,12 @@ std::size_t lzf_output_size(std::span<const char> in) {
   return size;
 }
 
-// A control byte below 32 is followed by that many + 1 literal bytes. Otherwise its upper three bits are a length, 7
-// meaning one more byte of it, and its lower five with the next byte a distance: copy length + 2 from so far back.
 bool lzf_decompress(std::span<const char> in, std::span<char> out) {
-  const auto* source = reinterpret_cast<const unsigned char*>(in.data());
-  const unsigned char* const source_end = source + in.size();
-  char* target = out.data();
-  char* const target_end = target + out.size();
-  while (source < source_end) {
-    const std::size_t control = *source++;
-    if (control < 32) {
-      const std::size_t length = control + 1;
-      if (static_cast<std::size_t>(source_end - source) < length ||
-          static_cast<std::size_t>(target_end - target) < length) {
-        return false;
-      }
-      std::memcpy(target, source, length);
-      source += length;
-      target += length;
-      continue;
-    }
-    std::size_t length = control >> 5;
-    if (length == 7) {
-      if (source == source_end) return false;
-      length += *source++;
-    }
-    if (source == source_end) return false;
-    const std::size_t distance = ((control & 31) << 8 | *source++) + 1;
-    length += 2;
-    if (static_cast<std::size_t>(target - out.data()) < distance ||
-        static_cast<std::size_t>(target_end - target) < length) {
-      return false;
-    }
-    const char* from = target - distance;
-    if (distance >= length) {
-      std::memcpy(target, from, length);
-      target += length;
-    } else {  // overlapping: a run repeats itself
-      for (std::size_t i = 0; i < length; ++i) *target++ = *from++;
-    }
-  }
-  return target == target_end;
+  constexpr std::size_t kMost = std::numeric_limits<unsigned int>::max();  // of the library's lengths
+  if (in.size() > kMost || out.size() > kMost) return false;
+  if (in.empty() || out.empty()) return in.empty() && out.empty();  // the library reads a byte before it looks
+  return ::lzf_decompress(in.data(), static_cast<unsigned int>(in.size()), out.data(),
+                          static_cast<unsigned int>(out.size())) == out.size();
 }
 
 }  // namespace sparsha::pipeline

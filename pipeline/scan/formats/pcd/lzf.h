@@ -1,4 +1,4 @@
-// Decompression of LZF, the byte-oriented LZ77 of binary_compressed PCD files.
+// Decompression of LZF, the byte-oriented LZ77 of binary_compressed PCD files, by liblzf.
 #pragma once
 
 #include <span>
@@ -13,7 +13,8 @@ namespace sparsha::pipeline {
 /// Bytes that `in` expands to, or that it would if it were not damaged; needs no memory.
 [[nodiscard]] std::size_t lzf_output_size(std::span<const char> in);
 
-/// Expands `in` into exactly `out.size()` bytes; false when the stream is damaged or its length differs.
+/// Expands `in` into exactly `out.size()` bytes; false when the stream is damaged or its length differs. Both below 4
+/// GiB.
 [[nodiscard]] bool lzf_decompress(std::span<const char> in, std::span<char> out);
 
 }  // namespace sparsha::pipeline
