@@ -201,4 +201,8 @@ std::optional<Pieces> pieces_of_points(const std::vector<Eigen::Vector3d>& sampl
   return pieces_of(cells, sample, kLeast, 2);
 }
 
+bool apart_together(std::size_t scans, const std::vector<Eigen::Vector3d>& sample) {
+  return scans == 1 || pieces_of_points(sample).has_value();
+}
+
 }  // namespace sparsha::pipeline

@@ -25,4 +25,8 @@ struct Pieces {
 /// by several distances of the sample's points.
 [[nodiscard]] std::optional<Pieces> pieces_of_points(const std::vector<Eigen::Vector3d>& sample);
 
+/// Whether point scans of one object that are in pieces each may be so for another reason than that a station does not
+/// see what lies between: there is but one, or `sample` of all of them is in pieces, too.
+[[nodiscard]] bool apart_together(std::size_t scans, const std::vector<Eigen::Vector3d>& sample);
+
 }  // namespace sparsha::pipeline

@@ -12,6 +12,7 @@
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"
+#include "pipeline/scan/pieces.h"
 #include "pipeline/scan/placement.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/reader.h"
@@ -296,6 +297,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
     : configs_(scans), fields_(fields), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
   std::vector<ScanSize> sizes;
+  std::vector<std::string> apart;  // what is said of points' pieces
   MeshRefusal refusal_of_all;
   if (mesh_refusal) {
     refusal_of_all = [&](std::uint64_t vertices, std::uint64_t triangles) {
@@ -320,7 +322,9 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
       colour_ = colour_ || scan.colour;
       intensity_ = intensity_ || scan.intensity;
       z_up_ = z_up_ || is_z_up(scan.raw.format);
-      if (!scan.raw.pieces.empty()) pieces_.push_back(config.file.string() + ": " + scan.raw.pieces);
+      if (!scan.raw.pieces.empty()) {
+        (scan.raw.faces.empty() ? apart : pieces_).push_back(config.file.string() + ": " + scan.raw.pieces);
+      }
       sample.merge(scan.looked.sample, scan.placement);
       PointSample placed;
       placed.merge(scan.looked.sample, scan.placement);
@@ -334,6 +338,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
   }
   origin_m_ = common_origin(sample);
   sample_m_ = sample.points();
+  if (apart_together(scans.size(), sample_m_)) pieces_.insert(pieces_.end(), apart.begin(), apart.end());
 }
 
 void ScanSet::require_surface() const { pipeline::require_surface(configs_.front().file.string(), sample_m_, points_); }

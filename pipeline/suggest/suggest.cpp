@@ -16,6 +16,7 @@
 #include "base/yaml_text.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/scan/origin.h"
+#include "pipeline/scan/pieces.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/straight.h"
@@ -177,6 +178,7 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
   }
   const std::vector<FoundUnit> units = units_of(scans, all, progress);
   std::string text = "scans:\n";
+  std::vector<std::string> apart;  // what is said of points' pieces
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::string columns = columns_text(all[s].scan);
     const std::size_t first = seen.points_m.size();
@@ -186,11 +188,14 @@ std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, 
     points.add(all[s], units[s].metres);
     text += fmt::format("  - file: {}\n    units: {}  # {}\n{}", yaml::quoted(shown_path(scans[s], folder)),
                         units[s].name, yaml::comment(units[s].reason), columns);
-    if (!all[s].scan.pieces.empty()) pieces.push_back(scans[s].string() + ": " + all[s].scan.pieces);
+    if (!all[s].scan.pieces.empty()) {
+      (all[s].scan.faces.empty() ? apart : pieces).push_back(scans[s].string() + ": " + all[s].scan.pieces);
+    }
     for (const std::string& warning : all[s].scan.warnings) text += fmt::format("    # {}\n", yaml::comment(warning));
     worth.add(scans[s].filename().string(), all[s].worth, progress);
     all[s] = {};
   }
+  if (apart_together(scans.size(), seen.points_m)) pieces.insert(pieces.end(), apart.begin(), apart.end());
   return text;
 }
 

@@ -440,6 +440,30 @@ TEST(DifferingUnits, AreToldBySizeAndDistanceOfThePoints) {
   EXPECT_EQ(differing_units({size_of("e57", right, true), size_of("left", scaled(left, 1000))}).size(), 1U);
 }
 
+TEST(Pieces, OfAStationAreNotSaidWhenAnotherSawWhatLiesBetween) {
+  const ScanFolder folder;
+  Points ends = random_relief(3000, 24);
+  const Points other_end = moved(random_relief(1000, 25), {0, 0, 0.6});
+  ends.insert(ends.end(), other_end.begin(), other_end.end());
+  Points between;
+  for (int step = 0; step <= 60; ++step) {
+    const Points slice = moved(random_relief(50, 26 + static_cast<unsigned>(step)), {0, 0, 0.01 * step});
+    between.insert(between.end(), slice.begin(), slice.end());
+  }
+  const auto config = [&](const char* name, const Points& points) {
+    return config_of(folder.write(name, text_of(points)), scene::LengthUnit::m);
+  };
+  const scene::ScanConfig first = config("ends.xyz", ends);
+  Progress progress;
+  const auto pieces = [&](const std::vector<scene::ScanConfig>& scans) {
+    return ScanSet(scans, ScanSet::Keep::quickest, false, progress).pieces();
+  };
+  EXPECT_THAT(pieces({first}), ElementsAre(HasSubstr("2 separate pieces")));
+  EXPECT_THAT(pieces({first, config("between.xyz", between)}), IsEmpty());
+  EXPECT_THAT(pieces({first, config("again.xyz", ends)}),
+              ElementsAre(HasSubstr("ends.xyz: 2 separate"), HasSubstr("again.xyz: 2 separate")));
+}
+
 TEST(DifferingUnits, AreNotToldOfScansThatAgreeOrOfADetail) {
   const Points left = random_relief(800, 17);
   const Points right = moved(random_relief(800, 18), {1, 0, 0});
