@@ -18,6 +18,17 @@ const char* places_of(pipeline::CheckResult::Against against) {
   return against == Against::mesh ? "places on the mesh" : "points and places on the mesh";
 }
 
+std::string around_line(const pipeline::AroundReport& around) {
+  std::string text = fmt::format("around    {} sheets with {} nodes, {} apart", around.sheets, count_text(around.nodes),
+                                 length_text(around.spacing_m));
+  if (around.check && around.check->cloud_to_surface.samples > 0) {
+    const pipeline::DistanceStatistics& cloud = around.check->cloud_to_surface;
+    text += fmt::format("; {} points to them: median {}, 99 % within {}; {} far from all", count_text(cloud.samples),
+                        length_text(cloud.median_m), length_text(cloud.p99_m), count_text(around.check->far));
+  }
+  return text + '\n';
+}
+
 }  // namespace
 
 std::string build_summary(const scene::Scene& scene, const pipeline::Report& report,
@@ -60,6 +71,7 @@ std::string build_summary(const scene::Scene& scene, const pipeline::Report& rep
                               count_text(cloud.samples), places_of(report.check->against), length_text(cloud.median_m),
                               length_text(cloud.rms_m), length_text(cloud.p99_m));
   }
+  if (report.around) text += around_line(*report.around);
   text += fmt::format("time      {:.2f} s, {} MB at most\n", report.total_seconds, report.peak_rss_bytes / 1000000U);
   text += fmt::format("scene     {}\n", folder.string());
   for (const std::string& warning : report.warnings) text += "warning   " + warning + '\n';

@@ -73,6 +73,15 @@ std::string build_sentences(const scene::Scene& scene, const pipeline::Report& r
                         capital(pipeline::half_of(report.check->against)), exact_length(cloud.median_m),
                         exact_length(cloud.p99_m));
   }
+  if (report.around) {
+    text += fmt::format("All sides together have {} with {}.\n", counted(report.around->sheets, "sheet", "sheets"),
+                        counted(report.around->nodes, "node", "nodes"));
+    if (report.around->check && report.around->check->cloud_to_surface.samples > 0) {
+      const auto& cloud = report.around->check->cloud_to_surface;
+      text += fmt::format("Half of the points lie within {} of a sheet, and 99 percent within {}.\n",
+                          exact_length(cloud.median_m), exact_length(cloud.p99_m));
+    }
+  }
   text += fmt::format("Building took {:.1f} seconds.\n", report.total_seconds);
   text += fmt::format("The scene is in the folder {} and its report in {}.\n", folder.string(),
                       (folder / "report.html").string());

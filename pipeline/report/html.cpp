@@ -287,6 +287,35 @@ std::string accuracy(const Report& report) {
   return html + "</div>";
 }
 
+/// The whole object's sheets, and what their check found.
+std::string whole_object(const AroundReport& around) {
+  std::string html = "<table><caption>The whole object, all sides</caption><tbody>";
+  const auto row = [&](const char* name, const std::string& text) {
+    html += fmt::format("<tr><th scope='row'>{}</th><td>{}</td></tr>", name, text);
+  };
+  const auto length = [](double metres) { return length_text(metres, TextStyle::typeset); };
+  const auto count = [](std::uint64_t number) { return count_text(number, TextStyle::typeset); };
+  row("sheets", count(around.sheets));
+  row("nodes", fmt::format("{}, {} apart", count(around.nodes), length(around.spacing_m)));
+  row("points whose outer side nothing tells", count(around.undecided));
+  row("points of walls whose two faces mix", count(around.thin));
+  if (around.check) {
+    const ChartCheck& check = *around.check;
+    row("points that were compared", fmt::format("{} of {}", count(check.sampled), count(check.points)));
+    row("points far from every sheet",
+        fmt::format("{}, more than {:.0f} nodes", count(check.far), ChartCheck::kFarSpacings));
+    const auto distances = [&](const char* name, const DistanceStatistics& s) {
+      if (s.samples == 0) return;
+      row(name, fmt::format("median {}, 99\u202F% within {}", length(s.median_m), length(s.p99_m)));
+    };
+    distances("from points to the sheets", check.cloud_to_surface);
+    distances("between sheets of two sides", check.agreement);
+    row("nodes that one side alone has",
+        fmt::format("{} of {} looked at", count(check.nodes_alone), count(check.nodes)));
+  }
+  return html + "</tbody></table>";
+}
+
 std::string inputs(const scene::SceneDescription& scene) {
   std::string html =
       "<div class='scroll' tabindex='0' role='region' aria-label='Table of input files'><table><caption>Scan files and "
@@ -384,7 +413,7 @@ std::string report_html(const scene::Scene& scene, const Report& report, const s
     add_figure(html, pictures[k], encoded[k], pictures[k].width_m > 0 ? pictures[k].width_m : grid_m, k == 0);
   }
   html += "</div></section>\n";
-  section(1, accuracy(report));
+  section(1, accuracy(report) + (report.around ? whole_object(*report.around) : std::string()));
   section(2, "<div class='columns'><div>" + points_table(report) + "</div><div>" + grid_table(description) +
                  "</div></div>" + filters_table(report));
   section(3, inputs(description) + scan_graph_html(report.pairs));

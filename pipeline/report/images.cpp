@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "pipeline/report/filter_picture.h"
 #include "pipeline/report/shading.h"
+#include "pipeline/report/six_views.h"
 #include "scene/friction_law.h"
 #include "scene/scene.h"
 #include "scene/workspace.h"
@@ -95,6 +96,22 @@ Picture relief(const Field& heights, double pixel_m) {
       shading.exaggeration);
   picture.alternative = "The object's surface in raking light from the upper left.";
   paint(picture, shading.light, 0, 1);
+  return picture;
+}
+
+Picture all_around(const scene::Charts& charts) {
+  Picture picture;
+  picture.name = "around";
+  picture.title = "All around";
+  picture.map = ColourMap::relief;
+  picture.legend = Picture::Legend::none;
+  picture.caption =
+      "The whole object from its six sides. Above: from the left, from the front, from the right; below: from above, "
+      "from behind, from below. Where the object has stripes, no scan saw it.";
+  picture.alternative = "The whole object in six views: left, front, right, above, behind, below.";
+  const SixViews views = six_views(charts);
+  picture.width_m = views.width_m;
+  paint(picture, views.light, 0, 1);
   return picture;
 }
 
@@ -223,6 +240,8 @@ std::vector<Picture> make_pictures(const scene::Layers& base, const scene::Scene
   const Field heights = reduce(lattice, [&](std::size_t n) { return base.grid.height_m[n]; });
   std::vector<std::function<Picture()>> makers;
   makers.emplace_back([&] { return relief(heights, nodes_per_pixel(lattice) * lattice.spacing_m); });
+  if (scene.charts && scene.charts->measured_nodes() > 0)
+    makers.emplace_back([&] { return all_around(*scene.charts); });
   makers.emplace_back([&] { return height(heights); });
   if (!base.envelope_m.empty()) makers.emplace_back([&] { return texture(base); });
   if (scene.config.friction) makers.emplace_back([&] { return friction(base, scene); });

@@ -40,7 +40,13 @@ void write_ball(const fs::path& folder) {
 TEST_F(Program, TracesAPathRoundAWholeObjectInTheScanFrame) {
   write_ball(folder_);
   const std::string scene = "\"" + (folder_ / "scene").string() + "\"";
-  ASSERT_EQ(run("build \"" + (folder_ / "ball.yaml").string() + "\" --out " + scene).code, 0);
+  const Outcome built = run("build \"" + (folder_ / "ball.yaml").string() + "\" --out " + scene);
+  ASSERT_EQ(built.code, 0);
+  EXPECT_THAT(built.out, HasSubstr("around    6 sheets with"));
+  EXPECT_TRUE(fs::exists(folder_ / "scene" / "around.png"));
+  const std::string page = text_of(folder_ / "scene" / "report.html");
+  for (const char* words : {"All around</h3>", "The whole object, all sides"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
   {
     // From outside to 2 mm below the equator, and all round it.
     std::ofstream path(folder_ / "path.csv");
