@@ -64,6 +64,7 @@ struct DeviceLimits {
 
 struct GovernorInput {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();     ///< the renderer's, at the governed stiffness
+  Eigen::Vector3d effects_n = Eigen::Vector3d::Zero();   ///< of force_n, what is felt besides the surface
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< measured hand position
   Eigen::Vector3d proxy_m = Eigen::Vector3d::Zero();     ///< device frame; the hand itself when free
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< of the surface there, unit; zero when free
@@ -138,7 +139,9 @@ class Governor {
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
   [[nodiscard]] Eigen::Vector3d tapered(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] Eigen::Vector3d passive(const Eigen::Vector3d& force_n) const noexcept;
-  [[nodiscard]] GovernorOutput command(const Eigen::Vector3d& force_n, bool saturated) noexcept;
+  /// `effects_n`: of the force, what is felt besides the surface.
+  [[nodiscard]] GovernorOutput command(const Eigen::Vector3d& force_n, bool saturated,
+                                       const Eigen::Vector3d& effects_n = Eigen::Vector3d::Zero()) noexcept;
   [[nodiscard]] std::size_t delay() const noexcept { return static_cast<std::size_t>(limits_.delay_ticks); }
 
   DeviceLimits limits_;

@@ -211,6 +211,7 @@ void HapticRenderer::add_effects(GovernorInput& input, const Eigen::Vector3d& mo
   const EffectForces::Output added = effects_.update(tick, effects);
   if (effects == nullptr) return;
   input.force_n += added.force_n;
+  input.effects_n = added.force_n;
   input.spring_energy_j += added.stored_j;
 }
 

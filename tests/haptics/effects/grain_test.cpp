@@ -82,6 +82,7 @@ class Stroke {
   static DeviceInfo info() {
     DeviceInfo info;
     info.limits.least_damping_n_s_per_m = 5.0;
+    info.limits.undeclared_s = 0.0;  // the loop is known, and the hand leaves by jumps that none makes
     return info;
   }
   static RendererOptions options(double rate_hz) {
