@@ -172,7 +172,7 @@ std::string scene_text(const fs::path& folder, const scene::SceneDescription& sc
   }
   text += fmt::format("  made from   {} scan{}\n", scene.sources.size(), scene.sources.size() == 1 ? "" : "s");
   if (const auto scattered = scattered_of(folder); scattered.value_or(0) > 0)
-    text += fmt::format("  scattered   {} points lay in space and make no surface\n", count_text(*scattered));
+    text += fmt::format("  scattered   {} points lie in space and make no surface\n", count_text(*scattered));
   return text;
 }
 
@@ -201,7 +201,7 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
       } else {
         text += common.plain ? scene_sentences(file, scene->description()) : scene_text(file, scene->description());
         if (const auto scattered = common.plain ? scattered_of(file) : std::nullopt; scattered.value_or(0) > 0)
-          text += fmt::format("{} points lay in space and make no surface.\n", count_text(*scattered));
+          text += fmt::format("{} points lie in space and make no surface.\n", count_text(*scattered));
       }
       continue;
     }

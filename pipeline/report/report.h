@@ -78,8 +78,8 @@ struct Report {
 };
 
 [[nodiscard]] std::string report_json(const scene::Scene& scene, const Report& report);
-/// Writes report.json, report.html and the previews (relief.png, around.png, height.png, texture.png, friction.png, coverage.png,
-/// error.png, filters.png; those that the scene has) into an existing folder.
+/// Writes report.json, report.html and the previews (relief.png, around.png, height.png, texture.png, friction.png,
+/// coverage.png, error.png, filters.png; those that the scene has) into an existing folder.
 void write_report(const scene::Scene& scene, const Report& report, const std::filesystem::path& folder,
                   ThreadPool& pool);
 

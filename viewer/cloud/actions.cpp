@@ -11,8 +11,7 @@ using enum CloudAction;
 
 constexpr std::array kActions{
     CloudActionInfo{scan, "Enter", "Scan", "make the depth scan from this side"},
-    CloudActionInfo{save_scene, "Ctrl S", "Save scene",
-                    "keep the depth scan as a scene folder; before the first, as Save"},
+    CloudActionInfo{save_scene, "Ctrl S", "Save scene", "keep the depth scan as a scene folder"},
     CloudActionInfo{save, "Ctrl Shift S", "Save", "write this orientation into a configuration"},
     CloudActionInfo{back, "Esc", "Back", "stop what runs, else back to the scene"},
     CloudActionInfo{front, "1", "Front", "look at the front"},

@@ -74,7 +74,7 @@ stations:
 )";
 
 TEST(Simulate, WritesTheSamplesInTheRepositoryByteForByte) {
-  const fs::path root = fs::path(__FILE__).parent_path() / "../../..";
+  const fs::path root = fs::path(SPARSHA_SOURCE_DIR);
   const TestFolder folder;
   Progress progress;
   for (const std::string name : {"relief", "statue"}) {
@@ -91,7 +91,7 @@ TEST(Simulate, WritesTheSamplesInTheRepositoryByteForByte) {
 }
 
 TEST(Simulate, StatueIsSeenFromAllSidesAndItsPointsLieOnIt) {
-  const fs::path root = fs::path(__FILE__).parent_path() / "../../..";
+  const fs::path root = fs::path(SPARSHA_SOURCE_DIR);
   SimulationConfig config = parse_simulation(yaml::parse_file(root / "configs/simulate-statue.yaml"));
   config.outlier_fraction = 0.0;
   for (StationConfig& station : std::get<ScannerConfig>(config.scan).stations) station.step_rad *= 4.0;
@@ -209,7 +209,7 @@ TEST(SimulationConfig, WrongKeysAndValuesAreNamedWithTheirPlace) {
 }
 
 TEST(SimulationConfig, EveryExampleInTheDocumentationIsAccepted) {
-  const std::string page = bytes_of(fs::path(__FILE__).parent_path() / "../../../docs/measure/simulation.md");
+  const std::string page = bytes_of(fs::path(SPARSHA_SOURCE_DIR) / "docs/measure/simulation.md");
   const std::string fence = "```yaml\n";
   int examples = 0;
   for (std::size_t at = page.find(fence); at != std::string::npos; at = page.find(fence, at + 1)) {

@@ -66,7 +66,7 @@ TEST(Kiosk, ADayOfVisitorsLeavesNothingBehind) {
       // The session is not here.
     }
   };
-  for (int k = 0; k < std::max(6, visitors / 6); ++k) visit(k);  // drivers and caches fill
+  for (int k = 0; k < std::max(12, visitors / 6); ++k) visit(k);  // drivers and caches fill
   const int objects = gl::living_objects();
   const std::ptrdiff_t files = open_files();
   const double memory_mb = resident_mb();
