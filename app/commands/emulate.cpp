@@ -94,16 +94,7 @@ struct Arguments {
 Setting setting_of(const std::vector<std::string>& names) {
   Setting setting;
   setting.falcon.firmware_loaded = false;
-  for (const std::string& name : names) {
-    const Fault* found = nullptr;
-    std::string known;
-    for (const Fault& fault : kFaults) {
-      if (fault.name == name) found = &fault;
-      known += (known.empty() ? "" : " | ") + std::string(fault.name);
-    }
-    if (found == nullptr) throw usage_error("there is no fault '" + name + "'", known);
-    found->apply(setting);
-  }
+  apply_faults(kFaults, names, setting);
   return setting;
 }
 

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "app/commands/emulate.h"
 #include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "base/system/process.h"
@@ -46,16 +47,7 @@ emulator::HaplyOptions options_of(const std::vector<std::string>& names) {
   const haptics::haply::HaplyOptions ports = haptics::haply::options_of({});
   options.port = ports.port;
   options.events_port = ports.events_port;
-  for (const std::string& name : names) {
-    const Fault* found = nullptr;
-    std::string known;
-    for (const Fault& fault : kFaults) {
-      if (fault.name == name) found = &fault;
-      known += (known.empty() ? "" : " | ") + std::string(fault.name);
-    }
-    if (found == nullptr) throw usage_error("there is no fault '" + name + "'", known);
-    found->apply(options);
-  }
+  apply_faults(kFaults, names, options);
   return options;
 }
 

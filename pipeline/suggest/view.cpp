@@ -282,8 +282,13 @@ Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) 
   };
   if (sides.standing) {
     // What stands is looked at from around it; from below there is only what it stands on.
-    for (const NamedView& side : six_sides(guess))
-      if (side.name != "bottom") add(side.look_from, side.up, fmt::format("its {}", side.name));
+    for (const NamedView& side : six_sides(guess)) {
+      if (side.name == "bottom") continue;
+      // The plan of a room lies as the axes of the scan do: none of its walls is the front.
+      const bool plan = side.name == "top" && sides.standing->room;
+      add(side.look_from, plan ? customary_up(side.look_from, seen.z_up_format) : side.up,
+          fmt::format("its {}", side.name));
+    }
     for (const double side : {1.0, -1.0}) {
       for (const int axis : {2, 0, 1}) {
         const Eigen::Vector3d direction = side * Eigen::Vector3d::Unit(axis);
