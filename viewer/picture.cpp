@@ -15,8 +15,8 @@
 #include "base/error.h"
 #include "scene/scene.h"
 #include "viewer/gl/shaders.h"
+#include "viewer/object/paint.h"
 #include "viewer/orbit.h"
-#include "viewer/surface/object_paint.h"
 
 namespace sparsha::viewer {
 namespace {

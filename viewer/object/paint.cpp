@@ -1,5 +1,5 @@
 // Values of vertices through colour maps; colours of the front view by its nearest node.
-#include "viewer/surface/object_paint.h"
+#include "viewer/object/paint.h"
 
 #include <algorithm>
 #include <array>

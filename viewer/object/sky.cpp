@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "viewer/surface/object_mesh.h"
+#include "viewer/object/mesh.h"
 
 namespace sparsha::viewer {
 namespace {

@@ -1,5 +1,5 @@
 // Vertices go to the graphics card once; a picture draws the level that its pixels can show, block by block.
-#include "viewer/surface/object_view.h"
+#include "viewer/object/view.h"
 
 #include <algorithm>
 #include <cmath>

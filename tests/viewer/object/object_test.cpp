@@ -20,7 +20,7 @@
 #include "tests/support/clouds.h"
 #include "tests/support/scenes.h"
 #include "tests/viewer/studio.h"
-#include "viewer/surface/object_view.h"
+#include "viewer/object/view.h"
 
 namespace sparsha::viewer::test {
 namespace {

@@ -1,7 +1,7 @@
 // Colour modes of a whole object.
 #pragma once
 
-#include "viewer/surface/object_view.h"
+#include "viewer/object/view.h"
 #include "viewer/surface/paint.h"
 
 namespace sparsha::viewer {

@@ -1,6 +1,6 @@
 // Level 0 comes from the sheets; a coarser level merges the vertices of a cube that face the same way, whatever sheet
 // they are of, so that no level has cracks where sheets meet.
-#include "viewer/surface/object_mesh.h"
+#include "viewer/object/mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "viewer/surface/object_sheets.h"
+#include "viewer/object/sheets.h"
 
 namespace sparsha::viewer {
 namespace {

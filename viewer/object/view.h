@@ -10,7 +10,7 @@
 
 #include "viewer/camera.h"
 #include "viewer/gl/objects.h"
-#include "viewer/surface/object_mesh.h"
+#include "viewer/object/mesh.h"
 #include "viewer/surface/paint.h"
 #include "viewer/surface/relief_view.h"
 

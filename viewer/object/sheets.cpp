@@ -1,5 +1,5 @@
 // Sheets are compared where they overlap, by an index of blocks for each side.
-#include "viewer/surface/object_sheets.h"
+#include "viewer/object/sheets.h"
 
 #include <algorithm>
 #include <array>
