@@ -21,6 +21,7 @@
 #include "bench/haptics/plot.h"
 #include "bench/haptics/scanned.h"
 #include "bench/haptics/scenes.h"
+#include "bench/haptics/softened.h"
 #include "bench/haptics/stability.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/proxy/rest_residual.h"
@@ -207,7 +208,8 @@ bool write_speed(bool quick, const std::filesystem::path& out) {
   return table.good() && write_plot(out / "haptics_speed.svg", table.points());
 }
 
-constexpr std::array<const char*, 7> kParts{"speed", "figures", "scanned", "drag", "stability", "edges", "loops"};
+constexpr std::array<const char*, 8> kParts{"speed",     "figures", "scanned", "drag",
+                                            "stability", "edges",   "loops",   "softened"};
 
 bool run(bool quick, const std::string& only, const std::filesystem::path& out,
          const std::vector<std::filesystem::path>& scenes) {
@@ -219,13 +221,13 @@ bool run(bool quick, const std::string& only, const std::filesystem::path& out,
          (!asked("scanned") || write_scanned(out, quick)) && (!slow("drag") || write_drag(out)) &&
          (!slow("stability") || write_stability(out, quick)) &&
          (!slow("edges") || write_edges(scenes, quick ? 10 : 40)) &&
-         (!slow("loops") || write_loops(scenes, quick ? 600 : 5000));
+         (!slow("loops") || write_loops(scenes, quick ? 600 : 5000)) && (!slow("softened") || write_softened());
 }
 
 int usage() {
   std::fputs(
-      "usage: bench_haptics [--mode quick|full] [--only speed|figures|scanned|drag|stability|edges|loops] [--out DIR]\n"
-      "                     [--scene FOLDER]...   of edges and loops\n",
+      "usage: bench_haptics [--mode quick|full] [--only speed|figures|scanned|drag|stability|edges|loops|softened]\n"
+      "                     [--out DIR] [--scene FOLDER]...   of edges and loops\n",
       stderr);
   return 2;
 }

@@ -308,6 +308,11 @@ void Governor::watch_late_loop() noexcept {
   soften();
 }
 
+/// How much later than it declares the loop may be: by what it measures beyond that, and by what nobody can measure.
+double Governor::late_s() const noexcept {
+  return std::max(0.0, delays_.p95_s(0.0) - limits_.delay_ticks * pace_s_) + limits_.undeclared_s;
+}
+
 /// Takes from the force where the hand moves out what an undeclared delay would add there and on the way in. More would
 /// chatter at the encoder's steps.
 Vector3d Governor::braked(const Vector3d& force_n, double stiffness_n_per_m) const noexcept {
@@ -316,7 +321,7 @@ Vector3d Governor::braked(const Vector3d& force_n, double stiffness_n_per_m) con
   if (!(share > 0.0) || !(magnitude_n > 0.0)) return force_n;
   const double out_m_per_s = velocity().dot(force_n) / magnitude_n - step_m_ / AdaptiveVelocity::kLongest_s;
   if (!(out_m_per_s > 0.0)) return force_n;
-  const double less_n = share * 2.0 * limits_.undeclared_s * stiffness_n_per_m * out_m_per_s;
+  const double less_n = share * 2.0 * late_s() * stiffness_n_per_m * out_m_per_s;
   return force_n * std::max(0.0, 1.0 - less_n / magnitude_n);
 }
 
@@ -327,9 +332,9 @@ void Governor::observe_late_loop(const GovernorInput& input, const Vector3d& hel
   const double squared_m2 = displacement_m_.squaredNorm();
   const double along_m = held > 0.0 ? displacement_m_.dot(held_n) / held : 0.0;
   const double credit_j = squared_m2 > 0.0 ? damped_j_ * along_m * along_m / squared_m2 : 0.0;
-  const auto late = static_cast<std::size_t>(std::lround(limits_.undeclared_s / pace_s_));
+  const double late = std::min(std::round(late_s() / pace_s_), static_cast<double>(LateLoop::kMostTicks));
   late_.observe(displacement_m_, credit_j + input.supplied_j, input.spring_energy_j, stored_j,
-                delay() + std::min(late, LateLoop::kMostTicks));
+                delay() + static_cast<std::size_t>(late));
 }
 
 /// The energy that the hand put in over the last interval, with the force that the device held then. The damping that
@@ -359,7 +364,7 @@ void Governor::observe_energy(const GovernorInput& input) noexcept {
     const double work_j = damped_j_ - given_j;
     const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
     energy_j_ = std::min(energy_j_ + std::min(work_j + input.supplied_j, stored_j), input.spring_energy_j);
-    if (limits_.undeclared_s > 0.0) observe_late_loop(input, held_n, stored_j);
+    if (late_s() > 0.0) observe_late_loop(input, held_n, stored_j);
   } else {
     observed_m_ = input.position_m;
   }

@@ -39,8 +39,8 @@ struct DeviceLimits {
   double least_damping_n_s_per_m = 2.0;  ///< least damping of hand and device
   double slew_n_per_s = 1500.0;          ///< growth of force
   int delay_ticks = 1;                   ///< a force reaches the hand this many ticks after it was written, 0 to 4
-  /// Delay beyond that which cannot be ruled out, 0 to 4 ms: of what a hand would get from it, the governor brakes. 0
-  /// for a loop that is known, such as a simulated one.
+  /// Delay beyond the declared and the measured one that cannot be ruled out, 0 to 4 ms: of what a hand would get from
+  /// it, the governor brakes. 0 for a loop that is known, such as a simulated one.
   double undeclared_s = 0.002;
 };
 
@@ -135,6 +135,7 @@ class Governor {
   [[nodiscard]] Eigen::Vector3d damped(const GovernorInput& input) const noexcept;
   void count_free_time(const GovernorInput& input) noexcept;
   void observe_energy(const GovernorInput& input) noexcept;
+  [[nodiscard]] double late_s() const noexcept;
   void observe_late_loop(const GovernorInput& input, const Eigen::Vector3d& held_n, double stored_j) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
   [[nodiscard]] Eigen::Vector3d tapered(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;

@@ -52,6 +52,9 @@ DeviceInfo falcon_info(const FalconOptions& options) {
   info.workspace_width_m = 0.070;
   info.limits.max_force_n = force_everywhere_n(options);
   info.limits.least_damping_n_s_per_m = 2.0;
+  // Each answer tells the loop's delay but for the firmware's own cycle and the motors
+  // (docs/change/decisions/0021-undeclared-delay-of-a-falcon.md).
+  info.limits.undeclared_s = 0.001;
   info.paced = true;
   info.fastest_m_per_s = 5.0;
   if (!(options.counts_per_newton_metre > 0.0))

@@ -51,8 +51,8 @@ double stroke_m(double time_s) {
 }
 
 // Work in joules that a hand gets in ten seconds which goes in and out 8 times a second as the stone under it does, of
-// which it feels a part, whatever the force.
-double given_j(double undeclared_s, double delay_s) {
+// which it feels a part, whatever the force. `measured_s`: of the delay, what the device tells; 0 for none of it.
+double given_j(double undeclared_s, double delay_s, double measured_s = 0.0) {
   DeviceLimits limits;
   limits.undeclared_s = undeclared_s;
   Governor governor(limits);
@@ -70,6 +70,7 @@ double given_j(double undeclared_s, double delay_s) {
     input.contact = now_m > 0.0;
     input.force_n = {0.0, 0.0, stiffness * std::max(0.0, now_m)};
     input.stiffness_n_per_m = stiffness;
+    input.delay_s = measured_s;
     input.spring_energy_j = 0.5 * input.force_n.z() * std::max(0.0, now_m);
     work_j += on_the_way.front().z() * (before_m - now_m);
     on_the_way.pop_front();
@@ -84,6 +85,12 @@ TEST(LateLoop, TheGovernorBoundsWhatAnUndeclaredDelayGivesAndLeavesAKnownLoopAlo
   const double braked_j = given_j(0.002, 0.003);
   EXPECT_GT(known_j, 0.010) << "the case is one";
   EXPECT_LT(braked_j, 0.005);
+}
+
+TEST(LateLoop, WhatTheDeviceMeasuresOfItsDelayCountsAndOnlyTheRestHasToBeAssumed) {
+  EXPECT_GT(given_j(0.001, 0.006), 0.010) << "the case is one";
+  EXPECT_LT(given_j(0.001, 0.006, 0.005), 0.005);
+  EXPECT_LT(given_j(0.0, 0.006, 0.006), 0.005);
 }
 
 }  // namespace
