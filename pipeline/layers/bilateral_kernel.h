@@ -6,25 +6,20 @@
 
 namespace sparsha::pipeline::kernel {
 
-/// A neighbour: where it lies in memory relative to the centre, and its spatial weight.
-struct BilateralTap {
-  std::ptrdiff_t offset;
-  float weight;
-};
-
-/// out[i] = centre[i] + sum_k w_k d_k / (1 + sum_k w_k), d_k = centre[i + offset_k] - centre[i],
-/// w_k = weight_k exp(-range * d_k^2), range = 1 / (2 sigma_range^2); NaN neighbours count nothing, a NaN centre gives
-/// NaN. `sums` is scratch for 2 * count floats. All taps must be readable around [centre, centre + count).
-using BilateralRow = void (*)(const float* centre, std::size_t count, const BilateralTap* taps, std::size_t tap_count,
-                              float range, float* sums, float* out);
-void bilateral_row_portable(const float* centre, std::size_t count, const BilateralTap* taps, std::size_t tap_count,
-                            float range, float* sums, float* out);
-void bilateral_row_avx2(const float* centre, std::size_t count, const BilateralTap* taps, std::size_t tap_count,
-                        float range, float* sums, float* out);
+/// Adds the weights and weighted differences of the pairs (a[i], b[i]), i < count, to both of their nodes:
+/// w = 2^-(range d^2 + space), d = b[i] - a[i]; weights_a[i] += w, sums_a[i] += w d, weights_b[i] += w,
+/// sums_b[i] -= w d. The relative error of w is below 1e-6; what lies below 2^-100 counts as that. All heights are
+/// finite. No array overlaps another, but a may overlap b.
+using BilateralPairs = void (*)(const float* a, const float* b, std::size_t count, float range, float space,
+                                float* weights_a, float* sums_a, float* weights_b, float* sums_b);
+void bilateral_pairs_portable(const float* a, const float* b, std::size_t count, float range, float space,
+                              float* weights_a, float* sums_a, float* weights_b, float* sums_b);
+void bilateral_pairs_avx2(const float* a, const float* b, std::size_t count, float range, float space, float* weights_a,
+                          float* sums_a, float* weights_b, float* sums_b);
 /// The fastest that this processor runs.
-[[nodiscard]] BilateralRow bilateral_row() noexcept;
+[[nodiscard]] BilateralPairs bilateral_pairs() noexcept;
 
-/// exp(-t) as the filter computes it, t in [0, 64], relative error below 1e-7; larger t and NaN count as 64.
+/// exp(-t) as the continued envelope takes it, t in [0, 64], relative error below 1e-7; larger t and NaN count as 64.
 [[nodiscard]] float exp_minus(float t) noexcept;
 
 }  // namespace sparsha::pipeline::kernel

@@ -158,19 +158,40 @@ TEST(BilateralKernel, GivesTheSameBitsInPortableAndVectorCode) {
   std::vector<float> row(kCount + 2 * kMargin);
   for (float& z : row)
     z = random() % 9 == 0 ? scene::kUnknownHeight : (random() % 50 == 0 ? 30.0F : 0.0F) + normal(random);
-  std::vector<kernel::BilateralTap> taps;
-  for (int k = -40; k <= 40; k += 3) taps.push_back({k, std::exp(-static_cast<float>(k * k) / 200.0F)});
-  std::vector<float> sums(2 * kCount), portable(kCount), vector(kCount);
-  kernel::bilateral_row_portable(row.data() + kMargin, kCount, taps.data(), taps.size(), 2e6F, sums.data(),
-                                 portable.data());
-  kernel::bilateral_row_avx2(row.data() + kMargin, kCount, taps.data(), taps.size(), 2e6F, sums.data(), vector.data());
-  for (std::size_t k = 0; k < kCount; ++k) {
-    if (std::isnan(row[k + kMargin])) {
-      EXPECT_TRUE(std::isnan(portable[k]) && std::isnan(vector[k]));
-    } else {
-      EXPECT_EQ(std::memcmp(&portable[k], &vector[k], sizeof(float)), 0) << k;
-    }
+  for (float& z : row)
+    if (std::isnan(z)) z = -1e9F;
+  const std::vector<float> ones(kCount, 1.0F);
+  for (const std::size_t offset : {std::size_t{1}, std::size_t{7}, 2 * kMargin}) {
+    std::vector<std::vector<float>> portable(4, ones), vector(4, ones);
+    kernel::bilateral_pairs_portable(row.data(), row.data() + offset, kCount, 2e6F, 0.125F, portable[0].data(),
+                                     portable[1].data(), portable[2].data(), portable[3].data());
+    kernel::bilateral_pairs_avx2(row.data(), row.data() + offset, kCount, 2e6F, 0.125F, vector[0].data(),
+                                 vector[1].data(), vector[2].data(), vector[3].data());
+    EXPECT_EQ(portable, vector) << offset;
+    EXPECT_GT(std::count(portable[0].begin(), portable[0].end(), 1.0F), 100) << "far heights weigh nothing";
+    EXPECT_LT(std::count(portable[0].begin(), portable[0].end(), 1.0F), 500) << "near ones do";
   }
+}
+
+// A lattice of several pieces: a part of it that has another place among them gives the same bits.
+TEST(Bilateral, DependsOnANodesNeighbourhoodAlone) {
+  scene::DepthGrid grid = relief(1300, 300, 0.001);
+  std::mt19937 random(6);
+  for (int k = 0; k < 9000; ++k) forget(grid, static_cast<int>(random() % 1300), static_cast<int>(random() % 300));
+  ThreadPool one(1), two(2);
+  const scene::TextureConfig config{0.003, 0.0005, scene::TextureConfig::Method::direct};
+  const std::vector<float> whole = bilateral_envelope(grid, config, two);
+  const int i0 = 77, j0 = 61, nx = 1100, ny = 203, reach = 9;
+  scene::DepthGrid part(lattice_of(nx, ny, 0.001));
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i)
+      part.height_m[part.lattice.index(i, j)] = grid.height_m[grid.lattice.index(i0 + i, j0 + j)];
+  const std::vector<float> envelope = bilateral_envelope(part, config, one);
+  for (int j = reach; j < ny - reach; ++j)
+    for (int i = reach; i < nx - reach; ++i) {
+      const float a = envelope[part.lattice.index(i, j)], b = whole[grid.lattice.index(i0 + i, j0 + j)];
+      ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << i << ' ' << j;
+    }
 }
 
 }  // namespace
